@@ -1,0 +1,59 @@
+#pragma once
+// What the daemon and its worker processes say to each other: one JSON object a line over a socket pair (the worker's
+// file descriptor 3), each with "type". Files named in messages are absolute paths inside the data directory; the writer
+// writes beside, fsyncs and renames.
+//
+// worker -> daemon
+//   hello      {"pid", "device": {device object of protocol.md}}          once, when ready to take work
+//   heartbeat  {"resident_bytes"}                                         every second, from a thread of its own
+//   started    {"job", "attempt"}
+//   progress   {"job", "attempt", "passes_done", "progress", "seconds"}   at most 4 a second
+//   film_saved {"job", "attempt", "path", "passes_done"}                  after "snapshot", or before stopping
+//   finished   {"job", "attempt", "state": "succeeded"|"cancelled"|"failed", "passes_done", "seconds", "film": path|null,
+//               "statistics": {..}|null, "failure": {"code", "detail", "errors": [{"pointer","detail"}]}|null, "log": [line..]}
+//   reply      {"request": n, "result": {..}|null, "failure": as above|null}   answers a helper's request
+// daemon -> worker
+//   render     {"job", "attempt", "request": job request, "scene": {"id", "builtin": name|null, "root": dir, "file": path},
+//               "environment": {"path"}|null, "film": path to write, "limits": {"memory_bytes", "threads"}}
+//   snapshot   {"job", "path"}         save the film so far after the pass at hand; answered by film_saved
+//   cancel     {"job"}                 ends the job; its film so far is saved
+//   stop       {}                      save the film of the running job, report it cancelled with "stopping": true, exit 0
+// daemon -> helper (photond-worker --device none), one at a time, each answered by reply with the same "request"
+//   judge_scene    {"request", "root": dir, "file": path, "name"}   -> scene summary (protocol.md, "Scene", without id)
+//   unpack         {"request", "zip": path, "root": dir}            -> {"file": path of the .gltf/.glb inside root}
+//   thumbnail      {"request", "scene": as in render, "out": path}  -> {}
+//   judge_image    {"request", "path"}                              -> {"width", "height", "channels"}
+//   encode_exr     {"request", "film", "statistics": {..}|null, "precision": "float"|"half", "out"} -> {"overflowed": n}
+//   encode_preview {"request", "film", "exposure": stops, "curve": "srgb"|"filmic", "out"}  -> {}
+//   encode_pixels  {"request", "film", "layer", "precision", "out"} -> {"width", "height", "channels"}
+
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+namespace photond {
+
+inline constexpr int kWorkerSocket = 3;  // the worker's end of the socket pair
+
+/// Line-framed JSON over a stream socket. Reads are buffered; writes are whole lines under a lock.
+class MessageChannel {
+public:
+    explicit MessageChannel(int socket) : socket_(socket) {}
+
+    /// Writes one message; false when the peer is gone.
+    bool send(const nlohmann::json& message);
+    /// The next message, waiting at most `timeout_ms` (-1: for ever). Empty on timeout; `closed()` tells the end.
+    /// A line that is not a JSON object, or longer than 16 MiB, closes the channel.
+    std::optional<nlohmann::json> receive(int timeout_ms);
+    bool closed() const { return closed_; }
+    int socket() const { return socket_; }
+
+private:
+    int socket_;
+    bool closed_ = false;
+    std::string buffer_;
+    std::mutex write_mutex_;
+};
+
+}  // namespace photond

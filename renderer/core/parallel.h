@@ -1,0 +1,19 @@
+#pragma once
+// Parallel loops over TBB. Results must not depend on how the work is divided.
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <cstddef>
+
+namespace photond {
+
+/// Calls body(i) for each i in [0, count); `grain` is the least number of calls a thread takes at once.
+template <class Body>
+void parallel_for(size_t count, size_t grain, const Body& body) {
+    tbb::parallel_for(tbb::blocked_range<size_t>(0, count, grain), [&](const tbb::blocked_range<size_t>& range) {
+        for (size_t i = range.begin(); i != range.end(); ++i) body(i);
+    });
+}
+
+}  // namespace photond

@@ -1,0 +1,76 @@
+#pragma once
+// The film: what passes add up to. Sums are 128-bit fixed point (multiples of 2^-64), so that addition is exactly
+// associative: any order of passes and any cut into ranges gives the same bits.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "renderer/core/memory_budget.h"
+#include "renderer/core/rgb.h"
+#include "renderer/core/stats.h"
+#include "renderer/film/layers.h"
+
+namespace photond {
+
+/// What one pass contributes: for each pixel the mean of its samples in this pass. Row 0 is the top. Layers not asked
+/// for are empty.
+struct PassImage {
+    PassImage() = default;
+    PassImage(Size2 image_size, LayerSet layer_set);
+
+    Size2 size;
+    LayerSet layers;
+    std::vector<Rgb> emitted, direct, indirect, caustic;  // radiance [W m^-2 sr^-1]
+    std::vector<Rgb> albedo, normal, position;            // where hit[i] != 0
+    std::vector<float> depth;
+    std::vector<uint8_t> hit;  // 1 where the sample met a surface; only kept when an auxiliary layer is asked for
+};
+
+/// 128-bit signed fixed point with 64 fractional bits: range +-2^63, resolution 2^-64.
+__extension__ typedef __int128 FixedSum;
+
+class Film {
+public:
+    Film(Size2 size, LayerSet layers);
+
+    /// Adds one pass. A pixel whose radiance is NaN, infinite or out of range (any channel, any layer) contributes zero to
+    /// that pass and is counted.
+    void add_pass(const PassImage& pass);
+
+    /// Bytes a film of that size and those layers takes; for MemoryBudget::require() before it is made.
+    static uint64_t bytes_for(Size2 size, LayerSet layers);
+
+    Size2 size() const { return size_; }
+    LayerSet layers() const { return layers_; }
+    uint32_t passes() const { return passes_; }
+    uint64_t nan_count() const { return nan_count_; }
+    uint64_t infinity_count() const { return infinity_count_; }
+
+    /// Mean over the passes of a layer (or the beauty), as size().pixels() * channels floats; 0 before the first pass.
+    std::vector<float> resolve(Layer layer) const;
+    std::vector<float> resolve_beauty() const;
+    /// Unbiased variance between passes of one pass's value, per pixel and channel; empty for fewer than two passes.
+    std::vector<float> pass_variance_beauty() const;
+    std::vector<float> pass_variance(Layer layer) const;  // direct or indirect
+
+    /// SHA-256 over every layer's pixels as float32 little-endian: beauty, then the layers in the order of kLayers.
+    std::string pixel_hash() const;
+
+    bool operator==(const Film&) const = default;  // bit for bit
+
+private:
+    friend class FilmFile;  // film_file.h: saves and loads the sums themselves
+
+    Size2 size_;
+    LayerSet layers_;
+    uint32_t passes_ = 0;
+    uint64_t nan_count_ = 0;
+    uint64_t infinity_count_ = 0;
+    // Sums by channel, three (depth: one) a pixel.
+    std::vector<FixedSum> sums_[kLayerCount];
+    std::vector<FixedSum> squares_beauty_, squares_direct_, squares_indirect_;
+    std::vector<uint32_t> hits_;  // samples that hit, for auxiliary layers
+};
+
+}  // namespace photond

@@ -1,0 +1,48 @@
+#pragma once
+// The layers an image may have, in the order of protocol.md, and what each holds.
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+namespace photond {
+
+enum class Layer : uint8_t { Emitted, Direct, Indirect, Caustic, Albedo, Normal, Position, Depth, StandardError };
+inline constexpr size_t kLayerCount = 9;
+
+struct LayerInfo {
+    Layer layer;
+    std::string_view name;                 // the wire's and the EXR's
+    std::array<std::string_view, 3> channels;  // EXR channel suffixes; depth uses the first only
+    uint32_t channel_count;
+    bool radiance;  // a part of the light: exact sums; else an auxiliary layer: mean over the samples that hit
+    std::string_view text;
+};
+
+inline constexpr std::array<LayerInfo, kLayerCount> kLayers{{
+    {Layer::Emitted, "emitted", {"R", "G", "B"}, 3, true, "lights seen directly, in mirrors and through glass"},
+    {Layer::Direct, "direct", {"R", "G", "B"}, 3, true, "light scattered once"},
+    {Layer::Indirect, "indirect", {"R", "G", "B"}, 3, true, "light scattered twice or more, caustics included"},
+    {Layer::Caustic, "caustic", {"R", "G", "B"}, 3, true, "the part of indirect that came by delta scatterings only"},
+    {Layer::Albedo, "albedo", {"R", "G", "B"}, 3, false, "reflectance of the first non-delta surface"},
+    {Layer::Normal, "normal", {"X", "Y", "Z"}, 3, false, "world-space shading normal facing the eye"},
+    {Layer::Position, "position", {"X", "Y", "Z"}, 3, false, "world-space position [m]"},
+    {Layer::Depth, "depth", {"Z", "", ""}, 1, false, "distance along the camera's forward axis [m]"},
+    {Layer::StandardError, "standard_error", {"R", "G", "B"}, 3, false, "standard error of beauty from the passes"},
+}};
+constexpr const LayerInfo& layer_info(Layer layer) { return kLayers[static_cast<size_t>(layer)]; }
+
+/// A set of layers. Emitted, direct and indirect are always in it.
+class LayerSet {
+public:
+    constexpr LayerSet() = default;
+    constexpr bool has(Layer layer) const { return (bits_ >> static_cast<unsigned>(layer)) & 1u; }
+    constexpr void add(Layer layer) { bits_ |= 1u << static_cast<unsigned>(layer); }
+    constexpr bool operator==(const LayerSet&) const = default;
+
+private:
+    uint32_t bits_ = 0b111;
+};
+
+}  // namespace photond

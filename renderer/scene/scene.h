@@ -1,0 +1,84 @@
+#pragma once
+// A scene ready to be rendered: world-space meters, every index validated, triangles only. Immutable once finished.
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "renderer/core/memory_budget.h"
+#include "renderer/scene/camera.h"
+#include "renderer/scene/light.h"
+#include "renderer/scene/material.h"
+#include "renderer/scene/needs.h"
+
+namespace photond {
+
+/// Indexed triangles with one material, in the space of the instances that use it. Attribute arrays are empty or hold one
+/// element a vertex. A mesh used by one instance only is stored in world space.
+struct Mesh {
+    std::vector<vec3> positions;
+    std::vector<vec3> normals;   // unit; empty: flat shading
+    std::vector<vec4> tangents;  // xyz unit, w = handedness; only where a normal map needs them
+    std::vector<vec2> uv[2];
+    std::vector<vec4> colors;  // linear
+    std::vector<uvec3> triangles;
+    uint32_t material = 0;
+
+    uint64_t bytes() const;
+};
+
+/// One placing of a mesh.
+struct Instance {
+    uint32_t mesh = 0;
+    bool identity = true;           // the mesh is in world space already
+    mat4x3 to_world{1.0f};          // columns: three axes and the translation
+    mat3 normal_to_world{1.0f};     // inverse transpose of the linear part
+    bool flips_orientation = false;  // negative determinant: geometric normals from the cross product are negated
+};
+
+struct Environment {
+    EnvironmentMap map;
+    float scale = 1;
+    float rotation = 0;  // radians about +Y, counter-clockwise seen from above
+};
+
+struct Scene {
+    std::string name;
+    std::vector<Mesh> meshes;
+    std::vector<Instance> instances;
+    std::vector<Material> materials;
+    std::vector<Texture> textures;
+    std::vector<PunctualLight> punctual_lights;
+    std::vector<Camera> cameras;  // depth-first order of the default scene
+    std::optional<Environment> environment;
+
+    // Derived by finish_scene().
+    std::vector<TriangleLight> triangle_lights;
+    Bounds3 bounds;          // world space less `origin`
+    Needs needs;
+    dvec3 origin{0};         // added to every position to get the file's coordinates; not 0 when the scene lies far away
+    uint64_t triangle_count = 0;  // instances counted
+    uint64_t vertex_count = 0;    // stored
+    uint32_t animation_count = 0;
+    uint64_t file_bytes = 0;
+    std::vector<std::string> warnings;
+
+    /// Bytes held by geometry and textures, by structure name.
+    void account(MemoryBudget& budget) const;
+};
+
+/// Derives lights, bounds and needs, after which the scene is not changed any more.
+void finish_scene(Scene& scene);
+
+/// The camera of that name, the first camera when the name is empty, else one framed on the bounds. Throws
+/// ErrorCode::UnknownName, with the nearest known name, when there is none of that name.
+Camera find_camera(const Scene& scene, const std::string& name);
+
+/// Three corners of a triangle in world space.
+struct TriangleCorners {
+    vec3 p[3];
+};
+TriangleCorners world_triangle(const Scene& scene, uint32_t instance, uint32_t triangle);
+
+}  // namespace photond
