@@ -1,0 +1,64 @@
+#pragma once
+// Sampling of direct light: which light, which point or direction on it, and with what density. All kinds of lights
+// behind one call. Densities are in solid angle at the point that is lit and hold the choice of the light, so that they
+// weigh against a BSDF's by multiple importance sampling as they stand.
+
+#include <memory>
+
+#include "renderer/scene/scene.h"
+
+namespace photond {
+
+/// One direction towards a light, before it is known whether anything is in between.
+struct LightSample {
+    vec3 wi;                     // unit, from the lit point to the light
+    float distance = kInfinity;  // [m]; infinite for directional lights and the environment
+    vec3 target;                 // end of the shadow ray where the distance is finite, just before the light's surface
+    Rgb radiance_over_pdf;  // [W m^-2]: estimate of L / pdf_sa; delta lights: perpendicular irradiance / probability
+    float pdf_sa = 0;       // [1/sr], choice of light included; delta lights: probability of the choice alone
+    bool delta = false;     // no other technique finds this light: its MIS weight is 1
+
+    /// The ray that must not be occluded. `origin`: the lit point, moved off its surface (offset_ray_origin).
+    Ray shadow_ray(const vec3& origin) const {
+        return distance < kInfinity ? Ray{origin, target - origin, 1.0f} : Ray{origin, wi, kInfinity};
+    }
+};
+
+/// Samples the lights of a finished scene. Immutable and thread-safe; borrows the scene.
+///
+/// Arguments common to all calls: `p` the lit point (world), `n` a unit normal such that nothing arriving from
+/// directions with dot(n, wi) <= 0 counts, or zero when light from everywhere counts (glass, thin sheets). The same p
+/// and n must be given to sample() and to the pdf it is weighed against.
+///
+/// Triangles that emit, points and spots are chosen through a light tree, directional lights and the environment beside
+/// it by the irradiance they could bring to p.
+class LightSampler {
+public:
+    explicit LightSampler(const Scene& scene);
+    ~LightSampler();
+    LightSampler(LightSampler&&) noexcept;
+
+    /// Draws one light and a direction to it. `u_select` and `u` uniform in [0,1). False when the sample carries
+    /// nothing (no light reaches p, the point drawn faces away, its texel is black): the estimate is then zero.
+    bool sample(const vec3& p, const vec3& n, float u_select, const vec2& u, LightSample& out) const;
+
+    /// Density [1/sr] with which sample() draws the direction `wi` (unit) that meets this triangle at `distance`; 0
+    /// when the triangle is no light.
+    float pdf_triangle(const vec3& p, const vec3& n, uint32_t instance, uint32_t triangle, const vec3& wi,
+                       float distance) const;
+    /// Density [1/sr] with which sample() draws `wi` (unit) from the environment; 0 without one.
+    float pdf_environment(const vec3& p, const vec3& n, const vec3& wi) const;
+
+    /// What arrives from outside the scene along -wi [W m^-2 sr^-1]; black without an environment.
+    Rgb environment_radiance(const vec3& wi) const;
+
+    /// Whether the scene has no light that sample() could draw.
+    bool empty() const;
+    uint64_t bytes() const;
+
+private:
+    struct Lights;
+    std::unique_ptr<const Lights> lights_;
+};
+
+}  // namespace photond
