@@ -1,0 +1,153 @@
+#pragma once
+// The façade the HTTP routes call: everything the daemon does, without a word of HTTP. Objects are JSON exactly in the
+// shapes of protocol.md; failures are photond::Error. All methods are thread-safe; those that wait for a process say
+// so.
+
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "protocol/error.h"
+#include "protocol/job.h"
+#include "server/events.h"
+#include "server/metrics.h"
+#include "server/options.h"
+
+namespace photond {
+
+/// An uploaded scene the routes have spooled below Service::spool_dir().
+struct SceneUpload {
+    enum class Kind : uint8_t { Glb, Zip, Directory };  // Directory: a .gltf or .glb and its files, by relative path
+    Kind kind = Kind::Glb;
+    std::filesystem::path path;  // the file, or the folder for Directory; taken over (removed on failure too)
+    std::string name;            // empty: named after its id
+};
+
+/// The whole object, and whether it is new (201) or was there already (200).
+struct Added {
+    nlohmann::json object;
+    bool created = false;
+};
+
+/// A page of a list: {"items": [...], "next_cursor": null}.
+using Page = nlohmann::json;
+
+struct JobFilter {
+    std::string state;  // empty: any; else one of the five states, or OutOfRange
+    std::string label;  // "key" or "key=value"
+    std::string scene;  // id or name
+    std::string method;
+    uint32_t limit = 100;  // 1..1000, else OutOfRange
+    std::string cursor;    // from next_cursor; empty: the newest
+};
+
+/// A file to send. `pending` means 202, empty, Retry-After: 1 (nothing rendered yet); the other fields are then empty.
+/// The file stays readable under `path` as long as `pin` lives.
+struct Artefact {
+    bool pending = false;
+    std::filesystem::path path;
+    std::string media_type;
+    std::string etag;  // strong, without quotes
+    uint64_t bytes = 0;
+    std::shared_ptr<const void> pin;
+    std::map<std::string, std::string> headers;  // what the bytes alone do not say, such as a raw image's width
+};
+
+class Service {
+public:
+    /// Opens the store (throws photond::Error when it cannot), queues again what was running, starts the processes.
+    explicit Service(Options options);
+    /// stop()s if that has not been done.
+    ~Service();
+    Service(const Service&) = delete;
+    Service& operator=(const Service&) = delete;
+
+    // --- scenes
+    // -------------------------------------------------------------------------------------------------------
+    /// Where uploads are spooled: a folder on the store's own file system, emptied at start. make_spool_path() gives a
+    /// fresh name in it. Call check_disk() before spooling: NoSpace when `bytes` more would go below the reserve.
+    std::filesystem::path spool_dir() const;
+    std::filesystem::path make_spool_path();
+    void check_disk(uint64_t bytes) const;
+
+    /// Waits for the helper's verdict: BadScene with JSON pointers into the glTF.
+    Added add_scene(SceneUpload upload);
+    Page list_scenes(uint32_t limit, const std::string& cursor);
+    nlohmann::json get_scene(const std::string& id_or_name);
+    /// Waits for the helper the first time.
+    Artefact thumbnail(const std::string& id_or_name);
+    /// WrongState while a job that is not over uses it, and for a built-in one. Returns the object deleted.
+    nlohmann::json delete_scene(const std::string& id_or_name);
+
+    // --- images
+    // -------------------------------------------------------------------------------------------------------
+    /// `media_type` image/x-exr or image/vnd.radiance (or another spelling of them, else WrongMediaType); waits for the
+    /// helper. The object: {"id", "media_type", "width", "height", "channels", "bytes"}.
+    Added add_image(const std::filesystem::path& spooled, const std::string& media_type);
+    nlohmann::json get_image(const std::string& id);
+    /// The file as uploaded.
+    Artefact image_file(const std::string& id);
+
+    // --- jobs
+    // ---------------------------------------------------------------------------------------------------------
+    /// For parse_job_request(): methods, layers and limits of this daemon.
+    const JobVocabulary& vocabulary() const;
+    /// Durable when it returns. `canonical_body` is what an idempotency key is bound to (to_json(request).dump() will
+    /// do). QueueFull, Unavailable (stopping), NoSpace, UnknownName (scene, camera, environment), DeviceUnavailable,
+    /// OutOfMemory, IdempotencyMismatch.
+    nlohmann::json submit_job(const JobRequest& request, const std::optional<std::string>& idempotency_key,
+                              const std::string& canonical_body);
+    /// {"memory_bytes", "seconds"} after the same checks; seconds is null while nothing like it has run here.
+    nlohmann::json estimate_job(const JobRequest& request);
+    nlohmann::json get_job(const std::string& id);
+    Page list_jobs(const JobFilter& filter);
+    /// The job and whether it was over already (200 instead of 202).
+    struct Cancelled {
+        nlohmann::json object;
+        bool was_over = false;
+    };
+    Cancelled cancel_job(const std::string& id);
+    /// Removes the job and its files; a running one is cancelled first and removed when its worker has let go of it.
+    Cancelled purge_job(const std::string& id);
+    nlohmann::json retry_job(const std::string& id);
+
+    // Artefacts; they wait for the helper (and, while the job runs, for the pass at hand) unless they are in the cache.
+    // `precision` is "float" or "half", else OutOfRange. NotFound when the job ended without a film.
+    Artefact image(const std::string& id, const std::string& precision);
+    /// `exposure` in stops, -32..32; `curve` "srgb" or "filmic".
+    Artefact preview(const std::string& id, double exposure, const std::string& curve);
+    /// Raw little-endian pixels, row 0 at the top; `layer` empty or "beauty", or a layer's name. Headers
+    /// X-Image-Width, X-Image-Height, X-Image-Channels.
+    Artefact pixels(const std::string& id, const std::string& layer, const std::string& precision);
+    /// Pending until the job is over; NotFound when it ended without statistics.
+    Artefact statistics(const std::string& id);
+    /// What happened to the job, attempt by attempt; text/plain.
+    Artefact log(const std::string& id);
+
+    // --- system
+    // -------------------------------------------------------------------------------------------------------
+    Page devices();
+    /// {"version", "uptime_seconds", "ready", "queue": {"queued", "running"}, "workers": [{"device", "state", "pid",
+    /// "job", "restarts", "resident_bytes"}], "disk_free_bytes"}.
+    nlohmann::json status();
+    /// The store is open and every worker and the helper have answered. Takes no lock.
+    bool ready() const;
+    std::string metrics_text();
+
+    EventHub& events();
+    Metrics& metrics();
+    const Options& options() const;
+
+    /// No new jobs from now on (Unavailable); running jobs save their film and go back to the queue; processes end.
+    /// Returns within limits.shutdown_grace_seconds.
+    void stop();
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace photond
