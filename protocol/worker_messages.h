@@ -3,6 +3,9 @@
 // file descriptor 3), each with "type". Files named in messages are absolute paths inside the data directory; the writer
 // writes beside, fsyncs and renames.
 //
+// The worker's command line: photond-worker --device cpu|none --memory-limit BYTES --threads N (0: all cores).
+// A process whose peer has closed the socket ends at once; an Error that ends a helper's request is its "failure".
+//
 // worker -> daemon
 //   hello      {"pid", "device": {device object of protocol.md}}          once, when ready to take work
 //   heartbeat  {"resident_bytes"}                                         every second, from a thread of its own
@@ -20,6 +23,7 @@
 //   stop       {}                      save the film of the running job, report it cancelled with "stopping": true, exit 0
 // daemon -> helper (photond-worker --device none), one at a time, each answered by reply with the same "request"
 //   judge_scene    {"request", "root": dir, "file": path, "name"}   -> scene summary (protocol.md, "Scene", without id)
+//   judge_scene    {"request", "builtin": name}               -> the same, of a built-in scene
 //   unpack         {"request", "zip": path, "root": dir}            -> {"file": path of the .gltf/.glb inside root}
 //   thumbnail      {"request", "scene": as in render, "out": path}  -> {}
 //   judge_image    {"request", "path"}                              -> {"width", "height", "channels"}
