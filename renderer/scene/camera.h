@@ -16,15 +16,29 @@ struct Camera {
     vec3 right{1, 0, 0};  // orthonormal, world space
     vec3 up{0, 1, 0};
     vec3 forward{0, 0, -1};
-    float aperture_radius_m = 0;   // thin lens; 0 is a pinhole
-    float focus_distance_m = 1;    // along `forward`
+    float aperture_radius_m = 0;  // thin lens; 0 is a pinhole
+    float focus_distance_m = 1;   // along `forward`
 };
 
 /// A camera at `eye` that looks at `target`. Throws ErrorCode::OutOfRange when the directions do not define one.
 Camera look_at_camera(const dvec3& eye, const dvec3& target, const dvec3& up, float yfov);
 
-/// Starts the ray through image position `film` (pixels; (0,0) is the top left corner) from lens position `lens`, a
-/// uniform pair in [0,1)^2. The direction is unit.
+/// The rays of one camera for one film size, with what does not change from ray to ray computed once.
+class CameraRays {
+public:
+    CameraRays(const Camera& camera, Size2 film_size);
+
+    /// Starts the ray through image position `film` (pixels; (0,0) is the top left corner) from lens position `lens`, a
+    /// uniform pair in [0,1)^2. The direction is unit.
+    Ray operator()(vec2 film, vec2 lens) const;
+
+private:
+    Camera camera_;
+    vec3 corner_;             // top left corner of the image on the plane at unit distance, less the eye
+    vec3 pixel_x_, pixel_y_;  // steps of one pixel on that plane
+};
+
+/// One such ray.
 Ray camera_ray(const Camera& camera, Size2 film_size, vec2 film, vec2 lens);
 
 }  // namespace photond

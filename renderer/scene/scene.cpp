@@ -1,0 +1,104 @@
+#include "renderer/scene/scene.h"
+
+#include <cassert>
+
+#include "protocol/error.h"
+#include "protocol/nearest_name.h"
+#include "renderer/scene/triangle_lights.h"
+
+namespace photond {
+
+namespace {
+
+template <class T>
+uint64_t held_bytes(const std::vector<T>& v) {
+    return v.capacity() * sizeof(T);
+}
+
+Bounds3 world_bounds(const Scene& scene) {
+    Bounds3 bounds;
+    for (const Instance& instance : scene.instances) {
+        const Mesh& mesh = scene.meshes[instance.mesh];
+        for (const vec3& p : mesh.positions) bounds.extend(instance.identity ? p : instance.to_world * vec4(p, 1));
+    }
+    return bounds;
+}
+
+/// Looks at the whole scene from the front, a little from above, so that its bounding sphere just fits the height.
+Camera framed_camera(const Scene& scene) {
+    constexpr float kYfov = 0.7f;
+    const dvec3 centre = scene.bounds.empty() ? dvec3(0) : dvec3(scene.bounds.centre());
+    double radius = scene.bounds.radius();
+    if (!(radius > 0)) radius = 1;  // nothing, or a point: any distance will do
+    const dvec3 from = glm::normalize(dvec3(0.25, 0.35, 1.0));
+    const dvec3 eye = centre + from * (radius / std::sin(0.5 * double{kYfov}));
+    Camera camera = look_at_camera(eye, centre, dvec3(0, 1, 0), kYfov);
+    camera.name = "framed";
+    return camera;
+}
+
+}  // namespace
+
+uint64_t Mesh::bytes() const {
+    return held_bytes(positions) + held_bytes(normals) + held_bytes(tangents) + held_bytes(uv[0]) + held_bytes(uv[1]) +
+           held_bytes(colors) + held_bytes(triangles);
+}
+
+void Scene::account(MemoryBudget& budget) const {
+    uint64_t mesh_bytes = held_bytes(meshes);
+    for (const Mesh& mesh : meshes) mesh_bytes += mesh.bytes();
+    uint64_t texture_bytes = held_bytes(textures);
+    for (const Texture& texture : textures) texture_bytes += texture.bytes();
+    budget.record("meshes", mesh_bytes);
+    budget.record("instances", held_bytes(instances));
+    budget.record("materials", held_bytes(materials));
+    budget.record("textures", texture_bytes);
+    budget.record("lights", held_bytes(punctual_lights) + held_bytes(triangle_lights));
+    if (environment) budget.record("environment_map", held_bytes(environment->map.radiance));
+}
+
+void finish_scene(Scene& scene) {
+    scene.triangle_count = 0;
+    scene.vertex_count = 0;
+    for (const Mesh& mesh : scene.meshes) {
+        assert(mesh.material < scene.materials.size() && "every mesh has a material");
+        scene.vertex_count += mesh.positions.size();
+    }
+    for (const Instance& instance : scene.instances) {
+        assert(instance.mesh < scene.meshes.size() && "every instance has a mesh");
+        scene.triangle_count += scene.meshes[instance.mesh].triangles.size();
+    }
+    scene.bounds = world_bounds(scene);
+    scene.triangle_lights = find_triangle_lights(scene);
+    scene.needs = find_needs(scene);
+}
+
+Camera find_camera(const Scene& scene, const std::string& name) {
+    if (name.empty()) return scene.cameras.empty() ? framed_camera(scene) : scene.cameras.front();
+    std::vector<std::string> known;
+    for (const Camera& camera : scene.cameras) {
+        if (camera.name == name) return camera;
+        known.push_back(camera.name);
+    }
+    std::string detail = "the scene has no camera named \"" + name + "\"";
+    const std::string nearest = nearest_name(name, known);
+    if (!nearest.empty())
+        detail += "; did you mean \"" + nearest + "\"?";
+    else if (known.empty())
+        detail += "; it has no cameras: leave the name out for one framed on its bounds";
+    throw Error(ErrorCode::UnknownName, "/camera/name", detail);
+}
+
+TriangleCorners world_triangle(const Scene& scene, uint32_t instance_index, uint32_t triangle) {
+    const Instance& instance = scene.instances[instance_index];
+    const Mesh& mesh = scene.meshes[instance.mesh];
+    const uvec3 corner = mesh.triangles[triangle];
+    TriangleCorners corners;
+    for (int i = 0; i < 3; ++i) {
+        const vec3& p = mesh.positions[corner[i]];
+        corners.p[i] = instance.identity ? p : instance.to_world * vec4(p, 1);
+    }
+    return corners;
+}
+
+}  // namespace photond
