@@ -1,0 +1,42 @@
+#pragma once
+// Maps from uniform numbers in [0, 1)^2 to directions and points, with their densities.
+
+#include <algorithm>
+
+#include "renderer/core/geometry.h"
+
+namespace photond {
+
+/// Area-preserving map of the square to the unit disc, without poles. [Shirley and Chiu 1997] A Low Distortion Map
+/// Between Disk and Square.
+inline vec2 sample_unit_disk(vec2 u) {
+    const float a = 2.0f * u.x - 1.0f, b = 2.0f * u.y - 1.0f;
+    if (a == 0.0f && b == 0.0f) return vec2(0.0f);
+    const bool wide = std::fabs(a) > std::fabs(b);
+    const float r = wide ? a : b;
+    const float phi = wide ? (kPi / 4) * (b / a) : (kPi / 2) - (kPi / 4) * (a / b);
+    return r * vec2(std::cos(phi), std::sin(phi));
+}
+
+/// Density cos / pi about +z. z > 0 always.
+inline vec3 sample_cosine_hemisphere(vec2 u) {
+    const vec2 d = sample_unit_disk(u);
+    // The floor keeps a direction on the rim out of the surface; it moves directions below 2e-4 of the horizon only.
+    return {d.x, d.y, std::sqrt(std::max(1.0f - d.x * d.x - d.y * d.y, 1e-8f))};
+}
+inline float cosine_hemisphere_pdf(float cos_theta) { return cos_theta > 0 ? cos_theta * kInvPi : 0.0f; }
+
+/// Barycentric weights (of the second and third corner) uniform over a triangle. [Heitz 2019] A Low-Distortion Map
+/// Between Triangle and Square.
+inline vec2 sample_triangle(vec2 u) {
+    if (u.y > u.x) {
+        u.x *= 0.5f;
+        u.y -= u.x;
+    } else {
+        u.y *= 0.5f;
+        u.x -= u.y;
+    }
+    return u;
+}
+
+}  // namespace photond
