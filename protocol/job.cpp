@@ -1,0 +1,303 @@
+#include "protocol/job.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+
+#include "protocol/object_reader.h"
+#include "protocol/param_json.h"
+#include "protocol/strict_json.h"
+
+namespace photond {
+namespace {
+
+using nlohmann::json;
+
+constexpr size_t kMaxNameBytes = 256;
+constexpr size_t kMaxLabels = 64;
+constexpr size_t kMaxLabelKeyBytes = 64;
+constexpr size_t kMaxLabelValueBytes = 256;
+constexpr double kMaxSeconds = 1e9;  // thirty years: further than any deadline, near enough for a clock's type
+constexpr int64_t kMaxPasses = 1'000'000'000;
+constexpr double kMaxCoordinate_m = 1e12;  // squares still fit a float's range
+constexpr double kMaxScale = 1e12;
+
+std::optional<std::array<double, 3>> read_vector(ObjectReader& reader, const std::string& key, bool required) {
+    const json* value = reader.member(key, required);
+    if (value == nullptr) return std::nullopt;
+    if (!value->is_array() || value->size() != 3) {
+        reader.faults().add(ErrorCode::WrongType, reader.at(key),
+                            "must be an array of three numbers, got " +
+                                (value->is_array() ? "one of " + std::to_string(value->size()) : value_text(*value)));
+        return std::nullopt;
+    }
+    std::array<double, 3> vector{};
+    bool good = true;
+    for (size_t i = 0; i < 3; ++i) {
+        const json& x = (*value)[i];
+        const std::string pointer = reader.at(key) + "/" + std::to_string(i);
+        if (!x.is_number()) {
+            reader.faults().add(ErrorCode::WrongType, pointer, "must be a number, got " + value_text(x));
+            good = false;
+        } else if (!(std::abs(x.get<double>()) <= kMaxCoordinate_m)) {
+            reader.faults().add(ErrorCode::OutOfRange, pointer,
+                                value_text(x) + " is outside [-" + number_text(kMaxCoordinate_m) + ", " +
+                                    number_text(kMaxCoordinate_m) + "] m");
+            good = false;
+        } else {
+            vector[i] = x.get<double>();
+        }
+    }
+    return good ? std::optional(vector) : std::nullopt;
+}
+
+double length_of_cross(const std::array<double, 3>& a, const std::array<double, 3>& b) {
+    return std::hypot(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]);
+}
+
+LookAt read_look_at(const json& source, const std::string& pointer, FaultList& faults) {
+    ObjectReader reader(source, pointer, faults);
+    LookAt look_at;
+    const auto eye = read_vector(reader, "eye", true);
+    const auto target = read_vector(reader, "target", true);
+    const auto up = read_vector(reader, "up", false);
+    // A lens that sees nothing, or half of everything, has no projection.
+    const auto yfov = reader.number("yfov", {1e-4, std::numbers::pi - 1e-4, "rad"});
+    reader.finish();
+    if (eye) look_at.eye = *eye;
+    if (target) look_at.target = *target;
+    if (up) look_at.up = *up;
+    if (yfov) look_at.yfov = *yfov;
+    if (!eye || !target) return look_at;
+    const std::array<double, 3> forward{look_at.target[0] - look_at.eye[0], look_at.target[1] - look_at.eye[1],
+                                        look_at.target[2] - look_at.eye[2]};
+    const double distance = std::hypot(forward[0], forward[1], forward[2]);
+    if (!(distance > 0)) {
+        faults.add(ErrorCode::Conflict, pointer + "/target", "must differ from eye");
+        return look_at;
+    }
+    const double up_length = std::hypot(look_at.up[0], look_at.up[1], look_at.up[2]);
+    // Below this sine the image's roll would be decided by rounding.
+    if (!(length_of_cross(forward, look_at.up) > 1e-6 * distance * up_length))
+        faults.add(ErrorCode::Conflict, pointer + "/up", "must not be zero nor parallel to the direction of view");
+    return look_at;
+}
+
+JobCamera read_camera(const json& source, const std::string& pointer, FaultList& faults) {
+    ObjectReader reader(source, pointer, faults);
+    JobCamera camera;
+    if (const auto name = reader.string("name", kMaxNameBytes)) camera.name = *name;
+    if (const json* look_at = reader.member("look_at"))
+        camera.look_at = read_look_at(*look_at, reader.at("look_at"), faults);
+    if (const auto aperture = reader.number("aperture", {0, 1e6, "m"})) camera.aperture = *aperture;
+    camera.focus_distance = reader.number("focus_distance", {1e-6, kMaxCoordinate_m, "m"});
+    reader.finish();
+    if (!camera.name.empty() && camera.look_at)
+        faults.add(ErrorCode::Conflict, reader.at("look_at"), "camera takes either name or look_at, not both");
+    if (camera.aperture > 0 && !camera.focus_distance && !camera.look_at)
+        faults.add(ErrorCode::MissingField, reader.at("focus_distance"),
+                   "is required with an aperture, unless look_at gives a target to focus on");
+    return camera;
+}
+
+void read_image(ObjectReader& body, const JobVocabulary& vocabulary, JobRequest& request) {
+    const json* source = body.member("image", true);
+    if (source == nullptr) return;
+    ObjectReader reader(*source, body.at("image"), body.faults());
+    const auto width = reader.integer("width", 1, vocabulary.max_width, true);
+    const auto height = reader.integer("height", 1, vocabulary.max_height, true);
+    if (width) request.width = static_cast<uint32_t>(*width);
+    if (height) request.height = static_cast<uint32_t>(*height);
+    if (const auto filter = reader.word("filter", {"box", "gaussian", "blackman_harris"})) request.filter = *filter;
+    reader.finish();
+}
+
+// "cpu", "gpu" or "gpu:N".
+bool is_device(const std::string& device) {
+    if (device == "cpu" || device == "gpu") return true;
+    if (!device.starts_with("gpu:")) return false;
+    unsigned number = 0;
+    const auto [end, error] = std::from_chars(device.data() + 4, device.data() + device.size(), number);
+    return error == std::errc() && end == device.data() + device.size() && number < 1000;
+}
+
+void read_method(ObjectReader& body, const JobVocabulary& vocabulary, JobRequest& request) {
+    const json* source = body.member("method", true);
+    if (source == nullptr) return;
+    FaultList& faults = body.faults();
+    ObjectReader reader(*source, body.at("method"), faults);
+    const auto name = reader.word("name", vocabulary.method_names, true);
+    const auto device = reader.string("device", kMaxNameBytes);
+    const json* parameters = reader.member("parameters");
+    reader.finish();
+
+    if (device) {
+        request.device = *device;
+        if (!is_device(*device))
+            faults.add(ErrorCode::UnknownName, reader.at("device"),
+                       value_text(*device) + " is no device: \"cpu\", \"gpu\" or \"gpu:N\"");
+    }
+    if (!name) return;  // which parameters there are is then unknown
+    request.method = *name;
+    if (is_device(request.device)) {
+        const std::vector<std::string> kinds = vocabulary.devices_of(*name);
+        const std::string kind = request.device.substr(0, 3);
+        if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end())
+            faults.add(ErrorCode::Unsupported, reader.at("device"),
+                       "unsupported: the method \"" + *name + "\" does not run on a " + kind);
+    }
+    const std::unique_ptr<MethodParams> params = vocabulary.make_params(*name);
+    std::vector<Fault> found;
+    read_params(*params, parameters != nullptr ? *parameters : json::object(), reader.at("parameters"), found);
+    faults.take(ErrorCode::OutOfRange, std::move(found));
+    request.parameters = params_to_json(*params);
+}
+
+void read_stop(ObjectReader& body, JobRequest& request) {
+    const json* source = body.member("stop", true);
+    if (source == nullptr) return;
+    FaultList& faults = body.faults();
+    ObjectReader reader(*source, body.at("stop"), faults);
+    const size_t faults_before = faults.size();
+    request.stop.seconds = reader.number("seconds", {1e-3, kMaxSeconds, "s"});
+    if (const auto passes = reader.integer("passes", 1, kMaxPasses))
+        request.stop.passes = static_cast<uint32_t>(*passes);
+    reader.not_built("target", "stopping at an error target is");
+    reader.finish();
+    if (faults.size() == faults_before && !request.stop.seconds && !request.stop.passes)
+        faults.add(ErrorCode::MissingField, body.at("stop"), "at least one of seconds and passes is required");
+}
+
+void read_layers(ObjectReader& body, const JobVocabulary& vocabulary, JobRequest& request) {
+    const json* source = body.member("layers");
+    if (source == nullptr) return;
+    FaultList& faults = body.faults();
+    if (!source->is_array()) {
+        faults.add(ErrorCode::WrongType, body.at("layers"), "must be an array, got " + value_text(*source));
+        return;
+    }
+    for (size_t i = 0; i < source->size(); ++i) {
+        const json& layer = (*source)[i];
+        const std::string pointer = body.at("layers") + "/" + std::to_string(i);
+        if (!layer.is_string()) {
+            faults.add(ErrorCode::WrongType, pointer, "must be a string, got " + value_text(layer));
+            continue;
+        }
+        const auto name = layer.get<std::string>();
+        const auto& known = vocabulary.layer_names;
+        if (std::find(known.begin(), known.end(), name) == known.end())
+            faults.add(ErrorCode::UnknownName, pointer,
+                       value_text(layer) + " is no layer on request" + did_you_mean(name, known));
+        else if (std::find(request.layers.begin(), request.layers.end(), name) != request.layers.end())
+            faults.add(ErrorCode::Conflict, pointer, value_text(layer) + " is named twice");
+        else
+            request.layers.push_back(name);
+    }
+}
+
+void read_labels(ObjectReader& body, JobRequest& request) {
+    const json* source = body.member("labels");
+    if (source == nullptr) return;
+    FaultList& faults = body.faults();
+    if (!source->is_object()) {
+        faults.add(ErrorCode::WrongType, body.at("labels"), "must be an object, got " + value_text(*source));
+        return;
+    }
+    if (source->size() > kMaxLabels)
+        faults.add(ErrorCode::OutOfRange, body.at("labels"),
+                   std::to_string(source->size()) + " labels, at most " + std::to_string(kMaxLabels) + " are kept");
+    for (const auto& [key, value] : source->items()) {
+        const std::string pointer = body.at("labels") + "/" + pointer_token(key);
+        if (key.empty() || key.size() > kMaxLabelKeyBytes || key.find('=') != std::string::npos)
+            faults.add(ErrorCode::OutOfRange, pointer,
+                       "a label's key has 1 to " + std::to_string(kMaxLabelKeyBytes) + " bytes and no '='");
+        if (!value.is_string())
+            faults.add(ErrorCode::WrongType, pointer, "must be a string, got " + value_text(value));
+        else if (value.get_ref<const std::string&>().size() > kMaxLabelValueBytes)
+            faults.add(ErrorCode::OutOfRange, pointer,
+                       "has " + std::to_string(value.get_ref<const std::string&>().size()) + " bytes, the limit is " +
+                           std::to_string(kMaxLabelValueBytes));
+        else
+            request.labels[key] = value.get<std::string>();
+    }
+}
+
+JobEnvironment read_environment(const json& source, const std::string& pointer, FaultList& faults) {
+    ObjectReader reader(source, pointer, faults);
+    JobEnvironment environment;
+    if (const auto image = reader.string("image", kMaxNameBytes, true)) {
+        environment.image = *image;
+        if (!image->starts_with("image:") || image->size() == 6)
+            faults.add(ErrorCode::UnknownName, reader.at("image"),
+                       value_text(*image) + " names no uploaded image: write \"image:ID\"");
+    }
+    if (const auto scale = reader.number("scale", {0, kMaxScale})) environment.scale = *scale;
+    if (const auto rotation = reader.number("rotation", {-1e4, 1e4, "rad"})) environment.rotation = *rotation;
+    reader.finish();
+    return environment;
+}
+
+json optional_json(const auto& value) { return value ? json(*value) : json(nullptr); }
+
+}  // namespace
+
+JobRequest parse_job_request(const json& body, const JobVocabulary& vocabulary) {
+    FaultList faults;
+    ObjectReader reader(body, "", faults);
+    JobRequest request;
+    if (!body.is_object()) faults.throw_if_any();  // else every required field would be called missing too
+
+    if (const auto scene = reader.string("scene", kMaxNameBytes, true)) request.scene = *scene;
+    if (const json* camera = reader.member("camera"))
+        request.camera = read_camera(*camera, reader.at("camera"), faults);
+    read_image(reader, vocabulary, request);
+    read_method(reader, vocabulary, request);
+    read_stop(reader, request);
+    if (const auto seed = reader.seed("seed")) request.seed = *seed;
+    read_layers(reader, vocabulary, request);
+    if (const auto priority = reader.integer("priority", -100, 100)) request.priority = static_cast<int>(*priority);
+    read_labels(reader, request);
+    if (const json* environment = reader.member("environment"))
+        request.environment = read_environment(*environment, reader.at("environment"), faults);
+    if (const auto glass = reader.word("glass", {"as_stored", "solid"})) request.glass = *glass;
+    if (const auto time = reader.number("time", {-1e9, 1e9, "s"}); time && *time != 0)
+        faults.add(ErrorCode::Unsupported, reader.at("time"), "unsupported: animation is not built yet");
+    reader.not_built("reference", "references are");
+    reader.finish();
+    faults.throw_if_any();
+    return request;
+}
+
+json to_json(const JobRequest& request) {
+    json look_at = nullptr;
+    if (const auto& from = request.camera.look_at)
+        look_at = {{"eye", from->eye}, {"target", from->target}, {"up", from->up}, {"yfov", from->yfov}};
+    json environment = nullptr;
+    if (const auto& from = request.environment)
+        environment = {{"image", from->image}, {"scale", from->scale}, {"rotation", from->rotation}};
+    json labels = json::object();
+    for (const auto& [key, value] : request.labels) labels[key] = value;
+    return {{"scene", request.scene},
+            {"camera",
+             {{"name", request.camera.name.empty() ? json(nullptr) : json(request.camera.name)},
+              {"look_at", look_at},
+              {"aperture", request.camera.aperture},
+              {"focus_distance", optional_json(request.camera.focus_distance)}}},
+            {"image", {{"width", request.width}, {"height", request.height}, {"filter", request.filter}}},
+            {"method", {{"name", request.method}, {"device", request.device}, {"parameters", request.parameters}}},
+            {"stop",
+             {{"seconds", optional_json(request.stop.seconds)},
+              {"passes", optional_json(request.stop.passes)},
+              {"target", nullptr}}},
+            {"seed", request.seed},
+            {"layers", request.layers},
+            {"reference", nullptr},
+            {"priority", request.priority},
+            {"labels", labels},
+            {"environment", environment},
+            {"glass", request.glass},
+            {"time", request.time}};
+}
+
+}  // namespace photond
