@@ -1,0 +1,328 @@
+// Embree behind the one ray interface.
+//
+// Meshes that lie in world space are geometries of the top scene; the others are built once and placed by Embree
+// instances. Batches go through packets of eight. Measured on two cores (AMD Zen 4, AVX-512), nanoseconds a ray for
+// closest hits, robust, "coherent" camera rays / second diffuse bounce / its shadow rays:
+//                    single rays        packets of 8        packets of 16       streams
+//   cornell box       79 / 123 / 80      21 /  96 /  57      21 /  99 /  54      22 /  96
+//   diffuse dragon    91 / 154 / 96      36 / 126 /  63      42 / 128 /  60      45 / 132
+//   sponza           280 / 473 / 246    141 / 467 / 243     165 / 465 / 240     174 / 474
+// The robust flag costs 5 to 20 %; it is on, because a closed surface that leaks loses energy for ever.
+
+#include "renderer/backends/cpu/embree_intersector.h"
+
+#include <embree3/rtcore.h>
+
+#include <atomic>
+#include <cassert>
+#include <cstring>
+#include <vector>
+
+#include "protocol/error.h"
+#include "renderer/core/rng.h"
+#include "renderer/scene/scene.h"
+#include "renderer/scene/surface_color.h"
+
+namespace photond {
+
+namespace {
+
+constexpr size_t kPacket = 8;
+
+struct DeviceRelease {
+    void operator()(RTCDeviceTy* device) const { rtcReleaseDevice(device); }
+};
+struct SceneRelease {
+    void operator()(RTCSceneTy* scene) const { rtcReleaseScene(scene); }
+};
+struct GeometryRelease {
+    void operator()(RTCGeometryTy* geometry) const { rtcReleaseGeometry(geometry); }
+};
+using DevicePtr = std::unique_ptr<RTCDeviceTy, DeviceRelease>;
+using ScenePtr = std::unique_ptr<RTCSceneTy, SceneRelease>;
+using GeometryPtr = std::unique_ptr<RTCGeometryTy, GeometryRelease>;
+
+/// What Embree's allocations are counted in and held against.
+struct MemoryMeter {
+    std::atomic<int64_t> bytes{0};
+    int64_t limit_bytes = INT64_MAX;
+
+    static bool observe(void* meter_pointer, ssize_t bytes, bool post) {
+        MemoryMeter& meter = *static_cast<MemoryMeter*>(meter_pointer);
+        const int64_t held = meter.bytes.fetch_add(bytes, std::memory_order_relaxed) + bytes;
+        if (bytes <= 0 || post || held <= meter.limit_bytes) return true;
+        meter.bytes.fetch_sub(bytes, std::memory_order_relaxed);  // refused: will not be allocated
+        return false;
+    }
+};
+
+/// A query's context, seen again by the filter functions: the rays as the caller gave them, in world space.
+struct QueryContext {
+    RTCIntersectContext embree;
+    const Ray* rays;  // indexed by Embree's ray id
+
+    QueryContext(const Ray* query_rays, Coherence coherence) : rays(query_rays) {
+        rtcInitIntersectContext(&embree);
+        embree.flags = coherence == Coherence::Coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT
+                                                        : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    }
+};
+
+/// Whether the hit is on matter. User data of the geometries whose material is masked or blended.
+struct AlphaTest {
+    const Scene* scene;
+    uint32_t mesh;
+    uint32_t instance;  // kNoHit: told by Embree's instance id
+
+    bool passes(const Ray& ray, uint32_t instance_id, uint32_t triangle, float u, float v) const {
+        const float coverage = surface_coverage(*scene, scene->meshes[mesh], triangle, u, v);
+        if (coverage <= 0 || coverage >= 1) return coverage <= 0;
+        uint32_t bits[6];
+        std::memcpy(bits, &ray.origin, sizeof(vec3));
+        std::memcpy(bits + 3, &ray.direction, sizeof(vec3));
+        uint64_t hash = uint64_t{instance_id} << 32 | triangle;
+        for (const int i : {0, 2, 4}) hash = hash64(hash ^ (uint64_t{bits[i]} << 32 | bits[i + 1]));
+        return to_unit_float(uint32_t(hash >> 32)) >= coverage;
+    }
+
+    static void filter(const RTCFilterFunctionNArguments* args) {
+        const AlphaTest& test = *static_cast<const AlphaTest*>(args->geometryUserPtr);
+        const Ray* rays = reinterpret_cast<const QueryContext*>(args->context)->rays;
+        for (unsigned i = 0; i < args->N; ++i) {
+            if (!args->valid[i]) continue;
+            const uint32_t instance =
+                test.instance != kNoHit ? test.instance : RTCHitN_instID(args->hit, args->N, i, 0);
+            if (test.passes(rays[RTCRayN_id(args->ray, args->N, i)], instance, RTCHitN_primID(args->hit, args->N, i),
+                            RTCHitN_u(args->hit, args->N, i), RTCHitN_v(args->hit, args->N, i)))
+                args->valid[i] = 0;
+        }
+    }
+};
+
+class EmbreeIntersector final : public Intersector {
+public:
+    EmbreeIntersector(const Scene& scene, int64_t limit_bytes);
+
+    Hit closest_hit(const Ray& ray) const override;
+    bool occluded(const Ray& ray) const override;
+    void closest_hits(std::span<const Ray> rays, std::span<Hit> hits, Coherence coherence) const override;
+    void occluded(std::span<const Ray> rays, std::span<uint8_t> occluded, Coherence coherence) const override;
+    uint64_t bytes() const override;
+
+private:
+    GeometryPtr make_triangles(const Scene& scene, uint32_t mesh, uint32_t instance);
+    ScenePtr make_scene();
+    void commit(RTCScene scene);
+    void check() const;
+
+    MemoryMeter meter_;  // first: the device reports to it until it is released
+    DevicePtr device_;
+    std::vector<std::unique_ptr<AlphaTest>> alpha_tests_;
+    std::vector<ScenePtr> mesh_scenes_;  // by mesh; null for meshes in world space
+    ScenePtr top_;
+};
+
+EmbreeIntersector::EmbreeIntersector(const Scene& scene, int64_t limit_bytes) {
+    meter_.limit_bytes = limit_bytes;
+    device_.reset(rtcNewDevice(nullptr));
+    if (!device_) throw Error(ErrorCode::Internal, "Embree does not start on this machine");
+    rtcSetDeviceMemoryMonitorFunction(device_.get(), &MemoryMeter::observe, &meter_);
+
+    mesh_scenes_.resize(scene.meshes.size());
+    top_ = make_scene();
+    for (uint32_t i = 0; i < scene.instances.size(); ++i) {
+        const Instance& instance = scene.instances[i];
+        if (scene.meshes[instance.mesh].triangles.empty()) continue;
+        GeometryPtr geometry;
+        if (instance.identity) {
+            geometry = make_triangles(scene, instance.mesh, i);
+        } else {
+            ScenePtr& shared = mesh_scenes_[instance.mesh];
+            if (!shared) {
+                shared = make_scene();
+                const GeometryPtr triangles = make_triangles(scene, instance.mesh, kNoHit);
+                rtcAttachGeometry(shared.get(), triangles.get());
+                commit(shared.get());
+            }
+            geometry.reset(rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_INSTANCE));
+            rtcSetGeometryInstancedScene(geometry.get(), shared.get());
+            rtcSetGeometryTransform(geometry.get(), 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, &instance.to_world);
+            rtcCommitGeometry(geometry.get());
+        }
+        check();
+        rtcAttachGeometryByID(top_.get(), geometry.get(), i);  // so that Embree's id is ours
+    }
+    commit(top_.get());
+}
+
+GeometryPtr EmbreeIntersector::make_triangles(const Scene& scene, uint32_t mesh, uint32_t instance) {
+    const Mesh& m = scene.meshes[mesh];
+    GeometryPtr geometry(rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
+    check();
+    // Embree reads a vertex by 16 bytes: the last one needs room behind it, else the array is copied.
+    if (m.positions.capacity() > m.positions.size()) {
+        rtcSetSharedGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, m.positions.data(), 0,
+                                   sizeof(vec3), m.positions.size());
+    } else {
+        void* copy = rtcSetNewGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(vec3),
+                                             m.positions.size());
+        check();
+        std::memcpy(copy, m.positions.data(), m.positions.size() * sizeof(vec3));
+    }
+    rtcSetSharedGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, m.triangles.data(), 0,
+                               sizeof(uvec3), m.triangles.size());
+    if (scene.materials[m.material].alpha_mode != AlphaMode::Opaque) {
+        alpha_tests_.push_back(std::make_unique<AlphaTest>(AlphaTest{&scene, mesh, instance}));
+        rtcSetGeometryUserData(geometry.get(), alpha_tests_.back().get());
+        rtcSetGeometryIntersectFilterFunction(geometry.get(), &AlphaTest::filter);
+        rtcSetGeometryOccludedFilterFunction(geometry.get(), &AlphaTest::filter);
+    }
+    rtcCommitGeometry(geometry.get());
+    check();
+    return geometry;
+}
+
+ScenePtr EmbreeIntersector::make_scene() {
+    ScenePtr scene(rtcNewScene(device_.get()));
+    check();
+    rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
+    return scene;
+}
+
+void EmbreeIntersector::commit(RTCScene scene) {
+    rtcCommitScene(scene);
+    check();
+}
+
+void EmbreeIntersector::check() const {
+    switch (const RTCError error = rtcGetDeviceError(device_.get())) {
+        case RTC_ERROR_NONE: return;
+        case RTC_ERROR_OUT_OF_MEMORY:
+            throw Error(ErrorCode::OutOfMemory, "the ray structure does not fit: it holds " +
+                                                    std::to_string(meter_.bytes.load()) + " bytes and may take " +
+                                                    std::to_string(meter_.limit_bytes));
+        default: throw Error(ErrorCode::Internal, "Embree reports error " + std::to_string(int(error)));
+    }
+}
+
+uint64_t EmbreeIntersector::bytes() const {
+    return uint64_t(meter_.bytes.load(std::memory_order_relaxed)) + alpha_tests_.size() * sizeof(AlphaTest);
+}
+
+// Every field is written: packets live on the stack and Embree reads them all.
+void set_ray(RTCRay8& packet, size_t lane, const Ray& ray, uint32_t id) {
+    packet.org_x[lane] = ray.origin.x;
+    packet.org_y[lane] = ray.origin.y;
+    packet.org_z[lane] = ray.origin.z;
+    packet.dir_x[lane] = ray.direction.x;
+    packet.dir_y[lane] = ray.direction.y;
+    packet.dir_z[lane] = ray.direction.z;
+    packet.tnear[lane] = 0;
+    packet.tfar[lane] = ray.t_max;
+    packet.time[lane] = 0;
+    packet.mask[lane] = ~0u;
+    packet.id[lane] = id;
+    packet.flags[lane] = 0;
+}
+
+/// Fills a packet from rays[first ...]; returns whether any of its rays is to be traced.
+bool fill_packet(RTCRay8& packet, int* valid, std::span<const Ray> rays, size_t first) {
+    int any = 0;
+    const size_t count = std::min(kPacket, rays.size() - first);
+    for (size_t lane = 0; lane < kPacket; ++lane) {
+        const size_t i = first + std::min(lane, count - 1);  // lanes past the end repeat the last ray, not valid
+        set_ray(packet, lane, rays[i], uint32_t(i));
+        valid[lane] = lane < count && rays[i].t_max > 0 ? -1 : 0;
+        any |= valid[lane];
+    }
+    return any != 0;
+}
+
+RTCRay single_ray(const Ray& ray) {
+    return {ray.origin.x,
+            ray.origin.y,
+            ray.origin.z,
+            0,
+            ray.direction.x,
+            ray.direction.y,
+            ray.direction.z,
+            0,
+            ray.t_max,
+            ~0u,
+            0,
+            0};
+}
+
+Hit EmbreeIntersector::closest_hit(const Ray& ray) const {
+    if (!(ray.t_max > 0)) return {};
+    QueryContext context(&ray, Coherence::Incoherent);
+    RTCRayHit query;
+    query.ray = single_ray(ray);
+    query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(top_.get(), &context.embree, &query);
+    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
+    const bool placed = query.hit.instID[0] != RTC_INVALID_GEOMETRY_ID;
+    return {query.ray.tfar, placed ? query.hit.instID[0] : query.hit.geomID, query.hit.primID, query.hit.u,
+            query.hit.v};
+}
+
+bool EmbreeIntersector::occluded(const Ray& ray) const {
+    if (!(ray.t_max > 0)) return false;
+    QueryContext context(&ray, Coherence::Incoherent);
+    RTCRay query = single_ray(ray);
+    rtcOccluded1(top_.get(), &context.embree, &query);
+    return query.tfar < 0;
+}
+
+void EmbreeIntersector::closest_hits(std::span<const Ray> rays, std::span<Hit> hits, Coherence coherence) const {
+    assert(rays.size() == hits.size());
+    QueryContext context(rays.data(), coherence);
+    alignas(32) int valid[kPacket];
+    RTCRayHit8 packet;
+    for (size_t first = 0; first < rays.size(); first += kPacket) {
+        const size_t count = std::min(kPacket, rays.size() - first);
+        if (!fill_packet(packet.ray, valid, rays, first)) {
+            std::fill_n(hits.begin() + std::ptrdiff_t(first), count, Hit{});
+            continue;
+        }
+        for (size_t lane = 0; lane < kPacket; ++lane)
+            packet.hit.geomID[lane] = packet.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
+        rtcIntersect8(valid, top_.get(), &context.embree, &packet);
+        for (size_t lane = 0; lane < count; ++lane) {
+            Hit& hit = hits[first + lane];
+            if (!valid[lane] || packet.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID) {
+                hit = {};
+                continue;
+            }
+            const bool placed = packet.hit.instID[0][lane] != RTC_INVALID_GEOMETRY_ID;
+            hit = {packet.ray.tfar[lane], placed ? packet.hit.instID[0][lane] : packet.hit.geomID[lane],
+                   packet.hit.primID[lane], packet.hit.u[lane], packet.hit.v[lane]};
+        }
+    }
+}
+
+void EmbreeIntersector::occluded(std::span<const Ray> rays, std::span<uint8_t> occluded, Coherence coherence) const {
+    assert(rays.size() == occluded.size());
+    QueryContext context(rays.data(), coherence);
+    alignas(32) int valid[kPacket];
+    RTCRay8 packet;
+    for (size_t first = 0; first < rays.size(); first += kPacket) {
+        const size_t count = std::min(kPacket, rays.size() - first);
+        if (fill_packet(packet, valid, rays, first)) rtcOccluded8(valid, top_.get(), &context.embree, &packet);
+        for (size_t lane = 0; lane < count; ++lane)
+            occluded[first + lane] = valid[lane] != 0 && packet.tfar[lane] < 0 ? 1 : 0;
+    }
+}
+
+}  // namespace
+
+std::unique_ptr<Intersector> make_embree_intersector(const Scene& scene, MemoryBudget& budget, Stats& stats) {
+    const StageTimer timer(stats, "acceleration_build");
+    const uint64_t held = budget.accounted_bytes();
+    const uint64_t free_bytes = budget.limit_bytes() > held ? budget.limit_bytes() - held : 0;
+    auto intersector = std::make_unique<EmbreeIntersector>(scene, int64_t(std::min(free_bytes, uint64_t{INT64_MAX})));
+    budget.record("acceleration", intersector->bytes());
+    return intersector;
+}
+
+}  // namespace photond

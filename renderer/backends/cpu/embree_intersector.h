@@ -1,0 +1,14 @@
+#pragma once
+#include <memory>
+
+#include "renderer/core/stats.h"
+#include "renderer/scene/intersector.h"
+
+namespace photond {
+
+/// Builds the ray structure of a finished scene on the CPU, timed as stage `acceleration_build` and recorded in the
+/// budget as `acceleration`. The scene is borrowed: it must outlive the intersector and not change.
+/// Throws ErrorCode::OutOfMemory when the structure does not fit the budget; nothing of it is then left.
+std::unique_ptr<Intersector> make_embree_intersector(const Scene& scene, MemoryBudget& budget, Stats& stats);
+
+}  // namespace photond
