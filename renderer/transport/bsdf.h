@@ -111,6 +111,8 @@ public:
     bool is_lambert() const { return kind_ == Kind::Lambert; }
     bool has_non_delta() const { return kind_ == Kind::Lambert || has_non_delta_; }
     bool has_delta() const { return has_delta_; }
+    /// Whether light from the far side is scattered to the eye's by a lobe that is no delta.
+    bool has_non_delta_transmission() const { return has_non_delta_transmission_; }
 
     /// Share of uniform illumination of the eye's side that is scattered, transmission included; for the albedo layer.
     Rgb albedo() const;
@@ -124,16 +126,17 @@ private:
     Kind kind_ = Kind::Nothing;
     bool has_non_delta_ = false;  // of layered
     bool has_delta_ = false;
+    bool has_non_delta_transmission_ = false;
     vec3 geometric_normal_{0, 0, 1};
     Rgb diffuse_{0};
 };
 
-/// The scattering at a surface point. `outside_ior`: index of the medium on the outer side of a solid's surface (1
-/// unless it lies in another solid), whichever side is looked at.
-Bsdf make_bsdf(const Scene& scene, const SurfacePoint& point, float outside_ior = 1.0f);
+/// The scattering at a hit. `outside_ior`: index of the medium on the outer side of a solid's surface (1 unless it lies
+/// in another solid), whichever side is looked at.
+Bsdf make_bsdf(const Scene& scene, const ShadingPoint& point, float outside_ior = 1.0f);
 
 /// The same for scenes with Needs::only_lambert().
-inline Bsdf make_plain_bsdf(const Scene& scene, const SurfacePoint& point) {
+inline Bsdf make_plain_bsdf(const Scene& scene, const ShadingPoint& point) {
     return Bsdf::lambert(point.shading.to_local(point.geometric_normal), scene.materials[point.material].base_color);
 }
 
