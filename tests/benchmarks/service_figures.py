@@ -1,0 +1,82 @@
+#!/usr/bin/env python3
+"""Prints the service's own figures: a small job's latency, a large scene's way in, memory accounted against measured.
+
+    PHOTOND_BIN=build/bin /usr/bin/python3 tests/benchmarks/service_figures.py [SCENE.glb]
+
+Times are medians on this machine; nothing passes or fails here.
+"""
+
+import pathlib
+import statistics
+import sys
+import time
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from photond_daemon import Daemon  # noqa: E402
+
+
+def image_job(scene, size, passes=1, **more):
+    return {"scene": scene, "image": {"width": size[0], "height": size[1]}, "method": {"name": "path_tracing"},
+            "stop": {"passes": passes}, **more}
+
+
+def latency(daemon, runs=21):
+    """From the request to the last byte of the half-float EXR, 256x256, one pass, warm worker."""
+    totals, outside = [], []
+    for seed in range(runs):
+        begun = time.monotonic()
+        job = daemon.submit(image_job("cornell-box", (256, 256), seed=seed + 1))
+        while True:  # waits as an event stream would, without its parsing
+            reply = daemon.request("GET", f"/v1/jobs/{job['id']}/image.exr?precision=half")
+            state = daemon.job(job["id"])["state"]
+            if reply.status == 200 and state == "succeeded":
+                break
+            time.sleep(0.002)
+        reply = daemon.request("GET", f"/v1/jobs/{job['id']}/image.exr?precision=half")
+        total = time.monotonic() - begun
+        stages = daemon.job(job["id"])["statistics"]["stages"]
+        render = sum(stage["wall_seconds"] for stage in stages)
+        totals.append(total)
+        outside.append(total - render)
+    print(f"small job, {runs} runs: request to EXR read: median {statistics.median(totals) * 1e3:.0f} ms, "
+          f"worst {max(totals) * 1e3:.0f} ms; outside the worker's own stages: median {statistics.median(outside) * 1e3:.0f} ms")
+
+
+def big_scene(daemon, path):
+    """From the first byte of the upload to the first pixel of a job on it, and its memory."""
+    begun = time.monotonic()
+    scene = daemon.add_scene(path)
+    uploaded = time.monotonic() - begun
+    submitted = time.monotonic()
+    job = daemon.wait_for_job(daemon.submit(image_job(scene["id"], (1280, 720)))["id"])
+    rendered = time.monotonic() - submitted
+    stages = {stage["name"]: stage["wall_seconds"] for stage in job["statistics"]["stages"]}
+    memory = job["statistics"]["memory"]
+    grown = memory["peak_resident_bytes"] - memory["baseline_resident_bytes"]
+    print(f"{path.name}: upload judged in {uploaded:.2f} s; job of one 1280x720 pass {rendered:.2f} s after its request")
+    print("  stages:", ", ".join(f"{name} {seconds:.3f} s" for name, seconds in stages.items()))
+    ready = uploaded + stages.get("load", 0) + stages.get("needs", 0) + stages.get("acceleration_build", 0)
+    print(f"  upload to ready to render (upload + load + needs + acceleration build): {ready:.2f} s")
+    print(f"  memory accounted {memory['accounted_bytes'] / 1e6:.1f} MB, peak less baseline {grown / 1e6:.1f} MB, "
+          f"ratio {memory['accounted_bytes'] / grown:.3f}")
+    for name, size in sorted(memory["structures"].items(), key=lambda item: -item[1]):
+        print(f"    {name:24} {size / 1e6:9.2f} MB")
+
+
+def main():
+    shared = pathlib.Path(__file__).resolve().parents[2].parent / "shared" / "scenes" / "sponza_crytek.glb"
+    path = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else shared
+    with Daemon() as daemon:
+        daemon.wait_ready()
+        daemon.wait_for_job(daemon.submit(image_job("cornell-box", (64, 64)))["id"])
+        latency(daemon)
+    if not path.exists():
+        print(f"{path}: not there, its figures are left out")
+        return
+    with Daemon() as daemon:
+        daemon.wait_ready()
+        big_scene(daemon, path)
+
+
+if __name__ == "__main__":
+    main()
