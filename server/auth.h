@@ -18,8 +18,8 @@ struct Grant {
 
 class TokenList {
 public:
-    /// Throws photond::Error with the line's number for a file that cannot be read or has a malformed line, a name
-    /// twice, no token at all, or permissions that let others than its owner's group write it.
+    /// Throws photond::Error with the line's number for a file that cannot be read, that everybody may write, or that
+    /// has a malformed line, a name twice or no token at all.
     static TokenList load(const std::filesystem::path& file);
 
     /// Who presents this token; none when nobody does. Takes the same time whatever the token: the presented token is

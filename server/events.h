@@ -39,7 +39,8 @@ public:
 
     // --- the service's side
     // -------------------------------------------------------------------------------------------
-    using History = std::function<std::vector<Event>(uint64_t after_id, const std::string& job, size_t limit)>;
+    using History =
+        std::function<std::vector<Event>(uint64_t after_id, uint64_t before_id, const std::string& job, size_t limit)>;
     /// Where events that memory no longer holds are read, and the first id to give out.
     void open(uint64_t next_id, History history);
     /// The id the next event will have. The caller serialises next_id() and publish() (the service's lock does).

@@ -1,0 +1,89 @@
+#pragma once
+// A thin owner of one SQLite connection: WAL, synchronous FULL, exclusive lock; statements are prepared once.
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+
+struct sqlite3;
+struct sqlite3_stmt;
+
+namespace photond {
+
+/// A prepared statement in use; reset when it goes out of scope. Parameters and columns are numbered as in SQLite
+/// (parameters from 1, columns from 0).
+class Statement {
+public:
+    explicit Statement(sqlite3* database, sqlite3_stmt* statement) : database_(database), statement_(statement) {}
+    ~Statement();
+    Statement(const Statement&) = delete;
+    Statement& operator=(const Statement&) = delete;
+
+    Statement& bind(int index, int64_t value);
+    Statement& bind(int index, double value);
+    Statement& bind(int index, std::string_view value);
+    Statement& bind(int index, std::nullptr_t);
+    template <class T>
+    Statement& bind(int index, const std::optional<T>& value) {
+        return value ? bind(index, *value) : bind(index, nullptr);
+    }
+
+    /// True while there is a row to read.
+    bool step();
+    void run() {
+        while (step()) {
+        }
+    }
+
+    bool is_null(int column) const;
+    int64_t integer(int column) const;
+    double real(int column) const;
+    std::string text(int column) const;
+
+private:
+    sqlite3* database_;
+    sqlite3_stmt* statement_;
+};
+
+/// Not thread-safe: its owner serialises. Failures are photond::Error: NoSpace when the disk is full, else Internal.
+class Database {
+public:
+    /// Opens or makes the file and brings its schema up to date: `migrations[i]` leads from version i to i + 1. Throws
+    /// when the file is of a newer version, damaged, or open in another process.
+    Database(const std::filesystem::path& file, const char* const* migrations, int count);
+    ~Database();
+    Database(const Database&) = delete;
+    Database& operator=(const Database&) = delete;
+
+    /// Prepared once and kept: the text must come from a small fixed set, with values bound, never pasted in.
+    Statement prepare(std::string_view sql);
+    void execute(const char* sql);
+    int64_t last_insert_id() const;
+    int64_t changes() const;
+
+    /// Rolled back unless commit() is called; commit() returns when the data is on the disk.
+    class Transaction {
+    public:
+        explicit Transaction(Database& database) : database_(database) { database_.execute("BEGIN IMMEDIATE"); }
+        ~Transaction();
+        Transaction(const Transaction&) = delete;
+        Transaction& operator=(const Transaction&) = delete;
+        void commit();
+
+    private:
+        Database& database_;
+        bool open_ = true;
+    };
+
+private:
+    void migrate(const std::filesystem::path& file, const char* const* migrations, int count);
+
+    sqlite3* database_ = nullptr;
+    std::map<std::string, sqlite3_stmt*, std::less<>> statements_;
+};
+
+}  // namespace photond

@@ -1,0 +1,54 @@
+#pragma once
+// The store's schema as a list of steps: step i leads from version i to i + 1. A step that has been released is never
+// edited; a change is a new step.
+
+#include <iterator>
+
+namespace photond {
+
+inline constexpr const char* kMigrations[] = {
+    // 1: first light
+    R"sql(
+    CREATE TABLE meta (key TEXT PRIMARY KEY, value) WITHOUT ROWID;
+    CREATE TABLE jobs (
+        seq INTEGER PRIMARY KEY AUTOINCREMENT,
+        state INTEGER NOT NULL, priority INTEGER NOT NULL,
+        device TEXT NOT NULL, method TEXT NOT NULL, scene TEXT NOT NULL, request TEXT NOT NULL,
+        created_ms INTEGER NOT NULL, started_ms INTEGER, finished_ms INTEGER,
+        attempt INTEGER NOT NULL, crashes INTEGER NOT NULL, losses INTEGER NOT NULL,
+        cancel_requested INTEGER NOT NULL, purge_requested INTEGER NOT NULL,
+        passes_done INTEGER NOT NULL, progress REAL NOT NULL, seconds REAL NOT NULL,
+        film TEXT NOT NULL, film_sha256 TEXT NOT NULL,
+        statistics TEXT NOT NULL, failure TEXT NOT NULL, attempts TEXT NOT NULL);
+    CREATE INDEX jobs_by_state ON jobs (state, seq);
+    CREATE INDEX jobs_by_method ON jobs (method, state, seq);
+    CREATE INDEX jobs_by_scene ON jobs (scene, state, seq);
+    CREATE INDEX jobs_queue ON jobs (device, priority, seq) WHERE state = 0;
+    CREATE TABLE labels (
+        key TEXT NOT NULL, value TEXT NOT NULL, job INTEGER NOT NULL REFERENCES jobs (seq) ON DELETE CASCADE,
+        PRIMARY KEY (key, job)) WITHOUT ROWID;
+    CREATE INDEX labels_by_value ON labels (key, value, job);
+    CREATE INDEX labels_by_job ON labels (job);
+    CREATE TABLE job_log (
+        id INTEGER PRIMARY KEY, job INTEGER NOT NULL REFERENCES jobs (seq) ON DELETE CASCADE,
+        at_ms INTEGER NOT NULL, line TEXT NOT NULL);
+    CREATE INDEX job_log_by_job ON job_log (job, id);
+    CREATE TABLE keys (
+        key TEXT PRIMARY KEY, body_sha256 TEXT NOT NULL, at_ms INTEGER NOT NULL,
+        job INTEGER NOT NULL REFERENCES jobs (seq) ON DELETE CASCADE) WITHOUT ROWID;
+    CREATE INDEX keys_by_job ON keys (job);
+    CREATE TABLE scenes (
+        seq INTEGER PRIMARY KEY AUTOINCREMENT, id TEXT NOT NULL UNIQUE, name TEXT NOT NULL, file TEXT NOT NULL,
+        summary TEXT NOT NULL, created_ms INTEGER NOT NULL);
+    CREATE INDEX scenes_by_name ON scenes (name, seq);
+    CREATE TABLE images (
+        id TEXT PRIMARY KEY, media_type TEXT NOT NULL, file TEXT NOT NULL, width INTEGER NOT NULL,
+        height INTEGER NOT NULL, channels INTEGER NOT NULL, bytes INTEGER NOT NULL, created_ms INTEGER NOT NULL);
+    CREATE TABLE events (id INTEGER PRIMARY KEY, job INTEGER NOT NULL, type TEXT NOT NULL, data TEXT NOT NULL);
+    CREATE INDEX events_by_job ON events (job, id);
+    )sql",
+};
+
+inline constexpr int kSchemaVersion = static_cast<int>(std::size(kMigrations));
+
+}  // namespace photond

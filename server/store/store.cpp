@@ -1,0 +1,349 @@
+#include "server/store/store.h"
+
+#include <algorithm>
+#include <charconv>
+
+#include "server/store/schema.h"
+
+namespace photond {
+
+namespace {
+
+#define PHOTOND_JOB_COLUMNS                                                                                         \
+    "seq, state, priority, device, method, scene, request, created_ms, started_ms, finished_ms, attempt, crashes, " \
+    "losses, cancel_requested, purge_requested, passes_done, progress, seconds, film, film_sha256, statistics, "    \
+    "failure, attempts"
+
+std::optional<int64_t> optional_integer(const Statement& row, int column) {
+    if (row.is_null(column)) return std::nullopt;
+    return row.integer(column);
+}
+
+/// Reads the columns of PHOTOND_JOB_COLUMNS.
+JobRow read_job(const Statement& row) {
+    JobRow job;
+    job.seq = row.integer(0);
+    job.state = static_cast<JobState>(row.integer(1));
+    job.priority = static_cast<int>(row.integer(2));
+    job.device = row.text(3);
+    job.method = row.text(4);
+    job.scene = row.text(5);
+    job.request = row.text(6);
+    job.created_ms = row.integer(7);
+    job.started_ms = optional_integer(row, 8);
+    job.finished_ms = optional_integer(row, 9);
+    job.attempt = row.integer(10);
+    job.crashes = static_cast<int>(row.integer(11));
+    job.losses = static_cast<int>(row.integer(12));
+    job.cancel_requested = row.integer(13) != 0;
+    job.purge_requested = row.integer(14) != 0;
+    job.passes_done = row.integer(15);
+    job.progress = row.real(16);
+    job.seconds = row.real(17);
+    job.film = row.text(18);
+    job.film_sha256 = row.text(19);
+    job.statistics = row.text(20);
+    job.failure = row.text(21);
+    job.attempts = row.text(22);
+    return job;
+}
+
+std::vector<JobRow> read_jobs(Statement& statement) {
+    std::vector<JobRow> jobs;
+    while (statement.step()) jobs.push_back(read_job(statement));
+    return jobs;
+}
+
+/// Binds every column but seq to parameters 1 ... 22.
+void bind_job(Statement& statement, const JobRow& job) {
+    statement.bind(1, static_cast<int64_t>(job.state)).bind(2, static_cast<int64_t>(job.priority));
+    statement.bind(3, job.device).bind(4, job.method).bind(5, job.scene).bind(6, job.request);
+    statement.bind(7, job.created_ms).bind(8, job.started_ms).bind(9, job.finished_ms).bind(10, job.attempt);
+    statement.bind(11, static_cast<int64_t>(job.crashes)).bind(12, static_cast<int64_t>(job.losses));
+    statement.bind(13, static_cast<int64_t>(job.cancel_requested));
+    statement.bind(14, static_cast<int64_t>(job.purge_requested));
+    statement.bind(15, job.passes_done).bind(16, job.progress).bind(17, job.seconds);
+    statement.bind(18, job.film).bind(19, job.film_sha256).bind(20, job.statistics).bind(21, job.failure);
+    statement.bind(22, job.attempts);
+}
+
+SceneRow read_scene(const Statement& row) {
+    return {row.integer(0), row.text(1), row.text(2), row.text(3), row.text(4), row.integer(5)};
+}
+
+std::vector<std::string> read_texts(Statement& statement) {
+    std::vector<std::string> texts;
+    while (statement.step()) texts.push_back(statement.text(0));
+    return texts;
+}
+
+}  // namespace
+
+std::optional<JobState> job_state_named(std::string_view name) {
+    for (size_t i = 0; i < std::size(kJobStates); ++i)
+        if (kJobStates[i] == name) return static_cast<JobState>(i);
+    return std::nullopt;
+}
+
+std::string job_id(int64_t seq) { return "J" + std::to_string(seq); }
+
+int64_t job_seq(std::string_view id) {
+    int64_t seq = 0;
+    if (id.size() < 2 || id.size() > 19 || id[0] != 'J' || id[1] == '0') return 0;
+    const auto [end, error] = std::from_chars(id.data() + 1, id.data() + id.size(), seq);
+    return error == std::errc() && end == id.data() + id.size() && seq > 0 ? seq : 0;
+}
+
+Store::Store(const std::filesystem::path& file) : database_(file, kMigrations, kSchemaVersion) {}
+
+void Store::insert_job(JobRow& job, const std::vector<std::pair<std::string, std::string>>& labels) {
+    Statement insert = database_.prepare(
+        "INSERT INTO jobs (state, priority, device, method, scene, request, created_ms, started_ms, finished_ms, "
+        "attempt, crashes, losses, cancel_requested, purge_requested, passes_done, progress, seconds, film, "
+        "film_sha256, statistics, failure, attempts) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, "
+        "?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21, ?22)");
+    bind_job(insert, job);
+    insert.run();
+    job.seq = database_.last_insert_id();
+    for (const auto& [key, value] : labels)
+        database_.prepare("INSERT INTO labels (key, value, job) VALUES (?1, ?2, ?3)")
+            .bind(1, key)
+            .bind(2, value)
+            .bind(3, job.seq)
+            .run();
+}
+
+void Store::update_job(const JobRow& job) {
+    Statement update = database_.prepare(
+        "UPDATE jobs SET state = ?1, priority = ?2, device = ?3, method = ?4, scene = ?5, request = ?6, created_ms = "
+        "?7, started_ms = ?8, finished_ms = ?9, attempt = ?10, crashes = ?11, losses = ?12, cancel_requested = ?13, "
+        "purge_requested = ?14, passes_done = ?15, progress = ?16, seconds = ?17, film = ?18, film_sha256 = ?19, "
+        "statistics = ?20, failure = ?21, attempts = ?22 WHERE seq = ?23");
+    bind_job(update, job);
+    update.bind(23, job.seq).run();
+}
+
+void Store::delete_job(int64_t seq) {
+    database_.prepare("DELETE FROM events WHERE job = ?1").bind(1, seq).run();
+    database_.prepare("DELETE FROM jobs WHERE seq = ?1").bind(1, seq).run();
+}
+
+std::optional<JobRow> Store::job(int64_t seq) {
+    Statement read = database_.prepare("SELECT " PHOTOND_JOB_COLUMNS " FROM jobs WHERE seq = ?1");
+    read.bind(1, seq);
+    if (!read.step()) return std::nullopt;
+    return read_job(read);
+}
+
+std::vector<JobRow> Store::jobs(const JobQuery& query) {
+    // One text for each set of filters in use, so that each gets its own plan and index.
+    std::string sql = "SELECT " PHOTOND_JOB_COLUMNS " FROM jobs WHERE seq < ?1";
+    if (query.state) sql += " AND state = ?3";
+    if (!query.scene.empty()) sql += " AND scene = ?4";
+    if (!query.method.empty()) sql += " AND method = ?5";
+    if (!query.label_key.empty()) {
+        sql += " AND seq IN (SELECT job FROM labels WHERE key = ?6";
+        if (query.label_value) sql += " AND value = ?7";
+        sql += ")";
+    }
+    sql += " ORDER BY seq DESC LIMIT ?2";
+    Statement read = database_.prepare(sql);
+    read.bind(1, query.before).bind(2, static_cast<int64_t>(query.limit));
+    if (query.state) read.bind(3, static_cast<int64_t>(*query.state));
+    if (!query.scene.empty()) read.bind(4, query.scene);
+    if (!query.method.empty()) read.bind(5, query.method);
+    if (!query.label_key.empty()) read.bind(6, query.label_key);
+    if (query.label_value) read.bind(7, *query.label_value);
+    return read_jobs(read);
+}
+
+std::vector<JobRow> Store::running_jobs() {
+    Statement read = database_.prepare("SELECT " PHOTOND_JOB_COLUMNS " FROM jobs WHERE state = 1 ORDER BY seq");
+    return read_jobs(read);
+}
+
+std::vector<QueuedJob> Store::queued_jobs() {
+    Statement read = database_.prepare("SELECT seq, priority, device FROM jobs WHERE state = 0");
+    std::vector<QueuedJob> jobs;
+    while (read.step()) jobs.push_back({read.integer(0), static_cast<int>(read.integer(1)), read.text(2)});
+    return jobs;
+}
+
+int64_t Store::unfinished_jobs_of_scene(const std::string& scene) {
+    Statement read = database_.prepare("SELECT count(*) FROM jobs WHERE scene = ?1 AND state IN (0, 1)");
+    read.bind(1, scene);
+    return read.step() ? read.integer(0) : 0;
+}
+
+int64_t Store::count_jobs(JobState state) {
+    Statement read = database_.prepare("SELECT count(*) FROM jobs WHERE state = ?1");
+    read.bind(1, static_cast<int64_t>(state));
+    return read.step() ? read.integer(0) : 0;
+}
+
+std::vector<std::string> Store::films() {
+    Statement read = database_.prepare("SELECT film FROM jobs WHERE film <> ''");
+    return read_texts(read);
+}
+
+std::vector<JobRow> Store::latest_succeeded(const std::string& method, uint32_t limit) {
+    Statement read = database_.prepare("SELECT " PHOTOND_JOB_COLUMNS
+                                       " FROM jobs WHERE method = ?1 AND state = 2 ORDER BY seq DESC LIMIT ?2");
+    read.bind(1, method).bind(2, static_cast<int64_t>(limit));
+    return read_jobs(read);
+}
+
+void Store::append_log(int64_t seq, int64_t at_ms, const std::string& line) {
+    database_.prepare("INSERT INTO job_log (job, at_ms, line) VALUES (?1, ?2, ?3)")
+        .bind(1, seq)
+        .bind(2, at_ms)
+        .bind(3, line)
+        .run();
+}
+
+std::vector<std::pair<int64_t, std::string>> Store::log(int64_t seq) {
+    Statement read = database_.prepare("SELECT at_ms, line FROM job_log WHERE job = ?1 ORDER BY id");
+    read.bind(1, seq);
+    std::vector<std::pair<int64_t, std::string>> lines;
+    while (read.step()) lines.emplace_back(read.integer(0), read.text(1));
+    return lines;
+}
+
+std::optional<Store::KeyRow> Store::key(const std::string& key) {
+    Statement read = database_.prepare("SELECT body_sha256, job FROM keys WHERE key = ?1");
+    read.bind(1, key);
+    if (!read.step()) return std::nullopt;
+    return KeyRow{read.text(0), read.integer(1)};
+}
+
+void Store::insert_key(const std::string& key, const std::string& body_sha256, int64_t job, int64_t at_ms) {
+    database_.prepare("INSERT INTO keys (key, body_sha256, at_ms, job) VALUES (?1, ?2, ?3, ?4)")
+        .bind(1, key)
+        .bind(2, body_sha256)
+        .bind(3, at_ms)
+        .bind(4, job)
+        .run();
+}
+
+void Store::insert_scene(SceneRow& scene) {
+    database_.prepare("INSERT INTO scenes (id, name, file, summary, created_ms) VALUES (?1, ?2, ?3, ?4, ?5)")
+        .bind(1, scene.id)
+        .bind(2, scene.name)
+        .bind(3, scene.file)
+        .bind(4, scene.summary)
+        .bind(5, scene.created_ms)
+        .run();
+    scene.seq = database_.last_insert_id();
+}
+
+void Store::delete_scene(const std::string& id) {
+    database_.prepare("DELETE FROM scenes WHERE id = ?1").bind(1, id).run();
+}
+
+std::optional<SceneRow> Store::scene(const std::string& id) {
+    Statement read = database_.prepare("SELECT seq, id, name, file, summary, created_ms FROM scenes WHERE id = ?1");
+    read.bind(1, id);
+    if (!read.step()) return std::nullopt;
+    return read_scene(read);
+}
+
+std::optional<SceneRow> Store::scene_named(const std::string& name) {
+    Statement read = database_.prepare(
+        "SELECT seq, id, name, file, summary, created_ms FROM scenes WHERE name = ?1 ORDER BY seq DESC LIMIT 1");
+    read.bind(1, name);
+    if (!read.step()) return std::nullopt;
+    return read_scene(read);
+}
+
+std::vector<SceneRow> Store::scenes(int64_t before, uint32_t limit) {
+    Statement read = database_.prepare(
+        "SELECT seq, id, name, file, summary, created_ms FROM scenes WHERE seq < ?1 ORDER BY seq DESC LIMIT ?2");
+    read.bind(1, before).bind(2, static_cast<int64_t>(limit));
+    std::vector<SceneRow> scenes;
+    while (read.step()) scenes.push_back(read_scene(read));
+    return scenes;
+}
+
+std::vector<std::string> Store::scene_ids() {
+    Statement read = database_.prepare("SELECT id FROM scenes");
+    return read_texts(read);
+}
+
+void Store::insert_image(const ImageRow& image) {
+    database_
+        .prepare(
+            "INSERT INTO images (id, media_type, file, width, height, channels, bytes, created_ms) VALUES (?1, ?2, "
+            "?3, ?4, ?5, ?6, ?7, ?8)")
+        .bind(1, image.id)
+        .bind(2, image.media_type)
+        .bind(3, image.file)
+        .bind(4, image.width)
+        .bind(5, image.height)
+        .bind(6, image.channels)
+        .bind(7, image.bytes)
+        .bind(8, image.created_ms)
+        .run();
+}
+
+std::optional<ImageRow> Store::image(const std::string& id) {
+    Statement read = database_.prepare(
+        "SELECT id, media_type, file, width, height, channels, bytes, created_ms FROM images WHERE id = ?1");
+    read.bind(1, id);
+    if (!read.step()) return std::nullopt;
+    return ImageRow{read.text(0),    read.text(1),    read.text(2),    read.integer(3),
+                    read.integer(4), read.integer(5), read.integer(6), read.integer(7)};
+}
+
+std::vector<std::string> Store::image_files() {
+    Statement read = database_.prepare("SELECT file FROM images");
+    return read_texts(read);
+}
+
+void Store::insert_event(const Event& event, int64_t job) {
+    database_.prepare("INSERT INTO events (id, job, type, data) VALUES (?1, ?2, ?3, ?4)")
+        .bind(1, static_cast<int64_t>(event.id))
+        .bind(2, job)
+        .bind(3, event.type)
+        .bind(4, event.data)
+        .run();
+}
+
+std::vector<Event> Store::events(uint64_t after_id, uint64_t before_id, int64_t job, size_t limit) {
+    Statement read = database_.prepare(
+        job ? "SELECT id, job, type, data FROM events WHERE id > ?1 AND id < ?2 AND job = ?4 ORDER BY id LIMIT ?3"
+            : "SELECT id, job, type, data FROM events WHERE id > ?1 AND id < ?2 ORDER BY id LIMIT ?3");
+    // Ids are SQLite's signed 64-bit integers; a client may ask beyond them.
+    constexpr uint64_t kLast = INT64_MAX;
+    read.bind(1, static_cast<int64_t>(std::min(after_id, kLast)));
+    read.bind(2, static_cast<int64_t>(std::min(before_id, kLast)));
+    read.bind(3, static_cast<int64_t>(limit));
+    if (job) read.bind(4, job);
+    std::vector<Event> events;
+    while (read.step())
+        events.push_back({static_cast<uint64_t>(read.integer(0)), read.text(2), job_id(read.integer(1)), read.text(3)});
+    return events;
+}
+
+void Store::prune_events(size_t keep) {
+    database_.prepare("DELETE FROM events WHERE id <= (SELECT id FROM events ORDER BY id DESC LIMIT 1 OFFSET ?1)")
+        .bind(1, static_cast<int64_t>(keep))
+        .run();
+}
+
+uint64_t Store::event_ids_until() {
+    Statement read = database_.prepare("SELECT value FROM meta WHERE key = 'event_ids_until'");
+    return read.step() ? static_cast<uint64_t>(read.integer(0)) : 1;
+}
+
+void Store::set_event_ids_until(uint64_t id) {
+    database_.prepare("INSERT OR REPLACE INTO meta (key, value) VALUES ('event_ids_until', ?1)")
+        .bind(1, static_cast<int64_t>(id))
+        .run();
+}
+
+std::string Store::integrity() {
+    Statement check = database_.prepare("PRAGMA integrity_check");
+    return check.step() ? check.text(0) : "no answer";
+}
+
+}  // namespace photond

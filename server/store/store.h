@@ -1,0 +1,145 @@
+#pragma once
+// What the daemon must not forget: jobs, scenes, images, idempotency keys, events. Typed rows over one SQLite database.
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "server/events.h"
+#include "server/store/database.h"
+
+namespace photond {
+
+enum class JobState : uint8_t { Queued, Running, Succeeded, Failed, Cancelled };
+inline constexpr std::string_view kJobStates[] = {"queued", "running", "succeeded", "failed", "cancelled"};
+constexpr std::string_view job_state_name(JobState state) { return kJobStates[static_cast<size_t>(state)]; }
+std::optional<JobState> job_state_named(std::string_view name);
+constexpr bool is_over(JobState state) { return state >= JobState::Succeeded; }
+
+/// A job as it is kept. Times are milliseconds since 1970 UTC; JSON members are texts.
+struct JobRow {
+    int64_t seq = 0;  // rising, never used twice; the id is "J" and this
+    JobState state = JobState::Queued;
+    int priority = 0;
+    std::string device, method, scene;
+    std::string request;  // JSON, every default filled in
+    int64_t created_ms = 0;
+    std::optional<int64_t> started_ms, finished_ms;
+    int64_t attempt = 0;  // fencing token: attempts begun so far
+    int crashes = 0;      // attempts ended by the worker's own signal, since the last retry
+    int losses = 0;       // attempts lost through no fault of the job, since the last retry
+    bool cancel_requested = false;
+    bool purge_requested = false;
+    int64_t passes_done = 0;
+    double progress = 0;
+    double seconds = 0;
+    std::string film;  // file name in the films folder; empty: none
+    std::string film_sha256;
+    std::string statistics;       // JSON or empty
+    std::string failure;          // JSON (problem) or empty
+    std::string attempts = "[]";  // JSON
+};
+
+struct SceneRow {
+    int64_t seq = 0;
+    std::string id, name, file;  // file: relative to the scene's folder
+    std::string summary;         // JSON, without id
+    int64_t created_ms = 0;
+};
+
+struct ImageRow {
+    std::string id, media_type, file;
+    int64_t width = 0, height = 0, channels = 0, bytes = 0, created_ms = 0;
+};
+
+struct JobQuery {
+    std::optional<JobState> state;
+    std::string label_key;
+    std::optional<std::string> label_value;
+    std::string scene, method;   // empty: any
+    int64_t before = INT64_MAX;  // seq of the last row of the page before
+    uint32_t limit = 100;
+};
+
+struct QueuedJob {
+    int64_t seq;
+    int priority;
+    std::string device;
+};
+
+/// Not thread-safe: the service's lock serialises. Every write is inside a transaction() of the caller.
+class Store {
+public:
+    explicit Store(const std::filesystem::path& file);
+
+    Database::Transaction transaction() { return Database::Transaction(database_); }
+
+    // --- jobs
+    // ---------------------------------------------------------------------------------------------------------
+    /// Fills in seq.
+    void insert_job(JobRow& job, const std::vector<std::pair<std::string, std::string>>& labels);
+    void update_job(const JobRow& job);
+    void delete_job(int64_t seq);
+    std::optional<JobRow> job(int64_t seq);
+    /// Newest first.
+    std::vector<JobRow> jobs(const JobQuery& query);
+    std::vector<JobRow> running_jobs();
+    std::vector<QueuedJob> queued_jobs();
+    int64_t unfinished_jobs_of_scene(const std::string& scene);
+    int64_t count_jobs(JobState state);
+    std::vector<std::string> films();
+    /// The newest succeeded jobs of a method, at most `limit`; for estimates.
+    std::vector<JobRow> latest_succeeded(const std::string& method, uint32_t limit);
+
+    void append_log(int64_t seq, int64_t at_ms, const std::string& line);
+    std::vector<std::pair<int64_t, std::string>> log(int64_t seq);
+
+    // --- idempotency
+    // --------------------------------------------------------------------------------------------------
+    struct KeyRow {
+        std::string body_sha256;
+        int64_t job;
+    };
+    std::optional<KeyRow> key(const std::string& key);
+    void insert_key(const std::string& key, const std::string& body_sha256, int64_t job, int64_t at_ms);
+
+    // --- scenes and images
+    // --------------------------------------------------------------------------------------------
+    void insert_scene(SceneRow& scene);
+    void delete_scene(const std::string& id);
+    std::optional<SceneRow> scene(const std::string& id);
+    /// The newest of that name.
+    std::optional<SceneRow> scene_named(const std::string& name);
+    std::vector<SceneRow> scenes(int64_t before, uint32_t limit);
+    std::vector<std::string> scene_ids();
+
+    void insert_image(const ImageRow& image);
+    std::optional<ImageRow> image(const std::string& id);
+    std::vector<std::string> image_files();
+
+    // --- events
+    // -------------------------------------------------------------------------------------------------------
+    void insert_event(const Event& event, int64_t job);
+    /// `job` 0: all.
+    std::vector<Event> events(uint64_t after_id, uint64_t before_id, int64_t job, size_t limit);
+    /// Forgets all but the newest `keep`.
+    void prune_events(size_t keep);
+    /// No id below this one will be given out by a later start.
+    uint64_t event_ids_until();
+    void set_event_ids_until(uint64_t id);
+
+    /// SQLite's integrity_check: "ok" or what is wrong.
+    std::string integrity();
+
+private:
+    Database database_;
+};
+
+std::string job_id(int64_t seq);
+/// 0 for what is no job id.
+int64_t job_seq(std::string_view id);
+
+}  // namespace photond
