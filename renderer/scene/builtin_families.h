@@ -1,0 +1,37 @@
+#pragma once
+// The families of built-in scenes, one file each; builtin_scenes.cpp lists them by name. None is finished yet
+// (finish_scene).
+
+#include "renderer/scene/scene.h"
+
+namespace photond {
+
+// builtin_cornell.cpp: the measured Cornell box and its variations.
+Scene make_cornell_box();
+Scene make_cornell_box_spot();
+Scene make_cornell_box_glass();
+Scene make_cornell_box_glossy();
+
+// builtin_studies.cpp: small scenes that each show one thing.
+Scene make_furnace();
+Scene make_caustic_ring();
+Scene make_keyhole();
+
+/// A matte material without the 4 % specular lobe of a glTF non-metal: pure Lambert.
+Material lambert(const char* name, const Rgb& albedo);
+Material metal(const char* name, const Rgb& reflectance, float roughness);
+/// Lambert below a smooth or rough dielectric coat of index 1.5.
+Material plastic(const char* name, const Rgb& albedo, float roughness);
+/// Solid glass of index 1.5, clear.
+Material glass(const char* name);
+/// Emits and reflects nothing.
+Material emitter(const char* name, const Rgb& radiance);
+
+/// Adds a material and returns its index.
+uint32_t add_material(Scene& scene, Material material);
+/// Adds a mesh with one placing of its own, in world space.
+void add_mesh(Scene& scene, Mesh mesh);
+/// Adds a camera named "camera".
+void add_camera(Scene& scene, const dvec3& eye, const dvec3& target, float yfov);
+
+}  // namespace photond

@@ -1,0 +1,103 @@
+#include "renderer/scene/builtin_scenes.h"
+
+#include <array>
+
+#include "protocol/error.h"
+#include "renderer/scene/builtin_families.h"
+
+namespace photond {
+
+namespace {
+
+struct BuiltinScene {
+    std::string_view name;
+    Scene (*make)();
+};
+
+constexpr std::array kBuiltinScenes = {
+    BuiltinScene{"cornell-box", make_cornell_box},
+    BuiltinScene{"cornell-box-spot", make_cornell_box_spot},
+    BuiltinScene{"cornell-box-glass", make_cornell_box_glass},
+    BuiltinScene{"cornell-box-glossy", make_cornell_box_glossy},
+    BuiltinScene{"furnace", make_furnace},
+    BuiltinScene{"caustic-ring", make_caustic_ring},
+    BuiltinScene{"keyhole", make_keyhole},
+};
+
+constexpr auto kNames = [] {
+    std::array<std::string_view, kBuiltinScenes.size()> names;
+    for (size_t i = 0; i < names.size(); ++i) names[i] = kBuiltinScenes[i].name;
+    return names;
+}();
+
+}  // namespace
+
+std::span<const std::string_view> builtin_scene_names() { return kNames; }
+
+Scene make_builtin_scene(std::string_view name) {
+    for (const BuiltinScene& builtin : kBuiltinScenes)
+        if (builtin.name == name) {
+            Scene scene = builtin.make();
+            scene.name = name;
+            finish_scene(scene);
+            return scene;
+        }
+    throw Error(ErrorCode::NotFound, "there is no built-in scene named \"" + std::string(name) + "\"");
+}
+
+Material lambert(const char* name, const Rgb& albedo) {
+    Material material;
+    material.name = name;
+    material.base_color = albedo;
+    material.metallic = 0;
+    material.specular = 0;
+    return material;
+}
+
+Material metal(const char* name, const Rgb& reflectance, float roughness) {
+    Material material;
+    material.name = name;
+    material.base_color = reflectance;
+    material.roughness = roughness;
+    return material;
+}
+
+Material plastic(const char* name, const Rgb& albedo, float roughness) {
+    Material material = lambert(name, albedo);
+    material.specular = 1;
+    material.roughness = roughness;
+    return material;
+}
+
+Material glass(const char* name) {
+    Material material = plastic(name, Rgb(1), 0);
+    material.transmission = 1;
+    material.solid = true;
+    return material;
+}
+
+Material emitter(const char* name, const Rgb& radiance) {
+    Material material = lambert(name, Rgb(0));
+    material.emission = radiance;
+    return material;
+}
+
+uint32_t add_material(Scene& scene, Material material) {
+    scene.materials.push_back(std::move(material));
+    return static_cast<uint32_t>(scene.materials.size() - 1);
+}
+
+void add_mesh(Scene& scene, Mesh mesh) {
+    Instance instance;
+    instance.mesh = static_cast<uint32_t>(scene.meshes.size());
+    scene.meshes.push_back(std::move(mesh));
+    scene.instances.push_back(instance);
+}
+
+void add_camera(Scene& scene, const dvec3& eye, const dvec3& target, float yfov) {
+    Camera camera = look_at_camera(eye, target, dvec3(0, 1, 0), yfov);
+    camera.name = "camera";
+    scene.cameras.push_back(std::move(camera));
+}
+
+}  // namespace photond
