@@ -18,6 +18,7 @@ namespace photond {
 struct PassImage {
     PassImage() = default;
     PassImage(Size2 image_size, LayerSet layer_set);
+    static uint64_t bytes_for(Size2 size, LayerSet layers);
 
     Size2 size;
     LayerSet layers;
@@ -27,15 +28,22 @@ struct PassImage {
     std::vector<uint8_t> hit;  // 1 where the sample met a surface; only kept when an auxiliary layer is asked for
 };
 
-/// 128-bit signed fixed point with 64 fractional bits: range +-2^63, resolution 2^-64.
+/// 128-bit signed fixed point with 64 fractional bits: range +-2^63, resolution 2^-64. A value of one pass lies below
+/// kFilmValueLimit, so that 2^32 passes of three layers cannot overflow.
 __extension__ typedef __int128 FixedSum;
+/// Sums of squares, unsigned with 64 fractional bits. Addition saturates, which for values that are never negative is
+/// still exactly associative; a saturated sum stands for "unknown" and its variance is infinite.
+__extension__ typedef unsigned __int128 FixedSquares;
+
+/// Greatest magnitude a pass may contribute to a pixel; larger values are dropped and counted with the infinities.
+inline constexpr float kFilmValueLimit = 0x1p29f;
 
 class Film {
 public:
     Film(Size2 size, LayerSet layers);
 
-    /// Adds one pass. A pixel whose radiance is NaN, infinite or out of range (any channel, any layer) contributes zero to
-    /// that pass and is counted.
+    /// Adds one pass, which has the film's size and layers. A pixel that holds a NaN, an infinity or a value past
+    /// kFilmValueLimit (any channel, any layer) contributes zero to that pass and is counted, once.
     void add_pass(const PassImage& pass);
 
     /// Bytes a film of that size and those layers takes; for MemoryBudget::require() before it is made.
@@ -45,9 +53,12 @@ public:
     LayerSet layers() const { return layers_; }
     uint32_t passes() const { return passes_; }
     uint64_t nan_count() const { return nan_count_; }
-    uint64_t infinity_count() const { return infinity_count_; }
+    uint64_t infinity_count() const { return infinity_count_; }  // out of range included
+    uint64_t bytes() const { return bytes_for(size_, layers_); }
 
     /// Mean over the passes of a layer (or the beauty), as size().pixels() * channels floats; 0 before the first pass.
+    /// Auxiliary layers: mean over the samples that hit, 0 where none did. StandardError: of the beauty's mean, from
+    /// the variance between passes; infinite before the second pass, when nothing is known of it.
     std::vector<float> resolve(Layer layer) const;
     std::vector<float> resolve_beauty() const;
     /// Unbiased variance between passes of one pass's value, per pixel and channel; empty for fewer than two passes.
@@ -60,6 +71,8 @@ public:
     bool operator==(const Film&) const = default;  // bit for bit
 
 private:
+    FixedSum beauty_sum(size_t index) const;
+
     friend class FilmFile;  // film_file.h: saves and loads the sums themselves
 
     Size2 size_;
@@ -67,10 +80,10 @@ private:
     uint32_t passes_ = 0;
     uint64_t nan_count_ = 0;
     uint64_t infinity_count_ = 0;
-    // Sums by channel, three (depth: one) a pixel.
+    // By channel, three (depth: one) a pixel; empty where the layer is not kept. The beauty is the sum of its parts.
     std::vector<FixedSum> sums_[kLayerCount];
-    std::vector<FixedSum> squares_beauty_, squares_direct_, squares_indirect_;
-    std::vector<uint32_t> hits_;  // samples that hit, for auxiliary layers
+    std::vector<FixedSquares> squares_beauty_, squares_direct_, squares_indirect_;
+    std::vector<uint32_t> hits_;  // samples that hit; only kept with an auxiliary layer
 };
 
 }  // namespace photond

@@ -13,7 +13,7 @@ inline constexpr size_t kLayerCount = 9;
 
 struct LayerInfo {
     Layer layer;
-    std::string_view name;                 // the wire's and the EXR's
+    std::string_view name;                     // the wire's and the EXR's
     std::array<std::string_view, 3> channels;  // EXR channel suffixes; depth uses the first only
     uint32_t channel_count;
     bool radiance;  // a part of the light: exact sums; else an auxiliary layer: mean over the samples that hit

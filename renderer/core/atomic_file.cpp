@@ -1,0 +1,58 @@
+#include "renderer/core/atomic_file.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "protocol/error.h"
+
+namespace photond {
+
+AtomicFile::AtomicFile(const std::filesystem::path& path) : path_(path), part_(path.string() + ".part") {
+    const int descriptor = open(part_.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0644);
+    if (descriptor < 0) fail("cannot create", errno);
+    file_ = fdopen(descriptor, "w+b");
+    if (!file_) {
+        const int error = errno;
+        close(descriptor), unlink(part_.c_str());
+        fail("cannot open a stream on", error);
+    }
+}
+
+AtomicFile::~AtomicFile() {
+    if (!file_) return;
+    fclose(file_);
+    unlink(part_.c_str());
+}
+
+void AtomicFile::write(const void* data, size_t bytes) {
+    if (fwrite(data, 1, bytes, file_) != bytes) fail("cannot write", errno);
+}
+
+void AtomicFile::commit() {
+    errno = 0;
+    if (fflush(file_) != 0 || ferror(file_)) fail("cannot write", errno);
+    if (fsync(fileno(file_)) != 0) fail("cannot sync", errno);
+    FILE* const file = file_;
+    file_ = nullptr;
+    if (fclose(file) != 0 || rename(part_.c_str(), path_.c_str()) != 0) {
+        const int error = errno;
+        unlink(part_.c_str());
+        fail("cannot put in place", error);
+    }
+    const int folder = open(path_.parent_path().empty() ? "." : path_.parent_path().c_str(), O_RDONLY | O_CLOEXEC);
+    if (folder < 0) fail("cannot open the folder of", errno);
+    const int status = fsync(folder), error = errno;
+    close(folder);
+    if (status != 0) fail("cannot sync the folder of", error);
+}
+
+void AtomicFile::fail(const char* what, int error) const {
+    const bool full = error == ENOSPC || error == EDQUOT || error == EFBIG;
+    throw Error(full ? ErrorCode::NoSpace : ErrorCode::Internal,
+                std::string(what) + " " + path_.filename().string() + ": " + std::strerror(error));
+}
+
+}  // namespace photond

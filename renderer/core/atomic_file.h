@@ -1,0 +1,31 @@
+#pragma once
+// Files that appear whole or not at all: written beside, fsynced, renamed, and the folder fsynced.
+
+#include <cstdio>
+#include <filesystem>
+
+namespace photond {
+
+/// A file under construction as PATH.part, visible under its own name after commit(). Without commit() nothing stays.
+/// Throws ErrorCode::NoSpace when the disk or a quota is full, ErrorCode::Internal on any other failure.
+class AtomicFile {
+public:
+    explicit AtomicFile(const std::filesystem::path& path);
+    ~AtomicFile();
+    AtomicFile(const AtomicFile&) = delete;
+    AtomicFile& operator=(const AtomicFile&) = delete;
+
+    void write(const void* data, size_t bytes);
+    /// For libraries that write to a stream; commit() checks what they did.
+    FILE* stream() { return file_; }
+    void commit();
+
+private:
+    [[noreturn]] void fail(const char* what, int error) const;
+
+    std::filesystem::path path_;
+    std::filesystem::path part_;
+    FILE* file_ = nullptr;
+};
+
+}  // namespace photond

@@ -1,0 +1,64 @@
+#pragma once
+// OpenEXR in and out (protocol.md, "The EXR"). The only place, with png_file and scene/texture_decode, that knows an
+// image library.
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "renderer/film/film.h"
+
+namespace photond {
+
+enum class Precision : uint8_t { Float, Half };
+
+/// Largest finite half; larger values are stored as infinity and counted.
+inline constexpr float kLargestHalf = 65504.0f;
+
+/// One attribute of the header, its full name included ("photond:seed").
+struct ImageAttribute {
+    std::string name;
+    std::variant<double, std::string> value;
+};
+
+/// Writes every layer of the film: one part, scanlines, ZIP, Rec.709 chromaticities, no date; the same film and
+/// attributes give the same bytes. Returns how many finite values became infinite. Throws ErrorCode::NoSpace.
+uint64_t write_exr(const Film& film, Precision precision, std::span<const ImageAttribute> attributes,
+                   const std::filesystem::path& path);
+
+/// Rounds to half precision, row by row as given; values past kLargestHalf become infinite and are counted.
+std::vector<uint16_t> to_half(std::span<const float> values, uint64_t& overflowed);
+
+/// A multi-layer image as read: "beauty" (channels R G B without a layer name) and every layer whose channels are those
+/// of protocol.md; interleaved, row 0 at the top.
+struct LayeredImage {
+    Size2 size;
+    std::map<std::string, std::vector<float>> layers;
+};
+
+struct ImageHeader {
+    Size2 size;
+    uint32_t channels = 0;
+};
+
+/// Limits on images that come from outside.
+inline constexpr uint64_t kMaxImagePixels = 64ull << 20;
+inline constexpr uint32_t kMaxImageChannels = 64;
+inline constexpr uint64_t kMaxImageValues = 512ull << 20;  // pixels x channels: 2 GiB as float
+
+/// Reads an EXR. Throws ErrorCode::BadImage, before any pixel memory is taken when the header is at fault: not an EXR,
+/// over kMaxImagePixels or kMaxImageChannels, no R G B, several parts, deep or sub-sampled data.
+LayeredImage read_exr(const std::filesystem::path& path);
+
+/// Judges an uploaded EXR or Radiance HDR image: header within the limits above, every pixel decodable. Throws
+/// ErrorCode::BadImage.
+ImageHeader judge_image(const std::filesystem::path& path);
+
+/// Pays the image library's one-time costs, so that the first real encoding is as fast as the next.
+void warm_up_exr();
+
+}  // namespace photond

@@ -1,0 +1,264 @@
+#include "renderer/film/film.h"
+
+#include <atomic>
+#include <bit>
+#include <cassert>
+#include <cmath>
+
+#include "renderer/core/parallel.h"
+#include "renderer/core/sha256.h"
+
+namespace photond {
+
+namespace {
+
+constexpr size_t kGrainPixels = 2048;
+constexpr uint32_t kMagnitudeBits = 0x7fffffffu;
+constexpr uint32_t kLimitBits = std::bit_cast<uint32_t>(kFilmValueLimit);
+constexpr uint32_t kInfinityBits = 0x7f800000u;
+constexpr FixedSquares kSaturated = ~FixedSquares{0};
+
+/// Layers that hold means over the samples that hit, and are summed.
+constexpr Layer kAuxiliary[] = {Layer::Albedo, Layer::Normal, Layer::Position, Layer::Depth};
+
+bool keeps_hits(LayerSet layers) {
+    for (const Layer layer : kAuxiliary)
+        if (layers.has(layer)) return true;
+    return false;
+}
+
+bool is_summed(LayerSet layers, Layer layer) { return layers.has(layer) && layer != Layer::StandardError; }
+
+/// mantissa x 2^shift, rounded to the nearest whole number (halves upwards).
+inline FixedSquares shifted(uint64_t mantissa, int shift) {
+    if (shift >= 0) return FixedSquares{mantissa} << shift;
+    if (shift < -63) return 0;
+    return (mantissa + (uint64_t{1} << (-shift - 1))) >> -shift;
+}
+
+/// x / 2^-64, rounded; |x| < kFilmValueLimit.
+inline FixedSum to_fixed(float x) {
+    const uint32_t bits = std::bit_cast<uint32_t>(x);
+    const uint32_t exponent = (bits >> 23) & 0xffu;
+    if (exponent == 0) return 0;  // zero or subnormal: less than half of 2^-64
+    const FixedSum magnitude =
+        static_cast<FixedSum>(shifted((bits & 0x7fffffu) | 0x800000u, static_cast<int>(exponent) - 127 - 23 + 64));
+    return bits >> 31 ? -magnitude : magnitude;
+}
+
+/// x / 2^-64, rounded; 0 <= x < 2^63.
+inline FixedSquares to_fixed_squares(double x) {
+    const uint64_t bits = std::bit_cast<uint64_t>(x);
+    const uint32_t exponent = static_cast<uint32_t>(bits >> 52);
+    if (exponent == 0) return 0;
+    return shifted((bits & 0xfffffffffffffull) | 0x10000000000000ull, static_cast<int>(exponent) - 1023 - 52 + 64);
+}
+
+inline void add_square(FixedSquares& sum, double value) {
+    const FixedSquares total = sum + to_fixed_squares(value * value);
+    sum = total < sum ? kSaturated : total;
+}
+
+inline uint32_t magnitude_bits(const Rgb& c) {
+    const auto bits = [](float x) { return std::bit_cast<uint32_t>(x) & kMagnitudeBits; };
+    return std::max({bits(c.x), bits(c.y), bits(c.z)});
+}
+
+inline void add_rgb(FixedSum* sums, const Rgb& c) {
+    for (int k = 0; k < 3; ++k) sums[k] += to_fixed(c[k]);
+}
+
+inline void add_squares(FixedSquares* sums, const Rgb& c) {
+    for (int k = 0; k < 3; ++k) add_square(sums[k], double{c[k]});
+}
+
+double to_double(FixedSum sum) { return std::ldexp(static_cast<double>(sum), -64); }
+
+/// (n sum x^2 - (sum x)^2) / (n (n-1)), the difference taken in whole numbers: a constant pixel has variance 0.
+double variance_of(FixedSum sum, FixedSquares squares, uint32_t n) {
+    if (squares == kSaturated) return std::numeric_limits<double>::infinity();
+    // 256-bit unsigned numbers as (high, low) pairs of 128 bits, in units of 2^-128.
+    const auto multiply = [](uint64_t a, uint64_t b) { return FixedSquares{a} * b; };
+    const FixedSquares magnitude = sum < 0 ? -static_cast<FixedSquares>(sum) : static_cast<FixedSquares>(sum);
+    const uint64_t lo = static_cast<uint64_t>(magnitude), hi = static_cast<uint64_t>(magnitude >> 64);
+    const FixedSquares cross = multiply(lo, hi);  // (hi 2^64 + lo)^2 = hi^2 2^128 + 2 cross 2^64 + lo^2
+    FixedSquares low = multiply(lo, lo), high = multiply(hi, hi) + (cross >> 63);
+    const FixedSquares cross_low = cross << 65;
+    low += cross_low;
+    if (low < cross_low) ++high;
+    // n x squares x 2^64
+    const FixedSquares part_low = multiply(static_cast<uint64_t>(squares), n);
+    const FixedSquares part_high = multiply(static_cast<uint64_t>(squares >> 64), n) + (part_low >> 64);
+    const FixedSquares left_low = part_low << 64, left_high = part_high;
+    // Rounding each square to 2^-64 can make the difference a little negative: that is 0.
+    if (left_high < high || (left_high == high && left_low <= low)) return 0;
+    const FixedSquares borrow = left_low < low ? 1 : 0;
+    const double difference =
+        std::ldexp(static_cast<double>(left_high - high - borrow), 128) + static_cast<double>(left_low - low);
+    return std::ldexp(difference, -128) / (double{static_cast<double>(n)} * (static_cast<double>(n) - 1.0));
+}
+
+template <class Function>
+std::vector<float> per_channel(size_t count, const Function& value) {
+    std::vector<float> pixels(count);
+    parallel_for(count, kGrainPixels, [&](size_t i) { pixels[i] = static_cast<float>(value(i)); });
+    return pixels;
+}
+
+}  // namespace
+
+PassImage::PassImage(Size2 image_size, LayerSet layer_set) : size(image_size), layers(layer_set) {
+    const size_t n = size.pixels();
+    const auto make = [&](Layer layer, std::vector<Rgb>& pixels) {
+        if (layers.has(layer)) pixels.assign(n, Rgb(0));
+    };
+    make(Layer::Emitted, emitted), make(Layer::Direct, direct), make(Layer::Indirect, indirect);
+    make(Layer::Caustic, caustic), make(Layer::Albedo, albedo), make(Layer::Normal, normal);
+    make(Layer::Position, position);
+    if (layers.has(Layer::Depth)) depth.assign(n, 0.0f);
+    if (keeps_hits(layers)) hit.assign(n, 0);
+}
+
+uint64_t PassImage::bytes_for(Size2 size, LayerSet layers) {
+    uint64_t bytes_a_pixel = keeps_hits(layers) ? 1 : 0;
+    for (const LayerInfo& info : kLayers)
+        if (is_summed(layers, info.layer)) bytes_a_pixel += info.channel_count * sizeof(float);
+    return bytes_a_pixel * size.pixels();
+}
+
+Film::Film(Size2 size, LayerSet layers) : size_(size), layers_(layers) {
+    const size_t n = size.pixels();
+    for (const LayerInfo& info : kLayers)
+        if (is_summed(layers, info.layer)) sums_[static_cast<size_t>(info.layer)].assign(n * info.channel_count, 0);
+    squares_beauty_.assign(3 * n, 0), squares_direct_.assign(3 * n, 0), squares_indirect_.assign(3 * n, 0);
+    if (keeps_hits(layers)) hits_.assign(n, 0);
+}
+
+uint64_t Film::bytes_for(Size2 size, LayerSet layers) {
+    uint64_t bytes_a_pixel = 9 * sizeof(FixedSquares) + (keeps_hits(layers) ? sizeof(uint32_t) : 0);
+    for (const LayerInfo& info : kLayers)
+        if (is_summed(layers, info.layer)) bytes_a_pixel += info.channel_count * sizeof(FixedSum);
+    return bytes_a_pixel * size.pixels();
+}
+
+void Film::add_pass(const PassImage& pass) {
+    assert(pass.size == size_ && pass.layers == layers_ && "a pass has its film's size and layers");
+    const auto sums = [&](Layer layer) { return sums_[static_cast<size_t>(layer)].data(); };
+    const bool caustic = layers_.has(Layer::Caustic), auxiliary = keeps_hits(layers_);
+    struct AuxiliaryLayer {
+        FixedSum* sums;
+        const Rgb* values;
+    };
+    AuxiliaryLayer rgb_layers[3];
+    int rgb_layer_count = 0;
+    if (layers_.has(Layer::Albedo)) rgb_layers[rgb_layer_count++] = {sums(Layer::Albedo), pass.albedo.data()};
+    if (layers_.has(Layer::Normal)) rgb_layers[rgb_layer_count++] = {sums(Layer::Normal), pass.normal.data()};
+    if (layers_.has(Layer::Position)) rgb_layers[rgb_layer_count++] = {sums(Layer::Position), pass.position.data()};
+    const bool depth = layers_.has(Layer::Depth);
+
+    FixedSum* const emitted_sums = sums(Layer::Emitted);
+    FixedSum* const direct_sums = sums(Layer::Direct);
+    FixedSum* const indirect_sums = sums(Layer::Indirect);
+    FixedSum* const caustic_sums = sums(Layer::Caustic);
+    FixedSum* const depth_sums = sums(Layer::Depth);
+
+    std::atomic<uint64_t> nan_count{0}, infinity_count{0};
+    const auto add_range = [&](const tbb::blocked_range<size_t>& range) {
+        uint64_t nans = 0, infinities = 0;
+        for (size_t i = range.begin(); i != range.end(); ++i) {
+            const Rgb emitted = pass.emitted[i], direct = pass.direct[i], indirect = pass.indirect[i];
+            const uint32_t emitted_bits = magnitude_bits(emitted), direct_bits = magnitude_bits(direct);
+            const uint32_t indirect_bits = magnitude_bits(indirect);
+            uint32_t worst = std::max({emitted_bits, direct_bits, indirect_bits});
+            const bool hit = auxiliary && pass.hit[i];
+            if (caustic) worst = std::max(worst, magnitude_bits(pass.caustic[i]));
+            if (hit) {
+                for (int k = 0; k < rgb_layer_count; ++k)
+                    worst = std::max(worst, magnitude_bits(rgb_layers[k].values[i]));
+                if (depth) worst = std::max(worst, std::bit_cast<uint32_t>(pass.depth[i]) & kMagnitudeBits);
+            }
+            if (worst >= kLimitBits) {
+                ++(worst > kInfinityBits ? nans : infinities);
+                continue;
+            }
+            if (emitted_bits) add_rgb(emitted_sums + 3 * i, emitted);
+            if (direct_bits) {
+                add_rgb(direct_sums + 3 * i, direct);
+                add_squares(&squares_direct_[3 * i], direct);
+            }
+            if (indirect_bits) {
+                add_rgb(indirect_sums + 3 * i, indirect);
+                add_squares(&squares_indirect_[3 * i], indirect);
+            }
+            if (emitted_bits | direct_bits | indirect_bits)
+                for (int k = 0; k < 3; ++k)
+                    add_square(squares_beauty_[3 * i + static_cast<size_t>(k)],
+                               double{emitted[k]} + double{direct[k]} + double{indirect[k]});
+            if (caustic && !is_black(pass.caustic[i])) add_rgb(caustic_sums + 3 * i, pass.caustic[i]);
+            if (hit) {
+                ++hits_[i];
+                for (int k = 0; k < rgb_layer_count; ++k) add_rgb(rgb_layers[k].sums + 3 * i, rgb_layers[k].values[i]);
+                if (depth) depth_sums[i] += to_fixed(pass.depth[i]);
+            }
+        }
+        nan_count += nans, infinity_count += infinities;
+    };
+    tbb::parallel_for(tbb::blocked_range<size_t>(0, size_.pixels(), kGrainPixels), add_range);
+    nan_count_ += nan_count, infinity_count_ += infinity_count;
+    ++passes_;
+}
+
+std::vector<float> Film::resolve(Layer layer) const {
+    assert(layers_.has(layer));
+    const LayerInfo& info = layer_info(layer);
+    const size_t count = size_.pixels() * info.channel_count;
+    if (layer == Layer::StandardError) {
+        if (passes_ < 2) return std::vector<float>(count, std::numeric_limits<float>::infinity());
+        return per_channel(count, [&](size_t i) {
+            return std::sqrt(variance_of(beauty_sum(i), squares_beauty_[i], passes_) / passes_);
+        });
+    }
+    const std::vector<FixedSum>& sums = sums_[static_cast<size_t>(layer)];
+    return per_channel(count, [&](size_t i) {
+        const uint32_t samples = info.radiance ? passes_ : hits_[i / info.channel_count];
+        return samples ? to_double(sums[i]) / samples : 0.0;
+    });
+}
+
+FixedSum Film::beauty_sum(size_t i) const {
+    return sums_[static_cast<size_t>(Layer::Emitted)][i] + sums_[static_cast<size_t>(Layer::Direct)][i] +
+           sums_[static_cast<size_t>(Layer::Indirect)][i];
+}
+
+std::vector<float> Film::resolve_beauty() const {
+    return per_channel(3 * size_.pixels(),
+                       [&](size_t i) { return passes_ ? to_double(beauty_sum(i)) / passes_ : 0.0; });
+}
+
+std::vector<float> Film::pass_variance_beauty() const {
+    if (passes_ < 2) return {};
+    return per_channel(3 * size_.pixels(),
+                       [&](size_t i) { return variance_of(beauty_sum(i), squares_beauty_[i], passes_); });
+}
+
+std::vector<float> Film::pass_variance(Layer layer) const {
+    assert(layer == Layer::Direct || layer == Layer::Indirect);
+    if (passes_ < 2) return {};
+    const std::vector<FixedSquares>& squares = layer == Layer::Direct ? squares_direct_ : squares_indirect_;
+    const std::vector<FixedSum>& sums = sums_[static_cast<size_t>(layer)];
+    return per_channel(sums.size(), [&](size_t i) { return variance_of(sums[i], squares[i], passes_); });
+}
+
+std::string Film::pixel_hash() const {
+    static_assert(std::endian::native == std::endian::little, "pixels are hashed as little-endian float32");
+    Sha256 hash;
+    const auto add = [&](const std::vector<float>& pixels) {
+        hash.update(pixels.data(), pixels.size() * sizeof(float));
+    };
+    add(resolve_beauty());
+    for (const LayerInfo& info : kLayers)
+        if (layers_.has(info.layer)) add(resolve(info.layer));
+    return hash.hex_digest();
+}
+
+}  // namespace photond

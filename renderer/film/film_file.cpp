@@ -1,0 +1,192 @@
+#include "renderer/film/film_file.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <span>
+
+#include "protocol/error.h"
+#include "renderer/core/atomic_file.h"
+#include "renderer/core/parallel.h"
+#include "renderer/core/sha256.h"
+
+namespace photond {
+
+namespace {
+
+constexpr char kMagic[8] = {'P', 'H', 'O', 'T', 'F', 'I', 'L', 'M'};
+constexpr uint32_t kVersion = 1;
+constexpr size_t kBlockValues = 1 << 15;  // sums a block: half a MiB at most
+constexpr size_t kBlocksAtOnce = 32;      // encoded side by side before they are written in order
+constexpr size_t kDigestBytes = 32;       // as hexadecimal digits
+constexpr uint32_t kMaxSide = 1u << 20;
+
+struct Header {
+    char magic[8];
+    uint32_t version;
+    uint32_t width;
+    uint32_t height;
+    uint32_t layers;  // bit i: kLayers[i]
+    uint32_t passes;
+    uint32_t reserved;
+    uint64_t nan_count;
+    uint64_t infinity_count;
+    char digest[kDigestBytes];  // of all that comes before it
+};
+static_assert(sizeof(Header) == 80 && std::endian::native == std::endian::little, "written as it lies in memory");
+
+std::string digest_of(const void* data, size_t bytes) { return sha256_hex(data, bytes).substr(0, kDigestBytes); }
+
+/// Bytes that keep `value` in two's complement (signed) or as it is (unsigned).
+uint32_t width_of(FixedSum value) {
+    const FixedSquares magnitude = static_cast<FixedSquares>(value < 0 ? ~value : value);
+    uint32_t bytes = 1;
+    while (bytes < 16 && (magnitude >> (8 * bytes - 1)) != 0) ++bytes;
+    return bytes;
+}
+uint32_t width_of(FixedSquares value) {
+    uint32_t bytes = 1;
+    while (bytes < 16 && (value >> (8 * bytes)) != 0) ++bytes;
+    return bytes;
+}
+uint32_t width_of(uint32_t) { return sizeof(uint32_t); }
+
+/// One byte: the width; the values; the digest.
+template <class Value>
+std::string encode_block(std::span<const Value> values) {
+    // The widest value has the highest bit of any: take the union of magnitudes first, which costs one pass.
+    Value all = 0;
+    for (const Value value : values) {
+        if constexpr (std::is_same_v<Value, FixedSum>)
+            all |= value < 0 ? ~value : value;
+        else
+            all |= value;
+    }
+    const uint32_t width = width_of(all);
+    std::string block(1 + values.size() * width + kDigestBytes + 16, '\0');
+    char* out = block.data();
+    *out++ = static_cast<char>(width);
+    for (const Value& value : values) {
+        std::memcpy(out, &value, sizeof value);  // what is past `width` is overwritten by the next
+        out += width;
+    }
+    const size_t bytes = static_cast<size_t>(out - block.data());
+    const std::string digest = digest_of(block.data(), bytes);
+    std::memcpy(out, digest.data(), kDigestBytes);
+    block.resize(bytes + kDigestBytes);
+    return block;
+}
+
+[[noreturn]] void damaged(const std::filesystem::path& path, const std::string& what) {
+    throw Error(ErrorCode::Internal, "the film file " + path.filename().string() + " is damaged: " + what);
+}
+
+class Reader {
+public:
+    explicit Reader(const std::filesystem::path& path)
+        : path_(path), file_(std::fopen(path.c_str(), "rb"), &std::fclose) {
+        if (!file_) throw Error(ErrorCode::Internal, "the film file " + path.filename().string() + " cannot be opened");
+    }
+    void read(void* data, size_t bytes) {
+        if (std::fread(data, 1, bytes, file_.get()) != bytes) damaged(path_, "it is cut short");
+    }
+    template <class Value>
+    void read_block(std::span<Value> values) {
+        uint8_t width = 0;
+        read(&width, 1);
+        if (width == 0 || width > sizeof(Value)) damaged(path_, "sums of " + std::to_string(width) + " bytes");
+        buffer_.resize(1 + values.size() * width + kDigestBytes);
+        buffer_[0] = static_cast<char>(width);
+        read(buffer_.data() + 1, buffer_.size() - 1);
+        const size_t bytes = buffer_.size() - kDigestBytes;
+        if (std::memcmp(digest_of(buffer_.data(), bytes).data(), buffer_.data() + bytes, kDigestBytes) != 0)
+            damaged(path_, "a block does not match its checksum");
+        const char* in = buffer_.data() + 1;
+        constexpr unsigned kBits = 8 * sizeof(Value);
+        const unsigned unused = kBits - 8u * width;
+        for (Value& value : values) {
+            Value raw = 0;
+            std::memcpy(&raw, in, width);
+            value = static_cast<Value>(raw << unused) >> unused;  // extends the sign of signed sums
+            in += width;
+        }
+    }
+    void expect_end() {
+        if (std::fgetc(file_.get()) != EOF) damaged(path_, "it is too long");
+    }
+
+private:
+    const std::filesystem::path path_;
+    std::unique_ptr<FILE, int (*)(FILE*)> file_;
+    std::string buffer_;
+};
+
+}  // namespace
+
+template <class FilmType, class Visitor>
+void FilmFile::for_each_array(FilmType& film, const Visitor& visitor) {
+    for (auto& sums : film.sums_) visitor(sums);
+    visitor(film.squares_beauty_), visitor(film.squares_direct_), visitor(film.squares_indirect_);
+    visitor(film.hits_);
+}
+
+void FilmFile::save(const Film& film, const std::filesystem::path& path) {
+    AtomicFile file(path);
+    Header header{};
+    std::memcpy(header.magic, kMagic, sizeof kMagic);
+    header.version = kVersion;
+    header.width = film.size_.width, header.height = film.size_.height;
+    for (const LayerInfo& info : kLayers)
+        if (film.layers_.has(info.layer)) header.layers |= 1u << static_cast<unsigned>(info.layer);
+    header.passes = film.passes_, header.nan_count = film.nan_count_, header.infinity_count = film.infinity_count_;
+    std::memcpy(header.digest, digest_of(&header, offsetof(Header, digest)).data(), kDigestBytes);
+    file.write(&header, sizeof header);
+
+    for_each_array(film, [&](const auto& values) {
+        const size_t blocks = (values.size() + kBlockValues - 1) / kBlockValues;
+        for (size_t first = 0; first < blocks; first += kBlocksAtOnce) {
+            std::vector<std::string> encoded(std::min(kBlocksAtOnce, blocks - first));
+            parallel_for(encoded.size(), 1, [&](size_t i) {
+                const size_t start = (first + i) * kBlockValues;
+                encoded[i] =
+                    encode_block(std::span(values).subspan(start, std::min(kBlockValues, values.size() - start)));
+            });
+            for (const std::string& block : encoded) file.write(block.data(), block.size());
+        }
+    });
+    file.commit();
+}
+
+Film FilmFile::load(const std::filesystem::path& path, uint64_t limit_bytes) {
+    Reader reader(path);
+    Header header{};
+    reader.read(&header, sizeof header);
+    if (std::memcmp(header.magic, kMagic, sizeof kMagic) != 0) damaged(path, "it is not a film");
+    if (std::memcmp(header.digest, digest_of(&header, offsetof(Header, digest)).data(), kDigestBytes) != 0)
+        damaged(path, "its header does not match its checksum");
+    if (header.version != kVersion)
+        throw Error(ErrorCode::Unsupported, "the film file " + path.filename().string() + " has version " +
+                                                std::to_string(header.version) + "; this program reads " +
+                                                std::to_string(kVersion));
+    if (header.width > kMaxSide || header.height > kMaxSide || header.layers >> kLayerCount != 0)
+        damaged(path, "its size or layers are out of range");
+    LayerSet layers;
+    for (const LayerInfo& info : kLayers)
+        if (header.layers >> static_cast<unsigned>(info.layer) & 1u) layers.add(info.layer);
+    const Size2 size{header.width, header.height};
+    const uint64_t bytes = Film::bytes_for(size, layers);
+    if (bytes > limit_bytes)
+        throw Error(ErrorCode::OutOfMemory, "the film takes " + std::to_string(bytes) + " bytes; the limit is " +
+                                                std::to_string(limit_bytes) + " bytes");
+    Film film(size, layers);
+    film.passes_ = header.passes, film.nan_count_ = header.nan_count, film.infinity_count_ = header.infinity_count;
+    for_each_array(film, [&](auto& values) {
+        for (size_t start = 0; start < values.size(); start += kBlockValues)
+            reader.read_block(std::span(values).subspan(start, std::min(kBlockValues, values.size() - start)));
+    });
+    reader.expect_end();
+    return film;
+}
+
+}  // namespace photond

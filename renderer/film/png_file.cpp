@@ -1,0 +1,33 @@
+#include "renderer/film/png_file.h"
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+
+#include <cassert>
+#include <memory>
+#include <vector>
+
+#include "protocol/error.h"
+#include "renderer/core/atomic_file.h"
+
+namespace photond {
+
+void write_png(Size2 size, std::span<const uint8_t> rgb, const std::filesystem::path& path) {
+    assert(rgb.size() == 3 * size.pixels());
+    OIIO::ImageSpec spec(static_cast<int>(size.width), static_cast<int>(size.height), 3, OIIO::TypeUInt8);
+    spec.attribute("oiio:ColorSpace", "sRGB");
+    spec.attribute("png:compressionLevel", 6);
+    const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create("png");
+    if (!output) throw Error(ErrorCode::Internal, "the image library cannot write PNG: " + OIIO::geterror());
+    // Previews are small: encoded in memory, so that a failed write is ours to name.
+    std::vector<unsigned char> bytes;
+    OIIO::Filesystem::IOVecOutput memory(bytes);
+    if (!output->set_ioproxy(&memory) || !output->open("preview.png", spec) ||
+        !output->write_image(OIIO::TypeUInt8, rgb.data()) || !output->close())
+        throw Error(ErrorCode::Internal, "cannot encode the PNG: " + output->geterror());
+    AtomicFile file(path);
+    file.write(bytes.data(), bytes.size());
+    file.commit();
+}
+
+}  // namespace photond

@@ -1,0 +1,289 @@
+// The film's promise: any order of passes and any cut into ranges gives the same bits, and what it says of mean,
+// variance and dropped values is true.
+
+#include "renderer/film/film.h"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <numeric>
+
+#include "protocol/error.h"
+#include "renderer/core/rng.h"
+#include "renderer/film/film_file.h"
+
+namespace photond {
+namespace {
+
+LayerSet all_layers() {
+    LayerSet layers;
+    for (const LayerInfo& info : kLayers) layers.add(info.layer);
+    return layers;
+}
+
+/// Values over many magnitudes, negative ones among them, so that float addition in another order would show.
+PassImage random_pass(Size2 size, LayerSet layers, uint32_t pass) {
+    PassImage image(size, layers);
+    for (size_t i = 0; i < size.pixels(); ++i) {
+        RandomStream random(7, RandomDomain::Test, pass, i);
+        const auto value = [&] {
+            const float magnitude = std::exp2(60.0f * random.next() - 40.0f);
+            return random.next() < 0.1f ? 0.0f : random.next() < 0.2f ? -magnitude : magnitude;
+        };
+        const auto rgb = [&] { return Rgb(value(), value(), value()); };
+        image.emitted[i] = rgb(), image.direct[i] = rgb(), image.indirect[i] = rgb();
+        if (layers.has(Layer::Caustic)) image.caustic[i] = rgb();
+        if (image.hit.empty()) continue;
+        image.hit[i] = random.next() < 0.7f;
+        if (!image.hit[i]) continue;
+        if (layers.has(Layer::Albedo)) image.albedo[i] = rgb();
+        if (layers.has(Layer::Normal)) image.normal[i] = rgb();
+        if (layers.has(Layer::Position)) image.position[i] = rgb();
+        if (layers.has(Layer::Depth)) image.depth[i] = value();
+    }
+    return image;
+}
+
+Film film_of(Size2 size, LayerSet layers, const std::vector<uint32_t>& passes) {
+    Film film(size, layers);
+    for (const uint32_t pass : passes) film.add_pass(random_pass(size, layers, pass));
+    return film;
+}
+
+std::filesystem::path scratch_file(const std::string& name) {
+    return std::filesystem::temp_directory_path() / ("photond_film_test_" + std::to_string(getpid()) + "_" + name);
+}
+
+TEST(Film, AnyOrderOfPassesGivesTheSameBits) {
+    const Size2 size{37, 11};
+    std::vector<uint32_t> order(24);
+    std::iota(order.begin(), order.end(), 0u);
+    const Film forward = film_of(size, all_layers(), order);
+    std::reverse(order.begin(), order.end());
+    EXPECT_TRUE(forward == film_of(size, all_layers(), order));
+    std::rotate(order.begin(), order.begin() + 7, order.end());
+    const Film rotated = film_of(size, all_layers(), order);
+    EXPECT_TRUE(forward == rotated);
+    EXPECT_EQ(forward.pixel_hash(), rotated.pixel_hash());
+    order[0] = 99;  // another pass: the comparison can fail
+    EXPECT_FALSE(forward == film_of(size, all_layers(), order));
+}
+
+TEST(Film, AnyNumberOfThreadsGivesTheSameBits) {
+    const Size2 size{256, 64};
+    const auto render = [&](size_t threads) {
+        const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+        return film_of(size, all_layers(), {0, 1, 2}).pixel_hash();
+    };
+    const std::string one = render(1);
+    EXPECT_EQ(one, render(2));
+    EXPECT_EQ(one, render(7));
+}
+
+// 0.1f + 1e8f loses the small value in float; here the sums are exact, so the mean is the true one rounded once.
+TEST(Film, SumsLoseNothing) {
+    const Size2 size{1, 1};
+    Film film(size, LayerSet());
+    PassImage pass(size, LayerSet());
+    pass.direct[0] = Rgb(1e8f, 0x1p-64f, 0x1p-66f);
+    film.add_pass(pass);
+    pass.direct[0] = Rgb(-1e8f, 0x1p-64f, 0x1p-66f);
+    film.add_pass(pass);
+    pass.direct[0] = Rgb(0.1f, 0, 0);
+    pass.indirect[0] = Rgb(0.2f, 0, 0);
+    film.add_pass(pass);
+    const std::vector<float> direct = film.resolve(Layer::Direct);
+    EXPECT_EQ(direct[0], static_cast<float>(double{0.1f} / 3));
+    EXPECT_EQ(direct[1], static_cast<float>(0x1p-63 / 3));
+    EXPECT_EQ(direct[2], 0.0f);  // below half of the resolution
+    EXPECT_EQ(film.resolve_beauty()[0], static_cast<float>((double{0.1f} + double{0.2f}) / 3));
+}
+
+TEST(Film, MeansAndVariancesAreThoseOfTheValues) {
+    const Size2 size{5, 3};
+    constexpr uint32_t kPasses = 50;
+    Film film(size, all_layers());
+    std::vector<double> sum(3 * size.pixels()), square(3 * size.pixels());
+    std::vector<double> direct_sum(sum), direct_square(sum);
+    for (uint32_t p = 0; p < kPasses; ++p) {
+        PassImage pass(size, all_layers());
+        for (size_t i = 0; i < size.pixels(); ++i) {
+            RandomStream random(3, RandomDomain::Test, p, i);
+            for (int k = 0; k < 3; ++k) {
+                pass.emitted[i][k] = random.next(), pass.direct[i][k] = random.next();
+                pass.indirect[i][k] = random.next();
+                const double beauty =
+                    double{pass.emitted[i][k]} + double{pass.direct[i][k]} + double{pass.indirect[i][k]};
+                const size_t at = 3 * i + static_cast<size_t>(k);
+                sum[at] += beauty, square[at] += beauty * beauty;
+                direct_sum[at] += double{pass.direct[i][k]};
+                direct_square[at] += double{pass.direct[i][k]} * double{pass.direct[i][k]};
+            }
+        }
+        film.add_pass(pass);
+    }
+    const std::vector<float> mean = film.resolve_beauty(), variance = film.pass_variance_beauty();
+    const std::vector<float> direct_variance = film.pass_variance(Layer::Direct);
+    const std::vector<float> error = film.resolve(Layer::StandardError);
+    for (size_t i = 0; i < sum.size(); ++i) {
+        EXPECT_NEAR(mean[i], sum[i] / kPasses, 1e-6);
+        const double expected = (square[i] - sum[i] * sum[i] / kPasses) / (kPasses - 1);
+        EXPECT_NEAR(variance[i], expected, 1e-6 * expected);
+        EXPECT_NEAR(error[i], std::sqrt(expected / kPasses), 1e-6);
+        const double direct = (direct_square[i] - direct_sum[i] * direct_sum[i] / kPasses) / (kPasses - 1);
+        EXPECT_NEAR(direct_variance[i], direct, 1e-6 * direct);
+    }
+}
+
+TEST(Film, AConstantPixelHasNoVarianceAndALargeOneKeepsIts) {
+    const Size2 size{2, 1};
+    Film film(size, LayerSet());
+    for (uint32_t p = 0; p < 1000; ++p) {
+        PassImage pass(size, LayerSet());
+        pass.direct[0] = Rgb(1.7f, 3e5f, 0.25f);
+        pass.direct[1] = Rgb(1e6f + static_cast<float>(p % 2), 0, 0);  // variance 1/4 (1000/999) at a mean of 1e6
+        film.add_pass(pass);
+    }
+    const std::vector<float> variance = film.pass_variance_beauty();
+    EXPECT_EQ(variance[0], 0.0f);
+    EXPECT_EQ(variance[1], 0.0f);
+    EXPECT_EQ(variance[2], 0.0f);
+    EXPECT_NEAR(variance[3], 0.25 * 1000 / 999, 1e-6);
+}
+
+TEST(Film, SaturatedSquaresSayInfinityWhateverTheOrder) {
+    const Size2 size{1, 1};
+    const auto render = [&](const std::vector<float>& values) {
+        Film film(size, LayerSet());
+        for (const float value : values) {
+            PassImage pass(size, LayerSet());
+            pass.direct[0] = Rgb(value);
+            film.add_pass(pass);
+        }
+        return film;
+    };
+    std::vector<float> values(200, 0x1.fp28f);  // squares of 2^57.9 each: 69 of them pass 2^64
+    values.push_back(1.0f);
+    const Film film = render(values);
+    std::reverse(values.begin(), values.end());
+    EXPECT_TRUE(film == render(values));
+    EXPECT_TRUE(std::isinf(film.pass_variance_beauty()[0]));
+    EXPECT_TRUE(std::isfinite(film.resolve_beauty()[0]));
+}
+
+TEST(Film, BadValuesAreDroppedAndCounted) {
+    const Size2 size{6, 1};
+    LayerSet layers;
+    layers.add(Layer::Albedo), layers.add(Layer::Depth);
+    PassImage pass(size, layers);
+    for (size_t i = 0; i < size.pixels(); ++i) {
+        pass.emitted[i] = Rgb(1), pass.hit[i] = 1, pass.albedo[i] = Rgb(0.5f), pass.depth[i] = 2;
+    }
+    pass.direct[0].y = std::nanf("");
+    pass.direct[1] = Rgb(kInfinity, 0, std::nanf(""));  // a NaN counts as NaN whatever else is wrong
+    pass.indirect[2].z = -kInfinity;
+    pass.direct[3].x = kFilmValueLimit;
+    pass.albedo[4].x = kInfinity;
+    Film film(size, layers);
+    film.add_pass(pass);
+    EXPECT_EQ(film.nan_count(), 2u);
+    EXPECT_EQ(film.infinity_count(), 3u);
+    const std::vector<float> beauty = film.resolve_beauty(), albedo = film.resolve(Layer::Albedo);
+    const std::vector<float> depth = film.resolve(Layer::Depth);
+    for (size_t i = 0; i < size.pixels(); ++i) {
+        EXPECT_EQ(beauty[3 * i], i == 5 ? 1.0f : 0.0f) << i;
+        EXPECT_EQ(albedo[3 * i], i == 5 ? 0.5f : 0.0f) << i;
+        EXPECT_EQ(depth[i], i == 5 ? 2.0f : 0.0f) << i;
+    }
+}
+
+TEST(Film, AuxiliaryLayersAverageTheSamplesThatHit) {
+    const Size2 size{2, 1};
+    LayerSet layers;
+    layers.add(Layer::Depth);
+    Film film(size, layers);
+    for (const float depth : {3.0f, 5.0f, 0.0f}) {
+        PassImage pass(size, layers);
+        pass.hit[0] = depth > 0, pass.depth[0] = depth;
+        film.add_pass(pass);
+    }
+    EXPECT_EQ(film.resolve(Layer::Depth), (std::vector<float>{4.0f, 0.0f}));
+    EXPECT_EQ(film.resolve(Layer::Direct), std::vector<float>(6, 0.0f));
+}
+
+TEST(Film, StandardErrorIsUnknownBeforeTheSecondPass) {
+    LayerSet layers;
+    layers.add(Layer::StandardError);
+    Film film({1, 1}, layers);
+    film.add_pass(PassImage({1, 1}, layers));
+    EXPECT_TRUE(std::isinf(film.resolve(Layer::StandardError)[0]));
+    film.add_pass(PassImage({1, 1}, layers));
+    EXPECT_EQ(film.resolve(Layer::StandardError)[0], 0.0f);
+}
+
+TEST(FilmFile, GivesTheSameFilmBack) {
+    const std::filesystem::path path = scratch_file("roundtrip");
+    const Size2 size{211, 97};  // more than one block an array, the last one cut
+    const Film film = film_of(size, all_layers(), {0, 1, 2, 3});
+    FilmFile::save(film, path);
+    EXPECT_TRUE(film == FilmFile::load(path));
+    EXPECT_FALSE(std::filesystem::exists(path.string() + ".part"));
+    try {
+        (void)FilmFile::load(path, film.bytes() - 1);
+        ADD_FAILURE() << "loaded past its limit";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code, ErrorCode::OutOfMemory);
+    }
+    std::filesystem::remove(path);
+}
+
+TEST(FilmFile, RefusesEveryDamage) {
+    const std::filesystem::path path = scratch_file("damage");
+    FilmFile::save(film_of({9, 5}, all_layers(), {0, 1}), path);
+    std::string bytes;
+    {
+        std::ifstream in(path, std::ios::binary);
+        bytes.assign(std::istreambuf_iterator<char>(in), {});
+    }
+    const auto expect_refused = [&](const std::string& content, const std::string& what) {
+        std::ofstream(path, std::ios::binary | std::ios::trunc).write(content.data(), std::streamsize(content.size()));
+        EXPECT_THROW((void)FilmFile::load(path), Error) << what;
+    };
+    for (size_t at = 0; at < bytes.size(); at += at < 100 ? 1 : 61) {
+        std::string changed = bytes;
+        changed[at] = static_cast<char>(changed[at] ^ 0x10);
+        expect_refused(changed, "byte " + std::to_string(at));
+    }
+    for (size_t length = 0; length < bytes.size(); length += 173)
+        expect_refused(bytes.substr(0, length), "cut to " + std::to_string(length));
+    expect_refused(bytes + "x", "one byte more");
+    std::filesystem::remove(path);
+}
+
+TEST(FilmFile, AFullDiskIsNamedAndLeavesNothing) {
+    const std::filesystem::path path = scratch_file("full");
+    const Film film = film_of({128, 128}, LayerSet(), {0});
+    signal(SIGXFSZ, SIG_IGN);
+    rlimit before{};
+    getrlimit(RLIMIT_FSIZE, &before);
+    rlimit small = before;
+    small.rlim_cur = 100'000;
+    setrlimit(RLIMIT_FSIZE, &small);
+    try {
+        FilmFile::save(film, path);
+        ADD_FAILURE() << "saved past the limit";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code, ErrorCode::NoSpace) << error.what();
+    }
+    setrlimit(RLIMIT_FSIZE, &before);
+    EXPECT_FALSE(std::filesystem::exists(path));
+    EXPECT_FALSE(std::filesystem::exists(path.string() + ".part"));
+}
+
+}  // namespace
+}  // namespace photond
