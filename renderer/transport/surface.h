@@ -47,6 +47,14 @@ inline vec3 consistent_normal(const vec3& normal, const vec3& geometric_normal, 
     return glm::dot(n, ray_direction) < 0 ? n : geometric_normal;
 }
 
+/// Unit normal of two edges. In double where the square of a tiny or needle-like triangle's area leaves float's range.
+inline vec3 unit_cross(const vec3& a, const vec3& b) {
+    const vec3 cross = glm::cross(a, b);
+    const float length_sq = glm::dot(cross, cross);
+    if (length_sq > 1e-30f && length_sq < kInfinity) return cross * (1.0f / std::sqrt(length_sq));
+    return vec3(glm::normalize(glm::cross(dvec3(a), dvec3(b))));
+}
+
 inline ShadingPoint make_plain_shading_point(const Scene& scene, const Hit& hit, const vec3& ray_direction) {
     const Instance& instance = scene.instances[hit.instance];
     const Mesh& mesh = scene.meshes[instance.mesh];
@@ -64,8 +72,7 @@ inline ShadingPoint make_plain_shading_point(const Scene& scene, const Hit& hit,
     point.material = mesh.material;
     // Interpolated rather than taken along the ray: its error is that of the corners, not that of the distance.
     point.position = w * p[0] + hit.u * p[1] + hit.v * p[2];
-    const vec3 cross = glm::cross(p[1] - p[0], p[2] - p[0]);
-    vec3 ng = cross * (1.0f / glm::length(cross));
+    vec3 ng = unit_cross(p[1] - p[0], p[2] - p[0]);
     if (instance.flips_orientation) ng = -ng;
     point.front_side = glm::dot(ng, ray_direction) < 0;
     point.geometric_normal = point.front_side ? ng : -ng;
