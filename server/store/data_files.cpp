@@ -1,0 +1,155 @@
+#include "server/store/data_files.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+
+#include "protocol/error.h"
+#include "renderer/core/sha256.h"
+
+namespace photond {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+[[noreturn]] void fail(const std::string& doing, const fs::path& path, int error) {
+    const bool full = error == ENOSPC || error == EDQUOT;
+    throw Error(full ? ErrorCode::NoSpace : ErrorCode::Internal,
+                doing + " " + path.string() + ": " + std::strerror(error));
+}
+
+struct CloseFile {
+    void operator()(FILE* file) const { std::fclose(file); }
+};
+
+/// Feeds a file's bytes to the digest; returns how many.
+uint64_t hash_contents(const fs::path& path, Sha256& digest) {
+    const std::unique_ptr<FILE, CloseFile> file(std::fopen(path.c_str(), "rbe"));
+    if (!file) fail("opening", path, errno);
+    static constexpr size_t kChunk = size_t{1} << 18;
+    const auto chunk = std::make_unique<char[]>(kChunk);
+    uint64_t bytes = 0;
+    while (const size_t read = std::fread(chunk.get(), 1, kChunk, file.get())) {
+        digest.update(chunk.get(), read);
+        bytes += read;
+    }
+    if (std::ferror(file.get())) fail("reading", path, EIO);
+    return bytes;
+}
+
+fs::path made(const fs::path& folder) {
+    std::error_code error;
+    fs::create_directories(folder, error);
+    if (error) fail("making", folder, error.value());
+    return folder;
+}
+
+}  // namespace
+
+DataFiles::DataFiles(const fs::path& directory)
+    : store(made(directory) / "store.sqlite"),
+      scenes(made(directory / "scenes")),
+      images(made(directory / "images")),
+      films(made(directory / "films")),
+      cache(made(directory / "cache")),
+      spool(made(directory / "spool")),
+      directory_(directory) {
+    const fs::path lock_file = directory / "photond.lock";
+    lock_ = open(lock_file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+    if (lock_ < 0) fail("opening", lock_file, errno);
+    if (flock(lock_, LOCK_EX | LOCK_NB) != 0) {
+        const int error = errno;
+        close(lock_);
+        if (error == EWOULDBLOCK)
+            throw Error(ErrorCode::Unavailable, "another photond uses the data directory " + directory.string());
+        fail("locking", lock_file, error);
+    }
+    sync_path(directory);
+    sweep(spool, {});
+    sweep(cache, {});
+}
+
+DataFiles::~DataFiles() { close(lock_); }
+
+uint64_t DataFiles::free_bytes() const {
+    struct statvfs status {};
+    if (statvfs(directory_.c_str(), &status) != 0) fail("asking for the free space of", directory_, errno);
+    return static_cast<uint64_t>(status.f_bavail) * status.f_frsize;
+}
+
+size_t DataFiles::sweep(const fs::path& folder, const std::unordered_set<std::string>& keep) {
+    std::vector<fs::path> orphans;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+        if (!keep.contains(entry.path().filename().string())) orphans.push_back(entry.path());
+    for (const fs::path& orphan : orphans) remove_quietly(orphan);
+    return orphans.size();
+}
+
+std::vector<fs::path> list_tree(const fs::path& root, size_t max_files) {
+    std::vector<fs::path> files;
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root)) {
+        const fs::file_status status = entry.symlink_status();
+        if (fs::is_directory(status)) continue;
+        const fs::path relative = entry.path().lexically_relative(root);
+        if (!fs::is_regular_file(status))
+            throw Error(ErrorCode::BadScene, "", relative.string() + " is neither a regular file nor a folder");
+        files.push_back(relative);
+        if (files.size() > max_files)
+            throw Error(ErrorCode::BadScene, "", "more than " + std::to_string(max_files) + " files in the bundle");
+    }
+    std::sort(files.begin(), files.end());
+    return files;
+}
+
+std::string hash_tree(const fs::path& root, const std::vector<fs::path>& files) {
+    Sha256 digest;
+    for (const fs::path& file : files) {
+        // The contents go in as a digest of their own, so that no file's bytes can pass for another's path.
+        const std::string line = file.generic_string() + '\0' + hash_file(root / file) + '\n';
+        digest.update(line.data(), line.size());
+    }
+    return digest.hex_digest();
+}
+
+std::string hash_file(const fs::path& file) {
+    Sha256 digest;
+    hash_contents(file, digest);
+    return digest.hex_digest();
+}
+
+void sync_path(const fs::path& path) {
+    const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    if (file < 0) fail("opening", path, errno);
+    const int result = fsync(file);
+    const int error = errno;
+    close(file);
+    if (result != 0) fail("syncing", path, error);
+}
+
+void sync_tree(const fs::path& root, const std::vector<fs::path>& files) {
+    for (const fs::path& file : files) sync_path(root / file);
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root))
+        if (entry.is_directory()) sync_path(entry.path());
+    sync_path(root);
+}
+
+void publish(const fs::path& from, const fs::path& to) {
+    if (std::rename(from.c_str(), to.c_str()) != 0) fail("renaming to", to, errno);
+    sync_path(to.parent_path());
+}
+
+void remove_quietly(const fs::path& path) noexcept {
+    std::error_code ignored;
+    fs::remove_all(path, ignored);
+}
+
+}  // namespace photond

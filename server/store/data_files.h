@@ -1,0 +1,61 @@
+#pragma once
+// The data directory: its folders, and the file operations that make a result durable before a row names it.
+//
+//   photond.lock   held by the one daemon that uses the directory
+//   store.sqlite   the truth; a file that no row names is an orphan
+//   scenes/ID/     uploaded scenes as unpacked     images/ID   uploaded images
+//   films/         films of jobs, one an attempt   cache/      encoded artefacts, emptied at start
+//   spool/         uploads under way, emptied at start
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <unordered_set>
+#include <vector>
+
+namespace photond {
+
+class DataFiles {
+public:
+    /// Makes the folders, takes the lock, empties spool and cache. Throws photond::Error when another daemon has the
+    /// lock or the directory cannot be used.
+    explicit DataFiles(const std::filesystem::path& directory);
+    ~DataFiles();
+    DataFiles(const DataFiles&) = delete;
+    DataFiles& operator=(const DataFiles&) = delete;
+
+    const std::filesystem::path store, scenes, images, films, cache, spool;
+
+    /// A name nobody else was given.
+    std::filesystem::path fresh_spool_path() { return spool / ("u" + std::to_string(++counter_)); }
+    std::filesystem::path fresh_cache_path() { return cache / ("a" + std::to_string(++counter_)); }
+
+    uint64_t free_bytes() const;
+
+    /// Removes every entry of a folder whose name is not in `keep`; returns how many.
+    static size_t sweep(const std::filesystem::path& folder, const std::unordered_set<std::string>& keep);
+
+private:
+    const std::filesystem::path directory_;
+    std::atomic<uint64_t> counter_ = 0;
+    int lock_ = -1;
+};
+
+/// The regular files below a folder, as sorted relative paths. Throws BadScene for anything that is neither a regular
+/// file nor a folder (a link, a FIFO), and for more than `max_files`.
+std::vector<std::filesystem::path> list_tree(const std::filesystem::path& root, size_t max_files);
+/// SHA-256 over the relative paths and contents of those files, in their order; 64 hexadecimal digits.
+std::string hash_tree(const std::filesystem::path& root, const std::vector<std::filesystem::path>& files);
+std::string hash_file(const std::filesystem::path& file);
+
+/// fsync of a file or a folder. Throws NoSpace or Internal.
+void sync_path(const std::filesystem::path& path);
+/// fsync of every file and folder below `root`, and of itself.
+void sync_tree(const std::filesystem::path& root, const std::vector<std::filesystem::path>& files);
+/// Renames, both folders' entries being on the disk when it returns.
+void publish(const std::filesystem::path& from, const std::filesystem::path& to);
+/// Removes a file or a tree; what is not there is no failure.
+void remove_quietly(const std::filesystem::path& path) noexcept;
+
+}  // namespace photond

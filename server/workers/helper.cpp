@@ -1,0 +1,159 @@
+#include "server/workers/helper.h"
+
+#include <spdlog/spdlog.h>
+
+#include "protocol/error.h"
+
+namespace photond {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr int kAttempts = 3;                       // of a request whose helper is killed from outside
+constexpr uint64_t kServedBeforeRecycling = 5000;  // small leaks in image libraries end here
+constexpr std::chrono::seconds kStartPatience{20};
+
+}  // namespace
+
+Error error_from_failure(const nlohmann::json& failure) {
+    if (!failure.is_object()) return Error(ErrorCode::Internal, "the worker gave no reason");
+    std::vector<Fault> faults;
+    if (const auto errors = failure.find("errors"); errors != failure.end() && errors->is_array())
+        for (const nlohmann::json& error : *errors)
+            if (error.is_object()) faults.push_back({error.value("pointer", ""), error.value("detail", "")});
+    return Error(error_code_named(failure.value("code", "")), failure.value("detail", "no reason given"),
+                 std::move(faults));
+}
+
+Helper::Helper(ProcessOptions options, double request_timeout_seconds, std::function<void()> answered,
+               std::function<void(const ProcessExit&)> exited)
+    : timeout_seconds_(request_timeout_seconds),
+      memory_limit_bytes_(options.memory_limit_bytes),
+      answered_(std::move(answered)),
+      exited_(std::move(exited)) {
+    process_ = std::make_unique<WorkerProcess>(
+        std::move(options),
+        WorkerProcess::Callbacks{.message = [this](const nlohmann::json& text) { message(text); },
+                                 .exited = [this](const ProcessExit& exit) { process_exited(exit); },
+                                 .tick = [] {}});
+}
+
+Helper::~Helper() {
+    begin_stop(Clock::now());
+    join();
+}
+
+bool Helper::ready() const {
+    const std::lock_guard lock(mutex_);
+    return ready_;
+}
+
+uint64_t Helper::restarts() const {
+    const std::lock_guard lock(mutex_);
+    return restarts_;
+}
+
+void Helper::begin_stop(Clock::time_point deadline) {
+    {
+        const std::lock_guard lock(mutex_);
+        stopping_ = true;
+    }
+    changed_.notify_all();
+    process_->begin_stop(deadline);
+}
+
+void Helper::message(const nlohmann::json& message) {
+    const std::string type = message.value("type", "");
+    {
+        const std::lock_guard lock(mutex_);
+        if (type == "hello") ready_ = true;
+        // A reply to a request that has been given up is nobody's.
+        if (type == "reply" && message.value("request", uint64_t{0}) == request_) reply_ = message;
+    }
+    changed_.notify_all();
+    if (type == "hello") answered_();
+}
+
+void Helper::process_exited(const ProcessExit& exit) {
+    {
+        const std::lock_guard lock(mutex_);
+        ready_ = false;
+        served_ = 0;
+        exit_ = exit;
+        ++restarts_;
+    }
+    changed_.notify_all();
+    exited_(exit);
+}
+
+std::optional<nlohmann::json> Helper::attempt(std::unique_lock<std::mutex>& lock, nlohmann::json& request) {
+    if (!changed_.wait_for(lock, kStartPatience, [this] { return ready_ || stopping_; }) || stopping_)
+        throw Error(ErrorCode::Unavailable, stopping_ ? "the daemon is stopping" : "the helper process is not ready");
+    request["request"] = ++request_;
+    reply_.reset();
+    exit_.reset();
+    lock.unlock();
+    const bool sent = process_->send(request);
+    lock.lock();
+    const auto deadline = Clock::now() + std::chrono::milliseconds(static_cast<int64_t>(timeout_seconds_ * 1000));
+    if (!sent && !exit_) {
+        // Its end is about to be reported.
+        changed_.wait_until(lock, deadline, [this] { return exit_ || stopping_; });
+        return std::nullopt;
+    }
+    const bool answered = changed_.wait_until(lock, deadline, [this] { return reply_ || exit_ || stopping_; });
+    ++request_;  // whatever is said about it from now on is ignored
+    if (reply_) {
+        if (++served_ >= kServedBeforeRecycling) {
+            ready_ = false;
+            lock.unlock();
+            process_->recycle();
+            lock.lock();
+        }
+        return std::move(reply_);
+    }
+    if (!answered) {
+        ready_ = false;
+        lock.unlock();
+        process_->kill();
+        lock.lock();
+        throw Error(ErrorCode::TimedOut, "not done within " + std::to_string(timeout_seconds_) + " s");
+    }
+    if (stopping_) throw Error(ErrorCode::Unavailable, "the daemon is stopping");
+    switch (exit_->cause) {
+        case ExitCause::Lost:
+        case ExitCause::Ordered: return std::nullopt;
+        case ExitCause::OutOfMemory:
+            throw Error(ErrorCode::OutOfMemory,
+                        "takes more memory than the " + std::to_string(memory_limit_bytes_) + " bytes allowed");
+        case ExitCause::NoSpace: throw Error(ErrorCode::NoSpace, "the helper process passed its file size limit");
+        case ExitCause::Hung: throw Error(ErrorCode::TimedOut, "the helper process hung: " + exit_->text);
+        case ExitCause::Crashed: break;
+    }
+    throw Error(ErrorCode::WorkerCrashed, "the helper process " + exit_->text);
+}
+
+nlohmann::json Helper::call(nlohmann::json request) {
+    std::unique_lock lock(mutex_);
+    const uint64_t ticket = next_ticket_++;
+    changed_.wait(lock, [&] { return serving_ == ticket; });
+    // Whoever is next is let in whatever happens here.
+    struct Turn {
+        Helper& helper;
+        ~Turn() {
+            ++helper.serving_;
+            helper.changed_.notify_all();
+        }
+    } const turn{*this};
+    for (int i = 0; i < kAttempts; ++i) {
+        const auto reply = attempt(lock, request);
+        if (!reply) continue;
+        if (const auto failure = reply->find("failure"); failure != reply->end() && !failure->is_null())
+            throw error_from_failure(*failure);
+        return reply->value("result", nlohmann::json::object());
+    }
+    throw Error(ErrorCode::WorkerLost, "the helper process was lost " + std::to_string(kAttempts) + " times");
+}
+
+}  // namespace photond

@@ -1,0 +1,63 @@
+#pragma once
+// The sandboxed process that judges uploads and encodes images (photond-worker --device none): one request at a time,
+// callers wait their turn.
+
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "protocol/error.h"
+#include "server/workers/worker_process.h"
+
+namespace photond {
+
+class Helper {
+public:
+    /// `exited` is told each time its process ends; `answered` each time one is ready.
+    Helper(ProcessOptions options, double request_timeout_seconds, std::function<void()> answered,
+           std::function<void(const ProcessExit&)> exited);
+    ~Helper();
+
+    /// Sends one request ("type" and its members; "request" is filled in) and waits for its result. The helper's own
+    /// failure is thrown as the Error it names. A helper that is lost through no fault of the request is replaced and
+    /// asked again; one that crashes on it is not: WorkerCrashed. TimedOut after the time limit, OutOfMemory past the
+    /// memory limit, Unavailable when there is no helper.
+    nlohmann::json call(nlohmann::json request);
+
+    bool ready() const;
+    pid_t pid() const { return process_->pid(); }
+    uint64_t resident_bytes() const { return process_->resident_bytes(); }
+    uint64_t restarts() const;
+
+    void begin_stop(std::chrono::steady_clock::time_point deadline);
+    void join() { process_->join(); }
+
+private:
+    void message(const nlohmann::json& message);
+    void process_exited(const ProcessExit& exit);
+    std::optional<nlohmann::json> attempt(std::unique_lock<std::mutex>& lock, nlohmann::json& request);
+
+    const double timeout_seconds_;
+    const uint64_t memory_limit_bytes_;
+    const std::function<void()> answered_;
+    const std::function<void(const ProcessExit&)> exited_;
+    mutable std::mutex mutex_;
+    std::condition_variable changed_;
+    uint64_t next_ticket_ = 0, serving_ = 0;  // callers are served in the order they came
+    uint64_t request_ = 0;                    // number of the request under way
+    uint64_t served_ = 0;                     // requests of the process at hand
+    uint64_t restarts_ = 0;
+    bool ready_ = false;
+    bool stopping_ = false;
+    std::optional<nlohmann::json> reply_;
+    std::optional<ProcessExit> exit_;  // of the process that had the request
+    std::unique_ptr<WorkerProcess> process_;
+};
+
+/// The Error a worker's "failure" object stands for.
+Error error_from_failure(const nlohmann::json& failure);
+
+}  // namespace photond

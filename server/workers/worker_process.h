@@ -1,0 +1,101 @@
+#pragma once
+// One child process kept alive: spawned, fed, watched, replaced. What its messages mean is its owner's business.
+
+#include <sys/types.h>
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <thread>
+
+namespace photond {
+
+struct ProcessOptions {
+    std::filesystem::path program;
+    std::string device;  // "--device" argument; names it in the log
+    uint64_t memory_limit_bytes = UINT64_MAX;
+    uint32_t threads = 0;  // 0: all cores
+    int nice = 0;          // added to the daemon's own
+    double heartbeat_timeout_seconds = 30;
+};
+
+enum class ExitCause : uint8_t {
+    Crashed,      // by a signal of its own making, or it gave up by itself
+    Lost,         // killed from outside
+    Hung,         // no heartbeat; killed by us
+    OutOfMemory,  // over its limit; killed by us
+    NoSpace,      // over its file size limit
+    Ordered,      // ended because we said so: stop() or kill()
+};
+
+struct ProcessExit {
+    ExitCause cause = ExitCause::Lost;
+    std::string text;           // for the log and the job's attempt, such as "killed by signal 11 (Segmentation fault)"
+    bool had_answered = false;  // it had said hello
+};
+std::string_view exit_cause_name(ExitCause cause);
+
+class WorkerProcess {
+public:
+    /// All are called from the process's own supervising thread, one at a time, without any lock of this class.
+    struct Callbacks {
+        std::function<void(const nlohmann::json&)> message;  // everything but heartbeats, hello included
+        std::function<void(const ProcessExit&)> exited;      // before it is replaced
+        std::function<void()> tick;                          // a few times a second
+    };
+
+    /// Spawns at once, from a thread of its own: children die with the thread that made them (PR_SET_PDEATHSIG).
+    WorkerProcess(ProcessOptions options, Callbacks callbacks);
+    ~WorkerProcess();
+    WorkerProcess(const WorkerProcess&) = delete;
+    WorkerProcess& operator=(const WorkerProcess&) = delete;
+
+    /// False when there is no process to send to; exited() has been or will be called then.
+    bool send(const nlohmann::json& message);
+    /// SIGKILL; it is replaced. Nothing happens when there is none.
+    void kill();
+    /// Asks it to end and to be replaced at once.
+    void recycle();
+    /// Asks it to end, for good; SIGKILL at the deadline. join() waits for it.
+    void begin_stop(std::chrono::steady_clock::time_point deadline);
+    void join();
+
+    pid_t pid() const;  // -1: none now
+    uint64_t resident_bytes() const { return resident_bytes_; }
+
+private:
+    struct Link;  // one child's socket
+
+    void supervise();
+    /// Empty when it could not be made.
+    std::shared_ptr<Link> spawn();
+    ProcessExit attend(Link& link);
+    ProcessExit reap(bool had_answered);
+    void watch_memory();
+    void kill_because(ExitCause cause, const std::string& text);
+
+    const ProcessOptions options_;
+    const Callbacks callbacks_;
+    mutable std::mutex mutex_;
+    std::condition_variable changed_;
+    std::shared_ptr<Link> link_;
+    pid_t pid_ = -1;
+    bool stopping_ = false;
+    bool ordered_ = false;  // we asked this child to end, or killed it
+    std::optional<ExitCause> killed_for_;
+    std::string killed_text_;
+    std::chrono::steady_clock::time_point stop_deadline_ = std::chrono::steady_clock::time_point::max();
+    std::atomic<uint64_t> resident_bytes_ = 0;
+    std::thread thread_;
+};
+
+}  // namespace photond
