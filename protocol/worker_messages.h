@@ -1,7 +1,7 @@
 #pragma once
 // What the daemon and its worker processes say to each other: one JSON object a line over a socket pair (the worker's
-// file descriptor 3), each with "type". Files named in messages are absolute paths inside the data directory; the writer
-// writes beside, fsyncs and renames.
+// file descriptor 3), each with "type". Files named in messages are absolute paths inside the data directory; the
+// writer writes beside, fsyncs and renames.
 //
 // The worker's command line: photond-worker --device cpu|none --memory-limit BYTES --threads N (0: all cores).
 // A process whose peer has closed the socket ends at once; an Error that ends a helper's request is its "failure".
@@ -12,32 +12,50 @@
 //   started    {"job", "attempt"}
 //   progress   {"job", "attempt", "passes_done", "progress", "seconds"}   at most 4 a second
 //   film_saved {"job", "attempt", "path", "passes_done"}                  after "snapshot", or before stopping
-//   finished   {"job", "attempt", "state": "succeeded"|"cancelled"|"failed", "passes_done", "seconds", "film": path|null,
-//               "statistics": {..}|null, "failure": {"code", "detail", "errors": [{"pointer","detail"}]}|null, "log": [line..]}
+//   finished   {"job", "attempt", "state": "succeeded"|"cancelled"|"failed", "passes_done", "seconds", "film":
+//   path|null,
+//               "statistics": {..}|null, "failure": {"code", "detail", "errors": [{"pointer","detail"}]}|null, "log":
+//               [line..], "stopping": true when the job ended because of "stop"} The film is there when a pass was
+//               finished and the job did not fail; it is at the "film" path of the order.
 //   reply      {"request": n, "result": {..}|null, "failure": as above|null}   answers a helper's request
 // daemon -> worker
-//   render     {"job", "attempt", "request": job request, "scene": {"id", "builtin": name|null, "root": dir, "file": path},
+//   render     {"job", "attempt", "request": job request, "scene": {"id", "builtin": name|null, "root": dir, "file":
+//   path},
 //               "environment": {"path"}|null, "film": path to write, "limits": {"memory_bytes", "threads"}}
-//   snapshot   {"job", "path"}         save the film so far after the pass at hand; answered by film_saved
+//   snapshot   {"job", "path"}         save the film so far after the pass at hand; answered by film_saved, or, when
+//   the
+//                                      job ends first, by its "finished" alone
 //   cancel     {"job"}                 ends the job; its film so far is saved
-//   stop       {}                      save the film of the running job, report it cancelled with "stopping": true, exit 0
+//   stop       {}                      save the film of the running job, report it cancelled with "stopping": true,
+//   exit 0
 // daemon -> helper (photond-worker --device none), one at a time, each answered by reply with the same "request"
 //   judge_scene    {"request", "root": dir, "file": path, "name"}   -> scene summary (protocol.md, "Scene", without id)
-//   judge_scene    {"request", "builtin": name}               -> the same, of a built-in scene
 //   unpack         {"request", "zip": path, "root": dir}            -> {"file": path of the .gltf/.glb inside root}
 //   thumbnail      {"request", "scene": as in render, "out": path}  -> {}
 //   judge_image    {"request", "path"}                              -> {"width", "height", "channels"}
-//   encode_exr     {"request", "film", "statistics": {..}|null, "precision": "float"|"half", "out"} -> {"overflowed": n}
-//   encode_preview {"request", "film", "exposure": stops, "curve": "srgb"|"filmic", "out"}  -> {}
-//   encode_pixels  {"request", "film", "layer", "precision", "out"} -> {"width", "height", "channels"}
+//   encode_exr     {"request", "film", "statistics": {..}|null, "precision": "float"|"half", "out"} -> {"overflowed":
+//   n} encode_preview {"request", "film", "exposure": stops, "curve": "srgb"|"filmic", "out"}  -> {} encode_pixels
+//   {"request", "film", "layer", "precision", "out"} -> {"width", "height", "channels", "overflowed"} stop           {}
+//   -> exit 0, no reply
+// A worker whose socket closes exits at once. The kernel kills it when the daemon's THREAD that started it ends
+// (PR_SET_PDEATHSIG), so it must be started from a thread that lives as long as the daemon, and directly, not by a
+// shell.
 
+#include <atomic>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
+#include "protocol/error.h"
+
 namespace photond {
 
+/// {"code", "detail", "errors"} as in "finished" and "reply".
+nlohmann::json failure_json(ErrorCode code, const std::string& detail, const std::vector<Fault>& faults = {});
+nlohmann::json failure_json(const Error& error);
+
+inline constexpr size_t kMaxMessageBytes = size_t{16} << 20;
 inline constexpr int kWorkerSocket = 3;  // the worker's end of the socket pair
 
 /// Line-framed JSON over a stream socket. Reads are buffered; writes are whole lines under a lock.
@@ -45,7 +63,7 @@ class MessageChannel {
 public:
     explicit MessageChannel(int socket) : socket_(socket) {}
 
-    /// Writes one message; false when the peer is gone.
+    /// Writes one message; false when the peer is gone. Text that is not UTF-8 is replaced.
     bool send(const nlohmann::json& message);
     /// The next message, waiting at most `timeout_ms` (-1: for ever). Empty on timeout; `closed()` tells the end.
     /// A line that is not a JSON object, or longer than 16 MiB, closes the channel.
@@ -55,7 +73,7 @@ public:
 
 private:
     int socket_;
-    bool closed_ = false;
+    std::atomic<bool> closed_{false};
     std::string buffer_;
     std::mutex write_mutex_;
 };

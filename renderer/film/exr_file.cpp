@@ -71,6 +71,9 @@ void encode(OIIO::Filesystem::IOProxy& proxy, AtomicFile* file, Size2 size, std:
     spec.nchannels = static_cast<int>(spec.channelnames.size());
     spec.alpha_channel = spec.z_channel = -1;
     spec.attribute("compression", "zip");
+    // The library writes today's date unless there is one; one of the wrong type it leaves out, with a debug message.
+    OIIO::attribute("debug", 0);
+    spec.attribute("DateTime", 0);
     spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), kRec709);
     spec.attribute("oiio:ColorSpace", "Linear");
     for (const ImageAttribute& attribute : attributes) {
