@@ -1,0 +1,35 @@
+#pragma once
+// Sampling of an equirectangular environment by its radiance.
+
+#include <vector>
+
+#include "renderer/scene/scene.h"
+
+namespace photond {
+
+/// Directions drawn with a density that is constant over each texel's solid angle and follows the mean radiance there.
+/// Immutable and thread-safe; borrows the environment.
+class EnvironmentSampler {
+public:
+    /// The map must not be empty.
+    explicit EnvironmentSampler(const Environment& environment);
+
+    /// Draws a unit direction from a uniform pair; its density [1/sr]. False when the map is black.
+    bool sample(vec2 u, vec3& wi, float& pdf_sa) const;
+    float pdf(const vec3& wi) const;
+    /// Radiance that arrives along -wi [W m^-2 sr^-1]: bilinear between texel centres, scale applied.
+    Rgb radiance(const vec3& wi) const;
+    /// Mean over the sphere and the channels [W m^-2 sr^-1].
+    float mean_radiance() const { return mean_radiance_; }
+    uint64_t bytes() const { return (row_cdf_.capacity() + column_cdf_.capacity()) * sizeof(float); }
+
+private:
+    vec2 to_map(const vec3& wi) const;  // (column, row) in [0, 1]^2
+
+    const Environment& environment_;
+    std::vector<float> row_cdf_;     // height + 1
+    std::vector<float> column_cdf_;  // height rows of width + 1
+    float mean_radiance_ = 0;
+};
+
+}  // namespace photond
