@@ -369,7 +369,7 @@ bool LightSampler::sample(const vec3& p, const vec3& n, float u_select, const ve
                               : lights_->sample_groups(p, n, u_select, u, out);
 }
 
-float LightSampler::pdf_triangle(const vec3& p, const vec3& n, uint32_t instance, uint32_t triangle,
+float LightSampler::pdf_triangle(const vec3& p, const vec3& n, uint32_t instance, uint32_t triangle, const vec3& wi,
                                  float distance) const {
     const uint32_t index = lights_->emitter_of(instance, triangle);
     if (index == kNoEmitter) return 0.0f;
@@ -379,11 +379,11 @@ float LightSampler::pdf_triangle(const vec3& p, const vec3& n, uint32_t instance
         const Lights::Groups g = lights_->groups(p, n);
         probability *= g.probability(g.tree);
     }
-    const float height = std::fabs(glm::dot(e.normal, p - e.corner));
-    if (!(probability > 0) || !(height > 0)) return 0.0f;
+    const float cosine = std::fabs(glm::dot(e.normal, wi));
+    if (!(probability > 0) || !(cosine > 0)) return 0.0f;
     const SeenFrom seen = see(e, p);
     if (seen.omega1 > 0) return probability / seen.omega();
-    return probability * distance * distance * distance / (e.area_m2 * height);
+    return probability * sqr(distance) / (e.area_m2 * cosine);
 }
 
 float LightSampler::pdf_environment(const vec3& p, const vec3& n, const vec3& wi) const {
