@@ -14,7 +14,7 @@
 //   glass         a solid's interface: exact Fresnel, reflection and refraction [Walter et al. 2007].
 //   thin sheet    what the coat does not reflect goes straight through (rough: scattered about straight through, with
 //                 the specular lobe mirrored), tinted by the base colour.
-// Lobes with alpha = roughness^2 below kDeltaAlpha are delta: only sample() finds them.
+// Lobes with a roughness below kDeltaRoughness are delta: only sample() finds them.
 // Every lobe reflects only to the geometric eye side, and transmits only to the other.
 //
 // [Kelemen and Szirmay-Kalos 2001] A Microfacet Based Coupled Specular-Matte BRDF Model with Importance Sampling.
@@ -32,8 +32,8 @@ namespace photond {
 /// refraction, importance (paths that start at a light) is not. [Veach 1997, sec. 5.2]
 enum class TransportMode : uint8_t { Radiance, Importance };
 
-/// GGX lobes narrower than this are delta (conventions.md).
-inline constexpr float kDeltaAlpha = 1e-4f;
+/// Smoother GGX lobes are delta: alpha = roughness^2 below 1e-4 (conventions.md).
+inline constexpr float kDeltaRoughness = 0.01f;
 
 /// f(wo, wi) |cos(wi)| [sr^-1], and the density [sr^-1] with which sample(wo) finds wi. Delta lobes are not in either.
 struct BsdfValue {
@@ -74,12 +74,12 @@ public:
         Rgb base_color{1};
         float metallic = 0;
         float roughness = 1;  // alpha is its square
-        float ior = 1.5f;     // of the coat against air; >= 1
+        float ior = 1.5f;     // of the coat against air; >= 1, or 0 for F0 = 1
         float specular = 1;
         Rgb specular_color{1};  // >= 0, may exceed 1
         float transmission = 0;
         bool solid = false;  // transmission is by refraction, else that of a thin sheet
-        float eta = 1.5f;    // solid: index on the far side over that on the eye's side; > 0
+        float eta = 1.5f;    // solid: index on the far side over that on the eye's side; 0 reflects all
     };
     static Bsdf layered(const Parameters& parameters);
 
@@ -120,15 +120,49 @@ public:
 private:
     enum class Kind : uint8_t { Nothing, Lambert, Layered };
 
+    /// Probability of each lobe to be sampled from wo; they sum to 1, or are all 0 where nothing is scattered.
+    struct LobeProbabilities {
+        float diffuse = 0;
+        float specular = 0;
+        float sheet = 0;
+        float glass = 0;
+    };
+
+    /// Layered lobes; weights by `metallic` and `transmission` are in the colours.
+    struct Layers {
+        float alpha = 1;
+        float roughness = 1;  // 0 where the lobe is delta
+        Rgb specular_f0{0};
+        float specular_f90 = 0;
+        Rgb coat_f0{0};  // of the dielectric alone: what the diffuse lobe and the sheet lie under
+        float coat_f90 = 0;
+        Rgb sheet{0};               // tint of the thin sheet
+        float glass = 0;            // share of the solid's interface
+        Rgb glass_tint{0};          // of what is refracted
+        Rgb glass_f0_scale{1};      // specular and specular_color of the interface ...
+        float glass_f90_scale = 1;  // ... towards grazing angles
+        float eta = 1;
+        bool specular_delta = false;  // and the sheet's
+        bool glass_delta = false;
+    };
+
+    Rgb coat_albedo(float cos_theta) const;
+    Rgb glass_reflectance(float cos_o, float fresnel, float cos_t) const;
+    LobeProbabilities lobe_probabilities(const vec3& wo) const;
     BsdfValue evaluate_layered(const vec3& wo, const vec3& wi, TransportMode mode) const;
+    BsdfValue evaluate_layered(const vec3& wo, const vec3& wi, TransportMode mode, const LobeProbabilities& p) const;
+    BsdfValue evaluate_refraction(const vec3& wo, const vec3& wi, TransportMode mode, float probability) const;
     BsdfSample sample_layered(const vec3& wo, float u_lobe, vec2 u, TransportMode mode) const;
+    BsdfSample sample_glass(const vec3& wo, float u_choice, vec2 u, float probability, TransportMode mode) const;
+    float reflection_probability(const Rgb& reflected) const;
 
     Kind kind_ = Kind::Nothing;
     bool has_non_delta_ = false;  // of layered
     bool has_delta_ = false;
     bool has_non_delta_transmission_ = false;
     vec3 geometric_normal_{0, 0, 1};
-    Rgb diffuse_{0};
+    Rgb diffuse_{0};  // layered: over 1 - E_avg
+    Layers layers_;
 };
 
 /// The scattering at a hit. `outside_ior`: index of the medium on the outer side of a solid's surface (1 unless it lies
