@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "protocol/error.h"
+#include "renderer/backends/cpu/small_scene_intersector.h"
 #include "renderer/core/rng.h"
 #include "renderer/scene/scene.h"
 #include "renderer/scene/surface_color.h"
@@ -318,6 +319,11 @@ void EmbreeIntersector::occluded(std::span<const Ray> rays, std::span<uint8_t> o
 
 std::unique_ptr<Intersector> make_embree_intersector(const Scene& scene, MemoryBudget& budget, Stats& stats) {
     const StageTimer timer(stats, "acceleration_build");
+    if (SmallSceneIntersector::suits(scene)) {
+        auto intersector = std::make_unique<SmallSceneIntersector>(scene);
+        budget.record("acceleration", intersector->bytes());
+        return intersector;
+    }
     const uint64_t held = budget.accounted_bytes();
     const uint64_t free_bytes = budget.limit_bytes() > held ? budget.limit_bytes() - held : 0;
     auto intersector = std::make_unique<EmbreeIntersector>(scene, int64_t(std::min(free_bytes, uint64_t{INT64_MAX})));
