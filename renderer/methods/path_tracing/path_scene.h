@@ -1,0 +1,61 @@
+#pragma once
+// What all tiles and passes of one render share: prepared once by begin(), read by all threads.
+
+#include <array>
+#include <vector>
+
+#include "renderer/methods/method.h"
+#include "renderer/methods/path_tracing/path_tracing.h"
+#include "renderer/methods/pixel_filter.h"
+#include "renderer/transport/light_sampling.h"
+
+namespace photond {
+
+struct PathTracingScene {
+    PathTracingScene(const RenderContext& context, const PathTracingParams& params)
+        : scene(context.scene),
+          intersector(context.intersector),
+          lights(context.scene),
+          view(context.view),
+          camera_rays(context.view.camera, context.view.film_size),
+          filter(context.view.filter),
+          seed(context.seed),
+          sampler(params.sampler),
+          max_scatterings(params.max_scatterings()),
+          roulette_start(params.roulette_start) {
+        absorption_per_m.reserve(scene.materials.size());
+        for (const Material& m : scene.materials) {
+            // Beer's law: attenuation_color is what remains after attenuation_distance. A channel of 0 is taken as
+            // 1e-30, so that the exponent stays finite.
+            const bool absorbs = m.solid && m.attenuation_distance < kInfinity;
+            absorption_per_m.push_back(
+                absorbs ? -glm::log(glm::max(m.attenuation_color, Rgb(1e-30f))) / m.attenuation_distance : Rgb(0));
+        }
+    }
+
+    const Scene& scene;
+    const Intersector& intersector;
+    const LightSampler lights;
+    const View view;
+    const CameraRays camera_rays;
+    const PixelFilterSampler filter;
+    const uint64_t seed;
+    const SamplerKind sampler;
+    const uint32_t max_scatterings;
+    const uint32_t roulette_start;
+    std::vector<Rgb> absorption_per_m;  // by material [1/m]
+};
+
+/// A rectangle of pixels, traced as one batch by one thread.
+struct Tile {
+    uint32_t x0, y0, x1, y1;  // half open
+    size_t pixels() const { return size_t{x1 - x0} * (y1 - y0); }
+};
+
+/// Two-dimensional sets of random numbers: two for the camera, then four for each vertex, the camera's included.
+enum class CameraSet : uint32_t { Film, Lens };
+enum class VertexSet : uint32_t { LightPoint, LightChoiceAndRoulette, Direction, Lobe };
+constexpr uint32_t sample_set(CameraSet set) { return static_cast<uint32_t>(set); }
+constexpr uint32_t sample_set(uint32_t vertex, VertexSet set) { return 2 + 4 * vertex + static_cast<uint32_t>(set); }
+
+}  // namespace photond

@@ -1,0 +1,85 @@
+#include "renderer/methods/path_tracing/path_tracing.h"
+
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/task_arena.h>
+
+#include "renderer/core/parallel.h"
+#include "renderer/methods/path_tracing/wavefront.h"
+
+namespace photond {
+
+struct PathTracing::Scratch {
+    struct PerThread {
+        Wavefront wavefront;
+        Counts counts;
+        PathSeconds seconds;
+    };
+    tbb::enumerable_thread_specific<PerThread> threads;
+};
+
+PathTracing::PathTracing(const PathTracingParams& params) : params_(params) {}
+PathTracing::~PathTracing() = default;
+
+void PathTracing::begin(const RenderContext& context, Stats& stats) {
+    const uint64_t image_bytes = PassImage::bytes_for(context.view.film_size, context.view.layers);
+    const uint64_t wavefront_bytes = uint64_t(tbb::this_task_arena::max_concurrency()) * Wavefront::bytes_per_thread();
+    context.budget.require("pass_image", image_bytes);
+    context.budget.require("wavefronts", image_bytes + wavefront_bytes);
+    scene_ = std::make_unique<PathTracingScene>(context, params_);
+    scratch_ = std::make_unique<Scratch>();
+    image_ = PassImage(context.view.film_size, context.view.layers);
+    context.budget.record("pass_image", image_bytes);
+    context.budget.record("wavefronts", wavefront_bytes);
+    context.budget.record("light_sampler", scene_->lights.bytes());
+
+    const Needs& needs = context.scene.needs;
+    if (needs.only_lambert())
+        stats.skipped.push_back({"layered shading", "every surface is a plain Lambert reflector", 0});
+    if (!needs.solid_glass) stats.skipped.push_back({"absorption", "no solid refracts", 0});
+    if (!needs.alpha) stats.skipped.push_back({"alpha test of rays", "no surface is masked or blended", 0});
+}
+
+void PathTracing::run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) {
+    pass_complete_ = false;
+    const double wall_start = wall_now_seconds();
+    const PassSampler sampler(scene_->sampler, scene_->seed, RandomDomain::Camera, pass);
+    const Size2 size = scene_->view.film_size;
+    constexpr uint32_t kSide = Wavefront::kTileSide;
+    const uint32_t columns = (size.width + kSide - 1) / kSide, rows = (size.height + kSide - 1) / kSide;
+
+    parallel_for(size_t{columns} * rows, 1, [&](size_t index) {
+        if (cancel.cancelled()) return;
+        const uint32_t x = uint32_t(index % columns) * kSide, y = uint32_t(index / columns) * kSide;
+        const Tile tile{x, y, std::min(x + kSide, size.width), std::min(y + kSide, size.height)};
+        Scratch::PerThread& mine = scratch_->threads.local();
+        mine.wavefront.trace_tile(*scene_, sampler, tile, image_, mine.counts, mine.seconds);
+    });
+
+    PathSeconds cpu;
+    for (Scratch::PerThread& thread : scratch_->threads) {
+        stats.counts += thread.counts;
+        cpu.camera += thread.seconds.camera;
+        cpu.direct += thread.seconds.direct;
+        cpu.indirect += thread.seconds.indirect;
+        thread.counts = {};
+        thread.seconds = {};
+    }
+    // The parts alternate tile by tile on every thread: each gets the share of the wall time that it has of the work.
+    const double wall = wall_now_seconds() - wall_start;
+    const double total = std::max(cpu.camera + cpu.direct + cpu.indirect, 1e-12);
+    const auto add = [&](std::string_view name, double seconds) {
+        Stage& stage = stats.stage(name);
+        stage.cpu_seconds += seconds;
+        stage.wall_seconds += wall * seconds / total;
+    };
+    add("g_buffer", cpu.camera);
+    add("direct", cpu.direct);
+    add("indirect", cpu.indirect);
+    pass_complete_ = !cancel.cancelled();
+}
+
+void PathTracing::resolve(Film& film) {
+    if (pass_complete_) film.add_pass(image_);
+}
+
+}  // namespace photond

@@ -1,0 +1,67 @@
+#pragma once
+#include <optional>
+
+#include "renderer/methods/method.h"
+#include "renderer/transport/sobol.h"
+
+namespace photond {
+
+struct PathTracingParams final : MethodParams {
+    std::optional<uint32_t> indirect_bounces;
+    SamplerKind sampler = SamplerKind::Sobol;
+    uint32_t roulette_start = 1;
+
+    void visit(ParamVisitor& visitor) override {
+        static constexpr std::string_view kSamplers[] = {"sobol", "random"};
+        visitor.field("indirect_bounces", indirect_bounces,
+                      {"", 0, 1e6, "greatest number of bounces in the indirect layer; unlimited when not given"});
+        visitor.enumeration(
+            "sampler", sampler,
+            {kSamplers, "numbers of the passes: low-discrepancy (Owen-scrambled Sobol') or independent"});
+        visitor.field("roulette_start", roulette_start,
+                      {"", 1, 1e6, "surface interactions after which Russian roulette may end a path"});
+    }
+
+    /// Greatest number of scattering vertices of a path (conventions.md: n vertices make n - 1 bounces).
+    uint32_t max_scatterings() const { return indirect_bounces ? *indirect_bounces + 1 : UINT32_MAX; }
+};
+
+/// Path tracing: the reference that every other method is judged by.
+///
+/// Each pass follows one path from the eye through every pixel. At each vertex direct light is estimated twice, by a
+/// point drawn on a light and by the direction the BSDF draws, joined by multiple importance sampling with the power
+/// heuristic; Russian roulette on the throughput ends paths without bias. All kinds of lights and materials, thin lens,
+/// absorption inside solids (Beer's law), solids within solids.
+/// Strong on everything but caustics of small lights, which only chance finds: those converge slowly, and the light of
+/// point, spot and directional lights through glass or off mirrors is missing altogether (no path from the eye hits
+/// such a light).
+/// Not implemented: participating media, dispersion; a camera inside a solid sees as if it were outside of it.
+///
+/// Paths go in batches: all rays of a tile are traced, then all vertices shaded, then all shadow rays, so that ray
+/// packets are full and scenes of plain Lambert surfaces are shaded with vector instructions.
+///
+/// [Kajiya 1986] The Rendering Equation. SIGGRAPH.
+/// [Veach 1997] Robust Monte Carlo Methods for Light Transport Simulation. PhD thesis, Stanford.
+class PathTracing final : public Method {
+public:
+    static constexpr const char* kName = "path_tracing";
+    using Params = PathTracingParams;
+
+    explicit PathTracing(const PathTracingParams& params);
+    ~PathTracing() override;
+
+    void begin(const RenderContext& context, Stats& stats) override;
+    void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) override;
+    void resolve(Film& film) override;
+
+private:
+    struct Scratch;  // what a thread needs for the tile it traces
+
+    const PathTracingParams params_;
+    std::unique_ptr<const struct PathTracingScene> scene_;
+    std::unique_ptr<Scratch> scratch_;
+    PassImage image_;
+    bool pass_complete_ = false;  // image_ holds a whole pass
+};
+
+}  // namespace photond

@@ -1,0 +1,261 @@
+// Speed of path tracing: camera paths per CPU second, rays against bare ray tracing of the same rays, threads, and what
+// low-discrepancy numbers save. Prints tables; nothing passes or fails here. Scenes beside the repository are optional.
+//
+// Usage: path_tracing_bench [paths] [replay] [threads] [samplers]; all of them without arguments.
+
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <mutex>
+#include <optional>
+
+#include "protocol/error.h"
+#include "renderer/backends/cpu/embree_intersector.h"
+#include "renderer/core/parallel.h"
+#include "renderer/film/exr_file.h"
+#include "renderer/methods/path_tracing/path_tracing.h"
+#include "renderer/scene/builtin_scenes.h"
+#include "renderer/scene/gltf_loader.h"
+#include "renderer/scene/texture_decode.h"
+
+namespace photond {
+namespace {
+
+double median(std::vector<double> values) {
+    std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(values.size() / 2), values.end());
+    return values[values.size() / 2];
+}
+
+/// Passes rays on and keeps a copy of every batch.
+class RecordingIntersector final : public Intersector {
+public:
+    struct Batch {
+        std::vector<Ray> rays;
+        Coherence coherence;
+        bool shadow;
+    };
+
+    explicit RecordingIntersector(const Intersector& inner) : inner_(inner) {}
+    Hit closest_hit(const Ray& ray) const override { return inner_.closest_hit(ray); }
+    bool occluded(const Ray& ray) const override { return inner_.occluded(ray); }
+    void closest_hits(std::span<const Ray> rays, std::span<Hit> hits, Coherence coherence) const override {
+        record(rays, coherence, false);
+        inner_.closest_hits(rays, hits, coherence);
+    }
+    void occluded(std::span<const Ray> rays, std::span<uint8_t> occluded, Coherence coherence) const override {
+        record(rays, coherence, true);
+        inner_.occluded(rays, occluded, coherence);
+    }
+    uint64_t bytes() const override { return inner_.bytes(); }
+
+    /// Traces everything that was recorded; returns the number of rays.
+    size_t replay() const {
+        parallel_for(batches_.size(), 1, [&](size_t i) {
+            const Batch& batch = batches_[i];
+            if (batch.shadow) {
+                std::vector<uint8_t> occluded(batch.rays.size());
+                inner_.occluded(batch.rays, occluded, batch.coherence);
+            } else {
+                std::vector<Hit> hits(batch.rays.size());
+                inner_.closest_hits(batch.rays, hits, batch.coherence);
+            }
+        });
+        size_t count = 0;
+        for (const Batch& batch : batches_) count += batch.rays.size();
+        return count;
+    }
+
+private:
+    void record(std::span<const Ray> rays, Coherence coherence, bool shadow) const {
+        const std::lock_guard lock(mutex_);
+        batches_.push_back({{rays.begin(), rays.end()}, coherence, shadow});
+    }
+
+    const Intersector& inner_;
+    mutable std::mutex mutex_;
+    mutable std::vector<Batch> batches_;
+};
+
+/// A method begun on a scene, pass after pass into a film.
+class Render {
+public:
+    Render(const Scene& scene, const Intersector& intersector, Size2 size, const PathTracingParams& params)
+        : method_(params), film(size, LayerSet{}) {
+        method_.begin({scene, intersector, View{find_camera(scene, ""), size}, 1, budget_}, stats);
+    }
+    void pass() {
+        method_.run_pass(next_pass_++, stats, CancelToken{});
+        method_.resolve(film);
+    }
+
+private:
+    MemoryBudget budget_;
+    PathTracing method_;
+    uint32_t next_pass_ = 0;
+
+public:
+    Stats stats;
+    Film film;
+};
+
+struct NamedScene {
+    const char* name;
+    const char* file;  // below shared/scenes; null: built in
+    Size2 size;
+};
+constexpr NamedScene kScenes[] = {{"cornell-box", nullptr, {256, 256}},
+                                  {"interior", nullptr, {320, 240}},
+                                  {"cornell_diffuse_dragon", "cornell_diffuse_dragon.glb", {256, 256}},
+                                  {"sponza_crytek", "sponza_crytek.glb", {384, 216}}};
+
+std::optional<Scene> open(const NamedScene& named) {
+    if (!named.file) return make_builtin_scene(named.name);
+    const std::filesystem::path folder = std::filesystem::path(PHOTOND_SHARED) / "scenes";
+    if (!std::filesystem::exists(folder / named.file)) {
+        std::printf("%-24s skipped: %s is not there\n", named.name, (folder / named.file).c_str());
+        return {};
+    }
+    return load_gltf(folder / named.file, folder, decode_image);
+}
+
+std::unique_ptr<Intersector> build(const Scene& scene) {
+    MemoryBudget budget;
+    Stats stats;
+    return make_embree_intersector(scene, budget, stats);
+}
+
+void measure_paths() {
+    std::printf("\nCamera paths per CPU second, film included (256x256 cornell-box, unlimited bounces, 1 thread)\n");
+    const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+    const Scene scene = make_builtin_scene("cornell-box");
+    const auto intersector = build(scene);
+    Render render(scene, *intersector, {256, 256}, {});
+    render.pass();
+    std::vector<double> seconds;
+    for (int i = 0; i < 41; ++i) {
+        const double start = cpu_now_seconds();
+        render.pass();
+        seconds.push_back(cpu_now_seconds() - start);
+    }
+    const Counts& counts = render.stats.counts;
+    std::printf("  %.3f million (median of 41 passes; best %.3f); rays a path: %.2f bounce, %.2f shadow\n",
+                65536e-6 / median(seconds), 65536e-6 / *std::min_element(seconds.begin(), seconds.end()),
+                double(counts.bounce_rays) / double(counts.camera_rays),
+                double(counts.shadow_rays) / double(counts.camera_rays));
+    for (const Stage& stage : render.stats.stages)
+        std::printf("  %-12s %5.1f ns a path\n", stage.name.c_str(), 1e9 * stage.cpu_seconds / (42 * 65536.0));
+}
+
+void measure_replay() {
+    std::printf("\nRays per second in path_tracing over replaying the same rays (CPU seconds, medians, all threads)\n");
+    for (const NamedScene& named : kScenes) {
+        const std::optional<Scene> scene = open(named);
+        if (!scene) continue;
+        const auto intersector = build(*scene);
+        const RecordingIntersector recorder(*intersector);
+        Render recorded(*scene, recorder, named.size, {});
+        recorded.pass();  // pass 0 of the same run
+
+        std::vector<double> path_seconds, replay_seconds;
+        size_t rays = 0;
+        for (int i = 0; i < 11; ++i) {  // alternately, so that other load on the machine meets both
+            Render render(*scene, *intersector, named.size, {});
+            double start = cpu_now_seconds();
+            render.pass();
+            path_seconds.push_back(cpu_now_seconds() - start);
+            start = cpu_now_seconds();
+            rays = recorder.replay();
+            replay_seconds.push_back(cpu_now_seconds() - start);
+        }
+        const double path = median(path_seconds), replay = median(replay_seconds);
+        std::printf("%-24s %6.2f of %6.2f Mrays/s a CPU: %5.1f %%   (%.0f + %.0f ns a ray)\n", named.name,
+                    1e-6 * double(rays) / path, 1e-6 * double(rays) / replay, 100 * replay / path,
+                    1e9 * replay / double(rays), 1e9 * (path - replay) / double(rays));
+    }
+}
+
+void measure_threads() {
+    std::printf("\nThread scaling (wall seconds a pass, interior 320x240)\n");
+    const Scene scene = make_builtin_scene("interior");
+    const auto intersector = build(scene);
+    double single = 0;
+    const int cores = tbb::this_task_arena::max_concurrency();
+    for (int threads = 1;; threads = std::min(2 * threads, cores)) {
+        const tbb::global_control control(tbb::global_control::max_allowed_parallelism, size_t(threads));
+        Render render(scene, *intersector, {320, 240}, {});
+        render.pass();
+        std::vector<double> seconds;
+        for (int i = 0; i < 7; ++i) {
+            const double start = wall_now_seconds();
+            render.pass();
+            seconds.push_back(wall_now_seconds() - start);
+        }
+        if (threads == 1) single = median(seconds);
+        std::printf("  %3d threads %.4f s, %.2f times one\n", threads, median(seconds), single / median(seconds));
+        if (threads == cores) break;
+    }
+}
+
+/// conventions.md, `relative_mse`.
+double relative_mse(const std::vector<float>& image, const std::vector<float>& reference) {
+    double mean = 0, sum = 0;
+    for (const float r : reference) mean += r;
+    mean /= double(reference.size());
+    for (size_t i = 0; i < image.size(); ++i)
+        sum +=
+            (image[i] - reference[i]) * (image[i] - reference[i]) / (reference[i] * reference[i] + 0.01 * mean * mean);
+    return sum / double(image.size());
+}
+
+void measure_samplers() {
+    std::printf(
+        "\nrelative_mse x CPU seconds, random over sobol (cornell-box 128x128 against 65536 passes of sobol)\n");
+    const Scene scene = make_builtin_scene("cornell-box");
+    const auto intersector = build(scene);
+    constexpr Size2 kSize{128, 128};
+    PathTracingParams params;
+    std::vector<float> reference;
+    {
+        Render render(scene, *intersector, kSize, params);
+        for (int i = 0; i < 65536; ++i) render.pass();
+        reference = render.film.resolve_beauty();
+    }
+    for (const uint32_t passes : {64u, 256u, 1024u}) {
+        double cost[2];
+        for (const SamplerKind kind : {SamplerKind::Sobol, SamplerKind::Random}) {
+            params.sampler = kind;
+            Render render(scene, *intersector, kSize, params);
+            const double start = cpu_now_seconds();
+            for (uint32_t i = 0; i < passes; ++i) render.pass();
+            const double seconds = cpu_now_seconds() - start;
+            const double error = relative_mse(render.film.resolve_beauty(), reference);
+            cost[size_t(kind)] = error * seconds;
+            std::printf("  %5u passes %-6s relative_mse %.3e, %.3f CPU s\n", passes,
+                        kind == SamplerKind::Sobol ? "sobol" : "random", error, seconds);
+        }
+        std::printf("  %5u passes: random costs %.2f times sobol\n", passes, cost[1] / cost[0]);
+    }
+}
+
+}  // namespace
+}  // namespace photond
+
+int main(int argc, char** argv) {
+    using namespace photond;
+    const std::pair<const char*, void (*)()> parts[] = {{"paths", measure_paths},
+                                                        {"replay", measure_replay},
+                                                        {"threads", measure_threads},
+                                                        {"samplers", measure_samplers}};
+    try {
+        for (const auto& [name, measure] : parts)
+            if (argc == 1 || std::any_of(argv + 1, argv + argc, [&](const char* a) { return !std::strcmp(a, name); }))
+                measure();
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "path_tracing_bench: %s\n", error.what());
+        return 1;
+    }
+}
