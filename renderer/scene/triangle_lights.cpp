@@ -6,7 +6,7 @@ namespace photond {
 
 namespace {
 
-constexpr uint32_t kMinSamples = 16;
+constexpr uint32_t kMinSamples = 256;
 constexpr uint32_t kMaxSamples = 1u << 16;
 
 /// Points a triangle's mean is taken over: about two a texel it covers, so that no texel is missed on a triangle of up

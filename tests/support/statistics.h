@@ -1,0 +1,96 @@
+#pragma once
+// What statistical tests decide with: chi-square, and intervals of means whose width follows from the samples.
+
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+namespace photond::test {
+
+/// Upper tail of the standard normal distribution.
+inline double normal_tail(double z) { return 0.5 * std::erfc(z / std::sqrt(2.0)); }
+
+/// The z that a standard normal number passes, to either side, with this probability.
+inline double two_sided_z(double probability) {
+    double low = 0, high = 40;
+    for (int i = 0; i < 200; ++i) {
+        const double z = 0.5 * (low + high);
+        (2 * normal_tail(z) > probability ? low : high) = z;
+    }
+    return low;
+}
+
+/// Chance of each of `checks` independent checks such that all together raise a false alarm with `false_alarm` (Sidak).
+inline double share_of_false_alarm(double false_alarm, size_t checks) {
+    return -std::expm1(std::log1p(-false_alarm) / static_cast<double>(checks));
+}
+
+/// Mean of independent samples and its standard error; sums of squares are taken about the running mean (Welford).
+class RunningMean {
+public:
+    void add(double x) {
+        ++count_;
+        const double delta = x - mean_;
+        mean_ += delta / static_cast<double>(count_);
+        squares_ += delta * (x - mean_);
+    }
+    size_t count() const { return count_; }
+    double mean() const { return mean_; }
+    double variance() const { return count_ > 1 ? squares_ / static_cast<double>(count_ - 1) : 0; }
+    double standard_error() const { return std::sqrt(variance() / static_cast<double>(count_)); }
+
+private:
+    size_t count_ = 0;
+    double mean_ = 0, squares_ = 0;
+};
+
+/// Probability that a chi-square number with `degrees` of freedom exceeds x: the regularised upper incomplete gamma
+/// function Q(degrees / 2, x / 2), by its series or continued fraction (Abramowitz and Stegun 6.5.29 and 6.5.31).
+inline double chi_square_tail(double x, double degrees) {
+    const double a = 0.5 * degrees, half = 0.5 * x;
+    if (!(half > 0)) return 1;
+    const double log_factor = a * std::log(half) - half - std::lgamma(a);
+    if (half < a + 1) {
+        double term = 1 / a, sum = term;
+        for (double n = a + 1; term > sum * 1e-16; ++n) sum += term *= half / n;
+        return 1 - sum * std::exp(log_factor);
+    }
+    constexpr double kTiny = 1e-300;
+    double b = half + 1 - a, c = 1 / kTiny, d = 1 / b, h = d;
+    for (int i = 1; i < 100000; ++i) {
+        const double an = -i * (i - a);
+        b += 2;
+        d = an * d + b;
+        d = 1 / (std::fabs(d) < kTiny ? kTiny : d);
+        c = b + an / c;
+        if (std::fabs(c) < kTiny) c = kTiny;
+        h *= d * c;
+        if (std::fabs(d * c - 1) < 1e-15) break;
+    }
+    return h * std::exp(log_factor);
+}
+
+/// Chi-square test of counts against expected counts. Cells with fewer than five expected are pooled, smallest first.
+/// Returns the probability of a deviation at least this large by chance; 0 when something fell where nothing may.
+inline double chi_square_probability(const std::vector<double>& observed, std::vector<double> expected) {
+    double pooled_observed = 0, pooled_expected = 0, statistic = 0;
+    size_t cells = 0;
+    for (size_t i = 0; i < observed.size(); ++i) {
+        if (expected[i] <= 0 && observed[i] > 0) return 0;
+        if (expected[i] < 5) {
+            pooled_observed += observed[i], pooled_expected += expected[i];
+            continue;
+        }
+        statistic += (observed[i] - expected[i]) * (observed[i] - expected[i]) / expected[i];
+        ++cells;
+    }
+    if (pooled_expected >= 5) {
+        statistic += (pooled_observed - pooled_expected) * (pooled_observed - pooled_expected) / pooled_expected;
+        ++cells;
+    }
+    return cells > 1 ? chi_square_tail(statistic, static_cast<double>(cells - 1))
+                     : std::numeric_limits<double>::quiet_NaN();
+}
+
+}  // namespace photond::test
