@@ -35,7 +35,7 @@ Bsdf Bsdf::layered(const Parameters& p) {
     bsdf.geometric_normal_ = p.geometric_normal;
     Layers& layers = bsdf.layers_;
     layers.specular_delta = p.roughness < kDeltaRoughness;
-    layers.roughness = layers.specular_delta ? 0.0f : p.roughness;
+    layers.table_row = AlbedoTable::row(p.roughness);
     layers.alpha = sqr(p.roughness);
     layers.coat_f0 = glm::min(normal_reflectance(p.ior) * p.specular_color, Rgb(1)) * p.specular;
     // An index equal to its surroundings reflects nowhere; Schlick's curve would still rise to 1 at the horizon.
@@ -56,7 +56,7 @@ Bsdf Bsdf::layered(const Parameters& p) {
     }
     const Rgb base = dielectric * (1.0f - p.transmission) * p.base_color;
     if (!is_black(base)) {
-        const vec2 average = AlbedoTable::get().average(layers.roughness);
+        const vec2 average = AlbedoTable::get().average(layers.table_row);
         const Rgb passed = Rgb(1) - (layers.coat_f0 * average.x + layers.coat_f90 * average.y);
         // A coat that reflects all leaves nothing for the base; the quotient below would be 0/0.
         const bool coated_base = layers.coat_f90 > 0 || !is_black(layers.coat_f0);
@@ -76,8 +76,8 @@ Bsdf Bsdf::layered(const Parameters& p) {
 
 Rgb Bsdf::coat_albedo(float cos_theta) const {
     if (layers_.coat_f90 <= 0 && is_black(layers_.coat_f0)) return Rgb(0);
-    const vec2 ab = AlbedoTable::get().directional(cos_theta, layers_.roughness);
-    return layers_.coat_f0 * ab.x + layers_.coat_f90 * ab.y;
+    const vec2 ab = AlbedoTable::get().directional(cos_theta, layers_.table_row);
+    return glm::min(layers_.coat_f0 * ab.x + layers_.coat_f90 * ab.y, Rgb(1));  // the table may pass 1 by its margin
 }
 
 /// Fresnel reflectance of the solid's interface, scaled by KHR_materials_specular: the colour holds at normal incidence
@@ -95,11 +95,11 @@ Bsdf::LobeProbabilities Bsdf::lobe_probabilities(const vec3& wo) const {
     vec2 ab(0);
     const bool needs_table = layers_.specular_f90 > 0 || !is_black(layers_.specular_f0) || !is_black(layers_.sheet) ||
                              layers_.coat_f90 > 0 || !is_black(layers_.coat_f0);
-    if (needs_table) ab = AlbedoTable::get().directional(wo.z, layers_.roughness);
-    const Rgb coat = layers_.coat_f0 * ab.x + layers_.coat_f90 * ab.y;
+    if (needs_table) ab = AlbedoTable::get().directional(wo.z, layers_.table_row);
+    const Rgb coat = glm::min(layers_.coat_f0 * ab.x + layers_.coat_f90 * ab.y, Rgb(1));
     p.diffuse = mean(diffuse_ * (Rgb(1) - coat));
     p.specular = mean(layers_.specular_f0) * ab.x + layers_.specular_f90 * ab.y;
-    p.sheet = mean(layers_.sheet * (Rgb(ab.x + ab.y) - coat));
+    p.sheet = mean(layers_.sheet * glm::max(Rgb(ab.x + ab.y) - coat, Rgb(0)));
     if (layers_.glass > 0) {
         const DielectricFresnel fresnel = fresnel_dielectric(wo.z, layers_.eta);
         const Rgb reflected = glass_reflectance(wo.z, fresnel.reflectance, fresnel.cos_t);
@@ -264,7 +264,7 @@ BsdfSample Bsdf::sample_glass(const vec3& wo, float u_choice, vec2 u, float prob
 
 Rgb Bsdf::albedo() const {
     if (kind_ != Kind::Layered) return diffuse_;
-    const vec2 average = AlbedoTable::get().average(layers_.roughness);
+    const vec2 average = AlbedoTable::get().average(layers_.table_row);
     const Rgb coat = layers_.coat_f0 * average.x + layers_.coat_f90 * average.y;
     Rgb sum = diffuse_ * (Rgb(1) - coat) * (Rgb(1) - coat) + layers_.specular_f0 * average.x +
               layers_.specular_f90 * average.y + layers_.sheet * (Rgb(average.x + average.y) - coat);

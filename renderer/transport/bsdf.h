@@ -131,7 +131,7 @@ private:
     /// Layered lobes; weights by `metallic` and `transmission` are in the colours.
     struct Layers {
         float alpha = 1;
-        float roughness = 1;  // 0 where the lobe is delta
+        float table_row = 0;  // AlbedoTable's, of the roughness
         Rgb specular_f0{0};
         float specular_f90 = 0;
         Rgb coat_f0{0};  // of the dielectric alone: what the diffuse lobe and the sheet lie under

@@ -7,13 +7,10 @@ namespace photond {
 
 namespace {
 
-/// Visible normals on a midpoint grid: each weighs G2 / G1(wo), split by Schlick's curve. Half the azimuths are enough,
-/// as the lobe is symmetric about the plane of incidence.
+/// Visible normals on a grid: each weighs G2 / G1(wo), split by Schlick's curve. Half the azimuths are enough, as the
+/// lobe is symmetric about the plane of incidence. The caps crowd towards grazing normals (u = 1 - v^3), few of which
+/// are drawn and whose reflections leave through the horizon.
 vec2 integrate(float cos_theta, float alpha) {
-    if (alpha == 0.0f) {
-        const float weight = schlick_weight(cos_theta);
-        return {1.0f - weight, weight};
-    }
     constexpr int kAzimuths = 16, kCaps = 32;
     const Ggx ggx{alpha};
     const vec3 wo(std::sqrt(1.0f - sqr(cos_theta)), 0, cos_theta);
@@ -21,37 +18,70 @@ vec2 integrate(float cos_theta, float alpha) {
     vec2 sum(0);
     for (int i = 0; i < kAzimuths; ++i)
         for (int j = 0; j < kCaps; ++j) {
-            const vec2 u((static_cast<float>(i) + 0.5f) / (2 * kAzimuths), (static_cast<float>(j) + 0.5f) / kCaps);
-            const vec3 h = ggx.sample_visible(wo, u);
+            const float v = (static_cast<float>(j) + 0.5f) / kCaps;
+            const vec3 h = ggx.sample_visible(wo, {(static_cast<float>(i) + 0.5f) / (2 * kAzimuths), 1.0f - v * v * v});
             const vec3 wi = reflect_direction(wo, h);
             if (wi.z <= 0) continue;
-            const float weight = ggx.g2_over_cosines(wo, wi) * wi.z / g1_over_cos;
+            const float weight = 3.0f * v * v * ggx.g2_over_cosines(wo, wi) * wi.z / g1_over_cos;
             const float schlick = schlick_weight(glm::dot(wo, h));
             sum += weight * vec2(1.0f - schlick, schlick);
         }
     return sum / static_cast<float>(kAzimuths * kCaps);
 }
 
+/// The place of a fractional node. The limit at the horizon is taken just above it.
+float cos_of_column(float column) {
+    return std::max(sqr(sqr(column / static_cast<float>(AlbedoTable::kColumns - 1))), 1e-9f);
+}
+float alpha_of_row(float row) {
+    const float least = std::sqrt(AlbedoTable::kLeastRoughness);
+    const float root = least + (1.0f - least) * row / static_cast<float>(AlbedoTable::kRows - 1);
+    return sqr(sqr(root));
+}
+
 }  // namespace
 
 AlbedoTable::AlbedoTable() {
+    integrate_nodes();
+    raise_to_cover_cells();
+    average_rows();
+}
+
+void AlbedoTable::integrate_nodes() {
     // Not in parallel: a thread that waited here could be handed a task that needs this very table.
-    for (size_t r = 0; r < kRows; ++r) {
-        const float roughness = static_cast<float>(r) / (kRows - 1);
-        for (size_t c = 0; c < kColumns; ++c) {
-            // The limit at the horizon is taken just above it.
-            const float t = std::max(static_cast<float>(c) / (kColumns - 1), 1e-3f);
-            directional_[r][c] = integrate(sqr(t), sqr(roughness));
-        }
-        // Mean of E 2 cos dcos = E 4 t^3 dt with t = sqrt(cos), of the linear interpolant exactly: over [0, 1] steps of
-        // h, node k weighs the integral of its hat function times 4 t^3.
-        dvec3 sum(0);
-        const double h = 1.0 / (kColumns - 1);
+    for (size_t r = 0; r < kRows; ++r)
+        for (size_t c = 0; c < kColumns; ++c)
+            directional_[r][c] = integrate(cos_of_column(static_cast<float>(c)), alpha_of_row(static_cast<float>(r)));
+}
+
+/// Where a cell's middle lies above the mean of its corners, interpolation falls short all over the cell: the corners
+/// are raised by what is missing in the middle.
+void AlbedoTable::raise_to_cover_cells() {
+    std::array<std::array<vec2, kColumns>, kRows> missing{};
+    for (size_t r = 0; r + 1 < kRows; ++r)
         for (size_t c = 0; c + 1 < kColumns; ++c) {
-            const double a = static_cast<double>(c) * h, b = a + h;
-            const double m3 = std::pow(b, 4) - std::pow(a, 4);          // integral of 4 t^3
-            const double m4 = 0.8 * (std::pow(b, 5) - std::pow(a, 5));  // integral of 4 t^4
-            const double right = (m4 - a * m3) / h, left = m3 - right;
+            const vec2 middle =
+                integrate(cos_of_column(static_cast<float>(c) + 0.5f), alpha_of_row(static_cast<float>(r) + 0.5f));
+            const vec2 interpolated = 0.25f * (directional_[r][c] + directional_[r][c + 1] + directional_[r + 1][c] +
+                                               directional_[r + 1][c + 1]);
+            for (const size_t i : {r, r + 1})
+                for (const size_t j : {c, c + 1}) missing[i][j] = glm::max(missing[i][j], middle - interpolated);
+        }
+    for (size_t r = 0; r < kRows; ++r)
+        for (size_t c = 0; c < kColumns; ++c) directional_[r][c] += missing[r][c];
+}
+
+/// Mean of E 2 cos dcos = E 8 t^7 dt with t = cos^(1/4), of the linear interpolant exactly: a node weighs the integral
+/// of its hat function times 8 t^7.
+void AlbedoTable::average_rows() {
+    constexpr double kStep = 1.0 / (kColumns - 1);
+    for (size_t r = 0; r < kRows; ++r) {
+        dvec3 sum(0);
+        for (size_t c = 0; c + 1 < kColumns; ++c) {
+            const double a = static_cast<double>(c) * kStep, b = a + kStep;
+            const double mass = std::pow(b, 8) - std::pow(a, 8);
+            const double moment = 8.0 / 9.0 * (std::pow(b, 9) - std::pow(a, 9));
+            const double right = (moment - a * mass) / kStep, left = mass - right;
             sum += left * dvec3(vec3(directional_[r][c], 0)) + right * dvec3(vec3(directional_[r][c + 1], 0));
         }
         average_[r] = vec2(sum);

@@ -3,6 +3,7 @@
 //
 // [Karis 2013] Real Shading in Unreal Engine 4 (the split into two factors).
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -11,43 +12,62 @@
 
 namespace photond {
 
-/// A and B, computed once for a grid of angles and roughnesses and interpolated linearly between them.
+/// A and B over a grid of angles and roughnesses, interpolated linearly. Never below the truth (by more than rounding),
+/// so that a base under a coat may have all that the table leaves.
 class AlbedoTable {
 public:
-    static constexpr size_t kRows = 48;     // roughness, evenly from 0 to 1
-    static constexpr size_t kColumns = 48;  // sqrt(cos), evenly from 0 to 1: finer towards grazing
+    static constexpr size_t kRows = 48;     // sqrt(roughness), evenly from that of the smoothest rough lobe to 1
+    static constexpr size_t kColumns = 96;  // cos^(1/4), evenly from 0 to 1: lobes change where cos is about alpha
+    static constexpr float kLeastRoughness = 0.01f;
 
-    /// The table; made on first use (some 10 ms).
+    /// The table; made on first use (about 30 ms).
     static const AlbedoTable& get();
 
-    /// (A, B) at cosine `cos_theta` and roughness (alpha is its square), both in [0, 1].
-    vec2 directional(float cos_theta, float roughness) const {
-        const Cell row = cell(roughness, kRows), column = cell(std::sqrt(cos_theta), kColumns);
-        const std::array<vec2, kColumns>& low = directional_[row.index];
-        const std::array<vec2, kColumns>& high = directional_[row.index + 1];
-        const size_t c = column.index;
-        return (1 - row.fraction) * ((1 - column.fraction) * low[c] + column.fraction * low[c + 1]) +
-               row.fraction * ((1 - column.fraction) * high[c] + column.fraction * high[c + 1]);
+    /// A roughness in [0, 1] as the row the lookups want; below kLeastRoughness it stands for a mirror.
+    static float row(float roughness) {
+        const float least = std::sqrt(kLeastRoughness);
+        return roughness < kLeastRoughness
+                   ? kMirrorRow
+                   : (std::sqrt(roughness) - least) / (1.0f - least) * static_cast<float>(kRows - 1);
+    }
+
+    /// (A, B) at `cos_theta` in [0, 1].
+    vec2 directional(float cos_theta, float row) const {
+        if (row < 0) {
+            const float m = 1.0f - cos_theta, schlick = sqr(sqr(m)) * m;
+            return {1.0f - schlick, schlick};
+        }
+        const Cell r = cell(row, kRows);
+        const Cell c = cell(std::sqrt(std::sqrt(cos_theta)) * static_cast<float>(kColumns - 1), kColumns);
+        const vec2* low = &directional_[r.index][c.index];
+        const vec2* high = &directional_[r.index + 1][c.index];
+        return (1 - r.fraction) * ((1 - c.fraction) * low[0] + c.fraction * low[1]) +
+               r.fraction * ((1 - c.fraction) * high[0] + c.fraction * high[1]);
     }
 
     /// Cosine-weighted means over the hemisphere of exactly what directional() returns.
-    vec2 average(float roughness) const {
-        const Cell row = cell(roughness, kRows);
-        return (1 - row.fraction) * average_[row.index] + row.fraction * average_[row.index + 1];
+    vec2 average(float row) const {
+        if (row < 0) return {20.0f / 21.0f, 1.0f / 21.0f};
+        const Cell r = cell(row, kRows);
+        return (1 - r.fraction) * average_[r.index] + r.fraction * average_[r.index + 1];
     }
 
 private:
-    AlbedoTable();
+    static constexpr float kMirrorRow = -1.0f;
 
     struct Cell {
         size_t index;
         float fraction;
     };
-    static Cell cell(float x, size_t nodes) {
-        const float position = std::fmin(std::fmax(x, 0.0f), 1.0f) * static_cast<float>(nodes - 1);
+    static Cell cell(float position, size_t nodes) {
         const size_t index = std::min(static_cast<size_t>(position), nodes - 2);
         return {index, position - static_cast<float>(index)};
     }
+
+    AlbedoTable();
+    void integrate_nodes();
+    void raise_to_cover_cells();
+    void average_rows();
 
     std::array<std::array<vec2, kColumns>, kRows> directional_;
     std::array<vec2, kRows> average_;
