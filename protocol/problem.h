@@ -10,8 +10,8 @@ namespace photond {
 
 inline constexpr const char* kProblemMediaType = "application/problem+json";
 
-/// {"type", "title", "status", "code", "detail", "instance", "errors": [{"pointer", "detail"}]}; `instance` is null where
-/// it does not apply. Text that is not UTF-8 is replaced, so that the document can always be written.
+/// {"type", "title", "status", "code", "detail", "instance", "errors": [{"pointer", "detail"}]}; `instance` is null
+/// where it does not apply. Text that is not UTF-8 is replaced, so that the document can always be written.
 nlohmann::json problem_json(ErrorCode code, const std::string& detail, const std::vector<Fault>& faults,
                             const std::string& instance = "");
 nlohmann::json problem_json(const Error& error, const std::string& instance = "");

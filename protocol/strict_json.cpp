@@ -50,7 +50,8 @@ private:
     Position* position_;
 };
 
-// Builds the document from parse events. The SAX parser is iterative, so that depth costs no stack before it is refused.
+// Builds the document from parse events. The SAX parser is iterative, so that depth costs no stack before it is
+// refused.
 class StrictBuilder {
 public:
     StrictBuilder(const JsonLimits& limits, const Position& position) : limits_(limits), position_(position) {}
@@ -78,8 +79,8 @@ public:
     }
 
     bool parse_error(size_t, const std::string&, const nlohmann::detail::exception& error) {
-        // "[json.exception.parse_error.101] parse error at line 1, column 2: syntax error while ...": the part after the
-        // place says what; the place is ours.
+        // "[json.exception.parse_error.101] parse error at line 1, column 2: syntax error while ...": the part after
+        // the place says what; the place is ours.
         std::string what = error.what();
         if (const size_t bracket = what.find("] "); bracket != std::string::npos) what.erase(0, bracket + 2);
         if (const size_t colon = what.find(": "); what.starts_with("parse error") && colon != std::string::npos)
@@ -152,8 +153,8 @@ private:
 
 json parse_strict_json(std::string_view text, const JsonLimits& limits) {
     if (text.size() > limits.max_bytes)
-        throw Error(ErrorCode::PayloadTooLarge, "the body has " + std::to_string(text.size()) + " bytes, the limit is " +
-                                                    std::to_string(limits.max_bytes));
+        throw Error(ErrorCode::PayloadTooLarge, "the body has " + std::to_string(text.size()) +
+                                                    " bytes, the limit is " + std::to_string(limits.max_bytes));
     Position position;
     StrictBuilder builder(limits, position);
     json::sax_parse(CountingIterator(text.data(), &position), CountingIterator(text.data() + text.size(), &position),

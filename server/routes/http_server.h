@@ -11,8 +11,8 @@ namespace photond {
 
 class HttpServer {
 public:
-    /// `tokens` is nullptr where no authentication is asked for; it and `service` must outlive the server. Address, port
-    /// and limits come from service.options().
+    /// `tokens` is nullptr where no authentication is asked for; it and `service` must outlive the server. Address,
+    /// port and limits come from service.options().
     HttpServer(Service& service, const TokenList* tokens);
     /// stop()s if that has not been done.
     ~HttpServer();

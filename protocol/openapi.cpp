@@ -1,0 +1,464 @@
+#include "protocol/openapi.h"
+
+#include "protocol/error.h"
+#include "protocol/problem.h"
+
+namespace photond {
+namespace {
+
+using nlohmann::json;
+
+json schema_ref(const std::string& name) { return {{"$ref", "#/components/schemas/" + name}}; }
+json typed(const char* type, const char* text = "") {
+    json schema{{"type", type}};
+    if (*text != '\0') schema["description"] = text;
+    return schema;
+}
+json nullable(const char* type, const char* text = "") {
+    json schema = typed(type, text);
+    schema["type"] = {type, "null"};
+    return schema;
+}
+json nullable_ref(const std::string& name) { return {{"anyOf", {schema_ref(name), {{"type", "null"}}}}}; }
+json in_range(json schema, const json& minimum, const json& maximum) {
+    schema["minimum"] = minimum;
+    if (!maximum.is_null()) schema["maximum"] = maximum;
+    return schema;
+}
+json count(const char* text = "") { return in_range(typed("integer", text), 0, nullptr); }
+json list_of(json items) { return {{"type", "array"}, {"items", std::move(items)}}; }
+json map_of(json values) { return {{"type", "object"}, {"additionalProperties", std::move(values)}}; }
+json one_of_words(const std::vector<std::string>& words) { return {{"type", "string"}, {"enum", words}}; }
+
+/// What the service gives: each property is there, null where it does not apply; more may be added later.
+json given(json properties) {
+    json required = json::array();
+    for (const auto& [key, value] : properties.items()) required.push_back(key);
+    return {{"type", "object"}, {"properties", std::move(properties)}, {"required", required}};
+}
+/// What the service takes: nothing beside what is declared.
+json taken(json properties, const std::vector<std::string>& required) {
+    return {{"type", "object"},
+            {"properties", std::move(properties)},
+            {"required", required},
+            {"additionalProperties", false}};
+}
+/// The same where null is as good as absent.
+json or_null(json schema) { return {{"anyOf", {std::move(schema), {{"type", "null"}}}}}; }
+
+json vector3() {
+    return {
+        {"type", "array"}, {"items", in_range(typed("number", "m"), -1e12, 1e12)}, {"minItems", 3}, {"maxItems", 3}};
+}
+
+json problem_schema() {
+    json codes = json::array();
+    for (const ErrorKind& kind : kErrorKinds) codes.push_back(kind.name);
+    return given({{"type", typed("string", "urn:photond:problem:CODE")},
+                  {"title", typed("string")},
+                  {"status", in_range(typed("integer"), 400, 599)},
+                  {"code", {{"type", "string"}, {"enum", codes}}},
+                  {"detail", typed("string", "what went wrong, with the value and the limit")},
+                  {"instance", nullable("string", "the path asked for")},
+                  {"errors", list_of(given({{"pointer", typed("string", "JSON pointer into the body (or the glTF)")},
+                                            {"detail", typed("string")}}))}});
+}
+
+json job_request_schema(const ApiVocabulary& vocabulary) {
+    const json look_at = taken({{"eye", vector3()},
+                                {"target", vector3()},
+                                {"up", or_null(vector3())},
+                                {"yfov", or_null(in_range(typed("number", "radians"), 1e-4, 3.14159))}},
+                               {"eye", "target"});
+    json name = typed("string");
+    name["minLength"] = 1;
+    name["maxLength"] = 256;
+    const json camera = taken({{"name", or_null(name)},
+                               {"look_at", or_null(look_at)},
+                               {"aperture", or_null(in_range(typed("number", "lens radius, m"), 0, 1e6))},
+                               {"focus_distance", or_null(in_range(typed("number", "m"), 1e-6, 1e12))}},
+                              {});
+    const json image = taken({{"width", in_range(typed("integer"), 1, vocabulary.max_width)},
+                              {"height", in_range(typed("integer"), 1, vocabulary.max_height)},
+                              {"filter", or_null(one_of_words({"box", "gaussian", "blackman_harris"}))}},
+                             {"width", "height"});
+    json methods = json::array();
+    for (const ApiVocabulary::Method& method : vocabulary.methods)
+        methods.push_back(taken({{"name", {{"const", method.name}}},
+                                 {"device", {{"type", {"string", "null"}}, {"pattern", "^(cpu|gpu|gpu:[0-9]{1,3})$"}}},
+                                 {"parameters", or_null(schema_ref("Parameters." + method.name))}},
+                                {"name"}));
+    json stop = taken({{"seconds", or_null(in_range(typed("number", "s"), 1e-3, 1e9))},
+                       {"passes", or_null(in_range(typed("integer"), 1, 1'000'000'000))},
+                       {"target", {{"type", "null"}, {"description", "not built yet"}}}},
+                      {});
+    const auto has_number = [](const char* key) {
+        return json{{"properties", {{key, {{"type", "number"}}}}}, {"required", json::array({key})}};
+    };
+    stop["anyOf"] = {has_number("seconds"), has_number("passes")};
+    json layers = list_of(one_of_words(vocabulary.layers));
+    layers["uniqueItems"] = true;
+    const json environment = taken({{"image", {{"type", "string"}, {"pattern", "^image:."}, {"maxLength", 256}}},
+                                    {"scale", or_null(in_range(typed("number"), 0, 1e12))},
+                                    {"rotation", or_null(in_range(typed("number", "radians about +Y"), -1e4, 1e4))}},
+                                   {"image"});
+    json labels = map_of({{"type", "string"}, {"maxLength", 256}});
+    labels["maxProperties"] = 64;
+    labels["propertyNames"] = {{"pattern", "^[^=]{1,64}$"}};
+    return taken({{"scene", name},
+                  {"camera", or_null(camera)},
+                  {"image", image},
+                  {"method", {{"oneOf", methods}}},
+                  {"stop", stop},
+                  {"seed", or_null(count("any whole number of 64 bits"))},
+                  {"layers", or_null(layers)},
+                  {"reference", {{"type", "null"}, {"description", "not built yet"}}},
+                  {"priority", or_null(in_range(typed("integer", "higher first"), -100, 100))},
+                  {"labels", or_null(labels)},
+                  {"environment", or_null(environment)},
+                  {"glass", or_null(one_of_words({"as_stored", "solid"}))},
+                  {"time", or_null({{"const", 0}, {"description", "s; animation is not built yet"}})}},
+                 {"scene", "image", "method", "stop"});
+}
+
+json method_schema() {
+    return given(
+        {{"name", typed("string")},
+         {"title", typed("string")},
+         {"family", typed("string")},
+         {"devices", list_of(one_of_words({"cpu", "gpu"}))},
+         {"sources", list_of(typed("string"))},
+         {"mergeable", typed("boolean")},
+         {"deterministic", map_of(nullable("boolean"))},
+         {"parameters", typed("object", "a JSON Schema (2020-12); x-unit and x-order beside the standard words")}});
+}
+
+json device_schema() {
+    return given({{"id", {{"type", "string"}, {"pattern", "^(cpu|gpu:[0-9]+)$"}}},
+                  {"kind", one_of_words({"cpu", "gpu"})},
+                  {"name", nullable("string")},
+                  {"driver", nullable("string")},
+                  {"memory_bytes", nullable("integer")},
+                  {"software", nullable("boolean")},
+                  {"state", one_of_words({"ready", "busy", "failed"})}});
+}
+
+json scene_schema() {
+    json corner = list_of(typed("number"));
+    corner["minItems"] = corner["maxItems"] = 3;
+    return given({{"id", typed("string")},
+                  {"name", nullable("string")},
+                  {"bytes", nullable("integer")},
+                  {"triangles", nullable("integer")},
+                  {"vertices", nullable("integer")},
+                  {"materials", nullable("integer")},
+                  {"textures", nullable("integer")},
+                  {"lights", or_null(given({{"area", count()}, {"punctual", count()}, {"environment", count()}}))},
+                  {"cameras", list_of(given({{"name", typed("string")}, {"yfov", nullable("number", "radians")}}))},
+                  {"animations", nullable("integer")},
+                  {"bounds", or_null(given({{"min", corner}, {"max", corner}}))},
+                  {"needs", or_null(map_of(typed("boolean")))},
+                  {"warnings", list_of(typed("string"))},
+                  {"builtin", typed("boolean")}});
+}
+
+json statistics_schema() {
+    const json bytes = nullable("integer", "bytes");
+    return given({{"stages", list_of(given({{"name", typed("string")},
+                                            {"wall_seconds", nullable("number")},
+                                            {"cpu_seconds", nullable("number")},
+                                            {"gpu_seconds", nullable("number")}}))},
+                  {"counts", given({{"rays", map_of(count())},
+                                    {"photons_emitted", nullable("integer")},
+                                    {"photons_stored", nullable("integer")},
+                                    {"splats", nullable("integer")},
+                                    {"vpls", nullable("integer")},
+                                    {"voxels", nullable("integer")},
+                                    {"passes", count()}})},
+                  {"rates", map_of(nullable("number"))},
+                  {"memory", given({{"structures", map_of(count())},
+                                    {"accounted_bytes", bytes},
+                                    {"baseline_resident_bytes", bytes},
+                                    {"peak_resident_bytes", bytes},
+                                    {"peak_device_bytes", bytes}})},
+                  {"needs", or_null(typed("object"))},
+                  {"skipped", list_of(typed("string"))},
+                  {"device", {{"description", "the device object, or its name"}}},
+                  {"version", typed("string")},
+                  {"host_cores", count()},
+                  {"threads", count()},
+                  {"seed", count()},
+                  {"job_hash", nullable("string")},
+                  {"pixel_hash", nullable("string")},
+                  {"nan_count", count()},
+                  {"infinity_count", count()},
+                  {"device_shared", nullable("boolean")},
+                  {"error", or_null(map_of(nullable("number")))},
+                  {"reference_error", or_null(map_of(nullable("number")))}});
+}
+
+json job_schema() {
+    const json links = given({{"self", typed("string")},
+                              {"image", nullable("string")},
+                              {"preview", nullable("string")},
+                              {"statistics", nullable("string")},
+                              {"curve", nullable("string")},
+                              {"log", nullable("string")},
+                              {"events", typed("string")}});
+    const json time{{"type", {"string", "null"}}, {"format", "date-time"}};
+    const json curve_point = given({{"seconds", typed("number")},
+                                    {"passes", count()},
+                                    {"photons", nullable("integer")},
+                                    {"metrics", or_null(map_of(nullable("number")))}});
+    return given({{"id", typed("string")},
+                  {"state", one_of_words({"queued", "running", "succeeded", "failed", "cancelled"})},
+                  {"progress", in_range(typed("number"), 0, 1)},
+                  {"passes_done", count()},
+                  {"seconds", typed("number")},
+                  {"error_now", or_null(given({{"metric", typed("string")}, {"value", nullable("number")}}))},
+                  {"created", {{"type", "string"}, {"format", "date-time"}}},
+                  {"started", time},
+                  {"finished", time},
+                  {"attempts", list_of(typed("object"))},
+                  {"request", schema_ref("JobRequest")},
+                  {"links", links},
+                  {"statistics", nullable_ref("Statistics")},
+                  {"failure", nullable_ref("Problem")},
+                  {"curve", or_null(list_of(curve_point))}});
+}
+
+json status_schema() {
+    return given({{"version", typed("string")},
+                  {"uptime_seconds", typed("number")},
+                  {"ready", typed("boolean")},
+                  {"queue", given({{"queued", count()}, {"running", count()}})},
+                  {"workers", list_of(given({{"device", typed("string")},
+                                             {"state", typed("string")},
+                                             {"pid", nullable("integer")},
+                                             {"job", nullable("string")},
+                                             {"restarts", count()},
+                                             {"resident_bytes", nullable("integer")}}))},
+                  {"disk_free_bytes", nullable("integer")}});
+}
+
+json image_schema() {
+    return given({{"id", typed("string")},
+                  {"media_type", typed("string")},
+                  {"width", count()},
+                  {"height", count()},
+                  {"channels", count()},
+                  {"bytes", count()}});
+}
+
+json page_of(const char* name) {
+    return given({{"items", list_of(schema_ref(name))}, {"next_cursor", nullable("string")}});
+}
+
+// --- operations
+
+json content(const std::string& media_type, json schema) { return {{media_type, {{"schema", std::move(schema)}}}}; }
+json binary() { return json::object(); }
+
+struct Operation {
+    const char* method;
+    const char* path;
+    const char* id;
+    const char* summary;
+    std::vector<std::pair<int, json>> answers;  // status, content (empty: no body)
+    json body = nullptr;                        // content taken
+    std::vector<std::pair<const char*, json>> query = {};
+    std::vector<std::pair<const char*, const char*>> headers = {};
+};
+
+json operation_json(const Operation& operation) {
+    json parameters = json::array();
+    const std::string path = operation.path;
+    for (size_t at = path.find('{'); at != std::string::npos; at = path.find('{', at + 1))
+        parameters.push_back({{"name", path.substr(at + 1, path.find('}', at) - at - 1)},
+                              {"in", "path"},
+                              {"required", true},
+                              {"schema", typed("string")}});
+    for (const auto& [name, schema] : operation.query)
+        parameters.push_back({{"name", name}, {"in", "query"}, {"schema", schema}});
+    for (const auto& [name, text] : operation.headers)
+        parameters.push_back({{"name", name}, {"in", "header"}, {"schema", typed("string")}, {"description", text}});
+    json responses{{"default",
+                    {{"description", "a failure, see the schema Problem"},
+                     {"content", content(kProblemMediaType, schema_ref("Problem"))}}}};
+    for (const auto& [status, body] : operation.answers) {
+        json& answer = responses[std::to_string(status)];
+        answer["description"] = status == 202 && body.is_null() ? "nothing rendered yet; ask again" : "as asked";
+        if (!body.is_null()) answer["content"] = body;
+    }
+    json result{{"operationId", operation.id},
+                {"summary", operation.summary},
+                {"parameters", parameters},
+                {"responses", responses}};
+    if (!operation.body.is_null()) result["requestBody"] = {{"required", true}, {"content", operation.body}};
+    return result;
+}
+
+std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
+    const char* kJson = "application/json";
+    const auto object = [&](const char* name) { return content(kJson, schema_ref(name)); };
+    const auto file = [&](const char* media_type) { return content(media_type, binary()); };
+    const json limit = in_range(typed("integer"), 1, 1000);
+    const json word = typed("string");
+    const std::vector<std::pair<const char*, json>> page{{"limit", limit}, {"cursor", word}};
+    const json precision = one_of_words({"float", "half"});
+    const json flag = typed("boolean");
+    const json state = one_of_words({"queued", "running", "succeeded", "failed", "cancelled"});
+    std::vector<std::string> pixel_layers{"beauty", "emitted", "direct", "indirect"};
+    pixel_layers.insert(pixel_layers.end(), vocabulary.layers.begin(), vocabulary.layers.end());
+    const json image_body{{"image/x-exr", binary()}, {"image/vnd.radiance", binary()}};
+    const json scene_body{
+        {"model/gltf-binary", binary()}, {"application/zip", binary()}, {"multipart/form-data", binary()}};
+    return {
+        {"post",
+         "/v1/scenes",
+         "addScene",
+         "Upload a scene",
+         {{201, object("Scene")}, {200, object("Scene")}},
+         scene_body,
+         {{"name", word}},
+         {{"X-Scene-Name", "the scene's name, where the query gives none"}}},
+        {"get", "/v1/scenes", "listScenes", "Scenes, newest first", {{200, object("ScenePage")}}, nullptr, page},
+        {"get", "/v1/scenes/{scene}", "getScene", "One scene, by id or name", {{200, object("Scene")}}},
+        {"delete", "/v1/scenes/{scene}", "deleteScene", "Remove a scene", {{200, object("Scene")}}},
+        {"get", "/v1/scenes/{scene}/thumbnail.png", "getThumbnail", "A small picture", {{200, file("image/png")}}},
+        {"get", "/v1/methods", "listMethods", "Methods, by name", {{200, object("MethodPage")}}, nullptr, page},
+        {"get", "/v1/methods/{name}", "getMethod", "One method", {{200, object("Method")}}},
+        {"get", "/v1/devices", "listDevices", "Devices", {{200, object("DevicePage")}}},
+        {"post",
+         "/v1/jobs",
+         "submitJob",
+         "Queue a render job",
+         {{202, object("Job")}},
+         object("JobRequest"),
+         {{"dry_run", flag}},
+         {{"Idempotency-Key", "the same key and body give the same job"}}},
+        {"get",
+         "/v1/jobs",
+         "listJobs",
+         "Jobs, newest first",
+         {{200, object("JobPage")}},
+         nullptr,
+         {{"state", state}, {"label", word}, {"scene", word}, {"method", word}, {"limit", limit}, {"cursor", word}}},
+        {"get", "/v1/jobs/{id}", "getJob", "One job", {{200, object("Job")}}},
+        {"delete",
+         "/v1/jobs/{id}",
+         "cancelJob",
+         "Cancel, or remove with its files",
+         {{200, object("Job")}, {202, object("Job")}},
+         nullptr,
+         {{"purge", flag}}},
+        {"post", "/v1/jobs/{id}/retry", "retryJob", "Queue a failed or cancelled job again", {{202, object("Job")}}},
+        {"get",
+         "/v1/jobs/{id}/events",
+         "jobEvents",
+         "Server-sent events of one job",
+         {{200, file("text/event-stream")}},
+         nullptr,
+         {},
+         {{"Last-Event-ID", "resume after this event"}}},
+        {"get",
+         "/v1/events",
+         "allEvents",
+         "Server-sent events of all jobs",
+         {{200, file("text/event-stream")}},
+         nullptr,
+         {},
+         {{"Last-Event-ID", "resume after this event"}}},
+        {"get",
+         "/v1/jobs/{id}/image.exr",
+         "getImage",
+         "The film, so far or final",
+         {{200, file("image/x-exr")}, {202, nullptr}},
+         nullptr,
+         {{"precision", precision}}},
+        {"get",
+         "/v1/jobs/{id}/preview.png",
+         "getPreview",
+         "The image on a display",
+         {{200, file("image/png")}, {202, nullptr}},
+         nullptr,
+         {{"exposure", in_range(typed("number", "stops"), -32, 32)}, {"curve", one_of_words({"srgb", "filmic"})}}},
+        {"get",
+         "/v1/jobs/{id}/pixels",
+         "getPixels",
+         "Raw little-endian pixels, row 0 at the top",
+         {{200, file("application/octet-stream")}, {202, nullptr}},
+         nullptr,
+         {{"layer", one_of_words(pixel_layers)}, {"precision", precision}}},
+        {"get",
+         "/v1/jobs/{id}/statistics.json",
+         "getStatistics",
+         "The statistics of a job that is over",
+         {{200, object("Statistics")}, {202, nullptr}}},
+        {"get", "/v1/jobs/{id}/log.txt", "getLog", "What happened to the job", {{200, file("text/plain")}}},
+        {"post",
+         "/v1/images",
+         "addImage",
+         "Upload an EXR or HDR image",
+         {{201, object("Image")}, {200, object("Image")}},
+         image_body},
+        {"get", "/v1/images/{id}", "getUploadedImage", "One image", {{200, object("Image")}}},
+        {"get", "/v1/images/{id}/file", "getImageFile", "The image as uploaded", {{200, file("image/x-exr")}}},
+        {"get", "/v1/status", "getStatus", "The daemon, its queue and workers", {{200, object("Status")}}},
+        {"get", "/v1/openapi.json", "getOpenApi", "This document", {{200, content(kJson, typed("object"))}}},
+        {"get", "/healthz", "isAlive", "Is it alive", {{200, object("Health")}}},
+        {"get", "/readyz", "isReady", "Has every worker answered", {{200, object("Health")}}},
+        {"get", "/metrics", "getMetrics", "Prometheus metrics", {{200, file("text/plain")}}},
+        {"get", "/", "frontPage", "A page of links", {{200, file("text/html")}}},
+    };
+}
+
+}  // namespace
+
+json openapi_document(const ApiVocabulary& vocabulary) {
+    json schemas{{"Problem", problem_schema()},
+                 {"JobRequest", job_request_schema(vocabulary)},
+                 {"Method", method_schema()},
+                 {"Device", device_schema()},
+                 {"Scene", scene_schema()},
+                 {"Statistics", statistics_schema()},
+                 {"Job", job_schema()},
+                 {"Status", status_schema()},
+                 {"Image", image_schema()},
+                 {"Health", given({{"status", typed("string")}})},
+                 {"ScenePage", page_of("Scene")},
+                 {"JobPage", page_of("Job")},
+                 {"MethodPage", page_of("Method")},
+                 {"DevicePage", page_of("Device")}};
+    for (const ApiVocabulary::Method& method : vocabulary.methods)
+        schemas["Parameters." + method.name] = method.parameters;
+    json paths = json::object();
+    for (const Operation& operation : operations(vocabulary))
+        paths[operation.path][operation.method] = operation_json(operation);
+    return {{"openapi", "3.1.0"},
+            {"jsonSchemaDialect", "https://json-schema.org/draft/2020-12/schema"},
+            {"info",
+             {{"title", "photond"},
+              {"version", vocabulary.version},
+              {"description",
+               "Global-illumination renders as a service. Units are SI, spans seconds, sizes bytes, "
+               "times RFC 3339 UTC; a field that does not apply is null, never absent."},
+              {"license", {{"name", "Apache-2.0"}, {"identifier", "Apache-2.0"}}}}},
+            {"paths", paths},
+            {"components",
+             {{"schemas", schemas}, {"securitySchemes", {{"token", {{"type", "http"}, {"scheme", "bearer"}}}}}}},
+            {"security", {{{"token", json::array()}}, json::object()}}};
+}
+
+std::vector<std::string> openapi_operations(const json& document) {
+    std::vector<std::string> names;
+    for (const auto& [path, methods] : document.at("paths").items())
+        for (const auto& [method, operation] : methods.items()) {
+            std::string name;
+            for (const char c : method) name += static_cast<char>(c - 'a' + 'A');
+            names.push_back(name + " " + path);
+        }
+    return names;
+}
+
+}  // namespace photond

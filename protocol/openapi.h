@@ -1,0 +1,28 @@
+#pragma once
+// The API as an OpenAPI 3.1 document, built from the tables the service itself reads by.
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace photond {
+
+/// What the document needs to know of the rest of the program.
+struct ApiVocabulary {
+    std::string version;
+    struct Method {
+        std::string name;
+        nlohmann::json parameters;  // params_schema()
+    };
+    std::vector<Method> methods;
+    std::vector<std::string> layers;  // on request
+    uint32_t max_width = 16384, max_height = 16384;
+};
+
+/// Every path served, with the schemas (JSON Schema 2020-12, below /components/schemas) of every body taken and given.
+nlohmann::json openapi_document(const ApiVocabulary& vocabulary);
+
+/// Paths and methods in the document, "GET /v1/jobs/{id}": what the route table is checked against.
+std::vector<std::string> openapi_operations(const nlohmann::json& document);
+
+}  // namespace photond

@@ -1,0 +1,44 @@
+#include "server/routes/file_reply.h"
+#include "server/routes/query.h"
+#include "server/routes/routes.h"
+
+namespace photond::http {
+
+void add_artefact_routes(std::vector<Route>& routes, Service& service) {
+    const auto add = [&routes](const char* file, Lane lane, std::function<Artefact(Call&, Query&)> make) {
+        routes.push_back({.method = "GET",
+                          .pattern = std::string("/v1/jobs/{id}/") + file,
+                          .lane = lane,
+                          .handle = [make = std::move(make)](Call& call) {
+                              Query query(call.query);
+                              return file_reply(call, make(call, query));
+                          }});
+    };
+    add("image.exr", Lane::Slow, [&service](Call& call, Query& query) {
+        const std::string precision = query.text("precision", "float");
+        query.finish();
+        return service.image(call.path_parameters[0], precision);
+    });
+    add("preview.png", Lane::Slow, [&service](Call& call, Query& query) {
+        const double exposure_stops = query.number("exposure", 0);
+        const std::string curve = query.text("curve", "srgb");
+        query.finish();
+        return service.preview(call.path_parameters[0], exposure_stops, curve);
+    });
+    add("pixels", Lane::Slow, [&service](Call& call, Query& query) {
+        const std::string layer = query.text("layer");
+        const std::string precision = query.text("precision", "float");
+        query.finish();
+        return service.pixels(call.path_parameters[0], layer, precision);
+    });
+    add("statistics.json", Lane::Quick, [&service](Call& call, Query& query) {
+        query.finish();
+        return service.statistics(call.path_parameters[0]);
+    });
+    add("log.txt", Lane::Quick, [&service](Call& call, Query& query) {
+        query.finish();
+        return service.log(call.path_parameters[0]);
+    });
+}
+
+}  // namespace photond::http

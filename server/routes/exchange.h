@@ -1,0 +1,164 @@
+#pragma once
+// One request and its answer, on their way through the hub (sockets), the pool (threads) and the routes (meaning).
+
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "protocol/error.h"
+#include "server/auth.h"
+#include "server/routes/request_head.h"
+
+namespace photond::http {
+
+using Clock = std::chrono::steady_clock;
+
+class FileDescriptor {
+public:
+    FileDescriptor() = default;
+    explicit FileDescriptor(int number) : number_(number) {}
+    FileDescriptor(FileDescriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
+    FileDescriptor& operator=(FileDescriptor&& other) noexcept {
+        if (this != &other) reset(), number_ = std::exchange(other.number_, -1);
+        return *this;
+    }
+    ~FileDescriptor() { reset(); }
+    void reset() {
+        if (number_ >= 0) ::close(number_);
+        number_ = -1;
+    }
+    int get() const { return number_; }
+    explicit operator bool() const { return number_ >= 0; }
+
+private:
+    int number_ = -1;
+};
+
+/// An upload on disk; the file is removed with the object unless it was handed on.
+class Spool {
+public:
+    Spool() = default;
+    explicit Spool(std::filesystem::path path) : path_(std::move(path)) {}
+    Spool(Spool&& other) noexcept : path_(std::exchange(other.path_, {})) {}
+    Spool& operator=(Spool&& other) noexcept {
+        remove();
+        path_ = std::exchange(other.path_, {});
+        return *this;
+    }
+    ~Spool() { remove(); }
+    const std::filesystem::path& path() const { return path_; }
+    /// The caller owns the file from here on.
+    std::filesystem::path release() { return std::exchange(path_, {}); }
+
+private:
+    void remove() noexcept {
+        std::error_code ignored;  // an orphan is swept at the next start
+        if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
+    }
+    std::filesystem::path path_;
+};
+
+/// A part of a file to send after the head, straight from disk.
+struct FileBody {
+    FileDescriptor file;
+    uint64_t offset = 0;
+    uint64_t length = 0;
+    std::shared_ptr<const void> pin;  // keeps the artefact from being evicted meanwhile
+};
+
+/// Turns the connection into an event stream once the head is out.
+struct EventSubscription {
+    std::string job;       // empty: all jobs
+    uint64_t last_id = 0;  // events with a greater id follow
+    std::string first;     // text sent at once, for example the state now
+};
+
+struct Reply {
+    int status = 200;
+    std::map<std::string, std::string> headers;
+    std::string media_type;
+    std::string body;
+    std::optional<FileBody> file;
+    std::optional<EventSubscription> events;
+};
+
+/// What a route's handler sees of its request.
+struct Call {
+    RequestHead head;
+    std::string peer;                               // address of the client
+    std::vector<std::string> path_parameters;       // decoded, in the order of the pattern
+    std::multimap<std::string, std::string> query;  // decoded
+    std::string body;                               // JSON routes
+    Spool spool;                                    // upload routes
+    std::optional<Grant> grant;                     // none without authentication
+};
+
+enum class BodyKind : uint8_t {
+    None,
+    Json,    // application/json, in memory
+    Upload,  // spooled to a file
+};
+
+/// Which threads may run a handler.
+enum class Lane : uint8_t {
+    Instant,  // takes no lock and waits for nothing: on the hub's own thread
+    Quick,    // the store at most
+    Slow,     // waits for a process
+};
+
+struct Route {
+    std::string method;   // GET also answers HEAD
+    std::string pattern;  // "/v1/jobs/{id}"
+    BodyKind body = BodyKind::None;
+    Lane lane = Lane::Quick;
+    bool open = false;                     // needs no token
+    std::vector<std::string> media_types;  // of an upload
+    std::function<Reply(Call&)> handle;    // throws Error
+};
+
+/// An answer that needs no route: a fault seen by the hub.
+struct Refusal {
+    Error error;
+    std::map<std::string, std::string> headers;
+};
+
+/// Counts itself in a number of living things.
+class Counted {
+public:
+    explicit Counted(std::atomic<int64_t>& number) : number_(number) { ++number_; }
+    ~Counted() { --number_; }
+    Counted(const Counted&) = delete;
+    Counted& operator=(const Counted&) = delete;
+
+private:
+    std::atomic<int64_t>& number_;
+};
+
+struct Exchange {
+    explicit Exchange(std::atomic<int64_t>& under_way) : counted(under_way) {}
+
+    Counted counted;
+    Call call;
+    const Route* route = nullptr;
+    std::optional<Refusal> refusal;
+    Clock::time_point begun{};
+
+    // Filled by Answerer.
+    std::string wire;  // head and body as they go out
+    Reply reply;       // its file and its event subscription are still to be served
+};
+
+Reply json_reply(int status, const nlohmann::json& body);
+Reply problem_reply(const Error& error, const std::string& instance);
+
+}  // namespace photond::http

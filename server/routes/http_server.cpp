@@ -1,0 +1,133 @@
+#include "server/routes/http_server.h"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+
+#include "server/routes/answer_pool.h"
+#include "server/routes/event_streams.h"
+#include "server/routes/hub.h"
+#include "server/routes/judge.h"
+#include "server/routes/routes.h"
+
+namespace photond {
+namespace {
+
+constexpr size_t kQuickThreads = 8;  // the store serves one at a time; more threads only queue there
+constexpr size_t kSlowThreads = 8;   // wait for the helper most of the time
+constexpr size_t kMaxWaitingQuick = 4096;
+constexpr size_t kMaxWaitingSlow = 512;
+
+std::vector<http::Route> all_routes(Service& service) {
+    std::vector<http::Route> routes;
+    http::add_scene_routes(routes, service);
+    http::add_job_routes(routes, service);
+    http::add_artefact_routes(routes, service);
+    http::add_image_routes(routes, service);
+    http::add_system_routes(routes, service);
+    return routes;
+}
+
+bool is_loopback(const std::string& address) {
+    return address == "localhost" || address == "::1" || address.starts_with("127.");
+}
+
+http::JudgeSettings judge_settings(Service& service) {
+    const Options& options = service.options();
+    http::JudgeSettings settings;
+    settings.loopback = is_loopback(options.listen_address);
+    settings.max_json_bytes = options.limits.max_json_bytes;
+    settings.max_upload_bytes = options.limits.max_body_bytes;
+    settings.max_requests_per_second = options.limits.max_requests_per_second;
+    settings.check_disk = [&service](uint64_t bytes) { service.check_disk(bytes); };
+    return settings;
+}
+
+http::HubSettings hub_settings(const Options& options) {
+    http::HubSettings settings;
+    settings.address = options.listen_address;
+    settings.port = options.listen_port;
+    settings.max_connections = options.limits.max_connections;
+    settings.head_timeout_seconds = options.limits.head_timeout_seconds;
+    settings.body_timeout_seconds = options.limits.body_timeout_seconds;
+    return settings;
+}
+
+// A connection is a descriptor, an upload or an artefact being sent another: the usual soft limit of 1024 is no limit
+// of ours.
+void raise_descriptor_limit(uint32_t max_connections) {
+    rlimit limit{};
+    if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+    const rlim_t wanted = rlim_t{2} * max_connections + 1024;
+    if (limit.rlim_cur >= wanted) return;
+    limit.rlim_cur = std::min(wanted, limit.rlim_max);
+    setrlimit(RLIMIT_NOFILE, &limit);
+}
+
+}  // namespace
+
+struct HttpServer::Impl {
+    Impl(Service& borrowed, const TokenList* tokens)
+        : service(borrowed),
+          routes(all_routes(service)),
+          judge(judge_settings(service), routes, tokens),
+          streams(service.events(), [this](int delta) { service.metrics().event_clients(delta); }),
+          hub(hub_settings(service.options()), callbacks()),
+          quick(kQuickThreads, kMaxWaitingQuick, [this](auto connection) { hub.answered(std::move(connection)); }),
+          slow(kSlowThreads, kMaxWaitingSlow, [this](auto connection) { hub.answered(std::move(connection)); }) {}
+
+    http::HubCallbacks callbacks() {
+        return {
+            .judge = [this](http::Exchange& exchange) { judge(exchange); },
+            .spool_path = [this] { return service.make_spool_path(); },
+            .dispatch =
+                [this](std::unique_ptr<http::Connection>& connection) {
+                    const bool waits = connection->exchange->route->lane == http::Lane::Slow;
+                    return (waits ? slow : quick).submit(connection);
+                },
+            .stream = [this](std::unique_ptr<http::Connection> connection) { streams.adopt(std::move(connection)); },
+            .finished =
+                [this](const http::Exchange& exchange, double seconds) {
+                    // The pattern, never the path: a metric's labels must be few.
+                    service.metrics().http_request(exchange.route != nullptr ? exchange.route->pattern : "none",
+                                                   exchange.reply.status, seconds);
+                }};
+    }
+
+    Service& service;
+    const std::vector<http::Route> routes;
+    http::Judge judge;
+    http::EventStreams streams;
+    http::Hub hub;
+    http::AnswerPool quick, slow;
+    bool running = false;
+};
+
+HttpServer::HttpServer(Service& service, const TokenList* tokens) : impl_(std::make_unique<Impl>(service, tokens)) {}
+
+HttpServer::~HttpServer() { stop(0); }
+
+void HttpServer::start() {
+    raise_descriptor_limit(impl_->service.options().limits.max_connections);
+    impl_->streams.start();
+    impl_->hub.start();
+    impl_->running = true;
+}
+
+std::string HttpServer::url() const {
+    const std::string& address = impl_->service.options().listen_address;
+    const bool is_ipv6 = address.find(':') != std::string::npos;
+    return "http://" + (is_ipv6 ? "[" + address + "]" : address) + ":" + std::to_string(impl_->hub.port());
+}
+
+void HttpServer::stop(double grace_seconds) {
+    if (!impl_->running) return;
+    impl_->running = false;
+    impl_->hub.drain(grace_seconds);
+    impl_->quick.stop();
+    impl_->slow.stop();
+    impl_->hub.stop();
+    impl_->streams.stop();
+}
+
+}  // namespace photond

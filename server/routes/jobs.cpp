@@ -1,0 +1,130 @@
+#include "protocol/job.h"
+
+#include <charconv>
+
+#include "protocol/strict_json.h"
+#include "server/routes/query.h"
+#include "server/routes/routes.h"
+
+namespace photond::http {
+namespace {
+
+std::optional<std::string> idempotency_key(const Call& call) {
+    const std::string* key = call.head.header("idempotency-key");
+    if (key == nullptr) return std::nullopt;
+    if (key->empty() || key->size() > 255)
+        throw Error(ErrorCode::BadRequest,
+                    "Idempotency-Key must have 1 to 255 bytes, has " + std::to_string(key->size()));
+    return *key;
+}
+
+Reply submit(Service& service, Call& call) {
+    Query query(call.query);
+    const bool dry_run = query.flag("dry_run");
+    query.finish();
+    if (dry_run) throw Error(ErrorCode::Unsupported, "/dry_run", "unsupported: dry_run is not built yet");
+    const JobRequest request = parse_job_request(parse_strict_json(call.body), service.vocabulary());
+    const nlohmann::json job = service.submit_job(request, idempotency_key(call), to_json(request).dump());
+    Reply reply = json_reply(202, job);
+    reply.headers["Location"] = "/v1/jobs/" + job.at("id").get<std::string>();
+    return reply;
+}
+
+Reply list(Service& service, Call& call) {
+    Query query(call.query);
+    JobFilter filter;
+    filter.state = query.text("state");
+    filter.label = query.text("label");
+    filter.scene = query.text("scene");
+    filter.method = query.text("method");
+    filter.limit = query.integer("limit", 100);
+    filter.cursor = query.text("cursor");
+    query.finish();
+    return json_reply(200, service.list_jobs(filter));
+}
+
+Reply remove(Service& service, Call& call) {
+    Query query(call.query);
+    const bool purge = query.flag("purge");
+    query.finish();
+    const Service::Cancelled cancelled =
+        purge ? service.purge_job(call.path_parameters[0]) : service.cancel_job(call.path_parameters[0]);
+    return json_reply(cancelled.was_over ? 200 : 202, cancelled.object);
+}
+
+// Where a stream begins. A client that comes back says where it was; an id we never gave out is of another store, and
+// such a client starts with what happens now.
+std::optional<uint64_t> resume_after(const Call& call, const EventHub& events) {
+    const std::string* header = call.head.header("last-event-id");
+    if (header == nullptr || header->empty()) return std::nullopt;
+    uint64_t id = 0;
+    const auto [end, error] = std::from_chars(header->data(), header->data() + header->size(), id);
+    if (error != std::errc() || end != header->data() + header->size())
+        throw Error(ErrorCode::BadRequest, "Last-Event-ID must be a number this service gave out");
+    return id <= events.last_id() ? std::optional(id) : std::nullopt;
+}
+
+// The first thing on a job's new stream is the job as it is, so that nothing can fall between a GET and the
+// subscription.
+std::string state_now(const nlohmann::json& job, uint64_t id) {
+    nlohmann::json data;
+    for (const char* key : {"id", "state", "progress", "passes_done", "seconds", "started", "finished", "failure"})
+        data[key] = job.contains(key) ? job.at(key) : nlohmann::json(nullptr);
+    return "event: state\nid: " + std::to_string(id) +
+           "\ndata: " + data.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n\n";
+}
+
+Reply job_events(Service& service, Call& call) {
+    Query(call.query).finish();
+    const std::string& id = call.path_parameters[0];
+    const EventHub& events = service.events();
+    const std::optional<uint64_t> resume = resume_after(call, events);
+    const uint64_t now = events.last_id();  // before the job is read: an event may come twice, never be missed
+    const nlohmann::json job = service.get_job(id);
+    Reply reply;
+    reply.events = EventSubscription{job.at("id").get<std::string>(), resume.value_or(now),
+                                     "retry: 1000\n\n" + (resume ? "" : state_now(job, now))};
+    return reply;
+}
+
+Reply all_events(Service& service, Call& call) {
+    Query(call.query).finish();
+    const EventHub& events = service.events();
+    Reply reply;
+    reply.events =
+        EventSubscription{"", resume_after(call, events).value_or(events.last_id()), "retry: 1000\n\n: listening\n\n"};
+    return reply;
+}
+
+}  // namespace
+
+void add_job_routes(std::vector<Route>& routes, Service& service) {
+    routes.push_back(
+        {.method = "POST", .pattern = "/v1/jobs", .body = BodyKind::Json, .handle = [&service](Call& call) {
+             return submit(service, call);
+         }});
+    routes.push_back(
+        {.method = "GET", .pattern = "/v1/jobs", .handle = [&service](Call& call) { return list(service, call); }});
+    routes.push_back({.method = "GET", .pattern = "/v1/jobs/{id}", .handle = [&service](Call& call) {
+                          Query(call.query).finish();
+                          return json_reply(200, service.get_job(call.path_parameters[0]));
+                      }});
+    routes.push_back({.method = "DELETE", .pattern = "/v1/jobs/{id}", .handle = [&service](Call& call) {
+                          return remove(service, call);
+                      }});
+    routes.push_back({.method = "POST", .pattern = "/v1/jobs/{id}/retry", .handle = [&service](Call& call) {
+                          Query(call.query).finish();
+                          const nlohmann::json job = service.retry_job(call.path_parameters[0]);
+                          Reply reply = json_reply(202, job);
+                          reply.headers["Location"] = "/v1/jobs/" + job.at("id").get<std::string>();
+                          return reply;
+                      }});
+    routes.push_back({.method = "GET", .pattern = "/v1/jobs/{id}/events", .handle = [&service](Call& call) {
+                          return job_events(service, call);
+                      }});
+    routes.push_back({.method = "GET", .pattern = "/v1/events", .handle = [&service](Call& call) {
+                          return all_events(service, call);
+                      }});
+}
+
+}  // namespace photond::http

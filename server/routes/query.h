@@ -1,0 +1,30 @@
+#pragma once
+// A request's query, read as strictly as a body.
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "protocol/error.h"
+
+namespace photond::http {
+
+class Query {
+public:
+    explicit Query(const std::multimap<std::string, std::string>& values) : values_(values) {}
+
+    std::string text(const std::string& name, const std::string& otherwise = "");
+    double number(const std::string& name, double otherwise);
+    uint32_t integer(const std::string& name, uint32_t otherwise);
+    bool flag(const std::string& name);
+    /// Throws Error with every fault found, unknown and repeated names among them. Call it before using the values.
+    void finish();
+
+private:
+    const std::multimap<std::string, std::string>& values_;
+    std::vector<std::string> known_;
+    std::vector<Fault> faults_;
+};
+
+}  // namespace photond::http
