@@ -6,37 +6,38 @@
 // The worker's command line: photond-worker --device cpu|none --memory-limit BYTES --threads N (0: all cores).
 // A process whose peer has closed the socket ends at once; an Error that ends a helper's request is its "failure".
 //
+// clang-format off
 // worker -> daemon
 //   hello      {"pid", "device": {device object of protocol.md}}          once, when ready to take work
 //   heartbeat  {"resident_bytes"}                                         every second, from a thread of its own
 //   started    {"job", "attempt"}
 //   progress   {"job", "attempt", "passes_done", "progress", "seconds"}   at most 4 a second
 //   film_saved {"job", "attempt", "path", "passes_done"}                  after "snapshot", or before stopping
-//   finished   {"job", "attempt", "state": "succeeded"|"cancelled"|"failed", "passes_done", "seconds", "film":
-//   path|null,
-//               "statistics": {..}|null, "failure": {"code", "detail", "errors": [{"pointer","detail"}]}|null, "log":
-//               [line..], "stopping": true when the job ended because of "stop"} The film is there when a pass was
-//               finished and the job did not fail; it is at the "film" path of the order.
+//   finished   {"job", "attempt", "state": "succeeded"|"cancelled"|"failed", "passes_done", "seconds",
+//               "film": path|null, "statistics": {..}|null,
+//               "failure": {"code", "detail", "errors": [{"pointer","detail"}]}|null, "log": [line..],
+//               "stopping": true when the job ended because of "stop"}
+//               The film is there when a pass was finished and the job did not fail; it is at the "film" path of the order.
 //   reply      {"request": n, "result": {..}|null, "failure": as above|null}   answers a helper's request
 // daemon -> worker
-//   render     {"job", "attempt", "request": job request, "scene": {"id", "builtin": name|null, "root": dir, "file":
-//   path},
+//   render     {"job", "attempt", "request": job request,
+//               "scene": {"id", "builtin": name|null, "root": dir, "file": path},
 //               "environment": {"path"}|null, "film": path to write, "limits": {"memory_bytes", "threads"}}
-//   snapshot   {"job", "path"}         save the film so far after the pass at hand; answered by film_saved, or, when
-//   the
+//   snapshot   {"job", "path"}         save the film so far after the pass at hand; answered by film_saved, or, when the
 //                                      job ends first, by its "finished" alone
 //   cancel     {"job"}                 ends the job; its film so far is saved
-//   stop       {}                      save the film of the running job, report it cancelled with "stopping": true,
-//   exit 0
+//   stop       {}                      save the film of the running job, report it cancelled with "stopping": true, exit 0
 // daemon -> helper (photond-worker --device none), one at a time, each answered by reply with the same "request"
 //   judge_scene    {"request", "root": dir, "file": path, "name"}   -> scene summary (protocol.md, "Scene", without id)
+//                  or {"request", "builtin": name}
 //   unpack         {"request", "zip": path, "root": dir}            -> {"file": path of the .gltf/.glb inside root}
 //   thumbnail      {"request", "scene": as in render, "out": path}  -> {}
 //   judge_image    {"request", "path"}                              -> {"width", "height", "channels"}
-//   encode_exr     {"request", "film", "statistics": {..}|null, "precision": "float"|"half", "out"} -> {"overflowed":
-//   n} encode_preview {"request", "film", "exposure": stops, "curve": "srgb"|"filmic", "out"}  -> {} encode_pixels
-//   {"request", "film", "layer", "precision", "out"} -> {"width", "height", "channels", "overflowed"} stop           {}
-//   -> exit 0, no reply
+//   encode_exr     {"request", "film", "statistics": {..}|null, "precision": "float"|"half", "out"} -> {"overflowed": n}
+//   encode_preview {"request", "film", "exposure": stops, "curve": "srgb"|"filmic", "out"}  -> {}
+//   encode_pixels  {"request", "film", "layer", "precision", "out"} -> {"width", "height", "channels", "overflowed"}
+//   stop           {}                                               -> exit 0, no reply
+// clang-format on
 // A worker whose socket closes exits at once. The kernel kills it when the daemon's THREAD that started it ends
 // (PR_SET_PDEATHSIG), so it must be started from a thread that lives as long as the daemon, and directly, not by a
 // shell.

@@ -1,0 +1,120 @@
+#include "server/worker/statistics.h"
+
+#include <unistd.h>
+
+#include <cmath>
+
+#include "renderer/core/sha256.h"
+
+namespace photond {
+
+using nlohmann::json;
+
+namespace {
+
+json per_second(double count, double seconds) { return seconds > 0 ? json(count / seconds) : json(nullptr); }
+
+void flatten(const std::string& name, const json& value, std::vector<ImageAttribute>& attributes) {
+    if (value.is_null()) return;
+    if (value.is_object()) {
+        for (const auto& [key, member] : value.items()) flatten(name + "." + key, member, attributes);
+    } else if (value.is_array()) {
+        for (size_t i = 0; i < value.size(); ++i) {
+            const json& item = value[i];
+            if (item.is_object() && item.contains("name") && item["name"].is_string()) {
+                json rest = item;
+                rest.erase("name");
+                flatten(name + "." + item["name"].get<std::string>(), rest, attributes);
+            } else {
+                flatten(name + "." + std::to_string(i), item, attributes);
+            }
+        }
+    } else if (value.is_string()) {
+        attributes.push_back({name, value.get<std::string>()});
+    } else if (value.is_boolean()) {
+        attributes.push_back({name, value.get<bool>() ? 1.0 : 0.0});
+    } else if (value.is_number_integer() && std::abs(value.get<double>()) > 0x1p53) {
+        attributes.push_back({name, value.dump()});
+    } else {
+        attributes.push_back({name, value.get<double>()});
+    }
+}
+
+}  // namespace
+
+std::string job_hash(const JobRequest& request, const std::string& scene_id) {
+    json canonical = to_json(request);
+    canonical.erase("priority"), canonical.erase("labels");
+    canonical["scene"] = scene_id.empty() ? request.scene : scene_id;
+    const std::string text = canonical.dump(-1, ' ', false, json::error_handler_t::replace);
+    return sha256_hex(text.data(), text.size());
+}
+
+json statistics_json(const StatisticsInput& input) {
+    const Counts& counts = input.stats.counts;
+    json stages = json::array();
+    for (const Stage& stage : input.stats.stages)
+        stages.push_back({{"name", stage.name},
+                          {"wall_seconds", stage.wall_seconds},
+                          {"cpu_seconds", stage.cpu_seconds},
+                          {"gpu_seconds", nullptr}});
+    json needs = json::object();
+    input.needs.visit([&](const char* name, bool needed) { needs[name] = needed; });
+    json skipped = json::array();
+    for (const Skipped& part : input.stats.skipped)
+        skipped.push_back({{"what", part.what}, {"why", part.why}, {"bytes_saved", part.bytes_saved}});
+    const auto passes = static_cast<double>(input.film.passes());
+    const double samples = passes * static_cast<double>(input.film.size().pixels());
+
+    return {{"stages", stages},
+            {"counts",
+             {{"rays",
+               {{"camera", counts.camera_rays},
+                {"bounce", counts.bounce_rays},
+                {"shadow", counts.shadow_rays},
+                {"photon", counts.photon_rays}}},
+              {"photons_emitted", counts.photons_emitted},
+              {"photons_stored", counts.photons_stored},
+              {"splats", nullptr},
+              {"vpls", nullptr},
+              {"voxels", nullptr},
+              {"passes", input.film.passes()}}},
+            {"rates",
+             {{"rays_per_second", per_second(static_cast<double>(counts.rays()), input.render_seconds)},
+              {"samples_per_second", per_second(samples, input.render_seconds)},
+              {"passes_per_second", per_second(passes, input.render_seconds)},
+              {"photons_per_second", counts.photons_emitted
+                                         ? per_second(static_cast<double>(counts.photons_emitted), input.render_seconds)
+                                         : json(nullptr)}}},
+            {"memory",
+             {{"structures", input.budget.structures()},
+              {"accounted_bytes", input.budget.accounted_bytes()},
+              {"baseline_resident_bytes", input.baseline_resident_bytes},
+              {"peak_resident_bytes", input.peak_resident_bytes},
+              {"peak_device_bytes", nullptr}}},
+            {"needs", needs},
+            {"skipped", skipped},
+            {"device", {{"id", input.device.id}, {"name", input.device.name}, {"driver", nullptr}}},
+            {"version", PHOTOND_VERSION},
+            {"host_cores", sysconf(_SC_NPROCESSORS_ONLN)},
+            {"threads", input.threads},
+            {"seed", input.request.seed},
+            {"seconds", input.render_seconds},
+            {"passes", input.film.passes()},
+            {"job_hash", job_hash(input.request, input.scene_id)},
+            {"pixel_hash", input.film.passes() ? json(input.film.pixel_hash()) : json(nullptr)},
+            {"nan_count", input.film.nan_count() + counts.nan_samples},
+            {"infinity_count", input.film.infinity_count() + counts.infinite_samples},
+            {"device_shared", false},
+            {"error", nullptr},
+            {"reference_error", nullptr}};
+}
+
+std::vector<ImageAttribute> statistics_attributes(const json& statistics) {
+    std::vector<ImageAttribute> attributes;
+    if (!statistics.is_object()) return attributes;
+    for (const auto& [key, value] : statistics.items()) flatten("photond:" + key, value, attributes);
+    return attributes;
+}
+
+}  // namespace photond

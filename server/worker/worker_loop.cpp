@@ -1,0 +1,139 @@
+#include "server/worker/worker_loop.h"
+
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <memory>
+#include <thread>
+
+#include "renderer/core/parallel.h"
+#include "renderer/film/exr_file.h"
+#include "server/worker/helper_tasks.h"
+#include "server/worker/job_runner.h"
+#include "server/worker/process_memory.h"
+
+namespace photond {
+
+using nlohmann::json;
+
+namespace {
+
+constexpr std::chrono::seconds kHeartbeat{1};
+/// Share of the memory limit that scenes of other jobs may keep while they are not used; on top of what the job may
+/// hold.
+constexpr uint64_t kIdleScenesDivisor = 8;
+
+/// Sends a heartbeat each second, from a thread that nothing a render does can delay.
+class Heartbeat {
+public:
+    explicit Heartbeat(MessageChannel& channel)
+        : thread_([this, &channel] {
+              std::unique_lock lock(mutex_);
+              while (!wake_.wait_for(lock, kHeartbeat, [this] { return ended_; }))
+                  channel.send({{"type", "heartbeat"}, {"resident_bytes", resident_bytes()}});
+          }) {}
+    ~Heartbeat() {
+        {
+            const std::lock_guard lock(mutex_);
+            ended_ = true;
+        }
+        wake_.notify_one();
+        thread_.join();
+    }
+
+private:
+    std::mutex mutex_;
+    std::condition_variable wake_;
+    bool ended_ = false;
+    std::thread thread_;
+};
+
+void say_hello(MessageChannel& channel, const Device& device) {
+    channel.send({{"type", "hello"}, {"pid", getpid()}, {"device", device.to_json()}});
+}
+
+/// Starts what the first job would otherwise pay for and be charged with: TBB's threads and their stacks.
+void start_threads() {
+    std::atomic<uint64_t> sum{0};
+    parallel_for(1 << 14, 1, [&](size_t i) { sum += i; });
+}
+
+/// The job that is running, if any, in a thread of its own.
+class RunningJob {
+public:
+    bool running() const { return thread_.joinable() && !*over_; }
+    bool is(const json& job) const { return running() && job == job_; }
+
+    void start(JobRunner& runner, const json& order) {
+        wait();
+        job_ = order.value("job", json(nullptr));
+        control_ = std::make_shared<JobControl>();
+        over_ = std::make_shared<std::atomic<bool>>(false);
+        thread_ = std::thread([&runner, order, control = control_, over = over_] {
+            runner.run(order, *control);
+            *over = true;
+        });
+    }
+    JobControl& control() { return *control_; }
+    void wait() {
+        if (thread_.joinable()) thread_.join();
+    }
+
+private:
+    json job_;
+    std::shared_ptr<JobControl> control_;
+    std::shared_ptr<std::atomic<bool>> over_;
+    std::thread thread_;
+};
+
+}  // namespace
+
+int run_render_worker(MessageChannel& channel, const WorkerOptions& options) {
+    start_threads();
+    SceneCache scenes(options.memory_limit_bytes / kIdleScenesDivisor);
+    JobRunner runner(scenes, options.device, options.threads, options.memory_limit_bytes,
+                     [&channel](const json& message) { channel.send(message); });
+    RunningJob job;
+    say_hello(channel, options.device);
+    const Heartbeat heartbeat(channel);
+    while (const std::optional<json> message = channel.receive(-1)) {
+        const std::string type = message->value("type", "");
+        if (type == "render") {
+            // "finished" is sent just before a job's thread ends; the daemon may be quicker than that.
+            job.wait();
+            job.start(runner, *message);
+        } else if (type == "snapshot") {
+            if (job.is(message->value("job", json(nullptr))))
+                job.control().request_snapshot(message->at("path").get<std::string>());
+        } else if (type == "cancel") {
+            if (job.is(message->value("job", json(nullptr)))) job.control().cancel.cancel();
+        } else if (type == "stop") {
+            if (job.running()) {
+                job.control().stopping = true;
+                job.control().cancel.cancel();
+            }
+            job.wait();
+            return 0;
+        } else {
+            spdlog::error("a message of unknown type \"{}\"", type);
+        }
+    }
+    // The daemon is gone: nobody waits for the result, and a pass may take long.
+    std::_Exit(0);
+}
+
+int run_helper(MessageChannel& channel, const WorkerOptions& options) {
+    start_threads();
+    warm_up_exr();
+    say_hello(channel, options.device);
+    const Heartbeat heartbeat(channel);
+    while (const std::optional<json> message = channel.receive(-1)) {
+        if (message->value("type", "") == "stop") return 0;
+        channel.send(run_helper_task(*message, {options.memory_limit_bytes, options.threads}));
+    }
+    std::_Exit(0);
+}
+
+}  // namespace photond

@@ -1,0 +1,19 @@
+#pragma once
+// The two lives of a worker process: render jobs one at a time, or do the helper's tasks.
+
+#include "protocol/worker_messages.h"
+#include "server/worker/device.h"
+
+namespace photond {
+
+struct WorkerOptions {
+    Device device;
+    uint64_t memory_limit_bytes = 0;
+    unsigned threads = 1;
+};
+
+/// Says hello, sends heartbeats and serves messages until told to stop or the peer is gone; returns the exit status.
+int run_render_worker(MessageChannel& channel, const WorkerOptions& options);
+int run_helper(MessageChannel& channel, const WorkerOptions& options);
+
+}  // namespace photond
