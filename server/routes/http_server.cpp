@@ -50,6 +50,7 @@ http::HubSettings hub_settings(const Options& options) {
     settings.max_connections = options.limits.max_connections;
     settings.head_timeout_seconds = options.limits.head_timeout_seconds;
     settings.body_timeout_seconds = options.limits.body_timeout_seconds;
+    settings.stall_timeout_seconds = 2 * options.limits.head_timeout_seconds;
     return settings;
 }
 
