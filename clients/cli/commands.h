@@ -1,0 +1,53 @@
+#pragma once
+// The commands. Each function adds its subcommand to the program; parsing sets Session::action, which main() runs.
+//
+// An option's value name is also what completion asks for: SCENE, JOB, METHOD, DEVICE, CAMERA, LAYERS, FILE, or words
+// separated by '|'.
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "clients/cli/parameter_schema.h"
+#include "clients/cli/session.h"
+
+namespace photond::cli {
+
+void add_scenes_commands(CLI::App& program, Session& session);
+void add_jobs_commands(CLI::App& program, Session& session);
+/// methods, devices, status
+void add_catalogue_commands(CLI::App& program, Session& session);
+void add_doctor_command(CLI::App& program, Session& session);
+void add_completion_command(CLI::App& program, Session& session);
+
+/// What the help and the checks of `render` need from the daemon.
+struct RenderVocabulary {
+    std::string method;                 // the one the command line names
+    std::vector<Parameter> parameters;  // of that method
+    bool known = false;                 // the daemon was asked and has that method
+};
+void add_render_command(CLI::App& program, Session& session, const RenderVocabulary& vocabulary);
+
+/// The whole program. Throws nothing but what CLI11 throws for a defect of ours.
+std::unique_ptr<CLI::App> make_program(Session& session, const RenderVocabulary& vocabulary);
+
+/// The last value of an option in unparsed arguments: --name VALUE or --name=VALUE; empty when it is not there.
+std::string argument_of(const std::vector<std::string>& arguments, const std::vector<std::string>& names);
+inline const char* const kDefaultMethod = "path_tracing";
+/// Asks the daemon for the method that `arguments` of `render` name. Throws Failure.
+RenderVocabulary ask_render_vocabulary(Session& session, const std::vector<std::string>& arguments);
+
+/// The hidden command of the completion scripts: `--words WORD...` (the last is being written) or, for bash, `--line
+/// LINE
+/// --point CURSOR`, whose candidates continue after the last '=' or ':' as bash cuts words. One candidate a line, TAB
+/// and a description after it; the line ":files" asks the shell for file names as well. Silent when no daemon answers
+/// soon.
+void complete(Session& session, const std::vector<std::string>& arguments);
+
+/// The words that the published schema of a job (POST /v1/jobs in /v1/openapi.json) allows in one of its members, as in
+/// "layers" or "image/filter"; empty when it names none. Throws Failure.
+std::vector<std::string> job_words(Session& session, const std::string& member);
+
+}  // namespace photond::cli

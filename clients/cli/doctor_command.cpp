@@ -1,0 +1,345 @@
+// photonctl doctor: is everything here that rendering needs?
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <iostream>
+#include <sstream>
+
+#include "clients/cli/commands.h"
+#include "clients/cli/job_view.h"
+#include "clients/cli/text_table.h"
+#include "clients/cli/units.h"
+
+namespace photond::cli {
+
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using Clock = std::chrono::steady_clock;
+
+constexpr double kLowDiskBytes = 2.0 * 1024 * 1024 * 1024;
+constexpr double kSlowAnswerSeconds = 0.1;  // the daemon answers in a few milliseconds even while it renders
+
+enum class Verdict : uint8_t { Ok, Warn, Fail };
+
+struct Check {
+    std::string name;
+    Verdict verdict;
+    std::string found;
+    std::string fix;  // empty when ok
+};
+
+const char* verdict_word(Verdict verdict) {
+    return verdict == Verdict::Ok ? "ok" : verdict == Verdict::Warn ? "warn" : "fail";
+}
+
+class Doctor {
+public:
+    Doctor(Session& session, bool renders) : session_(session), renders_(renders) {}
+
+    std::vector<Check> examine() {
+        const bool here = is_this_machine();
+        if (here) check_programs();
+        check_disk();
+        if (!check_reachable()) return std::move(checks_);
+        check_token();
+        check_readiness();
+        if (!authorised_) return std::move(checks_);
+        check_status();
+        check_devices();
+        check_methods();
+        check_would_accept();
+        if (renders_) check_render();
+        return std::move(checks_);
+    }
+
+    bool reached() const { return reached_; }
+
+private:
+    void add(const std::string& name, Verdict verdict, const std::string& found, const std::string& fix = "") {
+        checks_.push_back({name, verdict, found, fix});
+    }
+
+    /// Runs one question; a refusal or an answer of the wrong shape is a failed check, not the end.
+    template <class Question>
+    void guarded(const std::string& name, const std::string& fix, Question question) {
+        try {
+            question();
+        } catch (const Failure& failure) {
+            if (failure.code == ExitCode::Interrupted) throw;
+            add(name, Verdict::Fail, failure.what(), failure.hint.empty() ? fix : failure.hint);
+        } catch (const json::exception& error) {
+            add(name, Verdict::Fail, std::string("not what the protocol says: ") + error.what(), fix);
+        }
+    }
+
+    bool is_this_machine() const {
+        const std::string& url = session_.server.url;
+        return url.find("://127.") != std::string::npos || url.find("://localhost") != std::string::npos ||
+               url.find("://[::1]") != std::string::npos;
+    }
+
+    /// What the dynamic loader says of the daemon's programs, which lie beside this one.
+    void check_programs() {
+        std::error_code error;
+        const fs::path folder = fs::read_symlink("/proc/self/exe", error).parent_path();
+        for (const char* program : {"photond", "photond-worker"}) {
+            const fs::path file = folder / program;
+            if (access(file.c_str(), X_OK) != 0) {
+                add(program, Verdict::Warn, "not in " + folder.string(),
+                    "build it: deploy/quickstart --build-only (not needed for a daemon that is installed elsewhere)");
+                continue;
+            }
+            const std::string libraries = output_of({"ldd", file.string()});
+            std::string missing;
+            size_t found = 0;
+            std::istringstream lines(libraries);
+            for (std::string line; std::getline(lines, line);) {
+                const size_t arrow = line.find("=>");
+                if (arrow == std::string::npos) continue;
+                if (line.find("not found") == std::string::npos) {
+                    ++found;
+                    continue;
+                }
+                const std::string name = line.substr(0, arrow);
+                const size_t begin = name.find_first_not_of(" \t");
+                missing += (missing.empty() ? "" : ", ") + name.substr(begin, name.find_last_not_of(' ') + 1 - begin);
+            }
+            if (!missing.empty())
+                add(program, Verdict::Fail, "libraries missing: " + missing,
+                    "install them: deploy/quickstart --build-only");
+            else if (found == 0)
+                add(program, Verdict::Warn, "its libraries could not be listed (ldd)");
+            else
+                add(program, Verdict::Ok, "all " + std::to_string(found) + " libraries found");
+        }
+    }
+
+    static std::string output_of(std::vector<std::string> arguments) {
+        std::array<int, 2> pipe_ends{};
+        if (pipe2(pipe_ends.data(), O_CLOEXEC) != 0) return "";
+        posix_spawn_file_actions_t actions;
+        posix_spawn_file_actions_init(&actions);
+        posix_spawn_file_actions_adddup2(&actions, pipe_ends[1], STDOUT_FILENO);
+        posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+        std::vector<char*> argv;
+        for (std::string& argument : arguments) argv.push_back(argument.data());
+        argv.push_back(nullptr);
+        pid_t child = 0;
+        const int failed = posix_spawnp(&child, argv[0], &actions, nullptr, argv.data(), environ);
+        posix_spawn_file_actions_destroy(&actions);
+        close(pipe_ends[1]);
+        std::string output;
+        std::array<char, 4096> buffer{};
+        while (!failed) {
+            const ssize_t count = read(pipe_ends[0], buffer.data(), buffer.size());
+            if (count < 0 && errno == EINTR) continue;
+            if (count <= 0) break;
+            output.append(buffer.data(), static_cast<size_t>(count));
+        }
+        close(pipe_ends[0]);
+        if (!failed) waitpid(child, nullptr, 0);
+        return output;
+    }
+
+    void check_disk() {
+        std::error_code error;
+        const fs::space_info space = fs::space(".", error);
+        if (error)
+            return add("disk here", Verdict::Fail, error.message(),
+                       "images are saved in the current folder: change to another");
+        const auto available = static_cast<double>(space.available);
+        if (access(".", W_OK) != 0)
+            add("disk here", Verdict::Warn, "the current folder cannot be written to", "give -o a path elsewhere");
+        else
+            add("disk here", available < kLowDiskBytes ? Verdict::Warn : Verdict::Ok, human_bytes(available) + " free",
+                available < kLowDiskBytes ? "images are saved here: free some space" : "");
+    }
+
+    bool check_reachable() {
+        std::vector<double> spans;
+        try {
+            HttpRequest request;
+            request.path = "/healthz";
+            for (int i = 0; i < 5; ++i) {
+                const auto begun = Clock::now();
+                session_.daemon().ask(request, Repeat::Safely);
+                spans.push_back(std::chrono::duration<double>(Clock::now() - begun).count());
+            }
+        } catch (const Failure& failure) {
+            if (failure.code == ExitCode::Interrupted) throw;
+            reached_ = failure.code == ExitCode::Refused;
+            add("daemon", Verdict::Fail, failure.what(), failure.hint);
+            return false;
+        }
+        reached_ = true;
+        std::nth_element(spans.begin(), spans.begin() + 2, spans.end());
+        const bool slow = spans[2] > kSlowAnswerSeconds;
+        add("daemon", slow ? Verdict::Warn : Verdict::Ok,
+            session_.server.url + " answers in " + human_seconds(spans[2]) + " (median of 5)",
+            slow ? "the network, or a machine short of memory or processor time, is in the way" : "");
+        return true;
+    }
+
+    void check_token() {
+        try {
+            session_.daemon().get("/v1/status");
+            authorised_ = true;
+            add("access", Verdict::Ok, session_.server.token.empty() ? "no token needed" : "the token is accepted");
+        } catch (const Failure& failure) {
+            if (failure.code == ExitCode::Interrupted) throw;
+            add("access", Verdict::Fail, failure.what(),
+                "set PHOTOND_TOKEN or --token-file to a token of the daemon's --tokens file");
+        }
+    }
+
+    void check_readiness() {
+        guarded("ready", "wait, then look into the daemon's log: a worker or the store does not come up", [&] {
+            HttpRequest request;
+            request.path = "/readyz";
+            session_.daemon().ask(request, Repeat::Safely);
+            add("ready", Verdict::Ok, "store open, every worker answered");
+        });
+    }
+
+    void check_status() {
+        guarded("version", "install the same version on both sides", [&] {
+            const json status = session_.daemon().get("/v1/status");
+            const std::string version = status.at("version").get<std::string>();
+            const bool same = version == PHOTOND_VERSION;
+            add("version", same ? Verdict::Ok : Verdict::Warn,
+                same ? "both " + version : "daemon " + printable(version) + ", photonctl " PHOTOND_VERSION,
+                same ? "" : "install the same version on both sides");
+            check_daemon_disk(status);
+        });
+    }
+
+    /// The daemon's own figure, where it gives one: its data folder may lie on another disk or machine.
+    void check_daemon_disk(const json& status) {
+        json free = status.value("disk_free_bytes", json());
+        if (status.contains("disk") && status["disk"].is_object()) free = status["disk"].value("free_bytes", json());
+        if (!free.is_number()) return;
+        const bool low = free.get<double>() < kLowDiskBytes;
+        add("daemon's disk", low ? Verdict::Warn : Verdict::Ok, human_bytes(free.get<double>()) + " free",
+            low ? "free some space: remove old jobs (photonctl jobs cancel --purge) and scenes" : "");
+    }
+
+    void check_devices() {
+        guarded("devices", "see the daemon's log", [&] {
+            const json devices = session_.daemon().get("/v1/devices").at("items");
+            if (devices.empty()) add("devices", Verdict::Fail, "none", "start the daemon with --devices cpu");
+            for (const json& device : devices) {
+                const std::string state = device.at("state").get<std::string>();
+                const bool failed = state == "failed";
+                add("device " + plain_text(device.at("id")), failed ? Verdict::Fail : Verdict::Ok,
+                    plain_text(device.value("name", json())) + ", " + printable(state),
+                    failed ? "its worker does not stay up: see the daemon's log" : "");
+            }
+        });
+    }
+
+    void check_methods() {
+        guarded("methods", "install the daemon anew", [&] {
+            std::string names;
+            for (const json& method : session_.daemon().get("/v1/methods").at("items"))
+                names += (names.empty() ? "" : ", ") + plain_text(method.at("name"));
+            add("methods", names.empty() ? Verdict::Fail : Verdict::Ok, names.empty() ? "none" : names,
+                names.empty() ? "install the daemon anew" : "");
+        });
+    }
+
+    static json small_job() {
+        return {{"scene", "cornell-box"},
+                {"image", {{"width", 64}, {"height", 64}}},
+                {"method", {{"name", kDefaultMethod}}},
+                {"stop", {{"passes", 1}}},
+                {"labels", {{"photonctl", "doctor"}}}};
+    }
+
+    void check_would_accept() {
+        guarded("job", "the reason above says what it lacks", [&] {
+            const json estimate = session_.daemon().send("POST", "/v1/jobs?dry_run=true", small_job(), Repeat::Safely);
+            const json memory = estimate.value("memory_bytes", json());
+            add("job", Verdict::Ok,
+                "a small one would be accepted" +
+                    (memory.is_number() ? ", memory " + human_bytes(memory.get<double>()) : ""));
+        });
+    }
+
+    void check_render() {
+        guarded("render", "photonctl jobs list --label photonctl=doctor shows it", [&] {
+            const auto begun = Clock::now();
+            const json accepted = session_.daemon().send("POST", "/v1/jobs", small_job(), Repeat::OnlyIfRefused);
+            const std::string id = accepted.at("id").get<std::string>();
+            const json job = wait_for_job(session_, id, {}, false);
+            if (exit_code_of(job) != ExitCode::Ok) {
+                remark_failure(session_, job);
+                return add("render", Verdict::Fail, id + " " + plain_text(job.value("state", json())),
+                           "photonctl jobs show " + id);
+            }
+            HttpRequest image;
+            image.path = resource_path("jobs", id) + "/image.exr";
+            const HttpReply exr = session_.daemon().ask(image, Repeat::Safely);
+            // OpenEXR's magic number: a file that is none would be a defect of the service.
+            const bool is_exr = exr.status == 200 && exr.body.starts_with("\x76\x2f\x31\x01");
+            add("render", is_exr ? Verdict::Ok : Verdict::Fail,
+                is_exr
+                    ? "a 64 x 64 image in " +
+                          human_seconds(std::chrono::duration<double>(Clock::now() - begun).count()) + ", start to EXR"
+                    : "the image of " + id + " is no EXR",
+                is_exr ? "" : "see the daemon's log");
+        });
+    }
+
+    Session& session_;
+    bool renders_;
+    bool reached_ = false;
+    bool authorised_ = false;
+    std::vector<Check> checks_;
+};
+
+ExitCode run_doctor(Session& session, bool renders) {
+    session.server.retry_seconds = std::min(session.server.retry_seconds, 2.0);
+    Doctor doctor(session, renders);
+    const std::vector<Check> checks = doctor.examine();
+    bool failed = false;
+    size_t name_columns = 0;
+    for (const Check& check : checks) name_columns = std::max(name_columns, display_width(check.name));
+    for (const Check& check : checks) {
+        failed = failed || check.verdict == Verdict::Fail;
+        const std::string word = verdict_word(check.verdict);
+        if (session.json_output) {
+            session.print_json({{"check", check.name},
+                                {"state", word},
+                                {"found", check.found},
+                                {"fix", check.fix.empty() ? json() : json(check.fix)}});
+            continue;
+        }
+        const std::string indent(name_columns + 8, ' ');
+        std::cout << session.coloured_state(word, word + std::string(6 - word.size(), ' ')) << check.name
+                  << std::string(name_columns - display_width(check.name) + 2, ' ') << check.found << '\n';
+        if (!check.fix.empty()) std::cout << indent << "-> " << check.fix << '\n';
+    }
+    if (!doctor.reached()) return ExitCode::Unreachable;
+    return failed ? ExitCode::JobFailed : ExitCode::Ok;
+}
+
+}  // namespace
+
+void add_doctor_command(CLI::App& program, Session& session) {
+    CLI::App* command =
+        program.add_subcommand("doctor", "Is everything here? Each check with what to do when it is not");
+    const auto renders = std::make_shared<bool>(false);
+    command->add_flag("--render", *renders, "also render a small image from start to EXR");
+    command->callback(
+        [&session, renders] { session.action = [&session, renders] { return run_doctor(session, *renders); }; });
+}
+
+}  // namespace photond::cli

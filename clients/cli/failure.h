@@ -1,0 +1,54 @@
+#pragma once
+// How photonctl ends: its exit codes (a promise to scripts) and the one exception that carries one.
+
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string>
+
+namespace photond::cli {
+
+enum class ExitCode : int {
+    Ok = 0,
+    JobFailed = 1,
+    Usage = 2,
+    Unreachable = 3,
+    Refused = 4,
+    Cancelled = 5,
+    TimedOut = 6,
+    LocalFile = 7,
+    Interrupted = 130,
+};
+
+struct ExitCodeRow {
+    ExitCode code;
+    const char* meaning;
+};
+
+// Printed below `photonctl --help`.
+inline constexpr ExitCodeRow kExitCodes[] = {
+    {ExitCode::Ok, "done"},
+    {ExitCode::JobFailed, "the job failed, or a check of `doctor` did"},
+    {ExitCode::Usage, "the command line or a file given on it cannot be used; nothing was sent"},
+    {ExitCode::Unreachable, "the daemon cannot be reached, or was lost for longer than is retried"},
+    {ExitCode::Refused, "the daemon refused; every fault is printed with its place"},
+    {ExitCode::Cancelled, "the job was cancelled"},
+    {ExitCode::TimedOut, "--timeout passed; the job goes on"},
+    {ExitCode::LocalFile, "a result could not be written here"},
+    {ExitCode::Interrupted, "interrupted (Ctrl-C); the job goes on unless --cancel-on-interrupt was given"},
+};
+
+/// Ends the command: what happened, what to do about it, and with which exit code.
+class Failure : public std::runtime_error {
+public:
+    Failure(ExitCode exit_code, const std::string& message, std::string what_to_do = {})
+        : std::runtime_error(message), code(exit_code), hint(std::move(what_to_do)) {}
+    /// The daemon's own words: `document` is its problem+json.
+    Failure(const std::string& message, nlohmann::json document)
+        : std::runtime_error(message), code(ExitCode::Refused), problem(std::move(document)) {}
+
+    const ExitCode code;
+    const std::string hint;                  // one line, may be empty
+    const nlohmann::json problem = nullptr;  // application/problem+json, null where there is none
+};
+
+}  // namespace photond::cli

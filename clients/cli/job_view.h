@@ -1,0 +1,36 @@
+#pragma once
+// Following and showing jobs, as `render` and `jobs` both do.
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "clients/cli/session.h"
+#include "clients/cli/transfer.h"
+
+namespace photond::cli {
+
+struct WaitOptions {
+    double timeout_seconds = 0;  // 0: none
+    bool cancel_on_interrupt = false;
+};
+
+/// --timeout and --cancel-on-interrupt.
+void add_wait_options(CLI::App& command, WaitOptions& options);
+/// --preview, --exposure, --curve, --precision, -o.
+void add_output_options(CLI::App& command, JobOutputs& outputs);
+
+/// Follows a job with its progress shown; with `print_changes` every change is also printed as JSON. Throws Failure:
+/// Interrupted and TimedOut say how to go on; with cancel_on_interrupt an interrupt cancels the job, which is returned.
+nlohmann::json wait_for_job(Session& session, const std::string& id, const WaitOptions& options, bool print_changes);
+
+/// 0 succeeded, 1 failed, 5 cancelled.
+ExitCode exit_code_of(const nlohmann::json& job);
+
+/// State, request, failure and statistics.
+void print_job(const Session& session, const nlohmann::json& job);
+/// Why a job failed, every fault with its place; nothing for other jobs.
+void remark_failure(const Session& session, const nlohmann::json& job);
+
+}  // namespace photond::cli

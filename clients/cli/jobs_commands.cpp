@@ -1,0 +1,160 @@
+// photonctl jobs list|show|watch|cancel|retry|fetch
+
+#include <iostream>
+
+#include "clients/cli/commands.h"
+#include "clients/cli/job_view.h"
+#include "clients/cli/text_table.h"
+#include "clients/cli/units.h"
+
+namespace photond::cli {
+
+namespace {
+
+using nlohmann::json;
+
+struct JobsOptions {
+    std::vector<std::string> ids;
+    std::string state, label, scene, method;
+    size_t limit = 50;
+    bool purge = false;
+    WaitOptions wait;
+    JobOutputs outputs;
+};
+
+std::string text_of(const json& object, const char* key) {
+    return object.is_object() && object.contains(key) ? plain_text(object[key]) : "-";
+}
+
+void add_job_row(TextTable& table, const json& job) {
+    const json request = job.value("request", json::object());
+    const json image = request.value("image", json::object());
+    const json method = request.value("method", json::object());
+    const json progress = job.value("progress", json());
+    const json seconds = job.value("seconds", json());
+    table.add_row({text_of(job, "id"), text_of(job, "state"),
+                   progress.is_number() ? human_number(double(int(progress.get<double>() * 100))) + " %" : "-",
+                   text_of(request, "scene"), text_of(method, "name"),
+                   text_of(image, "width") + "x" + text_of(image, "height"), text_of(job, "passes_done"),
+                   seconds.is_number() ? human_seconds(seconds.get<double>()) : "-",
+                   human_time(job.value("created", json()))});
+}
+
+ExitCode list_jobs(Session& session, const JobsOptions& options) {
+    std::string query;
+    for (const auto& [name, value] : {std::pair("state", options.state), std::pair("label", options.label),
+                                      std::pair("scene", options.scene), std::pair("method", options.method)})
+        if (!value.empty()) query += (query.empty() ? "?" : "&") + std::string(name) + "=" + percent_encode(value);
+    TextTable table({{"JOB"},
+                     {"STATE"},
+                     {"DONE", Align::Right},
+                     {"SCENE"},
+                     {"METHOD"},
+                     {"SIZE", Align::Right},
+                     {"PASSES", Align::Right},
+                     {"RENDERED", Align::Right},
+                     {"CREATED (UTC)"}});
+    for (const json& job : session.daemon().list("/v1/jobs" + query, options.limit)) {
+        if (session.json_output)
+            session.print_json(job);
+        else
+            add_job_row(table, job);
+    }
+    if (!session.json_output) table.print(std::cout);
+    return ExitCode::Ok;
+}
+
+ExitCode show_jobs(Session& session, const JobsOptions& options) {
+    for (const std::string& id : options.ids) {
+        const json job = session.daemon().get(resource_path("jobs", id));
+        if (session.json_output)
+            session.print_json(job);
+        else
+            print_job(session, job);
+        remark_failure(session, job);
+    }
+    return ExitCode::Ok;
+}
+
+ExitCode watch_job(Session& session, const JobsOptions& options) {
+    const json job = wait_for_job(session, options.ids.front(), options.wait, session.json_output);
+    if (session.json_output)
+        session.print_json(job);
+    else
+        print_job(session, job);
+    remark_failure(session, job);
+    return exit_code_of(job);
+}
+
+ExitCode change_jobs(Session& session, const JobsOptions& options, const std::string& method, const std::string& tail,
+                     Repeat repeat, const std::string& done) {
+    for (const std::string& id : options.ids) {
+        const json job = session.daemon().send(method, resource_path("jobs", id) + tail, nullptr, repeat);
+        if (session.json_output && job.is_object()) session.print_json(job);
+        session.remark(id + " " + (job.is_object() ? done + ", now " + text_of(job, "state") : done));
+    }
+    return ExitCode::Ok;
+}
+
+ExitCode fetch_job(Session& session, const JobsOptions& options) {
+    const std::string& id = options.ids.front();
+    JobOutputs outputs = options.outputs;
+    if (!outputs.any_image() && outputs.statistics.empty() && outputs.log.empty()) outputs.images = {id + ".exr"};
+    outputs.check();
+    const json job = session.daemon().get(resource_path("jobs", id));
+    save_job_outputs(session, id, outputs);
+    if (session.json_output) session.print_json(job);
+    return ExitCode::Ok;
+}
+
+}  // namespace
+
+void add_jobs_commands(CLI::App& program, Session& session) {
+    CLI::App* jobs = program.add_subcommand("jobs", "Render jobs: list, show, watch, cancel, retry, fetch");
+    jobs->require_subcommand(1);
+    const auto options = std::make_shared<JobsOptions>();
+
+    const auto command = [&](const char* name, const char* text, int most_ids,
+                             ExitCode (*run)(Session&, const JobsOptions&)) {
+        CLI::App* sub = jobs->add_subcommand(name, text);
+        if (most_ids != 0) {
+            CLI::Option* ids = sub->add_option("job", options->ids, most_ids == 1 ? "job id" : "job ids")
+                                   ->required()
+                                   ->type_name("JOB");
+            if (most_ids == 1) ids->expected(1);
+        }
+        sub->callback(
+            [&session, options, run] { session.action = [&session, options, run] { return run(session, *options); }; });
+        return sub;
+    };
+    constexpr int kMany = -1;
+
+    CLI::App* list = command("list", "Jobs, newest first", 0, list_jobs);
+    list->add_option("--state", options->state, "only those in this state")
+        ->type_name("queued|running|succeeded|failed|cancelled");
+    list->add_option("--label", options->label, "only those with this label")->type_name("KEY=VALUE");
+    list->add_option("--scene", options->scene, "only those of this scene")->type_name("SCENE");
+    list->add_option("--method", options->method, "only those by this method")->type_name("METHOD");
+    list->add_option("--limit", options->limit, "at most this many")->type_name("INT")->capture_default_str();
+
+    command("show", "Request, state and statistics of jobs", kMany, show_jobs);
+    add_wait_options(*command("watch", "Follow a job to its end", 1, watch_job), options->wait);
+
+    CLI::App* cancel =
+        command("cancel", "End jobs; what was rendered stays", kMany, [](Session& s, const JobsOptions& o) {
+            return change_jobs(s, o, "DELETE", o.purge ? "?purge=true" : "", Repeat::Safely,
+                               o.purge ? "purged" : "cancelled");
+        });
+    cancel->add_flag("--purge", options->purge, "also remove the job and its files");
+    command("retry", "Queue failed or cancelled jobs again", kMany, [](Session& s, const JobsOptions& o) {
+        return change_jobs(s, o, "POST", "/retry", Repeat::OnlyIfRefused, "queued again");
+    });
+
+    CLI::App* fetch = command("fetch", "Save images, statistics and log of a job; default: JOB.exr", 1, fetch_job);
+    add_output_options(*fetch, options->outputs);
+    fetch->add_option("--statistics", options->outputs.statistics, "save statistics.json ('-': standard output)")
+        ->type_name("FILE");
+    fetch->add_option("--log", options->outputs.log, "save the log ('-': standard output)")->type_name("FILE");
+}
+
+}  // namespace photond::cli

@@ -1,0 +1,52 @@
+#include "clients/cli/output_file.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+
+#include "clients/cli/failure.h"
+
+namespace photond::cli {
+
+OutputFile::OutputFile(std::filesystem::path path)
+    : path_(std::move(path)), beside_(path_.string() + ".part" + std::to_string(getpid())) {
+    descriptor_ = open(beside_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor_ < 0) fail("cannot write");
+}
+
+OutputFile::~OutputFile() {
+    if (descriptor_ < 0) return;
+    close(descriptor_);
+    unlink(beside_.c_str());
+}
+
+void OutputFile::restart() {
+    if (ftruncate(descriptor_, 0) != 0 || lseek(descriptor_, 0, SEEK_SET) != 0) fail("cannot write");
+    size_bytes_ = 0;
+}
+
+void OutputFile::write(std::string_view bytes) {
+    size_bytes_ += bytes.size();
+    while (!bytes.empty()) {
+        const ssize_t count = ::write(descriptor_, bytes.data(), bytes.size());
+        if (count < 0 && errno == EINTR) continue;
+        if (count < 0) fail("cannot write");
+        bytes.remove_prefix(static_cast<size_t>(count));
+    }
+}
+
+void OutputFile::publish() {
+    if (fsync(descriptor_) != 0) fail("cannot write");
+    if (std::rename(beside_.c_str(), path_.c_str()) != 0) fail("cannot name");
+    close(descriptor_);
+    descriptor_ = -1;
+}
+
+void OutputFile::fail(const std::string& what) const {
+    throw Failure(ExitCode::LocalFile, what + " " + path_.string() + ": " + std::strerror(errno));
+}
+
+}  // namespace photond::cli

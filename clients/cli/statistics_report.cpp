@@ -1,0 +1,151 @@
+#include "clients/cli/statistics_report.h"
+
+#include <ostream>
+#include <string>
+
+#include "clients/cli/text_table.h"
+#include "clients/cli/units.h"
+
+namespace photond::cli {
+
+namespace {
+
+using nlohmann::json;
+
+json member(const json& object, const char* key) {
+    return object.is_object() && object.contains(key) ? object[key] : json();
+}
+
+std::string seconds_cell(const json& value) { return value.is_number() ? human_seconds(value.get<double>()) : "-"; }
+
+/// "photons_emitted" as "photons emitted".
+std::string words(std::string key) {
+    for (char& c : key)
+        if (c == '_') c = ' ';
+    return printable(key);
+}
+
+void print_stages(std::ostream& out, const json& stages) {
+    if (!stages.is_array() || stages.empty()) return;
+    bool on_gpu = false;
+    double total = 0;
+    for (const json& stage : stages) {
+        on_gpu = on_gpu || member(stage, "gpu_seconds").is_number();
+        if (member(stage, "wall_seconds").is_number()) total += stage["wall_seconds"].get<double>();
+    }
+    std::vector<TextTable::Column> columns{
+        {"stage"}, {"wall", Align::Right}, {"", Align::Right}, {"cpu", Align::Right}};
+    if (on_gpu) columns.push_back({"gpu", Align::Right});
+    TextTable table(columns);
+    for (const json& stage : stages) {
+        const json wall = member(stage, "wall_seconds");
+        const bool share = wall.is_number() && total > 0;
+        std::vector<std::string> row{
+            words(plain_text(member(stage, "name"))), seconds_cell(wall),
+            share ? human_number(double(int(100 * wall.get<double>() / total + 0.5))) + " %" : "",
+            seconds_cell(member(stage, "cpu_seconds"))};
+        if (on_gpu) row.push_back(seconds_cell(member(stage, "gpu_seconds")));
+        table.add_row(std::move(row));
+    }
+    table.print(out, "  ");
+}
+
+/// Numbers of an object, one row each; objects inside (rays by kind) become "rays: camera".
+void add_counts(TextTable& table, const json& counts, const std::string& prefix) {
+    if (!counts.is_object()) return;
+    for (const auto& [key, value] : counts.items()) {
+        if (value.is_object())
+            add_counts(table, value, prefix + words(key) + ": ");
+        else if (value.is_number() && value.get<double>() != 0)
+            table.add_row({prefix + words(key), human_count(value.get<double>())});
+    }
+}
+
+void print_counts(std::ostream& out, const json& statistics) {
+    TextTable table({{"count"}, {"", Align::Right}});
+    add_counts(table, member(statistics, "counts"), "");
+    TextTable rates({{"rate"}, {"", Align::Right}});
+    add_counts(rates, member(statistics, "rates"), "");
+    if (!table.empty()) table.print(out << '\n', "  ");
+    if (!rates.empty()) rates.print(out << '\n', "  ");
+}
+
+void print_memory(std::ostream& out, const json& memory) {
+    if (!memory.is_object()) return;
+    TextTable table({{"memory"}, {"", Align::Right}});
+    const json structures = member(memory, "structures");
+    if (structures.is_object())
+        for (const auto& [name, bytes] : structures.items())
+            if (bytes.is_number()) table.add_row({words(name), human_bytes(bytes.get<double>())});
+    for (const char* key : {"accounted_bytes", "baseline_resident_bytes", "peak_resident_bytes", "peak_device_bytes"}) {
+        const json bytes = member(memory, key);
+        std::string label = words(key);
+        if (bytes.is_number() && bytes.get<double>() != 0)
+            table.add_row({"= " + label.substr(0, label.rfind(' ')), human_bytes(bytes.get<double>())});
+    }
+    if (!table.empty()) table.print(out << '\n', "  ");
+}
+
+/// What the scene made necessary, as words: names of an array, or of an object those that are true or not zero.
+std::string needs_text(const json& needs) {
+    std::string text;
+    const auto add = [&](const std::string& word) { text += (text.empty() ? "" : ", ") + words(word); };
+    if (needs.is_array())
+        for (const json& need : needs) add(plain_text(need));
+    if (needs.is_object())
+        for (const auto& [name, value] : needs.items())
+            if ((value.is_boolean() && value.get<bool>()) || (value.is_number() && value.get<double>() != 0)) add(name);
+    return text;
+}
+
+std::string skipped_text(const json& skipped) {
+    std::string text;
+    if (!skipped.is_array()) return text;
+    for (const json& item : skipped) {
+        if (!text.empty()) text += "; ";
+        if (!item.is_object()) {
+            text += plain_text(item);
+            continue;
+        }
+        text += plain_text(member(item, "what"));
+        if (member(item, "why").is_string()) text += " (" + plain_text(item["why"]) + ")";
+    }
+    return text;
+}
+
+void print_origin(std::ostream& out, const json& statistics) {
+    TextTable table({{""}, {""}});
+    const auto add = [&](const char* label, const std::string& text) {
+        if (!text.empty() && text != "-") table.add_row({label, text});
+    };
+    add("needs", needs_text(member(statistics, "needs")));
+    add("skipped", skipped_text(member(statistics, "skipped")));
+    const json device = member(statistics, "device");
+    add("device", plain_text(device.is_object() ? member(device, "name") : device));
+    for (const char* key : {"version", "host_cores", "threads", "seed", "job_hash", "pixel_hash"})
+        add(words(key).c_str(),
+            key == std::string("seed") ? member(statistics, key).dump() : plain_text(member(statistics, key)));
+    for (const char* key : {"nan_count", "infinity_count"}) {
+        const json count = member(statistics, key);
+        if (count.is_number() && count.get<double>() != 0)
+            add(words(key).c_str(), plain_text(count) + " samples dropped");
+    }
+    if (member(statistics, "device_shared") == true) add("timing", "another job shared the device: not to be compared");
+    const json error = member(statistics, "error");
+    if (error.is_object())
+        for (const auto& [metric, value] : error.items())
+            if (!value.is_null()) table.add_row({words(metric), plain_text(value)});
+    if (!table.empty()) table.print(out << '\n', "  ");
+}
+
+}  // namespace
+
+void print_statistics(std::ostream& out, const json& statistics) {
+    if (!statistics.is_object()) return;
+    print_stages(out, member(statistics, "stages"));
+    print_counts(out, statistics);
+    print_memory(out, member(statistics, "memory"));
+    print_origin(out, statistics);
+}
+
+}  // namespace photond::cli

@@ -1,0 +1,82 @@
+#include "clients/cli/transfer.h"
+
+#include <iostream>
+#include <memory>
+#include <sstream>
+
+#include "clients/cli/output_file.h"
+#include "clients/cli/units.h"
+
+namespace photond::cli {
+
+namespace {
+
+std::string decimal(double value) {
+    std::ostringstream text;
+    text.imbue(std::locale::classic());
+    text << value;
+    return text.str();
+}
+
+std::string preview_query(const JobOutputs& outputs) {
+    std::string query = "?exposure=" + decimal(outputs.exposure_stops);
+    if (!outputs.curve.empty()) query += "&curve=" + percent_encode(outputs.curve);
+    return query;
+}
+
+}  // namespace
+
+void save_resource(Session& session, const std::string& path_and_query, const std::string& file) {
+    HttpRequest request;
+    request.path = path_and_query;
+    ReplySink sink;
+    if (file == "-") {
+        sink.data = [](std::string_view bytes) {
+            std::cout.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+            return std::cout.good();
+        };
+        session.daemon().ask(request, Repeat::OnlyIfRefused, &sink);  // what is written cannot be taken back
+        std::cout.flush();
+        return;
+    }
+    OutputFile output(file);
+    sink.head = [&output](const HttpReply&) {
+        output.restart();
+        return true;
+    };
+    sink.data = [&output](std::string_view bytes) {
+        output.write(bytes);
+        return true;
+    };
+    const HttpReply reply = session.daemon().ask(request, Repeat::Safely, &sink);
+    if (reply.status != 200)
+        throw Failure("there is nothing to save as " + file + " yet: no pass is done",
+                      nlohmann::json{{"title", "no pass is done"}, {"status", reply.status}});
+    output.publish();
+    session.remark("saved " + file + " (" + human_bytes(static_cast<double>(output.size_bytes())) + ")");
+}
+
+void JobOutputs::check() const {
+    for (const std::string& image : images)
+        if (!image.ends_with(".exr") && !image.ends_with(".png"))
+            throw Failure(ExitCode::Usage, "cannot tell what to save as " + image,
+                          "name it .exr (all layers) or .png (preview)");
+}
+
+void save_job_outputs(Session& session, const std::string& job_id, const JobOutputs& outputs) {
+    const std::string job = resource_path("jobs", job_id);
+    for (const std::string& image : outputs.images) {
+        if (image.ends_with(".png"))
+            save_resource(session, job + "/preview.png" + preview_query(outputs), image);
+        else
+            save_resource(session,
+                          job + "/image.exr" + (outputs.precision.empty() ? "" : "?precision=" + outputs.precision),
+                          image);
+    }
+    if (!outputs.preview.empty())
+        save_resource(session, job + "/preview.png" + preview_query(outputs), outputs.preview);
+    if (!outputs.statistics.empty()) save_resource(session, job + "/statistics.json", outputs.statistics);
+    if (!outputs.log.empty()) save_resource(session, job + "/log.txt", outputs.log);
+}
+
+}  // namespace photond::cli

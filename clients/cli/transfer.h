@@ -1,0 +1,31 @@
+#pragma once
+// Results of the daemon become files here.
+
+#include <string>
+#include <vector>
+
+#include "clients/cli/session.h"
+
+namespace photond::cli {
+
+/// Streams a resource into a file ("-": standard output). Throws Failure.
+void save_resource(Session& session, const std::string& path_and_query, const std::string& file);
+
+/// What `render` and `jobs fetch` can save of a job.
+struct JobOutputs {
+    std::vector<std::string> images;  // .exr, or .png for a preview
+    std::string preview;              // PNG
+    std::string statistics;           // JSON
+    std::string log;                  // text
+    std::string precision;            // of the EXR: half or float; empty: float
+    double exposure_stops = 0;        // of the preview
+    std::string curve;                // of the preview; empty: the daemon's default
+
+    /// Throws Failure(Usage) for a file name whose suffix says nothing, before anything is rendered.
+    void check() const;
+    bool any_image() const { return !images.empty() || !preview.empty(); }
+};
+
+void save_job_outputs(Session& session, const std::string& job_id, const JobOutputs& outputs);
+
+}  // namespace photond::cli
