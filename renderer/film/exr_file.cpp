@@ -230,7 +230,7 @@ LayeredImage read_exr(const std::filesystem::path& path) {
     return image;
 }
 
-ImageHeader judge_image(const std::filesystem::path& path) {
+JudgedImage judge_image(const std::filesystem::path& path) {
     const std::unique_ptr<OIIO::ImageInput> input = open_judged(path, false);
     const OIIO::ImageSpec spec = input->spec();
     read_rows(*input, [](size_t, std::span<const float>) {});

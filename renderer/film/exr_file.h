@@ -40,7 +40,7 @@ struct LayeredImage {
     std::map<std::string, std::vector<float>> layers;
 };
 
-struct ImageHeader {
+struct JudgedImage {
     Size2 size;
     uint32_t channels = 0;
 };
@@ -56,7 +56,7 @@ LayeredImage read_exr(const std::filesystem::path& path);
 
 /// Judges an uploaded EXR or Radiance HDR image: header within the limits above, every pixel decodable. Throws
 /// ErrorCode::BadImage.
-ImageHeader judge_image(const std::filesystem::path& path);
+JudgedImage judge_image(const std::filesystem::path& path);
 
 /// Pays the image library's one-time costs, so that the first real encoding is as fast as the next.
 void warm_up_exr();

@@ -1,0 +1,139 @@
+#include "server/worker/scene_cache.h"
+
+#include <fstream>
+#include <vector>
+
+#include "protocol/error.h"
+#include "renderer/backends/cpu/embree_intersector.h"
+#include "renderer/scene/builtin_scenes.h"
+#include "renderer/scene/gltf_loader.h"
+#include "renderer/scene/solid_glass.h"
+#include "renderer/scene/texture_decode.h"
+#include "server/worker/process_memory.h"
+
+namespace photond {
+
+using nlohmann::json;
+
+namespace {
+
+EnvironmentMap read_environment(const std::filesystem::path& path) {
+    const LoadLimits limits;
+    std::ifstream file(path, std::ios::binary | std::ios::ate);
+    if (!file) throw Error(ErrorCode::BadImage, "/environment/image", "the environment image cannot be opened");
+    const auto bytes = static_cast<uint64_t>(file.tellg());
+    if (bytes > limits.max_file_bytes)
+        throw Error(ErrorCode::BadImage, "/environment/image",
+                    "the environment image has " + std::to_string(bytes) + " bytes; the limit is " +
+                        std::to_string(limits.max_file_bytes));
+    std::vector<uint8_t> encoded(bytes);
+    file.seekg(0);
+    file.read(reinterpret_cast<char*>(encoded.data()), static_cast<std::streamsize>(bytes));
+    if (!file) throw Error(ErrorCode::BadImage, "/environment/image", "the environment image cannot be read");
+    return decode_environment(encoded, limits);
+}
+
+}  // namespace
+
+SceneSource SceneSource::from_json(const json& json) {
+    SceneSource source;
+    if (json.contains("id") && json["id"].is_string()) source.id = json["id"].get<std::string>();
+    if (json.contains("builtin") && json["builtin"].is_string()) {
+        source.builtin = json["builtin"].get<std::string>();
+    } else {
+        source.root = json.at("root").get<std::string>();
+        source.file = json.at("file").get<std::string>();
+    }
+    return source;
+}
+
+uint64_t ReadyScene::bytes() const {
+    uint64_t sum = 0;
+    for (const auto& [name, bytes] : structures) sum += bytes;
+    return sum;
+}
+
+Scene load_scene(const SceneSource& source, const SceneVariant& variant, Stats& stats) {
+    Scene scene;
+    {
+        const StageTimer timer(stats, "load");
+        scene = source.builtin.empty() ? load_gltf(source.file, source.root, decode_texture)
+                                       : make_builtin_scene(source.builtin);
+        if (!variant.environment_path.empty()) {
+            Environment environment;
+            environment.map = read_environment(variant.environment_path);
+            environment.scale = static_cast<float>(variant.environment_scale);
+            environment.rotation = static_cast<float>(variant.environment_rotation);
+            scene.environment = std::move(environment);
+        }
+        // What the file and its decoders needed is free by now: not this job's memory any more.
+        release_free_memory();
+    }
+    if (variant.time_s != 0 && scene.animation_count > 0)
+        throw Error(ErrorCode::Unsupported, "/time", "animation is not built yet; time must be 0");
+    const StageTimer timer(stats, "needs");
+    if (variant.solid_glass) make_closed_glass_solid(scene);
+    if (scene.environment) scene.needs = find_needs(scene);
+    return scene;
+}
+
+std::string SceneCache::key_of(const SceneSource& source, const SceneVariant& variant) {
+    return json{source.id,
+                source.builtin,
+                source.file.string(),
+                variant.environment_id,
+                variant.environment_path.string(),
+                variant.environment_scale,
+                variant.environment_rotation,
+                variant.solid_glass,
+                variant.time_s}
+        .dump();
+}
+
+bool SceneCache::holds(const SceneSource& source, const SceneVariant& variant) const {
+    return bytes_of(source, variant) > 0;
+}
+
+uint64_t SceneCache::bytes_of(const SceneSource& source, const SceneVariant& variant) const {
+    const std::string key = key_of(source, variant);
+    for (const Entry& entry : entries_)
+        if (entry.key == key) return entry.ready->bytes();
+    return 0;
+}
+
+std::shared_ptr<const ReadyScene> SceneCache::get(const SceneSource& source, const SceneVariant& variant,
+                                                  MemoryBudget& budget, Stats& stats) {
+    const std::string key = key_of(source, variant);
+    evict_idle(key);
+    for (auto entry = entries_.begin(); entry != entries_.end(); ++entry) {
+        if (entry->key != key) continue;
+        entries_.splice(entries_.begin(), entries_, entry);
+        if (entry->ready->bytes() > budget.limit_bytes()) budget.require("scene", entry->ready->bytes());
+        for (const auto& [name, bytes] : entry->ready->structures) budget.record(name, bytes);
+        return entry->ready;
+    }
+    const std::shared_ptr<ReadyScene> ready = std::make_shared<ReadyScene>();
+    ready->scene = load_scene(source, variant, stats);
+    MemoryBudget scene_budget(budget.limit_bytes());
+    ready->scene.account(scene_budget);
+    scene_budget.require("scene", 0);
+    ready->intersector = make_embree_intersector(ready->scene, scene_budget, stats);
+    ready->structures = scene_budget.structures();
+    for (const auto& [name, bytes] : ready->structures) budget.record(name, bytes);
+    entries_.push_front({key, ready});
+    return ready;
+}
+
+void SceneCache::evict_idle(const std::string& wanted_key) {
+    uint64_t idle = 0;
+    for (auto entry = entries_.begin(); entry != entries_.end();) {
+        if (entry->key != wanted_key && (idle += entry->ready->bytes()) > idle_bytes_) {
+            idle -= entry->ready->bytes();
+            entry = entries_.erase(entry);
+        } else {
+            ++entry;
+        }
+    }
+}
+
+}  // namespace photond

@@ -1,0 +1,37 @@
+// The worker program: flags, sandbox, wiring; nothing else. Started by photond, which talks to it over descriptor 3.
+
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <thread>
+
+#include "protocol/error.h"
+#include "server/worker/process_memory.h"
+#include "server/worker/sandbox.h"
+#include "server/worker/worker_loop.h"
+
+int main(int argc, char** argv) {
+    CLI::App app{"photond-worker: renders for photond, which starts it; not meant to be run by hand"};
+    std::string device = "cpu";
+    unsigned threads = 0;
+    uint64_t memory_limit_bytes = 0;
+    app.add_option("--device", device, "cpu, or none for the helper that judges uploads and encodes images");
+    app.add_option("--threads", threads, "threads to render with; 0: all cores");
+    app.add_option("--memory-limit", memory_limit_bytes, "bytes a job may hold; 0: three quarters of this machine's");
+    CLI11_PARSE(app, argc, argv);
+    if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
+    if (memory_limit_bytes == 0) memory_limit_bytes = photond::machine_memory_bytes() / 4 * 3;
+
+    spdlog::set_default_logger(spdlog::stderr_logger_mt("worker"));
+    spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e %l photond-worker[%P] %v");
+    try {
+        photond::enter_sandbox({memory_limit_bytes, memory_limit_bytes, threads}, photond::kWorkerSocket);
+        const photond::WorkerOptions options{photond::open_device(device), memory_limit_bytes, threads};
+        photond::MessageChannel channel(photond::kWorkerSocket);
+        return device == "none" ? run_helper(channel, options) : run_render_worker(channel, options);
+    } catch (const std::exception& error) {
+        spdlog::critical("{}", error.what());
+        return 1;
+    }
+}

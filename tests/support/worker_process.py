@@ -1,0 +1,77 @@
+"""Drives one photond-worker over its socket pair, as the daemon does."""
+
+import json
+import os
+import select
+import socket
+import subprocess
+import time
+
+BIN = os.environ.get("PHOTOND_BIN", "build/bin")
+DEADLINE_SECONDS = 120  # against hanging for ever; not a measure of speed
+
+
+class WorkerProcess:
+    """A worker process; `kind` is "cpu" or "none" (the helper)."""
+
+    def __init__(self, kind, threads=2, memory_limit=2 << 30):
+        ours, theirs = socket.socketpair()
+
+        def hand_over():
+            os.dup2(theirs.fileno(), 3)  # the duplicate is inherited
+            if theirs.fileno() != 3:
+                os.close(theirs.fileno())
+
+        arguments = [os.path.join(BIN, "photond-worker"), "--device", kind, "--threads", str(threads),
+                     "--memory-limit", str(memory_limit)]
+        self.process = subprocess.Popen(arguments, preexec_fn=hand_over, close_fds=False, stdin=subprocess.DEVNULL)
+        theirs.close()
+        self.socket = ours
+        self.buffer = b""
+        self.requests = 0
+
+    def send(self, **message):
+        self.socket.sendall(json.dumps(message).encode() + b"\n")
+
+    def receive(self, seconds=DEADLINE_SECONDS):
+        """The next message, None at the end of the stream; TimeoutError after `seconds`."""
+        deadline = time.monotonic() + seconds
+        while b"\n" not in self.buffer:
+            left = deadline - time.monotonic()
+            if left <= 0 or not select.select([self.socket], [], [], left)[0]:
+                raise TimeoutError("no message from the worker")
+            try:
+                chunk = self.socket.recv(1 << 16)
+            except ConnectionResetError:
+                chunk = b""
+            if not chunk:
+                return None
+            self.buffer += chunk
+        line, self.buffer = self.buffer.split(b"\n", 1)
+        return json.loads(line)
+
+    def wait_for(self, kind):
+        """The next message of a type, and all that came before it."""
+        before = []
+        while True:
+            message = self.receive()
+            assert message is not None, f"the worker ended before {kind}; {before[-3:]}"
+            if message["type"] == kind:
+                return message, before
+            before.append(message)
+
+    def ask(self, task, **fields):
+        """A helper's task: its reply."""
+        self.requests += 1
+        self.send(type=task, request=self.requests, **fields)
+        reply, _ = self.wait_for("reply")
+        assert reply["request"] == self.requests
+        return reply
+
+    def close(self):
+        self.socket.close()
+        try:
+            self.process.wait(DEADLINE_SECONDS)
+        finally:
+            self.process.kill()
+            self.process.wait()

@@ -1,0 +1,381 @@
+// The pass loop and what is around it: when it stops, what its clock counts, what a cancelled pass leaves, and that the
+// messages of a whole job are those of the contract.
+
+#include "server/worker/job_runner.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <thread>
+
+#include "protocol/error.h"
+#include "renderer/film/film_file.h"
+#include "renderer/scene/builtin_scenes.h"
+#include "renderer/scene/solid_glass.h"
+#include "server/worker/process_memory.h"
+#include "server/worker/statistics.h"
+
+namespace photond {
+namespace {
+
+using nlohmann::json;
+
+class NoIntersector final : public Intersector {
+public:
+    Hit closest_hit(const Ray&) const override { return {}; }
+    bool occluded(const Ray&) const override { return false; }
+    void closest_hits(std::span<const Ray>, std::span<Hit>, Coherence) const override {}
+    void occluded(std::span<const Ray>, std::span<uint8_t>, Coherence) const override {}
+    uint64_t bytes() const override { return 0; }
+};
+
+/// A method whose pass p is p + 1 everywhere and takes a stated time; it can be told to cancel itself within a pass.
+class CountingMethod final : public Method {
+public:
+    std::chrono::milliseconds begin_time{0}, pass_time{0};
+    CancelToken* cancel_in_pass = nullptr;
+    uint32_t cancel_pass = 0;
+    uint32_t passes_run = 0;
+
+    void begin(const RenderContext& context, Stats&) override {
+        image_ = PassImage(context.view.film_size, context.view.layers);
+        std::this_thread::sleep_for(begin_time);
+    }
+    void run_pass(uint32_t pass, Stats&, const CancelToken&) override {
+        EXPECT_EQ(pass, passes_run);
+        ++passes_run;
+        std::this_thread::sleep_for(pass_time);
+        image_.direct.assign(image_.direct.size(), Rgb(static_cast<float>(pass + 1)));
+        if (cancel_in_pass && pass == cancel_pass) cancel_in_pass->cancel();
+    }
+    void resolve(Film& film) override { film.add_pass(image_); }
+
+private:
+    PassImage image_;
+};
+
+class PassLoopTest : public testing::Test {
+protected:
+    PassLoop::Result run(CountingMethod& method, StopConditions stop) {
+        const RenderContext context{scene_, intersector_, {Camera(), {4, 2}, PixelFilter::Box, LayerSet()}, 1, budget};
+        PassLoop loop{method, context, stop, cancel, after_pass};
+        return loop.run(stats);
+    }
+    MemoryBudget budget;
+    CancelToken cancel;
+    Stats stats;
+    std::function<void(const Film&, double)> after_pass;
+
+private:
+    Scene scene_;
+    NoIntersector intersector_;
+};
+
+TEST_F(PassLoopTest, StopsByPasses) {
+    CountingMethod method;
+    const PassLoop::Result result = run(method, {.seconds = {}, .passes = 5});
+    EXPECT_EQ(method.passes_run, 5u);
+    EXPECT_EQ(result.film.passes(), 5u);
+    EXPECT_FALSE(result.cancelled);
+    EXPECT_EQ(result.film.resolve_beauty()[0], 3.0f);  // the mean of 1 .. 5
+    EXPECT_EQ(budget.structures().at("film"), result.film.bytes());
+}
+
+TEST_F(PassLoopTest, StopsBySecondsAfterAtLeastOnePass) {
+    CountingMethod method;
+    method.pass_time = std::chrono::milliseconds(2);
+    const PassLoop::Result result = run(method, {.seconds = 1e-9, .passes = {}});
+    EXPECT_EQ(result.film.passes(), 1u);
+    const PassLoop::Result longer = [&] {
+        CountingMethod again;
+        again.pass_time = std::chrono::milliseconds(2);
+        return run(again, {.seconds = 0.02, .passes = 1000});
+    }();
+    EXPECT_GE(longer.render_seconds, 0.02);
+    EXPECT_LE(longer.film.passes(), 10u);  // each pass takes 2 ms or more
+}
+
+TEST_F(PassLoopTest, TheClockCountsTheMethodAndNothingElse) {
+    CountingMethod method;
+    method.begin_time = std::chrono::milliseconds(5), method.pass_time = std::chrono::milliseconds(1);
+    double spent_after_passes = 0;
+    after_pass = [&](const Film&, double) {
+        const double start = wall_now_seconds();
+        std::this_thread::sleep_for(std::chrono::milliseconds(30));
+        spent_after_passes += wall_now_seconds() - start;
+    };
+    const double start = wall_now_seconds();
+    const PassLoop::Result result = run(method, {.seconds = {}, .passes = 4});
+    EXPECT_GE(result.render_seconds, 0.009);
+    EXPECT_LE(result.render_seconds + spent_after_passes, wall_now_seconds() - start);
+}
+
+TEST_F(PassLoopTest, AnUnfinishedPassLeavesNothing) {
+    CountingMethod method;
+    method.cancel_in_pass = &cancel, method.cancel_pass = 3;
+    const PassLoop::Result result = run(method, {.seconds = {}, .passes = 100});
+    EXPECT_TRUE(result.cancelled);
+    EXPECT_EQ(method.passes_run, 4u);
+    EXPECT_EQ(result.film.passes(), 3u);
+    EXPECT_EQ(result.film.resolve_beauty()[0], 2.0f);  // the mean of 1 .. 3
+}
+
+TEST_F(PassLoopTest, AFilmPastTheBudgetIsRefusedFirst) {
+    budget = MemoryBudget(Film::bytes_for({4, 2}, LayerSet()) - 1);
+    CountingMethod method;
+    try {
+        run(method, {.seconds = {}, .passes = 1});
+        ADD_FAILURE() << "rendered past the budget";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code, ErrorCode::OutOfMemory);
+    }
+    EXPECT_EQ(method.passes_run, 0u);
+}
+
+TEST(ResolveView, CamerasLensesAndLayers) {
+    const Scene scene = make_builtin_scene("cornell-box");
+    JobRequest request;
+    request.width = 32, request.height = 16, request.filter = "gaussian";
+    request.layers = {"depth", "albedo"};
+    View view = resolve_view(request, scene);
+    EXPECT_EQ(view.camera.name, "camera");
+    EXPECT_EQ(view.film_size, (Size2{32, 16}));
+    EXPECT_EQ(view.filter, PixelFilter::Gaussian);
+    EXPECT_TRUE(view.layers.has(Layer::Depth) && view.layers.has(Layer::Albedo) && view.layers.has(Layer::Direct));
+    EXPECT_FALSE(view.layers.has(Layer::Normal));
+    EXPECT_EQ(view.camera.aperture_radius_m, 0.0f);
+
+    request.camera.aperture = 0.1;
+    EXPECT_THROW(resolve_view(request, scene), Error);  // nothing to focus on
+    request.camera.look_at = LookAt{{0, 0, 5}, {0, 3, 1}, {0, 1, 0}, 0.5};
+    view = resolve_view(request, scene);
+    EXPECT_FLOAT_EQ(view.camera.focus_distance_m, 5.0f);  // the 3-4-5 triangle to the target
+    EXPECT_FLOAT_EQ(view.camera.aperture_radius_m, 0.1f);
+    request.camera.focus_distance = 2.5;
+    EXPECT_FLOAT_EQ(resolve_view(request, scene).camera.focus_distance_m, 2.5f);
+
+    Scene far_away = scene;
+    far_away.origin = dvec3(1e6, 0, 0);
+    request.camera.look_at->eye[0] = request.camera.look_at->target[0] = 1e6;
+    EXPECT_FLOAT_EQ(resolve_view(request, far_away).camera.position.x, 0.0f);
+
+    request.camera = {};
+    request.camera.name = "camer";
+    EXPECT_THROW(resolve_view(request, scene), Error);
+}
+
+TEST(SolidGlass, ClosedMeshesOnly) {
+    Scene scene;
+    scene.materials.resize(1);
+    scene.materials[0].transmission = 1;
+    Mesh tetrahedron;
+    tetrahedron.positions = {vec3(0), vec3(1, 0, 0), vec3(0, 1, 0), vec3(0, 0, 1)};
+    tetrahedron.triangles = {uvec3(0, 2, 1), uvec3(0, 1, 3), uvec3(0, 3, 2), uvec3(1, 2, 3)};
+    Mesh unwelded;  // the same with corners of its own for each triangle
+    for (const uvec3& triangle : tetrahedron.triangles) {
+        const uint32_t first = static_cast<uint32_t>(unwelded.positions.size());
+        for (int k = 0; k < 3; ++k) unwelded.positions.push_back(tetrahedron.positions[triangle[k]]);
+        unwelded.triangles.push_back(uvec3(first, first + 1, first + 2));
+    }
+    Mesh open = tetrahedron;
+    open.triangles.pop_back();
+    Mesh turned = tetrahedron;  // one face inside out: not the boundary of a solid
+    std::swap(turned.triangles[3].y, turned.triangles[3].z);
+    scene.meshes = {tetrahedron, unwelded, open, turned};
+    scene.instances.resize(4);
+    for (uint32_t i = 0; i < 4; ++i) scene.instances[i].mesh = i;
+    finish_scene(scene);
+    EXPECT_FALSE(scene.needs.solid_glass);
+    EXPECT_EQ(make_closed_glass_solid(scene), 2u);
+    const auto solid = [&](size_t mesh) { return scene.materials[scene.meshes[mesh].material].solid; };
+    EXPECT_TRUE(solid(0) && solid(1));
+    EXPECT_FALSE(solid(2) || solid(3));
+    EXPECT_TRUE(scene.needs.solid_glass);
+    EXPECT_EQ(make_closed_glass_solid(scene), 0u);
+}
+
+/// Runs whole jobs as the worker does and keeps what it sends.
+class JobRunnerTest : public testing::Test {
+protected:
+    JobRunnerTest()
+        : runner_(scenes_, open_device("cpu"), 2, 4ull << 30, [this](const json& message) { sent.push_back(message); }),
+          film_(std::filesystem::temp_directory_path() / ("photond_job_test_" + std::to_string(getpid()) + ".film")) {}
+    void TearDown() override { std::filesystem::remove(film_); }
+
+    json order(const json& changes = json::object()) const {
+        json request = {{"scene", "cornell-box"},
+                        {"image", {{"width", 24}, {"height", 16}}},
+                        {"method", {{"name", "path_tracing"}}},
+                        {"stop", {{"passes", 3}}}};
+        request.merge_patch(changes);
+        return {{"type", "render"},
+                {"job", "J1"},
+                {"attempt", 2},
+                {"request", request},
+                {"scene", {{"id", "cornell-box"}, {"builtin", "cornell-box"}, {"root", nullptr}, {"file", nullptr}}},
+                {"environment", nullptr},
+                {"film", film_.string()},
+                {"limits", {{"memory_bytes", 1 << 30}, {"threads", 2}}}};
+    }
+    json run(const json& message, JobControl& control) {
+        sent.clear();
+        runner_.run(message, control);
+        return sent.empty() ? json() : sent.back();
+    }
+    json run(const json& message) {
+        JobControl control;
+        return run(message, control);
+    }
+    const std::filesystem::path& film_path() const { return film_; }
+    SceneCache& scenes() { return scenes_; }
+    std::vector<json> sent;
+
+private:
+    SceneCache scenes_{1ull << 20};
+    JobRunner runner_;
+    std::filesystem::path film_;
+};
+
+TEST_F(JobRunnerTest, AJobFromOrderToFilm) {
+    const json finished = run(order());
+    ASSERT_EQ(finished["state"], "succeeded") << finished.dump(1);
+    EXPECT_EQ(sent.front(), json({{"type", "started"}, {"job", "J1"}, {"attempt", 2}}));
+    EXPECT_EQ(finished["type"], "finished");
+    EXPECT_EQ(finished["passes_done"], 3);
+    EXPECT_EQ(finished["attempt"], 2);
+    EXPECT_TRUE(finished["failure"].is_null());
+    const Film film = FilmFile::load(film_path());
+    EXPECT_EQ(film.passes(), 3u);
+    const json& statistics = finished["statistics"];
+    EXPECT_EQ(statistics["pixel_hash"], film.pixel_hash());
+    EXPECT_EQ(statistics["counts"]["passes"], 3);
+    EXPECT_GE(statistics["counts"]["rays"]["camera"], 3 * 24 * 16);
+    const json& memory = statistics["memory"];
+    EXPECT_EQ(memory["structures"]["film"], film.bytes());
+    uint64_t sum = 0;
+    for (const auto& [name, bytes] : memory["structures"].items()) sum += bytes.get<uint64_t>();
+    EXPECT_EQ(memory["accounted_bytes"], sum);
+    EXPECT_GE(memory["peak_resident_bytes"], memory["baseline_resident_bytes"]);
+    for (const char* field : {"rates", "needs", "skipped", "device", "version", "host_cores", "threads", "seed",
+                              "job_hash", "nan_count", "infinity_count", "device_shared", "error", "reference_error"})
+        EXPECT_TRUE(statistics.contains(field)) << field;
+    double in_clock = 0;  // begin, passes and resolve, by stage: these are the render's own seconds
+    for (const json& stage : statistics["stages"])
+        if (stage["name"] != "load" && stage["name"] != "needs" && stage["name"] != "acceleration_build")
+            in_clock += stage["wall_seconds"].get<double>();
+    EXPECT_GT(in_clock, 0.5 * finished["seconds"].get<double>());
+    EXPECT_LE(in_clock, 1.02 * finished["seconds"].get<double>());
+}
+
+TEST_F(JobRunnerTest, TheSameBitsForAnyThreadsAndFromAWarmScene) {
+    const std::string first = run(order())["statistics"]["pixel_hash"];
+    json one_thread = order();
+    one_thread["limits"]["threads"] = 1;
+    const json warm = run(one_thread);
+    EXPECT_EQ(warm["statistics"]["pixel_hash"], first);
+    EXPECT_EQ(warm["statistics"]["threads"], 1);
+    for (const json& stage : warm["statistics"]["stages"]) EXPECT_NE(stage["name"], "acceleration_build");
+    EXPECT_NE(run(order({{"seed", 2}}))["statistics"]["pixel_hash"], first);
+}
+
+TEST_F(JobRunnerTest, SnapshotsAndCancelling) {
+    JobControl control;
+    const std::filesystem::path snapshot = film_path().string() + ".snapshot";
+    control.request_snapshot(snapshot);
+    const json finished = run(order(), control);
+    EXPECT_EQ(finished["state"], "succeeded");
+    bool saved = false;
+    for (const json& message : sent)
+        if (message["type"] == "film_saved") {
+            saved = true;
+            EXPECT_EQ(message["path"], snapshot.string());
+            EXPECT_EQ(FilmFile::load(snapshot).passes(), message["passes_done"].get<uint32_t>());
+        }
+    EXPECT_TRUE(saved);
+    std::filesystem::remove(snapshot);
+    std::filesystem::remove(film_path());
+
+    JobControl cancelled;
+    cancelled.cancel.cancel();
+    const json ended = run(order(), cancelled);
+    EXPECT_EQ(ended["state"], "cancelled");
+    EXPECT_EQ(ended["passes_done"], 0);
+    EXPECT_TRUE(ended["film"].is_null());
+    EXPECT_FALSE(std::filesystem::exists(film_path()));
+}
+
+TEST_F(JobRunnerTest, FailuresSayWhatAndWhere) {
+    const auto failure = [&](const json& message) {
+        const json finished = run(message);
+        EXPECT_EQ(finished["state"], "failed");
+        EXPECT_TRUE(finished["film"].is_null());
+        return finished["failure"];
+    };
+    EXPECT_EQ(failure(order({{"camera", {{"name", "nobody"}}}}))["code"], "unknown_name");
+    const json bad = failure(order({{"method", {{"parameters", {{"indirect_bounces", -1}}}}}}));
+    EXPECT_EQ(bad["errors"][0]["pointer"], "/method/parameters/indirect_bounces");
+    json small = order({{"image", {{"width", 8192}, {"height", 8192}}}});
+    EXPECT_EQ(failure(small)["code"], "out_of_memory");
+    json no_scene = order();
+    no_scene["scene"] = {{"id", "x"}, {"builtin", nullptr}, {"root", "/nowhere"}, {"file", "/nowhere/x.glb"}};
+    EXPECT_EQ(failure(no_scene)["code"], "bad_scene");
+    json no_folder = order();
+    no_folder["film"] = "/nowhere/x.film";
+    EXPECT_EQ(failure(no_folder)["code"], "internal");
+    json no_request = order();
+    no_request.erase("request");
+    EXPECT_EQ(failure(no_request)["code"], "internal");
+    EXPECT_EQ(run(order())["state"], "succeeded");  // and the runner goes on
+}
+
+TEST(SceneCacheTest, KeepsTheLastSceneAndEvictsByUse) {
+    SceneCache cache(1);  // nothing idle fits
+    Stats stats;
+    MemoryBudget budget;
+    const SceneSource box{"cornell-box", "cornell-box", {}, {}}, furnace{"furnace", "furnace", {}, {}};
+    const auto first = cache.get(box, {}, budget, stats);
+    EXPECT_EQ(cache.get(box, {}, budget, stats), first);
+    SceneVariant solid;
+    solid.solid_glass = true;
+    EXPECT_FALSE(cache.holds(box, solid));
+    (void)cache.get(furnace, {}, budget, stats);
+    (void)cache.get(furnace, {}, budget, stats);
+    EXPECT_TRUE(cache.holds(furnace, {}));
+    EXPECT_FALSE(cache.holds(box, {}));
+    MemoryBudget tiny(100);
+    EXPECT_THROW((void)cache.get(box, {}, tiny, stats), Error);
+    EXPECT_FALSE(cache.holds(box, {}));
+}
+
+TEST(Statistics, FlattenToAttributes) {
+    const json statistics = {{"stages", {{{"name", "load"}, {"wall_seconds", 0.5}, {"gpu_seconds", nullptr}}}},
+                             {"memory", {{"accounted_bytes", 7}}},
+                             {"seed", 18446744073709551615ull},
+                             {"device_shared", false},
+                             {"skipped", {{{"what", "light tree"}}}},
+                             {"version", "1"}};
+    std::map<std::string, std::variant<double, std::string>> found;
+    for (const ImageAttribute& attribute : statistics_attributes(statistics)) found[attribute.name] = attribute.value;
+    const std::map<std::string, std::variant<double, std::string>> expected{
+        {"photond:stages.load.wall_seconds", 0.5}, {"photond:memory.accounted_bytes", 7.0},
+        {"photond:seed", "18446744073709551615"},  {"photond:device_shared", 0.0},
+        {"photond:skipped.0.what", "light tree"},  {"photond:version", "1"}};
+    EXPECT_EQ(found, expected);
+    EXPECT_TRUE(statistics_attributes(nullptr).empty());
+}
+
+TEST(Statistics, TheJobHashIsOfWhatMakesThePixels) {
+    JobRequest request;
+    request.scene = "box", request.width = 8, request.height = 8, request.method = "path_tracing";
+    request.stop.passes = 4;
+    const std::string hash = job_hash(request, "id");
+    request.priority = 5, request.labels["a"] = "b", request.scene = "another name of it";
+    EXPECT_EQ(job_hash(request, "id"), hash);
+    request.seed = 2;
+    EXPECT_NE(job_hash(request, "id"), hash);
+}
+
+}  // namespace
+}  // namespace photond
