@@ -17,6 +17,9 @@ Scene make_furnace();
 Scene make_caustic_ring();
 Scene make_keyhole();
 
+// builtin_interior.cpp: a furnished room.
+Scene make_interior();
+
 /// A matte material without the 4 % specular lobe of a glTF non-metal: pure Lambert.
 Material lambert(const char* name, const Rgb& albedo);
 Material metal(const char* name, const Rgb& reflectance, float roughness);

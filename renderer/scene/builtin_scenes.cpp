@@ -22,6 +22,7 @@ constexpr std::array kBuiltinScenes = {
     BuiltinScene{"furnace", make_furnace},
     BuiltinScene{"caustic-ring", make_caustic_ring},
     BuiltinScene{"keyhole", make_keyhole},
+    BuiltinScene{"interior", make_interior},
 };
 
 constexpr auto kNames = [] {

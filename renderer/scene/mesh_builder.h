@@ -14,6 +14,7 @@ class MeshBuilder {
 public:
     /// Places the shapes added from now on; must keep orientation (positive determinant).
     MeshBuilder& place(const mat4& to_mesh);
+    const mat4& placing() const { return placing_; }
 
     MeshBuilder& triangle(const vec3& a, const vec3& b, const vec3& c);
     /// Corners counter-clockwise seen from the front; cut into (a, b, c) and (a, c, d). Texture coordinates run from

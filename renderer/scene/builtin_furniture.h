@@ -1,0 +1,30 @@
+#pragma once
+// Pieces the built-in interior is furnished with. Each stands on y = 0 about the origin of its own space and looks
+// towards +z; lengths in metres.
+
+#include <span>
+
+#include "renderer/core/rng.h"
+#include "renderer/scene/mesh_builder.h"
+
+namespace photond::furniture {
+
+void add_table(MeshBuilder& wood, float width, float depth, float height);
+/// A chair whose frame and cushion are of different materials.
+void add_chair(MeshBuilder& frame, MeshBuilder& cushion);
+void add_sofa(MeshBuilder& cover, MeshBuilder& feet, float width);
+/// Shelves of width x height, open in front; the books go into as many builders as there are covers.
+void add_bookcase(MeshBuilder& wood, std::span<MeshBuilder> books, float width, float height, RandomStream& random);
+/// A hanging cloth in folds, `drop` high, from x = 0 to `width`; its front looks along +z.
+void add_curtain(MeshBuilder& cloth, float width, float drop, uint32_t folds, RandomStream& random);
+void add_floor_lamp(MeshBuilder& metal, MeshBuilder& shade, MeshBuilder& bulb);
+/// A lamp that hangs from y = 0 on a cord of that length.
+void add_pendant_lamp(MeshBuilder& metal, MeshBuilder& bulb, float cord);
+void add_plant(MeshBuilder& pot, MeshBuilder& earth, MeshBuilder& leaves, RandomStream& random);
+void add_bowl(MeshBuilder& clay);
+void add_vase(MeshBuilder& clay);
+void add_plate(MeshBuilder& china);
+/// A drinking glass: one closed surface.
+void add_tumbler(MeshBuilder& glass);
+
+}  // namespace photond::furniture
