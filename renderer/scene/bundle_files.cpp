@@ -6,6 +6,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -96,6 +97,7 @@ std::vector<uint8_t> BundleFiles::read(const std::string& relative_path, const s
         done += static_cast<size_t>(got);
     }
     bytes.resize(done);
+    bytes_read_ += done;
     return bytes;
 }
 

@@ -22,9 +22,12 @@ public:
     /// The contents of a file named relative to the root. Throws ErrorCode::BadScene, at `pointer`.
     std::vector<uint8_t> read(const std::string& relative_path, const std::string& pointer);
 
+    uint64_t bytes_read() const { return bytes_read_; }
+
 private:
     int root_ = -1;
     uint64_t bytes_left_;
+    uint64_t bytes_read_ = 0;
 };
 
 /// The relative file path a glTF URI names (percent-encoding decoded). Throws ErrorCode::BadScene, at `pointer`, for a

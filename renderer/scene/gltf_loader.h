@@ -14,16 +14,18 @@ namespace photond {
 struct LoadLimits {
     uint64_t max_file_bytes = 4ull << 30;
     uint64_t max_triangles = 200'000'000;
-    uint64_t max_texture_pixels = 64ull << 20;  // of one image
+    uint64_t max_texture_pixels = 64ull << 20;         // of one image
+    uint64_t max_total_texture_pixels = 512ull << 20;  // of all images of a scene
     uint32_t max_json_depth = 64;
+    uint64_t max_json_values = 4'000'000;
 };
 
-/// Decodes one encoded image (PNG, JPEG) to RGBA8 after judging its header. Given to the loader from outside, so that the
-/// renderer does not link an image library (texture_decode.h has OpenImageIO's). Throws ErrorCode::BadImage.
+/// Decodes one encoded image (PNG, JPEG) to RGBA8 after judging its header. Given to the loader from outside, so that
+/// the renderer does not link an image library (texture_decode.h has OpenImageIO's). Throws ErrorCode::BadImage.
 using ImageDecoder = std::function<Texture(std::span<const uint8_t> encoded, const LoadLimits& limits)>;
 
-/// Loads a .glb or .gltf file; further files are opened below `bundle_root` only (no absolute paths, no "..", no links).
-/// `time_s`: the moment animations are posed at. Throws photond::Error with JSON pointers into the glTF.
+/// Loads a .glb or .gltf file; further files are opened below `bundle_root` only (no absolute paths, no "..", no
+/// links). `time_s`: the moment animations are posed at. Throws photond::Error with JSON pointers into the glTF.
 Scene load_gltf(const std::filesystem::path& file, const std::filesystem::path& bundle_root, const ImageDecoder& decode,
                 const LoadLimits& limits = {});
 
