@@ -3,6 +3,7 @@
 //
 // Usage: path_tracing_bench [paths] [replay] [threads] [samplers]; all of them without arguments.
 
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
@@ -56,13 +57,13 @@ public:
     size_t replay() const {
         parallel_for(batches_.size(), 1, [&](size_t i) {
             const Batch& batch = batches_[i];
-            if (batch.shadow) {
-                std::vector<uint8_t> occluded(batch.rays.size());
-                inner_.occluded(batch.rays, occluded, batch.coherence);
-            } else {
-                std::vector<Hit> hits(batch.rays.size());
-                inner_.closest_hits(batch.rays, hits, batch.coherence);
-            }
+            Answers& answers = answers_.local();
+            answers.occluded.resize(std::max(answers.occluded.size(), batch.rays.size()));
+            answers.hits.resize(std::max(answers.hits.size(), batch.rays.size()));
+            if (batch.shadow)
+                inner_.occluded(batch.rays, {answers.occluded.data(), batch.rays.size()}, batch.coherence);
+            else
+                inner_.closest_hits(batch.rays, {answers.hits.data(), batch.rays.size()}, batch.coherence);
         });
         size_t count = 0;
         for (const Batch& batch : batches_) count += batch.rays.size();
@@ -75,7 +76,13 @@ private:
         batches_.push_back({{rays.begin(), rays.end()}, coherence, shadow});
     }
 
+    struct Answers {
+        std::vector<uint8_t> occluded;
+        std::vector<Hit> hits;
+    };
+
     const Intersector& inner_;
+    mutable tbb::enumerable_thread_specific<Answers> answers_;
     mutable std::mutex mutex_;
     mutable std::vector<Batch> batches_;
 };
@@ -87,8 +94,9 @@ public:
         : method_(params), film(size, LayerSet{}) {
         method_.begin({scene, intersector, View{find_camera(scene, ""), size}, 1, budget_}, stats);
     }
-    void pass() {
-        method_.run_pass(next_pass_++, stats, CancelToken{});
+    void pass() { pass(next_pass_++); }
+    void pass(uint32_t index) {
+        method_.run_pass(index, stats, CancelToken{});
         method_.resolve(film);
     }
 
@@ -162,10 +170,10 @@ void measure_replay() {
 
         std::vector<double> path_seconds, replay_seconds;
         size_t rays = 0;
-        for (int i = 0; i < 11; ++i) {  // alternately, so that other load on the machine meets both
-            Render render(*scene, *intersector, named.size, {});
+        Render render(*scene, *intersector, named.size, {});
+        for (int i = 0; i < 15; ++i) {  // alternately, so that other load on the machine meets both
             double start = cpu_now_seconds();
-            render.pass();
+            render.pass(0);
             path_seconds.push_back(cpu_now_seconds() - start);
             start = cpu_now_seconds();
             rays = recorder.replay();

@@ -12,6 +12,13 @@
 namespace photond {
 
 struct PathTracingScene {
+    /// How the hits of an instance are shaded.
+    struct Shading {
+        bool lambert;  // by lambert_shading.cpp
+        bool varies;   // the reflectance, by texture or vertex colour
+        bool emits;
+    };
+
     PathTracingScene(const RenderContext& context, const PathTracingParams& params)
         : scene(context.scene),
           intersector(context.intersector),
@@ -23,6 +30,14 @@ struct PathTracingScene {
           sampler(params.sampler),
           max_scatterings(params.max_scatterings()),
           roulette_start(params.roulette_start) {
+        for (const Instance& instance : scene.instances) {
+            const Mesh& mesh = scene.meshes[instance.mesh];
+            const Material& m = scene.materials[mesh.material];
+            shading.push_back({.lambert = !m.unlit && m.metallic == 0 && m.specular == 0 && m.transmission == 0 &&
+                                          !m.normal_texture.used(),
+                               .varies = m.base_color_texture.used() || !mesh.colors.empty(),
+                               .emits = m.emissive()});
+        }
         absorption_per_m.reserve(scene.materials.size());
         for (const Material& m : scene.materials) {
             // Beer's law: attenuation_color is what remains after attenuation_distance. A channel of 0 is taken as
@@ -44,6 +59,7 @@ struct PathTracingScene {
     const uint32_t max_scatterings;
     const uint32_t roulette_start;
     std::vector<Rgb> absorption_per_m;  // by material [1/m]
+    std::vector<Shading> shading;       // by instance
 };
 
 /// A rectangle of pixels, traced as one batch by one thread.

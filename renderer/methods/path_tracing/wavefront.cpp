@@ -1,10 +1,8 @@
 #include "renderer/methods/path_tracing/wavefront.h"
 
-#include <ctime>
+#include "renderer/methods/path_tracing/contributions.h"
 
-#include "renderer/transport/bsdf.h"
-#include "renderer/transport/emission.h"
-#include "renderer/transport/mis.h"
+#include <ctime>
 
 namespace photond {
 
@@ -16,21 +14,6 @@ double thread_seconds() {
     return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
 }
 
-/// No path outlives roulette for ever, however white the scene.
-constexpr float kMaxSurvival = 0.98f;
-
-/// Adds radiance that reached the eye along a path with that many scatterings.
-void add_radiance(PassImage& image, const Path& path, const Rgb& radiance) {
-    if (path.scatterings == 0) {
-        image.emitted[path.pixel] += radiance;
-    } else if (path.scatterings == 1) {
-        image.direct[path.pixel] += radiance;
-    } else {
-        image.indirect[path.pixel] += radiance;
-        if (path.caustic && !image.caustic.empty()) image.caustic[path.pixel] += radiance;
-    }
-}
-
 void clear_pixel(PassImage& image, uint32_t pixel) {
     for (std::vector<Rgb>* layer : {&image.emitted, &image.direct, &image.indirect, &image.caustic, &image.albedo,
                                     &image.normal, &image.position})
@@ -39,14 +22,18 @@ void clear_pixel(PassImage& image, uint32_t pixel) {
     if (!image.hit.empty()) image.hit[pixel] = 0;
 }
 
-/// Normal, position and depth are those of the first surface met, mirrors included.
-void store_first_hit(PassImage& image, const PathTracingScene& shared, uint32_t pixel, const ShadingPoint& point) {
-    if (image.hit.empty()) return;
-    image.hit[pixel] = 1;
-    if (!image.normal.empty()) image.normal[pixel] = point.shading.normal;
-    if (!image.position.empty()) image.position[pixel] = vec3(dvec3(point.position) + shared.scene.origin);
-    if (!image.depth.empty())
-        image.depth[pixel] = glm::dot(point.position - shared.view.camera.position, shared.view.camera.forward);
+void prefetch_index(const Scene& scene, const Hit& hit) {
+    if (hit.valid()) __builtin_prefetch(&scene.meshes[scene.instances[hit.instance].mesh].triangles[hit.triangle]);
+}
+
+void prefetch_corners(const Scene& scene, const Hit& hit) {
+    const Mesh& mesh = scene.meshes[scene.instances[hit.instance].mesh];
+    const uvec3 corner = mesh.triangles[hit.triangle];
+    for (int i = 0; i < 3; ++i) {
+        __builtin_prefetch(&mesh.positions[corner[i]]);
+        if (!mesh.normals.empty()) __builtin_prefetch(&mesh.normals[corner[i]]);
+        if (!mesh.uv[0].empty()) __builtin_prefetch(&mesh.uv[0][corner[i]]);
+    }
 }
 
 /// What is left after `distance` [m] in the solid; infinite distance: nothing where it absorbs at all.
@@ -58,7 +45,12 @@ Rgb transmittance(const Rgb& absorption_per_m, float distance) {
 
 }  // namespace
 
-Wavefront::Wavefront() : rays_(kPaths), hits_(kPaths), paths_(kPaths), keys_(kPaths), occluded_(kPaths) {
+Wavefront::Wavefront() : rays_(kPaths), paths_(kPaths), keys_(kPaths), hits_(kPaths), occluded_(kPaths) {
+    next_rays_.reserve(kPaths);
+    next_paths_.reserve(kPaths);
+    next_keys_.reserve(kPaths);
+    lambert_.reserve(kPaths);
+    general_.reserve(kPaths);
     shadow_rays_.reserve(kPaths);
     pending_.reserve(kPaths);
     for (Numbers* numbers : {&light_point_, &choice_, &direction_, &lobe_})
@@ -66,13 +58,12 @@ Wavefront::Wavefront() : rays_(kPaths), hits_(kPaths), paths_(kPaths), keys_(kPa
 }
 
 uint64_t Wavefront::bytes_per_thread() {
-    return kPaths * (2 * sizeof(Ray) + sizeof(Hit) + sizeof(Path) + sizeof(uint32_t) + sizeof(Pending) +
+    return kPaths * (3 * sizeof(Ray) + sizeof(Hit) + 2 * sizeof(Path) + 4 * sizeof(uint32_t) + sizeof(Pending) +
                      sizeof(uint8_t) + 8 * sizeof(float));
 }
 
 void Wavefront::trace_tile(const PathTracingScene& shared, const PassSampler& sampler, const Tile& tile,
                            PassImage& image, Counts& counts, PathSeconds& seconds) {
-    const bool plain = shared.scene.needs.only_lambert();
     double then = thread_seconds();
     const auto lap = [&then](double& part) {
         const double now = thread_seconds();
@@ -88,8 +79,19 @@ void Wavefront::trace_tile(const PathTracingScene& shared, const PassSampler& sa
         (vertex == 0 ? counts.camera_rays : counts.bounce_rays) += count_;
         if (vertex == 0) lap(seconds.camera);
 
-        draw_numbers(sampler, vertex, !plain);
-        plain ? shade<true>(shared, vertex, image) : shade<false>(shared, vertex, image);
+        sort_hits(shared, image);
+        draw_numbers(sampler, vertex);
+        shadow_rays_.clear();
+        pending_.clear();
+        shade_lambert(shared, vertex, image);
+        shade_general(shared, vertex, image);
+        next_paths_.swap(paths_);
+        next_rays_.swap(rays_);
+        next_keys_.swap(keys_);
+        count_ = paths_.size();
+        next_paths_.clear();
+        next_rays_.clear();
+        next_keys_.clear();
         trace_shadow_rays(shared, vertex, image, counts);
         lap(vertex == 0 ? seconds.direct : seconds.indirect);
     }
@@ -97,6 +99,9 @@ void Wavefront::trace_tile(const PathTracingScene& shared, const PassSampler& sa
 
 void Wavefront::start_paths(const PathTracingScene& shared, const PassSampler& sampler, const Tile& tile) {
     count_ = 0;
+    paths_.resize(tile.pixels());
+    rays_.resize(tile.pixels());
+    keys_.resize(tile.pixels());
     for (uint32_t y = tile.y0; y < tile.y1; ++y) {
         for (uint32_t x = tile.x0; x < tile.x1; ++x) {
             Path& path = paths_[count_];
@@ -117,7 +122,34 @@ void Wavefront::start_paths(const PathTracingScene& shared, const PassSampler& s
     }
 }
 
-void Wavefront::draw_numbers(const PassSampler& sampler, uint32_t vertex, bool lobes) {
+/// Ends the paths that met nothing, takes what solids on the way absorbed, and tells the others apart.
+void Wavefront::sort_hits(const PathTracingScene& shared, PassImage& image) {
+    // A hit's triangle is seldom in the cache, but all hits are known: indices are asked for now, corners some paths
+    // ahead of their use.
+    lambert_.clear();
+    general_.clear();
+    for (uint32_t i = 0; i < count_; ++i) {
+        const Hit& hit = hits_[i];
+        Path& path = paths_[i];
+        if (const uint32_t medium = path.media.top(); medium != MediumStack::kVacuum)
+            path.throughput *= transmittance(shared.absorption_per_m[medium], hit.t);
+        if (!hit.valid()) {
+            add_environment(image, shared, path, rays_[i].direction);
+            continue;
+        }
+        prefetch_index(shared.scene, hit);
+        (shared.shading[hit.instance].lambert ? lambert_ : general_).push_back(i);
+    }
+}
+
+void Wavefront::prefetch_ahead(const Scene& scene, std::span<const uint32_t> order, size_t position) const {
+    constexpr size_t kAhead = 16;
+    if (position == 0)
+        for (size_t i = 0; i < std::min(kAhead, order.size()); ++i) prefetch_corners(scene, hits_[order[i]]);
+    if (position + kAhead < order.size()) prefetch_corners(scene, hits_[order[position + kAhead]]);
+}
+
+void Wavefront::draw_numbers(const PassSampler& sampler, uint32_t vertex) {
     const std::span<const uint32_t> keys(keys_.data(), count_);
     const auto draw = [&](VertexSet set, Numbers& numbers) {
         sampler.sample_2d(keys, sample_set(vertex, set), {numbers.x.data(), count_}, {numbers.y.data(), count_});
@@ -125,128 +157,7 @@ void Wavefront::draw_numbers(const PassSampler& sampler, uint32_t vertex, bool l
     draw(VertexSet::LightPoint, light_point_);
     draw(VertexSet::LightChoiceAndRoulette, choice_);
     draw(VertexSet::Direction, direction_);
-    if (lobes) draw(VertexSet::Lobe, lobe_);
-}
-
-template <bool kPlain>
-void Wavefront::shade(const PathTracingScene& shared, uint32_t vertex, PassImage& image) {
-    shadow_rays_.clear();
-    pending_.clear();
-    size_t kept = 0;  // paths that go on close the gaps left by those that end
-    for (size_t i = 0; i < count_; ++i) {
-        if (!shade_vertex<kPlain>(shared, vertex, i, image)) continue;
-        if (kept != i) {
-            paths_[kept] = paths_[i];
-            rays_[kept] = rays_[i];
-            keys_[kept] = keys_[i];
-        }
-        ++kept;
-    }
-    count_ = kept;
-}
-
-/// Adds what path i finds at the end of its ray, draws a light sample there and the next ray. False: the path ends.
-template <bool kPlain>
-bool Wavefront::shade_vertex(const PathTracingScene& shared, uint32_t vertex, size_t i, PassImage& image) {
-    const Scene& scene = shared.scene;
-    Path& path = paths_[i];
-    Ray& ray = rays_[i];
-    const Hit& hit = hits_[i];
-
-    if constexpr (!kPlain) {
-        if (const uint32_t medium = path.media.top(); medium != MediumStack::kVacuum)
-            path.throughput *= transmittance(shared.absorption_per_m[medium], hit.t);
-    }
-    if (!hit.valid()) {
-        if (!scene.environment) return false;
-        const Rgb radiance = path.throughput * shared.lights.environment_radiance(ray.direction);
-        const float weight =
-            path.delta ? 1.0f
-                       : power_heuristic(path.pdf_sa,
-                                         shared.lights.pdf_environment(path.position, path.lit_normal, ray.direction));
-        add_radiance(image, path, weight * radiance);
-        return false;
-    }
-
-    const ShadingPoint point =
-        kPlain ? make_plain_shading_point(scene, hit, ray.direction) : make_shading_point(scene, hit, ray.direction);
-    const Material& material = scene.materials[point.material];
-    if (vertex == 0) store_first_hit(image, shared, path.pixel, point);
-    const SurfacePoint place{hit.instance, hit.triangle, hit.u, hit.v};
-    if (!kPlain && material.unlit) {
-        if (path.scatterings == 0) {
-            const Rgb radiance = unlit_radiance(scene, place);
-            add_radiance(image, path, path.throughput * radiance);
-            if (!image.albedo.empty()) image.albedo[path.pixel] = radiance;
-        }
-        return false;
-    }
-    if (material.emissive()) {
-        const Rgb radiance = path.throughput * emitted_radiance(scene, place, point.front_side);
-        const float weight =
-            path.delta
-                ? 1.0f
-                : power_heuristic(path.pdf_sa, shared.lights.pdf_triangle(path.position, path.lit_normal, hit.instance,
-                                                                          hit.triangle, ray.direction, hit.t));
-        add_radiance(image, path, weight * radiance);
-    }
-    if (path.scatterings >= shared.max_scatterings) return false;
-
-    Bsdf bsdf;
-    if constexpr (kPlain) {
-        bsdf = make_plain_bsdf(scene, point);
-    } else {
-        const uint32_t outside = path.media.outside_of(point.material, !point.front_side);
-        bsdf = make_bsdf(scene, point, outside == MediumStack::kVacuum ? 1.0f : scene.materials[outside].ior);
-    }
-    const vec3 wo = point.shading.to_local(-ray.direction);
-    const bool camera_walk = path.scatterings == 0;
-    if (camera_walk && !image.albedo.empty() && bsdf.has_non_delta() && is_black(image.albedo[path.pixel]))
-        image.albedo[path.pixel] = bsdf.albedo();
-
-    path.position = point.position;
-    path.lit_normal = !kPlain && bsdf.has_non_delta_transmission() ? vec3(0) : point.shading.normal;
-    LightSample light;
-    if (bsdf.has_non_delta() && shared.lights.sample(path.position, path.lit_normal, choice_.x[i],
-                                                     {light_point_.x[i], light_point_.y[i]}, light)) {
-        const BsdfValue f = bsdf.evaluate(wo, point.shading.to_local(light.wi));
-        if (!is_black(f.f_cos)) {
-            const float weight = light.delta ? 1.0f : power_heuristic(light.pdf_sa, f.pdf_sa);
-            shadow_rays_.push_back(light.shadow_ray(ray_origin(point, light.wi)));
-            pending_.push_back(
-                {weight * path.throughput * f.f_cos * light.radiance_over_pdf, path.pixel, path.scatterings > 0});
-        }
-    }
-
-    const BsdfSample next = bsdf.sample(wo, kPlain ? 0.0f : lobe_.x[i], {direction_.x[i], direction_.y[i]});
-    if (!next.valid()) return false;
-    path.throughput *= next.weight;
-    path.pdf_sa = next.pdf_sa;
-    path.delta = next.delta;
-    if (!(camera_walk && next.delta)) {
-        path.caustic = camera_walk || (path.caustic && next.delta);
-        ++path.scatterings;
-    }
-    if constexpr (!kPlain) {
-        if (next.refraction) {
-            path.eta_scale *= sqr(next.eta);
-            point.front_side ? path.media.enter(point.material) : path.media.leave(point.material);
-        }
-    }
-
-    if (!is_finite(path.throughput)) {  // shown, not hidden: the film drops and counts it
-        add_radiance(image, path, path.throughput);
-        return false;
-    }
-    const float hope = max_component(path.throughput) * path.eta_scale;
-    if (vertex + 1 >= shared.roulette_start) {
-        const float survival = std::min(hope, kMaxSurvival);
-        if (choice_.y[i] >= survival) return false;
-        path.throughput /= survival;
-    }
-    const vec3 wi = point.shading.to_world(next.wi);
-    ray = {ray_origin(point, wi), wi, kInfinity};
-    return true;
+    if (!general_.empty()) draw(VertexSet::Lobe, lobe_);
 }
 
 void Wavefront::trace_shadow_rays(const PathTracingScene& shared, uint32_t vertex, PassImage& image, Counts& counts) {

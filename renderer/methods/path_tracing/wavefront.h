@@ -38,18 +38,29 @@ private:
     };
 
     void start_paths(const PathTracingScene& shared, const PassSampler& sampler, const Tile& tile);
-    void draw_numbers(const PassSampler& sampler, uint32_t vertex, bool lobes);
-    template <bool kPlain>
-    void shade(const PathTracingScene& shared, uint32_t vertex, PassImage& image);
-    template <bool kPlain>
-    bool shade_vertex(const PathTracingScene& shared, uint32_t vertex, size_t i, PassImage& image);
+    void sort_hits(const PathTracingScene& shared, PassImage& image);
+    void draw_numbers(const PassSampler& sampler, uint32_t vertex);
+    void shade_lambert(const PathTracingScene& shared, uint32_t vertex, PassImage& image);
+    void shade_general(const PathTracingScene& shared, uint32_t vertex, PassImage& image);
+    bool shade_vertex(const PathTracingScene& shared, uint32_t vertex, uint32_t i, PassImage& image);
     void trace_shadow_rays(const PathTracingScene& shared, uint32_t vertex, PassImage& image, Counts& counts);
 
-    size_t count_ = 0;  // paths that go on: the first count_ of the arrays
-    std::vector<Ray> rays_;
+    /// Asks for the triangle some places after order[position], so that it is there when it is wanted.
+    void prefetch_ahead(const Scene& scene, std::span<const uint32_t> order, size_t position) const;
+
+    /// The path goes on along `ray`.
+    void keep(const Path& path, const Ray& ray, uint32_t key) {
+        next_paths_.push_back(path);
+        next_rays_.push_back(ray);
+        next_keys_.push_back(key);
+    }
+
+    size_t count_ = 0;  // of the paths under way
+    std::vector<Ray> rays_, next_rays_;
+    std::vector<Path> paths_, next_paths_;
+    std::vector<uint32_t> keys_, next_keys_;  // of the sampler
     std::vector<Hit> hits_;
-    std::vector<Path> paths_;
-    std::vector<uint32_t> keys_;  // of the sampler
+    std::vector<uint32_t> lambert_, general_;  // paths by how their hits are shaded
     std::vector<Ray> shadow_rays_;
     std::vector<Pending> pending_;
     std::vector<uint8_t> occluded_;
