@@ -79,14 +79,18 @@ public:
     }
 
     bool parse_error(size_t, const std::string&, const nlohmann::detail::exception& error) {
-        // "[json.exception.parse_error.101] parse error at line 1, column 2: syntax error while ...": the part after
-        // the place says what; the place is ours.
+        // "[json.exception.parse_error.101] parse error at line 1, column 2: syntax error while ...". The lexer's own place
+        // is better than ours, which is one character ahead after a number.
         std::string what = error.what();
+        std::string place = where();
         if (const size_t bracket = what.find("] "); bracket != std::string::npos) what.erase(0, bracket + 2);
-        if (const size_t colon = what.find(": "); what.starts_with("parse error") && colon != std::string::npos)
+        constexpr std::string_view kAt = "parse error at ";
+        if (const size_t colon = what.find(": "); what.starts_with(kAt) && colon != std::string::npos) {
+            place = what.substr(kAt.size(), colon - kAt.size());
             what.erase(0, colon + 2);
+        }
         if (what.size() > 300) what = what.substr(0, 300) + " ...";
-        throw Error(ErrorCode::BadJson, what + ", " + where());
+        throw Error(ErrorCode::BadJson, what + ", " + place);
     }
 
     json take() { return std::move(root_); }

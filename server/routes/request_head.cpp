@@ -82,13 +82,15 @@ void parse_request_line(std::string_view line, RequestHead& head, int& minor_ver
         if (head.authority.empty()) bad("the request's target is malformed");
         target = slash == std::string_view::npos ? "/" : target.substr(slash);
     }
-    if (!target.starts_with('/')) bad("the request's target must begin with '/'");
+    // In the absolute form, no path is the path "/".
+    const bool no_path = !head.authority.empty() && target.starts_with('?');
+    if (!target.starts_with('/') && !no_path) bad("the request's target must begin with '/'");
     for (const char c : target)
         if (static_cast<unsigned char>(c) <= 0x20 || static_cast<unsigned char>(c) >= 0x7f || c == '#')
             bad("the request's target contains a character that must be percent-encoded");
     const size_t question = target.find('?');
     head.method = method;
-    head.path = target.substr(0, question);
+    head.path = no_path ? "/" : target.substr(0, question);
     if (question != std::string_view::npos) head.query = target.substr(question + 1);
 }
 

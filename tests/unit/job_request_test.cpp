@@ -1,0 +1,213 @@
+#include "protocol/job.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "protocol/error.h"
+
+namespace photond {
+namespace {
+
+using nlohmann::json;
+
+struct TinyParams final : MethodParams {
+    uint32_t bounces = 8;
+    float radius = 0.05f;
+    void visit(ParamVisitor& visitor) override {
+        visitor.field("bounces", bounces, {"", 0, 1024, "bounces"});
+        visitor.field("radius", radius, {"m", 1e-3, 10, "radius"});
+    }
+};
+
+JobVocabulary vocabulary() {
+    JobVocabulary known;
+    known.method_names = {"path_tracing", "photon_mapping"};
+    known.layer_names = {"caustic", "albedo", "normal", "position", "depth", "standard_error"};
+    known.make_params = [](const std::string&) { return std::make_unique<TinyParams>(); };
+    known.devices_of = [](const std::string& method) {
+        return method == "path_tracing" ? std::vector<std::string>{"cpu"} : std::vector<std::string>{"cpu", "gpu"};
+    };
+    return known;
+}
+
+json smallest() {
+    return json::parse(R"({"scene": "cornell-box", "image": {"width": 64, "height": 32},
+                           "method": {"name": "path_tracing"}, "stop": {"passes": 4}})");
+}
+
+std::vector<std::string> pointers_of(const json& body, ErrorCode* code = nullptr) {
+    try {
+        parse_job_request(body, vocabulary());
+    } catch (const Error& error) {
+        std::vector<std::string> pointers;
+        for (const Fault& fault : error.faults) pointers.push_back(fault.pointer);
+        if (code != nullptr) *code = error.code;
+        return pointers;
+    }
+    return {"accepted"};
+}
+
+json with(const char* pointer, const char* value) {
+    json body = smallest();
+    body[json::json_pointer(pointer)] = json::parse(value);
+    return body;
+}
+
+TEST(JobRequest, FillsInEveryDefault) {
+    const json echo = to_json(parse_job_request(smallest(), vocabulary()));
+    EXPECT_EQ(echo, json::parse(R"({
+        "scene": "cornell-box",
+        "camera": {"name": null, "look_at": null, "aperture": 0, "focus_distance": null},
+        "image": {"width": 64, "height": 32, "filter": "box"},
+        "method": {"name": "path_tracing", "device": "cpu", "parameters": {"bounces": 8, "radius": 0.05}},
+        "stop": {"seconds": null, "passes": 4, "target": null},
+        "seed": 1, "layers": [], "reference": null, "priority": 0, "labels": {}, "environment": null,
+        "glass": "as_stored", "time": 0})"));
+}
+
+TEST(JobRequest, ReadsEveryField) {
+    const json body = json::parse(R"({
+        "scene": "s", "camera": {"look_at": {"eye": [1, 2, 3], "target": [0, 0, 0], "up": [0, 0, 1], "yfov": 0.5},
+                                 "aperture": 0.01, "focus_distance": 2.5},
+        "image": {"width": 16384, "height": 1, "filter": "gaussian"},
+        "method": {"name": "photon_mapping", "device": "gpu:3", "parameters": {"bounces": 0}},
+        "stop": {"seconds": 0.5, "passes": 7}, "seed": 18446744073709551615, "layers": ["depth", "albedo"],
+        "priority": -100, "labels": {"a/b": "c", "~": ""}, "environment": {"image": "image:i1", "scale": 2, "rotation": -1},
+        "glass": "solid", "time": 0})");
+    const JobRequest request = parse_job_request(body, vocabulary());
+    EXPECT_EQ(request.camera.look_at->up[2], 1);
+    EXPECT_EQ(request.device, "gpu:3");
+    EXPECT_EQ(request.seed, UINT64_MAX);
+    EXPECT_EQ(request.layers, (std::vector<std::string>{"depth", "albedo"}));
+    EXPECT_EQ(request.labels.at("a/b"), "c");
+    EXPECT_EQ(request.environment->rotation, -1);
+    EXPECT_EQ(request.parameters.dump(), R"({"bounces":0,"radius":0.05})");
+}
+
+// parse(to_json(r)) == r: shown by the echo of the echo, which holds every field.
+TEST(JobRequest, TheEchoIsAFixedPoint) {
+    std::mt19937_64 random(7);
+    const auto chance = [&] { return random() % 2 == 0; };
+    std::uniform_real_distribution<double> number(-100, 100);
+    for (int i = 0; i < 2000; ++i) {
+        json body = smallest();
+        body["image"] = {{"width", random() % 16384 + 1}, {"height", random() % 16384 + 1}};
+        body["seed"] = random();
+        if (chance()) body["camera"]["name"] = "main";
+        if (chance())
+            body["camera"] = {{"look_at",
+                               {{"eye", {number(random), number(random), 200}},
+                                {"target", {number(random), number(random), number(random)}}}}};
+        if (chance()) body["camera"]["aperture"] = 0.0;
+        if (chance()) body["camera"]["focus_distance"] = std::abs(number(random)) + 1;
+        if (chance()) body["stop"]["seconds"] = std::abs(number(random)) + 0.1;
+        if (chance()) body["method"]["parameters"]["radius"] = std::abs(number(random)) / 20 + 0.01;
+        if (chance()) body["layers"] = {"normal", "caustic"};
+        if (chance()) body["priority"] = static_cast<int>(random() % 201) - 100;
+        if (chance()) body["labels"]["k"] = std::to_string(random());
+        if (chance()) body["environment"] = {{"image", "image:x"}, {"rotation", number(random)}};
+        const json echo = to_json(parse_job_request(body, vocabulary()));
+        const json again = to_json(parse_job_request(json::parse(echo.dump()), vocabulary()));
+        ASSERT_EQ(echo.dump(), again.dump());
+    }
+}
+
+TEST(JobRequest, NamesAllFaultsAtOnce) {
+    ErrorCode code{};
+    const std::vector<std::string> pointers = pointers_of(json::parse(R"({
+        "scen": "x", "camera": {"name": "a", "look_at": {"eye": [0, "x"], "target": [0, 0, 0], "roll": 1}},
+        "image": {"width": 0, "height": 1.5}, "method": {"name": "path_tracing", "device": "gpu", "parameters": {"bounce": 1}},
+        "stop": {"target": {"metric": "rmse", "value": 1}}, "layers": ["albdo", 3], "reference": "job:J1", "x/y": 1})"),
+                                                          &code);
+    EXPECT_EQ(code, ErrorCode::MissingField);
+    EXPECT_EQ(pointers,
+              (std::vector<std::string>{"/scene", "/camera/look_at/eye", "/camera/look_at/roll", "/camera/look_at",
+                                        "/image/width", "/image/height", "/method/device", "/method/parameters/bounce",
+                                        "/stop/target", "/layers/0", "/layers/1", "/reference", "/scen", "/x~1y"}));
+}
+
+TEST(JobRequest, SuggestsTheNearestName) {
+    try {
+        parse_job_request(with("/method/name", "\"path_traceing\""), vocabulary());
+        FAIL();
+    } catch (const Error& error) {
+        EXPECT_NE(error.faults.at(0).detail.find("did you mean \"path_tracing\""), std::string::npos);
+    }
+}
+
+TEST(JobRequest, RefusesEachFaultAtItsPlace) {
+    const struct {
+        const char* at;
+        const char* value;
+        const char* pointer;
+        ErrorCode code;
+    } cases[] = {
+        {"/scene", "5", "/scene", ErrorCode::WrongType},
+        {"/scene", "\"\"", "/scene", ErrorCode::OutOfRange},
+        {"/scene", "null", "/scene", ErrorCode::MissingField},
+        {"/image/width", "16385", "/image/width", ErrorCode::OutOfRange},
+        {"/image/width", "-1", "/image/width", ErrorCode::OutOfRange},
+        {"/image/width", "1e300", "/image/width", ErrorCode::OutOfRange},
+        {"/image/width", "\"64\"", "/image/width", ErrorCode::WrongType},
+        {"/image/filter", "\"bax\"", "/image/filter", ErrorCode::UnknownName},
+        {"/method/device", "\"gpu:x\"", "/method/device", ErrorCode::UnknownName},
+        {"/method/device", "\"gpu:0\"", "/method/device", ErrorCode::Unsupported},
+        {"/method/parameters", "[]", "/method/parameters", ErrorCode::OutOfRange},
+        {"/stop", "{}", "/stop", ErrorCode::MissingField},
+        {"/stop", "{\"seconds\": null}", "/stop", ErrorCode::MissingField},
+        {"/stop/passes", "0", "/stop/passes", ErrorCode::OutOfRange},
+        {"/stop/seconds", "0", "/stop/seconds", ErrorCode::OutOfRange},
+        {"/seed", "-1", "/seed", ErrorCode::OutOfRange},
+        {"/seed", "1e30", "/seed", ErrorCode::OutOfRange},
+        {"/seed", "0.5", "/seed", ErrorCode::OutOfRange},
+        {"/seed", "\"1\"", "/seed", ErrorCode::WrongType},
+        {"/layers", "{}", "/layers", ErrorCode::WrongType},
+        {"/layers", "[\"depth\", \"depth\"]", "/layers/1", ErrorCode::Conflict},
+        {"/priority", "101", "/priority", ErrorCode::OutOfRange},
+        {"/labels", "{\"a\": 1}", "/labels/a", ErrorCode::WrongType},
+        {"/labels", "{\"a=b\": \"x\"}", "/labels/a=b", ErrorCode::OutOfRange},
+        {"/environment", "{}", "/environment/image", ErrorCode::MissingField},
+        {"/environment", "{\"image\": \"sky\"}", "/environment/image", ErrorCode::UnknownName},
+        {"/glass", "\"hollow\"", "/glass", ErrorCode::UnknownName},
+        {"/time", "1", "/time", ErrorCode::Unsupported},
+        {"/reference", "\"job:J1\"", "/reference", ErrorCode::Unsupported},
+        {"/camera", "{\"aperture\": 0.1}", "/camera/focus_distance", ErrorCode::MissingField},
+        {"/camera", "{\"focus_distance\": 0}", "/camera/focus_distance", ErrorCode::OutOfRange},
+        {"/camera", R"({"look_at": {"eye": [0,0,0], "target": [0,0,0]}})", "/camera/look_at/target",
+         ErrorCode::Conflict},
+        {"/camera", R"({"look_at": {"eye": [0,0,0], "target": [0,1,0]}})", "/camera/look_at/up", ErrorCode::Conflict},
+        {"/camera", R"({"look_at": {"eye": [0,0,0], "target": [0,1,1], "up": [0,0,0]}})", "/camera/look_at/up",
+         ErrorCode::Conflict},
+        {"/camera", R"({"look_at": {"eye": [0,0,1e300], "target": [0,1,0]}})", "/camera/look_at/eye/2",
+         ErrorCode::OutOfRange},
+        {"/camera", R"({"look_at": {"eye": [0,0,1], "target": [0,1,0], "yfov": 3.15}})", "/camera/look_at/yfov",
+         ErrorCode::OutOfRange},
+    };
+    for (const auto& wrong : cases) {
+        ErrorCode code{};
+        EXPECT_EQ(pointers_of(with(wrong.at, wrong.value), &code), std::vector<std::string>{wrong.pointer})
+            << wrong.at << " = " << wrong.value;
+        EXPECT_EQ(code, wrong.code) << wrong.at << " = " << wrong.value;
+    }
+}
+
+TEST(JobRequest, RefusesWhatIsNoObject) {
+    for (const char* body : {"null", "1", "[]", "\"x\""})
+        EXPECT_EQ(pointers_of(json::parse(body)), std::vector<std::string>{""}) << body;
+}
+
+TEST(JobRequest, AnswersOfBoundedSize) {
+    json body = smallest();
+    for (int i = 0; i < 5000; ++i) body["field" + std::to_string(i)] = i;
+    try {
+        parse_job_request(body, vocabulary());
+        FAIL();
+    } catch (const Error& error) {
+        EXPECT_EQ(error.faults.size(), 256u);
+        EXPECT_NE(std::string(error.what()).find("5000 faults"), std::string::npos) << error.what();
+    }
+}
+
+}  // namespace
+}  // namespace photond

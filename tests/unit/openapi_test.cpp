@@ -1,0 +1,70 @@
+#include "protocol/openapi.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "protocol/error.h"
+
+namespace photond {
+namespace {
+
+using nlohmann::json;
+
+json document() {
+    ApiVocabulary vocabulary;
+    vocabulary.version = "1.2.3";
+    vocabulary.methods = {{"path_tracing", {{"type", "object"}}}};
+    vocabulary.layers = {"albedo", "depth"};
+    return openapi_document(vocabulary);
+}
+
+void find_references(const json& value, std::set<std::string>& found) {
+    if (value.is_object() && value.contains("$ref")) found.insert(value["$ref"].get<std::string>());
+    if (value.is_structured())
+        for (const json& part : value) find_references(part, found);
+}
+
+TEST(OpenApi, EveryReferenceLeadsSomewhere) {
+    const json api = document();
+    std::set<std::string> references;
+    find_references(api, references);
+    EXPECT_GT(references.size(), 10u);
+    for (const std::string& reference : references)
+        EXPECT_TRUE(api.contains(json::json_pointer(reference.substr(1)))) << reference;
+}
+
+TEST(OpenApi, EveryOperationIsWholeAndNamedOnce) {
+    const json api = document();
+    EXPECT_EQ(api["openapi"], "3.1.0");
+    std::set<std::string> ids;
+    for (const auto& [path, methods] : api["paths"].items())
+        for (const auto& [method, operation] : methods.items()) {
+            EXPECT_TRUE(ids.insert(operation["operationId"].get<std::string>()).second) << path;
+            EXPECT_TRUE(operation["responses"].contains("default")) << path;
+            EXPECT_GE(operation["responses"].size(), 2u) << path;
+            std::set<std::string> declared;
+            for (const json& parameter : operation["parameters"])
+                if (parameter["in"] == "path") declared.insert(parameter["name"].get<std::string>());
+            for (size_t at = path.find('{'); at != std::string::npos; at = path.find('{', at + 1))
+                EXPECT_EQ(declared.count(path.substr(at + 1, path.find('}', at) - at - 1)), 1u) << path;
+            EXPECT_EQ(operation.contains("requestBody"), method == "post" && !path.ends_with("/retry")) << path;
+        }
+    EXPECT_EQ(openapi_operations(api).size(), ids.size());
+}
+
+TEST(OpenApi, ProblemKnowsEveryErrorCode) {
+    const json codes = document()["components"]["schemas"]["Problem"]["properties"]["code"]["enum"];
+    EXPECT_EQ(codes.size(), std::size(kErrorKinds));
+}
+
+TEST(OpenApi, RequestKnowsMethodsAndLayers) {
+    const json request = document()["components"]["schemas"]["JobRequest"];
+    EXPECT_EQ(request["additionalProperties"], false);
+    EXPECT_EQ(request["properties"]["method"]["oneOf"][0]["properties"]["name"]["const"], "path_tracing");
+    EXPECT_EQ(request["properties"]["layers"]["anyOf"][0]["items"]["enum"].dump(), R"(["albedo","depth"])");
+    EXPECT_EQ(request["properties"]["stop"]["anyOf"][0]["required"].dump(), R"(["seconds"])");
+}
+
+}  // namespace
+}  // namespace photond
