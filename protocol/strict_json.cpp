@@ -1,5 +1,6 @@
 #include "protocol/strict_json.h"
 
+#include <algorithm>
 #include <iterator>
 #include <vector>
 
@@ -54,7 +55,8 @@ private:
 // refused.
 class StrictBuilder {
 public:
-    StrictBuilder(const JsonLimits& limits, const Position& position) : limits_(limits), position_(position) {}
+    StrictBuilder(std::string_view text, const JsonLimits& limits, Position& position)
+        : text_(text), limits_(limits), position_(position) {}
 
     bool null() { return add(nullptr); }
     bool boolean(bool value) { return add(value); }
@@ -78,19 +80,20 @@ public:
         return true;
     }
 
-    bool parse_error(size_t, const std::string&, const nlohmann::detail::exception& error) {
-        // "[json.exception.parse_error.101] parse error at line 1, column 2: syntax error while ...". The lexer's own place
-        // is better than ours, which is one character ahead after a number.
+    bool parse_error(size_t bytes_read, const std::string&, const nlohmann::detail::exception& error) {
+        // "[json.exception.parse_error.101] parse error at line 1, column 2: syntax error while ...": we keep the last
+        // part. The iterator is one character ahead behind a number, and the library's column is 0 at the end of a
+        // line.
         std::string what = error.what();
-        std::string place = where();
         if (const size_t bracket = what.find("] "); bracket != std::string::npos) what.erase(0, bracket + 2);
-        constexpr std::string_view kAt = "parse error at ";
-        if (const size_t colon = what.find(": "); what.starts_with(kAt) && colon != std::string::npos) {
-            place = what.substr(kAt.size(), colon - kAt.size());
+        if (const size_t colon = what.find(": "); what.starts_with("parse error") && colon != std::string::npos)
             what.erase(0, colon + 2);
-        }
         if (what.size() > 300) what = what.substr(0, 300) + " ...";
-        throw Error(ErrorCode::BadJson, what + ", " + place);
+        const std::string_view read = text_.substr(0, bytes_read);
+        const size_t line_begin = read.rfind('\n') + 1;  // npos + 1 is 0
+        position_.line = 1 + static_cast<size_t>(std::count(read.begin(), read.end(), '\n'));
+        position_.column = read.size() - line_begin;
+        throw Error(ErrorCode::BadJson, what + ", " + where());
     }
 
     json take() { return std::move(root_); }
@@ -145,8 +148,9 @@ private:
         return "line " + std::to_string(position_.line) + ", column " + std::to_string(position_.column);
     }
 
+    const std::string_view text_;
     const JsonLimits& limits_;
-    const Position& position_;
+    Position& position_;
     json root_;
     std::vector<json*> open_;
     std::vector<std::string> keys_;  // one for each open container: the member being read
@@ -160,7 +164,7 @@ json parse_strict_json(std::string_view text, const JsonLimits& limits) {
         throw Error(ErrorCode::PayloadTooLarge, "the body has " + std::to_string(text.size()) +
                                                     " bytes, the limit is " + std::to_string(limits.max_bytes));
     Position position;
-    StrictBuilder builder(limits, position);
+    StrictBuilder builder(text, limits, position);
     json::sax_parse(CountingIterator(text.data(), &position), CountingIterator(text.data() + text.size(), &position),
                     &builder);
     return builder.take();
