@@ -62,6 +62,10 @@ class WorkerTest(unittest.TestCase):
             file.write(data)
         return self.path(name)
 
+    def read(self, name):
+        with open(self.path(name), "rb") as file:
+            return file.read()
+
     def order(self, job="J1", scene="cornell-box", film="J1.film", **request):
         body = {"scene": scene, "image": {"width": 32, "height": 32}, "method": {"name": "path_tracing"},
                 "stop": {"passes": 4}}
@@ -165,8 +169,8 @@ class RenderWorker(WorkerTest):
             "index": triangle_glb(lambda d: d["nodes"][0].update(mesh=7)),
             "range": triangle_glb(lambda d: d["accessors"][0].update(count=1 << 40)),
             "required": triangle_glb(lambda d: d.update(extensionsRequired=["X_no_such"], extensionsUsed=["X_no_such"])),
-            "uri": triangle_glb(lambda d: d["buffers"].append({"byteLength": 4, "uri": "../../../etc/passwd"})
-                                or d["bufferViews"].append({"buffer": 1, "byteLength": 4})),
+            "uri": triangle_glb(lambda d: d["buffers"].append({"byteLength": 36, "uri": "../../../etc/passwd"})
+                                or d["bufferViews"][0].update(buffer=1)),
             "deep": triangle_glb(lambda d: d.update(extras=json.loads("[" * 200 + "]" * 200)))}
         for name, data in bad.items():
             with self.subTest(name):
@@ -292,7 +296,7 @@ class Helper(WorkerTest):
         self.result("encode_exr", film=self.film, statistics=None, precision="half", out=self.path("a.exr"))
         answer = self.result("judge_image", path=self.path("a.exr"))
         self.assertEqual(answer, {"width": 48, "height": 32, "channels": 22})
-        for data in (b"", b"\x89PNG\r\n\x1a\n", open(self.path("a.exr"), "rb").read()[:500]):
+        for data in (b"", b"\x89PNG\r\n\x1a\n", self.read("a.exr")[:500]):
             self.assertEqual(self.failure("judge_image", path=self.write("bad/i.exr", data))["code"], "bad_image")
 
     def test_judges_scenes(self):
@@ -368,7 +372,7 @@ class Helper(WorkerTest):
         self.assertIn("ratio", self.failure("unpack", zip=bomb, root=root)["detail"])
         self.assertEqual(os.listdir(root), [])
         # An archive that states a smaller size than it holds: the size fields of header and directory are changed.
-        honest = open(self.zipped([("scene.glb", os.urandom(100000))]), "rb").read()
+        honest = self.read(self.zipped([("scene.glb", os.urandom(100000))]))
         lying = honest.replace(struct.pack("<I", 100000), struct.pack("<I", 50000))
         self.assertNotEqual(honest, lying)
         self.failure("unpack", zip=self.write("lying.zip", lying), root=self.root())
