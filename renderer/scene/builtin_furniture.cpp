@@ -42,8 +42,8 @@ void add_chair(MeshBuilder& frame, MeshBuilder& cushion) {
                       4);
     cushion.rounded_box({-kHalf, kSeat + 0.001f, -kHalf}, {kHalf, kSeat + 0.05f, kHalf}, 0.024f, 6);
     for (const float s : {-1.0f, 1.0f}) {
-        const vec3 front[] = {{s * 0.21f, 0, 0.22f}, {s * 0.18f, kSeat - 0.03f, 0.17f}};
-        const vec3 back[] = {{s * 0.21f, 0, -0.24f}, {s * 0.185f, kSeat, -0.185f}, {s * 0.19f, kBackTop, -0.28f}};
+        const vec3 front[] = {{s * 0.21f, 0.002f, 0.22f}, {s * 0.18f, kSeat - 0.03f, 0.17f}};
+        const vec3 back[] = {{s * 0.21f, 0.005f, -0.24f}, {s * 0.185f, kSeat, -0.185f}, {s * 0.19f, kBackTop, -0.28f}};
         frame.pipe(front, 0.017f, kSides).pipe(back, 0.017f, kSides);
         const vec3 stretcher[] = {{s * 0.2f, 0.16f, 0.205f}, {s * 0.2f, 0.16f, -0.222f}};
         frame.pipe(stretcher, 0.01f, kSides);
@@ -132,7 +132,7 @@ void add_curtain(MeshBuilder& cloth, float width, float drop, uint32_t folds, Ra
             const float amplitude = (1 - t) * strength[k] + t * strength[k + 1];
             const float shift = ((1 - t) * phase[k] + t * phase[k + 1]) * loose;
             const float z = 0.045f * amplitude * (0.6f + 0.4f * loose) * std::sin(kTwoPi * fold + shift);
-            points.emplace_back(width * s + 0.012f * loose * std::sin(2 * kTwoPi * fold + 3 * shift), y, z);
+            points.emplace_back(width * s + 0.005f * loose * std::sin(2 * kTwoPi * fold + 3 * shift), y, z);
         }
     }
     cloth.grid(points, columns);
@@ -147,10 +147,10 @@ void add_floor_lamp(MeshBuilder& metal, MeshBuilder& shade, MeshBuilder& bulb) {
     shade.lathe(outer, 64).lathe(inner, 64);
     const vec2 rims[2][2] = {{{0.208f, 1.28f}, {0.21f, 1.28f}}, {{0.15f, 1.62f}, {0.148f, 1.62f}}};
     for (const auto& rim : rims) shade.lathe(rim, 64);
-    bulb.sphere({0, 1.55f, 0}, 0.045f, 16);
+    bulb.sphere({0, 1.55f, 0}, 0.045f, 12);
 }
 
-void add_pendant_lamp(MeshBuilder& metal, MeshBuilder& bulb, float cord) {
+void add_pendant_lamp(MeshBuilder& metal, MeshBuilder& enamel, MeshBuilder& bulb, float cord) {
     const vec3 line[] = {{0, 0, 0}, {0, -cord, 0}};
     metal.pipe(line, 0.003f, 8);
     std::vector<vec2> shell;  // outside upwards, inside back down
@@ -165,8 +165,8 @@ void add_pendant_lamp(MeshBuilder& metal, MeshBuilder& bulb, float cord) {
     shell.clear();
     for (uint32_t i = kSteps + 1; i-- > 0;) shell.push_back(arc(kRadius - kWall, i));
     shell.push_back({kRadius, -cord - kRadius});
-    metal.lathe(shell, 64, 1.0f);
-    bulb.sphere({0, -cord - kRadius + 0.06f, 0}, 0.05f, 16);
+    enamel.lathe(shell, 64, 1.0f);
+    bulb.sphere({0, -cord - kRadius + 0.06f, 0}, 0.05f, 12);
 }
 
 void add_plant(MeshBuilder& pot, MeshBuilder& earth, MeshBuilder& leaves, RandomStream& random) {
@@ -178,7 +178,7 @@ void add_plant(MeshBuilder& pot, MeshBuilder& earth, MeshBuilder& leaves, Random
     constexpr uint32_t kLeaves = 34, kLength = 18, kAcross = 5;
     for (uint32_t l = 0; l < kLeaves; ++l) {
         const float yaw = kTwoPi * (static_cast<float>(l) * 0.61803399f + 0.1f * random.next());
-        const float length = 0.55f + 0.5f * random.next(), lean = 0.25f + 0.9f * random.next(),
+        const float length = 0.45f + 0.35f * random.next(), lean = 0.25f + 0.9f * random.next(),
                     width = 0.035f + 0.02f * random.next();
         const vec3 out(std::cos(yaw), 0, -std::sin(yaw)), side(std::sin(yaw), 0, std::cos(yaw));
         std::vector<vec3> points;

@@ -18,8 +18,8 @@ void add_bookcase(MeshBuilder& wood, std::span<MeshBuilder> books, float width, 
 /// A hanging cloth in folds, `drop` high, from x = 0 to `width`; its front looks along +z.
 void add_curtain(MeshBuilder& cloth, float width, float drop, uint32_t folds, RandomStream& random);
 void add_floor_lamp(MeshBuilder& metal, MeshBuilder& shade, MeshBuilder& bulb);
-/// A lamp that hangs from y = 0 on a cord of that length.
-void add_pendant_lamp(MeshBuilder& metal, MeshBuilder& bulb, float cord);
+/// A lamp that hangs from y = 0 on a cord of that length; its shell is enamelled inside.
+void add_pendant_lamp(MeshBuilder& metal, MeshBuilder& enamel, MeshBuilder& bulb, float cord);
 void add_plant(MeshBuilder& pot, MeshBuilder& earth, MeshBuilder& leaves, RandomStream& random);
 void add_bowl(MeshBuilder& clay);
 void add_vase(MeshBuilder& clay);

@@ -211,13 +211,14 @@ void add_dining_corner(Scene& scene, uint32_t wood, uint32_t brass, uint32_t lig
             add_instance(scene, setting + 1, top + vec3(sx + 0.17f, 0, sz * 0.55f), 0);
         }
 
-    MeshBuilder lamps, bulbs;
+    MeshBuilder lamps, enamel, bulbs;
     for (const float dx : {-0.6f, 0.0f, 0.6f}) {
         const mat4 hang = placed(vec3(kTableAt.x + dx, kHeight, kTableAt.z));
-        lamps.place(hang), bulbs.place(hang);
-        furniture::add_pendant_lamp(lamps, bulbs, 0.85f);
+        lamps.place(hang), enamel.place(hang), bulbs.place(hang);
+        furniture::add_pendant_lamp(lamps, enamel, bulbs, 0.85f);
     }
     add_mesh(scene, lamps.build(brass));
+    add_mesh(scene, enamel.build(add_material(scene, lambert("enamel", Rgb(0.85f, 0.83f, 0.8f)))));
     add_mesh(scene, bulbs.build(light));
 }
 
@@ -257,7 +258,7 @@ void add_sitting_corner(Scene& scene, uint32_t wood, uint32_t brass, uint32_t li
     add_mesh(scene, bulb.build(light));
 
     MeshBuilder pot, earth, leaves;
-    const mat4 at_window = placed({-2.5f, 0, -2.0f});
+    const mat4 at_window = placed({-2.3f, 0, -1.85f});
     pot.place(at_window), earth.place(at_window), leaves.place(at_window);
     furniture::add_plant(pot, earth, leaves, random);
     add_mesh(scene, pot.build(add_material(scene, lambert("terracotta", {0.5f, 0.2f, 0.11f}))));
@@ -319,13 +320,13 @@ Scene make_interior() {
     RandomStream random(1, RandomDomain::BuiltinScene, 0, 0);  // the same room every time
     const uint32_t wood = add_material(scene, plastic("oak", {0.33f, 0.19f, 0.09f}, 0.4f));
     const uint32_t brass = add_material(scene, metal("brass", {0.91f, 0.78f, 0.42f}, 0.22f));
-    const uint32_t light = add_material(scene, emitter("lamp", Rgb(55, 40, 24)));
+    const uint32_t light = add_material(scene, emitter("lamp", Rgb(70, 52, 32)));
     add_room(scene);
     add_dining_corner(scene, wood, brass, light);
     add_sitting_corner(scene, wood, brass, light, random);
     add_far_wall(scene, wood, random);
     add_curtains(scene, random);
-    add_camera(scene, {1.55, 1.55, 2.35}, {-0.45, 0.92, -0.9}, 0.85f);
+    add_camera(scene, {1.2, 1.6, 2.42}, {0.1, 0.85, -1.0}, 1.0f);
     return scene;
 }
 

@@ -116,11 +116,12 @@ MeshBuilder& MeshBuilder::lathe(std::span<const vec2> profile, uint32_t slices, 
         const vec2 low = s > 0 ? blend(s - 1) : own, high = s + 1 < segments ? blend(s + 1) : own;
         const uint32_t first = static_cast<uint32_t>(mesh_.positions.size());
         for (uint32_t i = 0; i <= slices; ++i) {
-            const float turn = static_cast<float>(i) / static_cast<float>(slices);
+            const float u = static_cast<float>(i) / static_cast<float>(slices);
+            const float turn = i == slices ? 0.0f : u;  // the last slice ends exactly where the first begins
             for (int end = 0; end < 2; ++end) {
                 const vec2 point = profile[s + static_cast<size_t>(end)], n = end ? high : low;
                 add_vertex(on_circle(point.x, point.y, turn), on_circle(n.x, n.y, turn),
-                           {turn, static_cast<float>(s + static_cast<size_t>(end)) / static_cast<float>(segments)});
+                           {u, static_cast<float>(s + static_cast<size_t>(end)) / static_cast<float>(segments)});
             }
         }
         for (uint32_t i = 0; i < slices; ++i) {
@@ -177,9 +178,10 @@ MeshBuilder& MeshBuilder::pipe(std::span<const vec3> path, float radius, uint32_
         across = i == 0 ? Frame(tangent).tangent : glm::normalize(across - glm::dot(across, tangent) * tangent);
         const vec3 up = glm::cross(tangent, across);
         for (uint32_t s = 0; s <= sides; ++s) {
-            const float turn = static_cast<float>(s) / static_cast<float>(sides);
+            const float u = static_cast<float>(s) / static_cast<float>(sides);
+            const float turn = s == sides ? 0.0f : u;
             const vec3 n = std::cos(kTwoPi * turn) * across + std::sin(kTwoPi * turn) * up;
-            add_vertex(path[i] + radius * n, n, {turn, static_cast<float>(i) / static_cast<float>(path.size() - 1)});
+            add_vertex(path[i] + radius * n, n, {u, static_cast<float>(i) / static_cast<float>(path.size() - 1)});
         }
     }
     for (uint32_t i = 0; i + 1 < path.size(); ++i)
