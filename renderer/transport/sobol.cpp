@@ -6,47 +6,67 @@ namespace photond {
 
 namespace {
 
-/// Product in the field of four elements, numbered so that addition is exclusive or (2 is a root of x^2 + x + 1).
-constexpr uint32_t multiply_gf4(uint32_t a, uint32_t b) {
-    const uint32_t product = ((b & 1) ? a : 0u) ^ ((b & 2) ? a << 1 : 0u);
-    return (product & 4) ? product ^ 7 : product;
-}
+constexpr uint32_t kDimensions = 2 * PassSampler::kSetsInBlock;
 
-/// Generator matrices, by column: bit r of columns[dimension][c] is the entry of row r, row 0 making the most
-/// significant bit.
-struct Generators {
-    uint32_t columns[4][32] = {};
+/// Primitive polynomial (degree, inner coefficients) and initial direction numbers of a dimension.
+/// [Joe and Kuo 2008], file new-joe-kuo-6.21201.
+struct JoeKuo {
+    uint32_t degree;
+    uint32_t coefficients;
+    uint32_t initial[7];
+};
+constexpr JoeKuo kJoeKuo[kDimensions - 1] = {
+    {1, 0, {1}},
+    {2, 1, {1, 3}},
+    {3, 1, {1, 3, 1}},
+    {3, 2, {1, 1, 1}},
+    {4, 1, {1, 1, 3, 3}},
+    {4, 4, {1, 3, 5, 13}},
+    {5, 2, {1, 1, 5, 5, 17}},
+    {5, 4, {1, 1, 5, 5, 5}},
+    {5, 7, {1, 1, 7, 11, 19}},
+    {5, 11, {1, 1, 5, 1, 1}},
+    {5, 13, {1, 1, 1, 3, 11}},
+    {5, 14, {1, 3, 5, 5, 31}},
+    {6, 1, {1, 3, 3, 9, 7, 49}},
+    {6, 13, {1, 1, 1, 15, 21, 21}},
+    {6, 16, {1, 3, 1, 13, 27, 49}},
+    {6, 19, {1, 1, 1, 15, 7, 5}},
+    {6, 22, {1, 3, 1, 15, 13, 25}},
+    {6, 25, {1, 1, 5, 5, 19, 61}},
+    {7, 1, {1, 3, 7, 11, 23, 15, 103}},
 };
 
-/// Dimension a of Faure's sequence over GF(4) has the digit matrix C(i, j) a^(i-j) (row j, column i; C(i, j) is odd
-/// where the bits of j are among those of i). An entry e becomes the 2 x 2 bit matrix of x -> e x, with the digit's
-/// bits of the odd dimensions recombined (first x0 + x1, then x0): that choice alone makes (0, 1) and (2, 3)
-/// (0,2)-sequences in base 2 as well; found by search, checked by sobol_test.
-constexpr Generators make_generators() {
-    Generators generators;
-    for (uint32_t a = 0; a < 4; ++a)
-        for (uint32_t i = 0; i < 16; ++i)
-            for (uint32_t j = 0; j <= i; ++j) {
-                if ((i & j) != j) continue;
-                uint32_t element = 1;
-                for (uint32_t k = j; k < i; ++k) element = multiply_gf4(element, a);
-                for (uint32_t bit = 0; bit < 2; ++bit) {
-                    const uint32_t digit = multiply_gf4(element, 1u << bit);
-                    const uint32_t first = (a & 1) ? (digit ^ (digit >> 1)) & 1 : digit & 1;
-                    const uint32_t second = (a & 1) ? digit & 1 : digit >> 1;
-                    generators.columns[a][2 * i + bit] |= (first | second << 1) << (2 * j);
-                }
+/// Direction numbers by dimension and index bit, bits reversed: bit 0 is the most significant of the fraction.
+struct Directions {
+    uint32_t reversed[kDimensions][32] = {};
+};
+constexpr Directions make_directions() {
+    Directions directions;
+    for (uint32_t bit = 0; bit < 32; ++bit) directions.reversed[0][bit] = 1u << bit;
+    for (uint32_t d = 1; d < kDimensions; ++d) {
+        const JoeKuo& row = kJoeKuo[d - 1];
+        uint32_t v[32] = {};
+        for (uint32_t bit = 0; bit < 32; ++bit) {
+            if (bit < row.degree) {
+                v[bit] = row.initial[bit] << (31 - bit);
+                continue;
             }
-    return generators;
+            v[bit] = v[bit - row.degree] ^ (v[bit - row.degree] >> row.degree);
+            for (uint32_t k = 1; k < row.degree; ++k)
+                if (row.coefficients >> (row.degree - 1 - k) & 1) v[bit] ^= v[bit - k];
+        }
+        for (uint32_t bit = 0; bit < 32; ++bit) directions.reversed[d][bit] = sobol_detail::reverse_bits(v[bit]);
+    }
+    return directions;
 }
+constexpr Directions kDirections = make_directions();
 
-constexpr Generators kGenerators = make_generators();
-
-/// Bits of one coordinate of the sequence, the most significant lowest.
-constexpr uint32_t point_bits_reversed(uint32_t index, uint32_t dimension) {
+/// One coordinate of the sequence, the most significant bit lowest.
+uint32_t point_bits_reversed(uint32_t index, uint32_t dimension) {
     uint32_t bits = 0;
-    for (uint32_t c = 0; index != 0; ++c, index >>= 1)
-        if (index & 1) bits ^= kGenerators.columns[dimension][c];
+    for (uint32_t bit = 0; index != 0; ++bit, index >>= 1)
+        if (index & 1) bits ^= kDirections.reversed[dimension][bit];
     return bits;
 }
 
@@ -65,15 +85,14 @@ PassSampler::PassSampler(SamplerKind kind, uint64_t seed, RandomDomain domain, u
 
 PassSampler::SetPoint PassSampler::make_set_point(uint32_t set) const {
     using namespace sobol_detail;
-    const uint64_t salts = hash64(uint64_t{set_salt_} << 32 | set);
-    // Nested uniform shuffle of the index [Burley 2020, sec. 3.2], the same for both sets of a block.
-    const uint32_t shuffle_seed = static_cast<uint32_t>(hash64(~(uint64_t{set_salt_} << 32 | set / 2)) >> 32);
+    // Nested uniform shuffle of the index [Burley 2020, sec. 3.2], the same for all sets of a block.
+    const uint32_t block = set / kSetsInBlock;
+    const uint32_t shuffle_seed = static_cast<uint32_t>(hash64(~(uint64_t{set_salt_} << 32 | block)) >> 32);
     const uint32_t index = reverse_bits(laine_karras(reverse_bits(pass_), shuffle_seed));
-    const uint32_t dimension = 2 * (set % 2);
+    const uint32_t dimension = 2 * (set % kSetsInBlock);
     return {.x_reversed = point_bits_reversed(index, dimension),
             .y_reversed = point_bits_reversed(index, dimension + 1),
-            .x_salt = static_cast<uint32_t>(salts >> 32),
-            .y_salt = static_cast<uint32_t>(salts)};
+            .salt = hash64(uint64_t{set_salt_} << 32 | set)};
 }
 
 void PassSampler::sample_2d(std::span<const uint32_t> pixel_keys, uint32_t set, std::span<float> x,
@@ -92,9 +111,11 @@ void PassSampler::sample_2d(std::span<const uint32_t> pixel_keys, uint32_t set, 
         return;
     }
     const SetPoint point = set < kPreparedSets ? prepared_[set] : make_set_point(set);
-    // Two plain loops: each vectorises to the machine's width.
-    for (size_t i = 0; i < count; ++i) xs[i] = scramble_bits(point.x_reversed, hash32(keys[i] ^ point.x_salt));
-    for (size_t i = 0; i < count; ++i) ys[i] = scramble_bits(point.y_reversed, hash32(keys[i] ^ point.y_salt));
+    for (size_t i = 0; i < count; ++i) {
+        const vec2 p = scramble(point, keys[i]);
+        xs[i] = p.x;
+        ys[i] = p.y;
+    }
 }
 
 }  // namespace photond

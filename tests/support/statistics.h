@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -91,6 +92,61 @@ inline double chi_square_probability(const std::vector<double>& observed, std::v
     }
     return cells > 1 ? chi_square_tail(statistic, static_cast<double>(cells - 1))
                      : std::numeric_limits<double>::quiet_NaN();
+}
+
+/// Regularised incomplete beta function I_x(a, b), by its continued fraction (Abramowitz and Stegun 26.5.8).
+inline double incomplete_beta(double a, double b, double x) {
+    if (x > (a + 1) / (a + b + 2)) return 1 - incomplete_beta(b, a, 1 - x);
+    if (x <= 0) return 0;
+    constexpr double kTiny = 1e-300;
+    double c = 1, d = 1 - (a + b) * x / (a + 1);
+    d = 1 / (std::fabs(d) < kTiny ? kTiny : d);
+    double h = d;
+    for (int m = 1; m < 1000; ++m) {
+        for (const double term : {m * (b - m) * x / ((a + 2 * m - 1) * (a + 2 * m)),
+                                  -(a + m) * (a + b + m) * x / ((a + 2 * m) * (a + 2 * m + 1))}) {
+            d = 1 + term * d;
+            d = 1 / (std::fabs(d) < kTiny ? kTiny : d);
+            c = 1 + term / c;
+            if (std::fabs(c) < kTiny) c = kTiny;
+            h *= c * d;
+        }
+        if (std::fabs(c * d - 1) < 1e-15) break;
+    }
+    return h * std::exp(a * std::log(x) + b * std::log1p(-x) + std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b)) /
+           a;
+}
+
+/// The t that a Student-t number with `degrees` of freedom passes, to either side, with this probability.
+inline double two_sided_t(double probability, double degrees) {
+    double low = 0, high = 1e9;
+    for (int i = 0; i < 200; ++i) {
+        const double t = 0.5 * (low + high);
+        (incomplete_beta(0.5 * degrees, 0.5, degrees / (degrees + t * t)) > probability ? low : high) = t;
+    }
+    return low;
+}
+
+/// Mean of independent replicates and the half-width outside of which the true mean lies with the false-alarm rate.
+struct Interval {
+    double mean = 0;
+    double half_width = 0;
+};
+
+/// Student's t over the replicates, shared among `checks` checks (Sidak).
+inline Interval mean_interval(const std::vector<double>& replicates, double false_alarm, size_t checks) {
+    RunningMean mean;
+    for (const double x : replicates) mean.add(x);
+    const double t = two_sided_t(share_of_false_alarm(false_alarm, checks), static_cast<double>(replicates.size()) - 1);
+    return {mean.mean(), t * mean.standard_error()};
+}
+
+/// estimate(seed) for seeds 1 ... count.
+template <class Estimate>
+std::vector<double> replicates(size_t count, const Estimate& estimate) {
+    std::vector<double> values;
+    for (size_t seed = 1; seed <= count; ++seed) values.push_back(estimate(static_cast<uint64_t>(seed)));
+    return values;
 }
 
 }  // namespace photond::test
