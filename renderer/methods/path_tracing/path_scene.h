@@ -68,10 +68,16 @@ struct Tile {
     size_t pixels() const { return size_t{x1 - x0} * (y1 - y0); }
 };
 
-/// Two-dimensional sets of random numbers: two for the camera, then four for each vertex, the camera's included.
+/// Two-dimensional sets of random numbers: two for the camera, then four for each vertex, the camera's included. The first
+/// ones, which are distributed best (sobol.h), go where most of the variance comes from: the first bounce's direction and
+/// light, roulette, then the rest of the first vertices.
 enum class CameraSet : uint32_t { Film, Lens };
 enum class VertexSet : uint32_t { LightPoint, LightChoiceAndRoulette, Direction, Lobe };
-constexpr uint32_t sample_set(CameraSet set) { return static_cast<uint32_t>(set); }
-constexpr uint32_t sample_set(uint32_t vertex, VertexSet set) { return 2 + 4 * vertex + static_cast<uint32_t>(set); }
+constexpr uint32_t sample_set(CameraSet set) { return set == CameraSet::Film ? 4 : 14; }
+constexpr uint32_t sample_set(uint32_t vertex, VertexSet set) {
+    constexpr uint32_t kFirstVertices[4][4] = {{5, 2, 0, 8}, {1, 7, 3, 12}, {6, 11, 9, 15}, {10, 16, 13, 17}};
+    const auto kind = static_cast<uint32_t>(set);
+    return vertex < 4 ? kFirstVertices[vertex][kind] : 2 + 4 * vertex + kind;
+}
 
 }  // namespace photond
