@@ -103,6 +103,9 @@ public:
                               const std::string& canonical_body);
     /// {"memory_bytes", "seconds"} after the same checks; seconds is null while nothing like it has run here.
     nlohmann::json estimate_job(const JobRequest& request);
+    /// An item of "attempts": {"attempt", "device", "started", "finished", "outcome": "running", "succeeded", "failed",
+    /// "cancelled", "stopped", "lost", "crashed", "hung", "out_of_memory", "no_space" or "timed_out", "reason",
+    /// "passes_done"}.
     nlohmann::json get_job(const std::string& id);
     Page list_jobs(const JobFilter& filter);
     /// The job and whether it was over already (200 instead of 202).

@@ -18,12 +18,13 @@ inline constexpr const char* kMigrations[] = {
         attempt INTEGER NOT NULL, crashes INTEGER NOT NULL, losses INTEGER NOT NULL,
         cancel_requested INTEGER NOT NULL, purge_requested INTEGER NOT NULL,
         passes_done INTEGER NOT NULL, progress REAL NOT NULL, seconds REAL NOT NULL,
-        film TEXT NOT NULL, film_sha256 TEXT NOT NULL,
+        film TEXT NOT NULL, pixel_hash TEXT NOT NULL,
         statistics TEXT NOT NULL, failure TEXT NOT NULL, attempts TEXT NOT NULL);
     CREATE INDEX jobs_by_state ON jobs (state, seq);
     CREATE INDEX jobs_by_method ON jobs (method, state, seq);
     CREATE INDEX jobs_by_scene ON jobs (scene, state, seq);
     CREATE INDEX jobs_queue ON jobs (device, priority, seq) WHERE state = 0;
+    CREATE INDEX jobs_to_purge ON jobs (seq) WHERE purge_requested = 1;
     CREATE TABLE labels (
         key TEXT NOT NULL, value TEXT NOT NULL, job INTEGER NOT NULL REFERENCES jobs (seq) ON DELETE CASCADE,
         PRIMARY KEY (key, job)) WITHOUT ROWID;

@@ -11,7 +11,7 @@ namespace {
 
 #define PHOTOND_JOB_COLUMNS                                                                                         \
     "seq, state, priority, device, method, scene, request, created_ms, started_ms, finished_ms, attempt, crashes, " \
-    "losses, cancel_requested, purge_requested, passes_done, progress, seconds, film, film_sha256, statistics, "    \
+    "losses, cancel_requested, purge_requested, passes_done, progress, seconds, film, pixel_hash, statistics, "     \
     "failure, attempts"
 
 std::optional<int64_t> optional_integer(const Statement& row, int column) {
@@ -41,7 +41,7 @@ JobRow read_job(const Statement& row) {
     job.progress = row.real(16);
     job.seconds = row.real(17);
     job.film = row.text(18);
-    job.film_sha256 = row.text(19);
+    job.pixel_hash = row.text(19);
     job.statistics = row.text(20);
     job.failure = row.text(21);
     job.attempts = row.text(22);
@@ -63,7 +63,7 @@ void bind_job(Statement& statement, const JobRow& job) {
     statement.bind(13, static_cast<int64_t>(job.cancel_requested));
     statement.bind(14, static_cast<int64_t>(job.purge_requested));
     statement.bind(15, job.passes_done).bind(16, job.progress).bind(17, job.seconds);
-    statement.bind(18, job.film).bind(19, job.film_sha256).bind(20, job.statistics).bind(21, job.failure);
+    statement.bind(18, job.film).bind(19, job.pixel_hash).bind(20, job.statistics).bind(21, job.failure);
     statement.bind(22, job.attempts);
 }
 
@@ -100,7 +100,7 @@ void Store::insert_job(JobRow& job, const std::vector<std::pair<std::string, std
     Statement insert = database_.prepare(
         "INSERT INTO jobs (state, priority, device, method, scene, request, created_ms, started_ms, finished_ms, "
         "attempt, crashes, losses, cancel_requested, purge_requested, passes_done, progress, seconds, film, "
-        "film_sha256, statistics, failure, attempts) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, "
+        "pixel_hash, statistics, failure, attempts) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, "
         "?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21, ?22)");
     bind_job(insert, job);
     insert.run();
@@ -117,7 +117,7 @@ void Store::update_job(const JobRow& job) {
     Statement update = database_.prepare(
         "UPDATE jobs SET state = ?1, priority = ?2, device = ?3, method = ?4, scene = ?5, request = ?6, created_ms = "
         "?7, started_ms = ?8, finished_ms = ?9, attempt = ?10, crashes = ?11, losses = ?12, cancel_requested = ?13, "
-        "purge_requested = ?14, passes_done = ?15, progress = ?16, seconds = ?17, film = ?18, film_sha256 = ?19, "
+        "purge_requested = ?14, passes_done = ?15, progress = ?16, seconds = ?17, film = ?18, pixel_hash = ?19, "
         "statistics = ?20, failure = ?21, attempts = ?22 WHERE seq = ?23");
     bind_job(update, job);
     update.bind(23, job.seq).run();
@@ -159,6 +159,12 @@ std::vector<JobRow> Store::jobs(const JobQuery& query) {
 
 std::vector<JobRow> Store::running_jobs() {
     Statement read = database_.prepare("SELECT " PHOTOND_JOB_COLUMNS " FROM jobs WHERE state = 1 ORDER BY seq");
+    return read_jobs(read);
+}
+
+std::vector<JobRow> Store::jobs_to_purge() {
+    Statement read =
+        database_.prepare("SELECT " PHOTOND_JOB_COLUMNS " FROM jobs WHERE purge_requested = 1 AND state >= 2");
     return read_jobs(read);
 }
 

@@ -37,7 +37,7 @@ struct JobRow {
     double progress = 0;
     double seconds = 0;
     std::string film;  // file name in the films folder; empty: none
-    std::string film_sha256;
+    std::string pixel_hash;
     std::string statistics;       // JSON or empty
     std::string failure;          // JSON (problem) or empty
     std::string attempts = "[]";  // JSON
@@ -87,6 +87,8 @@ public:
     /// Newest first.
     std::vector<JobRow> jobs(const JobQuery& query);
     std::vector<JobRow> running_jobs();
+    /// Over, and asked to be removed.
+    std::vector<JobRow> jobs_to_purge();
     std::vector<QueuedJob> queued_jobs();
     int64_t unfinished_jobs_of_scene(const std::string& scene);
     int64_t count_jobs(JobState state);

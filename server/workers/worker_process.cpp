@@ -3,7 +3,7 @@
 #include <poll.h>
 #include <signal.h>
 #include <spdlog/spdlog.h>
-#include <sys/pidfd.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -219,7 +219,7 @@ void WorkerProcess::watch_memory() {
 
 ProcessExit WorkerProcess::reap(bool had_answered) {
     // It has hung up, which a living process has no reason to do.
-    if (const int handle = pidfd_open(pid_, 0); handle >= 0) {
+    if (const int handle = static_cast<int>(syscall(SYS_pidfd_open, pid_, 0)); handle >= 0) {
         pollfd ended{handle, POLLIN, 0};
         if (poll(&ended, 1, static_cast<int>(kLingering.count())) == 0)
             kill_because(ExitCause::Crashed, "closed its channel and went on");

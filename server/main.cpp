@@ -1,0 +1,177 @@
+// photond: flags, signals, wiring; nothing else.
+
+#include <arpa/inet.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <optional>
+
+#include "server/auth.h"
+#include "server/routes/http_server.h"
+#include "server/service.h"
+
+namespace {
+
+using namespace photond;
+namespace fs = std::filesystem;
+
+/// "ADDRESS:PORT", an IPv6 address in brackets.
+void parse_listen(const std::string& text, Options& options) {
+    const size_t colon = text.rfind(':');
+    int port = -1;
+    if (colon != std::string::npos) {
+        const char* end = text.data() + text.size();
+        const auto [stopped, error] = std::from_chars(text.data() + colon + 1, end, port);
+        if (error != std::errc() || stopped != end) port = -1;
+    }
+    std::string address = text.substr(0, std::min(colon, text.size()));
+    if (address.size() > 2 && address.front() == '[' && address.back() == ']')
+        address = address.substr(1, address.size() - 2);
+    if (port < 0 || port > 65535 || address.empty())
+        throw Error(ErrorCode::OutOfRange, "--listen " + text + " is not ADDRESS:PORT");
+    options.listen_address = address == "localhost" ? "127.0.0.1" : address;
+    options.listen_port = port;
+}
+
+bool is_loopback(const std::string& address) {
+    in_addr four{};
+    in6_addr six{};
+    if (inet_pton(AF_INET, address.c_str(), &four) == 1) return (ntohl(four.s_addr) >> 24) == 127;
+    return inet_pton(AF_INET6, address.c_str(), &six) == 1 && IN6_IS_ADDR_LOOPBACK(&six);
+}
+
+fs::path default_data_dir() {
+    const char* home = std::getenv("HOME");
+    return fs::path(home && *home ? home : "/var/lib") / ".local/share/photond";
+}
+
+uint64_t default_memory_limit_bytes() {
+    const auto pages = static_cast<uint64_t>(sysconf(_SC_PHYS_PAGES));
+    return pages * static_cast<uint64_t>(sysconf(_SC_PAGESIZE)) / 4 * 3;
+}
+
+void add_limits(CLI::App& app, Limits& limits) {
+    app.add_option("--max-body", limits.max_body_bytes, "bytes of an upload")->group("Limits");
+    app.add_option("--max-json", limits.max_json_bytes, "bytes of a JSON body")->group("Limits");
+    app.add_option("--max-pixels", limits.max_pixels, "pixels of a job's image")->group("Limits");
+    app.add_option("--max-queue", limits.max_queue, "jobs waiting")->group("Limits");
+    app.add_option("--max-connections", limits.max_connections, "connections open at once")->group("Limits");
+    app.add_option("--max-rate", limits.max_requests_per_second, "requests per second of one token; 0: no limit")
+        ->check(CLI::NonNegativeNumber)
+        ->group("Limits");
+    app.add_option("--disk-reserve", limits.disk_reserve_bytes, "bytes of disk never used")->group("Limits");
+    app.add_option("--max-job-seconds", limits.max_job_seconds, "seconds one attempt may take; 0: no limit")
+        ->check(CLI::NonNegativeNumber)
+        ->group("Limits");
+    app.add_option("--head-timeout", limits.head_timeout_seconds, "seconds for a request's head")
+        ->check(CLI::PositiveNumber)
+        ->group("Limits");
+    app.add_option("--body-timeout", limits.body_timeout_seconds, "seconds for a request's body")
+        ->check(CLI::PositiveNumber)
+        ->group("Limits");
+    app.add_option("--heartbeat-timeout", limits.heartbeat_timeout_seconds, "seconds a worker may be silent")
+        ->check(CLI::PositiveNumber)
+        ->group("Limits");
+    app.add_option("--helper-timeout", limits.helper_timeout_seconds, "seconds to judge or encode one thing")
+        ->check(CLI::PositiveNumber)
+        ->group("Limits");
+    app.add_option("--grace", limits.shutdown_grace_seconds, "seconds from SIGTERM to the end")
+        ->check(CLI::PositiveNumber)
+        ->group("Limits");
+    app.add_option("--cache-bytes", limits.artefact_cache_bytes, "bytes of encoded images kept")->group("Limits");
+}
+
+/// Makes the settings whole; throws photond::Error where they contradict each other.
+void complete(Options& options, const std::string& listen) {
+    parse_listen(listen, options);
+    if (!is_loopback(options.listen_address) && options.token_file.empty())
+        throw Error(ErrorCode::Forbidden,
+                    "will not listen on " + options.listen_address + ", which others can reach, without --tokens FILE");
+    std::error_code error;
+    fs::create_directories(options.data_dir, error);
+    if (error) throw Error(ErrorCode::Internal, options.data_dir.string() + ": " + error.message());
+    options.data_dir = fs::canonical(options.data_dir);
+    options.worker_program = fs::read_symlink("/proc/self/exe").parent_path() / "photond-worker";
+    if (access(options.worker_program.c_str(), X_OK) != 0)
+        throw Error(ErrorCode::Internal, "there is no program " + options.worker_program.string());
+    if (options.memory_limit_bytes == 0) options.memory_limit_bytes = default_memory_limit_bytes();
+}
+
+int serve(const Options& options, const sigset_t& signals) {
+    std::optional<TokenList> tokens;
+    if (!options.token_file.empty()) tokens = TokenList::load(options.token_file);
+    Service service(options);
+    HttpServer server(service, tokens ? &*tokens : nullptr);
+    server.start();
+    std::printf("photond listening on %s\n", server.url().c_str());
+    std::fflush(stdout);
+
+    int signal = 0;
+    sigwait(&signals, &signal);
+    spdlog::info("{}: stopping", sigdescr_np(signal));
+    const auto begun = std::chrono::steady_clock::now();
+    service.stop();  // requests are still answered: no new jobs, everything else as ever
+    const double spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+    server.stop(std::clamp(options.limits.shutdown_grace_seconds - spent, 0.5, 2.0));
+    return EXIT_SUCCESS;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    spdlog::set_default_logger(spdlog::stderr_logger_mt("photond"));
+    spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e%z %l %v");
+
+    // Before the first thread: all of them inherit it, and only sigwait() sees these.
+    sigset_t signals;
+    sigemptyset(&signals);
+    for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&signals, signal);
+    pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+    std::signal(SIGPIPE, SIG_IGN);
+
+    Options options;
+    options.data_dir = default_data_dir();
+    std::string listen = "127.0.0.1:8080", log_level = "info", new_token;
+    CLI::App app{"Global-illumination render service"};
+    app.set_version_flag("--version", std::string("photond ") + PHOTOND_VERSION);
+    app.add_option("--data", options.data_dir, "folder of everything the service keeps")->capture_default_str();
+    app.add_option("--listen", listen, "ADDRESS:PORT; port 0 picks a free one")->capture_default_str();
+    app.add_option("--devices", options.devices, "one worker process each")->delimiter(',')->capture_default_str();
+    app.add_option("--memory-limit", options.memory_limit_bytes, "bytes of each worker; default 75 % of RAM");
+    app.add_option("--threads", options.threads, "threads of each CPU worker; default all cores");
+    app.add_option("--worker-nice", options.worker_nice, "added to the workers' niceness")
+        ->check(CLI::Range(0, 19))
+        ->capture_default_str();
+    app.add_option("--tokens", options.token_file, "file of bearer tokens, NAME ROLE sha256:HEX a line");
+    app.add_option("--log-level", log_level, "debug, info, warning, error")->capture_default_str();
+    app.add_option("--new-token", new_token,
+                   "NAME:read or NAME:write; prints a token and its line for the file, and ends");
+    add_limits(app, options.limits);
+    CLI11_PARSE(app, argc, argv);
+    spdlog::set_level(spdlog::level::from_str(log_level));
+
+    try {
+        if (!new_token.empty()) {
+            const size_t colon = new_token.rfind(':');
+            const std::string role = colon == std::string::npos ? "" : new_token.substr(colon + 1);
+            if (colon == 0 || (role != "read" && role != "write"))
+                throw Error(ErrorCode::OutOfRange, "--new-token " + new_token + " is not NAME:read or NAME:write");
+            const NewToken made = make_token(new_token.substr(0, colon), role == "write" ? Role::Write : Role::Read);
+            std::printf("token: %s\nline:  %s\n", made.token.c_str(), made.line.c_str());
+            return EXIT_SUCCESS;
+        }
+        complete(options, listen);
+        return serve(options, signals);
+    } catch (const std::exception& error) {
+        spdlog::critical("{}", error.what());
+        return EXIT_FAILURE;
+    }
+}

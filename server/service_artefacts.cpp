@@ -1,0 +1,158 @@
+// What can be downloaded of a job: encoded by the helper from the film on the disk, kept by content.
+
+#include <cmath>
+#include <fstream>
+
+#include "renderer/core/sha256.h"
+#include "server/clock_text.h"
+#include "server/service_impl.h"
+
+namespace photond {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+constexpr auto kSnapshotPatience = std::chrono::seconds(20);   // for the pass at hand; then 202
+constexpr auto kSnapshotAge = std::chrono::milliseconds(500);  // a film younger than this is "so far"
+
+void check_precision(const std::string& precision) {
+    if (precision != "float" && precision != "half")
+        throw Error(ErrorCode::OutOfRange, "/precision", "precision = '" + precision + "' is neither float nor half");
+}
+
+void write_text(const fs::path& path, const std::string& text) {
+    std::ofstream out(path, std::ios::binary);
+    out << text;
+    out.close();
+    if (!out) throw Error(ErrorCode::NoSpace, "cannot write " + path.string());
+}
+
+Artefact pending() {
+    Artefact artefact;
+    artefact.pending = true;
+    return artefact;
+}
+
+}  // namespace
+
+Artefact Service::Impl::artefact(const std::string& key, const std::string& media_type,
+                                 const ArtefactCache::Make& make) {
+    const auto file = artefacts.get(key, files.fresh_cache_path(), [&](const fs::path& path) {
+        check_disk(0);
+        return make(path);
+    });
+    return {false, file->path, media_type, file->etag, file->bytes, file, file->headers};
+}
+
+Service::Impl::FilmSource Service::Impl::film_source(const std::string& id) {
+    std::unique_lock lock(mutex);
+    const auto give_up = SteadyClock::now() + kSnapshotPatience;
+    std::string asked_for;  // the snapshot under way for us
+    while (true) {
+        const JobRow row = require_job(id);
+        const std::string prefix = "job/" + std::to_string(row.seq) + "/";
+        if (row.state != JobState::Running) {
+            if (!row.film.empty())
+                return {false, files.films / row.film, prefix + row.film,
+                        row.statistics.empty() ? json() : json::parse(row.statistics), nullptr};
+            if (row.state == JobState::Queued) return {true, {}, {}, nullptr, nullptr};
+            throw Error(ErrorCode::NotFound, "job " + id + " " + std::string(job_state_name(row.state)) +
+                                                 " before its first pass was done: it has no film");
+        }
+        RunningAttempt* attempt = running_attempt(row.seq);
+        if (!attempt || attempt->passes_done == 0) return {true, {}, {}, nullptr, nullptr};
+        if (const auto& snapshot = attempt->snapshot;
+            snapshot && (snapshot->passes_done >= attempt->passes_done || snapshot->path == asked_for ||
+                         SteadyClock::now() - snapshot->saved < kSnapshotAge))
+            return {false, snapshot->path, prefix + snapshot->path.filename().string(), nullptr, snapshot};
+        if (asked_for.empty()) {
+            asked_for = (files.films / (attempt->film + ".s" + std::to_string(++attempt->snapshots))).string();
+            slot_of(row.seq)->process->send({{"type", "snapshot"}, {"job", id}, {"path", asked_for}});
+        }
+        if (stopping || attempt_changed.wait_until(lock, give_up) == std::cv_status::timeout)
+            return {true, {}, {}, nullptr, nullptr};
+    }
+}
+
+Artefact Service::Impl::encode(const std::string& id, const std::string& what, const std::string& media_type,
+                               json request, bool with_statistics) {
+    const FilmSource film = film_source(id);
+    if (film.pending) return pending();
+    return artefact(film.cache_key + "/" + what, media_type, [&](const fs::path& path) {
+        request["film"] = film.path.string();
+        request["out"] = path.string();
+        if (with_statistics) request["statistics"] = film.statistics;
+        const json result = helper->call(request);
+        std::map<std::string, std::string> headers;
+        const std::pair<const char*, const char*> shown[] = {{"width", "X-Image-Width"},
+                                                             {"height", "X-Image-Height"},
+                                                             {"channels", "X-Image-Channels"},
+                                                             {"overflowed", "X-Image-Overflowed"}};
+        for (const auto& [member, header] : shown)
+            if (const auto found = result.find(member); found != result.end() && found->is_number())
+                headers[header] = found->dump();
+        return headers;
+    });
+}
+
+Artefact Service::image(const std::string& id, const std::string& precision) {
+    check_precision(precision);
+    return impl_->encode(id, "exr/" + precision, "image/x-exr", {{"type", "encode_exr"}, {"precision", precision}},
+                         true);
+}
+
+Artefact Service::preview(const std::string& id, double exposure, const std::string& curve) {
+    if (!(std::abs(exposure) <= 32))
+        throw Error(ErrorCode::OutOfRange, "/exposure",
+                    "exposure = " + json(exposure).dump() + " is outside [-32, 32] stops");
+    if (curve != "srgb" && curve != "filmic")
+        throw Error(ErrorCode::OutOfRange, "/curve", "curve = '" + curve + "' is neither srgb nor filmic");
+    return impl_->encode(id, "png/" + curve + "/" + json(exposure).dump(), "image/png",
+                         {{"type", "encode_preview"}, {"exposure", exposure}, {"curve", curve}}, false);
+}
+
+Artefact Service::pixels(const std::string& id, const std::string& layer, const std::string& precision) {
+    check_precision(precision);
+    const std::string name = layer.empty() ? "beauty" : layer;
+    bool known = name == "beauty";
+    for (const LayerInfo& info : kLayers) known = known || info.name == name;
+    if (!known) throw Error(ErrorCode::UnknownName, "/layer", "'" + name + "' is no layer");
+    return impl_->encode(id, "raw/" + name + "/" + precision, "application/octet-stream",
+                         {{"type", "encode_pixels"}, {"layer", name}, {"precision", precision}}, false);
+}
+
+Artefact Service::Impl::statistics(const std::string& id) {
+    JobRow row;
+    {
+        const std::lock_guard lock(mutex);
+        row = require_job(id);
+    }
+    if (!is_over(row.state)) return pending();
+    if (row.statistics.empty()) throw Error(ErrorCode::NotFound, "job " + id + " ended without statistics");
+    // Named by what it holds: a retried job has others.
+    const std::string content = sha256_hex(row.statistics.data(), row.statistics.size());
+    return artefact("job/" + std::to_string(row.seq) + "/statistics/" + content, "application/json",
+                    [&](const fs::path& path) {
+                        write_text(path, row.statistics);
+                        return std::map<std::string, std::string>();
+                    });
+}
+
+Artefact Service::Impl::log(const std::string& id) {
+    std::string text;
+    int64_t seq = 0;
+    {
+        const std::lock_guard lock(mutex);
+        seq = require_job(id).seq;
+        for (const auto& [at_ms, line] : store.log(seq)) text += rfc3339(at_ms) + " " + line + "\n";
+    }
+    return artefact("job/" + std::to_string(seq) + "/log/" + sha256_hex(text.data(), text.size()),
+                    "text/plain; charset=utf-8", [&](const fs::path& path) {
+                        write_text(path, text);
+                        return std::map<std::string, std::string>();
+                    });
+}
+
+}  // namespace photond

@@ -1,0 +1,421 @@
+// From the queue to a worker and back. An attempt's number is its fencing token: what comes with another one is
+// ignored.
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
+#include "protocol/problem.h"
+#include "server/clock_text.h"
+#include "server/service_impl.h"
+
+namespace photond {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+constexpr auto kProgressInterval = std::chrono::milliseconds(250);  // four events a second for each job
+constexpr auto kCancelPatience = std::chrono::seconds(4);  // a worker that does not let go of a job by then is killed
+constexpr size_t kMaxLogLines = 1000;                      // of one attempt
+constexpr size_t kMaxLogLineBytes = 4096;
+constexpr uint64_t kJobsBeforeRecycling = 5000;  // of one process
+
+struct NamedEnd {
+    AttemptEnd end;
+    const char* outcome;
+};
+
+NamedEnd end_of(const ProcessExit& exit) {
+    switch (exit.cause) {
+        case ExitCause::Crashed: return {AttemptEnd::Crashed, "crashed"};
+        case ExitCause::Hung: return {AttemptEnd::Crashed, "hung"};
+        case ExitCause::OutOfMemory: return {AttemptEnd::OutOfMemory, "out_of_memory"};
+        case ExitCause::NoSpace: return {AttemptEnd::NoSpace, "no_space"};
+        case ExitCause::Lost:
+        case ExitCause::Ordered: break;
+    }
+    return {AttemptEnd::Lost, "lost"};
+}
+
+void close_attempt(JobRow& row, const std::string& outcome, const json& reason, int64_t passes_done) {
+    json attempts = json::parse(row.attempts);
+    if (attempts.empty()) return;
+    json& last = attempts.back();
+    last["finished"] = rfc3339(now_ms());
+    last["outcome"] = outcome;
+    last["reason"] = reason;
+    last["passes_done"] = passes_done;
+    row.attempts = attempts.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+std::string problem_of(int64_t seq, ErrorCode code, const std::string& detail, const std::vector<Fault>& faults = {}) {
+    return problem_json(code, detail, faults, "/v1/jobs/" + job_id(seq))
+        .dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+json time_or_null(const std::optional<int64_t>& ms) { return ms ? json(rfc3339(*ms)) : json(); }
+
+}  // namespace
+
+Event Service::Impl::state_event(const JobRow& row) const {
+    json data = {{"id", job_id(row.seq)},
+                 {"state", job_state_name(row.state)},
+                 {"progress", row.progress},
+                 {"passes_done", row.passes_done},
+                 {"seconds", row.seconds},
+                 {"started", time_or_null(row.started_ms)},
+                 {"finished", time_or_null(row.finished_ms)},
+                 {"attempts", json::parse(row.attempts)},
+                 {"failure", row.failure.empty() ? json() : json::parse(row.failure)},
+                 {"statistics", row.statistics.empty() ? json() : json::parse(row.statistics)}};
+    return {events.next_id(), "state", job_id(row.seq), data.dump(-1, ' ', false, json::error_handler_t::replace)};
+}
+
+void Service::Impl::commit_state(JobRow& row, const std::string& log_line, const std::function<void()>& more) {
+    Event event = state_event(row);
+    auto transaction = store.transaction();
+    store.update_job(row);
+    store.append_log(row.seq, now_ms(), log_line);
+    if (more) more();
+    const uint64_t reserved = reserve_event_ids(1);
+    store.insert_event(event, row.seq);
+    transaction.commit();
+    event_ids_until = reserved;
+    events.publish(std::move(event));
+}
+
+void Service::Impl::publish_progress(const RunningAttempt& attempt) {
+    if (events.next_id() >= event_ids_until) {
+        auto transaction = store.transaction();
+        const uint64_t reserved = reserve_event_ids(1);
+        transaction.commit();
+        event_ids_until = reserved;
+    }
+    const json data = {{"id", job_id(attempt.seq)},
+                       {"progress", attempt.progress},
+                       {"passes_done", attempt.passes_done},
+                       {"seconds", attempt.seconds}};
+    events.publish({events.next_id(), "progress", job_id(attempt.seq), data.dump()});
+}
+
+void Service::Impl::ended(const JobRow& row) {
+    metrics.job_ended(std::string(job_state_name(row.state)), row.method, row.device, row.seconds,
+                      row.statistics.empty() ? json() : json::parse(row.statistics));
+    attempt_changed.notify_all();
+}
+
+RunningAttempt* Service::Impl::running_attempt(int64_t seq) {
+    Slot* slot = slot_of(seq);
+    return slot ? &*slot->running : nullptr;
+}
+
+Slot* Service::Impl::slot_of(int64_t seq) {
+    for (const auto& slot : slots)
+        if (slot->running && slot->running->seq == seq) return slot.get();
+    return nullptr;
+}
+
+void Service::Impl::dispatch() {
+    for (const auto& slot : slots) dispatch(*slot);
+}
+
+void Service::Impl::dispatch(Slot& slot) {
+    // A job is accepted when its row is there; whatever goes wrong here leaves it queued, to be tried at the next tick.
+    try {
+        while (!stopping && slot.answered && !slot.running) {
+            const auto seq = queue.front(slot.device);
+            if (!seq) return;
+            auto row = store.job(*seq);
+            if (row && row->state == JobState::Queued) begin_attempt(slot, *std::move(row));
+            queue.remove(*seq);
+        }
+    } catch (const std::exception& error) {
+        spdlog::error("device {}: the next job cannot begin: {}", slot.device, error.what());
+    }
+}
+
+void Service::Impl::begin_attempt(Slot& slot, JobRow row) {
+    const auto scene = find_scene(row.scene);
+    if (!scene) throw Error(ErrorCode::Internal, "job " + job_id(row.seq) + " has lost its scene");
+    const json request = json::parse(row.request);
+    json environment;
+    if (const auto found = request.find("environment"); found != request.end() && found->is_object()) {
+        const auto image = store.image(found->value("image", "").substr(6));
+        if (!image) throw Error(ErrorCode::Internal, "job " + job_id(row.seq) + " has lost its environment");
+        environment = {{"path", (files.images / image->file).string()}};
+    }
+    const int64_t now = now_ms();
+    const bool first = !row.started_ms;
+    row.state = JobState::Running;
+    ++row.attempt;
+    if (first) row.started_ms = now;
+    row.passes_done = 0;
+    row.progress = row.seconds = 0;
+    json attempts = json::parse(row.attempts);
+    attempts.push_back({{"attempt", row.attempt},
+                        {"device", slot.device},
+                        {"started", rfc3339(now)},
+                        {"finished", nullptr},
+                        {"outcome", "running"},
+                        {"reason", nullptr},
+                        {"passes_done", 0}});
+    row.attempts = attempts.dump();
+    // The token is on the disk before anybody can act under it: after a crash of the daemon it is never used again.
+    commit_state(row, "attempt " + std::to_string(row.attempt) + " begins on " + slot.device);
+    if (first) metrics.job_started(static_cast<double>(now - row.created_ms) / 1000);
+
+    RunningAttempt attempt;
+    attempt.seq = row.seq;
+    attempt.attempt = row.attempt;
+    attempt.film = job_id(row.seq) + "-" + std::to_string(row.attempt) + ".film";
+    attempt.begun = SteadyClock::now();
+    attempt.last_event = attempt.begun - kProgressInterval;
+    if (options.limits.max_job_seconds > 0)
+        attempt.deadline =
+            attempt.begun + std::chrono::milliseconds(static_cast<int64_t>(options.limits.max_job_seconds * 1000));
+    // Where the process has just died the message is lost; its end is then this attempt's end.
+    slot.process->send({{"type", "render"},
+                        {"job", job_id(row.seq)},
+                        {"attempt", row.attempt},
+                        {"request", request},
+                        {"scene", scene_order(*scene)},
+                        {"environment", environment},
+                        {"film", (files.films / attempt.film).string()},
+                        {"limits", {{"memory_bytes", options.memory_limit_bytes}, {"threads", options.threads}}}});
+    slot.running = std::move(attempt);
+}
+
+void Service::Impl::cancel_running(Slot& slot) {
+    slot.running->kill_at = std::min(slot.running->kill_at, SteadyClock::now() + kCancelPatience);
+    slot.process->send({{"type", "cancel"}, {"job", job_id(slot.running->seq)}});
+}
+
+void Service::Impl::settle(Slot& slot, std::function<void()> record) {
+    try {
+        record();
+    } catch (const std::exception& error) {
+        // Nothing is lost: the film is on the disk, and the record is tried again at the next tick.
+        spdlog::error("job {}: its end cannot be recorded yet: {}", job_id(slot.running->seq), error.what());
+        slot.running->unsettled = std::move(record);
+        return;
+    }
+    slot.running.reset();
+    attempt_changed.notify_all();
+    if (slot.answered && ++slot.jobs_done >= kJobsBeforeRecycling) {
+        slot.answered = false;  // until its successor says hello
+        slot.process->recycle();
+    }
+    dispatch(slot);
+}
+
+void Service::Impl::worker_message(Slot& slot, const json& message) {
+    const std::string type = message.value("type", "");
+    bool hello = false;
+    {
+        const std::lock_guard lock(mutex);
+        try {
+            if (type == "hello") {
+                hello = slot.answered = true;
+                slot.jobs_done = 0;
+                slot.device_object = message.value("device", json());
+                dispatch(slot);
+            } else if (!slot.running || message.value("job", "") != job_id(slot.running->seq) ||
+                       message.value("attempt", int64_t{0}) != slot.running->attempt) {
+                spdlog::warn("device {}: a late '{}' is ignored", slot.device, type);
+            } else if (type == "progress") {
+                progress(slot, message);
+            } else if (type == "film_saved") {
+                film_saved(slot, message);
+            } else if (type == "finished") {
+                finished(slot, message);
+            }
+        } catch (const std::exception& error) {
+            spdlog::error("device {}: '{}' could not be handled: {}", slot.device, type, error.what());
+        }
+    }
+    if (hello) update_ready();
+}
+
+void Service::Impl::progress(Slot& slot, const json& message) {
+    RunningAttempt& attempt = *slot.running;
+    attempt.passes_done = message.value("passes_done", attempt.passes_done);
+    attempt.progress = std::clamp(message.value("progress", attempt.progress), 0.0, 1.0);
+    attempt.seconds = message.value("seconds", attempt.seconds);
+    const auto now = SteadyClock::now();
+    if (now - attempt.last_event < kProgressInterval) return;  // the next one says it all
+    attempt.last_event = now;
+    publish_progress(attempt);
+}
+
+void Service::Impl::film_saved(Slot& slot, const json& message) {
+    RunningAttempt& attempt = *slot.running;
+    const fs::path path = message.value("path", "");
+    if (path.filename() == attempt.film) return;  // its last film; "finished" follows
+    const std::string mine = attempt.film + ".s";
+    if (path.parent_path() != files.films || !path.filename().string().starts_with(mine)) return;
+    auto snapshot = std::make_shared<Snapshot>();
+    snapshot->path = path;
+    snapshot->passes_done = message.value("passes_done", int64_t{0});
+    snapshot->saved = SteadyClock::now();
+    attempt.snapshot = std::move(snapshot);
+    attempt_changed.notify_all();
+}
+
+void Service::Impl::finished(Slot& slot, const json& message) {
+    settle(slot,
+           [this, attempt = *slot.running, message, device = slot.device] { record_result(attempt, message, device); });
+}
+
+void Service::Impl::record_result(const RunningAttempt& attempt, const json& message, const std::string& device) {
+    auto found = store.job(attempt.seq);
+    if (!found || found->state != JobState::Running || found->attempt != attempt.attempt) return;
+    JobRow row = *std::move(found);
+    const std::string old_film = row.film;
+    const std::string state = message.value("state", "");
+    const json film = message.value("film", json());
+    const bool has_film = film.is_string() && fs::path(film.get<std::string>()) == files.films / attempt.film &&
+                          fs::is_regular_file(files.films / attempt.film);
+    row.passes_done = message.value("passes_done", int64_t{0});
+    row.seconds = message.value("seconds", 0.0);
+    row.film = has_film ? attempt.film : "";
+    row.finished_ms = now_ms();
+    const json statistics = message.value("statistics", json());
+    if (statistics.is_object()) {
+        row.statistics = statistics.dump(-1, ' ', false, json::error_handler_t::replace);
+        const json hash = statistics.value("pixel_hash", json());
+        row.pixel_hash = hash.is_string() ? hash.get<std::string>() : "";
+    }
+    row.progress = std::max(row.progress, attempt.progress);
+
+    std::string outcome = state;
+    json reason;
+    if (state == "succeeded" && has_film) {
+        row.state = JobState::Succeeded;
+        row.progress = 1;
+    } else if (state == "cancelled" && attempt.deadline_passed) {
+        row.state = JobState::Failed;
+        outcome = "timed_out";
+        reason = "passed the limit of " + std::to_string(options.limits.max_job_seconds) + " s";
+        row.failure = problem_of(row.seq, ErrorCode::TimedOut, "the job " + reason.get<std::string>());
+    } else if (state == "cancelled" && message.value("stopping", false) && !row.cancel_requested) {
+        // The daemon is stopping: its film so far stays with it, and it waits for the next start.
+        row.state = JobState::Queued;
+        row.finished_ms.reset();
+        row.statistics.clear();
+        outcome = "stopped";
+        reason = "the daemon was stopped";
+    } else if (state == "cancelled") {
+        row.state = JobState::Cancelled;
+    } else {
+        row.state = JobState::Failed;
+        outcome = "failed";
+        const Error failure = state == "succeeded" ? Error(ErrorCode::Internal, "the worker left no film")
+                                                   : error_from_failure(message.value("failure", json()));
+        reason = failure.what();
+        row.failure = problem_of(row.seq, failure.code, failure.what(), failure.faults);
+    }
+    close_attempt(row, outcome, reason, row.passes_done);
+    const std::string line = "attempt " + std::to_string(row.attempt) + " " + outcome + " after " +
+                             std::to_string(row.passes_done) + " passes" +
+                             (reason.is_string() ? ": " + reason.get<std::string>() : "");
+    commit_state(row, line, [&] {
+        const json lines = message.value("log", json::array());
+        for (size_t i = 0; i < lines.size() && i < kMaxLogLines; ++i)
+            if (lines[i].is_string())
+                store.append_log(row.seq, *row.started_ms, lines[i].get<std::string>().substr(0, kMaxLogLineBytes));
+    });
+    if (!old_film.empty() && old_film != row.film) remove_quietly(files.films / old_film);
+    artefacts.forget("job/" + std::to_string(row.seq) + "/");
+    if (row.state == JobState::Queued) {
+        queue.push(row.seq, row.priority, row.device);
+        return;
+    }
+    ended(row);
+    if (row.purge_requested) purge(row);
+    spdlog::info("job {} {} on {} after {} passes, {:.3f} s", job_id(row.seq), outcome, device, row.passes_done,
+                 row.seconds);
+}
+
+void Service::Impl::record_loss(const RunningAttempt& attempt, const ProcessExit& exit, bool daemon_stopping) {
+    auto found = store.job(attempt.seq);
+    if (!found || found->state != JobState::Running || found->attempt != attempt.attempt) return;
+    JobRow row = *std::move(found);
+    std::string reason = "the worker " + exit.text;
+    NamedEnd end = end_of(exit);
+    if (exit.text.starts_with("the daemon")) reason = exit.text;
+    row.passes_done = attempt.passes_done;
+    row.seconds = attempt.seconds;
+    row.progress = attempt.progress;
+    std::string outcome = end.outcome;
+    if (row.cancel_requested) {
+        row.state = JobState::Cancelled;
+        outcome = "cancelled";
+    } else if (daemon_stopping) {
+        row.state = JobState::Queued;
+        outcome = "stopped";
+        reason = "the daemon was stopped";
+    } else {
+        if (attempt.deadline_passed) {
+            end = {AttemptEnd::TimedOut, "timed_out"};
+            outcome = end.outcome;
+            reason = "passed the limit of " + std::to_string(options.limits.max_job_seconds) + " s";
+        }
+        row.losses += end.end == AttemptEnd::Lost;
+        row.crashes += end.end == AttemptEnd::Crashed;
+        if (const auto failure = failure_after(end.end, row.losses, row.crashes)) {
+            row.state = JobState::Failed;
+            row.failure =
+                problem_of(row.seq, *failure, "attempt " + std::to_string(row.attempt) + " " + outcome + ": " + reason);
+        } else {
+            row.state = JobState::Queued;
+        }
+    }
+    if (is_over(row.state)) row.finished_ms = now_ms();
+    close_attempt(row, outcome, reason, attempt.passes_done);
+    commit_state(row, "attempt " + std::to_string(row.attempt) + " " + outcome + ": " + reason +
+                          (row.state == JobState::Queued ? "; queued again" : ""));
+    // What the dead attempt had written nobody names.
+    if (!attempt.film.empty() && attempt.film != row.film) remove_quietly(files.films / attempt.film);
+    if (row.state == JobState::Queued) {
+        queue.push(row.seq, row.priority, row.device);
+    } else {
+        ended(row);
+        if (row.purge_requested) purge(row);
+    }
+    spdlog::warn("job {} attempt {} {}: {}", job_id(row.seq), row.attempt, outcome, reason);
+}
+
+void Service::Impl::worker_exited(Slot& slot, const ProcessExit& exit) {
+    {
+        const std::lock_guard lock(mutex);
+        slot.answered = false;
+        ++slot.restarts;
+        if (exit.cause != ExitCause::Ordered) metrics.worker_restarted(std::string(exit_cause_name(exit.cause)));
+        // A result that only waits to be recorded is no loss.
+        if (slot.running && !slot.running->unsettled)
+            settle(slot, [this, attempt = *slot.running, exit, now_stopping = stopping] {
+                record_loss(attempt, exit, now_stopping);
+            });
+    }
+    update_ready();
+}
+
+void Service::Impl::worker_tick(Slot& slot) {
+    const std::lock_guard lock(mutex);
+    if (slot.running && slot.running->unsettled) {
+        const auto record = slot.running->unsettled;
+        settle(slot, record);
+    }
+    if (!slot.running) return dispatch(slot);
+    const auto now = SteadyClock::now();
+    RunningAttempt& attempt = *slot.running;
+    if (now >= attempt.deadline && !attempt.deadline_passed) {
+        attempt.deadline_passed = true;
+        cancel_running(slot);
+    }
+    if (now >= attempt.kill_at) slot.process->kill();
+}
+
+}  // namespace photond

@@ -1,0 +1,309 @@
+// Scenes and images: spooled by the routes, judged by the helper, moved into place, and only then named by a row.
+
+#include <algorithm>
+
+#include "protocol/nearest_name.h"
+#include "renderer/scene/builtin_scenes.h"
+#include "server/clock_text.h"
+#include "server/service_impl.h"
+
+namespace photond {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+constexpr size_t kMaxBundleFiles = 10'000;
+constexpr size_t kIdDigits = 32;  // 128 bits of a SHA-256
+constexpr size_t kMaxNameBytes = 256;
+
+/// Removes what was spooled, whatever becomes of it.
+struct Spooled {
+    fs::path path;
+    ~Spooled() {
+        if (!path.empty()) remove_quietly(path);
+    }
+};
+
+bool is_builtin(const std::string& name) {
+    const auto names = builtin_scene_names();
+    return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+void check_name(const std::string& name) {
+    const bool printable =
+        std::all_of(name.begin(), name.end(), [](char c) { return static_cast<unsigned char>(c) >= 32 && c != 127; });
+    if (name.size() > kMaxNameBytes || !printable || name.find('/') != std::string::npos)
+        throw Error(
+            ErrorCode::OutOfRange, "/name",
+            "a scene's name has at most " + std::to_string(kMaxNameBytes) + " bytes, no control character, no '/'");
+    if (is_builtin(name)) throw Error(ErrorCode::Conflict, "/name", "'" + name + "' is a built-in scene");
+}
+
+/// The one glTF of an uploaded folder.
+fs::path main_file(const std::vector<fs::path>& files) {
+    std::vector<fs::path> found;
+    for (const fs::path& file : files) {
+        std::string extension = file.extension().string();
+        std::transform(extension.begin(), extension.end(), extension.begin(),
+                       [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+        if (extension == ".gltf" || extension == ".glb") found.push_back(file);
+    }
+    if (found.size() != 1)
+        throw Error(ErrorCode::BadScene, "",
+                    "the upload must hold exactly one .gltf or .glb file, found " + std::to_string(found.size()));
+    return found.front();
+}
+
+/// What the helper could not get through, the upload is to blame for.
+template <class Ask>
+json judged(ErrorCode code, const Ask& ask) {
+    try {
+        return ask();
+    } catch (const Error& error) {
+        switch (error.code) {
+            case ErrorCode::WorkerCrashed:
+            case ErrorCode::OutOfMemory:
+            case ErrorCode::TimedOut: throw Error(code, "", std::string("cannot be read: ") + error.what());
+            default: throw;
+        }
+    }
+}
+
+json image_object(const ImageRow& row) {
+    return {{"id", row.id},         {"media_type", row.media_type}, {"width", row.width},
+            {"height", row.height}, {"channels", row.channels},     {"bytes", row.bytes}};
+}
+
+}  // namespace
+
+void Service::Impl::check_disk(uint64_t bytes) const {
+    const uint64_t free = files.free_bytes(), reserve = options.limits.disk_reserve_bytes;
+    if (free < reserve || free - reserve < bytes)
+        throw Error(ErrorCode::NoSpace, std::to_string(bytes) + " bytes more would leave less than the reserve of " +
+                                            std::to_string(reserve) + " bytes; " + std::to_string(free) + " are free");
+}
+
+std::optional<Service::Impl::SceneRef> Service::Impl::find_scene(const std::string& id_or_name) {
+    if (is_builtin(id_or_name)) return SceneRef{id_or_name, true, std::nullopt};
+    auto row = store.scene(id_or_name);
+    if (!row) row = store.scene_named(id_or_name);
+    if (!row) return std::nullopt;
+    return SceneRef{row->id, false, std::move(row)};
+}
+
+Service::Impl::SceneRef Service::Impl::require_scene(const std::string& id_or_name) {
+    const std::lock_guard lock(mutex);
+    if (auto scene = find_scene(id_or_name)) return *std::move(scene);
+    throw Error(ErrorCode::NotFound, "there is no scene '" + id_or_name + "'");
+}
+
+json Service::Impl::builtin_object(const std::string& name) {
+    {
+        const std::lock_guard lock(builtin_mutex);
+        if (const auto found = builtin_summaries.find(name); found != builtin_summaries.end()) return found->second;
+    }
+    json object = helper->call({{"type", "judge_scene"}, {"builtin", name}});
+    object["id"] = object["name"] = name;
+    object["builtin"] = true;
+    object["bytes"] = 0;
+    const std::lock_guard lock(builtin_mutex);
+    return builtin_summaries.insert_or_assign(name, std::move(object)).first->second;
+}
+
+json Service::Impl::scene_object(const SceneRow& row) const {
+    json object = json::parse(row.summary);
+    object["id"] = row.id;
+    object["name"] = row.name;
+    object["builtin"] = false;
+    return object;
+}
+
+json Service::Impl::scene_order(const SceneRef& scene) const {
+    if (scene.builtin) return {{"id", scene.id}, {"builtin", scene.id}, {"root", nullptr}, {"file", nullptr}};
+    const fs::path root = files.scenes / scene.id;
+    return {
+        {"id", scene.id}, {"builtin", nullptr}, {"root", root.string()}, {"file", (root / scene.row->file).string()}};
+}
+
+Added Service::Impl::add_scene(SceneUpload upload) {
+    Spooled spooled{upload.path};
+    check_name(upload.name);
+
+    Spooled root{upload.path};
+    fs::path file;  // relative to root
+    if (upload.kind == SceneUpload::Kind::Directory) {
+        spooled.path.clear();
+    } else {
+        root.path = files.fresh_spool_path();
+        fs::create_directory(root.path);
+        if (upload.kind == SceneUpload::Kind::Zip) {
+            const json unpacked = judged(ErrorCode::BadScene, [&] {
+                return helper->call({{"type", "unpack"}, {"zip", upload.path.string()}, {"root", root.path.string()}});
+            });
+            file = fs::path(unpacked.value("file", "")).lexically_relative(root.path);
+        } else {
+            file = "scene.glb";
+            fs::rename(upload.path, root.path / file);
+        }
+    }
+    const std::vector<fs::path> tree = list_tree(root.path, kMaxBundleFiles);
+    if (file.empty()) file = main_file(tree);
+    if (std::find(tree.begin(), tree.end(), file) == tree.end())
+        throw Error(ErrorCode::BadScene, "", "the upload does not hold '" + file.string() + "'");
+
+    SceneRow row;
+    row.id = hash_tree(root.path, tree).substr(0, kIdDigits);
+    row.file = file.generic_string();
+    row.name = upload.name.empty() ? row.id : upload.name;
+    {
+        const std::lock_guard lock(mutex);
+        if (const auto known = store.scene(row.id)) return {scene_object(*known), false};
+    }
+    json summary = judged(ErrorCode::BadScene, [&] {
+        return helper->call({{"type", "judge_scene"},
+                             {"root", root.path.string()},
+                             {"file", (root.path / file).string()},
+                             {"name", row.name}});
+    });
+    uint64_t bytes = 0;
+    for (const fs::path& part : tree) bytes += fs::file_size(root.path / part);
+    summary["bytes"] = bytes;
+    row.summary = summary.dump(-1, ' ', false, json::error_handler_t::replace);
+    row.created_ms = now_ms();
+
+    const std::lock_guard publish_lock(publish_mutex);
+    {
+        const std::lock_guard lock(mutex);
+        if (const auto known = store.scene(row.id)) return {scene_object(*known), false};
+    }
+    const fs::path place = files.scenes / row.id;
+    remove_quietly(place);  // of a scene whose row never came, or has been deleted
+    sync_tree(root.path, tree);
+    publish(root.path, place);
+    root.path.clear();
+    const std::lock_guard lock(mutex);
+    auto transaction = store.transaction();
+    store.insert_scene(row);
+    transaction.commit();
+    return {scene_object(row), true};
+}
+
+Page Service::Impl::list_scenes(uint32_t limit, const std::string& cursor) {
+    check_limit(limit);
+    // The built-in scenes are older than any other: after the uploaded ones, in their own order, under "b" and a
+    // number.
+    const auto names = builtin_scene_names();
+    json items = json::array();
+    size_t builtin = 0;
+    json next;
+    if (cursor.starts_with("b")) {
+        builtin = static_cast<size_t>(read_cursor(cursor.substr(1), 0));
+    } else {
+        const std::lock_guard lock(mutex);
+        const auto rows = store.scenes(read_cursor(cursor, INT64_MAX), limit);
+        for (const SceneRow& row : rows) items.push_back(scene_object(row));
+        if (items.size() == limit)
+            return {{"items", std::move(items)}, {"next_cursor", std::to_string(rows.back().seq)}};
+    }
+    for (; builtin < names.size() && items.size() < limit; ++builtin)
+        items.push_back(builtin_object(std::string(names[builtin])));
+    if (builtin < names.size()) next = "b" + std::to_string(builtin);
+    return {{"items", std::move(items)}, {"next_cursor", std::move(next)}};
+}
+
+json Service::Impl::get_scene(const std::string& id_or_name) {
+    const SceneRef scene = require_scene(id_or_name);
+    return scene.builtin ? builtin_object(scene.id) : scene_object(*scene.row);
+}
+
+Artefact Service::Impl::thumbnail(const std::string& id_or_name) {
+    const SceneRef scene = require_scene(id_or_name);
+    return artefact("scene/" + scene.id + "/thumbnail", "image/png", [&](const fs::path& path) {
+        helper->call({{"type", "thumbnail"}, {"scene", scene_order(scene)}, {"out", path.string()}});
+        return std::map<std::string, std::string>();
+    });
+}
+
+json Service::Impl::delete_scene(const std::string& id_or_name) {
+    const std::lock_guard publish_lock(publish_mutex);
+    const std::lock_guard lock(mutex);
+    const auto scene = find_scene(id_or_name);
+    if (!scene) throw Error(ErrorCode::NotFound, "there is no scene '" + id_or_name + "'");
+    if (scene->builtin) throw Error(ErrorCode::WrongState, "'" + id_or_name + "' is a built-in scene, always there");
+    if (const int64_t users = store.unfinished_jobs_of_scene(scene->id); users > 0)
+        throw Error(ErrorCode::WrongState, std::to_string(users) + " jobs that are not over use this scene");
+    auto transaction = store.transaction();
+    store.delete_scene(scene->id);
+    transaction.commit();
+    artefacts.forget("scene/" + scene->id + "/");
+    remove_quietly(files.scenes / scene->id);  // an orphan from here on: swept at the next start if this fails
+    return scene_object(*scene->row);
+}
+
+Added Service::Impl::add_image(const fs::path& path, const std::string& media_type) {
+    Spooled spooled{path};
+    std::string extension;
+    if (media_type == "image/x-exr" || media_type == "image/exr" || media_type == "image/aces")
+        extension = ".exr";
+    else if (media_type == "image/vnd.radiance" || media_type == "image/hdr" || media_type == "image/x-hdr")
+        extension = ".hdr";
+    else
+        throw Error(ErrorCode::WrongMediaType,
+                    "images are image/x-exr or image/vnd.radiance, not '" + media_type + "'");
+    ImageRow row;
+    row.id = hash_file(path).substr(0, kIdDigits);
+    row.media_type = extension == ".exr" ? "image/x-exr" : "image/vnd.radiance";
+    row.file = row.id + extension;
+    {
+        const std::lock_guard lock(mutex);
+        if (const auto known = store.image(row.id)) return {image_object(*known), false};
+    }
+    // The reader is chosen by the name's ending, so that what claims to be one format is not read as another.
+    const fs::path named = path.string() + extension;
+    fs::rename(path, named);
+    spooled.path = named;
+    const json found = judged(ErrorCode::BadImage, [&] {
+        return helper->call({{"type", "judge_image"}, {"path", named.string()}});
+    });
+    row.width = found.value("width", int64_t{0});
+    row.height = found.value("height", int64_t{0});
+    row.channels = found.value("channels", int64_t{0});
+    row.bytes = static_cast<int64_t>(fs::file_size(named));
+    row.created_ms = now_ms();
+
+    const std::lock_guard publish_lock(publish_mutex);
+    {
+        const std::lock_guard lock(mutex);
+        if (const auto known = store.image(row.id)) return {image_object(*known), false};
+    }
+    sync_path(named);
+    publish(named, files.images / row.file);
+    spooled.path.clear();
+    const std::lock_guard lock(mutex);
+    auto transaction = store.transaction();
+    store.insert_image(row);
+    transaction.commit();
+    return {image_object(row), true};
+}
+
+ImageRow Service::Impl::require_image(const std::string& id) {
+    const std::lock_guard lock(mutex);
+    if (const auto row = store.image(id)) return *row;
+    throw Error(ErrorCode::NotFound, "there is no image '" + id + "'");
+}
+
+json Service::get_image(const std::string& id) { return image_object(impl_->require_image(id)); }
+
+Artefact Service::image_file(const std::string& id) {
+    const ImageRow row = impl_->require_image(id);
+    Artefact artefact;
+    artefact.path = impl_->files.images / row.file;
+    artefact.media_type = row.media_type;
+    artefact.etag = row.id;
+    artefact.bytes = static_cast<uint64_t>(row.bytes);
+    return artefact;
+}
+
+}  // namespace photond
