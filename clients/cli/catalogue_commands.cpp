@@ -60,7 +60,8 @@ ExitCode show_methods(Session& session, const std::string& name) {
         return ExitCode::Ok;
     }
     TextTable table({{"NAME"}, {"TITLE"}, {"FAMILY"}, {"DEVICES"}, {"PARAMETERS", Align::Right}});
-    for (const json& method : session.daemon().get("/v1/methods").at("items")) {
+    const json methods = session.daemon().get("/v1/methods").at("items");
+    for (const json& method : methods) {
         if (session.json_output) session.print_json(method);
         table.add_row({plain_text(method.value("name", json())), plain_text(method.value("title", json())),
                        plain_text(method.value("family", json())), words_of(method.value("devices", json())),
@@ -72,7 +73,8 @@ ExitCode show_methods(Session& session, const std::string& name) {
 
 ExitCode show_devices(Session& session) {
     TextTable table({{"ID"}, {"STATE"}, {"NAME"}, {"DRIVER"}, {"MEMORY", Align::Right}, {"KIND"}});
-    for (const json& device : session.daemon().get("/v1/devices").at("items")) {
+    const json devices = session.daemon().get("/v1/devices").at("items");
+    for (const json& device : devices) {
         if (session.json_output) session.print_json(device);
         const json memory = device.value("memory_bytes", json());
         const json software = device.value("software", json());

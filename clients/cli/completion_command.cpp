@@ -219,13 +219,14 @@ private:
     }
 
     void add_items(const std::string& path, const char* name, const char* text) {
-        for (const json& item : session_.daemon().get(path).at("items"))
-            add(item.at(name).get<std::string>(), plain_text(item.value(text, json())));
+        const json items = session_.daemon().get(path).at("items");
+        for (const json& item : items) add(item.at(name).get<std::string>(), plain_text(item.value(text, json())));
     }
 
     void add_scenes(const Position& position) {
         if (position.command->get_name() == "render") found_.push_back({":files", ""});
-        for (const json& scene : session_.daemon().get("/v1/scenes?limit=1000").at("items")) {
+        const json scenes = session_.daemon().get("/v1/scenes?limit=1000").at("items");
+        for (const json& scene : scenes) {
             const json triangles = scene.value("triangles", json());
             const std::string text = triangles.is_number() ? human_count(triangles.get<double>()) + " triangles" : "";
             const json name = scene.value("name", json());

@@ -14,7 +14,7 @@ using nlohmann::json;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::seconds kConnectLimit{10};
-constexpr std::chrono::seconds kStallLimit{120};  // a scene is answered only after it has been judged
+constexpr std::chrono::seconds kStallLimit{180};  // a scene is answered only after it has been judged, 120 s at most
 constexpr double kFirstPauseSeconds = 0.2;
 constexpr double kLongestPauseSeconds = 5;
 constexpr size_t kPageItems = 1000;  // the greatest `limit` the protocol allows

@@ -248,8 +248,8 @@ private:
     void check_methods() {
         guarded("methods", "install the daemon anew", [&] {
             std::string names;
-            for (const json& method : session_.daemon().get("/v1/methods").at("items"))
-                names += (names.empty() ? "" : ", ") + plain_text(method.at("name"));
+            const json methods = session_.daemon().get("/v1/methods").at("items");
+            for (const json& method : methods) names += (names.empty() ? "" : ", ") + plain_text(method.at("name"));
             add("methods", names.empty() ? Verdict::Fail : Verdict::Ok, names.empty() ? "none" : names,
                 names.empty() ? "install the daemon anew" : "");
         });

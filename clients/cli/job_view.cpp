@@ -38,7 +38,7 @@ void add_wait_options(CLI::App& command, WaitOptions& options) {
         .add_option("--timeout", options.timeout_seconds,
                     "give up waiting after this many seconds; the job goes on (exit code 6)")
         ->type_name("SECONDS")
-        ->check(CLI::Range(0.001, 1e9));
+        ->check(CLI::Range(0.001, 1e9).description(""));
     command.add_flag("--cancel-on-interrupt", options.cancel_on_interrupt,
                      "Ctrl-C cancels the job; without this it only stops watching");
 }

@@ -55,11 +55,15 @@ std::string suggestion(const CLI::App& program) {
     const std::vector<std::string> extras = program.remaining(true);
     const CLI::App& command = innermost(program);
     if (extras.empty()) return "";
-    const std::string wrong = extras.front().substr(0, extras.front().find('='));
+    // CLI11 hands the extras back in an order of its own; the first that looks like an option is the likeliest slip.
+    const auto option =
+        std::find_if(extras.begin(), extras.end(), [](const auto& extra) { return extra.starts_with("-"); });
+    const std::string& extra = option == extras.end() ? extras.front() : *option;
+    const std::string wrong = extra.substr(0, extra.find('='));
     std::vector<std::string> known;
     for (const CLI::App* app = &command; app; app = app->get_parent())
-        for (const CLI::Option* option : app->get_options())
-            for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+        for (const CLI::Option* known_option : app->get_options())
+            for (const std::string& name : known_option->get_lnames()) known.push_back("--" + name);
     for (const CLI::App* sub : command.get_subcommands(nullptr)) known.push_back(sub->get_name());
     const std::string near = nearest_name(wrong, known);
     return near.empty() ? "" : "did you mean " + near + "?";
@@ -109,7 +113,8 @@ ExitCode run(Session& session, const std::vector<std::string>& arguments) {
             app = app->get_subcommands().front();
             command += " " + app->get_name();
         }
-        throw Failure(ExitCode::Usage, error.what(), command + " --help explains");
+        const std::string meant = suggestion(*program);
+        throw Failure(ExitCode::Usage, error.what(), meant.empty() ? command + " --help explains" : meant);
     }
     return session.action();
 }
@@ -122,7 +127,6 @@ std::unique_ptr<CLI::App> make_program(Session& session, const RenderVocabulary&
     program->get_formatter()->column_width(38);
     program->require_subcommand(1);
     program->fallthrough();
-    program->footer(exit_code_text());
     program->add_flag("--json", session.json_output, "machine-readable results on standard output");
     program
         ->add_option("--server", session.server.url,
@@ -141,6 +145,7 @@ std::unique_ptr<CLI::App> make_program(Session& session, const RenderVocabulary&
     add_catalogue_commands(*program, session);
     add_doctor_command(*program, session);
     add_completion_command(*program, session);
+    program->footer(exit_code_text());  // set last: commands inherit what stands when they are added
     for (CLI::App* command : program->get_subcommands(nullptr)) {
         command->fallthrough();
         for (CLI::App* inner : command->get_subcommands(nullptr)) inner->fallthrough();

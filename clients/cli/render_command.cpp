@@ -49,6 +49,13 @@ json read_request(const std::string& file) {
     return request;
 }
 
+/// The member that is an object, made where there is none.
+json& object_in(json& request, const char* key) {
+    json& member = request.emplace(key, json::object()).first.value();
+    if (!member.is_object()) throw Failure(ExitCode::Usage, std::string(key) + " in --request is not an object");
+    return member;
+}
+
 std::pair<std::string, std::string> key_and_value(const std::string& text, const char* option) {
     const size_t equals = text.find('=');
     if (equals == 0 || equals == std::string::npos)
@@ -77,7 +84,7 @@ void add_parameters(json& parameters, const RenderOptions& options, const Render
 }
 
 void add_camera(json& request, const RenderOptions& options) {
-    json camera = request.value("camera", json::object());
+    json& camera = object_in(request, "camera");
     if (!options.camera.empty()) camera["name"] = options.camera;
     if (options.eye.empty() != options.target.empty())
         throw Failure(ExitCode::Usage, "--eye and --target belong together");
@@ -92,7 +99,7 @@ void add_camera(json& request, const RenderOptions& options) {
     }
     if (options.aperture) camera["aperture"] = *options.aperture;
     if (options.focus_distance) camera["focus_distance"] = *options.focus_distance;
-    if (!camera.empty()) request["camera"] = camera;
+    if (camera.empty()) request.erase("camera");
 }
 
 /// The job but for its scene and environment, which may have to be sent first.
@@ -101,17 +108,15 @@ json build_request(const RenderOptions& options, const RenderVocabulary& vocabul
     const auto set = [&request](const char* key, const auto& value) {
         if (value) request[key] = *value;
     };
-    json& image = request["image"];
+    json& image = object_in(request, "image");
     image["width"] = options.width.value_or(image.value("width", kDefaultEdgePixels));
     image["height"] = options.height.value_or(image.value("height", kDefaultEdgePixels));
     if (!options.filter.empty()) image["filter"] = options.filter;
 
-    json& method = request["method"];
+    json& method = object_in(request, "method");
     method["name"] = vocabulary.method;
     if (!options.device.empty()) method["device"] = options.device;
-    json parameters = method.value("parameters", json::object());
-    add_parameters(parameters, options, vocabulary);
-    if (!parameters.empty()) method["parameters"] = parameters;
+    add_parameters(object_in(method, "parameters"), options, vocabulary);
 
     if (options.passes || options.seconds) {
         request["stop"] = json::object();
@@ -128,7 +133,7 @@ json build_request(const RenderOptions& options, const RenderVocabulary& vocabul
     if (!options.layers.empty()) request["layers"] = options.layers;
     for (const std::string& label : options.labels) {
         const auto [key, value] = key_and_value(label, "--label");
-        request["labels"][key] = value;
+        object_in(request, "labels")[key] = value;
     }
     return request;
 }
@@ -150,12 +155,12 @@ void add_environment(Session& session, json& request, const RenderOptions& optio
         if ((options.environment_scale || options.environment_rotation) && !request.contains("environment"))
             throw Failure(ExitCode::Usage, "--environment-scale and --environment-rotation belong to --environment");
     } else {
-        request["environment"]["image"] = options.environment.starts_with("image:")
-                                              ? options.environment
-                                              : "image:" + upload_image(session, options.environment);
+        object_in(request, "environment")["image"] = options.environment.starts_with("image:")
+                                                         ? options.environment
+                                                         : "image:" + upload_image(session, options.environment);
     }
-    if (options.environment_scale) request["environment"]["scale"] = *options.environment_scale;
-    if (options.environment_rotation) request["environment"]["rotation"] = *options.environment_rotation;
+    if (options.environment_scale) object_in(request, "environment")["scale"] = *options.environment_scale;
+    if (options.environment_rotation) object_in(request, "environment")["rotation"] = *options.environment_rotation;
 }
 
 /// 128 random bits: a repeat of this submission, and nothing else, will carry them.
@@ -260,7 +265,8 @@ RenderVocabulary ask_render_vocabulary(Session& session, const std::vector<std::
     }
     if (vocabulary.method.empty()) vocabulary.method = kDefaultMethod;
     std::vector<std::string> names;
-    for (const json& method : session.daemon().get("/v1/methods").at("items")) {
+    const json methods = session.daemon().get("/v1/methods").at("items");
+    for (const json& method : methods) {
         names.push_back(method.value("name", ""));
         if (names.back() != vocabulary.method) continue;
         vocabulary.parameters = parameters_of(method);
