@@ -56,7 +56,7 @@ double length_of_cross(const std::array<double, 3>& a, const std::array<double, 
     return std::hypot(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]);
 }
 
-LookAt read_look_at(const json& source, const std::string& pointer, FaultList& faults) {
+LookAt read_look_at(const json& source, const std::string& pointer, BodyFaults& faults) {
     ObjectReader reader(source, pointer, faults);
     LookAt look_at;
     const auto eye = read_vector(reader, "eye", true);
@@ -84,7 +84,7 @@ LookAt read_look_at(const json& source, const std::string& pointer, FaultList& f
     return look_at;
 }
 
-JobCamera read_camera(const json& source, const std::string& pointer, FaultList& faults) {
+JobCamera read_camera(const json& source, const std::string& pointer, BodyFaults& faults) {
     ObjectReader reader(source, pointer, faults);
     JobCamera camera;
     if (const auto name = reader.string("name", kMaxNameBytes)) camera.name = *name;
@@ -125,7 +125,7 @@ bool is_device(const std::string& device) {
 void read_method(ObjectReader& body, const JobVocabulary& vocabulary, JobRequest& request) {
     const json* source = body.member("method", true);
     if (source == nullptr) return;
-    FaultList& faults = body.faults();
+    BodyFaults& faults = body.faults();
     ObjectReader reader(*source, body.at("method"), faults);
     const auto name = reader.word("name", vocabulary.method_names, true);
     const auto device = reader.string("device", kMaxNameBytes);
@@ -157,7 +157,7 @@ void read_method(ObjectReader& body, const JobVocabulary& vocabulary, JobRequest
 void read_stop(ObjectReader& body, JobRequest& request) {
     const json* source = body.member("stop", true);
     if (source == nullptr) return;
-    FaultList& faults = body.faults();
+    BodyFaults& faults = body.faults();
     ObjectReader reader(*source, body.at("stop"), faults);
     const size_t faults_before = faults.size();
     request.stop.seconds = reader.number("seconds", {1e-3, kMaxSeconds, "s"});
@@ -172,7 +172,7 @@ void read_stop(ObjectReader& body, JobRequest& request) {
 void read_layers(ObjectReader& body, const JobVocabulary& vocabulary, JobRequest& request) {
     const json* source = body.member("layers");
     if (source == nullptr) return;
-    FaultList& faults = body.faults();
+    BodyFaults& faults = body.faults();
     if (!source->is_array()) {
         faults.add(ErrorCode::WrongType, body.at("layers"), "must be an array, got " + value_text(*source));
         return;
@@ -199,7 +199,7 @@ void read_layers(ObjectReader& body, const JobVocabulary& vocabulary, JobRequest
 void read_labels(ObjectReader& body, JobRequest& request) {
     const json* source = body.member("labels");
     if (source == nullptr) return;
-    FaultList& faults = body.faults();
+    BodyFaults& faults = body.faults();
     if (!source->is_object()) {
         faults.add(ErrorCode::WrongType, body.at("labels"), "must be an object, got " + value_text(*source));
         return;
@@ -223,7 +223,7 @@ void read_labels(ObjectReader& body, JobRequest& request) {
     }
 }
 
-JobEnvironment read_environment(const json& source, const std::string& pointer, FaultList& faults) {
+JobEnvironment read_environment(const json& source, const std::string& pointer, BodyFaults& faults) {
     ObjectReader reader(source, pointer, faults);
     JobEnvironment environment;
     if (const auto image = reader.string("image", kMaxNameBytes, true)) {
@@ -243,7 +243,7 @@ json optional_json(const auto& value) { return value ? json(*value) : json(nullp
 }  // namespace
 
 JobRequest parse_job_request(const json& body, const JobVocabulary& vocabulary) {
-    FaultList faults;
+    BodyFaults faults;
     ObjectReader reader(body, "", faults);
     JobRequest request;
     if (!body.is_object()) faults.throw_if_any();  // else every required field would be called missing too

@@ -11,7 +11,7 @@ namespace photond {
 
 using nlohmann::json;
 
-void FaultList::add(ErrorCode code, std::string pointer, std::string detail) {
+void BodyFaults::add(ErrorCode code, std::string pointer, std::string detail) {
     if (size() == 0) first_ = code;
     if (faults_.size() >= kMostListed) {
         ++left_out_;
@@ -20,11 +20,11 @@ void FaultList::add(ErrorCode code, std::string pointer, std::string detail) {
     faults_.push_back({std::move(pointer), std::move(detail)});
 }
 
-void FaultList::take(ErrorCode code, std::vector<Fault>&& faults) {
+void BodyFaults::take(ErrorCode code, std::vector<Fault>&& faults) {
     for (Fault& fault : faults) add(code, std::move(fault.pointer), std::move(fault.detail));
 }
 
-void FaultList::throw_if_any() const {
+void BodyFaults::throw_if_any() const {
     if (size() == 0) return;
     const Fault& first = faults_.front();
     std::string detail = (first.pointer.empty() ? "" : first.pointer + ": ") + first.detail;
@@ -40,7 +40,7 @@ const json& empty_object() {
 }
 }  // namespace
 
-ObjectReader::ObjectReader(const json& source, std::string pointer, FaultList& faults)
+ObjectReader::ObjectReader(const json& source, std::string pointer, BodyFaults& faults)
     : source_(source.is_object() ? &source : &empty_object()), pointer_(std::move(pointer)), faults_(faults) {
     if (!source.is_object())
         faults_.add(ErrorCode::WrongType, pointer_, "must be an object, got " + value_text(source));

@@ -13,7 +13,7 @@
 namespace photond {
 
 /// All faults of one body, and the code of the first.
-class FaultList {
+class BodyFaults {
 public:
     void add(ErrorCode code, std::string pointer, std::string detail);
     /// Notes what somebody else found in `faults`, as a fault of `code`.
@@ -40,7 +40,7 @@ struct NumberRange {
 class ObjectReader {
 public:
     /// `source` may be of any type: what is no object is noted as a fault and read as an empty one.
-    ObjectReader(const nlohmann::json& source, std::string pointer, FaultList& faults);
+    ObjectReader(const nlohmann::json& source, std::string pointer, BodyFaults& faults);
 
     /// The member, or nullptr where it is absent or null; `required` notes the fault.
     const nlohmann::json* member(const std::string& key, bool required = false);
@@ -57,12 +57,12 @@ public:
 
     /// Pointer of a member.
     std::string at(const std::string& key) const;
-    FaultList& faults() { return faults_; }
+    BodyFaults& faults() { return faults_; }
 
 private:
     const nlohmann::json* source_;
     std::string pointer_;
-    FaultList& faults_;
+    BodyFaults& faults_;
     std::vector<std::string> known_;
 };
 

@@ -438,7 +438,7 @@ class LimitsTest(unittest.TestCase):
             self.assertEqual(reply[0], 200)
 
     def test_the_rate_limit_knows_clients_by_their_real_address(self):
-        with Daemon("--max-requests-per-second", "0.5") as daemon:
+        with Daemon("--max-rate", "0.5") as daemon:
             replies = [daemon.request("GET", "/v1/methods", headers={"REMOTE_ADDR": f"10.0.0.{i}",
                                                                      "X-Forwarded-For": f"10.1.0.{i}"})
                        for i in range(3)]
