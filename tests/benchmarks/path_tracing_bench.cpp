@@ -127,7 +127,7 @@ std::optional<Scene> open(const NamedScene& named) {
         std::printf("%-24s skipped: %s is not there\n", named.name, (folder / named.file).c_str());
         return {};
     }
-    return load_gltf(folder / named.file, folder, decode_image);
+    return load_gltf(folder / named.file, folder, decode_texture);
 }
 
 std::unique_ptr<Intersector> build(const Scene& scene) {
@@ -221,10 +221,10 @@ double relative_mse(const std::vector<float>& image, const std::vector<float>& r
 
 void measure_samplers() {
     std::printf(
-        "\nrelative_mse x CPU seconds, random over sobol (cornell-box 128x128 against 65536 passes of sobol)\n");
+        "\nrelative_mse x CPU seconds, random over sobol (cornell-box 64x64 against 65536 passes of sobol)\n");
     const Scene scene = make_builtin_scene("cornell-box");
     const auto intersector = build(scene);
-    constexpr Size2 kSize{128, 128};
+    constexpr Size2 kSize{64, 64};
     PathTracingParams params;
     std::vector<float> reference;
     {

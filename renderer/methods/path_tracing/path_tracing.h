@@ -9,7 +9,7 @@ namespace photond {
 struct PathTracingParams final : MethodParams {
     std::optional<uint32_t> indirect_bounces;
     SamplerKind sampler = SamplerKind::Sobol;
-    uint32_t roulette_start = 1;
+    uint32_t roulette_start = 4;
 
     void visit(ParamVisitor& visitor) override {
         static constexpr std::string_view kSamplers[] = {"sobol", "random"};
