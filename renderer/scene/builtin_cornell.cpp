@@ -75,6 +75,17 @@ void add_tall_block(Scene& scene, uint32_t material) {
               {3, 2, 1, 0});
 }
 
+/// A block of the tall one's size and place, turned so that its front shows the room instead of the dark before it.
+void add_mirror_block(Scene& scene, uint32_t material) {
+    constexpr float kHalf = 0.825f, kTop = 3.3f, kTurn = 0.73f;  // [rad] from the back wall
+    const vec3 centre(-0.9f, kTop, -3.5f);
+    const vec3 right(kHalf * std::cos(kTurn), 0, -kHalf * std::sin(kTurn));
+    const vec3 front(kHalf * std::sin(kTurn), 0, kHalf * std::cos(kTurn));
+    add_block(scene, material,
+              {centre - right + front, centre + right + front, centre + right - front, centre - right - front},
+              {0, 1, 2, 3});
+}
+
 constexpr uint32_t kWhiteMaterial = 0;
 
 }  // namespace
@@ -106,7 +117,7 @@ Scene make_cornell_box_spot() {
 Scene make_cornell_box_glass() {
     Scene scene = make_room({});
     add_ceiling_light(scene);
-    add_tall_block(scene, add_material(scene, metal("mirror", Rgb(0.95f), 0)));
+    add_mirror_block(scene, add_material(scene, metal("mirror", Rgb(0.95f), 0)));
     constexpr float kRadius = 0.95f;
     constexpr uint32_t kSlices = 192;
     // A little above the floor, so that no two surfaces touch.

@@ -23,7 +23,7 @@ Scene make_caustic_ring() {
     Scene scene;
     const uint32_t table = add_material(scene, lambert("table", {0.6f, 0.58f, 0.55f}));
     const uint32_t gold = add_material(scene, metal("gold", {1.0f, 0.78f, 0.34f}, 0));
-    const uint32_t lamp = add_material(scene, emitter("lamp", Rgb(220, 210, 190)));
+    const uint32_t lamp = add_material(scene, emitter("lamp", Rgb(130, 124, 112)));
     const uint32_t sky = add_material(scene, emitter("sky panel", Rgb(0.6f, 0.7f, 0.9f)));
 
     add_mesh(scene, MeshBuilder().quad({-8, 0, 8}, {8, 0, 8}, {8, 0, -8}, {-8, 0, -8}).build(table));
@@ -33,7 +33,7 @@ Scene make_caustic_ring() {
                             {kInner, kHeight - kBevel}, {kInner, kLift + kBevel},   {kInner + kBevel, kLift}};
     add_mesh(scene, MeshBuilder().lathe(profile, 512).build(gold));
 
-    // The lamp: a disc of 0.25 m that looks at the ring from the side.
+    // The lamp: a disc of 0.35 m radius that looks at the ring from the side.
     constexpr uint32_t kSlices = 32;
     const dvec3 at(-4.2, 3.2, -0.6);
     const Camera aim = look_at_camera(at, dvec3(0, 0.2, 0), dvec3(0, 1, 0), 1);
@@ -41,7 +41,7 @@ Scene make_caustic_ring() {
     for (uint32_t i = 0; i < kSlices; ++i) {
         const auto rim = [&](uint32_t k) {
             const float angle = 2 * kPi * static_cast<float>(k % kSlices) / static_cast<float>(kSlices);
-            return aim.position + 0.25f * (std::cos(angle) * aim.right + std::sin(angle) * aim.up);
+            return aim.position + 0.35f * (std::cos(angle) * aim.right + std::sin(angle) * aim.up);
         };
         disc.triangle(aim.position, rim(i + 1), rim(i));
     }
@@ -114,7 +114,7 @@ Scene make_keyhole() {
                         .quad({0.2f, kHeight - 0.02f, -2.6f}, {1.6f, kHeight - 0.02f, -2.6f},
                               {1.6f, kHeight - 0.02f, -1.2f}, {0.2f, kHeight - 0.02f, -1.2f})
                         .build(lamp));
-    add_camera(scene, {-0.7, 1.5, 3.7}, {0.05, 1.05, 0}, 0.75f);
+    add_camera(scene, {-0.75, 1.6, 3.85}, {0.05, 0.85, 0}, 0.8f);
     return scene;
 }
 
