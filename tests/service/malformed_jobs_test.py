@@ -1,5 +1,5 @@
-"""Two hundred job bodies malformed by hand, each with the status and the pointer it must get, and thousands generated from
-good ones: always a 4xx problem document or an accepted job, never a 5xx, and the daemon lives.
+"""Two hundred job bodies malformed by hand, each with the status and the pointer it must get, and thousands generated
+from good ones: always a 4xx problem document or an accepted job, never a 5xx, and the daemon lives.
 """
 
 import copy
@@ -23,7 +23,8 @@ def look(**changes):
 
 # Not JSON, or not one JSON text: 400, wherever it breaks.
 TEXTS = [
-    "", " ", "{", "}", "[", "nul", "'scene'", "{'scene': 1}", "{scene: 1}", '{"scene": }', '{"scene"}', '{"scene": "a",}',
+    "", " ", "{", "}", "[", "nul", "'scene'", "{'scene': 1}", "{scene: 1}", '{"scene": }', '{"scene"}',
+    '{"scene": "a",}',
     '{"scene": "a"} x', '{"scene": "a"}{"scene": "a"}', "[1,]", "01", "+1", ".5", "1.", "1e", "- 1", "0x10", "NaN",
     "Infinity", "-Infinity", '{"seed": NaN}', '{"seed": 1e999}', '{"seed": -1e999}', '"\t"', '"\\x41"', '"\\ud800"',
     '"\\u12"', "// comment\n{}", "/* c */ {}", "{\"a\": 1 \"b\": 2}", "\ufeff\ufeff{}", "\x00{}", '{"a": "\x01"}',
@@ -113,7 +114,8 @@ FAULTS = [
     ("/environment", {}, "/environment/image"),
     # fields that exclude each other
     ("/camera", {"name": "camera", **look()}, "/camera/look_at"),
-    ("/camera", look(target=[0, 0, 2]), "/camera/look_at/target"), ("/camera", look(up=[0, 0, 0]), "/camera/look_at/up"),
+    ("/camera", look(target=[0, 0, 2]), "/camera/look_at/target"),
+    ("/camera", look(up=[0, 0, 0]), "/camera/look_at/up"),
     ("/camera", look(up=[0, 0, -3]), "/camera/look_at/up"), ("/camera", {"aperture": 0.1}, "/camera/focus_distance"),
     ("/layers", ["depth", "depth"], "/layers/1"), ("/camera", {"look_at": {}}, "/camera/look_at/eye"),
     # not built yet, or not on this device
@@ -164,6 +166,10 @@ class MalformedJobsTest(unittest.TestCase):
     def tearDownClass(cls):
         cls.daemon.close()
 
+    def setUp(self):
+        self.poster = Poster(self.daemon)
+        self.addCleanup(self.poster.connection.close)
+
     def tearDown(self):
         self.assertTrue(self.daemon.running())
         self.assertEqual(self.daemon.request("GET", "/readyz").status, 200)
@@ -180,35 +186,32 @@ class MalformedJobsTest(unittest.TestCase):
         self.assertGreaterEqual(len(TEXTS) + len(FAULTS) + len(WHOLES), 200)
 
     def test_the_base_is_good(self):
-        self.assertEqual(Poster(self.daemon).post(json.dumps(BASE))[0], 202)
+        self.assertEqual(self.poster.post(json.dumps(BASE))[0], 202)
 
     def test_texts_that_are_not_json(self):
-        poster = Poster(self.daemon)
         for text in TEXTS:
             with self.subTest(text=text[:60]):
-                problem = self.assert_refused(poster.post(text), 400)
+                problem = self.assert_refused(self.poster.post(text), 400)
                 self.assertEqual(problem["code"], "bad_json")
                 self.assertRegex(problem["detail"], r"line \d+, column \d+")
 
     def test_each_fault_is_named_at_its_place(self):
-        poster = Poster(self.daemon)
         for at, value, pointer in FAULTS:
             with self.subTest(at=at, value="removed" if value is REMOVED else repr(value)[:60]):
-                problem = self.assert_refused(poster.post(json.dumps(changed(at, value))), 422)
+                problem = self.assert_refused(self.poster.post(json.dumps(changed(at, value))), 422)
                 self.assertIn(pointer or at, [error["pointer"] for error in problem["errors"]], problem)
 
     def test_wholes_that_are_no_object(self):
-        poster = Poster(self.daemon)
         for text in WHOLES:
             with self.subTest(text=text):
-                problem = self.assert_refused(poster.post(text), 422)
+                problem = self.assert_refused(self.poster.post(text), 422)
                 self.assertEqual([error["pointer"] for error in problem["errors"]], [""])
 
     def test_several_faults_are_named_together(self):
         body = changed("/image", {"width": 0, "hight": 3})
         body["layers"] = ["albdo"]
         body["sed"] = 1
-        problem = self.assert_refused(Poster(self.daemon).post(json.dumps(body)), 422)
+        problem = self.assert_refused(self.poster.post(json.dumps(body)), 422)
         self.assertEqual({error["pointer"] for error in problem["errors"]},
                          {"/image/width", "/image/height", "/image/hight", "/layers/0", "/sed"})
         for pointer, nearest in (("/image/hight", "height"), ("/layers/0", "albedo"), ("/sed", "seed")):
@@ -217,11 +220,10 @@ class MalformedJobsTest(unittest.TestCase):
 
     def test_generated_bodies_never_cause_a_5xx(self):
         source = random.Random(20240607)
-        poster = Poster(self.daemon)
         seen = {}
         for number in range(GENERATED):
             body = mutated_text(source) if number % 2 else mutated_value(source)
-            status, media_type, answer = poster.post(body)
+            status, media_type, answer = self.poster.post(body)
             seen[status] = seen.get(status, 0) + 1
             if status == 202:  # a mutation may be harmless; it must not render for long
                 self.daemon.request("DELETE", f"/v1/jobs/{json.loads(answer)['id']}?purge=true")
@@ -235,8 +237,9 @@ class MalformedJobsTest(unittest.TestCase):
 
 RICH = {**BASE, "camera": look(up=[0, 1, 0], yfov=0.7), "seed": 7, "layers": ["albedo", "depth"], "priority": 3,
         "labels": {"a": "b"}, "glass": "solid", "time": 0, "reference": None}
-STRANGE = [None, True, False, 0, -1, 1, 0.5, 1e300, -1e300, 5e-324, 2**31, 2**32, 2**53 + 1, 2**63, 2**64, 10**30, "", "x",
-           "\u0000", "é" * 10, "a" * 1000, [], {}, [[]], [{}], {"a": {}}, [None] * 5, {"": ""}, "gpu", "cpu", "NaN"]
+STRANGE = [None, True, False, 0, -1, 1, 0.5, 1e300, -1e300, 5e-324, 2**31, 2**32, 2**53 + 1, 2**63, 2**64, 10**30, "",
+           "x", "\u0000", "é" * 10, "a" * 1000, [], {}, [[]], [{}], {"a": {}}, [None] * 5, {"": ""}, "gpu", "cpu",
+           "NaN"]
 
 
 def places(value, found, path=()):
