@@ -38,6 +38,7 @@ public:
         return add(views_, R"({"buffer":0,"byteOffset":)" + std::to_string(offset) + R"(,"byteLength":)" +
                                std::to_string(data.size()) + extra + "}");
     }
+    int raw_view(const std::string& json) { return add(views_, json); }
     /// Appends an accessor; view -1: none.
     int accessor(int view, int component, const std::string& type, size_t count, const std::string& extra = "") {
         return add(accessors_, "{" + (view < 0 ? "" : R"("bufferView":)" + std::to_string(view) + ",") +
