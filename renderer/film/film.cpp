@@ -72,7 +72,7 @@ inline void add_squares(FixedSquares* sums, const Rgb& c) {
     for (int k = 0; k < 3; ++k) add_square(sums[k], double{c[k]});
 }
 
-double to_double(FixedSum sum) { return std::ldexp(static_cast<double>(sum), -64); }
+double to_double(FixedSum sum) { return 0x1p-64 * static_cast<double>(sum); }
 
 /// (n sum x^2 - (sum x)^2) / (n (n-1)), the difference taken in whole numbers: a constant pixel has variance 0.
 double variance_of(FixedSum sum, FixedSquares squares, uint32_t n) {

@@ -17,8 +17,8 @@ namespace {
 
 constexpr char kMagic[8] = {'P', 'H', 'O', 'T', 'F', 'I', 'L', 'M'};
 constexpr uint32_t kVersion = 1;
-constexpr size_t kBlockValues = 1 << 15;  // sums a block: half a MiB at most
-constexpr size_t kBlocksAtOnce = 32;      // encoded side by side before they are written in order
+constexpr size_t kBlockValues = 1 << 12;  // sums a block: 64 KiB at most, which malloc takes from memory it has
+constexpr size_t kBlocksAtOnce = 64;      // encoded side by side before they are written in order
 constexpr size_t kDigestBytes = 32;       // as hexadecimal digits
 constexpr uint32_t kMaxSide = 1u << 20;
 
@@ -106,8 +106,9 @@ public:
         constexpr unsigned kBits = 8 * sizeof(Value);
         const unsigned unused = kBits - 8u * width;
         for (Value& value : values) {
-            Value raw = 0;
-            std::memcpy(&raw, in, width);
+            Value raw;
+            static_assert(sizeof raw <= kDigestBytes, "the digest lies behind the last value: reading past it is safe");
+            std::memcpy(&raw, in, sizeof raw);
             value = static_cast<Value>(raw << unused) >> unused;  // extends the sign of signed sums
             in += width;
         }

@@ -188,7 +188,6 @@ void JobRunner::run(const json& order, JobControl& control) noexcept {
         spdlog::error("job {}: {}", order.value("job", json(nullptr)).dump(), defect.what());
         fail(failure_json(ErrorCode::Internal, "internal error, written to the log under this job's id"));
     }
-    release_free_memory();
     send_({{"type", "finished"},
            {"job", order.value("job", json(nullptr))},
            {"attempt", order.value("attempt", json(nullptr))},
@@ -200,6 +199,7 @@ void JobRunner::run(const json& order, JobControl& control) noexcept {
            {"failure", report.failure},
            {"log", report.log},
            {"stopping", control.stopping.load()}});
+    release_free_memory();  // off everybody's clock, and before the next job's baseline is taken
 }
 
 void JobRunner::render(const json& order, JobControl& control, Report& report) {

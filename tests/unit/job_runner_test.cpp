@@ -169,7 +169,7 @@ TEST(ResolveView, CamerasLensesAndLayers) {
 TEST(SolidGlass, ClosedMeshesOnly) {
     Scene scene;
     scene.materials.resize(1);
-    scene.materials[0].transmission = 1;
+    scene.materials[0].transmission = 1, scene.materials[0].metallic = 0;
     Mesh tetrahedron;
     tetrahedron.positions = {vec3(0), vec3(1, 0, 0), vec3(0, 1, 0), vec3(0, 0, 1)};
     tetrahedron.triangles = {uvec3(0, 2, 1), uvec3(0, 1, 3), uvec3(0, 3, 2), uvec3(1, 2, 3)};
