@@ -69,8 +69,8 @@ struct JobVocabulary {
     std::function<std::vector<std::string>(const std::string& method)> devices_of;
 };
 
-/// Reads a body. Throws photond::Error with all faults, each with its JSON pointer and, for a misspelt name, the nearest
-/// known one.
+/// Reads a body. Throws photond::Error with all faults, each with its JSON pointer and, for a misspelt name, the
+/// nearest known one.
 JobRequest parse_job_request(const nlohmann::json& body, const JobVocabulary& vocabulary);
 
 /// The request as understood, every default filled in; parse_job_request() of it gives the same request.

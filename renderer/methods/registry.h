@@ -17,7 +17,7 @@ struct MethodInfo {
     std::string_view family;
     std::vector<std::string_view> sources;
     bool mergeable = true;
-    bool deterministic_cpu = true;  // same pixel hash for any number of threads
+    bool deterministic_cpu = true;          // same pixel hash for any number of threads
     std::vector<std::string_view> devices;  // kinds: "cpu", "gpu"
     std::unique_ptr<MethodParams> (*make_params)();
     std::unique_ptr<Method> (*make)(const MethodParams& params);

@@ -41,7 +41,8 @@ public:
     /// Whether anything opaque lies in (0, ray.t_max).
     virtual bool occluded(const Ray& ray) const = 0;
 
-    /// Batches: hits[i] answers rays[i]; occluded[i] is 1 or 0. A ray with t_max <= 0 is not traced: no hit, not occluded.
+    /// Batches: hits[i] answers rays[i]; occluded[i] is 1 or 0. A ray with t_max <= 0 is not traced: no hit, not
+    /// occluded.
     virtual void closest_hits(std::span<const Ray> rays, std::span<Hit> hits, Coherence coherence) const = 0;
     virtual void occluded(std::span<const Ray> rays, std::span<uint8_t> occluded, Coherence coherence) const = 0;
 

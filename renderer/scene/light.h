@@ -25,8 +25,8 @@ struct PunctualLight {
 struct TriangleLight {
     uint32_t instance;
     uint32_t triangle;
-    float area_m2;    // world space
-    Rgb radiance;     // mean over the triangle [W m^-2 sr^-1], texture included
+    float area_m2;  // world space
+    Rgb radiance;   // mean over the triangle [W m^-2 sr^-1], texture included
     bool two_sided;
 };
 

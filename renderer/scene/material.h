@@ -19,17 +19,17 @@ struct Material {
     TextureRef metallic_roughness_texture;  // g roughness, b metallic, linear
     TextureRef normal_texture;              // linear
     float normal_scale = 1;
-    Rgb emission{0};  // factor x strength [W m^-2 sr^-1]
-    TextureRef emission_texture;  // sRGB
-    float ior = 1.5f;             // KHR_materials_ior
-    float specular = 1;           // KHR_materials_specular: specularFactor; 0 on a non-metal is pure Lambert
-    Rgb specular_color{1};        // specularColorFactor
+    Rgb emission{0};                    // factor x strength [W m^-2 sr^-1]
+    TextureRef emission_texture;        // sRGB
+    float ior = 1.5f;                   // KHR_materials_ior
+    float specular = 1;                 // KHR_materials_specular: specularFactor; 0 on a non-metal is pure Lambert
+    Rgb specular_color{1};              // specularColorFactor
     TextureRef specular_texture;        // a, linear
     TextureRef specular_color_texture;  // rgb sRGB
     float transmission = 0;             // KHR_materials_transmission
     TextureRef transmission_texture;    // r, linear
-    bool solid = false;                 // KHR_materials_volume with thickness > 0: a closed mesh that refracts and absorbs
-    Rgb attenuation_color{1};           // of light after attenuation_distance [m] inside; Beer's law
+    bool solid = false;        // KHR_materials_volume with thickness > 0: a closed mesh that refracts and absorbs
+    Rgb attenuation_color{1};  // of light after attenuation_distance [m] inside; Beer's law
     float attenuation_distance = kInfinity;
     AlphaMode alpha_mode = AlphaMode::Opaque;
     float alpha_cutoff = 0.5f;

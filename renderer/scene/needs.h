@@ -8,12 +8,12 @@ namespace photond {
 struct Scene;
 
 struct Needs {
-    bool delta = false;          // a mirror or smooth glass lobe
-    bool glossy = false;         // a rough specular lobe
+    bool delta = false;   // a mirror or smooth glass lobe
+    bool glossy = false;  // a rough specular lobe
     bool diffuse = false;
     bool transmission = false;
     bool solid_glass = false;
-    bool alpha = false;          // masked or blended surfaces
+    bool alpha = false;  // masked or blended surfaces
     bool normal_maps = false;
     bool base_color_textures = false;
     bool material_textures = false;  // metallic-roughness, specular, transmission

@@ -14,8 +14,8 @@
 
 namespace photond {
 
-/// Indexed triangles with one material, in the space of the instances that use it. Attribute arrays are empty or hold one
-/// element a vertex. A mesh used by one instance only is stored in world space.
+/// Indexed triangles with one material, in the space of the instances that use it. Attribute arrays are empty or hold
+/// one element a vertex. A mesh used by one instance only is stored in world space.
 struct Mesh {
     std::vector<vec3> positions;
     std::vector<vec3> normals;   // unit; empty: flat shading
@@ -31,9 +31,9 @@ struct Mesh {
 /// One placing of a mesh.
 struct Instance {
     uint32_t mesh = 0;
-    bool identity = true;           // the mesh is in world space already
-    mat4x3 to_world{1.0f};          // columns: three axes and the translation
-    mat3 normal_to_world{1.0f};     // inverse transpose of the linear part
+    bool identity = true;            // the mesh is in world space already
+    mat4x3 to_world{1.0f};           // columns: three axes and the translation
+    mat3 normal_to_world{1.0f};      // inverse transpose of the linear part
     bool flips_orientation = false;  // negative determinant: geometric normals from the cross product are negated
 };
 
@@ -55,9 +55,9 @@ struct Scene {
 
     // Derived by finish_scene().
     std::vector<TriangleLight> triangle_lights;
-    Bounds3 bounds;          // world space less `origin`
+    Bounds3 bounds;  // world space less `origin`
     Needs needs;
-    dvec3 origin{0};         // added to every position to get the file's coordinates; not 0 when the scene lies far away
+    dvec3 origin{0};  // added to every position to get the file's coordinates; not 0 when the scene lies far away
     uint64_t triangle_count = 0;  // instances counted
     uint64_t vertex_count = 0;    // stored
     uint32_t animation_count = 0;

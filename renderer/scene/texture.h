@@ -40,7 +40,11 @@ struct TextureRef {
 /// Filtered lookup. `srgb`: the first three channels are decoded by the sRGB curve before filtering. All in [0, 1].
 vec4 sample_texture(const Texture& texture, vec2 uv, bool srgb);
 
-/// Equirectangular radiance map [W m^-2 sr^-1], row 0 at the zenith (+Y); the direction (0, 0, -1) is its centre column.
+/// Asks the memory for the texels of such a lookup, so that they are at hand a little later.
+void prefetch_texture(const Texture& texture, vec2 uv);
+
+/// Equirectangular radiance map [W m^-2 sr^-1], row 0 at the zenith (+Y); the direction (0, 0, -1) is its centre
+/// column.
 struct EnvironmentMap {
     Size2 size;
     std::vector<Rgb> radiance;
