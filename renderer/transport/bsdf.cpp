@@ -15,10 +15,6 @@ namespace {
 /// lobe is ten times narrower than the narrowest that is not delta.
 constexpr float kDeltaRefraction = 1e-5f;
 
-/// The coat's albedo is interpolated; its greatest error (bsdf_energy_test) is taken off the base, so that coat and
-/// base together never reflect more than they get.
-constexpr float kCoatAlbedoError = 1e-3f;
-
 Rgb schlick(const Rgb& f0, float f90, float cos_theta) { return f0 + (Rgb(f90) - f0) * schlick_weight(cos_theta); }
 
 /// Whether a direction leaves to the far side of both the shading and the geometric surface.
@@ -58,10 +54,8 @@ Bsdf Bsdf::layered(const Parameters& p) {
     if (!is_black(base)) {
         const vec2 average = AlbedoTable::get().average(layers.table_row);
         const Rgb passed = Rgb(1) - (layers.coat_f0 * average.x + layers.coat_f90 * average.y);
-        // A coat that reflects all leaves nothing for the base; the quotient below would be 0/0.
-        const bool coated_base = layers.coat_f90 > 0 || !is_black(layers.coat_f0);
-        const float scale = coated_base ? 1.0f - kCoatAlbedoError : 1.0f;
-        for (int i = 0; i < 3; ++i) bsdf.diffuse_[i] = passed[i] > 1e-3f ? base[i] * scale / passed[i] : 0.0f;
+        // A coat that reflects all leaves nothing for the base; the quotient would be 0/0.
+        for (int i = 0; i < 3; ++i) bsdf.diffuse_[i] = passed[i] > 2e-3f ? base[i] / passed[i] : 0.0f;
     }
 
     const bool has_specular = layers.specular_f90 > 0 || !is_black(layers.specular_f0);
