@@ -36,6 +36,13 @@ vec4 surface_base_color(const Scene& scene, const Mesh& mesh, uint32_t triangle,
     return color;
 }
 
+void prefetch_base_color(const Scene& scene, const Mesh& mesh, uint32_t triangle, float u, float v) {
+    const TextureRef& reference = scene.materials[mesh.material].base_color_texture;
+    if (!reference.used()) return;
+    prefetch_texture(scene.textures[static_cast<size_t>(reference.texture)],
+                     texture_coordinates(mesh, reference, triangle, u, v));
+}
+
 float surface_coverage(const Scene& scene, const Mesh& mesh, uint32_t triangle, float u, float v) {
     const Material& material = scene.materials[mesh.material];
     if (material.alpha_mode == AlphaMode::Opaque) return 1.0f;

@@ -16,6 +16,9 @@ Rgb surface_emission(const Scene& scene, const Mesh& mesh, uint32_t triangle, fl
 /// Base colour (rgb) and alpha of the material: factor x texture x vertex colour.
 vec4 surface_base_color(const Scene& scene, const Mesh& mesh, uint32_t triangle, float u, float v);
 
+/// Asks the memory for what surface_base_color() will read of the texture.
+void prefetch_base_color(const Scene& scene, const Mesh& mesh, uint32_t triangle, float u, float v);
+
 /// Share of rays that meet the surface here: opaque 1; masked 0 or 1; blended its alpha.
 float surface_coverage(const Scene& scene, const Mesh& mesh, uint32_t triangle, float u, float v);
 

@@ -92,4 +92,11 @@ vec4 sample_texture(const Texture& texture, vec2 uv, bool srgb) {
     return srgb ? sample<true>(texture, uv) : sample<false>(texture, uv);
 }
 
+void prefetch_texture(const Texture& texture, vec2 uv) {
+    const Taps t = bilinear_taps(uv.y, texture.wrap_t, texture.size.height);
+    const u8vec4* column = texture.texels.data() + bilinear_taps(uv.x, texture.wrap_s, texture.size.width).first;
+    __builtin_prefetch(column + size_t{t.first} * texture.size.width);
+    __builtin_prefetch(column + size_t{t.second} * texture.size.width);
+}
+
 }  // namespace photond

@@ -1,6 +1,7 @@
 #include "renderer/methods/path_tracing/wavefront.h"
 
 #include "renderer/methods/path_tracing/contributions.h"
+#include "renderer/scene/surface_color.h"
 
 #include <ctime>
 
@@ -143,10 +144,21 @@ void Wavefront::sort_hits(const PathTracingScene& shared, PassImage& image) {
 }
 
 void Wavefront::prefetch_ahead(const Scene& scene, std::span<const uint32_t> order, size_t position) const {
-    constexpr size_t kAhead = 16;
-    if (position == 0)
-        for (size_t i = 0; i < std::min(kAhead, order.size()); ++i) prefetch_corners(scene, hits_[order[i]]);
-    if (position + kAhead < order.size()) prefetch_corners(scene, hits_[order[position + kAhead]]);
+    constexpr size_t kCorners = 24, kTexels = 12;  // paths ahead: a texel's place is known by the corners
+    const auto corners = [&](size_t k) {
+        if (k < order.size()) prefetch_corners(scene, hits_[order[k]]);
+    };
+    const auto texels = [&](size_t k) {
+        if (k >= order.size() || !scene.needs.base_color_textures) return;
+        const Hit& hit = hits_[order[k]];
+        prefetch_base_color(scene, scene.meshes[scene.instances[hit.instance].mesh], hit.triangle, hit.u, hit.v);
+    };
+    if (position == 0) {
+        for (size_t k = 0; k < kCorners; ++k) corners(k);
+        for (size_t k = 0; k < kTexels; ++k) texels(k);
+    }
+    corners(position + kCorners);
+    texels(position + kTexels);
 }
 
 void Wavefront::draw_numbers(const PassSampler& sampler, uint32_t vertex) {
