@@ -26,6 +26,7 @@ void add_completion_command(CLI::App& program, Session& session);
 struct RenderVocabulary {
     std::string method;                 // the one the command line names
     std::vector<Parameter> parameters;  // of that method
+    std::vector<std::string> layers;    // on request; filled only for help
     bool known = false;                 // the daemon was asked and has that method
 };
 void add_render_command(CLI::App& program, Session& session, const RenderVocabulary& vocabulary);

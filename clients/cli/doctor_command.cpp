@@ -55,7 +55,6 @@ public:
         check_status();
         check_devices();
         check_methods();
-        check_would_accept();
         if (renders_) check_render();
         return std::move(checks_);
     }
@@ -261,16 +260,6 @@ private:
                 {"method", {{"name", kDefaultMethod}}},
                 {"stop", {{"passes", 1}}},
                 {"labels", {{"photonctl", "doctor"}}}};
-    }
-
-    void check_would_accept() {
-        guarded("job", "the reason above says what it lacks", [&] {
-            const json estimate = session_.daemon().send("POST", "/v1/jobs?dry_run=true", small_job(), Repeat::Safely);
-            const json memory = estimate.value("memory_bytes", json());
-            add("job", Verdict::Ok,
-                "a small one would be accepted" +
-                    (memory.is_number() ? ", memory " + human_bytes(memory.get<double>()) : ""));
-        });
     }
 
     void check_render() {

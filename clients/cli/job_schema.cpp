@@ -20,23 +20,39 @@ json resolved(const json& document, json schema) {
     return schema;
 }
 
+/// The schemas that `schema` stands for: itself, or each alternative of its anyOf.
+std::vector<json> alternatives(const json& document, const json& schema) {
+    const json whole = resolved(document, schema);
+    if (!whole.is_object()) return {};
+    if (!whole.contains("anyOf")) return {whole};
+    std::vector<json> all;
+    for (const json& part : whole["anyOf"]) all.push_back(resolved(document, part));
+    return all;
+}
+
 }  // namespace
 
 std::vector<std::string> job_words(Session& session, const std::string& member) {
     const json document = session.daemon().get("/v1/openapi.json");
     const json::json_pointer body("/paths/~1v1~1jobs/post/requestBody/content/application~1json/schema");
-    json schema = resolved(document, document.value(body, json()));
-    for (size_t begin = 0; begin < member.size() && schema.is_object();) {
+    std::vector<json> schemas = alternatives(document, document.value(body, json()));
+    for (size_t begin = 0; begin < member.size();) {
         const size_t end = std::min(member.find('/', begin), member.size());
-        const json properties = schema.value("properties", json::object());
-        schema = resolved(document, properties.value(member.substr(begin, end - begin), json()));
+        std::vector<json> inner;
+        for (const json& schema : schemas) {
+            const json properties = schema.value("properties", json::object());
+            for (json& found : alternatives(document, properties.value(member.substr(begin, end - begin), json())))
+                inner.push_back(std::move(found));
+        }
+        schemas = std::move(inner);
         begin = end + 1;
     }
-    if (schema.is_object() && schema.contains("items")) schema = resolved(document, schema["items"]);
     std::vector<std::string> words;
-    if (schema.is_object() && schema.contains("enum"))
-        for (const json& word : schema["enum"])
+    for (const json& schema : schemas) {
+        const json single = schema.contains("items") ? resolved(document, schema["items"]) : schema;
+        for (const json& word : single.value("enum", json::array()))
             if (word.is_string()) words.push_back(word.get<std::string>());
+    }
     return words;
 }
 

@@ -85,11 +85,12 @@ RenderVocabulary vocabulary_for(Session& session, const std::vector<std::string>
     const bool help = asks_for_help(arguments);
     if (help) session.server.retry_seconds = 0;
     try {
-        return ask_render_vocabulary(session, arguments);
+        vocabulary = ask_render_vocabulary(session, arguments);
+        if (help) vocabulary.layers = job_words(session, "layers");
     } catch (const Failure& failure) {
         if (!help || failure.code == ExitCode::Usage) throw;
-        return vocabulary;  // help without the method's parameters says so at its end
     }
+    return vocabulary;  // help without the method's parameters says so at its end
 }
 
 ExitCode run(Session& session, const std::vector<std::string>& arguments) {

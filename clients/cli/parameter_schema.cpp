@@ -117,6 +117,12 @@ std::vector<Parameter> parameters_of(const json& method) {
         parameter.text = printable(property.value("description", ""));
         parameters.push_back(std::move(parameter));
     }
+    const json order = schema.value("x-order", json::array());
+    const auto place = [&order](const Parameter& parameter) {
+        return std::find(order.begin(), order.end(), parameter.name) - order.begin();
+    };
+    std::stable_sort(parameters.begin(), parameters.end(),
+                     [&](const Parameter& a, const Parameter& b) { return place(a) < place(b); });
     return parameters;
 }
 

@@ -33,7 +33,7 @@ struct Parameter {
     nlohmann::json parse(const std::string& value) const;
 };
 
-/// By name. `method`: one item of GET /v1/methods.
+/// In the order of the schema's `x-order`, else by name. `method`: one item of GET /v1/methods.
 std::vector<Parameter> parameters_of(const nlohmann::json& method);
 
 }  // namespace photond::cli

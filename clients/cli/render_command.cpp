@@ -35,7 +35,7 @@ struct RenderOptions {
     std::vector<std::string> layers, labels, settings;
     std::map<std::string, std::string> parameters;  // by wire name, from --parameter-name options
     std::string idempotency_key;
-    bool no_wait = false, dry_run = false;
+    bool no_wait = false;
     WaitOptions wait;
     JobOutputs outputs;
 };
@@ -172,20 +172,6 @@ std::string random_key() {
     return key.str();
 }
 
-ExitCode estimate(Session& session, const json& request) {
-    const json estimate = session.daemon().send("POST", "/v1/jobs?dry_run=true", request, Repeat::Safely);
-    if (session.json_output) {
-        session.print_json(estimate);
-        return ExitCode::Ok;
-    }
-    const auto text = [&](const char* key, std::string (*human)(double)) {
-        return estimate.contains(key) && estimate[key].is_number() ? human(estimate[key].get<double>()) : "unknown";
-    };
-    std::cout << "would be accepted; memory " << text("memory_bytes", human_bytes) << ", time "
-              << text("seconds", human_seconds) << '\n';
-    return ExitCode::Ok;
-}
-
 ExitCode render(Session& session, const RenderOptions& options, const RenderVocabulary& vocabulary) {
     options.outputs.check();
     if (options.no_wait && (options.outputs.any_image() || options.wait.timeout_seconds > 0))
@@ -194,7 +180,6 @@ ExitCode render(Session& session, const RenderOptions& options, const RenderVoca
     json request = build_request(options, vocabulary);
     add_scene(session, request, options);
     add_environment(session, request, options);
-    if (options.dry_run) return estimate(session, request);
 
     HttpRequest submission;
     submission.method = "POST";
@@ -298,10 +283,10 @@ void add_render_command(CLI::App& program, Session& session, const RenderVocabul
     add("--passes", options->passes, "stop after this many samples a pixel; default, without --seconds: 64", "INT");
     add("--seconds", options->seconds, "stop after rendering this long", "SECONDS");
     add("--seed", options->seed, "of the random numbers; default: 1", "INT");
-    add("--layers", options->layers, "more layers for the EXR, separated by commas", "LAYERS")
-        ->expected(1)
-        ->delimiter(',')
-        ->take_all();
+    std::string layers_text = "more layers for the EXR, separated by commas";
+    for (const std::string& layer : vocabulary.layers)
+        layers_text += (layer == vocabulary.layers.front() ? ": " : ", ") + layer;
+    add("--layers", options->layers, layers_text.c_str(), "LAYERS")->expected(1)->delimiter(',')->take_all();
     add("--filter", options->filter, "pixel filter; default: box", "box|gaussian|blackman_harris");
     add("--priority", options->priority, "-100 to 100, higher first; default: 0", "INT");
     add("--label", options->labels, "note on the job, to find it by; may be repeated", "KEY=VALUE")
@@ -311,7 +296,6 @@ void add_render_command(CLI::App& program, Session& session, const RenderVocabul
         "FILE");
     add_output_options(*command, options->outputs);
     command->add_flag("--no-wait", options->no_wait, "print the job's id and leave");
-    command->add_flag("--dry-run", options->dry_run, "only ask what it would cost");
     add("--idempotency-key", options->idempotency_key, "the same key and job is the same submission; default: random",
         "TEXT");
     add_wait_options(*command, options->wait);

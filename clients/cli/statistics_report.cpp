@@ -98,19 +98,11 @@ std::string needs_text(const json& needs) {
     return text;
 }
 
-std::string skipped_text(const json& skipped) {
-    std::string text;
-    if (!skipped.is_array()) return text;
-    for (const json& item : skipped) {
-        if (!text.empty()) text += "; ";
-        if (!item.is_object()) {
-            text += plain_text(item);
-            continue;
-        }
-        text += plain_text(member(item, "what"));
-        if (member(item, "why").is_string()) text += " (" + plain_text(item["why"]) + ")";
-    }
-    return text;
+/// What was left out, and why.
+std::string skipped_text(const json& item) {
+    if (!item.is_object()) return plain_text(item);
+    const json why = member(item, "why");
+    return plain_text(member(item, "what")) + (why.is_string() ? " (" + plain_text(why) + ")" : "");
 }
 
 void print_origin(std::ostream& out, const json& statistics) {
@@ -119,7 +111,9 @@ void print_origin(std::ostream& out, const json& statistics) {
         if (!text.empty() && text != "-") table.add_row({label, text});
     };
     add("needs", needs_text(member(statistics, "needs")));
-    add("skipped", skipped_text(member(statistics, "skipped")));
+    const json skipped = member(statistics, "skipped");
+    if (skipped.is_array())
+        for (const json& item : skipped) add("skipped", skipped_text(item));
     const json device = member(statistics, "device");
     add("device", plain_text(device.is_object() ? member(device, "name") : device));
     for (const char* key : {"version", "host_cores", "threads", "seed", "job_hash", "pixel_hash"})

@@ -61,8 +61,8 @@ std::string human_count(double count) {
 }
 
 std::string human_number(double value) {
-    if (value == std::floor(value) && std::abs(value) < 1e6) return formatted("%.0f", value);
-    if (std::abs(value) >= 1e6 || std::abs(value) < 1e-3) return formatted("%.3g", value);
+    if (value == std::floor(value) && std::abs(value) < 1e7) return formatted("%.0f", value);
+    if (std::abs(value) >= 1e7 || std::abs(value) < 1e-3) return formatted("%.3g", value);
     return formatted("%.4g", value);
 }
 

@@ -11,7 +11,7 @@ namespace photond::cli {
 std::string human_bytes(double bytes);      // 1.25 MiB
 std::string human_seconds(double seconds);  // 3.1 ms, 12.4 s, 3 min 05 s, 2 h 10 min
 std::string human_count(double count);      // 950, 12.3 k, 4.56 M
-/// Four significant digits, no trailing zeros, no exponent between 1e-3 and 1e6.
+/// Four significant digits, no trailing zeros, no exponent between 1e-3 and 1e7.
 std::string human_number(double value);
 /// "2026-11-21T06:25:12.345Z" as "2026-11-21 06:25:12"; "-" for null.
 std::string human_time(const nlohmann::json& rfc3339);

@@ -1,0 +1,544 @@
+"""photonctl against a real daemon, as a person and as a script use it; and through a proxy that breaks connections, to
+hold it to what it promises about repeats."""
+
+import http.server
+import json
+import os
+import pathlib
+import re
+import shutil
+import signal
+import socket
+import struct
+import subprocess
+import tempfile
+import threading
+import time
+import unittest
+import urllib.error
+import urllib.request
+import zipfile
+
+import OpenImageIO as oiio
+
+from photond_daemon import BIN, Daemon
+
+PHOTONCTL = str(BIN / "photonctl")
+SMALL = ["--width", "24", "--height", "16", "--passes", "2"]
+OK, FAILED, USAGE, UNREACHABLE, REFUSED, CANCELLED, TIMED_OUT, LOCAL_FILE, INTERRUPTED = 0, 1, 2, 3, 4, 5, 6, 7, 130
+
+daemon = None
+folder = None
+
+
+def setUpModule():
+    global daemon, folder
+    folder = pathlib.Path(tempfile.mkdtemp(prefix="photonctl-test-"))
+    daemon = Daemon()
+    daemon.wait_ready()
+
+
+def tearDownModule():
+    daemon.close()
+    shutil.rmtree(folder, ignore_errors=True)
+
+
+def server_url():
+    return f"http://127.0.0.1:{daemon.port}"
+
+
+def environment(**more):
+    variables = {k: v for k, v in os.environ.items() if not k.startswith("PHOTOND_") and k != "NO_COLOR"}
+    return {**variables, "PHOTOND_URL": server_url(), **more}
+
+
+def photonctl(*arguments, timeout=120, input=None, **variables):
+    return subprocess.run([PHOTONCTL, *map(str, arguments)], capture_output=True, text=True, timeout=timeout, cwd=folder,
+                          env=environment(**variables), input=input)
+
+
+def json_lines(result):
+    return [json.loads(line) for line in result.stdout.splitlines()]
+
+
+def a_triangle(place, buffer_uri="data%20of%20it/./triangle.bin", glb=False):
+    """One triangle with its buffer in another file, or inside a .glb."""
+    positions = struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0)
+    gltf = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+            "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0],
+                           "max": [1, 1, 0]}],
+            "bufferViews": [{"buffer": 0, "byteLength": 36}], "buffers": [{"byteLength": 36}]}
+    place.mkdir(parents=True, exist_ok=True)
+    if not glb:
+        gltf["buffers"][0]["uri"] = buffer_uri
+        (place / "data of it").mkdir(exist_ok=True)
+        (place / "data of it" / "triangle.bin").write_bytes(positions)
+        (place / "triangle.gltf").write_text(json.dumps(gltf))
+        return place / "triangle.gltf"
+    text = json.dumps(gltf).encode()
+    text += b" " * (-len(text) % 4)
+    chunks = struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", 36, b"BIN\0") + positions
+    (place / "triangle.glb").write_bytes(struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks)
+    return place / "triangle.glb"
+
+
+class Case(unittest.TestCase):
+    def run_ok(self, *arguments, **more):
+        return self.run_for(OK, *arguments, **more)
+
+    def run_for(self, code, *arguments, **more):
+        result = photonctl(*arguments, **more)
+        self.assertEqual(result.returncode, code, f"{arguments}\n{result.stdout}\n{result.stderr}")
+        return result
+
+
+class Rendering(Case):
+    def test_what_is_asked_for_is_what_is_rendered_and_saved(self):
+        exr, png = folder / "out.exr", folder / "out.png"
+        result = self.run_ok("render", "cornell-box", "--width", 24, "--height", 16, "--passes", 3, "--seed", 7, "--layers",
+                             "albedo,depth", "--filter", "gaussian", "--priority", 5, "--label", "study=cli", "--label",
+                             "part=2", "--indirect-bounces", 2, "-o", exr, "--precision", "half", "--preview", png,
+                             "--exposure", "-1.5", "--eye", "-0.1,0.2,2", "--target", "0,0.25,0", "--yfov", 0.5)
+        job = daemon.request("GET", "/v1/jobs?label=part%3D2").json["items"][0]
+        request = job["request"]
+        self.assertEqual(request["image"], {"width": 24, "height": 16, "filter": "gaussian"})
+        self.assertEqual(request["method"]["parameters"]["indirect_bounces"], 2)
+        self.assertEqual((request["seed"], request["priority"]), (7, 5))
+        self.assertEqual(request["layers"], ["albedo", "depth"])
+        self.assertEqual(request["labels"], {"study": "cli", "part": "2"})
+        self.assertEqual(request["stop"]["passes"], 3)
+        self.assertEqual(request["camera"]["look_at"]["eye"], [-0.1, 0.2, 2])
+        self.assertEqual(job["state"], "succeeded")
+
+        image = oiio.ImageInput.open(str(exr))
+        spec = image.spec()
+        image.close()
+        self.assertEqual((spec.width, spec.height), (24, 16))
+        self.assertEqual(str(spec.format), "half")
+        self.assertIn("albedo.R", spec.channelnames)
+        path = f"/v1/jobs/{job['id']}"
+        self.assertEqual(exr.read_bytes(), daemon.request("GET", path + "/image.exr?precision=half").body)
+        self.assertEqual(png.read_bytes(), daemon.request("GET", path + "/preview.png?exposure=-1.5").body)
+        self.assertNotEqual(png.read_bytes(), daemon.request("GET", path + "/preview.png").body)
+
+        statistics = job["statistics"]
+        self.assertIn(statistics["pixel_hash"], result.stdout)
+        for stage in statistics["stages"]:
+            self.assertIn(stage["name"].replace("_", " "), result.stdout)
+        self.assertRegex(result.stdout, r"rays: camera +[\d.]+")
+        self.assertIn("succeeded", result.stderr)
+        self.assertEqual(sorted(p.name for p in folder.glob("out.*")), ["out.exr", "out.png"])  # nothing half written
+
+    def test_json_output_is_the_job_and_nothing_else(self):
+        result = self.run_ok("render", "furnace", *SMALL, "--json", "--set", "indirect_bounces=1")
+        [job] = json_lines(result)
+        self.assertEqual(job, daemon.job(job["id"]))
+
+    def test_a_job_file_is_the_start_and_options_change_it(self):
+        body = {"scene": "furnace", "image": {"width": 8, "height": 8}, "method": {"name": "path_tracing"},
+                "stop": {"passes": 1}, "labels": {"from": "file"}}
+        [job] = json_lines(self.run_ok("render", "--request", "-", "--width", 12, "--label", "more=1", "--json",
+                                       input=json.dumps(body)))
+        self.assertEqual(job["request"]["scene"], "furnace")
+        self.assertEqual((job["request"]["image"]["width"], job["request"]["image"]["height"]), (12, 8))
+        self.assertEqual(job["request"]["labels"], {"from": "file", "more": "1"})
+        self.assertEqual(job["request"]["stop"]["passes"], 1)
+
+    def test_an_environment_is_sent_first(self):
+        sky = oiio.ImageBuf(oiio.ImageSpec(8, 4, 3, oiio.FLOAT))
+        oiio.ImageBufAlgo.fill(sky, (2.0, 2.0, 2.0))
+        self.assertTrue(sky.write(str(folder / "sky.exr")), sky.geterror())
+        [job] = json_lines(self.run_ok("render", a_triangle(folder / "sky", glb=True), *SMALL, "--environment",
+                                       folder / "sky.exr", "--environment-scale", 3, "--json"))
+        self.assertTrue(job["request"]["environment"]["image"].startswith("image:"))
+        self.assertEqual(job["request"]["environment"]["scale"], 3)
+        self.assertEqual(job["state"], "succeeded")
+
+    def test_an_image_that_cannot_be_written_here(self):
+        result = self.run_for(LOCAL_FILE, "render", "furnace", *SMALL, "-o", folder / "no such folder" / "a.exr")
+        self.assertIn("no such folder/a.exr", result.stderr)
+
+
+class Waiting(Case):
+    """Jobs that would take a minute: stopping to watch is not stopping to render."""
+
+    LONG = ["render", "cornell-box", "--width", "32", "--height", "32", "--seconds", "60"]
+
+    def start_long(self, *more):
+        process = subprocess.Popen([PHOTONCTL, *self.LONG, *more], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                                   cwd=folder, env=environment())
+        self.addCleanup(process.stdout.close)
+        self.addCleanup(process.stderr.close)
+        line = process.stderr.readline()
+        while "running" not in line:
+            self.assertTrue(line, "ended before the job ran")
+            line = process.stderr.readline()
+        job = line.split()[0]
+        self.addCleanup(daemon.request, "DELETE", f"/v1/jobs/{job}")
+        return process, job
+
+    def test_an_interrupt_leaves_the_job_running(self):
+        process, job = self.start_long()
+        process.send_signal(signal.SIGINT)
+        self.assertEqual(process.wait(30), INTERRUPTED)
+        self.assertIn(f"photonctl jobs watch {job}", process.stderr.read())
+        self.assertEqual(daemon.job(job)["state"], "running")
+
+    def test_an_interrupt_cancels_where_asked_to_and_keeps_what_was_rendered(self):
+        process, job = self.start_long("--cancel-on-interrupt", "-o", "interrupted.exr")
+        daemon_job = daemon.job(job)
+        while daemon_job["passes_done"] == 0:
+            time.sleep(0.02)
+            daemon_job = daemon.job(job)
+        process.send_signal(signal.SIGINT)
+        self.assertEqual(process.wait(30), CANCELLED)
+        self.assertEqual(daemon.job(job)["state"], "cancelled")
+        self.assertTrue((folder / "interrupted.exr").read_bytes().startswith(b"\x76\x2f\x31\x01"))
+
+    def test_a_timeout_leaves_the_job_running(self):
+        result = self.run_for(TIMED_OUT, *self.LONG, "--timeout", "0.5", "--label", "timeout=1")
+        job = daemon.request("GET", "/v1/jobs?label=timeout%3D1").json["items"][0]
+        self.addCleanup(daemon.request, "DELETE", f"/v1/jobs/{job['id']}")
+        self.assertIn(job["state"], ("queued", "running"))
+        self.assertIn(job["id"], result.stderr)
+
+    def test_commands_on_jobs(self):
+        job = self.run_ok(*self.LONG, "--no-wait", "--label", "commands=1").stdout.strip()
+        self.addCleanup(daemon.request, "DELETE", f"/v1/jobs/{job}")
+        [listed] = json_lines(self.run_ok("jobs", "list", "--label", "commands=1", "--json"))
+        self.assertEqual(listed["id"], job)
+        self.run_for(REFUSED, "jobs", "retry", job)  # it is neither failed nor cancelled
+        self.run_ok("jobs", "cancel", job)
+        watched = self.run_for(CANCELLED, "jobs", "watch", job, "--json")
+        self.assertEqual(json_lines(watched)[-1]["state"], "cancelled")
+        self.assertIn("cornell-box", self.run_ok("jobs", "show", job).stdout)
+        self.run_ok("jobs", "retry", job)
+        self.assertIn(daemon.job(job)["state"], ("queued", "running"))
+        self.run_ok("jobs", "cancel", job)
+        daemon.wait_for_job(job)
+        self.run_ok("jobs", "cancel", "--purge", job)
+        self.assertEqual(daemon.request("GET", f"/v1/jobs/{job}").status, 404)
+
+    def test_fetch_saves_image_statistics_and_log(self):
+        [job] = json_lines(self.run_ok("render", "furnace", *SMALL, "--json"))
+        self.run_ok("jobs", "fetch", job["id"])
+        self.assertEqual((folder / f"{job['id']}.exr").read_bytes(),
+                         daemon.request("GET", f"/v1/jobs/{job['id']}/image.exr").body)
+        printed = self.run_ok("jobs", "fetch", job["id"], "--statistics", "-")
+        self.assertEqual(json.loads(printed.stdout), job["statistics"])
+        self.run_ok("jobs", "fetch", job["id"], "--log", folder / "log.txt", "-o", folder / "p.png")
+        self.assertEqual((folder / "log.txt").read_bytes(), daemon.request("GET", f"/v1/jobs/{job['id']}/log.txt").body)
+        self.assertTrue((folder / "p.png").read_bytes().startswith(b"\x89PNG"))
+
+
+class Scenes(Case):
+    def test_every_form_of_a_scene_can_be_added(self):
+        gltf = a_triangle(folder / "forms")
+        with zipfile.ZipFile(folder / "forms.zip", "w") as packed:
+            packed.write(gltf, "triangle.gltf")
+            packed.write(gltf.parent / "data of it" / "triangle.bin", "data of it/triangle.bin")
+        for path in (gltf, gltf.parent, folder / "forms.zip", a_triangle(folder / "binary", glb=True)):
+            with self.subTest(path=path.name):
+                [scene] = json_lines(self.run_ok("scenes", "add", path, "--name", f"form-{path.name}", "--json"))
+                self.assertEqual(scene["triangles"], 1)
+                self.assertEqual(scene, daemon.request("GET", f"/v1/scenes/{scene['id']}").json)
+
+    def test_a_scene_sent_twice_is_the_same_scene(self):
+        path = a_triangle(folder / "twice", glb=True)
+        first = self.run_ok("scenes", "add", path, "--json")
+        second = self.run_ok("scenes", "add", path, "--json")
+        self.assertEqual(json_lines(first)[0]["id"], json_lines(second)[0]["id"])
+        self.assertIn("known already", second.stderr)
+
+    def test_show_list_remove(self):
+        path = a_triangle(folder / "removed")
+        [scene] = json_lines(self.run_ok("scenes", "add", path, "--name", "to-remove", "--json"))
+        self.assertIn(scene["id"], {item["id"] for item in json_lines(self.run_ok("scenes", "list", "--json"))})
+        self.assertIn(scene["id"], self.run_ok("scenes", "show", scene["id"]).stdout)
+        self.run_ok("scenes", "remove", scene["id"])
+        self.run_for(REFUSED, "scenes", "show", scene["id"])
+        self.run_for(REFUSED, "scenes", "remove", scene["id"])
+
+    def test_what_a_gltf_lacks_is_named_before_anything_is_sent(self):
+        missing = a_triangle(folder / "missing", buffer_uri="gone.bin")
+        self.assertIn("gone.bin", self.run_for(USAGE, "scenes", "add", missing).stderr)
+        outside = a_triangle(folder / "outside", buffer_uri="../missing/triangle.gltf")
+        self.assertIn("outside", self.run_for(USAGE, "scenes", "add", outside).stderr)
+        self.assertIn("not a JSON object", self.run_for(USAGE, "scenes", "add", self.broken("broken.gltf")).stderr)
+        self.run_for(USAGE, "scenes", "add", folder / "not there.glb")
+
+    def test_faults_the_daemon_finds_are_printed(self):
+        result = self.run_for(REFUSED, "scenes", "add", self.broken("broken.glb"), "--json")
+        [failure] = json_lines(result)
+        self.assertEqual(failure["failure"]["exit_code"], REFUSED)
+        self.assertEqual(failure["failure"]["problem"]["status"], 422)
+
+    def broken(self, name):
+        (folder / name).write_bytes(b"this is no scene")
+        return folder / name
+
+
+class HelpAndChecks(Case):
+    def test_help_lists_the_parameters_the_daemon_declares(self):
+        text = re.sub(r"\s+", " ", self.run_ok("render", "--method", "path_tracing", "--help").stdout)
+        properties = daemon.request("GET", "/v1/methods/path_tracing").json["parameters"]["properties"]
+        self.assertTrue(properties)
+        for name, schema in properties.items():
+            self.assertIn("--" + name.replace("_", "-"), text)
+            self.assertIn(re.sub(r"\s+", " ", schema["description"]), text)
+        self.assertIn("standard_error", text)  # a layer, from the job's schema
+
+    def test_help_works_without_a_daemon(self):
+        text = self.run_ok("render", "--help", PHOTOND_URL="http://127.0.0.1:1").stdout
+        self.assertIn("--passes", text)
+
+    def test_values_are_checked_against_the_schema(self):
+        for arguments, words in (
+                (["--indirect-bounces", "-1"], ["indirect_bounces", "-1", "outside"]),
+                (["--set", "indirect_bounces=two"], ["two", "whole number"]),
+                (["--set", "sampler=sobbol"], ["sobbol", "sobol", "random"]),
+                (["--set", "indirect_bouncs=2"], ["did you mean indirect_bounces"]),
+                (["--indirect-bouncs", "2"], ["did you mean --indirect-bounces"]),
+                (["--method", "path_trcing"], ["did you mean path_tracing"]),
+                (["--label", "novalue"], ["KEY=VALUE"]),
+                (["-o", "image.tiff"], [".exr", ".png"]),
+                (["--eye", "0,0,1"], ["--target"])):
+            with self.subTest(arguments=arguments):
+                result = self.run_for(USAGE, "render", "cornell-box", *SMALL, *arguments)
+                for word in words:
+                    self.assertIn(word, result.stderr)
+        self.assertIn("did you mean watch", self.run_for(USAGE, "jobs", "wacth", "J1").stderr)
+
+    def test_every_fault_the_daemon_finds_is_printed_with_its_place(self):
+        body = {"scene": "cornell-box", "image": {"width": 0, "height": 8, "filtr": "box"},
+                "method": {"name": "path_tracing"}, "stop": {"passes": 1}}
+        result = self.run_for(REFUSED, "render", "--request", "-", "--json", input=json.dumps(body))
+        problem = json_lines(result)[0]["failure"]["problem"]
+        self.assertGreaterEqual(len(problem["errors"]), 2)
+        for fault in problem["errors"]:
+            self.assertIn(fault["pointer"], result.stderr)
+            self.assertIn(fault["detail"], result.stderr)
+
+    def test_catalogue(self):
+        listed = json_lines(self.run_ok("methods", "--json"))
+        self.assertEqual(listed, daemon.request("GET", "/v1/methods").json["items"])
+        self.assertIn("indirect_bounces", self.run_ok("methods", "path_tracing").stdout)
+        self.run_for(REFUSED, "methods", "path_trcing")
+        self.assertEqual(json_lines(self.run_ok("devices", "--json")), daemon.request("GET", "/v1/devices").json["items"])
+        self.assertIn("version", self.run_ok("status").stdout)
+
+
+class Completion(Case):
+    def bash(self, line):
+        """What bash would offer after `line`."""
+        words = re.findall(r"[=:]|[^ =:]+", line) + ([""] if line[-1] == " " else [])
+        script = (f'source <("{PHOTONCTL}" completion bash); compopt() {{ :; }}; COMP_LINE="$1"; COMP_POINT=${{#1}}; shift; '
+                  'COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _photonctl; printf "%s\\n" "${COMPREPLY[@]}"')
+        result = subprocess.run(["bash", "-c", script, "bash", line, *words], capture_output=True, text=True, timeout=60,
+                                cwd=folder, env=environment(PATH=f"{BIN}:{os.environ['PATH']}"))
+        self.assertEqual(result.stderr, "")
+        return result.stdout.split()
+
+    def test_commands_options_and_words(self):
+        self.assertIn("render", self.bash("photonctl "))
+        self.assertEqual(self.bash("photonctl jobs wa"), ["watch"])
+        self.assertEqual(self.bash("photonctl render --indirect-b"), ["--indirect-bounces"])
+        self.assertEqual(self.bash("photonctl render --precision "), ["half", "float"])
+        self.assertEqual(self.bash("photonctl jobs list --state=fai"), ["failed"])
+        self.assertNotIn("complete", self.bash("photonctl co"))  # hidden
+
+    def test_what_the_daemon_knows(self):
+        [job] = json_lines(self.run_ok("render", "furnace", *SMALL, "--json"))
+        self.assertIn("cornell-box-glass", self.bash("photonctl render cornell-box-g"))
+        self.assertEqual(self.bash("photonctl render --method path"), ["path_tracing"])
+        self.assertIn(job["id"], self.bash("photonctl jobs show "))
+        self.assertEqual(self.bash("photonctl render --set sampler=so"), ["sobol"])
+        self.assertEqual(self.bash("photonctl render cornell-box --camera "), ["camera"])
+        self.assertEqual(self.bash("photonctl render --layers albedo,no"), ["albedo,normal"])
+        (folder / "completed.glb").write_bytes(b"")
+        self.assertIn("completed.glb", self.bash("photonctl render comp"))
+
+    def test_nothing_is_offered_and_nothing_hangs_without_a_daemon(self):
+        result = photonctl("complete", "--words", "photonctl", "jobs", "show", "", PHOTOND_URL="http://127.0.0.1:1")
+        self.assertEqual((result.returncode, result.stdout, result.stderr), (OK, "", ""))
+
+    def test_scripts_for_the_other_shells_call_the_same_command(self):
+        for shell in ("zsh", "fish"):
+            self.assertIn("photonctl complete --words", self.run_ok("completion", shell).stdout)
+
+
+class Doctor(Case):
+    def test_a_healthy_daemon(self):
+        checks = {row["check"]: row for row in json_lines(self.run_ok("doctor", "--render", "--json"))}
+        for name in ("daemon", "access", "ready", "version", "device cpu", "methods", "render", "photond", "photond-worker"):
+            self.assertEqual(checks[name]["state"], "ok", checks[name])
+        self.assertTrue(all(row["fix"] for row in checks.values() if row["state"] != "ok"), checks)
+
+    def test_no_daemon(self):
+        result = self.run_for(UNREACHABLE, "doctor", PHOTOND_URL="http://127.0.0.1:1")
+        self.assertRegex(result.stdout, r"fail +daemon")
+        self.assertIn("-> ", result.stdout)
+
+    def test_unreachable_is_its_own_exit_code_with_a_hint(self):
+        result = self.run_for(UNREACHABLE, "status", "--server", "http://127.0.0.1:1")
+        self.assertIn("--server", result.stderr)
+        self.run_for(USAGE, "status", "--server", "127.0.0.1:1")
+
+
+class Tokens(Case):
+    def test_tokens_come_from_the_environment_or_a_file(self):
+        made = subprocess.run([str(BIN / "photond"), "--new-token", "tester:write"], capture_output=True, text=True, check=True)
+        token = re.search(r"[^\s:]{40,}", made.stdout)[0]
+        line = re.search(r"tester write sha256:\w+", made.stdout)[0]
+        tokens = folder / "tokens"
+        tokens.write_text(line + "\n")
+        tokens.chmod(0o600)
+        (folder / "token").write_text(token + "\n")
+        with Daemon("--tokens", tokens) as guarded:
+            url = f"http://127.0.0.1:{guarded.port}"
+            self.assertIn("401", self.run_for(REFUSED, "methods", "--json", PHOTOND_URL=url).stdout)
+            self.run_for(REFUSED, "methods", PHOTOND_URL=url, PHOTOND_TOKEN="wrong")
+            self.run_ok("methods", PHOTOND_URL=url, PHOTOND_TOKEN=token)
+            self.run_ok("methods", "--token-file", folder / "token", PHOTOND_URL=url)
+            self.run_for(USAGE, "methods", "--token-file", folder / "none", PHOTOND_URL=url)
+
+
+class BadWeather(http.server.ThreadingHTTPServer):
+    """A proxy before the daemon. `faults`: list of (method, path's pattern, what), each used once, what being a status
+    ("503", with Retry-After), "drop" (carried out, answer lost), "cut" (the first event, then the end) or "gone" (404)."""
+
+    def __init__(self, faults):
+        super().__init__(("127.0.0.1", 0), Forwarder)
+        self.faults = list(faults)
+        self.lock = threading.Lock()
+        self.seen = []  # (method, path, headers)
+
+    def fault_for(self, method, path):
+        with self.lock:
+            for fault in self.faults:
+                if fault[0] == method and re.search(fault[1], path):
+                    self.faults.remove(fault)
+                    return fault[2]
+        return None
+
+    def __enter__(self):
+        threading.Thread(target=self.serve_forever, daemon=True).start()
+        return self
+
+    def __exit__(self, *_):
+        self.shutdown()
+        self.server_close()
+
+
+class Forwarder(http.server.BaseHTTPRequestHandler):
+    protocol_version = "HTTP/1.0"  # one request a connection
+
+    def log_message(self, *_):
+        pass
+
+    def forward(self):
+        body = self.rfile.read(int(self.headers.get("Content-Length", 0)))
+        self.server.seen.append((self.command, self.path, dict(self.headers)))
+        fault = self.server.fault_for(self.command, self.path)
+        if fault in ("503", "429", "404"):
+            self.send_response(int(fault))
+            self.send_header("Retry-After", "1")
+            self.end_headers()
+            return
+        headers = {k: v for k, v in self.headers.items() if k not in ("Host", "Connection")}
+        upstream = urllib.request.Request(server_url() + self.path, data=body or None, headers=headers, method=self.command)
+        try:
+            reply = urllib.request.urlopen(upstream, timeout=60)
+        except urllib.error.HTTPError as refusal:
+            reply = refusal
+        with reply:
+            if fault == "drop":
+                reply.read()
+                self.connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+                self.close_connection = True
+                self.connection.shutdown(socket.SHUT_RDWR)
+                return
+            self.send_response(reply.status)
+            for name, value in reply.headers.items():
+                if name.lower() not in ("connection", "transfer-encoding", "date", "server"):
+                    self.send_header(name, value)
+            self.end_headers()
+            while piece := reply.read1(65536):
+                try:
+                    self.wfile.write(piece)
+                except OSError:
+                    return
+                if fault == "cut" and b"data:" in piece:
+                    return
+
+    do_GET = do_POST = do_DELETE = forward
+
+
+class Weather(Case):
+    def through(self, faults, code, *arguments):
+        with BadWeather(faults) as proxy:
+            result = self.run_for(code, *arguments, PHOTOND_URL=f"http://127.0.0.1:{proxy.server_port}")
+            self.assertEqual(proxy.faults, [], "not every fault was met")
+            return result, proxy.seen
+
+    def labelled(self, label):
+        return daemon.request("GET", "/v1/jobs?label=" + label.replace("=", "%3D")).json["items"]
+
+    def test_a_submission_whose_answer_was_lost_is_one_job(self):
+        _, seen = self.through([("POST", "^/v1/jobs$", "drop"), ("POST", "^/v1/jobs$", "drop")], OK, "render", "furnace",
+                               *SMALL, "--label", "lost=1")
+        submissions = [headers["Idempotency-Key"] for method, path, headers in seen if method == "POST"]
+        self.assertEqual(len(submissions), 3)
+        self.assertEqual(len(set(submissions)), 1)
+        self.assertEqual(len(self.labelled("lost=1")), 1)
+
+    def test_busy_answers_are_waited_out(self):
+        begun = time.monotonic()
+        _, seen = self.through([("GET", "methods", "503"), ("POST", "^/v1/jobs$", "429"), ("GET", "image.exr", "503")], OK,
+                               "render", "furnace", *SMALL, "--label", "busy=1", "-o", "busy.exr")
+        self.assertGreaterEqual(time.monotonic() - begun, 3)  # each said Retry-After: 1
+        self.assertEqual(len([1 for method, path, _ in seen if method == "POST"]), 2)
+        self.assertEqual(len(self.labelled("busy=1")), 1)
+
+    def test_no_repeats_where_none_are_wanted(self):
+        result, seen = self.through([("GET", "methods", "503")], REFUSED, "--retry-seconds", 0, "methods", "--json")
+        self.assertEqual(len(seen), 1)
+        self.assertEqual(json_lines(result)[0]["failure"]["problem"]["status"], 503)
+
+    def test_a_refusal_is_not_repeated(self):
+        _, seen = self.through([("GET", "methods", "404")], REFUSED, "methods")
+        self.assertEqual(len(seen), 1)
+
+    def test_a_retry_that_may_have_been_carried_out_is_not_repeated(self):
+        job = self.run_ok("render", "cornell-box", "--width", 32, "--height", 32, "--seconds", 60, "--no-wait").stdout.strip()
+        self.addCleanup(daemon.request, "DELETE", f"/v1/jobs/{job}")
+        daemon.request("DELETE", f"/v1/jobs/{job}")
+        daemon.wait_for_job(job)
+        _, seen = self.through([("POST", "/retry$", "drop")], UNREACHABLE, "jobs", "retry", job)
+        self.assertEqual(len(seen), 1)
+
+    def test_a_download_that_breaks_off_is_whole_in_the_end(self):
+        [job] = json_lines(self.run_ok("render", "furnace", *SMALL, "--json"))
+        self.through([("GET", "image.exr", "drop")], OK, "jobs", "fetch", job["id"], "-o", "whole.exr")
+        self.assertEqual((folder / "whole.exr").read_bytes(), daemon.request("GET", f"/v1/jobs/{job['id']}/image.exr").body)
+
+    def watch(self, faults):
+        """Watches a job of a second or so through `faults`."""
+        job = self.run_ok("render", "cornell-box", "--width", 32, "--height", 32, "--seconds", 1.5, "--no-wait").stdout.strip()
+        _, seen = self.through(faults, OK, "jobs", "watch", job)
+        self.assertEqual(daemon.job(job)["state"], "succeeded")
+        return [headers for method, path, headers in seen if path.endswith("/events")]
+
+    def test_a_broken_event_stream_is_taken_up_where_it_broke(self):
+        streams = self.watch([("GET", "/events$", "cut")])
+        self.assertGreaterEqual(len(streams), 2)
+        self.assertNotIn("Last-Event-ID", streams[0])
+        self.assertTrue(streams[1]["Last-Event-ID"].isdigit())
+
+    def test_without_event_streams_the_job_is_asked_again_and_again(self):
+        self.assertEqual(len(self.watch([("GET", "/events$", "404")] * 3)), 3)
+
+
+if __name__ == "__main__":
+    unittest.main()
