@@ -77,8 +77,8 @@ void Service::Impl::commit_state(JobRow& row, const std::string& log_line, const
     Event event = state_event(row);
     auto transaction = store.transaction();
     store.update_job(row);
-    store.append_log(row.seq, now_ms(), log_line);
     if (more) more();
+    store.append_log(row.seq, now_ms(), log_line);
     const uint64_t reserved = reserve_event_ids(1);
     store.insert_event(event, row.seq);
     transaction.commit();
@@ -324,7 +324,7 @@ void Service::Impl::record_result(const RunningAttempt& attempt, const json& mes
         const json lines = message.value("log", json::array());
         for (size_t i = 0; i < lines.size() && i < kMaxLogLines; ++i)
             if (lines[i].is_string())
-                store.append_log(row.seq, *row.started_ms, lines[i].get<std::string>().substr(0, kMaxLogLineBytes));
+                store.append_log(row.seq, now_ms(), lines[i].get<std::string>().substr(0, kMaxLogLineBytes));
     });
     if (!old_film.empty() && old_film != row.film) remove_quietly(files.films / old_film);
     artefacts.forget("job/" + std::to_string(row.seq) + "/");

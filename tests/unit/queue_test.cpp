@@ -1,0 +1,62 @@
+// The order of waiting jobs, and what a lost attempt leads to.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <vector>
+
+#include "server/queue/job_queue.h"
+#include "server/queue/retry_policy.h"
+
+namespace photond {
+namespace {
+
+TEST(JobQueue, HigherPriorityFirstThenFirstComeFirstServed) {
+    struct Item {
+        int64_t seq;
+        int priority;
+    };
+    std::vector<Item> items;
+    for (int64_t seq = 1; seq <= 500; ++seq) items.push_back({seq, static_cast<int>(seq * 37 % 11) - 5});
+    std::vector<Item> expected = items;
+    std::stable_sort(expected.begin(), expected.end(), [](auto& a, auto& b) { return a.priority > b.priority; });
+    std::shuffle(items.begin(), items.end(), std::mt19937(1));
+
+    JobQueue queue;
+    for (const Item& item : items) queue.push(item.seq, item.priority, "cpu");
+    for (const Item& item : items) queue.push(item.seq, 100, "gpu:0");  // there already: nothing happens
+    EXPECT_EQ(queue.size(), items.size());
+    for (const Item& item : expected) {
+        ASSERT_EQ(queue.front("cpu"), item.seq);
+        ASSERT_TRUE(queue.remove(item.seq));
+    }
+    EXPECT_FALSE(queue.front("cpu"));
+    EXPECT_EQ(queue.size(), 0u);
+}
+
+TEST(JobQueue, DevicesDoNotWaitForEachOther) {
+    JobQueue queue;
+    queue.push(1, 100, "cpu");
+    queue.push(2, 0, "gpu:0");
+    EXPECT_EQ(queue.front("gpu:0"), 2);
+    EXPECT_EQ(queue.front("cpu"), 1);
+    EXPECT_FALSE(queue.front("gpu:1"));
+    EXPECT_FALSE(queue.remove(3));
+}
+
+TEST(RetryPolicy, FollowsTheProtocol) {
+    // Lost through no fault of its own: at most two further attempts.
+    EXPECT_FALSE(failure_after(AttemptEnd::Lost, 1, 0));
+    EXPECT_FALSE(failure_after(AttemptEnd::Lost, 2, 1));
+    EXPECT_EQ(failure_after(AttemptEnd::Lost, 3, 0), ErrorCode::WorkerLost);
+    // By its own signal: once more.
+    EXPECT_FALSE(failure_after(AttemptEnd::Crashed, 2, 1));
+    EXPECT_EQ(failure_after(AttemptEnd::Crashed, 0, 2), ErrorCode::WorkerCrashed);
+    // At once.
+    EXPECT_EQ(failure_after(AttemptEnd::OutOfMemory, 0, 0), ErrorCode::OutOfMemory);
+    EXPECT_EQ(failure_after(AttemptEnd::NoSpace, 0, 0), ErrorCode::NoSpace);
+    EXPECT_EQ(failure_after(AttemptEnd::TimedOut, 0, 0), ErrorCode::TimedOut);
+}
+
+}  // namespace
+}  // namespace photond
