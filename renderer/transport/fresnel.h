@@ -22,6 +22,7 @@ struct DielectricFresnel {
 
 /// Exact Fresnel equations. `eta`: index of the far medium over that of wo's medium; 0 reflects everything.
 inline DielectricFresnel fresnel_dielectric(float cos_o, float eta) {
+    if (eta == 1.0f) return {0.0f, cos_o};  // no interface, and no rounding that makes one
     const float sin2_t = (1.0f - sqr(cos_o)) / sqr(eta);
     if (!(sin2_t < 1.0f)) return {};  // NaN (eta = 0 at normal incidence) too
     const float cos_t = std::sqrt(1.0f - std::max(0.0f, sin2_t));

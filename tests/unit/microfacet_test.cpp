@@ -1,0 +1,215 @@
+// Identities of Fresnel, refraction and the GGX distribution, and reciprocity of whole BSDFs.
+
+#include "renderer/transport/microfacet.h"
+
+#include <gtest/gtest.h>
+
+#include "renderer/core/rng.h"
+#include "renderer/transport/bsdf.h"
+#include "renderer/transport/fresnel.h"
+
+namespace photond {
+namespace {
+
+vec3 random_direction(RandomStream& random) {
+    vec3 w = sample_cosine_hemisphere(random.next_2d());
+    if (random.next() < 0.2f) w = glm::normalize(vec3(w.x, w.y, 0.02f * w.z));  // grazing
+    return w;
+}
+
+TEST(Fresnel, KnownAngles) {
+    EXPECT_FLOAT_EQ(fresnel_dielectric(1.0f, 1.5f).reflectance, 0.04f);
+    EXPECT_FLOAT_EQ(normal_reflectance(1.5f), 0.04f);
+    EXPECT_NEAR(fresnel_dielectric(1e-4f, 1.5f).reflectance, 1, 1e-3);
+    EXPECT_EQ(fresnel_dielectric(0.3f, 1.0f).reflectance, 0);  // no interface
+    EXPECT_EQ(fresnel_dielectric(1.0f, 0.0f).reflectance, 1);
+    // Brewster's angle, tan = eta: only the perpendicular part is left, ((eta^2 - 1) / (eta^2 + 1))^2 / 2.
+    const float brewster = std::cos(std::atan(1.5f));
+    EXPECT_NEAR(fresnel_dielectric(brewster, 1.5f).reflectance, 0.5f * sqr(1.25f / 3.25f), 1e-6);
+    // Total reflection begins at sin = eta.
+    const float critical = std::sqrt(1 - 1 / sqr(1.5f));
+    EXPECT_EQ(fresnel_dielectric(critical - 1e-3f, 1 / 1.5f).reflectance, 1);
+    EXPECT_LT(fresnel_dielectric(critical + 1e-3f, 1 / 1.5f).reflectance, 1);
+}
+
+TEST(Fresnel, BothSidesAgreeAndRefractionRunsBack) {
+    RandomStream random(1, RandomDomain::Test, 0, 0);
+    for (int i = 0; i < 2000; ++i) {
+        const float eta = 1.0f + 1.5f * random.next();
+        const vec3 wo = random_direction(random), h(0, 0, 1);
+        const DielectricFresnel in = fresnel_dielectric(wo.z, eta);
+        ASSERT_GT(in.cos_t, 0);
+        const vec3 wi = refract_direction(wo, h, wo.z, in.cos_t, eta);
+        ASSERT_NEAR(glm::length(wi), 1, 2e-6);
+        ASSERT_NEAR(std::hypot(wi.x, wi.y) * eta, std::hypot(wo.x, wo.y), 1e-6);  // Snell
+        const DielectricFresnel out = fresnel_dielectric(-wi.z, 1 / eta);
+        ASSERT_NEAR(out.reflectance, in.reflectance, 2e-5 + 1e-3 * in.reflectance);
+        const vec3 back = refract_direction(wi, -h, -wi.z, out.cos_t, 1 / eta);
+        ASSERT_NEAR(glm::distance(back, wo), 0, 2e-4);  // a grazing cosine returns from a rounded sine
+    }
+}
+
+// int D cos dh = 1, and the visible normals' projected area is that of the surface: int G1(w) D (w.h)+ dh = cos(w)
+// [Heitz 2014, Eq. 4 and 22], for every width.
+TEST(Ggx, DistributionsAreNormalised) {
+    for (const float alpha : {1e-4f, 1e-3f, 0.03f, 0.3f, 1.0f}) {
+        const Ggx ggx{alpha};
+        for (const float cosine : {1.0f, 0.6f, 0.1f}) {
+            const vec3 w(std::sqrt(1 - cosine * cosine), 0, cosine);
+            double area = 0, visible = 0;
+            constexpr int kRings = 2000, kSteps = 64;
+            const double range = std::log1p(1e5);
+            for (int i = 0; i < kRings; ++i) {
+                const double s = std::expm1((i + 0.5) / kRings * range), t = s * static_cast<double>(alpha);
+                const double cos_h = 1 / std::sqrt(1 + t * t);
+                const double ring = cos_h * cos_h * cos_h * t * static_cast<double>(alpha) * (1 + s) * range / kRings;
+                for (int j = 0; j < kSteps; ++j) {
+                    const double phi = 2 * M_PI * (j + 0.5) / kSteps, solid_angle = ring * 2 * M_PI / kSteps;
+                    const vec3 h(dvec3(t * cos_h * std::cos(phi), t * cos_h * std::sin(phi), cos_h));
+                    area += static_cast<double>(ggx.d(h) * h.z) * solid_angle;
+                    visible += static_cast<double>(ggx.visible_pdf(w, h)) * solid_angle;
+                }
+            }
+            EXPECT_NEAR(area, 1, 1e-3) << alpha;
+            EXPECT_NEAR(visible, 1, 3e-3) << alpha << " " << cosine;
+        }
+    }
+}
+
+TEST(Ggx, NothingBreaksAtGrazingAngles) {
+    RandomStream random(2, RandomDomain::Test, 0, 0);
+    for (const float alpha : {1e-4f, 0.01f, 1.0f})
+        for (const float cosine : {1e-7f, 1e-4f, 1.0f}) {
+            const Ggx ggx{alpha};
+            const vec3 wo(std::sqrt(1 - cosine * cosine), 0, cosine);
+            for (int i = 0; i < 1000; ++i) {
+                const vec2 u = i == 0 ? vec2(0) : i == 1 ? vec2(0x1.fffffep-1f) : random.next_2d();
+                const vec3 h = ggx.sample_visible(wo, u);
+                ASSERT_TRUE(h.z > 0 && std::isfinite(h.x) && std::fabs(glm::length(h) - 1) < 1e-5f);
+                ASSERT_TRUE(std::isfinite(ggx.visible_pdf(wo, h)));
+            }
+        }
+}
+
+/// f seen from the other side: directions and the index turned about.
+Bsdf::Parameters from_other_side(Bsdf::Parameters p) {
+    p.eta = 1 / p.eta;
+    return p;
+}
+vec3 turned(const vec3& w) { return {w.x, w.y, -w.z}; }
+
+void expect_equal(const Rgb& a, const Rgb& b, double tolerance, const std::string& what) {
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(a[c], b[c], tolerance * (1e-3 + std::fabs(b[c]))) << what;
+}
+
+TEST(BsdfReciprocity, ReflectionIsSymmetricAndRefractionScalesWithTheIndex) {
+    RandomStream random(3, RandomDomain::Test, 0, 0);
+    Bsdf::Parameters p;
+    p.base_color = Rgb(0.9f, 0.4f, 0.1f);
+    p.specular_color = Rgb(1, 0.3f, 2);
+    for (const float roughness : {0.05f, 0.3f, 1.0f})
+        for (const float metallic : {0.0f, 0.4f, 1.0f})
+            for (const float transmission : {0.0f, 0.5f, 1.0f})
+                for (const bool solid : {false, true}) {
+                    p.roughness = roughness, p.metallic = metallic, p.transmission = transmission, p.solid = solid;
+                    const Bsdf bsdf = Bsdf::layered(p), other = Bsdf::layered(from_other_side(p));
+                    const std::string what = testing::PrintToString(roughness) + " " +
+                                             testing::PrintToString(metallic) + " " +
+                                             testing::PrintToString(transmission);
+                    // Half-vectors of float directions: relative error of a narrow lobe some 1e-7 / alpha.
+                    const double tolerance = 2e-5 + 2e-6 / static_cast<double>(sqr(roughness));
+                    for (int i = 0; i < 200; ++i) {
+                        const vec3 wo = random_direction(random), wi = random_direction(random);
+                        expect_equal(bsdf.f_cos(wo, wi) / wi.z, bsdf.f_cos(wi, wo) / wo.z, tolerance, what);
+                        // f*(wo, wi) of importance is f(wi, wo) of radiance, and f / eta^2 is symmetric [Veach
+                        // 1997, 5.14].
+                        const BsdfSample s = bsdf.sample(wo, random.next(), random.next_2d());
+                        if (!s.valid() || s.delta || !s.transmission) continue;
+                        const Rgb importance = bsdf.f_cos(wo, s.wi, TransportMode::Importance) / std::fabs(s.wi.z);
+                        const Rgb radiance = bsdf.f_cos(wo, s.wi, TransportMode::Radiance) / std::fabs(s.wi.z);
+                        const Rgb back = other.f_cos(turned(s.wi), turned(wo), TransportMode::Radiance) / wo.z;
+                        expect_equal(back, importance, 1e-3 + 20 * tolerance, what + " adjoint");
+                        expect_equal(radiance * (solid ? sqr(p.eta) : 1.0f), importance, 1e-5, what + " index");
+                    }
+                }
+}
+
+TEST(Bsdf, NothingIsNanFromMirrorToMattAndGrazing) {
+    RandomStream random(4, RandomDomain::Test, 0, 0);
+    for (const float roughness : {0.0f, 0.0099f, 0.01f, 0.02f, 0.1f, 0.5f, 1.0f})
+        for (const float eta : {0.0f, 1 / 1.5f, 1 - 1e-6f, 1.0f, 1 + 1e-6f, 1.001f, 1.5f, 2.4f})
+            for (const float mix : {0.0f, 0.5f, 1.0f})
+                for (const float cosine : {1e-6f, 1e-3f, 0.5f, 1.0f}) {
+                    const Bsdf bsdf = Bsdf::layered({.metallic = 0.3f * mix,
+                                                     .roughness = roughness,
+                                                     .transmission = mix,
+                                                     .solid = true,
+                                                     .eta = eta});
+                    const vec3 wo(0, std::sqrt(1 - cosine * cosine), cosine);
+                    for (int i = 0; i < 50; ++i) {
+                        const BsdfSample s = bsdf.sample(wo, random.next(), random.next_2d());
+                        ASSERT_TRUE(is_finite(s.weight) && std::isfinite(s.pdf_sa) && s.pdf_sa >= 0);
+                        ASSERT_TRUE(s.weight.x >= 0 && s.weight.y >= 0 && s.weight.z >= 0);
+                        const vec3 wi = random_direction(random) * (i % 2 ? 1.0f : -1.0f);
+                        const BsdfValue value = bsdf.evaluate(wo, wi);
+                        ASSERT_TRUE(is_finite(value.f_cos) && std::isfinite(value.pdf_sa) && value.pdf_sa >= 0);
+                        ASSERT_TRUE(value.f_cos.x >= 0 && value.f_cos.y >= 0 && value.f_cos.z >= 0);
+                    }
+                }
+}
+
+TEST(Bsdf, AnIndexOfOneIsInvisible) {
+    for (const float roughness : {0.0f, 0.3f, 1.0f}) {
+        const Bsdf solid =
+            Bsdf::layered({.roughness = roughness, .ior = 1.0f, .transmission = 1, .solid = true, .eta = 1.0f});
+        EXPECT_FALSE(solid.has_non_delta());
+        for (const float u : {0.0f, 0.5f, 0.999f}) {
+            const vec3 wo = glm::normalize(vec3(0.8f, -0.3f, 0.1f));
+            const BsdfSample s = solid.sample(wo, u, vec2(u, 0.3f));
+            ASSERT_TRUE(s.valid() && s.delta && s.transmission);
+            EXPECT_EQ(s.wi, -wo);
+            EXPECT_EQ(s.weight, Rgb(1));
+        }
+    }
+    const Bsdf sheet = Bsdf::layered({.roughness = 0, .ior = 1.0f, .transmission = 1});
+    const vec3 wo = glm::normalize(vec3(0.8f, -0.3f, 0.01f));
+    const BsdfSample s = sheet.sample(wo, 0.5f, vec2(0.5f));
+    EXPECT_NEAR(glm::distance(s.wi, -wo), 0, 1e-6);
+    EXPECT_NEAR(s.weight.x, 1, 1e-5);
+}
+
+TEST(Bsdf, NoSpecularIsPlainLambert) {
+    const Rgb rho(0.7f, 0.2f, 0.1f);
+    const Bsdf plain = Bsdf::lambert(vec3(0, 0, 1), rho);
+    const Bsdf layered = Bsdf::layered({.base_color = rho, .specular = 0});
+    RandomStream random(5, RandomDomain::Test, 0, 0);
+    for (int i = 0; i < 100; ++i) {
+        const vec3 wo = random_direction(random), wi = random_direction(random);
+        expect_equal(layered.f_cos(wo, wi), plain.f_cos(wo, wi), 1e-6, "f");
+        EXPECT_NEAR(layered.pdf_sa(wo, wi), wi.z * kInvPi, 1e-6);
+        EXPECT_FLOAT_EQ(plain.pdf_sa(wo, wi), wi.z * kInvPi);
+        expect_equal(plain.f_cos(wo, wi), rho * (wi.z * kInvPi), 1e-6, "f");
+    }
+    expect_equal(layered.albedo(), rho, 1e-6, "albedo");
+}
+
+// Light may not pass a surface where a shading normal leans: reflection only to the geometric eye side.
+TEST(Bsdf, GeometryDecidesTheSide) {
+    const vec3 geometric = glm::normalize(vec3(0.6f, 0, 0.8f));
+    const vec3 wo = glm::normalize(vec3(0.3f, 0.1f, 0.9f)), behind = glm::normalize(vec3(-0.95f, 0, 0.3f));
+    ASSERT_LT(glm::dot(behind, geometric), 0);
+    for (const float transmission : {0.0f, 1.0f}) {
+        const Bsdf bsdf = Bsdf::layered(
+            {.geometric_normal = geometric, .roughness = 0.8f, .transmission = transmission, .solid = true});
+        EXPECT_TRUE(is_black(bsdf.f_cos(wo, behind)));  // above the shading, below the geometric surface
+        RandomStream random(6, RandomDomain::Test, 0, 0);
+        for (int i = 0; i < 2000; ++i) {
+            const BsdfSample s = bsdf.sample(wo, random.next(), random.next_2d());
+            ASSERT_TRUE(!s.valid() || (glm::dot(s.wi, geometric) < 0) == s.transmission);
+        }
+    }
+    EXPECT_TRUE(is_black(Bsdf::lambert(geometric, Rgb(1)).f_cos(wo, behind)));
+}
+
+}  // namespace
+}  // namespace photond
