@@ -43,7 +43,7 @@ void add_material_needs(const Scene& scene, const Material& material, bool verte
     const float least_metallic = material.metallic * b.min, most_metallic = material.metallic * b.max;
     const float least_roughness = material.roughness * g.min, most_roughness = material.roughness * g.max;
     const bool dielectric = least_metallic < 1;
-    const bool metal = most_metallic > 0 && max_component(material.base_color) > 0;
+    const bool metal = most_metallic > 0;  // a black one too: at grazing angles Schlick's Fresnel term goes to 1
     const bool dielectric_lobe =
         dielectric && material.specular > 0 && channel_range(scene, material.specular_texture, 3).max > 0;
     const float least_transmission = material.transmission * channel_range(scene, material.transmission_texture, 0).min;
@@ -51,7 +51,11 @@ void add_material_needs(const Scene& scene, const Material& material, bool verte
         dielectric && material.transmission > 0 && channel_range(scene, material.transmission_texture, 0).max > 0;
 
     if (metal || dielectric_lobe || transmits) {
-        needs.delta |= least_roughness < kDeltaRoughness;
+        // Rough glass of nearly the index around it bends too little to be told from a delta (bsdf.cpp).
+        constexpr float kDeltaRefraction = 1e-5f;
+        const bool hardly_bends =
+            transmits && material.solid && sqr(least_roughness) * std::fabs(material.ior - 1) < kDeltaRefraction;
+        needs.delta |= least_roughness < kDeltaRoughness || hardly_bends;
         needs.glossy |= most_roughness >= kDeltaRoughness;
     }
     needs.transmission |= transmits;

@@ -176,6 +176,16 @@ TEST(Needs, OfPlainMaterials) {
     EXPECT_TRUE(needs_of(glass).delta);
     EXPECT_FALSE(needs_of(glass).diffuse);
 
+    glass.roughness = 0.5f;
+    EXPECT_FALSE(needs_of(glass).delta);
+    glass.ior = 1;
+    EXPECT_TRUE(needs_of(glass).delta) << "of the index around it: nothing bends";
+
+    Material black_metal;
+    black_metal.base_color = Rgb(0);
+    EXPECT_TRUE(needs_of(black_metal).glossy) << "shines at grazing angles";
+    EXPECT_FALSE(needs_of(black_metal).only_lambert());
+
     Material black = lambert();
     black.base_color = Rgb(0);
     EXPECT_FALSE(needs_of(black).diffuse) << "a black emitter scatters nothing";
