@@ -108,7 +108,7 @@ class WorkerTest(unittest.TestCase):
 
 class HungWorkerTest(unittest.TestCase):
     def test_a_silent_worker_is_replaced(self):
-        with Daemon("--heartbeat-timeout", 2) as daemon:
+        with Daemon("--heartbeat-timeout", 5) as daemon:
             daemon.wait_ready()
             expected = hash_of(daemon.wait_for_job(daemon.submit(small_job(**LONGER))["id"]))
             job_id = daemon.submit(small_job(**LONGER))["id"]
