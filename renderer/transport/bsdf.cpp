@@ -104,7 +104,7 @@ Bsdf::LobeProbabilities Bsdf::lobe_probabilities(const vec3& wo) const {
     const float sum = p.diffuse + p.specular + p.sheet + p.glass;
     if (!(sum > 0)) return {};
     const float scale = 1.0f / sum;
-    return {p.diffuse * scale, p.specular * scale, p.sheet * scale, p.glass * scale};
+    return {p.diffuse * scale, p.specular * scale, p.sheet * scale, p.glass * scale, coat};
 }
 
 BsdfValue Bsdf::evaluate_layered(const vec3& wo, const vec3& wi, TransportMode mode) const {
@@ -130,7 +130,7 @@ BsdfValue Bsdf::evaluate_layered(const vec3& wo, const vec3& wi, TransportMode m
     BsdfValue value;
     if (p.diffuse > 0) {
         // [Kelemen and Szirmay-Kalos 2001, Eq. 4]
-        const Rgb coupling = (Rgb(1) - coat_albedo(wo.z)) * (Rgb(1) - coat_albedo(wi.z));
+        const Rgb coupling = (Rgb(1) - p.coat) * (Rgb(1) - coat_albedo(wi.z));
         value.f_cos = diffuse_ * coupling * (wi.z * kInvPi);
         value.pdf_sa = p.diffuse * wi.z * kInvPi;
     }

@@ -120,12 +120,14 @@ public:
 private:
     enum class Kind : uint8_t { Nothing, Lambert, Layered };
 
-    /// Probability of each lobe to be sampled from wo; they sum to 1, or are all 0 where nothing is scattered.
+    /// Probability of each lobe to be sampled from wo; they sum to 1, or are all 0 where nothing is scattered. And what
+    /// the coat reflects of wo, which they are made of.
     struct LobeProbabilities {
         float diffuse = 0;
         float specular = 0;
         float sheet = 0;
         float glass = 0;
+        Rgb coat{0};
     };
 
     /// Layered lobes; weights by `metallic` and `transmission` are in the colours.
