@@ -22,7 +22,7 @@ public:
 
     size_t left() const { return bytes_.size() - at_; }
     void skip(uint64_t count) {
-        if (count > left()) bad("the image's header is cut short");
+        if (count > left()) bad("the image is cut short");
         at_ += static_cast<size_t>(count);
     }
     uint8_t u8() {
@@ -57,11 +57,20 @@ bool starts_with(std::span<const uint8_t> bytes, std::string_view magic) {
     return bytes.size() >= magic.size() && std::memcmp(bytes.data(), magic.data(), magic.size()) == 0;
 }
 
+/// The chunks are walked to the last one: the decoder loses memory each time it runs into the end of a cut file.
 Size2 png_size(ByteReader in) {
+    constexpr uint32_t kHeader = 0x49484452, kEnd = 0x49454e44;
     in.skip(8);
-    if (in.big(4) != 13 || in.big(4) != 0x49484452u) bad("the PNG does not begin with its header chunk");
+    if (in.big(4) != 13 || in.big(4) != kHeader) bad("the PNG does not begin with its header chunk");
     const uint32_t width = in.big(4);
-    return {width, in.big(4)};
+    const Size2 size{width, in.big(4)};
+    in.skip(9);  // the rest of the chunk, and its checksum
+    while (true) {
+        const uint32_t length = in.big(4);
+        const uint32_t kind = in.big(4);
+        in.skip(uint64_t{length} + 4);
+        if (kind == kEnd) return size;
+    }
 }
 
 /// ISO 10918-1, annex B: the first start-of-frame segment holds the size. Segments are walked to the end of the image,

@@ -17,7 +17,7 @@ struct ImageHeader {
 };
 
 /// Reads the header of a PNG, JPEG, OpenEXR or Radiance HDR image, told apart by its first bytes. Throws
-/// ErrorCode::BadImage for anything else, for a malformed or truncated header, and for a size of 0.
+/// ErrorCode::BadImage for anything else, for a malformed header, for a PNG or JPEG cut short, and for a size of 0.
 ImageHeader read_image_header(std::span<const uint8_t> encoded);
 
 /// Throws ErrorCode::BadImage when the image has more than `max_pixels`, or when its texels of `texel_bytes` would take
