@@ -1,0 +1,160 @@
+// Closed surfaces and uniform surroundings, where the answer is known in closed form. Chance of a false alarm 1e-6 for
+// the file's 24 checks together (Sidak); each test says what relative error it must notice.
+
+#include <gtest/gtest.h>
+
+#include "renderer/scene/builtin_scenes.h"
+#include "renderer/scene/mesh_builder.h"
+#include "tests/support/render.h"
+#include "tests/support/statistics.h"
+
+namespace photond {
+namespace {
+
+constexpr double kFalseAlarm = 1e-6;
+constexpr size_t kChecks = 24;
+
+/// `measure(seed)` must have the mean `exact`, and vary so little that `must_detect` (relative) would be noticed.
+template <class Measure>
+void expect_mean(double exact, double must_detect, const Measure& measure) {
+    const test::Interval measured = test::mean_interval(test::replicates(16, measure), kFalseAlarm, kChecks);
+    EXPECT_LE(std::abs(measured.mean - exact), std::max(measured.half_width, 2e-6 * exact))
+        << "measured " << measured.mean << ", exact " << exact;
+    EXPECT_LE(2 * measured.half_width, must_detect * exact) << "too noisy to notice a defect";
+}
+
+/// Inside of a sphere of this material, seen from its centre.
+Scene closed_sphere(const Material& wall) {
+    Scene scene;
+    scene.materials = {wall};
+    scene.meshes = {make_icosphere(3, 0)};
+    for (uvec3& t : scene.meshes[0].triangles) std::swap(t.y, t.z);
+    scene.instances = {{}};
+    Camera camera;
+    camera.yfov = 1.2f;
+    scene.cameras = {camera};
+    finish_scene(scene);
+    return scene;
+}
+
+Material lambert(float albedo, float emission) {
+    Material m;
+    m.base_color = Rgb(albedo);
+    m.metallic = 0;
+    m.specular = 0;
+    m.emission = Rgb(emission);
+    return m;
+}
+
+double mean_layer(const Scene& scene, Layer layer, uint64_t seed, uint32_t passes,
+                  std::optional<uint32_t> bounces = {}) {
+    test::RenderSettings settings;
+    settings.size = {24, 24};
+    settings.passes = passes;
+    settings.seed = seed;
+    settings.params.indirect_bounces = bounces;
+    return test::mean_of(test::render(scene, settings).resolve(layer));
+}
+
+double mean_beauty(const Scene& scene, uint64_t seed, uint32_t passes) {
+    test::RenderSettings settings;
+    settings.size = {24, 24};
+    settings.passes = passes;
+    settings.seed = seed;
+    return test::mean_of(test::render(scene, settings).resolve_beauty());
+}
+
+// Radiance inside a closed surface that emits L and reflects `albedo` is L / (1 - albedo) everywhere.
+TEST(Furnace, LambertReachesTheClosedForm) {
+    constexpr std::pair<float, double> kAlbedoAndMustDetect[] = {
+        {0.0f, 0.001}, {0.2f, 0.02}, {0.5f, 0.03}, {0.8f, 0.08}, {0.95f, 0.12}};
+    for (const auto& [albedo, must_detect] : kAlbedoAndMustDetect) {
+        SCOPED_TRACE(albedo);
+        const Scene scene = closed_sphere(lambert(albedo, 1));
+        expect_mean(1.0 / (1.0 - double(albedo)), must_detect,
+                    [&](uint64_t seed) { return mean_beauty(scene, seed, 8); });
+    }
+    const Scene builtin = make_builtin_scene("furnace");
+    expect_mean(2, 0.03, [&](uint64_t seed) { return mean_beauty(builtin, seed, 8); });
+}
+
+// Light of n scatterings is albedo^n: emitted 1, direct albedo, indirect the rest up to the bounces asked for.
+TEST(Furnace, BouncesAreCountedAsTheConventionsSay) {
+    constexpr double kAlbedo = 0.6;
+    const Scene scene = closed_sphere(lambert(float(kAlbedo), 1));
+    expect_mean(1, 1e-3, [&](uint64_t seed) { return mean_layer(scene, Layer::Emitted, seed, 4); });
+    expect_mean(kAlbedo, 0.02, [&](uint64_t seed) { return mean_layer(scene, Layer::Direct, seed, 16); });
+    EXPECT_EQ(mean_layer(scene, Layer::Indirect, 1, 4, 0), 0);
+    double exact = 0;
+    for (const uint32_t bounces : {1u, 2u, 3u}) {
+        exact += std::pow(kAlbedo, bounces + 1);
+        expect_mean(exact, 0.05, [&](uint64_t seed) { return mean_layer(scene, Layer::Indirect, seed, 16, bounces); });
+    }
+}
+
+// Seen from the centre every ray meets the mirror head-on, so its reflectance is F0; all light has met deltas only.
+TEST(Furnace, MirrorReachesTheClosedForm) {
+    Material mirror;
+    mirror.base_color = Rgb(0.5f);
+    mirror.metallic = 1;
+    mirror.roughness = 0;
+    mirror.emission = Rgb(1);
+    Scene scene = closed_sphere(mirror);
+    expect_mean(2, 0.02, [&](uint64_t seed) { return mean_layer(scene, Layer::Emitted, seed, 16); });
+    EXPECT_EQ(mean_layer(scene, Layer::Direct, 1, 4), 0);
+    EXPECT_EQ(mean_layer(scene, Layer::Indirect, 1, 4), 0);
+}
+
+/// A ball in surroundings of radiance 1, filling most of the image.
+Scene ball_in_the_open(const Material& material, bool smooth) {
+    Scene scene;
+    scene.materials = {material};
+    scene.meshes = {make_icosphere(4, 0)};
+    if (smooth) scene.meshes[0].normals = scene.meshes[0].positions;
+    scene.instances = {{}};
+    Environment sky;
+    sky.map.size = {8, 4};
+    sky.map.radiance.assign(32, Rgb(1));
+    scene.environment = sky;
+    Camera camera;
+    camera.position = vec3(0, 0, 4);
+    camera.yfov = 0.3f;  // the ball's outline lies at 0.25 rad: every pixel shows the ball
+    scene.cameras = {camera};
+    finish_scene(scene);
+    return scene;
+}
+
+TEST(Furnace, ConvexLambertShowsItsAlbedo) {
+    const Scene scene = ball_in_the_open(lambert(0.7f, 0), false);
+    expect_mean(0.7, 0.01, [&](uint64_t seed) { return mean_layer(scene, Layer::Direct, seed, 16); });
+}
+
+// Smooth glass loses nothing: in uniform surroundings it cannot be seen.
+TEST(Furnace, SmoothGlassIsInvisibleInUniformLight) {
+    Material glass;
+    glass.metallic = 0;
+    glass.roughness = 0;
+    glass.transmission = 1;
+    glass.solid = true;
+    const Scene scene = ball_in_the_open(glass, false);
+    expect_mean(1, 0.01, [&](uint64_t seed) { return mean_layer(scene, Layer::Emitted, seed, 16); });
+}
+
+TEST(Furnace, RoughMetalReflectsNoMoreThanArrives) {
+    for (const float roughness : {0.1f, 0.4f, 1.0f}) {
+        Material metal;
+        metal.base_color = Rgb(1);
+        metal.metallic = 1;
+        metal.roughness = roughness;
+        const Scene scene = ball_in_the_open(metal, true);
+        const auto measure = [&](uint64_t seed) { return mean_beauty(scene, seed, 8); };
+        const test::Interval measured = test::mean_interval(test::replicates(16, measure), kFalseAlarm, kChecks);
+        EXPECT_LE(measured.mean - measured.half_width, 1.0) << "roughness " << roughness;
+        // At alpha 1 and normal incidence single scattering keeps 1 - ln 2 = 0.307 (D = 1/pi, G = 2c/(1 + c)).
+        EXPECT_GE(measured.mean, 0.3) << "roughness " << roughness;
+        EXPECT_LE(measured.half_width, 0.02);
+    }
+}
+
+}  // namespace
+}  // namespace photond
