@@ -10,7 +10,7 @@ namespace photond {
 
 /// One T for each thread that asks for `local()`, made by the first call; iterates over all that were made.
 template <class T>
-using PerThread = tbb::enumerable_thread_specific<T>;
+using ThreadLocal = tbb::enumerable_thread_specific<T>;
 
 /// The most threads a parallel loop started here may use.
 inline size_t most_threads() { return static_cast<size_t>(tbb::this_task_arena::max_concurrency()); }
