@@ -48,11 +48,10 @@ LIBRARIES = [
     ("httplib.h", ["server/routes/*", "clients/cli/http_client.cpp"]),
     ("sqlite3.h", ["server/store/*"]),
     ("embree3/*", ["renderer/backends/cpu/*"]),
-    ("tiny_gltf.h", ["renderer/scene/gltf*.cpp"]),
     ("meshoptimizer.h", ["renderer/scene/gltf*.cpp"]),
     ("OpenImageIO/*", ["renderer/film/exr_file.cpp", "renderer/film/png_file.cpp",
                        "renderer/scene/texture_decode.cpp"]),
-    # JSON on the wire, and the strict first look at a glTF before tinygltf sees it.
+    # JSON on the wire, and the strict reader of glTF.
     ("nlohmann/*", ["protocol/*", "server/*", "clients/*", "renderer/scene/gltf*"]),
     ("openssl/evp.h", ["renderer/core/sha256.cpp"]),
     ("openssl/*", ["server/auth.cpp"]),
