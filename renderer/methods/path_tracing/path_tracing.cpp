@@ -1,9 +1,7 @@
 #include "renderer/methods/path_tracing/path_tracing.h"
 
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/task_arena.h>
-
 #include "renderer/core/parallel.h"
+#include "renderer/core/thread_local.h"
 #include "renderer/methods/path_tracing/wavefront.h"
 
 namespace photond {
@@ -14,7 +12,7 @@ struct PathTracing::Scratch {
         Counts counts;
         PathSeconds seconds;
     };
-    tbb::enumerable_thread_specific<PerThread> threads;
+    ThreadLocal<PerThread> threads;
 };
 
 PathTracing::PathTracing(const PathTracingParams& params) : params_(params) {}
@@ -22,7 +20,7 @@ PathTracing::~PathTracing() = default;
 
 void PathTracing::begin(const RenderContext& context, Stats& stats) {
     const uint64_t image_bytes = PassImage::bytes_for(context.view.film_size, context.view.layers);
-    const uint64_t wavefront_bytes = uint64_t(tbb::this_task_arena::max_concurrency()) * Wavefront::bytes_per_thread();
+    const uint64_t wavefront_bytes = most_threads() * Wavefront::bytes_per_thread();
     context.budget.require("pass_image", image_bytes);
     context.budget.require("wavefronts", image_bytes + wavefront_bytes);
     scene_ = std::make_unique<PathTracingScene>(context, params_);
