@@ -35,7 +35,8 @@ constexpr float to_unit_float(uint32_t bits) { return static_cast<float>(bits >>
 class RandomStream {
 public:
     RandomStream(uint64_t seed, RandomDomain domain, uint32_t pass, uint64_t stream)
-        : key_(hash64(hash64(hash64(seed + 0x9e3779b97f4a7c15ull) ^ (uint64_t{pass} << 32 | uint32_t(domain))) + stream)) {}
+        : key_(hash64(hash64(hash64(seed + 0x9e3779b97f4a7c15ull) ^ (uint64_t{pass} << 32 | uint32_t(domain))) +
+                      stream)) {}
 
     uint32_t next_bits() {
         key_ += 0x9e3779b97f4a7c15ull;  // Weyl sequence: the counter of the hash

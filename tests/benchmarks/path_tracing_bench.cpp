@@ -220,8 +220,7 @@ double relative_mse(const std::vector<float>& image, const std::vector<float>& r
 }
 
 void measure_samplers() {
-    std::printf(
-        "\nrelative_mse x CPU seconds, random over sobol (cornell-box 64x64 against 65536 passes of sobol)\n");
+    std::printf("\nrelative_mse x CPU seconds, random over sobol (cornell-box 64x64 against 65536 passes of sobol)\n");
     const Scene scene = make_builtin_scene("cornell-box");
     const auto intersector = build(scene);
     constexpr Size2 kSize{64, 64};

@@ -68,9 +68,9 @@ struct Tile {
     size_t pixels() const { return size_t{x1 - x0} * (y1 - y0); }
 };
 
-/// Two-dimensional sets of random numbers: two for the camera, then four for each vertex, the camera's included. The first
-/// ones, which are distributed best (sobol.h), go where most of the variance comes from: the first bounce's direction and
-/// light, roulette, then the rest of the first vertices.
+/// Two-dimensional sets of random numbers: two for the camera, then four for each vertex, the camera's included. The
+/// first ones, which are distributed best (sobol.h), go where most of the variance comes from: the first bounce's
+/// direction and light, roulette, then the rest of the first vertices.
 enum class CameraSet : uint32_t { Film, Lens };
 enum class VertexSet : uint32_t { LightPoint, LightChoiceAndRoulette, Direction, Lobe };
 constexpr uint32_t sample_set(CameraSet set) { return set == CameraSet::Film ? 4 : 14; }
