@@ -10,15 +10,17 @@ void Wavefront::shade_general(const PathTracingScene& shared, uint32_t vertex, P
     for (size_t k = 0; k < general_.size(); ++k) {
         prefetch_ahead(shared.scene, general_, k);
         const uint32_t i = general_[k];
-        if (shade_vertex(shared, vertex, i, image)) keep(paths_[i], rays_[i], keys_[i]);
+        if (shade_vertex(shared, vertex, i, image)) next_keys_[next_count_++] = keys_[i];
     }
 }
 
-/// Adds what path i finds at the end of its ray, draws a light sample there and the next ray. False: the path ends.
+/// Adds what path i finds at the end of its ray, draws a light sample there and the next ray. False: the path ends, and
+/// what stands in the place of the next path does not count.
 bool Wavefront::shade_vertex(const PathTracingScene& shared, uint32_t vertex, uint32_t i, PassImage& image) {
     const Scene& scene = shared.scene;
-    Path& path = paths_[i];
-    Ray& ray = rays_[i];
+    Path& path = next_paths_[next_count_];
+    path = paths_[i];
+    const Ray& ray = rays_[i];
     const Hit& hit = hits_[i];
 
     const ShadingPoint point = make_shading_point(scene, hit, ray.direction);
@@ -50,9 +52,9 @@ bool Wavefront::shade_vertex(const PathTracingScene& shared, uint32_t vertex, ui
         const BsdfValue f = bsdf.evaluate(wo, point.shading.to_local(light.wi));
         if (!is_black(f.f_cos)) {
             const float weight = light.delta ? 1.0f : power_heuristic(light.pdf_sa, f.pdf_sa);
-            shadow_rays_.push_back(light.shadow_ray(ray_origin(point, light.wi)));
-            pending_.push_back(
-                {weight * path.throughput * f.f_cos * light.radiance_over_pdf, path.pixel, !camera_walk});
+            shadow_rays_[shadow_count_] = light.shadow_ray(ray_origin(point, light.wi));
+            pending_[shadow_count_++] = {weight * path.throughput * f.f_cos * light.radiance_over_pdf, path.pixel,
+                                         !camera_walk};
         }
     }
 
@@ -83,7 +85,7 @@ bool Wavefront::shade_vertex(const PathTracingScene& shared, uint32_t vertex, ui
         path.throughput /= survival;
     }
     const vec3 wi = point.shading.to_world(next.wi);
-    ray = {ray_origin(point, wi), wi, kInfinity};
+    next_rays_[next_count_] = {ray_origin(point, wi), wi, kInfinity};
     return true;
 }
 

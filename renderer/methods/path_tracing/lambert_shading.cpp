@@ -159,7 +159,7 @@ void Wavefront::shade_lambert(const PathTracingScene& shared, uint32_t vertex, P
 
         for (size_t lane = 0; lane < lanes; ++lane) {
             const uint32_t i = lambert_[first + lane];
-            Path& path = paths_[i];
+            const Path& path = paths_[i];
             const Hit& hit = hits_[i];
             const vec3 position = group.position.get(lane), normal = group.normal.get(lane);
             const Rgb reflectance = group.reflectance.get(lane);
@@ -178,20 +178,24 @@ void Wavefront::shade_lambert(const PathTracingScene& shared, uint32_t vertex, P
                 if (cos_light > 0 && glm::dot(group.geometric_normal.get(lane), light.wi) > 0) {
                     const float pdf_sa = cos_light * kInvPi;
                     const float weight = light.delta ? 1.0f : power_heuristic(light.pdf_sa, pdf_sa);
-                    shadow_rays_.push_back(light.shadow_ray(start));
-                    pending_.push_back({(weight * pdf_sa) * path.throughput * reflectance * light.radiance_over_pdf,
-                                        path.pixel, !camera_walk});
+                    shadow_rays_[shadow_count_] = light.shadow_ray(start);
+                    pending_[shadow_count_++] = {
+                        (weight * pdf_sa) * path.throughput * reflectance * light.radiance_over_pdf, path.pixel,
+                        !camera_walk};
                 }
             }
             if (group.scattered[lane] == 0) continue;
-            path.throughput *= reflectance * group.survival_inverse[lane];
-            path.pdf_sa = group.cos_next[lane] * kInvPi;
-            path.position = position;
-            path.lit_normal = normal;
-            path.delta = false;
-            path.caustic = camera_walk;
-            ++path.scatterings;
-            keep(path, {start, group.next_direction.get(lane), kInfinity}, keys_[i]);
+            Path& next = next_paths_[next_count_];
+            next = path;
+            next.throughput *= reflectance * group.survival_inverse[lane];
+            next.pdf_sa = group.cos_next[lane] * kInvPi;
+            next.position = position;
+            next.lit_normal = normal;
+            next.delta = false;
+            next.caustic = camera_walk;
+            ++next.scatterings;
+            next_rays_[next_count_] = {start, group.next_direction.get(lane), kInfinity};
+            next_keys_[next_count_++] = keys_[i];
         }
     }
 }

@@ -46,14 +46,19 @@ Rgb transmittance(const Rgb& absorption_per_m, float distance) {
 
 }  // namespace
 
-Wavefront::Wavefront() : rays_(kPaths), paths_(kPaths), keys_(kPaths), hits_(kPaths), occluded_(kPaths) {
-    next_rays_.reserve(kPaths);
-    next_paths_.reserve(kPaths);
-    next_keys_.reserve(kPaths);
+Wavefront::Wavefront()
+    : rays_(kPaths),
+      next_rays_(kPaths),
+      paths_(kPaths),
+      next_paths_(kPaths),
+      keys_(kPaths),
+      next_keys_(kPaths),
+      hits_(kPaths),
+      shadow_rays_(kPaths),
+      pending_(kPaths),
+      occluded_(kPaths) {
     lambert_.reserve(kPaths);
     general_.reserve(kPaths);
-    shadow_rays_.reserve(kPaths);
-    pending_.reserve(kPaths);
     for (Numbers* numbers : {&light_point_, &choice_, &direction_, &lobe_})
         numbers->x.resize(kPaths), numbers->y.resize(kPaths);
 }
@@ -82,27 +87,22 @@ void Wavefront::trace_tile(const PathTracingScene& shared, const PassSampler& sa
 
         sort_hits(shared, image);
         draw_numbers(sampler, vertex);
-        shadow_rays_.clear();
-        pending_.clear();
+        next_count_ = 0;
+        shadow_count_ = 0;
         shade_lambert(shared, vertex, image);
         shade_general(shared, vertex, image);
         next_paths_.swap(paths_);
         next_rays_.swap(rays_);
         next_keys_.swap(keys_);
-        count_ = paths_.size();
-        next_paths_.clear();
-        next_rays_.clear();
-        next_keys_.clear();
+        count_ = next_count_;
         trace_shadow_rays(shared, vertex, image, counts);
-        lap(vertex == 0 ? seconds.direct : seconds.indirect);
+        if (vertex == 0) lap(seconds.direct);
     }
+    lap(seconds.indirect);  // once: asking the thread's clock is a system call
 }
 
 void Wavefront::start_paths(const PathTracingScene& shared, const PassSampler& sampler, const Tile& tile) {
     count_ = 0;
-    paths_.resize(tile.pixels());
-    rays_.resize(tile.pixels());
-    keys_.resize(tile.pixels());
     for (uint32_t y = tile.y0; y < tile.y1; ++y) {
         for (uint32_t x = tile.x0; x < tile.x1; ++x) {
             Path& path = paths_[count_];
@@ -173,10 +173,10 @@ void Wavefront::draw_numbers(const PassSampler& sampler, uint32_t vertex) {
 }
 
 void Wavefront::trace_shadow_rays(const PathTracingScene& shared, uint32_t vertex, PassImage& image, Counts& counts) {
-    shared.intersector.occluded(shadow_rays_, {occluded_.data(), shadow_rays_.size()},
+    shared.intersector.occluded({shadow_rays_.data(), shadow_count_}, {occluded_.data(), shadow_count_},
                                 vertex == 0 ? Coherence::Coherent : Coherence::Incoherent);
-    counts.shadow_rays += shadow_rays_.size();
-    for (size_t i = 0; i < pending_.size(); ++i) {
+    counts.shadow_rays += shadow_count_;
+    for (size_t i = 0; i < shadow_count_; ++i) {
         if (occluded_[i]) continue;
         const Pending& light = pending_[i];
         (light.indirect ? image.indirect : image.direct)[light.pixel] += light.radiance;
