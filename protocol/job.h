@@ -62,7 +62,7 @@ struct JobRequest {
 struct JobVocabulary {
     std::vector<std::string> method_names;
     std::vector<std::string> layer_names;  // on request
-    uint32_t max_width = 16384, max_height = 16384;
+    uint32_t max_width = 65536, max_height = 65536;
     /// Makes the parameter struct of a method, nullptr when there is no such method.
     std::function<std::unique_ptr<MethodParams>(const std::string& method)> make_params;
     /// Device kinds a method runs on.

@@ -19,6 +19,10 @@ json nullable(const char* type, const char* text = "") {
     schema["type"] = {type, "null"};
     return schema;
 }
+json with_text(json schema, const char* text) {
+    schema["description"] = text;
+    return schema;
+}
 json nullable_ref(const std::string& name) { return {{"anyOf", {schema_ref(name), {{"type", "null"}}}}}; }
 json in_range(json schema, const json& minimum, const json& maximum) {
     schema["minimum"] = minimum;
@@ -149,7 +153,8 @@ json scene_schema() {
     return given(
         {{"id", typed("string")},
          {"name", nullable("string")},
-         {"bytes", nullable("integer")},
+         {"bytes", nullable("integer", "of its files")},
+         {"memory_bytes", nullable("integer", "about what it takes in a worker, ray structure included")},
          {"triangles", nullable("integer")},
          {"vertices", nullable("integer")},
          {"materials", nullable("integer")},
@@ -258,6 +263,11 @@ json image_schema() {
                   {"bytes", count()}});
 }
 
+json estimate_schema() {
+    return given({{"memory_bytes", count("what the job will hold: film, scene, ray structure and the method's own")},
+                  {"seconds", nullable("number", "of rendering; null while the method has rendered nothing here")}});
+}
+
 json page_of(const char* name) {
     return given({{"items", list_of(schema_ref(name))}, {"next_cursor", nullable("string")}});
 }
@@ -341,9 +351,9 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
          "/v1/jobs",
          "submitJob",
          "Queue a render job",
-         {{202, object("Job")}},
+         {{202, object("Job")}, {200, object("Estimate")}},
          object("JobRequest"),
-         {{"dry_run", flag}},
+         {{"dry_run", with_text(flag, "only estimate: 200, nothing is queued")}},
          {{"Idempotency-Key", "the same key and body give the same job"}}},
         {"get",
          "/v1/jobs",
@@ -431,6 +441,7 @@ json openapi_document(const ApiVocabulary& vocabulary) {
                  {"Scene", scene_schema()},
                  {"Statistics", statistics_schema()},
                  {"Job", job_schema()},
+                 {"Estimate", estimate_schema()},
                  {"Status", status_schema()},
                  {"Image", image_schema()},
                  {"Health", given({{"status", typed("string")}})},

@@ -16,7 +16,7 @@ struct ApiVocabulary {
     };
     std::vector<Method> methods;
     std::vector<std::string> layers;  // on request
-    uint32_t max_width = 16384, max_height = 16384;
+    uint32_t max_width = 65536, max_height = 65536;
 };
 
 /// Every path served, with the schemas (JSON Schema 2020-12, below /components/schemas) of every body taken and given.

@@ -101,7 +101,8 @@ public:
     /// OutOfMemory, IdempotencyMismatch.
     nlohmann::json submit_job(const JobRequest& request, const std::optional<std::string>& idempotency_key,
                               const std::string& canonical_body);
-    /// {"memory_bytes", "seconds"} after the same checks; seconds is null while nothing like it has run here.
+    /// {"memory_bytes", "seconds"} after the same checks of the request; seconds is null while the method has rendered
+    /// nothing here. Waits for the helper the first time a built-in scene is asked about.
     nlohmann::json estimate_job(const JobRequest& request);
     /// An item of "attempts": {"attempt", "device", "started", "finished", "outcome": "running", "succeeded", "failed",
     /// "cancelled", "stopped", "lost", "crashed", "hung", "out_of_memory", "no_space" or "timed_out", "reason",

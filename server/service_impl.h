@@ -5,6 +5,7 @@
 //   service.cpp            start, recovery, stop, system
 //   service_scenes.cpp     scenes and images
 //   service_jobs.cpp       submit, get, list, cancel, purge, retry
+//   service_estimate.cpp   what a job will take
 //   service_attempts.cpp   from the queue to a worker and back: attempts, progress, results, losses
 //   service_artefacts.cpp  what can be downloaded
 
@@ -102,7 +103,6 @@ struct Service::Impl {
     // service_jobs.cpp
     nlohmann::json submit_job(const JobRequest& request, const std::optional<std::string>& key,
                               const std::string& canonical_body);
-    nlohmann::json estimate_job(const JobRequest& request);
     nlohmann::json get_job(const std::string& id);
     Page list_jobs(const JobFilter& filter);
     Cancelled cancel_job(const std::string& id, bool purge);
@@ -112,8 +112,13 @@ struct Service::Impl {
     /// Everything of a request that depends on this daemon; the scene it means. Under the lock.
     SceneRef check_request(const JobRequest& request);
     std::string device_of(const JobRequest& request) const;
-    uint64_t estimate_memory_bytes(const JobRequest& request, const SceneRef& scene);
     void purge(const JobRow& row);
+
+    // service_estimate.cpp
+    nlohmann::json estimate_job(const JobRequest& request);  // takes the lock; may wait for the helper
+    /// What the worker's budget will hold, to a few percent; under the lock.
+    uint64_t estimate_memory_bytes(const JobRequest& request, const SceneRef& scene);
+    static uint64_t film_bytes(const JobRequest& request);
 
     // service_attempts.cpp; all under the lock
     void dispatch();

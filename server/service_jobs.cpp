@@ -17,10 +17,6 @@ using nlohmann::json;
 namespace {
 
 constexpr size_t kMaxKeyBytes = 255;
-// What a triangle takes when it is rendered: three vertices, indices and Embree's tree; a generous mean.
-constexpr uint64_t kBytesPerTriangle = 300;
-constexpr uint64_t kPassBytesPerPixel = 160;  // PassImage and path state
-constexpr uint64_t kTextureExpansion = 8;     // decoded over encoded bytes
 
 json parsed_or_null(const std::string& text) { return text.empty() ? json() : json::parse(text); }
 json time_or_null(const std::optional<int64_t>& ms) { return ms ? json(rfc3339(*ms)) : json(); }
@@ -35,14 +31,6 @@ void check_key(const std::string& key) {
 std::string nearest_hint(const std::string& wrong, const std::vector<std::string>& known) {
     const std::string near = nearest_name(wrong, known);
     return near.empty() ? "" : "; did you mean '" + near + "'?";
-}
-
-LayerSet layers_of(const JobRequest& request) {
-    LayerSet layers;
-    for (const LayerInfo& info : kLayers)
-        if (std::find(request.layers.begin(), request.layers.end(), info.name) != request.layers.end())
-            layers.add(info.layer);
-    return layers;
 }
 
 }  // namespace
@@ -126,36 +114,18 @@ Service::Impl::SceneRef Service::Impl::check_request(const JobRequest& request) 
         if (!image.starts_with("image:") || !store.image(image.substr(6)))
             throw Error(ErrorCode::UnknownName, "/environment/image", "there is no image '" + image + "'");
     }
+    const uint64_t bytes = estimate_memory_bytes(request, *scene);
+    const std::string needs = "; the job needs about " + std::to_string(bytes) + " bytes";
     const uint64_t pixels = uint64_t{request.width} * request.height;
     if (pixels > options.limits.max_pixels)
         throw Error(ErrorCode::OutOfRange, "/image",
                     std::to_string(request.width) + " x " + std::to_string(request.height) + " = " +
-                        std::to_string(pixels) + " pixels, the limit is " + std::to_string(options.limits.max_pixels));
-    const uint64_t bytes = estimate_memory_bytes(request, *scene);
+                        std::to_string(pixels) + " pixels, the limit is " + std::to_string(options.limits.max_pixels) +
+                        needs);
     if (bytes > options.memory_limit_bytes)
         throw Error(ErrorCode::OutOfMemory, "/image",
-                    "the job needs about " + std::to_string(bytes) + " bytes, the limit of a worker is " +
-                        std::to_string(options.memory_limit_bytes));
+                    "the limit of a worker is " + std::to_string(options.memory_limit_bytes) + " bytes" + needs);
     return *std::move(scene);
-}
-
-uint64_t Service::Impl::estimate_memory_bytes(const JobRequest& request, const SceneRef& scene) {
-    const Size2 size{request.width, request.height};
-    uint64_t bytes = Film::bytes_for(size, layers_of(request)) + uint64_t{size.pixels()} * kPassBytesPerPixel;
-    json summary;
-    if (scene.builtin) {
-        const std::lock_guard lock(builtin_mutex);
-        if (const auto found = builtin_summaries.find(scene.id); found != builtin_summaries.end())
-            summary = found->second;  // not judged yet: then it is small beside the film
-    } else {
-        summary = json::parse(scene.row->summary);
-    }
-    if (summary.is_object()) {
-        bytes += summary.value("triangles", uint64_t{0}) * kBytesPerTriangle;
-        if (summary.value("textures", uint64_t{0}) > 0)
-            bytes += summary.value("bytes", uint64_t{0}) * kTextureExpansion;
-    }
-    return bytes;
 }
 
 json Service::Impl::submit_job(const JobRequest& request, const std::optional<std::string>& key,
@@ -175,7 +145,7 @@ json Service::Impl::submit_job(const JobRequest& request, const std::optional<st
     if (queue.size() >= options.limits.max_queue)
         throw Error(ErrorCode::QueueFull, std::to_string(queue.size()) + " jobs are waiting, the limit is " +
                                               std::to_string(options.limits.max_queue));
-    check_disk(Film::bytes_for({request.width, request.height}, layers_of(request)));
+    check_disk(film_bytes(request));
 
     JobRow row;
     row.priority = request.priority;
@@ -201,31 +171,6 @@ json Service::Impl::submit_job(const JobRequest& request, const std::optional<st
     queue.push(row.seq, row.priority, row.device);
     dispatch();
     return object;
-}
-
-json Service::Impl::estimate_job(const JobRequest& request) {
-    const std::lock_guard lock(mutex);
-    const SceneRef scene = check_request(request);
-    json seconds = request.stop.seconds ? json(*request.stop.seconds) : json();
-    if (request.stop.passes) {
-        // From what the method took before, in this scene if it was ever rendered, else in any.
-        constexpr uint32_t kLookedAt = 50;
-        std::optional<double> per_sample, per_sample_here;
-        for (const JobRow& row : store.latest_succeeded(request.method, kLookedAt)) {
-            const json before = json::parse(row.request);
-            const double samples = before["image"].value("width", 0.0) * before["image"].value("height", 0.0) *
-                                   static_cast<double>(row.passes_done);
-            if (row.device != device_of(request) || samples <= 0) continue;
-            if (!per_sample) per_sample = row.seconds / samples;
-            if (!per_sample_here && row.scene == scene.id) per_sample_here = row.seconds / samples;
-        }
-        if (per_sample_here) per_sample = per_sample_here;
-        if (per_sample) {
-            const double estimate = *per_sample * request.width * request.height * *request.stop.passes;
-            seconds = request.stop.seconds ? std::min(estimate, *request.stop.seconds) : estimate;
-        }
-    }
-    return {{"memory_bytes", estimate_memory_bytes(request, scene)}, {"seconds", std::move(seconds)}};
 }
 
 json Service::Impl::get_job(const std::string& id) {

@@ -36,6 +36,7 @@ struct RenderOptions {
     std::map<std::string, std::string> parameters;  // by wire name, from --parameter-name options
     std::string idempotency_key;
     bool no_wait = false;
+    bool dry_run = false;
     WaitOptions wait;
     JobOutputs outputs;
 };
@@ -172,14 +173,31 @@ std::string random_key() {
     return key.str();
 }
 
+ExitCode print_estimate(Session& session, const json& request) {
+    const json estimate = session.daemon().send("POST", "/v1/jobs?dry_run=true", request, Repeat::Safely);
+    if (session.json_output) {
+        session.print_json(estimate);
+        return ExitCode::Ok;
+    }
+    const json seconds = estimate.value("seconds", json());
+    std::cout << "memory " << human_bytes(estimate.at("memory_bytes").get<double>()) << "\ntime   "
+              << (seconds.is_number() ? human_seconds(seconds.get<double>())
+                                      : "not known: the daemon has rendered nothing with this method yet")
+              << '\n';
+    return ExitCode::Ok;
+}
+
 ExitCode render(Session& session, const RenderOptions& options, const RenderVocabulary& vocabulary) {
     options.outputs.check();
     if (options.no_wait && (options.outputs.any_image() || options.wait.timeout_seconds > 0))
         throw Failure(ExitCode::Usage, "--no-wait saves no image and needs no --timeout",
                       "photonctl jobs fetch saves it later");
+    if (options.dry_run && (options.no_wait || options.outputs.any_image() || options.wait.timeout_seconds > 0))
+        throw Failure(ExitCode::Usage, "--dry-run renders nothing: there is nothing to save or to wait for");
     json request = build_request(options, vocabulary);
     add_scene(session, request, options);
     add_environment(session, request, options);
+    if (options.dry_run) return print_estimate(session, request);
 
     HttpRequest submission;
     submission.method = "POST";
@@ -295,6 +313,8 @@ void add_render_command(CLI::App& program, Session& session, const RenderVocabul
     add("--request", options->request_file, "start from this job in JSON ('-': standard input); options change it",
         "FILE");
     add_output_options(*command, options->outputs);
+    command->add_flag("--dry-run", options->dry_run,
+                      "print the memory and the time it would take, and render nothing; files it needs are sent");
     command->add_flag("--no-wait", options->no_wait, "print the job's id and leave");
     add("--idempotency-key", options->idempotency_key, "the same key and job is the same submission; default: random",
         "TEXT");

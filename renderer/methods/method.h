@@ -34,6 +34,15 @@ struct RenderContext {
     MemoryBudget& budget;
 };
 
+/// What a method's own memory depends on, as far as it is known before anything is loaded.
+struct Workload {
+    Size2 film_size;
+    LayerSet layers;
+    unsigned threads = 1;
+    uint64_t lights = 0;       // triangles that emit, and punctual lights
+    Size2 environment_size{};  // 0 x 0: none
+};
+
 class Method {
 public:
     virtual ~Method() = default;

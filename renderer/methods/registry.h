@@ -21,6 +21,8 @@ struct MethodInfo {
     std::vector<std::string_view> devices;  // kinds: "cpu", "gpu"
     std::unique_ptr<MethodParams> (*make_params)();
     std::unique_ptr<Method> (*make)(const MethodParams& params);
+    /// Bytes the method itself will record in its budget: all but the film, the scene and its ray structure.
+    uint64_t (*estimate_bytes)(const MethodParams& params, const Workload& workload);
 };
 
 std::span<const MethodInfo> all_methods();  // by name

@@ -21,6 +21,9 @@ public:
     Rgb radiance(const vec3& wi) const;
     /// Mean over the sphere and the channels [W m^-2 sr^-1].
     float mean_radiance() const { return mean_radiance_; }
+    static uint64_t bytes_for(Size2 size) {
+        return size.pixels() == 0 ? 0 : (size.pixels() + 2 * uint64_t{size.height} + 1) * sizeof(float);
+    }
     uint64_t bytes() const { return (row_cdf_.capacity() + column_cdf_.capacity()) * sizeof(float); }
 
 private:

@@ -55,6 +55,8 @@ public:
     /// Whether the scene has no light that sample() could draw.
     bool empty() const;
     uint64_t bytes() const;
+    /// bytes() of a sampler for that many lights and an environment of that size (0 x 0: none), to a few percent.
+    static uint64_t estimate_bytes(uint64_t lights, Size2 environment_size);
 
 private:
     struct Lights;

@@ -22,9 +22,10 @@ Reply submit(Service& service, Call& call) {
     Query query(call.query);
     const bool dry_run = query.flag("dry_run");
     query.finish();
-    if (dry_run) throw Error(ErrorCode::Unsupported, "/dry_run", "unsupported: dry_run is not built yet");
     const JobRequest request = parse_job_request(parse_strict_json(call.body), service.vocabulary());
-    const nlohmann::json job = service.submit_job(request, idempotency_key(call), to_json(request).dump());
+    const std::optional<std::string> key = idempotency_key(call);
+    if (dry_run) return json_reply(200, service.estimate_job(request));  // a key binds to what is queued: not to this
+    const nlohmann::json job = service.submit_job(request, key, to_json(request).dump());
     Reply reply = json_reply(202, job);
     reply.headers["Location"] = "/v1/jobs/" + job.at("id").get<std::string>();
     return reply;

@@ -2,6 +2,8 @@
 
 #include <charconv>
 
+#include "renderer/backends/cpu/embree_intersector.h"
+
 namespace photond {
 
 using nlohmann::json;
@@ -37,8 +39,11 @@ json scene_summary(const Scene& scene, const std::string& name, bool builtin) {
                   {"max", in_file_coordinates(scene, scene.bounds.max)}};
     json needs = json::object();
     scene.needs.visit([&](const char* need, bool needed) { needs[need] = needed; });
+    MemoryBudget held;
+    scene.account(held);
     return {{"name", name.empty() ? scene.name : name},
             {"bytes", scene.file_bytes},
+            {"memory_bytes", held.accounted_bytes() + estimate_acceleration_bytes(scene)},
             {"triangles", scene.triangle_count},
             {"vertices", scene.vertex_count},
             {"materials", scene.materials.size()},

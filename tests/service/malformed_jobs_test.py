@@ -81,7 +81,7 @@ FAULTS = [
     ("/image/width", 0, None), ("/image/width", -1, None), ("/image/width", 1_000_000, None),
     ("/image/width", 2**32, None), ("/image/width", 2**63, None), ("/image/width", 2**64, None),
     ("/image/width", 10**40, None), ("/image/width", -(10**40), None), ("/image/width", 1e300, None),
-    ("/image/height", 0, None), ("/image/height", -64, None), ("/image/height", 65536, None),
+    ("/image/height", 0, None), ("/image/height", -64, None), ("/image/height", 65537, None),
     ("/stop/passes", 0, None), ("/stop/passes", -1, None), ("/stop/passes", 2**32, None), ("/stop/passes", 1e12, None),
     ("/stop/seconds", 0, None), ("/stop/seconds", -1, None), ("/stop/seconds", 1e300, None),
     ("/stop/seconds", 1e-300, None), ("/seed", -1, None), ("/seed", 0.5, None), ("/seed", 2**64, None),

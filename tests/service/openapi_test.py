@@ -128,6 +128,7 @@ class OpenApiTest(unittest.TestCase):
         ask("GET", f"/v1/scenes/{scene['id']}/thumbnail.png")
         for builtin in [item for item in ask("GET", "/v1/scenes?limit=1000").json["items"] if item["builtin"]]:
             ask("GET", f"/v1/scenes/{builtin['id']}")
+        self.assertEqual(ask("POST", "/v1/jobs?dry_run=true", json_body=small_job(scene=scene["id"])).status, 200)
         job = ask("POST", "/v1/jobs", json_body=small_job(scene=scene["id"], layers=["albedo"])).json
         self.daemon.wait_for_job(job["id"])
         ask("GET", f"/v1/jobs/{job['id']}")

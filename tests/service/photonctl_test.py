@@ -145,6 +145,23 @@ class Rendering(Case):
         self.assertEqual(job["request"]["labels"], {"from": "file", "more": "1"})
         self.assertEqual(job["request"]["stop"]["passes"], 1)
 
+    def test_a_dry_run_prints_what_the_job_would_take_and_queues_nothing(self):
+        self.run_ok("render", "cornell-box", *SMALL)  # now a sample's time is known
+        before = daemon.request("GET", "/v1/jobs?limit=1000").json["items"]
+        for layers in ([], ["--layers", "albedo,normal,position,depth"]):
+            size = ["--width", 64, "--height", 48, "--passes", 3]
+            [estimate] = json_lines(self.run_ok("render", "cornell-box", *size, *layers, "--dry-run", "--json"))
+            self.assertEqual(set(estimate), {"memory_bytes", "seconds"})
+            self.assertGreater(estimate["memory_bytes"], 288 * 64 * 48)
+            self.assertGreater(estimate["seconds"], 0)
+            shown = self.run_ok("render", "cornell-box", *size, *layers, "--dry-run").stdout
+            self.assertRegex(shown, r"^memory [\d.]+ [KM]iB\ntime   [\d.]+ (ms|s)\n$")
+        after = daemon.request("GET", "/v1/jobs?limit=1000").json["items"]
+        self.assertEqual([job["id"] for job in after], [job["id"] for job in before])
+        for more in (["-o", "x.exr"], ["--no-wait"], ["--timeout", 5]):
+            self.run_for(USAGE, "render", "cornell-box", "--dry-run", *more)
+        self.run_for(REFUSED, "render", "cornell-box", "--width", 65536, "--height", 65536, "--dry-run")
+
     def test_an_environment_is_sent_first(self):
         sky = oiio.ImageBuf(oiio.ImageSpec(8, 4, 3, oiio.FLOAT))
         oiio.ImageBufAlgo.fill(sky, (2.0, 2.0, 2.0))

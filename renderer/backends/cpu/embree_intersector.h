@@ -11,4 +11,7 @@ namespace photond {
 /// Throws ErrorCode::OutOfMemory when the structure does not fit the budget; nothing of it is then left.
 std::unique_ptr<Intersector> make_embree_intersector(const Scene& scene, MemoryBudget& budget, Stats& stats);
 
+/// What it will record, to some ten percent; builds nothing.
+uint64_t estimate_acceleration_bytes(const Scene& scene);
+
 }  // namespace photond

@@ -18,6 +18,12 @@ struct PathTracing::Scratch {
 PathTracing::PathTracing(const PathTracingParams& params) : params_(params) {}
 PathTracing::~PathTracing() = default;
 
+uint64_t PathTracing::estimate_bytes(const PathTracingParams& /*params*/, const Workload& workload) {
+    return PassImage::bytes_for(workload.film_size, workload.layers) +
+           workload.threads * Wavefront::bytes_per_thread() +
+           LightSampler::estimate_bytes(workload.lights, workload.environment_size);
+}
+
 void PathTracing::begin(const RenderContext& context, Stats& stats) {
     const uint64_t image_bytes = PassImage::bytes_for(context.view.film_size, context.view.layers);
     const uint64_t wavefront_bytes = most_threads() * Wavefront::bytes_per_thread();

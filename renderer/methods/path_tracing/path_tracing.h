@@ -48,6 +48,8 @@ public:
     using Params = PathTracingParams;
 
     explicit PathTracing(const PathTracingParams& params);
+    /// What begin() will record, to a few percent.
+    static uint64_t estimate_bytes(const PathTracingParams& params, const Workload& workload);
     ~PathTracing() override;
 
     void begin(const RenderContext& context, Stats& stats) override;

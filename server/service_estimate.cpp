@@ -1,0 +1,94 @@
+// What a job will take, before it is queued.
+
+#include <algorithm>
+#include <thread>
+
+#include "protocol/param_json.h"
+#include "renderer/methods/registry.h"
+#include "renderer/scene/builtin_scenes.h"
+#include "server/service_impl.h"
+
+namespace photond {
+
+using nlohmann::json;
+
+namespace {
+
+constexpr uint32_t kEarlierJobs = 50;  // looked at for how long a sample takes
+
+LayerSet layers_of(const JobRequest& request) {
+    LayerSet layers;
+    for (const LayerInfo& info : kLayers)
+        if (std::find(request.layers.begin(), request.layers.end(), info.name) != request.layers.end())
+            layers.add(info.layer);
+    return layers;
+}
+
+uint64_t method_bytes(const JobRequest& request, const Workload& workload) {
+    const MethodInfo* method = find_method(request.method);
+    if (!method) throw Error(ErrorCode::Internal, "a request for a method that is not there");
+    const std::unique_ptr<MethodParams> params = method->make_params();
+    std::vector<Fault> faults;  // none: the reader of jobs has seen to that
+    read_params(*params, request.parameters, "/method/parameters", faults);
+    return method->estimate_bytes(*params, workload);
+}
+
+}  // namespace
+
+uint64_t Service::Impl::film_bytes(const JobRequest& request) {
+    return Film::bytes_for({request.width, request.height}, layers_of(request));
+}
+
+uint64_t Service::Impl::estimate_memory_bytes(const JobRequest& request, const SceneRef& scene) {
+    json summary = json::object();
+    if (scene.builtin) {
+        // One that has not been judged yet counts nothing: the worker holds it to the limit all the same.
+        const std::lock_guard lock(builtin_mutex);
+        if (const auto found = builtin_summaries.find(scene.id); found != builtin_summaries.end())
+            summary = found->second;
+    } else {
+        summary = json::parse(scene.row->summary);
+    }
+    Workload workload;
+    workload.film_size = {request.width, request.height};
+    workload.layers = layers_of(request);
+    workload.threads = options.threads ? options.threads : std::max(1u, std::thread::hardware_concurrency());
+    const json lights = summary.value("lights", json::object());
+    workload.lights = lights.value("area", uint64_t{0}) + lights.value("punctual", uint64_t{0});
+    uint64_t bytes = film_bytes(request) + summary.value("memory_bytes", uint64_t{0});
+    if (request.environment)
+        if (const auto image = store.image(request.environment->image.substr(6))) {
+            workload.environment_size = {static_cast<uint32_t>(image->width), static_cast<uint32_t>(image->height)};
+            bytes += workload.environment_size.pixels() * sizeof(Rgb);
+        }
+    return bytes + method_bytes(request, workload);
+}
+
+json Service::Impl::estimate_job(const JobRequest& request) {
+    // Waits for the helper when nobody has asked for this scene yet.
+    const auto builtins = builtin_scene_names();
+    if (std::find(builtins.begin(), builtins.end(), request.scene) != builtins.end()) builtin_object(request.scene);
+    const std::lock_guard lock(mutex);
+    const SceneRef scene = check_request(request);
+    json seconds = request.stop.seconds ? json(*request.stop.seconds) : json();
+    if (request.stop.passes) {
+        // From what the method took before, in this scene if it was ever rendered, else in any.
+        std::optional<double> per_sample, per_sample_here;
+        for (const JobRow& row : store.latest_succeeded(request.method, kEarlierJobs)) {
+            const json before = json::parse(row.request);
+            const double samples = before["image"].value("width", 0.0) * before["image"].value("height", 0.0) *
+                                   static_cast<double>(row.passes_done);
+            if (row.device != device_of(request) || samples <= 0) continue;
+            if (!per_sample) per_sample = row.seconds / samples;
+            if (!per_sample_here && row.scene == scene.id) per_sample_here = row.seconds / samples;
+        }
+        if (per_sample_here) per_sample = per_sample_here;
+        if (per_sample) {
+            const double estimate = *per_sample * request.width * request.height * *request.stop.passes;
+            seconds = request.stop.seconds ? std::min(estimate, *request.stop.seconds) : estimate;
+        }
+    }
+    return {{"memory_bytes", estimate_memory_bytes(request, scene)}, {"seconds", std::move(seconds)}};
+}
+
+}  // namespace photond
