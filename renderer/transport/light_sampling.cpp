@@ -213,14 +213,15 @@ struct LightSampler::Lights {
         return g;
     }
 
-    bool sample_emitter(const Emitter& e, const vec3& p, const vec2& u, LightSample& out) const;
+    bool sample_emitter(const Emitter& e, const vec3& p, const vec2& u, float probability, LightSample& out) const;
     bool sample_from_tree(const vec3& p, const vec3& n, float u_select, const vec2& u, float group_probability,
                           LightSample& out) const;
     bool sample_groups(const vec3& p, const vec3& n, float u_select, const vec2& u, LightSample& out) const;
 };
 
-/// Fills everything for a light chosen with probability 1.
-bool LightSampler::Lights::sample_emitter(const Emitter& e, const vec3& p, const vec2& u, LightSample& out) const {
+/// Fills everything for a light that was chosen with that probability.
+bool LightSampler::Lights::sample_emitter(const Emitter& e, const vec3& p, const vec2& u, float probability,
+                                          LightSample& out) const {
     if (e.shape == Emitter::Shape::Point || e.shape == Emitter::Shape::Spot) {
         const vec3 to_light = e.corner - p;
         const float distance = glm::length(to_light);
@@ -228,8 +229,8 @@ bool LightSampler::Lights::sample_emitter(const Emitter& e, const vec3& p, const
         out.wi = to_light / distance;
         out.distance = distance;
         out.target = e.corner;
-        out.radiance_over_pdf = punctual_irradiance(scene.punctual_lights[e.instance], -out.wi, distance);
-        out.pdf_sa = 1;
+        out.radiance_over_pdf = punctual_irradiance(scene.punctual_lights[e.instance], -out.wi, distance) / probability;
+        out.pdf_sa = probability;
         out.delta = true;
         return max_component(out.radiance_over_pdf) > 0;
     }
@@ -254,29 +255,28 @@ bool LightSampler::Lights::sample_emitter(const Emitter& e, const vec3& p, const
     const float distance_sq = glm::dot(to_light, to_light);
     if (!(distance_sq > 0)) return false;
     out.distance = std::sqrt(distance_sq);
-    out.wi = to_light / out.distance;
+    const float inverse = 1 / out.distance;  // divisions are what this function's time goes into
+    out.wi = inverse * to_light;
     out.target = offset_ray_origin(point, height > 0 ? e.normal : -e.normal);
     out.delta = false;
-    const float cosine = std::fabs(height) / out.distance;  // exact at grazing angles, where a product of units is not
-    out.pdf_sa = spherical ? 1 / seen.omega() : distance_sq / (e.area_m2 * cosine);
+    const float cosine = std::fabs(height) * inverse;  // exact at grazing angles, where a product of units is not
+    const float solid_angle = spherical ? seen.omega() : e.area_m2 * cosine * inverse * inverse;
+    out.pdf_sa = probability / solid_angle;
     Rgb radiance = e.radiance;
     if (e.varies) {
         const SurfacePoint at{e.instance, e.triangle, st.x, st.y};
         radiance = emitted_radiance(scene, at, height > 0) * surface_coverage(scene, at);
         if (!(max_component(radiance) > 0)) return false;
     }
-    out.radiance_over_pdf = radiance / out.pdf_sa;
+    out.radiance_over_pdf = (solid_angle / probability) * radiance;
     return out.pdf_sa < kInfinity;
 }
 
 bool LightSampler::Lights::sample_from_tree(const vec3& p, const vec3& n, float u_select, const vec2& u,
                                             float group_probability, LightSample& out) const {
     LightTree::Choice choice;
-    if (!tree.sample(p, n, u_select, choice) || !sample_emitter(emitters[choice.light], p, u, out)) return false;
-    const float probability = choice.probability * group_probability;
-    out.radiance_over_pdf /= probability;
-    out.pdf_sa *= probability;
-    return true;
+    return tree.sample(p, n, u_select, choice) &&
+           sample_emitter(emitters[choice.light], p, u, choice.probability * group_probability, out);
 }
 
 bool LightSampler::Lights::sample_groups(const vec3& p, const vec3& n, float u_select, const vec2& u,

@@ -20,7 +20,8 @@ struct LightSample {
 
     /// The ray that must not be occluded. `origin`: the lit point, moved off its surface (offset_ray_origin).
     Ray shadow_ray(const vec3& origin) const {
-        return distance < kInfinity ? Ray{origin, target - origin, 1.0f} : Ray{origin, wi, kInfinity};
+        const bool finite = distance < kInfinity;
+        return {origin, finite ? target - origin : wi, finite ? 1.0f : kInfinity};
     }
 };
 
