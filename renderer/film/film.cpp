@@ -29,29 +29,18 @@ bool keeps_hits(LayerSet layers) {
 
 bool is_summed(LayerSet layers, Layer layer) { return layers.has(layer) && layer != Layer::StandardError; }
 
-/// mantissa x 2^shift, rounded to the nearest whole number (halves upwards).
-inline FixedSquares shifted(uint64_t mantissa, int shift) {
-    if (shift >= 0) return FixedSquares{mantissa} << shift;
-    if (shift < -63) return 0;
-    return (mantissa + (uint64_t{1} << (-shift - 1))) >> -shift;
-}
-
-/// x / 2^-64, rounded; |x| < kFilmValueLimit.
-inline FixedSum to_fixed(float x) {
-    const uint32_t bits = std::bit_cast<uint32_t>(x);
-    const uint32_t exponent = (bits >> 23) & 0xffu;
-    if (exponent == 0) return 0;  // zero or subnormal: less than half of 2^-64
-    const FixedSum magnitude =
-        static_cast<FixedSum>(shifted((bits & 0x7fffffu) | 0x800000u, static_cast<int>(exponent) - 127 - 23 + 64));
-    return bits >> 31 ? -magnitude : magnitude;
-}
-
-/// x / 2^-64, rounded; 0 <= x < 2^63.
+/// x / 2^-64, cut to a whole number; 0 <= x < 2^63. By the processor's own conversions, without branches: what lies
+/// before the point, then what it leaves, which is exact.
 inline FixedSquares to_fixed_squares(double x) {
-    const uint64_t bits = std::bit_cast<uint64_t>(x);
-    const uint32_t exponent = static_cast<uint32_t>(bits >> 52);
-    if (exponent == 0) return 0;
-    return shifted((bits & 0xfffffffffffffull) | 0x10000000000000ull, static_cast<int>(exponent) - 1023 - 52 + 64);
+    const int64_t whole = static_cast<int64_t>(x);
+    const double rest = x - static_cast<double>(whole);
+    return FixedSquares{static_cast<uint64_t>(whole)} << 64 | static_cast<uint64_t>(0x1p64 * rest);
+}
+
+/// x / 2^-64, cut to a whole number; |x| < kFilmValueLimit.
+inline FixedSum to_fixed(float x) {
+    const FixedSum magnitude = static_cast<FixedSum>(to_fixed_squares(std::fabs(double{x})));
+    return std::signbit(x) ? -magnitude : magnitude;
 }
 
 inline void add_square(FixedSquares& sum, double value) {
