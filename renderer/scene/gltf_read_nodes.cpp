@@ -201,14 +201,16 @@ void read_gltf_nodes(const JsonRef& root, GltfDocument& document, FaultList& fau
             read_all(lights->find("lights"), document.lights, faults, read_light);
     });
     faults.throw_if_any();
+    const auto nodes = root.find("nodes");
     faults.collect([&] {
-        const auto nodes = root.find("nodes");
         if (!nodes) return;
         const size_t node_count = nodes->array_size();
         read_all(nodes, document.nodes, faults,
                  [&](const JsonRef& place) { return read_node(place, document, node_count); });
-        faults.throw_if_any();
-        link_parents(*nodes, document);
+    });
+    faults.throw_if_any();
+    faults.collect([&] {
+        if (nodes) link_parents(*nodes, document);
     });
     faults.throw_if_any();
     faults.collect([&] {
