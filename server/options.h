@@ -32,7 +32,7 @@ struct Options {
     std::string listen_address = "127.0.0.1";
     int listen_port = 8080;                      // 0: any free one
     std::vector<std::string> devices = {"cpu"};  // one worker process each
-    uint64_t memory_limit_bytes = 0;             // of each worker; 0: 75 % of RAM
+    uint64_t memory_limit_bytes = 0;             // a job may hold in a worker; 0: 75 % of RAM
     uint32_t threads = 0;                        // of each CPU worker; 0: all cores
     int worker_nice = 5;                         // so that the daemon answers while all cores render
     std::filesystem::path token_file;            // empty: no authentication (loopback only)

@@ -1,0 +1,185 @@
+"""A full disk, as it is met: the reserve that is never used answers 507 before anything is written; on a file system that
+really is full, jobs fail with no_space, nothing half written is left, and all goes on when there is room again.
+
+The second part needs a small file system: a tmpfs in mount and user namespaces of its own, into which this program
+starts itself again. Where the kernel does not allow that, those tests are skipped.
+"""
+
+import io
+import os
+import pathlib
+import sqlite3
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+import tiny_scene
+from photond_daemon import Daemon, small_job
+
+INSIDE = "PHOTOND_TEST_HAS_NAMESPACES"
+MIB = 1 << 20
+HDR = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n" + bytes([128, 128, 128, 129]) * 2
+ALL_LAYERS = ["caustic", "albedo", "normal", "position", "depth", "standard_error"]
+
+
+class DiskCase(unittest.TestCase):
+    def assert_no_space(self, reply):
+        self.assertEqual((reply.status, reply.headers["content-type"]), (507, "application/problem+json"), reply)
+        self.assertEqual((reply.json["code"], reply.json["status"]), ("no_space", 507), reply)
+
+    def uploads(self, daemon, seed):
+        """The answers to every kind of upload."""
+        form_type, form = tiny_scene.form(tiny_scene.gltf_files(seed + 2))
+        for path, media_type, body in (("/v1/scenes", "model/gltf-binary", tiny_scene.glb(seed)),
+                                       ("/v1/scenes", "application/zip", tiny_scene.zipped(tiny_scene.gltf_files(seed + 1))),
+                                       ("/v1/scenes", form_type, form),
+                                       ("/v1/images", "image/vnd.radiance", HDR)):
+            yield daemon.request("POST", path, body=body, headers={"Content-Type": media_type})
+
+    @staticmethod
+    def files(daemon, *folders):
+        data = pathlib.Path(daemon.data_dir)
+        return sorted(str(path.relative_to(data)) for folder in folders for path in (data / folder).rglob("*"))
+
+
+class ReserveTest(DiskCase):
+    def test_nothing_is_taken_that_would_touch_the_reserve(self):
+        with tempfile.TemporaryDirectory(prefix="photond-test-") as folder:
+            with Daemon(data_dir=folder) as daemon:
+                daemon.wait_ready()
+                done = daemon.wait_for_job(daemon.submit(small_job(size=16))["id"])
+                self.assertEqual(done["state"], "succeeded", done)
+            with Daemon("--disk-reserve", 1 << 60, data_dir=folder) as daemon:
+                daemon.wait_ready()
+                before = self.files(daemon, "spool", "scenes", "images", "films", "cache")
+                for reply in self.uploads(daemon, 40):
+                    self.assert_no_space(reply)
+                    self.assertIn(str(1 << 60), reply.json["detail"])
+                self.assert_no_space(daemon.request("POST", "/v1/jobs", json_body=small_job()))
+                # An image that would have to be encoded first is a file too.
+                self.assert_no_space(daemon.request("GET", f"/v1/jobs/{done['id']}/image.exr"))
+                self.assertEqual(self.files(daemon, "spool", "scenes", "images", "films", "cache"), before)
+                # What needs no disk is answered as ever.
+                for path in ("/healthz", "/readyz", "/v1/status", "/v1/scenes", "/v1/jobs", f"/v1/jobs/{done['id']}"):
+                    self.assertEqual(daemon.request("GET", path).status, 200, path)
+                self.assertEqual(daemon.request("POST", "/v1/jobs?dry_run=true", json_body=small_job()).status, 200)
+                self.assertEqual(len(daemon.request("GET", "/v1/jobs").json["items"]), 1)
+            with Daemon(data_dir=folder) as daemon:
+                daemon.wait_ready()
+                for reply in self.uploads(daemon, 40):
+                    self.assertEqual(reply.status, 201, reply)
+                self.assertEqual(daemon.request("GET", f"/v1/jobs/{done['id']}/image.exr").status, 200)
+
+
+@unittest.skipUnless(os.environ.get(INSIDE), "no namespaces of our own here: no small file system can be mounted")
+class FullDiskTest(DiskCase):
+    SIZE = 64 * MIB
+    LEFT = 4 * MIB  # enough for the store and small films; the large job's takes 33 MB
+
+    def setUp(self):
+        self.folder = tempfile.mkdtemp(prefix="photond-test-")
+        subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={self.SIZE}", "tmpfs", self.folder], check=True)
+        self.addCleanup(os.rmdir, self.folder)
+        self.addCleanup(subprocess.run, ["umount", self.folder], check=True)
+        self.data = pathlib.Path(self.folder) / "data"
+        self.filler = pathlib.Path(self.folder) / "filler"
+        self.daemon = Daemon("--disk-reserve", 0, data_dir=self.data)
+        self.addCleanup(self.daemon.close)
+        self.daemon.wait_ready()
+
+    def fill(self, left):
+        """Leaves that many bytes of the disk, to the page."""
+        with open(self.filler, "ab") as file:
+            while True:
+                disk = os.statvfs(self.folder)
+                excess = disk.f_bavail * disk.f_frsize - left
+                if excess <= 0:
+                    return
+                os.posix_fallocate(file.fileno(), file.seek(0, io.SEEK_END), excess)
+
+    def large_job(self, **stop):
+        return {**small_job(size=256, layers=ALL_LAYERS), "stop": stop}
+
+    def rendering(self, job):
+        while not (state := self.daemon.job(job))["passes_done"]:
+            self.assertIn(state["state"], ("queued", "running"), state)
+            time.sleep(0.02)
+
+    def check_store(self):
+        self.assertEqual(self.daemon.stop(), 0)
+        store = sqlite3.connect(self.data / "store.sqlite")
+        self.assertEqual(store.execute("PRAGMA integrity_check").fetchall(), [("ok",)])
+        store.close()
+
+    def test_a_film_that_does_not_fit_fails_its_job_and_no_other(self):
+        job = self.daemon.submit(self.large_job(seconds=3))["id"]
+        self.rendering(job)
+        self.fill(self.LEFT)
+        failed = self.daemon.wait_for_job(job)
+        self.assertEqual((failed["state"], failed["failure"]["code"], failed["failure"]["status"]),
+                         ("failed", "no_space", 507), failed)
+        self.assertEqual(len(failed["attempts"]), 1, "its own fault: not tried again")
+        self.assertEqual(self.files(self.daemon, "films", "spool"), [])
+        self.assertEqual(self.daemon.request("GET", f"/v1/jobs/{job}/image.exr").status, 404)
+        self.assert_no_space(self.daemon.request("POST", "/v1/jobs", json_body=self.large_job(passes=1)))
+        self.assert_no_space(self.daemon.request("POST", "/v1/scenes", body=bytes(2 * self.LEFT),
+                                                 headers={"Content-Type": "model/gltf-binary"}))
+        small = self.daemon.wait_for_job(self.daemon.submit(small_job(size=16))["id"])
+        self.assertEqual(small["state"], "succeeded", small)
+        self.assertEqual(self.daemon.request("GET", f"/v1/jobs/{small['id']}/image.exr").status, 200)
+        # Room again: no restart is needed.
+        self.filler.unlink()
+        self.assertEqual(self.daemon.request("POST", f"/v1/jobs/{job}/retry").status, 202)
+        self.assertEqual(self.daemon.wait_for_job(job)["state"], "succeeded")
+        self.assertEqual(self.daemon.request("GET", f"/v1/jobs/{job}/image.exr").status, 200)
+        workers = self.daemon.request("GET", "/v1/status").json["workers"]
+        self.assertEqual([worker["restarts"] for worker in workers], [0, 0])
+        self.check_store()
+
+    def test_not_a_byte_left(self):
+        """Not even the store can be written: what a job came to is kept in memory until it can."""
+        kept = self.daemon.wait_for_job(self.daemon.submit(small_job(size=16), "kept")["id"])
+        job = self.daemon.submit(self.large_job(seconds=2))["id"]
+        self.rendering(job)
+        self.fill(0)
+        for reply in self.uploads(self.daemon, 50):
+            self.assert_no_space(reply)
+        # The first may still find room within the log's last page.
+        replies = [self.daemon.request("POST", "/v1/jobs", json_body=small_job(size=16, seed=i)) for i in range(1, 21)]
+        self.assert_no_space(replies[-1])
+        accepted = [reply.json["id"] for reply in replies if reply.status == 202]
+        for reply in replies:
+            if reply.status != 202:
+                self.assert_no_space(reply)
+        deadline = time.monotonic() + 60
+        while f"job {job}: its end cannot be recorded yet" not in self.daemon.log():
+            self.assertLess(time.monotonic(), deadline, self.daemon.log())
+            time.sleep(0.05)
+        self.assertEqual(self.daemon.job(job)["state"], "running")
+        for path in ("/healthz", "/readyz", "/v1/jobs", f"/v1/jobs/{kept['id']}", f"/v1/jobs/{job}", "/metrics"):
+            self.assertEqual(self.daemon.request("GET", path).status, 200, path)
+        self.filler.unlink()
+        failed = self.daemon.wait_for_job(job)
+        self.assertEqual((failed["state"], failed["failure"]["code"]), ("failed", "no_space"), failed)
+        for other in accepted:
+            self.assertEqual(self.daemon.wait_for_job(other)["state"], "succeeded")
+        self.assertEqual(self.daemon.submit(small_job(size=16), "kept")["id"], kept["id"])
+        again = self.daemon.wait_for_job(self.daemon.submit(small_job(size=16))["id"])
+        self.assertEqual(again["statistics"]["pixel_hash"], kept["statistics"]["pixel_hash"])
+        ids = [item["id"] for item in self.daemon.request("GET", "/v1/jobs?limit=1000").json["items"]]
+        self.assertEqual(sorted(ids), sorted({kept["id"], job, *accepted, again["id"]}))
+        for reply in self.uploads(self.daemon, 50):
+            self.assertEqual(reply.status, 201, reply)
+        self.assertEqual(self.files(self.daemon, "spool"), [])
+        self.check_store()
+
+
+del DiskCase  # a base, not a test case
+if __name__ == "__main__":
+    if INSIDE not in os.environ and subprocess.run(["unshare", "--map-root-user", "--mount", "true"], check=False,
+                                                   stderr=subprocess.DEVNULL).returncode == 0:
+        os.execvpe("unshare", ["unshare", "--map-root-user", "--mount", sys.executable, *sys.argv],
+                   {**os.environ, INSIDE: "1"})
+    unittest.main()
