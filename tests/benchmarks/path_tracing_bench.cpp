@@ -22,6 +22,7 @@
 #include "renderer/scene/builtin_scenes.h"
 #include "renderer/scene/gltf_loader.h"
 #include "renderer/scene/texture_decode.h"
+#include "tests/benchmarks/bare_embree.h"
 
 namespace photond {
 namespace {
@@ -34,29 +35,31 @@ double median(std::vector<double> values) {
 /// Passes rays on and keeps a copy of every batch.
 class RecordingIntersector final : public Intersector {
 public:
-    struct Batch {
-        std::vector<Ray> rays;
-        Coherence coherence;
-        bool shadow;
-    };
-
     explicit RecordingIntersector(const Intersector& inner) : inner_(inner) {}
     Hit closest_hit(const Ray& ray) const override { return inner_.closest_hit(ray); }
     bool occluded(const Ray& ray) const override { return inner_.occluded(ray); }
     void closest_hits(std::span<const Ray> rays, std::span<Hit> hits, Coherence coherence) const override {
-        record(rays, coherence, false);
         inner_.closest_hits(rays, hits, coherence);
+        record({{rays.begin(), rays.end()},
+                coherence,
+                false,
+                size_t(std::count_if(hits.begin(), hits.end(), [](const Hit& hit) { return hit.valid(); }))});
     }
     void occluded(std::span<const Ray> rays, std::span<uint8_t> occluded, Coherence coherence) const override {
-        record(rays, coherence, true);
         inner_.occluded(rays, occluded, coherence);
+        record({{rays.begin(), rays.end()},
+                coherence,
+                true,
+                size_t(std::count(occluded.begin(), occluded.end(), uint8_t{1}))});
     }
     uint64_t bytes() const override { return inner_.bytes(); }
 
-    /// Traces everything that was recorded; returns the number of rays.
-    size_t replay() const {
+    const std::vector<RecordedBatch>& batches() const { return batches_; }
+
+    /// Traces everything that was recorded, as the renderer does.
+    void replay() const {
         parallel_for(batches_.size(), 1, [&](size_t i) {
-            const Batch& batch = batches_[i];
+            const RecordedBatch& batch = batches_[i];
             Answers& answers = answers_.local();
             answers.occluded.resize(std::max(answers.occluded.size(), batch.rays.size()));
             answers.hits.resize(std::max(answers.hits.size(), batch.rays.size()));
@@ -65,15 +68,12 @@ public:
             else
                 inner_.closest_hits(batch.rays, {answers.hits.data(), batch.rays.size()}, batch.coherence);
         });
-        size_t count = 0;
-        for (const Batch& batch : batches_) count += batch.rays.size();
-        return count;
     }
 
 private:
-    void record(std::span<const Ray> rays, Coherence coherence, bool shadow) const {
+    void record(RecordedBatch batch) const {
         const std::lock_guard lock(mutex_);
-        batches_.push_back({{rays.begin(), rays.end()}, coherence, shadow});
+        batches_.push_back(std::move(batch));
     }
 
     struct Answers {
@@ -84,7 +84,7 @@ private:
     const Intersector& inner_;
     mutable tbb::enumerable_thread_specific<Answers> answers_;
     mutable std::mutex mutex_;
-    mutable std::vector<Batch> batches_;
+    mutable std::vector<RecordedBatch> batches_;
 };
 
 /// A method begun on a scene, pass after pass into a film.
@@ -159,7 +159,10 @@ void measure_paths() {
 }
 
 void measure_replay() {
-    std::printf("\nRays per second in path_tracing over replaying the same rays (CPU seconds, medians, all threads)\n");
+    std::printf(
+        "\nTime of path_tracing, film included, against only tracing the same rays (CPU ns a ray, medians)\n"
+        "%-24s %8s %8s | %9s %9s %9s | best over path\n",
+        "", "Mrays", "path", "renderer", "packets", "singles");
     for (const NamedScene& named : kScenes) {
         const std::optional<Scene> scene = open(named);
         if (!scene) continue;
@@ -167,22 +170,30 @@ void measure_replay() {
         const RecordingIntersector recorder(*intersector);
         Render recorded(*scene, recorder, named.size, {});
         recorded.pass();  // pass 0 of the same run
-
-        std::vector<double> path_seconds, replay_seconds;
+        const BareEmbree bare(*scene, recorder.batches());
+        bare.check(recorder.batches());
         size_t rays = 0;
+        for (const RecordedBatch& batch : recorder.batches()) rays += batch.rays.size();
+
+        enum { kPath, kRenderer, kPackets, kSingles, kWays };
+        std::vector<double> ns[kWays];
         Render render(*scene, *intersector, named.size, {});
-        for (int i = 0; i < 15; ++i) {  // alternately, so that other load on the machine meets both
-            double start = cpu_now_seconds();
-            render.pass(0);
-            path_seconds.push_back(cpu_now_seconds() - start);
-            start = cpu_now_seconds();
-            rays = recorder.replay();
-            replay_seconds.push_back(cpu_now_seconds() - start);
+        for (int i = 0; i < 15; ++i) {  // alternately, so that other load on the machine meets all
+            const auto measure = [&](int way, const auto& work) {
+                const double start = cpu_now_seconds();
+                work();
+                ns[way].push_back(1e9 * (cpu_now_seconds() - start) / double(rays));
+            };
+            measure(kPath, [&] { render.pass(0); });
+            measure(kRenderer, [&] { recorder.replay(); });
+            measure(kPackets, [&] { bare.trace_packets(); });
+            measure(kSingles, [&] { bare.trace_singles(); });
         }
-        const double path = median(path_seconds), replay = median(replay_seconds);
-        std::printf("%-24s %6.2f of %6.2f Mrays/s a CPU: %5.1f %%   (%.0f + %.0f ns a ray)\n", named.name,
-                    1e-6 * double(rays) / path, 1e-6 * double(rays) / replay, 100 * replay / path,
-                    1e9 * replay / double(rays), 1e9 * (path - replay) / double(rays));
+        double cost[kWays];
+        for (int way = 0; way < kWays; ++way) cost[way] = median(ns[way]);
+        const double best = *std::min_element(cost + kRenderer, cost + kWays);
+        std::printf("%-24s %8.3f %8.1f | %9.1f %9.1f %9.1f | %5.1f %%\n", named.name, 1e-6 * double(rays), cost[kPath],
+                    cost[kRenderer], cost[kPackets], cost[kSingles], 100 * best / cost[kPath]);
     }
 }
 
