@@ -13,6 +13,7 @@
 
 #include <embree3/rtcore.h>
 
+#include <array>
 #include <atomic>
 #include <cassert>
 #include <cstring>
@@ -20,6 +21,7 @@
 
 #include "protocol/error.h"
 #include "renderer/backends/cpu/small_scene_intersector.h"
+#include "renderer/core/lanes.h"
 #include "renderer/core/rng.h"
 #include "renderer/scene/scene.h"
 #include "renderer/scene/surface_color.h"
@@ -27,6 +29,8 @@
 namespace photond {
 
 namespace {
+
+namespace stdx = std::experimental;
 
 constexpr size_t kPacket = 8;
 
@@ -210,34 +214,51 @@ uint64_t EmbreeIntersector::bytes() const {
     return uint64_t(meter_.bytes.load(std::memory_order_relaxed)) + alpha_tests_.size() * sizeof(AlphaTest);
 }
 
-// Every field is written: packets live on the stack and Embree reads them all.
-void set_ray(RTCRay8& packet, size_t lane, const Ray& ray, uint32_t id) {
-    packet.org_x[lane] = ray.origin.x;
-    packet.org_y[lane] = ray.origin.y;
-    packet.org_z[lane] = ray.origin.z;
-    packet.dir_x[lane] = ray.direction.x;
-    packet.dir_y[lane] = ray.direction.y;
-    packet.dir_z[lane] = ray.direction.z;
-    packet.tnear[lane] = 0;
-    packet.tfar[lane] = ray.t_max;
-    packet.time[lane] = 0;
-    packet.mask[lane] = ~0u;
-    packet.id[lane] = id;
-    packet.flags[lane] = 0;
-}
+/// A packet for the rays from `first` on.
+struct Packet {
+    RTCRayHit8 query;
+    alignas(32) int valid[kPacket];
 
-/// Fills a packet from rays[first ...]; returns whether any of its rays is to be traced.
-bool fill_packet(RTCRay8& packet, int* valid, std::span<const Ray> rays, size_t first) {
-    int any = 0;
-    const size_t count = std::min(kPacket, rays.size() - first);
-    for (size_t lane = 0; lane < kPacket; ++lane) {
-        const size_t i = first + std::min(lane, count - 1);  // lanes past the end repeat the last ray, not valid
-        set_ray(packet, lane, rays[i], uint32_t(i));
-        valid[lane] = lane < count && rays[i].t_max > 0 ? -1 : 0;
-        any |= valid[lane];
+    // Embree reads all fields, but changes only tfar and the hit.
+    Packet() {
+        RTCRay8& ray = query.ray;
+        std::fill_n(ray.tnear, kPacket, 0.0f);
+        std::fill_n(ray.time, kPacket, 0.0f);
+        std::fill_n(ray.mask, kPacket, ~0u);
+        std::fill_n(ray.flags, kPacket, 0u);
     }
-    return any != 0;
-}
+
+    /// Returns whether any of its rays is to be traced. Stored by whole vectors, as Embree reads them at once: stored
+    /// number by number, the processor would have to wait for the last store.
+    bool fill(std::span<const Ray> rays, size_t first) {
+        static_assert(kLanes == kPacket);
+        const size_t count = std::min(kPacket, rays.size() - first);
+        const Ray* source = rays.data() + first;
+        std::array<Ray, kPacket> padded;
+        if (count < kPacket) {  // lanes past the end repeat the last ray, not valid
+            for (size_t lane = 0; lane < kPacket; ++lane) padded[lane] = source[std::min(lane, count - 1)];
+            source = padded.data();
+        }
+        const auto store = [source](float* field, auto&& member) {
+            FloatLanes([&](auto lane) { return member(source[lane]); }).copy_to(field, stdx::vector_aligned);
+        };
+        RTCRay8& ray = query.ray;
+        store(ray.org_x, [](const Ray& r) { return r.origin.x; });
+        store(ray.org_y, [](const Ray& r) { return r.origin.y; });
+        store(ray.org_z, [](const Ray& r) { return r.origin.z; });
+        store(ray.dir_x, [](const Ray& r) { return r.direction.x; });
+        store(ray.dir_y, [](const Ray& r) { return r.direction.y; });
+        store(ray.dir_z, [](const Ray& r) { return r.direction.z; });
+        store(ray.tfar, [](const Ray& r) { return r.t_max; });
+        int any = 0;
+        for (size_t lane = 0; lane < kPacket; ++lane) {
+            ray.id[lane] = uint32_t(first + lane);
+            valid[lane] = lane < count && source[lane].t_max > 0 ? -1 : 0;
+            any |= valid[lane];
+        }
+        return any != 0;
+    }
+};
 
 RTCRay single_ray(const Ray& ray) {
     return {ray.origin.x,
@@ -278,26 +299,26 @@ bool EmbreeIntersector::occluded(const Ray& ray) const {
 void EmbreeIntersector::closest_hits(std::span<const Ray> rays, std::span<Hit> hits, Coherence coherence) const {
     assert(rays.size() == hits.size());
     QueryContext context(rays.data(), coherence);
-    alignas(32) int valid[kPacket];
-    RTCRayHit8 packet;
+    Packet packet;
     for (size_t first = 0; first < rays.size(); first += kPacket) {
         const size_t count = std::min(kPacket, rays.size() - first);
-        if (!fill_packet(packet.ray, valid, rays, first)) {
+        if (!packet.fill(rays, first)) {
             std::fill_n(hits.begin() + std::ptrdiff_t(first), count, Hit{});
             continue;
         }
-        for (size_t lane = 0; lane < kPacket; ++lane)
-            packet.hit.geomID[lane] = packet.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
-        rtcIntersect8(valid, top_.get(), &context.embree, &packet);
+        RTCHit8& found = packet.query.hit;
+        std::fill_n(found.geomID, kPacket, RTC_INVALID_GEOMETRY_ID);
+        std::fill_n(found.instID[0], kPacket, RTC_INVALID_GEOMETRY_ID);
+        rtcIntersect8(packet.valid, top_.get(), &context.embree, &packet.query);
         for (size_t lane = 0; lane < count; ++lane) {
             Hit& hit = hits[first + lane];
-            if (!valid[lane] || packet.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID) {
+            if (!packet.valid[lane] || found.geomID[lane] == RTC_INVALID_GEOMETRY_ID) {
                 hit = {};
                 continue;
             }
-            const bool placed = packet.hit.instID[0][lane] != RTC_INVALID_GEOMETRY_ID;
-            hit = {packet.ray.tfar[lane], placed ? packet.hit.instID[0][lane] : packet.hit.geomID[lane],
-                   packet.hit.primID[lane], packet.hit.u[lane], packet.hit.v[lane]};
+            const bool placed = found.instID[0][lane] != RTC_INVALID_GEOMETRY_ID;
+            hit = {packet.query.ray.tfar[lane], placed ? found.instID[0][lane] : found.geomID[lane], found.primID[lane],
+                   found.u[lane], found.v[lane]};
         }
     }
 }
@@ -305,13 +326,13 @@ void EmbreeIntersector::closest_hits(std::span<const Ray> rays, std::span<Hit> h
 void EmbreeIntersector::occluded(std::span<const Ray> rays, std::span<uint8_t> occluded, Coherence coherence) const {
     assert(rays.size() == occluded.size());
     QueryContext context(rays.data(), coherence);
-    alignas(32) int valid[kPacket];
-    RTCRay8 packet;
+    Packet packet;
     for (size_t first = 0; first < rays.size(); first += kPacket) {
         const size_t count = std::min(kPacket, rays.size() - first);
-        if (fill_packet(packet, valid, rays, first)) rtcOccluded8(valid, top_.get(), &context.embree, &packet);
+        RTCRay8& ray = packet.query.ray;
+        if (packet.fill(rays, first)) rtcOccluded8(packet.valid, top_.get(), &context.embree, &ray);
         for (size_t lane = 0; lane < count; ++lane)
-            occluded[first + lane] = valid[lane] != 0 && packet.tfar[lane] < 0 ? 1 : 0;
+            occluded[first + lane] = packet.valid[lane] != 0 && ray.tfar[lane] < 0 ? 1 : 0;
     }
 }
 
