@@ -51,7 +51,7 @@ private:
     // The left child follows its parent, so that one line of the cache often holds both.
     struct alignas(64) Node {
         vec3 centre;
-        float radius_sq;  // of the sphere about the box
+        float radius;  // of the sphere about the box
         vec3 axis;
         float cos_cone, sin_cone;
         float cos_emission;
