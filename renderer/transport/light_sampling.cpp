@@ -131,13 +131,10 @@ struct SeenFrom {
     float omega() const { return omega1 + omega2; }
 };
 
-SeenFrom see(const Emitter& e, const vec3& p) {
+SeenFrom see_near(const Emitter& e, const vec3& p) {
     SeenFrom seen;
     const bool two = e.shape == Emitter::Shape::Parallelogram;
     const vec3 corner = e.corner - p;
-    const vec3 centre = corner + (two ? 0.5f : 1.0f / 3) * (e.edge1 + e.edge2);
-    // The solid angle is at most about area / distance^2 for a small emitter; twice the threshold covers the rest.
-    if (2 * e.area_m2 < kSphericalFrom * glm::dot(centre, centre)) return seen;
     seen.a = glm::normalize(corner);
     seen.b = glm::normalize(corner + e.edge1);
     seen.c = glm::normalize(corner + e.edge2);
@@ -152,6 +149,14 @@ SeenFrom see(const Emitter& e, const vec3& p) {
                       (!two || (seen.omega2 > kLeast && seen.omega2 < kSphericalTo));
     if (!fits) seen.omega1 = seen.omega2 = 0;
     return seen;
+}
+
+inline SeenFrom see(const Emitter& e, const vec3& p) {
+    const float centre = e.shape == Emitter::Shape::Parallelogram ? 0.5f : 1.0f / 3;
+    const vec3 to_centre = e.corner - p + centre * (e.edge1 + e.edge2);
+    // The solid angle is at most about area / distance^2 for a small emitter; twice the threshold covers the rest.
+    if (2 * e.area_m2 < kSphericalFrom * glm::dot(to_centre, to_centre)) return {};
+    return see_near(e, p);
 }
 
 /// Weights of corner + s edge1 + t edge2 where the line from p along w meets the emitter's plane.
