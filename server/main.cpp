@@ -145,7 +145,8 @@ int main(int argc, char** argv) {
     app.add_option("--data", options.data_dir, "folder of everything the service keeps")->capture_default_str();
     app.add_option("--listen", listen, "ADDRESS:PORT; port 0 picks a free one")->capture_default_str();
     app.add_option("--devices", options.devices, "one worker process each")->delimiter(',')->capture_default_str();
-    app.add_option("--memory-limit", options.memory_limit_bytes, "bytes a job may hold in a worker; default 75 % of RAM");
+    app.add_option("--memory-limit", options.memory_limit_bytes,
+                   "bytes a job may hold in a worker; default 75 % of RAM");
     app.add_option("--threads", options.threads, "threads of each CPU worker; default all cores");
     app.add_option("--worker-nice", options.worker_nice, "added to the workers' niceness")
         ->check(CLI::Range(0, 19))

@@ -46,7 +46,8 @@ class DiskCase(unittest.TestCase):
 
 class ReserveTest(DiskCase):
     def test_nothing_is_taken_that_would_touch_the_reserve(self):
-        with tempfile.TemporaryDirectory(prefix="photond-test-") as folder:
+        with tempfile.TemporaryDirectory(prefix="photond-test-") as around:
+            folder = around + "/data"  # the log is written beside it
             with Daemon(data_dir=folder) as daemon:
                 daemon.wait_ready()
                 done = daemon.wait_for_job(daemon.submit(small_job(size=16))["id"])
@@ -85,8 +86,11 @@ class FullDiskTest(DiskCase):
         self.addCleanup(subprocess.run, ["umount", self.folder], check=True)
         self.data = pathlib.Path(self.folder) / "data"
         self.filler = pathlib.Path(self.folder) / "filler"
-        self.daemon = Daemon("--disk-reserve", 0, data_dir=self.data)
+        self.daemon = Daemon("--disk-reserve", 0, data_dir=self.data, start=False)
+        self.daemon.log_path = pathlib.Path(self.folder + ".log")  # not on the disk that will be full
+        self.addCleanup(self.daemon.log_path.unlink)
         self.addCleanup(self.daemon.close)
+        self.daemon.start()
         self.daemon.wait_ready()
 
     def fill(self, left):

@@ -34,7 +34,8 @@ class MemoryLimitTest(unittest.TestCase):
                 self.assertEqual(restarts, [0, 0], daemon.log())
 
     def test_what_no_longer_fits_fails_and_the_rest_goes_on(self):
-        with tempfile.TemporaryDirectory(prefix="photond-test-") as folder:
+        with tempfile.TemporaryDirectory(prefix="photond-test-") as around:
+            folder = around + "/data"  # the log is written beside it
             with Daemon(data_dir=folder) as daemon:
                 daemon.wait_ready()
                 done = daemon.wait_for_job(daemon.submit(LARGE)["id"])
@@ -75,7 +76,8 @@ class MemoryLimitTest(unittest.TestCase):
                 self.assertEqual(restarts, [0, 0])
 
     def test_a_scene_that_does_not_fit_by_itself(self):
-        with tempfile.TemporaryDirectory(prefix="photond-test-") as folder:
+        with tempfile.TemporaryDirectory(prefix="photond-test-") as around:
+            folder = around + "/data"  # the log is written beside it
             with Daemon(data_dir=folder) as daemon:
                 daemon.wait_ready()
                 endless = daemon.submit({**small_job(size=16), "stop": {"seconds": 3600}})["id"]

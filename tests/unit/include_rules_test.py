@@ -164,7 +164,6 @@ PLANTED = [
     ("renderer/scene/a.h", '"renderer/transport/b.h"', False),
     ("renderer/scene/a.h", '"renderer/backends/cpu/b.h"', False),
     ("renderer/scene/a.cpp", "<tiny_gltf.h>", False),
-    ("renderer/scene/gltf_loader.cpp", "<tiny_gltf.h>", True),
     ("renderer/scene/a.cpp", "<meshoptimizer.h>", False),
     ("renderer/scene/texture.cpp", "<OpenImageIO/imageio.h>", False),
     ("renderer/scene/texture_decode.cpp", "<OpenImageIO/imageio.h>", True),
