@@ -1,6 +1,12 @@
 // Speed of path tracing: camera paths per CPU second, rays against bare ray tracing of the same rays, threads, and what
 // low-discrepancy numbers save. Prints tables; nothing passes or fails here. Scenes beside the repository are optional.
 //
+// The rays' yardstick is the fastest of three ways to trace what pass 0 has asked for, batch by batch: through the
+// renderer's intersector, and straight through Embree's C interface (bare_embree.h) as packets of eight and one by one.
+// Measured on two cores (AMD Zen 4, AVX-512), in percent of that yardstick, three runs under some other load:
+//   cornell_diffuse_dragon 61.0 61.0 61.3, sponza_crytek 61.7 61.1 61.7, interior 40, cornell-box 32 to 37 (where the
+//   yardstick is our own SmallSceneIntersector, 2.4 times as fast as Embree).
+//
 // Usage: path_tracing_bench [paths] [replay] [threads] [samplers]; all of them without arguments.
 
 #include <tbb/enumerable_thread_specific.h>
