@@ -475,7 +475,7 @@ std::vector<std::string> openapi_operations(const json& document) {
         for (const auto& [method, operation] : methods.items()) {
             std::string name;
             for (const char c : method) name += static_cast<char>(c - 'a' + 'A');
-            names.push_back(name + " " + path);
+            names.push_back(name.append(" ").append(path));
         }
     return names;
 }

@@ -110,7 +110,7 @@ private:
         return true;
     }
 
-    void fault(std::string_view key, std::string detail) {
+    void fault(std::string_view key, const std::string& detail) {
         faults_.push_back({pointer_ + "/" + pointer_token(key), std::string(key) + ": " + detail});
     }
 

@@ -70,7 +70,7 @@ HttpReply DaemonClient::ask(const HttpRequest& request, Repeat repeat, const Rep
 
     while (true) {
         try {
-            const HttpReply reply = http_.exchange(wire, sink);
+            HttpReply reply = http_.exchange(wire, sink);
             spoken_to_ = true;
             if (reply.status >= 200 && reply.status < 300) return reply;
             const bool may_pass = reply.status == 429 || reply.status == 503;

@@ -17,7 +17,7 @@ constexpr int kStreamTries = 3;  // without one event between them; then polling
 
 class Follower {
 public:
-    Follower(DaemonClient& daemon, std::string id, const JobListener& listener)
+    Follower(DaemonClient& daemon, const std::string& id, const JobListener& listener)
         : daemon_(daemon), path_(resource_path("jobs", id)), listener_(listener) {}
 
     json run() {

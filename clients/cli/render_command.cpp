@@ -71,7 +71,7 @@ void add_parameters(json& parameters, const RenderOptions& options, const Render
         given.insert_or_assign(key_and_value(setting, "--set").first, key_and_value(setting, "--set").second);
     for (const auto& [name, text] : given) {
         const auto found = std::find_if(vocabulary.parameters.begin(), vocabulary.parameters.end(),
-                                        [&](const Parameter& parameter) { return parameter.name == name; });
+                                        [&key = name](const Parameter& parameter) { return parameter.name == key; });
         if (found == vocabulary.parameters.end()) {
             std::vector<std::string> known;
             for (const Parameter& parameter : vocabulary.parameters) known.push_back(parameter.name);

@@ -1,5 +1,6 @@
 #include "clients/cli/statistics_report.h"
 
+#include <cmath>
 #include <ostream>
 #include <string>
 
@@ -40,10 +41,9 @@ void print_stages(std::ostream& out, const json& stages) {
     for (const json& stage : stages) {
         const json wall = member(stage, "wall_seconds");
         const bool share = wall.is_number() && total > 0;
-        std::vector<std::string> row{
-            words(plain_text(member(stage, "name"))), seconds_cell(wall),
-            share ? human_number(double(int(100 * wall.get<double>() / total + 0.5))) + " %" : "",
-            seconds_cell(member(stage, "cpu_seconds"))};
+        std::vector<std::string> row{words(plain_text(member(stage, "name"))), seconds_cell(wall),
+                                     share ? human_number(std::round(100 * wall.get<double>() / total)) + " %" : "",
+                                     seconds_cell(member(stage, "cpu_seconds"))};
         if (on_gpu) row.push_back(seconds_cell(member(stage, "gpu_seconds")));
         table.add_row(std::move(row));
     }
