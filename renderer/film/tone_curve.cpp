@@ -19,7 +19,7 @@ float filmic(float x) {
 uint8_t encode_channel(float linear, ToneCurve curve) {
     if (!(linear > 0)) return 0;
     const float curved = curve == ToneCurve::Filmic ? filmic(linear) : linear;
-    return static_cast<uint8_t>(255.0f * srgb_encode(std::min(curved, 1.0f)) + 0.5f);
+    return static_cast<uint8_t>(std::lround(255.0f * srgb_encode(std::min(curved, 1.0f))));
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ constexpr float kWindowLow = 0.85f, kWindowHigh = 2.3f, kWindowHalf = 1.2f, kWal
 uint8_t to_srgb8(float linear) {
     const float c = std::clamp(linear, 0.0f, 1.0f);
     const float encoded = c <= 0.0031308f ? 12.92f * c : 1.055f * std::pow(c, 1 / 2.4f) - 0.055f;
-    return static_cast<uint8_t>(encoded * 255 + 0.5f);
+    return static_cast<uint8_t>(std::lround(encoded * 255));
 }
 
 /// A texture from a function of (u, v) in [0, 1)^2 that gives linear reflectance.

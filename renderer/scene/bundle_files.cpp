@@ -102,7 +102,7 @@ std::vector<uint8_t> BundleFiles::read(const std::string& relative_path, const s
 }
 
 std::string path_of_uri(std::string_view uri, const std::string& pointer) {
-    const std::string path = percent_decoded(uri, pointer);
+    std::string path = percent_decoded(uri, pointer);
     if (path.empty()) bad(pointer, "the URI is empty");
     if (path.size() > 4096) bad(pointer, "the URI is longer than 4096 characters");
     for (const char c : path)

@@ -110,7 +110,7 @@ private:
     }
     std::string_view keep(const std::string& text) {
         if (text.size() > UINT32_MAX) bad_json(pointer(), "a string of more than 4 GiB");
-        if (text.empty()) return {"", 0};
+        if (text.empty()) return {};
         char* copy = static_cast<char*>(arena_.allocate(text.size(), 1));
         std::memcpy(copy, text.data(), text.size());
         return {copy, text.size()};

@@ -117,7 +117,8 @@ void Wavefront::start_paths(const PathTracingScene& shared, const PassSampler& s
     if (lens) sampler.sample_2d(keys, sample_set(CameraSet::Lens), {lobe_.x.data(), count_}, {lobe_.y.data(), count_});
     for (size_t i = 0; i < count_; ++i) {
         const uint32_t pixel = paths_[i].pixel, width = shared.view.film_size.width;
-        const vec2 corner(float(pixel % width), float(pixel / width));
+        const uvec2 place(pixel % width, pixel / width);
+        const vec2 corner(place);
         rays_[i] = shared.camera_rays(corner + shared.filter({direction_.x[i], direction_.y[i]}),
                                       lens ? vec2(lobe_.x[i], lobe_.y[i]) : vec2(0));
     }
