@@ -37,8 +37,7 @@ bool Wavefront::shade_vertex(const PathTracingScene& shared, uint32_t vertex, ui
     if (material.emissive()) add_emission(image, shared, path, hit, point.front_side, ray.direction);
     if (path.scatterings >= shared.max_scatterings) return false;
 
-    const uint32_t outside = path.media.outside_of(point.material, !point.front_side);
-    const Bsdf bsdf = make_bsdf(scene, point, outside == MediumStack::kVacuum ? 1.0f : scene.materials[outside].ior);
+    const Bsdf bsdf = make_bsdf(scene, point, path.media.outside_ior(scene, point.material, !point.front_side));
     const vec3 wo = point.shading.to_local(-ray.direction);
     // The first non-delta surface: a walk that reaches another one left this one by a delta lobe.
     if (camera_walk && !image.albedo.empty() && bsdf.has_non_delta() && is_black(image.albedo[path.pixel]))
@@ -69,7 +68,7 @@ bool Wavefront::shade_vertex(const PathTracingScene& shared, uint32_t vertex, ui
     }
     if (next.refraction) {
         path.eta_scale *= sqr(next.eta);
-        point.front_side ? path.media.enter(point.material) : path.media.leave(point.material);
+        path.media.cross(point.material, point.front_side);
     }
 
     if (!is_finite(path.throughput)) {  // shown, not hidden: the film drops and counts it

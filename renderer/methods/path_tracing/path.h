@@ -1,48 +1,9 @@
 #pragma once
 // One path between two of its vertices.
 
-#include <array>
-#include <cstdint>
-
-#include "renderer/core/rgb.h"
+#include "renderer/transport/medium_stack.h"
 
 namespace photond {
-
-/// The solids a ray is in, innermost last. Deeper nesting than kDepth replaces the innermost.
-class MediumStack {
-public:
-    static constexpr uint32_t kDepth = 4;
-    static constexpr uint32_t kVacuum = ~0u;
-
-    /// Material of the innermost solid, kVacuum outside of all.
-    uint32_t top() const { return size_ > 0 ? materials_[size_ - 1] : kVacuum; }
-
-    /// What lies outside of a surface of `material`: seen from within, the solid below its innermost occurrence.
-    uint32_t outside_of(uint32_t material, bool seen_from_within) const {
-        if (!seen_from_within) return top();
-        MediumStack rest = *this;
-        rest.leave(material);
-        return rest.top();
-    }
-
-    void enter(uint32_t material) {
-        if (size_ < kDepth) ++size_;
-        materials_[size_ - 1] = material;
-    }
-
-    void leave(uint32_t material) {
-        for (uint32_t i = size_; i-- > 0;) {
-            if (materials_[i] != material) continue;
-            for (; i + 1 < size_; ++i) materials_[i] = materials_[i + 1];
-            --size_;
-            return;
-        }
-    }
-
-private:
-    uint32_t size_ = 0;
-    std::array<uint32_t, kDepth> materials_;
-};
 
 struct Path {
     Rgb throughput{1};

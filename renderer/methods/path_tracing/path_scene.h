@@ -8,6 +8,7 @@
 #include "renderer/methods/path_tracing/path_tracing.h"
 #include "renderer/methods/pixel_filter.h"
 #include "renderer/transport/light_sampling.h"
+#include "renderer/transport/medium_stack.h"
 
 namespace photond {
 
@@ -23,6 +24,7 @@ struct PathTracingScene {
         : scene(context.scene),
           intersector(context.intersector),
           lights(context.scene),
+          absorption(context.scene),
           view(context.view),
           camera_rays(context.view.camera, context.view.film_size),
           filter(context.view.filter),
@@ -38,19 +40,12 @@ struct PathTracingScene {
                                .varies = m.base_color_texture.used() || !mesh.colors.empty(),
                                .emits = m.emissive()});
         }
-        absorption_per_m.reserve(scene.materials.size());
-        for (const Material& m : scene.materials) {
-            // Beer's law: attenuation_color is what remains after attenuation_distance. A channel of 0 is taken as
-            // 1e-30, so that the exponent stays finite.
-            const bool absorbs = m.solid && m.attenuation_distance < kInfinity;
-            absorption_per_m.push_back(
-                absorbs ? -glm::log(glm::max(m.attenuation_color, Rgb(1e-30f))) / m.attenuation_distance : Rgb(0));
-        }
     }
 
     const Scene& scene;
     const Intersector& intersector;
     const LightSampler lights;
+    const Absorption absorption;
     const View view;
     const CameraRays camera_rays;
     const PixelFilterSampler filter;
@@ -58,8 +53,7 @@ struct PathTracingScene {
     const SamplerKind sampler;
     const uint32_t max_scatterings;
     const uint32_t roulette_start;
-    std::vector<Rgb> absorption_per_m;  // by material [1/m]
-    std::vector<Shading> shading;       // by instance
+    std::vector<Shading> shading;  // by instance
 };
 
 /// A rectangle of pixels, traced as one batch by one thread.

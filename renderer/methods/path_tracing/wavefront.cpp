@@ -37,13 +37,6 @@ void prefetch_corners(const Scene& scene, const Hit& hit) {
     }
 }
 
-/// What is left after `distance` [m] in the solid; infinite distance: nothing where it absorbs at all.
-Rgb transmittance(const Rgb& absorption_per_m, float distance) {
-    Rgb left;
-    for (int c = 0; c < 3; ++c) left[c] = absorption_per_m[c] > 0 ? std::exp(-absorption_per_m[c] * distance) : 1.0f;
-    return left;
-}
-
 }  // namespace
 
 Wavefront::Wavefront()
@@ -133,8 +126,7 @@ void Wavefront::sort_hits(const PathTracingScene& shared, PassImage& image) {
     for (uint32_t i = 0; i < count_; ++i) {
         const Hit& hit = hits_[i];
         Path& path = paths_[i];
-        if (const uint32_t medium = path.media.top(); medium != MediumStack::kVacuum)
-            path.throughput *= transmittance(shared.absorption_per_m[medium], hit.t);
+        path.throughput *= shared.absorption.transmittance(path.media, hit.t);
         if (!hit.valid()) {
             add_environment(image, shared, path, rays_[i].direction);
             continue;
