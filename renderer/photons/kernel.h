@@ -1,0 +1,38 @@
+#pragma once
+// Radial kernels of density estimation on a disc. Each integrates to 1 over the disc of radius r in the plane.
+
+#include "renderer/core/geometry.h"
+
+namespace photond {
+
+enum class KernelShape : uint8_t { Constant, Cone, Gaussian, Epanechnikov };
+
+/// K(u; r) = shape(u^2 / r^2) / r^2 [m^-2], zero beyond r.
+///   constant      1 / pi
+///   cone          (1 - q / k) / ((1 - 2 / (3 k)) pi), q = u / r, k >= 1     [Jensen 1996], cache-based-gi slides
+///   gaussian      [Jensen 2001, Eq. 7.8]'s w(q) = 1 - (1 - exp(-beta q^2 / 2)) / (1 - exp(-beta)), beta = 1.953,
+///                 divided by its own integral over the disc (Jensen's factor 0.918 does that only nearly)
+///   epanechnikov  2 (1 - q^2) / pi
+///
+/// [Jensen 2001] Realistic Image Synthesis Using Photon Mapping. A K Peters.
+class Kernel {
+public:
+    /// `cone_k` >= 1 (no cone below: it would turn negative); throws ErrorCode::OutOfRange.
+    explicit Kernel(KernelShape shape = KernelShape::Constant, float cone_k = 1.1f);
+
+    KernelShape shape() const { return shape_; }
+    float cone_k() const { return cone_k_; }
+
+    /// K r^2 at q_sq = (u / r)^2 in [0, 1]; no test against 1.
+    float operator()(float q_sq) const;
+
+    /// Share of the kernel within q = u / r of the centre: 0 at 0, 1 at 1 and beyond, closed form.
+    float mass_within(float q) const;
+
+private:
+    KernelShape shape_;
+    float cone_k_;
+    float scale_;
+};
+
+}  // namespace photond

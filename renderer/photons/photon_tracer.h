@@ -1,0 +1,63 @@
+#pragma once
+// Pass 1: light paths from the lights through the scene, and the photons they leave.
+//
+// Power is divided by the number of paths EMITTED and changes by f |cos_out| / (s p_out) at each scattering and by
+// nothing at storage (methods.md: the slides slip there). Shading normals: transport/photon_scattering.h.
+
+#include <memory>
+#include <vector>
+
+#include "renderer/core/cancel.h"
+#include "renderer/core/stats.h"
+#include "renderer/photons/photon.h"
+#include "renderer/scene/intersector.h"
+#include "renderer/transport/emission_sampling.h"
+#include "renderer/transport/sobol.h"
+
+namespace photond {
+
+class ProjectionMap;
+
+/// Which photons are kept. A scattering is specular when its lobe is delta or glossy with alpha below the threshold.
+enum class PhotonMapKind : uint8_t {
+    Global,   // at least one scattering that was not specular
+    Caustic,  // at least one scattering, all specular; paths end at the first that is not
+};
+
+struct PhotonTracing {
+    PhotonMapKind kind = PhotonMapKind::Global;
+    uint32_t photons = 200'000;               // light paths a pass
+    uint32_t most_scatterings = UINT32_MAX;   // photons with more are neither stored nor traced
+    float glossy_threshold = 0.05f;           // alpha
+    SamplerKind sampler = SamplerKind::Sobol;
+    const ProjectionMap* guide = nullptr;     // of caustic photons; nullptr: by the lights' emission alone
+};
+
+/// What one call of trace() did.
+struct TracedPhotons {
+    std::vector<Photon> photons;  // in the order of the paths that left them, whatever the number of threads
+    uint64_t paths = 0;           // emitted
+    uint64_t first_hits_specular = 0;  // paths whose first hit had a specular lobe
+    Counts counts;                // photon_rays, photons_emitted, photons_stored
+};
+
+/// Borrows scene, intersector, emission and guide.
+class PhotonTracer {
+public:
+    PhotonTracer(const Scene& scene, const Intersector& intersector, const EmissionSampler& emission,
+                 const PhotonTracing& tracing);
+    ~PhotonTracer();
+
+    /// One pass's photons: a pure function of (scene, settings, seed, pass), traced in parallel in batches. Cancelled:
+    /// what comes back is incomplete and must not be used.
+    TracedPhotons trace(uint64_t seed, uint32_t pass, const CancelToken& cancel) const;
+
+    /// Bytes of scratch all threads together take.
+    static uint64_t scratch_bytes(size_t threads);
+
+private:
+    struct Shared;
+    std::unique_ptr<Shared> shared_;
+};
+
+}  // namespace photond

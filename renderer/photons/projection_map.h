@@ -1,0 +1,48 @@
+#pragma once
+// Projection maps: which directions from the lights lead to specular surfaces, so that caustic photons are sent there.
+// [Jensen 1996], cache-based-gi slides ("importance sampling of emitted photons via projection maps").
+//
+// The slides project the objects into bins of directions for sampled points of each light. Here rays are traced instead
+// (a ray is what a photon will do; it knows occluders, textures with holes, and every kind of light), a few for each bin
+// of the numbers the EmissionSampler draws from. Bins that saw specular surfaces, and their neighbours, are preferred;
+// every other bin keeps a share, so that nothing is missed.
+
+#include <memory>
+
+#include "renderer/core/memory_budget.h"
+#include "renderer/core/stats.h"
+#include "renderer/scene/intersector.h"
+#include "renderer/transport/emission_sampling.h"
+
+namespace photond {
+
+class ProjectionMap {
+public:
+    /// Traces the pilot rays; a pure function of scene and seed. `glossy_threshold`: lobes with alpha below it are
+    /// specular (bsdf.h, Bsdf::specular_part()).
+    ProjectionMap(const Scene& scene, const Intersector& intersector, const EmissionSampler& emission,
+                  float glossy_threshold, uint64_t seed);
+    ~ProjectionMap();
+    ProjectionMap(ProjectionMap&&) noexcept;
+
+    /// Power-weighted share of unguided photons whose first hit is a specular surface, measured by the pilot rays.
+    double specular_share() const;
+    /// The share expected of guided ones.
+    double guided_share() const;
+    /// Whether guiding pays: the guided share is at least twice the unguided one, and something was seen at all.
+    bool helps() const;
+
+    /// As EmissionSampler::sample(), preferring the bins that saw specular surfaces; the power makes up for it. No
+    /// number is used twice: u_select chooses light and bin.
+    bool sample(float u_select, const vec2& u_position, const vec2& u_direction, EmissionSample& out) const;
+
+    uint64_t pilot_rays() const;
+    uint64_t bytes() const;
+    static uint64_t estimate_bytes(uint64_t lights);
+
+private:
+    struct Bins;
+    std::unique_ptr<const Bins> bins_;
+};
+
+}  // namespace photond

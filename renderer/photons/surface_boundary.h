@@ -1,0 +1,42 @@
+#pragma once
+// Where surfaces end, so that a disc of density estimation that hangs over an edge can be divided by the part of it that
+// lies on the surface (photon_mapping's `boundary: "clip"`).
+//
+// A surface, here, is what photons are counted on: triangles whose normals agree within 60 degrees. The kernel's mass on
+// it is the sum over its triangles of the kernel's integral over each, which by Green's theorem is a sum over oriented
+// edges of angular integrals; edges shared by two triangles of the same surface cancel. What remains are the open edges
+// and creases: only those are kept, and where none is near, the mass is 1.
+
+#include <memory>
+
+#include "renderer/core/memory_budget.h"
+#include "renderer/photons/kernel.h"
+#include "renderer/scene/scene.h"
+
+namespace photond {
+
+class SurfaceBoundary {
+public:
+    /// For discs of at most `radius_m`. World-space edges of all instances; corners at equal positions are welded.
+    SurfaceBoundary(const Scene& scene, float radius_m);
+    ~SurfaceBoundary();
+    SurfaceBoundary(SurfaceBoundary&&) noexcept;
+
+    /// Share of the kernel's mass on the disc about p (on a surface; `normal` geometric, unit) that lies on surfaces
+    /// whose photons would pass the disc test: within `thickness_m` of the tangent plane, normals within 60 degrees (of
+    /// either side when an edge's triangles are seen from behind). In [kLeastMass, 1].
+    float mass_on_surface(const Kernel& kernel, const vec3& p, const vec3& normal, float radius_m,
+                          float thickness_m) const;
+
+    /// The divisor is not taken below this: a needle of surface would turn one photon into a firefly.
+    static constexpr float kLeastMass = 0.1f;
+
+    size_t edges() const;
+    uint64_t bytes() const;
+
+private:
+    struct Edges;
+    std::unique_ptr<const Edges> edges_;
+};
+
+}  // namespace photond

@@ -1,0 +1,56 @@
+#pragma once
+// Light paths' first step: a light by its power, a point and a direction on it, and the flux the photon carries,
+//   dPhi = L_e cos / (p_l p_y p_w)                                    (cache-based-gi slides; methods.md)
+// All kinds of lights behind one call. Directional lights and the environment send photons from a disc of the bounding
+// sphere's radius that faces their direction.
+
+#include <memory>
+
+#include "renderer/scene/scene.h"
+
+namespace photond {
+
+/// The start of a light path.
+struct EmissionSample {
+    Ray ray;               // moved off an emitting surface; unit direction
+    Rgb power_w{0};        // flux [W] one path stands for if it were the only one: divide by the number of paths
+    uint32_t light = 0;    // index as in EmissionSampler::probability()
+    float range_m = kInfinity;  // point and spot lights: what their `range` leaves at distance d is range_window()
+};
+
+/// KHR_lights_punctual's window: 1 without a range, falling to 0 at it.
+float range_window(float distance_m, float range_m);
+
+/// Immutable and thread-safe; borrows the scene.
+class EmissionSampler {
+public:
+    explicit EmissionSampler(const Scene& scene);
+    ~EmissionSampler();
+    EmissionSampler(EmissionSampler&&) noexcept;
+
+    /// Draws a light by its power, then a point and a direction. All numbers uniform in [0, 1). False when the sample
+    /// carries nothing (a black texel, a masked one): a light path without light, which counts as emitted.
+    bool sample(float u_light, const vec2& u_position, const vec2& u_direction, EmissionSample& out) const;
+
+    /// The same for one light whose choice has that probability (already divided by in power_w).
+    bool sample_light(uint32_t light, float probability, const vec2& u_position, const vec2& u_direction,
+                      EmissionSample& out) const;
+
+    uint32_t lights() const;                    // triangles, punctual lights, and the environment last
+    float probability(uint32_t light) const;    // with which sample() chooses it
+    /// Which of a light's two pairs of numbers decides what it sees most: directional lights are guided by the place on
+    /// their disc, all others by the direction.
+    bool guided_by_position(uint32_t light) const;
+
+    /// Flux of all lights [W], mean over the channels; 0: the scene is dark.
+    double total_power_w() const;
+
+    uint64_t bytes() const;
+    static uint64_t estimate_bytes(uint64_t lights, Size2 environment_size);
+
+private:
+    struct Lights;
+    std::unique_ptr<const Lights> lights_;
+};
+
+}  // namespace photond
