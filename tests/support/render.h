@@ -1,33 +1,40 @@
 #pragma once
-// Renders with path tracing from within a test.
+// Renders with any method from within a test.
 
 #include "renderer/backends/cpu/embree_intersector.h"
 #include "renderer/methods/path_tracing/path_tracing.h"
 
 namespace photond::test {
 
-struct RenderSettings {
+/// How a test renders with the method M. `RenderSettingsOf<PhotonMapping> settings; settings.params.photons = 1000;`
+template <class M>
+struct RenderSettingsOf {
     Size2 size{32, 32};
     uint32_t passes = 1;
     uint32_t first_pass = 0;
     uint64_t seed = 1;
-    PathTracingParams params;
+    typename M::Params params;
     LayerSet layers;
     PixelFilter filter = PixelFilter::Box;
 };
+using RenderSettings = RenderSettingsOf<PathTracing>;
 
-/// The film of those passes, seen by the scene's first camera.
-inline Film render(const Scene& scene, const RenderSettings& settings) {
-    MemoryBudget budget;
-    Stats stats;
-    const std::unique_ptr<Intersector> intersector = make_embree_intersector(scene, budget, stats);
-    PathTracing method(settings.params);
+/// The film of those passes, seen by the scene's first camera. Counts, stages and skipped parts go to `stats`, what the
+/// method recorded to `budget`, when they are asked for.
+template <class M>
+Film render(const Scene& scene, const RenderSettingsOf<M>& settings, Stats* stats = nullptr,
+            MemoryBudget* budget = nullptr) {
+    MemoryBudget own_budget, ray_structures;
+    Stats own_stats;
+    Stats& counted = stats ? *stats : own_stats;
+    const std::unique_ptr<Intersector> intersector = make_embree_intersector(scene, ray_structures, counted);
+    M method(settings.params);
     method.begin({scene, *intersector, View{find_camera(scene, ""), settings.size, settings.filter, settings.layers},
-                  settings.seed, budget},
-                 stats);
+                  settings.seed, budget ? *budget : own_budget},
+                 counted);
     Film film(settings.size, settings.layers);
     for (uint32_t i = 0; i < settings.passes; ++i) {
-        method.run_pass(settings.first_pass + i, stats, CancelToken{});
+        method.run_pass(settings.first_pass + i, counted, CancelToken{});
         method.resolve(film);
     }
     return film;
