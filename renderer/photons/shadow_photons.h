@@ -36,10 +36,18 @@ public:
     LightSeen seen(const vec3& position, const vec3& normal, uint32_t source, Neighbours& scratch) const;
 
     uint64_t bytes() const;
+    /// `photons` landed, lit and in shadow together.
     static uint64_t bytes_for(uint64_t photons);
+
+    /// What is kept of one photon besides its place.
+    struct Mark {
+        uint32_t normal;          // Octahedral<16>, on the side it arrived at
+        uint32_t source_and_lit;  // source << 1 | 1 where it landed first
+    };
 
 private:
     HashGrid grid_;
+    std::vector<Mark> marks_;  // in the grid's order
 };
 
 }  // namespace photond

@@ -15,6 +15,7 @@ struct EmissionSample {
     Ray ray;               // moved off an emitting surface; unit direction
     Rgb power_w{0};        // flux [W] one path stands for if it were the only one: divide by the number of paths
     uint32_t light = 0;    // index as in EmissionSampler::probability()
+    uint32_t source = 0;   // light_source_of_* in light_sampling.h
     float range_m = kInfinity;  // point and spot lights: what their `range` leaves at distance d is range_window()
 };
 

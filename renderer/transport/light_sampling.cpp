@@ -237,8 +237,10 @@ bool LightSampler::Lights::sample_emitter(const Emitter& e, const vec3& p, const
         out.radiance_over_pdf = punctual_irradiance(scene.punctual_lights[e.instance], -out.wi, distance) / probability;
         out.pdf_sa = probability;
         out.delta = true;
+        out.source = light_source_of_punctual(scene, e.instance);
         return max_component(out.radiance_over_pdf) > 0;
     }
+    out.source = light_source_of_instance(e.instance);
     const float height = glm::dot(e.normal, p - e.corner);  // of p above the emitter's plane
     if (e.two_sided ? height == 0 : !(height > 0)) return false;
 
@@ -310,6 +312,7 @@ bool LightSampler::Lights::sample_groups(const vec3& p, const vec3& n, float u_s
         out.radiance_over_pdf = sun.intensity / probability;
         out.pdf_sa = probability;
         out.delta = true;
+        out.source = light_source_of_punctual(scene, light);
         return true;
     }
     if (!environment) return false;
@@ -319,6 +322,7 @@ bool LightSampler::Lights::sample_groups(const vec3& p, const vec3& n, float u_s
     out.distance = kInfinity;
     out.radiance_over_pdf = environment->radiance(out.wi) / out.pdf_sa;
     out.delta = false;
+    out.source = light_source_of_environment(scene);
     return max_component(out.radiance_over_pdf) > 0;
 }
 

@@ -17,6 +17,7 @@ struct LightSample {
     Rgb radiance_over_pdf;  // [W m^-2]: estimate of L / pdf_sa; delta lights: perpendicular irradiance / probability
     float pdf_sa = 0;       // [1/sr], choice of light included; delta lights: probability of the choice alone
     bool delta = false;     // no other technique finds this light: its MIS weight is 1
+    uint32_t source = 0;    // what casts one shadow: see light_source_of_* below
 
     /// The ray that must not be occluded. `origin`: the lit point, moved off its surface (offset_ray_origin).
     Ray shadow_ray(const vec3& origin) const {
@@ -24,6 +25,16 @@ struct LightSample {
         return {origin, finite ? target - origin : wi, finite ? 1.0f : kInfinity};
     }
 };
+
+/// Numbers of what casts one shadow: the emitting triangles of an instance together, each punctual light, the
+/// environment.
+inline uint32_t light_source_of_instance(uint32_t instance) { return instance; }
+inline uint32_t light_source_of_punctual(const Scene& scene, uint32_t light) {
+    return static_cast<uint32_t>(scene.instances.size()) + light;
+}
+inline uint32_t light_source_of_environment(const Scene& scene) {
+    return static_cast<uint32_t>(scene.instances.size() + scene.punctual_lights.size());
+}
 
 /// Samples the lights of a finished scene. Immutable and thread-safe; borrows the scene.
 ///
