@@ -19,7 +19,7 @@ constexpr uint32_t kInfinityBits = 0x7f800000u;
 constexpr FixedSquares kSaturated = ~FixedSquares{0};
 
 /// Layers that hold means over the samples that hit, and are summed.
-constexpr Layer kAuxiliary[] = {Layer::Albedo, Layer::Normal, Layer::Position, Layer::Depth};
+constexpr Layer kAuxiliary[] = {Layer::Albedo, Layer::Normal, Layer::Position, Layer::Depth, Layer::PhotonCount};
 
 bool keeps_hits(LayerSet layers) {
     for (const Layer layer : kAuxiliary)
@@ -105,6 +105,7 @@ PassImage::PassImage(Size2 image_size, LayerSet layer_set) : size(image_size), l
     make(Layer::Caustic, caustic), make(Layer::Albedo, albedo), make(Layer::Normal, normal);
     make(Layer::Position, position);
     if (layers.has(Layer::Depth)) depth.assign(n, 0.0f);
+    if (layers.has(Layer::PhotonCount)) photon_count.assign(n, 0.0f);
     if (keeps_hits(layers)) hit.assign(n, 0);
 }
 
@@ -143,13 +144,20 @@ void Film::add_pass(const PassImage& pass) {
     if (layers_.has(Layer::Albedo)) rgb_layers[rgb_layer_count++] = {sums(Layer::Albedo), pass.albedo.data()};
     if (layers_.has(Layer::Normal)) rgb_layers[rgb_layer_count++] = {sums(Layer::Normal), pass.normal.data()};
     if (layers_.has(Layer::Position)) rgb_layers[rgb_layer_count++] = {sums(Layer::Position), pass.position.data()};
-    const bool depth = layers_.has(Layer::Depth);
+    struct SingleLayer {
+        FixedSum* sums;
+        const float* values;
+    };
+    SingleLayer single_layers[2];
+    int single_layer_count = 0;
+    if (layers_.has(Layer::Depth)) single_layers[single_layer_count++] = {sums(Layer::Depth), pass.depth.data()};
+    if (layers_.has(Layer::PhotonCount))
+        single_layers[single_layer_count++] = {sums(Layer::PhotonCount), pass.photon_count.data()};
 
     FixedSum* const emitted_sums = sums(Layer::Emitted);
     FixedSum* const direct_sums = sums(Layer::Direct);
     FixedSum* const indirect_sums = sums(Layer::Indirect);
     FixedSum* const caustic_sums = sums(Layer::Caustic);
-    FixedSum* const depth_sums = sums(Layer::Depth);
 
     std::atomic<uint64_t> nan_count{0}, infinity_count{0};
     const auto add_range = [&](const tbb::blocked_range<size_t>& range) {
@@ -164,7 +172,8 @@ void Film::add_pass(const PassImage& pass) {
             if (hit) {
                 for (int k = 0; k < rgb_layer_count; ++k)
                     worst = std::max(worst, magnitude_bits(rgb_layers[k].values[i]));
-                if (depth) worst = std::max(worst, std::bit_cast<uint32_t>(pass.depth[i]) & kMagnitudeBits);
+                for (int k = 0; k < single_layer_count; ++k)
+                    worst = std::max(worst, std::bit_cast<uint32_t>(single_layers[k].values[i]) & kMagnitudeBits);
             }
             if (worst >= kLimitBits) {
                 ++(worst > kInfinityBits ? nans : infinities);
@@ -187,7 +196,8 @@ void Film::add_pass(const PassImage& pass) {
             if (hit) {
                 ++hits_[i];
                 for (int k = 0; k < rgb_layer_count; ++k) add_rgb(rgb_layers[k].sums + 3 * i, rgb_layers[k].values[i]);
-                if (depth) depth_sums[i] += to_fixed(pass.depth[i]);
+                for (int k = 0; k < single_layer_count; ++k)
+                    single_layers[k].sums[i] += to_fixed(single_layers[k].values[i]);
             }
         }
         nan_count += nans, infinity_count += infinities;

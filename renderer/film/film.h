@@ -25,6 +25,7 @@ struct PassImage {
     std::vector<Rgb> emitted, direct, indirect, caustic;  // radiance [W m^-2 sr^-1]
     std::vector<Rgb> albedo, normal, position;            // where hit[i] != 0
     std::vector<float> depth;
+    std::vector<float> photon_count;
     std::vector<uint8_t> hit;  // 1 where the sample met a surface; only kept when an auxiliary layer is asked for
 };
 
@@ -80,7 +81,8 @@ private:
     uint32_t passes_ = 0;
     uint64_t nan_count_ = 0;
     uint64_t infinity_count_ = 0;
-    // By channel, three (depth: one) a pixel; empty where the layer is not kept. The beauty is the sum of its parts.
+    // By channel, three (single-valued layers: one) a pixel; empty where the layer is not kept. The beauty is the sum
+    // of its parts.
     std::vector<FixedSum> sums_[kLayerCount];
     std::vector<FixedSquares> squares_beauty_, squares_direct_, squares_indirect_;
     std::vector<uint32_t> hits_;  // samples that hit; only kept with an auxiliary layer

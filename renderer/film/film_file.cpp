@@ -16,7 +16,9 @@ namespace photond {
 namespace {
 
 constexpr char kMagic[8] = {'P', 'H', 'O', 'T', 'F', 'I', 'L', 'M'};
-constexpr uint32_t kVersion = 1;
+constexpr uint32_t kVersion = 2;
+constexpr uint32_t kOldestVersion = 1;    // the same but for the layers it knew
+constexpr size_t kLayersOfVersion1 = 9;   // all up to standard_error
 constexpr size_t kBlockValues = 1 << 12;  // sums a block: 64 KiB at most, which malloc takes from memory it has
 constexpr size_t kBlocksAtOnce = 64;      // encoded side by side before they are written in order
 constexpr size_t kDigestBytes = 32;       // as hexadecimal digits
@@ -166,11 +168,12 @@ Film FilmFile::load(const std::filesystem::path& path, uint64_t limit_bytes) {
     if (std::memcmp(header.magic, kMagic, sizeof kMagic) != 0) damaged(path, "it is not a film");
     if (std::memcmp(header.digest, digest_of(&header, offsetof(Header, digest)).data(), kDigestBytes) != 0)
         damaged(path, "its header does not match its checksum");
-    if (header.version != kVersion)
+    if (header.version < kOldestVersion || header.version > kVersion)
         throw Error(ErrorCode::Unsupported, "the film file " + path.filename().string() + " has version " +
                                                 std::to_string(header.version) + "; this program reads " +
-                                                std::to_string(kVersion));
-    if (header.width > kMaxSide || header.height > kMaxSide || header.layers >> kLayerCount != 0)
+                                                std::to_string(kOldestVersion) + " to " + std::to_string(kVersion));
+    const size_t known_layers = header.version == 1 ? kLayersOfVersion1 : kLayerCount;
+    if (header.width > kMaxSide || header.height > kMaxSide || header.layers >> known_layers != 0)
         damaged(path, "its size or layers are out of range");
     LayerSet layers;
     for (const LayerInfo& info : kLayers)

@@ -10,7 +10,7 @@ namespace photond {
 
 /// Format: a header (magic, version, size, layers, passes, counts), then each array of sums in blocks; a block holds
 /// its sums with as many bytes each as its widest one needs, and ends with the first 16 bytes of its SHA-256.
-/// Little-endian.
+/// Little-endian. Version 2 added a layer; files of version 1, which do not have it, are read all the same.
 class FilmFile {
 public:
     /// Writes beside, fsyncs and renames. Throws ErrorCode::NoSpace when the disk is full.

@@ -8,13 +8,24 @@
 
 namespace photond {
 
-enum class Layer : uint8_t { Emitted, Direct, Indirect, Caustic, Albedo, Normal, Position, Depth, StandardError };
-inline constexpr size_t kLayerCount = 9;
+enum class Layer : uint8_t {
+    Emitted,
+    Direct,
+    Indirect,
+    Caustic,
+    Albedo,
+    Normal,
+    Position,
+    Depth,
+    StandardError,
+    PhotonCount,
+};
+inline constexpr size_t kLayerCount = 10;
 
 struct LayerInfo {
     Layer layer;
     std::string_view name;                     // the wire's and the EXR's
-    std::array<std::string_view, 3> channels;  // EXR channel suffixes; depth uses the first only
+    std::array<std::string_view, 3> channels;  // EXR channel suffixes; single-valued layers use the first only
     uint32_t channel_count;
     bool radiance;  // a part of the light: exact sums; else an auxiliary layer: mean over the samples that hit
     std::string_view text;
@@ -30,6 +41,7 @@ inline constexpr std::array<LayerInfo, kLayerCount> kLayers{{
     {Layer::Position, "position", {"X", "Y", "Z"}, 3, false, "world-space position [m]"},
     {Layer::Depth, "depth", {"Z", "", ""}, 1, false, "distance along the camera's forward axis [m]"},
     {Layer::StandardError, "standard_error", {"R", "G", "B"}, 3, false, "standard error of beauty from the passes"},
+    {Layer::PhotonCount, "photon_count", {"Y", "", ""}, 1, false, "photons that the estimates of a pass used"},
 }};
 constexpr const LayerInfo& layer_info(Layer layer) { return kLayers[static_cast<size_t>(layer)]; }
 
@@ -39,6 +51,13 @@ public:
     constexpr LayerSet() = default;
     constexpr bool has(Layer layer) const { return (bits_ >> static_cast<unsigned>(layer)) & 1u; }
     constexpr void add(Layer layer) { bits_ |= 1u << static_cast<unsigned>(layer); }
+    constexpr void remove(Layer layer) { bits_ &= ~(1u << static_cast<unsigned>(layer)); }
+    /// Every layer there is.
+    static constexpr LayerSet all() {
+        LayerSet layers;
+        for (const LayerInfo& info : kLayers) layers.add(info.layer);
+        return layers;
+    }
     constexpr bool operator==(const LayerSet&) const = default;
 
 private:

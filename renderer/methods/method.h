@@ -1,8 +1,12 @@
 #pragma once
-// The method interface: begin, passes, resolve. A method knows neither time limits nor references nor files; the job
-// runner owns the loop (server/worker/job_runner.h).
+// The method interface: begin, passes, resolve. A method knows neither time limits nor references nor where files go;
+// the job runner owns the loop (server/worker/job_runner.h).
 
+#include <filesystem>
+#include <functional>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "protocol/param_info.h"
 #include "renderer/core/cancel.h"
@@ -41,6 +45,15 @@ struct Workload {
     unsigned threads = 1;
     uint64_t lights = 0;       // triangles that emit, and punctual lights
     Size2 environment_size{};  // 0 x 0: none
+    uint64_t triangles = 0;
+    Needs needs;  // all false while nothing is known of the scene
+};
+
+/// A file that a method can leave beside the image. `name` is one that its row in the registry declares.
+struct MethodArtefact {
+    std::string name;
+    std::string media_type;
+    std::function<void(const std::filesystem::path& path)> write;  // whole or not at all (core/atomic_file.h)
 };
 
 class Method {
@@ -54,6 +67,9 @@ public:
     virtual void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) = 0;
     /// Folds the pass just finished into the film.
     virtual void resolve(Film& film) = 0;
+    /// What the passes leave for whoever wants to look inside. Asked once, after the last pass, when at least one was
+    /// resolved; borrows from the method.
+    virtual std::vector<MethodArtefact> artefacts() const { return {}; }
 };
 
 }  // namespace photond

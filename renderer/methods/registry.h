@@ -11,6 +11,14 @@
 
 namespace photond {
 
+/// A file a method can leave beside the image (MethodArtefact), served as /v1/jobs/ID/NAME.
+struct ArtefactInfo {
+    std::string_view name;  // "photon_map.glb"; its link in a job is the part before the dot
+    std::string_view media_type;
+    std::string_view parameter;  // the flag of the method that asks for it
+    std::string_view text;       // what it is: "the photon map"
+};
+
 struct MethodInfo {
     std::string_view name;  // folder, `method.name`, row in every table
     std::string_view title;
@@ -19,14 +27,23 @@ struct MethodInfo {
     bool mergeable = true;
     bool deterministic_cpu = true;          // same pixel hash for any number of threads
     std::vector<std::string_view> devices;  // kinds: "cpu", "gpu"
+    LayerSet layers;                        // those it can fill
+    std::vector<ArtefactInfo> artefacts;
     std::unique_ptr<MethodParams> (*make_params)();
     std::unique_ptr<Method> (*make)(const MethodParams& params);
     /// Bytes the method itself will record in its budget: all but the film, the scene and its ray structure.
     uint64_t (*estimate_bytes)(const MethodParams& params, const Workload& workload);
+    /// About the bytes of the artefacts it will leave on the disk.
+    uint64_t (*estimate_artefact_bytes)(const MethodParams& params, const Workload& workload);
+
+    /// nullptr when it has no artefact of that name.
+    const ArtefactInfo* find_artefact(std::string_view artefact_name) const;
 };
 
 std::span<const MethodInfo> all_methods();  // by name
 /// nullptr when there is none of that name.
 const MethodInfo* find_method(std::string_view name);
+/// Of all methods, each name once.
+std::span<const ArtefactInfo> all_artefacts();
 
 }  // namespace photond

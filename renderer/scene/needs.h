@@ -34,13 +34,25 @@ struct Needs {
     /// Calls visitor(name, bool) for each need; the names are the wire's.
     template <class Visitor>
     void visit(Visitor&& visitor) const {
-        visitor("delta", delta), visitor("glossy", glossy), visitor("diffuse", diffuse);
-        visitor("transmission", transmission), visitor("solid_glass", solid_glass), visitor("alpha", alpha);
-        visitor("normal_maps", normal_maps), visitor("base_color_textures", base_color_textures);
-        visitor("material_textures", material_textures), visitor("emission_textures", emission_textures);
-        visitor("vertex_colors", vertex_colors), visitor("unlit", unlit), visitor("area_lights", area_lights);
-        visitor("punctual_lights", punctual_lights), visitor("environment", environment);
-        visitor("instances", instances);
+        visit(*this, visitor);
+    }
+    /// The same with bool&: to fill it in by name.
+    template <class Visitor>
+    void visit(Visitor&& visitor) {
+        visit(*this, visitor);
+    }
+
+private:
+    template <class Self, class Visitor>
+    static void visit(Self& needs, Visitor& visitor) {
+        visitor("delta", needs.delta), visitor("glossy", needs.glossy), visitor("diffuse", needs.diffuse);
+        visitor("transmission", needs.transmission), visitor("solid_glass", needs.solid_glass);
+        visitor("alpha", needs.alpha), visitor("normal_maps", needs.normal_maps);
+        visitor("base_color_textures", needs.base_color_textures);
+        visitor("material_textures", needs.material_textures), visitor("emission_textures", needs.emission_textures);
+        visitor("vertex_colors", needs.vertex_colors), visitor("unlit", needs.unlit);
+        visitor("area_lights", needs.area_lights), visitor("punctual_lights", needs.punctual_lights);
+        visitor("environment", needs.environment), visitor("instances", needs.instances);
     }
 };
 
