@@ -1,6 +1,7 @@
 // Shading of any hit, one by one.
 
-#include "renderer/methods/path_tracing/contributions.h"
+#include "renderer/methods/eye_contributions.h"
+#include "renderer/methods/hit_prefetch.h"
 #include "renderer/methods/path_tracing/wavefront.h"
 #include "renderer/transport/bsdf.h"
 
@@ -8,7 +9,7 @@ namespace photond {
 
 void Wavefront::shade_general(const PathTracingScene& shared, uint32_t vertex, PassImage& image) {
     for (size_t k = 0; k < general_.size(); ++k) {
-        prefetch_ahead(shared.scene, general_, k);
+        prefetch_ahead(shared.scene, hits_, general_, k);
         const uint32_t i = general_[k];
         if (shade_vertex(shared, vertex, i, image)) next_keys_[next_count_++] = keys_[i];
     }
@@ -18,7 +19,7 @@ void Wavefront::shade_general(const PathTracingScene& shared, uint32_t vertex, P
 /// what stands in the place of the next path does not count.
 bool Wavefront::shade_vertex(const PathTracingScene& shared, uint32_t vertex, uint32_t i, PassImage& image) {
     const Scene& scene = shared.scene;
-    Path& path = next_paths_[next_count_];
+    EyePath& path = next_paths_[next_count_];
     path = paths_[i];
     const Ray& ray = rays_[i];
     const Hit& hit = hits_[i];

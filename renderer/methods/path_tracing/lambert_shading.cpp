@@ -2,7 +2,8 @@
 // has lanes. Textures and the choice of a point on a light are left to one at a time.
 
 #include "renderer/core/lanes.h"
-#include "renderer/methods/path_tracing/contributions.h"
+#include "renderer/methods/eye_contributions.h"
+#include "renderer/methods/hit_prefetch.h"
 #include "renderer/methods/path_tracing/wavefront.h"
 #include "renderer/scene/surface_color.h"
 
@@ -67,7 +68,7 @@ struct Group {
     Vec3Array position, geometric_normal, normal, start, next_direction;
     alignas(64) LaneFloats front, scattered, cos_next, survival_inverse;  // front, scattered: 1 or 0
 
-    void gather(size_t lane, const PathTracingScene& shared, const Hit& hit, const Ray& ray, const Path& path) {
+    void gather(size_t lane, const PathTracingScene& shared, const Hit& hit, const Ray& ray, const EyePath& path) {
         const Scene& scene = shared.scene;
         const Instance& instance = scene.instances[hit.instance];
         const Mesh& mesh = scene.meshes[instance.mesh];
@@ -147,7 +148,7 @@ void Wavefront::shade_lambert(const PathTracingScene& shared, uint32_t vertex, P
         const size_t lanes = std::min(kLanes, lambert_.size() - first);
         for (size_t lane = 0; lane < kLanes; ++lane) {  // lanes past the end repeat the last path and are not read
             const size_t place = std::min(first + lane, lambert_.size() - 1);
-            prefetch_ahead(scene, lambert_, place);
+            prefetch_ahead(scene, hits_, lambert_, place);
             const uint32_t i = lambert_[place];
             group.gather(lane, shared, hits_[i], rays_[i], paths_[i]);
             group.sample_x[lane] = direction_.x[i];
@@ -159,7 +160,7 @@ void Wavefront::shade_lambert(const PathTracingScene& shared, uint32_t vertex, P
 
         for (size_t lane = 0; lane < lanes; ++lane) {
             const uint32_t i = lambert_[first + lane];
-            const Path& path = paths_[i];
+            const EyePath& path = paths_[i];
             const Hit& hit = hits_[i];
             const vec3 position = group.position.get(lane), normal = group.normal.get(lane);
             const Rgb reflectance = group.reflectance.get(lane);
@@ -185,7 +186,7 @@ void Wavefront::shade_lambert(const PathTracingScene& shared, uint32_t vertex, P
                 }
             }
             if (group.scattered[lane] == 0) continue;
-            Path& next = next_paths_[next_count_];
+            EyePath& next = next_paths_[next_count_];
             next = path;
             next.throughput *= reflectance * group.survival_inverse[lane];
             next.pdf_sa = group.cos_next[lane] * kInvPi;

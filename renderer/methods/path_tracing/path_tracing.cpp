@@ -1,6 +1,5 @@
 #include "renderer/methods/path_tracing/path_tracing.h"
 
-#include "renderer/core/parallel.h"
 #include "renderer/core/thread_local.h"
 #include "renderer/methods/path_tracing/wavefront.h"
 
@@ -47,14 +46,7 @@ void PathTracing::run_pass(uint32_t pass, Stats& stats, const CancelToken& cance
     pass_complete_ = false;
     const double wall_start = wall_now_seconds();
     const PassSampler sampler(scene_->sampler, scene_->seed, RandomDomain::Camera, pass);
-    const Size2 size = scene_->view.film_size;
-    constexpr uint32_t kSide = Wavefront::kTileSide;
-    const uint32_t columns = (size.width + kSide - 1) / kSide, rows = (size.height + kSide - 1) / kSide;
-
-    parallel_for(size_t{columns} * rows, 1, [&](size_t index) {
-        if (cancel.cancelled()) return;
-        const uint32_t x = uint32_t(index % columns) * kSide, y = uint32_t(index / columns) * kSide;
-        const Tile tile{x, y, std::min(x + kSide, size.width), std::min(y + kSide, size.height)};
+    parallel_over_tiles(scene_->view.film_size, Wavefront::kTileSide, cancel, [&](const Tile& tile) {
         Scratch::PerThread& mine = scratch_->threads.local();
         mine.wavefront.trace_tile(*scene_, sampler, tile, image_, mine.counts, mine.seconds);
     });
@@ -68,17 +60,8 @@ void PathTracing::run_pass(uint32_t pass, Stats& stats, const CancelToken& cance
         thread.counts = {};
         thread.seconds = {};
     }
-    // The parts alternate tile by tile on every thread: each gets the share of the wall time that it has of the work.
-    const double wall = wall_now_seconds() - wall_start;
-    const double total = std::max(cpu.camera + cpu.direct + cpu.indirect, 1e-12);
-    const auto add = [&](std::string_view name, double seconds) {
-        Stage& stage = stats.stage(name);
-        stage.cpu_seconds += seconds;
-        stage.wall_seconds += wall * seconds / total;
-    };
-    add("g_buffer", cpu.camera);
-    add("direct", cpu.direct);
-    add("indirect", cpu.indirect);
+    add_interleaved_stages(stats, wall_now_seconds() - wall_start,
+                           {{"g_buffer", cpu.camera}, {"direct", cpu.direct}, {"indirect", cpu.indirect}});
     pass_complete_ = !cancel.cancelled();
 }
 

@@ -3,8 +3,9 @@
 
 #include <vector>
 
-#include "renderer/methods/path_tracing/path.h"
+#include "renderer/methods/eye_path.h"
 #include "renderer/methods/path_tracing/path_scene.h"
+#include "renderer/methods/tiles.h"
 
 namespace photond {
 
@@ -37,16 +38,12 @@ private:
         bool indirect;
     };
 
-    void start_paths(const PathTracingScene& shared, const PassSampler& sampler, const Tile& tile);
     void sort_hits(const PathTracingScene& shared, PassImage& image);
     void draw_numbers(const PassSampler& sampler, uint32_t vertex);
     void shade_lambert(const PathTracingScene& shared, uint32_t vertex, PassImage& image);
     void shade_general(const PathTracingScene& shared, uint32_t vertex, PassImage& image);
     bool shade_vertex(const PathTracingScene& shared, uint32_t vertex, uint32_t i, PassImage& image);
     void trace_shadow_rays(const PathTracingScene& shared, uint32_t vertex, PassImage& image, Counts& counts);
-
-    /// Asks for the triangle some places after order[position], so that it is there when it is wanted.
-    void prefetch_ahead(const Scene& scene, std::span<const uint32_t> order, size_t position) const;
 
     // All of these hold kPaths; how many count is said here. Paths that go on, shadow rays and what waits for them are
     // written where they stay, number by number: a struct that is pieced together and then copied is read by wider
@@ -55,7 +52,7 @@ private:
     size_t next_count_ = 0;
     size_t shadow_count_ = 0;
     std::vector<Ray> rays_, next_rays_;
-    std::vector<Path> paths_, next_paths_;
+    std::vector<EyePath> paths_, next_paths_;
     std::vector<uint32_t> keys_, next_keys_;  // of the sampler
     std::vector<Hit> hits_;
     std::vector<uint32_t> lambert_, general_;  // paths by how their hits are shaded

@@ -1,11 +1,11 @@
 #pragma once
-// One path between two of its vertices.
+// One path from the eye between two of its vertices.
 
 #include "renderer/transport/medium_stack.h"
 
 namespace photond {
 
-struct Path {
+struct EyePath {
     Rgb throughput{1};
     float pdf_sa = 0;     // with which the ray's direction was drawn
     vec3 position{0};     // of the last vertex; with lit_normal as given to the light sampler

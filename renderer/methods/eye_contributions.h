@@ -1,15 +1,24 @@
 #pragma once
-// What a path finds at the end of its ray, and where in the image it goes.
+// What a path from the eye finds at the end of its ray, and where in the image it goes.
 
-#include "renderer/methods/path_tracing/path.h"
-#include "renderer/methods/path_tracing/path_scene.h"
+#include "renderer/methods/eye_path.h"
+#include "renderer/methods/eye_scene.h"
 #include "renderer/transport/emission.h"
 #include "renderer/transport/mis.h"
 
 namespace photond {
 
+/// A pass starts from black, pixel by pixel: by the thread that renders the pixel.
+inline void clear_pixel(PassImage& image, uint32_t pixel) {
+    for (std::vector<Rgb>* layer : {&image.emitted, &image.direct, &image.indirect, &image.caustic, &image.albedo,
+                                    &image.normal, &image.position})
+        if (!layer->empty()) (*layer)[pixel] = Rgb(0);
+    if (!image.depth.empty()) image.depth[pixel] = 0;
+    if (!image.hit.empty()) image.hit[pixel] = 0;
+}
+
 /// Adds radiance that reached the eye along a path with that many scatterings.
-inline void add_radiance(PassImage& image, const Path& path, const Rgb& radiance) {
+inline void add_radiance(PassImage& image, const EyePath& path, const Rgb& radiance) {
     if (path.scatterings == 0) {
         image.emitted[path.pixel] += radiance;
     } else if (path.scatterings == 1) {
@@ -21,7 +30,7 @@ inline void add_radiance(PassImage& image, const Path& path, const Rgb& radiance
 }
 
 /// Adds what comes from outside the scene along a ray that met nothing.
-inline void add_environment(PassImage& image, const PathTracingScene& shared, const Path& path, const vec3& direction) {
+inline void add_environment(PassImage& image, const EyeScene& shared, const EyePath& path, const vec3& direction) {
     if (!shared.scene.environment) return;
     const Rgb radiance = path.throughput * shared.lights.environment_radiance(direction);
     const float light_pdf =
@@ -30,7 +39,7 @@ inline void add_environment(PassImage& image, const PathTracingScene& shared, co
 }
 
 /// Adds what an emissive triangle sends along the ray that met it; `front`: met from its front side.
-inline void add_emission(PassImage& image, const PathTracingScene& shared, const Path& path, const Hit& hit, bool front,
+inline void add_emission(PassImage& image, const EyeScene& shared, const EyePath& path, const Hit& hit, bool front,
                          const vec3& direction) {
     const Rgb emitted = emitted_radiance(shared.scene, {hit.instance, hit.triangle, hit.u, hit.v}, front);
     if (is_black(emitted)) return;
@@ -42,7 +51,7 @@ inline void add_emission(PassImage& image, const PathTracingScene& shared, const
 }
 
 /// Normal, position and depth are those of the first surface met, mirrors included.
-inline void store_first_hit(PassImage& image, const PathTracingScene& shared, uint32_t pixel, const vec3& position,
+inline void store_first_hit(PassImage& image, const EyeScene& shared, uint32_t pixel, const vec3& position,
                             const vec3& shading_normal) {
     if (image.hit.empty()) return;
     image.hit[pixel] = 1;
