@@ -58,15 +58,40 @@ Bsdf Bsdf::layered(const Parameters& p) {
         for (int i = 0; i < 3; ++i) bsdf.diffuse_[i] = passed[i] > 2e-3f ? base[i] / passed[i] : 0.0f;
     }
 
-    const bool has_specular = layers.specular_f90 > 0 || !is_black(layers.specular_f0);
-    const bool has_sheet = !is_black(layers.sheet), has_glass = layers.glass > 0;
     layers.glass_delta = layers.specular_delta || layers.alpha * std::fabs(layers.eta - 1.0f) < kDeltaRefraction;
-    const bool has_diffuse = !is_black(bsdf.diffuse_);
-    bsdf.has_delta_ = ((has_specular || has_sheet) && layers.specular_delta) || (has_glass && layers.glass_delta);
-    bsdf.has_non_delta_transmission_ = (has_sheet && !layers.specular_delta) || (has_glass && !layers.glass_delta);
-    bsdf.has_non_delta_ = has_diffuse || (has_specular && !layers.specular_delta) || bsdf.has_non_delta_transmission_;
+    bsdf.classify_lobes();
     return bsdf;
 }
+
+/// Of the layered lobes: which there are, and of what kind.
+void Bsdf::classify_lobes() {
+    const bool has_specular = layers_.specular_f90 > 0 || !is_black(layers_.specular_f0);
+    const bool has_sheet = !is_black(layers_.sheet), has_glass = layers_.glass > 0;
+    const bool has_diffuse = !is_black(diffuse_);
+    has_delta_ = ((has_specular || has_sheet) && layers_.specular_delta) || (has_glass && layers_.glass_delta);
+    has_non_delta_transmission_ = (has_sheet && !layers_.specular_delta) || (has_glass && !layers_.glass_delta);
+    has_non_delta_ = has_diffuse || (has_specular && !layers_.specular_delta) || has_non_delta_transmission_;
+}
+
+Bsdf Bsdf::part(bool specular, float glossy_threshold) const {
+    if (kind_ == Kind::Nothing) return {};
+    if (kind_ == Kind::Lambert) return specular ? Bsdf() : *this;
+    const bool glossy = layers_.alpha < glossy_threshold;
+    Bsdf part = *this;
+    // Only the lobes go; the coat's reflectance stays, as the diffuse lobe and the sheet lie under it.
+    if ((layers_.specular_delta || glossy) != specular) {
+        part.layers_.specular_f0 = part.layers_.sheet = Rgb(0);
+        part.layers_.specular_f90 = 0;
+    }
+    if ((layers_.glass_delta || glossy) != specular) part.layers_.glass = 0;
+    if (specular) part.diffuse_ = Rgb(0);
+    part.classify_lobes();
+    return part.scatters() ? part : Bsdf();
+}
+
+Bsdf Bsdf::specular_part(float glossy_threshold) const { return part(true, glossy_threshold); }
+
+Bsdf Bsdf::rough_part(float glossy_threshold) const { return part(false, glossy_threshold); }
 
 Rgb Bsdf::coat_albedo(float cos_theta) const {
     if (layers_.coat_f90 <= 0 && is_black(layers_.coat_f0)) return Rgb(0);

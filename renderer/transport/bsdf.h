@@ -108,6 +108,17 @@ public:
         return kind_ == Kind::Nothing ? BsdfSample{} : sample_layered(wo, u_lobe, u, mode);
     }
 
+    /// The two parts of f = f_s + f_d, by which light paths are classified (methods.md, photon mapping). Specular:
+    /// delta lobes, and GGX lobes with alpha below the threshold; rough: all others. Each part is a BSDF of its own,
+    /// sampled by its own lobes alone; what the coat lets through to the diffuse lobe or the sheet is that of the
+    /// whole.
+    Bsdf specular_part(float glossy_threshold) const;
+    Bsdf rough_part(float glossy_threshold) const;
+
+    /// Whether there is any lobe that is not black.
+    bool scatters() const {
+        return kind_ == Kind::Lambert ? !is_black(diffuse_) : kind_ == Kind::Layered && (has_non_delta_ || has_delta_);
+    }
     bool is_lambert() const { return kind_ == Kind::Lambert; }
     bool has_non_delta() const { return kind_ == Kind::Lambert || has_non_delta_; }
     bool has_delta() const { return has_delta_; }
@@ -157,6 +168,8 @@ private:
     BsdfSample sample_layered(const vec3& wo, float u_lobe, vec2 u, TransportMode mode) const;
     BsdfSample sample_glass(const vec3& wo, float u_choice, vec2 u, float probability, TransportMode mode) const;
     float reflection_probability(const Rgb& reflected) const;
+    Bsdf part(bool specular, float glossy_threshold) const;
+    void classify_lobes();
 
     Kind kind_ = Kind::Nothing;
     bool has_non_delta_ = false;  // of layered
