@@ -7,20 +7,18 @@
 #include <memory>
 
 #include "renderer/scene/scene.h"
+#include "renderer/transport/punctual.h"  // range_window()
 
 namespace photond {
 
 /// The start of a light path.
 struct EmissionSample {
-    Ray ray;               // moved off an emitting surface; unit direction
-    Rgb power_w{0};        // flux [W] one path stands for if it were the only one: divide by the number of paths
-    uint32_t light = 0;    // index as in EmissionSampler::probability()
-    uint32_t source = 0;   // light_source_of_* in light_sampling.h
+    Ray ray;                    // moved off an emitting surface; unit direction
+    Rgb power_w{0};             // flux [W] one path stands for if it were the only one: divide by the number of paths
+    uint32_t light = 0;         // index as in EmissionSampler::probability()
+    uint32_t source = 0;        // light_source_of_* in light_sampling.h
     float range_m = kInfinity;  // point and spot lights: what their `range` leaves at distance d is range_window()
 };
-
-/// KHR_lights_punctual's window: 1 without a range, falling to 0 at it.
-float range_window(float distance_m, float range_m);
 
 /// Immutable and thread-safe; borrows the scene.
 class EmissionSampler {
@@ -31,19 +29,25 @@ public:
 
     /// Draws a light by its power, then a point and a direction. All numbers uniform in [0, 1). False when the sample
     /// carries nothing (a black texel, a masked one): a light path without light, which counts as emitted.
+    ///
+    /// Triangles send cosine-distributed light from points uniform by area; a two-sided one by its front for the lower
+    /// half of u_direction.x, by its back for the upper. Points use u_direction alone, evenly over the sphere, spots in
+    /// proportion to their falloff, directional lights u_position alone, evenly over the disc.
     bool sample(float u_light, const vec2& u_position, const vec2& u_direction, EmissionSample& out) const;
 
-    /// The same for one light whose choice has that probability (already divided by in power_w).
+    /// The same for one light whose choice has that probability (already divided by in power_w), > 0. False for a light
+    /// that sample() never chooses.
     bool sample_light(uint32_t light, float probability, const vec2& u_position, const vec2& u_direction,
                       EmissionSample& out) const;
 
-    uint32_t lights() const;                    // triangles, punctual lights, and the environment last
-    float probability(uint32_t light) const;    // with which sample() chooses it
+    uint32_t lights() const;                  // triangles, punctual lights, and the environment last
+    float probability(uint32_t light) const;  // with which sample() chooses it: exact, a multiple of 2^-24
     /// Which of a light's two pairs of numbers decides what it sees most: directional lights are guided by the place on
     /// their disc, all others by the direction.
     bool guided_by_position(uint32_t light) const;
 
-    /// Flux of all lights [W], mean over the channels; 0: the scene is dark.
+    /// Flux of all lights [W], mean over the channels; 0: the scene is dark, or empty. That of points and spots is
+    /// without the window of their range; that of textured triangles and of the environment is good to a few percent.
     double total_power_w() const;
 
     uint64_t bytes() const;

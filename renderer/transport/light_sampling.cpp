@@ -5,6 +5,8 @@
 #include "renderer/transport/emission.h"
 #include "renderer/transport/environment_sampling.h"
 #include "renderer/transport/light_tree.h"
+#include "renderer/transport/light_triangle.h"
+#include "renderer/transport/punctual.h"
 #include "renderer/transport/sampling.h"
 #include "renderer/transport/solid_angle_sampling.h"
 
@@ -31,22 +33,19 @@ struct Emitter {
 };
 
 Emitter make_triangle(const Scene& scene, const TriangleLight& light) {
-    const TriangleCorners corners = world_triangle(scene, light.instance, light.triangle);
-    const Instance& instance = scene.instances[light.instance];
-    const Material& material = scene.materials[scene.meshes[instance.mesh].material];
+    const LightTriangle triangle = make_light_triangle(scene, light);
     Emitter e{};
-    e.corner = corners.p[0];
-    e.edge1 = corners.p[1] - corners.p[0];
-    e.edge2 = corners.p[2] - corners.p[0];
-    const dvec3 cross = glm::cross(dvec3(e.edge1), dvec3(e.edge2));
-    e.normal = vec3(cross / (instance.flips_orientation ? -glm::length(cross) : glm::length(cross)));
+    e.corner = triangle.corner;
+    e.edge1 = triangle.edge1;
+    e.edge2 = triangle.edge2;
+    e.normal = triangle.normal;
     e.area_m2 = light.area_m2;
     e.radiance = light.radiance;
     e.instance = light.instance;
     e.triangle = light.triangle;
     e.shape = Emitter::Shape::Triangle;
     e.two_sided = light.two_sided;
-    e.varies = material.emission_texture.used() || material.alpha_mode != AlphaMode::Opaque;
+    e.varies = triangle.varies;
     return e;
 }
 
@@ -108,11 +107,8 @@ LightBounds bounds_of(const PunctualLight& light) {
 /// [W m^-2]. Cone and window as KHR_lights_punctual recommends.
 Rgb punctual_irradiance(const PunctualLight& light, const vec3& wo, float distance) {
     float factor = 1 / sqr(distance);
-    if (light.range_m < kInfinity) factor *= std::clamp(1 - sqr(sqr(distance / light.range_m)), 0.0f, 1.0f);
-    if (light.kind == PunctualLight::Kind::Spot) {
-        const float scale = 1 / std::max(0.001f, light.cos_inner - light.cos_outer);
-        factor *= sqr(std::clamp((glm::dot(light.direction, wo) - light.cos_outer) * scale, 0.0f, 1.0f));
-    }
+    factor *= range_window(distance, light.range_m);
+    if (light.kind == PunctualLight::Kind::Spot) factor *= SpotCone(light).falloff(glm::dot(light.direction, wo));
     return light.intensity * factor;
 }
 

@@ -1,0 +1,204 @@
+#include "renderer/transport/emission_sampling.h"
+
+#include <cassert>
+
+#include "renderer/transport/discrete_distribution.h"
+#include "renderer/transport/emission.h"
+#include "renderer/transport/environment_sampling.h"
+#include "renderer/transport/light_sampling.h"
+#include "renderer/transport/light_triangle.h"
+#include "renderer/transport/sampling.h"
+
+namespace photond {
+
+namespace {
+
+// Photons from outside start this many radii before the scene's centre, so that nothing lies behind them.
+constexpr float kStartInRadii = 1.01f;
+
+vec3 sample_sphere(const vec2& u) {
+    const float z = 1 - 2 * u.x;
+    const float r = 2 * std::sqrt(std::max(0.0f, u.x * (1 - u.x)));
+    return {r * std::cos(2 * kPi * u.y), r * std::sin(2 * kPi * u.y), z};
+}
+
+}  // namespace
+
+struct EmissionSampler::Lights {
+    explicit Lights(const Scene& lit_scene)
+        : scene(lit_scene), centre(lit_scene.bounds.centre()), radius_m(lit_scene.bounds.radius()) {}
+
+    const Scene& scene;
+    vec3 centre;
+    float radius_m;                        // of the bounding sphere
+    std::vector<LightTriangle> triangles;  // beside scene.triangle_lights
+    std::unique_ptr<EnvironmentSampler> environment;
+    DiscreteDistribution choice;
+    double total_power_w = 0;
+
+    float disc_m2() const { return kPi * sqr(radius_m); }
+
+    double triangle_power_w(const TriangleLight& light) const {
+        return mean(light.radiance) * double{light.area_m2} * kPi * (light.two_sided ? 2 : 1);
+    }
+    double punctual_power_w(const PunctualLight& light) const {
+        const double intensity = mean(light.intensity);
+        switch (light.kind) {
+            case PunctualLight::Kind::Point: return intensity * 4 * kPi;
+            case PunctualLight::Kind::Spot: return intensity * SpotCone(light).solid_angle();
+            case PunctualLight::Kind::Directional: return intensity * disc_m2();
+        }
+        return 0;
+    }
+
+    Ray ray_from_outside(const vec3& direction, const vec2& u) const {
+        const vec2 place = radius_m * sample_unit_disk(u);
+        const Frame frame(direction);
+        const vec3 start(place.x, place.y, -kStartInRadii * radius_m);
+        return {centre + frame.to_world(start), direction, kInfinity};
+    }
+
+    void sample_triangle(uint32_t light, const vec2& u_position, vec2 u_direction, EmissionSample& out) const;
+    void sample_punctual(const PunctualLight& light, const vec2& u_position, const vec2& u_direction,
+                         EmissionSample& out) const;
+    bool sample_environment(const vec2& u_position, const vec2& u_direction, EmissionSample& out) const;
+};
+
+// The three set ray, range and power, the last without the probability of the light's choice.
+
+void EmissionSampler::Lights::sample_triangle(uint32_t index, const vec2& u_position, vec2 u_direction,
+                                              EmissionSample& out) const {
+    const TriangleLight& light = scene.triangle_lights[index];
+    const LightTriangle& triangle = triangles[index];
+    bool front = true;
+    if (light.two_sided) {
+        front = u_direction.x < 0.5f;
+        u_direction.x = 2 * u_direction.x - (front ? 0.0f : 1.0f);
+    }
+    const vec2 st = photond::sample_triangle(u_position);
+    Rgb radiance = light.radiance;
+    if (triangle.varies) {
+        const SurfacePoint point{light.instance, light.triangle, st.x, st.y};
+        radiance = emitted_radiance(scene, point, front) * surface_coverage(scene, point);
+    }
+    out.power_w = radiance * (light.area_m2 * kPi * (light.two_sided ? 2.0f : 1.0f));
+    const vec3 normal = front ? triangle.normal : -triangle.normal;
+    const vec3 point = triangle.corner + st.x * triangle.edge1 + st.y * triangle.edge2;
+    out.ray = {offset_ray_origin(point, normal), Frame(normal).to_world(sample_cosine_hemisphere(u_direction)),
+               kInfinity};
+    out.range_m = kInfinity;
+    out.source = light_source_of_instance(light.instance);
+}
+
+void EmissionSampler::Lights::sample_punctual(const PunctualLight& light, const vec2& u_position,
+                                              const vec2& u_direction, EmissionSample& out) const {
+    out.range_m = light.range_m;
+    switch (light.kind) {
+        case PunctualLight::Kind::Point:
+            out.ray = {light.position, sample_sphere(u_direction), kInfinity};
+            out.power_w = light.intensity * (4 * kPi);
+            break;
+        case PunctualLight::Kind::Spot: {
+            const SpotCone cone(light);
+            out.ray = {light.position, Frame(light.direction).to_world(cone.sample(u_direction)), kInfinity};
+            out.power_w = light.intensity * static_cast<float>(cone.solid_angle());
+            break;
+        }
+        case PunctualLight::Kind::Directional:
+            out.ray = ray_from_outside(light.direction, u_position);
+            out.power_w = light.intensity * disc_m2();
+            out.range_m = kInfinity;
+            break;
+    }
+}
+
+bool EmissionSampler::Lights::sample_environment(const vec2& u_position, const vec2& u_direction,
+                                                 EmissionSample& out) const {
+    vec3 wi;
+    float pdf_sa;
+    if (!environment->sample(u_direction, wi, pdf_sa)) return false;
+    out.ray = ray_from_outside(-wi, u_position);
+    out.power_w = environment->radiance(wi) * (disc_m2() / pdf_sa);
+    out.range_m = kInfinity;
+    return true;
+}
+
+EmissionSampler::EmissionSampler(const Scene& scene) {
+    auto lights = std::make_unique<Lights>(scene);
+    std::vector<double> powers_w;
+    lights->triangles.reserve(scene.triangle_lights.size());
+    for (const TriangleLight& light : scene.triangle_lights) {
+        lights->triangles.push_back(make_light_triangle(scene, light));
+        powers_w.push_back(lights->triangle_power_w(light));
+    }
+    for (const PunctualLight& light : scene.punctual_lights) powers_w.push_back(lights->punctual_power_w(light));
+    if (scene.environment) {
+        lights->environment = std::make_unique<EnvironmentSampler>(*scene.environment);
+        powers_w.push_back(4 * kPi * double{lights->environment->mean_radiance()} * lights->disc_m2());
+    }
+    // Without a surface there is nothing to light, nor a sphere for light from outside.
+    if (!scene.bounds.empty()) {
+        for (const double power_w : powers_w) lights->total_power_w += power_w;
+        lights->choice = DiscreteDistribution(powers_w);
+    }
+    lights_ = std::move(lights);
+}
+
+EmissionSampler::~EmissionSampler() = default;
+EmissionSampler::EmissionSampler(EmissionSampler&&) noexcept = default;
+
+bool EmissionSampler::sample(float u_light, const vec2& u_position, const vec2& u_direction,
+                             EmissionSample& out) const {
+    if (lights_->choice.empty()) return false;
+    const uint32_t light = lights_->choice.sample(u_light);
+    return sample_light(light, lights_->choice.probability(light), u_position, u_direction, out);
+}
+
+bool EmissionSampler::sample_light(uint32_t light, float probability, const vec2& u_position, const vec2& u_direction,
+                                   EmissionSample& out) const {
+    if (!(this->probability(light) > 0)) return false;
+    assert(probability > 0);
+    const Scene& scene = lights_->scene;
+    const size_t triangles = lights_->triangles.size(), punctual = scene.punctual_lights.size();
+    if (light < triangles) {
+        lights_->sample_triangle(light, u_position, u_direction, out);
+    } else if (light < triangles + punctual) {
+        const uint32_t index = light - static_cast<uint32_t>(triangles);
+        lights_->sample_punctual(scene.punctual_lights[index], u_position, u_direction, out);
+        out.source = light_source_of_punctual(scene, index);
+    } else {
+        if (!lights_->sample_environment(u_position, u_direction, out)) return false;
+        out.source = light_source_of_environment(scene);
+    }
+    out.light = light;
+    out.power_w /= probability;
+    return max_component(out.power_w) > 0;
+}
+
+uint32_t EmissionSampler::lights() const {
+    const size_t outside = lights_->environment ? 1 : 0;
+    return static_cast<uint32_t>(lights_->triangles.size() + lights_->scene.punctual_lights.size() + outside);
+}
+
+float EmissionSampler::probability(uint32_t light) const { return lights_->choice.probability(light); }
+
+bool EmissionSampler::guided_by_position(uint32_t light) const {
+    const std::vector<PunctualLight>& punctual = lights_->scene.punctual_lights;
+    const size_t triangles = lights_->triangles.size();
+    return light >= triangles && light < triangles + punctual.size() &&
+           punctual[light - triangles].kind == PunctualLight::Kind::Directional;
+}
+
+double EmissionSampler::total_power_w() const { return lights_->total_power_w; }
+
+uint64_t EmissionSampler::bytes() const {
+    return sizeof(Lights) + lights_->triangles.capacity() * sizeof(LightTriangle) + lights_->choice.bytes() +
+           (lights_->environment ? lights_->environment->bytes() : 0);
+}
+
+uint64_t EmissionSampler::estimate_bytes(uint64_t lights, Size2 environment_size) {
+    return sizeof(Lights) + lights * sizeof(LightTriangle) + DiscreteDistribution::bytes_for(lights) +
+           EnvironmentSampler::bytes_for(environment_size);
+}
+
+}  // namespace photond
