@@ -70,6 +70,10 @@ uint32_t point_bits_reversed(uint32_t index, uint32_t dimension) {
     return bits;
 }
 
+float scrambled_fraction(uint32_t bits_reversed, uint32_t seed) {
+    return to_unit_float(sobol_detail::reverse_bits(sobol_detail::laine_karras(bits_reversed, seed)));
+}
+
 }  // namespace
 
 PassSampler::PassSampler(SamplerKind kind, uint64_t seed, RandomDomain domain, uint32_t pass)
@@ -116,6 +120,51 @@ void PassSampler::sample_2d(std::span<const uint32_t> pixel_keys, uint32_t set, 
         xs[i] = p.x;
         ys[i] = p.y;
     }
+}
+
+SequenceSampler::SequenceSampler(SamplerKind kind, uint64_t seed, RandomDomain domain, uint32_t stream)
+    : kind_(kind),
+      key_(hash64(hash64(hash64(seed + 0x9e3779b97f4a7c15ull) ^ static_cast<uint64_t>(domain)) ^
+                  (uint64_t{stream} << 32 | static_cast<uint64_t>(kind)))) {}
+
+vec2 SequenceSampler::sample_2d(uint64_t index, uint32_t set) const {
+    if (is_random(set)) return random_point(set_key(set), index);
+    const uint64_t seeds = scramble_seeds(index, set);
+    const auto low = static_cast<uint32_t>(index);
+    return {scrambled_fraction(point_bits_reversed(low, 2 * set), static_cast<uint32_t>(seeds >> 32)),
+            scrambled_fraction(point_bits_reversed(low, 2 * set + 1), static_cast<uint32_t>(seeds))};
+}
+
+void SequenceSampler::sample_2d(uint64_t run, std::span<const uint32_t> offsets, uint32_t set, std::span<float> x,
+                                std::span<float> y) const {
+    assert(x.size() == offsets.size() && y.size() == offsets.size());
+    const size_t count = offsets.size();
+    const uint64_t first = run * kRun;
+    const uint32_t* elements = offsets.data();
+    float* xs = x.data();
+    float* ys = y.data();
+    if (is_random(set)) {
+        const uint64_t key = set_key(set);
+        for (size_t i = 0; i < count; ++i) {
+            const vec2 p = random_point(key, first + elements[i]);
+            xs[i] = p.x;
+            ys[i] = p.y;
+        }
+        return;
+    }
+    const uint64_t seeds = scramble_seeds(first, set);
+    const auto draw = [&](uint32_t dimension, uint32_t seed, float* out) {
+        // The whole run's coordinates: each bit of the offset doubles what is known.
+        uint32_t bits[kRun];
+        bits[0] = point_bits_reversed(static_cast<uint32_t>(first), dimension);
+        for (uint32_t bit = 0, known = 1; known < kRun; ++bit, known *= 2) {
+            const uint32_t direction = kDirections.reversed[dimension][bit];
+            for (uint32_t k = 0; k < known; ++k) bits[known + k] = bits[k] ^ direction;
+        }
+        for (size_t i = 0; i < count; ++i) out[i] = scrambled_fraction(bits[elements[i]], seed);
+    };
+    draw(2 * set, static_cast<uint32_t>(seeds >> 32), xs);
+    draw(2 * set + 1, static_cast<uint32_t>(seeds), ys);
 }
 
 }  // namespace photond

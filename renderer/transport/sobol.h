@@ -106,4 +106,41 @@ private:
     std::vector<SetPoint> prepared_;  // empty for SamplerKind::Random
 };
 
+/// Numbers along one long sequence: element after element of it, not pixel after pixel of one element. For light paths,
+/// whose index counts on from pass to pass: any stretch of the sequence covers all lights and directions evenly.
+///
+/// The first kSets two-dimensional sets are the coordinates of one twenty-dimensional Sobol' sequence, each
+/// Owen-scrambled as a whole; all sets beyond are independent numbers. Lower sets are distributed better. After 2^32
+/// elements the sequence starts again, scrambled anew. A pure function of (seed, domain, stream, index, set).
+class SequenceSampler {
+public:
+    static constexpr uint32_t kSets = PassSampler::kSetsInBlock;
+    /// Elements of an aligned run, which are drawn together: they share all but the lowest bits of their index.
+    static constexpr uint32_t kRun = 1024;
+
+    /// `stream`: sequences of the same seed and domain that must not share numbers.
+    SequenceSampler(SamplerKind kind, uint64_t seed, RandomDomain domain, uint32_t stream);
+
+    /// A point in [0, 1)^2.
+    vec2 sample_2d(uint64_t index, uint32_t set) const;
+
+    /// The same for many elements of one run, vectorised: (x[i], y[i]) is sample_2d(run * kRun + offsets[i], set), bit
+    /// by bit. Offsets below kRun; spans of equal length.
+    void sample_2d(uint64_t run, std::span<const uint32_t> offsets, uint32_t set, std::span<float> x,
+                   std::span<float> y) const;
+
+private:
+    bool is_random(uint32_t set) const { return kind_ == SamplerKind::Random || set >= kSets; }
+    /// Seeds of both coordinates' scrambling, x in the upper half.
+    uint64_t scramble_seeds(uint64_t index, uint32_t set) const { return hash64(set_key(set) + ~(index >> 32)); }
+    uint64_t set_key(uint32_t set) const { return hash64(key_ + set); }
+    static vec2 random_point(uint64_t set_key, uint64_t index) {
+        const uint64_t bits = hash64(set_key + index * 0x9e3779b97f4a7c15ull);
+        return {to_unit_float(static_cast<uint32_t>(bits >> 32)), to_unit_float(static_cast<uint32_t>(bits))};
+    }
+
+    SamplerKind kind_;
+    uint64_t key_;
+};
+
 }  // namespace photond

@@ -1,9 +1,9 @@
 // Shading of any hit, one by one.
 
 #include "renderer/methods/eye_contributions.h"
-#include "renderer/methods/hit_prefetch.h"
 #include "renderer/methods/path_tracing/wavefront.h"
 #include "renderer/transport/bsdf.h"
+#include "renderer/transport/hit_prefetch.h"
 
 namespace photond {
 

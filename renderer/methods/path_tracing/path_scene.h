@@ -5,6 +5,7 @@
 
 #include "renderer/methods/eye_scene.h"
 #include "renderer/methods/path_tracing/path_tracing.h"
+#include "renderer/transport/lambert_lanes.h"
 
 namespace photond {
 
@@ -21,10 +22,8 @@ struct PathTracingScene : EyeScene {
         for (const Instance& instance : scene.instances) {
             const Mesh& mesh = scene.meshes[instance.mesh];
             const Material& m = scene.materials[mesh.material];
-            shading.push_back({.lambert = !m.unlit && m.metallic == 0 && m.specular == 0 && m.transmission == 0 &&
-                                          !m.normal_texture.used(),
-                               .varies = m.base_color_texture.used() || !mesh.colors.empty(),
-                               .emits = m.emissive()});
+            shading.push_back(
+                {.lambert = is_plain_lambert(m), .varies = base_color_varies(scene, mesh), .emits = m.emissive()});
         }
     }
 

@@ -1,7 +1,7 @@
 #include "renderer/methods/path_tracing/wavefront.h"
 
 #include "renderer/methods/eye_contributions.h"
-#include "renderer/methods/hit_prefetch.h"
+#include "renderer/transport/hit_prefetch.h"
 
 namespace photond {
 

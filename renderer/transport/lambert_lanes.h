@@ -1,0 +1,208 @@
+#pragma once
+// Scattering at plain Lambert reflectors for as many paths at once as the machine has lanes: what make_shading_point()
+// and Bsdf::lambert() do one by one. Textures are looked up one by one here too.
+//
+// A group is used in this order: gather() and the numbers for each lane, find_surface(), then scatter() for paths from
+// the eye or scatter_photons() for paths from a light.
+
+#include "renderer/core/lanes.h"
+#include "renderer/core/rgb.h"
+#include "renderer/scene/intersector.h"
+#include "renderer/scene/scene.h"
+#include "renderer/scene/surface_color.h"
+
+namespace photond {
+
+/// Surfaces that reflect like Bsdf::lambert() and shade without a normal map: those a LambertGroup knows.
+inline bool is_plain_lambert(const Material& m) {
+    return !m.unlit && m.metallic == 0 && m.specular == 0 && m.transmission == 0 && !m.normal_texture.used();
+}
+/// Whether the reflectance differs from place to place, by texture or vertex colour.
+inline bool base_color_varies(const Scene& scene, const Mesh& mesh) {
+    return scene.materials[mesh.material].base_color_texture.used() || !mesh.colors.empty();
+}
+
+using LaneFloats = float[kLanes];
+
+struct Vec3Array {
+    alignas(64) LaneFloats x, y, z;
+
+    void set(size_t lane, const vec3& v) { x[lane] = v.x, y[lane] = v.y, z[lane] = v.z; }
+    vec3 get(size_t lane) const { return {x[lane], y[lane], z[lane]}; }
+    Vec3Lanes load() const {
+        constexpr std::experimental::vector_aligned_tag kAligned;
+        return {FloatLanes(x, kAligned), FloatLanes(y, kAligned), FloatLanes(z, kAligned)};
+    }
+    void store(const Vec3Lanes& v) {
+        constexpr std::experimental::vector_aligned_tag kAligned;
+        v.x.copy_to(x, kAligned), v.y.copy_to(y, kAligned), v.z.copy_to(z, kAligned);
+    }
+};
+
+namespace lambert_lanes {
+
+namespace stdx = std::experimental;
+inline constexpr stdx::vector_aligned_tag kAligned;
+
+inline Vec3Lanes unit(const Vec3Lanes& v) { return (1.0f / stdx::sqrt(dot(v, v))) * v; }
+
+inline Vec3Lanes select(const FloatMask& mask, const Vec3Lanes& a, const Vec3Lanes& b) {
+    return {photond::select(mask, a.x, b.x), photond::select(mask, a.y, b.y), photond::select(mask, a.z, b.z)};
+}
+
+/// offset_ray_origin(), lane by lane.
+inline FloatLanes offset_coordinate(const FloatLanes& p, const FloatLanes& n) {
+    constexpr float kOrigin = 1.0f / 32.0f, kFloatScale = 1.0f / 65536.0f, kIntScale = 256.0f;
+    // Where p is negative, counting its bits up moves it down: the sign goes to the offset.
+    const IntLanes offset =
+        stdx::static_simd_cast<IntLanes>(photond::select(p < 0, FloatLanes(-kIntScale), kIntScale) * n);
+    const FloatLanes moved = float_from_bits(bits_of(p) + offset);
+    return photond::select(stdx::fabs(p) < kOrigin, p + kFloatScale * n, moved);
+}
+
+/// sample_cosine_hemisphere(), lane by lane; the concentric map's angles stay within +-pi/4, where the Taylor series
+/// are exact to float precision.
+inline Vec3Lanes cosine_hemisphere(const FloatLanes& u, const FloatLanes& v) {
+    const FloatLanes a = 2.0f * u - 1.0f, b = 2.0f * v - 1.0f;
+    const FloatMask wide = stdx::fabs(a) > stdx::fabs(b);
+    const FloatLanes radius = photond::select(wide, a, b), other = photond::select(wide, b, a);
+    const FloatLanes phi = (kPi / 4) * other / photond::select(radius == 0, FloatLanes(1), radius);
+    const FloatLanes q = phi * phi;
+    const FloatLanes sine =
+        phi * (1.0f + q * (-1.0f / 6 + q * (1.0f / 120 + q * (-1.0f / 5040 + q * (1.0f / 362880)))));
+    const FloatLanes cosine = 1.0f + q * (-1.0f / 2 + q * (1.0f / 24 + q * (-1.0f / 720 + q * (1.0f / 40320))));
+    const FloatLanes x = radius * photond::select(wide, cosine, sine), y = radius * photond::select(wide, sine, cosine);
+    return {x, y, stdx::sqrt(stdx::max(1.0f - x * x - y * y, FloatLanes(1e-8f)))};
+}
+
+/// A local direction in the world. [Duff et al. 2017], as in Frame.
+inline Vec3Lanes to_world(const Vec3Lanes& n, const Vec3Lanes& w) {
+    const FloatLanes sign = stdx::copysign(FloatLanes(1), n.z), a = -1.0f / (sign + n.z), b = n.x * n.y * a;
+    const Vec3Lanes tangent{1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x};
+    const Vec3Lanes bitangent{b, sign + n.y * n.y * a, -n.y};
+    return w.x * tangent + w.y * bitangent + w.z * n;
+}
+
+}  // namespace lambert_lanes
+
+/// What a group of paths meets and where it goes on.
+struct LambertGroup {
+    // Gathered, lane by lane.
+    Vec3Array corners[3], normals[3];  // world space; normals 0 where the mesh is flat
+    Vec3Array direction;               // of the ray that met the surface
+    Vec3Array throughput;              // of paths from a light: the photon's power
+    Vec3Array reflectance;
+    alignas(64) LaneFloats u, v, flip;  // flip: -1 where the instance mirrors
+    alignas(64) LaneFloats scale;       // what throughput's greatest component is multiplied by to judge the path
+    alignas(64) LaneFloats roulette, sample_x, sample_y;  // uniform numbers
+
+    // Of find_surface().
+    Vec3Array position, geometric_normal, normal, start;
+    Vec3Array smooth_normal;       // interpolated, on the geometric normal's side; that one where the mesh is flat
+    alignas(64) LaneFloats front;  // 1: seen from the front, or 0
+
+    // Of scatter() and scatter_photons().
+    Vec3Array next_direction;
+    alignas(64) LaneFloats scattered;         // 1: goes on, or 0
+    alignas(64) LaneFloats cos_next;          // against the normal
+    alignas(64) LaneFloats survival_inverse;  // NaN where the path's numbers are
+    alignas(64) LaneFloats correction;        // scatter_photons(): of the shading normal
+
+    /// `varies`: base_color_varies().
+    void gather(size_t lane, const Scene& scene, bool varies, const Hit& hit, const Ray& ray,
+                const Rgb& path_throughput, float path_scale) {
+        const Instance& instance = scene.instances[hit.instance];
+        const Mesh& mesh = scene.meshes[instance.mesh];
+        const uvec3 corner = mesh.triangles[hit.triangle];
+        const bool smooth = !mesh.normals.empty();
+        for (int c = 0; c < 3; ++c) {
+            const vec3& p = mesh.positions[corner[c]];
+            corners[c].set(lane, instance.identity ? p : instance.to_world * vec4(p, 1.0f));
+            const vec3 n = smooth ? mesh.normals[corner[c]] : vec3(0);
+            normals[c].set(lane, instance.identity ? n : instance.normal_to_world * n);
+        }
+        u[lane] = hit.u, v[lane] = hit.v;
+        flip[lane] = instance.flips_orientation ? -1.0f : 1.0f;
+        direction.set(lane, ray.direction);
+        throughput.set(lane, path_throughput);
+        scale[lane] = path_scale;
+        // Vertex colours may exceed 1, reflectance may not.
+        reflectance.set(
+            lane, varies ? glm::clamp(Rgb(surface_base_color(scene, mesh, hit.triangle, hit.u, hit.v)), Rgb(0), Rgb(1))
+                         : scene.materials[mesh.material].base_color);
+    }
+
+    /// make_plain_shading_point(): position and normals on the side the ray came from.
+    void find_surface() {
+        using namespace lambert_lanes;
+        const FloatLanes weight_u(u, kAligned), weight_v(v, kAligned), weight_w = 1.0f - weight_u - weight_v;
+        const Vec3Lanes a = corners[0].load(), b = corners[1].load(), c = corners[2].load(), d = direction.load();
+        const Vec3Lanes point = weight_w * a + weight_u * b + weight_v * c;
+        Vec3Lanes geometric = FloatLanes(flip, kAligned) * unit(cross(b - a, c - a));
+        const FloatMask from_front = dot(geometric, d) < 0;
+        geometric = photond::select(from_front, FloatLanes(1), FloatLanes(-1)) * geometric;
+        photond::select(from_front, FloatLanes(1), FloatLanes(0)).copy_to(front, kAligned);
+
+        const Vec3Lanes sum =
+            weight_w * normals[0].load() + weight_u * normals[1].load() + weight_v * normals[2].load();
+        const FloatLanes length_sq = dot(sum, sum);
+        const FloatMask smooth = length_sq > 1e-30f;
+        const FloatLanes turn = photond::select(dot(sum, geometric) < 0, FloatLanes(-1), FloatLanes(1)) /
+                                stdx::sqrt(photond::select(smooth, length_sq, FloatLanes(1)));
+        const Vec3Lanes turned = lambert_lanes::select(smooth, turn * sum, geometric);
+        position.store(point);
+        geometric_normal.store(geometric);
+        smooth_normal.store(turned);
+        normal.store(lambert_lanes::select(dot(turned, d) < 0, turned, geometric));
+        start.store({offset_coordinate(point.x, geometric.x), offset_coordinate(point.y, geometric.y),
+                     offset_coordinate(point.z, geometric.z)});
+    }
+
+    /// Bsdf::lambert() and, if asked for, Russian roulette, which no path passes with more than `most_survival`.
+    void scatter(bool with_roulette, float most_survival) {
+        using namespace lambert_lanes;
+        const Vec3Lanes n = normal.load();
+        const Vec3Lanes w = cosine_hemisphere(FloatLanes(sample_x, kAligned), FloatLanes(sample_y, kAligned));
+        const Vec3Lanes wi = to_world(n, w);
+
+        const Vec3Lanes left = throughput.load() * reflectance.load();
+        const FloatLanes hope = stdx::max(stdx::max(left.x, left.y), left.z) * FloatLanes(scale, kAligned);
+        const FloatLanes survival = with_roulette ? stdx::min(hope, FloatLanes(most_survival)) : FloatLanes(1);
+        const FloatMask on = FloatLanes(roulette, kAligned) < survival && hope > 0 && dot(n, direction.load()) < 0 &&
+                             dot(wi, geometric_normal.load()) > 0;
+        next_direction.store(wi);
+        w.z.copy_to(cos_next, kAligned);
+        (1.0f / survival).copy_to(survival_inverse, kAligned);
+        photond::select(on, FloatLanes(1), FloatLanes(0)).copy_to(scattered, kAligned);
+    }
+
+    /// scatter_photon() and Russian roulette. Power changes by reflectance x correction / survival.
+    void scatter_photons(float most_survival) {
+        using namespace lambert_lanes;
+        const Vec3Lanes n = normal.load(), geometric = geometric_normal.load(), d = direction.load();
+        const Vec3Lanes w = cosine_hemisphere(FloatLanes(sample_x, kAligned), FloatLanes(sample_y, kAligned));
+        const Vec3Lanes wi = to_world(n, w);
+
+        // photon_scattering.h with f = reflectance / pi, and the shading normal an eye at the end of wi would have:
+        // |cos_s(arriving)| |cos_g(leaving)| / (|cos_g(arriving)| |cos of sampling|).
+        const Vec3Lanes turned = smooth_normal.load();
+        const Vec3Lanes eye_normal = lambert_lanes::select(dot(turned, wi) > 0, turned, geometric);
+        const FloatLanes cos_leaving = dot(geometric, wi);
+        const FloatMask flat = turned.x == geometric.x && turned.y == geometric.y && turned.z == geometric.z;
+        const FloatLanes factor =
+            photond::select(flat, FloatLanes(1),
+                            stdx::max(-dot(eye_normal, d), FloatLanes(0)) * cos_leaving / (-dot(geometric, d) * w.z));
+
+        const Vec3Lanes left = throughput.load() * reflectance.load();
+        const FloatLanes hope = stdx::max(stdx::max(left.x, left.y), left.z) * FloatLanes(scale, kAligned) * factor;
+        const FloatLanes survival = stdx::min(hope, FloatLanes(most_survival));
+        const FloatMask on = FloatLanes(roulette, kAligned) < survival && dot(n, d) < 0 && cos_leaving > 0;
+        next_direction.store(wi);
+        w.z.copy_to(cos_next, kAligned);
+        factor.copy_to(correction, kAligned);
+        (1.0f / survival).copy_to(survival_inverse, kAligned);
+        photond::select(on, FloatLanes(1), FloatLanes(0)).copy_to(scattered, kAligned);
+    }
+};
+
+}  // namespace photond
