@@ -314,7 +314,7 @@ uint64_t HashGrid::bytes_for(uint64_t points) {
     return (table_size(points) + 1) * sizeof(uint32_t) + 3 * (points + kPadding) * sizeof(float);
 }
 
-uint64_t HashGrid::scratch_bytes_for(uint64_t points) {
+uint64_t HashGrid::build_bytes_for(uint64_t points) {
     return points * 2 * sizeof(uint32_t) + (blocks(points) + 1) * kMostBuckets * sizeof(uint32_t);
 }
 

@@ -13,6 +13,7 @@
 
 #include "renderer/core/geometry.h"
 #include "renderer/photons/neighbours.h"
+#include "renderer/photons/point_bucket.h"
 
 namespace photond {
 
@@ -33,20 +34,13 @@ public:
     void find_within(const vec3& p, float radius_m, Neighbours& out) const;
 
     /// The squared distance [m^2] as searches round it: q is found when it is below radius_m * radius_m.
-    static float distance_sq_m2(const vec3& p, const vec3& q) {
-        const vec3 d = q - p;
-#if defined(__FMA__) || defined(__ARM_FEATURE_FMA)
-        return std::fma(d.z, d.z, std::fma(d.y, d.y, d.x * d.x));
-#else
-        return d.x * d.x + d.y * d.y + d.z * d.z;
-#endif
-    }
+    static float distance_sq_m2(const vec3& p, const vec3& q) { return length_sq(q.x - p.x, q.y - p.y, q.z - p.z); }
 
     uint64_t bytes() const;
     /// The most bytes() that so many points can come to, wherever they lie.
     static uint64_t bytes_for(uint64_t points);
-    /// Bytes that building takes besides, for its while.
-    static uint64_t scratch_bytes_for(uint64_t points);
+    /// Bytes taken besides, while a grid is built.
+    static uint64_t build_bytes_for(uint64_t points);
 
 private:
     /// Cells of a query or of the grid along each axis, or a cell.

@@ -24,15 +24,26 @@ public:
     float cone_k() const { return cone_k_; }
 
     /// K r^2 at q_sq = (u / r)^2 in [0, 1]; no test against 1.
-    float operator()(float q_sq) const;
+    float operator()(float q_sq) const {
+        switch (shape_) {
+            case KernelShape::Constant: return scale_;
+            case KernelShape::Cone: return scale_ - slope_ * std::sqrt(q_sq);
+            case KernelShape::Gaussian: return scale_ - slope_ * (1 - std::exp(-0.5f * kGaussianBeta * q_sq));
+            case KernelShape::Epanechnikov: return scale_ - slope_ * q_sq;
+        }
+        return 0;
+    }
 
     /// Share of the kernel within q = u / r of the centre: 0 at 0, 1 at 1 and beyond, closed form.
     float mass_within(float q) const;
 
 private:
+    static constexpr float kGaussianBeta = 1.953f;
+
     KernelShape shape_;
     float cone_k_;
-    float scale_;
+    float scale_;      // at the centre
+    float slope_ = 0;  // times what the shape falls by
 };
 
 }  // namespace photond

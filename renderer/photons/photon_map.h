@@ -22,6 +22,7 @@ struct PhotonSearch {
 class PhotonMap {
 public:
     PhotonMap() = default;
+    /// Builds the structure in parallel; the map is the same for any number of threads.
     PhotonMap(std::vector<Photon> photons, const PhotonSearch& search);
 
     bool empty() const { return payloads_.empty(); }
@@ -37,7 +38,8 @@ public:
     const HashGrid* hash_grid() const { return std::get_if<HashGrid>(&structure_); }
 
     uint64_t bytes() const;
-    /// Bytes of a map of so many photons, the room its building takes for a while included.
+    /// The most that a map of so many photons takes while it is built, the photons it is given included; of either
+    /// structure.
     static uint64_t bytes_for(uint64_t photons);
 
 private:

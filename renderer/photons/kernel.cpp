@@ -1,0 +1,58 @@
+#include "renderer/photons/kernel.h"
+
+#include <algorithm>
+#include <string>
+
+#include "protocol/error.h"
+
+namespace photond {
+
+namespace {
+
+constexpr double kPiExact = 3.14159265358979323846;
+
+/// Of the Gaussian: the share of 1 - exp(-beta q^2 / 2) in its shape.
+double gaussian_fall(double beta) { return 1 / (1 - std::exp(-beta)); }
+
+/// Integral of the Gaussian's shape over q^2 from 0 to t.
+double gaussian_integral(double beta, double t) {
+    return t - gaussian_fall(beta) * (t - (1 - std::exp(-0.5 * beta * t)) * 2 / beta);
+}
+
+}  // namespace
+
+Kernel::Kernel(KernelShape shape, float cone_k) : shape_(shape), cone_k_(cone_k) {
+    if (!(cone_k >= 1))
+        throw Error(ErrorCode::OutOfRange,
+                    "cone_k = " + std::to_string(cone_k) + " is below 1: the cone would turn negative");
+    // Over the disc of radius 1, 2 q dq = d(q^2): each shape's integral over q^2 from 0 to 1, times pi, is divided out.
+    double scale = 1 / kPiExact, slope = 0;
+    switch (shape) {
+        case KernelShape::Constant: break;
+        case KernelShape::Cone:
+            scale = 1 / ((1 - 2 / (3 * double{cone_k})) * kPiExact);
+            slope = scale / double{cone_k};
+            break;
+        case KernelShape::Gaussian:
+            scale = 1 / (gaussian_integral(double{kGaussianBeta}, 1) * kPiExact);
+            slope = scale * gaussian_fall(double{kGaussianBeta});
+            break;
+        case KernelShape::Epanechnikov: slope = scale = 2 / kPiExact; break;
+    }
+    scale_ = static_cast<float>(scale);
+    slope_ = static_cast<float>(slope);
+}
+
+float Kernel::mass_within(float q) const {
+    const double x = std::clamp(double{q}, 0.0, 1.0), k = double{cone_k_}, beta = double{kGaussianBeta};
+    double mass = 0;
+    switch (shape_) {
+        case KernelShape::Constant: mass = x * x; break;
+        case KernelShape::Cone: mass = x * x * (1 - 2 * x / (3 * k)) / (1 - 2 / (3 * k)); break;
+        case KernelShape::Gaussian: mass = gaussian_integral(beta, x * x) / gaussian_integral(beta, 1); break;
+        case KernelShape::Epanechnikov: mass = x * x * (2 - x * x); break;
+    }
+    return static_cast<float>(mass);
+}
+
+}  // namespace photond

@@ -1,0 +1,129 @@
+#include "renderer/photons/radiance_estimate.h"
+
+#include "renderer/photons/surface_boundary.h"
+
+namespace photond {
+
+namespace {
+
+/// A photon's flux is L |cos_g| dw dA; the estimate divides by |cos_g| where the shading normal differs. Below this it
+/// divides by this: directions are stored to 7e-5 rad, and weights without a bound would have no variance. Uniform
+/// light about a shading normal tilted by a loses at most 1e-3 sin(a) of its irradiance.
+constexpr float kLeastCosine = 1e-3f;
+
+/// Where photons are counted.
+struct Disc {
+    vec3 position;
+    vec3 normal;  // unit, geometric
+    bool both_sides;
+    uint32_t most_scatterings;
+};
+
+/// Calls take(payload, weight, side) for each of the photons found that lies on the disc; `weight` is K r^2, `side` the
+/// cosine between the normals, negative on the far side. Returns how many there were.
+template <class Structure, class Take>
+uint32_t take_photons(const Structure& structure, const PhotonMap& map, const EstimateSettings& settings,
+                      const Disc& disc, float thickness_m, const Neighbours& found, const Take& take) {
+    const float inverse_radius_sq = 1 / sqr(found.radius_m);
+    // Most photons lie in the plane of the disc and have its very normal: no need to decode that.
+    const uint32_t same_normal = Octahedral<11>::encode(disc.normal);
+    constexpr uint32_t kNormalBits = (1u << 22) - 1;
+    uint32_t taken = 0;
+    for (const Neighbours::Found& f : found.found) {
+        const PhotonPayload& payload = map.payload(f.index);
+        const float height_m = std::fabs(glm::dot(disc.normal, structure.position(f.index) - disc.position));
+        if (height_m > thickness_m || payload.scatterings() > disc.most_scatterings) continue;
+        float side = 1;
+        if ((payload.normal_and_path & kNormalBits) != same_normal) {
+            side = glm::dot(payload.normal(), disc.normal);
+            if (side < 0 && !disc.both_sides) continue;
+            if (!settings.soft_disc && std::fabs(side) < kDiscCosine) continue;
+        }
+        float weight = settings.kernel(f.distance_sq_m2 * inverse_radius_sq);
+        if (settings.soft_disc) weight *= std::fabs(side) * (thickness_m > 0 ? 1 - height_m / thickness_m : 1.0f);
+        take(payload, weight, side);
+        ++taken;
+    }
+    return taken;
+}
+
+/// What sums of weight x power are to be multiplied by, and what was found.
+struct DiscSum {
+    float scale_per_m2 = 0;
+    uint32_t photons = 0;
+    float radius_m = 0;
+};
+
+template <class Take>
+DiscSum sum_over_disc(const PhotonMap& map, const EstimateSettings& settings, const Disc& disc, Neighbours& scratch,
+                      const Take& take) {
+    map.find(disc.position, scratch);
+    DiscSum sum;
+    sum.radius_m = scratch.radius_m;
+    // As many photons as are looked for in one place leave no disc to spread them over: no density, and of that place
+    // without area no light. Nor is there one where a disc is without end.
+    const float area = sqr(scratch.radius_m);
+    if (scratch.found.empty() || !(area >= std::numeric_limits<float>::min() && area < kInfinity)) return sum;
+    const float thickness_m = settings.disc_thickness_m.value_or(0.25f * scratch.radius_m);
+    if (const KdTree* tree = map.kd_tree()) {
+        sum.photons = take_photons(*tree, map, settings, disc, thickness_m, scratch, take);
+    } else {
+        sum.photons = take_photons(*map.hash_grid(), map, settings, disc, thickness_m, scratch, take);
+    }
+    if (sum.photons == 0) return sum;
+    sum.scale_per_m2 = 1 / area;
+    if (settings.boundary != nullptr)
+        sum.scale_per_m2 /= settings.boundary->mass_on_surface(settings.kernel, disc.position, disc.normal,
+                                                               scratch.radius_m, thickness_m);
+    return sum;
+}
+
+}  // namespace
+
+RadianceEstimate estimate_radiance(const PhotonMap& map, const EstimateSettings& settings, const ShadingPoint& point,
+                                   const Bsdf& bsdf, const vec3& wo, uint32_t most_scatterings, Neighbours& scratch) {
+    RadianceEstimate estimate;
+    if (!bsdf.has_non_delta()) return estimate;
+    const vec3 normal = point.geometric_normal;
+    const Disc disc{point.position, normal, bsdf.has_non_delta_transmission(), most_scatterings};
+    const auto add = [&](const PhotonPayload& photon, const Rgb& reflected) {
+        estimate.radiance += reflected;
+        estimate.delta_radiance += photon.all_delta() ? reflected : Rgb(0);
+    };
+    Rgb factor(1);
+    DiscSum sum;
+    if (bsdf.is_lambert() && point.shading.normal == normal) {
+        // The same share of every photon; that it arrived at this side its normal says.
+        if (wo.z <= 0) return estimate;
+        factor = bsdf.f_cos(wo, vec3(0, 0, 1));
+        sum = sum_over_disc(map, settings, disc, scratch, [&](const PhotonPayload& photon, float weight, float) {
+            add(photon, weight * photon.power_w);
+        });
+    } else {
+        const vec3 normal_local = point.shading.to_local(normal);
+        sum = sum_over_disc(map, settings, disc, scratch, [&](const PhotonPayload& photon, float weight, float side) {
+            const vec3 wi = point.shading.to_local(photon.wi_world());
+            const float cos_g = glm::dot(wi, normal_local);
+            // A photon of a curved surface's next facet may have come from below this one's horizon.
+            if ((cos_g > 0) != (side > 0)) return;
+            add(photon, bsdf.f_cos(wo, wi) * photon.power_w * (weight / std::max(std::fabs(cos_g), kLeastCosine)));
+        });
+    }
+    estimate.radiance *= factor * sum.scale_per_m2;
+    estimate.delta_radiance *= factor * sum.scale_per_m2;
+    estimate.photons = sum.photons;
+    estimate.radius_m = sum.radius_m;
+    return estimate;
+}
+
+Rgb estimate_irradiance(const PhotonMap& map, const EstimateSettings& settings, const vec3& position,
+                        const vec3& normal, uint32_t most_scatterings, Neighbours& scratch) {
+    const Disc disc{position, normal, false, most_scatterings};
+    Rgb irradiance(0);
+    const DiscSum sum =
+        sum_over_disc(map, settings, disc, scratch,
+                      [&](const PhotonPayload& photon, float weight, float) { irradiance += weight * photon.power_w; });
+    return irradiance * sum.scale_per_m2;
+}
+
+}  // namespace photond
