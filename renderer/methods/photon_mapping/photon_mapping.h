@@ -44,6 +44,8 @@ struct PhotonMappingParams final : MethodParams {
     uint32_t max_scatterings() const { return indirect_bounces ? *indirect_bounces + 1 : UINT32_MAX; }
     /// Of the maps, for a scene whose bounding sphere has that radius.
     float search_radius_m(float scene_radius_m) const;
+    /// Of the search among shadow photons: the radius where one is given, else that of a fixed search.
+    float shadow_radius_m(float scene_radius_m) const;
 };
 
 /// Photon mapping: Jensen's two maps, as the slides and the thesis have them.
@@ -51,17 +53,24 @@ struct PhotonMappingParams final : MethodParams {
 /// Each pass sends `photons` light paths (and `caustic_photons` towards specular surfaces, where there are any), stores
 /// what arrives at surfaces with a lobe that is not specular, and then looks at the scene along one eye path a pixel.
 /// At each vertex x the reflected light is split as the slides do (f_s: delta lobes and glossy ones with alpha below
-/// `glossy_threshold`; f_d: all others; L_l light from the lights, L_c through specular scatterings only, L_d the rest):
+/// `glossy_threshold`; f_d: all others; L_l light from the lights, L_c light that came through specular scatterings
+/// only, L_d the rest):
 ///
-///   L_r = int f L_l cos      A   light sampling, joined with B's direction by multiple importance sampling
-///       + int f_s (L_c + L_d) B  the eye path goes on by BSDF sampling
+///   L_r = int f L_l cos      A   light sampling; f_s's share joined with B by multiple importance sampling
+///       + int f_s (L_c + L_d) B  the eye path goes on by sampling f_s
 ///       + int f_d L_c cos    C   the caustic map
-///       + int f_d L_d cos    D   the global map (gather: direct), or gather rays, at whose ends the outgoing radiance is
-///                                direct + caustic + global (gather: final); rays that meet a specular surface follow it
+///       + int f_d L_d cos    D   the global map (gather: direct), or gather rays drawn by f_d (gather: final)
+///
+/// At the end y of a gather ray the light that f_d scatters is direct + caustic + global; f_s there is followed. What
+/// f_s at y scatters of L_l and L_c came through specular scatterings only: it is C's at x, and not added.
 ///
 /// Strong on caustics, also those seen in mirrors, which no path from the eye finds; noise is low-frequency. Biased by
-/// the kernel's radius: density is smeared within it, and lost at edges unless `boundary` is "clip".
-/// Not implemented: participating media (volume photon maps).
+/// the kernel's radius: density is smeared within it, and lost at edges unless `boundary` is "clip". Passes are
+/// averaged: noise falls with their number, bias with the radius only.
+/// Where `shadow_photons` is on, shadows smaller than the distance of photons can be missed. With
+/// `precompute_irradiance` surfaces at the ends of gather rays count as Lambert reflectors of their albedo.
+/// Not implemented: participating media (volume photon maps), dispersion; a camera inside a solid sees as if it were
+/// outside of it.
 ///
 /// [Jensen 1996] Global Illumination using Photon Maps. Eurographics Workshop on Rendering.
 /// [Jensen 1995] Importance Driven Path Tracing using the Photon Map. Eurographics Workshop on Rendering.
@@ -70,6 +79,7 @@ struct PhotonMappingParams final : MethodParams {
 class PhotonMapping final : public Method {
 public:
     static constexpr const char* kName = "photon_mapping";
+    static constexpr const char* kArtefact = "photon_map.glb";
     using Params = PhotonMappingParams;
 
     explicit PhotonMapping(const PhotonMappingParams& params);
@@ -80,9 +90,15 @@ public:
     void begin(const RenderContext& context, Stats& stats) override;
     void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) override;
     void resolve(Film& film) override;
+    /// With `keep_photon_map`: the photons of the last whole pass.
+    std::vector<MethodArtefact> artefacts() const override;
 
 private:
     struct State;  // photon_mapping.cpp
+
+    void build_projection_map(const RenderContext& context, Stats& stats);
+    void trace_photons(uint32_t pass, Stats& stats, const CancelToken& cancel);
+    void look_from_eye(uint32_t pass, Stats& stats, const CancelToken& cancel);
 
     const PhotonMappingParams params_;
     std::unique_ptr<State> state_;

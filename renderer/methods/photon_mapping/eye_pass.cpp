@@ -1,0 +1,226 @@
+#include "renderer/methods/photon_mapping/eye_pass.h"
+
+#include "renderer/methods/eye_contributions.h"
+#include "renderer/transport/hit_prefetch.h"
+
+namespace photond {
+
+namespace {
+
+/// Vertices after which Russian roulette may end a path through specular parts.
+constexpr uint32_t kRouletteStart = 4;
+
+}  // namespace
+
+EyePass::EyePass()
+    : rays_(kPaths),
+      next_rays_(kPaths),
+      paths_(kPaths),
+      next_paths_(kPaths),
+      keys_(kPaths),
+      next_keys_(kPaths),
+      hits_(kPaths),
+      shadow_rays_(kPaths),
+      pending_(kPaths),
+      occluded_(kPaths) {
+    order_.reserve(kPaths);
+    gather_points_.reserve(kPaths);
+    for (Numbers* numbers : {&light_point_, &choice_, &direction_, &lobe_})
+        numbers->x.resize(kPaths), numbers->y.resize(kPaths);
+}
+
+uint64_t EyePass::bytes_per_thread() {
+    return kPaths * (3 * sizeof(Ray) + sizeof(Hit) + 2 * sizeof(EyePath) + 3 * sizeof(uint32_t) + sizeof(PendingLight) +
+                     sizeof(uint8_t) + sizeof(GatherPoint) + 8 * sizeof(float)) +
+           FinalGather::bytes_per_thread();
+}
+
+void EyePass::trace_tile(const PhotonMappingScene& shared, const PassMaps& maps, const PassSampler& sampler,
+                         const GatherSamplers& gather_samplers, const Tile& tile, PassImage& image, Counts& counts,
+                         EyePassSeconds& seconds) {
+    ThreadLaps laps;
+    count_ = tile.pixels();
+    start_eye_paths(shared, sampler, tile, {rays_.data(), count_}, {paths_.data(), count_}, {keys_.data(), count_});
+    for (size_t i = 0; i < count_; ++i) clear_pixel(image, paths_[i].pixel);
+
+    for (uint32_t vertex = 0; count_ > 0; ++vertex) {
+        shared.intersector.closest_hits({rays_.data(), count_}, {hits_.data(), count_},
+                                        vertex == 0 ? Coherence::Coherent : Coherence::Incoherent);
+        (vertex == 0 ? counts.camera_rays : counts.bounce_rays) += count_;
+        if (vertex == 0) laps.lap(seconds.camera);
+
+        sort_hits(shared, image);
+        draw_numbers(sampler, vertex);
+        next_count_ = 0;
+        shadow_count_ = 0;
+        gather_points_.clear();
+        for (size_t k = 0; k < order_.size(); ++k) {
+            prefetch_ahead(shared.scene, hits_, order_, k);
+            const uint32_t i = order_[k];
+            if (shade_vertex(shared, maps, vertex, i, image)) next_keys_[next_count_++] = keys_[i];
+        }
+        next_paths_.swap(paths_);
+        next_rays_.swap(rays_);
+        next_keys_.swap(keys_);
+        count_ = next_count_;
+        trace_shadow_rays(shared, vertex, image, counts);
+        laps.lap(vertex == 0 ? seconds.direct : seconds.indirect);
+
+        look_up_maps(shared, maps, image);
+        if (shared.final_gather()) final_gather_.gather(shared, maps, gather_samplers, gather_points_, image, counts);
+        laps.lap(seconds.gather);
+    }
+}
+
+/// Ends the paths that met nothing and takes what solids on the way absorbed.
+void EyePass::sort_hits(const PhotonMappingScene& shared, PassImage& image) {
+    order_.clear();
+    for (uint32_t i = 0; i < count_; ++i) {
+        const Hit& hit = hits_[i];
+        EyePath& path = paths_[i];
+        path.throughput *= shared.absorption.transmittance(path.media, hit.t);
+        if (!hit.valid()) {
+            add_environment(image, shared, path, rays_[i].direction);
+            continue;
+        }
+        prefetch_index(shared.scene, hit);
+        order_.push_back(i);
+    }
+}
+
+void EyePass::draw_numbers(const PassSampler& sampler, uint32_t vertex) {
+    const std::span<const uint32_t> keys(keys_.data(), count_);
+    const auto draw = [&](VertexSet set, Numbers& numbers) {
+        sampler.sample_2d(keys, sample_set(vertex, set), {numbers.x.data(), count_}, {numbers.y.data(), count_});
+    };
+    draw(VertexSet::LightPoint, light_point_);
+    draw(VertexSet::LightChoiceAndRoulette, choice_);
+    draw(VertexSet::Direction, direction_);
+    draw(VertexSet::Lobe, lobe_);
+}
+
+/// Adds what path i finds at the end of its ray, draws a light sample there (A), leaves its rough part to the maps (C,
+/// D) and follows its specular part (B). False: the path ends, and what stands in the place of the next path does not
+/// count.
+bool EyePass::shade_vertex(const PhotonMappingScene& shared, const PassMaps& maps, uint32_t vertex, uint32_t i,
+                           PassImage& image) {
+    const Scene& scene = shared.scene;
+    EyePath& path = next_paths_[next_count_];
+    path = paths_[i];
+    const Ray& ray = rays_[i];
+    const Hit& hit = hits_[i];
+
+    const ShadingPoint surface = make_shading_point(scene, hit, ray.direction);
+    const Material& material = scene.materials[surface.material];
+    if (vertex == 0) store_first_hit(image, shared, path.pixel, surface.position, surface.shading.normal);
+    const bool camera_walk = path.scatterings == 0;
+    if (material.unlit) {
+        if (!camera_walk) return false;
+        const Rgb radiance = unlit_radiance(scene, {hit.instance, hit.triangle, hit.u, hit.v});
+        add_radiance(image, path, path.throughput * radiance);
+        if (!image.albedo.empty()) image.albedo[path.pixel] = radiance;
+        return false;
+    }
+    // Only specular parts are followed: their density is what the path's pdf_sa says, and light samples are weighed by.
+    if (material.emissive()) add_emission(image, shared, path, hit, surface.front_side, ray.direction);
+    if (path.scatterings >= shared.max_scatterings) return false;
+
+    const Bsdf bsdf = make_bsdf(scene, surface, path.media.outside_ior(scene, surface.material, !surface.front_side));
+    const vec3 wo = surface.shading.to_local(-ray.direction);
+    if (camera_walk && !image.albedo.empty() && bsdf.has_non_delta() && is_black(image.albedo[path.pixel]))
+        image.albedo[path.pixel] = bsdf.albedo();
+    const float threshold = shared.params.glossy_threshold;
+    const Bsdf specular = bsdf.specular_part(threshold), rough = bsdf.rough_part(threshold);
+
+    path.position = surface.position;
+    path.lit_normal = bsdf.has_non_delta_transmission() ? vec3(0) : surface.shading.normal;
+    if (bsdf.has_non_delta()) sample_light(shared, maps, surface, specular, rough, wo, path, i, image);
+    if (rough.scatters() && path.scatterings + 2 <= shared.max_scatterings)
+        gather_points_.push_back({surface, rough, wo, path.throughput, path.eta_scale, path.pixel, path.scatterings,
+                                  path.media, GatherSamplers::key(keys_[i], vertex)});
+
+    const BsdfSample next = specular.sample(wo, lobe_.x[i], {direction_.x[i], direction_.y[i]});
+    if (!next.valid()) return false;
+    path.throughput *= next.weight;
+    path.pdf_sa = next.pdf_sa;
+    path.delta = next.delta;
+    if (!(camera_walk && next.delta)) {
+        path.caustic = camera_walk || (path.caustic && next.delta);
+        ++path.scatterings;
+    }
+    if (next.refraction) {
+        path.eta_scale *= sqr(next.eta);
+        path.media.cross(surface.material, surface.front_side);
+    }
+    if (!is_finite(path.throughput)) {  // shown, not hidden: the film drops and counts it
+        add_radiance(image, path, path.throughput);
+        return false;
+    }
+    // What the throughput would be outside of all solids decides: inside, radiance is larger by the squared index.
+    const float hope = max_component(path.throughput) * path.eta_scale;
+    if (!(hope > 0)) return false;
+    if (vertex + 1 >= kRouletteStart) {
+        const float survival = std::min(hope, kMaxSurvival);
+        if (choice_.y[i] >= survival) return false;
+        path.throughput /= survival;
+    }
+    const vec3 wi = surface.shading.to_world(next.wi);
+    next_rays_[next_count_] = {ray_origin(surface, wi), wi, kInfinity};
+    return true;
+}
+
+/// Draws one light sample. The rough part's share of it stands alone; the specular part's competes with the direction
+/// that the path goes on to.
+void EyePass::sample_light(const PhotonMappingScene& shared, const PassMaps& maps, const ShadingPoint& surface,
+                           const Bsdf& specular, const Bsdf& rough, const vec3& wo, const EyePath& path, uint32_t i,
+                           PassImage& image) {
+    LightSample light;
+    if (!shared.lights.sample(path.position, path.lit_normal, choice_.x[i], {light_point_.x[i], light_point_.y[i]},
+                              light))
+        return;
+    const vec3 wi = surface.shading.to_local(light.wi);
+    const BsdfValue glossy = specular.evaluate(wo, wi);
+    const float weight = light.delta ? 1.0f : power_heuristic(light.pdf_sa, glossy.pdf_sa);
+    const Rgb f_cos = rough.f_cos(wo, wi) + weight * glossy.f_cos;
+    if (is_black(f_cos)) return;
+    const PendingLight pending{path.throughput * f_cos * light.radiance_over_pdf, path.pixel, path.scatterings > 0};
+    switch (light_seen(maps, surface, light, neighbours_)) {
+        case LightSeen::Whole:
+            (pending.indirect ? image.indirect : image.direct)[path.pixel] += pending.radiance;
+            break;
+        case LightSeen::Nothing: break;
+        case LightSeen::Unknown:
+            shadow_rays_[shadow_count_] = light.shadow_ray(ray_origin(surface, light.wi));
+            pending_[shadow_count_++] = pending;
+    }
+}
+
+void EyePass::trace_shadow_rays(const PhotonMappingScene& shared, uint32_t vertex, PassImage& image, Counts& counts) {
+    shared.intersector.occluded({shadow_rays_.data(), shadow_count_}, {occluded_.data(), shadow_count_},
+                                vertex == 0 ? Coherence::Coherent : Coherence::Incoherent);
+    counts.shadow_rays += shadow_count_;
+    for (size_t i = 0; i < shadow_count_; ++i) {
+        if (occluded_[i]) continue;
+        const PendingLight& light = pending_[i];
+        (light.indirect ? image.indirect : image.direct)[light.pixel] += light.radiance;
+    }
+}
+
+/// Light of the maps that the rough parts of this vertex scatter.
+void EyePass::look_up_maps(const PhotonMappingScene& shared, const PassMaps& maps, PassImage& image) {
+    for (const GatherPoint& point : gather_points_) {
+        const uint32_t most = shared.photon_scatterings(point.scatterings + 1);
+        const RadianceEstimate caustic =
+            estimate_caustic(shared, maps, point.surface, point.rough, point.wo, most, neighbours_);
+        RadianceEstimate global;
+        if (!shared.final_gather())
+            global = estimate_global(shared, maps, point.surface, point.rough, point.wo, most, neighbours_);
+        image.indirect[point.pixel] += point.throughput * (caustic.radiance + global.radiance);
+        if (!image.caustic.empty() && point.scatterings == 0)
+            image.caustic[point.pixel] += point.throughput * caustic.delta_radiance;
+        if (!image.photon_count.empty())
+            image.photon_count[point.pixel] += static_cast<float>(caustic.photons + global.photons);
+    }
+}
+
+}  // namespace photond

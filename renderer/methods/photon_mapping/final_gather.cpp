@@ -1,0 +1,241 @@
+#include "renderer/methods/photon_mapping/final_gather.h"
+
+#include <algorithm>
+
+#include "renderer/methods/eye_contributions.h"
+#include "renderer/transport/hit_prefetch.h"
+
+namespace photond {
+
+namespace {
+
+/// Ten bits with two zeros before each.
+uint64_t spread_bits(uint32_t x) {
+    x = (x | x << 16) & 0x030000ffu;
+    x = (x | x << 8) & 0x0300f00fu;
+    x = (x | x << 4) & 0x030c30c3u;
+    return (x | x << 2) & 0x09249249u;
+}
+
+/// Place of a point on the Morton curve through the scene's bounds.
+uint64_t morton_code(const Bounds3& bounds, const vec3& p) {
+    const vec3 size = glm::max(bounds.diagonal(), vec3(1e-30f));
+    const vec3 cell = glm::clamp((p - bounds.min) / size * 1024.0f, vec3(0), vec3(1023));
+    return spread_bits(uint32_t(cell.x)) | spread_bits(uint32_t(cell.y)) << 1 | spread_bits(uint32_t(cell.z)) << 2;
+}
+
+}  // namespace
+
+GatherSamplers::GatherSamplers(SamplerKind kind, uint64_t seed, uint32_t pass, uint32_t rays) {
+    samplers_.reserve(rays);
+    for (uint32_t i = 0; i < rays; ++i) samplers_.emplace_back(kind, seed, RandomDomain::Camera, pass * rays + i);
+}
+
+uint64_t GatherSamplers::bytes_for(uint32_t rays) {
+    return rays * (sizeof(PassSampler) + PassSampler::kPreparedSets * 16ull);
+}
+
+FinalGather::FinalGather()
+    : rays_(kRays),
+      next_rays_(kRays),
+      paths_(kRays),
+      next_paths_(kRays),
+      hits_(kRays),
+      shadow_rays_(kRays),
+      pending_(kRays),
+      occluded_(kRays),
+      keys_(kRays),
+      direction_x_(kRays),
+      direction_y_(kRays),
+      lobe_x_(kRays),
+      lobe_y_(kRays) {
+    order_.reserve(kRays);
+    indices_.reserve(kRays);
+    ray_counts_.reserve(kRays);
+}
+
+uint64_t FinalGather::bytes_per_thread() {
+    return kRays * (3 * sizeof(Ray) + 2 * sizeof(GatherPath) + sizeof(Hit) + sizeof(uint64_t) + 3 * sizeof(uint32_t) +
+                    sizeof(PendingLight) + sizeof(uint8_t) + 5 * sizeof(float));
+}
+
+/// As many as the pass has for light that reaches the eye unweakened; fewer, in proportion, behind dim reflections.
+uint32_t FinalGather::rays_of(const GatherPoint& point, const GatherSamplers& samplers) {
+    const auto all = static_cast<float>(samplers.size());
+    const float share = max_component(point.throughput) * point.eta_scale;
+    return static_cast<uint32_t>(std::clamp(std::ceil(all * share), 1.0f, all));
+}
+
+void FinalGather::gather(const PhotonMappingScene& shared, const PassMaps& maps, const GatherSamplers& samplers,
+                         std::span<const GatherPoint> points, PassImage& image, Counts& counts) {
+    while (!points.empty()) {
+        uint32_t batch = 0, rays = 0;
+        ray_counts_.clear();
+        for (; batch < points.size(); ++batch) {
+            const uint32_t more = rays_of(points[batch], samplers);
+            if (rays + more > kRays) break;
+            ray_counts_.push_back(more);
+            rays += more;
+        }
+        gather_batch(shared, maps, samplers, points.first(batch), image, counts);
+        points = points.subspan(batch);
+    }
+}
+
+void FinalGather::gather_batch(const PhotonMappingScene& shared, const PassMaps& maps, const GatherSamplers& samplers,
+                               std::span<const GatherPoint> points, PassImage& image, Counts& counts) {
+    start_rays(shared, maps, samplers, points);
+    for (uint32_t vertex = 1; count_ > 0; ++vertex) {
+        shared.intersector.closest_hits({rays_.data(), count_}, {hits_.data(), count_}, Coherence::Incoherent);
+        counts.bounce_rays += count_;
+        sort_hits(shared);
+        next_count_ = 0;
+        shadow_count_ = 0;
+        for (size_t k = 0; k < indices_.size(); ++k) {
+            prefetch_ahead(shared.scene, hits_, indices_, k);
+            shade(shared, maps, samplers, points[paths_[indices_[k]].point], vertex, indices_[k], image);
+        }
+        next_rays_.swap(rays_);
+        next_paths_.swap(paths_);
+        count_ = next_count_;
+        trace_shadow_rays(shared, image, counts);
+    }
+}
+
+void FinalGather::start_rays(const PhotonMappingScene& shared, const PassMaps& maps, const GatherSamplers& samplers,
+                             std::span<const GatherPoint> points) {
+    const bool by_photons = shared.params.gather_sampling == GatherSampling::Photons;
+    distributions_.clear();
+    if (by_photons)
+        for (const GatherPoint& point : points)
+            distributions_.emplace_back(maps.global, point.surface, shared.photon_scatterings(point.scatterings + 1),
+                                        neighbours_);
+    count_ = 0;
+    const uint32_t most_rays = *std::max_element(ray_counts_.begin(), ray_counts_.end());
+    for (uint32_t ray = 0; ray < most_rays; ++ray) {
+        // The points that have so many rays, and their numbers.
+        indices_.clear();
+        for (uint32_t p = 0; p < points.size(); ++p) {
+            if (ray >= ray_counts_[p]) continue;
+            keys_[indices_.size()] = points[p].key;
+            indices_.push_back(p);
+        }
+        const size_t n = indices_.size();
+        samplers[ray].sample_2d({keys_.data(), n}, sample_set(0, VertexSet::Direction), {direction_x_.data(), n},
+                                {direction_y_.data(), n});
+        samplers[ray].sample_2d({keys_.data(), n}, sample_set(0, VertexSet::Lobe), {lobe_x_.data(), n},
+                                {lobe_y_.data(), n});
+        for (size_t k = 0; k < n; ++k) {
+            const uint32_t p = indices_[k];
+            const GatherPoint& point = points[p];
+            const vec2 u(direction_x_[k], direction_y_[k]);
+            BsdfSample next;
+            if (by_photons && !point.rough.has_non_delta_transmission()) {
+                const GatherDistribution::Sample drawn = distributions_[p].sample(point.rough, point.wo, lobe_x_[k], u);
+                next.wi = drawn.wi;
+                next.weight = drawn.weight;
+                next.pdf_sa = drawn.pdf_sa;
+            } else {
+                next = point.rough.sample(point.wo, lobe_x_[k], u);
+            }
+            if (!next.valid() || is_black(next.weight)) continue;
+            GatherPath& path = paths_[count_];
+            path.throughput = next.weight;
+            path.point = p;
+            path.ray = ray;
+            path.scatterings = point.scatterings + 1;
+            path.media = point.media;
+            if (next.refraction) path.media.cross(point.surface.material, point.surface.front_side);
+            const vec3 wi = point.surface.shading.to_world(next.wi);
+            rays_[count_++] = {ray_origin(point.surface, wi), wi, kInfinity};
+        }
+    }
+}
+
+/// Hits in the order of a curve that fills space: those that look at the same photons and triangles follow each other.
+void FinalGather::sort_hits(const PhotonMappingScene& shared) {
+    order_.clear();
+    indices_.clear();
+    for (uint32_t i = 0; i < count_; ++i) {
+        const Hit& hit = hits_[i];
+        if (!hit.valid()) continue;
+        prefetch_index(shared.scene, hit);
+        const vec3 position = rays_[i].origin + hit.t * rays_[i].direction;
+        order_.push_back(morton_code(shared.scene.bounds, position) << 32 | i);
+    }
+    std::sort(order_.begin(), order_.end());
+    for (const uint64_t entry : order_) indices_.push_back(static_cast<uint32_t>(entry));
+}
+
+void FinalGather::shade(const PhotonMappingScene& shared, const PassMaps& maps, const GatherSamplers& samplers,
+                        const GatherPoint& origin, uint32_t vertex, uint32_t i, PassImage& image) {
+    const Scene& scene = shared.scene;
+    GatherPath path = paths_[i];
+    const Hit& hit = hits_[i];
+    const Ray& ray = rays_[i];
+    if (path.scatterings >= shared.max_scatterings) return;
+    const ShadingPoint surface = make_shading_point(scene, hit, ray.direction);
+    if (scene.materials[surface.material].unlit) return;
+    path.throughput *= shared.absorption.transmittance(path.media, hit.t);
+
+    const Bsdf bsdf = make_bsdf(scene, surface, path.media.outside_ior(scene, surface.material, !surface.front_side));
+    const Bsdf rough = bsdf.is_lambert() ? bsdf : bsdf.rough_part(shared.params.glossy_threshold);
+    const vec3 wo = surface.shading.to_local(-ray.direction);
+    const PassSampler& sampler = samplers[path.ray];
+    const Rgb to_pixel = origin.throughput * path.throughput * (1 / static_cast<float>(ray_counts_[path.point]));
+
+    if (rough.scatters()) {
+        const vec2 choice = sampler.sample_2d(origin.key, sample_set(vertex, VertexSet::LightChoiceAndRoulette));
+        const vec3 lit_normal = rough.has_non_delta_transmission() ? vec3(0) : surface.shading.normal;
+        LightSample light;
+        if (shared.lights.sample(surface.position, lit_normal, choice.x,
+                                 sampler.sample_2d(origin.key, sample_set(vertex, VertexSet::LightPoint)), light)) {
+            const Rgb radiance =
+                to_pixel * rough.f_cos(wo, surface.shading.to_local(light.wi)) * light.radiance_over_pdf;
+            if (!is_black(radiance)) {
+                switch (light_seen(maps, surface, light, neighbours_)) {
+                    case LightSeen::Whole: image.indirect[origin.pixel] += radiance; break;
+                    case LightSeen::Nothing: break;
+                    case LightSeen::Unknown:
+                        shadow_rays_[shadow_count_] = light.shadow_ray(ray_origin(surface, light.wi));
+                        pending_[shadow_count_++] = {radiance, origin.pixel, true};
+                }
+            }
+        }
+        const uint32_t most = shared.photon_scatterings(path.scatterings + 1);
+        const RadianceEstimate caustic = estimate_caustic(shared, maps, surface, rough, wo, most, neighbours_),
+                               global = estimate_global_at_end(shared, maps, surface, rough, wo, most, neighbours_);
+        image.indirect[origin.pixel] += to_pixel * (caustic.radiance + global.radiance);
+        if (!image.photon_count.empty())
+            image.photon_count[origin.pixel] += static_cast<float>(caustic.photons + global.photons);
+    }
+    if (bsdf.is_lambert()) return;
+
+    const Bsdf specular = bsdf.specular_part(shared.params.glossy_threshold);
+    if (!specular.scatters()) return;
+    const vec2 lobe = sampler.sample_2d(origin.key, sample_set(vertex, VertexSet::Lobe));
+    const BsdfSample next =
+        specular.sample(wo, lobe.x, sampler.sample_2d(origin.key, sample_set(vertex, VertexSet::Direction)));
+    if (!next.valid()) return;
+    // Many rays are averaged: each may be played for from the start.
+    if (next.refraction) path.eta_scale *= sqr(next.eta);
+    path.throughput *= next.weight;
+    const float survival = std::min(max_component(path.throughput) * path.eta_scale, kMaxSurvival);
+    if (!(lobe.y < survival)) return;
+    path.throughput /= survival;
+    ++path.scatterings;
+    if (next.refraction) path.media.cross(surface.material, surface.front_side);
+    const vec3 wi = surface.shading.to_world(next.wi);
+    next_rays_[next_count_] = {ray_origin(surface, wi), wi, kInfinity};
+    next_paths_[next_count_++] = path;
+}
+
+void FinalGather::trace_shadow_rays(const PhotonMappingScene& shared, PassImage& image, Counts& counts) {
+    shared.intersector.occluded({shadow_rays_.data(), shadow_count_}, {occluded_.data(), shadow_count_},
+                                Coherence::Incoherent);
+    counts.shadow_rays += shadow_count_;
+    for (size_t i = 0; i < shadow_count_; ++i)
+        if (!occluded_[i]) image.indirect[pending_[i].pixel] += pending_[i].radiance;
+}
+
+}  // namespace photond

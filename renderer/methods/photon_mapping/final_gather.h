@@ -1,0 +1,100 @@
+#pragma once
+// Final gathering: rays from a point the eye sees, and the light that leaves the surfaces where they end.
+//
+// A ray carries what f_d scatters of L_d, light that was scattered by a rough part before. At its end that is all light
+// f_d scatters there: of the lights (one sample), of the caustic map, of the global map. Specular parts met on the way
+// are followed; light that comes through them alone, and lights met directly, belong to the caustic map and to light
+// sampling where the ray began, and are not added.
+
+#include <span>
+#include <vector>
+
+#include "renderer/core/stats.h"
+#include "renderer/methods/eye_path.h"
+#include "renderer/methods/photon_mapping/photon_lookup.h"
+#include "renderer/photons/gather_distribution.h"
+
+namespace photond {
+
+/// A vertex of a path from the eye, whose rough part gathers light.
+struct GatherPoint {
+    ShadingPoint surface;
+    Bsdf rough;       // f_d
+    vec3 wo;          // local
+    Rgb throughput;   // of the path up to here
+    float eta_scale;  // as in EyePath, and so are the next
+    uint32_t pixel;
+    uint32_t scatterings;  // before this vertex
+    MediumStack media;
+    uint32_t key;  // names its numbers
+};
+
+/// The numbers of one pass's gather rays. Ray i of N is element pass * N + i of every point's sequence: the rays of a
+/// pass are stratified, and so are those of all passes together.
+class GatherSamplers {
+public:
+    GatherSamplers(SamplerKind kind, uint64_t seed, uint32_t pass, uint32_t rays);
+
+    const PassSampler& operator[](size_t ray) const { return samplers_[ray]; }
+    size_t size() const { return samplers_.size(); }
+    /// Name of the numbers of the point that the eye path with that key reached at that vertex.
+    static uint32_t key(uint32_t path_key, uint32_t vertex) { return hash32(path_key ^ (0x9e3779b9u * (vertex + 1))); }
+    static uint64_t bytes_for(uint32_t rays);
+
+private:
+    std::vector<PassSampler> samplers_;
+};
+
+/// Scratch of one thread; reused from tile to tile.
+class FinalGather {
+public:
+    static constexpr uint32_t kRays = 4096;  // of a batch
+    static uint64_t bytes_per_thread();
+
+    FinalGather();
+
+    /// Adds to the indirect layer what the points gather.
+    void gather(const PhotonMappingScene& shared, const PassMaps& maps, const GatherSamplers& samplers,
+                std::span<const GatherPoint> points, PassImage& image, Counts& counts);
+
+private:
+    /// A gather ray between two of its vertices.
+    struct GatherPath {
+        Rgb throughput;       // since the point
+        float eta_scale = 1;  // since the point, as in EyePath
+        uint32_t point;       // index in the batch
+        uint32_t ray;         // index among the point's, that of its sampler
+        uint32_t scatterings;
+        MediumStack media;
+    };
+
+    static uint32_t rays_of(const GatherPoint& point, const GatherSamplers& samplers);
+    void gather_batch(const PhotonMappingScene& shared, const PassMaps& maps, const GatherSamplers& samplers,
+                      std::span<const GatherPoint> points, PassImage& image, Counts& counts);
+    void start_rays(const PhotonMappingScene& shared, const PassMaps& maps, const GatherSamplers& samplers,
+                    std::span<const GatherPoint> points);
+    void sort_hits(const PhotonMappingScene& shared);
+    void shade(const PhotonMappingScene& shared, const PassMaps& maps, const GatherSamplers& samplers,
+               const GatherPoint& origin, uint32_t vertex, uint32_t i, PassImage& image);
+    void trace_shadow_rays(const PhotonMappingScene& shared, PassImage& image, Counts& counts);
+
+    // All of these hold kRays; how many count is said here.
+    size_t count_ = 0;  // of the rays under way
+    size_t next_count_ = 0;
+    size_t shadow_count_ = 0;
+    std::vector<Ray> rays_, next_rays_;
+    std::vector<GatherPath> paths_, next_paths_;
+    std::vector<Hit> hits_;
+    std::vector<uint64_t> order_;  // place on the Morton curve, then index
+    std::vector<uint32_t> indices_;
+    std::vector<Ray> shadow_rays_;
+    std::vector<PendingLight> pending_;
+    std::vector<uint8_t> occluded_;
+    std::vector<uint32_t> ray_counts_;  // by point of the batch
+    std::vector<uint32_t> keys_;
+    std::vector<float> direction_x_, direction_y_, lobe_x_, lobe_y_;
+    std::vector<GatherDistribution> distributions_;  // by point, if asked for
+    Neighbours neighbours_;
+};
+
+}  // namespace photond

@@ -1,0 +1,92 @@
+#pragma once
+// The maps of a pass, and what all its tiles share.
+
+#include <optional>
+
+#include "renderer/methods/eye_scene.h"
+#include "renderer/methods/photon_mapping/photon_mapping.h"
+#include "renderer/photons/precomputed_irradiance.h"
+#include "renderer/photons/shadow_photons.h"
+#include "renderer/photons/surface_boundary.h"
+
+namespace photond {
+
+/// Made anew by each pass. Maps that are not needed stay empty.
+struct PassMaps {
+    PhotonMap global;
+    PhotonMap caustic;
+    std::optional<PrecomputedIrradiance> irradiance;  // of the global map
+    std::optional<ShadowPhotons> shadow;
+};
+
+struct PhotonMappingScene : EyeScene {
+    PhotonMappingScene(const RenderContext& context, const PhotonMappingParams& parameters)
+        : EyeScene(context, parameters.sampler, parameters.max_scatterings()),
+          params(parameters),
+          search_radius_m(parameters.search_radius_m(context.scene.bounds.radius())),
+          estimate{.kernel = Kernel(parameters.kernel, parameters.cone_k),
+                   .disc_thickness_m = parameters.disc_thickness_m,
+                   .soft_disc = parameters.soft_disc} {
+        if (parameters.boundary == DiscBoundary::Clip) estimate.boundary = &boundary.emplace(scene, search_radius_m);
+    }
+
+    bool final_gather() const { return params.gather == Gather::Final; }
+    /// Scatterings left to a photon that is looked up after so many of the eye's path, the lookup's own included.
+    uint32_t photon_scatterings(uint32_t scatterings) const {
+        return max_scatterings == UINT32_MAX ? UINT32_MAX : max_scatterings - std::min(max_scatterings, scatterings);
+    }
+
+    const PhotonMappingParams params;
+    const float search_radius_m;
+    std::optional<SurfaceBoundary> boundary;
+    EstimateSettings estimate;
+};
+
+/// Light of the caustic map that is scattered by `rough` (f_d). None when `most_scatterings` is 0.
+inline RadianceEstimate estimate_caustic(const PhotonMappingScene& shared, const PassMaps& maps,
+                                         const ShadingPoint& surface, const Bsdf& rough, const vec3& wo,
+                                         uint32_t most_scatterings, Neighbours& scratch) {
+    if (maps.caustic.empty() || most_scatterings == 0) return {};
+    return estimate_radiance(maps.caustic, shared.estimate, surface, rough, wo, most_scatterings, scratch);
+}
+
+/// The same of the global map.
+inline RadianceEstimate estimate_global(const PhotonMappingScene& shared, const PassMaps& maps,
+                                        const ShadingPoint& surface, const Bsdf& rough, const vec3& wo,
+                                        uint32_t most_scatterings, Neighbours& scratch) {
+    if (maps.global.empty() || most_scatterings == 0) return {};
+    return estimate_radiance(maps.global, shared.estimate, surface, rough, wo, most_scatterings, scratch);
+}
+
+/// The same at the end of a gather ray: from the precomputed irradiance where that fits.
+inline RadianceEstimate estimate_global_at_end(const PhotonMappingScene& shared, const PassMaps& maps,
+                                               const ShadingPoint& surface, const Bsdf& rough, const vec3& wo,
+                                               uint32_t most_scatterings, Neighbours& scratch) {
+    // Irradiance was summed for one number of scatterings; a gather ray that followed specular surfaces has fewer left.
+    if (!maps.irradiance || maps.irradiance->most_scatterings() != most_scatterings ||
+        rough.has_non_delta_transmission())
+        return estimate_global(shared, maps, surface, rough, wo, most_scatterings, scratch);
+    RadianceEstimate estimate;
+    Rgb irradiance;
+    if (maps.irradiance->find(surface.position, surface.geometric_normal, irradiance)) {
+        estimate.radiance = rough.albedo() * kInvPi * irradiance;
+        estimate.photons = 1;
+    }
+    return estimate;
+}
+
+/// What the shadow photons say of the light drawn: Unknown without any.
+inline LightSeen light_seen(const PassMaps& maps, const ShadingPoint& surface, const LightSample& light,
+                            Neighbours& scratch) {
+    if (!maps.shadow) return LightSeen::Unknown;
+    return maps.shadow->seen(surface.position, surface.geometric_normal, light.source, scratch);
+}
+
+/// A light sample that waits for its shadow ray.
+struct PendingLight {
+    Rgb radiance;
+    uint32_t pixel;
+    bool indirect;
+};
+
+}  // namespace photond

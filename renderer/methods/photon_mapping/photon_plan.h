@@ -1,0 +1,30 @@
+#pragma once
+// Which photons a scene and the parameters ask for; what is not needed is not traced and not built.
+
+#include <string>
+
+#include "renderer/methods/photon_mapping/photon_mapping.h"
+
+namespace photond {
+
+/// Whether any surface has a lobe that is specular at the threshold. Textures can only lower a roughness: where there
+/// is one, any is taken for possible.
+bool has_specular_surface(const Scene& scene, float glossy_threshold);
+
+struct PhotonPlan {
+    /// One of the maps: the greatest number of scatterings of its photons, 0: no such map, and why.
+    struct Map {
+        uint32_t most_scatterings = 0;
+        std::string why_not;
+        bool wanted() const { return most_scatterings > 0; }
+    };
+
+    PhotonPlan(const PhotonMappingParams& params, bool lights, bool specular_surfaces);
+
+    Map global, caustic;
+    /// Of the irradiance that is precomputed for the ends of gather rays; 0: none.
+    uint32_t irradiance_scatterings = 0;
+    bool shadow = false;
+};
+
+}  // namespace photond
