@@ -93,6 +93,17 @@ Bsdf Bsdf::specular_part(float glossy_threshold) const { return part(true, gloss
 
 Bsdf Bsdf::rough_part(float glossy_threshold) const { return part(false, glossy_threshold); }
 
+bool Bsdf::is_diffuse() const {
+    if (kind_ != Kind::Layered) return kind_ == Kind::Lambert;
+    return layers_.specular_f90 <= 0 && is_black(layers_.specular_f0) && is_black(layers_.sheet) && layers_.glass <= 0;
+}
+
+Bsdf Bsdf::with_geometric_normal(const vec3& geometric_normal) const {
+    Bsdf turned = *this;
+    turned.geometric_normal_ = geometric_normal;
+    return turned;
+}
+
 Rgb Bsdf::coat_albedo(float cos_theta) const {
     if (layers_.coat_f90 <= 0 && is_black(layers_.coat_f0)) return Rgb(0);
     const vec2 ab = AlbedoTable::get().directional(cos_theta, layers_.table_row);

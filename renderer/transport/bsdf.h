@@ -125,6 +125,13 @@ public:
     /// Whether light from the far side is scattered to the eye's by a lobe that is no delta.
     bool has_non_delta_transmission() const { return has_non_delta_transmission_; }
 
+    /// Whether the diffuse lobe is all there is.
+    bool is_diffuse() const;
+    /// Index on the far side of a solid's interface over that on wo's side; 0 where nothing is refracted.
+    float refraction_eta() const { return kind_ == Kind::Layered && layers_.glass > 0 ? layers_.eta : 0.0f; }
+    /// The same lobes about another shading normal: in its frame the geometric normal is this.
+    Bsdf with_geometric_normal(const vec3& geometric_normal) const;
+
     /// Share of uniform illumination of the eye's side that is scattered, transmission included; for the albedo layer.
     Rgb albedo() const;
 

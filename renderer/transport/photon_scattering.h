@@ -1,12 +1,16 @@
 #pragma once
 // Scattering of light paths. A path from the light must carry what a path from the eye would have found along the same
-// vertices, also where shading normals differ from geometric ones (interpolated normals, normal maps) and where light is
-// refracted.
+// vertices, also where shading normals differ from geometric ones (interpolated normals, normal maps) and where light
+// is refracted.
 //
 // With f the BSDF as the eye's paths use it (looked at from the direction the photon leaves to), power changes by
 //   f(w_out, w_in) |cos_s(w_in)| |cos_g(w_out)| / (|cos_g(w_in)| p(w_out))
 // [Veach 1997, sec. 5.3], cos_s against the shading and cos_g against the geometric normal. Where both normals are the
 // same this is the BSDF sample's own weight, in TransportMode::Importance.
+//
+// The eye's shading frame depends on where it looks from: an eye below the shading plane (but above the surface) uses
+// the geometric normal (surface.h). What goes there is found by drawing some of the directions about the geometric
+// normal, and joining both ways to draw by their balance heuristic.
 //
 // [Veach 1997] Robust Monte Carlo Methods for Light Transport Simulation. PhD thesis, Stanford.
 
@@ -16,8 +20,8 @@
 namespace photond {
 
 struct PhotonScattering {
-    vec3 direction{0};   // world, unit: where the photon goes on to
-    Rgb weight{0};       // power changes by this factor, over the probability of the direction
+    vec3 direction{0};  // world, unit: where the photon goes on to
+    Rgb weight{0};      // power changes by this factor, over the probability of the direction
     bool delta = false;
     bool refraction = false;  // the medium changes: MediumStack::cross()
 
@@ -25,11 +29,16 @@ struct PhotonScattering {
 };
 
 /// Scatters light that arrived at `point` (made for the photon's ray) from `wi_world` (unit, away from the surface) by
-/// the lobes in `bsdf`, which is part of (or all of) the BSDF at that point as looked at from wi_world.
-/// `part(Bsdf)` takes the same part of a BSDF made for another direction (identity, Bsdf::specular_part ...): where the
-/// normals differ, the BSDF is made again from where the photon goes.
+/// the lobes in `bsdf`, which is part of (or all of) the BSDF at that point as looked at from wi_world. The numbers are
+/// uniform in [0, 1).
+PhotonScattering scatter_photon(const Scene& scene, const ShadingPoint& point, const Bsdf& bsdf, const vec3& wi_world,
+                                float u_lobe, const vec2& u);
+
+/// The same, as first agreed; `part` and `outside_ior` are not needed, as all lobes are reciprocal.
 template <class Part>
-PhotonScattering scatter_photon(const Scene& scene, const ShadingPoint& point, const Bsdf& bsdf, const Part& part,
-                                float outside_ior, const vec3& wi_world, float u_lobe, const vec2& u);
+PhotonScattering scatter_photon(const Scene& scene, const ShadingPoint& point, const Bsdf& bsdf, const Part& /*part*/,
+                                float /*outside_ior*/, const vec3& wi_world, float u_lobe, const vec2& u) {
+    return scatter_photon(scene, point, bsdf, wi_world, u_lobe, u);
+}
 
 }  // namespace photond

@@ -1,0 +1,133 @@
+#include "renderer/transport/photon_scattering.h"
+
+#include <algorithm>
+
+#include "renderer/transport/fresnel.h"
+#include "renderer/transport/sampling.h"
+
+namespace photond {
+
+namespace {
+
+/// Share of the directions that are drawn about the geometric normal, of lobes that are no delta. Power grows by its
+/// inverse at most where the shading frame's draws do not reach.
+constexpr float kGeometricShare = 0.125f;
+/// The same where light that the surface reflects or refracts like a mirror leaves below the shading plane.
+constexpr float kGeometricShareBelow = 0.5f;
+
+/// Shading frames are the geometric one from wherever the surface is seen.
+bool is_flat(const Scene& scene, const ShadingPoint& point) {
+    return !scene.materials[point.material].normal_texture.used() &&
+           scene.meshes[scene.instances[point.instance].mesh].normals.empty();
+}
+
+/// The shading normal that an eye at the end of `direction` sees, turned to the photon's side. Exactly the photon's own
+/// where it is the same: turning changes signs alone.
+vec3 normal_of_eye(const Scene& scene, const ShadingPoint& point, const vec3& direction) {
+    const Hit hit{.t = 0, .instance = point.instance, .triangle = point.triangle, .u = point.u, .v = point.v};
+    const ShadingPoint seen = make_shading_point(scene, hit, -direction);
+    return seen.front_side == point.front_side ? seen.shading.normal : -seen.shading.normal;
+}
+
+/// |cos_s(wi)| |cos_g(out)| / (|cos_g(wi)| |cos_s(out)|): between f |cos_s(out)|, which BSDF samples are made of, and
+/// the change of power. 0 where light arrives from below the shading plane.
+float correction(const ShadingPoint& point, const vec3& shading_normal, const vec3& wi, const vec3& out) {
+    const float cos_wi = glm::dot(shading_normal, wi);
+    const float cos_out = std::fabs(glm::dot(shading_normal, out));
+    const float geometric_wi = glm::dot(point.geometric_normal, wi);
+    if (cos_wi <= 0 || cos_out <= 0 || geometric_wi <= 0) return 0;
+    return cos_wi * std::fabs(glm::dot(point.geometric_normal, out)) / (geometric_wi * cos_out);
+}
+
+/// The lobes about one shading normal.
+struct FramedBsdf {
+    FramedBsdf(const ShadingPoint& point, const Bsdf& bsdf, const Frame& shading)
+        : frame(shading), lobes(bsdf.with_geometric_normal(shading.to_local(point.geometric_normal))) {}
+
+    BsdfValue evaluate(const vec3& wi, const vec3& out) const {
+        return lobes.evaluate(frame.to_local(wi), frame.to_local(out), TransportMode::Importance);
+    }
+
+    Frame frame;
+    Bsdf lobes;
+};
+
+/// Whether a mirror or a smooth interface about the geometric normal sends the light to where an eye would use that
+/// normal, too.
+bool leaves_below(const ShadingPoint& point, const Bsdf& bsdf, const vec3& wi) {
+    const vec3 &ng = point.geometric_normal, &ns = point.shading.normal;
+    if (glm::dot(ns, reflect_direction(wi, ng)) <= 0) return true;
+    const float eta = bsdf.refraction_eta(), cos_wi = glm::dot(ng, wi);
+    if (eta <= 0) return false;
+    const DielectricFresnel fresnel = fresnel_dielectric(cos_wi, eta);
+    return fresnel.cos_t > 0 && glm::dot(ns, refract_direction(wi, ng, cos_wi, fresnel.cos_t, eta)) >= 0;
+}
+
+/// The diffuse lobe alone: drawn about the geometric normal, which reaches all directions with light and spares the
+/// quotient of the cosines of the direction drawn.
+PhotonScattering scatter_diffuse(const Scene& scene, const ShadingPoint& point, const Bsdf& bsdf, const vec3& wi,
+                                 const vec2& u) {
+    PhotonScattering scattering;
+    const vec3 local = sample_cosine_hemisphere(u);
+    scattering.direction = Frame(point.geometric_normal).to_world(local);
+    const Frame frame(normal_of_eye(scene, point, scattering.direction));
+    // Again by the direction itself: a cosine of 0 has no density.
+    const float cos_out = glm::dot(point.geometric_normal, scattering.direction);
+    if (local.z <= 0 || cos_out <= 0) return scattering;
+    const Rgb f_cos = FramedBsdf(point, bsdf, frame).evaluate(wi, scattering.direction).f_cos;
+    scattering.weight = f_cos * (correction(point, frame.normal, wi, scattering.direction) * kPi / cos_out);
+    return scattering;
+}
+
+PhotonScattering scatter_curved(const Scene& scene, const ShadingPoint& point, const Bsdf& bsdf, const vec3& wi,
+                                float u_lobe, const vec2& u) {
+    const bool one_frame = point.shading.normal == point.geometric_normal;
+    float geometric_share = 0;
+    if (!one_frame)
+        geometric_share = leaves_below(point, bsdf, wi) ? kGeometricShareBelow
+                          : bsdf.has_non_delta()        ? kGeometricShare
+                                                        : 0.0f;
+    const FramedBsdf shading{point, bsdf, point.shading};
+    const FramedBsdf geometric{point, bsdf, Frame(point.geometric_normal)};
+
+    const bool by_geometric = u_lobe < geometric_share;
+    const float share = by_geometric ? geometric_share : 1.0f - geometric_share;
+    u_lobe = std::min((by_geometric ? u_lobe : u_lobe - geometric_share) / share, 0x1.fffffep-1f);
+    const FramedBsdf &drawn = by_geometric ? geometric : shading, &other = by_geometric ? shading : geometric;
+    const BsdfSample sample = drawn.lobes.sample(drawn.frame.to_local(wi), u_lobe, u, TransportMode::Importance);
+    if (!sample.valid()) return {};
+
+    PhotonScattering scattering{
+        .direction = drawn.frame.to_world(sample.wi), .delta = sample.delta, .refraction = sample.refraction};
+    const vec3 eye_normal = normal_of_eye(scene, point, scattering.direction);
+    const float change = correction(point, eye_normal, wi, scattering.direction);
+    if (change <= 0) return {};
+    if (sample.delta) {
+        // About another normal the lobe does not go this way.
+        if (eye_normal != drawn.frame.normal) return {};
+        scattering.weight = sample.weight * (change / share);
+        return scattering;
+    }
+    const BsdfValue of_other = geometric_share > 0 ? other.evaluate(wi, scattering.direction) : BsdfValue{};
+    Rgb f_cos = of_other.f_cos;
+    if (eye_normal == drawn.frame.normal)
+        f_cos = sample.weight * sample.pdf_sa;
+    else if (geometric_share <= 0 || eye_normal != other.frame.normal)
+        f_cos = FramedBsdf(point, bsdf, Frame(eye_normal)).evaluate(wi, scattering.direction).f_cos;
+    scattering.weight = f_cos * (change / (share * sample.pdf_sa + (1.0f - share) * of_other.pdf_sa));
+    return scattering;
+}
+
+}  // namespace
+
+PhotonScattering scatter_photon(const Scene& scene, const ShadingPoint& point, const Bsdf& bsdf, const vec3& wi_world,
+                                float u_lobe, const vec2& u) {
+    if (!is_flat(scene, point))
+        return bsdf.is_diffuse() ? scatter_diffuse(scene, point, bsdf, wi_world, u)
+                                 : scatter_curved(scene, point, bsdf, wi_world, u_lobe, u);
+    const BsdfSample sample = bsdf.sample(point.shading.to_local(wi_world), u_lobe, u, TransportMode::Importance);
+    if (!sample.valid()) return {};
+    return {point.shading.to_world(sample.wi), sample.weight, sample.delta, sample.refraction};
+}
+
+}  // namespace photond
