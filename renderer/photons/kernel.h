@@ -11,7 +11,7 @@ enum class KernelShape : uint8_t { Constant, Cone, Gaussian, Epanechnikov };
 ///   constant      1 / pi
 ///   cone          (1 - q / k) / ((1 - 2 / (3 k)) pi), q = u / r, k >= 1     [Jensen 1996], cache-based-gi slides
 ///   gaussian      [Jensen 2001, Eq. 7.8]'s w(q) = 1 - (1 - exp(-beta q^2 / 2)) / (1 - exp(-beta)), beta = 1.953,
-///                 divided by its own integral over the disc (Jensen's factor 0.918 does that only nearly)
+///                 divided by its own integral over the disc, 0.579 pi (Jensen's factor 0.918 leaves 0.53 of the light)
 ///   epanechnikov  2 (1 - q^2) / pi
 ///
 /// [Jensen 2001] Realistic Image Synthesis Using Photon Mapping. A K Peters.

@@ -8,7 +8,7 @@
 namespace photond {
 
 /// A unit vector in 2 x `kBits` bits: the octahedral map. [Cigolle et al. 2014] A Survey of Efficient Representations
-/// for Independent Unit Vectors. JCGT 3(2). Error with 16 bits below 7e-5 rad, with 11 bits below 2e-3 rad.
+/// for Independent Unit Vectors. JCGT 3(2). Error with 16 bits below 7e-5 rad, with 11 bits below 2.1e-3 rad.
 template <uint32_t kBits>
 struct Octahedral {
     static constexpr uint32_t kMask = (1u << kBits) - 1;
@@ -36,15 +36,13 @@ private:
     static uint32_t code(float x) {
         return static_cast<uint32_t>(std::lround((x * 0.5f + 0.5f) * static_cast<float>(kMask - 1)));
     }
-    static float coordinate(uint32_t code) {
-        return 2 * static_cast<float>(code) / static_cast<float>(kMask - 1) - 1;
-    }
+    static float coordinate(uint32_t code) { return 2 * static_cast<float>(code) / static_cast<float>(kMask - 1) - 1; }
 };
 
 /// What is stored of a photon besides its place.
 struct PhotonPayload {
-    Rgb power_w{0};         // flux [W], already divided by the number of light paths EMITTED
-    uint32_t direction = 0; // Octahedral<16>: from the surface towards where the light came from
+    Rgb power_w{0};          // flux [W], already divided by the number of light paths EMITTED
+    uint32_t direction = 0;  // Octahedral<16>: from the surface towards where the light came from
     uint32_t normal_and_path = 0;
 
     static constexpr uint32_t kMostScatterings = 255;  // more count as so many

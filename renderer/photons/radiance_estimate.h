@@ -3,8 +3,8 @@
 //
 //   L_r(x, wo) = sum_p K(|y_p - x|; r) f_r(x, w_p, wo) dPhi_p        (methods.md, photon_mapping)
 //
-// A photon's power is flux through the geometric surface; where the shading normal differs, f_r is the BSDF as paths from
-// the eye see it: f(wo, w_p) |cos_s(w_p)| / |cos_g(w_p)|. [Veach 1997, sec. 5.3]
+// A photon's power is flux through the geometric surface; where the shading normal differs, f_r is the BSDF as paths
+// from the eye see it: f(wo, w_p) |cos_s(w_p)| / |cos_g(w_p)|. [Veach 1997, sec. 5.3]
 
 #include <optional>
 
@@ -20,8 +20,8 @@ struct EstimateSettings {
     Kernel kernel;
     /// Photons farther than this from the tangent plane are refused; a quarter of the disc's radius when not given.
     std::optional<float> disc_thickness_m;
-    /// Weight photons by |n . n_p| times (1 - distance from the plane / thickness) instead of refusing at 60 degrees and
-    /// at the thickness. Loses energy; for comparison only.
+    /// Weight photons by |n . n_p| times (1 - distance from the plane / thickness) instead of refusing at 60 degrees
+    /// and at the thickness. Loses energy; for comparison only.
     bool soft_disc = false;
     /// Divide by the part of the kernel that lies on the surface; nullptr: by all of it.
     const SurfaceBoundary* boundary = nullptr;
