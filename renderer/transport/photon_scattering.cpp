@@ -21,8 +21,13 @@ bool is_flat(const Scene& scene, const ShadingPoint& point) {
            scene.meshes[scene.instances[point.instance].mesh].normals.empty();
 }
 
-/// The shading normal that an eye at the end of `direction` sees, turned to the photon's side. Exactly the photon's own
-/// where it is the same: turning changes signs alone.
+/// The same but for rounding, which differs from one caller of make_plain_shading_point() to the next.
+bool is_same(const vec3& normal, const vec3& other) {
+    const vec3 difference = normal - other;
+    return glm::dot(difference, difference) < 1e-10f;
+}
+
+/// The shading normal that an eye at the end of `direction` sees, turned to the photon's side.
 vec3 normal_of_eye(const Scene& scene, const ShadingPoint& point, const vec3& direction) {
     const Hit hit{.t = 0, .instance = point.instance, .triangle = point.triangle, .u = point.u, .v = point.v};
     const ShadingPoint seen = make_shading_point(scene, hit, -direction);
@@ -81,7 +86,7 @@ PhotonScattering scatter_diffuse(const Scene& scene, const ShadingPoint& point, 
 
 PhotonScattering scatter_curved(const Scene& scene, const ShadingPoint& point, const Bsdf& bsdf, const vec3& wi,
                                 float u_lobe, const vec2& u) {
-    const bool one_frame = point.shading.normal == point.geometric_normal;
+    const bool one_frame = is_same(point.shading.normal, point.geometric_normal);
     float geometric_share = 0;
     if (!one_frame)
         geometric_share = leaves_below(point, bsdf, wi) ? kGeometricShareBelow
@@ -104,15 +109,15 @@ PhotonScattering scatter_curved(const Scene& scene, const ShadingPoint& point, c
     if (change <= 0) return {};
     if (sample.delta) {
         // About another normal the lobe does not go this way.
-        if (eye_normal != drawn.frame.normal) return {};
+        if (!is_same(eye_normal, drawn.frame.normal)) return {};
         scattering.weight = sample.weight * (change / share);
         return scattering;
     }
     const BsdfValue of_other = geometric_share > 0 ? other.evaluate(wi, scattering.direction) : BsdfValue{};
     Rgb f_cos = of_other.f_cos;
-    if (eye_normal == drawn.frame.normal)
+    if (is_same(eye_normal, drawn.frame.normal))
         f_cos = sample.weight * sample.pdf_sa;
-    else if (geometric_share <= 0 || eye_normal != other.frame.normal)
+    else if (geometric_share <= 0 || !is_same(eye_normal, other.frame.normal))
         f_cos = FramedBsdf(point, bsdf, Frame(eye_normal)).evaluate(wi, scattering.direction).f_cos;
     scattering.weight = f_cos * (change / (share * sample.pdf_sa + (1.0f - share) * of_other.pdf_sa));
     return scattering;
