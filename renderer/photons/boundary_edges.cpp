@@ -1,0 +1,350 @@
+#include "renderer/photons/boundary_edges.h"
+
+#include <tbb/parallel_sort.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <bit>
+#include <numeric>
+
+#include "renderer/core/parallel.h"
+#include "renderer/core/rng.h"
+
+namespace photond {
+
+namespace {
+
+constexpr size_t kBlock = 4096;            // triangles or edges a thread takes at once
+constexpr uint64_t kMostSorted = 1 << 23;  // half-edges sorted at once: bounds the scratch, at 16 bytes each
+
+/// All triangles of all instances, numbered through, front side by the winding in world space.
+class WorldTriangles {
+public:
+    explicit WorldTriangles(const Scene& scene) : scene_(scene) {
+        for (const Instance& instance : scene.instances) {
+            first_.push_back(count_);
+            count_ += scene.meshes[instance.mesh].triangles.size();
+        }
+    }
+    uint64_t size() const { return count_; }
+    TriangleCorners operator[](uint64_t index) const {
+        const auto after = std::upper_bound(first_.begin(), first_.end(), index);
+        const auto instance = static_cast<uint32_t>(after - first_.begin() - 1);
+        TriangleCorners corners = world_triangle(scene_, instance, static_cast<uint32_t>(index - first_[instance]));
+        if (scene_.instances[instance].flips_orientation) std::swap(corners.p[1], corners.p[2]);
+        return corners;
+    }
+
+private:
+    const Scene& scene_;
+    std::vector<uint64_t> first_;
+    uint64_t count_ = 0;
+};
+
+uint64_t hash_position(const vec3& p) {
+    const vec3 q = p + vec3(0);  // -0 and 0 are the same place
+    const auto bits = [](float x) { return uint64_t{std::bit_cast<uint32_t>(x)}; };
+    return hash64(hash64(bits(q.x) | bits(q.y) << 32) + bits(q.z));
+}
+
+struct HalfEdge {
+    uint64_t key;       // of the two ends, in either order
+    uint32_t triangle;  // of WorldTriangles
+    uint32_t corner;    // it runs from this corner to the next
+
+    bool operator<(const HalfEdge& other) const {
+        return key != other.key             ? key < other.key
+               : triangle != other.triangle ? triangle < other.triangle
+                                            : corner < other.corner;
+    }
+};
+
+/// Needles thinner than the rounding of their corners have no normal; left out, they leave no gap either.
+bool has_normal(const TriangleCorners& t, float error_m) {
+    const vec3 e0 = t.p[1] - t.p[0], e1 = t.p[2] - t.p[1], e2 = t.p[0] - t.p[2];
+    const vec3 across = glm::cross(e0, e1);
+    const float longest_sq = std::max({glm::dot(e0, e0), glm::dot(e1, e1), glm::dot(e2, e2)});
+    return glm::dot(across, across) > sqr(error_m) * longest_sq;  // area / longest = least height
+}
+
+/// Appends what `make(block, out)` appends for each block, in the order of the blocks.
+template <class T, class Make>
+std::vector<T> gather_blocks(size_t count, const Make& make) {
+    std::vector<std::vector<T>> blocks((count + kBlock - 1) / kBlock);
+    parallel_for(blocks.size(), 1, [&](size_t i) { make(i * kBlock, std::min(count, (i + 1) * kBlock), blocks[i]); });
+    std::vector<size_t> offset(blocks.size() + 1, 0);
+    for (size_t i = 0; i < blocks.size(); ++i) offset[i + 1] = offset[i] + blocks[i].size();
+    std::vector<T> all(offset.back());
+    parallel_for(blocks.size(), 1, [&](size_t i) {
+        std::copy(blocks[i].begin(), blocks[i].end(), all.begin() + static_cast<std::ptrdiff_t>(offset[i]));
+    });
+    return all;
+}
+
+/// The half-edges whose key falls into one of `parts` equal ranges.
+std::vector<HalfEdge> collect_half_edges(const WorldTriangles& triangles, float error_m, uint64_t part,
+                                         uint64_t parts) {
+    const uint64_t range = UINT64_MAX / parts;
+    return gather_blocks<HalfEdge>(triangles.size(), [&](size_t begin, size_t end, std::vector<HalfEdge>& out) {
+        if (parts == 1) out.reserve(3 * (end - begin));
+        for (size_t i = begin; i < end; ++i) {
+            const TriangleCorners t = triangles[i];
+            const std::array<uint64_t, 3> hash = {hash_position(t.p[0]), hash_position(t.p[1]), hash_position(t.p[2])};
+            if (!has_normal(t, error_m)) continue;
+            for (uint32_t corner = 0; corner < 3; ++corner) {
+                const uint64_t key = hash64(hash[corner] + hash[(corner + 1) % 3]);
+                if (std::min(key / range, parts - 1) != part) continue;
+                out.push_back({key, static_cast<uint32_t>(i), corner});
+            }
+        }
+    });
+}
+
+/// A triangle seen from one of its edges.
+struct Side {
+    vec3 a, b, normal;
+    vec3 inward;   // unit, in the triangle's plane, across the edge
+    float height;  // of the triangle above the edge [m]
+
+    Side(const TriangleCorners& t, uint32_t corner) : a(t.p[corner]), b(t.p[(corner + 1) % 3]) {
+        // In double: the normals of slender triangles would otherwise be off by more than the bends looked for.
+        const dvec3 edge = dvec3(b) - dvec3(a), rest = dvec3(t.p[(corner + 2) % 3]) - dvec3(a);
+        const dvec3 across = glm::cross(edge, rest), in = glm::cross(across, edge);
+        normal = vec3(glm::normalize(across));
+        inward = vec3(glm::normalize(in));
+        height = static_cast<float>(glm::length(across) / glm::length(edge));
+    }
+    bool same_edge(const Side& s) const { return (a == s.a && b == s.b) || (a == s.b && b == s.a); }
+};
+
+/// Whether a surface that goes on bending so would turn by a radian within the diameter of the disc.
+bool bends_sharply(const Side& s, const Side& t, float radius_m) {
+    constexpr float kLeastBend = 0.02f;  // [rad]; below, sixty degrees take more edges than a disc should hold
+    const float bend = std::acos(std::clamp(-glm::dot(s.inward, t.inward), -1.0f, 1.0f));
+    return bend > kLeastBend && 2 * radius_m * bend > std::min(s.height, t.height);
+}
+
+/// The triangles around one edge: pairs of them are surfaces that pass through, the straightest first; others end here.
+void resolve_edge(std::vector<Side>& sides, float radius_m, std::vector<BoundaryEdge>& out) {
+    constexpr float kSameSide = 0.9998f;   // within about a degree: a coincident triangle, of either winding
+    constexpr float kPassThrough = -0.5f;  // bent by less than 60 degrees
+    for (size_t i = 0; i < sides.size(); ++i) {
+        for (size_t j = sides.size() - 1; j > i; --j) {
+            if (glm::dot(sides[i].inward, sides[j].inward) > kSameSide) {
+                sides.erase(sides.begin() + static_cast<std::ptrdiff_t>(j));
+            }
+        }
+    }
+    while (sides.size() > 1) {
+        size_t first = 0, second = 1;
+        float least = 2;
+        for (size_t i = 0; i < sides.size(); ++i) {
+            for (size_t j = i + 1; j < sides.size(); ++j) {
+                const float cosine = glm::dot(sides[i].inward, sides[j].inward);
+                if (cosine < least) least = cosine, first = i, second = j;
+            }
+        }
+        if (least > kPassThrough) break;
+        const Side s = sides[first], t = sides[second];
+        if (bends_sharply(s, t, radius_m)) {
+            out.push_back({s.a, s.b, s.normal, s.a == t.b ? t.normal : -t.normal, kInfinity});
+        }
+        sides.erase(sides.begin() + static_cast<std::ptrdiff_t>(second));
+        sides.erase(sides.begin() + static_cast<std::ptrdiff_t>(first));
+    }
+    for (const Side& s : sides) out.push_back({s.a, s.b, s.normal, vec3(0), kInfinity});
+}
+
+std::vector<BoundaryEdge> unmatched_edges(const WorldTriangles& triangles, std::vector<HalfEdge> half_edges,
+                                          float radius_m) {
+    tbb::parallel_sort(half_edges.begin(), half_edges.end());
+    return gather_blocks<BoundaryEdge>(half_edges.size(), [&](size_t begin, size_t end,
+                                                              std::vector<BoundaryEdge>& out) {
+        std::vector<Side> sides, others;
+        // A run of equal keys belongs to the block it starts in.
+        while (begin > 0 && begin < end && half_edges[begin].key == half_edges[begin - 1].key) ++begin;
+        while (begin < end) {
+            const uint64_t key = half_edges[begin].key;
+            others.clear();
+            for (; begin < half_edges.size() && half_edges[begin].key == key; ++begin) {
+                others.emplace_back(triangles[half_edges[begin].triangle], half_edges[begin].corner);
+            }
+            while (!others.empty()) {  // once, unless different edges have the same hash
+                sides.clear();
+                const Side first = others.front();
+                std::erase_if(others, [&](const Side& s) { return s.same_edge(first) && (sides.push_back(s), true); });
+                resolve_edge(sides, radius_m, out);
+            }
+        }
+    });
+}
+
+/// Places just beyond half-edges, at which the scene is asked for another surface.
+class Probes {
+public:
+    explicit Probes(float reach_m, float same_plane_m) : reach_m_(reach_m), same_plane_m_(same_plane_m) {}
+
+    void add(const BoundaryEdge& e, uint32_t pieces) {
+        const vec3 outward = glm::normalize(glm::cross(e.b - e.a, e.normal));
+        for (uint32_t i = 0; i < pieces; ++i) {
+            const float t = (static_cast<float>(i) + 0.5f) / static_cast<float>(pieces);
+            probes_.push_back({glm::mix(e.a, e.b, t) + kBeyond * reach_m_ * outward, e.normal});
+        }
+    }
+
+    /// Looks at all triangles: each is intersected with the probes whose lines it may meet.
+    void look_at(const WorldTriangles& triangles) {
+        order_.resize(probes_.size());
+        std::iota(order_.begin(), order_.end(), 0u);
+        axis_.resize(probes_.size());
+        nearest_ = std::vector<std::atomic<uint32_t>>(probes_.size());
+        for (auto& bits : nearest_) bits = std::bit_cast<uint32_t>(kInfinity);
+        if (probes_.empty()) return;
+        split(0, probes_.size());
+        parallel_for((triangles.size() + kBlock - 1) / kBlock, 1, [&](size_t block) {
+            const size_t end = std::min<size_t>(triangles.size(), (block + 1) * kBlock);
+            for (size_t i = block * kBlock; i < end; ++i) {
+                const TriangleCorners t = triangles[i];
+                Bounds3 box;
+                for (const vec3& p : t.p) box.extend(p);
+                box.min -= reach_m_, box.max += reach_m_;
+                visit(0, probes_.size(), box, t);
+            }
+        });
+    }
+
+    float continues_at_m(size_t probe) const {
+        const float distance_m = std::bit_cast<float>(nearest_[probe].load());
+        return distance_m > same_plane_m_ ? distance_m : kInfinity;  // in the same plane edges cancel by themselves
+    }
+
+private:
+    static constexpr float kBeyond = 0.01f;  // of the reach
+    static constexpr size_t kLeaf = 8;
+    struct Probe {
+        vec3 origin, normal;
+    };
+
+    // A kd-tree without nodes: the middle of each range splits it.
+    void split(size_t begin, size_t end) {
+        if (end - begin <= kLeaf) return;
+        Bounds3 box;
+        for (size_t i = begin; i < end; ++i) box.extend(probes_[order_[i]].origin);
+        const vec3 d = box.diagonal();
+        const int axis = d.x > d.y && d.x > d.z ? 0 : d.y > d.z ? 1 : 2;
+        const size_t middle = (begin + end) / 2;
+        const auto at = [&](size_t i) { return order_.begin() + static_cast<std::ptrdiff_t>(i); };
+        std::nth_element(at(begin), at(middle), at(end),
+                         [&](uint32_t i, uint32_t j) { return probes_[i].origin[axis] < probes_[j].origin[axis]; });
+        axis_[middle] = static_cast<uint8_t>(axis);
+        split(begin, middle);
+        split(middle + 1, end);
+    }
+
+    void visit(size_t begin, size_t end, const Bounds3& box, const TriangleCorners& t) {
+        while (end - begin > kLeaf) {
+            const size_t middle = (begin + end) / 2;
+            meet(order_[middle], t);
+            const int axis = axis_[middle];
+            const float at = probes_[order_[middle]].origin[axis];
+            const bool left = box.min[axis] <= at, right = at <= box.max[axis];
+            if (left && right) visit(begin, middle, box, t);
+            if (right) {
+                begin = middle + 1;
+            } else {
+                end = middle;
+            }
+        }
+        for (size_t i = begin; i < end; ++i) meet(order_[i], t);
+    }
+
+    void meet(uint32_t index, const TriangleCorners& t) {
+        const Probe& probe = probes_[index];
+        const vec3 e1 = t.p[1] - t.p[0], e2 = t.p[2] - t.p[0], across = glm::cross(e1, e2);
+        const float cosine = glm::dot(across, probe.normal);
+        if (!(sqr(cosine) >= 0.25f * glm::dot(across, across)) || cosine == 0) return;
+        const vec3 from = probe.origin - t.p[0], side = glm::cross(probe.normal, from);
+        const float distance = std::fabs(glm::dot(across, from) / cosine);
+        const float u = glm::dot(e2, side) / cosine, v = -glm::dot(e1, side) / cosine;
+        if (!(distance <= reach_m_ && u >= 0 && v >= 0 && u + v <= 1)) return;
+        uint32_t now = nearest_[index].load(std::memory_order_relaxed);
+        const uint32_t bits = std::bit_cast<uint32_t>(distance);  // of floats >= 0 in the floats' order
+        while (bits < now && !nearest_[index].compare_exchange_weak(now, bits, std::memory_order_relaxed)) {
+        }
+    }
+
+    const float reach_m_, same_plane_m_;
+    std::vector<Probe> probes_;
+    std::vector<uint32_t> order_;
+    std::vector<uint8_t> axis_;
+    std::vector<std::atomic<uint32_t>> nearest_;
+};
+
+/// Finds out where surfaces go on below or above half-edges, and cuts half-edges where that changes.
+std::vector<BoundaryEdge> probe_beyond(const WorldTriangles& triangles, const std::vector<BoundaryEdge>& edges,
+                                       float radius_m, float error_m) {
+    constexpr float kMostPieces = 64;
+    Probes probes(radius_m, std::max(1e-3f * radius_m, 4 * error_m));
+    std::vector<uint32_t> pieces(edges.size());
+    for (size_t i = 0; i < edges.size(); ++i) {
+        if (edges[i].other_normal != vec3(0)) continue;
+        const float length = glm::length(edges[i].b - edges[i].a);
+        pieces[i] = static_cast<uint32_t>(std::clamp(std::ceil(length / radius_m), 1.0f, kMostPieces));
+        probes.add(edges[i], pieces[i]);
+    }
+    probes.look_at(triangles);
+
+    const auto alike = [](float x, float y) { return x == y || std::fabs(x - y) < 0.1f * std::min(x, y); };
+    std::vector<BoundaryEdge> cut;
+    cut.reserve(edges.size());
+    size_t probe = 0;
+    for (size_t i = 0; i < edges.size(); ++i) {
+        if (pieces[i] == 0) cut.push_back(edges[i]);
+        for (uint32_t from = 0, to; from < pieces[i]; from = to) {
+            const float distance = probes.continues_at_m(probe + from);
+            for (to = from + 1; to < pieces[i] && alike(distance, probes.continues_at_m(probe + to));) ++to;
+            const auto at = [&](uint32_t k) {
+                if (k == 0 || k == pieces[i]) return k == 0 ? edges[i].a : edges[i].b;
+                return glm::mix(edges[i].a, edges[i].b, static_cast<float>(k) / static_cast<float>(pieces[i]));
+            };
+            cut.push_back({at(from), at(to), edges[i].normal, vec3(0), distance});
+        }
+        probe += pieces[i];
+    }
+    return cut;
+}
+
+}  // namespace
+
+float position_error_m(const Scene& scene) {
+    Bounds3 bounds;
+    for (const Instance& instance : scene.instances) {
+        Bounds3 own;
+        for (const vec3& p : scene.meshes[instance.mesh].positions) own.extend(p);
+        if (own.empty()) continue;
+        for (int i = 0; i < 8; ++i) {
+            const vec3 corner(i & 1 ? own.max.x : own.min.x, i & 2 ? own.max.y : own.min.y,
+                              i & 4 ? own.max.z : own.min.z);
+            bounds.extend(instance.identity ? corner : instance.to_world * vec4(corner, 1));
+        }
+    }
+    if (bounds.empty()) return 0;
+    const vec3 largest = glm::max(glm::abs(bounds.min), glm::abs(bounds.max));
+    return 0x1p-23f * std::max({largest.x, largest.y, largest.z});
+}
+
+std::vector<BoundaryEdge> find_boundary_edges(const Scene& scene, float radius_m) {
+    const WorldTriangles triangles(scene);
+    const float error_m = position_error_m(scene);
+    const uint64_t parts = 3 * triangles.size() / kMostSorted + 1;
+    std::vector<BoundaryEdge> edges;
+    for (uint64_t part = 0; part < parts; ++part) {
+        const std::vector<BoundaryEdge> found =
+            unmatched_edges(triangles, collect_half_edges(triangles, error_m, part, parts), radius_m);
+        edges.insert(edges.end(), found.begin(), found.end());
+    }
+    return probe_beyond(triangles, edges, radius_m, error_m);
+}
+
+}  // namespace photond
