@@ -104,7 +104,7 @@ struct LambertGroup {
     // Of scatter() and scatter_photons().
     Vec3Array next_direction;
     alignas(64) LaneFloats scattered;         // 1: goes on, or 0
-    alignas(64) LaneFloats cos_next;          // against the normal
+    alignas(64) LaneFloats cos_next;          // scatter() alone: against the normal
     alignas(64) LaneFloats survival_inverse;  // NaN where the path's numbers are
     alignas(64) LaneFloats correction;        // scatter_photons(): of the shading normal
 
@@ -179,26 +179,21 @@ struct LambertGroup {
     /// scatter_photon() and Russian roulette. Power changes by reflectance x correction / survival.
     void scatter_photons(float most_survival) {
         using namespace lambert_lanes;
-        const Vec3Lanes n = normal.load(), geometric = geometric_normal.load(), d = direction.load();
-        const Vec3Lanes w = cosine_hemisphere(FloatLanes(sample_x, kAligned), FloatLanes(sample_y, kAligned));
-        const Vec3Lanes wi = to_world(n, w);
+        const Vec3Lanes geometric = geometric_normal.load(), d = direction.load(), turned = smooth_normal.load();
+        const Vec3Lanes wi =
+            to_world(geometric, cosine_hemisphere(FloatLanes(sample_x, kAligned), FloatLanes(sample_y, kAligned)));
 
-        // photon_scattering.h with f = reflectance / pi, and the shading normal an eye at the end of wi would have:
-        // |cos_s(arriving)| |cos_g(leaving)| / (|cos_g(arriving)| |cos of sampling|).
-        const Vec3Lanes turned = smooth_normal.load();
-        const Vec3Lanes eye_normal = lambert_lanes::select(dot(turned, wi) > 0, turned, geometric);
-        const FloatLanes cos_leaving = dot(geometric, wi);
+        // Drawn about the geometric normal, what photon_scattering.h asks for comes down to
+        // |cos_s(arriving)| / |cos_g(arriving)|, with the shading normal an eye at the end of wi would have.
         const FloatMask flat = turned.x == geometric.x && turned.y == geometric.y && turned.z == geometric.z;
-        const FloatLanes factor =
-            photond::select(flat, FloatLanes(1),
-                            stdx::max(-dot(eye_normal, d), FloatLanes(0)) * cos_leaving / (-dot(geometric, d) * w.z));
+        const FloatLanes factor = photond::select(flat || dot(turned, wi) <= 0, FloatLanes(1),
+                                                  stdx::max(-dot(turned, d), FloatLanes(0)) / -dot(geometric, d));
 
         const Vec3Lanes left = throughput.load() * reflectance.load();
         const FloatLanes hope = stdx::max(stdx::max(left.x, left.y), left.z) * FloatLanes(scale, kAligned) * factor;
         const FloatLanes survival = stdx::min(hope, FloatLanes(most_survival));
-        const FloatMask on = FloatLanes(roulette, kAligned) < survival && dot(n, d) < 0 && cos_leaving > 0;
+        const FloatMask on = FloatLanes(roulette, kAligned) < survival && dot(geometric, wi) > 0;
         next_direction.store(wi);
-        w.z.copy_to(cos_next, kAligned);
         factor.copy_to(correction, kAligned);
         (1.0f / survival).copy_to(survival_inverse, kAligned);
         photond::select(on, FloatLanes(1), FloatLanes(0)).copy_to(scattered, kAligned);

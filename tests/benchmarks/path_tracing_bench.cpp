@@ -9,89 +9,22 @@
 //
 // Usage: path_tracing_bench [paths] [replay] [threads] [samplers]; all of them without arguments.
 
-#include <tbb/enumerable_thread_specific.h>
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
-#include <filesystem>
-#include <mutex>
-#include <optional>
 
-#include "protocol/error.h"
-#include "renderer/backends/cpu/embree_intersector.h"
-#include "renderer/core/parallel.h"
 #include "renderer/film/exr_file.h"
 #include "renderer/methods/path_tracing/path_tracing.h"
 #include "renderer/scene/builtin_scenes.h"
-#include "renderer/scene/gltf_loader.h"
-#include "renderer/scene/texture_decode.h"
 #include "tests/benchmarks/bare_embree.h"
+#include "tests/benchmarks/bench_scenes.h"
+#include "tests/benchmarks/recording_intersector.h"
 
 namespace photond {
 namespace {
-
-double median(std::vector<double> values) {
-    std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(values.size() / 2), values.end());
-    return values[values.size() / 2];
-}
-
-/// Passes rays on and keeps a copy of every batch.
-class RecordingIntersector final : public Intersector {
-public:
-    explicit RecordingIntersector(const Intersector& inner) : inner_(inner) {}
-    Hit closest_hit(const Ray& ray) const override { return inner_.closest_hit(ray); }
-    bool occluded(const Ray& ray) const override { return inner_.occluded(ray); }
-    void closest_hits(std::span<const Ray> rays, std::span<Hit> hits, Coherence coherence) const override {
-        inner_.closest_hits(rays, hits, coherence);
-        record({{rays.begin(), rays.end()},
-                coherence,
-                false,
-                size_t(std::count_if(hits.begin(), hits.end(), [](const Hit& hit) { return hit.valid(); }))});
-    }
-    void occluded(std::span<const Ray> rays, std::span<uint8_t> occluded, Coherence coherence) const override {
-        inner_.occluded(rays, occluded, coherence);
-        record({{rays.begin(), rays.end()},
-                coherence,
-                true,
-                size_t(std::count(occluded.begin(), occluded.end(), uint8_t{1}))});
-    }
-    uint64_t bytes() const override { return inner_.bytes(); }
-
-    const std::vector<RecordedBatch>& batches() const { return batches_; }
-
-    /// Traces everything that was recorded, as the renderer does.
-    void replay() const {
-        parallel_for(batches_.size(), 1, [&](size_t i) {
-            const RecordedBatch& batch = batches_[i];
-            Answers& answers = answers_.local();
-            answers.occluded.resize(std::max(answers.occluded.size(), batch.rays.size()));
-            answers.hits.resize(std::max(answers.hits.size(), batch.rays.size()));
-            if (batch.shadow)
-                inner_.occluded(batch.rays, {answers.occluded.data(), batch.rays.size()}, batch.coherence);
-            else
-                inner_.closest_hits(batch.rays, {answers.hits.data(), batch.rays.size()}, batch.coherence);
-        });
-    }
-
-private:
-    void record(RecordedBatch batch) const {
-        const std::lock_guard lock(mutex_);
-        batches_.push_back(std::move(batch));
-    }
-
-    struct Answers {
-        std::vector<uint8_t> occluded;
-        std::vector<Hit> hits;
-    };
-
-    const Intersector& inner_;
-    mutable tbb::enumerable_thread_specific<Answers> answers_;
-    mutable std::mutex mutex_;
-    mutable std::vector<RecordedBatch> batches_;
-};
 
 /// A method begun on a scene, pass after pass into a film.
 class Render {
@@ -115,32 +48,6 @@ public:
     Stats stats;
     Film film;
 };
-
-struct NamedScene {
-    const char* name;
-    const char* file;  // below shared/scenes; null: built in
-    Size2 size;
-};
-constexpr NamedScene kScenes[] = {{"cornell-box", nullptr, {256, 256}},
-                                  {"interior", nullptr, {320, 240}},
-                                  {"cornell_diffuse_dragon", "cornell_diffuse_dragon.glb", {256, 256}},
-                                  {"sponza_crytek", "sponza_crytek.glb", {384, 216}}};
-
-std::optional<Scene> open(const NamedScene& named) {
-    if (!named.file) return make_builtin_scene(named.name);
-    const std::filesystem::path folder = std::filesystem::path(PHOTOND_SHARED) / "scenes";
-    if (!std::filesystem::exists(folder / named.file)) {
-        std::printf("%-24s skipped: %s is not there\n", named.name, (folder / named.file).c_str());
-        return {};
-    }
-    return load_gltf(folder / named.file, folder, decode_texture);
-}
-
-std::unique_ptr<Intersector> build(const Scene& scene) {
-    MemoryBudget budget;
-    Stats stats;
-    return make_embree_intersector(scene, budget, stats);
-}
 
 void measure_paths() {
     std::printf("\nCamera paths per CPU second, film included (256x256 cornell-box, unlimited bounces, 1 thread)\n");
@@ -169,7 +76,7 @@ void measure_replay() {
         "\nTime of path_tracing, film included, against only tracing the same rays (CPU ns a ray, medians)\n"
         "%-24s %8s %8s | %9s %9s %9s | best over path\n",
         "", "Mrays", "path", "renderer", "packets", "singles");
-    for (const NamedScene& named : kScenes) {
+    for (const NamedScene& named : kBenchScenes) {
         const std::optional<Scene> scene = open(named);
         if (!scene) continue;
         const auto intersector = build(*scene);

@@ -1,0 +1,114 @@
+#pragma once
+// Traces a batch of light paths together, vertex by vertex: all rays, then all shading. As methods/path_tracing does
+// from the eye.
+
+#include <vector>
+
+#include "renderer/photons/photon_tracer.h"
+#include "renderer/transport/medium_stack.h"
+
+namespace photond {
+
+/// What all batches of a tracer share: prepared once, read by all threads.
+struct PhotonTracingScene {
+    /// How the hits of an instance are shaded.
+    struct Shading {
+        bool lambert;  // in lanes
+        bool varies;   // the reflectance, by texture or vertex colour
+        /// Photons are stored wherever they arrive, also where a texture is black: the light that arrived there counts
+        /// in the estimate beside it.
+        bool stores;
+    };
+
+    PhotonTracingScene(const Scene& scene, const Intersector& intersector, const EmissionSampler& emission,
+                       const PhotonTracing& tracing);
+
+    const Scene& scene;
+    const Intersector& intersector;
+    const EmissionSampler& emission;
+    const PhotonTracing tracing;
+    const Absorption absorption;
+    std::vector<Shading> shading;  // by instance
+};
+
+/// Light paths that are traced together: part of one run of the sequence of numbers (SequenceSampler::kRun).
+struct PhotonBatch {
+    uint64_t run;
+    uint32_t first, last;  // elements of the run, half open
+};
+
+/// What a thread's batches did.
+struct PhotonCounts {
+    Counts counts;
+    uint64_t first_hits_specular = 0;
+};
+
+/// Two-dimensional sets of random numbers: three for the emission, then two for each scattering. The first ones, which
+/// are distributed best (sobol.h), go where most of the variance comes from.
+enum class EmissionSet : uint32_t { Direction, Position, Light };
+enum class ScatteringSet : uint32_t { Direction, RouletteAndLobe };
+constexpr uint32_t sample_set(EmissionSet set) {
+    constexpr uint32_t kSets[] = {0, 1, 3};
+    return kSets[static_cast<uint32_t>(set)];
+}
+/// `scattering` counts from 1.
+constexpr uint32_t sample_set(uint32_t scattering, ScatteringSet set) {
+    if (scattering == 1) return set == ScatteringSet::Direction ? 2 : 4;
+    return 2 * scattering + 1 + static_cast<uint32_t>(set);
+}
+
+/// Scratch of one thread; reused from batch to batch.
+class PhotonWavefront {
+public:
+    static constexpr uint32_t kPaths = SequenceSampler::kRun;
+    static uint64_t bytes_per_thread();
+
+    PhotonWavefront();
+
+    /// Traces the batch's paths to their ends and adds what they did to `counts`. The photons stay until the next call:
+    /// ordered by scatterings, then plain Lambert reflectors before others, then by path.
+    std::span<const Photon> trace(const PhotonTracingScene& shared, const SequenceSampler& sampler,
+                                  const PhotonBatch& batch, PhotonCounts& counts);
+
+private:
+    /// A path between two of its vertices; how many scatterings it has had all paths of the batch share.
+    struct Path {
+        Rgb power_w{0};
+        float reference_w = 0;  // greatest component at emission: Russian roulette keeps the power near it
+        bool rough = false;     // has had a scattering that was not specular
+        bool all_delta = true;
+        MediumStack media;
+    };
+
+    void start_paths(const PhotonTracingScene& shared, const SequenceSampler& sampler, const PhotonBatch& batch,
+                     Counts& counts);
+    void sort_hits(const PhotonTracingScene& shared, uint32_t scatterings);
+    void draw_numbers(const PhotonTracingScene& shared, const SequenceSampler& sampler, uint64_t run,
+                      uint32_t scatterings);
+    void shade_lambert(const PhotonTracingScene& shared, uint32_t scatterings, Counts& counts);
+    void shade_general(const PhotonTracingScene& shared, uint32_t scatterings, PhotonCounts& counts);
+    bool scatter_general(const PhotonTracingScene& shared, size_t place, uint32_t scatterings, PhotonCounts& counts);
+    void store(const Path& path, const vec3& position, const vec3& normal, const vec3& wi_world, uint32_t scatterings);
+
+    // All of these hold kPaths but the photons; how many count is said here.
+    size_t count_ = 0;  // of the paths under way
+    size_t next_count_ = 0;
+    std::vector<Ray> rays_, next_rays_;
+    std::vector<Path> paths_, next_paths_;
+    std::vector<uint32_t> elements_, next_elements_;  // of the run
+    std::vector<float> ranges_;                       // of the lights, first rays
+    std::vector<Hit> hits_;
+    std::vector<uint32_t> order_;  // paths that met a surface: the first lambert_count_ of them in lanes
+    std::vector<uint32_t> general_;
+    size_t lambert_count_ = 0;
+    struct Numbers {
+        std::vector<float> x, y;
+    };
+    // Emission: by path; scattering: by place in order_.
+    Numbers direction_, position_, choice_;
+    std::vector<uint32_t> drawn_elements_;
+    std::vector<Photon> photons_;  // grows
+    size_t photon_count_ = 0;
+};
+
+}  // namespace photond
