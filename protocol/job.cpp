@@ -172,6 +172,9 @@ void read_stop(ObjectReader& body, JobRequest& request) {
 void read_layers(ObjectReader& body, const JobVocabulary& vocabulary, JobRequest& request) {
     const json* source = body.member("layers");
     if (source == nullptr) return;
+    const bool method_known = !request.method.empty();
+    const std::vector<std::string> of_method =
+        method_known ? vocabulary.layers_of(request.method) : std::vector<std::string>();
     BodyFaults& faults = body.faults();
     if (!source->is_array()) {
         faults.add(ErrorCode::WrongType, body.at("layers"), "must be an array, got " + value_text(*source));
@@ -191,6 +194,9 @@ void read_layers(ObjectReader& body, const JobVocabulary& vocabulary, JobRequest
                        value_text(layer) + " is no layer on request" + did_you_mean(name, known));
         else if (std::find(request.layers.begin(), request.layers.end(), name) != request.layers.end())
             faults.add(ErrorCode::Conflict, pointer, value_text(layer) + " is named twice");
+        else if (method_known && std::find(of_method.begin(), of_method.end(), name) == of_method.end())
+            faults.add(ErrorCode::Unsupported, pointer,
+                       "unsupported: " + request.method + " has no layer " + value_text(layer));
         else
             request.layers.push_back(name);
     }

@@ -61,12 +61,14 @@ struct JobRequest {
 /// What the reader needs to know of the rest of the program: known names and how to check method parameters.
 struct JobVocabulary {
     std::vector<std::string> method_names;
-    std::vector<std::string> layer_names;  // on request
+    std::vector<std::string> layer_names;  // on request, of any method
     uint32_t max_width = 65536, max_height = 65536;
     /// Makes the parameter struct of a method, nullptr when there is no such method.
     std::function<std::unique_ptr<MethodParams>(const std::string& method)> make_params;
     /// Device kinds a method runs on.
     std::function<std::vector<std::string>(const std::string& method)> devices_of;
+    /// Those of `layer_names` that a method can fill.
+    std::function<std::vector<std::string>(const std::string& method)> layers_of;
 };
 
 /// Reads a body. Throws photond::Error with all faults, each with its JSON pointer and, for a misspelt name, the

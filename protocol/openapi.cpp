@@ -102,6 +102,14 @@ json job_request_schema(const ApiVocabulary& vocabulary) {
     stop["anyOf"] = {has_number("seconds"), has_number("passes")};
     json layers = list_of(one_of_words(vocabulary.layers));
     layers["uniqueItems"] = true;
+    // Methods that cannot fill every layer narrow the list.
+    json layers_by_method = json::array();
+    for (const ApiVocabulary::Method& method : vocabulary.methods) {
+        if (method.layers.size() == vocabulary.layers.size()) continue;
+        const json by_this{{"properties", {{"method", {{"properties", {{"name", {{"const", method.name}}}}}}}}}};
+        layers_by_method.push_back(
+            {{"if", by_this}, {"then", {{"properties", {{"layers", {{"items", one_of_words(method.layers)}}}}}}}});
+    }
     const json environment = taken({{"image", {{"type", "string"}, {"pattern", "^image:."}, {"maxLength", 256}}},
                                     {"scale", or_null(in_range(typed("number"), 0, 1e12))},
                                     {"rotation", or_null(in_range(typed("number", "radians about +Y"), -1e4, 1e4))}},
@@ -109,20 +117,22 @@ json job_request_schema(const ApiVocabulary& vocabulary) {
     json labels = map_of({{"type", "string"}, {"maxLength", 256}});
     labels["maxProperties"] = 64;
     labels["propertyNames"] = {{"pattern", "^[^=]{1,64}$"}};
-    return taken({{"scene", name},
-                  {"camera", or_null(camera)},
-                  {"image", image},
-                  {"method", {{"oneOf", methods}}},
-                  {"stop", stop},
-                  {"seed", or_null(in_range(typed("integer"), 0, UINT64_MAX))},
-                  {"layers", or_null(layers)},
-                  {"reference", {{"type", "null"}, {"description", "not built yet"}}},
-                  {"priority", or_null(in_range(typed("integer", "higher first"), -100, 100))},
-                  {"labels", or_null(labels)},
-                  {"environment", or_null(environment)},
-                  {"glass", or_null(one_of_words({"as_stored", "solid"}))},
-                  {"time", or_null({{"const", 0}, {"description", "s; animation is not built yet"}})}},
-                 {"scene", "image", "method", "stop"});
+    json request = taken({{"scene", name},
+                          {"camera", or_null(camera)},
+                          {"image", image},
+                          {"method", {{"oneOf", methods}}},
+                          {"stop", stop},
+                          {"seed", or_null(in_range(typed("integer"), 0, UINT64_MAX))},
+                          {"layers", or_null(layers)},
+                          {"reference", {{"type", "null"}, {"description", "not built yet"}}},
+                          {"priority", or_null(in_range(typed("integer", "higher first"), -100, 100))},
+                          {"labels", or_null(labels)},
+                          {"environment", or_null(environment)},
+                          {"glass", or_null(one_of_words({"as_stored", "solid"}))},
+                          {"time", or_null({{"const", 0}, {"description", "s; animation is not built yet"}})}},
+                         {"scene", "image", "method", "stop"});
+    if (!layers_by_method.empty()) request["allOf"] = layers_by_method;
+    return request;
 }
 
 json method_schema() {
@@ -134,6 +144,11 @@ json method_schema() {
          {"sources", list_of(typed("string"))},
          {"mergeable", typed("boolean")},
          {"deterministic", map_of(nullable("boolean"))},
+         {"layers", with_text(list_of(typed("string")), "on request, those it can fill")},
+         {"artefacts", list_of(given({{"name", typed("string", "a file beside the image: /v1/jobs/ID/NAME")},
+                                      {"media_type", typed("string")},
+                                      {"parameter", typed("string", "the flag that asks for it")},
+                                      {"description", typed("string")}}))},
          {"parameters", typed("object", "a JSON Schema (2020-12); x-unit and x-order beside the standard words")}});
 }
 
@@ -204,14 +219,18 @@ json statistics_schema() {
          {"reference_error", or_null(map_of(nullable("number")))}});
 }
 
-json job_schema() {
-    const json links = given({{"self", typed("string")},
-                              {"image", nullable("string")},
-                              {"preview", nullable("string")},
-                              {"statistics", nullable("string")},
-                              {"curve", nullable("string")},
-                              {"log", nullable("string")},
-                              {"events", typed("string")}});
+json job_schema(const ApiVocabulary& vocabulary) {
+    json links = given({{"self", typed("string")},
+                        {"image", nullable("string")},
+                        {"preview", nullable("string")},
+                        {"statistics", nullable("string")},
+                        {"curve", nullable("string")},
+                        {"log", nullable("string")},
+                        {"events", typed("string")}});
+    for (const ApiVocabulary::Artefact& artefact : vocabulary.artefacts) {
+        links["properties"][artefact_link(artefact.name)] = nullable("string");
+        links["required"].push_back(artefact_link(artefact.name));
+    }
     const json time{{"type", {"string", "null"}}, {"format", "date-time"}};
     const json curve_point = given({{"seconds", typed("number")},
                                     {"passes", count()},
@@ -279,9 +298,9 @@ json binary() { return json::object(); }
 
 struct Operation {
     const char* method;
-    const char* path;
-    const char* id;
-    const char* summary;
+    std::string path;
+    std::string id;
+    std::string summary;
     std::vector<std::pair<int, json>> answers;  // status, content (empty: no body)
     json body = nullptr;                        // content taken
     std::vector<std::pair<const char*, json>> query = {};
@@ -290,7 +309,7 @@ struct Operation {
 
 json operation_json(const Operation& operation) {
     json parameters = json::array();
-    const std::string path = operation.path;
+    const std::string& path = operation.path;
     for (size_t at = path.find('{'); at != std::string::npos; at = path.find('{', at + 1))
         parameters.push_back({{"name", path.substr(at + 1, path.find('}', at) - at - 1)},
                               {"in", "path"},
@@ -331,7 +350,7 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
     const json image_body{{"image/x-exr", binary()}, {"image/vnd.radiance", binary()}};
     const json scene_body{
         {"model/gltf-binary", binary()}, {"application/zip", binary()}, {"multipart/form-data", binary()}};
-    return {
+    std::vector<Operation> all{
         {"post",
          "/v1/scenes",
          "addScene",
@@ -429,9 +448,18 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
         {"get", "/metrics", "getMetrics", "Prometheus metrics", {{200, file("text/plain")}}},
         {"get", "/", "frontPage", "A page of links", {{200, file("text/html")}}},
     };
+    for (const ApiVocabulary::Artefact& artefact : vocabulary.artefacts)
+        all.push_back({"get",
+                       "/v1/jobs/{id}/" + artefact.name,
+                       "get_" + artefact_link(artefact.name),
+                       "What the method kept: " + artefact.text,
+                       {{200, content(artefact.media_type, binary())}, {202, nullptr}}});
+    return all;
 }
 
 }  // namespace
+
+std::string artefact_link(const std::string& name) { return name.substr(0, name.find('.')); }
 
 json openapi_document(const ApiVocabulary& vocabulary) {
     json schemas{{"Problem", problem_schema()},
@@ -440,7 +468,7 @@ json openapi_document(const ApiVocabulary& vocabulary) {
                  {"Device", device_schema()},
                  {"Scene", scene_schema()},
                  {"Statistics", statistics_schema()},
-                 {"Job", job_schema()},
+                 {"Job", job_schema(vocabulary)},
                  {"Estimate", estimate_schema()},
                  {"Status", status_schema()},
                  {"Image", image_schema()},

@@ -12,12 +12,22 @@ struct ApiVocabulary {
     std::string version;
     struct Method {
         std::string name;
-        nlohmann::json parameters;  // params_schema()
+        nlohmann::json parameters;        // params_schema()
+        std::vector<std::string> layers;  // on request, those it can fill
     };
     std::vector<Method> methods;
-    std::vector<std::string> layers;  // on request
+    std::vector<std::string> layers;  // on request, of any method
+    struct Artefact {
+        std::string name;  // "photon_map.glb"
+        std::string media_type;
+        std::string text;  // what it is, as in "the photon map"
+    };
+    std::vector<Artefact> artefacts;  // that methods leave beside the image
     uint32_t max_width = 65536, max_height = 65536;
 };
+
+/// The link of an artefact in a job: its name without the suffix.
+std::string artefact_link(const std::string& name);
 
 /// Every path served, with the schemas (JSON Schema 2020-12, below /components/schemas) of every body taken and given.
 nlohmann::json openapi_document(const ApiVocabulary& vocabulary);

@@ -15,9 +15,10 @@
 //   film_saved {"job", "attempt", "path", "passes_done"}                  after "snapshot", or before stopping
 //   finished   {"job", "attempt", "state": "succeeded"|"cancelled"|"failed", "passes_done", "seconds",
 //               "film": path|null, "statistics": {..}|null,
-//               "failure": {"code", "detail", "errors": [{"pointer","detail"}]}|null, "log": [line..],
+//               "artefacts": [name..], "failure": {"code", "detail", "errors": [{"pointer","detail"}]}|null, "log": [line..],
 //               "stopping": true when the job ended because of "stop"}
 //               The film is there when a pass was finished and the job did not fail; it is at the "film" path of the order.
+//               Each artefact (MethodInfo::artefacts) lies beside it at artefact_path(film, name); none with "stopping".
 //   reply      {"request": n, "result": {..}|null, "failure": as above|null}   answers a helper's request
 // daemon -> worker
 //   render     {"job", "attempt", "request": job request,
@@ -43,10 +44,12 @@
 // shell.
 
 #include <atomic>
+#include <filesystem>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "protocol/error.h"
 
@@ -55,6 +58,11 @@ namespace photond {
 /// {"code", "detail", "errors"} as in "finished" and "reply".
 nlohmann::json failure_json(ErrorCode code, const std::string& detail, const std::vector<Fault>& faults = {});
 nlohmann::json failure_json(const Error& error);
+
+/// Where the worker leaves an artefact of the method, beside the film of the same attempt.
+inline std::filesystem::path artefact_path(const std::filesystem::path& film, std::string_view name) {
+    return film.string().append(".").append(name);
+}
 
 inline constexpr size_t kMaxMessageBytes = size_t{16} << 20;
 inline constexpr int kWorkerSocket = 3;  // the worker's end of the socket pair

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <nlohmann/json.hpp>
 
+#include "protocol/worker_messages.h"
 #include "renderer/methods/registry.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "server/clock_text.h"
@@ -36,6 +37,10 @@ JobVocabulary make_vocabulary() {
         if (const MethodInfo* method = find_method(name))
             for (const std::string_view kind : method->devices) kinds.emplace_back(kind);
         return kinds;
+    };
+    vocabulary.layers_of = [](const std::string& name) {
+        const MethodInfo* method = find_method(name);
+        return method ? method->layers_on_request() : std::vector<std::string>();
     };
     return vocabulary;
 }
@@ -112,7 +117,11 @@ void Service::Impl::sweep_orphans() {
     const auto as_set = [](std::vector<std::string> names) {
         return std::unordered_set<std::string>(names.begin(), names.end());
     };
-    const size_t films = DataFiles::sweep(files.films, as_set(store.films()));
+    std::vector<std::string> named = store.films();
+    for (const auto& [film, names] : store.artefacts())
+        for (const json& name : json::parse(names))
+            named.push_back(artefact_path(film, name.get<std::string>()).string());
+    const size_t films = DataFiles::sweep(files.films, as_set(std::move(named)));
     const size_t scenes = DataFiles::sweep(files.scenes, as_set(store.scene_ids()));
     const size_t images = DataFiles::sweep(files.images, as_set(store.image_files()));
     if (films + scenes + images > 0)
@@ -271,6 +280,9 @@ Service::Cancelled Service::cancel_job(const std::string& id) { return impl_->ca
 Service::Cancelled Service::purge_job(const std::string& id) { return impl_->cancel_job(id, true); }
 json Service::retry_job(const std::string& id) { return impl_->retry_job(id); }
 Artefact Service::statistics(const std::string& id) { return impl_->statistics(id); }
+Artefact Service::method_artefact(const std::string& id, const std::string& name) {
+    return impl_->method_artefact(id, name);
+}
 Artefact Service::log(const std::string& id) { return impl_->log(id); }
 Page Service::devices() { return impl_->devices(); }
 json Service::status() { return impl_->status(); }

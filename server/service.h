@@ -129,6 +129,9 @@ public:
     Artefact pixels(const std::string& id, const std::string& layer, const std::string& precision);
     /// Pending until the job is over; NotFound when it ended without statistics.
     Artefact statistics(const std::string& id);
+    /// What the method left beside the image, by a name of all_artefacts(). Pending until the job is over; NotFound,
+    /// saying how to ask for it, when the job has none.
+    Artefact method_artefact(const std::string& id, const std::string& name);
     /// What happened to the job, attempt by attempt; text/plain.
     Artefact log(const std::string& id);
 

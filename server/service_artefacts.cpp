@@ -1,9 +1,12 @@
 // What can be downloaded of a job: encoded by the helper from the film on the disk, kept by content.
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 
+#include "protocol/worker_messages.h"
 #include "renderer/core/sha256.h"
+#include "renderer/methods/registry.h"
 #include "server/clock_text.h"
 #include "server/service_impl.h"
 
@@ -27,6 +30,16 @@ void write_text(const fs::path& path, const std::string& text) {
     out << text;
     out.close();
     if (!out) throw Error(ErrorCode::NoSpace, "cannot write " + path.string());
+}
+
+void link_or_copy(const fs::path& file, const fs::path& as) {
+    std::error_code error;
+    fs::create_hard_link(file, as, error);
+    if (error == std::errc::no_such_file_or_directory)
+        throw Error(ErrorCode::NotFound, "the job has just been removed");
+    if (error && !fs::copy_file(file, as, error))
+        throw Error(error == std::errc::no_space_on_device ? ErrorCode::NoSpace : ErrorCode::Internal,
+                    "cannot copy " + file.string() + ": " + error.message());
 }
 
 Artefact pending() {
@@ -138,6 +151,39 @@ Artefact Service::Impl::statistics(const std::string& id) {
                         write_text(path, row.statistics);
                         return std::map<std::string, std::string>();
                     });
+}
+
+Artefact Service::Impl::method_artefact(const std::string& id, const std::string& name) {
+    JobRow row;
+    {
+        const std::lock_guard lock(mutex);
+        row = require_job(id);
+    }
+    const auto known = all_artefacts();
+    const auto info = std::find_if(known.begin(), known.end(), [&](const ArtefactInfo& a) { return a.name == name; });
+    if (info == known.end()) throw Error(ErrorCode::NotFound, "there is no artefact '" + name + "'");
+    const json kept = json::parse(row.artefacts);
+    if (std::find(kept.begin(), kept.end(), json(name)) != kept.end()) {
+        const fs::path file = artefact_path(files.films / row.film, name);
+        // A second name for the same file in the cache: no copy, and a download that has begun outlives the job.
+        const auto linked = artefacts.get("job/" + std::to_string(row.seq) + "/" + file.filename().string(),
+                                          files.fresh_cache_path(), [&](const fs::path& path) {
+                                              link_or_copy(file, path);
+                                              return std::map<std::string, std::string>();
+                                          });
+        return {false,  linked->path,   std::string(info->media_type), linked->etag, linked->bytes,
+                linked, linked->headers};
+    }
+    const std::string what(info->text), parameter(info->parameter);
+    const MethodInfo* method = find_method(row.method);
+    if (!method || !method->find_artefact(name))
+        throw Error(ErrorCode::NotFound, "job " + id + " has no " + what + ": " + row.method + " keeps none");
+    if (!json::parse(row.request)["method"]["parameters"].value(parameter, false))
+        throw Error(ErrorCode::NotFound,
+                    "job " + id + " has no " + what + ": ask for it with method.parameters." + parameter);
+    if (!is_over(row.state)) return pending();
+    throw Error(ErrorCode::NotFound,
+                "job " + id + " " + std::string(job_state_name(row.state)) + " without leaving its " + what);
 }
 
 Artefact Service::Impl::log(const std::string& id) {

@@ -6,6 +6,8 @@
 #include <algorithm>
 
 #include "protocol/problem.h"
+#include "protocol/worker_messages.h"
+#include "renderer/methods/registry.h"
 #include "server/clock_text.h"
 #include "server/service_impl.h"
 
@@ -268,6 +270,17 @@ void Service::Impl::finished(Slot& slot, const json& message) {
            [this, attempt = *slot.running, message, device = slot.device] { record_result(attempt, message, device); });
 }
 
+json Service::Impl::kept_artefacts(const JobRow& row, const json& message) const {
+    const MethodInfo* method = find_method(row.method);
+    json kept = json::array();
+    const json names = message.value("artefacts", json::array());
+    for (const ArtefactInfo& artefact : method ? method->artefacts : std::vector<ArtefactInfo>())
+        if (std::find(names.begin(), names.end(), json(artefact.name)) != names.end() &&
+            fs::is_regular_file(fs::symlink_status(artefact_path(files.films / row.film, artefact.name))))
+            kept.push_back(artefact.name);
+    return kept;
+}
+
 void Service::Impl::record_result(const RunningAttempt& attempt, const json& message, const std::string& device) {
     auto found = store.job(attempt.seq);
     if (!found || found->state != JobState::Running || found->attempt != attempt.attempt) return;
@@ -316,6 +329,7 @@ void Service::Impl::record_result(const RunningAttempt& attempt, const json& mes
         reason = failure.what();
         row.failure = problem_of(row.seq, failure.code, failure.what(), failure.faults);
     }
+    row.artefacts = is_over(row.state) && has_film ? kept_artefacts(row, message).dump() : "[]";
     close_attempt(row, outcome, reason, row.passes_done);
     const std::string line = "attempt " + std::to_string(row.attempt) + " " + outcome + " after " +
                              std::to_string(row.passes_done) + " passes" +
@@ -326,7 +340,7 @@ void Service::Impl::record_result(const RunningAttempt& attempt, const json& mes
             if (lines[i].is_string())
                 store.append_log(row.seq, now_ms(), lines[i].get<std::string>().substr(0, kMaxLogLineBytes));
     });
-    if (!old_film.empty() && old_film != row.film) remove_quietly(files.films / old_film);
+    if (old_film != row.film) remove_film(old_film);
     artefacts.forget("job/" + std::to_string(row.seq) + "/");
     if (row.state == JobState::Queued) {
         queue.push(row.seq, row.priority, row.device);
@@ -377,7 +391,7 @@ void Service::Impl::record_loss(const RunningAttempt& attempt, const ProcessExit
     commit_state(row, "attempt " + std::to_string(row.attempt) + " " + outcome + ": " + reason +
                           (row.state == JobState::Queued ? "; queued again" : ""));
     // What the dead attempt had written nobody names.
-    if (!attempt.film.empty() && attempt.film != row.film) remove_quietly(files.films / attempt.film);
+    if (attempt.film != row.film) remove_film(attempt.film);
     if (row.state == JobState::Queued) {
         queue.push(row.seq, row.priority, row.device);
     } else {

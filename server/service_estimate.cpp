@@ -24,13 +24,15 @@ LayerSet layers_of(const JobRequest& request) {
     return layers;
 }
 
-uint64_t method_bytes(const JobRequest& request, const Workload& workload) {
+/// One of the method's estimates for a request.
+uint64_t ask_method(const JobRequest& request, const Workload& workload,
+                    uint64_t (*MethodInfo::*estimate)(const MethodParams&, const Workload&)) {
     const MethodInfo* method = find_method(request.method);
     if (!method) throw Error(ErrorCode::Internal, "a request for a method that is not there");
     const std::unique_ptr<MethodParams> params = method->make_params();
     std::vector<Fault> faults;  // none: the reader of jobs has seen to that
     read_params(*params, request.parameters, "/method/parameters", faults);
-    return method->estimate_bytes(*params, workload);
+    return (method->*estimate)(*params, workload);
 }
 
 }  // namespace
@@ -39,29 +41,43 @@ uint64_t Service::Impl::film_bytes(const JobRequest& request) {
     return Film::bytes_for({request.width, request.height}, layers_of(request));
 }
 
-uint64_t Service::Impl::estimate_memory_bytes(const JobRequest& request, const SceneRef& scene) {
-    json summary = json::object();
-    if (scene.builtin) {
-        // One that has not been judged yet counts nothing: the worker holds it to the limit all the same.
-        const std::lock_guard lock(builtin_mutex);
-        if (const auto found = builtin_summaries.find(scene.id); found != builtin_summaries.end())
-            summary = found->second;
-    } else {
-        summary = json::parse(scene.row->summary);
-    }
+json Service::Impl::summary_of(const SceneRef& scene) {
+    if (!scene.builtin) return json::parse(scene.row->summary);
+    // One that has not been judged yet counts nothing: the worker holds it to the limit all the same.
+    const std::lock_guard lock(builtin_mutex);
+    const auto found = builtin_summaries.find(scene.id);
+    return found != builtin_summaries.end() ? found->second : json::object();
+}
+
+Workload Service::Impl::workload_of(const JobRequest& request, const json& summary) {
     Workload workload;
     workload.film_size = {request.width, request.height};
     workload.layers = layers_of(request);
     workload.threads = options.threads ? options.threads : std::max(1u, std::thread::hardware_concurrency());
     const json lights = summary.value("lights", json::object());
     workload.lights = lights.value("area", uint64_t{0}) + lights.value("punctual", uint64_t{0});
-    uint64_t bytes = film_bytes(request) + summary.value("memory_bytes", uint64_t{0});
+    workload.triangles = summary.value("triangles", uint64_t{0});
+    const json needs = summary.value("needs", json::object());
+    workload.needs.visit([&](const char* name, bool& needed) { needed = needs.value(name, false); });
     if (request.environment)
         if (const auto image = store.image(request.environment->image.substr(6))) {
             workload.environment_size = {static_cast<uint32_t>(image->width), static_cast<uint32_t>(image->height)};
-            bytes += workload.environment_size.pixels() * sizeof(Rgb);
+            workload.needs.environment = true;
         }
-    return bytes + method_bytes(request, workload);
+    return workload;
+}
+
+uint64_t Service::Impl::estimate_memory_bytes(const JobRequest& request, const SceneRef& scene) {
+    const json summary = summary_of(scene);
+    const Workload workload = workload_of(request, summary);
+    return film_bytes(request) + summary.value("memory_bytes", uint64_t{0}) +
+           workload.environment_size.pixels() * sizeof(Rgb) +
+           ask_method(request, workload, &MethodInfo::estimate_bytes);
+}
+
+uint64_t Service::Impl::estimate_disk_bytes(const JobRequest& request, const SceneRef& scene) {
+    const Workload workload = workload_of(request, summary_of(scene));
+    return film_bytes(request) + ask_method(request, workload, &MethodInfo::estimate_artefact_bytes);
 }
 
 json Service::Impl::estimate_job(const JobRequest& request) {

@@ -17,6 +17,7 @@
 #include <thread>
 
 #include "renderer/film/film.h"
+#include "renderer/methods/method.h"
 #include "server/queue/job_queue.h"
 #include "server/queue/retry_policy.h"
 #include "server/service.h"
@@ -113,12 +114,18 @@ struct Service::Impl {
     SceneRef check_request(const JobRequest& request);
     std::string device_of(const JobRequest& request) const;
     void purge(const JobRow& row);
+    /// The film of an attempt (empty: none) and whatever artefacts lie beside it.
+    void remove_film(const std::string& film) const;
 
     // service_estimate.cpp
     nlohmann::json estimate_job(const JobRequest& request);  // takes the lock; may wait for the helper
     /// What the worker's budget will hold, to a few percent; under the lock.
     uint64_t estimate_memory_bytes(const JobRequest& request, const SceneRef& scene);
+    Workload workload_of(const JobRequest& request, const nlohmann::json& scene_summary);  // under the lock
+    nlohmann::json summary_of(const SceneRef& scene);
     static uint64_t film_bytes(const JobRequest& request);
+    /// What a job will leave on the disk; under the lock.
+    uint64_t estimate_disk_bytes(const JobRequest& request, const SceneRef& scene);
 
     // service_attempts.cpp; all under the lock
     void dispatch();
@@ -131,6 +138,8 @@ struct Service::Impl {
     void film_saved(Slot& slot, const nlohmann::json& message);
     void finished(Slot& slot, const nlohmann::json& message);
     void record_result(const RunningAttempt& attempt, const nlohmann::json& message, const std::string& device);
+    /// Of the artefacts a "finished" names, those that the method declares and that are there.
+    nlohmann::json kept_artefacts(const JobRow& row, const nlohmann::json& message) const;
     void record_loss(const RunningAttempt& attempt, const ProcessExit& exit, bool daemon_stopping);
     /// Runs `record`, lets the slot go and gives it the next job; when the store fails the slot keeps `record`.
     void settle(Slot& slot, std::function<void()> record);
@@ -160,6 +169,7 @@ struct Service::Impl {
     Artefact encode(const std::string& id, const std::string& what, const std::string& media_type,
                     nlohmann::json request, bool with_statistics);
     Artefact statistics(const std::string& id);
+    Artefact method_artefact(const std::string& id, const std::string& name);
     Artefact log(const std::string& id);
     Artefact artefact(const std::string& key, const std::string& media_type, const ArtefactCache::Make& make);
 

@@ -5,7 +5,10 @@
 #include <algorithm>
 
 #include "protocol/nearest_name.h"
+#include "protocol/openapi.h"
+#include "protocol/worker_messages.h"
 #include "renderer/core/sha256.h"
+#include "renderer/methods/registry.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "server/clock_text.h"
 #include "server/service_impl.h"
@@ -51,6 +54,16 @@ json Service::Impl::job_object(const JobRow& row) const {
             seconds = slot->running->seconds;
         }
     const std::string self = "/v1/jobs/" + job_id(row.seq);
+    json links = {{"self", self},
+                  {"image", self + "/image.exr"},
+                  {"preview", self + "/preview.png"},
+                  {"statistics", self + "/statistics.json"},
+                  {"curve", nullptr},
+                  {"log", self + "/log.txt"},
+                  {"events", self + "/events"}};
+    for (const ArtefactInfo& artefact : all_artefacts()) links[artefact_link(std::string(artefact.name))] = nullptr;
+    for (const json& name : json::parse(row.artefacts))
+        links[artefact_link(name.get<std::string>())] = self + "/" + name.get<std::string>();
     return {{"id", job_id(row.seq)},
             {"state", job_state_name(row.state)},
             {"progress", progress},
@@ -62,14 +75,7 @@ json Service::Impl::job_object(const JobRow& row) const {
             {"finished", time_or_null(row.finished_ms)},
             {"attempts", json::parse(row.attempts)},
             {"request", json::parse(row.request)},
-            {"links",
-             {{"self", self},
-              {"image", self + "/image.exr"},
-              {"preview", self + "/preview.png"},
-              {"statistics", self + "/statistics.json"},
-              {"curve", nullptr},
-              {"log", self + "/log.txt"},
-              {"events", self + "/events"}}},
+            {"links", links},
             {"statistics", parsed_or_null(row.statistics)},
             {"failure", parsed_or_null(row.failure)},
             {"curve", nullptr}};
@@ -145,7 +151,7 @@ json Service::Impl::submit_job(const JobRequest& request, const std::optional<st
     if (queue.size() >= options.limits.max_queue)
         throw Error(ErrorCode::QueueFull, std::to_string(queue.size()) + " jobs are waiting, the limit is " +
                                               std::to_string(options.limits.max_queue));
-    check_disk(film_bytes(request));
+    check_disk(estimate_disk_bytes(request, scene));
 
     JobRow row;
     row.priority = request.priority;
@@ -245,7 +251,14 @@ void Service::Impl::purge(const JobRow& row) {
     store.delete_job(row.seq);
     transaction.commit();
     artefacts.forget("job/" + std::to_string(row.seq) + "/");
-    if (!row.film.empty()) remove_quietly(files.films / row.film);
+    remove_film(row.film);
+}
+
+void Service::Impl::remove_film(const std::string& film) const {
+    if (film.empty()) return;
+    remove_quietly(files.films / film);
+    for (const ArtefactInfo& artefact : all_artefacts())
+        remove_quietly(artefact_path(files.films / film, artefact.name));
 }
 
 json Service::Impl::retry_job(const std::string& id) {
@@ -268,12 +281,13 @@ json Service::Impl::retry_job(const std::string& id) {
     row.passes_done = 0;
     row.progress = row.seconds = 0;
     row.film.clear();
+    row.artefacts = "[]";
     row.pixel_hash.clear();
     row.statistics.clear();
     row.failure.clear();
     commit_state(row, "queued again on request");
     artefacts.forget("job/" + std::to_string(row.seq) + "/");
-    if (!old_film.empty()) remove_quietly(files.films / old_film);
+    remove_film(old_film);
     json object = job_object(row);
     queue.push(row.seq, row.priority, row.device);
     dispatch();

@@ -36,6 +36,11 @@ void print_method(const Session& session, const json& method) {
     facts.add_row({"devices", words_of(method.value("devices", json()))});
     facts.add_row({"same bits every time on", true_members(method.value("deterministic", json()))});
     facts.add_row({"can be cut and merged", method.value("mergeable", false) ? "yes" : "no"});
+    facts.add_row({"layers on request", words_of(method.value("layers", json()))});
+    for (const json& artefact : method.value("artefacts", json::array()))
+        facts.add_row({"can keep", plain_text(artefact.value("description", json())) + ": " +
+                                       plain_text(artefact.value("name", json())) + ", by " +
+                                       plain_text(artefact.value("parameter", json()))});
     for (const json& source : method.value("sources", json::array())) facts.add_row({"source", plain_text(source)});
     facts.print(std::cout, "  ");
 

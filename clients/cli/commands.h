@@ -26,7 +26,7 @@ void add_completion_command(CLI::App& program, Session& session);
 struct RenderVocabulary {
     std::string method;                 // the one the command line names
     std::vector<Parameter> parameters;  // of that method
-    std::vector<std::string> layers;    // on request; filled only for help
+    std::vector<std::string> layers;    // on request, of that method
     bool known = false;                 // the daemon was asked and has that method
 };
 void add_render_command(CLI::App& program, Session& session, const RenderVocabulary& vocabulary);
@@ -46,9 +46,5 @@ RenderVocabulary ask_render_vocabulary(Session& session, const std::vector<std::
 /// and a description after it; the line ":files" asks the shell for file names as well. Silent when no daemon answers
 /// soon.
 void complete(Session& session, const std::vector<std::string>& arguments);
-
-/// The words that the published schema of a job (POST /v1/jobs in /v1/openapi.json) allows in one of its members, as in
-/// "layers" or "image/filter"; empty when it names none. Throws Failure.
-std::vector<std::string> job_words(Session& session, const std::string& member);
 
 }  // namespace photond::cli

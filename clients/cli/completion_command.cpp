@@ -255,10 +255,10 @@ private:
         }
     }
 
-    /// Names that the published job schema allows, after those already written.
+    /// Names of the method's layers, after those already written.
     void add_layers(const Position& position) {
         const std::string written = position.value.substr(0, position.value.rfind(',') + 1);
-        for (const std::string& layer : job_words(session_, "layers")) add(written + layer, "");
+        for (const std::string& layer : vocabulary_->layers) add(written + layer, "");
     }
 
     Session& session_;

@@ -56,6 +56,10 @@ void add_output_options(CLI::App& command, JobOutputs& outputs) {
     command.add_option("--curve", outputs.curve, "tone curve of the PNG")
         ->type_name("srgb|filmic")
         ->check(CLI::IsMember({"srgb", "filmic"}).description(""));
+    command
+        .add_option("--photon-map", outputs.photon_map,
+                    "save the photons as a glTF point cloud (.glb), where the method has keep_photon_map")
+        ->type_name("FILE");
     command.add_option("--precision", outputs.precision, "of the EXR; default: float")
         ->type_name("half|float")
         ->check(CLI::IsMember({"half", "float"}).description(""));

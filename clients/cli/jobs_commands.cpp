@@ -99,7 +99,7 @@ ExitCode change_jobs(Session& session, const JobsOptions& options, const std::st
 ExitCode fetch_job(Session& session, const JobsOptions& options) {
     const std::string& id = options.ids.front();
     JobOutputs outputs = options.outputs;
-    if (!outputs.any_image() && outputs.statistics.empty() && outputs.log.empty()) outputs.images = {id + ".exr"};
+    if (!outputs.any()) outputs.images = {id + ".exr"};
     outputs.check();
     const json job = session.daemon().get(resource_path("jobs", id));
     save_job_outputs(session, id, outputs);
@@ -150,7 +150,8 @@ void add_jobs_commands(CLI::App& program, Session& session) {
         return change_jobs(s, o, "POST", "/retry", Repeat::OnlyIfRefused, "queued again");
     });
 
-    CLI::App* fetch = command("fetch", "Save images, statistics and log of a job; default: JOB.exr", 1, fetch_job);
+    CLI::App* fetch =
+        command("fetch", "Save images, statistics, log or photon map of a job; default: JOB.exr", 1, fetch_job);
     add_output_options(*fetch, options->outputs);
     fetch->add_option("--statistics", options->outputs.statistics, "save statistics.json ('-': standard output)")
         ->type_name("FILE");

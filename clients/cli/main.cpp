@@ -86,7 +86,6 @@ RenderVocabulary vocabulary_for(Session& session, const std::vector<std::string>
     if (help) session.server.retry_seconds = 0;
     try {
         vocabulary = ask_render_vocabulary(session, arguments);
-        if (help) vocabulary.layers = job_words(session, "layers");
     } catch (const Failure& failure) {
         if (!help || failure.code == ExitCode::Usage) throw;
     }

@@ -67,6 +67,7 @@ std::pair<std::string, std::string> key_and_value(const std::string& text, const
 /// Parameters of the command line over those of the request; every name and value checked against the schema.
 void add_parameters(json& parameters, const RenderOptions& options, const RenderVocabulary& vocabulary) {
     std::map<std::string, std::string> given = options.parameters;
+    if (!options.outputs.photon_map.empty()) given.emplace("keep_photon_map", "true");
     for (const std::string& setting : options.settings)
         given.insert_or_assign(key_and_value(setting, "--set").first, key_and_value(setting, "--set").second);
     for (const auto& [name, text] : given) {
@@ -189,10 +190,10 @@ ExitCode print_estimate(Session& session, const json& request) {
 
 ExitCode render(Session& session, const RenderOptions& options, const RenderVocabulary& vocabulary) {
     options.outputs.check();
-    if (options.no_wait && (options.outputs.any_image() || options.wait.timeout_seconds > 0))
-        throw Failure(ExitCode::Usage, "--no-wait saves no image and needs no --timeout",
+    if (options.no_wait && (options.outputs.any() || options.wait.timeout_seconds > 0))
+        throw Failure(ExitCode::Usage, "--no-wait saves nothing and needs no --timeout",
                       "photonctl jobs fetch saves it later");
-    if (options.dry_run && (options.no_wait || options.outputs.any_image() || options.wait.timeout_seconds > 0))
+    if (options.dry_run && (options.no_wait || options.outputs.any() || options.wait.timeout_seconds > 0))
         throw Failure(ExitCode::Usage, "--dry-run renders nothing: there is nothing to save or to wait for");
     json request = build_request(options, vocabulary);
     add_scene(session, request, options);
@@ -273,6 +274,7 @@ RenderVocabulary ask_render_vocabulary(Session& session, const std::vector<std::
         names.push_back(method.value("name", ""));
         if (names.back() != vocabulary.method) continue;
         vocabulary.parameters = parameters_of(method);
+        for (const json& layer : method.value("layers", json::array())) vocabulary.layers.push_back(plain_text(layer));
         vocabulary.known = true;
     }
     if (!vocabulary.known) {

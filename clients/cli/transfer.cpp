@@ -77,6 +77,7 @@ void save_job_outputs(Session& session, const std::string& job_id, const JobOutp
         save_resource(session, job + "/preview.png" + preview_query(outputs), outputs.preview);
     if (!outputs.statistics.empty()) save_resource(session, job + "/statistics.json", outputs.statistics);
     if (!outputs.log.empty()) save_resource(session, job + "/log.txt", outputs.log);
+    if (!outputs.photon_map.empty()) save_resource(session, job + "/photon_map.glb", outputs.photon_map);
 }
 
 }  // namespace photond::cli

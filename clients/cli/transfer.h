@@ -17,6 +17,7 @@ struct JobOutputs {
     std::string preview;              // PNG
     std::string statistics;           // JSON
     std::string log;                  // text
+    std::string photon_map;           // glTF, where the method kept it
     std::string precision;            // of the EXR: half or float; empty: float
     double exposure_stops = 0;        // of the preview
     std::string curve;                // of the preview; empty: the daemon's default
@@ -24,6 +25,7 @@ struct JobOutputs {
     /// Throws Failure(Usage) for a file name whose suffix says nothing, before anything is rendered.
     void check() const;
     bool any_image() const { return !images.empty() || !preview.empty(); }
+    bool any() const { return any_image() || !statistics.empty() || !log.empty() || !photon_map.empty(); }
 };
 
 void save_job_outputs(Session& session, const std::string& job_id, const JobOutputs& outputs);

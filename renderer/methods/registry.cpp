@@ -47,6 +47,13 @@ const ArtefactInfo* MethodInfo::find_artefact(std::string_view artefact_name) co
     return nullptr;
 }
 
+std::vector<std::string> MethodInfo::layers_on_request() const {
+    std::vector<std::string> names;
+    for (const LayerInfo& info : kLayers)
+        if (layers.has(info.layer) && !LayerSet().has(info.layer)) names.emplace_back(info.name);
+    return names;
+}
+
 std::span<const ArtefactInfo> all_artefacts() {
     static const std::vector<ArtefactInfo> kArtefacts = [] {
         std::vector<ArtefactInfo> all;

@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -38,6 +39,8 @@ struct MethodInfo {
 
     /// nullptr when it has no artefact of that name.
     const ArtefactInfo* find_artefact(std::string_view artefact_name) const;
+    /// Names of the layers that a job has to ask for, those of them it can fill; in the order of kLayers.
+    std::vector<std::string> layers_on_request() const;
 };
 
 std::span<const MethodInfo> all_methods();  // by name

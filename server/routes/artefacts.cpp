@@ -1,3 +1,4 @@
+#include "renderer/methods/registry.h"
 #include "server/routes/file_reply.h"
 #include "server/routes/query.h"
 #include "server/routes/routes.h"
@@ -5,9 +6,9 @@
 namespace photond::http {
 
 void add_artefact_routes(std::vector<Route>& routes, Service& service) {
-    const auto add = [&routes](const char* file, Lane lane, std::function<Artefact(Call&, Query&)> make) {
+    const auto add = [&routes](const std::string& file, Lane lane, std::function<Artefact(Call&, Query&)> make) {
         routes.push_back({.method = "GET",
-                          .pattern = std::string("/v1/jobs/{id}/") + file,
+                          .pattern = "/v1/jobs/{id}/" + file,
                           .lane = lane,
                           .handle = [make = std::move(make)](Call& call) {
                               Query query(call.query);
@@ -39,6 +40,12 @@ void add_artefact_routes(std::vector<Route>& routes, Service& service) {
         query.finish();
         return service.log(call.path_parameters[0]);
     });
+    for (const ArtefactInfo& artefact : all_artefacts())
+        add(std::string(artefact.name), Lane::Slow,
+            [&service, name = std::string(artefact.name)](Call& call, Query& query) {
+                query.finish();
+                return service.method_artefact(call.path_parameters[0], name);
+            });
 }
 
 }  // namespace photond::http

@@ -21,6 +21,12 @@ json method_json(const MethodInfo& method) {
     json deterministic = json::object();
     for (const std::string_view kind : method.devices)
         deterministic[std::string(kind)] = kind == "cpu" ? json(method.deterministic_cpu) : json(nullptr);
+    json artefacts = json::array();
+    for (const ArtefactInfo& artefact : method.artefacts)
+        artefacts.push_back({{"name", artefact.name},
+                             {"media_type", artefact.media_type},
+                             {"parameter", artefact.parameter},
+                             {"description", artefact.text}});
     return {{"name", method.name},
             {"title", method.title},
             {"family", method.family},
@@ -28,6 +34,8 @@ json method_json(const MethodInfo& method) {
             {"sources", strings(method.sources)},
             {"mergeable", method.mergeable},
             {"deterministic", deterministic},
+            {"layers", method.layers_on_request()},
+            {"artefacts", artefacts},
             {"parameters", params_schema(*method.make_params())}};
 }
 
@@ -72,7 +80,11 @@ std::string openapi_text(const Service& service) {
     ApiVocabulary vocabulary;
     vocabulary.version = PHOTOND_VERSION;
     for (const MethodInfo& method : all_methods())
-        vocabulary.methods.push_back({std::string(method.name), params_schema(*method.make_params())});
+        vocabulary.methods.push_back(
+            {std::string(method.name), params_schema(*method.make_params()), method.layers_on_request()});
+    for (const ArtefactInfo& artefact : all_artefacts())
+        vocabulary.artefacts.push_back(
+            {std::string(artefact.name), std::string(artefact.media_type), std::string(artefact.text)});
     vocabulary.layers = service.vocabulary().layer_names;
     vocabulary.max_width = service.vocabulary().max_width;
     vocabulary.max_height = service.vocabulary().max_height;

@@ -48,6 +48,11 @@ inline constexpr const char* kMigrations[] = {
     CREATE TABLE events (id INTEGER PRIMARY KEY, job INTEGER NOT NULL, type TEXT NOT NULL, data TEXT NOT NULL);
     CREATE INDEX events_by_job ON events (job, id);
     )sql",
+    // 2: artefacts that methods leave beside the film
+    R"sql(
+    ALTER TABLE jobs ADD COLUMN artefacts TEXT NOT NULL DEFAULT '[]';
+    CREATE INDEX jobs_with_artefacts ON jobs (seq) WHERE artefacts <> '[]';
+    )sql",
 };
 
 inline constexpr int kSchemaVersion = static_cast<int>(std::size(kMigrations));

@@ -12,7 +12,7 @@ namespace {
 #define PHOTOND_JOB_COLUMNS                                                                                         \
     "seq, state, priority, device, method, scene, request, created_ms, started_ms, finished_ms, attempt, crashes, " \
     "losses, cancel_requested, purge_requested, passes_done, progress, seconds, film, pixel_hash, statistics, "     \
-    "failure, attempts"
+    "failure, attempts, artefacts"
 
 std::optional<int64_t> optional_integer(const Statement& row, int column) {
     if (row.is_null(column)) return std::nullopt;
@@ -45,6 +45,7 @@ JobRow read_job(const Statement& row) {
     job.statistics = row.text(20);
     job.failure = row.text(21);
     job.attempts = row.text(22);
+    job.artefacts = row.text(23);
     return job;
 }
 
@@ -54,7 +55,7 @@ std::vector<JobRow> read_jobs(Statement& statement) {
     return jobs;
 }
 
-/// Binds every column but seq to parameters 1 ... 22.
+/// Binds every column but seq to parameters 1 ... 23.
 void bind_job(Statement& statement, const JobRow& job) {
     statement.bind(1, static_cast<int64_t>(job.state)).bind(2, static_cast<int64_t>(job.priority));
     statement.bind(3, job.device).bind(4, job.method).bind(5, job.scene).bind(6, job.request);
@@ -64,7 +65,7 @@ void bind_job(Statement& statement, const JobRow& job) {
     statement.bind(14, static_cast<int64_t>(job.purge_requested));
     statement.bind(15, job.passes_done).bind(16, job.progress).bind(17, job.seconds);
     statement.bind(18, job.film).bind(19, job.pixel_hash).bind(20, job.statistics).bind(21, job.failure);
-    statement.bind(22, job.attempts);
+    statement.bind(22, job.attempts).bind(23, job.artefacts);
 }
 
 SceneRow read_scene(const Statement& row) {
@@ -100,8 +101,9 @@ void Store::insert_job(JobRow& job, const std::vector<std::pair<std::string, std
     Statement insert = database_.prepare(
         "INSERT INTO jobs (state, priority, device, method, scene, request, created_ms, started_ms, finished_ms, "
         "attempt, crashes, losses, cancel_requested, purge_requested, passes_done, progress, seconds, film, "
-        "pixel_hash, statistics, failure, attempts) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, "
-        "?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21, ?22)");
+        "pixel_hash, statistics, failure, attempts, artefacts) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, "
+        "?12, ?13, "
+        "?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21, ?22, ?23)");
     bind_job(insert, job);
     insert.run();
     job.seq = database_.last_insert_id();
@@ -118,9 +120,9 @@ void Store::update_job(const JobRow& job) {
         "UPDATE jobs SET state = ?1, priority = ?2, device = ?3, method = ?4, scene = ?5, request = ?6, created_ms = "
         "?7, started_ms = ?8, finished_ms = ?9, attempt = ?10, crashes = ?11, losses = ?12, cancel_requested = ?13, "
         "purge_requested = ?14, passes_done = ?15, progress = ?16, seconds = ?17, film = ?18, pixel_hash = ?19, "
-        "statistics = ?20, failure = ?21, attempts = ?22 WHERE seq = ?23");
+        "statistics = ?20, failure = ?21, attempts = ?22, artefacts = ?23 WHERE seq = ?24");
     bind_job(update, job);
-    update.bind(23, job.seq).run();
+    update.bind(24, job.seq).run();
 }
 
 void Store::delete_job(int64_t seq) {
@@ -190,6 +192,13 @@ int64_t Store::count_jobs(JobState state) {
 std::vector<std::string> Store::films() {
     Statement read = database_.prepare("SELECT film FROM jobs WHERE film <> ''");
     return read_texts(read);
+}
+
+std::vector<std::pair<std::string, std::string>> Store::artefacts() {
+    Statement read = database_.prepare("SELECT film, artefacts FROM jobs WHERE artefacts <> '[]'");
+    std::vector<std::pair<std::string, std::string>> rows;
+    while (read.step()) rows.emplace_back(read.text(0), read.text(1));
+    return rows;
 }
 
 std::vector<JobRow> Store::latest_succeeded(const std::string& method, uint32_t limit) {

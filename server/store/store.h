@@ -38,9 +38,10 @@ struct JobRow {
     double seconds = 0;
     std::string film;  // file name in the films folder; empty: none
     std::string pixel_hash;
-    std::string statistics;       // JSON or empty
-    std::string failure;          // JSON (problem) or empty
-    std::string attempts = "[]";  // JSON
+    std::string statistics;        // JSON or empty
+    std::string failure;           // JSON (problem) or empty
+    std::string attempts = "[]";   // JSON
+    std::string artefacts = "[]";  // JSON: names of what the method left beside the film
 };
 
 struct SceneRow {
@@ -93,6 +94,8 @@ public:
     int64_t unfinished_jobs_of_scene(const std::string& scene);
     int64_t count_jobs(JobState state);
     std::vector<std::string> films();
+    /// Film and artefacts (JSON) of every job that has any.
+    std::vector<std::pair<std::string, std::string>> artefacts();
     /// The newest succeeded jobs of a method, at most `limit`; for estimates.
     std::vector<JobRow> latest_succeeded(const std::string& method, uint32_t limit);
 

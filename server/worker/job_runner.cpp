@@ -78,6 +78,10 @@ JobVocabulary worker_vocabulary() {
         if (const MethodInfo* info = find_method(method)) kinds.assign(info->devices.begin(), info->devices.end());
         return kinds;
     };
+    vocabulary.layers_of = [](const std::string& method) {
+        const MethodInfo* info = find_method(method);
+        return info ? info->layers_on_request() : std::vector<std::string>();
+    };
     return vocabulary;
 }
 
@@ -156,6 +160,8 @@ struct JobRunner::Report {
     double seconds = 0;
     json film = nullptr;
     json statistics = nullptr;
+    json artefacts = json::array();
+    std::vector<std::filesystem::path> artefact_files;
     json failure = nullptr;
     json log = json::array();
 };
@@ -167,6 +173,17 @@ JobRunner::JobRunner(SceneCache& scenes, Device device, unsigned max_threads, ui
       memory_limit_bytes_(memory_limit_bytes),
       send_(std::move(send)) {}
 
+void JobRunner::save_artefacts(const Method& method, const std::filesystem::path& film_path, Report& report) {
+    for (const MethodArtefact& artefact : method.artefacts()) {
+        const std::filesystem::path path = artefact_path(film_path, artefact.name);
+        artefact.write(path);
+        report.artefact_files.push_back(path);
+        report.artefacts.push_back(artefact.name);
+        report.log.push_back(formatted("kept %s: %llu bytes", artefact.name.c_str(),
+                                       static_cast<unsigned long long>(std::filesystem::file_size(path))));
+    }
+}
+
 void JobRunner::run(const json& order, JobControl& control) noexcept {
     Report report;
     const auto fail = [&](json failure) {
@@ -174,6 +191,11 @@ void JobRunner::run(const json& order, JobControl& control) noexcept {
         report.log.push_back("failed: " + failure["detail"].get<std::string>());
         report.failure = std::move(failure);
         report.film = nullptr;
+        report.artefacts = json::array();
+        for (const std::filesystem::path& file : report.artefact_files) {
+            std::error_code gone_already;
+            std::filesystem::remove(file, gone_already);
+        }
     };
     // Code below this function throws and never catches.
     try {
@@ -196,6 +218,7 @@ void JobRunner::run(const json& order, JobControl& control) noexcept {
            {"seconds", report.seconds},
            {"film", report.film},
            {"statistics", report.statistics},
+           {"artefacts", report.artefacts},
            {"failure", report.failure},
            {"log", report.log},
            {"stopping", control.stopping.load()}});
@@ -274,6 +297,8 @@ void JobRunner::render(const json& order, JobControl& control, Report& report) {
         // The peak belongs to the render; writing the film is the runner's.
         const uint64_t peak = peak_resident_bytes();
         if (result.film.passes() > 0) {
+            // A job that is to go on elsewhere leaves its film and nothing to look at.
+            if (!(result.cancelled && control.stopping)) save_artefacts(*method, film_path, report);
             FilmFile::save(result.film, film_path);
             report.film = film_path.string();
             if (control.stopping)

@@ -72,6 +72,7 @@ public:
 private:
     struct Report;
     void render(const nlohmann::json& order, JobControl& control, Report& report);
+    static void save_artefacts(const Method& method, const std::filesystem::path& film_path, Report& report);
 
     SceneCache& scenes_;
     const Device device_;

@@ -85,7 +85,10 @@ json statistics_json(const StatisticsInput& input) {
               {"passes_per_second", per_second(passes, input.render_seconds)},
               {"photons_per_second", counts.photons_emitted
                                          ? per_second(static_cast<double>(counts.photons_emitted), input.render_seconds)
-                                         : json(nullptr)}}},
+                                         : json(nullptr)},
+              {"photon_rays_per_second", counts.photon_rays
+                                             ? per_second(static_cast<double>(counts.photon_rays), input.render_seconds)
+                                             : json(nullptr)}}},
             {"memory",
              {{"structures", input.budget.structures()},
               {"accounted_bytes", input.budget.accounted_bytes()},

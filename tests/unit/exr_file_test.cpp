@@ -56,6 +56,7 @@ Film test_film(Size2 size = {65, 300}) {
             pass.emitted[i] = rgb(), pass.direct[i] = rgb(), pass.indirect[i] = rgb(), pass.caustic[i] = rgb();
             pass.albedo[i] = rgb(), pass.normal[i] = -rgb(), pass.position[i] = 100.0f * rgb();
             pass.depth[i] = 10 * random.next();
+            pass.photon_count[i] = std::floor(100 * random.next());
             pass.hit[i] = i % 3 != 0;
         }
         film.add_pass(pass);
@@ -141,6 +142,8 @@ TEST_F(ExrFile, TheHeaderSaysWhatTheProtocolPromises) {
     std::memcpy(&number, value.data(), sizeof number);
     EXPECT_EQ(number, 123456789012.0);
     EXPECT_EQ(exr.find("capDate"), std::string::npos);
+    for (const char* channel : {"R", "emitted.G", "normal.Z", "depth.Z", "photon_count.Y"})
+        EXPECT_NE(exr.find(std::string(1, '\0') + channel + '\0'), std::string::npos) << channel;
     EXPECT_EQ(uint8_t(exr[5]) & 0x12, 0);  // neither tiled nor of several parts
 }
 

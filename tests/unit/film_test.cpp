@@ -15,16 +15,13 @@
 
 #include "protocol/error.h"
 #include "renderer/core/rng.h"
+#include "renderer/core/sha256.h"
 #include "renderer/film/film_file.h"
 
 namespace photond {
 namespace {
 
-LayerSet all_layers() {
-    LayerSet layers;
-    for (const LayerInfo& info : kLayers) layers.add(info.layer);
-    return layers;
-}
+LayerSet all_layers() { return LayerSet::all(); }
 
 /// Values over many magnitudes, negative ones among them, so that float addition in another order would show.
 PassImage random_pass(Size2 size, LayerSet layers, uint32_t pass) {
@@ -45,6 +42,7 @@ PassImage random_pass(Size2 size, LayerSet layers, uint32_t pass) {
         if (layers.has(Layer::Normal)) image.normal[i] = rgb();
         if (layers.has(Layer::Position)) image.position[i] = rgb();
         if (layers.has(Layer::Depth)) image.depth[i] = value();
+        if (layers.has(Layer::PhotonCount)) image.photon_count[i] = std::abs(value());
     }
     return image;
 }
@@ -216,6 +214,31 @@ TEST(Film, AuxiliaryLayersAverageTheSamplesThatHit) {
     EXPECT_EQ(film.resolve(Layer::Direct), std::vector<float>(6, 0.0f));
 }
 
+TEST(Film, PhotonsAreCountedOverTheSamplesThatHit) {
+    const Size2 size{3, 1};
+    LayerSet layers;
+    layers.add(Layer::PhotonCount);
+    EXPECT_EQ(Film::bytes_for(size, layers) - Film::bytes_for(size, LayerSet()),
+              3 * (sizeof(FixedSum) + sizeof(uint32_t)));
+    EXPECT_EQ(PassImage::bytes_for(size, layers) - PassImage::bytes_for(size, LayerSet()), 3 * (sizeof(float) + 1));
+    Film film(size, layers);
+    for (const float photons : {50.0f, 0.0f, 7.0f}) {
+        PassImage pass(size, layers);
+        pass.hit = {1, photons > 0, 0};  // no photon found is a count too; no surface met is none
+        pass.photon_count = {photons, photons, 0};
+        film.add_pass(pass);
+    }
+    EXPECT_EQ(film.resolve(Layer::PhotonCount), (std::vector<float>{19.0f, 28.5f, 0.0f}));
+    EXPECT_EQ(film.nan_count() + film.infinity_count(), 0u);
+    PassImage bad(size, layers);
+    bad.hit = {1, 1, 0};
+    bad.photon_count = {std::numeric_limits<float>::quiet_NaN(), kFilmValueLimit, 0};
+    film.add_pass(bad);
+    EXPECT_EQ(film.nan_count(), 1u);
+    EXPECT_EQ(film.infinity_count(), 1u);
+    EXPECT_EQ(film.resolve(Layer::PhotonCount)[0], 19.0f);
+}
+
 TEST(Film, StandardErrorIsUnknownBeforeTheSecondPass) {
     LayerSet layers;
     layers.add(Layer::StandardError);
@@ -239,6 +262,41 @@ TEST(FilmFile, GivesTheSameFilmBack) {
     } catch (const Error& error) {
         EXPECT_EQ(error.code, ErrorCode::OutOfMemory);
     }
+    std::filesystem::remove(path);
+}
+
+/// The file with another version in its header, whose checksum is made right again.
+void set_version(const std::filesystem::path& path, uint32_t version) {
+    constexpr std::streamoff kVersionAt = 8, kDigestAt = 48;
+    std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
+    file.seekp(kVersionAt).write(reinterpret_cast<const char*>(&version), sizeof version);
+    std::string header(kDigestAt, '\0');
+    file.seekg(0).read(header.data(), kDigestAt);
+    const std::string digest = sha256_hex(header.data(), header.size()).substr(0, 32);
+    file.seekp(kDigestAt).write(digest.data(), std::streamsize(digest.size()));
+}
+
+TEST(FilmFile, ReadsFilmsFromBeforeTheLastLayerAndRefusesLaterOnes) {
+    const std::filesystem::path path = scratch_file("versions");
+    LayerSet older = all_layers();
+    older.remove(Layer::PhotonCount);
+    const Film film = film_of({9, 5}, older, {0, 1});
+    FilmFile::save(film, path);
+    set_version(path, 1);
+    EXPECT_TRUE(film == FilmFile::load(path));
+    const auto code_of_loading = [&] {
+        try {
+            (void)FilmFile::load(path);
+        } catch (const Error& error) {
+            return error.code;
+        }
+        return ErrorCode::NotFound;
+    };
+    set_version(path, 3);
+    EXPECT_EQ(code_of_loading(), ErrorCode::Unsupported);
+    FilmFile::save(film_of({9, 5}, all_layers(), {0}), path);
+    set_version(path, 1);  // which had no such layer
+    EXPECT_EQ(code_of_loading(), ErrorCode::Internal);
     std::filesystem::remove(path);
 }
 

@@ -23,10 +23,13 @@ struct TinyParams final : MethodParams {
 JobVocabulary vocabulary() {
     JobVocabulary known;
     known.method_names = {"path_tracing", "photon_mapping"};
-    known.layer_names = {"caustic", "albedo", "normal", "position", "depth", "standard_error"};
+    known.layer_names = {"caustic", "albedo", "normal", "position", "depth", "standard_error", "photon_count"};
     known.make_params = [](const std::string&) { return std::make_unique<TinyParams>(); };
     known.devices_of = [](const std::string& method) {
         return method == "path_tracing" ? std::vector<std::string>{"cpu"} : std::vector<std::string>{"cpu", "gpu"};
+    };
+    known.layers_of = [all = known.layer_names](const std::string& method) {
+        return method == "path_tracing" ? std::vector<std::string>(all.begin(), all.end() - 1) : all;
     };
     return known;
 }
@@ -164,6 +167,7 @@ TEST(JobRequest, RefusesEachFaultAtItsPlace) {
         {"/seed", "\"1\"", "/seed", ErrorCode::WrongType},
         {"/layers", "{}", "/layers", ErrorCode::WrongType},
         {"/layers", "[\"depth\", \"depth\"]", "/layers/1", ErrorCode::Conflict},
+        {"/layers", "[\"depth\", \"photon_count\"]", "/layers/1", ErrorCode::Unsupported},
         {"/priority", "101", "/priority", ErrorCode::OutOfRange},
         {"/labels", "{\"a\": 1}", "/labels/a", ErrorCode::WrongType},
         {"/labels", "{\"a=b\": \"x\"}", "/labels/a=b", ErrorCode::OutOfRange},
@@ -190,6 +194,21 @@ TEST(JobRequest, RefusesEachFaultAtItsPlace) {
             << wrong.at << " = " << wrong.value;
         EXPECT_EQ(code, wrong.code) << wrong.at << " = " << wrong.value;
     }
+}
+
+TEST(JobRequest, AMethodMayHaveLayersThatOthersLack) {
+    json body = smallest();
+    body["layers"] = {"photon_count"};
+    try {
+        parse_job_request(body, vocabulary());
+        FAIL();
+    } catch (const Error& error) {
+        EXPECT_NE(error.faults.at(0).detail.find("path_tracing has no layer \"photon_count\""), std::string::npos);
+    }
+    body["method"]["name"] = "photon_mapping";
+    EXPECT_EQ(parse_job_request(body, vocabulary()).layers, std::vector<std::string>{"photon_count"});
+    body["method"]["name"] = "photon_maping";  // then nobody can know
+    EXPECT_EQ(pointers_of(body), std::vector<std::string>{"/method/name"});
 }
 
 TEST(JobRequest, RefusesWhatIsNoObject) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 
 #include "protocol/error.h"
@@ -14,8 +15,10 @@ using nlohmann::json;
 json document() {
     ApiVocabulary vocabulary;
     vocabulary.version = "1.2.3";
-    vocabulary.methods = {{"path_tracing", {{"type", "object"}}}};
+    vocabulary.methods = {{"path_tracing", {{"type", "object"}}, {"albedo"}},
+                          {"photon_mapping", {{"type", "object"}}, {"albedo", "depth"}}};
     vocabulary.layers = {"albedo", "depth"};
+    vocabulary.artefacts = {{"photon_map.glb", "model/gltf-binary", "the photon map"}};
     return openapi_document(vocabulary);
 }
 
@@ -64,6 +67,21 @@ TEST(OpenApi, RequestKnowsMethodsAndLayers) {
     EXPECT_EQ(request["properties"]["method"]["oneOf"][0]["properties"]["name"]["const"], "path_tracing");
     EXPECT_EQ(request["properties"]["layers"]["anyOf"][0]["items"]["enum"].dump(), R"(["albedo","depth"])");
     EXPECT_EQ(request["properties"]["stop"]["anyOf"][0]["required"].dump(), R"(["seconds"])");
+    // Only the method that lacks a layer narrows the list.
+    ASSERT_EQ(request["allOf"].size(), 1u);
+    EXPECT_EQ(request["allOf"][0]["if"]["properties"]["method"]["properties"]["name"]["const"], "path_tracing");
+    EXPECT_EQ(request["allOf"][0]["then"]["properties"]["layers"]["items"]["enum"].dump(), R"(["albedo"])");
+}
+
+TEST(OpenApi, ArtefactsOfMethodsAreServedAndLinked) {
+    const json api = document();
+    const json& operation = api["paths"]["/v1/jobs/{id}/photon_map.glb"]["get"];
+    EXPECT_TRUE(operation["responses"]["200"]["content"].contains("model/gltf-binary"));
+    EXPECT_TRUE(operation["responses"].contains("202"));
+    const json& links = api["components"]["schemas"]["Job"]["properties"]["links"];
+    EXPECT_EQ(links["properties"]["photon_map"]["type"].dump(), R"(["string","null"])");
+    const json& required = links["required"];
+    EXPECT_NE(std::find(required.begin(), required.end(), "photon_map"), required.end());
 }
 
 }  // namespace

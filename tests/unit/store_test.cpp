@@ -11,6 +11,7 @@
 #include "protocol/error.h"
 #include "server/store/artefact_cache.h"
 #include "server/store/data_files.h"
+#include "server/store/schema.h"
 
 namespace photond {
 namespace {
@@ -61,6 +62,7 @@ TEST(Store, AJobComesBackAsItWasAfterReopening) {
     row.statistics = R"({"x":1})";
     row.failure = R"({"code":"no_space"})";
     row.attempts = R"([{"attempt":3}])";
+    row.artefacts = R"(["photon_map.glb"])";
     int64_t seq = 0;
     {
         Store store(folder.path / "s");
@@ -89,6 +91,8 @@ TEST(Store, AJobComesBackAsItWasAfterReopening) {
     EXPECT_EQ(found->statistics, R"({"x":1})");
     EXPECT_EQ(found->failure, R"({"code":"no_space"})");
     EXPECT_EQ(found->attempts, R"([{"attempt":3}])");
+    EXPECT_EQ(found->artefacts, R"(["photon_map.glb"])");
+    EXPECT_EQ(store.artefacts(), (std::vector<std::pair<std::string, std::string>>{{row.film, row.artefacts}}));
     EXPECT_EQ(store.jobs_to_purge().size(), 1u);
     EXPECT_EQ(store.integrity(), "ok");
 }
@@ -192,6 +196,29 @@ TEST(Store, RefusesANewerSchemaAndADamagedFile) {
     EXPECT_THROW(Store(folder.path / "new"), Error);
     std::ofstream(folder.path / "bad") << std::string(8192, 'x');
     EXPECT_THROW(Store(folder.path / "bad"), Error);
+}
+
+TEST(Store, AStoreOfTheFirstVersionIsCarriedOn) {
+    const TemporaryFolder folder;
+    {
+        Database first(folder.path / "s", kMigrations, 1);
+        first.execute(
+            "INSERT INTO jobs VALUES (7, 2, 0, 'cpu', 'path_tracing', 's', '{}', 1, 2, 3, 1, 0, 0, 0, 0, 4, 1, 0.5, "
+            "'J7-1.film', 'ab', '', '', '[]')");
+    }
+    Store store(folder.path / "s");
+    const auto job = store.job(7);
+    ASSERT_TRUE(job);
+    EXPECT_EQ(job->film, "J7-1.film");
+    EXPECT_EQ(job->artefacts, "[]");
+    EXPECT_TRUE(store.artefacts().empty());
+    JobRow row = *job;
+    row.artefacts = R"(["photon_map.glb"])";
+    auto transaction = store.transaction();
+    store.update_job(row);
+    transaction.commit();
+    EXPECT_EQ(store.artefacts(),
+              (std::vector<std::pair<std::string, std::string>>{{"J7-1.film", R"(["photon_map.glb"])"}}));
 }
 
 TEST(Store, HasOneOwner) {
