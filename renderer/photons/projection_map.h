@@ -3,9 +3,9 @@
 // [Jensen 1996], cache-based-gi slides ("importance sampling of emitted photons via projection maps").
 //
 // The slides project the objects into bins of directions for sampled points of each light. Here rays are traced instead
-// (a ray is what a photon will do; it knows occluders, textures with holes, and every kind of light), a few for each bin
-// of the numbers the EmissionSampler draws from. Bins that saw specular surfaces, and their neighbours, are preferred;
-// every other bin keeps a share, so that nothing is missed.
+// (a ray is what a photon will do; it knows occluders, textures with holes, and every kind of light), a few for each
+// bin of the numbers the EmissionSampler draws from. Bins that saw specular surfaces, and their neighbours, are
+// preferred; every other bin keeps a share, so that nothing is missed.
 
 #include <memory>
 
@@ -27,9 +27,10 @@ public:
 
     /// Power-weighted share of unguided photons whose first hit is a specular surface, measured by the pilot rays.
     double specular_share() const;
-    /// The share expected of guided ones.
+    /// The share of guided ones, counted by further rays. specular_share() where nothing is guided.
     double guided_share() const;
-    /// Whether guiding pays: the guided share is at least twice the unguided one, and something was seen at all.
+    /// Whether guiding pays: the guided share is at least twice the unguided one, and something was seen at all. Where
+    /// it cannot (no specular surface, or hardly any other), sample() is unguided.
     bool helps() const;
 
     /// As EmissionSampler::sample(), preferring the bins that saw specular surfaces; the power makes up for it. No
@@ -38,6 +39,7 @@ public:
 
     uint64_t pilot_rays() const;
     uint64_t bytes() const;
+    /// At most, what its building takes for a while included.
     static uint64_t estimate_bytes(uint64_t lights);
 
 private:
