@@ -452,7 +452,7 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
         all.push_back({"get",
                        "/v1/jobs/{id}/" + artefact.name,
                        "get_" + artefact_link(artefact.name),
-                       "What the method kept: " + artefact.text,
+                       "The " + artefact.text + " that the method kept",
                        {{200, content(artefact.media_type, binary())}, {202, nullptr}}});
     return all;
 }

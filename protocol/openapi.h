@@ -20,7 +20,7 @@ struct ApiVocabulary {
     struct Artefact {
         std::string name;  // "photon_map.glb"
         std::string media_type;
-        std::string text;  // what it is, as in "the photon map"
+        std::string text;  // what it is, as in "photon map"
     };
     std::vector<Artefact> artefacts;  // that methods leave beside the image
     uint32_t max_width = 65536, max_height = 65536;

@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "renderer/methods/path_tracing/path_tracing.h"
+#include "renderer/methods/photon_mapping/photon_mapping.h"
+#include "renderer/photons/photon_cloud.h"
 
 namespace photond {
 
@@ -31,12 +33,41 @@ MethodInfo row(std::string_view title, std::string_view family, std::vector<std:
     return info;
 }
 
+/// The photons the file will hold are those that keeping the maps adds to the memory.
+uint64_t photon_map_file_bytes(const MethodParams& params, const Workload& workload) {
+    PhotonMappingParams kept = dynamic_cast<const PhotonMappingParams&>(params);
+    if (!kept.keep_photon_map) return 0;
+    PhotonMappingParams thrown_away = kept;
+    thrown_away.keep_photon_map = false;
+    const uint64_t map_bytes =
+        PhotonMapping::estimate_bytes(kept, workload) - PhotonMapping::estimate_bytes(thrown_away, workload);
+    constexpr uint64_t kPhotons = 1'000'000;
+    const double photons =
+        static_cast<double>(map_bytes) * kPhotons / static_cast<double>(PhotonMap::bytes_for(kPhotons));
+    return photon_cloud_bytes(static_cast<uint64_t>(photons));
+}
+
+MethodInfo photon_mapping_row() {
+    MethodInfo info =
+        row<PhotonMapping>("Photon mapping", "photon mapping",
+                           {"Jensen 1996, Global Illumination using Photon Maps",
+                            "Jensen 1995, Importance Driven Path Tracing using the Photon Map",
+                            "Jensen and Christensen 1995, Efficiently Rendering Shadows using the Photon Map",
+                            "Christensen 1999, Faster Photon Map Global Illumination"},
+                           {"cpu"});
+    info.layers = LayerSet::all();
+    info.artefacts = {{PhotonMapping::kArtefact, "model/gltf-binary", "keep_photon_map", "photon map"}};
+    info.estimate_artefact_bytes = photon_map_file_bytes;
+    return info;
+}
+
 }  // namespace
 
 std::span<const MethodInfo> all_methods() {
     static const MethodInfo kMethods[] = {
         row<PathTracing>("Path tracing", "path tracing",
                          {"Kajiya 1986, The Rendering Equation", "Veach 1997, Robust Monte Carlo Methods"}, {"cpu"}),
+        photon_mapping_row(),
     };
     return kMethods;
 }

@@ -17,7 +17,7 @@ struct ArtefactInfo {
     std::string_view name;  // "photon_map.glb"; its link in a job is the part before the dot
     std::string_view media_type;
     std::string_view parameter;  // the flag of the method that asks for it
-    std::string_view text;       // what it is: "the photon map"
+    std::string_view text;       // what it is: "photon map"
 };
 
 struct MethodInfo {
