@@ -18,7 +18,8 @@ enum class KernelShape : uint8_t { Constant, Cone, Gaussian, Epanechnikov };
 class Kernel {
 public:
     /// `cone_k` >= 1 (no cone below: it would turn negative); throws ErrorCode::OutOfRange.
-    explicit Kernel(KernelShape shape = KernelShape::Constant, float cone_k = 1.1f);
+    explicit Kernel(KernelShape shape, float cone_k = 1.1f);
+    Kernel() : Kernel(KernelShape::Constant) {}
 
     KernelShape shape() const { return shape_; }
     float cone_k() const { return cone_k_; }
