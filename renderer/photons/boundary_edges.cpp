@@ -118,11 +118,13 @@ struct Side {
     bool same_edge(const Side& s) const { return (a == s.a && b == s.b) || (a == s.b && b == s.a); }
 };
 
-/// Whether a surface that goes on bending so would turn by a radian within the diameter of the disc.
+/// Whether the surface's radius of curvature across the edge is less than the disc's radius. A surface that bends less
+/// has left the disc's slab where it leaves the cone of 60 degrees: half its radius of curvature below the tangent
+/// plane.
 bool bends_sharply(const Side& s, const Side& t, float radius_m) {
     constexpr float kLeastBend = 0.02f;  // [rad]; below, sixty degrees take more edges than a disc should hold
     const float bend = std::acos(std::clamp(-glm::dot(s.inward, t.inward), -1.0f, 1.0f));
-    return bend > kLeastBend && 2 * radius_m * bend > std::min(s.height, t.height);
+    return bend > kLeastBend && radius_m * bend > std::min(s.height, t.height);
 }
 
 /// The triangles around one edge: pairs of them are surfaces that pass through, the straightest first; others end here.
