@@ -316,7 +316,8 @@ ProjectionMap::ProjectionMap(const Scene& scene, const Intersector& intersector,
     if (emission.total_power_w() > 0) {
         const Pilot pilot(scene, intersector, emission, glossy_threshold);
         bins->divide_lights(scene);
-        bins->prefer(scene.needs.only_lambert() ? std::vector<Found>{} : bins->look(pilot, seed));
+        const bool specular = scene.needs.delta || scene.needs.glossy;
+        bins->prefer(specular ? bins->look(pilot, seed) : std::vector<Found>{});
         if (can_help(bins->specular_share)) bins->check(pilot, seed);
     }
     bins_ = std::move(bins);
