@@ -10,7 +10,9 @@
 //
 // The eye's shading frame depends on where it looks from: an eye below the shading plane (but above the surface) uses
 // the geometric normal (surface.h). What goes there is found by drawing some of the directions about the geometric
-// normal, and joining both ways to draw by their balance heuristic.
+// normal, and joining both ways to draw by their balance heuristic. A normal map over interpolated normals has a third
+// frame, about the map on the geometric normal, for eyes that the interpolated normal turns away from: what only those
+// see is carried by wide lobes, with more variance, and missing of delta lobes and rough refraction.
 //
 // [Veach 1997] Robust Monte Carlo Methods for Light Transport Simulation. PhD thesis, Stanford.
 

@@ -1,0 +1,485 @@
+// Light scatters as the eye would have found it: at one surface, direction by direction, against the eye's BSDF in the
+// eye's own shading frame; and between two patches by way of a bumpy one.
+
+#include "renderer/transport/photon_scattering.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <memory>
+
+#include "renderer/core/rng.h"
+#include "renderer/scene/scene.h"
+#include "renderer/transport/sampling.h"
+#include "tests/support/bsdf_quadrature.h"
+#include "tests/support/statistics.h"
+
+namespace photond {
+namespace {
+
+using namespace test;
+
+constexpr double kFalseAlarm = 1e-6;  // of each test
+constexpr float kThreshold = 0.05f;   // alpha
+
+enum class Normals { Flat, Leaning, Mapped, LeaningAndMapped };
+enum class PartOf { Whole, Specular, Rough };
+
+Bsdf part_of(const Bsdf& bsdf, PartOf part) {
+    return part == PartOf::Whole      ? bsdf
+           : part == PartOf::Specular ? bsdf.specular_part(kThreshold)
+                                      : bsdf.rough_part(kThreshold);
+}
+
+/// One triangle in the xy plane, its front towards +z.
+Scene triangle_scene(const Material& material, Normals normals) {
+    Mesh mesh;
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    mesh.uv[0] = {{0, 1}, {1, 1}, {0, 0}};
+    mesh.triangles = {{0, 1, 2}};
+    if (normals == Normals::Leaning || normals == Normals::LeaningAndMapped)
+        mesh.normals = {glm::normalize(vec3(0.5f, 0, 1)), glm::normalize(vec3(0.6f, 0.3f, 1)),
+                        glm::normalize(vec3(0.3f, -0.2f, 1))};
+    Scene scene;
+    scene.meshes = {mesh};
+    scene.instances = {Instance{}};
+    scene.materials = {material};
+    if (normals == Normals::Mapped || normals == Normals::LeaningAndMapped) {
+        Texture texture;
+        texture.size = {1, 1};
+        texture.texels = {u8vec4(60, 150, 220, 255)};
+        scene.textures = {texture};
+        scene.materials[0].normal_texture.texture = 0;
+    }
+    return scene;
+}
+
+const Hit kHit{.t = 1, .instance = 0, .triangle = 0, .u = 0.25f, .v = 0.5f};
+
+struct Case {
+    const char* name;
+    Material material;
+    PartOf part = PartOf::Whole;
+};
+
+std::vector<Case> cases() {
+    const auto make = [](const char* name, float metallic, float roughness, float transmission, bool solid) {
+        Material m;
+        m.base_color = Rgb(0.8f, 0.5f, 0.2f);
+        m.metallic = metallic, m.roughness = roughness, m.transmission = transmission, m.solid = solid;
+        return Case{name, m};
+    };
+    std::vector<Case> list = {
+        make("Lambert", 0, 1, 0, false),          make("coated diffuse", 0, 0.4f, 0, false),
+        make("metal", 1, 0.5f, 0, false),         make("thin sheet", 0, 0.5f, 0.8f, false),
+        make("glass", 0, 0.6f, 1, true),          make("half glass, half metal", 0.5f, 0.4f, 0.7f, true),
+        make("rough part", 0, 0.15f, 0, false),   make("specular part", 0.5f, 0.2f, 0, false),
+        make("glass in glass", 0, 0.5f, 1, true),
+    };
+    list[0].material.specular = 0;
+    list[6].part = PartOf::Rough;
+    list[7].part = PartOf::Specular;
+    return list;
+}
+
+/// Cells over the sphere of directions: equal solid angles but for the last of each side of the surface, where a
+/// leaning normal makes the eye use the geometric one.
+struct DirectionCells {
+    static constexpr int kRings = 8, kAzimuths = 8;
+    static constexpr size_t kCells = kRings * kAzimuths;
+    static constexpr double kEdges[kRings + 1] = {-1, -0.6, -0.3, -0.12, 0, 0.12, 0.3, 0.6, 1};
+
+    static size_t cell(const vec3& w) {
+        int ring = 0;
+        while (ring + 1 < kRings && static_cast<double>(w.z) > kEdges[ring + 1]) ++ring;
+        const double turn = 0.5 + std::atan2(static_cast<double>(w.y), static_cast<double>(w.x)) / (2 * M_PI);
+        return static_cast<size_t>(ring * kAzimuths + std::clamp(static_cast<int>(turn * kAzimuths), 0, kAzimuths - 1));
+    }
+    /// A direction in the cell, from two numbers in [0, 1).
+    static vec3 direction(size_t cell, double x, double y) {
+        const int ring = static_cast<int>(cell) / kAzimuths, azimuth = static_cast<int>(cell) % kAzimuths;
+        const double z = kEdges[ring] + (kEdges[ring + 1] - kEdges[ring]) * x;
+        return vec3(direction_at(z, (azimuth + y) / kAzimuths + 0.5));
+    }
+    static double solid_angle(size_t cell) {
+        const size_t ring = cell / kAzimuths;
+        return (kEdges[ring + 1] - kEdges[ring]) * 2 * M_PI / kAzimuths;
+    }
+};
+
+/// A mean and its variance.
+struct Estimate {
+    double mean = 0, variance = 0;
+};
+
+/// What the eye sees of light from wi: power that leaves into each cell over power that arrives,
+/// the integral of f |cos_s(wi)| |cos_g(out)| / |cos_g(wi)|. One random point in each of kSteps^2 strata; their
+/// differences are no larger than those of independent points.
+std::vector<Estimate> seen_by_eye(const Scene& scene, const Case& c, float outside_ior, const vec3& wi) {
+    constexpr int kSteps = 32;
+    std::vector<Estimate> cells(DirectionCells::kCells);
+    RandomStream random(11, RandomDomain::Test, 0, 0);
+    for (size_t i = 0; i < cells.size(); ++i) {
+        RunningMean mean;
+        for (int row = 0; row < kSteps; ++row)
+            for (int column = 0; column < kSteps; ++column) {
+                const double x = (row + static_cast<double>(random.next())) / kSteps;
+                const double y = (column + static_cast<double>(random.next())) / kSteps;
+                const vec3 out = DirectionCells::direction(i, x, y);
+                const ShadingPoint point = make_shading_point(scene, kHit, -out);
+                const Bsdf bsdf = part_of(make_bsdf(scene, point, outside_ior), c.part);
+                const Rgb f_cos = bsdf.f_cos(point.shading.to_local(out), point.shading.to_local(wi));
+                mean.add(static_cast<double>(f_cos.x * std::fabs(glm::dot(point.geometric_normal, out)) /
+                                             std::fabs(glm::dot(point.geometric_normal, wi))) *
+                         DirectionCells::solid_angle(i));
+            }
+        cells[i] = {mean.mean(), sqr(static_cast<float>(mean.standard_error()))};
+    }
+    return cells;
+}
+
+using Scatter =
+    std::function<PhotonScattering(const Scene&, const ShadingPoint&, const Bsdf&, const vec3&, float, vec2)>;
+
+PhotonScattering scatter_by_photond(const Scene& scene, const ShadingPoint& point, const Bsdf& bsdf, const vec3& wi,
+                                    float u_lobe, vec2 u) {
+    return scatter_photon(scene, point, bsdf, wi, u_lobe, u);
+}
+
+/// The BSDF's own weight, as if shading normals were the surface's.
+PhotonScattering scatter_naively(const Scene&, const ShadingPoint& point, const Bsdf& bsdf, const vec3& wi,
+                                 float u_lobe, vec2 u) {
+    const BsdfSample s = bsdf.sample(point.shading.to_local(wi), u_lobe, u, TransportMode::Importance);
+    if (!s.valid()) return {};
+    return {point.shading.to_world(s.wi), s.weight, s.delta, s.refraction};
+}
+
+constexpr int kPhotons = 60'000;
+
+struct Carried {
+    std::vector<Estimate> cells;
+    double greatest_weight = 0;
+};
+
+Carried carried_by_photons(const Scene& scene, const Case& c, float outside_ior, const vec3& wi, const Scatter& scatter,
+                           uint64_t stream) {
+    const ShadingPoint point = make_shading_point(scene, kHit, -wi);
+    const Bsdf bsdf = part_of(make_bsdf(scene, point, outside_ior), c.part);
+    std::vector<double> sums(DirectionCells::kCells), squares(DirectionCells::kCells);
+    RandomStream random(12, RandomDomain::Test, 0, stream);
+    Carried carried;
+    for (int i = 0; i < kPhotons; ++i) {
+        const float u_lobe = random.next();
+        const PhotonScattering s = scatter(scene, point, bsdf, wi, u_lobe, random.next_2d());
+        if (!s.valid()) continue;
+        const double weight = static_cast<double>(s.weight.x);
+        const size_t cell = DirectionCells::cell(s.direction);
+        sums[cell] += weight, squares[cell] += weight * weight;
+        carried.greatest_weight = std::max(carried.greatest_weight, weight);
+    }
+    for (size_t i = 0; i < sums.size(); ++i) {
+        const double mean = sums[i] / kPhotons;
+        carried.cells.push_back({mean, (squares[i] / kPhotons - mean * mean) / kPhotons});
+    }
+    return carried;
+}
+
+/// Greatest deviation in standard errors. The photons' variance is at least what the greatest weight makes likely, as a
+/// few photons do not say how much their number varies; cells where fewer than 25 of these are expected are pooled.
+double greatest_deviation(const std::vector<Estimate>& seen, const Carried& carried) {
+    double greatest = 0, pooled = 0;
+    Estimate pooled_seen, pooled_carried;
+    const auto check = [&](const Estimate& eye, const Estimate& photons) {
+        const double variance = std::max(photons.variance, carried.greatest_weight * eye.mean / kPhotons);
+        greatest = std::max(greatest, std::fabs(eye.mean - photons.mean) / std::sqrt(variance + eye.variance + 1e-14));
+    };
+    for (size_t i = 0; i < seen.size(); ++i) {
+        if (seen[i].mean * kPhotons >= 25 * carried.greatest_weight) {
+            check(seen[i], carried.cells[i]);
+            continue;
+        }
+        pooled_seen.mean += seen[i].mean, pooled_seen.variance += seen[i].variance;
+        pooled_carried.mean += carried.cells[i].mean, pooled_carried.variance += carried.cells[i].variance;
+        ++pooled;
+    }
+    if (pooled > 0) check(pooled_seen, pooled_carried);
+    return greatest;
+}
+
+// Light from five directions, two of them grazing (one from below the leaning normals' plane) and one from behind.
+const vec3 kLights[] = {glm::normalize(vec3(0.3f, 0.2f, 1)), glm::normalize(vec3(1, 0.1f, 0.2f)),
+                        glm::normalize(vec3(-1, 0.1f, 0.2f)), glm::normalize(vec3(-0.5f, 0.5f, 0.7f)),
+                        glm::normalize(vec3(0.2f, 0.4f, -1))};
+
+TEST(PhotonScattering, CarriesWhatTheEyeFinds) {
+    const std::vector<Case> list = cases();
+    const double z =
+        two_sided_z(share_of_false_alarm(kFalseAlarm, list.size() * 4 * std::size(kLights) * DirectionCells::kCells));
+    uint64_t stream = 0;
+    size_t below = 0;
+    for (const Case& c : list)
+        for (const Normals normals : {Normals::Flat, Normals::Leaning, Normals::Mapped, Normals::LeaningAndMapped}) {
+            // A map over leaning normals has a third frame, which no lobe is drawn about: wide lobes alone find it.
+            const bool third_frame = normals == Normals::LeaningAndMapped;
+            if (third_frame && (c.material.transmission > 0 || c.part == PartOf::Specular)) continue;
+            const Scene scene = triangle_scene(c.material, normals);
+            for (const vec3& wi : kLights) {
+                const float outside_ior = &c == &list.back() ? 1.8f : 1.0f;
+                const std::vector<Estimate> seen = seen_by_eye(scene, c, outside_ior, wi);
+                const Carried carried = carried_by_photons(scene, c, outside_ior, wi, scatter_by_photond, ++stream);
+                EXPECT_LT(greatest_deviation(seen, carried), z) << c.name << ", normals " << static_cast<int>(normals)
+                                                                << ", light " << wi.x << " " << wi.y << " " << wi.z;
+                below += seen[5 * DirectionCells::kAzimuths].mean > 1e-3;
+                // No photon is worth much more than what arrived, whatever the frames: grazing light on leaning
+                // surfaces may be scattered six times over (cos_s / cos_g), and draws that are needed are not rare.
+                EXPECT_LT(carried.greatest_weight, 60) << c.name << ", normals " << static_cast<int>(normals);
+            }
+        }
+    EXPECT_GT(below, 20u);
+}
+
+TEST(PhotonScattering, TheBsdfsOwnWeightWouldBeNoticed) {
+    for (const Normals normals : {Normals::Leaning, Normals::Mapped})
+        for (const size_t which : {0u, 1u, 2u, 4u}) {
+            const Case c = cases()[which];
+            const Scene scene = triangle_scene(c.material, normals);
+            const std::vector<Estimate> seen = seen_by_eye(scene, c, 1, kLights[3]);
+            EXPECT_GT(greatest_deviation(seen, carried_by_photons(scene, c, 1, kLights[3], scatter_naively, 1)), 10)
+                << c.name;
+        }
+}
+
+/// Where a delta lobe about `normal` (unit, on wi's side) sends light, in double.
+dvec3 leaves_by(const dvec3& wi, const dvec3& normal, double eta, bool refracted) {
+    const double cos_i = glm::dot(wi, normal);
+    if (!refracted) return 2 * cos_i * normal - wi;
+    const double cos_t = std::sqrt(1 - (1 - cos_i * cos_i) / (eta * eta));
+    return -wi / eta + (cos_i / eta - cos_t) * normal;
+}
+
+/// How much the solid angle of a pencil of light grows by, by finite differences.
+double widening(const dvec3& wi, const dvec3& normal, double eta, bool refracted) {
+    constexpr double kStep = 1e-5;
+    const dvec3 a = glm::normalize(glm::cross(wi, dvec3(0.3, 0.5, 0.8))), b = glm::cross(wi, a);
+    const auto slope = [&](const dvec3& step) {
+        return (leaves_by(glm::normalize(wi + kStep * step), normal, eta, refracted) -
+                leaves_by(glm::normalize(wi - kStep * step), normal, eta, refracted)) /
+               (2 * kStep);
+    };
+    return glm::length(glm::cross(slope(a), slope(b)));
+}
+
+/// What the eye's own delta samples of direction `out` say of light from wi: weight times probability.
+double reflectance_for_eye(const Bsdf& bsdf, const ShadingPoint& eye, const vec3& out, const vec3& wi) {
+    constexpr int kStrata = 4096;
+    double sum = 0;
+    for (int i = 0; i < kStrata; ++i) {
+        const BsdfSample s =
+            bsdf.sample(eye.shading.to_local(out), (static_cast<float>(i) + 0.5f) / kStrata, vec2(0.5f));
+        if (s.valid() && s.delta && glm::distance(eye.shading.to_world(s.wi), wi) < 1e-3f)
+            sum += static_cast<double>(s.weight.x) / kStrata;
+    }
+    return sum;
+}
+
+// Mirrors and smooth glass: of light from wi, what leaves by each way the eye may see it is
+//   R_eye dsigma(out) / dsigma(wi) |cos_g(out)| / |cos_g(wi)|,
+// where the eye's R, of radiance, holds the squared index.
+TEST(PhotonScattering, DeltaLobesCarryWhatTheEyeFinds) {
+    constexpr int kStrata = 8192;
+    Material mirror, glass;
+    mirror.base_color = Rgb(0.8f), mirror.roughness = 0;
+    glass.metallic = 0, glass.roughness = 0, glass.transmission = 1, glass.solid = true;
+    int reflected = 0, refracted = 0, by_geometric_normal = 0;
+    RandomStream random(13, RandomDomain::Test, 0, 0);
+    for (const Material& material : {mirror, glass})
+        for (const Normals normals : {Normals::Flat, Normals::Leaning, Normals::Mapped}) {
+            const Scene scene = triangle_scene(material, normals);
+            for (int light = 0; light < 200; ++light) {
+                const double z = (random.next() < 0.5f ? 1 : -1) * std::pow(static_cast<double>(random.next()), 2);
+                const vec3 wi(direction_at(z, static_cast<double>(random.next())));
+                if (std::fabs(wi.z) < 0.02f) continue;
+                const ShadingPoint point = make_shading_point(scene, kHit, -wi);
+                const Bsdf bsdf = make_bsdf(scene, point);
+                const vec3 leaning = make_shading_point(scene, kHit, -point.geometric_normal).shading.normal;
+                std::vector<std::pair<vec3, double>> ways;
+                for (const vec3& normal : {point.geometric_normal, leaning})
+                    for (const bool refracts : {false, true}) {
+                        const double eta = point.front_side ? 1.5 : 1 / 1.5;
+                        const dvec3 n(glm::normalize(dvec3(normal)));
+                        if (glm::dot(dvec3(wi), n) < 1e-6) continue;
+                        const dvec3 exact = leaves_by(dvec3(wi), n, eta, refracts);
+                        if (!(std::fabs(exact.z) > 1e-6)) continue;  // NaN: total reflection
+                        const vec3 out(exact);
+                        const ShadingPoint eye = make_shading_point(scene, kHit, -out);
+                        const double found = reflectance_for_eye(make_bsdf(scene, eye), eye, out, wi) *
+                                             widening(dvec3(wi), n, eta, refracts) *
+                                             std::fabs(exact.z / static_cast<double>(wi.z));
+                        const bool known = std::any_of(ways.begin(), ways.end(), [&](const auto& way) {
+                            return glm::distance(way.first, out) < 1e-3f;
+                        });
+                        if (found <= 0 || known) continue;
+                        ways.emplace_back(out, found);
+                        ++(refracts ? refracted : reflected);
+                        by_geometric_normal += normals != Normals::Flat && normal == point.geometric_normal;
+                    }
+                std::vector<double> carried(ways.size());
+                double elsewhere = 0;
+                for (int i = 0; i < kStrata; ++i) {
+                    const PhotonScattering s =
+                        scatter_photon(scene, point, bsdf, wi, (static_cast<float>(i) + 0.5f) / kStrata, vec2(0.5f));
+                    if (!s.valid()) continue;
+                    ASSERT_TRUE(s.delta);
+                    ASSERT_EQ(s.refraction, (s.direction.z < 0) != (wi.z < 0));
+                    size_t way = 0;
+                    while (way < ways.size() && glm::distance(ways[way].first, s.direction) > 1e-3f) ++way;
+                    (way < ways.size() ? carried[way] : elsewhere) += static_cast<double>(s.weight.x) / kStrata;
+                }
+                EXPECT_LT(elsewhere, 1e-6) << wi.x << " " << wi.y << " " << wi.z;
+                for (size_t way = 0; way < ways.size(); ++way)
+                    EXPECT_NEAR(carried[way], ways[way].second, 2e-3 * std::max(1.0, ways[way].second))
+                        << "normals " << static_cast<int>(normals) << ", wi " << wi.x << " " << wi.y << " " << wi.z
+                        << ", out " << ways[way].first.x << " " << ways[way].first.y << " " << ways[way].first.z;
+            }
+        }
+    EXPECT_GT(reflected, 400);
+    EXPECT_GT(refracted, 200);
+    EXPECT_GT(by_geometric_normal, 10);
+}
+
+// ------------------------------------------------------------------------------------------------ from patch to patch
+
+constexpr float kPatchSide = 1.6f;
+
+/// A square about `centre`, facing along its frame's normal.
+struct Patch {
+    vec3 centre;
+    Frame frame;
+
+    vec3 point(const vec2& u) const {
+        return centre + kPatchSide * ((u.x - 0.5f) * frame.tangent + (u.y - 0.5f) * frame.bitangent);
+    }
+    /// Whether a ray meets its front.
+    bool met_by(const vec3& origin, const vec3& direction) const {
+        const float cos_theta = -glm::dot(direction, frame.normal);
+        if (cos_theta <= 0) return false;
+        const float t = glm::dot(origin - centre, frame.normal) / cos_theta;
+        if (t <= 0) return false;
+        const vec3 p = origin + t * direction - centre;
+        return std::fabs(glm::dot(p, frame.tangent)) < 0.5f * kPatchSide &&
+               std::fabs(glm::dot(p, frame.bitangent)) < 0.5f * kPatchSide;
+    }
+};
+
+Patch patch_towards_origin(const vec3& centre) { return {centre, Frame(glm::normalize(-centre))}; }
+
+/// A bumpy square in the xy plane about the origin: interpolated normals or a map of sixteen texels.
+Scene bumpy_square(const Material& material, bool mapped) {
+    Mesh mesh;
+    mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+    mesh.uv[0] = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+    Scene scene;
+    scene.materials = {material};
+    if (mapped) {
+        Texture texture;
+        texture.size = {4, 4};
+        RandomStream random(14, RandomDomain::Test, 0, 0);
+        for (int i = 0; i < 16; ++i) {
+            const auto lean = [&] { return static_cast<uint8_t>(127.5f + 75 * (2 * random.next() - 1)); };
+            const uint8_t x = lean();
+            texture.texels.emplace_back(x, lean(), 230, 255);
+        }
+        scene.textures = {texture};
+        scene.materials[0].normal_texture.texture = 0;
+    } else {
+        for (const vec3& p : mesh.positions) mesh.normals.push_back(glm::normalize(vec3(0.5f * p.x, 0.4f * p.y, 1)));
+    }
+    scene.meshes = {mesh};
+    scene.instances = {Instance{}};
+    return scene;
+}
+
+/// Where a ray meets the square.
+Hit hit_square(const vec3& origin, const vec3& direction) {
+    const float t = -origin.z / direction.z;
+    const vec3 p = origin + t * direction;
+    if (!(t > 0) || std::fabs(p.x) > 1 || std::fabs(p.y) > 1) return {};
+    const float x = 0.5f * (p.x + 1), y = 0.5f * (p.y + 1);  // barycentrics of the corners: see bumpy_square()
+    return x >= y ? Hit{.t = t, .instance = 0, .triangle = 0, .u = x - y, .v = y}
+                  : Hit{.t = t, .instance = 0, .triangle = 1, .u = x, .v = y - x};
+}
+
+/// Flux that `lamp` (radiance 1) sends to `target` by way of the square, found from the lamp's side, or from the
+/// target's when there is no `scatter`.
+double flux_sample(const Scene& scene, const Patch& lamp, const Patch& target, const Scatter& scatter,
+                   RandomStream& random) {
+    const bool from_lamp = scatter != nullptr;
+    const Patch &start = from_lamp ? lamp : target, &end = from_lamp ? target : lamp;
+    const vec3 origin = start.point(random.next_2d());
+    const vec3 direction = start.frame.to_world(sample_cosine_hemisphere(random.next_2d()));
+    const Hit hit = hit_square(origin, direction);
+    const float u_lobe = random.next();
+    const vec2 u = random.next_2d();
+    if (!hit.valid()) return 0;
+    const ShadingPoint point = make_shading_point(scene, hit, direction);
+    const Bsdf bsdf = make_bsdf(scene, point);
+    Rgb weight(0);
+    vec3 next(0);
+    if (from_lamp) {
+        const PhotonScattering s = scatter(scene, point, bsdf, -direction, u_lobe, u);
+        weight = s.weight, next = s.direction;
+    } else if (const BsdfSample s = bsdf.sample(point.shading.to_local(-direction), u_lobe, u); s.valid()) {
+        weight = s.weight, next = point.shading.to_world(s.wi);
+    }
+    if (is_black(weight) || !end.met_by(point.position, next)) return 0;
+    return M_PI * static_cast<double>(sqr(kPatchSide) * weight.x);
+}
+
+/// How far the flux by photons is from that by eye paths.
+struct Disagreement {
+    double standard_errors = 0;
+    double relative_error = 0;  // standard error over the flux
+};
+
+Disagreement between(const Scene& scene, const Patch& lamp, const Patch& target, const Scatter& scatter) {
+    constexpr int kPaths = 500'000;
+    RandomStream random(15, RandomDomain::Test, 0, 0);
+    RunningMean by_photons, by_eye;
+    for (int i = 0; i < kPaths; ++i) {
+        by_photons.add(flux_sample(scene, lamp, target, scatter, random));
+        by_eye.add(flux_sample(scene, lamp, target, nullptr, random));
+    }
+    const double error = std::hypot(by_photons.standard_error(), by_eye.standard_error());
+    return {std::fabs(by_photons.mean() - by_eye.mean()) / error, error / by_eye.mean()};
+}
+
+TEST(PhotonScattering, BetweenTwoPatchesLightAndEyeAgree) {
+    std::vector<Case> list = cases();
+    list.resize(5);  // Lambert, coated, metal, sheet, glass
+    list.push_back({"smooth glass", list[4].material});
+    list.back().material.roughness = 0;
+    const double z = two_sided_z(share_of_false_alarm(kFalseAlarm, list.size() * 2 * 3));
+    const Patch lamp = patch_towards_origin({-0.9f, 0.1f, 0.7f});
+    // Across the square, past it (grazing), and below.
+    const Patch targets[] = {patch_towards_origin({0.8f, 0.3f, 0.8f}), patch_towards_origin({1.4f, 0.4f, 0.3f}),
+                             patch_towards_origin({0.4f, 0.2f, -0.8f})};
+    double naive = 0;
+    for (const Case& c : list)
+        for (const bool mapped : {false, true}) {
+            const Scene scene = bumpy_square(c.material, mapped);
+            for (const Patch& target : targets) {
+                if (target.centre.z < 0 && c.material.transmission == 0) continue;
+                const Disagreement exact = between(scene, lamp, target, scatter_by_photond);
+                EXPECT_LT(exact.standard_errors, z)
+                    << c.name << (mapped ? ", mapped" : ", smooth") << ", target at " << target.centre.x;
+                EXPECT_LT(exact.relative_error, 0.04) << c.name;
+            }
+            if (!mapped && c.material.metallic == 1)
+                naive = between(scene, lamp, targets[1], scatter_naively).standard_errors;
+        }
+    EXPECT_GT(naive, 10);  // the BSDF's own weight would be noticed
+}
+
+}  // namespace
+}  // namespace photond
