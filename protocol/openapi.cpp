@@ -335,6 +335,17 @@ json operation_json(const Operation& operation) {
     return result;
 }
 
+/// "photon_map.glb" as getPhotonMap.
+std::string operation_id(const std::string& artefact) {
+    std::string id = "get";
+    bool begins_word = true;
+    for (const char c : artefact_link(artefact)) {
+        if (c != '_') id += begins_word && c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+        begins_word = c == '_';
+    }
+    return id;
+}
+
 std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
     const char* kJson = "application/json";
     const auto object = [&](const char* name) { return content(kJson, schema_ref(name)); };
@@ -451,7 +462,7 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
     for (const ApiVocabulary::Artefact& artefact : vocabulary.artefacts)
         all.push_back({"get",
                        "/v1/jobs/{id}/" + artefact.name,
-                       "get_" + artefact_link(artefact.name),
+                       operation_id(artefact.name),
                        "The " + artefact.text + " that the method kept",
                        {{200, content(artefact.media_type, binary())}, {202, nullptr}}});
     return all;

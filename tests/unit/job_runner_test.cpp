@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "protocol/error.h"
+#include "protocol/worker_messages.h"
 #include "renderer/film/film_file.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "renderer/scene/solid_glass.h"
@@ -202,7 +203,10 @@ protected:
     JobRunnerTest()
         : runner_(scenes_, open_device("cpu"), 2, 4ull << 30, [this](const json& message) { sent.push_back(message); }),
           film_(std::filesystem::temp_directory_path() / ("photond_job_test_" + std::to_string(getpid()) + ".film")) {}
-    void TearDown() override { std::filesystem::remove(film_); }
+    void TearDown() override {
+        std::filesystem::remove(film_);
+        std::filesystem::remove(photon_map_path());
+    }
 
     json order(const json& changes = json::object()) const {
         json request = {{"scene", "cornell-box"},
@@ -229,6 +233,13 @@ protected:
         return run(message, control);
     }
     const std::filesystem::path& film_path() const { return film_; }
+    std::filesystem::path photon_map_path() const { return artefact_path(film_, "photon_map.glb"); }
+    /// By photon mapping, with few photons, keeping its map unless told otherwise.
+    json photon_order(const json& parameters = json::object()) const {
+        json all{{"photons", 2000}, {"gather_rays", 4}, {"keep_photon_map", true}};
+        all.merge_patch(parameters);
+        return order({{"method", {{"name", "photon_mapping"}, {"parameters", all}}}});
+    }
     SceneCache& scenes() { return scenes_; }
     std::vector<json> sent;
 
@@ -304,6 +315,56 @@ TEST_F(JobRunnerTest, SnapshotsAndCancelling) {
     EXPECT_EQ(ended["passes_done"], 0);
     EXPECT_TRUE(ended["film"].is_null());
     EXPECT_FALSE(std::filesystem::exists(film_path()));
+}
+
+TEST_F(JobRunnerTest, WhatTheMethodKeepsLiesBesideTheFilm) {
+    const json finished = run(photon_order());
+    ASSERT_EQ(finished["state"], "succeeded") << finished.dump(1);
+    EXPECT_EQ(finished["artefacts"], json::array({"photon_map.glb"}));
+    const json& counts = finished["statistics"]["counts"];
+    EXPECT_EQ(counts["photons_emitted"], 3 * 2000);
+    // A point of 64 bytes for each photon that the last of three passes stored, and the document.
+    const auto bytes = static_cast<double>(std::filesystem::file_size(photon_map_path()));
+    EXPECT_NEAR(bytes, 64 * counts["photons_stored"].get<double>() / 3, 0.1 * bytes);
+    EXPECT_GT(finished["statistics"]["rates"]["photon_rays_per_second"], 0);
+    std::filesystem::remove(photon_map_path());
+
+    EXPECT_EQ(run(photon_order({{"keep_photon_map", false}}))["artefacts"], json::array());
+    EXPECT_FALSE(std::filesystem::exists(photon_map_path()));
+    const json traced = run(order());
+    EXPECT_EQ(traced["artefacts"], json::array());
+    EXPECT_TRUE(traced["statistics"]["rates"]["photon_rays_per_second"].is_null());
+}
+
+TEST_F(JobRunnerTest, AJobThatIsCutShortKeepsItsPhotonsUnlessItGoesOnElsewhere) {
+    for (const bool stopping : {false, true}) {
+        JobControl control;
+        json message = photon_order();
+        message["request"]["stop"] = {{"seconds", 3600}};
+        control.request_snapshot(film_path().string() + ".s1");  // answered after the first pass
+        std::thread cancelling([&] {
+            while (!std::filesystem::exists(film_path().string() + ".s1"))
+                std::this_thread::sleep_for(std::chrono::milliseconds(1));
+            control.stopping = stopping;
+            control.cancel.cancel();
+        });
+        const json finished = run(message, control);
+        cancelling.join();
+        std::filesystem::remove(film_path().string() + ".s1");
+        EXPECT_EQ(finished["state"], "cancelled");
+        EXPECT_TRUE(std::filesystem::exists(film_path()));
+        EXPECT_EQ(finished["artefacts"].size(), stopping ? 0u : 1u);
+        EXPECT_EQ(std::filesystem::remove(photon_map_path()), !stopping);
+    }
+}
+
+TEST_F(JobRunnerTest, AJobThatFailsInTheEndLeavesNothing) {
+    std::filesystem::create_directory(film_path());  // where the film should go
+    const json finished = run(photon_order());
+    EXPECT_EQ(finished["state"], "failed");
+    EXPECT_EQ(finished["artefacts"], json::array());
+    EXPECT_FALSE(std::filesystem::exists(photon_map_path()));
+    EXPECT_FALSE(std::filesystem::exists(film_path().string() + ".part"));
 }
 
 TEST_F(JobRunnerTest, FailuresSayWhatAndWhere) {

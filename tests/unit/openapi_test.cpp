@@ -78,6 +78,7 @@ TEST(OpenApi, ArtefactsOfMethodsAreServedAndLinked) {
     const json& operation = api["paths"]["/v1/jobs/{id}/photon_map.glb"]["get"];
     EXPECT_TRUE(operation["responses"]["200"]["content"].contains("model/gltf-binary"));
     EXPECT_TRUE(operation["responses"].contains("202"));
+    EXPECT_EQ(operation["operationId"], "getPhotonMap");
     const json& links = api["components"]["schemas"]["Job"]["properties"]["links"];
     EXPECT_EQ(links["properties"]["photon_map"]["type"].dump(), R"(["string","null"])");
     const json& required = links["required"];
