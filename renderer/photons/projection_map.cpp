@@ -14,9 +14,9 @@ namespace photond {
 
 namespace {
 
-constexpr uint32_t kMostGuidedLights = 64;  // the strongest; the others are chosen by power and looked at as a group
-constexpr uint32_t kBins = 65536;           // shared among guided lights by power ...
-constexpr int kLeastLevels = 4;             // ... at 4^4 to 4^7 bins each
+constexpr uint32_t kMostGuidedLights = 256;  // the strongest; the others are chosen by power and looked at as a group
+constexpr uint32_t kBins = 65536;            // shared among guided lights by power ...
+constexpr int kLeastLevels = 3;              // ... at 4^3 to 4^7 bins each
 constexpr int kMostLevels = 7;
 constexpr uint32_t kFirstRays = 2;      // into every bin
 constexpr uint32_t kMoreRays = 8;       // into bins that saw something specular, and about them
