@@ -36,11 +36,4 @@ struct PhotonScattering {
 PhotonScattering scatter_photon(const Scene& scene, const ShadingPoint& point, const Bsdf& bsdf, const vec3& wi_world,
                                 float u_lobe, const vec2& u);
 
-/// The same, as first agreed; `part` and `outside_ior` are not needed, as all lobes are reciprocal.
-template <class Part>
-PhotonScattering scatter_photon(const Scene& scene, const ShadingPoint& point, const Bsdf& bsdf, const Part& /*part*/,
-                                float /*outside_ior*/, const vec3& wi_world, float u_lobe, const vec2& u) {
-    return scatter_photon(scene, point, bsdf, wi_world, u_lobe, u);
-}
-
 }  // namespace photond
