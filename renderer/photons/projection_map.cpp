@@ -217,7 +217,9 @@ std::vector<Found> ProjectionMap::Bins::look(const Pilot& pilot, uint64_t seed) 
     std::iota(all.begin(), all.end(), 0u);
     std::vector<Found> found = look_into(all, 0, kFirstRays, pilot, seed);
     found.push_back(rest.empty() ? Found{} : look_at_rest(pilot, seed));
-    if (can_help(share_seen(found))) follow_outlines(found, pilot, seed);
+    // By the first rays alone: where more follow depends on what these saw, and all together would see too little.
+    specular_share = guided_share = share_seen(found);
+    if (can_help(specular_share)) follow_outlines(found, pilot, seed);
     return found;
 }
 
@@ -254,9 +256,8 @@ Found ProjectionMap::Bins::look_at_rest(const Pilot& pilot, uint64_t seed) {
     return group;
 }
 
-/// Power-weighted share of specular first hits; none when nobody looked.
+/// Power-weighted share of specular first hits.
 double ProjectionMap::Bins::share_seen(std::span<const Found> found) const {
-    if (found.empty()) return 0;
     double power = 0, specular_power = 0;
     for (uint32_t bin = 0; bin < guided_bins + rest.size(); ++bin) {
         const Found& seen = found[std::min(bin, guided_bins)];
@@ -267,10 +268,10 @@ double ProjectionMap::Bins::share_seen(std::span<const Found> found) const {
     return power > 0 ? specular_power / power : 0;
 }
 
-/// The probability of each bin: in proportion to the root mean square of the power that goes on specularly, which gives
-/// photons the least variance; less the unguided share.
+/// The probability of each bin: the unguided share of its own, and the rest in proportion to the root mean square of
+/// the power that goes on specularly, which gives photons the least variance. Nothing was looked at or can help: its
+/// own.
 void ProjectionMap::Bins::prefer(std::span<const Found> found) {
-    specular_share = guided_share = share_seen(found);
     const size_t bins = guided_bins + rest.size();
     std::vector<double> unguided(bins);
     for (uint32_t bin = 0; bin < bins; ++bin) unguided[bin] = unguided_probability(bin);
