@@ -1,0 +1,127 @@
+// The options built on a photon map: irradiance worked out beforehand, and shadow photons.
+
+#include <gtest/gtest.h>
+
+#include "renderer/backends/cpu/embree_intersector.h"
+#include "renderer/core/rng.h"
+#include "renderer/photons/precomputed_irradiance.h"
+#include "renderer/photons/shadow_photons.h"
+#include "renderer/scene/mesh_builder.h"
+#include "renderer/transport/light_sampling.h"
+
+namespace photond {
+namespace {
+
+std::vector<Photon> scattered_photons(size_t count) {
+    RandomStream random(1, RandomDomain::Test, 0, 0);
+    std::vector<Photon> photons;
+    for (size_t i = 0; i < count; ++i) {
+        const vec3 position(random.next(), 0, random.next());
+        const vec3 normal(0, i % 3 ? 1.0f : -1.0f, 0);
+        photons.push_back(
+            {position, PhotonPayload::make(Rgb(random.next(), 1, 2), normal, normal, 1 + uint32_t(i % 4), false)});
+    }
+    return photons;
+}
+
+TEST(PrecomputedIrradiance, IsThatOfTheNearestOfItsPhotonsOnTheSameSide) {
+    const PhotonMap map(scattered_photons(3000),
+                        {.kind = PhotonSearch::Kind::Nearest, .nearest = 20, .radius_m = 0.5f});
+    const EstimateSettings settings;
+    constexpr uint32_t kMost = 3;
+    const PrecomputedIrradiance precomputed(map, settings, kMost);
+    EXPECT_EQ(precomputed.size(), (map.size() + PrecomputedIrradiance::kEvery - 1) / PrecomputedIrradiance::kEvery);
+    EXPECT_LE(precomputed.bytes(), PrecomputedIrradiance::bytes_for(map.size()));
+
+    RandomStream random(2, RandomDomain::Test, 0, 0);
+    Neighbours scratch;
+    for (int q = 0; q < 300; ++q) {
+        const vec3 p(random.next(), 0, random.next()), normal(0, q % 2 ? 1.0f : -1.0f, 0);
+        uint32_t nearest = 0;
+        float least = kInfinity;
+        for (uint32_t i = 0; i < map.size(); i += PrecomputedIrradiance::kEvery) {
+            const vec3 d = map.position(i) - p;
+            if (map.payload(i).normal().y * normal.y > 0 && glm::dot(d, d) < least) least = glm::dot(d, d), nearest = i;
+        }
+        const Rgb expected = estimate_irradiance(map, settings, map.position(nearest), normal, kMost, scratch);
+        Rgb irradiance(0);
+        ASSERT_TRUE(precomputed.find(p, normal, irradiance));
+        EXPECT_EQ(irradiance, expected);
+    }
+    Rgb irradiance(0);
+    EXPECT_FALSE(precomputed.find({0.5f, 2, 0.5f}, {0, 1, 0}, irradiance)) << "farther than the search radius";
+    EXPECT_FALSE(precomputed.find({0.5f, 0, 0.5f}, {1, 0, 0}, irradiance)) << "no photon faces that way";
+    EXPECT_FALSE(PrecomputedIrradiance(PhotonMap(), settings, 1).find({0, 0, 0}, {0, 1, 0}, irradiance));
+}
+
+/// A floor under a small lamp, a plate between them.
+struct ShadowScene {
+    Scene scene;
+    std::unique_ptr<Intersector> intersector;
+
+    ShadowScene() {
+        Material white, lamp;
+        white.metallic = lamp.metallic = 0;
+        lamp.emission = Rgb(1);
+        scene.materials = {white, lamp};
+        scene.meshes = {
+            MeshBuilder()
+                .quad({-2, 0, 2}, {2, 0, 2}, {2, 0, -2}, {-2, 0, -2})
+                .quad({-1, 1, 1}, {0, 1, 1}, {0, 1, -1}, {-1, 1, -1})
+                .build(0),
+            MeshBuilder().quad({-0.1f, 2, -0.1f}, {0.1f, 2, -0.1f}, {0.1f, 2, 0.1f}, {-0.1f, 2, 0.1f}).build(1)};
+        scene.instances = {{.mesh = 0}, {.mesh = 1}};
+        finish_scene(scene);
+        MemoryBudget budget;
+        Stats stats;
+        intersector = make_embree_intersector(scene, budget, stats);
+    }
+};
+
+TEST(ShadowPhotons, TellLightFromShadowAndLeaveTheBorderOpen) {
+    const ShadowScene world;
+    const EmissionSampler emission(world.scene);
+    Counts counts;
+    const ShadowPhotons photons(world.scene, *world.intersector, emission, 50'000, 0.1f, 1, 0, CancelToken{}, counts);
+    EXPECT_EQ(counts.photons_emitted, 50'000u);
+    // 66 % of the lamp's light meets the floor or the plate (a form factor); what meets the plate meets the floor
+    // again.
+    EXPECT_GT(counts.photons_stored, 33'000u);
+    EXPECT_GE(counts.photon_rays, counts.photons_stored);
+    Neighbours scratch;
+    const uint32_t lamp = light_source_of_instance(1);
+    EXPECT_EQ(photons.seen({0.7f, 0, 0}, {0, 1, 0}, lamp, scratch), LightSeen::Whole);
+    EXPECT_EQ(photons.seen({-1.0f, 0, 0}, {0, 1, 0}, lamp, scratch), LightSeen::Nothing);
+    EXPECT_EQ(photons.seen({0.0f, 0, 0}, {0, 1, 0}, lamp, scratch), LightSeen::Unknown) << "the plate's edge";
+    EXPECT_EQ(photons.seen({0.7f, 0, 0}, {0, -1, 0}, lamp, scratch), LightSeen::Unknown) << "no photon from below";
+    EXPECT_EQ(photons.seen({0.7f, 0, 0}, {0, 1, 0}, light_source_of_instance(0), scratch), LightSeen::Unknown);
+    EXPECT_EQ(photons.seen({0.7f, 3, 0}, {0, 1, 0}, lamp, scratch), LightSeen::Unknown) << "nothing near";
+}
+
+TEST(ShadowPhotons, AgreeWithShadowRaysAwayFromBorders) {
+    const ShadowScene world;
+    const EmissionSampler emission(world.scene);
+    const LightSampler lights(world.scene);
+    Counts counts;
+    const ShadowPhotons photons(world.scene, *world.intersector, emission, 50'000, 0.1f, 1, 0, CancelToken{}, counts);
+    RandomStream random(3, RandomDomain::Test, 0, 0);
+    Neighbours scratch;
+    size_t decided = 0, wrong = 0, asked = 0;
+    for (int i = 0; i < 4000; ++i) {
+        const vec3 p(2 * random.next() - 1, 0, 2 * random.next() - 1), n(0, 1, 0);
+        LightSample light;
+        const float u_select = random.next();
+        if (!lights.sample(p, n, u_select, random.next_2d(), light)) continue;
+        const LightSeen seen = photons.seen(p, n, light.source, scratch);
+        ++asked;
+        if (seen == LightSeen::Unknown) continue;
+        ++decided;
+        wrong += (seen == LightSeen::Nothing) != world.intersector->occluded(light.shadow_ray(offset_ray_origin(p, n)));
+    }
+    // About 30 photons lie within the radius: penumbra points at which all of them agree against the ray are few.
+    EXPECT_GT(decided, asked / 2);
+    EXPECT_LE(double(wrong), 0.005 * double(decided));
+}
+
+}  // namespace
+}  // namespace photond
