@@ -142,6 +142,34 @@ class FullDiskTest(DiskCase):
         self.assertEqual([worker["restarts"] for worker in workers], [0, 0])
         self.check_store()
 
+    def test_a_photon_map_that_does_not_fit(self):
+        def photon_job(photons, **stop):
+            parameters = {"photons": photons, "gather": "direct", "keep_photon_map": True}
+            return {**small_job(size=16), "method": {"name": "photon_mapping", "parameters": parameters}, "stop": stop}
+
+        job = self.daemon.submit(photon_job(200_000, seconds=3))["id"]  # 64 bytes each: some 11 MB
+        self.rendering(job)
+        self.fill(self.LEFT)
+        failed = self.daemon.wait_for_job(job)
+        self.assertEqual((failed["state"], failed["failure"]["code"]), ("failed", "no_space"), failed)
+        self.assertIsNone(failed["links"]["photon_map"])
+        self.assertEqual(self.files(self.daemon, "films"), [], "neither the map nor the film that would have fitted")
+        # The next one is refused beforehand, unless it keeps no map.
+        self.assert_no_space(self.daemon.request("POST", "/v1/jobs", json_body=photon_job(200_000, passes=1)))
+        body = photon_job(200_000, passes=1)
+        body["method"]["parameters"]["keep_photon_map"] = False
+        self.assertEqual(self.daemon.wait_for_job(self.daemon.submit(body)["id"])["state"], "succeeded")
+        self.filler.unlink()
+        self.daemon.request("POST", f"/v1/jobs/{job}/retry")
+        kept = self.daemon.wait_for_job(job)
+        self.assertEqual(kept["state"], "succeeded", kept)
+        self.assertEqual(self.daemon.request("GET", kept["links"]["photon_map"]).status, 200)
+        # Its second name in the cache takes no second room, so that it is served even from a full disk.
+        self.fill(0)
+        self.assertEqual(self.daemon.request("GET", kept["links"]["photon_map"]).status, 200)
+        self.filler.unlink()
+        self.check_store()
+
     def test_not_a_byte_left(self):
         """Not even the store can be written: what a job came to is kept in memory until it can."""
         kept = self.daemon.wait_for_job(self.daemon.submit(small_job(size=16), "kept")["id"])

@@ -118,6 +118,14 @@ FAULTS = [
     ("/camera", look(up=[0, 0, 0]), "/camera/look_at/up"),
     ("/camera", look(up=[0, 0, -3]), "/camera/look_at/up"), ("/camera", {"aperture": 0.1}, "/camera/focus_distance"),
     ("/layers", ["depth", "depth"], "/layers/1"), ("/camera", {"look_at": {}}, "/camera/look_at/eye"),
+    ("/method", {"name": "photon_mapping", "parameters": {"radius": 1, "radius_relative": 0.1}},
+     "/method/parameters/radius_relative"),
+    # what another method has
+    ("/layers", ["photon_count"], "/layers/0"), ("/layers", ["depth", "photon_count"], "/layers/1"),
+    ("/method/parameters", {"photons": 1000}, "/method/parameters/photons"),
+    ("/method", {"name": "photon_mapping", "parameters": {"roulette_start": 3}}, "/method/parameters/roulette_start"),
+    ("/method", {"name": "photon_mapping", "parameters": {"cone_k": 0.5}}, "/method/parameters/cone_k"),
+    ("/method", {"name": "photon_mapping", "parameters": {"nearest_photons": 1}}, "/method/parameters/nearest_photons"),
     # not built yet, or not on this device
     ("/method/device", "gpu", None), ("/method/device", "gpu:0", None), ("/reference", "job:J1", None),
     ("/reference", {"method": {"name": "path_tracing"}, "stop": {"passes": 1}}, None),

@@ -14,7 +14,7 @@ from photond_daemon import Daemon, Reply, small_job
 
 # Faults that no schema can express: they depend on what the daemon holds, or relate one field to another.
 BEYOND_SCHEMAS = {"/scene", "/camera/name", "/camera/look_at", "/camera/look_at/target", "/camera/look_at/up",
-                  "/camera/focus_distance", "/environment/image", "/method/device"}
+                  "/camera/focus_distance", "/environment/image", "/method/device", "/method/parameters/radius_relative"}
 
 
 class Document:
@@ -134,6 +134,11 @@ class OpenApiTest(unittest.TestCase):
         ask("GET", f"/v1/jobs/{job['id']}")
         for name in ("image.exr", "preview.png", "pixels", "statistics.json", "log.txt"):
             self.assertEqual(ask("GET", f"/v1/jobs/{job['id']}/{name}").status, 200, name)
+        photons = {"name": "photon_mapping", "parameters": {"photons": 1000, "gather_rays": 1, "keep_photon_map": True}}
+        kept = ask("POST", "/v1/jobs", json_body={**small_job(), "method": photons}).json
+        self.daemon.wait_for_job(kept["id"])
+        ask("GET", f"/v1/jobs/{kept['id']}")
+        self.assertEqual(ask("GET", f"/v1/jobs/{kept['id']}/photon_map.glb").status, 200)
         exr = self.daemon.request("GET", f"/v1/jobs/{job['id']}/image.exr").body
         image = ask("POST", "/v1/images", exr, {"Content-Type": "image/x-exr"}).json
         ask("POST", "/v1/images", exr, {"Content-Type": "image/x-exr"})
@@ -144,6 +149,9 @@ class OpenApiTest(unittest.TestCase):
         ask("GET", "/v1/jobs")
         for name in ("image.exr", "preview.png", "pixels", "statistics.json"):
             self.assertEqual(ask("GET", f"/v1/jobs/{long_jobs[1]}/{name}").status, 202, name)
+        waiting = ask("POST", "/v1/jobs", json_body={**small_job(), "method": photons}).json["id"]
+        self.assertEqual(ask("GET", f"/v1/jobs/{waiting}/photon_map.glb").status, 202)
+        long_jobs.append(waiting)
         for job_id in long_jobs:
             ask("DELETE", f"/v1/jobs/{job_id}")
             self.daemon.wait_for_job(job_id)
@@ -151,6 +159,7 @@ class OpenApiTest(unittest.TestCase):
         ask("POST", f"/v1/jobs/{long_jobs[0]}/retry")
         ask("DELETE", f"/v1/jobs/{long_jobs[0]}?purge=true")
         self.assertEqual(ask("DELETE", f"/v1/jobs/{long_jobs[1]}").status, 200)
+        self.daemon.request("DELETE", f"/v1/jobs/{kept['id']}?purge=true")
         for job_id in long_jobs:
             self.daemon.request("DELETE", f"/v1/jobs/{job_id}?purge=true")
         self.assertEqual(ask("DELETE", f"/v1/jobs/{job['id']}?purge=true").status, 200)
