@@ -7,6 +7,7 @@
 #include <tbb/task_arena.h>
 
 #include <cmath>
+#include <cstdio>
 #include <functional>
 
 #include "renderer/backends/cpu/embree_intersector.h"
