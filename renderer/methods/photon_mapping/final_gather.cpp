@@ -9,6 +9,9 @@ namespace photond {
 
 namespace {
 
+/// Instead of a number for Russian roulette: none.
+constexpr float kCertain = -1;
+
 /// Ten bits with two zeros before each.
 uint64_t spread_bits(uint32_t x) {
     x = (x | x << 16) & 0x030000ffu;
@@ -36,27 +39,28 @@ uint64_t GatherSamplers::bytes_for(uint32_t rays) {
 }
 
 FinalGather::FinalGather()
-    : rays_(kRays),
-      next_rays_(kRays),
-      paths_(kRays),
-      next_paths_(kRays),
-      hits_(kRays),
-      shadow_rays_(kRays),
-      pending_(kRays),
-      occluded_(kRays),
+    : rays_(kPaths),
+      next_rays_(kPaths),
+      paths_(kPaths),
+      next_paths_(kPaths),
+      hits_(kPaths),
+      shadow_rays_(kPaths),
+      pending_(kPaths),
+      occluded_(kPaths),
       keys_(kRays),
       direction_x_(kRays),
       direction_y_(kRays),
       lobe_x_(kRays),
       lobe_y_(kRays) {
-    order_.reserve(kRays);
-    indices_.reserve(kRays);
+    order_.reserve(kPaths);
+    indices_.reserve(kPaths);
     ray_counts_.reserve(kRays);
 }
 
 uint64_t FinalGather::bytes_per_thread() {
-    return kRays * (3 * sizeof(Ray) + 2 * sizeof(GatherPath) + sizeof(Hit) + sizeof(uint64_t) + 3 * sizeof(uint32_t) +
-                    sizeof(PendingLight) + sizeof(uint8_t) + 5 * sizeof(float));
+    return kPaths * (3 * sizeof(Ray) + 2 * sizeof(GatherPath) + sizeof(Hit) + sizeof(uint64_t) + sizeof(uint32_t) +
+                     sizeof(PendingLight) + sizeof(uint8_t)) +
+           kRays * (2 * sizeof(uint32_t) + 4 * sizeof(float));
 }
 
 /// As many as the pass has for light that reaches the eye unweakened; fewer, in proportion, behind dim reflections.
@@ -141,6 +145,7 @@ void FinalGather::start_rays(const PhotonMappingScene& shared, const PassMaps& m
             if (!next.valid() || is_black(next.weight)) continue;
             GatherPath& path = paths_[count_];
             path.throughput = next.weight;
+            path.eta_scale = next.refraction ? sqr(next.eta) : 1.0f;
             path.point = p;
             path.ray = ray;
             path.scatterings = point.scatterings + 1;
@@ -182,6 +187,7 @@ void FinalGather::shade(const PhotonMappingScene& shared, const PassMaps& maps, 
     const Bsdf rough = bsdf.is_lambert() ? bsdf : bsdf.rough_part(shared.params.glossy_threshold);
     const vec3 wo = surface.shading.to_local(-ray.direction);
     const PassSampler& sampler = samplers[path.ray];
+    const vec2 direction = sampler.sample_2d(origin.key, sample_set(vertex, VertexSet::Direction));
     const Rgb to_pixel = origin.throughput * path.throughput * (1 / static_cast<float>(ray_counts_[path.point]));
 
     if (rough.scatters()) {
@@ -203,8 +209,16 @@ void FinalGather::shade(const PhotonMappingScene& shared, const PassMaps& maps, 
             }
         }
         const uint32_t most = shared.photon_scatterings(path.scatterings + 1);
-        const RadianceEstimate caustic = estimate_caustic(shared, maps, surface, rough, wo, most, neighbours_),
-                               global = estimate_global_at_end(shared, maps, surface, rough, wo, most, neighbours_);
+        const RadianceEstimate caustic = estimate_caustic(shared, maps, surface, rough, wo, most, neighbours_);
+        // A ray shorter than the radius of the lookup at its end begins where the disc is: in a corner, where density
+        // is smeared and lost at the edge, and where all short rays see the same error. It goes on for one bounce.
+        const bool near = vertex == 1 && hit.t < shared.search_radius_m;
+        RadianceEstimate global = near ? estimate_global(shared, maps, surface, rough, wo, most, neighbours_)
+                                       : estimate_global_at_end(shared, maps, surface, rough, wo, most, neighbours_);
+        if (near && hit.t < global.radius_m) {
+            global = {};
+            follow(path, surface, rough.sample(wo, choice.y, direction), kCertain);
+        }
         image.indirect[origin.pixel] += to_pixel * (caustic.radiance + global.radiance);
         if (!image.photon_count.empty())
             image.photon_count[origin.pixel] += static_cast<float>(caustic.photons + global.photons);
@@ -213,21 +227,30 @@ void FinalGather::shade(const PhotonMappingScene& shared, const PassMaps& maps, 
 
     const Bsdf specular = bsdf.specular_part(shared.params.glossy_threshold);
     if (!specular.scatters()) return;
+    // Many rays are averaged: roulette may end each from the start.
     const vec2 lobe = sampler.sample_2d(origin.key, sample_set(vertex, VertexSet::Lobe));
-    const BsdfSample next =
-        specular.sample(wo, lobe.x, sampler.sample_2d(origin.key, sample_set(vertex, VertexSet::Direction)));
-    if (!next.valid()) return;
-    // Many rays are averaged: each may be played for from the start.
-    if (next.refraction) path.eta_scale *= sqr(next.eta);
-    path.throughput *= next.weight;
-    const float survival = std::min(max_component(path.throughput) * path.eta_scale, kMaxSurvival);
-    if (!(lobe.y < survival)) return;
-    path.throughput /= survival;
-    ++path.scatterings;
-    if (next.refraction) path.media.cross(surface.material, surface.front_side);
-    const vec3 wi = surface.shading.to_world(next.wi);
+    follow(path, surface, specular.sample(wo, lobe.x, direction), lobe.y);
+}
+
+/// Goes on as sampled, unless Russian roulette with the number `roulette` ends the path; kCertain: it does not.
+void FinalGather::follow(const GatherPath& path, const ShadingPoint& surface, const BsdfSample& sample,
+                         float roulette) {
+    if (!sample.valid()) return;
+    GatherPath next = path;
+    next.throughput *= sample.weight;
+    if (sample.refraction) {
+        next.eta_scale *= sqr(sample.eta);
+        next.media.cross(surface.material, surface.front_side);
+    }
+    if (roulette != kCertain) {
+        const float survival = std::min(max_component(next.throughput) * next.eta_scale, kMaxSurvival);
+        if (!(roulette < survival)) return;
+        next.throughput /= survival;
+    }
+    ++next.scatterings;
+    const vec3 wi = surface.shading.to_world(sample.wi);
     next_rays_[next_count_] = {ray_origin(surface, wi), wi, kInfinity};
-    next_paths_[next_count_++] = path;
+    next_paths_[next_count_++] = next;
 }
 
 void FinalGather::trace_shadow_rays(const PhotonMappingScene& shared, PassImage& image, Counts& counts) {

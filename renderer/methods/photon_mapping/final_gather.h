@@ -60,10 +60,10 @@ public:
 private:
     /// A gather ray between two of its vertices.
     struct GatherPath {
-        Rgb throughput;       // since the point
-        float eta_scale = 1;  // since the point, as in EyePath
-        uint32_t point;       // index in the batch
-        uint32_t ray;         // index among the point's, that of its sampler
+        Rgb throughput;   // since the point
+        float eta_scale;  // since the point, as in EyePath
+        uint32_t point;   // index in the batch
+        uint32_t ray;     // index among the point's, that of its sampler
         uint32_t scatterings;
         MediumStack media;
     };
@@ -76,9 +76,12 @@ private:
     void sort_hits(const PhotonMappingScene& shared);
     void shade(const PhotonMappingScene& shared, const PassMaps& maps, const GatherSamplers& samplers,
                const GatherPoint& origin, uint32_t vertex, uint32_t i, PassImage& image);
+    void follow(const GatherPath& path, const ShadingPoint& surface, const BsdfSample& sample, float roulette);
     void trace_shadow_rays(const PhotonMappingScene& shared, PassImage& image, Counts& counts);
 
-    // All of these hold kRays; how many count is said here.
+    // A ray's path may part at its first end, into one by the specular and one by the rough part. These hold kPaths;
+    // how many count is said here.
+    static constexpr size_t kPaths = 2 * size_t{kRays};
     size_t count_ = 0;  // of the rays under way
     size_t next_count_ = 0;
     size_t shadow_count_ = 0;
@@ -90,6 +93,7 @@ private:
     std::vector<Ray> shadow_rays_;
     std::vector<PendingLight> pending_;
     std::vector<uint8_t> occluded_;
+    // These hold kRays.
     std::vector<uint32_t> ray_counts_;  // by point of the batch
     std::vector<uint32_t> keys_;
     std::vector<float> direction_x_, direction_y_, lobe_x_, lobe_y_;

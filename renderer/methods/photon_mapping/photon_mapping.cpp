@@ -14,11 +14,20 @@ namespace photond {
 namespace {
 
 /// Photons stored of each light path started, as expected before any is traced: the global map of a closed room with
-/// reflectances about a half (the Cornell box has 1.1), and the caustic map when specular surfaces fill a tenth.
-constexpr double kGlobalStored = 1.1;
+/// reflectances about a half (measured in the Cornell box), and the caustic map when specular surfaces fill a tenth.
+constexpr double kGlobalStored = 0.905;
 constexpr double kCausticStored = 0.1;
 
 uint64_t expected(uint32_t photons, double stored) { return static_cast<uint64_t>(stored * photons) + 1; }
+
+/// Bytes of a map, and what its building takes beside it for a while.
+struct MapBytes {
+    MapBytes(uint64_t photons, PhotonSearch::Kind kind)
+        : map(photons * sizeof(PhotonPayload) +
+              (kind == PhotonSearch::Kind::Nearest ? KdTree::bytes_for(photons) : HashGrid::bytes_for(photons))),
+          build(PhotonMap::bytes_for(photons) - map) {}
+    uint64_t map, build;
+};
 
 std::string projection_text(const ProjectionMap& map) {
     char text[160];
@@ -84,14 +93,22 @@ uint64_t PhotonMapping::estimate_bytes(const PhotonMappingParams& params, const 
         bytes += EmissionSampler::estimate_bytes(workload.lights, workload.environment_size);
     if (plan.global.wanted() || plan.caustic.wanted()) bytes += PhotonTracer::scratch_bytes(workload.threads);
     const uint64_t copies = params.keep_photon_map ? 2 : 1;
-    if (plan.global.wanted()) bytes += copies * PhotonMap::bytes_for(expected(params.photons, kGlobalStored));
-    if (plan.irradiance_scatterings > 0)
-        bytes += PrecomputedIrradiance::bytes_for(expected(params.photons, kGlobalStored));
+    uint64_t build = 0;  // of one map at a time
+    if (plan.global.wanted()) {
+        const uint64_t stored = expected(params.photons, kGlobalStored);
+        const MapBytes global(stored, params.search);
+        bytes += copies * global.map;
+        build = global.build;
+        if (plan.irradiance_scatterings > 0) bytes += PrecomputedIrradiance::bytes_for(stored);
+    }
     if (plan.caustic.wanted()) {
-        const uint32_t photons = params.caustic_photons.value_or(params.photons);
-        bytes += copies * PhotonMap::bytes_for(expected(photons, kCausticStored));
+        const MapBytes caustic(expected(params.caustic_photons.value_or(params.photons), kCausticStored),
+                               params.search);
+        bytes += copies * caustic.map;
+        build = std::max(build, caustic.build);
         if (params.projection_maps) bytes += ProjectionMap::estimate_bytes(workload.lights);
     }
+    bytes += build;
     if (plan.shadow) bytes += ShadowPhotons::bytes_for(2 * uint64_t{params.photons});
     return bytes;
 }
@@ -189,10 +206,12 @@ void PhotonMapping::trace_photons(uint32_t pass, Stats& stats, const CancelToken
         }
         stats.counts += traced.counts;
         if (cancel.cancelled()) return {};
-        state.budget.require(structure, PhotonMap::bytes_for(traced.photons.size()));
+        const uint64_t peak_bytes = PhotonMap::bytes_for(traced.photons.size());
+        state.budget.require(structure, peak_bytes);
         const StageTimer timer(stats, "photon_map_build");
         PhotonMap map(std::move(traced.photons), state.search(nearest));
         state.record(structure, map.bytes());
+        state.record("photon_map_build", peak_bytes - std::min(peak_bytes, map.bytes()));
         return map;
     };
     PassMaps& maps = state.maps;

@@ -62,7 +62,9 @@ struct PhotonMappingParams final : MethodParams {
 ///       + int f_d L_d cos    D   the global map (gather: direct), or gather rays drawn by f_d (gather: final)
 ///
 /// At the end y of a gather ray the light that f_d scatters is direct + caustic + global; f_s there is followed. What
-/// f_s at y scatters of L_l and L_c came through specular scatterings only: it is C's at x, and not added.
+/// f_s at y scatters of L_l and L_c came through specular scatterings only: it is C's at x, and not added. Where a ray
+/// is shorter than the radius of the global map's lookup at y, in corners, f_d at y is sampled for one more bounce
+/// instead of that lookup.
 ///
 /// Strong on caustics, also those seen in mirrors, which no path from the eye finds; noise is low-frequency. Biased by
 /// the kernel's radius: density is smeared within it, and lost at edges unless `boundary` is "clip". Passes are

@@ -1,0 +1,339 @@
+// What photon mapping promises beside the right light: bits that do not depend on threads, layers, counts, skipped
+// parts, parameters, memory; and that it stays finite in scenes that leave it nothing to work with.
+
+#include "renderer/methods/photon_mapping/photon_mapping.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "protocol/error.h"
+#include "renderer/core/thread_local.h"
+#include "renderer/scene/builtin_scenes.h"
+#include "renderer/scene/mesh_builder.h"
+#include "tests/support/render.h"
+#include "tests/support/statistics.h"
+
+namespace photond {
+namespace {
+
+using Settings = test::RenderSettingsOf<PhotonMapping>;
+
+Settings settings_for(Gather gather, uint32_t passes = 1) {
+    Settings settings;
+    settings.size = {40, 35};  // tiles cut at both edges
+    settings.passes = passes;
+    for (const Layer layer : {Layer::Caustic, Layer::Albedo, Layer::Normal, Layer::Position, Layer::Depth})
+        settings.layers.add(layer);
+    settings.params.photons = 2000;
+    settings.params.gather = gather;
+    settings.params.gather_rays = 8;
+    settings.params.nearest_photons = 20;
+    return settings;
+}
+
+const Skipped* find_skipped(const Stats& stats, std::string_view what) {
+    for (const Skipped& skipped : stats.skipped)
+        if (skipped.what == what) return &skipped;
+    return nullptr;
+}
+
+double sum_of(const std::vector<float>& values) { return test::mean_of(values) * double(values.size()); }
+
+void expect_sane(const Film& film) {
+    EXPECT_EQ(film.nan_count(), 0u);
+    EXPECT_EQ(film.infinity_count(), 0u);
+    for (const float value : film.resolve_beauty()) EXPECT_GE(value, 0);
+}
+
+TEST(PhotonMapping, PixelHashIsTheSameForAnyNumberOfThreads) {
+    for (const char* name : {"cornell-box", "cornell-box-glass", "cornell-box-glossy"}) {
+        const Scene scene = make_builtin_scene(name);
+        for (const Gather gather : {Gather::Direct, Gather::Final}) {
+            Settings settings = settings_for(gather, 2);
+            settings.params.shadow_photons = settings.params.precompute_irradiance = true;
+            settings.params.gather_sampling = GatherSampling::Photons;
+            std::vector<std::string> hashes;
+            for (const size_t threads : {1, 2, 8}) {
+                const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+                hashes.push_back(test::render(scene, settings).pixel_hash());
+            }
+            EXPECT_EQ(hashes[0], hashes[1]) << name;
+            EXPECT_EQ(hashes[0], hashes[2]) << name;
+        }
+    }
+}
+
+TEST(PhotonMapping, APassIsAPureFunctionOfItsIndex) {
+    const Scene scene = make_builtin_scene("cornell-box-glass");
+    Settings settings = settings_for(Gather::Final);
+    settings.first_pass = 5;
+    const Film alone = test::render(scene, settings), again = test::render(scene, settings);
+    EXPECT_EQ(alone, again);
+    settings.first_pass = 6;
+    EXPECT_NE(alone.pixel_hash(), test::render(scene, settings).pixel_hash());
+    settings.first_pass = 5;
+    settings.seed = 2;
+    EXPECT_NE(alone.pixel_hash(), test::render(scene, settings).pixel_hash());
+}
+
+// Emitted and direct light are sampled, never looked up: they are path tracing's in the mean. Glossy floors, mirrors
+// and glass take all parts of the split.
+TEST(PhotonMapping, EmittedAndDirectLightAreThoseOfPathTracing) {
+    constexpr double kFalseAlarm = 1e-6, kMustDetect = 0.02;
+    const char* kScenes[] = {"cornell-box", "cornell-box-glossy", "cornell-box-glass"};
+    for (const char* name : kScenes) {
+        const Scene scene = make_builtin_scene(name);
+        std::vector<double> emitted, direct;
+        for (uint64_t seed = 1; seed <= 32; ++seed) {
+            Settings settings = settings_for(Gather::Final, 16);
+            settings.params.indirect_bounces = 0;
+            settings.seed = seed;
+            test::RenderSettings traced;
+            traced.size = settings.size;
+            traced.passes = settings.passes;
+            traced.params.indirect_bounces = 0;
+            traced.seed = seed;  // the same camera rays: that part of the noise is common
+            const Film ours = test::render(scene, settings), theirs = test::render(scene, traced);
+            const auto ratio = [&](Layer layer) {
+                return test::mean_of(ours.resolve(layer)) / test::mean_of(theirs.resolve(layer)) - 1;
+            };
+            emitted.push_back(ratio(Layer::Emitted));
+            direct.push_back(ratio(Layer::Direct));
+        }
+        for (const auto& difference : {emitted, direct}) {
+            const test::Interval interval = test::mean_interval(difference, kFalseAlarm, 2 * std::size(kScenes));
+            EXPECT_LE(std::abs(interval.mean), interval.half_width) << name;
+            EXPECT_LE(interval.half_width, kMustDetect) << name << ": too noisy to notice a defect";
+        }
+    }
+}
+
+TEST(PhotonMapping, NoIndirectBouncesLeaveTheLayerBlackAndTraceNoPhotons) {
+    for (const Gather gather : {Gather::Direct, Gather::Final}) {
+        Settings settings = settings_for(gather);
+        settings.params.indirect_bounces = 0;
+        Stats stats;
+        const Film film = test::render(make_builtin_scene("cornell-box-glass"), settings, &stats);
+        EXPECT_EQ(sum_of(film.resolve(Layer::Indirect)), 0);
+        EXPECT_EQ(sum_of(film.resolve(Layer::Caustic)), 0);
+        EXPECT_GT(sum_of(film.resolve(Layer::Direct)), 0);
+        EXPECT_EQ(stats.counts.photons_emitted, 0u);
+        ASSERT_NE(find_skipped(stats, "global map"), nullptr);
+        ASSERT_NE(find_skipped(stats, "caustic map"), nullptr);
+        EXPECT_GT(find_skipped(stats, "global map")->bytes_saved, 0u);
+    }
+}
+
+TEST(PhotonMapping, OneBounceOfFinalGatheringNeedsNoGlobalMap) {
+    const Scene scene = make_builtin_scene("cornell-box");
+    Settings settings = settings_for(Gather::Final);
+    settings.params.indirect_bounces = 1;
+    Stats stats;
+    const Film film = test::render(scene, settings, &stats);
+    EXPECT_GT(sum_of(film.resolve(Layer::Indirect)), 0);
+    EXPECT_EQ(stats.counts.photons_emitted, 0u);
+    ASSERT_NE(find_skipped(stats, "global map"), nullptr);
+
+    Stats looked_up;
+    settings.params.gather = Gather::Direct;
+    const Film direct = test::render(scene, settings, &looked_up);
+    EXPECT_GT(sum_of(direct.resolve(Layer::Indirect)), 0);
+    EXPECT_EQ(looked_up.counts.photons_emitted, 2000u);
+    EXPECT_EQ(find_skipped(looked_up, "global map"), nullptr);
+}
+
+TEST(PhotonMapping, WhatTheSceneDoesNotNeedIsSkipped) {
+    Stats plain;
+    test::render(make_builtin_scene("cornell-box"), settings_for(Gather::Final), &plain);
+    ASSERT_NE(find_skipped(plain, "caustic map"), nullptr);
+    EXPECT_EQ(find_skipped(plain, "caustic map")->why, "no specular surface");
+    EXPECT_GT(find_skipped(plain, "caustic map")->bytes_saved, 0u);
+    EXPECT_EQ(find_skipped(plain, "global map"), nullptr);
+    EXPECT_EQ(plain.counts.photons_emitted, 2000u);
+
+    Stats glass;
+    Settings settings = settings_for(Gather::Final);
+    settings.params.caustic_photons = 500;
+    const Film film = test::render(make_builtin_scene("caustic-ring"), settings, &glass);
+    EXPECT_EQ(find_skipped(glass, "caustic map"), nullptr);
+    EXPECT_EQ(glass.counts.photons_emitted, 2500u);
+    EXPECT_GT(sum_of(film.resolve(Layer::Caustic)), 0);
+    const std::vector<float> caustic = film.resolve(Layer::Caustic), indirect = film.resolve(Layer::Indirect);
+    for (size_t i = 0; i < caustic.size(); ++i) EXPECT_LE(caustic[i], indirect[i] * 1.00001f);
+}
+
+TEST(PhotonMapping, CountsStagesAndMemoryAreReported) {
+    const Scene scene = make_builtin_scene("cornell-box");
+    Settings settings = settings_for(Gather::Final, 2);
+    settings.layers.add(Layer::PhotonCount);
+    Stats stats;
+    MemoryBudget budget;
+    const Film film = test::render(scene, settings, &stats, &budget);
+    const uint64_t pixels = settings.size.pixels();
+    EXPECT_EQ(stats.counts.camera_rays, 2 * pixels);
+    EXPECT_EQ(stats.counts.photons_emitted, 2 * 2000u);
+    EXPECT_GT(stats.counts.photons_stored, 0u);
+    EXPECT_GT(stats.counts.photon_rays, stats.counts.photons_emitted);
+    EXPECT_LE(stats.counts.bounce_rays, 2 * pixels * settings.params.gather_rays);
+    EXPECT_GT(stats.counts.bounce_rays, pixels * settings.params.gather_rays);
+    EXPECT_GT(stats.counts.shadow_rays, stats.counts.bounce_rays / 4);
+    EXPECT_GT(sum_of(film.resolve(Layer::PhotonCount)), double(pixels));
+    for (const char* stage : {"photon_tracing", "photon_map_build", "g_buffer", "direct", "gather"})
+        EXPECT_GT(stats.stage(stage).cpu_seconds, 0) << stage;
+    for (const char* structure : {"pass_image", "wavefronts", "light_sampler", "emission_sampler", "global_map"})
+        EXPECT_GT(budget.structures().at(structure), 0u) << structure;
+}
+
+TEST(PhotonMapping, MemoryIsEstimatedToAFewPercentForPlainScenes) {
+    const Scene scene = make_builtin_scene("cornell-box");
+    for (const Gather gather : {Gather::Direct, Gather::Final}) {
+        Settings settings = settings_for(gather);
+        settings.params.photons = 100'000;
+        settings.params.gather_rays = 1;
+        MemoryBudget budget;
+        test::render(scene, settings, nullptr, &budget);
+        Workload workload{settings.size, settings.layers, unsigned(most_threads()), scene.triangle_lights.size()};
+        workload.triangles = scene.triangle_count;
+        workload.needs = scene.needs;
+        const auto estimate = double(PhotonMapping::estimate_bytes(settings.params, workload));
+        EXPECT_NEAR(estimate / double(budget.accounted_bytes()), 1, 0.05);
+    }
+}
+
+TEST(PhotonMapping, RefusesWhatDoesNotFit) {
+    Settings settings = settings_for(Gather::Final);
+    settings.params.photons = 10'000'000;
+    MemoryBudget budget(32 << 20);
+    EXPECT_THROW(test::render(make_builtin_scene("cornell-box"), settings, nullptr, &budget), Error);
+}
+
+TEST(PhotonMapping, RadiusInMetresAndRelativeRadiusExcludeEachOther) {
+    PhotonMappingParams params;
+    params.radius_m = 0.1f;
+    EXPECT_NO_THROW(params.check());
+    EXPECT_EQ(params.search_radius_m(7), 0.1f);
+    params.radius_relative = 0.1f;
+    try {
+        params.check();
+        FAIL() << "both radii were taken";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code, ErrorCode::Conflict);
+        ASSERT_EQ(error.faults.size(), 1u);
+        EXPECT_EQ(error.faults[0].pointer, "/radius_relative");
+    }
+    params.radius_m.reset();
+    EXPECT_NO_THROW(params.check());
+    EXPECT_FLOAT_EQ(params.search_radius_m(7), 0.7f);
+}
+
+TEST(PhotonMapping, ACancelledPassLeavesNothing) {
+    const Scene scene = make_builtin_scene("cornell-box-glass");
+    MemoryBudget budget;
+    Stats stats;
+    const auto intersector = make_embree_intersector(scene, budget, stats);
+    PhotonMappingParams params;
+    params.photons = 1000;
+    params.gather_rays = 2;
+    params.keep_photon_map = true;
+    PhotonMapping method(params);
+    method.begin({scene, *intersector, View{find_camera(scene, ""), {64, 64}}, 1, budget}, stats);
+    Film film({64, 64}, {});
+    CancelToken cancel;
+    cancel.cancel();
+    method.run_pass(0, stats, cancel);
+    method.resolve(film);
+    EXPECT_EQ(film.passes(), 0u);
+    method.run_pass(0, stats, CancelToken{});
+    method.resolve(film);
+    EXPECT_EQ(film.passes(), 1u);
+    // The photons of the last whole pass outlive a cancelled one.
+    method.run_pass(1, stats, cancel);
+    method.resolve(film);
+    EXPECT_EQ(film.passes(), 1u);
+    ASSERT_EQ(method.artefacts().size(), 1u);
+    EXPECT_EQ(method.artefacts()[0].name, "photon_map.glb");
+}
+
+/// A floor and a wall, seen from the front; no light.
+Scene corner(const Material& material) {
+    Scene scene;
+    scene.materials = {material};
+    scene.meshes = {MeshBuilder().quad({-2, -1, 0}, {2, -1, 0}, {2, -1, -4}, {-2, -1, -4}).build(0),
+                    MeshBuilder().quad({-2, -1, -4}, {2, -1, -4}, {2, 3, -4}, {-2, 3, -4}).build(0)};
+    scene.instances.resize(2);
+    scene.instances[1].mesh = 1;
+    scene.cameras = {Camera{}};
+    return scene;
+}
+Material lambert(float reflectance) {
+    Material material;
+    material.metallic = material.specular = 0;
+    material.base_color = Rgb(reflectance);
+    return material;
+}
+PunctualLight lamp() {
+    PunctualLight light;
+    light.position = vec3(0, 2, -2);
+    return light;
+}
+void add_sky(Scene& scene) {
+    Environment sky;
+    sky.map.size = {8, 4};
+    sky.map.radiance.assign(32, Rgb(1));
+    scene.environment = sky;
+}
+
+struct HardScene {
+    const char* name;
+    Scene scene;
+    bool dark;  // nothing is to be seen
+};
+std::vector<HardScene> hard_scenes() {
+    Material mirror;
+    mirror.metallic = 1;
+    mirror.roughness = 0;
+    std::vector<HardScene> scenes;
+    scenes.push_back({"no light", corner(lambert(0.5f)), true});
+    scenes.push_back({"black", corner(lambert(0)), true});
+    scenes.back().scene.punctual_lights = {lamp()};
+    scenes.push_back({"all mirrors", corner(mirror), true});
+    scenes.back().scene.punctual_lights = {lamp()};
+    scenes.push_back({"mirrors under the sky", corner(mirror), false});
+    add_sky(scenes.back().scene);
+    scenes.push_back({"nothing but the sky", Scene{}, false});
+    scenes.back().scene.cameras = {Camera{}};
+    add_sky(scenes.back().scene);
+    scenes.push_back({"nothing at all", Scene{}, true});
+    scenes.back().scene.cameras = {Camera{}};
+    scenes.push_back({"lamp", corner(lambert(1)), false});
+    scenes.back().scene.punctual_lights = {lamp()};
+    for (HardScene& hard : scenes) finish_scene(hard.scene);
+    return scenes;
+}
+
+TEST(PhotonMapping, StaysFiniteWhereThereIsNothingToWorkWith) {
+    for (const HardScene& hard : hard_scenes()) {
+        for (const Gather gather : {Gather::Direct, Gather::Final}) {
+            for (const uint32_t photons : {1u, 3000u}) {
+                for (const bool options : {false, true}) {
+                    Settings settings = settings_for(gather);
+                    settings.size = {16, 16};
+                    settings.params.photons = photons;
+                    settings.params.search = options ? PhotonSearch::Kind::Radius : PhotonSearch::Kind::Nearest;
+                    settings.params.boundary = options ? DiscBoundary::Clip : DiscBoundary::None;
+                    settings.params.gather_sampling = options ? GatherSampling::Photons : GatherSampling::Bsdf;
+                    settings.params.precompute_irradiance = settings.params.shadow_photons = options;
+                    settings.layers.add(Layer::PhotonCount);
+                    SCOPED_TRACE(testing::Message() << hard.name << ", " << photons << " photons, gather "
+                                                    << int(gather) << ", options " << options);
+                    const Film film = test::render(hard.scene, settings);
+                    expect_sane(film);
+                    EXPECT_EQ(sum_of(film.resolve_beauty()) == 0, hard.dark);
+                }
+            }
+        }
+    }
+}
+
+}  // namespace
+}  // namespace photond
