@@ -29,6 +29,8 @@ uint32_t take_photons(const Structure& structure, const PhotonMap& map, const Es
     const uint32_t same_normal = Octahedral<11>::encode(disc.normal);
     constexpr uint32_t kNormalBits = (1u << 22) - 1;
     uint32_t taken = 0;
+    // Payloads lie where no search has been yet: waiting for them one by one would take longer than all the rest.
+    for (const Neighbours::Found& f : found.found) __builtin_prefetch(&map.payload(f.index).normal_and_path);
     for (const Neighbours::Found& f : found.found) {
         const PhotonPayload& payload = map.payload(f.index);
         const float height_m = std::fabs(glm::dot(disc.normal, structure.position(f.index) - disc.position));

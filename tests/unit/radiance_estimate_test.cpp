@@ -8,6 +8,8 @@
 #include <numbers>
 
 #include "renderer/core/rng.h"
+#include "renderer/photons/surface_boundary.h"
+#include "renderer/scene/mesh_builder.h"
 
 namespace photond {
 namespace {
@@ -222,6 +224,31 @@ TEST(RadianceEstimate, ATiltedShadingNormalSeesPhotonsByBothCosines) {
     // Grazing the surface, straight above the shading normal's horizon: finite, by the least cosine.
     const float grazing = radiance(glm::normalize(vec3(1, 0, 1e-6f)));
     EXPECT_LE(grazing, 0.6f / kPi * density * std::sqrt(0.5f) * 1.001e3f);
+}
+
+TEST(RadianceEstimate, IsDividedByTheShareOfTheDiscOnTheSurface) {
+    // A square from x = 0 on: at 5 cm from its edge a disc of 20 cm hangs over.
+    Scene scene;
+    scene.meshes.push_back(MeshBuilder().quad({0, -2, 0}, {4, -2, 0}, {4, 2, 0}, {0, 2, 0}).build(0));
+    scene.instances.emplace_back();
+    scene.materials.emplace_back();
+    finish_scene(scene);
+    const SurfaceBoundary boundary(scene, kRadius.radius_m);
+    const PhotonMap map({photon_at({0.1f, 0, 0})}, kRadius);
+    const ShadingPoint point = flat_point({0.05f, 0, 0});
+    const Bsdf lambert = Bsdf::lambert(kUp, Rgb(0.5f));
+    Neighbours scratch;
+    for (const KernelShape shape : {KernelShape::Constant, KernelShape::Epanechnikov}) {
+        const EstimateSettings none{.kernel = Kernel(shape)}, clip{.kernel = Kernel(shape), .boundary = &boundary};
+        const float mass =
+            boundary.mass_on_surface(clip.kernel, point.position, kUp, kRadius.radius_m, kRadius.radius_m / 4);
+        EXPECT_LT(mass, 0.9f);
+        EXPECT_GT(mass, 0.5f);
+        EXPECT_FLOAT_EQ(estimate_irradiance(map, clip, point.position, kUp, kAny, scratch).x,
+                        estimate_irradiance(map, none, point.position, kUp, kAny, scratch).x / mass);
+        EXPECT_FLOAT_EQ(estimate_radiance(map, clip, point, lambert, kUp, kAny, scratch).radiance.x,
+                        estimate_radiance(map, none, point, lambert, kUp, kAny, scratch).radiance.x / mass);
+    }
 }
 
 TEST(RadianceEstimate, NothingIsLookedUpForNothing) {
