@@ -1,7 +1,5 @@
 #include "renderer/photons/boundary_edges.h"
 
-#include <tbb/parallel_sort.h>
-
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -158,9 +156,26 @@ void resolve_edge(std::vector<Side>& sides, float radius_m, std::vector<Boundary
     for (const Side& s : sides) out.push_back({s.a, s.b, s.normal, vec3(0), kInfinity});
 }
 
+/// Half-edges of equal keys side by side, in an order that is the same for any number of threads.
+std::vector<HalfEdge> sorted(const std::vector<HalfEdge>& half_edges) {
+    constexpr size_t kBuckets = 256;
+    const auto bucket_of = [](const HalfEdge& e) { return static_cast<size_t>(e.key % kBuckets); };
+    std::array<size_t, kBuckets + 1> first{};
+    for (const HalfEdge& e : half_edges) ++first[bucket_of(e) + 1];
+    std::partial_sum(first.begin(), first.end(), first.begin());
+    std::vector<HalfEdge> by_bucket(half_edges.size());
+    std::array<size_t, kBuckets + 1> next = first;
+    for (const HalfEdge& e : half_edges) by_bucket[next[bucket_of(e)]++] = e;
+    parallel_for(kBuckets, 1, [&](size_t i) {
+        const auto at = [&](size_t offset) { return by_bucket.begin() + static_cast<std::ptrdiff_t>(offset); };
+        std::sort(at(first[i]), at(first[i + 1]));
+    });
+    return by_bucket;
+}
+
 std::vector<BoundaryEdge> unmatched_edges(const WorldTriangles& triangles, std::vector<HalfEdge> half_edges,
                                           float radius_m) {
-    tbb::parallel_sort(half_edges.begin(), half_edges.end());
+    half_edges = sorted(half_edges);
     return gather_blocks<BoundaryEdge>(half_edges.size(), [&](size_t begin, size_t end,
                                                               std::vector<BoundaryEdge>& out) {
         std::vector<Side> sides, others;

@@ -1,7 +1,5 @@
 #include "renderer/photons/boundary_tree.h"
 
-#include <tbb/parallel_invoke.h>
-
 #include <algorithm>
 #include <atomic>
 
@@ -11,17 +9,21 @@ namespace photond {
 
 BoundaryTree::BoundaryTree(std::vector<BoundaryEdge> edges, float radius_m) : edges_(std::move(edges)) {
     if (edges_.empty()) return;
-    blocks_ = (edges_.size() + kBlock - 1) / kBlock;
-    levels_ = static_cast<size_t>(std::bit_width(blocks_ - 1));
-    nodes_.resize(size_t{2} << levels_);
-    split(0, 0);
+    while (edges_.size() > kWidth << kWidthBits * depth_) ++depth_;
+    Node none;
+    for (auto& axis : none.centre) axis.fill(0);
+    for (auto& axis : none.half) axis.fill(-kInfinity);
+    nodes_.assign(node_index(depth_, 0), none);
+    for (size_t level = 0; level <= kWidthBits * depth_; ++level) {
+        const size_t parts = size_t{1} << level;
+        parallel_for(parts, parts / 256 + 1, [&](size_t k) { split(level, k); });
+    }
     fill_cells(radius_m);
 }
 
 /// Splits where edges differ most: in place, or in length, so that long edges do not blow up the boxes of short ones.
 void BoundaryTree::split(size_t level, size_t k) {
     const size_t begin = first_edge(level, k), end = first_edge(level, k + 1);
-    Box& box = nodes_[(size_t{1} << level) + k];
     Bounds3 bounds, middles;
     float shortest = kInfinity, longest = 0;
     const auto length_of = [](const BoundaryEdge& e) {
@@ -34,12 +36,17 @@ void BoundaryTree::split(size_t level, size_t k) {
         middles.extend(0.5f * (e.a + e.b));
         shortest = std::min(shortest, length_of(e)), longest = std::max(longest, length_of(e));
     }
-    if (!bounds.empty()) {
+    if (level > 0 && level % kWidthBits == 0 && !bounds.empty()) {
         // Rounding must not let an edge stick out.
         const vec3 largest = glm::max(glm::abs(bounds.min), glm::abs(bounds.max));
-        box = {bounds.centre(), 0.5f * bounds.diagonal() + 0x1p-22f * largest};
+        const vec3 centre = bounds.centre(), half = 0.5f * bounds.diagonal() + 0x1p-22f * largest;
+        Node& parent = nodes_[node_index(level / kWidthBits - 1, k / kWidth)];
+        for (int axis = 0; axis < 3; ++axis) {
+            parent.centre[static_cast<size_t>(axis)][k % kWidth] = centre[axis];
+            parent.half[static_cast<size_t>(axis)][k % kWidth] = half[axis];
+        }
     }
-    if (level == levels_) return;
+    if (level == kWidthBits * depth_) return;
     const size_t middle = first_edge(level + 1, 2 * k + 1);
     if (begin < middle && middle < end) {
         const vec3 d = middles.diagonal();
@@ -53,12 +60,6 @@ void BoundaryTree::split(size_t level, size_t k) {
                 return e.a[axis] + e.b[axis] < f.a[axis] + f.b[axis];
             });
         }
-    }
-    if (end - begin > 4096) {
-        tbb::parallel_invoke([&] { split(level + 1, 2 * k); }, [&] { split(level + 1, 2 * k + 1); });
-    } else {
-        split(level + 1, 2 * k);
-        split(level + 1, 2 * k + 1);
     }
 }
 

@@ -6,6 +6,7 @@
 #include <array>
 #include <bit>
 
+#include "renderer/core/lanes.h"
 #include "renderer/core/rng.h"
 #include "renderer/photons/boundary_edges.h"
 
@@ -30,19 +31,30 @@ public:
 
     size_t size() const { return edges_.size(); }
     uint64_t bytes() const {
-        return edges_.size() * sizeof(BoundaryEdge) + nodes_.size() * sizeof(Box) + occupied_.size() * sizeof(uint64_t);
+        return edges_.size() * sizeof(BoundaryEdge) + nodes_.size() * sizeof(Node) +
+               occupied_.size() * sizeof(uint64_t);
     }
 
 private:
-    static constexpr size_t kBlock = 4;  // edges of a leaf, at most
-    struct Box {
-        vec3 centre{0};
-        vec3 half{-1};
+    static constexpr size_t kWidth = 8, kWidthBits = 3;  // children of a node; edges of a leaf, at most
+    static_assert(kWidth == kLanes);
+    /// The boxes of a node's children: centres and half sizes, by axis. Plain floats, as threads fill them side by
+    /// side.
+    struct alignas(32) Node {
+        std::array<std::array<float, kWidth>, 3> centre;
+        std::array<std::array<float, kWidth>, 3> half;  // minus infinity where there is no child
     };
+    static Vec3Lanes load(const std::array<std::array<float, kWidth>, 3>& v) {
+        const auto lanes = [](const auto& x) { return FloatLanes(x.data(), std::experimental::element_aligned); };
+        return {lanes(v[0]), lanes(v[1]), lanes(v[2])};
+    }
 
-    // Edges stand in blocks. Node k of level l, at (1 << l) + k in the heap, holds the blocks from k n >> l on.
-    size_t first_block(size_t level, size_t k) const { return k * blocks_ >> level; }
-    size_t first_edge(size_t level, size_t k) const { return std::min(edges_.size(), first_block(level, k) * kBlock); }
+    // All ways down are equally long. The k-th of 2^level equal parts of the edges:
+    size_t first_edge(size_t level, size_t k) const { return k * edges_.size() >> level; }
+    // The k-th node of level kWidthBits `depth`; nodes stand level by level.
+    static size_t node_index(size_t depth, size_t k) {
+        return ((size_t{1} << kWidthBits * depth) - 1) / (kWidth - 1) + k;
+    }
     void split(size_t level, size_t k);
     void fill_cells(float radius_m);
     template <class Visit>
@@ -55,8 +67,8 @@ private:
     }
 
     std::vector<BoundaryEdge> edges_;
-    size_t blocks_ = 0, levels_ = 0;  // leaves are on level `levels_`
-    std::vector<Box> nodes_;          // a heap from 1 on
+    size_t depth_ = 1;  // of the leaves
+    std::vector<Node> nodes_;
     vec3 origin_{0};
     float per_cell_ = 0;  // [1/m]
     int bit_shift_ = 0;
@@ -68,23 +80,32 @@ void BoundaryTree::visit_edges(const vec3& p, const vec3& normal, float radius_m
                                const Visit& visit) const {
     if (edges_.empty()) return;
     const vec3 slope = glm::abs(normal);
-    std::array<uint32_t, 64> stack;
+    struct Waiting {
+        uint32_t depth, k;
+    };
+    std::array<Waiting, (kWidth - 1) * 11 + 1> stack;  // 8^11 leaves are more than any memory holds
     size_t waiting = 1;
-    stack[0] = 1;
+    stack[0] = {0, 0};
     while (waiting > 0) {
-        const uint32_t node = stack[--waiting];
-        const Box& box = nodes_[node];
-        const vec3 to = box.centre - p, apart = glm::max(glm::abs(to) - box.half, vec3(0));
-        if (glm::dot(apart, apart) > sqr(radius_m)) continue;
-        if (std::fabs(glm::dot(to, normal)) > thickness_m + glm::dot(slope, box.half)) continue;
-        const size_t level = static_cast<size_t>(std::bit_width(node)) - 1, k = node - (size_t{1} << level);
-        if (level < levels_) {
-            stack[waiting++] = 2 * node;
-            stack[waiting++] = 2 * node + 1;
-            continue;
+        const Waiting at = stack[--waiting];
+        const Node& node = nodes_[node_index(at.depth, at.k)];
+        const Vec3Lanes to = load(node.centre) - broadcast(p), half = load(node.half);
+        const FloatLanes zero = 0;
+        const FloatLanes x = max(abs(to.x) - half.x, zero), y = max(abs(to.y) - half.y, zero),
+                         z = max(abs(to.z) - half.z, zero);
+        const FloatMask reached = x * x + y * y + z * z <= sqr(radius_m) &&
+                                  abs(dot(to, broadcast(normal))) <= thickness_m + dot(broadcast(slope), half);
+        if (none_of(reached)) continue;
+        for (uint32_t i = 0; i < kWidth; ++i) {
+            if (!reached[i]) continue;
+            const uint32_t child = at.k * uint32_t{kWidth} + i;
+            if (at.depth + 1 < depth_) {
+                stack[waiting++] = {at.depth + 1, child};
+                continue;
+            }
+            const size_t end = first_edge(kWidthBits * depth_, child + 1);
+            for (size_t e = first_edge(kWidthBits * depth_, child); e < end; ++e) visit(edges_[e]);
         }
-        const size_t end = first_edge(level, k + 1);
-        for (size_t i = first_edge(level, k); i < end; ++i) visit(edges_[i]);
     }
 }
 

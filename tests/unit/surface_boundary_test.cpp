@@ -1,14 +1,15 @@
 // The share of a kernel that lies on a surface, against brute force: points of the disc spread as the kernel is, each
-// looked up on the triangles themselves.
+// looked up on the triangles themselves. And the tree of edges against a loop over all.
 
 #include "renderer/photons/surface_boundary.h"
 
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
 
-#include <functional>
+#include <set>
 
 #include "renderer/core/rng.h"
+#include "renderer/photons/boundary_tree.h"
 #include "renderer/scene/mesh_builder.h"
 #include "renderer/transport/sampling.h"
 #include "tests/support/statistics.h"
@@ -403,6 +404,42 @@ TEST(SurfaceBoundary, TrianglesOfAnySizeAgainstTheDiscFarFromTheOrigin) {
                     clamped(brute_mass(scene, kKernels[3], disc)), 2e-3);
     }
     EXPECT_EQ(SurfaceBoundary(Scene{}, 1).mass_on_surface(kKernels[0], vec3(0), kUp, 1, 0.25f), 1);
+}
+
+TEST(BoundaryTree, VisitsEveryEdgeThatALoopOverAllFinds) {
+    RandomStream random(4, RandomDomain::Test, 0, 0);
+    const auto point = [&] { return vec3(random.next(), random.next(), random.next()) * 2.0f - 1.0f; };
+    for (const size_t count : {0, 1, 7, 8, 9, 64, 65, 513, 6000}) {
+        std::vector<BoundaryEdge> edges;
+        for (size_t i = 0; i < count; ++i) {
+            const vec3 a = point();
+            edges.push_back({a, a + std::pow(0.001f, random.next()) * point(), kUp, vec3(0), kInfinity});
+        }
+        const BoundaryTree tree(edges, 0.1f);
+        size_t met = 0, visited_edges = 0;
+        for (int i = 0; i < 300; ++i) {
+            const vec3 p = 1.2f * point(), normal = glm::normalize(point());
+            const float radius = 0.1f * random.next(), thickness = 0.5f * radius;
+            std::multiset<float> visited;  // starts tell edges apart
+            tree.visit_edges(p, normal, radius, thickness, [&](const BoundaryEdge& e) { visited.insert(e.a.x); });
+            visited_edges += visited.size();
+            for (const BoundaryEdge& e : edges) {
+                bool in_reach = false;
+                for (int step = 0; step <= 50 && !in_reach; ++step) {
+                    const vec3 q = glm::mix(e.a, e.b, static_cast<float>(step) / 50) - p;
+                    in_reach = glm::dot(q, q) < sqr(radius) && std::fabs(glm::dot(q, normal)) < thickness;
+                }
+                if (!in_reach) continue;
+                ++met;
+                EXPECT_EQ(visited.count(e.a.x), 1u);
+                EXPECT_TRUE(tree.may_have_edges(p));
+            }
+        }
+        if (count == 6000) {
+            EXPECT_GT(met, 100u);
+            EXPECT_LT(visited_edges, 60 * met) << "the tree leaves hardly anything out";
+        }
+    }
 }
 
 }  // namespace
