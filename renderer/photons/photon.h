@@ -33,8 +33,9 @@ struct Octahedral {
 
 private:
     // Codes 0 ... 2^kBits - 2, so that 0 is met exactly: axis-aligned normals, the commonest, come back as they were.
-    static uint32_t code(float x) {
-        return static_cast<uint32_t>(std::lround((x * 0.5f + 0.5f) * static_cast<float>(kMask - 1)));
+    static uint32_t code(float x) {  // to the nearest
+        constexpr float kHalf = 0.5f * static_cast<float>(kMask - 1);
+        return static_cast<uint32_t>(x * kHalf + (kHalf + 0.5f));
     }
     static float coordinate(uint32_t code) { return 2 * static_cast<float>(code) / static_cast<float>(kMask - 1) - 1; }
 };

@@ -1,10 +1,69 @@
 #include "renderer/photons/photon_tracer.h"
 
+#include <atomic>
+#include <mutex>
+
 #include "renderer/core/parallel.h"
 #include "renderer/core/thread_local.h"
 #include "renderer/photons/photon_wavefront.h"
 
 namespace photond {
+
+namespace {
+
+/// Puts the batches' photons one behind the other as they come in, in the order of the batches: what is written once
+/// need not be copied together at the end, and its pages are touched once.
+class PhotonsInOrder {
+public:
+    explicit PhotonsInOrder(size_t batches) : waiting_(batches) {}
+
+    void keep(size_t batch, std::span<const Photon> photons, const PhotonCounts& counts) {
+        const std::lock_guard lock(mutex_);
+        counts_.counts += counts.counts;
+        counts_.first_hits_specular += counts.first_hits_specular;
+        if (batch != kept_) {
+            waiting_[batch] = {.photons = {photons.begin(), photons.end()}, .traced = true};
+            return;
+        }
+        append(photons);
+        for (; kept_ < waiting_.size() && waiting_[kept_].traced;) {
+            const std::vector<Photon> mine = std::move(waiting_[kept_].photons);
+            append(mine);
+        }
+    }
+
+    void finish(TracedPhotons& traced) {
+        traced.photons = std::move(photons_);
+        traced.counts = counts_.counts;
+        traced.paths = counts_.counts.photons_emitted;
+        traced.first_hits_specular = counts_.first_hits_specular;
+    }
+
+private:
+    struct Waiting {
+        std::vector<Photon> photons;
+        bool traced = false;
+    };
+
+    void append(std::span<const Photon> photons) {
+        ++kept_;
+        const size_t needed = photons_.size() + photons.size();
+        if (needed > photons_.capacity()) {  // room for all, if the other batches are like those so far
+            const double expected =
+                1.1 * static_cast<double>(needed) * static_cast<double>(waiting_.size()) / static_cast<double>(kept_);
+            photons_.reserve(std::max(static_cast<size_t>(expected), needed + needed / 4));
+        }
+        photons_.insert(photons_.end(), photons.begin(), photons.end());
+    }
+
+    std::mutex mutex_;
+    std::vector<Waiting> waiting_;
+    size_t kept_ = 0;  // batches
+    std::vector<Photon> photons_;
+    PhotonCounts counts_;
+};
+
+}  // namespace
 
 struct PhotonTracer::Shared : PhotonTracingScene {
     using PhotonTracingScene::PhotonTracingScene;
@@ -32,35 +91,21 @@ TracedPhotons PhotonTracer::trace(uint64_t seed, uint32_t pass, const CancelToke
     const uint64_t first_run = first / kRun;
     const auto runs = static_cast<size_t>((last + kRun - 1) / kRun - first_run);
 
-    struct Done {
-        std::vector<Photon> photons;
-        PhotonCounts counts;
-    };
-    std::vector<Done> batches(runs);
-    parallel_for(runs, 1, [&](size_t i) {
-        if (cancel.cancelled()) return;
-        const uint64_t run = first_run + i, start = run * kRun;
-        const PhotonBatch batch{run, static_cast<uint32_t>(std::max(first, start) - start),
-                                static_cast<uint32_t>(std::min(last - start, kRun))};
-        const std::span<const Photon> found =
-            shared_->wavefronts.local().trace(*shared_, sampler, batch, batches[i].counts);
-        batches[i].photons.assign(found.begin(), found.end());
+    // Threads take batches in their order, so that few wait for an earlier one to be kept.
+    PhotonsInOrder in_order(runs);
+    std::atomic<size_t> next{0};
+    parallel_for(std::min(runs, most_threads()), 1, [&](size_t) {
+        PhotonWavefront& wavefront = shared_->wavefronts.local();
+        for (size_t i = next++; i < runs && !cancel.cancelled(); i = next++) {
+            const uint64_t run = first_run + i, start = run * kRun;
+            const PhotonBatch batch{run, static_cast<uint32_t>(std::max(first, start) - start),
+                                    static_cast<uint32_t>(std::min(last - start, kRun))};
+            PhotonCounts counts;
+            const std::span<const Photon> photons = wavefront.trace(*shared_, sampler, batch, counts);
+            in_order.keep(i, photons, counts);
+        }
     });
-
-    std::vector<size_t> offsets(runs);
-    size_t total = 0;
-    for (size_t i = 0; i < runs; ++i) {
-        offsets[i] = total;
-        total += batches[i].photons.size();
-        traced.counts += batches[i].counts.counts;
-        traced.first_hits_specular += batches[i].counts.first_hits_specular;
-    }
-    traced.paths = traced.counts.photons_emitted;
-    traced.photons.resize(total);
-    parallel_for(runs, 8, [&](size_t i) {
-        std::copy(batches[i].photons.begin(), batches[i].photons.end(),
-                  traced.photons.begin() + static_cast<std::ptrdiff_t>(offsets[i]));
-    });
+    in_order.finish(traced);
     return traced;
 }
 

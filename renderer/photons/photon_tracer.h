@@ -26,19 +26,21 @@ enum class PhotonMapKind : uint8_t {
 
 struct PhotonTracing {
     PhotonMapKind kind = PhotonMapKind::Global;
-    uint32_t photons = 200'000;               // light paths a pass
-    uint32_t most_scatterings = UINT32_MAX;   // photons with more are neither stored nor traced
-    float glossy_threshold = 0.05f;           // alpha
+    uint32_t photons = 200'000;              // light paths a pass
+    uint32_t most_scatterings = UINT32_MAX;  // photons with more are neither stored nor traced
+    float glossy_threshold = 0.05f;          // alpha
     SamplerKind sampler = SamplerKind::Sobol;
-    const ProjectionMap* guide = nullptr;     // of caustic photons; nullptr: by the lights' emission alone
+    const ProjectionMap* guide = nullptr;  // of caustic photons; nullptr: by the lights' emission alone
 };
 
 /// What one call of trace() did.
 struct TracedPhotons {
-    std::vector<Photon> photons;  // in the order of the paths that left them, whatever the number of threads
-    uint64_t paths = 0;           // emitted
+    /// Batches of paths one behind the other, whatever the number of threads; in a batch by scatterings, then by path
+    /// (plain Lambert reflectors before others).
+    std::vector<Photon> photons;
+    uint64_t paths = 0;                // emitted
     uint64_t first_hits_specular = 0;  // paths whose first hit had a specular lobe
-    Counts counts;                // photon_rays, photons_emitted, photons_stored
+    Counts counts;                     // photon_rays, photons_emitted, photons_stored
 };
 
 /// Borrows scene, intersector, emission and guide.

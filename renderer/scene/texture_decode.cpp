@@ -7,6 +7,7 @@
 #include <mutex>
 
 #include "protocol/error.h"
+#include "renderer/core/huge_pages.h"
 
 namespace photond {
 
@@ -94,6 +95,8 @@ Texture decode_texture(std::span<const uint8_t> encoded, const LoadLimits& limit
     const std::vector<uint8_t> values = image.read<uint8_t>(OIIO::TypeDesc::UINT8, 0, channels);
     Texture texture;
     texture.size = header.size;
+    texture.texels.reserve(header.size.pixels());
+    prefer_huge_pages(texture.texels.data(), header.size.pixels() * sizeof(u8vec4));
     texture.texels.resize(header.size.pixels());
     for (size_t i = 0; i < texture.texels.size(); ++i) {
         const uint8_t* v = &values[i * static_cast<size_t>(channels)];

@@ -171,5 +171,88 @@ TEST(Sobol, ErrorIsSmallerThanOfIndependentNumbers) {
     EXPECT_GT(ratio, 4.0);
 }
 
+// --- one long sequence
+
+std::vector<vec2> stretch_of(const SequenceSampler& sampler, uint64_t first, uint32_t count, uint32_t set) {
+    std::vector<vec2> points;
+    for (uint32_t i = 0; i < count; ++i) points.push_back(sampler.sample_2d(first + i, set));
+    return points;
+}
+
+TEST(SequenceSampler, EveryAlignedStretchIsANetInTheFirstSets) {
+    constexpr int kGreatestT[SequenceSampler::kSets] = {0, 2, 2, 3, 3, 4, 2, 5, 2, 5};
+    const SequenceSampler sampler(SamplerKind::Sobol, kSeed, RandomDomain::Photons, 0);
+    for (const uint32_t count : {2u, 32u, 1024u})
+        for (const uint64_t first : {uint64_t{0}, uint64_t{77}, uint64_t{1} << 40})
+            for (uint32_t set = 0; set < SequenceSampler::kSets; ++set) {
+                const std::vector<vec2> points = stretch_of(sampler, first * count, count, set);
+                ASSERT_TRUE(is_stratified(points, &vec2::x) && is_stratified(points, &vec2::y));
+                ASSERT_LE(net_quality(points), kGreatestT[set]) << count << " from " << first << ", set " << set;
+            }
+    EXPECT_FALSE(is_stratified(stretch_of(sampler, 0, 64, SequenceSampler::kSets), &vec2::x));
+}
+
+TEST(SequenceSampler, RunsEqualSingleDraws) {
+    for (const SamplerKind kind : {SamplerKind::Sobol, SamplerKind::Random}) {
+        const SequenceSampler sampler(kind, kSeed, RandomDomain::Photons, 1);
+        std::vector<uint32_t> offsets;
+        for (uint32_t i = 0; i < SequenceSampler::kRun; i += 1 + i % 3) offsets.push_back(i);
+        std::vector<float> x(offsets.size()), y(offsets.size());
+        for (const uint64_t run : {uint64_t{0}, uint64_t{12345}, uint64_t{1} << 45})
+            for (const uint32_t set : {0u, 5u, 9u, 10u, 1000u}) {
+                sampler.sample_2d(run, offsets, set, x, y);
+                for (size_t i = 0; i < offsets.size(); ++i) {
+                    const vec2 p = sampler.sample_2d(run * SequenceSampler::kRun + offsets[i], set);
+                    ASSERT_EQ(p.x, x[i]);
+                    ASSERT_EQ(p.y, y[i]);
+                    ASSERT_TRUE(p.x >= 0 && p.x < 1 && p.y >= 0 && p.y < 1);
+                }
+            }
+    }
+}
+
+TEST(SequenceSampler, SequencesDiffer) {
+    for (const uint32_t set : {0u, 3u, 20u}) {
+        const auto first = [&](SamplerKind kind, uint64_t seed, RandomDomain domain, uint32_t stream, uint64_t index) {
+            return SequenceSampler(kind, seed, domain, stream).sample_2d(index, set);
+        };
+        const vec2 p = first(SamplerKind::Sobol, 1, RandomDomain::Photons, 0, 9);
+        EXPECT_NE(p, first(SamplerKind::Sobol, 2, RandomDomain::Photons, 0, 9));
+        EXPECT_NE(p, first(SamplerKind::Sobol, 1, RandomDomain::Reference, 0, 9));
+        EXPECT_NE(p, first(SamplerKind::Sobol, 1, RandomDomain::Photons, 1, 9));
+        EXPECT_NE(p, first(SamplerKind::Sobol, 1, RandomDomain::Photons, 0, 9 + (uint64_t{1} << 32)));
+        EXPECT_NE(p, first(SamplerKind::Random, 1, RandomDomain::Photons, 0, 9));
+    }
+}
+
+// Two coordinates of one element over many seeds fall into the cells of a 16 x 16 grid as independent uniform numbers.
+TEST(SequenceSampler, CoordinatesAreUniformAndIndependentOverSeeds) {
+    constexpr double kFalseAlarm = 1e-6;
+    constexpr uint32_t kSeeds = 1u << 18;
+    struct Coordinate {
+        uint64_t index;
+        uint32_t set;
+        bool y;
+    };
+    const std::pair<Coordinate, Coordinate> pairs[] = {{{0, 0, false}, {0, 0, true}},
+                                                       {{5, 0, false}, {5, 1, false}},
+                                                       {{700, 2, true}, {700, 4, false}},
+                                                       {{700, 12, true}, {700, 13, true}},
+                                                       {{41, 12, false}, {42, 12, false}}};
+    const double share = test::share_of_false_alarm(kFalseAlarm, std::size(pairs));
+    for (const auto& [a, b] : pairs) {
+        std::vector<double> counts(256, 0), expected(256, kSeeds / 256.0);
+        for (uint32_t seed = 0; seed < kSeeds; ++seed) {
+            const SequenceSampler sampler(SamplerKind::Sobol, seed, RandomDomain::Photons, 0);
+            const auto cell = [&](const Coordinate& c) {
+                const vec2 p = sampler.sample_2d(c.index, c.set);
+                return static_cast<size_t>(16 * (c.y ? p.y : p.x));
+            };
+            ++counts[16 * cell(a) + cell(b)];
+        }
+        EXPECT_GT(test::chi_square_probability(counts, expected), share) << "sets " << a.set << ", " << b.set;
+    }
+}
+
 }  // namespace
 }  // namespace photond

@@ -1,0 +1,18 @@
+#pragma once
+#include <sys/mman.h>
+
+#include <cstddef>
+#include <cstdint>
+
+namespace photond {
+
+/// Asks the system to back memory that was just allocated, and not written yet, with large pages: what is read all over
+/// a large array waits for the processor's table of pages otherwise. A hint; small blocks are left as they are.
+inline void prefer_huge_pages(void* memory, size_t bytes) {
+    constexpr uintptr_t kPage = uintptr_t{1} << 21;
+    const auto begin = (reinterpret_cast<uintptr_t>(memory) + kPage - 1) / kPage * kPage;
+    const auto end = (reinterpret_cast<uintptr_t>(memory) + bytes) / kPage * kPage;
+    if (begin < end) madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
+}
+
+}  // namespace photond
