@@ -179,6 +179,10 @@ json scene_schema() {
          {"animations", nullable("integer")},
          {"bounds", or_null(given({{"min", corner}, {"max", corner}}))},
          {"needs", or_null(map_of(typed("boolean")))},
+         {"photon_yield", with_text(or_null(given({{"global", typed("number")},
+                                                   {"caustic", typed("number")},
+                                                   {"caustic_unguided", typed("number")}})),
+                                    "photons stored for each light path, as a few paths had it")},
          {"warnings", list_of(typed("string"))},
          {"builtin", typed("boolean")}});
 }

@@ -59,6 +59,10 @@ Workload Service::Impl::workload_of(const JobRequest& request, const json& summa
     workload.triangles = summary.value("triangles", uint64_t{0});
     const json needs = summary.value("needs", json::object());
     workload.needs.visit([&](const char* name, bool& needed) { needed = needs.value(name, false); });
+    const json yield = summary.value("photon_yield", json());
+    if (yield.is_object() && !request.environment)  // whose light takes other ways
+        workload.photon_yield = {yield.value("global", 0.0), yield.value("caustic", 0.0),
+                                 yield.value("caustic_unguided", 0.0)};
     if (request.environment)
         if (const auto image = store.image(request.environment->image.substr(6))) {
             workload.environment_size = {static_cast<uint32_t>(image->width), static_cast<uint32_t>(image->height)};

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,13 @@ struct RenderContext {
     MemoryBudget& budget;
 };
 
+/// Photons that a scene stores for each light path started, on paths of any length.
+struct PhotonYield {
+    double global = 0;
+    double caustic = 0;           // by projection maps, where they help
+    double caustic_unguided = 0;  // without
+};
+
 /// What a method's own memory depends on, as far as it is known before anything is loaded.
 struct Workload {
     Size2 film_size;
@@ -46,7 +54,8 @@ struct Workload {
     uint64_t lights = 0;       // triangles that emit, and punctual lights
     Size2 environment_size{};  // 0 x 0: none
     uint64_t triangles = 0;
-    Needs needs;  // all false while nothing is known of the scene
+    Needs needs;                              // all false while nothing is known of the scene
+    std::optional<PhotonYield> photon_yield;  // where it has been measured
 };
 
 /// A file that a method can leave beside the image. `name` is one that its row in the registry declares.

@@ -3,6 +3,7 @@
 #include <charconv>
 
 #include "renderer/backends/cpu/embree_intersector.h"
+#include "server/worker/photon_yield.h"
 
 namespace photond {
 
@@ -41,6 +42,11 @@ json scene_summary(const Scene& scene, const std::string& name, bool builtin) {
     scene.needs.visit([&](const char* need, bool needed) { needs[need] = needed; });
     MemoryBudget held;
     scene.account(held);
+    json yield = nullptr;
+    if (const auto measured = measure_photon_yield(scene))
+        yield = {{"global", measured->global},
+                 {"caustic", measured->caustic},
+                 {"caustic_unguided", measured->caustic_unguided}};
     return {{"name", name.empty() ? scene.name : name},
             {"bytes", scene.file_bytes},
             {"memory_bytes", held.accounted_bytes() + estimate_acceleration_bytes(scene)},
@@ -56,6 +62,7 @@ json scene_summary(const Scene& scene, const std::string& name, bool builtin) {
             {"animations", scene.animation_count},
             {"bounds", bounds},
             {"needs", needs},
+            {"photon_yield", yield},
             {"warnings", scene.warnings},
             {"builtin", builtin}};
 }

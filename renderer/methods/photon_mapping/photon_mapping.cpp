@@ -13,10 +13,9 @@ namespace photond {
 
 namespace {
 
-/// Photons stored of each light path started, as expected before any is traced: the global map of a closed room with
-/// reflectances about a half (measured in the Cornell box), and the caustic map when specular surfaces fill a tenth.
-constexpr double kGlobalStored = 0.905;
-constexpr double kCausticStored = 0.1;
+/// Of scenes in which nobody has measured it: the global map of a closed room with reflectances about a half (as in the
+/// Cornell box), and the caustic map when specular surfaces fill a tenth.
+constexpr PhotonYield kExpectedYield{.global = 0.905, .caustic = 0.1, .caustic_unguided = 0.1};
 
 uint64_t expected(uint32_t photons, double stored) { return static_cast<uint64_t>(stored * photons) + 1; }
 
@@ -93,16 +92,18 @@ uint64_t PhotonMapping::estimate_bytes(const PhotonMappingParams& params, const 
         bytes += EmissionSampler::estimate_bytes(workload.lights, workload.environment_size);
     if (plan.global.wanted() || plan.caustic.wanted()) bytes += PhotonTracer::scratch_bytes(workload.threads);
     const uint64_t copies = params.keep_photon_map ? 2 : 1;
+    const PhotonYield yield = workload.photon_yield.value_or(kExpectedYield);
     uint64_t build = 0;  // of one map at a time
     if (plan.global.wanted()) {
-        const uint64_t stored = expected(params.photons, kGlobalStored);
+        const uint64_t stored = expected(params.photons, yield.global);
         const MapBytes global(stored, params.search);
         bytes += copies * global.map;
         build = global.build;
         if (plan.irradiance_scatterings > 0) bytes += PrecomputedIrradiance::bytes_for(stored);
     }
     if (plan.caustic.wanted()) {
-        const MapBytes caustic(expected(params.caustic_photons.value_or(params.photons), kCausticStored),
+        const MapBytes caustic(expected(params.caustic_photons.value_or(params.photons),
+                                        params.projection_maps ? yield.caustic : yield.caustic_unguided),
                                params.search);
         bytes += copies * caustic.map;
         build = std::max(build, caustic.build);
@@ -139,16 +140,16 @@ void PhotonMapping::begin(const RenderContext& context, Stats& stats) {
     const PhotonPlan& plan = state.plan;
     const uint32_t caustic_photons = params_.caustic_photons.value_or(params_.photons);
     if (!plan.global.wanted())
-        stats.skipped.push_back(
-            {"global map", plan.global.why_not, PhotonMap::bytes_for(expected(params_.photons, kGlobalStored))});
+        stats.skipped.push_back({"global map", plan.global.why_not,
+                                 PhotonMap::bytes_for(expected(params_.photons, kExpectedYield.global))});
     if (!plan.caustic.wanted())
-        stats.skipped.push_back(
-            {"caustic map", plan.caustic.why_not, PhotonMap::bytes_for(expected(caustic_photons, kCausticStored))});
+        stats.skipped.push_back({"caustic map", plan.caustic.why_not,
+                                 PhotonMap::bytes_for(expected(caustic_photons, kExpectedYield.caustic))});
     if (params_.precompute_irradiance && plan.irradiance_scatterings == 0)
         stats.skipped.push_back(
             {"precomputed irradiance",
              params_.gather == Gather::Direct ? "it is for the ends of gather rays" : plan.global.why_not,
-             PrecomputedIrradiance::bytes_for(expected(params_.photons, kGlobalStored))});
+             PrecomputedIrradiance::bytes_for(expected(params_.photons, kExpectedYield.global))});
     if (!scene.needs.solid_glass) stats.skipped.push_back({"absorption", "no solid refracts", 0});
     if (!plan.global.wanted() && !plan.caustic.wanted() && !plan.shadow) {
         state.emission.reset();
