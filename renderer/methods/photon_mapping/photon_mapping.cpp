@@ -83,7 +83,10 @@ PhotonMapping::~PhotonMapping() = default;
 
 uint64_t PhotonMapping::estimate_bytes(const PhotonMappingParams& params, const Workload& workload) {
     const bool lights = workload.lights > 0 || workload.environment_size.pixels() > 0;
-    const PhotonPlan plan(params, lights, workload.needs.delta);
+    const PhotonYield yield = workload.photon_yield.value_or(kExpectedYield);
+    // Narrow glossy lobes show in what was measured alone.
+    const bool specular = workload.needs.delta || (workload.photon_yield && yield.caustic > 0);
+    const PhotonPlan plan(params, lights, specular);
     uint64_t bytes = PassImage::bytes_for(workload.film_size, workload.layers) +
                      workload.threads * EyePass::bytes_per_thread() +
                      LightSampler::estimate_bytes(workload.lights, workload.environment_size);
@@ -92,7 +95,6 @@ uint64_t PhotonMapping::estimate_bytes(const PhotonMappingParams& params, const 
         bytes += EmissionSampler::estimate_bytes(workload.lights, workload.environment_size);
     if (plan.global.wanted() || plan.caustic.wanted()) bytes += PhotonTracer::scratch_bytes(workload.threads);
     const uint64_t copies = params.keep_photon_map ? 2 : 1;
-    const PhotonYield yield = workload.photon_yield.value_or(kExpectedYield);
     uint64_t build = 0;  // of one map at a time
     if (plan.global.wanted()) {
         const uint64_t stored = expected(params.photons, yield.global);
@@ -177,8 +179,13 @@ void PhotonMapping::build_projection_map(const RenderContext& context, Stats& st
     state.projection.emplace(context.scene, context.intersector, *state.emission, params_.glossy_threshold,
                              context.seed);
     stats.counts.photon_rays += state.projection->pilot_rays();
-    if (state.projection->helps()) {
-        context.budget.record("projection_map", state.projection->bytes());
+    // What its building took beside it has been given back, but it was there.
+    const Scene& scene = context.scene;
+    const uint64_t most = ProjectionMap::estimate_bytes(scene.triangle_lights.size() + scene.punctual_lights.size());
+    const uint64_t kept = state.projection->helps() ? state.projection->bytes() : 0;
+    context.budget.record("projection_map_build", most - std::min(most, kept));
+    if (kept > 0) {
+        context.budget.record("projection_map", kept);
         return;
     }
     stats.skipped.push_back({"projection map", projection_text(*state.projection), state.projection->bytes()});
