@@ -86,7 +86,9 @@ TEST(PhotonMapping, EmittedAndDirectLightAreThoseOfPathTracing) {
         std::vector<double> emitted, direct;
         for (uint64_t seed = 1; seed <= 32; ++seed) {
             Settings settings = settings_for(Gather::Final, 16);
-            settings.params.indirect_bounces = 0;
+            settings.params.indirect_bounces = 1;  // so that there are gather rays, which meet lights
+            settings.params.gather_rays = 2;
+            settings.params.photons = 1;
             settings.seed = seed;
             test::RenderSettings traced;
             traced.size = settings.size;

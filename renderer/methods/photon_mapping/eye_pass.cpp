@@ -134,10 +134,13 @@ bool EyePass::shade_vertex(const PhotonMappingScene& shared, const PassMaps& map
 
     path.position = surface.position;
     path.lit_normal = bsdf.has_non_delta_transmission() ? vec3(0) : surface.shading.normal;
-    if (bsdf.has_non_delta()) sample_light(shared, maps, surface, specular, rough, wo, path, i, image);
-    if (rough.scatters() && path.scatterings + 2 <= shared.max_scatterings)
+    const bool gathers = rough.scatters() && path.scatterings + 2 <= shared.max_scatterings;
+    const uint32_t rays = FinalGather::rays_of(shared.params.gather_rays, path.throughput, path.eta_scale);
+    if (bsdf.has_non_delta())
+        sample_light(shared, maps, surface, specular, rough, gathers ? rays : 0, wo, path, i, image);
+    if (gathers)
         gather_points_.push_back({surface, rough, wo, path.throughput, path.eta_scale, path.pixel, path.scatterings,
-                                  path.media, GatherSamplers::key(keys_[i], vertex)});
+                                  path.media, GatherSamplers::key(keys_[i], vertex), rays, path.lit_normal});
 
     const BsdfSample next = specular.sample(wo, lobe_.x[i], {direction_.x[i], direction_.y[i]});
     if (!next.valid()) return false;
@@ -169,19 +172,22 @@ bool EyePass::shade_vertex(const PhotonMappingScene& shared, const PassMaps& map
     return true;
 }
 
-/// Draws one light sample. The rough part's share of it stands alone; the specular part's competes with the direction
-/// that the path goes on to.
+/// Draws one light sample. The specular part's share of it competes with the direction that the path goes on to, the
+/// rough part's with gather rays, of which there will be so many.
 void EyePass::sample_light(const PhotonMappingScene& shared, const PassMaps& maps, const ShadingPoint& surface,
-                           const Bsdf& specular, const Bsdf& rough, const vec3& wo, const EyePath& path, uint32_t i,
-                           PassImage& image) {
+                           const Bsdf& specular, const Bsdf& rough, uint32_t gather_rays, const vec3& wo,
+                           const EyePath& path, uint32_t i, PassImage& image) {
     LightSample light;
     if (!shared.lights.sample(path.position, path.lit_normal, choice_.x[i], {light_point_.x[i], light_point_.y[i]},
                               light))
         return;
     const vec3 wi = surface.shading.to_local(light.wi);
-    const BsdfValue glossy = specular.evaluate(wo, wi);
-    const float weight = light.delta ? 1.0f : power_heuristic(light.pdf_sa, glossy.pdf_sa);
-    const Rgb f_cos = rough.f_cos(wo, wi) + weight * glossy.f_cos;
+    const BsdfValue by_specular = specular.evaluate(wo, wi), by_rough = rough.evaluate(wo, wi);
+    const float rough_rays = FinalGather::samples_lights(shared.params) ? static_cast<float>(gather_rays) : 0.0f;
+    const auto weighed = [&](const BsdfValue& f, float samples) {
+        return light.delta ? f.f_cos : power_heuristic(light.pdf_sa, samples * f.pdf_sa) * f.f_cos;
+    };
+    const Rgb f_cos = weighed(by_specular, 1) + weighed(by_rough, rough_rays);
     if (is_black(f_cos)) return;
     const PendingLight pending{path.throughput * f_cos * light.radiance_over_pdf, path.pixel, path.scatterings > 0};
     switch (light_seen(maps, surface, light, neighbours_)) {

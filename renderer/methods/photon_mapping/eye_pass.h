@@ -38,8 +38,8 @@ private:
     bool shade_vertex(const PhotonMappingScene& shared, const PassMaps& maps, uint32_t vertex, uint32_t i,
                       PassImage& image);
     void sample_light(const PhotonMappingScene& shared, const PassMaps& maps, const ShadingPoint& surface,
-                      const Bsdf& specular, const Bsdf& rough, const vec3& wo, const EyePath& path, uint32_t i,
-                      PassImage& image);
+                      const Bsdf& specular, const Bsdf& rough, uint32_t gather_rays, const vec3& wo,
+                      const EyePath& path, uint32_t i, PassImage& image);
     void trace_shadow_rays(const PhotonMappingScene& shared, uint32_t vertex, PassImage& image, Counts& counts);
     void look_up_maps(const PhotonMappingScene& shared, const PassMaps& maps, PassImage& image);
 

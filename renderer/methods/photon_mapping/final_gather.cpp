@@ -54,33 +54,25 @@ FinalGather::FinalGather()
       lobe_y_(kRays) {
     order_.reserve(kPaths);
     indices_.reserve(kPaths);
-    ray_counts_.reserve(kRays);
 }
 
 uint64_t FinalGather::bytes_per_thread() {
     return kPaths * (3 * sizeof(Ray) + 2 * sizeof(GatherPath) + sizeof(Hit) + sizeof(uint64_t) + sizeof(uint32_t) +
                      sizeof(PendingLight) + sizeof(uint8_t)) +
-           kRays * (2 * sizeof(uint32_t) + 4 * sizeof(float));
+           kRays * (sizeof(uint32_t) + 4 * sizeof(float));
 }
 
-/// As many as the pass has for light that reaches the eye unweakened; fewer, in proportion, behind dim reflections.
-uint32_t FinalGather::rays_of(const GatherPoint& point, const GatherSamplers& samplers) {
-    const auto all = static_cast<float>(samplers.size());
-    const float share = max_component(point.throughput) * point.eta_scale;
-    return static_cast<uint32_t>(std::clamp(std::ceil(all * share), 1.0f, all));
+uint32_t FinalGather::rays_of(uint32_t rays, const Rgb& throughput, float eta_scale) {
+    const auto all = static_cast<float>(rays);
+    return static_cast<uint32_t>(std::clamp(std::ceil(all * max_component(throughput) * eta_scale), 1.0f, all));
 }
 
 void FinalGather::gather(const PhotonMappingScene& shared, const PassMaps& maps, const GatherSamplers& samplers,
                          std::span<const GatherPoint> points, PassImage& image, Counts& counts) {
     while (!points.empty()) {
-        uint32_t batch = 0, rays = 0;
-        ray_counts_.clear();
-        for (; batch < points.size(); ++batch) {
-            const uint32_t more = rays_of(points[batch], samplers);
-            if (rays + more > kRays) break;
-            ray_counts_.push_back(more);
-            rays += more;
-        }
+        size_t batch = 0;
+        for (uint32_t rays = 0; batch < points.size() && rays + points[batch].rays <= kRays; ++batch)
+            rays += points[batch].rays;
         gather_batch(shared, maps, samplers, points.first(batch), image, counts);
         points = points.subspan(batch);
     }
@@ -92,7 +84,7 @@ void FinalGather::gather_batch(const PhotonMappingScene& shared, const PassMaps&
     for (uint32_t vertex = 1; count_ > 0; ++vertex) {
         shared.intersector.closest_hits({rays_.data(), count_}, {hits_.data(), count_}, Coherence::Incoherent);
         counts.bounce_rays += count_;
-        sort_hits(shared);
+        sort_hits(shared, points, vertex, image);
         next_count_ = 0;
         shadow_count_ = 0;
         for (size_t k = 0; k < indices_.size(); ++k) {
@@ -115,12 +107,13 @@ void FinalGather::start_rays(const PhotonMappingScene& shared, const PassMaps& m
             distributions_.emplace_back(maps.global, point.surface, shared.photon_scatterings(point.scatterings + 1),
                                         neighbours_);
     count_ = 0;
-    const uint32_t most_rays = *std::max_element(ray_counts_.begin(), ray_counts_.end());
+    uint32_t most_rays = 0;
+    for (const GatherPoint& point : points) most_rays = std::max(most_rays, point.rays);
     for (uint32_t ray = 0; ray < most_rays; ++ray) {
         // The points that have so many rays, and their numbers.
         indices_.clear();
         for (uint32_t p = 0; p < points.size(); ++p) {
-            if (ray >= ray_counts_[p]) continue;
+            if (ray >= points[p].rays) continue;
             keys_[indices_.size()] = points[p].key;
             indices_.push_back(p);
         }
@@ -146,6 +139,7 @@ void FinalGather::start_rays(const PhotonMappingScene& shared, const PassMaps& m
             GatherPath& path = paths_[count_];
             path.throughput = next.weight;
             path.eta_scale = next.refraction ? sqr(next.eta) : 1.0f;
+            path.pdf_sa = next.pdf_sa;
             path.point = p;
             path.ray = ray;
             path.scatterings = point.scatterings + 1;
@@ -158,18 +152,38 @@ void FinalGather::start_rays(const PhotonMappingScene& shared, const PassMaps& m
 }
 
 /// Hits in the order of a curve that fills space: those that look at the same photons and triangles follow each other.
-void FinalGather::sort_hits(const PhotonMappingScene& shared) {
+void FinalGather::sort_hits(const PhotonMappingScene& shared, std::span<const GatherPoint> points, uint32_t vertex,
+                            PassImage& image) {
+    const bool sees_sky = vertex == 1 && shared.scene.environment && samples_lights(shared.params);
     order_.clear();
     indices_.clear();
     for (uint32_t i = 0; i < count_; ++i) {
         const Hit& hit = hits_[i];
-        if (!hit.valid()) continue;
-        prefetch_index(shared.scene, hit);
-        const vec3 position = rays_[i].origin + hit.t * rays_[i].direction;
-        order_.push_back(morton_code(shared.scene.bounds, position) << 32 | i);
+        if (hit.valid()) {
+            prefetch_index(shared.scene, hit);
+            const vec3 position = rays_[i].origin + hit.t * rays_[i].direction;
+            order_.push_back(morton_code(shared.scene.bounds, position) << 32 | i);
+        } else if (sees_sky) {
+            const vec3& wi = rays_[i].direction;
+            const GatherPath& path = paths_[i];
+            const GatherPoint& origin = points[path.point];
+            const float light_pdf = shared.lights.pdf_environment(origin.surface.position, origin.lit_normal, wi);
+            add_direct(image, origin, path,
+                       shared.absorption.transmittance(path.media, kInfinity) * shared.lights.environment_radiance(wi),
+                       light_pdf);
+        }
     }
     std::sort(order_.begin(), order_.end());
     for (const uint64_t entry : order_) indices_.push_back(static_cast<uint32_t>(entry));
+}
+
+/// Radiance of a light that a ray met straight from its point, whose light sample finds it with that density.
+void FinalGather::add_direct(PassImage& image, const GatherPoint& origin, const GatherPath& path, const Rgb& radiance,
+                             float light_pdf) {
+    const auto rays = static_cast<float>(origin.rays);
+    const float weight = power_heuristic(rays * path.pdf_sa, light_pdf);
+    (origin.scatterings == 0 ? image.direct : image.indirect)[origin.pixel] +=
+        (weight / rays) * origin.throughput * path.throughput * radiance;
 }
 
 void FinalGather::shade(const PhotonMappingScene& shared, const PassMaps& maps, const GatherSamplers& samplers,
@@ -182,13 +196,20 @@ void FinalGather::shade(const PhotonMappingScene& shared, const PassMaps& maps, 
     const ShadingPoint surface = make_shading_point(scene, hit, ray.direction);
     if (scene.materials[surface.material].unlit) return;
     path.throughput *= shared.absorption.transmittance(path.media, hit.t);
+    if (vertex == 1 && scene.materials[surface.material].emissive() && samples_lights(shared.params)) {
+        const Rgb emitted = emitted_radiance(scene, {hit.instance, hit.triangle, hit.u, hit.v}, surface.front_side);
+        if (!is_black(emitted))
+            add_direct(image, origin, path, emitted,
+                       shared.lights.pdf_triangle(origin.surface.position, origin.lit_normal, hit.instance,
+                                                  hit.triangle, ray.direction, hit.t));
+    }
 
     const Bsdf bsdf = make_bsdf(scene, surface, path.media.outside_ior(scene, surface.material, !surface.front_side));
     const Bsdf rough = bsdf.is_lambert() ? bsdf : bsdf.rough_part(shared.params.glossy_threshold);
     const vec3 wo = surface.shading.to_local(-ray.direction);
     const PassSampler& sampler = samplers[path.ray];
     const vec2 direction = sampler.sample_2d(origin.key, sample_set(vertex, VertexSet::Direction));
-    const Rgb to_pixel = origin.throughput * path.throughput * (1 / static_cast<float>(ray_counts_[path.point]));
+    const Rgb to_pixel = origin.throughput * path.throughput * (1 / static_cast<float>(origin.rays));
 
     if (rough.scatters()) {
         const vec2 choice = sampler.sample_2d(origin.key, sample_set(vertex, VertexSet::LightChoiceAndRoulette));

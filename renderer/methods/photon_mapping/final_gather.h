@@ -3,8 +3,11 @@
 //
 // A ray carries what f_d scatters of L_d, light that was scattered by a rough part before. At its end that is all light
 // f_d scatters there: of the lights (one sample), of the caustic map, of the global map. Specular parts met on the way
-// are followed; light that comes through them alone, and lights met directly, belong to the caustic map and to light
-// sampling where the ray began, and are not added.
+// are followed; light that comes through them alone belongs to the caustic map where the ray began, and is not added.
+//
+// A ray that meets a light itself is one more sample of the direct light at the point: it is weighed against the light
+// sample drawn there, as both are made (one light sample, N rays), by the power heuristic. Rays drawn by photons look
+// elsewhere, and are not used for that.
 
 #include <span>
 #include <vector>
@@ -26,7 +29,9 @@ struct GatherPoint {
     uint32_t pixel;
     uint32_t scatterings;  // before this vertex
     MediumStack media;
-    uint32_t key;  // names its numbers
+    uint32_t key;     // names its numbers
+    uint32_t rays;    // FinalGather::rays_of()
+    vec3 lit_normal;  // as given to the light sampler
 };
 
 /// The numbers of one pass's gather rays. Ray i of N is element pass * N + i of every point's sequence: the rays of a
@@ -53,7 +58,15 @@ public:
 
     FinalGather();
 
-    /// Adds to the indirect layer what the points gather.
+    /// Rays for a point: as many as the pass has for light that reaches the eye unweakened; fewer, in proportion,
+    /// behind dim reflections.
+    static uint32_t rays_of(uint32_t rays, const Rgb& throughput, float eta_scale);
+    /// Whether rays take part in direct light.
+    static bool samples_lights(const PhotonMappingParams& params) {
+        return params.gather == Gather::Final && params.gather_sampling == GatherSampling::Bsdf;
+    }
+
+    /// Adds what the points gather: to the indirect layer, and of direct light what samples_lights() says.
     void gather(const PhotonMappingScene& shared, const PassMaps& maps, const GatherSamplers& samplers,
                 std::span<const GatherPoint> points, PassImage& image, Counts& counts);
 
@@ -62,21 +75,24 @@ private:
     struct GatherPath {
         Rgb throughput;   // since the point
         float eta_scale;  // since the point, as in EyePath
+        float pdf_sa;     // with which its first direction was drawn
         uint32_t point;   // index in the batch
         uint32_t ray;     // index among the point's, that of its sampler
         uint32_t scatterings;
         MediumStack media;
     };
 
-    static uint32_t rays_of(const GatherPoint& point, const GatherSamplers& samplers);
     void gather_batch(const PhotonMappingScene& shared, const PassMaps& maps, const GatherSamplers& samplers,
                       std::span<const GatherPoint> points, PassImage& image, Counts& counts);
     void start_rays(const PhotonMappingScene& shared, const PassMaps& maps, const GatherSamplers& samplers,
                     std::span<const GatherPoint> points);
-    void sort_hits(const PhotonMappingScene& shared);
+    void sort_hits(const PhotonMappingScene& shared, std::span<const GatherPoint> points, uint32_t vertex,
+                   PassImage& image);
     void shade(const PhotonMappingScene& shared, const PassMaps& maps, const GatherSamplers& samplers,
                const GatherPoint& origin, uint32_t vertex, uint32_t i, PassImage& image);
     void follow(const GatherPath& path, const ShadingPoint& surface, const BsdfSample& sample, float roulette);
+    static void add_direct(PassImage& image, const GatherPoint& origin, const GatherPath& path, const Rgb& radiance,
+                           float light_pdf);
     void trace_shadow_rays(const PhotonMappingScene& shared, PassImage& image, Counts& counts);
 
     // A ray's path may part at its first end, into one by the specular and one by the rough part. These hold kPaths;
@@ -94,7 +110,6 @@ private:
     std::vector<PendingLight> pending_;
     std::vector<uint8_t> occluded_;
     // These hold kRays.
-    std::vector<uint32_t> ray_counts_;  // by point of the batch
     std::vector<uint32_t> keys_;
     std::vector<float> direction_x_, direction_y_, lobe_x_, lobe_y_;
     std::vector<GatherDistribution> distributions_;  // by point, if asked for

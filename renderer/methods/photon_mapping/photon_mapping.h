@@ -56,7 +56,8 @@ struct PhotonMappingParams final : MethodParams {
 /// `glossy_threshold`; f_d: all others; L_l light from the lights, L_c light that came through specular scatterings
 /// only, L_d the rest):
 ///
-///   L_r = int f L_l cos      A   light sampling; f_s's share joined with B by multiple importance sampling
+///   L_r = int f L_l cos      A   light sampling; f_s's share joined with B, f_d's with gather rays that meet lights,
+///                                by multiple importance sampling
 ///       + int f_s (L_c + L_d) B  the eye path goes on by sampling f_s
 ///       + int f_d L_c cos    C   the caustic map
 ///       + int f_d L_d cos    D   the global map (gather: direct), or gather rays drawn by f_d (gather: final)
