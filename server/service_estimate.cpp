@@ -35,6 +35,27 @@ uint64_t ask_method(const JobRequest& request, const Workload& workload,
     return (method->*estimate)(*params, workload);
 }
 
+/// How long a pass of the request would take, going by an earlier job: what that spent on photons, by their number; all
+/// else by the number of pixels.
+std::optional<double> seconds_of_a_pass(const JobRequest& request, const JobRow& row, const json& before) {
+    const double pixels = before["image"].value("width", 0.0) * before["image"].value("height", 0.0);
+    const auto passes = static_cast<double>(row.passes_done);
+    if (pixels * passes <= 0) return std::nullopt;
+    double photon_seconds = 0;
+    const json statistics = row.statistics.empty() ? json::object() : json::parse(row.statistics);
+    for (const json& stage : statistics.value("stages", json::array()))
+        if (stage.value("name", "") == "photon_tracing" || stage.value("name", "") == "photon_map_build")
+            photon_seconds += stage.value("wall_seconds", 0.0);
+    photon_seconds = std::min(photon_seconds, row.seconds);
+    double more_photons = 1;
+    if (photon_seconds > 0) {
+        const double then = before["method"]["parameters"].value("photons", 0.0);
+        if (then > 0) more_photons = request.parameters.value("photons", then) / then;
+    }
+    return (photon_seconds * more_photons + (row.seconds - photon_seconds) * request.width * request.height / pixels) /
+           passes;
+}
+
 }  // namespace
 
 uint64_t Service::Impl::film_bytes(const JobRequest& request) {
@@ -92,19 +113,22 @@ json Service::Impl::estimate_job(const JobRequest& request) {
     const SceneRef scene = check_request(request);
     json seconds = request.stop.seconds ? json(*request.stop.seconds) : json();
     if (request.stop.passes) {
-        // From what the method took before, in this scene if it was ever rendered, else in any.
-        std::optional<double> per_sample, per_sample_here;
+        // From what the method took before: in this scene if it was ever rendered, with these parameters if they ever
+        // were asked for; of several such jobs the newest.
+        std::optional<double> a_pass;
+        int most_alike = -1;
         for (const JobRow& row : store.latest_succeeded(request.method, kEarlierJobs)) {
+            if (row.device != device_of(request)) continue;
             const json before = json::parse(row.request);
-            const double samples = before["image"].value("width", 0.0) * before["image"].value("height", 0.0) *
-                                   static_cast<double>(row.passes_done);
-            if (row.device != device_of(request) || samples <= 0) continue;
-            if (!per_sample) per_sample = row.seconds / samples;
-            if (!per_sample_here && row.scene == scene.id) per_sample_here = row.seconds / samples;
+            const int alike = 2 * (row.scene == scene.id) + (before["method"]["parameters"] == request.parameters);
+            if (alike <= most_alike) continue;
+            const auto as_then = seconds_of_a_pass(request, row, before);
+            if (!as_then) continue;
+            a_pass = as_then;
+            most_alike = alike;
         }
-        if (per_sample_here) per_sample = per_sample_here;
-        if (per_sample) {
-            const double estimate = *per_sample * request.width * request.height * *request.stop.passes;
+        if (a_pass) {
+            const double estimate = *a_pass * *request.stop.passes;
             seconds = request.stop.seconds ? std::min(estimate, *request.stop.seconds) : estimate;
         }
     }

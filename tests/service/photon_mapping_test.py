@@ -211,6 +211,25 @@ class PhotonMappingTest(unittest.TestCase):
         self.assertLess(max(shares.values()), WITHIN, text)
         self.assertGreater(min(shares.values()), 1 / WITHIN, text)
 
+    def test_seconds_follow_photons_and_pixels(self):
+        with Daemon() as daemon:
+            daemon.wait_ready()
+
+            def seconds(body):
+                return daemon.request("POST", "/v1/jobs?dry_run=true", json_body=body).json["seconds"]
+            before = photon_job(size=32, passes=4, photons=20_000)
+            self.assertIsNone(seconds(before))
+            job = self.finished(before, daemon)
+            self.assertAlmostEqual(seconds(before), job["seconds"], delta=1e-6 * job["seconds"])
+            on_photons = sum(stage["wall_seconds"] for stage in job["statistics"]["stages"]
+                             if stage["name"] in ("photon_tracing", "photon_map_build"))
+            self.assertGreater(on_photons, 0)
+            expected = (5 * on_photons + 4 * (job["seconds"] - on_photons)) / 2
+            self.assertAlmostEqual(seconds(photon_job(size=64, passes=2, photons=100_000)), expected, delta=1e-6 * expected)
+            # Of two jobs in the scene the one with the same parameters counts, though it is the older one.
+            self.finished(photon_job(size=32, passes=1, photons=20_000, gather_rays=64), daemon)
+            self.assertAlmostEqual(seconds(before), job["seconds"], delta=1e-6 * job["seconds"])
+
     # --- what is refused
 
     def test_layers_that_a_method_does_not_have(self):
