@@ -37,7 +37,7 @@ uint64_t EyePass::bytes_per_thread() {
 
 void EyePass::trace_tile(const PhotonMappingScene& shared, const PassMaps& maps, const PassSampler& sampler,
                          const GatherSamplers& gather_samplers, const Tile& tile, PassImage& image, Counts& counts,
-                         EyePassSeconds& seconds) {
+                         EyePassSeconds& seconds, const CancelToken& cancel) {
     ThreadLaps laps;
     count_ = tile.pixels();
     start_eye_paths(shared, sampler, tile, {rays_.data(), count_}, {paths_.data(), count_}, {keys_.data(), count_});
@@ -67,7 +67,8 @@ void EyePass::trace_tile(const PhotonMappingScene& shared, const PassMaps& maps,
         laps.lap(vertex == 0 ? seconds.direct : seconds.indirect);
 
         look_up_maps(shared, maps, image);
-        if (shared.final_gather()) final_gather_.gather(shared, maps, gather_samplers, gather_points_, image, counts);
+        if (shared.final_gather())
+            final_gather_.gather(shared, maps, gather_samplers, gather_points_, image, counts, cancel);
         laps.lap(seconds.gather);
     }
 }

@@ -20,15 +20,17 @@ struct EyePassSeconds {
 /// Scratch of one thread; reused from tile to tile.
 class EyePass {
 public:
-    static constexpr uint32_t kTileSide = 32;
+    // Small, as 64 gather rays a pixel are a lot of work for one thread.
+    static constexpr uint32_t kTileSide = 16;
     static uint64_t bytes_per_thread();
 
     EyePass();
 
-    /// Renders the tile's pixels of one pass into `image` and adds what it did to `counts` and `seconds`.
+    /// Renders the tile's pixels of one pass into `image` and adds what it did to `counts` and `seconds`. Cancelled:
+    /// the pixels are unfinished.
     void trace_tile(const PhotonMappingScene& shared, const PassMaps& maps, const PassSampler& sampler,
                     const GatherSamplers& gather_samplers, const Tile& tile, PassImage& image, Counts& counts,
-                    EyePassSeconds& seconds);
+                    EyePassSeconds& seconds, const CancelToken& cancel);
 
 private:
     static constexpr size_t kPaths = size_t{kTileSide} * kTileSide;

@@ -68,8 +68,9 @@ uint32_t FinalGather::rays_of(uint32_t rays, const Rgb& throughput, float eta_sc
 }
 
 void FinalGather::gather(const PhotonMappingScene& shared, const PassMaps& maps, const GatherSamplers& samplers,
-                         std::span<const GatherPoint> points, PassImage& image, Counts& counts) {
-    while (!points.empty()) {
+                         std::span<const GatherPoint> points, PassImage& image, Counts& counts,
+                         const CancelToken& cancel) {
+    while (!points.empty() && !cancel.cancelled()) {
         size_t batch = 0;
         for (uint32_t rays = 0; batch < points.size() && rays + points[batch].rays <= kRays; ++batch)
             rays += points[batch].rays;

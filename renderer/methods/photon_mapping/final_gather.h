@@ -12,6 +12,7 @@
 #include <span>
 #include <vector>
 
+#include "renderer/core/cancel.h"
 #include "renderer/core/stats.h"
 #include "renderer/methods/eye_path.h"
 #include "renderer/methods/photon_mapping/photon_lookup.h"
@@ -66,9 +67,10 @@ public:
         return params.gather == Gather::Final && params.gather_sampling == GatherSampling::Bsdf;
     }
 
-    /// Adds what the points gather: to the indirect layer, and of direct light what samples_lights() says.
+    /// Adds what the points gather, or some of it when cancelled: to the indirect layer, and of direct light what
+    /// samples_lights() says.
     void gather(const PhotonMappingScene& shared, const PassMaps& maps, const GatherSamplers& samplers,
-                std::span<const GatherPoint> points, PassImage& image, Counts& counts);
+                std::span<const GatherPoint> points, PassImage& image, Counts& counts, const CancelToken& cancel);
 
 private:
     /// A gather ray between two of its vertices.

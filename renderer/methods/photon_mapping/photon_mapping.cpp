@@ -252,7 +252,8 @@ void PhotonMapping::look_from_eye(uint32_t pass, Stats& stats, const CancelToken
                                          shared.final_gather() ? params_.gather_rays : 0);
     parallel_over_tiles(shared.view.film_size, EyePass::kTileSide, cancel, [&](const Tile& tile) {
         State::PerThread& mine = state.threads.local();
-        mine.eye.trace_tile(shared, state.maps, sampler, gather_samplers, tile, state.image, mine.counts, mine.seconds);
+        mine.eye.trace_tile(shared, state.maps, sampler, gather_samplers, tile, state.image, mine.counts, mine.seconds,
+                            cancel);
     });
 
     EyePassSeconds cpu;
