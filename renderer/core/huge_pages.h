@@ -9,10 +9,13 @@ namespace photond {
 /// Asks the system to back memory that was just allocated, and not written yet, with large pages: what is read all over
 /// a large array waits for the processor's table of pages otherwise. A hint; small blocks are left as they are.
 inline void prefer_huge_pages(void* memory, size_t bytes) {
-    constexpr uintptr_t kPage = uintptr_t{1} << 21;
-    const auto begin = (reinterpret_cast<uintptr_t>(memory) + kPage - 1) / kPage * kPage;
+    constexpr size_t kHugePage = size_t{1} << 21;
+    constexpr uintptr_t kPage = 4096;
+    if (bytes < kHugePage) return;
+    // From the start of the allocation's first page, which the system may have put on the boundary of a large one.
+    const auto begin = reinterpret_cast<uintptr_t>(memory) / kPage * kPage;
     const auto end = (reinterpret_cast<uintptr_t>(memory) + bytes) / kPage * kPage;
-    if (begin < end) madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
+    madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
 }
 
 }  // namespace photond

@@ -85,9 +85,9 @@ void measure_threads() {
         std::vector<std::vector<double>> seconds(threads.size());
         for (int i = 0; i < 9; ++i)
             for (size_t k = 0; k < threads.size(); ++k) {
-                const tbb::global_control control(tbb::global_control::max_allowed_parallelism, size_t(threads[k]));
+                tbb::task_arena arena(threads[k]);
                 const double start = wall_now_seconds();
-                (void)tracer.trace(kSeed, 0, CancelToken{});
+                arena.execute([&] { (void)tracer.trace(kSeed, 0, CancelToken{}); });
                 seconds[k].push_back(wall_now_seconds() - start);
             }
         std::printf("%-24s", named.name);

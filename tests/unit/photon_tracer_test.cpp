@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
+#include <tbb/task_arena.h>
 
 #include <cstring>
 
@@ -53,7 +54,9 @@ TEST(PhotonTracer, PhotonsAreTheSameForAnyNumberOfThreads) {
             std::vector<TracedPhotons> traced;
             for (const size_t threads : {1, 2, 8}) {
                 const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-                traced.push_back(lit.trace(photon_tracing(kind, 30'000)));
+                // An arena of its own: that of the test's thread stays as wide as it was when first used.
+                tbb::task_arena arena(static_cast<int>(threads));
+                arena.execute([&] { traced.push_back(lit.trace(photon_tracing(kind, 30'000))); });
             }
             for (const TracedPhotons& other : traced) {
                 EXPECT_TRUE(same_photons(traced[0].photons, other.photons)) << name;
