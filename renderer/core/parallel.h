@@ -3,6 +3,7 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 
 #include <cstddef>
 
@@ -14,6 +15,12 @@ void parallel_for(size_t count, size_t grain, const Body& body) {
     tbb::parallel_for(tbb::blocked_range<size_t>(0, count, grain), [&](const tbb::blocked_range<size_t>& range) {
         for (size_t i = range.begin(); i != range.end(); ++i) body(i);
     });
+}
+
+/// Calls both, perhaps at the same time.
+template <class First, class Second>
+void parallel_invoke(const First& first, const Second& second) {
+    tbb::parallel_invoke(first, second);
 }
 
 }  // namespace photond
