@@ -41,7 +41,7 @@ inline constexpr std::array<LayerInfo, kLayerCount> kLayers{{
     {Layer::Position, "position", {"X", "Y", "Z"}, 3, false, "world-space position [m]"},
     {Layer::Depth, "depth", {"Z", "", ""}, 1, false, "distance along the camera's forward axis [m]"},
     {Layer::StandardError, "standard_error", {"R", "G", "B"}, 3, false, "standard error of beauty from the passes"},
-    {Layer::PhotonCount, "photon_count", {"Y", "", ""}, 1, false, "photons that the estimates of a pass used"},
+    {Layer::PhotonCount, "photon_count", {"Y", "", ""}, 1, false, "photons that a pass used in its estimates"},
 }};
 constexpr const LayerInfo& layer_info(Layer layer) { return kLayers[static_cast<size_t>(layer)]; }
 
