@@ -186,6 +186,17 @@ TEST(PhotonMapping, CountsStagesAndMemoryAreReported) {
         EXPECT_GT(budget.structures().at(structure), 0u) << structure;
 }
 
+// A pass counts its own photons: the k - 1 that a nearest search in a well filled map finds, once a pixel.
+TEST(PhotonMapping, PhotonCountIsThatOfOnePass) {
+    Settings settings = settings_for(Gather::Direct, 3);
+    settings.layers.add(Layer::PhotonCount);
+    settings.params.photons = 50'000;
+    const Film film = test::render(make_builtin_scene("cornell-box"), settings);
+    const std::vector<float> count = film.resolve(Layer::PhotonCount);
+    EXPECT_LE(*std::max_element(count.begin(), count.end()), float(settings.params.nearest_photons - 1));
+    EXPECT_GT(test::mean_of(count), 0.7 * (settings.params.nearest_photons - 1));
+}
+
 TEST(PhotonMapping, MemoryIsEstimatedToAFewPercentForPlainScenes) {
     const Scene scene = make_builtin_scene("cornell-box");
     for (const Gather gather : {Gather::Direct, Gather::Final}) {
