@@ -4,11 +4,11 @@
 // The points are rearranged into buckets of kBucket, which are the leaves of a complete, left-balanced binary tree: its
 // inner nodes are one split plane each, in heap order, and no child is stored. A bucket is searched with vector
 // instructions. [Jensen 1996]'s tree has one photon a node; buckets keep its shape and its lack of pointers, and take
-// the last four or five levels, where nearly all the time goes, at the speed of a loop.
+// the last five or six levels, where nearly all the time goes, at the speed of a loop.
 //
 // A search keeps, for each axis, how far the query point lies outside a node's cell [Arya and Mount 1993], nearest
 // cells first. Candidates nearer than the bound are appended, unsorted; when enough have come, the k-th nearest of them
-// is selected and becomes the bound. No candidate is ever moved twice before that.
+// is selected and becomes the bound: work in proportion to the candidates, whatever k is.
 //
 // [Arya and Mount 1993] Algorithms for Fast Vector Quantization. Data Compression Conference.
 
@@ -23,7 +23,7 @@ namespace photond {
 
 class KdTree {
 public:
-    /// Points of a bucket; only the last bucket may have fewer.
+    /// Points of a bucket; only the last bucket has fewer. Of 16, 32, 48 and 64 this was the fastest on the whole.
     static constexpr uint32_t kBucket = 48;
 
     KdTree() = default;
