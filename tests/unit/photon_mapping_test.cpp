@@ -213,6 +213,18 @@ TEST(PhotonMapping, MemoryIsEstimatedToAFewPercentForPlainScenes) {
     }
 }
 
+// A pass's maps take the place of the last one's.
+TEST(PhotonMapping, WhatFitsOnceFitsInEveryPass) {
+    const Scene scene = make_builtin_scene("cornell-box");
+    Settings settings = settings_for(Gather::Direct);
+    settings.params.photons = 100'000;
+    MemoryBudget once;
+    test::render(scene, settings, nullptr, &once);
+    MemoryBudget tight(once.accounted_bytes() * 105 / 100);
+    settings.passes = 3;
+    EXPECT_NO_THROW(test::render(scene, settings, nullptr, &tight));
+}
+
 TEST(PhotonMapping, RefusesWhatDoesNotFit) {
     Settings settings = settings_for(Gather::Final);
     settings.params.photons = 10'000'000;

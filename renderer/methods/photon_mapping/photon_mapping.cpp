@@ -112,6 +112,7 @@ uint64_t PhotonMapping::estimate_bytes(const PhotonMappingParams& params, const 
         if (params.projection_maps) bytes += ProjectionMap::estimate_bytes(workload.lights);
     }
     bytes += build;
+    // A light path meets two surfaces one behind the other in furnished rooms, fewer in empty ones.
     if (plan.shadow) bytes += ShadowPhotons::bytes_for(2 * uint64_t{params.photons});
     return bytes;
 }
@@ -215,6 +216,9 @@ void PhotonMapping::trace_photons(uint32_t pass, Stats& stats, const CancelToken
         stats.counts += traced.counts;
         if (cancel.cancelled()) return {};
         const uint64_t peak_bytes = PhotonMap::bytes_for(traced.photons.size());
+        // What the last pass had is gone.
+        state.budget.record(structure, 0);
+        state.budget.record("photon_map_build", 0);
         state.budget.require(structure, peak_bytes);
         const StageTimer timer(stats, "photon_map_build");
         PhotonMap map(std::move(traced.photons), state.search(nearest));
