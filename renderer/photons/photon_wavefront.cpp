@@ -297,9 +297,9 @@ bool PhotonWavefront::scatter_general(const PhotonTracingScene &shared,
   const float u_lobe = choice_.y[place];
   PhotonScattering by_specular, by_rough;
   if (specular.scatters())
-    by_specular = scatter_photon(scene, point, specular, wi_world, u_lobe, u);
+    by_specular = scatter_photon(point, specular, wi_world, u_lobe, u);
   if (!caustic && rough.scatters())
-    by_rough = scatter_photon(scene, point, rough, wi_world, u_lobe, u);
+    by_rough = scatter_photon(point, rough, wi_world, u_lobe, u);
   const Rgb specular_w = path.power_w * by_specular.weight,
             rough_w = path.power_w * by_rough.weight;
   if (!is_sound(specular_w, counts.counts) || !is_sound(rough_w, counts.counts))

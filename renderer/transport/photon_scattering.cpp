@@ -12,26 +12,19 @@ namespace {
 /// Share of the directions that are drawn about the geometric normal, of lobes that are no delta. Power grows by its
 /// inverse at most where the shading frame's draws do not reach.
 constexpr float kGeometricShare = 0.125f;
-/// The same where light that the surface reflects or refracts like a mirror leaves below the shading plane.
+/// The same where light that the surface reflects or refracts like a mirror leaves below the smooth normal's plane.
 constexpr float kGeometricShareBelow = 0.5f;
 
-/// Shading frames are the geometric one from wherever the surface is seen.
-bool is_flat(const Scene& scene, const ShadingPoint& point) {
-    return !scene.materials[point.material].normal_texture.used() &&
-           scene.meshes[scene.instances[point.instance].mesh].normals.empty();
-}
-
-/// The same but for rounding, which differs from one caller of make_plain_shading_point() to the next.
-bool is_same(const vec3& normal, const vec3& other) {
-    const vec3 difference = normal - other;
-    return glm::dot(difference, difference) < 1e-10f;
+/// Whether eyes may see two frames. Flat meshes with normals of their own differ by rounding alone.
+bool leans(const ShadingPoint& point) {
+    const vec3 difference = point.smooth_normal - point.geometric_normal;
+    return glm::dot(difference, difference) > 1e-10f;
 }
 
 /// The shading normal that an eye at the end of `direction` sees, turned to the photon's side.
-vec3 normal_of_eye(const Scene& scene, const ShadingPoint& point, const vec3& direction) {
-    const Hit hit{.t = 0, .instance = point.instance, .triangle = point.triangle, .u = point.u, .v = point.v};
-    const ShadingPoint seen = make_shading_point(scene, hit, -direction);
-    return seen.front_side == point.front_side ? seen.shading.normal : -seen.shading.normal;
+vec3 normal_of_eye(const ShadingPoint& point, const vec3& direction) {
+    const float side = glm::dot(point.geometric_normal, direction) < 0 ? -1.0f : 1.0f;
+    return normal_seen(point.smooth_normal, point.geometric_normal, -side * direction);
 }
 
 /// |cos_s(wi)| |cos_g(out)| / (|cos_g(wi)| |cos_s(out)|): between f |cos_s(out)|, which BSDF samples are made of, and
@@ -60,7 +53,7 @@ struct FramedBsdf {
 /// Whether a mirror or a smooth interface about the geometric normal sends the light to where an eye would use that
 /// normal, too.
 bool leaves_below(const ShadingPoint& point, const Bsdf& bsdf, const vec3& wi) {
-    const vec3 &ng = point.geometric_normal, &ns = point.shading.normal;
+    const vec3 &ng = point.geometric_normal, &ns = point.smooth_normal;
     if (glm::dot(ns, reflect_direction(wi, ng)) <= 0) return true;
     const float eta = bsdf.refraction_eta(), cos_wi = glm::dot(ng, wi);
     if (eta <= 0) return false;
@@ -70,12 +63,11 @@ bool leaves_below(const ShadingPoint& point, const Bsdf& bsdf, const vec3& wi) {
 
 /// The diffuse lobe alone: drawn about the geometric normal, which reaches all directions with light and spares the
 /// quotient of the cosines of the direction drawn.
-PhotonScattering scatter_diffuse(const Scene& scene, const ShadingPoint& point, const Bsdf& bsdf, const vec3& wi,
-                                 const vec2& u) {
+PhotonScattering scatter_diffuse(const ShadingPoint& point, const Bsdf& bsdf, const vec3& wi, const vec2& u) {
     PhotonScattering scattering;
     const vec3 local = sample_cosine_hemisphere(u);
     scattering.direction = Frame(point.geometric_normal).to_world(local);
-    const Frame frame(normal_of_eye(scene, point, scattering.direction));
+    const Frame frame(normal_of_eye(point, scattering.direction));
     // Again by the direction itself: a cosine of 0 has no density.
     const float cos_out = glm::dot(point.geometric_normal, scattering.direction);
     if (local.z <= 0 || cos_out <= 0) return scattering;
@@ -84,9 +76,12 @@ PhotonScattering scatter_diffuse(const Scene& scene, const ShadingPoint& point, 
     return scattering;
 }
 
-PhotonScattering scatter_curved(const Scene& scene, const ShadingPoint& point, const Bsdf& bsdf, const vec3& wi,
-                                float u_lobe, const vec2& u) {
-    const bool one_frame = is_same(point.shading.normal, point.geometric_normal);
+/// Any lobes where the smooth normal leans: drawn about the normal that the photon's own side sees, or about the
+/// geometric one.
+PhotonScattering scatter_leaning(const ShadingPoint& point, const Bsdf& bsdf, const vec3& wi, float u_lobe,
+                                 const vec2& u) {
+    // Light from below the smooth normal's plane is seen by eyes that use the geometric normal alone.
+    const bool one_frame = point.shading.normal == point.geometric_normal;
     float geometric_share = 0;
     if (!one_frame)
         geometric_share = leaves_below(point, bsdf, wi) ? kGeometricShareBelow
@@ -104,32 +99,29 @@ PhotonScattering scatter_curved(const Scene& scene, const ShadingPoint& point, c
 
     PhotonScattering scattering{
         .direction = drawn.frame.to_world(sample.wi), .delta = sample.delta, .refraction = sample.refraction};
-    const vec3 eye_normal = normal_of_eye(scene, point, scattering.direction);
+    const vec3 eye_normal = normal_of_eye(point, scattering.direction);
     const float change = correction(point, eye_normal, wi, scattering.direction);
     if (change <= 0) return {};
+    const bool seen_as_drawn = eye_normal == drawn.frame.normal;
     if (sample.delta) {
         // About another normal the lobe does not go this way.
-        if (!is_same(eye_normal, drawn.frame.normal)) return {};
+        if (!seen_as_drawn) return {};
         scattering.weight = sample.weight * (change / share);
         return scattering;
     }
     const BsdfValue of_other = geometric_share > 0 ? other.evaluate(wi, scattering.direction) : BsdfValue{};
-    Rgb f_cos = of_other.f_cos;
-    if (is_same(eye_normal, drawn.frame.normal))
-        f_cos = sample.weight * sample.pdf_sa;
-    else if (geometric_share <= 0 || !is_same(eye_normal, other.frame.normal))
-        f_cos = FramedBsdf(point, bsdf, Frame(eye_normal)).evaluate(wi, scattering.direction).f_cos;
+    const Rgb f_cos = seen_as_drawn ? sample.weight * sample.pdf_sa : of_other.f_cos;
     scattering.weight = f_cos * (change / (share * sample.pdf_sa + (1.0f - share) * of_other.pdf_sa));
     return scattering;
 }
 
 }  // namespace
 
-PhotonScattering scatter_photon(const Scene& scene, const ShadingPoint& point, const Bsdf& bsdf, const vec3& wi_world,
-                                float u_lobe, const vec2& u) {
-    if (!is_flat(scene, point))
-        return bsdf.is_diffuse() ? scatter_diffuse(scene, point, bsdf, wi_world, u)
-                                 : scatter_curved(scene, point, bsdf, wi_world, u_lobe, u);
+PhotonScattering scatter_photon(const ShadingPoint& point, const Bsdf& bsdf, const vec3& wi_world, float u_lobe,
+                                const vec2& u) {
+    if (leans(point))
+        return bsdf.is_diffuse() ? scatter_diffuse(point, bsdf, wi_world, u)
+                                 : scatter_leaning(point, bsdf, wi_world, u_lobe, u);
     const BsdfSample sample = bsdf.sample(point.shading.to_local(wi_world), u_lobe, u, TransportMode::Importance);
     if (!sample.valid()) return {};
     return {point.shading.to_world(sample.wi), sample.weight, sample.delta, sample.refraction};

@@ -8,11 +8,9 @@
 // [Veach 1997, sec. 5.3], cos_s against the shading and cos_g against the geometric normal. Where both normals are the
 // same this is the BSDF sample's own weight, in TransportMode::Importance.
 //
-// The eye's shading frame depends on where it looks from: an eye below the shading plane (but above the surface) uses
-// the geometric normal (surface.h). What goes there is found by drawing some of the directions about the geometric
-// normal, and joining both ways to draw by their balance heuristic. A normal map over interpolated normals has a third
-// frame, about the map on the geometric normal, for eyes that the interpolated normal turns away from: what only those
-// see is carried by wide lobes, with more variance, and missing of delta lobes and rough refraction.
+// The eye's shading frame depends on where it looks from: an eye below the smooth normal's plane (but above the
+// surface) uses the geometric normal (surface.h). What goes there is found by drawing some of the directions about the
+// geometric normal, and joining both ways to draw by their balance heuristic.
 //
 // [Veach 1997] Robust Monte Carlo Methods for Light Transport Simulation. PhD thesis, Stanford.
 
@@ -33,7 +31,7 @@ struct PhotonScattering {
 /// Scatters light that arrived at `point` (made for the photon's ray) from `wi_world` (unit, away from the surface) by
 /// the lobes in `bsdf`, which is part of (or all of) the BSDF at that point as looked at from wi_world. The numbers are
 /// uniform in [0, 1).
-PhotonScattering scatter_photon(const Scene& scene, const ShadingPoint& point, const Bsdf& bsdf, const vec3& wi_world,
-                                float u_lobe, const vec2& u);
+PhotonScattering scatter_photon(const ShadingPoint& point, const Bsdf& bsdf, const vec3& wi_world, float u_lobe,
+                                const vec2& u);
 
 }  // namespace photond

@@ -47,8 +47,9 @@ ShadingPoint make_shading_point(const Scene& scene, const Hit& hit, const vec3& 
     const Instance& instance = scene.instances[point.instance];
     const Mesh& mesh = scene.meshes[instance.mesh];
     const TangentBasis basis = tangent_basis(mesh, instance, point, material.normal_texture);
-    // The map describes the front: shading normals of the back are turned there, and the mapped one turned back after.
-    const vec3 n = point.front_side ? point.shading.normal : -point.shading.normal;
+    // The map lies over the interpolated normal, whoever looks: over the normal seen it would make a third frame. It
+    // describes the front: smooth normals of the back are turned there, and the mapped one turned back after.
+    const vec3 n = point.front_side ? point.smooth_normal : -point.smooth_normal;
     const vec3 t = basis.tangent - n * glm::dot(n, basis.tangent);
     const float length_sq = glm::dot(t, t);
     if (basis.handedness == 0.0f || !(length_sq > 1e-30f)) return point;
@@ -60,8 +61,8 @@ ShadingPoint make_shading_point(const Scene& scene, const Hit& hit, const vec3& 
     const vec3 texel = 2.0f * vec3(sample_texture(texture, uv, false)) - 1.0f;
     const vec3 local(texel.x * material.normal_scale, texel.y * material.normal_scale, texel.z);
     const vec3 mapped = local.x * tangent + local.y * bitangent + local.z * n;
-    point.shading =
-        Frame(consistent_normal(point.front_side ? mapped : -mapped, point.geometric_normal, ray_direction));
+    point.smooth_normal = turned_normal(point.front_side ? mapped : -mapped, point.geometric_normal);
+    point.shading = Frame(normal_seen(point.smooth_normal, point.geometric_normal, ray_direction));
     return point;
 }
 

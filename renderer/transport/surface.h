@@ -10,13 +10,14 @@ namespace photond {
 /// A hit made ready for shading, seen from the side the ray came from. World space [m].
 ///
 /// The geometric normal is turned to the ray's side; which side that is in the file's eyes says `front_side`. The
-/// shading normal lies in the hemispheres of the geometric normal and of the eye: where an interpolated or mapped
-/// normal would turn away from the eye, the frame is the geometric one (such places would be black otherwise). The
-/// frame thus depends on the eye's direction near silhouettes only.
+/// smooth normal is the interpolated one, or what the normal map makes of it, and the same for whoever looks. Where it
+/// faces away from the eye, the shading frame is about the geometric normal instead (such places would be black
+/// otherwise): eyes see one of two frames, and the geometric one near silhouettes only.
 struct ShadingPoint {
     vec3 position{0};
     vec3 geometric_normal{0, 0, 1};  // unit, on the ray's side
-    Frame shading{vec3(0, 0, 1)};    // about the shading normal; its tangents are arbitrary, as all BSDFs are isotropic
+    vec3 smooth_normal{0, 0, 1};     // unit, on the geometric normal's side
+    Frame shading{vec3(0, 0, 1)};    // about normal_seen(); its tangents are arbitrary, as all BSDFs are isotropic
     uint32_t instance = kNoHit;
     uint32_t triangle = 0;
     float u = 0;  // barycentrics, as in Hit
@@ -37,14 +38,18 @@ inline vec3 ray_origin(const ShadingPoint& point, const vec3& direction) {
     return offset_ray_origin(point.position, eye_side ? point.geometric_normal : -point.geometric_normal);
 }
 
-/// Turns `normal` to the geometric normal's side, and takes the geometric normal instead where it is degenerate or
-/// where the result would face away from the eye.
-inline vec3 consistent_normal(const vec3& normal, const vec3& geometric_normal, const vec3& ray_direction) {
+/// `normal` (of any length) made unit and turned to the geometric normal's side; the geometric normal where it is
+/// degenerate.
+inline vec3 turned_normal(const vec3& normal, const vec3& geometric_normal) {
     const float length_sq = glm::dot(normal, normal);
     if (!(length_sq > 1e-30f)) return geometric_normal;
     const float side = glm::dot(normal, geometric_normal) < 0 ? -1.0f : 1.0f;
-    const vec3 n = normal * (side / std::sqrt(length_sq));
-    return glm::dot(n, ray_direction) < 0 ? n : geometric_normal;
+    return normal * (side / std::sqrt(length_sq));
+}
+
+/// The normal that an eye looking along `ray_direction` shades with, both normals being on its side of the surface.
+inline vec3 normal_seen(const vec3& smooth_normal, const vec3& geometric_normal, const vec3& ray_direction) {
+    return glm::dot(smooth_normal, ray_direction) < 0 ? smooth_normal : geometric_normal;
 }
 
 /// Unit normal of two edges. In double where the square of a tiny or needle-like triangle's area leaves float's range.
@@ -77,11 +82,13 @@ inline ShadingPoint make_plain_shading_point(const Scene& scene, const Hit& hit,
     point.front_side = glm::dot(ng, ray_direction) < 0;
     point.geometric_normal = point.front_side ? ng : -ng;
     if (mesh.normals.empty()) {
+        point.smooth_normal = point.geometric_normal;
         point.shading = Frame(point.geometric_normal);
     } else {
         vec3 n = w * mesh.normals[corner.x] + hit.u * mesh.normals[corner.y] + hit.v * mesh.normals[corner.z];
         if (!instance.identity) n = instance.normal_to_world * n;
-        point.shading = Frame(consistent_normal(n, point.geometric_normal, ray_direction));
+        point.smooth_normal = turned_normal(n, point.geometric_normal);
+        point.shading = Frame(normal_seen(point.smooth_normal, point.geometric_normal, ray_direction));
     }
     return point;
 }

@@ -121,6 +121,32 @@ TEST(Surface, NormalMapsLeanAlongThePicture) {
         }
 }
 
+// Over interpolated normals, too, the map makes one normal for all eyes; those it faces away from see the geometric
+// one.
+TEST(Surface, EyesSeeTheMappedNormalOrTheGeometricOne) {
+    Scene scene = triangle_scene();
+    add_normal_map(scene, true);
+    const vec3 leaning = glm::normalize(vec3(1, 0, 0.3f));
+    scene.meshes[0].normals.assign(3, leaning);
+    const vec3 mapped = glm::normalize(leaning + vec3(0, 1, 0));
+    expect_near(make_shading_point(scene, kHit, -leaning).shading.normal, mapped, 0.01f);
+    RandomStream random(2, RandomDomain::Test, 0, 0);
+    int turned_from_interpolated = 0, seen[2] = {};
+    for (int i = 0; i < 1000; ++i) {
+        const vec3 direction = glm::normalize(2.0f * vec3(random.next(), random.next(), random.next()) - 1.0f);
+        const ShadingPoint point = make_shading_point(scene, kHit, direction);
+        const float side = point.front_side ? 1.0f : -1.0f;
+        expect_near(point.smooth_normal, side * mapped, 0.01f);
+        const bool by_map = glm::dot(point.smooth_normal, direction) < 0;
+        EXPECT_EQ(point.shading.normal, by_map ? point.smooth_normal : point.geometric_normal);
+        ++seen[by_map];
+        turned_from_interpolated += by_map && side * glm::dot(leaning, direction) >= 0;
+    }
+    EXPECT_GT(seen[0], 100);
+    EXPECT_GT(seen[1], 100);
+    EXPECT_GT(turned_from_interpolated, 50);
+}
+
 TEST(Surface, NormalScaleFlattens) {
     Scene scene = triangle_scene();
     add_normal_map(scene, false);
@@ -139,6 +165,7 @@ TEST(Surface, PlainAndFullPointsAreTheSameWithoutNormalMaps) {
         const ShadingPoint full = make_shading_point(scene, hit, direction);
         const ShadingPoint plain = make_plain_shading_point(scene, hit, direction);
         EXPECT_EQ(full.position, plain.position);
+        EXPECT_EQ(full.smooth_normal, plain.smooth_normal);
         EXPECT_EQ(full.shading.normal, plain.shading.normal);
         EXPECT_EQ(full.shading.tangent, plain.shading.tangent);
         EXPECT_EQ(full.geometric_normal, plain.geometric_normal);
