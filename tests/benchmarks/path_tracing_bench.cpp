@@ -22,6 +22,7 @@
 #include "tests/benchmarks/bare_embree.h"
 #include "tests/benchmarks/bench_scenes.h"
 #include "tests/benchmarks/recording_intersector.h"
+#include "tests/benchmarks/relative_mse.h"
 
 namespace photond {
 namespace {
@@ -130,17 +131,6 @@ void measure_threads() {
         std::printf("  %3d threads %.4f s, %.2f times one\n", threads, median(seconds), single / median(seconds));
         if (threads == cores) break;
     }
-}
-
-/// conventions.md, `relative_mse`.
-double relative_mse(const std::vector<float>& image, const std::vector<float>& reference) {
-    double mean = 0, sum = 0;
-    for (const float r : reference) mean += r;
-    mean /= double(reference.size());
-    for (size_t i = 0; i < image.size(); ++i)
-        sum +=
-            (image[i] - reference[i]) * (image[i] - reference[i]) / (reference[i] * reference[i] + 0.01 * mean * mean);
-    return sum / double(image.size());
 }
 
 void measure_samplers() {

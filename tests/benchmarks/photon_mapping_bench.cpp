@@ -1,0 +1,195 @@
+// Photon mapping as a whole: seconds by stage, error over time beside path tracing, and the table of [Jensen 1996]
+// redone on our scenes. Prints tables; nothing passes or fails here.
+//
+// Usage: photon_mapping_bench [stages] [error] [jensen]; all of them without arguments.
+//
+// [Jensen 1996] Global Illumination using Photon Maps. Eurographics Workshop on Rendering, Table 1.
+
+#include <cmath>
+#include <cstring>
+
+#include "protocol/error.h"
+#include "renderer/methods/path_tracing/path_tracing.h"
+#include "renderer/methods/photon_mapping/photon_mapping.h"
+#include "tests/benchmarks/bench_scenes.h"
+#include "tests/benchmarks/relative_mse.h"
+
+namespace photond {
+namespace {
+
+/// A method begun on a scene, pass after pass into a film; knows its seconds as a job's clock counts them.
+template <class M>
+class Render {
+public:
+    Render(const Scene& scene, const Intersector& intersector, Size2 size, const typename M::Params& params,
+           uint64_t seed = 1)
+        : method_(params), film(size, LayerSet{}) {
+        const double start = wall_now_seconds();
+        method_.begin({scene, intersector, View{find_camera(scene, ""), size}, seed, budget}, stats);
+        seconds += wall_now_seconds() - start;
+    }
+    void pass() {
+        const double start = wall_now_seconds();
+        method_.run_pass(film.passes(), stats, CancelToken{});
+        method_.resolve(film);
+        seconds += wall_now_seconds() - start;
+    }
+
+    MemoryBudget budget;
+    Stats stats;
+    double seconds = 0;  // wall
+
+private:
+    M method_;
+
+public:
+    Film film;
+};
+
+struct Setting {
+    const char* name;
+    PhotonMappingParams params;
+};
+
+/// 200,000 photons and the 50 nearest, as is the default.
+std::vector<Setting> settings() {
+    std::vector<Setting> list(6);
+    list[0].name = "direct";
+    list[0].params.gather = Gather::Direct;
+    list[1].name = "direct, clip";
+    list[1].params.gather = Gather::Direct;
+    list[1].params.boundary = DiscBoundary::Clip;
+    list[2].name = "final";
+    list[3].name = "final, clip";
+    list[3].params.boundary = DiscBoundary::Clip;
+    list[4].name = "final, clip, irradiance";
+    list[4].params.boundary = DiscBoundary::Clip;
+    list[4].params.precompute_irradiance = true;
+    list[5].name = "final, clip, 8 rays";
+    list[5].params.boundary = DiscBoundary::Clip;
+    list[5].params.gather_rays = 8;
+    return list;
+}
+
+void print_stages(const Stats& stats, uint32_t passes) {
+    for (const Stage& stage : stats.stages)
+        std::printf("    %-20s %8.4f wall %8.4f CPU s a pass\n", stage.name.c_str(), stage.wall_seconds / passes,
+                    stage.cpu_seconds / passes);
+}
+
+void measure_stages() {
+    std::printf("\nSeconds by stage: cornell-box 512x512, 200,000 photons, 50 nearest, mean of 3 passes\n");
+    const Scene scene = make_builtin_scene("cornell-box");
+    const auto intersector = build(scene);
+    for (const Setting& setting : settings()) {
+        Render<PhotonMapping> render(scene, *intersector, {512, 512}, setting.params);
+        for (int i = 0; i < 3; ++i) render.pass();
+        std::printf("  %s: %.3f s a pass, %.1f MB\n", setting.name, render.seconds / 3,
+                    1e-6 * double(render.budget.accounted_bytes()));
+        print_stages(render.stats, 3);
+    }
+}
+
+/// Error of the indirect layer at passes 1, 2, 4 ... until `seconds` are over.
+template <class M>
+void error_over_time(const char* name, Render<M>&& render, const std::vector<float>& reference, double seconds) {
+    std::printf("  %-26s", name);
+    for (uint32_t next = 1; render.seconds < seconds; next *= 2) {
+        while (render.film.passes() < next) render.pass();
+        std::printf("  %.2f s %.2e", render.seconds, relative_mse(render.film.resolve(Layer::Indirect), reference));
+        std::fflush(stdout);
+    }
+    std::printf("\n");
+}
+
+void measure_error() {
+    constexpr Size2 kSize{512, 512};
+    constexpr uint32_t kReferencePasses = 2048;
+    constexpr double kSeconds = 20;
+    const Scene scene = make_builtin_scene("cornell-box");
+    const auto intersector = build(scene);
+    Render<PathTracing> truth(scene, *intersector, kSize, {}, 2);
+    while (truth.film.passes() < kReferencePasses) truth.pass();
+    const std::vector<float> reference = truth.film.resolve(Layer::Indirect);
+    const std::vector<float> variance = truth.film.pass_variance(Layer::Indirect);
+    std::vector<float> noisy = reference;
+    for (size_t i = 0; i < noisy.size(); ++i) noisy[i] += std::sqrt(variance[i] / kReferencePasses);
+    std::printf(
+        "\nrelative_mse of the indirect layer over wall seconds (cornell-box 512x512, all bounces; reference: %u\n"
+        "passes of path_tracing, %.0f s, its own noise %.1e)\n",
+        kReferencePasses, truth.seconds, relative_mse(noisy, reference));
+    error_over_time("path_tracing", Render<PathTracing>(scene, *intersector, kSize, {}), reference, kSeconds);
+    for (const Setting& setting : settings())
+        error_over_time(setting.name, Render<PhotonMapping>(scene, *intersector, kSize, setting.params), reference,
+                        kSeconds);
+}
+
+/// One row: our scene with as many photons stored as Jensen had.
+struct JensenRow {
+    const char* scene;
+    const char* his_scene;
+    double caustic, global;  // photons stored
+    double his_pass1_s, his_rendering_s;
+};
+constexpr JensenRow kJensen[] = {{"cornell-box-glass", "Diffuse Cornell Box", 21'162, 286'489, 67, 8 * 60},
+                                 {"interior", "The Museum", 389'755, 165'791, 298, 51 * 60}};
+
+void measure_jensen() {
+    constexpr Size2 kSize{1280, 960};
+    std::printf("\n[Jensen 1996, Table 1] redone at 1280x960: photons stored as in his table, one eye path a pixel\n");
+    for (const JensenRow& row : kJensen) {
+        const Scene scene = make_builtin_scene(row.scene);
+        const auto intersector = build(scene);
+        PhotonMappingParams params;
+        params.gather_rays = 16;
+        // How many of the paths leave a photon in which map, by one small pass of each alone.
+        const auto stored = [&](uint32_t photons, uint32_t caustic_photons) {
+            PhotonMappingParams probe = params;
+            probe.gather = Gather::Direct;
+            probe.photons = photons, probe.caustic_photons = caustic_photons;
+            Render<PhotonMapping> render(scene, *intersector, {4, 4}, probe);
+            render.pass();
+            return double(render.stats.counts.photons_stored);
+        };
+        constexpr uint32_t kProbe = 100'000;
+        const double global_yield = stored(kProbe, 1) / kProbe, caustic_yield = stored(1, kProbe) / kProbe;
+        params.photons = uint32_t(row.global / global_yield);
+        params.caustic_photons = uint32_t(row.caustic / caustic_yield);
+
+        for (const Gather gather : {Gather::Direct, Gather::Final}) {
+            params.gather = gather;
+            Render<PhotonMapping> render(scene, *intersector, kSize, params);
+            render.pass();
+            double pass1 = 0, rendering = 0;
+            for (const Stage& stage : render.stats.stages) {
+                const bool first = stage.name.starts_with("photon_");
+                (first ? pass1 : rendering) += stage.wall_seconds;
+            }
+            const std::string how =
+                gather == Gather::Direct ? "direct" : "final, " + std::to_string(params.gather_rays) + " rays";
+            std::printf(
+                "  %-18s %-15s %8llu photons stored of %u + %u paths; pass 1 %.2f s, rendering %.2f s\n"
+                "      (%s: %.0f + %.0f photons; pass 1 %.0f s, rendering %.0f min on his machine of 1996)\n",
+                row.scene, how.c_str(), static_cast<unsigned long long>(render.stats.counts.photons_stored),
+                params.photons, *params.caustic_photons, pass1, rendering, row.his_scene, row.caustic, row.global,
+                row.his_pass1_s, row.his_rendering_s / 60);
+        }
+    }
+}
+
+}  // namespace
+}  // namespace photond
+
+int main(int argc, char** argv) {
+    using namespace photond;
+    const std::pair<const char*, void (*)()> parts[] = {
+        {"stages", measure_stages}, {"error", measure_error}, {"jensen", measure_jensen}};
+    try {
+        for (const auto& [name, measure] : parts)
+            if (argc == 1 || std::any_of(argv + 1, argv + argc, [&](const char* a) { return !std::strcmp(a, name); }))
+                measure();
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "photon_mapping_bench: %s\n", error.what());
+        return 1;
+    }
+}
