@@ -28,7 +28,7 @@ vec3 normal_of_eye(const ShadingPoint& point, const vec3& direction) {
 }
 
 /// |cos_s(wi)| |cos_g(out)| / (|cos_g(wi)| |cos_s(out)|): between f |cos_s(out)|, which BSDF samples are made of, and
-/// the change of power. 0 where light arrives from below the shading plane.
+/// the change of power. 0 where light arrives from below the eye's shading plane.
 float correction(const ShadingPoint& point, const vec3& shading_normal, const vec3& wi, const vec3& out) {
     const float cos_wi = glm::dot(shading_normal, wi);
     const float cos_out = std::fabs(glm::dot(shading_normal, out));
