@@ -1,7 +1,10 @@
 #pragma once
 // Boundary edges that reach into a disc: a table of occupied cells, which most points leave after one look, and a tree
 // of boxes for the others. Discs are flat: of a finely cut body most edges lie beside the slab, and whole subtrees with
-// them.
+// them. And most edges are bends of smooth surfaces, which bound a surface only as seen along few normals: the tree is
+// one of places and normals, as those for finding the contours of bodies are. [Sander et al. 2000]
+//
+// [Sander et al. 2000] Silhouette Clipping. SIGGRAPH.
 
 #include <array>
 #include <bit>
@@ -12,6 +15,27 @@
 
 namespace photond {
 
+/// Edges between triangles of which one, turned to the side of the query's normal or away from it, makes at most 60
+/// degrees with it: normals of the disc test.
+inline constexpr float kSameSurface = 0.5f;
+
+/// Three floats each of kLanes things. Plain arrays, as threads fill them side by side.
+struct Vec3Array {
+    std::array<std::array<float, kLanes>, 3> axis{};
+
+    void set(size_t lane, const vec3& v) { axis[0][lane] = v.x, axis[1][lane] = v.y, axis[2][lane] = v.z; }
+    Vec3Lanes load() const {
+        const auto lanes = [](const auto& x) { return FloatLanes(x.data(), std::experimental::vector_aligned); };
+        return {lanes(axis[0]), lanes(axis[1]), lanes(axis[2])};
+    }
+};
+
+/// kLanes of the edges. Normals are zero where there is none.
+struct alignas(sizeof(FloatLanes)) EdgeBlock {
+    Vec3Array a, ab, normal, other_normal;  // ab: from a to b
+    std::array<float, kLanes> continues_at_m{};
+};
+
 class BoundaryTree {
 public:
     /// For discs of at most `radius_m`. The same tree for any number of threads.
@@ -19,44 +43,40 @@ public:
 
     /// False: no edge within the radius of p. True: perhaps one.
     bool may_have_edges(const vec3& p) const {
-        if (edges_.empty()) return false;
+        if (size_ == 0) return false;
         const uint64_t bit = hash_cell(glm::floor((p - origin_) * per_cell_)) >> bit_shift_;
         return occupied_[bit / 64] >> (bit % 64) & 1;
     }
 
-    /// Calls visit(edge) for every edge with a point within `radius_m` of p and `thickness_m` of the plane through p,
-    /// and for some others.
+    /// Calls visit(block) for blocks that hold every edge with a point within `radius_m` of p and `thickness_m` of the
+    /// plane through p, one of whose normals (or the zero of a half-edge) is within the cone of kSameSurface about
+    /// `normal`, or about its opposite, and the other is not. Most of what a block holds beside is not such.
     template <class Visit>
-    void visit_edges(const vec3& p, const vec3& normal, float radius_m, float thickness_m, const Visit& visit) const;
+    void visit_blocks(const vec3& p, const vec3& normal, float radius_m, float thickness_m, const Visit& visit) const;
 
-    size_t size() const { return edges_.size(); }
+    size_t size() const { return size_; }
     uint64_t bytes() const {
-        return edges_.size() * sizeof(BoundaryEdge) + nodes_.size() * sizeof(Node) +
-               occupied_.size() * sizeof(uint64_t);
+        return blocks_.size() * sizeof(EdgeBlock) + nodes_.size() * sizeof(Node) + occupied_.size() * sizeof(uint64_t);
     }
 
 private:
-    static constexpr size_t kWidth = 8, kWidthBits = 3;  // children of a node; edges of a leaf, at most
-    static_assert(kWidth == kLanes);
-    /// The boxes of a node's children: centres and half sizes, by axis. Plain floats, as threads fill them side by
-    /// side.
-    struct alignas(32) Node {
-        std::array<std::array<float, kWidth>, 3> centre;
-        std::array<std::array<float, kWidth>, 3> half;  // minus infinity where there is no child
+    static constexpr size_t kWidth = kLanes;  // children of a node; edges of a leaf
+    static constexpr size_t kWidthBits = std::countr_zero(kWidth);
+    static constexpr size_t kMostDepth = 16;
+    /// The boxes of a node's children: of their edges, and of both normals of each.
+    struct alignas(sizeof(FloatLanes)) Node {
+        Vec3Array centre, half;  // half sizes; minus infinity where there is no child
+        Vec3Array normal_centre, normal_half;
     };
-    static Vec3Lanes load(const std::array<std::array<float, kWidth>, 3>& v) {
-        const auto lanes = [](const auto& x) { return FloatLanes(x.data(), std::experimental::element_aligned); };
-        return {lanes(v[0]), lanes(v[1]), lanes(v[2])};
-    }
 
-    // All ways down are equally long. The k-th of 2^level equal parts of the edges:
-    size_t first_edge(size_t level, size_t k) const { return k * edges_.size() >> level; }
-    // The k-th node of level kWidthBits `depth`; nodes stand level by level.
-    static size_t node_index(size_t depth, size_t k) {
-        return ((size_t{1} << kWidthBits * depth) - 1) / (kWidth - 1) + k;
-    }
-    void split(size_t level, size_t k);
-    void fill_cells(float radius_m);
+    // All ways down are equally long; nodes and leaves are full, but for the last of each level. Of level 0 the one
+    // part is all edges, of level kWidthBits depth_ a part is a leaf.
+    size_t part_size(size_t level) const { return kWidth << (kWidthBits * depth_ - level); }
+    size_t parts(size_t level) const { return (size_ + part_size(level) - 1) / part_size(level); }
+    void split(std::vector<BoundaryEdge>& edges, size_t level, size_t k, float radius_m);
+    void bound_child(const std::vector<BoundaryEdge>& edges, size_t depth, size_t k);
+    void fill_block(const std::vector<BoundaryEdge>& edges, size_t k);
+    void fill_cells(const std::vector<BoundaryEdge>& edges, float radius_m);
     template <class Visit>
     void for_cells_within(const BoundaryEdge& e, float radius_m, const Visit& visit) const;
 
@@ -66,9 +86,11 @@ private:
         return hash64(bits(cell.x) | bits(cell.y) << 21 | bits(cell.z) << 42);
     }
 
-    std::vector<BoundaryEdge> edges_;
-    size_t depth_ = 1;  // of the leaves
+    size_t size_ = 0;
+    size_t depth_ = 1;                                 // of the leaves
+    std::array<size_t, kMostDepth + 1> first_node_{};  // by depth
     std::vector<Node> nodes_;
+    std::vector<EdgeBlock> blocks_;
     vec3 origin_{0};
     float per_cell_ = 0;  // [1/m]
     int bit_shift_ = 0;
@@ -76,35 +98,40 @@ private:
 };
 
 template <class Visit>
-void BoundaryTree::visit_edges(const vec3& p, const vec3& normal, float radius_m, float thickness_m,
-                               const Visit& visit) const {
-    if (edges_.empty()) return;
-    const vec3 slope = glm::abs(normal);
+void BoundaryTree::visit_blocks(const vec3& p, const vec3& normal, float radius_m, float thickness_m,
+                                const Visit& visit) const {
+    if (size_ == 0) return;
+    constexpr float kRounding = 1e-5f;  // of cosines
+    const Vec3Lanes at = broadcast(p), n = broadcast(normal), slope = broadcast(glm::abs(normal));
     struct Waiting {
         uint32_t depth, k;
     };
-    std::array<Waiting, (kWidth - 1) * 11 + 1> stack;  // 8^11 leaves are more than any memory holds
+    std::array<Waiting, (kWidth - 1) * kMostDepth + 1> stack;
     size_t waiting = 1;
     stack[0] = {0, 0};
     while (waiting > 0) {
-        const Waiting at = stack[--waiting];
-        const Node& node = nodes_[node_index(at.depth, at.k)];
-        const Vec3Lanes to = load(node.centre) - broadcast(p), half = load(node.half);
+        const Waiting next = stack[--waiting];
+        const Node& node = nodes_[first_node_[next.depth] + next.k];
+        const Vec3Lanes to = node.centre.load() - at, half = node.half.load();
         const FloatLanes zero = 0;
         const FloatLanes x = max(abs(to.x) - half.x, zero), y = max(abs(to.y) - half.y, zero),
                          z = max(abs(to.z) - half.z, zero);
+        // The cosines of the normals lie within `reach` of `cosine`: does a limit of the cones lie among them?
+        const FloatLanes cosine = abs(dot(node.normal_centre.load(), n));
+        const FloatLanes reach = dot(node.normal_half.load(), slope) + kRounding;
         const FloatMask reached = x * x + y * y + z * z <= sqr(radius_m) &&
-                                  abs(dot(to, broadcast(normal))) <= thickness_m + dot(broadcast(slope), half);
+                                  abs(dot(to, n)) <= thickness_m + dot(slope, half) &&
+                                  abs(cosine - kSameSurface) <= reach;
         if (none_of(reached)) continue;
+        const bool leaves = next.depth + 1 == depth_;
         for (uint32_t i = 0; i < kWidth; ++i) {
             if (!reached[i]) continue;
-            const uint32_t child = at.k * uint32_t{kWidth} + i;
-            if (at.depth + 1 < depth_) {
-                stack[waiting++] = {at.depth + 1, child};
-                continue;
+            const uint32_t child = next.k * uint32_t{kWidth} + i;
+            if (leaves) {
+                visit(blocks_[child]);
+            } else {
+                stack[waiting++] = {next.depth + 1, child};
             }
-            const size_t end = first_edge(kWidthBits * depth_, child + 1);
-            for (size_t e = first_edge(kWidthBits * depth_, child); e < end; ++e) visit(edges_[e]);
         }
     }
 }
