@@ -7,7 +7,7 @@ namespace photond {
 
 struct EyePath {
     Rgb throughput{1};
-    float pdf_sa = 0;     // with which the ray's direction was drawn
+    float pdf_sa = 0;     // with which the ray's direction was drawn, over the number of light samples beside it
     vec3 position{0};     // of the last vertex; with lit_normal as given to the light sampler
     float eta_scale = 1;  // squared index of the medium the ray is in, which throughput is divided by
     vec3 lit_normal{0};

@@ -4,7 +4,6 @@
 #include "renderer/methods/photon_mapping/photon_mapping.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include "protocol/error.h"
 #include "renderer/core/thread_local.h"
@@ -12,6 +11,7 @@
 #include "renderer/scene/mesh_builder.h"
 #include "tests/support/render.h"
 #include "tests/support/statistics.h"
+#include "tests/support/threads.h"
 
 namespace photond {
 namespace {
@@ -53,10 +53,8 @@ TEST(PhotonMapping, PixelHashIsTheSameForAnyNumberOfThreads) {
             settings.params.shadow_photons = settings.params.precompute_irradiance = true;
             settings.params.gather_sampling = GatherSampling::Photons;
             std::vector<std::string> hashes;
-            for (const size_t threads : {1, 2, 8}) {
-                const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-                hashes.push_back(test::render(scene, settings).pixel_hash());
-            }
+            for (const int threads : {1, 2, 8})
+                hashes.push_back(test::on_threads(threads, [&] { return test::render(scene, settings).pixel_hash(); }));
             EXPECT_EQ(hashes[0], hashes[1]) << name;
             EXPECT_EQ(hashes[0], hashes[2]) << name;
         }
@@ -88,6 +86,7 @@ TEST(PhotonMapping, EmittedAndDirectLightAreThoseOfPathTracing) {
             Settings settings = settings_for(Gather::Final, 16);
             settings.params.indirect_bounces = 1;  // so that there are gather rays, which meet lights
             settings.params.gather_rays = 2;
+            settings.params.light_samples = 3;
             settings.params.photons = 1;
             settings.seed = seed;
             test::RenderSettings traced;
@@ -108,6 +107,59 @@ TEST(PhotonMapping, EmittedAndDirectLightAreThoseOfPathTracing) {
             EXPECT_LE(interval.half_width, kMustDetect) << name << ": too noisy to notice a defect";
         }
     }
+}
+
+/// Each value of the direct layer over some passes with so many light samples.
+std::vector<test::RunningMean> direct_light(const Scene& scene, SamplerKind sampler, uint32_t light_samples,
+                                            uint32_t passes, uint64_t seed) {
+    Settings settings = settings_for(Gather::Direct);
+    settings.size = {80, 70};
+    settings.params.indirect_bounces = 0;
+    settings.params.sampler = sampler;
+    settings.params.light_samples = light_samples;
+    settings.seed = seed;
+    std::vector<test::RunningMean> values;
+    for (settings.first_pass = 0; settings.first_pass < passes; ++settings.first_pass) {
+        const std::vector<float> direct = test::render(scene, settings).resolve(Layer::Direct);
+        values.resize(direct.size());
+        for (size_t i = 0; i < direct.size(); ++i) values[i].add(direct[i]);
+    }
+    return values;
+}
+
+// With independent numbers V(n) = A + B / n, A being what the pixel's points differ by. Whatever A and B are,
+// V(1) - 5 V(4) + 4 V(16) is 0: were the samples of a vertex alike, or not divided by their number, it would not be.
+TEST(PhotonMapping, VarianceOfDirectLightFallsWithTheNumberOfLightSamples) {
+    constexpr double kFalseAlarm = 1e-6, kMustDetect = 0.1;
+    const Scene scene = make_builtin_scene("cornell-box");
+    // Where A is small, by passes of their own: away from edges.
+    std::vector<uint8_t> smooth;
+    for (const test::RunningMean& value : direct_light(scene, SamplerKind::Sobol, 64, 24, 1000))
+        smooth.push_back(value.variance() < 0.001 * value.mean() * value.mean());
+    EXPECT_GT(std::count(smooth.begin(), smooth.end(), 1), std::ptrdiff_t(smooth.size() / 4));
+    const auto variance = [&](SamplerKind sampler, uint32_t light_samples, uint64_t seed) {
+        const std::vector<test::RunningMean> values = direct_light(scene, sampler, light_samples, 4, seed);
+        double sum = 0;
+        for (size_t i = 0; i < values.size(); ++i)
+            if (smooth[i]) sum += values[i].variance();
+        return sum;
+    };
+    std::vector<double> one, sixteen, stratified, contrast;
+    for (uint64_t seed = 1; seed <= 16; ++seed) {
+        one.push_back(variance(SamplerKind::Random, 1, seed));
+        sixteen.push_back(variance(SamplerKind::Random, 16, seed));
+        stratified.push_back(variance(SamplerKind::Sobol, 16, seed));
+        contrast.push_back(one.back() - 5 * variance(SamplerKind::Random, 4, seed) + 4 * sixteen.back());
+    }
+    const auto mean = [&](const std::vector<double>& x) { return test::mean_interval(x, kFalseAlarm, 1).mean; };
+    const double scale = mean(one), of_sixteen = mean(sixteen), of_strata = mean(stratified);
+    const test::Interval interval = test::mean_interval(contrast, kFalseAlarm, 1);
+    std::printf("variance of 16 samples over that of 1: %.4f, stratified %.4f; contrast %.4f +- %.4f\n",
+                of_sixteen / scale, of_strata / scale, interval.mean / scale, interval.half_width / scale);
+    EXPECT_LE(std::abs(interval.mean), interval.half_width);
+    EXPECT_LE(interval.half_width, kMustDetect * scale) << "too noisy to notice a defect";
+    EXPECT_LT(of_sixteen, scale / 8);
+    EXPECT_LT(of_strata, of_sixteen);
 }
 
 TEST(PhotonMapping, NoIndirectBouncesLeaveTheLayerBlackAndTraceNoPhotons) {

@@ -20,27 +20,27 @@ EyePass::EyePass()
       keys_(kPaths),
       next_keys_(kPaths),
       hits_(kPaths),
-      shadow_rays_(kPaths),
-      pending_(kPaths),
-      occluded_(kPaths) {
+      shadow_rays_(kShadowRays),
+      pending_(kShadowRays),
+      occluded_(kShadowRays) {
     order_.reserve(kPaths);
     gather_points_.reserve(kPaths);
-    for (Numbers* numbers : {&light_point_, &choice_, &direction_, &lobe_})
-        numbers->x.resize(kPaths), numbers->y.resize(kPaths);
+    for (Numbers* numbers : {&roulette_, &direction_, &lobe_}) numbers->x.resize(kPaths), numbers->y.resize(kPaths);
 }
 
 uint64_t EyePass::bytes_per_thread() {
-    return kPaths * (3 * sizeof(Ray) + sizeof(Hit) + 2 * sizeof(EyePath) + 3 * sizeof(uint32_t) + sizeof(PendingLight) +
-                     sizeof(uint8_t) + sizeof(GatherPoint) + 8 * sizeof(float)) +
-           FinalGather::bytes_per_thread();
+    return kPaths * (2 * sizeof(Ray) + sizeof(Hit) + 2 * sizeof(EyePath) + 3 * sizeof(uint32_t) + sizeof(GatherPoint) +
+                     6 * sizeof(float)) +
+           kShadowRays * (sizeof(Ray) + sizeof(PendingLight) + sizeof(uint8_t)) + FinalGather::bytes_per_thread();
 }
 
-void EyePass::trace_tile(const PhotonMappingScene& shared, const PassMaps& maps, const PassSampler& sampler,
-                         const GatherSamplers& gather_samplers, const Tile& tile, PassImage& image, Counts& counts,
-                         EyePassSeconds& seconds, const CancelToken& cancel) {
+void EyePass::trace_tile(const PhotonMappingScene& shared, const PassMaps& maps, const PassSamplers& samplers,
+                         const Tile& tile, PassImage& image, Counts& counts, EyePassSeconds& seconds,
+                         const CancelToken& cancel) {
     ThreadLaps laps;
     count_ = tile.pixels();
-    start_eye_paths(shared, sampler, tile, {rays_.data(), count_}, {paths_.data(), count_}, {keys_.data(), count_});
+    start_eye_paths(shared, samplers.path, tile, {rays_.data(), count_}, {paths_.data(), count_},
+                    {keys_.data(), count_});
     for (size_t i = 0; i < count_; ++i) clear_pixel(image, paths_[i].pixel);
 
     for (uint32_t vertex = 0; count_ > 0; ++vertex) {
@@ -50,14 +50,14 @@ void EyePass::trace_tile(const PhotonMappingScene& shared, const PassMaps& maps,
         if (vertex == 0) laps.lap(seconds.camera);
 
         sort_hits(shared, image);
-        draw_numbers(sampler, vertex);
+        draw_numbers(samplers.path, vertex);
         next_count_ = 0;
-        shadow_count_ = 0;
         gather_points_.clear();
         for (size_t k = 0; k < order_.size(); ++k) {
             prefetch_ahead(shared.scene, hits_, order_, k);
             const uint32_t i = order_[k];
-            if (shade_vertex(shared, maps, vertex, i, image)) next_keys_[next_count_++] = keys_[i];
+            if (shade_vertex(shared, maps, samplers.light, vertex, i, image, counts))
+                next_keys_[next_count_++] = keys_[i];
         }
         next_paths_.swap(paths_);
         next_rays_.swap(rays_);
@@ -68,7 +68,7 @@ void EyePass::trace_tile(const PhotonMappingScene& shared, const PassMaps& maps,
 
         look_up_maps(shared, maps, image);
         if (shared.final_gather())
-            final_gather_.gather(shared, maps, gather_samplers, gather_points_, image, counts, cancel);
+            final_gather_.gather(shared, maps, samplers.gather, gather_points_, image, counts, cancel);
         laps.lap(seconds.gather);
     }
 }
@@ -94,17 +94,16 @@ void EyePass::draw_numbers(const PassSampler& sampler, uint32_t vertex) {
     const auto draw = [&](VertexSet set, Numbers& numbers) {
         sampler.sample_2d(keys, sample_set(vertex, set), {numbers.x.data(), count_}, {numbers.y.data(), count_});
     };
-    draw(VertexSet::LightPoint, light_point_);
-    draw(VertexSet::LightChoiceAndRoulette, choice_);
+    draw(VertexSet::LightChoiceAndRoulette, roulette_);
     draw(VertexSet::Direction, direction_);
     draw(VertexSet::Lobe, lobe_);
 }
 
-/// Adds what path i finds at the end of its ray, draws a light sample there (A), leaves its rough part to the maps (C,
+/// Adds what path i finds at the end of its ray, draws light samples there (A), leaves its rough part to the maps (C,
 /// D) and follows its specular part (B). False: the path ends, and what stands in the place of the next path does not
 /// count.
-bool EyePass::shade_vertex(const PhotonMappingScene& shared, const PassMaps& maps, uint32_t vertex, uint32_t i,
-                           PassImage& image) {
+bool EyePass::shade_vertex(const PhotonMappingScene& shared, const PassMaps& maps, const SplitSamplers& light_samplers,
+                           uint32_t vertex, uint32_t i, PassImage& image, Counts& counts) {
     const Scene& scene = shared.scene;
     EyePath& path = next_paths_[next_count_];
     path = paths_[i];
@@ -136,17 +135,24 @@ bool EyePass::shade_vertex(const PhotonMappingScene& shared, const PassMaps& map
     path.position = surface.position;
     path.lit_normal = bsdf.has_non_delta_transmission() ? vec3(0) : surface.shading.normal;
     const bool gathers = rough.scatters() && path.scatterings + 2 <= shared.max_scatterings;
-    const uint32_t rays = FinalGather::rays_of(shared.params.gather_rays, path.throughput, path.eta_scale);
-    if (bsdf.has_non_delta())
-        sample_light(shared, maps, surface, specular, rough, gathers ? rays : 0, wo, path, i, image);
+    const auto split = [&](uint32_t all) { return split_of(all, path.throughput, path.eta_scale); };
+    const uint32_t light_samples = split(shared.params.most_light_samples());
+    const uint32_t gather_rays = gathers ? split(shared.params.gather_rays) : 0;
+    if (bsdf.has_non_delta()) {
+        if (shadow_count_ + light_samples > kShadowRays) trace_shadow_rays(shared, vertex, image, counts);
+        const uint32_t competing = FinalGather::samples_lights(shared.params) ? gather_rays : 0;
+        sample_lights(shared, maps, light_samplers, {surface, specular, rough, wo, light_samples, competing}, path,
+                      keys_[i], vertex, image);
+    }
     if (gathers)
         gather_points_.push_back({surface, rough, wo, path.throughput, path.eta_scale, path.pixel, path.scatterings,
-                                  path.media, GatherSamplers::key(keys_[i], vertex), rays, path.lit_normal});
+                                  path.media, FinalGather::key(keys_[i], vertex), gather_rays, light_samples,
+                                  path.lit_normal});
 
     const BsdfSample next = specular.sample(wo, lobe_.x[i], {direction_.x[i], direction_.y[i]});
     if (!next.valid()) return false;
     path.throughput *= next.weight;
-    path.pdf_sa = next.pdf_sa;
+    path.pdf_sa = next.pdf_sa / static_cast<float>(light_samples);
     path.delta = next.delta;
     if (!(camera_walk && next.delta)) {
         path.caustic = camera_walk || (path.caustic && next.delta);
@@ -165,7 +171,7 @@ bool EyePass::shade_vertex(const PhotonMappingScene& shared, const PassMaps& map
     if (!(hope > 0)) return false;
     if (vertex + 1 >= kRouletteStart) {
         const float survival = std::min(hope, kMaxSurvival);
-        if (choice_.y[i] >= survival) return false;
+        if (roulette_.y[i] >= survival) return false;
         path.throughput /= survival;
     }
     const vec3 wi = surface.shading.to_world(next.wi);
@@ -173,32 +179,42 @@ bool EyePass::shade_vertex(const PhotonMappingScene& shared, const PassMaps& map
     return true;
 }
 
-/// Draws one light sample. The specular part's share of it competes with the direction that the path goes on to, the
-/// rough part's with gather rays, of which there will be so many.
-void EyePass::sample_light(const PhotonMappingScene& shared, const PassMaps& maps, const ShadingPoint& surface,
-                           const Bsdf& specular, const Bsdf& rough, uint32_t gather_rays, const vec3& wo,
-                           const EyePath& path, uint32_t i, PassImage& image) {
-    LightSample light;
-    if (!shared.lights.sample(path.position, path.lit_normal, choice_.x[i], {light_point_.x[i], light_point_.y[i]},
-                              light))
-        return;
-    const vec3 wi = surface.shading.to_local(light.wi);
-    const BsdfValue by_specular = specular.evaluate(wo, wi), by_rough = rough.evaluate(wo, wi);
-    const float rough_rays = FinalGather::samples_lights(shared.params) ? static_cast<float>(gather_rays) : 0.0f;
-    const auto weighed = [&](const BsdfValue& f, float samples) {
-        return light.delta ? f.f_cos : power_heuristic(light.pdf_sa, samples * f.pdf_sa) * f.f_cos;
-    };
-    const Rgb f_cos = weighed(by_specular, 1) + weighed(by_rough, rough_rays);
-    if (is_black(f_cos)) return;
-    const PendingLight pending{path.throughput * f_cos * light.radiance_over_pdf, path.pixel, path.scatterings > 0};
-    switch (light_seen(maps, surface, light, neighbours_)) {
-        case LightSeen::Whole:
-            (pending.indirect ? image.indirect : image.direct)[path.pixel] += pending.radiance;
-            break;
-        case LightSeen::Nothing: break;
-        case LightSeen::Unknown:
-            shadow_rays_[shadow_count_] = light.shadow_ray(ray_origin(surface, light.wi));
-            pending_[shadow_count_++] = pending;
+/// Draws the point's light samples. The specular part's share of them competes with the direction that the path goes on
+/// to, the rough part's with gather rays.
+void EyePass::sample_lights(const PhotonMappingScene& shared, const PassMaps& maps, const SplitSamplers& samplers,
+                            const LitPoint& point, const EyePath& path, uint32_t key, uint32_t vertex,
+                            PassImage& image) {
+    const ShadingPoint& surface = point.surface;
+    const auto samples = static_cast<float>(point.samples), rays = static_cast<float>(point.gather_rays);
+    std::vector<Rgb>& layer = path.scatterings > 0 ? image.indirect : image.direct;
+    // What the shadow photons said of the last light: it is the same here for each of its samples.
+    std::optional<uint32_t> judged;
+    LightSeen seen = LightSeen::Unknown;
+    for (uint32_t i = 0; i < point.samples; ++i) {
+        const float choice = samplers[i].sample_2d(key, sample_set(vertex, VertexSet::LightChoiceAndRoulette)).x;
+        const vec2 on_light = samplers[i].sample_2d(key, sample_set(vertex, VertexSet::LightPoint));
+        LightSample light;
+        if (!shared.lights.sample(path.position, path.lit_normal, choice, on_light, light)) continue;
+        const vec3 wi = surface.shading.to_local(light.wi);
+        const BsdfValue by_specular = point.specular.evaluate(point.wo, wi),
+                        by_rough = point.rough.evaluate(point.wo, wi);
+        const auto weighed = [&](const BsdfValue& f, float others) {
+            return light.delta ? f.f_cos : power_heuristic(samples * light.pdf_sa, others * f.pdf_sa) * f.f_cos;
+        };
+        const Rgb f_cos = weighed(by_specular, 1) + weighed(by_rough, rays);
+        if (is_black(f_cos)) continue;
+        const Rgb radiance = path.throughput * f_cos * light.radiance_over_pdf / samples;
+        if (judged != light.source) {
+            judged = light.source;
+            seen = light_seen(maps, surface, light, neighbours_);
+        }
+        switch (seen) {
+            case LightSeen::Whole: layer[path.pixel] += radiance; break;
+            case LightSeen::Nothing: break;
+            case LightSeen::Unknown:
+                shadow_rays_[shadow_count_] = light.shadow_ray(ray_origin(surface, light.wi));
+                pending_[shadow_count_++] = {radiance, path.pixel, path.scatterings > 0};
+        }
     }
 }
 
@@ -211,6 +227,7 @@ void EyePass::trace_shadow_rays(const PhotonMappingScene& shared, uint32_t verte
         const PendingLight& light = pending_[i];
         (light.indirect ? image.indirect : image.direct)[light.pixel] += light.radiance;
     }
+    shadow_count_ = 0;
 }
 
 /// Light of the maps that the rough parts of this vertex scatter.

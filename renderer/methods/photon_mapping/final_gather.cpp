@@ -29,15 +29,6 @@ uint64_t morton_code(const Bounds3& bounds, const vec3& p) {
 
 }  // namespace
 
-GatherSamplers::GatherSamplers(SamplerKind kind, uint64_t seed, uint32_t pass, uint32_t rays) {
-    samplers_.reserve(rays);
-    for (uint32_t i = 0; i < rays; ++i) samplers_.emplace_back(kind, seed, RandomDomain::Camera, pass * rays + i);
-}
-
-uint64_t GatherSamplers::bytes_for(uint32_t rays) {
-    return rays * (sizeof(PassSampler) + PassSampler::kPreparedSets * 16ull);
-}
-
 FinalGather::FinalGather()
     : rays_(kPaths),
       next_rays_(kPaths),
@@ -62,12 +53,7 @@ uint64_t FinalGather::bytes_per_thread() {
            kRays * (sizeof(uint32_t) + 4 * sizeof(float));
 }
 
-uint32_t FinalGather::rays_of(uint32_t rays, const Rgb& throughput, float eta_scale) {
-    const auto all = static_cast<float>(rays);
-    return static_cast<uint32_t>(std::clamp(std::ceil(all * max_component(throughput) * eta_scale), 1.0f, all));
-}
-
-void FinalGather::gather(const PhotonMappingScene& shared, const PassMaps& maps, const GatherSamplers& samplers,
+void FinalGather::gather(const PhotonMappingScene& shared, const PassMaps& maps, const SplitSamplers& samplers,
                          std::span<const GatherPoint> points, PassImage& image, Counts& counts,
                          const CancelToken& cancel) {
     while (!points.empty() && !cancel.cancelled()) {
@@ -79,7 +65,7 @@ void FinalGather::gather(const PhotonMappingScene& shared, const PassMaps& maps,
     }
 }
 
-void FinalGather::gather_batch(const PhotonMappingScene& shared, const PassMaps& maps, const GatherSamplers& samplers,
+void FinalGather::gather_batch(const PhotonMappingScene& shared, const PassMaps& maps, const SplitSamplers& samplers,
                                std::span<const GatherPoint> points, PassImage& image, Counts& counts) {
     start_rays(shared, maps, samplers, points);
     for (uint32_t vertex = 1; count_ > 0; ++vertex) {
@@ -99,7 +85,7 @@ void FinalGather::gather_batch(const PhotonMappingScene& shared, const PassMaps&
     }
 }
 
-void FinalGather::start_rays(const PhotonMappingScene& shared, const PassMaps& maps, const GatherSamplers& samplers,
+void FinalGather::start_rays(const PhotonMappingScene& shared, const PassMaps& maps, const SplitSamplers& samplers,
                              std::span<const GatherPoint> points) {
     const bool by_photons = shared.params.gather_sampling == GatherSampling::Photons;
     distributions_.clear();
@@ -178,16 +164,16 @@ void FinalGather::sort_hits(const PhotonMappingScene& shared, std::span<const Ga
     for (const uint64_t entry : order_) indices_.push_back(static_cast<uint32_t>(entry));
 }
 
-/// Radiance of a light that a ray met straight from its point, whose light sample finds it with that density.
+/// Radiance of a light that a ray met straight from its point, whose light samples find it with that density.
 void FinalGather::add_direct(PassImage& image, const GatherPoint& origin, const GatherPath& path, const Rgb& radiance,
                              float light_pdf) {
     const auto rays = static_cast<float>(origin.rays);
-    const float weight = power_heuristic(rays * path.pdf_sa, light_pdf);
+    const float weight = power_heuristic(rays * path.pdf_sa, static_cast<float>(origin.light_samples) * light_pdf);
     (origin.scatterings == 0 ? image.direct : image.indirect)[origin.pixel] +=
         (weight / rays) * origin.throughput * path.throughput * radiance;
 }
 
-void FinalGather::shade(const PhotonMappingScene& shared, const PassMaps& maps, const GatherSamplers& samplers,
+void FinalGather::shade(const PhotonMappingScene& shared, const PassMaps& maps, const SplitSamplers& samplers,
                         const GatherPoint& origin, uint32_t vertex, uint32_t i, PassImage& image) {
     const Scene& scene = shared.scene;
     GatherPath path = paths_[i];

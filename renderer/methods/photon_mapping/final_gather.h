@@ -6,8 +6,8 @@
 // are followed; light that comes through them alone belongs to the caustic map where the ray began, and is not added.
 //
 // A ray that meets a light itself is one more sample of the direct light at the point: it is weighed against the light
-// sample drawn there, as both are made (one light sample, N rays), by the power heuristic. Rays drawn by photons look
-// elsewhere, and are not used for that.
+// samples drawn there, as many as both are, by the power heuristic. Rays drawn by photons look elsewhere, and are not
+// used for that.
 
 #include <span>
 #include <vector>
@@ -16,6 +16,7 @@
 #include "renderer/core/stats.h"
 #include "renderer/methods/eye_path.h"
 #include "renderer/methods/photon_mapping/photon_lookup.h"
+#include "renderer/methods/photon_mapping/split_samplers.h"
 #include "renderer/photons/gather_distribution.h"
 
 namespace photond {
@@ -30,25 +31,10 @@ struct GatherPoint {
     uint32_t pixel;
     uint32_t scatterings;  // before this vertex
     MediumStack media;
-    uint32_t key;     // names its numbers
-    uint32_t rays;    // FinalGather::rays_of()
-    vec3 lit_normal;  // as given to the light sampler
-};
-
-/// The numbers of one pass's gather rays. Ray i of N is element pass * N + i of every point's sequence: the rays of a
-/// pass are stratified, and so are those of all passes together.
-class GatherSamplers {
-public:
-    GatherSamplers(SamplerKind kind, uint64_t seed, uint32_t pass, uint32_t rays);
-
-    const PassSampler& operator[](size_t ray) const { return samplers_[ray]; }
-    size_t size() const { return samplers_.size(); }
-    /// Name of the numbers of the point that the eye path with that key reached at that vertex.
-    static uint32_t key(uint32_t path_key, uint32_t vertex) { return hash32(path_key ^ (0x9e3779b9u * (vertex + 1))); }
-    static uint64_t bytes_for(uint32_t rays);
-
-private:
-    std::vector<PassSampler> samplers_;
+    uint32_t key;            // names its numbers
+    uint32_t rays;           // split_of() the gather rays
+    uint32_t light_samples;  // drawn there
+    vec3 lit_normal;         // as given to the light sampler
 };
 
 /// Scratch of one thread; reused from tile to tile.
@@ -59,9 +45,8 @@ public:
 
     FinalGather();
 
-    /// Rays for a point: as many as the pass has for light that reaches the eye unweakened; fewer, in proportion,
-    /// behind dim reflections.
-    static uint32_t rays_of(uint32_t rays, const Rgb& throughput, float eta_scale);
+    /// Name of the numbers of the point that the eye path with that key reached at that vertex.
+    static uint32_t key(uint32_t path_key, uint32_t vertex) { return hash32(path_key ^ (0x9e3779b9u * (vertex + 1))); }
     /// Whether rays take part in direct light.
     static bool samples_lights(const PhotonMappingParams& params) {
         return params.gather == Gather::Final && params.gather_sampling == GatherSampling::Bsdf;
@@ -69,7 +54,7 @@ public:
 
     /// Adds what the points gather, or some of it when cancelled: to the indirect layer, and of direct light what
     /// samples_lights() says.
-    void gather(const PhotonMappingScene& shared, const PassMaps& maps, const GatherSamplers& samplers,
+    void gather(const PhotonMappingScene& shared, const PassMaps& maps, const SplitSamplers& samplers,
                 std::span<const GatherPoint> points, PassImage& image, Counts& counts, const CancelToken& cancel);
 
 private:
@@ -84,13 +69,13 @@ private:
         MediumStack media;
     };
 
-    void gather_batch(const PhotonMappingScene& shared, const PassMaps& maps, const GatherSamplers& samplers,
+    void gather_batch(const PhotonMappingScene& shared, const PassMaps& maps, const SplitSamplers& samplers,
                       std::span<const GatherPoint> points, PassImage& image, Counts& counts);
-    void start_rays(const PhotonMappingScene& shared, const PassMaps& maps, const GatherSamplers& samplers,
+    void start_rays(const PhotonMappingScene& shared, const PassMaps& maps, const SplitSamplers& samplers,
                     std::span<const GatherPoint> points);
     void sort_hits(const PhotonMappingScene& shared, std::span<const GatherPoint> points, uint32_t vertex,
                    PassImage& image);
-    void shade(const PhotonMappingScene& shared, const PassMaps& maps, const GatherSamplers& samplers,
+    void shade(const PhotonMappingScene& shared, const PassMaps& maps, const SplitSamplers& samplers,
                const GatherPoint& origin, uint32_t vertex, uint32_t i, PassImage& image);
     void follow(const GatherPath& path, const ShadingPoint& surface, const BsdfSample& sample, float roulette);
     static void add_direct(PassImage& image, const GatherPoint& origin, const GatherPath& path, const Rgb& radiance,

@@ -11,6 +11,8 @@ namespace {
 constexpr float kLimitRelative = 0.1f;
 constexpr float kRadiusRelative = 0.03f;
 
+constexpr uint32_t kGatherRaysToLightSample = 8;
+
 float given_radius_m(const PhotonMappingParams& params, float relative, float scene_radius_m) {
     if (params.radius_m) return *params.radius_m;
     // A scene without extent holds nothing to be found, but a search wants a radius.
@@ -39,6 +41,10 @@ void PhotonMappingParams::visit(ParamVisitor& visitor) {
                          "diffuse interreflection by looking the global map up where the eye sees (direct) or at the "
                          "ends of gather rays (final)"});
     visitor.field("gather_rays", gather_rays, {"rays", 1, 4096, "of a final gather at a vertex the eye sees directly"});
+    visitor.field("light_samples", light_samples,
+                  {"samples", 1, 1024,
+                   "light samples at a vertex the eye sees directly; when not given an eighth of gather_rays for final "
+                   "gathering, one otherwise"});
     visitor.enumeration("gather_sampling", gather_sampling,
                         {kGatherSamplings,
                          "directions of gather rays: by the BSDF alone, or half of them by where the "
@@ -82,6 +88,11 @@ void PhotonMappingParams::visit(ParamVisitor& visitor) {
 void PhotonMappingParams::check() const {
     if (radius_m && radius_relative)
         throw Error(ErrorCode::Conflict, "/radius_relative", "radius and radius_relative exclude each other");
+}
+
+uint32_t PhotonMappingParams::most_light_samples() const {
+    if (light_samples) return *light_samples;
+    return gather == Gather::Final ? std::max(gather_rays / kGatherRaysToLightSample, 1u) : 1;
 }
 
 float PhotonMappingParams::search_radius_m(float scene_radius_m) const {

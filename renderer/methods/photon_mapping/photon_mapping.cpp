@@ -28,6 +28,11 @@ struct MapBytes {
     uint64_t map, build;
 };
 
+uint64_t split_sampler_bytes(const PhotonMappingParams& params) {
+    return SplitSamplers::bytes_for(params.most_light_samples()) +
+           (params.gather == Gather::Final ? SplitSamplers::bytes_for(params.gather_rays) : 0);
+}
+
 std::string projection_text(const ProjectionMap& map) {
     char text[160];
     std::snprintf(text, sizeof text, "%.1f %% of the photons meet specular surfaces unguided, %.1f %% would guided",
@@ -90,7 +95,7 @@ uint64_t PhotonMapping::estimate_bytes(const PhotonMappingParams& params, const 
     uint64_t bytes = PassImage::bytes_for(workload.film_size, workload.layers) +
                      workload.threads * EyePass::bytes_per_thread() +
                      LightSampler::estimate_bytes(workload.lights, workload.environment_size);
-    if (params.gather == Gather::Final) bytes += GatherSamplers::bytes_for(params.gather_rays);
+    bytes += split_sampler_bytes(params);
     if (plan.global.wanted() || plan.caustic.wanted() || plan.shadow)
         bytes += EmissionSampler::estimate_bytes(workload.lights, workload.environment_size);
     if (plan.global.wanted() || plan.caustic.wanted()) bytes += PhotonTracer::scratch_bytes(workload.threads);
@@ -131,7 +136,7 @@ void PhotonMapping::begin(const RenderContext& context, Stats& stats) {
     budget.record("pass_image", PassImage::bytes_for(context.view.film_size, context.view.layers));
     budget.record("wavefronts", most_threads() * EyePass::bytes_per_thread());
     budget.record("light_sampler", state.shared.lights.bytes());
-    if (state.shared.final_gather()) budget.record("gather_samplers", GatherSamplers::bytes_for(params_.gather_rays));
+    budget.record("split_samplers", split_sampler_bytes(params_));
     if (state.shared.boundary) budget.record("surface_boundary", state.shared.boundary->bytes());
 
     if (!state.shared.lights.empty()) {
@@ -251,13 +256,13 @@ void PhotonMapping::look_from_eye(uint32_t pass, Stats& stats, const CancelToken
     State& state = *state_;
     const PhotonMappingScene& shared = state.shared;
     const double wall_start = wall_now_seconds();
-    const PassSampler sampler(shared.sampler, shared.seed, RandomDomain::Camera, pass);
-    const GatherSamplers gather_samplers(shared.sampler, shared.seed, pass,
-                                         shared.final_gather() ? params_.gather_rays : 0);
+    const auto split = [&](uint32_t samples) { return SplitSamplers(shared.sampler, shared.seed, pass, samples); };
+    const PassSamplers samplers{{shared.sampler, shared.seed, RandomDomain::Camera, pass},
+                                split(params_.most_light_samples()),
+                                split(shared.final_gather() ? params_.gather_rays : 0)};
     parallel_over_tiles(shared.view.film_size, EyePass::kTileSide, cancel, [&](const Tile& tile) {
         State::PerThread& mine = state.threads.local();
-        mine.eye.trace_tile(shared, state.maps, sampler, gather_samplers, tile, state.image, mine.counts, mine.seconds,
-                            cancel);
+        mine.eye.trace_tile(shared, state.maps, samplers, tile, state.image, mine.counts, mine.seconds, cancel);
     });
 
     EyePassSeconds cpu;

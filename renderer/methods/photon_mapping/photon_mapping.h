@@ -18,6 +18,7 @@ struct PhotonMappingParams final : MethodParams {
     std::optional<uint32_t> indirect_bounces;
     Gather gather = Gather::Final;
     uint32_t gather_rays = 64;
+    std::optional<uint32_t> light_samples;
     GatherSampling gather_sampling = GatherSampling::Bsdf;
     bool precompute_irradiance = false;
     bool shadow_photons = false;
@@ -42,6 +43,8 @@ struct PhotonMappingParams final : MethodParams {
 
     /// Greatest number of scattering vertices of a path (conventions.md: n vertices make n - 1 bounces).
     uint32_t max_scatterings() const { return indirect_bounces ? *indirect_bounces + 1 : UINT32_MAX; }
+    /// Light samples of a vertex the eye sees directly.
+    uint32_t most_light_samples() const;
     /// Of the maps, for a scene whose bounding sphere has that radius.
     float search_radius_m(float scene_radius_m) const;
     /// Of the search among shadow photons: the radius where one is given, else that of a fixed search.
