@@ -56,8 +56,8 @@ GatherDistribution::Sample GatherDistribution::sample(const Bsdf& bsdf, const ve
         const float target = u_lobe / share * total_;
         const auto above = std::upper_bound(cdf_.begin() + 1, cdf_.end() - 1, target);
         const auto bin = static_cast<uint32_t>(above - cdf_.begin() - 1);
-        const vec2 corner(static_cast<float>(bin % kSide), static_cast<float>(bin / kSide));
-        s.wi = sample_cosine_hemisphere((corner + u) / static_cast<float>(kSide));
+        const uvec2 corner(bin % kSide, bin / kSide);
+        s.wi = sample_cosine_hemisphere((vec2(corner) + u) / static_cast<float>(kSide));
     } else {
         const float left = std::min((u_lobe - share) / (1 - share), 0x1.fffffep-1f);
         const BsdfSample drawn = bsdf.sample(wo, left, u);
