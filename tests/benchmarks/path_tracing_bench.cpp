@@ -10,6 +10,7 @@
 // Usage: path_tracing_bench [paths] [replay] [threads] [samplers]; all of them without arguments.
 
 #include <tbb/global_control.h>
+#include <tbb/info.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -116,17 +117,20 @@ void measure_threads() {
     const Scene scene = make_builtin_scene("interior");
     const auto intersector = build(scene);
     double single = 0;
-    const int cores = tbb::this_task_arena::max_concurrency();
+    const int cores = tbb::info::default_concurrency();
     for (int threads = 1;; threads = std::min(2 * threads, cores)) {
-        const tbb::global_control control(tbb::global_control::max_allowed_parallelism, size_t(threads));
-        Render render(scene, *intersector, {320, 240}, {});
-        render.pass();
+        // An arena of its own: the main thread's stays as wide as it was when first used.
+        tbb::task_arena arena(threads);
         std::vector<double> seconds;
-        for (int i = 0; i < 7; ++i) {
-            const double start = wall_now_seconds();
+        arena.execute([&] {
+            Render render(scene, *intersector, {320, 240}, {});
             render.pass();
-            seconds.push_back(wall_now_seconds() - start);
-        }
+            for (int i = 0; i < 7; ++i) {
+                const double start = wall_now_seconds();
+                render.pass();
+                seconds.push_back(wall_now_seconds() - start);
+            }
+        });
         if (threads == 1) single = median(seconds);
         std::printf("  %3d threads %.4f s, %.2f times one\n", threads, median(seconds), single / median(seconds));
         if (threads == cores) break;

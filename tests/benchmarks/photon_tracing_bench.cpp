@@ -7,6 +7,7 @@
 // Usage: photon_tracing_bench [replay] [threads]; both of them without arguments.
 
 #include <tbb/global_control.h>
+#include <tbb/info.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -78,7 +79,7 @@ void measure_threads() {
         const EmissionSampler emission(*scene);
         const PhotonTracer tracer(*scene, *intersector, emission, settings());
         // Every number of threads in turn, so that other load on the machine meets all.
-        const int cores = tbb::this_task_arena::max_concurrency();
+        const int cores = tbb::info::default_concurrency();
         std::vector<int> threads;
         for (int n = 1; n < cores; n *= 2) threads.push_back(n);
         threads.push_back(cores);

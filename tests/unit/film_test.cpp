@@ -5,7 +5,6 @@
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <cmath>
@@ -17,6 +16,7 @@
 #include "renderer/core/rng.h"
 #include "renderer/core/sha256.h"
 #include "renderer/film/film_file.h"
+#include "tests/support/threads.h"
 
 namespace photond {
 namespace {
@@ -74,9 +74,8 @@ TEST(Film, AnyOrderOfPassesGivesTheSameBits) {
 
 TEST(Film, AnyNumberOfThreadsGivesTheSameBits) {
     const Size2 size{256, 64};
-    const auto render = [&](size_t threads) {
-        const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-        return film_of(size, all_layers(), {0, 1, 2}).pixel_hash();
+    const auto render = [&](int threads) {
+        return test::on_threads(threads, [&] { return film_of(size, all_layers(), {0, 1, 2}).pixel_hash(); });
     };
     const std::string one = render(1);
     EXPECT_EQ(one, render(2));

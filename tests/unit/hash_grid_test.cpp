@@ -3,12 +3,12 @@
 #include "renderer/photons/hash_grid.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <numeric>
 
 #include "renderer/core/rng.h"
+#include "tests/support/threads.h"
 
 namespace photond {
 namespace {
@@ -144,10 +144,7 @@ TEST(HashGrid, FewPointsOrNone) {
 
 TEST(HashGrid, TheSameForAnyNumberOfThreads) {
     auto points = box_points(150'000, vec3(3, 1, 2), vec3(0), 13);
-    const auto build = [&](size_t threads) {
-        const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-        return Built(points, 0.02f);
-    };
+    const auto build = [&](int threads) { return test::on_threads(threads, [&] { return Built(points, 0.02f); }); };
     const Built one = build(1), four = build(4);
     EXPECT_EQ(one.order, four.order);
     Neighbours a, b;

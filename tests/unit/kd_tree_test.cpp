@@ -3,7 +3,6 @@
 #include "renderer/photons/kd_tree.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <functional>
@@ -11,6 +10,7 @@
 #include <string>
 
 #include "renderer/core/rng.h"
+#include "tests/support/threads.h"
 
 namespace photond {
 namespace {
@@ -272,16 +272,12 @@ TEST(KdTree, FindsTheNearestThatIsAccepted) {
 TEST(KdTree, SameTreeForAnyNumberOfThreads) {
     for (const Cloud& cloud : clouds(150'000)) {
         if (cloud.name != "cube" && cloud.name != "lattice" && cloud.name != "plane") continue;
-        std::vector<uint32_t> one(cloud.points.size()), two(cloud.points.size());
-        {
-            const tbb::global_control control(tbb::global_control::max_allowed_parallelism, 1);
-            const KdTree tree(cloud.points, one);
-        }
-        {
-            const tbb::global_control control(tbb::global_control::max_allowed_parallelism, 2);
-            const KdTree tree(cloud.points, two);
-        }
-        ASSERT_EQ(one, two) << cloud.name;
+        const auto order = [&](int threads) {
+            std::vector<uint32_t> indices(cloud.points.size());
+            test::on_threads(threads, [&] { const KdTree tree(cloud.points, indices); });
+            return indices;
+        };
+        ASSERT_EQ(order(1), order(2)) << cloud.name;
     }
 }
 

@@ -4,7 +4,6 @@
 #include "renderer/methods/path_tracing/path_tracing.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include "protocol/error.h"
 #include "renderer/methods/pixel_filter.h"
@@ -12,6 +11,7 @@
 #include "renderer/scene/builtin_scenes.h"
 #include "renderer/scene/mesh_builder.h"
 #include "tests/support/render.h"
+#include "tests/support/threads.h"
 
 namespace photond {
 namespace {
@@ -35,10 +35,9 @@ TEST(PathTracing, PixelHashIsTheSameForAnyNumberOfThreads) {
     for (const char* name : {"cornell-box", "cornell-box-glass"}) {
         const Scene scene = make_builtin_scene(name);
         std::vector<std::string> hashes;
-        for (const size_t threads : {1, 2, 8}) {
-            const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-            hashes.push_back(test::render(scene, settings_for(3)).pixel_hash());
-        }
+        for (const int threads : {1, 2, 8})
+            hashes.push_back(
+                test::on_threads(threads, [&] { return test::render(scene, settings_for(3)).pixel_hash(); }));
         EXPECT_EQ(hashes[0], hashes[1]) << name;
         EXPECT_EQ(hashes[0], hashes[2]) << name;
     }

@@ -3,11 +3,11 @@
 #include "renderer/photons/photon_map.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 
 #include "renderer/core/rng.h"
+#include "tests/support/threads.h"
 
 namespace photond {
 namespace {
@@ -125,9 +125,8 @@ TEST(PhotonMap, BytesAreWithinTheEstimate) {
 TEST(PhotonMap, TheSameForAnyNumberOfThreads) {
     const std::vector<Photon> photons = make_photons(100'000);
     for (const PhotonSearch& search : {kNearest, kRadius}) {
-        const auto build = [&](size_t threads) {
-            const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-            return PhotonMap(photons, search);
+        const auto build = [&](int threads) {
+            return test::on_threads(threads, [&] { return PhotonMap(photons, search); });
         };
         const PhotonMap one = build(1), four = build(4);
         for (uint32_t i = 0; i < one.size(); ++i) ASSERT_EQ(identity(one, i), identity(four, i));

@@ -2,8 +2,6 @@
 // nothing where no light comes, and that its two ways of shading agree.
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
-#include <tbb/task_arena.h>
 
 #include <cstring>
 
@@ -12,6 +10,7 @@
 #include "renderer/scene/mesh_builder.h"
 #include "renderer/transport/lambert_lanes.h"
 #include "tests/support/photons.h"
+#include "tests/support/threads.h"
 
 namespace photond {
 namespace {
@@ -52,12 +51,8 @@ TEST(PhotonTracer, PhotonsAreTheSameForAnyNumberOfThreads) {
         const PhotonScene lit(make_builtin_scene(name));
         for (const PhotonMapKind kind : kKinds) {
             std::vector<TracedPhotons> traced;
-            for (const size_t threads : {1, 2, 8}) {
-                const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-                // An arena of its own: that of the test's thread stays as wide as it was when first used.
-                tbb::task_arena arena(static_cast<int>(threads));
-                arena.execute([&] { traced.push_back(lit.trace(photon_tracing(kind, 30'000))); });
-            }
+            for (const int threads : {1, 2, 8})
+                traced.push_back(test::on_threads(threads, [&] { return lit.trace(photon_tracing(kind, 30'000)); }));
             for (const TracedPhotons& other : traced) {
                 EXPECT_TRUE(same_photons(traced[0].photons, other.photons)) << name;
                 EXPECT_EQ(traced[0].counts.photon_rays, other.counts.photon_rays);

@@ -4,7 +4,6 @@
 #include "renderer/photons/projection_map.h"
 
 #include <gtest/gtest.h>
-#include <tbb/task_arena.h>
 
 #include <cmath>
 #include <cstdio>
@@ -16,6 +15,7 @@
 #include "renderer/scene/mesh_builder.h"
 #include "renderer/transport/bsdf.h"
 #include "tests/support/statistics.h"
+#include "tests/support/threads.h"
 
 namespace photond {
 namespace {
@@ -276,10 +276,9 @@ TEST(ProjectionMap, IsTheSameForAnyNumberOfThreads) {
     const std::unique_ptr<Intersector> intersector = make_embree_intersector(scene, budget, stats);
     const EmissionSampler emission(scene);
     const auto make = [&](int threads, uint64_t seed) {
-        std::unique_ptr<ProjectionMap> map;
-        tbb::task_arena(threads).execute(
-            [&] { map = std::make_unique<ProjectionMap>(scene, *intersector, emission, kGlossyThreshold, seed); });
-        return map;
+        return test::on_threads(threads, [&] {
+            return std::make_unique<ProjectionMap>(scene, *intersector, emission, kGlossyThreshold, seed);
+        });
     };
     const auto one = make(1, 5), four = make(4, 5), other = make(4, 6);
     EXPECT_EQ(one->specular_share(), four->specular_share());

@@ -1,0 +1,41 @@
+// The tests that compare numbers of threads really run on them.
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <thread>
+
+#include "renderer/core/parallel.h"
+#include "tests/support/threads.h"
+
+namespace photond {
+namespace {
+
+/// Greatest number of tasks at work at once, of `tasks` that wait for each other as long as `patience`.
+int most_at_once(int threads, int tasks, std::chrono::milliseconds patience) {
+    std::atomic<int> running = 0, most = 0;
+    test::on_threads(threads, [&] {
+        parallel_for(static_cast<size_t>(tasks), 1, [&](size_t) {
+            ++running;
+            const auto deadline = std::chrono::steady_clock::now() + patience;
+            do {
+                most = std::max(most.load(), running.load());
+                std::this_thread::yield();
+            } while (most < tasks && std::chrono::steady_clock::now() < deadline);
+            --running;
+        });
+    });
+    return most;
+}
+
+TEST(OnThreads, WorkRunsOnAsManyAlsoAfterASingleOne) {
+    using std::chrono::milliseconds;
+    EXPECT_EQ(most_at_once(1, 4, milliseconds(2)), 1);
+    EXPECT_EQ(most_at_once(2, 2, milliseconds(20'000)), 2);
+    EXPECT_EQ(most_at_once(8, 8, milliseconds(20'000)), 8);
+    EXPECT_EQ(most_at_once(2, 4, milliseconds(50)), 2);
+}
+
+}  // namespace
+}  // namespace photond
