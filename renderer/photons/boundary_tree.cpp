@@ -9,7 +9,7 @@ namespace photond {
 
 namespace {
 
-constexpr float kNormalWeight = 1;
+constexpr float kNormalWeight = 0.5f;
 
 }  // namespace
 

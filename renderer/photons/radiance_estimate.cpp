@@ -1,6 +1,10 @@
 #include "renderer/photons/radiance_estimate.h"
 
+#include <array>
+#include <bit>
+
 #include "renderer/photons/surface_boundary.h"
+#include "renderer/transport/bsdf_evaluator.h"
 
 namespace photond {
 
@@ -80,6 +84,80 @@ DiscSum sum_over_disc(const PhotonMap& map, const EstimateSettings& settings, co
     return sum;
 }
 
+/// Octahedral<16>::decode() of several.
+Vec3Lanes decode_directions(const IntLanes& codes) {
+    constexpr auto kMask = static_cast<int32_t>(Octahedral<16>::kMask);
+    const auto coordinate = [](const IntLanes& code) {
+        return 2.0f * std::experimental::static_simd_cast<FloatLanes>(code) * (1.0f / static_cast<float>(kMask - 1)) -
+               1.0f;
+    };
+    const auto fold = [](const FloatLanes& x, const FloatLanes& other) {
+        const FloatLanes folded = 1.0f - abs(other);
+        return select(x < 0, -folded, folded);
+    };
+    const FloatLanes x = coordinate(codes & kMask), y = coordinate(codes >> 16 & kMask), z = 1.0f - abs(x) - abs(y);
+    const Vec3Lanes n = {select(z < 0, fold(x, y), x), select(z < 0, fold(y, x), y), z};
+    return 1.0f / sqrt(dot(n, n)) * n;
+}
+
+/// Sums what photons have scattered towards the eye, several at a time.
+class ScatteredSum {
+public:
+    ScatteredSum(const ShadingPoint& point, const Bsdf& bsdf, const vec3& wo)
+        : frame_(point.shading), normal_local_(frame_.to_local(point.geometric_normal)), bsdf_(bsdf, wo) {
+        clear();
+    }
+
+    void add(const PhotonPayload& photon, float weight, float side) {
+        direction_[size_] = std::bit_cast<int32_t>(photon.direction);
+        for (int c = 0; c < 3; ++c) power_[static_cast<size_t>(c)][size_] = weight * photon.power_w[c];
+        side_[size_] = side;
+        delta_[size_] = photon.all_delta() ? 1.0f : 0.0f;
+        if (++size_ == kLanes) flush();
+    }
+
+    void finish(RadianceEstimate& estimate) {
+        if (size_ > 0) flush();
+        estimate.radiance = {reduce(sum_.x), reduce(sum_.y), reduce(sum_.z)};
+        estimate.delta_radiance = {reduce(delta_sum_.x), reduce(delta_sum_.y), reduce(delta_sum_.z)};
+    }
+
+private:
+    static FloatLanes load(const std::array<float, kLanes>& v) {
+        return FloatLanes(v.data(), std::experimental::element_aligned);
+    }
+    void clear() {
+        size_ = 0;
+        direction_.fill(0);
+        for (auto& colour : power_) colour.fill(0);
+        side_.fill(1), delta_.fill(0);
+    }
+
+    void flush() {
+        const Vec3Lanes world = decode_directions(IntLanes(direction_.data(), std::experimental::element_aligned));
+        const Vec3Lanes wi = {dot(world, broadcast(frame_.tangent)), dot(world, broadcast(frame_.bitangent)),
+                              dot(world, broadcast(frame_.normal))};
+        const FloatLanes cos_g = dot(wi, broadcast(normal_local_));
+        // A photon of a curved surface's next facet may have come from below this one's horizon.
+        const FloatMask same_side = (cos_g > 0) == (load(side_) > 0);
+        const FloatLanes share = select(same_side, 1.0f / max(abs(cos_g), FloatLanes(kLeastCosine)), 0);
+        const Vec3Lanes reflected =
+            share * (bsdf_.f_cos(wi) * Vec3Lanes{load(power_[0]), load(power_[1]), load(power_[2])});
+        sum_ = sum_ + reflected;
+        delta_sum_ = delta_sum_ + load(delta_) * reflected;
+        clear();
+    }
+
+    const Frame& frame_;
+    const vec3 normal_local_;
+    const BsdfEvaluator bsdf_;
+    size_t size_ = 0;
+    std::array<int32_t, kLanes> direction_;
+    std::array<std::array<float, kLanes>, 3> power_;  // times weight
+    std::array<float, kLanes> side_, delta_;
+    Vec3Lanes sum_{0, 0, 0}, delta_sum_{0, 0, 0};
+};
+
 }  // namespace
 
 RadianceEstimate estimate_radiance(const PhotonMap& map, const EstimateSettings& settings, const ShadingPoint& point,
@@ -88,10 +166,6 @@ RadianceEstimate estimate_radiance(const PhotonMap& map, const EstimateSettings&
     if (!bsdf.has_non_delta()) return estimate;
     const vec3 normal = point.geometric_normal;
     const Disc disc{point.position, normal, bsdf.has_non_delta_transmission(), most_scatterings};
-    const auto add = [&](const PhotonPayload& photon, const Rgb& reflected) {
-        estimate.radiance += reflected;
-        estimate.delta_radiance += photon.all_delta() ? reflected : Rgb(0);
-    };
     Rgb factor(1);
     DiscSum sum;
     if (bsdf.is_lambert() && point.shading.normal == normal) {
@@ -99,17 +173,17 @@ RadianceEstimate estimate_radiance(const PhotonMap& map, const EstimateSettings&
         if (wo.z <= 0) return estimate;
         factor = bsdf.f_cos(wo, vec3(0, 0, 1));
         sum = sum_over_disc(map, settings, disc, scratch, [&](const PhotonPayload& photon, float weight, float) {
-            add(photon, weight * photon.power_w);
+            const Rgb reflected = weight * photon.power_w;
+            estimate.radiance += reflected;
+            estimate.delta_radiance += photon.all_delta() ? reflected : Rgb(0);
         });
     } else {
-        const vec3 normal_local = point.shading.to_local(normal);
+        std::optional<ScatteredSum> scattered;  // most discs of a sparse map hold nothing
         sum = sum_over_disc(map, settings, disc, scratch, [&](const PhotonPayload& photon, float weight, float side) {
-            const vec3 wi = point.shading.to_local(photon.wi_world());
-            const float cos_g = glm::dot(wi, normal_local);
-            // A photon of a curved surface's next facet may have come from below this one's horizon.
-            if ((cos_g > 0) != (side > 0)) return;
-            add(photon, bsdf.f_cos(wo, wi) * photon.power_w * (weight / std::max(std::fabs(cos_g), kLeastCosine)));
+            if (!scattered) scattered.emplace(point, bsdf, wo);
+            scattered->add(photon, weight, side);
         });
+        if (scattered) scattered->finish(estimate);
     }
     estimate.radiance *= factor * sum.scale_per_m2;
     estimate.delta_radiance *= factor * sum.scale_per_m2;

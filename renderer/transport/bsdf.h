@@ -136,6 +136,7 @@ public:
     Rgb albedo() const;
 
 private:
+    friend class BsdfEvaluator;
     enum class Kind : uint8_t { Nothing, Lambert, Layered };
 
     /// Probability of each lobe to be sampled from wo; they sum to 1, or are all 0 where nothing is scattered. And what

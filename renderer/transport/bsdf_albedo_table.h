@@ -9,6 +9,7 @@
 #include <cstddef>
 
 #include "renderer/core/geometry.h"
+#include "renderer/core/lanes.h"
 
 namespace photond {
 
@@ -43,6 +44,30 @@ public:
         const vec2* high = &directional_[r.index + 1][c.index];
         return (1 - r.fraction) * ((1 - c.fraction) * low[0] + c.fraction * low[1]) +
                r.fraction * ((1 - c.fraction) * high[0] + c.fraction * high[1]);
+    }
+
+    /// The same of several cosines.
+    void directional(const FloatLanes& cos_theta, float row, FloatLanes& a, FloatLanes& b) const {
+        if (row < 0) {
+            const FloatLanes m = 1.0f - cos_theta, schlick = m * m * (m * m) * m;
+            a = 1.0f - schlick, b = schlick;
+            return;
+        }
+        const Cell r = cell(row, kRows);
+        const FloatLanes position = sqrt(sqrt(cos_theta)) * static_cast<float>(kColumns - 1);
+        alignas(FloatLanes) float positions[kLanes], as[kLanes], bs[kLanes];
+        position.copy_to(positions, std::experimental::vector_aligned);
+        for (size_t i = 0; i < kLanes; ++i) {
+            const Cell c = cell(positions[i], kColumns);
+            const vec2* low = &directional_[r.index][c.index];
+            const vec2* high = &directional_[r.index + 1][c.index];
+            const vec2 left = low[0] + r.fraction * (high[0] - low[0]),
+                       right = low[1] + r.fraction * (high[1] - low[1]);
+            const vec2 ab = left + c.fraction * (right - left);
+            as[i] = ab.x, bs[i] = ab.y;
+        }
+        a.copy_from(as, std::experimental::vector_aligned);
+        b.copy_from(bs, std::experimental::vector_aligned);
     }
 
     /// Cosine-weighted means over the hemisphere of exactly what directional() returns.

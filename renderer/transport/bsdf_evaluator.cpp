@@ -1,0 +1,91 @@
+#include "renderer/transport/bsdf_evaluator.h"
+
+#include "renderer/transport/bsdf_albedo_table.h"
+#include "renderer/transport/microfacet.h"
+
+namespace photond {
+
+namespace {
+
+Vec3Lanes zero() { return {FloatLanes(0), FloatLanes(0), FloatLanes(0)}; }
+
+Vec3Lanes select_each(const FloatMask& mask, const Vec3Lanes& a, const Vec3Lanes& b) {
+    return {photond::select(mask, a.x, b.x), photond::select(mask, a.y, b.y), photond::select(mask, a.z, b.z)};
+}
+
+/// F0 a + F90 b, by colour.
+Vec3Lanes mix_reflectance(const Rgb& f0, float f90, const FloatLanes& a, const FloatLanes& b) {
+    return {f0.x * a + f90 * b, f0.y * a + f90 * b, f0.z * a + f90 * b};
+}
+
+}  // namespace
+
+BsdfEvaluator::BsdfEvaluator(const Bsdf& bsdf, const vec3& wo) : bsdf_(bsdf), wo_(wo) {
+    if (wo.z <= 0) bsdf_ = {};
+    if (bsdf_.kind_ == Bsdf::Kind::Lambert) diffuse_ = bsdf_.diffuse_ * kInvPi;
+    if (bsdf_.kind_ != Bsdf::Kind::Layered) return;
+    if (!bsdf_.has_non_delta_) {
+        bsdf_ = {};
+        return;
+    }
+    const Bsdf::Layers& layers = bsdf_.layers_;
+    lobes_ = bsdf_.lobe_probabilities(wo);
+    if (lobes_.diffuse > 0) diffuse_ = bsdf_.diffuse_ * (Rgb(1) - lobes_.coat) * kInvPi;
+    has_coat_ = lobes_.diffuse > 0 && (layers.coat_f90 > 0 || !is_black(layers.coat_f0));
+    has_glass_ = lobes_.glass > 0 && !layers.glass_delta;
+    has_others_below_ = has_glass_ || (lobes_.sheet > 0 && !layers.specular_delta);
+    has_specular_ = lobes_.specular > 0 && !layers.specular_delta;
+    stretched_cos_o_ = Ggx{layers.alpha}.stretched_cos(wo);
+}
+
+Vec3Lanes BsdfEvaluator::f_cos(const Vec3Lanes& wi) const {
+    Vec3Lanes value = zero();
+    if (bsdf_.kind_ == Bsdf::Kind::Nothing) return value;
+    const FloatLanes from_geometric = dot(wi, broadcast(bsdf_.geometric_normal_));
+    const FloatMask above = wi.z > 0 && from_geometric > 0;
+    if (any_of(above) && !has_glass_) {
+        value = diffuse(max(wi.z, FloatLanes(0)));
+        if (has_specular_) add_specular(wi, value);
+        value = select_each(above, value, zero());
+    }
+    if (has_others_below_) set_others(wi, (wi.z < 0 && from_geometric < 0) || (above && FloatMask(has_glass_)), value);
+    return value;
+}
+
+/// [Kelemen and Szirmay-Kalos 2001, Eq. 4], or Lambert's.
+Vec3Lanes BsdfEvaluator::diffuse(const FloatLanes& cos_i) const {
+    const Vec3Lanes lambert = cos_i * broadcast(diffuse_);
+    if (!has_coat_) return lambert;
+    FloatLanes a, b;
+    AlbedoTable::get().directional(cos_i, bsdf_.layers_.table_row, a, b);
+    const Vec3Lanes coat = mix_reflectance(bsdf_.layers_.coat_f0, bsdf_.layers_.coat_f90, a, b);
+    const FloatLanes none = 0;
+    return lambert * Vec3Lanes{max(1.0f - coat.x, none), max(1.0f - coat.y, none), max(1.0f - coat.z, none)};
+}
+
+/// GGX as in Bsdf::evaluate_layered().
+void BsdfEvaluator::add_specular(const Vec3Lanes& wi, Vec3Lanes& f_cos) const {
+    const Bsdf::Layers& layers = bsdf_.layers_;
+    const float a2 = sqr(layers.alpha);
+    const Vec3Lanes sum = broadcast(wo_) + wi;
+    const Vec3Lanes h = 1.0f / sqrt(dot(sum, sum)) * sum;
+    const FloatLanes stretched_h = a2 * h.z * h.z + h.x * h.x + h.y * h.y;
+    const FloatLanes stretched_cos_i = sqrt(wi.z * wi.z + a2 * (wi.x * wi.x + wi.y * wi.y));
+    const FloatLanes shadowing = wo_.z * stretched_cos_i + stretched_cos_o_ * wi.z;
+    const FloatLanes lobe = 0.5f * kInvPi * a2 * wi.z / (stretched_h * stretched_h * shadowing);
+    const FloatLanes m = min(max(1.0f - dot(broadcast(wo_), h), FloatLanes(0)), FloatLanes(1));
+    const FloatLanes schlick = m * m * (m * m) * m;
+    f_cos = f_cos + lobe * mix_reflectance(layers.specular_f0, layers.specular_f90, 1.0f - schlick, schlick);
+}
+
+/// Replaces the values of those lanes.
+void BsdfEvaluator::set_others(const Vec3Lanes& wi, const FloatMask& lanes, Vec3Lanes& f_cos) const {
+    for (size_t i = 0; i < kLanes; ++i) {
+        if (!lanes[i]) continue;
+        const Rgb value =
+            bsdf_.evaluate_layered(wo_, {wi.x[i], wi.y[i], wi.z[i]}, TransportMode::Radiance, lobes_).f_cos;
+        f_cos.x[i] = value.x, f_cos.y[i] = value.y, f_cos.z[i] = value.z;
+    }
+}
+
+}  // namespace photond

@@ -1,0 +1,32 @@
+#pragma once
+// A BSDF seen from one direction, for many directions of light: what depends on wo alone is worked out once, and
+// directions are taken several at a time. For density estimation, which asks for f of every photon and for no density.
+
+#include "renderer/core/lanes.h"
+#include "renderer/transport/bsdf.h"
+
+namespace photond {
+
+class BsdfEvaluator {
+public:
+    BsdfEvaluator(const Bsdf& bsdf, const vec3& wo);
+
+    /// What bsdf.f_cos(wo, wi) says of each direction, to rounding. `wi` unit.
+    Vec3Lanes f_cos(const Vec3Lanes& wi) const;
+
+private:
+    Vec3Lanes diffuse(const FloatLanes& cos_i) const;
+    void add_specular(const Vec3Lanes& wi, Vec3Lanes& f_cos) const;
+    void set_others(const Vec3Lanes& wi, const FloatMask& lanes, Vec3Lanes& f_cos) const;
+
+    Bsdf bsdf_;
+    vec3 wo_;
+    Bsdf::LobeProbabilities lobes_;
+    Rgb diffuse_{0};  // what of the diffuse lobe does not depend on wi
+    bool has_coat_ = false, has_specular_ = false;
+    bool has_others_below_ = false;  // lobes that transmit; evaluated one direction at a time
+    bool has_glass_ = false;         // which reflects as well
+    float stretched_cos_o_ = 0;      // Ggx::stretched_cos(wo)
+};
+
+}  // namespace photond
