@@ -1,6 +1,9 @@
 #include "renderer/photons/gather_distribution.h"
 
+#include <algorithm>
+
 #include "renderer/photons/radiance_estimate.h"
+#include "renderer/transport/sampling.h"
 
 namespace photond {
 

@@ -1,6 +1,7 @@
 #include "renderer/photons/kernel.h"
 
 #include <algorithm>
+#include <numbers>
 #include <string>
 
 #include "protocol/error.h"
@@ -8,8 +9,6 @@
 namespace photond {
 
 namespace {
-
-constexpr double kPiExact = 3.14159265358979323846;
 
 /// Of the Gaussian: the share of 1 - exp(-beta q^2 / 2) in its shape.
 double gaussian_fall(double beta) { return 1 / (1 - std::exp(-beta)); }
@@ -26,18 +25,18 @@ Kernel::Kernel(KernelShape shape, float cone_k) : shape_(shape), cone_k_(cone_k)
         throw Error(ErrorCode::OutOfRange,
                     "cone_k = " + std::to_string(cone_k) + " is below 1: the cone would turn negative");
     // Over the disc of radius 1, 2 q dq = d(q^2): each shape's integral over q^2 from 0 to 1, times pi, is divided out.
-    double scale = 1 / kPiExact, slope = 0;
+    double scale = 1 / std::numbers::pi, slope = 0;
     switch (shape) {
         case KernelShape::Constant: break;
         case KernelShape::Cone:
-            scale = 1 / ((1 - 2 / (3 * double{cone_k})) * kPiExact);
+            scale = 1 / ((1 - 2 / (3 * double{cone_k})) * std::numbers::pi);
             slope = scale / double{cone_k};
             break;
         case KernelShape::Gaussian:
-            scale = 1 / (gaussian_integral(double{kGaussianBeta}, 1) * kPiExact);
+            scale = 1 / (gaussian_integral(double{kGaussianBeta}, 1) * std::numbers::pi);
             slope = scale * gaussian_fall(double{kGaussianBeta});
             break;
-        case KernelShape::Epanechnikov: slope = scale = 2 / kPiExact; break;
+        case KernelShape::Epanechnikov: slope = scale = 2 / std::numbers::pi; break;
     }
     scale_ = static_cast<float>(scale);
     slope_ = static_cast<float>(slope);

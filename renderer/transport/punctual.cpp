@@ -1,10 +1,12 @@
 #include "renderer/transport/punctual.h"
 
+#include <numbers>
+
 namespace photond {
 
 namespace {
 
-constexpr double kTwoPi = 6.283185307179586;
+constexpr double kTwoPi = 2 * std::numbers::pi;
 
 }  // namespace
 
