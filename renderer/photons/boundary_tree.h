@@ -80,6 +80,12 @@ private:
     template <class Visit>
     void for_cells_within(const BoundaryEdge& e, float radius_m, const Visit& visit) const;
 
+    template <class T>
+    static void prefetch(const T& t) {
+        for (size_t byte = 0; byte < sizeof t; byte += 64)
+            __builtin_prefetch(static_cast<const char*>(static_cast<const void*>(&t)) + byte);
+    }
+
     static uint64_t hash_cell(const vec3& cell) {
         constexpr uint64_t kMask = (1 << 21) - 1;
         const auto bits = [](float x) { return static_cast<uint64_t>(static_cast<int64_t>(x)) & kMask; };
@@ -106,9 +112,21 @@ void BoundaryTree::visit_blocks(const vec3& p, const vec3& normal, float radius_
     struct Waiting {
         uint32_t depth, k;
     };
-    std::array<Waiting, (kWidth - 1) * kMostDepth + 1> stack;
+    std::array<Waiting, kWidth * kMostDepth + kWidth> stack;
     size_t waiting = 1;
     stack[0] = {0, 0};
+    // Which children are reached cannot be foretold: they are noted without branches, and blocks fetched ahead of use.
+    constexpr size_t kBlocks = 64, kAhead = 4;
+    std::array<uint32_t, kBlocks + kWidth> blocks;
+    size_t noted = 0;
+    const auto visit_noted = [&] {
+        for (size_t i = 0; i < std::min(kAhead, noted); ++i) prefetch(blocks_[blocks[i]]);
+        for (size_t i = 0; i < noted; ++i) {
+            if (i + kAhead < noted) prefetch(blocks_[blocks[i + kAhead]]);
+            visit(blocks_[blocks[i]]);
+        }
+        noted = 0;
+    };
     while (waiting > 0) {
         const Waiting next = stack[--waiting];
         const Node& node = nodes_[first_node_[next.depth] + next.k];
@@ -122,18 +140,21 @@ void BoundaryTree::visit_blocks(const vec3& p, const vec3& normal, float radius_
         const FloatMask reached = x * x + y * y + z * z <= sqr(radius_m) &&
                                   abs(dot(to, n)) <= thickness_m + dot(slope, half) &&
                                   abs(cosine - kSameSurface) <= reach;
-        if (none_of(reached)) continue;
-        const bool leaves = next.depth + 1 == depth_;
-        for (uint32_t i = 0; i < kWidth; ++i) {
-            if (!reached[i]) continue;
-            const uint32_t child = next.k * uint32_t{kWidth} + i;
-            if (leaves) {
-                visit(blocks_[child]);
-            } else {
-                stack[waiting++] = {next.depth + 1, child};
+        const uint32_t first = next.k * uint32_t{kWidth};
+        if (next.depth + 1 == depth_) {
+            for (uint32_t i = 0; i < kWidth; ++i) {
+                blocks[noted] = first + i;
+                noted += reached[i];
+            }
+            if (noted >= kBlocks) visit_noted();
+        } else {
+            for (uint32_t i = 0; i < kWidth; ++i) {
+                stack[waiting] = {next.depth + 1, first + i};
+                waiting += reached[i];
             }
         }
     }
+    visit_noted();
 }
 
 }  // namespace photond

@@ -58,15 +58,132 @@ FloatLanes angle_of(const FloatLanes& y, const FloatLanes& x) {
     return select(x < 0, kPi - quarter, quarter);
 }
 
-/// The surfaces seen from the front, or those seen from behind: what the edges cut off of them.
-struct Layer {
-    FloatLanes lost = 0;
-    FloatLanes height_m = kInfinity;  // least distance of an edge from the tangent plane
+/// Where mass is asked for.
+struct Disc {
+    vec3 centre, normal;
+    float radius_m;
+    float thickness_m;
+    float on_line_m;  // lines nearer than this run through the centre, to rounding
+};
 
-    void add(const FloatMask& bounds, const FloatLanes& edge_height_m, const FloatLanes& edge_lost) {
-        height_m = select(bounds, min(height_m, edge_height_m), height_m);
-        lost = select(bounds, lost + edge_lost, lost);
+/// What edges cut off of the surfaces seen from the front, and of those seen from behind. Of the edges that pass by the
+/// cones of normals few bound a surface: those are collected, so that the rest is worked out for kLanes of them at
+/// once.
+class LostMass {
+public:
+    struct Layer {
+        float lost;
+        float height_m;  // least distance of an edge from the tangent plane
+    };
+
+    LostMass(const Kernel& kernel, const Disc& disc) : kernel_(kernel), disc_(disc) {}
+
+    void add(const EdgeBlock& e) {
+        const Turns turns(e.normal.load(), e.other_normal.load(), broadcast(disc_.normal));
+        const FloatMask bounds = turns.of_front || turns.of_back;
+        for (uint32_t lane = 0; lane < kLanes; ++lane) {  // which ones cannot be foretold: no branches
+            waiting_[count_] = {&e, lane};
+            count_ += bounds[lane];
+        }
+        if (count_ >= kLanes) {
+            add_waiting(kLanes);
+            count_ -= kLanes;
+            std::copy_n(waiting_.begin() + kLanes, kLanes, waiting_.begin());
+        }
     }
+
+    std::array<Layer, 2> finish() {
+        if (count_ > 0) add_waiting(count_);
+        return {layer(0), layer(1)};
+    }
+
+private:
+    Layer layer(size_t i) const { return {0.5f * kInvPi * reduce(lost_[i]), hmin(height_m_[i])}; }
+
+    /// Which side of the surfaces edges bound, if any.
+    struct Turns {
+        FloatMask of_front, of_back;
+        FloatMask inside_left;  // of a -> b, seen against the normal of the query
+
+        Turns(const Vec3Lanes& normal, const Vec3Lanes& other_normal, const Vec3Lanes& n) {
+            const FloatLanes c = dot(normal, n), other = dot(other_normal, n);
+            const FloatMask front = c >= kSameSurface, back = c <= -kSameSurface;
+            of_front = front != (other >= kSameSurface);
+            of_back = !of_front && back != (other <= -kSameSurface);
+            inside_left = (of_front && front) || (of_back && !back);
+        }
+    };
+    struct Waiting {
+        const EdgeBlock* block;
+        uint32_t lane;
+    };
+
+    /// The first `count` of the edges that wait, at most kLanes.
+    void add_waiting(size_t count) {
+        EdgeBlock e;
+        for (size_t i = 0; i < count; ++i) {
+            const EdgeBlock& from = *waiting_[i].block;
+            const size_t lane = waiting_[i].lane;
+            for (size_t axis = 0; axis < 3; ++axis) {
+                e.a.axis[axis][i] = from.a.axis[axis][lane];
+                e.ab.axis[axis][i] = from.ab.axis[axis][lane];
+                e.normal.axis[axis][i] = from.normal.axis[axis][lane];
+                e.other_normal.axis[axis][i] = from.other_normal.axis[axis][lane];
+            }
+            e.continues_at_m[i] = from.continues_at_m[lane];
+        }
+        add_all(e);
+    }
+
+    void add_all(const EdgeBlock& e) {
+        const float radius_m = disc_.radius_m, thickness_m = disc_.thickness_m;
+        const Vec3Lanes n = broadcast(disc_.normal), a = e.a.load() - broadcast(disc_.centre), ab = e.ab.load();
+        const Turns turns(e.normal.load(), e.other_normal.load(), n);
+        FloatMask bounds = turns.of_front || turns.of_back;
+
+        // The edges in the tangent plane: lines at signed distance d, of which s0 ... s1 are the edges.
+        const FloatLanes height_a = dot(a, n), rise = dot(ab, n);
+        const FloatLanes length_sq = dot(ab, ab) - rise * rise, area = dot(n, cross(a, ab));
+        bounds = bounds && area * area < sqr(radius_m) * length_sq;
+        const FloatLanes per_length = 1.0f / sqrt(length_sq), d = area * per_length, distance = abs(d);
+        bounds = bounds && distance > disc_.on_line_m;  // nearer: which side the centre is on cannot be told
+        const FloatLanes start = (dot(a, ab) - height_a * rise) * per_length;
+        const FloatLanes half_chord = sqrt(max(sqr(radius_m) - d * d, FloatLanes(0)));
+        FloatLanes s0 = max(start, -half_chord), s1 = min(start + length_sq * per_length, half_chord);
+
+        // The part of them within the thickness of the disc.
+        const FloatLanes slope = rise * per_length;
+        const FloatMask sticks_out = abs(height_a) > thickness_m || abs(height_a + rise) > thickness_m;
+        if (any_of(sticks_out && bounds)) {
+            const FloatLanes t0 = start + (-thickness_m - height_a) / slope,
+                             t1 = start + (thickness_m - height_a) / slope;
+            s0 = select(sticks_out, max(s0, min(t0, t1)), s0), s1 = select(sticks_out, min(s1, max(t0, t1)), s1);
+            bounds = bounds && !(sticks_out && slope == 0);
+        }
+        bounds = bounds && s0 < s1;
+        if (none_of(bounds)) return;
+        const FloatLanes height = abs(height_a + slope * (min(max(FloatLanes(0), s0), s1) - start));
+
+        // The kernel's mass beyond the lines, within the angles that s0 ... s1 take up.
+        const FloatLanes continues_at_m(e.continues_at_m.data(), std::experimental::vector_aligned);
+        const FloatMask counts = bounds && continues_at_m > thickness_m;
+        const FloatLanes beyond = angle_of(distance * (s1 - s0), d * d + s0 * s1) -
+                                  integrate_mass(kernel_, distance, s0, s1, radius_m, counts);
+        const FloatLanes lost = select(counts, select((d > 0) == turns.inside_left, beyond, -beyond), 0);
+        for (size_t i = 0; i < 2; ++i) {
+            const FloatMask own = bounds && (i == 0 ? turns.of_front : turns.of_back);
+            height_m_[i] = select(own, min(height_m_[i], height), height_m_[i]);
+            lost_[i] = select(own, lost_[i] + lost, lost_[i]);
+        }
+    }
+
+    const Kernel& kernel_;
+    const Disc& disc_;
+    std::array<Waiting, 2 * kLanes> waiting_;
+    size_t count_ = 0;
+    // Of the front, of the back:
+    std::array<FloatLanes, 2> lost_ = {FloatLanes(0), FloatLanes(0)};
+    std::array<FloatLanes, 2> height_m_ = {FloatLanes(kInfinity), FloatLanes(kInfinity)};
 };
 
 }  // namespace
@@ -90,62 +207,16 @@ float SurfaceBoundary::mass_on_surface(const Kernel& kernel, const vec3& p, cons
     assert(radius_m <= edges_->radius_m && "edges farther off are not known to the cell of p");
     if (!edges_->tree.may_have_edges(p)) return 1;
 
-    const float on_line_m = 1e-5f * radius_m + 2 * edges_->error_m;
-    const Vec3Lanes n = broadcast(normal), centre = broadcast(p);
-    Layer front_layer, back_layer;
-    edges_->tree.visit_blocks(p, normal, radius_m, thickness_m, [&](const EdgeBlock& e) {
-        // Which side of the surfaces the edges bound, if any: inside is left of a -> b, seen against the normal.
-        const FloatLanes c = dot(e.normal.load(), n), other = dot(e.other_normal.load(), n);
-        const FloatMask front = c >= kSameSurface, back = c <= -kSameSurface;
-        const FloatMask of_front = front != (other >= kSameSurface),
-                        of_back = !of_front && back != (other <= -kSameSurface);
-        FloatMask bounds = of_front || of_back;
-        if (none_of(bounds)) return;
-        const FloatMask inside_left = (of_front && front) || (of_back && !back);
-
-        // The edges in the tangent plane: lines at signed distance d, of which s0 ... s1 are the edges.
-        const Vec3Lanes a = e.a.load() - centre, ab = e.ab.load();
-        const FloatLanes height_a = dot(a, n), rise = dot(ab, n);
-        const FloatLanes length_sq = dot(ab, ab) - rise * rise, area = dot(n, cross(a, ab));
-        bounds = bounds && area * area < sqr(radius_m) * length_sq;
-        if (none_of(bounds)) return;
-        const FloatLanes per_length = 1.0f / sqrt(length_sq), d = area * per_length, distance = abs(d);
-        bounds = bounds && distance > on_line_m;  // nearer: which side p is on cannot be told
-        const FloatLanes start = (dot(a, ab) - height_a * rise) * per_length;
-        const FloatLanes half_chord = sqrt(max(sqr(radius_m) - d * d, FloatLanes(0)));
-        FloatLanes s0 = max(start, -half_chord), s1 = min(start + length_sq * per_length, half_chord);
-
-        // The part of them within the thickness of the disc.
-        const FloatLanes slope = rise * per_length;
-        const FloatMask sticks_out = abs(height_a) > thickness_m || abs(height_a + rise) > thickness_m;
-        if (any_of(sticks_out && bounds)) {
-            const FloatLanes t0 = start + (-thickness_m - height_a) / slope,
-                             t1 = start + (thickness_m - height_a) / slope;
-            s0 = select(sticks_out, max(s0, min(t0, t1)), s0), s1 = select(sticks_out, min(s1, max(t0, t1)), s1);
-            bounds = bounds && !(sticks_out && slope == 0);
-        }
-        bounds = bounds && s0 < s1;
-        if (none_of(bounds)) return;
-        const FloatLanes height = abs(height_a + slope * (min(max(FloatLanes(0), s0), s1) - start));
-
-        // The kernel's mass beyond the lines, within the angles that s0 ... s1 take up.
-        const FloatLanes continues_at_m(e.continues_at_m.data(), std::experimental::vector_aligned);
-        const FloatMask counts = bounds && continues_at_m > thickness_m;
-        const FloatLanes beyond = angle_of(distance * (s1 - s0), d * d + s0 * s1) -
-                                  integrate_mass(kernel, distance, s0, s1, radius_m, counts);
-        const FloatLanes lost = select(counts, select((d > 0) == inside_left, beyond, -beyond), 0);
-        front_layer.add(bounds && of_front, height, lost);
-        back_layer.add(bounds && of_back, height, lost);
-    });
+    const Disc disc{p, normal, radius_m, thickness_m, 1e-5f * radius_m + 2 * edges_->error_m};
+    LostMass lost_mass(kernel, disc);
+    edges_->tree.visit_blocks(p, normal, radius_m, thickness_m, [&](const EdgeBlock& e) { lost_mass.add(e); });
+    const auto [front, back] = lost_mass.finish();
     // p lies on the layer whose edges are nearer to its plane; one sheet with both windings has both at equal height.
-    const float front_lost = 0.5f * kInvPi * reduce(front_layer.lost),
-                back_lost = 0.5f * kInvPi * reduce(back_layer.lost);
-    const float front_height_m = hmin(front_layer.height_m), back_height_m = hmin(back_layer.height_m);
-    const float difference_m = front_height_m - back_height_m;
+    const float difference_m = front.height_m - back.height_m;
     const float same_m = 1e-3f * radius_m + edges_->error_m;
-    const float lost = std::fabs(difference_m) <= same_m ? std::max(front_lost, back_lost)
-                       : difference_m < 0                ? front_lost
-                                                         : back_lost;
+    const float lost = std::fabs(difference_m) <= same_m ? std::max(front.lost, back.lost)
+                       : difference_m < 0                ? front.lost
+                                                         : back.lost;
     return std::clamp(1 - lost, kLeastMass, 1.0f);
 }
 
