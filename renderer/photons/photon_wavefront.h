@@ -2,9 +2,11 @@
 // Traces a batch of light paths together, vertex by vertex: all rays, then all shading. As methods/path_tracing does
 // from the eye.
 
+#include <array>
 #include <vector>
 
 #include "renderer/photons/photon_tracer.h"
+#include "renderer/transport/lambert_lanes.h"
 #include "renderer/transport/medium_stack.h"
 
 namespace photond {
@@ -14,10 +16,10 @@ struct PhotonTracingScene {
     /// How the hits of an instance are shaded.
     struct Shading {
         bool lambert;  // in lanes
-        bool varies;   // the reflectance, by texture or vertex colour
         /// Photons are stored wherever they arrive, also where a texture is black: the light that arrived there counts
         /// in the estimate beside it.
         bool stores;
+        LambertSurface surface;
     };
 
     PhotonTracingScene(const Scene& scene, const Intersector& intersector, const EmissionSampler& emission,
@@ -74,8 +76,8 @@ private:
     /// A path between two of its vertices; how many scatterings it has had all paths of the batch share.
     struct Path {
         Rgb power_w{0};
-        float reference_w = 0;  // greatest component at emission: Russian roulette keeps the power near it
-        bool rough = false;     // has had a scattering that was not specular
+        float reference_inverse = 0;  // [1/W] of the greatest component at emission: roulette keeps the power near that
+        bool rough = false;           // has had a scattering that was not specular
         bool all_delta = true;
         MediumStack media;
     };
@@ -88,6 +90,8 @@ private:
     void shade_lambert(const PhotonTracingScene& shared, uint32_t scatterings, Counts& counts);
     void shade_general(const PhotonTracingScene& shared, uint32_t scatterings, PhotonCounts& counts);
     bool scatter_general(const PhotonTracingScene& shared, size_t place, uint32_t scatterings, PhotonCounts& counts);
+    void ask_texels(const PhotonTracingScene& shared, size_t place);
+    void keep_some(const PhotonTracingScene& shared, uint32_t scatterings);
     void store(const Path& path, const vec3& position, const vec3& normal, const vec3& wi_world, uint32_t scatterings);
 
     // All of these hold kPaths but the photons; how many count is said here.
@@ -96,11 +100,22 @@ private:
     std::vector<Ray> rays_, next_rays_;
     std::vector<Path> paths_, next_paths_;
     std::vector<uint32_t> elements_, next_elements_;  // of the run
-    std::vector<float> ranges_;                       // of the lights, first rays
+    std::vector<EmissionSample> starts_;
+    std::vector<float> ranges_;  // of the lights, first rays
     std::vector<Hit> hits_;
     std::vector<uint32_t> order_;  // paths that met a surface: the first lambert_count_ of them in lanes
     std::vector<uint32_t> general_;
     size_t lambert_count_ = 0;
+    /// A path that may survive at a Lambert reflector, or leaves a photon there.
+    struct Kept {
+        uint32_t place;  // in order_
+        bool stores;
+        float hope;  // share of the power at emission that it may keep, but for the shading normal's correction
+        Rgb reflectance;
+    };
+    std::vector<Kept> kept_;
+    static constexpr size_t kLookups = 32;
+    std::array<TextureLookup, kLookups> lookups_{};  // of hits on Lambert reflectors, by place in order_
     struct Numbers {
         std::vector<float> x, y;
     };

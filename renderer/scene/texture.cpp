@@ -44,7 +44,7 @@ uint32_t nearest_texel(float t, Wrap wrap, uint32_t size) {
     return texel < size ? texel : size - 1;
 }
 
-Taps bilinear_taps(float t, Wrap wrap, uint32_t size) {
+inline Taps bilinear_taps(float t, Wrap wrap, uint32_t size) {
     const float x = fold(t, wrap) * static_cast<float>(size) - 0.5f;  // texel centres lie at whole numbers
     const float floor_x = std::floor(x);
     const auto last = static_cast<int32_t>(size) - 1;
@@ -92,11 +92,34 @@ vec4 sample_texture(const Texture& texture, vec2 uv, bool srgb) {
     return srgb ? sample<true>(texture, uv) : sample<false>(texture, uv);
 }
 
-void prefetch_texture(const Texture& texture, vec2 uv) {
+TextureLookup prepare_lookup(const Texture& texture, vec2 uv) {
+    const size_t width = texture.size.width;
+    const u8vec4* texels = texture.texels.data();
+    if (texture.nearest) {
+        const uint32_t column = nearest_texel(uv.x, texture.wrap_s, texture.size.width);
+        const u8vec4* row = texels + nearest_texel(uv.y, texture.wrap_t, texture.size.height) * width;
+        return {.row0 = row, .row1 = row, .first = column, .second = column, .weight_s = 0, .weight_t = 0};
+    }
+    const Taps s = bilinear_taps(uv.x, texture.wrap_s, texture.size.width);
     const Taps t = bilinear_taps(uv.y, texture.wrap_t, texture.size.height);
-    const u8vec4* column = texture.texels.data() + bilinear_taps(uv.x, texture.wrap_s, texture.size.width).first;
-    __builtin_prefetch(column + size_t{t.first} * texture.size.width);
-    __builtin_prefetch(column + size_t{t.second} * texture.size.width);
+    return {.row0 = texels + t.first * width,
+            .row1 = texels + t.second * width,
+            .first = s.first,
+            .second = s.second,
+            .weight_s = s.weight,
+            .weight_t = t.weight};
 }
+
+Rgb sample_srgb(const TextureLookup& lookup) {
+    const auto color = [](const u8vec4& texel) {
+        return Rgb(kSrgbToLinear[texel.x], kSrgbToLinear[texel.y], kSrgbToLinear[texel.z]);
+    };
+    const auto in_row = [&](const u8vec4* row) {
+        return (1 - lookup.weight_s) * color(row[lookup.first]) + lookup.weight_s * color(row[lookup.second]);
+    };
+    return (1 - lookup.weight_t) * in_row(lookup.row0) + lookup.weight_t * in_row(lookup.row1);
+}
+
+void prefetch_texture(const Texture& texture, vec2 uv) { prefetch(prepare_lookup(texture, uv)); }
 
 }  // namespace photond

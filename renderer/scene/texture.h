@@ -43,6 +43,20 @@ vec4 sample_texture(const Texture& texture, vec2 uv, bool srgb);
 /// Asks the memory for the texels of such a lookup, so that they are at hand a little later.
 void prefetch_texture(const Texture& texture, vec2 uv);
 
+/// The texels of a lookup and their weights: found once, asked for, and read later. Borrows the texture.
+struct TextureLookup {
+    const u8vec4 *row0, *row1;
+    uint32_t first, second;    // columns
+    float weight_s, weight_t;  // of the second column and of row1
+};
+TextureLookup prepare_lookup(const Texture& texture, vec2 uv);
+inline void prefetch(const TextureLookup& lookup) {
+    __builtin_prefetch(lookup.row0 + lookup.first);
+    __builtin_prefetch(lookup.row1 + lookup.first);
+}
+/// The first three channels of sample_texture(), by the sRGB curve.
+Rgb sample_srgb(const TextureLookup& lookup);
+
 /// Equirectangular radiance map [W m^-2 sr^-1], row 0 at the zenith (+Y); the direction (0, 0, -1) is its centre
 /// column.
 struct EnvironmentMap {

@@ -5,6 +5,7 @@
 #include "renderer/transport/discrete_distribution.h"
 #include "renderer/transport/emission.h"
 #include "renderer/transport/environment_sampling.h"
+#include "renderer/transport/lambert_lanes.h"
 #include "renderer/transport/light_sampling.h"
 #include "renderer/transport/light_triangle.h"
 #include "renderer/transport/sampling.h"
@@ -62,6 +63,13 @@ struct EmissionSampler::Lights {
     void sample_punctual(const PunctualLight& light, const vec2& u_position, const vec2& u_direction,
                          EmissionSample& out) const;
     bool sample_environment(const vec2& u_position, const vec2& u_direction, EmissionSample& out) const;
+
+    // For many samples: those at `places`, whose lights are chosen and stand in the samples, with power_w the inverse
+    // of the choice's probability. Triangles without a texture, and directional lights.
+    void sample_triangles(const EmissionNumbers& numbers, std::span<const uint32_t> places,
+                          std::span<EmissionSample> samples) const;
+    void sample_directional(const EmissionNumbers& numbers, std::span<const uint32_t> places,
+                            std::span<EmissionSample> samples) const;
 };
 
 // The three set ray, range and power, the last without the probability of the light's choice.
@@ -123,6 +131,82 @@ bool EmissionSampler::Lights::sample_environment(const vec2& u_position, const v
     return true;
 }
 
+namespace {
+
+/// The numbers at some of the places of an array.
+FloatLanes gather(std::span<const float> numbers, std::span<const uint32_t> places) {
+    alignas(64) LaneFloats values;
+    for (size_t lane = 0; lane < kLanes; ++lane) values[lane] = numbers[places[std::min(lane, places.size() - 1)]];
+    return FloatLanes(values, lambert_lanes::kAligned);
+}
+
+}  // namespace
+
+void EmissionSampler::Lights::sample_triangles(const EmissionNumbers& numbers, std::span<const uint32_t> places,
+                                               std::span<EmissionSample> samples) const {
+    using namespace lambert_lanes;
+    Vec3Array corner, edge1, edge2, normal, start, direction;
+    alignas(64) LaneFloats sides;
+    for (size_t first = 0; first < places.size(); first += kLanes) {
+        const std::span<const uint32_t> mine = places.subspan(first, std::min(kLanes, places.size() - first));
+        for (size_t lane = 0; lane < kLanes; ++lane) {  // lanes past the end repeat the last sample and are not read
+            const uint32_t light = samples[mine[std::min(lane, mine.size() - 1)]].light;
+            const LightTriangle& triangle = triangles[light];
+            corner.set(lane, triangle.corner), normal.set(lane, triangle.normal);
+            edge1.set(lane, triangle.edge1), edge2.set(lane, triangle.edge2);
+            sides[lane] = scene.triangle_lights[light].two_sided ? 2.0f : 1.0f;
+        }
+        // As photond::sample_triangle().
+        const FloatLanes x = gather(numbers.position_x, mine), y = gather(numbers.position_y, mine);
+        const FloatMask upper = y > x;
+        const FloatLanes half = 0.5f * photond::select(upper, x, y);
+        const FloatLanes s = photond::select(upper, half, x - half), t = photond::select(upper, y - half, half);
+
+        const FloatLanes side = FloatLanes(sides, kAligned) * gather(numbers.direction_x, mine);
+        const FloatMask back = side >= 1.0f;  // of two-sided ones only: numbers are below 1
+        const Vec3Lanes n = photond::select(back, FloatLanes(-1), FloatLanes(1)) * normal.load();
+        const Vec3Lanes point = corner.load() + s * edge1.load() + t * edge2.load();
+        start.store(
+            {offset_coordinate(point.x, n.x), offset_coordinate(point.y, n.y), offset_coordinate(point.z, n.z)});
+        direction.store(to_world(
+            n, cosine_hemisphere(photond::select(back, side - 1.0f, side), gather(numbers.direction_y, mine))));
+        for (size_t lane = 0; lane < mine.size(); ++lane) {
+            EmissionSample& sample = samples[mine[lane]];
+            const TriangleLight& light = scene.triangle_lights[sample.light];
+            sample.ray = {start.get(lane), direction.get(lane), kInfinity};
+            sample.power_w *= light.radiance * (light.area_m2 * kPi * sides[lane]);
+            sample.range_m = kInfinity;
+            sample.source = light_source_of_instance(light.instance);
+        }
+    }
+}
+
+void EmissionSampler::Lights::sample_directional(const EmissionNumbers& numbers, std::span<const uint32_t> places,
+                                                 std::span<EmissionSample> samples) const {
+    using namespace lambert_lanes;
+    const auto punctual_of = [&](uint32_t place) {
+        return samples[place].light - static_cast<uint32_t>(triangles.size());
+    };
+    Vec3Array direction, start;
+    for (size_t first = 0; first < places.size(); first += kLanes) {
+        const std::span<const uint32_t> mine = places.subspan(first, std::min(kLanes, places.size() - first));
+        for (size_t lane = 0; lane < kLanes; ++lane)
+            direction.set(lane, scene.punctual_lights[punctual_of(mine[std::min(lane, mine.size() - 1)])].direction);
+        // As ray_from_outside().
+        const auto [x, y] = unit_disk(gather(numbers.position_x, mine), gather(numbers.position_y, mine));
+        start.store(broadcast(centre) + radius_m * to_world(direction.load(), {x, y, FloatLanes(-kStartInRadii)}));
+        for (size_t lane = 0; lane < mine.size(); ++lane) {
+            EmissionSample& sample = samples[mine[lane]];
+            const uint32_t index = punctual_of(mine[lane]);
+            const PunctualLight& light = scene.punctual_lights[index];
+            sample.ray = {start.get(lane), light.direction, kInfinity};
+            sample.power_w *= light.intensity * disc_m2();
+            sample.range_m = kInfinity;
+            sample.source = light_source_of_punctual(scene, index);
+        }
+    }
+}
+
 EmissionSampler::EmissionSampler(const Scene& scene) {
     auto lights = std::make_unique<Lights>(scene);
     std::vector<double> powers_w;
@@ -152,6 +236,33 @@ bool EmissionSampler::sample(float u_light, const vec2& u_position, const vec2& 
     if (lights_->choice.empty()) return false;
     const uint32_t light = lights_->choice.sample(u_light);
     return sample_light(light, lights_->choice.probability(light), u_position, u_direction, out);
+}
+
+void EmissionSampler::sample(const EmissionNumbers& numbers, std::span<EmissionSample> samples) const {
+    constexpr size_t kBlock = 256;  // samples whose places are sorted together, by how they are drawn
+    uint32_t in_triangles[kBlock], directional[kBlock];
+    const size_t triangles = lights_->triangles.size();
+    for (size_t first = 0; first < samples.size(); first += kBlock) {
+        size_t triangle_count = 0, directional_count = 0;
+        for (size_t i = first; i < std::min(first + kBlock, samples.size()); ++i) {
+            EmissionSample& out = samples[i];
+            out.power_w = Rgb(0);
+            if (lights_->choice.empty()) continue;
+            out.light = lights_->choice.sample(numbers.light[i]);
+            const float probability = lights_->choice.probability(out.light);
+            const bool plain_triangle = out.light < triangles && !lights_->triangles[out.light].varies;
+            if (plain_triangle || guided_by_position(out.light)) {
+                out.power_w = Rgb(1 / probability);
+                (plain_triangle ? in_triangles[triangle_count++] : directional[directional_count++]) =
+                    static_cast<uint32_t>(i);
+            } else if (!sample_light(out.light, probability, {numbers.position_x[i], numbers.position_y[i]},
+                                     {numbers.direction_x[i], numbers.direction_y[i]}, out)) {
+                out.power_w = Rgb(0);
+            }
+        }
+        lights_->sample_triangles(numbers, {in_triangles, triangle_count}, samples);
+        lights_->sample_directional(numbers, {directional, directional_count}, samples);
+    }
 }
 
 bool EmissionSampler::sample_light(uint32_t light, float probability, const vec2& u_position, const vec2& u_direction,

@@ -5,6 +5,7 @@
 // sphere's radius that faces their direction.
 
 #include <memory>
+#include <span>
 
 #include "renderer/scene/scene.h"
 #include "renderer/transport/punctual.h"  // range_window()
@@ -18,6 +19,11 @@ struct EmissionSample {
     uint32_t light = 0;         // index as in EmissionSampler::probability()
     uint32_t source = 0;        // light_source_of_* in light_sampling.h
     float range_m = kInfinity;  // point and spot lights: what their `range` leaves at distance d is range_window()
+};
+
+/// What many samples are drawn by: arrays of uniform numbers in [0, 1), at least as long as the samples.
+struct EmissionNumbers {
+    std::span<const float> light, position_x, position_y, direction_x, direction_y;
 };
 
 /// Immutable and thread-safe; borrows the scene.
@@ -34,6 +40,10 @@ public:
     /// half of u_direction.x, by its back for the upper. Points use u_direction alone, evenly over the sphere, spots in
     /// proportion to their falloff, directional lights u_position alone, evenly over the disc.
     bool sample(float u_light, const vec2& u_position, const vec2& u_direction, EmissionSample& out) const;
+
+    /// The same for many paths, vectorised where the lights' kinds allow: samples[i] is by the i-th numbers what
+    /// sample() draws, but for rounding. Where that is false, power_w is 0 and nothing else is said.
+    void sample(const EmissionNumbers& numbers, std::span<EmissionSample> samples) const;
 
     /// The same for one light whose choice has that probability (already divided by in power_w), > 0. False for a light
     /// that sample() never chooses.

@@ -5,6 +5,8 @@
 // A group is used in this order: gather() and the numbers for each lane, find_surface(), then scatter() for paths from
 // the eye or scatter_photons() for paths from a light.
 
+#include <utility>
+
 #include "renderer/core/lanes.h"
 #include "renderer/core/rgb.h"
 #include "renderer/scene/intersector.h"
@@ -60,9 +62,8 @@ inline FloatLanes offset_coordinate(const FloatLanes& p, const FloatLanes& n) {
     return photond::select(stdx::fabs(p) < kOrigin, p + kFloatScale * n, moved);
 }
 
-/// sample_cosine_hemisphere(), lane by lane; the concentric map's angles stay within +-pi/4, where the Taylor series
-/// are exact to float precision.
-inline Vec3Lanes cosine_hemisphere(const FloatLanes& u, const FloatLanes& v) {
+/// sample_unit_disk(), lane by lane.
+inline std::pair<FloatLanes, FloatLanes> unit_disk(const FloatLanes& u, const FloatLanes& v) {
     const FloatLanes a = 2.0f * u - 1.0f, b = 2.0f * v - 1.0f;
     const FloatMask wide = stdx::fabs(a) > stdx::fabs(b);
     const FloatLanes radius = photond::select(wide, a, b), other = photond::select(wide, b, a);
@@ -71,7 +72,12 @@ inline Vec3Lanes cosine_hemisphere(const FloatLanes& u, const FloatLanes& v) {
     const FloatLanes sine =
         phi * (1.0f + q * (-1.0f / 6 + q * (1.0f / 120 + q * (-1.0f / 5040 + q * (1.0f / 362880)))));
     const FloatLanes cosine = 1.0f + q * (-1.0f / 2 + q * (1.0f / 24 + q * (-1.0f / 720 + q * (1.0f / 40320))));
-    const FloatLanes x = radius * photond::select(wide, cosine, sine), y = radius * photond::select(wide, sine, cosine);
+    return {radius * photond::select(wide, cosine, sine), radius * photond::select(wide, sine, cosine)};
+}
+
+/// sample_cosine_hemisphere(), lane by lane.
+inline Vec3Lanes cosine_hemisphere(const FloatLanes& u, const FloatLanes& v) {
+    const auto [x, y] = unit_disk(u, v);
     return {x, y, stdx::sqrt(stdx::max(1.0f - x * x - y * y, FloatLanes(1e-8f)))};
 }
 
@@ -84,6 +90,78 @@ inline Vec3Lanes to_world(const Vec3Lanes& n, const Vec3Lanes& w) {
 }
 
 }  // namespace lambert_lanes
+
+/// An instance as its triangles are read at hits: what lies behind several references in the scene, side by side.
+/// Borrows the scene.
+struct LambertSurface {
+    LambertSurface(const Scene& scene, uint32_t index) {
+        const Instance& instance = scene.instances[index];
+        const Mesh& mesh = scene.meshes[instance.mesh];
+        const Material& material = scene.materials[mesh.material];
+        const auto data = [](const auto& array) { return array.empty() ? nullptr : array.data(); };
+        triangles = mesh.triangles.data();
+        positions = mesh.positions.data();
+        normals = data(mesh.normals);
+        colors = data(mesh.colors);
+        placed = instance.identity ? nullptr : &instance;
+        flip = instance.flips_orientation ? -1.0f : 1.0f;
+        base_color = material.base_color;
+        const TextureRef& reference = material.base_color_texture;
+        if (!reference.used()) return;
+        texture = &scene.textures[static_cast<size_t>(reference.texture)];
+        uv = data(mesh.uv[reference.uv_set]);
+        row_u = reference.row_u, row_v = reference.row_v;
+    }
+
+    bool varies() const { return texture || colors; }  // base_color_varies()
+
+    void prefetch_corners(const Hit& hit) const {
+        const uvec3 corner = triangles[hit.triangle];
+        for (int i = 0; i < 3; ++i) {
+            __builtin_prefetch(&positions[corner[i]]);
+            if (normals) __builtin_prefetch(&normals[corner[i]]);
+        }
+    }
+    void prefetch_coordinates(const Hit& hit) const {
+        if (!varies()) return;
+        const uvec3 corner = triangles[hit.triangle];
+        for (int i = 0; i < 3; ++i) {
+            if (uv) __builtin_prefetch(&uv[corner[i]]);
+            if (colors) __builtin_prefetch(&colors[corner[i]]);
+        }
+    }
+
+    /// Where the texture is read. There is one.
+    TextureLookup lookup(const Hit& hit) const {
+        const vec3 st(uv ? interpolate(uv, hit) : vec2(0), 1);
+        return prepare_lookup(*texture, {glm::dot(row_u, st), glm::dot(row_v, st)});
+    }
+
+    /// Base colour; `texels` as lookup() says, not looked at without a texture.
+    Rgb reflectance(const Hit& hit, const TextureLookup& texels) const {
+        Rgb color = base_color;
+        if (texture) color *= sample_srgb(texels);
+        if (colors) color *= Rgb(interpolate(colors, hit));
+        return glm::clamp(color, Rgb(0), Rgb(1));  // vertex colours may exceed 1, reflectance may not
+    }
+
+    template <class T>
+    T interpolate(const T* attribute, const Hit& hit) const {
+        const uvec3 corner = triangles[hit.triangle];
+        return (1 - hit.u - hit.v) * attribute[corner.x] + hit.u * attribute[corner.y] + hit.v * attribute[corner.z];
+    }
+
+    const uvec3* triangles;
+    const vec3* positions;
+    const vec3* normals;     // null: flat
+    const vec4* colors;      // null: none
+    const Instance* placed;  // null: the mesh is in world space
+    const Texture* texture = nullptr;
+    const vec2* uv = nullptr;  // null: (0, 0) everywhere
+    vec3 row_u{0}, row_v{0};
+    Rgb base_color;
+    float flip;  // -1 where the instance mirrors
+};
 
 /// What a group of paths meets and where it goes on.
 struct LambertGroup {
@@ -105,7 +183,7 @@ struct LambertGroup {
     Vec3Array next_direction;
     alignas(64) LaneFloats scattered;         // 1: goes on, or 0
     alignas(64) LaneFloats cos_next;          // scatter() alone: against the normal
-    alignas(64) LaneFloats survival_inverse;  // NaN where the path's numbers are
+    alignas(64) LaneFloats survival_inverse;  // scatter() alone; NaN where the path's numbers are
     alignas(64) LaneFloats correction;        // scatter_photons(): of the shading normal
 
     /// `varies`: base_color_varies().
@@ -113,16 +191,10 @@ struct LambertGroup {
                 const Rgb& path_throughput, float path_scale) {
         const Instance& instance = scene.instances[hit.instance];
         const Mesh& mesh = scene.meshes[instance.mesh];
-        const uvec3 corner = mesh.triangles[hit.triangle];
-        const bool smooth = !mesh.normals.empty();
-        for (int c = 0; c < 3; ++c) {
-            const vec3& p = mesh.positions[corner[c]];
-            corners[c].set(lane, instance.identity ? p : instance.to_world * vec4(p, 1.0f));
-            const vec3 n = smooth ? mesh.normals[corner[c]] : vec3(0);
-            normals[c].set(lane, instance.identity ? n : instance.normal_to_world * n);
-        }
-        u[lane] = hit.u, v[lane] = hit.v;
+        gather_triangle(lane, mesh.triangles[hit.triangle], mesh.positions.data(),
+                        mesh.normals.empty() ? nullptr : mesh.normals.data(), instance.identity ? nullptr : &instance);
         flip[lane] = instance.flips_orientation ? -1.0f : 1.0f;
+        u[lane] = hit.u, v[lane] = hit.v;
         direction.set(lane, ray.direction);
         throughput.set(lane, path_throughput);
         scale[lane] = path_scale;
@@ -130,6 +202,14 @@ struct LambertGroup {
         reflectance.set(
             lane, varies ? glm::clamp(Rgb(surface_base_color(scene, mesh, hit.triangle, hit.u, hit.v)), Rgb(0), Rgb(1))
                          : scene.materials[mesh.material].base_color);
+    }
+
+    /// What find_surface() and scatter_photons() need.
+    void gather(size_t lane, const LambertSurface& surface, const Hit& hit, const Ray& ray) {
+        gather_triangle(lane, surface.triangles[hit.triangle], surface.positions, surface.normals, surface.placed);
+        flip[lane] = surface.flip;
+        u[lane] = hit.u, v[lane] = hit.v;
+        direction.set(lane, ray.direction);
     }
 
     /// make_plain_shading_point(): position and normals on the side the ray came from.
@@ -176,8 +256,8 @@ struct LambertGroup {
         photond::select(on, FloatLanes(1), FloatLanes(0)).copy_to(scattered, kAligned);
     }
 
-    /// scatter_photon() and Russian roulette. Power changes by reflectance x correction / survival.
-    void scatter_photons(float most_survival) {
+    /// scatter_photon(): power changes by reflectance x correction.
+    void scatter_photons() {
         using namespace lambert_lanes;
         const Vec3Lanes geometric = geometric_normal.load(), d = direction.load(), turned = smooth_normal.load();
         const Vec3Lanes wi =
@@ -189,14 +269,23 @@ struct LambertGroup {
         const FloatLanes factor = photond::select(flat || dot(turned, wi) <= 0, FloatLanes(1),
                                                   stdx::max(-dot(turned, d), FloatLanes(0)) / -dot(geometric, d));
 
-        const Vec3Lanes left = throughput.load() * reflectance.load();
-        const FloatLanes hope = stdx::max(stdx::max(left.x, left.y), left.z) * FloatLanes(scale, kAligned) * factor;
-        const FloatLanes survival = stdx::min(hope, FloatLanes(most_survival));
-        const FloatMask on = FloatLanes(roulette, kAligned) < survival && dot(geometric, wi) > 0;
+        // Not black: what is no number goes on, to be counted.
+        const FloatMask on = dot(geometric, wi) > 0 && !(factor == 0);
         next_direction.store(wi);
         factor.copy_to(correction, kAligned);
-        (1.0f / survival).copy_to(survival_inverse, kAligned);
         photond::select(on, FloatLanes(1), FloatLanes(0)).copy_to(scattered, kAligned);
+    }
+
+private:
+    /// `normals_at` is null where the mesh is flat, `placed` where it is in world space.
+    void gather_triangle(size_t lane, const uvec3& corner, const vec3* positions, const vec3* normals_at,
+                         const Instance* placed) {
+        for (int c = 0; c < 3; ++c) {
+            const vec3& p = positions[corner[c]];
+            corners[c].set(lane, placed ? placed->to_world * vec4(p, 1.0f) : p);
+            const vec3 n = normals_at ? normals_at[corner[c]] : vec3(0);
+            normals[c].set(lane, placed ? placed->normal_to_world * n : n);
+        }
     }
 };
 

@@ -11,11 +11,14 @@ namespace photond {
 /// Between Disk and Square.
 inline vec2 sample_unit_disk(vec2 u) {
     const float a = 2.0f * u.x - 1.0f, b = 2.0f * u.y - 1.0f;
-    if (a == 0.0f && b == 0.0f) return vec2(0.0f);
     const bool wide = std::fabs(a) > std::fabs(b);
-    const float r = wide ? a : b;
-    const float phi = wide ? (kPi / 4) * (b / a) : (kPi / 2) - (kPi / 4) * (a / b);
-    return r * vec2(std::cos(phi), std::sin(phi));
+    const float radius = wide ? a : b, other = wide ? b : a;
+    if (radius == 0.0f) return vec2(0.0f);
+    // Angles stay within +-pi/4, where the Taylor series are exact to float precision.
+    const float phi = (kPi / 4) * (other / radius), q = phi * phi;
+    const float sine = phi * (1 + q * (-1.0f / 6 + q * (1.0f / 120 + q * (-1.0f / 5040 + q * (1.0f / 362880)))));
+    const float cosine = 1 + q * (-1.0f / 2 + q * (1.0f / 24 + q * (-1.0f / 720 + q * (1.0f / 40320))));
+    return radius * (wide ? vec2(cosine, sine) : vec2(sine, cosine));
 }
 
 /// Density cos / pi about +z. z > 0 always.
