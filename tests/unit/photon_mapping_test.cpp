@@ -109,6 +109,33 @@ TEST(PhotonMapping, EmittedAndDirectLightAreThoseOfPathTracing) {
     }
 }
 
+// One bounce with every lobe that is no delta taken for rough: no photon map is looked up, and final gathering is
+// unbiased. Its rays end at lobes that need rays of their own to find the lamp.
+TEST(PhotonMapping, OneBounceBetweenGlossySurfacesIsThatOfPathTracing) {
+    constexpr double kFalseAlarm = 1e-6, kMustDetect = 0.04;
+    const Scene scene = make_builtin_scene("cornell-box-glossy");
+    std::vector<double> differences;
+    for (uint64_t seed = 1; seed <= 32; ++seed) {
+        Settings settings = settings_for(Gather::Final, 16);
+        settings.params.indirect_bounces = 1;
+        settings.params.glossy_threshold = 0;
+        settings.params.gather_rays = 8;
+        settings.seed = seed;
+        test::RenderSettings traced;
+        traced.size = settings.size;
+        traced.passes = 64;
+        traced.params.indirect_bounces = 1;
+        traced.seed = seed;
+        differences.push_back(test::mean_of(test::render(scene, settings).resolve(Layer::Indirect)) /
+                                  test::mean_of(test::render(scene, traced).resolve(Layer::Indirect)) -
+                              1);
+    }
+    const test::Interval interval = test::mean_interval(differences, kFalseAlarm, 1);
+    std::printf("relative difference %.4f +- %.4f\n", interval.mean, interval.half_width);
+    EXPECT_LE(std::abs(interval.mean), interval.half_width);
+    EXPECT_LE(interval.half_width, kMustDetect) << "too noisy to notice a defect";
+}
+
 /// Each value of the direct layer over some passes with so many light samples.
 std::vector<test::RunningMean> direct_light(const Scene& scene, SamplerKind sampler, uint32_t light_samples,
                                             uint32_t passes, uint64_t seed) {

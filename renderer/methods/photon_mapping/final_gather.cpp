@@ -71,7 +71,7 @@ void FinalGather::gather_batch(const PhotonMappingScene& shared, const PassMaps&
     for (uint32_t vertex = 1; count_ > 0; ++vertex) {
         shared.intersector.closest_hits({rays_.data(), count_}, {hits_.data(), count_}, Coherence::Incoherent);
         counts.bounce_rays += count_;
-        sort_hits(shared, points, vertex, image);
+        sort_hits(shared, points, image);
         next_count_ = 0;
         shadow_count_ = 0;
         for (size_t k = 0; k < indices_.size(); ++k) {
@@ -93,6 +93,7 @@ void FinalGather::start_rays(const PhotonMappingScene& shared, const PassMaps& m
         for (const GatherPoint& point : points)
             distributions_.emplace_back(maps.global, point.surface, shared.photon_scatterings(point.scatterings + 1),
                                         neighbours_);
+    const bool lights = samples_lights(shared.params);
     count_ = 0;
     uint32_t most_rays = 0;
     for (const GatherPoint& point : points) most_rays = std::max(most_rays, point.rays);
@@ -126,10 +127,13 @@ void FinalGather::start_rays(const PhotonMappingScene& shared, const PassMaps& m
             GatherPath& path = paths_[count_];
             path.throughput = next.weight;
             path.eta_scale = next.refraction ? sqr(next.eta) : 1.0f;
-            path.pdf_sa = next.pdf_sa;
             path.point = p;
             path.ray = ray;
             path.scatterings = point.scatterings + 1;
+            path.lights_only = false;
+            path.light = {
+                point.surface.position, point.lit_normal,
+                lights ? next.pdf_sa * static_cast<float>(point.rays) / static_cast<float>(point.light_samples) : 0.0f};
             path.media = point.media;
             if (next.refraction) path.media.cross(point.surface.material, point.surface.front_side);
             const vec3 wi = point.surface.shading.to_world(next.wi);
@@ -139,9 +143,7 @@ void FinalGather::start_rays(const PhotonMappingScene& shared, const PassMaps& m
 }
 
 /// Hits in the order of a curve that fills space: those that look at the same photons and triangles follow each other.
-void FinalGather::sort_hits(const PhotonMappingScene& shared, std::span<const GatherPoint> points, uint32_t vertex,
-                            PassImage& image) {
-    const bool sees_sky = vertex == 1 && shared.scene.environment && samples_lights(shared.params);
+void FinalGather::sort_hits(const PhotonMappingScene& shared, std::span<const GatherPoint> points, PassImage& image) {
     order_.clear();
     indices_.clear();
     for (uint32_t i = 0; i < count_; ++i) {
@@ -150,12 +152,11 @@ void FinalGather::sort_hits(const PhotonMappingScene& shared, std::span<const Ga
             prefetch_index(shared.scene, hit);
             const vec3 position = rays_[i].origin + hit.t * rays_[i].direction;
             order_.push_back(morton_code(shared.scene.bounds, position) << 32 | i);
-        } else if (sees_sky) {
+        } else if (shared.scene.environment && paths_[i].light.pdf_sa > 0) {
             const vec3& wi = rays_[i].direction;
             const GatherPath& path = paths_[i];
-            const GatherPoint& origin = points[path.point];
-            const float light_pdf = shared.lights.pdf_environment(origin.surface.position, origin.lit_normal, wi);
-            add_direct(image, origin, path,
+            const float light_pdf = shared.lights.pdf_environment(path.light.position, path.light.lit_normal, wi);
+            add_direct(image, points[path.point], path,
                        shared.absorption.transmittance(path.media, kInfinity) * shared.lights.environment_radiance(wi),
                        light_pdf);
         }
@@ -164,13 +165,12 @@ void FinalGather::sort_hits(const PhotonMappingScene& shared, std::span<const Ga
     for (const uint64_t entry : order_) indices_.push_back(static_cast<uint32_t>(entry));
 }
 
-/// Radiance of a light that a ray met straight from its point, whose light samples find it with that density.
+/// Radiance of a light that a ray met, and that a light sample where the ray began finds with that density.
 void FinalGather::add_direct(PassImage& image, const GatherPoint& origin, const GatherPath& path, const Rgb& radiance,
                              float light_pdf) {
-    const auto rays = static_cast<float>(origin.rays);
-    const float weight = power_heuristic(rays * path.pdf_sa, static_cast<float>(origin.light_samples) * light_pdf);
-    (origin.scatterings == 0 ? image.direct : image.indirect)[origin.pixel] +=
-        (weight / rays) * origin.throughput * path.throughput * radiance;
+    const float weight = power_heuristic(path.light.pdf_sa, light_pdf) / static_cast<float>(origin.rays);
+    (path.scatterings == 1 ? image.direct : image.indirect)[origin.pixel] +=
+        weight * origin.throughput * path.throughput * radiance;
 }
 
 void FinalGather::shade(const PhotonMappingScene& shared, const PassMaps& maps, const SplitSamplers& samplers,
@@ -179,17 +179,17 @@ void FinalGather::shade(const PhotonMappingScene& shared, const PassMaps& maps, 
     GatherPath path = paths_[i];
     const Hit& hit = hits_[i];
     const Ray& ray = rays_[i];
-    if (path.scatterings >= shared.max_scatterings) return;
     const ShadingPoint surface = make_shading_point(scene, hit, ray.direction);
     if (scene.materials[surface.material].unlit) return;
     path.throughput *= shared.absorption.transmittance(path.media, hit.t);
-    if (vertex == 1 && scene.materials[surface.material].emissive() && samples_lights(shared.params)) {
+    if (path.light.pdf_sa > 0 && scene.materials[surface.material].emissive()) {
         const Rgb emitted = emitted_radiance(scene, {hit.instance, hit.triangle, hit.u, hit.v}, surface.front_side);
         if (!is_black(emitted))
             add_direct(image, origin, path, emitted,
-                       shared.lights.pdf_triangle(origin.surface.position, origin.lit_normal, hit.instance,
+                       shared.lights.pdf_triangle(path.light.position, path.light.lit_normal, hit.instance,
                                                   hit.triangle, ray.direction, hit.t));
     }
+    if (path.lights_only || path.scatterings >= shared.max_scatterings) return;
 
     const Bsdf bsdf = make_bsdf(scene, surface, path.media.outside_ior(scene, surface.material, !surface.front_side));
     const Bsdf rough = bsdf.is_lambert() ? bsdf : bsdf.rough_part(shared.params.glossy_threshold);
@@ -201,11 +201,14 @@ void FinalGather::shade(const PhotonMappingScene& shared, const PassMaps& maps, 
     if (rough.scatters()) {
         const vec2 choice = sampler.sample_2d(origin.key, sample_set(vertex, VertexSet::LightChoiceAndRoulette));
         const vec3 lit_normal = rough.has_non_delta_transmission() ? vec3(0) : surface.shading.normal;
+        // One ray by f_d beside one light sample.
+        const bool looks_for_lights = shared.lights_can_be_met && !rough.is_diffuse();
         LightSample light;
         if (shared.lights.sample(surface.position, lit_normal, choice.x,
                                  sampler.sample_2d(origin.key, sample_set(vertex, VertexSet::LightPoint)), light)) {
-            const Rgb radiance =
-                to_pixel * rough.f_cos(wo, surface.shading.to_local(light.wi)) * light.radiance_over_pdf;
+            const BsdfValue f = rough.evaluate(wo, surface.shading.to_local(light.wi));
+            const float weight = looks_for_lights && !light.delta ? power_heuristic(light.pdf_sa, f.pdf_sa) : 1.0f;
+            const Rgb radiance = weight * to_pixel * f.f_cos * light.radiance_over_pdf;
             if (!is_black(radiance)) {
                 switch (light_seen(maps, surface, light, neighbours_)) {
                     case LightSeen::Whole: image.indirect[origin.pixel] += radiance; break;
@@ -223,9 +226,14 @@ void FinalGather::shade(const PhotonMappingScene& shared, const PassMaps& maps, 
         const bool near = vertex == 1 && hit.t < shared.search_radius_m;
         RadianceEstimate global = near ? estimate_global(shared, maps, surface, rough, wo, most, neighbours_)
                                        : estimate_global_at_end(shared, maps, surface, rough, wo, most, neighbours_);
-        if (near && hit.t < global.radius_m) {
-            global = {};
-            follow(path, surface, rough.sample(wo, choice.y, direction), kCertain);
+        const bool goes_on = near && hit.t < global.radius_m;
+        if (goes_on) global = {};
+        if (goes_on || looks_for_lights) {
+            const BsdfSample next = rough.sample(wo, choice.y, direction);
+            if (GatherPath* const followed = follow(path, surface, next, kCertain)) {
+                followed->lights_only = !goes_on;
+                followed->light = {surface.position, lit_normal, looks_for_lights ? next.pdf_sa : 0.0f};
+            }
         }
         image.indirect[origin.pixel] += to_pixel * (caustic.radiance + global.radiance);
         if (!image.photon_count.empty())
@@ -240,10 +248,11 @@ void FinalGather::shade(const PhotonMappingScene& shared, const PassMaps& maps, 
     follow(path, surface, specular.sample(wo, lobe.x, direction), lobe.y);
 }
 
-/// Goes on as sampled, unless Russian roulette with the number `roulette` ends the path; kCertain: it does not.
-void FinalGather::follow(const GatherPath& path, const ShadingPoint& surface, const BsdfSample& sample,
-                         float roulette) {
-    if (!sample.valid()) return;
+/// Goes on as sampled, unless Russian roulette with the number `roulette` ends the path; kCertain: it does not. Lights
+/// that it meets do not count, unless the path returned is told so; null where it ended.
+FinalGather::GatherPath* FinalGather::follow(const GatherPath& path, const ShadingPoint& surface,
+                                             const BsdfSample& sample, float roulette) {
+    if (!sample.valid()) return nullptr;
     GatherPath next = path;
     next.throughput *= sample.weight;
     if (sample.refraction) {
@@ -252,13 +261,15 @@ void FinalGather::follow(const GatherPath& path, const ShadingPoint& surface, co
     }
     if (roulette != kCertain) {
         const float survival = std::min(max_component(next.throughput) * next.eta_scale, kMaxSurvival);
-        if (!(roulette < survival)) return;
+        if (!(roulette < survival)) return nullptr;
         next.throughput /= survival;
     }
+    next.light = {};
     ++next.scatterings;
     const vec3 wi = surface.shading.to_world(sample.wi);
     next_rays_[next_count_] = {ray_origin(surface, wi), wi, kInfinity};
-    next_paths_[next_count_++] = next;
+    next_paths_[next_count_] = next;
+    return &next_paths_[next_count_++];
 }
 
 void FinalGather::trace_shadow_rays(const PhotonMappingScene& shared, PassImage& image, Counts& counts) {

@@ -5,9 +5,10 @@
 // f_d scatters there: of the lights (one sample), of the caustic map, of the global map. Specular parts met on the way
 // are followed; light that comes through them alone belongs to the caustic map where the ray began, and is not added.
 //
-// A ray that meets a light itself is one more sample of the direct light at the point: it is weighed against the light
-// samples drawn there, as many as both are, by the power heuristic. Rays drawn by photons look elsewhere, and are not
-// used for that.
+// At an end that reflects more than Lambert's way, one more ray by f_d looks for lights: lobes only just too wide to be
+// specular hardly ever shine at a light sample, and then much. A ray that meets a light itself is likewise one more
+// sample of the direct light at the point: it is weighed against the light samples drawn there, as many as both are, by
+// the power heuristic. Rays drawn by photons look elsewhere, and are not used for that.
 
 #include <span>
 #include <vector>
@@ -58,14 +59,22 @@ public:
                 std::span<const GatherPoint> points, PassImage& image, Counts& counts, const CancelToken& cancel);
 
 private:
+    /// The direct light of a vertex, of which a ray that meets a light there is a sample.
+    struct SampledLight {
+        vec3 position;  // of the vertex; with lit_normal as given to the light sampler
+        vec3 lit_normal;
+        float pdf_sa = 0;  // of the ray's direction, times its rays over its light samples; 0: lights do not count
+    };
+
     /// A gather ray between two of its vertices.
     struct GatherPath {
         Rgb throughput;   // since the point
         float eta_scale;  // since the point, as in EyePath
-        float pdf_sa;     // with which its first direction was drawn
         uint32_t point;   // index in the batch
         uint32_t ray;     // index among the point's, that of its sampler
         uint32_t scatterings;
+        bool lights_only;  // what it meets scatters nothing
+        SampledLight light;
         MediumStack media;
     };
 
@@ -73,18 +82,17 @@ private:
                       std::span<const GatherPoint> points, PassImage& image, Counts& counts);
     void start_rays(const PhotonMappingScene& shared, const PassMaps& maps, const SplitSamplers& samplers,
                     std::span<const GatherPoint> points);
-    void sort_hits(const PhotonMappingScene& shared, std::span<const GatherPoint> points, uint32_t vertex,
-                   PassImage& image);
+    void sort_hits(const PhotonMappingScene& shared, std::span<const GatherPoint> points, PassImage& image);
     void shade(const PhotonMappingScene& shared, const PassMaps& maps, const SplitSamplers& samplers,
                const GatherPoint& origin, uint32_t vertex, uint32_t i, PassImage& image);
-    void follow(const GatherPath& path, const ShadingPoint& surface, const BsdfSample& sample, float roulette);
+    GatherPath* follow(const GatherPath& path, const ShadingPoint& surface, const BsdfSample& sample, float roulette);
     static void add_direct(PassImage& image, const GatherPoint& origin, const GatherPath& path, const Rgb& radiance,
                            float light_pdf);
     void trace_shadow_rays(const PhotonMappingScene& shared, PassImage& image, Counts& counts);
 
-    // A ray's path may part at its first end, into one by the specular and one by the rough part. These hold kPaths;
-    // how many count is said here.
-    static constexpr size_t kPaths = 2 * size_t{kRays};
+    // A ray's path may part at its first end, into one by the specular and one by the rough part, and each end may send
+    // one more ray to look for lights. These hold kPaths; how many count is said here.
+    static constexpr size_t kPaths = 4 * size_t{kRays};
     size_t count_ = 0;  // of the rays under way
     size_t next_count_ = 0;
     size_t shadow_count_ = 0;

@@ -38,6 +38,7 @@ struct PhotonMappingScene : EyeScene {
 
     const PhotonMappingParams params;
     const float search_radius_m;
+    const bool lights_can_be_met = !scene.triangle_lights.empty() || scene.environment.has_value();
     std::optional<SurfaceBoundary> boundary;
     EstimateSettings estimate;
 };

@@ -59,7 +59,7 @@ struct PhotonMappingParams final : MethodParams {
 /// `glossy_threshold`; f_d: all others; L_l light from the lights, L_c light that came through specular scatterings
 /// only, L_d the rest):
 ///
-///   L_r = int f L_l cos      A   light sampling; f_s's share joined with B, f_d's with gather rays that meet lights,
+///   L_r = int f L_l cos      A   light samples; f_s's share joined with B, f_d's with gather rays that meet lights,
 ///                                by multiple importance sampling
 ///       + int f_s (L_c + L_d) B  the eye path goes on by sampling f_s
 ///       + int f_d L_c cos    C   the caustic map
@@ -68,7 +68,8 @@ struct PhotonMappingParams final : MethodParams {
 /// At the end y of a gather ray the light that f_d scatters is direct + caustic + global; f_s there is followed. What
 /// f_s at y scatters of L_l and L_c came through specular scatterings only: it is C's at x, and not added. Where a ray
 /// is shorter than the radius of the global map's lookup at y, in corners, f_d at y is sampled for one more bounce
-/// instead of that lookup.
+/// instead of that lookup. Direct light at y has one light sample, and where f_d is more than Lambert's one ray
+/// drawn by f_d beside it.
 ///
 /// Strong on caustics, also those seen in mirrors, which no path from the eye finds; noise is low-frequency. Biased by
 /// the kernel's radius: density is smeared within it, and lost at edges unless `boundary` is "clip". Passes are
