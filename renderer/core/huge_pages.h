@@ -13,9 +13,8 @@ inline void prefer_huge_pages(void* memory, size_t bytes) {
     constexpr uintptr_t kPage = 4096;
     if (bytes < kHugePage) return;
     // From the start of the allocation's first page, which the system may have put on the boundary of a large one.
-    const auto begin = reinterpret_cast<uintptr_t>(memory) / kPage * kPage;
-    const auto end = (reinterpret_cast<uintptr_t>(memory) + bytes) / kPage * kPage;
-    madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
+    const size_t into_page = reinterpret_cast<uintptr_t>(memory) % kPage;
+    madvise(static_cast<char*>(memory) - into_page, (into_page + bytes) / kPage * kPage, MADV_HUGEPAGE);
 }
 
 }  // namespace photond
