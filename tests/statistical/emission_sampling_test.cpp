@@ -13,35 +13,21 @@
 #include "renderer/transport/emission.h"
 #include "renderer/transport/environment_sampling.h"
 #include "renderer/transport/light_sampling.h"
+#include "tests/support/scene_parts.h"
 #include "tests/support/statistics.h"
 
 namespace photond {
 namespace {
 
+using test::add;
 using test::chi_square_probability;
+using test::emitting;
 using test::RunningMean;
 using test::share_of_false_alarm;
 using test::two_sided_z;
 
 constexpr double kFalseAlarm = 1e-6;  // of each test as a whole
 constexpr double kPiD = 3.14159265358979323846;
-
-void add(Scene& scene, Mesh mesh, const Material& material) {
-    mesh.material = static_cast<uint32_t>(scene.materials.size());
-    scene.materials.push_back(material);
-    Instance instance;
-    instance.mesh = static_cast<uint32_t>(scene.meshes.size());
-    scene.meshes.push_back(std::move(mesh));
-    scene.instances.push_back(instance);
-}
-
-Material emitting(const Rgb& radiance, bool two_sided = false) {
-    Material material;
-    material.base_color = Rgb(0);
-    material.emission = radiance;
-    material.double_sided = two_sided;
-    return material;
-}
 
 /// A floor of 2 m by 2 m at height 0, front side up. Its patch of 1 m by 1 m in the middle is what photons are counted
 /// on.

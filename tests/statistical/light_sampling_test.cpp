@@ -9,34 +9,20 @@
 #include "renderer/core/rng.h"
 #include "renderer/scene/mesh_builder.h"
 #include "renderer/transport/light_sampling.h"
+#include "tests/support/scene_parts.h"
 #include "tests/support/statistics.h"
 
 namespace photond {
 namespace {
 
+using test::add;
 using test::chi_square_probability;
+using test::emitting;
 using test::RunningMean;
 using test::share_of_false_alarm;
 using test::two_sided_z;
 
 constexpr double kFalseAlarm = 1e-6;  // of each test as a whole
-
-Material emitting(const Rgb& radiance, bool two_sided = false) {
-    Material material;
-    material.base_color = Rgb(0);
-    material.emission = radiance;
-    material.double_sided = two_sided;
-    return material;
-}
-
-void add(Scene& scene, Mesh mesh, const Material& material) {
-    mesh.material = static_cast<uint32_t>(scene.materials.size());
-    scene.materials.push_back(material);
-    Instance instance;
-    instance.mesh = static_cast<uint32_t>(scene.meshes.size());
-    scene.meshes.push_back(std::move(mesh));
-    scene.instances.push_back(instance);
-}
 
 /// Light downwards from a rectangle of the given size whose centre is at `centre`.
 Mesh ceiling_panel(const vec3& centre, float width, float depth) {

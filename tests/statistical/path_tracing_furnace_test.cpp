@@ -6,10 +6,13 @@
 #include "renderer/scene/builtin_scenes.h"
 #include "renderer/scene/mesh_builder.h"
 #include "tests/support/render.h"
+#include "tests/support/scene_parts.h"
 #include "tests/support/statistics.h"
 
 namespace photond {
 namespace {
+
+using test::lambert;
 
 constexpr double kFalseAlarm = 1e-6;
 constexpr size_t kChecks = 24;
@@ -35,15 +38,6 @@ Scene closed_sphere(const Material& wall) {
     scene.cameras = {camera};
     finish_scene(scene);
     return scene;
-}
-
-Material lambert(float albedo, float emission) {
-    Material m;
-    m.base_color = Rgb(albedo);
-    m.metallic = 0;
-    m.specular = 0;
-    m.emission = Rgb(emission);
-    return m;
 }
 
 double mean_layer(const Scene& scene, Layer layer, uint64_t seed, uint32_t passes,

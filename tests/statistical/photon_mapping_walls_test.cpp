@@ -6,20 +6,14 @@
 #include "renderer/methods/photon_mapping/photon_mapping.h"
 #include "renderer/scene/mesh_builder.h"
 #include "tests/support/render.h"
+#include "tests/support/scene_parts.h"
 
 namespace photond {
 namespace {
 
-constexpr float kLength = 4;  // [m], along x about the origin; 2 high and 2 wide
+using test::lambert;
 
-Material lambert(float albedo, float emission = 0) {
-    Material m;
-    m.base_color = Rgb(albedo);
-    m.metallic = 0;
-    m.specular = 0;
-    m.emission = Rgb(emission);
-    return m;
-}
+constexpr float kLength = 4;  // [m], along x about the origin; 2 high and 2 wide
 
 /// The lamp is the end at -x; floor, ceiling and sides have `tunnel_albedo`.
 Scene divided_tunnel(float thickness, float tunnel_albedo) {

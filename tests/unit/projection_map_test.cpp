@@ -14,27 +14,20 @@
 #include "renderer/scene/builtin_scenes.h"
 #include "renderer/scene/mesh_builder.h"
 #include "renderer/transport/bsdf.h"
+#include "tests/support/scene_parts.h"
 #include "tests/support/statistics.h"
 #include "tests/support/threads.h"
 
 namespace photond {
 namespace {
 
+using test::add;
 using test::RunningMean;
 using test::share_of_false_alarm;
 using test::two_sided_z;
 
 constexpr double kFalseAlarm = 1e-6;  // of each test as a whole
 constexpr float kGlossyThreshold = 0.05f;
-
-void add(Scene& scene, Mesh mesh, const Material& material) {
-    mesh.material = static_cast<uint32_t>(scene.materials.size());
-    scene.materials.push_back(material);
-    Instance instance;
-    instance.mesh = static_cast<uint32_t>(scene.meshes.size());
-    scene.meshes.push_back(std::move(mesh));
-    scene.instances.push_back(instance);
-}
 
 Material grey() {
     Material material;
