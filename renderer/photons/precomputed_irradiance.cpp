@@ -16,34 +16,36 @@ PrecomputedIrradiance::PrecomputedIrradiance(const PhotonMap& map, const Estimat
     std::vector<uint32_t> order(count);
     tree_ = KdTree(points, order);
 
-    irradiance_.resize(count);
+    found_.resize(count);
     normals_.resize(count);
     ThreadLocal<Neighbours> scratch;
     parallel_for(count, 64, [&](size_t i) {
         const uint32_t index = photon(order[i]);
         const vec3 normal = map.payload(index).normal();
         normals_[i] = Octahedral<16>::encode(normal);
-        irradiance_[i] =
-            estimate_irradiance(map, settings, map.position(index), normal, most_scatterings, scratch.local());
+        Neighbours& neighbours = scratch.local();
+        found_[i].irradiance =
+            estimate_irradiance(map, settings, map.position(index), normal, most_scatterings, neighbours);
+        found_[i].radius_m = neighbours.radius_m;
     });
 }
 
-bool PrecomputedIrradiance::find(const vec3& position, const vec3& normal, Rgb& irradiance) const {
+std::optional<PrecomputedIrradiance::Found> PrecomputedIrradiance::find(const vec3& position,
+                                                                        const vec3& normal) const {
     const uint32_t nearest = tree_.find_one(position, search_radius_m_, [&](uint32_t index) {
         return glm::dot(Octahedral<16>::decode(normals_[index]), normal) >= kDiscCosine;
     });
-    if (nearest == tree_.size()) return false;
-    irradiance = irradiance_[nearest];
-    return true;
+    if (nearest == tree_.size()) return std::nullopt;
+    return found_[nearest];
 }
 
 uint64_t PrecomputedIrradiance::bytes() const {
-    return tree_.bytes() + irradiance_.capacity() * sizeof(Rgb) + normals_.capacity() * sizeof(uint32_t);
+    return tree_.bytes() + found_.capacity() * sizeof(Found) + normals_.capacity() * sizeof(uint32_t);
 }
 
 uint64_t PrecomputedIrradiance::bytes_for(uint64_t photons_in_map) {
     const uint64_t count = (photons_in_map + kEvery - 1) / kEvery;
-    return KdTree::bytes_for(count) + count * (sizeof(Rgb) + sizeof(uint32_t));
+    return KdTree::bytes_for(count) + count * (sizeof(Found) + sizeof(uint32_t));
 }
 
 }  // namespace photond

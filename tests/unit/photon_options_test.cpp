@@ -44,14 +44,14 @@ TEST(PrecomputedIrradiance, IsThatOfTheNearestOfItsPhotonsOnTheSameSide) {
             if (map.payload(i).normal().y * normal.y > 0 && glm::dot(d, d) < least) least = glm::dot(d, d), nearest = i;
         }
         const Rgb expected = estimate_irradiance(map, settings, map.position(nearest), normal, kMost, scratch);
-        Rgb irradiance(0);
-        ASSERT_TRUE(precomputed.find(p, normal, irradiance));
-        EXPECT_EQ(irradiance, expected);
+        const auto found = precomputed.find(p, normal);
+        ASSERT_TRUE(found);
+        EXPECT_EQ(found->irradiance, expected);
+        EXPECT_EQ(found->radius_m, scratch.radius_m);
     }
-    Rgb irradiance(0);
-    EXPECT_FALSE(precomputed.find({0.5f, 2, 0.5f}, {0, 1, 0}, irradiance)) << "farther than the search radius";
-    EXPECT_FALSE(precomputed.find({0.5f, 0, 0.5f}, {1, 0, 0}, irradiance)) << "no photon faces that way";
-    EXPECT_FALSE(PrecomputedIrradiance(PhotonMap(), settings, 1).find({0, 0, 0}, {0, 1, 0}, irradiance));
+    EXPECT_FALSE(precomputed.find({0.5f, 2, 0.5f}, {0, 1, 0})) << "farther than the search radius";
+    EXPECT_FALSE(precomputed.find({0.5f, 0, 0.5f}, {1, 0, 0})) << "no photon faces that way";
+    EXPECT_FALSE(PrecomputedIrradiance(PhotonMap(), settings, 1).find({0, 0, 0}, {0, 1, 0}));
 }
 
 /// A floor under a small lamp, a plate between them.

@@ -223,10 +223,8 @@ void FinalGather::shade(const PhotonMappingScene& shared, const PassMaps& maps, 
         const RadianceEstimate caustic = estimate_caustic(shared, maps, surface, rough, wo, most, neighbours_);
         // A ray shorter than the radius of the lookup at its end begins where the disc is: in a corner, where density
         // is smeared and lost at the edge, and where all short rays see the same error. It goes on for one bounce.
-        const bool near = vertex == 1 && hit.t < shared.search_radius_m;
-        RadianceEstimate global = near ? estimate_global(shared, maps, surface, rough, wo, most, neighbours_)
-                                       : estimate_global_at_end(shared, maps, surface, rough, wo, most, neighbours_);
-        const bool goes_on = near && hit.t < global.radius_m;
+        RadianceEstimate global = estimate_global_at_end(shared, maps, surface, rough, wo, most, neighbours_);
+        const bool goes_on = vertex == 1 && hit.t < global.radius_m;
         if (goes_on) global = {};
         if (goes_on || looks_for_lights) {
             const BsdfSample next = rough.sample(wo, choice.y, direction);

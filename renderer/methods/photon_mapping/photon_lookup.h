@@ -67,10 +67,12 @@ inline RadianceEstimate estimate_global_at_end(const PhotonMappingScene& shared,
     if (!maps.irradiance || maps.irradiance->most_scatterings() != most_scatterings ||
         rough.has_non_delta_transmission())
         return estimate_global(shared, maps, surface, rough, wo, most_scatterings, scratch);
+    const auto found = maps.irradiance->find(surface.position, surface.geometric_normal);
     RadianceEstimate estimate;
-    Rgb irradiance;
-    if (maps.irradiance->find(surface.position, surface.geometric_normal, irradiance)) {
-        estimate.radiance = rough.albedo() * kInvPi * irradiance;
+    // Where nothing is found the disc is as large as discs get.
+    estimate.radius_m = found ? found->radius_m : shared.search_radius_m;
+    if (found) {
+        estimate.radiance = rough.albedo() * kInvPi * found->irradiance;
         estimate.photons = 1;
     }
     return estimate;
