@@ -9,7 +9,14 @@
 namespace photond {
 
 /// Keeps uses of the same (seed, pass, stream) apart: a reference never shares numbers with the job it judges.
-enum class RandomDomain : uint32_t { Camera = 1, Photons = 2, Reference = 3, Test = 4, BuiltinScene = 5, ShadowPhotons = 6 };
+enum class RandomDomain : uint32_t {
+    Camera = 1,
+    Photons = 2,
+    Reference = 3,
+    Test = 4,
+    BuiltinScene = 5,
+    ShadowPhotons = 6
+};
 
 /// A good 32-bit mixing function. [Wellons 2018] "Prospecting for Hash Functions", lowbias32.
 constexpr uint32_t hash32(uint32_t x) {

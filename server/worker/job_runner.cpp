@@ -226,7 +226,8 @@ void JobRunner::run(const json& order, JobControl& control) noexcept {
 }
 
 void JobRunner::render(const json& order, JobControl& control, Report& report) {
-    const json job = order.at("job"), attempt = order.value("attempt", json(nullptr));
+    const json& job = order.at("job");
+    const json attempt = order.value("attempt", json(nullptr));
     send_({{"type", "started"}, {"job", job}, {"attempt", attempt}});
     const JobRequest request = parse_job_request(order.at("request"), worker_vocabulary());
     const std::unique_ptr<Method> method = make_method(request);

@@ -16,17 +16,21 @@ json per_second(double count, double seconds) { return seconds > 0 ? json(count 
 
 void flatten(const std::string& name, const json& value, std::vector<ImageAttribute>& attributes) {
     if (value.is_null()) return;
+    const auto below = [&name](const std::string& key) {
+        std::string path = name;
+        return path.append(".").append(key);
+    };
     if (value.is_object()) {
-        for (const auto& [key, member] : value.items()) flatten(name + "." + key, member, attributes);
+        for (const auto& [key, member] : value.items()) flatten(below(key), member, attributes);
     } else if (value.is_array()) {
         for (size_t i = 0; i < value.size(); ++i) {
             const json& item = value[i];
             if (item.is_object() && item.contains("name") && item["name"].is_string()) {
                 json rest = item;
                 rest.erase("name");
-                flatten(name + "." + item["name"].get<std::string>(), rest, attributes);
+                flatten(below(item["name"].get<std::string>()), rest, attributes);
             } else {
-                flatten(name + "." + std::to_string(i), item, attributes);
+                flatten(below(std::to_string(i)), item, attributes);
             }
         }
     } else if (value.is_string()) {

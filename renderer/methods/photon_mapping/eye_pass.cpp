@@ -1,6 +1,6 @@
 #include "renderer/methods/photon_mapping/eye_pass.h"
 
-#include "renderer/methods/eye_contributions.h"
+#include "renderer/methods/eye_vertex.h"
 #include "renderer/transport/hit_prefetch.h"
 
 namespace photond {
@@ -104,36 +104,15 @@ void EyePass::draw_numbers(const PassSampler& sampler, uint32_t vertex) {
 /// count.
 bool EyePass::shade_vertex(const PhotonMappingScene& shared, const PassMaps& maps, const SplitSamplers& light_samplers,
                            uint32_t vertex, uint32_t i, PassImage& image, Counts& counts) {
-    const Scene& scene = shared.scene;
     EyePath& path = next_paths_[next_count_];
     path = paths_[i];
-    const Ray& ray = rays_[i];
-    const Hit& hit = hits_[i];
-
-    const ShadingPoint surface = make_shading_point(scene, hit, ray.direction);
-    const Material& material = scene.materials[surface.material];
-    if (vertex == 0) store_first_hit(image, shared, path.pixel, surface.position, surface.shading.normal);
-    const bool camera_walk = path.scatterings == 0;
-    if (material.unlit) {
-        if (!camera_walk) return false;
-        const Rgb radiance = unlit_radiance(scene, {hit.instance, hit.triangle, hit.u, hit.v});
-        add_radiance(image, path, path.throughput * radiance);
-        if (!image.albedo.empty()) image.albedo[path.pixel] = radiance;
-        return false;
-    }
     // Only specular parts are followed: their density is what the path's pdf_sa says, and light samples are weighed by.
-    if (material.emissive()) add_emission(image, shared, path, hit, surface.front_side, ray.direction);
-    if (path.scatterings >= shared.max_scatterings) return false;
-
-    const Bsdf bsdf = make_bsdf(scene, surface, path.media.outside_ior(scene, surface.material, !surface.front_side));
-    const vec3 wo = surface.shading.to_local(-ray.direction);
-    if (camera_walk && !image.albedo.empty() && bsdf.has_non_delta() && is_black(image.albedo[path.pixel]))
-        image.albedo[path.pixel] = bsdf.albedo();
+    EyeVertex met;
+    if (!meet_surface(shared, path, vertex, hits_[i], rays_[i], image, met)) return false;
+    const auto& [surface, bsdf, wo] = met;
     const float threshold = shared.params.glossy_threshold;
     const Bsdf specular = bsdf.specular_part(threshold), rough = bsdf.rough_part(threshold);
 
-    path.position = surface.position;
-    path.lit_normal = bsdf.has_non_delta_transmission() ? vec3(0) : surface.shading.normal;
     const bool gathers = rough.scatters() && path.scatterings + 2 <= shared.max_scatterings;
     const auto split = [&](uint32_t all) { return split_of(all, path.throughput, path.eta_scale); };
     const uint32_t light_samples = split(shared.params.most_light_samples());
@@ -149,34 +128,10 @@ bool EyePass::shade_vertex(const PhotonMappingScene& shared, const PassMaps& map
                                   path.media, FinalGather::key(keys_[i], vertex), gather_rays, light_samples,
                                   path.lit_normal});
 
-    const BsdfSample next = specular.sample(wo, lobe_.x[i], {direction_.x[i], direction_.y[i]});
-    if (!next.valid()) return false;
-    path.throughput *= next.weight;
-    path.pdf_sa = next.pdf_sa / static_cast<float>(light_samples);
-    path.delta = next.delta;
-    if (!(camera_walk && next.delta)) {
-        path.caustic = camera_walk || (path.caustic && next.delta);
-        ++path.scatterings;
-    }
-    if (next.refraction) {
-        path.eta_scale *= sqr(next.eta);
-        path.media.cross(surface.material, surface.front_side);
-    }
-    if (!is_finite(path.throughput)) {  // shown, not hidden: the film drops and counts it
-        add_radiance(image, path, path.throughput);
-        return false;
-    }
-    // What the throughput would be outside of all solids decides: inside, radiance is larger by the squared index.
-    const float hope = max_component(path.throughput) * path.eta_scale;
-    if (!(hope > 0)) return false;
-    if (vertex + 1 >= kRouletteStart) {
-        const float survival = std::min(hope, kMaxSurvival);
-        if (roulette_.y[i] >= survival) return false;
-        path.throughput /= survival;
-    }
-    const vec3 wi = surface.shading.to_world(next.wi);
-    next_rays_[next_count_] = {ray_origin(surface, wi), wi, kInfinity};
-    return true;
+    const bool on = leave_surface(path, surface, specular.sample(wo, lobe_.x[i], {direction_.x[i], direction_.y[i]}),
+                                  vertex + 1 >= kRouletteStart, roulette_.y[i], image, next_rays_[next_count_]);
+    path.pdf_sa /= static_cast<float>(light_samples);
+    return on;
 }
 
 /// Draws the point's light samples. The specular part's share of them competes with the direction that the path goes on

@@ -6,12 +6,13 @@ namespace photond {
 namespace {
 
 // Over the radius of the scene's bounding sphere. A nearest search hardly ever comes to its limit where there is light:
-// it bounds the time where there is next to none. The fixed radius is a compromise of noise and blur for some 1e5
+// it bounds the time where there is next to none (0.1 instead makes the `interior`'s final gathering 1.2 times as slow,
+// with clipped discs 1.6 times, for the same mean). The fixed radius is a compromise of noise and blur for some 1e5
 // photons.
-constexpr float kLimitRelative = 0.1f;
+constexpr float kLimitRelative = 0.05f;
 constexpr float kRadiusRelative = 0.03f;
 
-constexpr uint32_t kGatherRaysToLightSample = 8;
+constexpr uint32_t kGatherRaysToLightSample = 4;
 
 float given_radius_m(const PhotonMappingParams& params, float relative, float scene_radius_m) {
     if (params.radius_m) return *params.radius_m;
@@ -43,7 +44,7 @@ void PhotonMappingParams::visit(ParamVisitor& visitor) {
     visitor.field("gather_rays", gather_rays, {"rays", 1, 4096, "of a final gather at a vertex the eye sees directly"});
     visitor.field("light_samples", light_samples,
                   {"samples", 1, 1024,
-                   "light samples at a vertex the eye sees directly; when not given an eighth of gather_rays for final "
+                   "light samples at a vertex the eye sees directly; when not given a quarter of gather_rays for final "
                    "gathering, one otherwise"});
     visitor.enumeration("gather_sampling", gather_sampling,
                         {kGatherSamplings,
@@ -66,7 +67,7 @@ void PhotonMappingParams::visit(ParamVisitor& visitor) {
     visitor.field("radius_relative", radius_relative,
                   {"", 1e-9, 1e3,
                    "the same, over the radius of the scene's bounding sphere; 0.03 for search radius and "
-                   "0.1 for search nearest when neither is given"});
+                   "0.05 for search nearest when neither is given"});
     visitor.enumeration("kernel", kernel, {kKernels, "weight of a photon by its distance"});
     visitor.field("cone_k", cone_k, {"", 1, 1e6, "of the cone kernel: it falls to 1 - 1/k at the rim"});
     visitor.field("disc_thickness", disc_thickness_m,
