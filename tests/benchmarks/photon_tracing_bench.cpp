@@ -4,9 +4,10 @@
 // The yardstick is Embree through its C interface (bare_embree.h), packets of eight or single rays, whichever is the
 // faster, tracing what pass 0 has asked for, batch by batch.
 //
-// Measured on two cores of a Xeon (AVX-512) that others were using as well, share of Embree in photon tracing and
-// nanoseconds a ray: cornell-box 97 % of 75 (Embree loses to the renderer's own structure there), interior 62.5 % of
-// 316, cornell_diffuse_dragon 62.6 % of 166, sponza_crytek 57.5 % of 244 (1.13 rays a path, as the sun is outside).
+// Measured on two quiet cores (AMD Zen 4, AVX-512), share of Embree in photon tracing and nanoseconds a ray:
+// cornell-box 98 % of 75 (Embree loses to the renderer's own structure there), interior 64.7 % of 304,
+// cornell_diffuse_dragon 61.8 % of 165, sponza_crytek 59.1 % of 233 (1.13 rays a path, as the sun is outside). Two
+// threads: 1.96 to 2.01 times one.
 //
 // Usage: photon_tracing_bench [replay] [threads]; both of them without arguments.
 
