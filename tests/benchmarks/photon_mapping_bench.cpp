@@ -1,7 +1,7 @@
 // Photon mapping as a whole: seconds by stage, error over time beside path tracing, and the table of [Jensen 1996]
 // redone on our scenes. Prints tables; nothing passes or fails here.
 //
-// Measured on two quiet cores (AMD Zen 4, AVX-512). Wall seconds a pass of 512x512 with 200,000 photons, 50 nearest:
+// Measured on two quiet cores (Intel Xeon, AVX-512). Wall seconds a pass of 512x512 with 200,000 photons, 50 nearest:
 // direct 0.19, final (64 rays) 7.1, with clipped discs 8.6, with irradiance precomputed as well 2.8. relative_mse of
 // the indirect layer after about 22 s (its reference's own noise is 1.6e-3 of these):
 //   path_tracing 3.7e-3, direct 1.1e-2 (its bias), direct with clip 3.7e-3, final 4.8e-3, final with clip and

@@ -4,7 +4,7 @@
 // The yardstick is Embree through its C interface (bare_embree.h), packets of eight or single rays, whichever is the
 // faster, tracing what pass 0 has asked for, batch by batch.
 //
-// Measured on two quiet cores (AMD Zen 4, AVX-512), share of Embree in photon tracing and nanoseconds a ray:
+// Measured on two quiet cores (Intel Xeon, AVX-512), share of Embree in photon tracing and nanoseconds a ray:
 // cornell-box 98 % of 75 (Embree loses to the renderer's own structure there), interior 64.7 % of 304,
 // cornell_diffuse_dragon 61.8 % of 165, sponza_crytek 59.1 % of 233 (1.13 rays a path, as the sun is outside). Two
 // threads: 1.96 to 2.01 times one.
