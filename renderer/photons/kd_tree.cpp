@@ -94,7 +94,6 @@ uint64_t KdTree::build_bytes_for(uint64_t points) { return points * (sizeof(vec3
 
 void KdTree::find_nearest(const vec3& p, uint32_t k, float max_radius_m, Neighbours& out) const {
     assert(k >= 2);
-    assert((max_radius_m < kInfinity || size() >= k) && "a disc needs a radius");
     // The first bound is taken as soon as there are k; later ones when selecting costs little against what has come.
     const uint32_t slack = std::max(k / 4, 16u), full = k + 2 * slack;
     uint32_t limit = k;

@@ -37,7 +37,8 @@ public:
 
     /// The k nearest (k >= 2) within `max_radius_m` of p (strictly nearer): k - 1 of them in `out`, whose radius is the
     /// distance of the k-th; all of them, with max_radius_m, when there are fewer than k. Of points equally far as the
-    /// k-th any may be left out, but always the same for the same tree. max_radius_m may be infinite if size() >= k.
+    /// k-th any may be left out, but always the same for the same tree. max_radius_m may be infinite: so is then the
+    /// disc of fewer than k.
     void find_nearest(const vec3& p, uint32_t k, float max_radius_m, Neighbours& out) const;
 
     /// The point nearest to p among those strictly nearer than max_radius_m that `accept(index)` takes; size() when
