@@ -293,8 +293,8 @@ void PhotonWavefront::shade_general(const PhotonTracingScene& shared, uint32_t s
     }
 }
 
-/// Stores the photon and draws the next ray. False: the path ends, and what
-/// stands in the place of the next path does not count.
+/// Stores the photon and draws the next ray. False: the path ends, and what stands in the place of the next path does
+/// not count.
 bool PhotonWavefront::scatter_general(const PhotonTracingScene& shared, size_t place, uint32_t scatterings,
                                       PhotonCounts& counts) {
     const Scene& scene = shared.scene;
@@ -315,8 +315,7 @@ bool PhotonWavefront::scatter_general(const PhotonTracingScene& shared, size_t p
         store(path, point.position, point.geometric_normal, wi_world, scatterings);
     if (scatterings >= tracing.most_scatterings) return false;
 
-    // Each part is tried; one number then chooses between them and absorption, by
-    // what they leave of the power.
+    // Each part is tried; one number then chooses between them and absorption, by what they leave of the power.
     const vec2 u(direction_.x[place], direction_.y[place]);
     const float u_lobe = choice_.y[place];
     PhotonScattering by_specular, by_rough;
