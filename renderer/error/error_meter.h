@@ -1,0 +1,73 @@
+#pragma once
+// An image against a reference: every measure of conventions.md, "Error". Images are one layer's pixels: scene-linear
+// RGB, interleaved, row 0 at the top, three floats a pixel.
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "renderer/core/geometry.h"
+#include "renderer/error/flip.h"
+#include "renderer/error/metric.h"
+
+namespace photond {
+
+/// What one sweep over the pixels gives. A member is empty where its definition divides by a mean of r that is 0, or
+/// where no value is left. Values where x or r is not finite are left out of every mean and counted.
+struct PointwiseErrors {
+    std::optional<double> relative_mse, rmse, mae, smape, rmse_8bit;
+    std::array<std::optional<double>, 3> bias, relative_bias;  // by channel
+    uint64_t left_out = 0;                                     // values (not pixels)
+};
+
+/// Measures images of one layer against one reference, and keeps whatever of that depends on the reference alone.
+/// Thread-safe.
+class ErrorMeter {
+public:
+    /// `reference`: 3 * size.pixels() values.
+    ErrorMeter(Size2 size, std::vector<float> reference);
+    ~ErrorMeter();
+
+    Size2 size() const { return size_; }
+    std::span<const float> reference() const { return reference_; }
+    /// m: mean of r over pixels and channels, its finite values.
+    double reference_mean() const { return mean_; }
+
+    /// All below take an image of the reference's size (asserted).
+    PointwiseErrors pointwise(std::span<const float> image) const;
+    /// Percentiles 50, 90, 99, 100 (the smallest value that at least so many percent of the pixels do not exceed) of
+    /// the pixel's relative error: the root of its mean over channels of (x - r)^2 / (r^2 + 0.01 m^2). Pixels with a
+    /// value that is not finite are left out. Empty when m = 0.
+    std::optional<std::array<double, 4>> percentiles(std::span<const float> image) const;
+    /// Pixels whose luminance exceeds 100 x (median of their 5x5 neighbours + 0.01 m). The neighbourhood is cut at the
+    /// image's edge and leaves out its centre and what is not finite.
+    uint64_t firefly_count(std::span<const float> image) const;
+    FlipMap flip_ldr(std::span<const float> image) const;
+    FlipMap flip_hdr(std::span<const float> image) const;
+
+    /// The metric's values as many as MetricInfo::values says; empty where the definition gives none (m = 0), `why`
+    /// then says so. `metric` needs a reference.
+    std::vector<double> measure(Metric metric, std::span<const float> image, std::string* why = nullptr) const;
+    /// Of one sweep, the values of a metric that is not costly.
+    static std::vector<double> value_of(const PointwiseErrors& errors, Metric metric);
+
+private:
+    const Size2 size_;
+    const std::vector<float> reference_;
+    double mean_ = 0;
+    std::array<double, 3> channel_means_{};
+    std::vector<float> display_;  // 0..255, as rmse_8bit sees it
+    mutable std::mutex flip_mutex_;
+    mutable std::unique_ptr<const Flip> flip_ldr_, flip_hdr_;  // made when first asked for
+};
+
+/// Standard error of each channel's bias, from the variance of each value's mean (the image's own, pixels independent):
+/// sqrt(sum var) / count.
+std::array<double, 3> bias_standard_error(std::span<const float> variance_of_mean);
+
+}  // namespace photond

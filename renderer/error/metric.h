@@ -1,0 +1,81 @@
+#pragma once
+// The names of the error measures (conventions.md, "Error"): one table, read by requests, statistics and reports.
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace photond {
+
+enum class Metric : uint8_t {
+    RelativeMse,
+    Rmse,
+    Mae,
+    Smape,
+    Rmse8bit,
+    FlipLdr,
+    FlipHdr,
+    Bias,
+    RelativeBias,
+    Percentiles,
+    FireflyCount,
+    EstimatedRelativeMse,
+};
+
+struct MetricInfo {
+    Metric metric;
+    std::string_view name;
+    uint32_t values;       // 1: a number; 3: one a channel; 4: percentiles 50, 90, 99, 100
+    bool needs_reference;  // else it is estimated from the passes
+    bool costly;           // not one sweep over the pixels: measured when asked for by name
+    std::string_view text;
+};
+
+inline constexpr std::array<MetricInfo, 12> kMetrics{{
+    {Metric::RelativeMse, "relative_mse", 1, true, false, "mean of (x - r)^2 / (r^2 + 0.01 m^2), m the mean of r"},
+    {Metric::Rmse, "rmse", 1, true, false, "root of the mean squared difference"},
+    {Metric::Mae, "mae", 1, true, false, "mean absolute difference"},
+    {Metric::Smape, "smape", 1, true, false, "mean of 2 |x - r| / (|x| + |r| + 0.1 m)"},
+    {Metric::Rmse8bit, "rmse_8bit", 1, true, false, "RMS difference per channel at 8-bit sRGB, the three added"},
+    {Metric::FlipLdr, "flip_ldr", 1, true, true, "mean LDR-FLIP, 0 to 1"},
+    {Metric::FlipHdr, "flip_hdr", 1, true, true, "mean HDR-FLIP, 0 to 1"},
+    {Metric::Bias, "bias", 3, true, false, "mean of x - r, by channel"},
+    {Metric::RelativeBias, "relative_bias", 3, true, false, "bias over the channel's mean of r"},
+    {Metric::Percentiles, "percentiles", 4, true, true, "50, 90, 99 and 100 % of the pixels' relative error"},
+    {Metric::FireflyCount, "firefly_count", 1, true, true, "pixels over 100 times their neighbourhood's median"},
+    {Metric::EstimatedRelativeMse, "estimated_relative_mse", 1, false, false, "relative_mse expected from the passes"},
+}};
+constexpr const MetricInfo& metric_info(Metric metric) { return kMetrics[static_cast<size_t>(metric)]; }
+inline constexpr std::array<std::string_view, 4> kPercentileNames{"50", "90", "99", "100"};
+
+/// A metric of one layer: "relative_mse" is of the beauty, "indirect:relative_mse" of the indirect light.
+struct LayerMetric {
+    std::string layer = "beauty";
+    Metric metric = Metric::RelativeMse;
+
+    std::string name() const {
+        const std::string metric_name(metric_info(metric).name);
+        return layer == "beauty" ? metric_name : layer + ":" + metric_name;
+    }
+    bool operator==(const LayerMetric&) const = default;
+};
+
+/// Empty when there is no metric of that name; whether the layer exists is the caller's to know.
+inline std::optional<LayerMetric> layer_metric_named(std::string_view name) {
+    LayerMetric found;
+    if (const size_t colon = name.find(':'); colon != std::string_view::npos) {
+        found.layer = name.substr(0, colon);
+        name.remove_prefix(colon + 1);
+        if (found.layer.empty()) return std::nullopt;
+    }
+    for (const MetricInfo& info : kMetrics)
+        if (info.name == name) {
+            found.metric = info.metric;
+            return found;
+        }
+    return std::nullopt;
+}
+
+}  // namespace photond
