@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "renderer/core/parallel.h"
+#include "renderer/core/srgb.h"
 
 namespace photond {
 
@@ -28,10 +29,6 @@ std::optional<ToneCurve> tone_curve_named(std::string_view name) {
     for (size_t i = 0; i < kToneCurveNames.size(); ++i)
         if (kToneCurveNames[i] == name) return static_cast<ToneCurve>(i);
     return std::nullopt;
-}
-
-float srgb_encode(float linear) {
-    return linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1.0f / 2.4f) - 0.055f;
 }
 
 std::vector<uint8_t> tone_mapped(std::span<const float> rgb, float exposure_stops, ToneCurve curve) {

@@ -19,9 +19,6 @@ enum class ToneCurve : uint8_t {
 inline constexpr std::array<std::string_view, 2> kToneCurveNames{"srgb", "filmic"};
 std::optional<ToneCurve> tone_curve_named(std::string_view name);
 
-/// IEC 61966-2-1 encoding of a linear value in [0, 1].
-float srgb_encode(float linear);
-
 /// 8-bit sRGB of interleaved RGB radiance after scaling by 2^exposure_stops. A pixel that holds a NaN is magenta;
 /// infinity is full white in its channel, negative values are 0.
 std::vector<uint8_t> tone_mapped(std::span<const float> rgb, float exposure_stops, ToneCurve curve);

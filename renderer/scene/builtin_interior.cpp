@@ -1,5 +1,6 @@
 // A living room made in code: daylight through a window, lamps, wood, cloth, glass, metal, textures and instances.
 
+#include "renderer/core/srgb.h"
 #include "renderer/scene/builtin_families.h"
 #include "renderer/scene/builtin_furniture.h"
 
@@ -12,9 +13,7 @@ constexpr float kHalfWidth = 3, kHalfDepth = 2.5f, kHeight = 2.7f;
 constexpr float kWindowLow = 0.85f, kWindowHigh = 2.3f, kWindowHalf = 1.2f, kWallThickness = 0.25f;
 
 uint8_t to_srgb8(float linear) {
-    const float c = std::clamp(linear, 0.0f, 1.0f);
-    const float encoded = c <= 0.0031308f ? 12.92f * c : 1.055f * std::pow(c, 1 / 2.4f) - 0.055f;
-    return static_cast<uint8_t>(std::lround(encoded * 255));
+    return static_cast<uint8_t>(std::lround(255 * srgb_encode(std::clamp(linear, 0.0f, 1.0f))));
 }
 
 /// A texture from a function of (u, v) in [0, 1)^2 that gives linear reflectance.

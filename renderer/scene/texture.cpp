@@ -3,19 +3,19 @@
 #include <array>
 #include <cmath>
 
+#include "renderer/core/srgb.h"
+
 namespace photond {
 
 namespace {
 
 using Table = std::array<float, 256>;
 
-/// sRGB decoding of 8-bit codes, IEC 61966-2-1; computed once at start-up, so that lookups need no guard.
+/// sRGB decoding of 8-bit codes; computed once at start-up, so that lookups need no guard.
 const Table kSrgbToLinear = [] {
     Table table;
-    for (size_t code = 0; code < table.size(); ++code) {
-        const double x = static_cast<double>(code) / 255.0;
-        table[code] = static_cast<float>(x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4));
-    }
+    for (size_t code = 0; code < table.size(); ++code)
+        table[code] = static_cast<float>(srgb_decode(static_cast<double>(code) / 255.0));
     return table;
 }();
 
