@@ -122,27 +122,26 @@ bool is_device(const std::string& device) {
     return error == std::errc() && end == device.data() + device.size() && number < 1000;
 }
 
-void read_method(ObjectReader& body, const JobVocabulary& vocabulary, JobRequest& request) {
-    const json* source = body.member("method", true);
-    if (source == nullptr) return;
-    BodyFaults& faults = body.faults();
-    ObjectReader reader(*source, body.at("method"), faults);
+JobMethod read_method(const json& source, const std::string& pointer, const JobVocabulary& vocabulary,
+                      BodyFaults& faults) {
+    ObjectReader reader(source, pointer, faults);
     const auto name = reader.word("name", vocabulary.method_names, true);
     const auto device = reader.string("device", kMaxNameBytes);
     const json* parameters = reader.member("parameters");
     reader.finish();
 
+    JobMethod method;
     if (device) {
-        request.device = *device;
+        method.device = *device;
         if (!is_device(*device))
             faults.add(ErrorCode::UnknownName, reader.at("device"),
                        value_text(*device) + " is no device: \"cpu\", \"gpu\" or \"gpu:N\"");
     }
-    if (!name) return;  // which parameters there are is then unknown
-    request.method = *name;
-    if (is_device(request.device)) {
+    if (!name) return method;  // which parameters there are is then unknown
+    method.name = *name;
+    if (is_device(method.device)) {
         const std::vector<std::string> kinds = vocabulary.devices_of(*name);
-        const std::string kind = request.device.substr(0, 3);
+        const std::string kind = method.device.substr(0, 3);
         if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end())
             faults.add(ErrorCode::Unsupported, reader.at("device"),
                        "unsupported: the method \"" + *name + "\" does not run on a " + kind);
@@ -151,30 +150,98 @@ void read_method(ObjectReader& body, const JobVocabulary& vocabulary, JobRequest
     std::vector<Fault> found;
     read_params(*params, parameters != nullptr ? *parameters : json::object(), reader.at("parameters"), found);
     faults.take(ErrorCode::OutOfRange, std::move(found));
-    request.parameters = params_to_json(*params);
+    method.parameters = params_to_json(*params);
+    return method;
 }
 
-void read_stop(ObjectReader& body, JobRequest& request) {
-    const json* source = body.member("stop", true);
+std::optional<ErrorTarget> read_target(const json& source, const std::string& pointer, const JobVocabulary& vocabulary,
+                                       bool has_reference, BodyFaults& faults) {
+    ObjectReader reader(source, pointer, faults);
+    const auto metric = reader.string("metric", kMaxNameBytes, true);
+    const auto value = reader.number("value", {0, 1e30}, true);
+    reader.finish();
+    if (!metric || !value) return std::nullopt;
+    check_metric_name(*metric, reader.at("metric"), vocabulary, faults);
+    const auto& estimated = vocabulary.estimated_metrics;
+    if (!has_reference && std::find(estimated.begin(), estimated.end(), *metric) == estimated.end())
+        faults.add(ErrorCode::Conflict, reader.at("metric"),
+                   value_text(*metric) + " needs a reference; without one the metric is \"estimated_relative_mse\"");
+    return ErrorTarget{*metric, *value};
+}
+
+std::optional<JobReference> read_reference(const json& source, const std::string& pointer,
+                                           const JobVocabulary& vocabulary, BodyFaults& faults) {
+    JobReference reference;
+    if (source.is_string()) {
+        const auto text = source.get<std::string>();
+        if (text.starts_with("job:") && text.size() > 4 && text.size() <= kMaxNameBytes)
+            reference.job = text.substr(4);
+        else if (text.starts_with("image:") && text.size() > 6 && text.size() <= kMaxNameBytes)
+            reference.image = text.substr(6);
+        else
+            faults.add(ErrorCode::UnknownName, pointer,
+                       value_text(source) + " is no reference: \"job:ID\", \"image:ID\" or a method and its stop");
+        return reference;
+    }
+    if (!source.is_object()) {
+        faults.add(ErrorCode::WrongType, pointer,
+                   "must be \"job:ID\", \"image:ID\" or an object with method and stop, got " + value_text(source));
+        return std::nullopt;
+    }
+    ObjectReader reader(source, pointer, faults);
+    const json* method = reader.member("method", true);
+    const json* stop = reader.member("stop", true);
+    reader.finish();
+    reference.rendering.emplace();
+    if (method) reference.rendering->method = read_method(*method, reader.at("method"), vocabulary, faults);
+    if (stop) reference.rendering->stop = read_stop_conditions(*stop, reader.at("stop"), vocabulary, false, faults);
+    return reference;
+}
+
+void read_metrics(ObjectReader& body, const JobVocabulary& vocabulary, JobRequest& request) {
+    const json* source = body.member("metrics");
     if (source == nullptr) return;
     BodyFaults& faults = body.faults();
-    ObjectReader reader(*source, body.at("stop"), faults);
-    const size_t faults_before = faults.size();
-    request.stop.seconds = reader.number("seconds", {1e-3, kMaxSeconds, "s"});
-    if (const auto passes = reader.integer("passes", 1, kMaxPasses))
-        request.stop.passes = static_cast<uint32_t>(*passes);
-    reader.not_built("target", "stopping at an error target is");
-    reader.finish();
-    if (faults.size() == faults_before && !request.stop.seconds && !request.stop.passes)
-        faults.add(ErrorCode::MissingField, body.at("stop"), "at least one of seconds and passes is required");
+    if (!source->is_array()) {
+        faults.add(ErrorCode::WrongType, body.at("metrics"), "must be an array, got " + value_text(*source));
+        return;
+    }
+    for (size_t i = 0; i < source->size(); ++i) {
+        const json& metric = (*source)[i];
+        const std::string pointer = body.at("metrics") + "/" + std::to_string(i);
+        if (!metric.is_string()) {
+            faults.add(ErrorCode::WrongType, pointer, "must be a string, got " + value_text(metric));
+            continue;
+        }
+        const auto name = metric.get<std::string>();
+        check_metric_name(name, pointer, vocabulary, faults);
+        if (std::find(request.metrics.begin(), request.metrics.end(), name) != request.metrics.end())
+            faults.add(ErrorCode::Conflict, pointer, value_text(metric) + " is named twice");
+        request.metrics.push_back(name);
+    }
+    if (!request.metrics.empty() && !request.reference)
+        faults.add(ErrorCode::Conflict, body.at("metrics"), "metrics need a reference");
+}
+
+/// A metric of a layer that the image would not hold.
+void check_metric_layers(const JobRequest& request, BodyFaults& faults) {
+    const auto check = [&](const std::string& metric, const std::string& pointer) {
+        const std::string layer = layer_of_metric(metric);
+        const bool always = layer == "beauty" || layer == "emitted" || layer == "direct" || layer == "indirect";
+        if (!always && std::find(request.layers.begin(), request.layers.end(), layer) == request.layers.end())
+            faults.add(ErrorCode::Conflict, pointer,
+                       value_text(metric) + " needs the layer \"" + layer + "\": add it to layers");
+    };
+    if (request.stop.target) check(request.stop.target->metric, "/stop/target/metric");
+    for (size_t i = 0; i < request.metrics.size(); ++i) check(request.metrics[i], "/metrics/" + std::to_string(i));
 }
 
 void read_layers(ObjectReader& body, const JobVocabulary& vocabulary, JobRequest& request) {
     const json* source = body.member("layers");
     if (source == nullptr) return;
-    const bool method_known = !request.method.empty();
+    const bool method_known = !request.method.name.empty();
     const std::vector<std::string> of_method =
-        method_known ? vocabulary.layers_of(request.method) : std::vector<std::string>();
+        method_known ? vocabulary.layers_of(request.method.name) : std::vector<std::string>();
     BodyFaults& faults = body.faults();
     if (!source->is_array()) {
         faults.add(ErrorCode::WrongType, body.at("layers"), "must be an array, got " + value_text(*source));
@@ -196,7 +263,7 @@ void read_layers(ObjectReader& body, const JobVocabulary& vocabulary, JobRequest
             faults.add(ErrorCode::Conflict, pointer, value_text(layer) + " is named twice");
         else if (method_known && std::find(of_method.begin(), of_method.end(), name) == of_method.end())
             faults.add(ErrorCode::Unsupported, pointer,
-                       "unsupported: " + request.method + " has no layer " + value_text(layer));
+                       "unsupported: " + request.method.name + " has no layer " + value_text(layer));
         else
             request.layers.push_back(name);
     }
@@ -248,6 +315,44 @@ json optional_json(const auto& value) { return value ? json(*value) : json(nullp
 
 }  // namespace
 
+void check_metric_name(const std::string& metric, const std::string& pointer, const JobVocabulary& vocabulary,
+                       BodyFaults& faults) {
+    const size_t colon = metric.find(':');
+    const std::string name = colon == std::string::npos ? metric : metric.substr(colon + 1);
+    const auto& metrics = vocabulary.metric_names;
+    const auto& estimated = vocabulary.estimated_metrics;
+    const auto& layers = vocabulary.radiance_layers;
+    if (std::find(metrics.begin(), metrics.end(), name) == metrics.end())
+        faults.add(ErrorCode::UnknownName, pointer, value_text(name) + " is no metric" + did_you_mean(name, metrics));
+    if (colon == std::string::npos) return;
+    const std::string layer = metric.substr(0, colon);
+    if (layer != "beauty" && std::find(layers.begin(), layers.end(), layer) == layers.end())
+        faults.add(ErrorCode::UnknownName, pointer,
+                   value_text(layer) + " is no layer of radiance" + did_you_mean(layer, layers));
+    else if (std::find(estimated.begin(), estimated.end(), name) != estimated.end())
+        faults.add(ErrorCode::Unsupported, pointer, "unsupported: " + name + " is of the beauty only");
+}
+
+std::string layer_of_metric(const std::string& metric) {
+    const size_t colon = metric.find(':');
+    return colon == std::string::npos ? "beauty" : metric.substr(0, colon);
+}
+
+StopConditions read_stop_conditions(const json& source, const std::string& pointer, const JobVocabulary& vocabulary,
+                                    bool has_reference, BodyFaults& faults) {
+    const size_t faults_before = faults.size();
+    ObjectReader reader(source, pointer, faults);
+    StopConditions stop;
+    stop.seconds = reader.number("seconds", {1e-3, kMaxSeconds, "s"});
+    if (const auto passes = reader.integer("passes", 1, kMaxPasses)) stop.passes = static_cast<uint32_t>(*passes);
+    if (const json* target = reader.member("target"))
+        stop.target = read_target(*target, reader.at("target"), vocabulary, has_reference, faults);
+    reader.finish();
+    if (faults.size() == faults_before && !stop.seconds && !stop.passes && !stop.target)
+        faults.add(ErrorCode::MissingField, pointer, "at least one of seconds, passes and target is required");
+    return stop;
+}
+
 JobRequest parse_job_request(const json& body, const JobVocabulary& vocabulary) {
     BodyFaults faults;
     ObjectReader reader(body, "", faults);
@@ -258,8 +363,15 @@ JobRequest parse_job_request(const json& body, const JobVocabulary& vocabulary) 
     if (const json* camera = reader.member("camera"))
         request.camera = read_camera(*camera, reader.at("camera"), faults);
     read_image(reader, vocabulary, request);
-    read_method(reader, vocabulary, request);
-    read_stop(reader, request);
+    if (const json* method = reader.member("method", true))
+        request.method = read_method(*method, reader.at("method"), vocabulary, faults);
+    if (const json* reference = reader.member("reference"))
+        request.reference = read_reference(*reference, reader.at("reference"), vocabulary, faults);
+    if (const json* stop = reader.member("stop", true))
+        request.stop =
+            read_stop_conditions(*stop, reader.at("stop"), vocabulary, request.reference.has_value(), faults);
+    if (const auto first = reader.integer("first_pass", 0, kMaxPasses))
+        request.first_pass = static_cast<uint32_t>(*first);
     if (const auto seed = reader.seed("seed")) request.seed = *seed;
     read_layers(reader, vocabulary, request);
     if (const auto priority = reader.integer("priority", -100, 100)) request.priority = static_cast<int>(*priority);
@@ -269,10 +381,27 @@ JobRequest parse_job_request(const json& body, const JobVocabulary& vocabulary) 
     if (const auto glass = reader.word("glass", {"as_stored", "solid"})) request.glass = *glass;
     if (const auto time = reader.number("time", {-1e9, 1e9, "s"}); time && *time != 0)
         faults.add(ErrorCode::Unsupported, reader.at("time"), "unsupported: animation is not built yet");
-    reader.not_built("reference", "references are");
+    read_metrics(reader, vocabulary, request);
     reader.finish();
+    check_metric_layers(request, faults);
     faults.throw_if_any();
     return request;
+}
+
+json to_json(const StopConditions& stop) {
+    json target = nullptr;
+    if (stop.target) target = {{"metric", stop.target->metric}, {"value", stop.target->value}};
+    return {{"seconds", optional_json(stop.seconds)}, {"passes", optional_json(stop.passes)}, {"target", target}};
+}
+
+json to_json(const JobMethod& method) {
+    return {{"name", method.name}, {"device", method.device}, {"parameters", method.parameters}};
+}
+
+json to_json(const JobReference& reference) {
+    if (!reference.job.empty()) return "job:" + reference.job;
+    if (!reference.image.empty()) return "image:" + reference.image;
+    return {{"method", to_json(reference.rendering->method)}, {"stop", to_json(reference.rendering->stop)}};
 }
 
 json to_json(const JobRequest& request) {
@@ -291,14 +420,13 @@ json to_json(const JobRequest& request) {
               {"aperture", request.camera.aperture},
               {"focus_distance", optional_json(request.camera.focus_distance)}}},
             {"image", {{"width", request.width}, {"height", request.height}, {"filter", request.filter}}},
-            {"method", {{"name", request.method}, {"device", request.device}, {"parameters", request.parameters}}},
-            {"stop",
-             {{"seconds", optional_json(request.stop.seconds)},
-              {"passes", optional_json(request.stop.passes)},
-              {"target", nullptr}}},
+            {"method", to_json(request.method)},
+            {"stop", to_json(request.stop)},
+            {"first_pass", request.first_pass},
             {"seed", request.seed},
             {"layers", request.layers},
-            {"reference", nullptr},
+            {"reference", request.reference ? to_json(*request.reference) : json(nullptr)},
+            {"metrics", request.metrics},
             {"priority", request.priority},
             {"labels", labels},
             {"environment", environment},

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "protocol/object_reader.h"
 #include "protocol/param_info.h"
 
 namespace photond {
@@ -28,9 +29,35 @@ struct JobCamera {
     std::optional<double> focus_distance;  // [m]; none: no lens, or the distance to look_at's target
 };
 
+/// Met when the metric's value is at most this.
+struct ErrorTarget {
+    std::string metric;  // "relative_mse", "indirect:rmse"
+    double value = 0;
+};
+
+/// The first one met ends the job; all of them count from the film's first pass, whatever attempt rendered it.
 struct StopConditions {
     std::optional<double> seconds;
     std::optional<uint32_t> passes;
+    std::optional<ErrorTarget> target;
+};
+
+/// What renders: a method, where, and with which parameters.
+struct JobMethod {
+    std::string name;
+    std::string device = "cpu";
+    nlohmann::json parameters = nlohmann::json::object();  // every default filled in
+};
+
+/// What a job's image is measured against. Exactly one member is set.
+struct JobReference {
+    std::string job;    // "J17"
+    std::string image;  // id of an uploaded one
+    struct Rendering {
+        JobMethod method;
+        StopConditions stop;
+    };
+    std::optional<Rendering> rendering;  // made once from the job's own scene and view, and kept
 };
 
 struct JobEnvironment {
@@ -45,12 +72,13 @@ struct JobRequest {
     uint32_t width = 0;
     uint32_t height = 0;
     std::string filter = "box";
-    std::string method;
-    std::string device = "cpu";
-    nlohmann::json parameters = nlohmann::json::object();  // every default filled in
+    JobMethod method;
     StopConditions stop;
+    uint32_t first_pass = 0;  // index of the first pass rendered: a part of a larger job, to be merged
     uint64_t seed = 1;
     std::vector<std::string> layers;
+    std::optional<JobReference> reference;
+    std::vector<std::string> metrics;  // measured besides those that cost little
     int priority = 0;
     std::map<std::string, std::string> labels;
     std::optional<JobEnvironment> environment;
@@ -61,7 +89,10 @@ struct JobRequest {
 /// What the reader needs to know of the rest of the program: known names and how to check method parameters.
 struct JobVocabulary {
     std::vector<std::string> method_names;
-    std::vector<std::string> layer_names;  // on request, of any method
+    std::vector<std::string> layer_names;        // on request, of any method
+    std::vector<std::string> metric_names;       // that are one number: for targets and curves
+    std::vector<std::string> estimated_metrics;  // those of them that need no reference
+    std::vector<std::string> radiance_layers;    // that can be measured, besides the beauty
     uint32_t max_width = 65536, max_height = 65536;
     /// Makes the parameter struct of a method, nullptr when there is no such method.
     std::function<std::unique_ptr<MethodParams>(const std::string& method)> make_params;
@@ -75,6 +106,19 @@ struct JobVocabulary {
 /// nearest known one.
 JobRequest parse_job_request(const nlohmann::json& body, const JobVocabulary& vocabulary);
 
+/// A stop object by itself, as POST /v1/jobs/{id}/extend has it. `has_reference`: targets may need one. Faults are
+/// added.
+StopConditions read_stop_conditions(const nlohmann::json& source, const std::string& pointer,
+                                    const JobVocabulary& vocabulary, bool has_reference, BodyFaults& faults);
+/// "relative_mse" or "LAYER:relative_mse"; a fault is added where it is neither.
+void check_metric_name(const std::string& metric, const std::string& pointer, const JobVocabulary& vocabulary,
+                       BodyFaults& faults);
+/// The layer a metric is of: "beauty" where it names none.
+std::string layer_of_metric(const std::string& metric);
+
+nlohmann::json to_json(const StopConditions& stop);
+nlohmann::json to_json(const JobMethod& method);
+nlohmann::json to_json(const JobReference& reference);  // "job:J17", "image:ID" or {"method", "stop"}
 /// The request as understood, every default filled in; parse_job_request() of it gives the same request.
 nlohmann::json to_json(const JobRequest& request);
 

@@ -9,6 +9,7 @@
 #include "renderer/methods/registry.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "server/clock_text.h"
+#include "server/job_vocabulary.h"
 #include "server/service_impl.h"
 
 namespace photond {
@@ -19,31 +20,6 @@ namespace {
 
 constexpr size_t kEventsKept = 20'000;  // in the store, for Last-Event-ID
 constexpr uint64_t kEventIdsAhead = 10'000;
-
-JobVocabulary make_vocabulary() {
-    JobVocabulary vocabulary;
-    for (const MethodInfo& method : all_methods()) vocabulary.method_names.emplace_back(method.name);
-    for (const LayerInfo& layer : kLayers) {
-        const bool always =
-            layer.layer == Layer::Emitted || layer.layer == Layer::Direct || layer.layer == Layer::Indirect;
-        if (!always) vocabulary.layer_names.emplace_back(layer.name);
-    }
-    vocabulary.make_params = [](const std::string& name) -> std::unique_ptr<MethodParams> {
-        const MethodInfo* method = find_method(name);
-        return method ? method->make_params() : nullptr;
-    };
-    vocabulary.devices_of = [](const std::string& name) {
-        std::vector<std::string> kinds;
-        if (const MethodInfo* method = find_method(name))
-            for (const std::string_view kind : method->devices) kinds.emplace_back(kind);
-        return kinds;
-    };
-    vocabulary.layers_of = [](const std::string& name) {
-        const MethodInfo* method = find_method(name);
-        return method ? method->layers_on_request() : std::vector<std::string>();
-    };
-    return vocabulary;
-}
 
 uint64_t milliseconds_until(SteadyClock::time_point begun) {
     return static_cast<uint64_t>(
@@ -69,7 +45,7 @@ int64_t read_cursor(const std::string& cursor, int64_t otherwise) {
 Service::Impl::Impl(Options given)
     : options(std::move(given)),
       files(options.data_dir),
-      vocabulary(make_vocabulary()),
+      vocabulary(job_vocabulary()),
       artefacts(options.limits.artefact_cache_bytes),
       store(files.store) {
     for (const std::string& device : options.devices)

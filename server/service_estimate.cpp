@@ -27,11 +27,11 @@ LayerSet layers_of(const JobRequest& request) {
 /// One of the method's estimates for a request.
 uint64_t ask_method(const JobRequest& request, const Workload& workload,
                     uint64_t (*MethodInfo::*estimate)(const MethodParams&, const Workload&)) {
-    const MethodInfo* method = find_method(request.method);
+    const MethodInfo* method = find_method(request.method.name);
     if (!method) throw Error(ErrorCode::Internal, "a request for a method that is not there");
     const std::unique_ptr<MethodParams> params = method->make_params();
     std::vector<Fault> faults;  // none: the reader of jobs has seen to that
-    read_params(*params, request.parameters, "/method/parameters", faults);
+    read_params(*params, request.method.parameters, "/method/parameters", faults);
     return (method->*estimate)(*params, workload);
 }
 
@@ -50,7 +50,7 @@ std::optional<double> seconds_of_a_pass(const JobRequest& request, const JobRow&
     double more_photons = 1;
     if (photon_seconds > 0) {
         const double then = before["method"]["parameters"].value("photons", 0.0);
-        if (then > 0) more_photons = request.parameters.value("photons", then) / then;
+        if (then > 0) more_photons = request.method.parameters.value("photons", then) / then;
     }
     return (photon_seconds * more_photons + (row.seconds - photon_seconds) * request.width * request.height / pixels) /
            passes;
@@ -117,10 +117,10 @@ json Service::Impl::estimate_job(const JobRequest& request) {
         // were asked for; of several such jobs the newest.
         std::optional<double> a_pass;
         int most_alike = -1;
-        for (const JobRow& row : store.latest_succeeded(request.method, kEarlierJobs)) {
+        for (const JobRow& row : store.latest_succeeded(request.method.name, kEarlierJobs)) {
             if (row.device != device_of(request)) continue;
             const json before = json::parse(row.request);
-            const int alike = 2 * (row.scene == scene.id) + (before["method"]["parameters"] == request.parameters);
+            const int alike = 2 * (row.scene == scene.id) + (before["method"]["parameters"] == request.method.parameters);
             if (alike <= most_alike) continue;
             const auto as_then = seconds_of_a_pass(request, row, before);
             if (!as_then) continue;

@@ -84,11 +84,11 @@ json Service::Impl::job_object(const JobRow& row) const {
 std::string Service::Impl::device_of(const JobRequest& request) const {
     std::string known;
     for (const std::string& device : options.devices) {
-        if (device == request.device || (request.device == "gpu" && device.starts_with("gpu:"))) return device;
+        if (device == request.method.device || (request.method.device == "gpu" && device.starts_with("gpu:"))) return device;
         known += (known.empty() ? "" : ", ") + device;
     }
     throw Error(ErrorCode::DeviceUnavailable, "/method/device",
-                "this daemon has no device '" + request.device + "'; it has: " + known);
+                "this daemon has no device '" + request.method.device + "'; it has: " + known);
 }
 
 Service::Impl::SceneRef Service::Impl::check_request(const JobRequest& request) {
@@ -156,7 +156,7 @@ json Service::Impl::submit_job(const JobRequest& request, const std::optional<st
     JobRow row;
     row.priority = request.priority;
     row.device = device_of(request);
-    row.method = request.method;
+    row.method = request.method.name;
     row.scene = scene.id;
     row.request = to_json(request).dump();
     row.created_ms = now_ms();

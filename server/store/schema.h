@@ -53,6 +53,29 @@ inline constexpr const char* kMigrations[] = {
     ALTER TABLE jobs ADD COLUMN artefacts TEXT NOT NULL DEFAULT '[]';
     CREATE INDEX jobs_with_artefacts ON jobs (seq) WHERE artefacts <> '[]';
     )sql",
+    // 3: references, curves, comparisons
+    R"sql(
+    ALTER TABLE jobs ADD COLUMN role INTEGER NOT NULL DEFAULT 0;
+    ALTER TABLE jobs ADD COLUMN content TEXT NOT NULL DEFAULT '';
+    ALTER TABLE jobs ADD COLUMN reference_job INTEGER;
+    ALTER TABLE jobs ADD COLUMN comparison INTEGER;
+    ALTER TABLE jobs ADD COLUMN curve TEXT NOT NULL DEFAULT '';
+    ALTER TABLE jobs ADD COLUMN error_now TEXT NOT NULL DEFAULT '';
+    CREATE INDEX jobs_by_content ON jobs (content, seq) WHERE content <> '';
+    CREATE INDEX jobs_by_reference ON jobs (reference_job, state) WHERE reference_job IS NOT NULL;
+    CREATE TABLE comparisons (
+        seq INTEGER PRIMARY KEY AUTOINCREMENT, scene TEXT NOT NULL, request TEXT NOT NULL, created_ms INTEGER NOT NULL,
+        purge_requested INTEGER NOT NULL DEFAULT 0);
+    CREATE TABLE comparison_jobs (
+        comparison INTEGER NOT NULL REFERENCES comparisons (seq) ON DELETE CASCADE, place INTEGER NOT NULL,
+        job INTEGER NOT NULL, label TEXT NOT NULL, parameters TEXT NOT NULL, seed INTEGER NOT NULL,
+        PRIMARY KEY (comparison, place)) WITHOUT ROWID;
+    CREATE INDEX comparison_jobs_by_job ON comparison_jobs (job);
+    CREATE TABLE comparison_keys (
+        key TEXT PRIMARY KEY, body_sha256 TEXT NOT NULL, at_ms INTEGER NOT NULL,
+        comparison INTEGER NOT NULL REFERENCES comparisons (seq) ON DELETE CASCADE) WITHOUT ROWID;
+    CREATE INDEX comparison_keys_by_comparison ON comparison_keys (comparison);
+    )sql",
 };
 
 inline constexpr int kSchemaVersion = static_cast<int>(std::size(kMigrations));

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <charconv>
+#include <functional>
+#include <iterator>
 
 #include "server/store/schema.h"
 
@@ -9,17 +11,33 @@ namespace photond {
 
 namespace {
 
-#define PHOTOND_JOB_COLUMNS                                                                                         \
-    "seq, state, priority, device, method, scene, request, created_ms, started_ms, finished_ms, attempt, crashes, " \
-    "losses, cancel_requested, purge_requested, passes_done, progress, seconds, film, pixel_hash, statistics, "     \
-    "failure, attempts, artefacts"
+/// Every column of a job but seq, in the order of read_job() and bind_job().
+constexpr const char* kJobColumns[] = {
+    "state",       "priority",    "device",  "method",  "scene",         "request",          "created_ms",
+    "started_ms",  "finished_ms", "attempt", "crashes", "losses",        "cancel_requested", "purge_requested",
+    "passes_done", "progress",    "seconds", "film",    "pixel_hash",    "statistics",       "failure",
+    "attempts",    "artefacts",   "role",    "content", "reference_job", "comparison",       "curve",
+    "error_now"};
+constexpr int kJobColumnCount = static_cast<int>(std::size(kJobColumns));
+
+std::string joined(const std::function<std::string(int column)>& text) {
+    std::string list;
+    for (int i = 0; i < kJobColumnCount; ++i) list += (i ? ", " : "") + text(i);
+    return list;
+}
+
+const std::string& select_jobs() {
+    static const std::string kSelect =
+        "SELECT seq, " + joined([](int i) { return std::string(kJobColumns[i]); }) + " FROM jobs";
+    return kSelect;
+}
 
 std::optional<int64_t> optional_integer(const Statement& row, int column) {
     if (row.is_null(column)) return std::nullopt;
     return row.integer(column);
 }
 
-/// Reads the columns of PHOTOND_JOB_COLUMNS.
+/// Reads a row of select_jobs().
 JobRow read_job(const Statement& row) {
     JobRow job;
     job.seq = row.integer(0);
@@ -46,6 +64,12 @@ JobRow read_job(const Statement& row) {
     job.failure = row.text(21);
     job.attempts = row.text(22);
     job.artefacts = row.text(23);
+    job.role = static_cast<JobRole>(row.integer(24));
+    job.content = row.text(25);
+    job.reference_job = optional_integer(row, 26);
+    job.comparison = optional_integer(row, 27);
+    job.curve = row.text(28);
+    job.error_now = row.text(29);
     return job;
 }
 
@@ -55,7 +79,7 @@ std::vector<JobRow> read_jobs(Statement& statement) {
     return jobs;
 }
 
-/// Binds every column but seq to parameters 1 ... 23.
+/// Binds the columns of kJobColumns to parameters 1, 2, ...
 void bind_job(Statement& statement, const JobRow& job) {
     statement.bind(1, static_cast<int64_t>(job.state)).bind(2, static_cast<int64_t>(job.priority));
     statement.bind(3, job.device).bind(4, job.method).bind(5, job.scene).bind(6, job.request);
@@ -65,11 +89,22 @@ void bind_job(Statement& statement, const JobRow& job) {
     statement.bind(14, static_cast<int64_t>(job.purge_requested));
     statement.bind(15, job.passes_done).bind(16, job.progress).bind(17, job.seconds);
     statement.bind(18, job.film).bind(19, job.pixel_hash).bind(20, job.statistics).bind(21, job.failure);
-    statement.bind(22, job.attempts).bind(23, job.artefacts);
+    statement.bind(22, job.attempts).bind(23, job.artefacts).bind(24, static_cast<int64_t>(job.role));
+    statement.bind(25, job.content).bind(26, job.reference_job).bind(27, job.comparison);
+    statement.bind(28, job.curve).bind(29, job.error_now);
 }
 
 SceneRow read_scene(const Statement& row) {
     return {row.integer(0), row.text(1), row.text(2), row.text(3), row.text(4), row.integer(5)};
+}
+
+constexpr const char* kSelectComparisons = "SELECT seq, scene, request, created_ms, purge_requested FROM comparisons";
+
+std::vector<ComparisonRow> read_comparisons(Statement& read) {
+    std::vector<ComparisonRow> rows;
+    while (read.step())
+        rows.push_back({read.integer(0), read.text(1), read.text(2), read.integer(3), read.integer(4) != 0});
+    return rows;
 }
 
 std::vector<std::string> read_texts(Statement& statement) {
@@ -86,24 +121,30 @@ std::optional<JobState> job_state_named(std::string_view name) {
     return std::nullopt;
 }
 
-std::string job_id(int64_t seq) { return "J" + std::to_string(seq); }
+namespace {
 
-int64_t job_seq(std::string_view id) {
+/// The number behind one letter: "J17"; 0 for anything else.
+int64_t numbered_id(char letter, std::string_view id) {
     int64_t seq = 0;
-    if (id.size() < 2 || id.size() > 19 || id[0] != 'J' || id[1] == '0') return 0;
+    if (id.size() < 2 || id.size() > 19 || id[0] != letter || id[1] == '0') return 0;
     const auto [end, error] = std::from_chars(id.data() + 1, id.data() + id.size(), seq);
     return error == std::errc() && end == id.data() + id.size() && seq > 0 ? seq : 0;
 }
 
+}  // namespace
+
+std::string job_id(int64_t seq) { return "J" + std::to_string(seq); }
+int64_t job_seq(std::string_view id) { return numbered_id('J', id); }
+std::string comparison_id(int64_t seq) { return "C" + std::to_string(seq); }
+int64_t comparison_seq(std::string_view id) { return numbered_id('C', id); }
+
 Store::Store(const std::filesystem::path& file) : database_(file, kMigrations, kSchemaVersion) {}
 
 void Store::insert_job(JobRow& job, const std::vector<std::pair<std::string, std::string>>& labels) {
-    Statement insert = database_.prepare(
-        "INSERT INTO jobs (state, priority, device, method, scene, request, created_ms, started_ms, finished_ms, "
-        "attempt, crashes, losses, cancel_requested, purge_requested, passes_done, progress, seconds, film, "
-        "pixel_hash, statistics, failure, attempts, artefacts) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, "
-        "?12, ?13, "
-        "?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21, ?22, ?23)");
+    static const std::string kInsert = "INSERT INTO jobs (" +
+                                       joined([](int i) { return std::string(kJobColumns[i]); }) + ") VALUES (" +
+                                       joined([](int i) { return "?" + std::to_string(i + 1); }) + ")";
+    Statement insert = database_.prepare(kInsert);
     bind_job(insert, job);
     insert.run();
     job.seq = database_.last_insert_id();
@@ -116,13 +157,12 @@ void Store::insert_job(JobRow& job, const std::vector<std::pair<std::string, std
 }
 
 void Store::update_job(const JobRow& job) {
-    Statement update = database_.prepare(
-        "UPDATE jobs SET state = ?1, priority = ?2, device = ?3, method = ?4, scene = ?5, request = ?6, created_ms = "
-        "?7, started_ms = ?8, finished_ms = ?9, attempt = ?10, crashes = ?11, losses = ?12, cancel_requested = ?13, "
-        "purge_requested = ?14, passes_done = ?15, progress = ?16, seconds = ?17, film = ?18, pixel_hash = ?19, "
-        "statistics = ?20, failure = ?21, attempts = ?22, artefacts = ?23 WHERE seq = ?24");
+    static const std::string kUpdate = "UPDATE jobs SET " +
+                                       joined([](int i) { return kJobColumns[i] + (" = ?" + std::to_string(i + 1)); }) +
+                                       " WHERE seq = ?" + std::to_string(kJobColumnCount + 1);
+    Statement update = database_.prepare(kUpdate);
     bind_job(update, job);
-    update.bind(24, job.seq).run();
+    update.bind(kJobColumnCount + 1, job.seq).run();
 }
 
 void Store::delete_job(int64_t seq) {
@@ -131,7 +171,7 @@ void Store::delete_job(int64_t seq) {
 }
 
 std::optional<JobRow> Store::job(int64_t seq) {
-    Statement read = database_.prepare("SELECT " PHOTOND_JOB_COLUMNS " FROM jobs WHERE seq = ?1");
+    Statement read = database_.prepare(select_jobs() + " WHERE seq = ?1");
     read.bind(1, seq);
     if (!read.step()) return std::nullopt;
     return read_job(read);
@@ -139,7 +179,7 @@ std::optional<JobRow> Store::job(int64_t seq) {
 
 std::vector<JobRow> Store::jobs(const JobQuery& query) {
     // One text for each set of filters in use, so that each gets its own plan and index.
-    std::string sql = "SELECT " PHOTOND_JOB_COLUMNS " FROM jobs WHERE seq < ?1";
+    std::string sql = select_jobs() + " WHERE seq < ?1";
     if (query.state) sql += " AND state = ?3";
     if (!query.scene.empty()) sql += " AND scene = ?4";
     if (!query.method.empty()) sql += " AND method = ?5";
@@ -160,13 +200,12 @@ std::vector<JobRow> Store::jobs(const JobQuery& query) {
 }
 
 std::vector<JobRow> Store::running_jobs() {
-    Statement read = database_.prepare("SELECT " PHOTOND_JOB_COLUMNS " FROM jobs WHERE state = 1 ORDER BY seq");
+    Statement read = database_.prepare(select_jobs() + " WHERE state = 1 ORDER BY seq");
     return read_jobs(read);
 }
 
 std::vector<JobRow> Store::jobs_to_purge() {
-    Statement read =
-        database_.prepare("SELECT " PHOTOND_JOB_COLUMNS " FROM jobs WHERE purge_requested = 1 AND state >= 2");
+    Statement read = database_.prepare(select_jobs() + " WHERE purge_requested = 1 AND state >= 2");
     return read_jobs(read);
 }
 
@@ -175,6 +214,19 @@ std::vector<QueuedJob> Store::queued_jobs() {
     std::vector<QueuedJob> jobs;
     while (read.step()) jobs.push_back({read.integer(0), static_cast<int>(read.integer(1)), read.text(2)});
     return jobs;
+}
+
+std::optional<JobRow> Store::reference_of_content(const std::string& content) {
+    Statement read = database_.prepare(select_jobs() + " WHERE content = ?1 AND state <= 2 ORDER BY seq DESC LIMIT 1");
+    read.bind(1, content);
+    if (!read.step()) return std::nullopt;
+    return read_job(read);
+}
+
+std::vector<JobRow> Store::unfinished_jobs_measured_against(int64_t seq) {
+    Statement read = database_.prepare(select_jobs() + " WHERE reference_job = ?1 AND state IN (0, 1) ORDER BY seq");
+    read.bind(1, seq);
+    return read_jobs(read);
 }
 
 int64_t Store::unfinished_jobs_of_scene(const std::string& scene) {
@@ -202,8 +254,7 @@ std::vector<std::pair<std::string, std::string>> Store::artefacts() {
 }
 
 std::vector<JobRow> Store::latest_succeeded(const std::string& method, uint32_t limit) {
-    Statement read = database_.prepare("SELECT " PHOTOND_JOB_COLUMNS
-                                       " FROM jobs WHERE method = ?1 AND state = 2 ORDER BY seq DESC LIMIT ?2");
+    Statement read = database_.prepare(select_jobs() + " WHERE method = ?1 AND state = 2 ORDER BY seq DESC LIMIT ?2");
     read.bind(1, method).bind(2, static_cast<int64_t>(limit));
     return read_jobs(read);
 }
@@ -237,6 +288,87 @@ void Store::insert_key(const std::string& key, const std::string& body_sha256, i
         .bind(2, body_sha256)
         .bind(3, at_ms)
         .bind(4, job)
+        .run();
+}
+
+void Store::insert_comparison(ComparisonRow& comparison) {
+    database_.prepare("INSERT INTO comparisons (scene, request, created_ms, purge_requested) VALUES (?1, ?2, ?3, ?4)")
+        .bind(1, comparison.scene)
+        .bind(2, comparison.request)
+        .bind(3, comparison.created_ms)
+        .bind(4, static_cast<int64_t>(comparison.purge_requested))
+        .run();
+    comparison.seq = database_.last_insert_id();
+}
+
+void Store::insert_comparison_job(int64_t comparison, int64_t place, const ComparisonJob& job) {
+    database_
+        .prepare(
+            "INSERT INTO comparison_jobs (comparison, place, job, label, parameters, seed) VALUES (?1, ?2, ?3, ?4, ?5, "
+            "?6)")
+        .bind(1, comparison)
+        .bind(2, place)
+        .bind(3, job.job)
+        .bind(4, job.label)
+        .bind(5, job.parameters)
+        .bind(6, static_cast<int64_t>(job.seed))
+        .run();
+}
+
+void Store::update_comparison(const ComparisonRow& comparison) {
+    database_.prepare("UPDATE comparisons SET purge_requested = ?1 WHERE seq = ?2")
+        .bind(1, static_cast<int64_t>(comparison.purge_requested))
+        .bind(2, comparison.seq)
+        .run();
+}
+
+void Store::delete_comparison(int64_t seq) {
+    database_.prepare("DELETE FROM comparisons WHERE seq = ?1").bind(1, seq).run();
+}
+
+std::optional<ComparisonRow> Store::comparison(int64_t seq) {
+    Statement read = database_.prepare(std::string(kSelectComparisons) + " WHERE seq = ?1");
+    read.bind(1, seq);
+    std::vector<ComparisonRow> rows = read_comparisons(read);
+    if (rows.empty()) return std::nullopt;
+    return std::move(rows.front());
+}
+
+std::vector<ComparisonRow> Store::comparisons(int64_t before, uint32_t limit) {
+    Statement read = database_.prepare(std::string(kSelectComparisons) + " WHERE seq < ?1 ORDER BY seq DESC LIMIT ?2");
+    read.bind(1, before).bind(2, static_cast<int64_t>(limit));
+    return read_comparisons(read);
+}
+
+std::vector<ComparisonRow> Store::comparisons_to_purge() {
+    Statement read = database_.prepare(std::string(kSelectComparisons) + " WHERE purge_requested = 1");
+    return read_comparisons(read);
+}
+
+std::vector<ComparisonJob> Store::comparison_jobs(int64_t seq) {
+    Statement read = database_.prepare(
+        "SELECT job, label, parameters, seed FROM comparison_jobs WHERE comparison = ?1 ORDER BY place");
+    read.bind(1, seq);
+    std::vector<ComparisonJob> jobs;
+    while (read.step())
+        jobs.push_back({read.integer(0), read.text(1), read.text(2), static_cast<uint64_t>(read.integer(3))});
+    return jobs;
+}
+
+std::optional<Store::ComparisonKeyRow> Store::comparison_key(const std::string& key) {
+    Statement read = database_.prepare("SELECT body_sha256, comparison FROM comparison_keys WHERE key = ?1");
+    read.bind(1, key);
+    if (!read.step()) return std::nullopt;
+    return ComparisonKeyRow{read.text(0), read.integer(1)};
+}
+
+void Store::insert_comparison_key(const std::string& key, const std::string& body_sha256, int64_t comparison,
+                                  int64_t at_ms) {
+    database_.prepare("INSERT INTO comparison_keys (key, body_sha256, at_ms, comparison) VALUES (?1, ?2, ?3, ?4)")
+        .bind(1, key)
+        .bind(2, body_sha256)
+        .bind(3, at_ms)
+        .bind(4, comparison)
         .run();
 }
 

@@ -19,6 +19,15 @@ constexpr std::string_view job_state_name(JobState state) { return kJobStates[st
 std::optional<JobState> job_state_named(std::string_view name);
 constexpr bool is_over(JobState state) { return state >= JobState::Succeeded; }
 
+/// Why a job is there.
+enum class JobRole : uint8_t {
+    Render,     // somebody asked for it
+    Reference,  // others are measured against it; made once for each content
+    Merged,     // joined from the films of others, never rendered
+};
+inline constexpr std::string_view kJobRoles[] = {"render", "reference", "merged"};
+constexpr std::string_view job_role_name(JobRole role) { return kJobRoles[static_cast<size_t>(role)]; }
+
 /// A job as it is kept. Times are milliseconds since 1970 UTC; JSON members are texts.
 struct JobRow {
     int64_t seq = 0;  // rising, never used twice; the id is "J" and this
@@ -42,6 +51,27 @@ struct JobRow {
     std::string failure;           // JSON (problem) or empty
     std::string attempts = "[]";   // JSON
     std::string artefacts = "[]";  // JSON: names of what the method left beside the film
+    JobRole role = JobRole::Render;
+    std::string content;                   // of a reference: the hash of what it shows and how; else empty
+    std::optional<int64_t> reference_job;  // seq of the job it is measured against; it waits for its end
+    std::optional<int64_t> comparison;     // seq of the comparison it belongs to
+    std::string curve;                     // JSON array of points; empty: none
+    std::string error_now;                 // JSON {"metric", "value"}; empty: none
+};
+
+/// A comparison is what was asked for and its jobs; its state and its tables follow from those.
+struct ComparisonRow {
+    int64_t seq = 0;  // rising, never used twice; the id is "C" and this
+    std::string scene;
+    std::string request;  // JSON, every default filled in
+    int64_t created_ms = 0;
+    bool purge_requested = false;
+};
+struct ComparisonJob {
+    int64_t job = 0;
+    std::string label;
+    std::string parameters;  // JSON object: those the sweep gave, by name
+    uint64_t seed = 1;
 };
 
 struct SceneRow {
@@ -91,6 +121,10 @@ public:
     /// Over, and asked to be removed.
     std::vector<JobRow> jobs_to_purge();
     std::vector<QueuedJob> queued_jobs();
+    /// The newest reference of that content that succeeded, runs or waits.
+    std::optional<JobRow> reference_of_content(const std::string& content);
+    /// Jobs that are measured against that one and are not over.
+    std::vector<JobRow> unfinished_jobs_measured_against(int64_t seq);
     int64_t unfinished_jobs_of_scene(const std::string& scene);
     int64_t count_jobs(JobState state);
     std::vector<std::string> films();
@@ -110,6 +144,27 @@ public:
     };
     std::optional<KeyRow> key(const std::string& key);
     void insert_key(const std::string& key, const std::string& body_sha256, int64_t job, int64_t at_ms);
+
+    // --- comparisons
+    // ------------------------------------------------------------------------------------------------------
+    /// Fills in seq.
+    void insert_comparison(ComparisonRow& comparison);
+    void insert_comparison_job(int64_t comparison, int64_t place, const ComparisonJob& job);
+    void update_comparison(const ComparisonRow& comparison);
+    void delete_comparison(int64_t seq);
+    std::optional<ComparisonRow> comparison(int64_t seq);
+    /// Newest first.
+    std::vector<ComparisonRow> comparisons(int64_t before, uint32_t limit);
+    /// In the order they were planned.
+    std::vector<ComparisonJob> comparison_jobs(int64_t seq);
+    std::vector<ComparisonRow> comparisons_to_purge();
+    struct ComparisonKeyRow {
+        std::string body_sha256;
+        int64_t comparison;
+    };
+    std::optional<ComparisonKeyRow> comparison_key(const std::string& key);
+    void insert_comparison_key(const std::string& key, const std::string& body_sha256, int64_t comparison,
+                               int64_t at_ms);
 
     // --- scenes and images
     // --------------------------------------------------------------------------------------------
@@ -146,5 +201,8 @@ private:
 std::string job_id(int64_t seq);
 /// 0 for what is no job id.
 int64_t job_seq(std::string_view id);
+std::string comparison_id(int64_t seq);
+/// 0 for what is no comparison's id.
+int64_t comparison_seq(std::string_view id);
 
 }  // namespace photond

@@ -86,8 +86,8 @@ json thumbnail(const json& message, const HelperLimits& limits) {
     JobRequest request;
     request.scene = "thumbnail";
     request.width = kThumbnailWidth, request.height = kThumbnailHeight;
-    request.method = "path_tracing";
-    request.parameters = {{"indirect_bounces", kThumbnailBounces}};
+    request.method.name = "path_tracing";
+    request.method.parameters = {{"indirect_bounces", kThumbnailBounces}};
     request.stop.passes = kThumbnailPasses, request.stop.seconds = kThumbnailSeconds;
 
     Stats stats;

@@ -10,6 +10,7 @@
 #include "protocol/param_json.h"
 #include "protocol/worker_messages.h"
 #include "renderer/film/film_file.h"
+#include "server/job_vocabulary.h"
 #include "server/worker/process_memory.h"
 #include "server/worker/statistics.h"
 
@@ -51,38 +52,17 @@ double progress_of(const StopConditions& stop, uint32_t passes, double seconds) 
 }  // namespace
 
 std::unique_ptr<Method> make_method(const JobRequest& request) {
-    const MethodInfo* info = find_method(request.method);
-    if (!info) throw Error(ErrorCode::UnknownName, "/method/name", "there is no method \"" + request.method + "\"");
+    const MethodInfo* info = find_method(request.method.name);
+    if (!info) throw Error(ErrorCode::UnknownName, "/method/name", "there is no method \"" + request.method.name + "\"");
     const std::unique_ptr<MethodParams> params = info->make_params();
     std::vector<Fault> faults;
-    read_params(*params, request.parameters, "/method/parameters", faults);
+    read_params(*params, request.method.parameters, "/method/parameters", faults);
     if (!faults.empty()) {
         const std::string first = faults.front().detail;
         throw Error(ErrorCode::OutOfRange, first, std::move(faults));
     }
     params->check();
     return info->make(*params);
-}
-
-JobVocabulary worker_vocabulary() {
-    JobVocabulary vocabulary;
-    for (const MethodInfo& method : all_methods()) vocabulary.method_names.emplace_back(method.name);
-    for (const LayerInfo& info : kLayers)
-        if (!LayerSet().has(info.layer)) vocabulary.layer_names.emplace_back(info.name);
-    vocabulary.make_params = [](const std::string& method) -> std::unique_ptr<MethodParams> {
-        const MethodInfo* info = find_method(method);
-        return info ? info->make_params() : nullptr;
-    };
-    vocabulary.devices_of = [](const std::string& method) {
-        std::vector<std::string> kinds;
-        if (const MethodInfo* info = find_method(method)) kinds.assign(info->devices.begin(), info->devices.end());
-        return kinds;
-    };
-    vocabulary.layers_of = [](const std::string& method) {
-        const MethodInfo* info = find_method(method);
-        return info ? info->layers_on_request() : std::vector<std::string>();
-    };
-    return vocabulary;
 }
 
 void JobControl::request_snapshot(std::filesystem::path path) {
@@ -229,7 +209,7 @@ void JobRunner::render(const json& order, JobControl& control, Report& report) {
     const json& job = order.at("job");
     const json attempt = order.value("attempt", json(nullptr));
     send_({{"type", "started"}, {"job", job}, {"attempt", attempt}});
-    const JobRequest request = parse_job_request(order.at("request"), worker_vocabulary());
+    const JobRequest request = parse_job_request(order.at("request"), job_vocabulary());
     const std::unique_ptr<Method> method = make_method(request);
     const SceneSource source = SceneSource::from_json(order.at("scene"));
     const std::filesystem::path film_path = order.at("film").get<std::string>();

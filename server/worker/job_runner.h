@@ -19,9 +19,6 @@
 
 namespace photond {
 
-/// The names this build knows, for parse_job_request(): the registry's methods and the layers on request.
-JobVocabulary worker_vocabulary();
-
 /// What other threads may ask of a running job.
 class JobControl {
 public:

@@ -39,7 +39,7 @@ MAY_INCLUDE = [
     # The daemon never renders: of the renderer it knows what it needs to judge a request and to name files.
     ("server/worker/*", ["server/*", "protocol/*", "renderer/methods/{file}", *BELOW_METHODS]),
     ("server/*", ["server/*", "protocol/*", "renderer/methods/registry.h", "renderer/methods/method.h",
-                  "renderer/core/*", "renderer/film/*.h", "renderer/scene/*.h"]),
+                  "renderer/core/*", "renderer/film/*.h", "renderer/error/*.h", "renderer/scene/*.h"]),
     ("clients/{room}/*", ["clients/{room}/*", "protocol/*"]),
 ]
 

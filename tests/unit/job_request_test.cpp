@@ -80,12 +80,12 @@ TEST(JobRequest, ReadsEveryField) {
         "glass": "solid", "time": 0})");
     const JobRequest request = parse_job_request(body, vocabulary());
     EXPECT_EQ(request.camera.look_at->up[2], 1);
-    EXPECT_EQ(request.device, "gpu:3");
+    EXPECT_EQ(request.method.device, "gpu:3");
     EXPECT_EQ(request.seed, UINT64_MAX);
     EXPECT_EQ(request.layers, (std::vector<std::string>{"depth", "albedo"}));
     EXPECT_EQ(request.labels.at("a/b"), "c");
     EXPECT_EQ(request.environment->rotation, -1);
-    EXPECT_EQ(request.parameters.dump(), R"({"bounces":0,"radius":0.05})");
+    EXPECT_EQ(request.method.parameters.dump(), R"({"bounces":0,"radius":0.05})");
 }
 
 // parse(to_json(r)) == r: shown by the echo of the echo, which holds every field.

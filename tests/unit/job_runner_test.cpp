@@ -429,7 +429,7 @@ TEST(Statistics, FlattenToAttributes) {
 
 TEST(Statistics, TheJobHashIsOfWhatMakesThePixels) {
     JobRequest request;
-    request.scene = "box", request.width = 8, request.height = 8, request.method = "path_tracing";
+    request.scene = "box", request.width = 8, request.height = 8, request.method.name = "path_tracing";
     request.stop.passes = 4;
     const std::string hash = job_hash(request, "id");
     request.priority = 5, request.labels["a"] = "b", request.scene = "another name of it";
