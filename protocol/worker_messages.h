@@ -11,10 +11,15 @@
 //   hello      {"pid", "device": {device object of protocol.md}}          once, when ready to take work
 //   heartbeat  {"resident_bytes"}                                         every second, from a thread of its own
 //   started    {"job", "attempt"}
-//   progress   {"job", "attempt", "passes_done", "progress", "seconds"}   at most 4 a second
-//   film_saved {"job", "attempt", "path", "passes_done"}                  after "snapshot", or before stopping
+//   progress   {"job", "attempt", "passes_done", "progress", "seconds", "error_now": {"metric", "value"}|null}
+//                                                                         at most 4 a second
+//   curve      {"job", "attempt", "points": [point of protocol.md..], "error_now": as above}
+//              new points, in their order; a job that goes on from a film sends those it had first
+//   film_saved {"job", "attempt", "path", "passes_done"}
+//              after "snapshot" (its path), every "save_seconds" (the order's "film") and before stopping (likewise)
 //   finished   {"job", "attempt", "state": "succeeded"|"cancelled"|"failed", "passes_done", "seconds",
 //               "film": path|null, "statistics": {..}|null,
+//               "curve": [point..]|null, "error_now": as above,
 //               "artefacts": [name..], "failure": {"code", "detail", "errors": [{"pointer","detail"}]}|null, "log": [line..],
 //               "stopping": true when the job ended because of "stop"}
 //               The film is there when a pass was finished and the job did not fail; it is at the "film" path of the order.
@@ -23,7 +28,11 @@
 // daemon -> worker
 //   render     {"job", "attempt", "request": job request,
 //               "scene": {"id", "builtin": name|null, "root": dir, "file": path},
-//               "environment": {"path"}|null, "film": path to write, "limits": {"memory_bytes", "threads"}}
+//               "environment": {"path"}|null, "film": path to write, "limits": {"memory_bytes", "threads"},
+//               "resume": path of a film of the same job to go on from|null; one that is damaged or of something else is
+//               named in the log, and the job begins anew,
+//               "reference": {"film": path} or {"image": path}|null, measured against; "streams": "job"|"reference",
+//               "save_seconds": the least time between two savings of the film|null}
 //   snapshot   {"job", "path"}         save the film so far after the pass at hand; answered by film_saved, or, when the
 //                                      job ends first, by its "finished" alone
 //   cancel     {"job"}                 ends the job; its film so far is saved
@@ -34,6 +43,15 @@
 //   unpack         {"request", "zip": path, "root": dir}            -> {"file": path of the .gltf/.glb inside root}
 //   thumbnail      {"request", "scene": as in render, "out": path}  -> {}
 //   judge_image    {"request", "path"}                              -> {"width", "height", "channels"}
+//   Below, SOURCE is {"film": path} or {"image": path}.
+//   measure        {"request", "image": SOURCE, "reference": SOURCE, "metrics": [name..]}
+//                  -> {"metrics": {name: value}, "reference_error": {name: value}|null, "notes": [text..]}
+//   encode_difference {"request", "image": SOURCE, "reference": SOURCE, "out"}           -> {} (EXR: x - r, by layer)
+//   encode_flip    {"request", "image": SOURCE, "reference": SOURCE, "layer", "range": "ldr"|"hdr", "out"} -> {"mean"}
+//   encode_error_map {"request", "image": SOURCE, "reference": SOURCE, "layer", "out"}   -> {}
+//                  PNG of each pixel's relative error, log scale from 1e-3 (dark) to 10 (bright): comparable everywhere
+//   merge_films    {"request", "films": [path..], "job_request": as in render, "scene_id", "out"}
+//                  -> {"passes_done", "seconds", "statistics": {..}, "pixel_hash"}
 //   encode_exr     {"request", "film", "statistics": {..}|null, "precision": "float"|"half", "out"} -> {"overflowed": n}
 //   encode_preview {"request", "film", "exposure": stops, "curve": "srgb"|"filmic", "out"}  -> {}
 //   encode_pixels  {"request", "film", "layer", "precision", "out"} -> {"width", "height", "channels", "overflowed"}

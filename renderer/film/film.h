@@ -29,6 +29,32 @@ struct PassImage {
     std::vector<uint8_t> hit;  // 1 where the sample met a surface; only kept when an auxiliary layer is asked for
 };
 
+/// Which passes are in a film: half-open ranges of pass indices, rising, apart from each other.
+class PassRanges {
+public:
+    struct Range {
+        uint32_t first, end;
+        bool operator==(const Range&) const = default;
+    };
+    PassRanges() = default;
+    /// Throws ErrorCode::Internal when the ranges overlap, touch, are empty or do not rise.
+    explicit PassRanges(std::vector<Range> ranges);
+
+    /// The pass must not be in it (asserted).
+    void add(uint32_t pass);
+    /// Throws ErrorCode::Conflict, naming the first pass that is in both.
+    void add(const PassRanges& other);
+    uint32_t count() const;
+    uint32_t end() const { return ranges_.empty() ? 0 : ranges_.back().end; }  // behind the last
+    const std::vector<Range>& ranges() const { return ranges_; }
+    /// "0-63, 128-191"; "none".
+    std::string text() const;
+    bool operator==(const PassRanges&) const = default;
+
+private:
+    std::vector<Range> ranges_;
+};
+
 /// 128-bit signed fixed point with 64 fractional bits: range +-2^63, resolution 2^-64. A value of one pass lies below
 /// kFilmValueLimit, so that 2^32 passes of three layers cannot overflow.
 __extension__ typedef __int128 FixedSum;
@@ -41,18 +67,25 @@ inline constexpr float kFilmValueLimit = 0x1p29f;
 
 class Film {
 public:
-    Film(Size2 size, LayerSet layers);
+    /// `first_pass`: index of the first pass to be added.
+    Film(Size2 size, LayerSet layers, uint32_t first_pass = 0);
 
-    /// Adds one pass, which has the film's size and layers. A pixel that holds a NaN, an infinity or a value past
-    /// kFilmValueLimit (any channel, any layer) contributes zero to that pass and is counted, once.
+    /// Adds the pass of index next_pass(), which has the film's size and layers. A pixel that holds a NaN, an infinity
+    /// or a value past kFilmValueLimit (any channel, any layer) contributes zero to that pass and is counted, once.
     void add_pass(const PassImage& pass);
+
+    /// Adds all passes of another film of the same size and layers: the same bits as if they had been rendered here.
+    /// Throws ErrorCode::Conflict when the size or the layers differ, or a pass is in both; nothing has changed then.
+    void merge(const Film& other);
 
     /// Bytes a film of that size and those layers takes; for MemoryBudget::require() before it is made.
     static uint64_t bytes_for(Size2 size, LayerSet layers);
 
     Size2 size() const { return size_; }
     LayerSet layers() const { return layers_; }
-    uint32_t passes() const { return passes_; }
+    uint32_t passes() const { return passes_; }  // how many
+    const PassRanges& pass_ranges() const { return pass_ranges_; }
+    uint32_t next_pass() const { return next_pass_; }  // index of the pass that add_pass() takes
     uint64_t nan_count() const { return nan_count_; }
     uint64_t infinity_count() const { return infinity_count_; }  // out of range included
     uint64_t bytes() const { return bytes_for(size_, layers_); }
@@ -80,6 +113,8 @@ private:
     Size2 size_;
     LayerSet layers_;
     uint32_t passes_ = 0;
+    uint32_t next_pass_ = 0;
+    PassRanges pass_ranges_;
     uint64_t nan_count_ = 0;
     uint64_t infinity_count_ = 0;
     // By channel, three (single-valued layers: one) a pixel; empty where the layer is not kept. The beauty is the sum

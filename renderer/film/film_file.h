@@ -8,20 +8,41 @@
 
 namespace photond {
 
-/// Format: a header (magic, version, size, layers, passes, counts), then each array of sums in blocks; a block holds
-/// its sums with as many bytes each as its widest one needs, and ends with the first 16 bytes of its SHA-256.
-/// Little-endian. Version 2 added a layer; files of version 1, which do not have it, are read all the same.
+/// What must be equal for two films to be parts of one image. Texts are opaque here and compared whole.
+struct FilmIdentity {
+    std::string scene;     // content of the scene
+    std::string settings;  // of everything else that decides a pass's pixels
+    std::string device;    // class of devices that give the same bits, and version of the program
+    bool operator==(const FilmIdentity&) const = default;
+};
+
+/// A film as an artefact: it can be gone on with, and joined with others of its kind.
+struct SavedFilm {
+    Film film;
+    FilmIdentity identity;
+    std::string history;  // what its owner wants to find again with it (JSON); opaque here
+};
+
+/// Format: a header (magic, version, size, layers, passes, counts), identity, history and pass ranges, then each array
+/// of sums in blocks; a block holds its sums with as many bytes each as its widest one needs, and ends with the first
+/// 16 bytes of its SHA-256. Little-endian. Files of versions 1 (without the layers added since) and 2 (without
+/// identity, history and ranges) are read all the same: their identity is empty and their passes begin at 0.
 class FilmFile {
 public:
     /// Writes beside, fsyncs and renames. Throws ErrorCode::NoSpace when the disk is full.
-    static void save(const Film& film, const std::filesystem::path& path);
+    static void save(const Film& film, const FilmIdentity& identity, const std::string& history,
+                     const std::filesystem::path& path);
     /// Throws ErrorCode::Internal when the file is missing, cut short or damaged, ErrorCode::OutOfMemory when the film
     /// would take more than `limit_bytes`.
-    static Film load(const std::filesystem::path& path, uint64_t limit_bytes = UINT64_MAX);
+    static SavedFilm load(const std::filesystem::path& path, uint64_t limit_bytes = UINT64_MAX);
 
 private:
     template <class FilmType, class Visitor>
     static void for_each_array(FilmType& film, const Visitor& visitor);
 };
+
+/// Throws ErrorCode::Conflict that names what differs (scene, settings, device) and both texts' beginnings. An empty
+/// identity is like nothing, itself included.
+void require_alike(const FilmIdentity& a, const FilmIdentity& b);
 
 }  // namespace photond
