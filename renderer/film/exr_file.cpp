@@ -4,7 +4,9 @@
 #include <OpenImageIO/half.h>
 #include <OpenImageIO/imageio.h>
 
+#include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -24,19 +26,10 @@ constexpr size_t kRowsAtOnce = 256;  // a multiple of ZIP's 16 rows, enough for 
 /// CIE xy of red, green, blue and white (D65): ITU-R BT.709.
 constexpr float kRec709[8] = {0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f};
 
-struct LayerPixels {
-    std::vector<std::string> channel_names;
-    std::vector<float> pixels;  // interleaved
-};
-
-std::vector<LayerPixels> resolve_all(const Film& film) {
-    std::vector<LayerPixels> all{{{"R", "G", "B"}, film.resolve_beauty()}};
-    for (const LayerInfo& info : kLayers) {
-        if (!film.layers().has(info.layer)) continue;
-        LayerPixels& layer = all.emplace_back(LayerPixels{{}, film.resolve(info.layer)});
-        for (uint32_t k = 0; k < info.channel_count; ++k)
-            layer.channel_names.push_back(std::string(info.name) + "." + std::string(info.channels[k]));
-    }
+std::vector<ImageLayer> resolve_all(const Film& film) {
+    std::vector<ImageLayer> all{{channel_names("beauty"), film.resolve_beauty()}};
+    for (const LayerInfo& info : kLayers)
+        if (film.layers().has(info.layer)) all.push_back({channel_names(info.name), film.resolve(info.layer)});
     return all;
 }
 
@@ -62,11 +55,11 @@ std::unique_ptr<OIIO::ImageOutput> exr_output() {
     return output;
 }
 
-void encode(OIIO::Filesystem::IOProxy& proxy, AtomicFile* file, Size2 size, std::span<const LayerPixels> layers,
+void encode(OIIO::Filesystem::IOProxy& proxy, AtomicFile* file, Size2 size, std::span<const ImageLayer> layers,
             Precision precision, std::span<const ImageAttribute> attributes) {
     OIIO::ImageSpec spec(static_cast<int>(size.width), static_cast<int>(size.height), 0,
                          precision == Precision::Half ? OIIO::TypeHalf : OIIO::TypeFloat);
-    for (const LayerPixels& layer : layers)
+    for (const ImageLayer& layer : layers)
         spec.channelnames.insert(spec.channelnames.end(), layer.channel_names.begin(), layer.channel_names.end());
     spec.nchannels = static_cast<int>(spec.channelnames.size());
     spec.alpha_channel = spec.z_channel = -1;
@@ -95,7 +88,7 @@ void encode(OIIO::Filesystem::IOProxy& proxy, AtomicFile* file, Size2 size, std:
         const size_t count = std::min<size_t>(kRowsAtOnce, size.height - first);
         parallel_for(count, 8, [&](size_t row) {
             size_t channel = 0;
-            for (const LayerPixels& layer : layers) {
+            for (const ImageLayer& layer : layers) {
                 const size_t n = layer.channel_names.size();
                 const float* in = layer.pixels.data() + (first + row) * size.width * n;
                 float* out = rows.data() + row * size.width * channels + channel;
@@ -144,6 +137,9 @@ std::unique_ptr<OIIO::ImageInput> open_judged(const std::filesystem::path& path,
     const uint64_t values = pixels * static_cast<uint64_t>(spec.nchannels);
     if (values > kMaxImageValues)
         bad_image("it has " + std::to_string(values) + " values; the limit is " + std::to_string(kMaxImageValues));
+    // The library leaves a Radiance image as it is stored.
+    if (*format == "hdr" && spec.get_int_attribute("Orientation", 1) != 1)
+        bad_image("its pixels are not stored from the top left, row by row");
     if (spec.deep) bad_image("deep data is not supported");
     if (input->seek_subimage(1, 0)) bad_image("it has several parts; one is expected");
     input->geterror();  // the probe for a second part is meant to fail
@@ -170,34 +166,9 @@ void read_rows(OIIO::ImageInput& input, const Take& take) {
     }
 }
 
-}  // namespace
-
-uint64_t write_exr(const Film& film, Precision precision, std::span<const ImageAttribute> attributes,
-                   const std::filesystem::path& path) {
-    std::vector<LayerPixels> layers = resolve_all(film);
-    uint64_t overflowed = 0;
-    if (precision == Precision::Half)
-        for (LayerPixels& layer : layers) overflowed += overflow_to_infinity(layer.pixels);
-    AtomicFile file(path);
-    {
-        OIIO::Filesystem::IOFile proxy(file.stream(), OIIO::Filesystem::IOProxy::Write);
-        encode(proxy, &file, film.size(), layers, precision, attributes);
-    }
-    file.commit();
-    return overflowed;
-}
-
-std::vector<uint16_t> to_half(std::span<const float> values, uint64_t& overflowed) {
-    std::vector<float> bounded(values.begin(), values.end());
-    overflowed += overflow_to_infinity(bounded);
-    std::vector<uint16_t> halves(values.size());
-    for (size_t i = 0; i < values.size(); ++i) halves[i] = half(bounded[i]).bits();
-    return halves;
-}
-
-LayeredImage read_exr(const std::filesystem::path& path) {
-    const std::unique_ptr<OIIO::ImageInput> input = open_judged(path, true);
-    const OIIO::ImageSpec spec = input->spec();
+/// The beauty and every layer whose channels are those of protocol.md.
+LayeredImage read_layers(OIIO::ImageInput& input, uint64_t limit_bytes) {
+    const OIIO::ImageSpec spec = input.spec();
     LayeredImage image{{static_cast<uint32_t>(spec.width), static_cast<uint32_t>(spec.height)}, {}};
     struct Wanted {
         std::string name;
@@ -217,10 +188,15 @@ LayeredImage read_exr(const std::filesystem::path& path) {
     if (wanted.empty()) bad_image("it has no channels R, G and B");
     for (const LayerInfo& info : kLayers)
         want(std::string(info.name), std::string(info.name) + ".", std::span(info.channels).first(info.channel_count));
+    uint64_t bytes = 0;
+    for (const Wanted& layer : wanted) bytes += image.size.pixels() * layer.channels.size() * sizeof(float);
+    if (bytes > limit_bytes)
+        throw Error(ErrorCode::OutOfMemory, "the image takes " + std::to_string(bytes) + " bytes; the limit is " +
+                                                std::to_string(limit_bytes) + " bytes");
     for (const Wanted& layer : wanted) image.layers[layer.name].resize(image.size.pixels() * layer.channels.size());
 
     const size_t channel_count = static_cast<size_t>(spec.nchannels);
-    read_rows(*input, [&](size_t first_row, std::span<const float> rows) {
+    read_rows(input, [&](size_t first_row, std::span<const float> rows) {
         for (const Wanted& layer : wanted) {
             float* out = image.layers[layer.name].data() + first_row * image.size.width * layer.channels.size();
             for (size_t pixel = 0; pixel < rows.size() / channel_count; ++pixel)
@@ -228,6 +204,51 @@ LayeredImage read_exr(const std::filesystem::path& path) {
         }
     });
     return image;
+}
+
+}  // namespace
+
+std::vector<std::string> channel_names(std::string_view layer) {
+    if (layer == "beauty") return {"R", "G", "B"};
+    const auto info = std::find_if(kLayers.begin(), kLayers.end(), [&](const LayerInfo& l) { return l.name == layer; });
+    assert(info != kLayers.end());
+    std::vector<std::string> names;
+    for (uint32_t k = 0; k < info->channel_count; ++k)
+        names.push_back(std::string(layer) + "." + std::string(info->channels[k]));
+    return names;
+}
+
+uint64_t write_exr(Size2 size, std::vector<ImageLayer> layers, Precision precision,
+                   std::span<const ImageAttribute> attributes, const std::filesystem::path& path) {
+    uint64_t overflowed = 0;
+    if (precision == Precision::Half)
+        for (ImageLayer& layer : layers) overflowed += overflow_to_infinity(layer.pixels);
+    AtomicFile file(path);
+    {
+        OIIO::Filesystem::IOFile proxy(file.stream(), OIIO::Filesystem::IOProxy::Write);
+        encode(proxy, &file, size, layers, precision, attributes);
+    }
+    file.commit();
+    return overflowed;
+}
+
+uint64_t write_exr(const Film& film, Precision precision, std::span<const ImageAttribute> attributes,
+                   const std::filesystem::path& path) {
+    return write_exr(film.size(), resolve_all(film), precision, attributes, path);
+}
+
+std::vector<uint16_t> to_half(std::span<const float> values, uint64_t& overflowed) {
+    std::vector<float> bounded(values.begin(), values.end());
+    overflowed += overflow_to_infinity(bounded);
+    std::vector<uint16_t> halves(values.size());
+    for (size_t i = 0; i < values.size(); ++i) halves[i] = half(bounded[i]).bits();
+    return halves;
+}
+
+LayeredImage read_exr(const std::filesystem::path& path) { return read_layers(*open_judged(path, true), UINT64_MAX); }
+
+LayeredImage read_image(const std::filesystem::path& path, uint64_t limit_bytes) {
+    return read_layers(*open_judged(path, false), limit_bytes);
 }
 
 JudgedImage judge_image(const std::filesystem::path& path) {
@@ -240,7 +261,7 @@ JudgedImage judge_image(const std::filesystem::path& path) {
 
 void warm_up_exr() {
     const Size2 size{64, 64};
-    const std::vector<LayerPixels> layers{{{"R", "G", "B"}, std::vector<float>(3 * size.pixels(), 0.5f)}};
+    const std::vector<ImageLayer> layers{{{"R", "G", "B"}, std::vector<float>(3 * size.pixels(), 0.5f)}};
     std::vector<unsigned char> bytes;
     OIIO::Filesystem::IOVecOutput memory(bytes);
     encode(memory, nullptr, size, layers, Precision::Half, {});

@@ -7,6 +7,7 @@
 #include <map>
 #include <span>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -25,8 +26,21 @@ struct ImageAttribute {
     std::variant<double, std::string> value;
 };
 
-/// Writes every layer of the film: one part, scanlines, ZIP, Rec.709 chromaticities, no date; the same film and
-/// attributes give the same bytes. Returns how many finite values became infinite. Throws ErrorCode::NoSpace.
+/// One layer as written: its channels' full names ("R", "indirect.G") and its pixels, interleaved, row 0 at the top.
+struct ImageLayer {
+    std::vector<std::string> channel_names;
+    std::vector<float> pixels;
+};
+
+/// The channels' names in an image: those of protocol.md for "beauty" and the layers of kLayers.
+std::vector<std::string> channel_names(std::string_view layer);
+
+/// Writes the layers, each of size.pixels() times its channels: one part, scanlines, ZIP, Rec.709 chromaticities, no
+/// date; the same film and attributes give the same bytes. Returns how many finite values became infinite. Throws
+/// ErrorCode::NoSpace.
+uint64_t write_exr(Size2 size, std::vector<ImageLayer> layers, Precision precision,
+                   std::span<const ImageAttribute> attributes, const std::filesystem::path& path);
+/// Every layer of the film, the beauty first.
 uint64_t write_exr(const Film& film, Precision precision, std::span<const ImageAttribute> attributes,
                    const std::filesystem::path& path);
 
@@ -53,6 +67,10 @@ inline constexpr uint64_t kMaxImageValues = 512ull << 20;  // pixels x channels:
 /// Reads an EXR. Throws ErrorCode::BadImage, before any pixel memory is taken when the header is at fault: not an EXR,
 /// over kMaxImagePixels or kMaxImageChannels, no R G B, several parts, deep or sub-sampled data.
 LayeredImage read_exr(const std::filesystem::path& path);
+
+/// The same for an EXR or a Radiance HDR image, told apart by their first bytes; an HDR has the beauty only. Also
+/// throws ErrorCode::OutOfMemory, before any pixel memory is taken, when the layers would take more than `limit_bytes`.
+LayeredImage read_image(const std::filesystem::path& path, uint64_t limit_bytes = UINT64_MAX);
 
 /// Judges an uploaded EXR or Radiance HDR image: header within the limits above, every pixel decodable. Throws
 /// ErrorCode::BadImage.
