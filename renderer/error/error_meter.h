@@ -57,11 +57,13 @@ public:
     static std::vector<double> value_of(const PointwiseErrors& errors, Metric metric);
 
 private:
+    const Flip& flip(std::unique_ptr<const Flip>& made, FlipRange range) const;
+
     const Size2 size_;
     const std::vector<float> reference_;
     double mean_ = 0;
     std::array<double, 3> channel_means_{};
-    std::vector<float> display_;  // 0..255, as rmse_8bit sees it
+    const std::vector<float> encoded_;  // the reference as sRGB, 0 to 1: display values over 255
     mutable std::mutex flip_mutex_;
     mutable std::unique_ptr<const Flip> flip_ldr_, flip_hdr_;  // made when first asked for
 };

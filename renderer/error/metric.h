@@ -48,6 +48,7 @@ inline constexpr std::array<MetricInfo, 12> kMetrics{{
     {Metric::EstimatedRelativeMse, "estimated_relative_mse", 1, false, false, "relative_mse expected from the passes"},
 }};
 constexpr const MetricInfo& metric_info(Metric metric) { return kMetrics[static_cast<size_t>(metric)]; }
+inline constexpr std::array<size_t, 4> kPercentiles{50, 90, 99, 100};
 inline constexpr std::array<std::string_view, 4> kPercentileNames{"50", "90", "99", "100"};
 
 /// A metric of one layer: "relative_mse" is of the beauty, "indirect:relative_mse" of the indirect light.
