@@ -35,6 +35,14 @@ constexpr uint64_t hash64(uint64_t x) {
     return x ^ (x >> 31);
 }
 
+/// The seed of a reference rendered for jobs of that seed: one to one, and unlike any seed that people choose. All the
+/// random numbers of a rendering follow from its seed, so a reference shares none with the job it judges, whatever
+/// method renders it.
+constexpr uint64_t reference_seed(uint64_t seed) {
+    return hash64(hash64(seed + 0x9e3779b97f4a7c15ull) ^ uint64_t{static_cast<uint32_t>(RandomDomain::Reference)}
+                                                             << 32);
+}
+
 /// Uniform in [0, 1), 24 bits.
 constexpr float to_unit_float(uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1p-24f; }
 
