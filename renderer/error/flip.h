@@ -18,6 +18,14 @@ inline constexpr const char* kFlipVersion = "FLIP 2020 (LDR), 2021 (HDR)";
 /// A 0.7 m wide screen of 3840 pixels seen from 0.7 m: [Andersson et al. 2020, Sec. 6].
 inline constexpr float kFlipPixelsPerDegree = 67.0206f;
 
+/// Features of the reference are kept below this many bytes: 20 a pixel and exposure (the row padded to 32 bytes). The
+/// exposures that do not fit are computed anew by each measurement, from a copy of the reference.
+inline constexpr uint64_t kFlipCacheBytes = uint64_t{256} << 20;
+
+/// How far a pixel's value and a map's mean may be from the definition in exact arithmetic: single precision, largest
+/// where features hardly differ, whose difference goes through a square root.
+inline constexpr double kFlipLargestError = 2e-4, kFlipMeanError = 1e-5;
+
 struct FlipMap {
     std::vector<float> values;  // one a pixel, 0 to 1, row 0 at the top
     double mean = 0;            // the pooled value
@@ -40,7 +48,9 @@ enum class FlipRange : uint8_t {
 /// Thread-safe after construction.
 class Flip {
 public:
-    Flip(Size2 size, std::span<const float> reference, FlipRange range, float pixels_per_degree = kFlipPixelsPerDegree);
+    /// `pixels_per_degree` >= 1. The result does not depend on `cache_bytes`, how much may be kept of the features.
+    Flip(Size2 size, std::span<const float> reference, FlipRange range, float pixels_per_degree = kFlipPixelsPerDegree,
+         uint64_t cache_bytes = kFlipCacheBytes);
     ~Flip();
     Flip(const Flip&) = delete;
     Flip& operator=(const Flip&) = delete;
@@ -48,6 +58,8 @@ public:
     FlipMap measure(std::span<const float> image) const;
     /// Exposures [stops] of the HDR form, rising; {0} for the LDR form.
     const std::vector<float>& exposures() const;
+    /// What it keeps: at most cache_bytes, and 12 a pixel where these are not enough.
+    uint64_t bytes() const;
 
 private:
     struct Impl;
