@@ -4,6 +4,7 @@
 // Passes of a low-discrepancy sequence are not independent: their variance over n overstates the error of the mean. The
 // shape of the error over the image is taken from the between-pass variance, its scale from two halves of the passes.
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -35,10 +36,22 @@ public:
                                         std::span<const float> pass_variance);
 
 private:
+    /// What one comparison of halves, after that many passes, gave: E (A - B)^2 over what independent passes would.
+    struct Level {
+        double log2_passes = 0;
+        double ratio = 1;
+    };
+    /// Of log2 ratio over log2 passes: variance falls no faster than 1 / n^2, an image is never smooth all over.
+    static constexpr double kLeastSlope = -1;
+
+    void compare_halves(uint32_t passes, std::span<const float> image, std::span<const float> pass_variance);
+    double variance_ratio(uint32_t passes) const;
+
+    uint32_t last_passes_ = 0;
     uint32_t half_passes_ = 0;
     std::vector<float> half_;  // the mean of the first half_passes_
-    double scale_ = 1;
-    uint32_t scale_passes_ = 0;
+    std::array<Level, 4> levels_;
+    size_t level_count_ = 0;
 };
 
 /// Share of the values, of those whose standard error is known and not 0, whose reference lies within z standard errors

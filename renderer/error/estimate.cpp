@@ -1,0 +1,173 @@
+#include "renderer/error/estimate.h"
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+#include <cmath>
+#include <numbers>
+
+#include "renderer/core/rng.h"
+#include "renderer/error/pixel_chunks.h"
+
+namespace photond {
+
+namespace {
+
+struct Mean {
+    double sum = 0;
+    uint64_t count = 0;
+
+    void operator+=(const Mean& other) { sum += other.sum, count += other.count; }
+    double value() const { return sum / static_cast<double>(count); }
+};
+
+/// Weights of relative_mse, the image standing in for the reference: 1 / (x^2 + 0.01 m^2). Empty when m is 0 or there
+/// is no value.
+class RelativeWeight {
+public:
+    static std::optional<RelativeWeight> of(std::span<const float> image) {
+        const Mean mean = sum_of_chunks<Mean>(image.size(), [&](size_t first, size_t last) {
+            Mean part;
+            for (size_t i = first; i < last; ++i)
+                if (std::isfinite(image[i])) part += {image[i], 1};
+            return part;
+        });
+        if (mean.count == 0 || mean.sum == 0) return std::nullopt;
+        return RelativeWeight(0.01 * mean.value() * mean.value());
+    }
+    double operator()(double x) const { return 1 / (x * x + floor_); }
+
+private:
+    explicit RelativeWeight(double floor) : floor_(floor) {}
+    double floor_;
+};
+
+/// Sums over the values, each weighted as in relative_mse.
+struct HalvesSums {
+    double squared_difference = 0;  // of the means of both parts
+    double variance = 0;            // that independent passes would give it
+
+    void operator+=(const HalvesSums& other) {
+        squared_difference += other.squared_difference, variance += other.variance;
+    }
+};
+
+}  // namespace
+
+std::optional<double> expected_relative_mse(std::span<const float> image, std::span<const float> variance_of_mean) {
+    assert(variance_of_mean.size() == image.size());
+    const std::optional<RelativeWeight> weight = RelativeWeight::of(image);
+    if (!weight) return std::nullopt;
+    const Mean mean = sum_of_chunks<Mean>(image.size(), [&](size_t first, size_t last) {
+        Mean part;
+        for (size_t i = first; i < last; ++i)
+            if (std::isfinite(image[i]) && std::isfinite(variance_of_mean[i]))
+                part += {variance_of_mean[i] * (*weight)(image[i]), 1};
+        return part;
+    });
+    if (mean.count == 0) return std::nullopt;
+    return mean.value();
+}
+
+std::optional<ErrorEstimate> ErrorEstimator::update(uint32_t passes, std::span<const float> image,
+                                                    std::span<const float> pass_variance) {
+    assert(passes >= last_passes_ && (half_.empty() || half_.size() == image.size()));
+    last_passes_ = passes;
+    std::optional<ErrorEstimate> estimate;
+    if (passes >= 2) {
+        assert(pass_variance.size() == image.size());
+        // Of two passes the difference and the variance are the same thing.
+        if (half_passes_ >= 2 && passes >= 2 * half_passes_) compare_halves(passes, image, pass_variance);
+        if (const std::optional<double> independent = expected_relative_mse(image, pass_variance)) {
+            const double scale_sq = variance_ratio(passes);
+            estimate = {scale_sq * *independent / passes, std::sqrt(scale_sq)};
+        }
+    }
+    if (std::has_single_bit(passes) && passes != half_passes_) {
+        half_passes_ = passes;
+        half_.assign(image.begin(), image.end());
+    }
+    return estimate;
+}
+
+void ErrorEstimator::compare_halves(uint32_t passes, std::span<const float> image,
+                                    std::span<const float> pass_variance) {
+    const std::optional<RelativeWeight> weight = RelativeWeight::of(image);
+    if (!weight) return;
+    // With x = (m A + (n - m) B) / n: A - B = n / (n - m) (A - x).
+    const double n = passes, m = half_passes_, to_difference = n / (n - m), independent = 1 / m + 1 / (n - m);
+    const HalvesSums sums = sum_of_chunks<HalvesSums>(image.size(), [&](size_t first, size_t last) {
+        HalvesSums part;
+        for (size_t i = first; i < last; ++i) {
+            const double x = image[i], difference = to_difference * (half_[i] - x);
+            if (!std::isfinite(difference) || !std::isfinite(pass_variance[i])) continue;
+            const double w = (*weight)(x);
+            part += {w * difference * difference, w * independent * pass_variance[i]};
+        }
+        return part;
+    });
+    if (!(sums.variance > 0)) return;  // every pass is alike
+    if (level_count_ == levels_.size()) {
+        std::shift_left(levels_.begin(), levels_.end(), 1);
+        --level_count_;
+    }
+    levels_[level_count_++] = {std::log2(n), sums.squared_difference / sums.variance};
+}
+
+double ErrorEstimator::variance_ratio(uint32_t passes) const {
+    const std::span<const Level> levels(levels_.data(), level_count_);
+    if (levels.empty()) return 1;
+    const double now = std::log2(passes);
+    // Least squares of log2 g over log2 n.
+    double mean_x = 0, mean_y = 0, xx = 0, xy = 0;
+    for (const Level& level : levels) mean_x += level.log2_passes, mean_y += std::log2(level.ratio);
+    mean_x /= static_cast<double>(levels.size()), mean_y /= static_cast<double>(levels.size());
+    for (const Level& level : levels) {
+        xx += (level.log2_passes - mean_x) * (level.log2_passes - mean_x);
+        xy += (level.log2_passes - mean_x) * (std::log2(level.ratio) - mean_y);
+    }
+    // NaN of a level without any difference is no slope either.
+    const double slope = xx > 0 && xy < 0 ? std::max(xy / xx, kLeastSlope) : 0;
+    double ratio = 0;  // as it would be now
+    for (const Level& level : levels) ratio += level.ratio * std::exp2(slope * (now - level.log2_passes));
+    const double per_doubling = std::exp2(slope);
+    return ratio / static_cast<double>(levels.size()) * per_doubling / (2 - per_doubling);
+}
+
+std::optional<double> share_within(std::span<const float> image, std::span<const float> standard_error,
+                                   std::span<const float> reference, std::span<const float> reference_standard_error,
+                                   double z) {
+    assert(standard_error.size() == image.size() && reference.size() == image.size());
+    assert(reference_standard_error.empty() || reference_standard_error.size() == image.size());
+    const Mean share = sum_of_chunks<Mean>(image.size(), [&](size_t first, size_t last) {
+        Mean part;
+        for (size_t i = first; i < last; ++i) {
+            const double own = standard_error[i], difference = double{image[i]} - double{reference[i]};
+            const double others = reference_standard_error.empty() ? 0 : double{reference_standard_error[i]};
+            if (!(own > 0) || !std::isfinite(own) || !std::isfinite(others) || !std::isfinite(difference)) continue;
+            part += {difference * difference <= z * z * (own * own + others * others) ? 1.0 : 0.0, 1};
+        }
+        return part;
+    });
+    if (share.count == 0) return std::nullopt;
+    return share.value();
+}
+
+std::vector<float> with_own_noise(std::span<const float> reference, std::span<const float> standard_error,
+                                  uint64_t seed) {
+    assert(standard_error.size() == reference.size());
+    std::vector<float> noisy(reference.begin(), reference.end());
+    for_each_chunk(noisy.size(), [&](size_t first, size_t last) {
+        for (size_t i = first; i < last; ++i) {
+            if (!std::isfinite(standard_error[i]) || !std::isfinite(noisy[i])) continue;
+            // [Box and Muller 1958] A Note on the Generation of Random Normal Deviates. No pass has this number.
+            RandomStream random(seed, RandomDomain::Reference, UINT32_MAX, i);
+            const double u = (random.next_bits() + 0.5) * 0x1p-32, v = (random.next_bits() + 0.5) * 0x1p-32;
+            const double normal = std::sqrt(-2 * std::log(u)) * std::cos(2 * std::numbers::pi * v);
+            noisy[i] = static_cast<float>(noisy[i] + standard_error[i] * normal);
+        }
+    });
+    return noisy;
+}
+
+}  // namespace photond
