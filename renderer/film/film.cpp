@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "protocol/error.h"
 #include "renderer/core/parallel.h"
 #include "renderer/core/sha256.h"
 
@@ -43,10 +44,12 @@ inline FixedSum to_fixed(float x) {
     return std::signbit(x) ? -magnitude : magnitude;
 }
 
-inline void add_square(FixedSquares& sum, double value) {
-    const FixedSquares total = sum + to_fixed_squares(value * value);
+inline void add_saturating(FixedSquares& sum, FixedSquares more) {
+    const FixedSquares total = sum + more;
     sum = total < sum ? kSaturated : total;
 }
+
+inline void add_square(FixedSquares& sum, double value) { add_saturating(sum, to_fixed_squares(value * value)); }
 
 inline uint32_t magnitude_bits(const Rgb& c) {
     const auto bits = [](float x) { return std::bit_cast<uint32_t>(x) & kMagnitudeBits; };
@@ -116,7 +119,7 @@ uint64_t PassImage::bytes_for(Size2 size, LayerSet layers) {
     return bytes_a_pixel * size.pixels();
 }
 
-Film::Film(Size2 size, LayerSet layers) : size_(size), layers_(layers) {
+Film::Film(Size2 size, LayerSet layers, uint32_t first_pass) : size_(size), layers_(layers), next_pass_(first_pass) {
     const size_t n = size.pixels();
     for (const LayerInfo& info : kLayers)
         if (is_summed(layers, info.layer)) sums_[static_cast<size_t>(info.layer)].assign(n * info.channel_count, 0);
@@ -204,7 +207,33 @@ void Film::add_pass(const PassImage& pass) {
     };
     tbb::parallel_for(tbb::blocked_range<size_t>(0, size_.pixels(), kGrainPixels), add_range);
     nan_count_ += nan_count, infinity_count_ += infinity_count;
+    pass_ranges_.add(next_pass_++);
     ++passes_;
+}
+
+void Film::merge(const Film& other) {
+    if (other.size_ != size_)
+        throw Error(ErrorCode::Conflict,
+                    "films of " + std::to_string(size_.width) + " x " + std::to_string(size_.height) + " and " +
+                        std::to_string(other.size_.width) + " x " + std::to_string(other.size_.height) + " pixels");
+    if (other.layers_ != layers_) throw Error(ErrorCode::Conflict, "films with different layers");
+    if (uint64_t{passes_} + other.passes_ > UINT32_MAX)
+        throw Error(ErrorCode::OutOfRange, "more passes than a film can hold");
+    pass_ranges_.add(other.pass_ranges_);
+    const auto add_sums = [](std::vector<FixedSum>& sums, const std::vector<FixedSum>& more) {
+        parallel_for(sums.size(), kGrainPixels, [&](size_t i) { sums[i] += more[i]; });
+    };
+    const auto add_squares = [](std::vector<FixedSquares>& sums, const std::vector<FixedSquares>& more) {
+        parallel_for(sums.size(), kGrainPixels, [&](size_t i) { add_saturating(sums[i], more[i]); });
+    };
+    for (size_t i = 0; i < kLayerCount; ++i) add_sums(sums_[i], other.sums_[i]);
+    add_squares(squares_beauty_, other.squares_beauty_);
+    add_squares(squares_direct_, other.squares_direct_);
+    add_squares(squares_indirect_, other.squares_indirect_);
+    for (size_t i = 0; i < hits_.size(); ++i) hits_[i] += other.hits_[i];
+    passes_ += other.passes_;
+    nan_count_ += other.nan_count_, infinity_count_ += other.infinity_count_;
+    next_pass_ = pass_ranges_.end();
 }
 
 std::vector<float> Film::resolve(Layer layer) const {

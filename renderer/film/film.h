@@ -10,6 +10,7 @@
 #include "renderer/core/rgb.h"
 #include "renderer/core/stats.h"
 #include "renderer/film/layers.h"
+#include "renderer/film/pass_ranges.h"
 
 namespace photond {
 
@@ -27,32 +28,6 @@ struct PassImage {
     std::vector<float> depth;
     std::vector<float> photon_count;
     std::vector<uint8_t> hit;  // 1 where the sample met a surface; only kept when an auxiliary layer is asked for
-};
-
-/// Which passes are in a film: half-open ranges of pass indices, rising, apart from each other.
-class PassRanges {
-public:
-    struct Range {
-        uint32_t first, end;
-        bool operator==(const Range&) const = default;
-    };
-    PassRanges() = default;
-    /// Throws ErrorCode::Internal when the ranges overlap, touch, are empty or do not rise.
-    explicit PassRanges(std::vector<Range> ranges);
-
-    /// The pass must not be in it (asserted).
-    void add(uint32_t pass);
-    /// Throws ErrorCode::Conflict, naming the first pass that is in both.
-    void add(const PassRanges& other);
-    uint32_t count() const;
-    uint32_t end() const { return ranges_.empty() ? 0 : ranges_.back().end; }  // behind the last
-    const std::vector<Range>& ranges() const { return ranges_; }
-    /// "0-63, 128-191"; "none".
-    std::string text() const;
-    bool operator==(const PassRanges&) const = default;
-
-private:
-    std::vector<Range> ranges_;
 };
 
 /// 128-bit signed fixed point with 64 fractional bits: range +-2^63, resolution 2^-64. A value of one pass lies below

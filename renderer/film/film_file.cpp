@@ -16,13 +16,16 @@ namespace photond {
 namespace {
 
 constexpr char kMagic[8] = {'P', 'H', 'O', 'T', 'F', 'I', 'L', 'M'};
-constexpr uint32_t kVersion = 2;
-constexpr uint32_t kOldestVersion = 1;    // the same but for the layers it knew
-constexpr size_t kLayersOfVersion1 = 9;   // all up to standard_error
-constexpr size_t kBlockValues = 1 << 12;  // sums a block: 64 KiB at most, which malloc takes from memory it has
-constexpr size_t kBlocksAtOnce = 64;      // encoded side by side before they are written in order
-constexpr size_t kDigestBytes = 32;       // as hexadecimal digits
+constexpr uint32_t kVersion = 3;
+constexpr uint32_t kOldestVersion = 1;
+constexpr uint32_t kVersionOfIdentity = 3;  // identity, history and ranges follow the header
+constexpr size_t kLayersOfVersion1 = 9;     // all up to standard_error
+constexpr size_t kBlockValues = 1 << 12;    // sums a block: 64 KiB at most, which malloc takes from memory it has
+constexpr size_t kBlocksAtOnce = 64;        // encoded side by side before they are written in order
+constexpr size_t kDigestBytes = 32;         // as hexadecimal digits
 constexpr uint32_t kMaxSide = 1u << 20;
+constexpr uint64_t kMaxTextBytes = 64ull << 20;
+constexpr uint64_t kMaxRanges = 1u << 20;
 
 struct Header {
     char magic[8];
@@ -127,6 +130,39 @@ private:
 
 }  // namespace
 
+namespace {
+
+/// The length, the bytes, the digest of both.
+std::string encode_text(const void* data, uint64_t bytes) {
+    std::string block(reinterpret_cast<const char*>(&bytes), sizeof bytes);
+    block.append(static_cast<const char*>(data), bytes);
+    return block + digest_of(block.data(), block.size());
+}
+std::string encode_text(const std::string& text) { return encode_text(text.data(), text.size()); }
+
+std::string read_text(Reader& reader, const std::filesystem::path& path, uint64_t limit) {
+    uint64_t bytes = 0;
+    reader.read(&bytes, sizeof bytes);
+    if (bytes > limit) damaged(path, "a part of " + std::to_string(bytes) + " bytes");
+    std::string block(reinterpret_cast<const char*>(&bytes), sizeof bytes);
+    block.resize(sizeof bytes + bytes);
+    reader.read(block.data() + sizeof bytes, bytes);
+    char digest[kDigestBytes];
+    reader.read(digest, sizeof digest);
+    if (std::memcmp(digest_of(block.data(), block.size()).data(), digest, kDigestBytes) != 0)
+        damaged(path, "a part does not match its checksum");
+    return block.substr(sizeof bytes);
+}
+
+PassRanges read_ranges(Reader& reader, const std::filesystem::path& path) {
+    const std::string bytes = read_text(reader, path, kMaxRanges * sizeof(PassRanges::Range));
+    std::vector<PassRanges::Range> ranges(bytes.size() / sizeof(PassRanges::Range));
+    std::memcpy(ranges.data(), bytes.data(), ranges.size() * sizeof(PassRanges::Range));
+    return PassRanges(std::move(ranges));
+}
+
+}  // namespace
+
 template <class FilmType, class Visitor>
 void FilmFile::for_each_array(FilmType& film, const Visitor& visitor) {
     for (auto& sums : film.sums_) visitor(sums);
@@ -134,7 +170,8 @@ void FilmFile::for_each_array(FilmType& film, const Visitor& visitor) {
     visitor(film.hits_);
 }
 
-void FilmFile::save(const Film& film, const std::filesystem::path& path) {
+void FilmFile::save(const Film& film, const FilmIdentity& identity, const std::string& history,
+                    const std::filesystem::path& path) {
     AtomicFile file(path);
     Header header{};
     std::memcpy(header.magic, kMagic, sizeof kMagic);
@@ -145,6 +182,11 @@ void FilmFile::save(const Film& film, const std::filesystem::path& path) {
     header.passes = film.passes_, header.nan_count = film.nan_count_, header.infinity_count = film.infinity_count_;
     std::memcpy(header.digest, digest_of(&header, offsetof(Header, digest)).data(), kDigestBytes);
     file.write(&header, sizeof header);
+    const std::vector<PassRanges::Range>& ranges = film.pass_ranges_.ranges();
+    for (const std::string& part :
+         {encode_text(identity.scene), encode_text(identity.settings), encode_text(identity.device),
+          encode_text(history), encode_text(ranges.data(), ranges.size() * sizeof(PassRanges::Range))})
+        file.write(part.data(), part.size());
 
     for_each_array(film, [&](const auto& values) {
         const size_t blocks = (values.size() + kBlockValues - 1) / kBlockValues;
@@ -161,7 +203,7 @@ void FilmFile::save(const Film& film, const std::filesystem::path& path) {
     file.commit();
 }
 
-Film FilmFile::load(const std::filesystem::path& path, uint64_t limit_bytes) {
+SavedFilm FilmFile::load(const std::filesystem::path& path, uint64_t limit_bytes) {
     Reader reader(path);
     Header header{};
     reader.read(&header, sizeof header);
@@ -183,14 +225,40 @@ Film FilmFile::load(const std::filesystem::path& path, uint64_t limit_bytes) {
     if (bytes > limit_bytes)
         throw Error(ErrorCode::OutOfMemory, "the film takes " + std::to_string(bytes) + " bytes; the limit is " +
                                                 std::to_string(limit_bytes) + " bytes");
-    Film film(size, layers);
+    SavedFilm saved{Film(size, layers), {}, {}};
+    Film& film = saved.film;
+    if (header.version >= kVersionOfIdentity) {
+        saved.identity.scene = read_text(reader, path, kMaxTextBytes);
+        saved.identity.settings = read_text(reader, path, kMaxTextBytes);
+        saved.identity.device = read_text(reader, path, kMaxTextBytes);
+        saved.history = read_text(reader, path, kMaxTextBytes);
+        film.pass_ranges_ = read_ranges(reader, path);
+        if (film.pass_ranges_.count() != header.passes) damaged(path, "its ranges are not of its passes");
+    } else if (header.passes > 0) {
+        film.pass_ranges_ = PassRanges({{0, header.passes}});
+    }
+    film.next_pass_ = film.pass_ranges_.end();
     film.passes_ = header.passes, film.nan_count_ = header.nan_count, film.infinity_count_ = header.infinity_count;
     for_each_array(film, [&](auto& values) {
         for (size_t start = 0; start < values.size(); start += kBlockValues)
             reader.read_block(std::span(values).subspan(start, std::min(kBlockValues, values.size() - start)));
     });
     reader.expect_end();
-    return film;
+    return saved;
+}
+
+void require_alike(const FilmIdentity& a, const FilmIdentity& b) {
+    if (a == FilmIdentity() || b == FilmIdentity())
+        throw Error(ErrorCode::Conflict, "a film of an older version, which does not say what it shows");
+    constexpr size_t kShown = 24;  // enough of a hash to tell two apart
+    const auto differ = [](const char* what, const std::string& x, const std::string& y) {
+        if (x != y)
+            throw Error(ErrorCode::Conflict, std::string("films of different ") + what + ": " + x.substr(0, kShown) +
+                                                 " and " + y.substr(0, kShown));
+    };
+    differ("scenes", a.scene, b.scene);
+    differ("settings", a.settings, b.settings);
+    differ("devices or versions", a.device, b.device);
 }
 
 }  // namespace photond

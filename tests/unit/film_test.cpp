@@ -4,18 +4,13 @@
 #include "renderer/film/film.h"
 
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <numeric>
 
-#include "protocol/error.h"
 #include "renderer/core/rng.h"
-#include "renderer/core/sha256.h"
-#include "renderer/film/film_file.h"
+#include "tests/support/random_film.h"
 #include "tests/support/threads.h"
 
 namespace photond {
@@ -23,39 +18,7 @@ namespace {
 
 LayerSet all_layers() { return LayerSet::all(); }
 
-/// Values over many magnitudes, negative ones among them, so that float addition in another order would show.
-PassImage random_pass(Size2 size, LayerSet layers, uint32_t pass) {
-    PassImage image(size, layers);
-    for (size_t i = 0; i < size.pixels(); ++i) {
-        RandomStream random(7, RandomDomain::Test, pass, i);
-        const auto value = [&] {
-            const float magnitude = std::exp2(60.0f * random.next() - 40.0f);
-            return random.next() < 0.1f ? 0.0f : random.next() < 0.2f ? -magnitude : magnitude;
-        };
-        const auto rgb = [&] { return Rgb(value(), value(), value()); };
-        image.emitted[i] = rgb(), image.direct[i] = rgb(), image.indirect[i] = rgb();
-        if (layers.has(Layer::Caustic)) image.caustic[i] = rgb();
-        if (image.hit.empty()) continue;
-        image.hit[i] = random.next() < 0.7f;
-        if (!image.hit[i]) continue;
-        if (layers.has(Layer::Albedo)) image.albedo[i] = rgb();
-        if (layers.has(Layer::Normal)) image.normal[i] = rgb();
-        if (layers.has(Layer::Position)) image.position[i] = rgb();
-        if (layers.has(Layer::Depth)) image.depth[i] = value();
-        if (layers.has(Layer::PhotonCount)) image.photon_count[i] = std::abs(value());
-    }
-    return image;
-}
-
-Film film_of(Size2 size, LayerSet layers, const std::vector<uint32_t>& passes) {
-    Film film(size, layers);
-    for (const uint32_t pass : passes) film.add_pass(random_pass(size, layers, pass));
-    return film;
-}
-
-std::filesystem::path scratch_file(const std::string& name) {
-    return std::filesystem::temp_directory_path() / ("photond_film_test_" + std::to_string(getpid()) + "_" + name);
-}
+using test::film_of;
 
 TEST(Film, AnyOrderOfPassesGivesTheSameBits) {
     const Size2 size{37, 11};
@@ -246,100 +209,6 @@ TEST(Film, StandardErrorIsUnknownBeforeTheSecondPass) {
     EXPECT_TRUE(std::isinf(film.resolve(Layer::StandardError)[0]));
     film.add_pass(PassImage({1, 1}, layers));
     EXPECT_EQ(film.resolve(Layer::StandardError)[0], 0.0f);
-}
-
-TEST(FilmFile, GivesTheSameFilmBack) {
-    const std::filesystem::path path = scratch_file("roundtrip");
-    const Size2 size{211, 97};  // more than one block an array, the last one cut
-    const Film film = film_of(size, all_layers(), {0, 1, 2, 3});
-    FilmFile::save(film, path);
-    EXPECT_TRUE(film == FilmFile::load(path));
-    EXPECT_FALSE(std::filesystem::exists(path.string() + ".part"));
-    try {
-        (void)FilmFile::load(path, film.bytes() - 1);
-        ADD_FAILURE() << "loaded past its limit";
-    } catch (const Error& error) {
-        EXPECT_EQ(error.code, ErrorCode::OutOfMemory);
-    }
-    std::filesystem::remove(path);
-}
-
-/// The file with another version in its header, whose checksum is made right again.
-void set_version(const std::filesystem::path& path, uint32_t version) {
-    constexpr std::streamoff kVersionAt = 8, kDigestAt = 48;
-    std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
-    file.seekp(kVersionAt).write(reinterpret_cast<const char*>(&version), sizeof version);
-    std::string header(kDigestAt, '\0');
-    file.seekg(0).read(header.data(), kDigestAt);
-    const std::string digest = sha256_hex(header.data(), header.size()).substr(0, 32);
-    file.seekp(kDigestAt).write(digest.data(), std::streamsize(digest.size()));
-}
-
-TEST(FilmFile, ReadsFilmsFromBeforeTheLastLayerAndRefusesLaterOnes) {
-    const std::filesystem::path path = scratch_file("versions");
-    LayerSet older = all_layers();
-    older.remove(Layer::PhotonCount);
-    const Film film = film_of({9, 5}, older, {0, 1});
-    FilmFile::save(film, path);
-    set_version(path, 1);
-    EXPECT_TRUE(film == FilmFile::load(path));
-    const auto code_of_loading = [&] {
-        try {
-            (void)FilmFile::load(path);
-        } catch (const Error& error) {
-            return error.code;
-        }
-        return ErrorCode::NotFound;
-    };
-    set_version(path, 3);
-    EXPECT_EQ(code_of_loading(), ErrorCode::Unsupported);
-    FilmFile::save(film_of({9, 5}, all_layers(), {0}), path);
-    set_version(path, 1);  // which had no such layer
-    EXPECT_EQ(code_of_loading(), ErrorCode::Internal);
-    std::filesystem::remove(path);
-}
-
-TEST(FilmFile, RefusesEveryDamage) {
-    const std::filesystem::path path = scratch_file("damage");
-    FilmFile::save(film_of({9, 5}, all_layers(), {0, 1}), path);
-    std::string bytes;
-    {
-        std::ifstream in(path, std::ios::binary);
-        bytes.assign(std::istreambuf_iterator<char>(in), {});
-    }
-    const auto expect_refused = [&](const std::string& content, const std::string& what) {
-        std::ofstream(path, std::ios::binary | std::ios::trunc).write(content.data(), std::streamsize(content.size()));
-        EXPECT_THROW((void)FilmFile::load(path), Error) << what;
-    };
-    for (size_t at = 0; at < bytes.size(); at += at < 100 ? 1 : 61) {
-        std::string changed = bytes;
-        changed[at] = static_cast<char>(changed[at] ^ 0x10);
-        expect_refused(changed, "byte " + std::to_string(at));
-    }
-    for (size_t length = 0; length < bytes.size(); length += 173)
-        expect_refused(bytes.substr(0, length), "cut to " + std::to_string(length));
-    expect_refused(bytes + "x", "one byte more");
-    std::filesystem::remove(path);
-}
-
-TEST(FilmFile, AFullDiskIsNamedAndLeavesNothing) {
-    const std::filesystem::path path = scratch_file("full");
-    const Film film = film_of({128, 128}, LayerSet(), {0});
-    signal(SIGXFSZ, SIG_IGN);
-    rlimit before{};
-    getrlimit(RLIMIT_FSIZE, &before);
-    rlimit small = before;
-    small.rlim_cur = 100'000;
-    setrlimit(RLIMIT_FSIZE, &small);
-    try {
-        FilmFile::save(film, path);
-        ADD_FAILURE() << "saved past the limit";
-    } catch (const Error& error) {
-        EXPECT_EQ(error.code, ErrorCode::NoSpace) << error.what();
-    }
-    setrlimit(RLIMIT_FSIZE, &before);
-    EXPECT_FALSE(std::filesystem::exists(path));
-    EXPECT_FALSE(std::filesystem::exists(path.string() + ".part"));
 }
 
 }  // namespace

@@ -257,7 +257,7 @@ TEST_F(JobRunnerTest, AJobFromOrderToFilm) {
     EXPECT_EQ(finished["passes_done"], 3);
     EXPECT_EQ(finished["attempt"], 2);
     EXPECT_TRUE(finished["failure"].is_null());
-    const Film film = FilmFile::load(film_path());
+    const Film film = FilmFile::load(film_path()).film;
     EXPECT_EQ(film.passes(), 3u);
     const json& statistics = finished["statistics"];
     EXPECT_EQ(statistics["pixel_hash"], film.pixel_hash());
@@ -302,7 +302,7 @@ TEST_F(JobRunnerTest, SnapshotsAndCancelling) {
         if (message["type"] == "film_saved") {
             saved = true;
             EXPECT_EQ(message["path"], snapshot.string());
-            EXPECT_EQ(FilmFile::load(snapshot).passes(), message["passes_done"].get<uint32_t>());
+            EXPECT_EQ(FilmFile::load(snapshot).film.passes(), message["passes_done"].get<uint32_t>());
         }
     EXPECT_TRUE(saved);
     std::filesystem::remove(snapshot);
