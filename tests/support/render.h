@@ -32,7 +32,7 @@ Film render(const Scene& scene, const RenderSettingsOf<M>& settings, Stats* stat
     method.begin({scene, *intersector, View{find_camera(scene, ""), settings.size, settings.filter, settings.layers},
                   settings.seed, budget ? *budget : own_budget},
                  counted);
-    Film film(settings.size, settings.layers);
+    Film film(settings.size, settings.layers, settings.first_pass);
     for (uint32_t i = 0; i < settings.passes; ++i) {
         method.run_pass(settings.first_pass + i, counted, CancelToken{});
         method.resolve(film);
