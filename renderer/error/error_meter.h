@@ -26,7 +26,8 @@ struct PointwiseErrors {
 };
 
 /// Measures images of one layer against one reference, and keeps whatever of that depends on the reference alone.
-/// Thread-safe.
+/// rmse_8bit compares display values as real numbers: clamped to 0..255, not rounded. A negative m, which light does
+/// not have, counts by its magnitude in smape. Thread-safe.
 class ErrorMeter {
 public:
     /// `reference`: 3 * size.pixels() values.
@@ -40,9 +41,11 @@ public:
 
     /// All below take an image of the reference's size (asserted).
     PointwiseErrors pointwise(std::span<const float> image) const;
+    /// Each pixel's relative error: the root of its mean over channels of (x - r)^2 / (r^2 + 0.01 m^2); NaN where a
+    /// value is not finite. Empty when m = 0.
+    std::vector<double> relative_errors(std::span<const float> image) const;
     /// Percentiles 50, 90, 99, 100 (the smallest value that at least so many percent of the pixels do not exceed) of
-    /// the pixel's relative error: the root of its mean over channels of (x - r)^2 / (r^2 + 0.01 m^2). Pixels with a
-    /// value that is not finite are left out. Empty when m = 0.
+    /// the pixels' relative errors, those that are numbers. Empty when there are none.
     std::optional<std::array<double, 4>> percentiles(std::span<const float> image) const;
     /// Pixels whose luminance exceeds 100 x (median of their 5x5 neighbours + 0.01 m). The neighbourhood is cut at the
     /// image's edge and leaves out its centre and what is not finite.

@@ -11,24 +11,8 @@ namespace photond {
 
 namespace {
 
-// Differences, squares and quotients are taken in double: no value that is a finite float can overflow or vanish in
-// them, whatever the image's scale.
-using DoubleLanes = std::experimental::rebind_simd_t<double, FloatLanes>;
 constexpr std::experimental::element_aligned_tag kUnaligned;
 constexpr double kDisplayWhite = 255;
-
-/// static_simd_cast, of which GCC 12 thinks that it reads something uninitialised (GCC bug 105593).
-DoubleLanes to_double(const FloatLanes& x) {
-    using FloatVector [[gnu::vector_size(kLanes * sizeof(float))]] = float;
-    using DoubleVector [[gnu::vector_size(kLanes * sizeof(double))]] = double;
-    static_assert(sizeof(FloatVector) == sizeof(FloatLanes) && sizeof(DoubleVector) == sizeof(DoubleLanes));
-    FloatVector floats;
-    __builtin_memcpy(&floats, static_cast<const void*>(&x), sizeof x);
-    const auto doubles = __builtin_convertvector(floats, DoubleVector);
-    DoubleLanes result;
-    __builtin_memcpy(static_cast<void*>(&result), &doubles, sizeof result);
-    return result;
-}
 
 /// Of the values that are finite in both images.
 struct Sums {
@@ -47,100 +31,132 @@ struct Sums {
     }
 };
 
-/// What keeps the relative measures finite where r is 0; both above 0.
-struct Floors {
-    double square;     // 0.01 m^2
-    double magnitude;  // 0.1 m
-};
-
-/// Adds up blocks of kLanes pixels. Three vectors hold such a block; the channel of lane l of vector v is (v kLanes +
-/// l) mod 3, the same in every block, so that sums by channel are taken apart only at the end.
+/// Adds up blocks of kLanes pixels. Three vectors hold such a block; the channel of lane l of vector v is
+/// (v kLanes + l) mod 3, the same in every block, so that sums by channel are taken apart only at the end.
+///
+/// Terms are floats, of values divided by a power of two near m, so that neither squares nor quotients overflow or
+/// vanish; so are the sums of kRun blocks, which then go to sums in double. A block that holds a value out of that
+/// range or not finite is added value by value in double.
 class Sweep {
 public:
     static constexpr size_t kBlockValues = 3 * kLanes;
 
-    explicit Sweep(const Floors& floors) : floors_(floors) {}
+    explicit Sweep(double mean) : mean_(std::fabs(mean)) {
+        if (!(mean_ > 0x1p-120 && mean_ < 0x1p120)) return;  // all value by value
+        const int exponent = std::ilogb(mean_);
+        unit_ = std::ldexp(1.0, exponent);
+        inverse_unit_ = std::ldexp(1.0f, -exponent);
+        limit_ = 0x1p30f;
+        square_floor_ = static_cast<float>(square_floor() / (unit_ * unit_));
+        magnitude_floor_ = static_cast<float>(magnitude_floor() / unit_);
+    }
 
     void add_block(const float* image, const float* reference, const float* encoded_reference) {
-        FloatMask finite[3];
-#pragma GCC unroll 3
-        for (size_t v = 0; v < 3; ++v)
-            finite[v] = add_vector(v, FloatLanes(image + v * kLanes, kUnaligned),
-                                   FloatLanes(reference + v * kLanes, kUnaligned),
-                                   FloatLanes(encoded_reference + v * kLanes, kUnaligned));
-        if (all_of(finite[0] && finite[1] && finite[2])) {
-            whole_pixels_ += kLanes;
-        } else {
-            for (size_t i = 0; i < kBlockValues; ++i) count_[i % 3] += finite[i / kLanes][i % kLanes] ? 1 : 0;
+        FloatLanes x[3], r[3];
+        FloatMask usable(true);
+        for (size_t v = 0; v < 3; ++v) {
+            x[v] = FloatLanes(image + v * kLanes, kUnaligned) * inverse_unit_;
+            r[v] = FloatLanes(reference + v * kLanes, kUnaligned) * inverse_unit_;
+            usable = usable && abs(x[v]) < limit_ && abs(r[v]) < limit_;
+        }
+        if (!all_of(usable)) return add_values(image, reference, encoded_reference, kBlockValues);
+        for (size_t v = 0; v < 3; ++v) {
+            add_differences(v, x[v], r[v]);
+            const FloatLanes encoded = srgb_encode_clamped(FloatLanes(image + v * kLanes, kUnaligned));
+            const FloatLanes shown = encoded - FloatLanes(encoded_reference + v * kLanes, kUnaligned);
+            run_.encoded_squares[v] += shown * shown;
+        }
+        if (++run_.blocks == kRun) end_run();
+    }
+
+    /// `count` values, the first of channel R.
+    void add_values(const float* image, const float* reference, const float* encoded_reference, size_t count) {
+        for (size_t i = 0; i < count; ++i) {
+            const double x = double{image[i]}, r = double{reference[i]};
+            if (!std::isfinite(x) || !std::isfinite(r)) continue;
+            const double difference = x - r, square = difference * difference, absolute = std::fabs(difference);
+            const double shown = double{srgb_encode_clamped(image[i])[0]} - double{encoded_reference[i]};
+            sums_.squares += square;
+            sums_.absolutes += absolute;
+            sums_.differences[i % 3] += difference;
+            sums_.encoded_squares[i % 3] += shown * shown;
+            ++sums_.count[i % 3];
+            if (mean_ == 0) continue;
+            sums_.relative_squares += square / (r * r + square_floor());
+            sums_.symmetric += 2 * absolute / (std::fabs(x) + std::fabs(r) + magnitude_floor());
         }
     }
 
-    Sums sums() const {
-        Sums result{.relative_squares = reduce(relative_squares_),
-                    .squares = reduce(squares_),
-                    .absolutes = reduce(absolutes_),
-                    .symmetric = 2 * reduce(half_symmetric_),
-                    .count = count_};
-        for (size_t i = 0; i < kBlockValues; ++i) {
-            result.differences[i % 3] += differences_[i / kLanes][i % kLanes];
-            result.encoded_squares[i % 3] += encoded_squares_[i / kLanes][i % kLanes];
-        }
-        for (uint64_t& count : result.count) count += whole_pixels_;
-        return result;
+    const Sums& finish() {
+        end_run();
+        return sums_;
     }
 
 private:
-    /// Returns which lanes are finite in both; the others count as two zeros, which add nothing.
-    FloatMask add_vector(size_t v, const FloatLanes& image, const FloatLanes& reference, const FloatLanes& encoded) {
-        const FloatMask finite = abs(image) < kInfinity && abs(reference) < kInfinity;
-        const FloatLanes image_or_0 = select(finite, image, 0.0f);
-        const DoubleLanes x = to_double(image_or_0), r = to_double(select(finite, reference, 0.0f));
-        const DoubleLanes difference = x - r, square = difference * difference, absolute = abs(difference);
-        const DoubleLanes square_scale = r * r + floors_.square, scale = abs(x) + abs(r) + floors_.magnitude;
-        const DoubleLanes inverse = 1.0 / (square_scale * scale);  // one division for two quotients
-        relative_squares_ += square * scale * inverse;
-        half_symmetric_ += absolute * square_scale * inverse;
-        squares_ += square;
-        absolutes_ += absolute;
-        differences_[v] += difference;
-        const FloatLanes shown = srgb_encode_clamped(image_or_0) - select(finite, encoded, 0.0f);
-        encoded_squares_[v] += to_double(shown * shown);
-        return finite;
+    static constexpr uint32_t kRun = 32;
+
+    struct Run {
+        FloatLanes relative_squares = 0, squares = 0, absolutes = 0, half_symmetric = 0;
+        FloatLanes differences[3]{0, 0, 0}, encoded_squares[3]{0, 0, 0};
+        uint32_t blocks = 0;
+    };
+
+    double square_floor() const { return 0.01 * mean_ * mean_; }
+    double magnitude_floor() const { return 0.1 * mean_; }
+
+    /// All in units of unit_.
+    void add_differences(size_t v, const FloatLanes& x, const FloatLanes& r) {
+        const FloatLanes difference = x - r, square = difference * difference, absolute = abs(difference);
+        const FloatLanes square_scale = r * r + square_floor_, magnitude = abs(x) + abs(r) + magnitude_floor_;
+        const FloatLanes inverse = 1.0f / (square_scale * magnitude);  // one division for two quotients
+        run_.relative_squares += square * magnitude * inverse;
+        run_.half_symmetric += absolute * square_scale * inverse;
+        run_.squares += square;
+        run_.absolutes += absolute;
+        run_.differences[v] += difference;
     }
 
-    const Floors floors_;
-    DoubleLanes relative_squares_ = 0, squares_ = 0, absolutes_ = 0, half_symmetric_ = 0;
-    DoubleLanes differences_[3]{0, 0, 0}, encoded_squares_[3]{0, 0, 0};
-    uint64_t whole_pixels_ = 0;        // of blocks in which all is finite
-    std::array<uint64_t, 3> count_{};  // values of the other blocks
+    void end_run() {
+        const auto sum = [](const FloatLanes& lanes) {
+            double total = 0;
+            for (size_t lane = 0; lane < kLanes; ++lane) total += double{lanes[lane]};
+            return total;
+        };
+        sums_.relative_squares += sum(run_.relative_squares);
+        sums_.symmetric += 2 * sum(run_.half_symmetric);
+        sums_.squares += sum(run_.squares) * unit_ * unit_;
+        sums_.absolutes += sum(run_.absolutes) * unit_;
+        for (size_t i = 0; i < kBlockValues; ++i) {
+            sums_.differences[i % 3] += double{run_.differences[i / kLanes][i % kLanes]} * unit_;
+            sums_.encoded_squares[i % 3] += double{run_.encoded_squares[i / kLanes][i % kLanes]};
+        }
+        for (uint64_t& count : sums_.count) count += run_.blocks * kLanes;
+        run_ = Run{};
+    }
+
+    const double mean_;
+    double unit_ = 1;
+    float inverse_unit_ = 1, limit_ = 0, square_floor_ = 1, magnitude_floor_ = 1;
+    Run run_;
+    Sums sums_;
 };
 
 /// Pixels [first, last).
-Sums sweep(const float* image, const float* reference, const float* encoded, size_t first, size_t last,
-           const Floors& floors) {
-    Sweep sweep(floors);
+Sums sweep(const float* image, const float* reference, const float* encoded, size_t first, size_t last, double mean) {
+    Sweep sweep(mean);
     size_t i = 3 * first;
     for (; i + Sweep::kBlockValues <= 3 * last; i += Sweep::kBlockValues)
         sweep.add_block(image + i, reference + i, encoded + i);
-    if (i < 3 * last) {  // the rest of the image, filled up with values that are left out
-        std::array<float, Sweep::kBlockValues> padded_image, padded_reference{}, padded_encoded{};
-        padded_image.fill(kInfinity);
-        std::copy(image + i, image + 3 * last, padded_image.begin());
-        std::copy(reference + i, reference + 3 * last, padded_reference.begin());
-        std::copy(encoded + i, encoded + 3 * last, padded_encoded.begin());
-        sweep.add_block(padded_image.data(), padded_reference.data(), padded_encoded.data());
-    }
-    return sweep.sums();
+    sweep.add_values(image + i, reference + i, encoded + i, 3 * last - i);
+    return sweep.finish();
 }
 
 }  // namespace
 
 PointwiseErrors ErrorMeter::pointwise(std::span<const float> image) const {
     assert(image.size() == reference_.size());
-    const bool relative = mean_ != 0;  // else any floors will do: what they give is not used
-    const Floors floors = relative ? Floors{0.01 * mean_ * mean_, 0.1 * std::fabs(mean_)} : Floors{1, 1};
     const Sums sums = sum_of_chunks<Sums>(size_.pixels(), [&](size_t first, size_t last) {
-        return sweep(image.data(), reference_.data(), encoded_.data(), first, last, floors);
+        return sweep(image.data(), reference_.data(), encoded_.data(), first, last, mean_);
     });
 
     PointwiseErrors errors;
@@ -150,7 +166,7 @@ PointwiseErrors ErrorMeter::pointwise(std::span<const float> image) const {
     const auto mean = [&](double sum) { return sum / static_cast<double>(count); };
     errors.rmse = std::sqrt(mean(sums.squares));
     errors.mae = mean(sums.absolutes);
-    if (relative) errors.relative_mse = mean(sums.relative_squares), errors.smape = mean(sums.symmetric);
+    if (mean_ != 0) errors.relative_mse = mean(sums.relative_squares), errors.smape = mean(sums.symmetric);
     double display_error = 0;
     for (size_t k = 0; k < 3; ++k) {
         const auto channel_count = static_cast<double>(sums.count[k]);

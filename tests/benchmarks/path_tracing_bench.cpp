@@ -17,13 +17,13 @@
 #include <cstdio>
 #include <cstring>
 
+#include "renderer/error/error_meter.h"
 #include "renderer/film/exr_file.h"
 #include "renderer/methods/path_tracing/path_tracing.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/benchmarks/bare_embree.h"
 #include "tests/benchmarks/bench_scenes.h"
 #include "tests/benchmarks/recording_intersector.h"
-#include "tests/benchmarks/relative_mse.h"
 
 namespace photond {
 namespace {
@@ -149,6 +149,7 @@ void measure_samplers() {
         for (int i = 0; i < 65536; ++i) render.pass();
         reference = render.film.resolve_beauty();
     }
+    const ErrorMeter meter(kSize, std::move(reference));
     for (const uint32_t passes : {64u, 256u, 1024u}) {
         double cost[2];
         for (const SamplerKind kind : {SamplerKind::Sobol, SamplerKind::Random}) {
@@ -157,7 +158,7 @@ void measure_samplers() {
             const double start = cpu_now_seconds();
             for (uint32_t i = 0; i < passes; ++i) render.pass();
             const double seconds = cpu_now_seconds() - start;
-            const double error = relative_mse(render.film.resolve_beauty(), reference);
+            const double error = meter.pointwise(render.film.resolve_beauty()).relative_mse.value();
             cost[size_t(kind)] = error * seconds;
             std::printf("  %5u passes %-6s relative_mse %.3e, %.3f CPU s\n", passes,
                         kind == SamplerKind::Sobol ? "sobol" : "random", error, seconds);

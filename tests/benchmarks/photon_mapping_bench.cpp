@@ -17,10 +17,10 @@
 #include <cstring>
 
 #include "protocol/error.h"
+#include "renderer/error/error_meter.h"
 #include "renderer/methods/path_tracing/path_tracing.h"
 #include "renderer/methods/photon_mapping/photon_mapping.h"
 #include "tests/benchmarks/bench_scenes.h"
-#include "tests/benchmarks/relative_mse.h"
 
 namespace photond {
 namespace {
@@ -99,12 +99,16 @@ void measure_stages() {
 }
 
 /// Error of the indirect layer at passes 1, 2, 4 ... until `seconds` are over.
+double relative_mse(const ErrorMeter& meter, const std::vector<float>& image) {
+    return meter.pointwise(image).relative_mse.value();
+}
+
 template <class M>
-void error_over_time(const char* name, Render<M>&& render, const std::vector<float>& reference, double seconds) {
+void error_over_time(const char* name, Render<M>&& render, const ErrorMeter& meter, double seconds) {
     std::printf("  %-26s", name);
     for (uint32_t next = 1; render.seconds < seconds; next *= 2) {
         while (render.film.passes() < next) render.pass();
-        std::printf("  %.2f s %.2e", render.seconds, relative_mse(render.film.resolve(Layer::Indirect), reference));
+        std::printf("  %.2f s %.2e", render.seconds, relative_mse(meter, render.film.resolve(Layer::Indirect)));
         std::fflush(stdout);
     }
     std::printf("\n");
@@ -120,15 +124,16 @@ void measure_error() {
     while (truth.film.passes() < kReferencePasses) truth.pass();
     const std::vector<float> reference = truth.film.resolve(Layer::Indirect);
     const std::vector<float> variance = truth.film.pass_variance(Layer::Indirect);
+    const ErrorMeter meter(kSize, reference);
     std::vector<float> noisy = reference;
     for (size_t i = 0; i < noisy.size(); ++i) noisy[i] += std::sqrt(variance[i] / kReferencePasses);
     std::printf(
         "\nrelative_mse of the indirect layer over wall seconds (cornell-box 512x512, all bounces; reference: %u\n"
         "passes of path_tracing, %.0f s, its own noise %.1e)\n",
-        kReferencePasses, truth.seconds, relative_mse(noisy, reference));
-    error_over_time("path_tracing", Render<PathTracing>(scene, *intersector, kSize, {}), reference, kSeconds);
+        kReferencePasses, truth.seconds, relative_mse(meter, noisy));
+    error_over_time("path_tracing", Render<PathTracing>(scene, *intersector, kSize, {}), meter, kSeconds);
     for (const Setting& setting : settings())
-        error_over_time(setting.name, Render<PhotonMapping>(scene, *intersector, kSize, setting.params), reference,
+        error_over_time(setting.name, Render<PhotonMapping>(scene, *intersector, kSize, setting.params), meter,
                         kSeconds);
 }
 
