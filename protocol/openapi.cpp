@@ -461,7 +461,9 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
         {"get", "/healthz", "isAlive", "Is it alive", {{200, object("Health")}}},
         {"get", "/readyz", "isReady", "Has every worker answered", {{200, object("Health")}}},
         {"get", "/metrics", "getMetrics", "Prometheus metrics", {{200, file("text/plain")}}},
-        {"get", "/", "frontPage", "A page of links", {{200, file("text/html")}}},
+        {"get", "/", "frontPage", "A page to look at: queue, running jobs, comparisons", {{200, file("text/html")}}},
+        {"get", "/front_page.css", "frontPageStyle", "Of the page", {{200, file("text/css")}}},
+        {"get", "/front_page.js", "frontPageScript", "Of the page", {{200, file("text/javascript")}}},
     };
     for (const ApiVocabulary::Artefact& artefact : vocabulary.artefacts)
         all.push_back({"get",

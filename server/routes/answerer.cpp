@@ -66,7 +66,7 @@ Reply reply_of(Exchange& exchange) {
     }
 }
 
-// Of every answer. The page at "/" is plain HTML of our own, without scripts.
+// Of every answer, unless it has its own.
 constexpr std::pair<const char*, const char*> kStandardHeaders[] = {
     {"Content-Security-Policy", "default-src 'self'; base-uri 'none'; form-action 'self'; frame-ancestors 'none'"},
     {"X-Content-Type-Options", "nosniff"},
@@ -121,7 +121,10 @@ private:
         exchange.reply = reply_of(exchange);
         Reply& reply = exchange.reply;
         response.status = reply.status;
-        for (const auto& [name, value] : reply.headers) response.set_header(name, value);
+        for (const auto& [name, value] : reply.headers) {
+            response.headers.erase(name);  // in place of the standard one
+            response.set_header(name, value);
+        }
         if (reply.file) {
             response.set_header("Content-Type", reply.media_type);
             response.set_header("Content-Length", std::to_string(reply.file->length));

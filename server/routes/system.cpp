@@ -3,6 +3,7 @@
 #include "protocol/openapi.h"
 #include "protocol/param_json.h"
 #include "renderer/methods/registry.h"
+#include "server/routes/front_page.h"
 #include "server/routes/query.h"
 #include "server/routes/routes.h"
 
@@ -91,22 +92,6 @@ std::string openapi_text(const Service& service) {
     return openapi_document(vocabulary).dump(2) + "\n";
 }
 
-constexpr const char* kFrontPage = R"(<!doctype html>
-<html lang="en">
-<head><meta charset="utf-8"><title>photond</title></head>
-<body>
-<h1>photond</h1>
-<p>A render service: post a scene and a job, get an image. Version )" PHOTOND_VERSION R"(.</p>
-<ul>
-<li><a href="/v1/openapi.json">The API</a> (OpenAPI 3.1)</li>
-<li><a href="/v1/status">Status</a>, <a href="/readyz">readiness</a>, <a href="/metrics">metrics</a></li>
-<li><a href="/v1/scenes">Scenes</a>, <a href="/v1/methods">methods</a>, <a href="/v1/devices">devices</a></li>
-<li><a href="/v1/jobs">Jobs</a> and <a href="/v1/events">their events</a></li>
-</ul>
-</body>
-</html>
-)";
-
 }  // namespace
 
 void add_system_routes(std::vector<Route>& routes, Service& service) {
@@ -141,7 +126,19 @@ void add_system_routes(std::vector<Route>& routes, Service& service) {
     });
     ready.open = true;
     ready.lane = Lane::Instant;
-    get("/", [](Call&) { return text_reply(200, kFrontPage, "text/html; charset=utf-8"); }).open = true;
+    // Pages are open: what they show they ask for with the token of who looks.
+    const auto page = [&get](const char* path, const char* text, const char* media_type) {
+        get(path, [text, media_type](Call&) {
+            Reply reply = text_reply(200, text, media_type);
+            // Previews arrive by fetch(), which can carry a token, and are shown as blobs.
+            reply.headers["Content-Security-Policy"] =
+                "default-src 'self'; img-src 'self' blob:; base-uri 'none'; form-action 'self'; frame-ancestors 'none'";
+            return reply;
+        }).open = true;
+    };
+    page("/", kFrontPageHtml, "text/html; charset=utf-8");
+    page("/front_page.css", kFrontPageCss, "text/css; charset=utf-8");
+    page("/front_page.js", kFrontPageJs, "text/javascript; charset=utf-8");
 }
 
 }  // namespace photond::http
