@@ -21,8 +21,9 @@ struct Mean {
     double value() const { return sum / static_cast<double>(count); }
 };
 
-/// Weights of relative_mse, the image standing in for the reference: 1 / (x^2 + 0.01 m^2). Empty when m is 0 or there
-/// is no value.
+/// Weights of relative_mse, 1 / (r^2 + 0.01 m^2), the image standing in for the reference. Where the variance v of its
+/// value is large, x^2 is not r^2: E x^2 = r^2 + v, and the rare path that v comes from would take the weight from its
+/// own error. So r^2 is x^2 - v, unbiased. Empty when m is 0 or there is no value.
 class RelativeWeight {
 public:
     static std::optional<RelativeWeight> of(std::span<const float> image) {
@@ -35,7 +36,7 @@ public:
         if (mean.count == 0 || mean.sum == 0) return std::nullopt;
         return RelativeWeight(0.01 * mean.value() * mean.value());
     }
-    double operator()(double x) const { return 1 / (x * x + floor_); }
+    double operator()(double x, double variance) const { return 1 / (std::max(x * x - variance, 0.0) + floor_); }
 
 private:
     explicit RelativeWeight(double floor) : floor_(floor) {}
@@ -52,21 +53,27 @@ struct HalvesSums {
     }
 };
 
-}  // namespace
-
-std::optional<double> expected_relative_mse(std::span<const float> image, std::span<const float> variance_of_mean) {
-    assert(variance_of_mean.size() == image.size());
+/// Mean over values of scale * variance times their weight.
+std::optional<double> relative_mse_of(std::span<const float> image, std::span<const float> variance, double scale) {
+    assert(variance.size() == image.size());
     const std::optional<RelativeWeight> weight = RelativeWeight::of(image);
     if (!weight) return std::nullopt;
     const Mean mean = sum_of_chunks<Mean>(image.size(), [&](size_t first, size_t last) {
         Mean part;
-        for (size_t i = first; i < last; ++i)
-            if (std::isfinite(image[i]) && std::isfinite(variance_of_mean[i]))
-                part += {variance_of_mean[i] * (*weight)(image[i]), 1};
+        for (size_t i = first; i < last; ++i) {
+            const double v = scale * variance[i];
+            if (std::isfinite(image[i]) && std::isfinite(v)) part += {v * (*weight)(image[i], v), 1};
+        }
         return part;
     });
     if (mean.count == 0) return std::nullopt;
     return mean.value();
+}
+
+}  // namespace
+
+std::optional<double> expected_relative_mse(std::span<const float> image, std::span<const float> variance_of_mean) {
+    return relative_mse_of(image, variance_of_mean, 1);
 }
 
 std::optional<ErrorEstimate> ErrorEstimator::update(uint32_t passes, std::span<const float> image,
@@ -78,10 +85,9 @@ std::optional<ErrorEstimate> ErrorEstimator::update(uint32_t passes, std::span<c
         assert(pass_variance.size() == image.size());
         // Of two passes the difference and the variance are the same thing.
         if (half_passes_ >= 2 && passes >= 2 * half_passes_) compare_halves(passes, image, pass_variance);
-        if (const std::optional<double> independent = expected_relative_mse(image, pass_variance)) {
-            const double scale_sq = variance_ratio(passes);
-            estimate = {scale_sq * *independent / passes, std::sqrt(scale_sq)};
-        }
+        const double scale_sq = variance_ratio(passes);
+        if (const std::optional<double> mse = relative_mse_of(image, pass_variance, scale_sq / passes))
+            estimate = {*mse, std::sqrt(scale_sq)};
     }
     if (std::has_single_bit(passes) && passes != half_passes_) {
         half_passes_ = passes;
@@ -101,7 +107,7 @@ void ErrorEstimator::compare_halves(uint32_t passes, std::span<const float> imag
         for (size_t i = first; i < last; ++i) {
             const double x = image[i], difference = to_difference * (half_[i] - x);
             if (!std::isfinite(difference) || !std::isfinite(pass_variance[i])) continue;
-            const double w = (*weight)(x);
+            const double w = (*weight)(x, pass_variance[i] / n);
             part += {w * difference * difference, w * independent * pass_variance[i]};
         }
         return part;

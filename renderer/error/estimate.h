@@ -41,8 +41,9 @@ private:
         double log2_passes = 0;
         double ratio = 1;
     };
-    /// Of log2 ratio over log2 passes: variance falls no faster than 1 / n^2, an image is never smooth all over.
-    static constexpr double kLeastSlope = -1;
+    /// Of log2 ratio over log2 passes. Scrambled nets integrate functions with jumps in d dimensions with a variance of
+    /// n^-(1 + 1/(2d - 1)) [He and Wang 2015]; an edge across a pixel has d = 2.
+    static constexpr double kLeastSlope = -1.0 / 3;
 
     void compare_halves(uint32_t passes, std::span<const float> image, std::span<const float> pass_variance);
     double variance_ratio(uint32_t passes) const;
