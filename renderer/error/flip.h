@@ -18,8 +18,9 @@ inline constexpr const char* kFlipVersion = "FLIP 2020 (LDR), 2021 (HDR)";
 /// A 0.7 m wide screen of 3840 pixels seen from 0.7 m: [Andersson et al. 2020, Sec. 6].
 inline constexpr float kFlipPixelsPerDegree = 67.0206f;
 
-/// Features of the reference are kept below this many bytes: 20 a pixel and exposure (the row padded to 32 bytes). The
-/// exposures that do not fit are computed anew by each measurement, from a copy of the reference.
+/// Features of the reference are kept below this many bytes: 20 a pixel (rows padded to whole vectors) and exposure.
+/// The exposures that do not fit are computed anew by each measurement, from a copy of the reference. A measurement
+/// needs 4 bytes a pixel for its map and, on each thread, about 600 for each column.
 inline constexpr uint64_t kFlipCacheBytes = uint64_t{256} << 20;
 
 /// How far a pixel's value and a map's mean may be from the definition in exact arithmetic: single precision, largest

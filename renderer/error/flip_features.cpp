@@ -18,37 +18,68 @@ namespace stdx = std::experimental;
 FloatLanes load(const float* from) { return FloatLanes(from, stdx::element_aligned); }
 void store(const FloatLanes& lanes, float* to) { lanes.copy_to(to, stdx::element_aligned); }
 
+/// Consecutive vectors of a row.
+struct Tile {
+    std::array<FloatLanes, FeatureRow::kVectors> v;
+};
+template <class Operation>
+Tile each(const Operation& operation) {
+    Tile result;
+    for (size_t i = 0; i < result.v.size(); ++i) result.v[i] = operation(i);
+    return result;
+}
+Tile operator+(const Tile& a, const Tile& b) {
+    return each([&](size_t i) { return a.v[i] + b.v[i]; });
+}
+Tile operator-(const Tile& a, const Tile& b) {
+    return each([&](size_t i) { return a.v[i] - b.v[i]; });
+}
+Tile operator*(float weight, const Tile& a) {
+    return each([&](size_t i) { return weight * a.v[i]; });
+}
+void add_weighted(Tile& sum, float weight, const Tile& a) {
+    for (size_t i = 0; i < sum.v.size(); ++i) sum.v[i] += weight * a.v[i];
+}
+Tile load_tile(const float* from) {
+    return each([&](size_t i) { return load(from + i * kLanes); });
+}
+void store(const Tile& tile, float* to) {
+    for (size_t i = 0; i < tile.v.size(); ++i) store(tile.v[i], to + i * kLanes);
+}
+Tile length(const Tile& x, const Tile& y) {
+    return each([&](size_t i) { return stdx::sqrt(x.v[i] * x.v[i] + y.v[i] * y.v[i]); });
+}
+
 // Below, `at(k)` gives the values k pixels on, along x or along y. Each filter takes the two sides together: of a flat
 // neighbourhood an odd filter and a second derivative are then exactly 0, which matters because the difference of
 // features goes through a square root.
 
 template <class At>
-FloatLanes smooth(const HalfFilter& filter, const At& at) {
-    FloatLanes sum = filter[0] * at(0);
-    for (std::ptrdiff_t k = 1; k < std::ssize(filter); ++k) sum += filter[static_cast<size_t>(k)] * (at(k) + at(-k));
+Tile smooth(const HalfFilter& filter, const At& at) {
+    Tile sum = filter[0] * at(0);
+    for (std::ptrdiff_t k = 1; k < std::ssize(filter); ++k)
+        add_weighted(sum, filter[static_cast<size_t>(k)], at(k) + at(-k));
     return sum;
 }
 
 struct Detected {
-    FloatLanes gaussian, edge, point;
+    Tile gaussian, edge, point;
 };
 /// All filters of the detectors at once: they read the same values. The point filter's weights add up to 0, so that of
 /// its centre need not be taken: it goes with the differences from the centre.
 template <bool with_gaussian, class At>
 Detected detect(const FlipFilters& filters, const At& at) {
-    const FloatLanes centre = at(0), twice = centre + centre;
-    Detected sum{filters.gaussian[0] * centre, 0.0f, 0.0f};
+    const Tile centre = at(0), twice = centre + centre;
+    Detected sum{filters.gaussian[0] * centre, 0.0f * centre, 0.0f * centre};
     for (std::ptrdiff_t k = 1; k < std::ssize(filters.gaussian); ++k) {
         const auto i = static_cast<size_t>(k);
-        const FloatLanes after = at(k), before = at(-k), both = after + before;
-        if constexpr (with_gaussian) sum.gaussian += filters.gaussian[i] * both;
-        sum.edge += filters.edge[i] * (after - before);
-        sum.point += filters.point[i] * (both - twice);
+        const Tile after = at(k), before = at(-k), both = after + before;
+        if constexpr (with_gaussian) add_weighted(sum.gaussian, filters.gaussian[i], both);
+        add_weighted(sum.edge, filters.edge[i], after - before);
+        add_weighted(sum.point, filters.point[i], both - twice);
     }
     return sum;
 }
-
-FloatLanes length(const FloatLanes& x, const FloatLanes& y) { return stdx::sqrt(x * x + y * y); }
 
 FloatLanes clamped(const FloatLanes& x) { return stdx::min(stdx::max(x, FloatLanes(0.0f)), FloatLanes(1.0f)); }
 
@@ -105,9 +136,9 @@ FloatLanes FeatureScan::displayed(const FloatLanes& value) const {
     const float* y = opponent_.data() + filters_.radius;
     const float *cx = y + stride, *cz = cx + stride;
     const auto out = [&](Plane plane) { return filtered + plane * plane_floats_; };
-    for (size_t x = 0; x < plane_floats_; x += kLanes) {
+    for (size_t x = 0; x < plane_floats_; x += FeatureRow::kStep) {
         const auto along = [x](const float* plane) {
-            return [at = plane + x](std::ptrdiff_t k) { return load(at + k); };
+            return [at = plane + x](std::ptrdiff_t k) { return load_tile(at + k); };
         };
         store(smooth(filters_.achromatic, along(y)), out(Achromatic) + x);
         store(smooth(filters_.red_green, along(cx)), out(RedGreen) + x);
@@ -144,17 +175,23 @@ void FeatureScan::gather_neighbours() {
 [[gnu::flatten]] void FeatureScan::filter_down_columns(float* features) const {
     const float* const* centre = neighbours_.data() + filters_.radius;
     const auto out = [&](size_t plane) { return features + plane * plane_floats_; };
-    for (size_t x = 0; x < plane_floats_; x += kLanes) {
+    for (size_t x = 0; x < plane_floats_; x += FeatureRow::kStep) {
         const auto down = [&](Plane plane) {
-            return [centre, offset = plane * plane_floats_ + x](std::ptrdiff_t k) { return load(centre[k] + offset); };
+            return [centre, offset = plane * plane_floats_ + x](std::ptrdiff_t k) {
+                return load_tile(centre[k] + offset);
+            };
         };
-        const RgbLanes rgb = rgb_from_opponent(
-            {smooth(filters_.achromatic, down(Achromatic)), smooth(filters_.red_green, down(RedGreen)),
-             smooth(filters_.blue_yellow[0], down(BlueYellow0)) + smooth(filters_.blue_yellow[1], down(BlueYellow1))});
-        const HuntLabLanes lab = hunt_lab_from_rgb({clamped(rgb.r), clamped(rgb.g), clamped(rgb.b)});
-        store(lab.l, out(0) + x);
-        store(lab.a, out(1) + x);
-        store(lab.b, out(2) + x);
+        const Tile y = smooth(filters_.achromatic, down(Achromatic)), cx = smooth(filters_.red_green, down(RedGreen));
+        const Tile cz =
+            smooth(filters_.blue_yellow[0], down(BlueYellow0)) + smooth(filters_.blue_yellow[1], down(BlueYellow1));
+        for (size_t i = 0; i < FeatureRow::kVectors; ++i) {
+            const RgbLanes rgb = rgb_from_opponent({y.v[i], cx.v[i], cz.v[i]});
+            const HuntLabLanes lab = hunt_lab_from_rgb({clamped(rgb.r), clamped(rgb.g), clamped(rgb.b)});
+            const size_t at = x + i * kLanes;
+            store(lab.l, out(0) + at);
+            store(lab.a, out(1) + at);
+            store(lab.b, out(2) + at);
+        }
         const Detected along_y = detect<false>(filters_, down(Gaussian));
         store(length(smooth(filters_.gaussian, down(Edge)), along_y.edge), out(3) + x);
         store(length(smooth(filters_.gaussian, down(Point)), along_y.point), out(4) + x);

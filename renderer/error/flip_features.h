@@ -13,12 +13,15 @@
 
 namespace photond {
 
-/// One row of features: its planes one after the other, each padded to whole vectors. The padding holds finite numbers
-/// that mean nothing.
+/// One row of features: its planes one after the other, each padded to what is computed at once. The padding holds
+/// finite numbers that mean nothing.
 struct FeatureRow {
-    static constexpr size_t kPlanes = 5;  // Hunt-adjusted L, a, b; strength of edge; strength of point
+    static constexpr size_t kVectors = 4;  // at once, for one load of a weight and of a row's address
+    static constexpr size_t kPlanes = 5;   // Hunt-adjusted L, a, b; strength of edge; strength of point
 
-    static size_t plane_floats(uint32_t width) { return (width + kLanes - 1) / kLanes * kLanes; }
+    static constexpr size_t kStep = kVectors * kLanes;
+
+    static size_t plane_floats(uint32_t width) { return (width + kStep - 1) / kStep * kStep; }
     static size_t floats(uint32_t width) { return kPlanes * plane_floats(width); }
 };
 
