@@ -80,10 +80,9 @@ ErrorMeter::ErrorMeter(Size2 size, std::vector<float> reference)
 
 ErrorMeter::~ErrorMeter() = default;
 
-std::optional<std::array<double, 4>> ErrorMeter::percentiles(std::span<const float> image) const {
+std::vector<double> ErrorMeter::relative_errors(std::span<const float> image) const {
     assert(image.size() == reference_.size());
-    if (mean_ == 0) return std::nullopt;
-    constexpr double kLeftOut = std::numeric_limits<double>::infinity();
+    if (mean_ == 0) return {};
     const double floor = 0.01 * mean_ * mean_;
     std::vector<double> errors(size_.pixels());
     for_each_chunk(errors.size(), [&](size_t first, size_t last) {
@@ -92,12 +91,17 @@ std::optional<std::array<double, 4>> ErrorMeter::percentiles(std::span<const flo
             for (size_t i = 3 * pixel; i < 3 * pixel + 3; ++i) {
                 const double x = double{image[i]}, r = double{reference_[i]};
                 const bool finite = std::isfinite(x) && std::isfinite(r);
-                sum += finite ? (x - r) * (x - r) / (r * r + floor) : kLeftOut;
+                sum += finite ? (x - r) * (x - r) / (r * r + floor) : std::numeric_limits<double>::quiet_NaN();
             }
             errors[pixel] = std::sqrt(sum / 3);
         }
     });
-    std::erase(errors, kLeftOut);
+    return errors;
+}
+
+std::optional<std::array<double, 4>> ErrorMeter::percentiles(std::span<const float> image) const {
+    std::vector<double> errors = relative_errors(image);
+    std::erase_if(errors, [](double error) { return std::isnan(error); });
     if (errors.empty()) return std::nullopt;
     size_t from = 0;
     std::array<double, 4> result;

@@ -253,8 +253,14 @@ TEST(ErrorMeter, PercentilesOfTenPixelsWorkedByHand) {
     EXPECT_NEAR(found[1], 9 * step, 1e-12);
     EXPECT_NEAR(found[2], 10 * step, 1e-12);
     EXPECT_NEAR(found[3], 10 * step, 1e-12);
-    image[0] = kNan, image[29] = kInfinity;  // eight pixels are left: the fourth, and the last
-    EXPECT_TRUE(meter.percentiles(image));
+    // Reversing the first five pixels' values put pixel 5 first; without it and pixel 10 eight are left.
+    image[0] = kNan, image[29] = kInfinity;
+    const std::vector<double> each = meter.relative_errors(image);
+    EXPECT_TRUE(std::isnan(each[0]) && std::isnan(each[9]));
+    EXPECT_NEAR(each[7], 8 * step, 1e-12);
+    const std::array<double, 4> of_eight = *meter.percentiles(image);  // errors of 1, 2, 3, 4, 6, 7, 8, 9 steps
+    EXPECT_NEAR(of_eight[0], 4 * step, 1e-12);
+    EXPECT_NEAR(of_eight[1], 9 * step, 1e-12);
 }
 
 TEST(ErrorMeter, PercentilesFollowTheDefinition) {
