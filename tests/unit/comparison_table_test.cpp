@@ -1,0 +1,192 @@
+// Tables of curves whose answers are known: power laws, error = scale x seconds^-slope, are straight in log-log, so
+// that every interpolation between their points is exact.
+
+#include "server/comparisons/table.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "server/comparisons/levels.h"
+#include "server/comparisons/pareto.h"
+#include "server/comparisons/report_csv.h"
+
+namespace photond {
+namespace {
+
+using nlohmann::json;
+
+MeasuredJob power_law(const std::string& label, uint64_t seed, double scale, double slope, double first_s = 0.1,
+                      double last_s = 102.4) {
+    MeasuredJob job;
+    job.id = label + std::to_string(seed);
+    job.label = label;
+    job.parameters = json::object();
+    job.seed = seed;
+    job.state = "succeeded";
+    uint32_t passes = 1;
+    for (double seconds = first_s; seconds <= last_s; seconds *= 2) {
+        const double error = scale * std::pow(seconds, -slope);
+        job.curve.push_back({seconds, passes, {}, {{"relative_mse", error}, {"rmse", std::sqrt(error)}}});
+        job.passes = passes;
+        job.seconds = seconds;
+        passes *= 2;
+    }
+    return job;
+}
+
+const TimeToError& level_of(const TableRow& row, double error) {
+    for (const TimeToError& level : row.time_to_error.at("relative_mse"))
+        if (level.error == error) return level;
+    throw std::runtime_error("no level " + std::to_string(error));
+}
+
+const ErrorAtTime& time_of(const TableRow& row, double seconds) {
+    for (const ErrorAtTime& time : row.error_at_time.at("relative_mse"))
+        if (time.seconds == seconds) return time;
+    throw std::runtime_error("no time " + std::to_string(seconds));
+}
+
+TEST(ComparisonTable, ReadsPowerLawsExactly) {
+    const std::vector<MeasuredJob> jobs{power_law("slow", 1, 0.1, 1), power_law("fast", 1, 0.2, 2)};
+    const ComparisonTable table = make_table(jobs, {"relative_mse"});
+    ASSERT_EQ(table.rows.size(), 2u);
+    // error = 0.1 / t and 0.2 / t^2.
+    EXPECT_NEAR(level_of(table.rows[0], 0.01).seconds->mean, 10, 1e-9);
+    EXPECT_NEAR(level_of(table.rows[1], 0.01).seconds->mean, std::sqrt(20), 1e-9);
+    EXPECT_NEAR(time_of(table.rows[0], 5).error->mean, 0.02, 1e-12);
+    EXPECT_NEAR(time_of(table.rows[1], 5).error->mean, 0.008, 1e-12);
+    EXPECT_FALSE(level_of(table.rows[0], 0.01).seconds->low) << "one seed has no interval";
+    // 1 / (mse x seconds) at the end: rmse^2 = 0.1 / 102.4.
+    EXPECT_NEAR(*table.rows[0].efficiency, 10, 1e-9);
+}
+
+TEST(ComparisonTable, IntervalsAreOfTheSeedsLogarithms) {
+    // Times to reach 0.01 are 10 x {1/2, 1, 2}: geometric mean 10, logarithms spread by ln 2.
+    const std::vector<MeasuredJob> jobs{power_law("a", 1, 0.05, 1), power_law("a", 2, 0.1, 1),
+                                        power_law("a", 3, 0.2, 1)};
+    const ComparisonTable table = make_table(jobs, {"relative_mse"});
+    ASSERT_EQ(table.rows.size(), 1u);
+    const TimeToError& level = level_of(table.rows[0], 0.01);
+    EXPECT_EQ(level.reached, 3u);
+    EXPECT_NEAR(level.seconds->mean, 10, 1e-9);
+    // Student's t, 2 degrees of freedom, two-sided 95 %: 4.302653 [tables].
+    const double half_width = 4.302653 * std::log(2.0) / std::sqrt(3.0);
+    EXPECT_NEAR(*level.seconds->low, 10 * std::exp(-half_width), 1e-5);
+    EXPECT_NEAR(*level.seconds->high, 10 * std::exp(half_width), 1e-4);
+    EXPECT_EQ(table.rows[0].jobs, (std::vector<std::string>{"a1", "a2", "a3"}));
+}
+
+TEST(ComparisonTable, WhatNotEverySeedReachedIsNull) {
+    const std::vector<MeasuredJob> jobs{power_law("a", 1, 0.1, 1), power_law("a", 2, 0.1, 1, 0.1, 1.6),
+                                        power_law("b", 1, 0.1, 1), power_law("b", 2, 0.1, 1)};
+    const json rows = to_json(make_table(jobs, {"relative_mse"}));
+    // After 1.6 s the error is 0.0625: seed 2 of a never sees 0.05.
+    const auto find = [](const json& list, const char* key, double value) {
+        for (const json& item : list)
+            if (item.at(key) == value) return item;
+        throw std::runtime_error("not found");
+    };
+    const json level = find(rows[0]["time_to_error"]["relative_mse"], "error", 0.05);
+    EXPECT_EQ(level, json::parse(R"({"error": 0.05, "reached": 1, "seconds": null, "low": null, "high": null})"));
+    EXPECT_TRUE(find(rows[1]["time_to_error"]["relative_mse"], "error", 0.05)["seconds"].is_number());
+    EXPECT_TRUE(find(rows[0]["time_to_error"]["relative_mse"], "error", 0.1)["seconds"].is_number());
+    const json time = find(rows[0]["error_at_time"]["relative_mse"], "seconds", 2);
+    EXPECT_EQ(time["reached"], 1);
+    EXPECT_TRUE(time["error"].is_null());
+}
+
+TEST(ComparisonTable, LevelsAreRoundUsefulAndFew) {
+    // From 1 (at 0.1 s) down to 0.1 / 102.4.
+    const std::vector<MeasuredJob> jobs{power_law("a", 1, 0.1, 1)};
+    const ComparisonTable table = make_table(jobs, {"relative_mse"});
+    std::vector<double> errors, times;
+    for (const TimeToError& level : table.rows[0].time_to_error.at("relative_mse")) errors.push_back(level.error);
+    for (const ErrorAtTime& time : table.rows[0].error_at_time.at("relative_mse")) times.push_back(time.seconds);
+    EXPECT_EQ(errors, (std::vector<double>{1, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001}));
+    EXPECT_EQ(times, (std::vector<double>{0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100}));
+    // Six decades: the hard end stays, twelve levels, and what was asked for.
+    const std::vector<MeasuredJob> deep{power_law("a", 1, 1e-2, 2)};
+    const ComparisonTable wished = make_table(deep, {"relative_mse"}, {{{"relative_mse", 0.003}}, 30.0});
+    const auto& levels = wished.rows[0].time_to_error.at("relative_mse");
+    ASSERT_EQ(levels.size(), 13u);
+    EXPECT_EQ(levels.front().error, 0.005);
+    EXPECT_EQ(levels[1].error, 0.003);
+    EXPECT_EQ(levels.back().error, 1e-6);
+    EXPECT_NEAR(time_of(wished.rows[0], 30).error->mean, 1e-2 / 900, 1e-15);
+}
+
+TEST(ComparisonTable, StatesTheReferencesNoise) {
+    std::vector<MeasuredJob> jobs{power_law("a", 1, 0.1, 1), power_law("b", 1, 10, 1)};
+    for (MeasuredJob& job : jobs) job.reference_error["relative_mse"] = 0.0004;
+    const ComparisonTable table = make_table(jobs, {"relative_mse"});
+    // 0.1 / 102.4 = 0.00098 is within 3 x 0.0004; 0.098 is not.
+    EXPECT_TRUE(table.rows[0].error.at("relative_mse").near_reference);
+    EXPECT_FALSE(table.rows[1].error.at("relative_mse").near_reference);
+    EXPECT_EQ(table.rows[1].error.at("relative_mse").reference, 0.0004);
+}
+
+TEST(ComparisonTable, ShowsWhatIsThere) {
+    MeasuredJob queued = power_law("b", 1, 1, 1);
+    queued.state = "queued";
+    queued.curve.clear();
+    MeasuredJob failed = power_law("a", 2, 0.1, 1, 0.1, 0.8);
+    failed.state = "failed";
+    std::vector<MeasuredJob> jobs{power_law("a", 1, 0.1, 1), failed, queued};
+    jobs[0].peak_bytes = 1000;
+    jobs[0].photons = 5000;
+    const ComparisonTable table = make_table(jobs, {"relative_mse", "flip_hdr"});
+    ASSERT_EQ(table.rows.size(), 2u);
+    EXPECT_EQ(table.rows[0].succeeded, 1u);
+    EXPECT_EQ(table.rows[0].seconds->max, 102.4);
+    EXPECT_EQ(table.rows[0].peak_bytes, 1000u);
+    EXPECT_TRUE(table.rows[0].pareto);
+    EXPECT_FALSE(table.rows[1].pareto);
+    EXPECT_EQ(level_of(table.rows[0], 0.2).reached, 2u);
+    EXPECT_EQ(level_of(table.rows[1], 0.2).reached, 0u);
+    EXPECT_TRUE(table.rows[0].time_to_error.at("flip_hdr").empty());
+    const json rows = to_json(table);
+    EXPECT_EQ(rows[0]["photons"], json::parse(R"({"min": 5000, "max": 5000})"));
+    EXPECT_TRUE(rows[1]["seconds"].is_null());
+    EXPECT_TRUE(rows[1]["error"]["relative_mse"]["value"].is_null());
+    EXPECT_TRUE(to_json(make_table({}, {"rmse"})).empty());
+}
+
+TEST(ParetoFront, KeepsWhatIsBestAtSomeTime) {
+    using Curve = std::vector<TimedError>;
+    const Curve early{{1, 1}, {2, 0.8}, {100, 0.7}};   // best at first
+    const Curve late{{10, 0.5}, {100, 0.1}};           // best later
+    const Curve worse{{2, 0.9}, {50, 0.75}};           // never
+    const Curve crossing{{1, 2}, {4, 0.6}, {5, 0.6}};  // below `early` between its points
+    EXPECT_EQ(pareto_front(std::vector<Curve>{early, late, worse, {}}), (std::vector<bool>{true, true, false, false}));
+    EXPECT_EQ(pareto_front(std::vector<Curve>{early, crossing}), (std::vector<bool>{true, true}));
+    EXPECT_EQ(pareto_front(std::vector<Curve>{early, early}), (std::vector<bool>{true, true}));
+    // One that stopped earlier still excludes what comes later and is no better.
+    EXPECT_EQ(pareto_front(std::vector<Curve>{{{1, 0.1}}, {{5, 0.1}, {6, 0.1}}}), (std::vector<bool>{true, false}));
+}
+
+TEST(RoundLevels, AreTheNearestDoubles) {
+    EXPECT_EQ(round_levels(0.0004, 0.02), (std::vector<double>{5e-4, 1e-3, 2e-3, 5e-3, 1e-2, 2e-2}));
+    EXPECT_EQ(round_levels(20, 200), (std::vector<double>{20, 50, 100, 200}));
+    EXPECT_TRUE(round_levels(0.3, 0.4).empty());
+    EXPECT_EQ(round_level_above(0.3), 0.5);
+    EXPECT_EQ(round_level_above(1e-6), 1e-6);
+}
+
+TEST(ReportCsv, HasALineForEachPointAndQuotesLabels) {
+    MeasuredJob job = power_law("a, \"b\"\n", 7, 1, 1, 0.1, 0.2);
+    job.id = "J1";
+    job.parameters = {{"photons", 5}};
+    job.curve[0].photons = 50;
+    job.curve[0].metrics["rmse"] = 3.5;
+    job.curve[1].metrics["rmse"] = 2.25;
+    job.curve[1].metrics["flip_hdr"] = std::nullopt;
+    const std::string csv = report_csv(std::vector{job}, {"rmse", "flip_hdr"});
+    EXPECT_EQ(csv,
+              "label,parameters,seed,job,seconds,passes,photons,rmse,flip_hdr,relative_mse\r\n"
+              "\"a, \"\"b\"\"\n\",\"{\"\"photons\"\":5}\",7,J1,0.1,1,50,3.5,,10.0\r\n"
+              "\"a, \"\"b\"\"\n\",\"{\"\"photons\"\":5}\",7,J1,0.2,2,,2.25,,5.0\r\n");
+}
+
+}  // namespace
+}  // namespace photond
