@@ -13,6 +13,9 @@
 #include "renderer/film/film_file.h"
 #include "renderer/film/png_file.h"
 #include "renderer/film/tone_curve.h"
+#include "server/worker/helper_errors.h"
+#include "server/worker/helper_merge.h"
+#include "server/worker/helper_message.h"
 #include "server/worker/job_runner.h"
 #include "server/worker/process_memory.h"
 #include "server/worker/scene_summary.h"
@@ -29,13 +32,6 @@ constexpr uint32_t kThumbnailWidth = 256, kThumbnailHeight = 192, kThumbnailPass
 constexpr double kThumbnailSeconds = 1;  // other tasks wait meanwhile
 constexpr uint32_t kThumbnailBounces = 3;
 constexpr uint64_t kKeptBytes = 512ull << 20;
-
-std::string text_of(const json& message, const char* key) {
-    const auto member = message.find(key);
-    if (member == message.end() || !member->is_string())
-        throw Error(ErrorCode::MissingField, std::string("/") + key, "must be a string");
-    return member->get<std::string>();
-}
 
 Precision precision_of(const json& message) {
     const std::string name = text_of(message, "precision");
@@ -113,7 +109,7 @@ json judge_image_file(const json& message) {
 }
 
 json encode_exr(const json& message, const HelperLimits& limits) {
-    const Film film = FilmFile::load(text_of(message, "film"), limits.memory_bytes);
+    const Film film = FilmFile::load(text_of(message, "film"), limits.memory_bytes).film;
     const std::vector<ImageAttribute> attributes = statistics_attributes(message.value("statistics", json(nullptr)));
     return {{"overflowed", write_exr(film, precision_of(message), attributes, text_of(message, "out"))}};
 }
@@ -123,14 +119,14 @@ json encode_preview(const json& message, const HelperLimits& limits) {
     const std::optional<ToneCurve> curve = tone_curve_named(curve_name);
     if (!curve)
         throw Error(ErrorCode::UnknownName, "/curve", "curve \"" + curve_name + "\" is neither srgb nor filmic");
-    const Film film = FilmFile::load(text_of(message, "film"), limits.memory_bytes);
+    const Film film = FilmFile::load(text_of(message, "film"), limits.memory_bytes).film;
     write_png(film.size(), tone_mapped(film.resolve_beauty(), message.value("exposure", 0.0f), *curve),
               text_of(message, "out"));
     return json::object();
 }
 
 json encode_pixels(const json& message, const HelperLimits& limits) {
-    const Film film = FilmFile::load(text_of(message, "film"), limits.memory_bytes);
+    const Film film = FilmFile::load(text_of(message, "film"), limits.memory_bytes).film;
     const std::string wanted = message.value("layer", "beauty");
     std::vector<float> pixels;
     uint32_t channels = 3;
@@ -165,6 +161,11 @@ json run_task(const json& message, const HelperLimits& limits) {
     if (type == "unpack") return unpack(message);
     if (type == "thumbnail") return thumbnail(message, limits);
     if (type == "judge_image") return judge_image_file(message);
+    if (type == "measure") return measure_images(message, limits.memory_bytes);
+    if (type == "encode_difference") return encode_difference(message, limits.memory_bytes);
+    if (type == "encode_flip") return encode_flip(message, limits.memory_bytes);
+    if (type == "encode_error_map") return encode_error_map(message, limits.memory_bytes);
+    if (type == "merge_films") return merge_films(message, limits.memory_bytes);
     if (type == "encode_exr") return encode_exr(message, limits);
     if (type == "encode_preview") return encode_preview(message, limits);
     if (type == "encode_pixels") return encode_pixels(message, limits);

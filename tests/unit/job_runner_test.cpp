@@ -17,6 +17,7 @@
 #include "renderer/scene/solid_glass.h"
 #include "server/worker/process_memory.h"
 #include "server/worker/statistics.h"
+#include "tests/support/job_runs.h"
 
 namespace photond {
 namespace {
@@ -39,8 +40,10 @@ public:
     CancelToken* cancel_in_pass = nullptr;
     uint32_t cancel_pass = 0;
     uint32_t passes_run = 0;
+    bool began = false;
 
     void begin(const RenderContext& context, Stats&) override {
+        began = true;
         image_ = PassImage(context.view.film_size, context.view.layers);
         std::this_thread::sleep_for(begin_time);
     }
@@ -61,13 +64,18 @@ class PassLoopTest : public testing::Test {
 protected:
     PassLoop::Result run(CountingMethod& method, StopConditions stop) {
         const RenderContext context{scene_, intersector_, {Camera(), {4, 2}, PixelFilter::Box, LayerSet()}, 1, budget};
-        PassLoop loop{method, context, stop, cancel, after_pass};
+        PassLoop loop{method,     context, stop,           cancel, after_pass,
+                      first_pass, film,    seconds_before, now};
         return loop.run(stats);
     }
     MemoryBudget budget;
     CancelToken cancel;
     Stats stats;
-    std::function<void(const Film&, double)> after_pass;
+    std::function<bool(const Film&, double)> after_pass;
+    uint32_t first_pass = 0;
+    std::optional<Film> film;
+    double seconds_before = 0;
+    std::function<double()> now = wall_now_seconds;
 
 private:
     Scene scene_;
@@ -106,6 +114,7 @@ TEST_F(PassLoopTest, TheClockCountsTheMethodAndNothingElse) {
         const double start = wall_now_seconds();
         std::this_thread::sleep_for(std::chrono::milliseconds(30));
         spent_after_passes += wall_now_seconds() - start;
+        return false;
     };
     const double start = wall_now_seconds();
     const PassLoop::Result result = run(method, {.seconds = {}, .passes = 4});
@@ -121,6 +130,41 @@ TEST_F(PassLoopTest, AnUnfinishedPassLeavesNothing) {
     EXPECT_EQ(method.passes_run, 4u);
     EXPECT_EQ(result.film.passes(), 3u);
     EXPECT_EQ(result.film.resolve_beauty()[0], 2.0f);  // the mean of 1 .. 3
+}
+
+TEST_F(PassLoopTest, TheClockIsTheOneItIsGivenAndGoesOnFromTheFilms) {
+    CountingMethod method;
+    double time = 0;
+    now = [&] { return time += 0.25; };  // each interval takes 0.25 s
+    const PassLoop::Result first = run(method, {.seconds = {}, .passes = 3});
+    EXPECT_EQ(first.render_seconds, 1.0);  // begin and three passes
+    EXPECT_EQ(first.passes_rendered, 3u);
+
+    CountingMethod next;
+    next.passes_run = 3;  // the pass it expects
+    film = first.film, seconds_before = first.render_seconds;
+    const PassLoop::Result second = run(next, {.seconds = 2.0, .passes = {}});
+    EXPECT_EQ(second.render_seconds, 2.0);
+    EXPECT_EQ(second.film.passes(), 6u);
+    EXPECT_EQ(second.passes_rendered, 3u);
+    EXPECT_EQ(second.film.resolve_beauty()[0], 3.5f);  // the mean of 1 .. 6
+
+    CountingMethod never;
+    film = second.film, seconds_before = second.render_seconds;
+    const PassLoop::Result same = run(never, {.seconds = 2.0, .passes = {}});
+    EXPECT_EQ(never.passes_run, 0u);
+    EXPECT_FALSE(never.began);
+    EXPECT_EQ(same.passes_rendered, 0u);
+    EXPECT_TRUE(same.film == second.film);
+}
+
+TEST_F(PassLoopTest, EndsWhenToldAndBeginsAtItsFirstPass) {
+    CountingMethod method;
+    method.passes_run = first_pass = 10;
+    after_pass = [](const Film& so_far, double) { return so_far.passes() == 2; };
+    const PassLoop::Result result = run(method, {.seconds = {}, .passes = 5});
+    EXPECT_FALSE(result.cancelled);
+    EXPECT_EQ(result.film.pass_ranges().text(), "10-11");
 }
 
 TEST_F(PassLoopTest, AFilmPastTheBudgetIsRefusedFirst) {
@@ -197,57 +241,7 @@ TEST(SolidGlass, ClosedMeshesOnly) {
     EXPECT_EQ(make_closed_glass_solid(scene), 0u);
 }
 
-/// Runs whole jobs as the worker does and keeps what it sends.
-class JobRunnerTest : public testing::Test {
-protected:
-    JobRunnerTest()
-        : runner_(scenes_, open_device("cpu"), 2, 4ull << 30, [this](const json& message) { sent.push_back(message); }),
-          film_(std::filesystem::temp_directory_path() / ("photond_job_test_" + std::to_string(getpid()) + ".film")) {}
-    void TearDown() override {
-        std::filesystem::remove(film_);
-        std::filesystem::remove(photon_map_path());
-    }
-
-    json order(const json& changes = json::object()) const {
-        json request = {{"scene", "cornell-box"},
-                        {"image", {{"width", 24}, {"height", 16}}},
-                        {"method", {{"name", "path_tracing"}}},
-                        {"stop", {{"passes", 3}}}};
-        request.merge_patch(changes);
-        return {{"type", "render"},
-                {"job", "J1"},
-                {"attempt", 2},
-                {"request", request},
-                {"scene", {{"id", "cornell-box"}, {"builtin", "cornell-box"}, {"root", nullptr}, {"file", nullptr}}},
-                {"environment", nullptr},
-                {"film", film_.string()},
-                {"limits", {{"memory_bytes", 1 << 30}, {"threads", 2}}}};
-    }
-    json run(const json& message, JobControl& control) {
-        sent.clear();
-        runner_.run(message, control);
-        return sent.empty() ? json() : sent.back();
-    }
-    json run(const json& message) {
-        JobControl control;
-        return run(message, control);
-    }
-    const std::filesystem::path& film_path() const { return film_; }
-    std::filesystem::path photon_map_path() const { return artefact_path(film_, "photon_map.glb"); }
-    /// By photon mapping, with few photons, keeping its map unless told otherwise.
-    json photon_order(const json& parameters = json::object()) const {
-        json all{{"photons", 2000}, {"gather_rays", 4}, {"keep_photon_map", true}};
-        all.merge_patch(parameters);
-        return order({{"method", {{"name", "photon_mapping"}, {"parameters", all}}}});
-    }
-    SceneCache& scenes() { return scenes_; }
-    std::vector<json> sent;
-
-private:
-    SceneCache scenes_{1ull << 20};
-    JobRunner runner_;
-    std::filesystem::path film_;
-};
+using JobRunnerTest = test::JobRuns;
 
 TEST_F(JobRunnerTest, AJobFromOrderToFilm) {
     const json finished = run(order());
@@ -262,6 +256,7 @@ TEST_F(JobRunnerTest, AJobFromOrderToFilm) {
     const json& statistics = finished["statistics"];
     EXPECT_EQ(statistics["pixel_hash"], film.pixel_hash());
     EXPECT_EQ(statistics["counts"]["passes"], 3);
+    EXPECT_EQ(statistics["pass_ranges"], json({{0, 3}}));
     EXPECT_GE(statistics["counts"]["rays"]["camera"], 3 * 24 * 16);
     const json& memory = statistics["memory"];
     EXPECT_EQ(memory["structures"]["film"], film.bytes());
@@ -270,12 +265,12 @@ TEST_F(JobRunnerTest, AJobFromOrderToFilm) {
     EXPECT_EQ(memory["accounted_bytes"], sum);
     EXPECT_GE(memory["peak_resident_bytes"], memory["baseline_resident_bytes"]);
     for (const char* field : {"rates", "needs", "skipped", "device", "version", "host_cores", "threads", "seed",
-                              "job_hash", "nan_count", "infinity_count", "device_shared", "error", "reference_error"})
+                              "job_hash", "nan_count", "infinity_count", "device_shared", "error", "reference_error",
+                              "reference", "estimate", "settings_hash", "resumed_passes"})
         EXPECT_TRUE(statistics.contains(field)) << field;
     double in_clock = 0;  // begin, passes and resolve, by stage: these are the render's own seconds
     for (const json& stage : statistics["stages"])
-        if (stage["name"] != "load" && stage["name"] != "needs" && stage["name"] != "acceleration_build")
-            in_clock += stage["wall_seconds"].get<double>();
+        if (!test::is_off_the_clock(stage["name"])) in_clock += stage["wall_seconds"].get<double>();
     EXPECT_GT(in_clock, 0.5 * finished["seconds"].get<double>());
     EXPECT_LE(in_clock, 1.02 * finished["seconds"].get<double>());
 }
