@@ -8,7 +8,7 @@
 namespace photond {
 
 /// Narkowicz's fit to ACES with its exposure of 0.6 folded in: a rational function of scene-linear values
-/// [Andersson et al. 2021, Table 1], (k0 x^2 + k1 x) / (k3 x^2 + k4 x + k5); the published k2 is 0.
+/// [Andersson et al. 2021], (k0 x^2 + k1 x) / (k3 x^2 + k4 x + k5); the published k2 is 0.
 struct AcesToneCurve {
     static constexpr double k0 = 0.6 * 0.6 * 2.51, k1 = 0.6 * 0.03, k3 = 0.6 * 0.6 * 2.43, k4 = 0.6 * 0.59, k5 = 0.14;
 

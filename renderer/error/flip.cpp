@@ -19,7 +19,7 @@ namespace {
 /// Rows that one task goes down; before the first it filters as many more as the filters reach.
 constexpr uint32_t kStripRows = 64;
 
-/// The error of each pixel of a row from the features of two images [Andersson et al. 2020, Eq. 5 to 8].
+/// The error of each pixel of a row from the features of two images [Andersson et al. 2020, Sec. 4].
 [[gnu::flatten]] void compare_rows(const float* p, const float* q, size_t plane_floats, float* error) {
     namespace stdx = std::experimental;
     constexpr float kInvSqrt2 = 0.70710678118654752f;

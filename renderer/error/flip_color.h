@@ -37,7 +37,7 @@ FloatLanes hyab(const HuntLabLanes& p, const HuntLabLanes& q);
 float largest_hyab();
 
 /// HyAB distance (>= 0) to colour error in [0, 1]: raised to 0.7, then steep up to 0.4 of the largest, where it is
-/// 0.95, and flat from there [Andersson et al. 2020, Eq. 5 and Sec. 4.1.4].
+/// 0.95, and flat from there [Andersson et al. 2020, Sec. 4.1].
 FloatLanes color_error(const FloatLanes& distance);
 
 }  // namespace photond

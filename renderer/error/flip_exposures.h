@@ -4,7 +4,7 @@
 
 namespace photond {
 
-/// The exposures [stops, rising] at which HDR-FLIP looks at a reference [Andersson et al. 2021, Eq. 2 to 4]: from the
+/// The exposures [stops, rising] at which HDR-FLIP looks at a reference [Andersson et al. 2021]: from the
 /// one that takes its largest luminance to 0.85 on the display, to the one that does so with its median; as many as
 /// there are stops between them, rounded up, at least two, evenly spaced.
 ///

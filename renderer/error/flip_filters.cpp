@@ -44,7 +44,7 @@ Half trimmed(Half half) {
 }
 
 // Contrast sensitivity, a Gaussian of scale b [degrees^2 pi^2] for each of the first two channels and two for the third
-// [Andersson et al. 2020, Table 1]. The published a2 = 0 of the first two leaves one.
+// [Andersson et al. 2020, Sec. 4.1]. The published a2 = 0 of the first two leaves one.
 constexpr double kAchromaticB = 0.0047, kRedGreenB = 0.0053;
 constexpr std::array<double, 2> kBlueYellowA{34.1, 13.5}, kBlueYellowB{0.04, 0.025};
 

@@ -1,7 +1,7 @@
 #pragma once
 // The filters of FLIP as one-dimensional weights: contrast sensitivity of the eye in the three opponent channels, and
 // the edge and point detectors. All are products, or sums of two products, of a filter along x and one along y.
-// [Andersson et al. 2020, Sec. 4.1.1 and 4.2.1]
+// [Andersson et al. 2020, Sec. 4.1 and 4.2]
 
 #include <array>
 #include <cstddef>
