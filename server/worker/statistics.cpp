@@ -67,6 +67,11 @@ json statistics_json(const StatisticsInput& input) {
     json skipped = json::array();
     for (const Skipped& part : input.stats.skipped)
         skipped.push_back({{"what", part.what}, {"why", part.why}, {"bytes_saved", part.bytes_saved}});
+    json pass_ranges = json::array();
+    for (const PassRanges::Range& range : input.film.pass_ranges().ranges())
+        pass_ranges.push_back({range.first, range.end});
+    const ErrorStatistics nothing_measured;
+    const ErrorStatistics& errors = input.errors ? *input.errors : nothing_measured;
     const auto passes = static_cast<double>(input.film.passes());
     const double samples = passes * static_cast<double>(input.film.size().pixels());
 
@@ -108,13 +113,18 @@ json statistics_json(const StatisticsInput& input) {
             {"seed", input.request.seed},
             {"seconds", input.render_seconds},
             {"passes", input.film.passes()},
+            {"pass_ranges", pass_ranges},
+            {"resumed_passes", input.resumed_passes},
+            {"settings_hash", input.settings_hash.empty() ? json(nullptr) : json(input.settings_hash)},
             {"job_hash", job_hash(input.request, input.scene_id)},
             {"pixel_hash", input.film.passes() ? json(input.film.pixel_hash()) : json(nullptr)},
             {"nan_count", input.film.nan_count() + counts.nan_samples},
             {"infinity_count", input.film.infinity_count() + counts.infinite_samples},
             {"device_shared", false},
-            {"error", nullptr},
-            {"reference_error", nullptr}};
+            {"error", errors.error},
+            {"reference_error", errors.reference_error},
+            {"reference", errors.reference},
+            {"estimate", errors.estimate}};
 }
 
 std::vector<ImageAttribute> statistics_attributes(const json& statistics) {

@@ -12,6 +12,7 @@
 #include "renderer/film/film.h"
 #include "renderer/scene/needs.h"
 #include "server/worker/device.h"
+#include "server/worker/error_statistics.h"
 
 namespace photond {
 
@@ -27,6 +28,9 @@ struct StatisticsInput {
     unsigned threads = 1;
     uint64_t baseline_resident_bytes = 0;
     uint64_t peak_resident_bytes = 0;
+    std::string settings_hash;                // film_identity.h; empty: not known
+    uint32_t resumed_passes = 0;              // of these, from a film of an earlier attempt
+    const ErrorStatistics* errors = nullptr;  // none: nothing was measured
 };
 
 nlohmann::json statistics_json(const StatisticsInput& input);

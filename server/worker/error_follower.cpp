@@ -1,0 +1,160 @@
+#include "server/worker/error_follower.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/worker/film_history.h"
+#include "server/worker/off_the_clock.h"
+
+namespace photond {
+
+using nlohmann::json;
+
+namespace {
+
+/// The target is looked at again when the passes have grown by this share.
+constexpr double kTargetGrowth = 0.05;
+
+/// About what a costly metric takes, in terms of resolving a layer and sweeping over it once: for its first time.
+double relative_cost(Metric metric) {
+    switch (metric) {
+        case Metric::FlipHdr: return 60;
+        case Metric::FlipLdr: return 12;
+        default: return 4;
+    }
+}
+
+LayerMetric metric_named(const std::string& name) {
+    const std::optional<LayerMetric> found = layer_metric_named(name);
+    if (!found) throw std::logic_error("a request with an unknown metric passed its reader: " + name);
+    return *found;
+}
+
+}  // namespace
+
+MeasuringPlan MeasuringPlan::of(const JobRequest& request, bool has_reference) {
+    MeasuringPlan plan;
+    plan.layers.insert("beauty");
+    const auto add = [&plan](const LayerMetric& metric) {
+        std::vector<LayerMetric>& list = metric_info(metric.metric).costly ? plan.costly : plan.cheap;
+        if (std::find(list.begin(), list.end(), metric) == list.end()) list.push_back(metric);
+        plan.layers.insert(metric.layer);
+    };
+    for (const MetricInfo& info : kMetrics)
+        if (info.values == 1 && !info.costly && (has_reference || !info.needs_reference)) add({"beauty", info.metric});
+    for (const std::string& name : request.metrics) add(metric_named(name));
+    plan.now.metric = has_reference ? Metric::RelativeMse : Metric::EstimatedRelativeMse;
+    if (request.stop.target) {
+        plan.target = metric_named(request.stop.target->metric);
+        plan.target_value = request.stop.target->value;
+        plan.now = *plan.target;
+        add(*plan.target);
+    }
+    return plan;
+}
+
+ErrorFollower::ErrorFollower(MeasuringPlan plan, FilmErrors& errors, Stats& stats, RenderPeak& peak, Clock now)
+    : plan_(std::move(plan)), errors_(errors), stats_(stats), peak_(peak), now_(std::move(now)) {}
+
+bool ErrorFollower::go_on_from(const Film& film, std::vector<CurvePoint> curve, double seconds) {
+    schedule_.skip_to(film.passes(), seconds);
+    curve_ = std::move(curve);
+    measured_seconds_ = stats_.stage(kErrorMeasuringStage).wall_seconds;
+    if (!curve_.empty()) {
+        const auto& metrics = curve_.back().metrics;
+        if (const auto last = metrics.find(plan_.now.name()); last != metrics.end()) error_now_ = last->second;
+    }
+    if (!plan_.target) return false;
+    measure_target(film);
+    return error_now_ && *error_now_ <= plan_.target_value;
+}
+
+bool ErrorFollower::there_is_time_for(double cost_seconds, double seconds) const {
+    return measured_seconds_ + cost_seconds <= kMeasuringShare * seconds;
+}
+
+double ErrorFollower::guessed_cost(const LayerMetric& metric) const {
+    const auto known = costs_.find(metric.name());
+    return known != costs_.end() ? known->second : relative_cost(metric.metric) * cheap_cost_;
+}
+
+bool ErrorFollower::met_by(const MetricValues& values) {
+    if (const auto value = values.find(plan_.now.name()); value != values.end() && value->second)
+        error_now_ = value->second;
+    if (!plan_.target) return false;
+    const auto value = values.find(plan_.target->name());
+    return value != values.end() && value->second && *value->second <= plan_.target_value;
+}
+
+bool ErrorFollower::after_pass(const Film& film, double seconds) {
+    if (schedule_.due(film.passes(), seconds)) {
+        measure_point(film, seconds, false);
+        return met_by(curve_.back().metrics);
+    }
+    if (!plan_.target || film.passes() < std::ceil((1 + kTargetGrowth) * checked_passes_) ||
+        !there_is_time_for(target_cost_, seconds))
+        return false;
+    measure_target(film);
+    return error_now_ && *error_now_ <= plan_.target_value;
+}
+
+void ErrorFollower::measure_target(const Film& film) {
+    const OffTheClock measuring(stats_, kErrorMeasuringStage, peak_);
+    const double start = now_();
+    ResolvedFilm resolved(film);
+    MetricValues values;
+    errors_.measure(resolved, std::span(&*plan_.target, 1), values);
+    error_now_ = values.begin()->second;
+    target_cost_ = now_() - start;
+    measured_seconds_ += target_cost_;
+    checked_passes_ = film.passes();
+}
+
+void ErrorFollower::measure_point(const Film& film, double seconds, bool in_the_end) {
+    const OffTheClock measuring(stats_, kErrorMeasuringStage, peak_);
+    double start = now_();
+    ResolvedFilm resolved(film);
+    const bool again = !curve_.empty() && curve_.back().passes == film.passes();  // some of it was left for the end
+    if (!again) {
+        const uint64_t photons = stats_.counts.photons_emitted;
+        curve_.push_back({seconds, film.passes(), photons ? std::optional(photons) : std::nullopt, {}});
+    }
+    MetricValues& values = curve_.back().metrics;
+    errors_.measure(resolved, plan_.cheap, values);
+    cheap_cost_ = now_() - start;
+    measured_seconds_ += cheap_cost_;
+    for (const LayerMetric& metric : plan_.costly) {
+        std::optional<double>& value = values[metric.name()];
+        if (value || (!in_the_end && !there_is_time_for(guessed_cost(metric), seconds))) continue;
+        start = now_();
+        errors_.measure(resolved, std::span(&metric, 1), values);
+        const double cost = now_() - start;
+        costs_[metric.name()] = cost;
+        measured_seconds_ += cost;
+    }
+    if (!plan_.target) return;
+    if (!values[plan_.target->name()]) return;
+    checked_passes_ = film.passes();
+    const bool costly = metric_info(plan_.target->metric).costly;
+    target_cost_ = costly ? costs_[plan_.target->name()] : cheap_cost_;
+}
+
+void ErrorFollower::finish(const Film& film, double seconds) {
+    if (film.passes() == 0) return;
+    const bool has_point = !curve_.empty() && curve_.back().passes == film.passes();
+    const auto complete = [&] {
+        return std::all_of(plan_.costly.begin(), plan_.costly.end(), [&](const LayerMetric& metric) {
+            const auto value = curve_.back().metrics.find(metric.name());
+            return value != curve_.back().metrics.end() && value->second;
+        });
+    };
+    if (!has_point || !complete()) measure_point(film, seconds, true);
+    met_by(curve_.back().metrics);
+}
+
+json ErrorFollower::error_now() const {
+    if (!error_now_) return nullptr;
+    return {{"metric", plan_.now.name()}, {"value", *error_now_}};
+}
+
+}  // namespace photond

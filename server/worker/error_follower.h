@@ -1,0 +1,76 @@
+#pragma once
+// Follows the error of a job's film from pass to pass: the points of its curve, and whether its target is met. All of
+// it off the job's clock.
+
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <vector>
+
+#include "protocol/job.h"
+#include "renderer/core/stats.h"
+#include "renderer/error/curve.h"
+#include "server/worker/film_errors.h"
+#include "server/worker/render_peak.h"
+
+namespace photond {
+
+/// Measuring between the points, and of metrics that cost much, waits until all measuring so far and the next one
+/// together take at most this share of the job's seconds.
+inline constexpr double kMeasuringShare = 0.025;
+
+/// What a job measures.
+struct MeasuringPlan {
+    std::vector<LayerMetric> cheap;   // at every point of the curve
+    std::vector<LayerMetric> costly;  // at points as far as there is time, and in the end
+    std::optional<LayerMetric> target;
+    double target_value = 0;
+    LayerMetric now;               // the metric of "error_now"
+    std::set<std::string> layers;  // all that are measured
+
+    /// With a reference: all metrics of the beauty that cost little, those the request names and its target's.
+    static MeasuringPlan of(const JobRequest& request, bool has_reference);
+};
+
+class ErrorFollower {
+public:
+    using Clock = std::function<double()>;
+
+    /// Borrows all but the plan. `now`: wall seconds.
+    ErrorFollower(MeasuringPlan plan, FilmErrors& errors, Stats& stats, RenderPeak& peak, Clock now = wall_now_seconds);
+
+    /// For a job that goes on from a film: the points it had, and how long measuring took by the stage in `stats`.
+    /// True when that film meets the target.
+    bool go_on_from(const Film& film, std::vector<CurvePoint> curve, double seconds);
+    /// After each pass; `seconds` on the job's clock. True when the target is met by what was measured now.
+    bool after_pass(const Film& film, double seconds);
+    /// At the job's end: its last point, complete.
+    void finish(const Film& film, double seconds);
+
+    const std::vector<CurvePoint>& curve() const { return curve_; }
+    /// {"metric", "value"}, null before there is a value.
+    nlohmann::json error_now() const;
+    const MeasuringPlan& plan() const { return plan_; }
+
+private:
+    void measure_point(const Film& film, double seconds, bool in_the_end);
+    void measure_target(const Film& film);
+    bool there_is_time_for(double cost_seconds, double seconds) const;
+    bool met_by(const MetricValues& values);
+    double guessed_cost(const LayerMetric& metric) const;
+
+    const MeasuringPlan plan_;
+    FilmErrors& errors_;
+    Stats& stats_;
+    RenderPeak& peak_;
+    const Clock now_;
+    CurveSchedule schedule_;
+    std::vector<CurvePoint> curve_;
+    std::optional<double> error_now_;
+    double measured_seconds_ = 0;              // all measuring so far
+    double cheap_cost_ = 0, target_cost_ = 0;  // of the last time [s]
+    std::map<std::string, double> costs_;      // of costly metrics, likewise
+    uint32_t checked_passes_ = 0;              // when the target was looked at last
+};
+
+}  // namespace photond

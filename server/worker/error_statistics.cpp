@@ -1,0 +1,160 @@
+#include "server/worker/error_statistics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <span>
+
+namespace photond {
+
+using nlohmann::json;
+
+namespace {
+
+/// A figure below so many times the reference's own noise says little of the image.
+constexpr double kNoiseMargin = 3;
+
+json number_or_null(const std::optional<double>& value) { return value ? json(*value) : json(nullptr); }
+
+json channels_json(const std::array<std::optional<double>, 3>& values) {
+    json channels = json::array();
+    for (const std::optional<double>& value : values) channels.push_back(number_or_null(value));
+    return channels;
+}
+
+std::string shown(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.4g", value);
+    return text;
+}
+
+std::string named(const std::string& layer, std::string_view what) {
+    return layer == "beauty" ? std::string(what) : layer + ":" + std::string(what);
+}
+
+void add_note(json& notes, const std::string& note) {
+    if (!note.empty() && std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(note);
+}
+
+/// Everything that is known of one layer's error.
+void add_layer(json& error, json& notes, ResolvedFilm& film, const ErrorMeter& meter, const std::string& layer) {
+    const std::vector<float>& pixels = film.pixels(layer);
+    const PointwiseErrors sweep = meter.pointwise(pixels);
+    for (const MetricInfo& info : kMetrics) {
+        if (!is_distance(info) || info.costly) continue;
+        const std::vector<double> value = ErrorMeter::value_of(sweep, info.metric);
+        error[named(layer, info.name)] = value.empty() ? json(nullptr) : json(value.front());
+    }
+    error[named(layer, "bias")] = channels_json(sweep.bias);
+    error[named(layer, "relative_bias")] = channels_json(sweep.relative_bias);
+    const std::vector<float>& variance = film.pass_variance(layer);
+    error[named(layer, "bias_standard_error")] = nullptr;
+    if (!variance.empty()) {
+        const std::array<double, 3> standard_error =
+            bias_standard_error(variance_of_mean(variance, film.film().passes()));
+        if (std::all_of(standard_error.begin(), standard_error.end(), [](double e) { return std::isfinite(e); }))
+            error[named(layer, "bias_standard_error")] = standard_error;
+    }
+    error[named(layer, "left_out")] = sweep.left_out;
+    error[named(layer, "firefly_count")] = meter.firefly_count(pixels);
+    error[named(layer, "percentiles")] = nullptr;
+    if (const auto percentiles = meter.percentiles(pixels)) {
+        json values = json::object();
+        for (size_t i = 0; i < kPercentileNames.size(); ++i)
+            values[std::string(kPercentileNames[i])] = (*percentiles)[i];
+        error[named(layer, "percentiles")] = values;
+    }
+    if (!sweep.relative_mse)
+        add_note(notes, sweep.left_out == pixels.size()
+                            ? named(layer, "relative_mse") + ": no value of the image and the reference is finite"
+                            : named(layer, "relative_mse") + ", percentiles: the reference's mean is 0");
+    if (sweep.left_out > 0)
+        add_note(notes, std::to_string(sweep.left_out) + " values of " + layer + " are not finite and left out");
+}
+
+/// The reference as another rendering of its quality would be, against itself.
+void add_reference_error(json& reference_error, const FilmErrors& errors, const MeasuringPlan& plan,
+                         const std::string& layer) {
+    const ErrorMeter& meter = errors.meter(layer);
+    const std::vector<float>& standard_error = errors.reference_standard_error(layer);
+    const auto set = [&](const MetricInfo& info, const std::vector<double>& value) {
+        reference_error[named(layer, info.name)] = value.empty() ? json(nullptr) : json(value.front());
+    };
+    std::vector<float> noisy;
+    PointwiseErrors sweep;
+    if (!standard_error.empty()) {
+        noisy = with_own_noise(meter.reference(), standard_error, kReferenceNoiseSeed);
+        sweep = meter.pointwise(noisy);
+    }
+    for (const MetricInfo& info : kMetrics) {
+        if (!is_distance(info)) continue;
+        const LayerMetric metric{layer, info.metric};
+        const bool asked = std::find(plan.costly.begin(), plan.costly.end(), metric) != plan.costly.end();
+        if (info.costly && !asked) continue;
+        if (noisy.empty())
+            set(info, {});
+        else
+            set(info, info.costly ? meter.measure(info.metric, noisy) : ErrorMeter::value_of(sweep, info.metric));
+    }
+}
+
+/// Of the beauty.
+json estimate_json(ResolvedFilm& film, FilmErrors& errors) {
+    const std::optional<ErrorEstimate> estimate = errors.estimate(film, "beauty");
+    if (!estimate) return nullptr;
+    json within = nullptr;
+    if (errors.has_reference()) {
+        std::vector<float> standard_error = variance_of_mean(film.pass_variance("beauty"), film.film().passes());
+        for (float& value : standard_error)
+            value = static_cast<float>(estimate->standard_error_scale) * std::sqrt(value);
+        within = number_or_null(share_within(film.pixels("beauty"), standard_error, errors.meter("beauty").reference(),
+                                             errors.reference_standard_error("beauty"), kConfidenceZ));
+    }
+    return {{"estimated_relative_mse", estimate->estimated_relative_mse},
+            {"standard_error_scale", estimate->standard_error_scale},
+            {"confidence", kConfidence},
+            {"within_confidence", within}};
+}
+
+}  // namespace
+
+std::vector<std::string> noise_warnings(const json& error, const json& reference_error) {
+    std::vector<std::string> warnings;
+    for (const auto& [metric, noise] : reference_error.items()) {
+        const auto value = error.find(metric);
+        if (!noise.is_number() || value == error.end() || !value->is_number()) continue;
+        if (!(noise > 0) || value->get<double>() > kNoiseMargin * noise.get<double>()) continue;
+        warnings.push_back(metric + " is " + shown(*value) + ", less than " + shown(kNoiseMargin) +
+                           " times what the reference's own noise explains (" + shown(noise) + ")");
+    }
+    return warnings;
+}
+
+ErrorStatistics error_statistics(ResolvedFilm& film, FilmErrors& errors, const MeasuringPlan& plan,
+                                 const MetricValues& last, const json& source) {
+    ErrorStatistics statistics;
+    statistics.estimate = estimate_json(film, errors);
+    if (!errors.has_reference()) return statistics;
+    statistics.error = json::object(), statistics.reference_error = json::object();
+    json notes = json::array();
+    for (const std::string& layer : errors.layers()) {
+        add_layer(statistics.error, notes, film, errors.meter(layer), layer);
+        add_reference_error(statistics.reference_error, errors, plan, layer);
+        if (errors.reference_standard_error(layer).empty())
+            add_note(notes, "the reference's own noise is not known for " + layer);
+    }
+    for (const auto& [metric, value] : last) statistics.error[metric] = number_or_null(value);
+    statistics.warnings = noise_warnings(statistics.error, statistics.reference_error);
+    const bool flip = std::any_of(plan.costly.begin(), plan.costly.end(), [](const LayerMetric& metric) {
+        return metric.metric == Metric::FlipLdr || metric.metric == Metric::FlipHdr;
+    });
+    const std::optional<uint32_t> passes = errors.reference_passes();
+    statistics.reference = {{"source", source},
+                            {"passes", passes ? json(*passes) : json(nullptr)},
+                            {"flip_version", flip ? json(kFlipVersion) : json(nullptr)},
+                            {"warnings", statistics.warnings},
+                            {"notes", notes}};
+    return statistics;
+}
+
+}  // namespace photond

@@ -1,0 +1,42 @@
+#include "server/worker/pass_loop.h"
+
+namespace photond {
+
+PassLoop::Result PassLoop::run(Stats& stats) {
+    const Size2 size = context.view.film_size;
+    const LayerSet layers = context.view.layers;
+    if (!film) {
+        context.budget.require("film", Film::bytes_for(size, layers));
+        film.emplace(size, layers, first_pass);
+    }
+    Result result{*std::exchange(film, std::nullopt), seconds_before, false, 0};
+    context.budget.record("film", result.film.bytes());
+
+    const auto stop_met = [&] {
+        const uint32_t done = result.film.passes();
+        return (stop.passes && done >= *stop.passes) ||
+               (stop.seconds && done > 0 && result.render_seconds >= *stop.seconds);
+    };
+    if (stop_met()) return result;
+    double start = now();
+    method.begin(context, stats);
+    result.render_seconds += now() - start;
+    while (!stop_met()) {
+        start = now();
+        if (!cancel.cancelled()) method.run_pass(result.film.next_pass(), stats, cancel);
+        if (cancel.cancelled()) {
+            result.cancelled = true;  // the pass may be unfinished: nothing of it reaches the film
+            break;
+        }
+        {
+            const StageTimer timer(stats, "combine");
+            method.resolve(result.film);
+        }
+        result.render_seconds += now() - start;
+        ++result.passes_rendered;
+        if (after_pass && after_pass(result.film, result.render_seconds)) break;
+    }
+    return result;
+}
+
+}  // namespace photond

@@ -1,0 +1,38 @@
+#pragma once
+// The loop over a job's passes: its clock, its stop conditions, and what a cancelled pass leaves.
+
+#include <functional>
+#include <optional>
+
+#include "protocol/job.h"
+#include "renderer/core/cancel.h"
+#include "renderer/methods/method.h"
+
+namespace photond {
+
+/// Begins a method and runs passes until a stop condition is met or `cancel` is seen. The film's memory and the
+/// method's are required of the budget first.
+struct PassLoop {
+    Method& method;
+    const RenderContext& context;
+    StopConditions stop;  // `target` is for after_pass to judge
+    const CancelToken& cancel;
+    /// Called after each finished pass, off the clock; true ends the loop.
+    std::function<bool(const Film& film, double render_seconds)> after_pass = {};
+
+    uint32_t first_pass = 0;        // index of the film's first pass; not used with `film`
+    std::optional<Film> film = {};  // to go on with, from its next_pass(); taken by run()
+    double seconds_before = 0;      // what that film took so far
+    std::function<double()> now = wall_now_seconds;
+
+    struct Result {
+        Film film;
+        double render_seconds = 0;  // seconds_before + begin + passes + resolve, nothing else
+        bool cancelled = false;
+        uint32_t passes_rendered = 0;  // here, not before
+    };
+    /// A film that meets the stop conditions already is given back without beginning the method.
+    Result run(Stats& stats);
+};
+
+}  // namespace photond

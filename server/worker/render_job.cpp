@@ -1,0 +1,252 @@
+#include "server/worker/render_job.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "protocol/error.h"
+#include "protocol/worker_messages.h"
+#include "server/worker/job_setup.h"
+#include "server/worker/off_the_clock.h"
+#include "server/worker/process_memory.h"
+#include "server/worker/statistics.h"
+
+namespace photond {
+
+using nlohmann::json;
+
+namespace {
+
+constexpr double kProgressSeconds = 0.25;
+
+double progress_of(const StopConditions& stop, uint32_t passes, double seconds) {
+    double progress = 0;
+    if (stop.passes) progress = std::max(progress, passes / static_cast<double>(*stop.passes));
+    if (stop.seconds && *stop.seconds > 0) progress = std::max(progress, seconds / *stop.seconds);
+    return std::min(progress, 1.0);
+}
+
+/// Throws ErrorCode::Conflict unless passes can be added to the film as if it were this job's own.
+void require_own_film(const SavedFilm& saved, const FilmIdentity& identity, Size2 size, LayerSet layers,
+                      uint32_t first_pass) {
+    require_alike(saved.identity, identity);
+    if (saved.film.size() != size || !(saved.film.layers() == layers))
+        throw Error(ErrorCode::Conflict, "it has another size or other layers");
+    const std::vector<PassRanges::Range>& ranges = saved.film.pass_ranges().ranges();
+    if (ranges.size() != 1 || ranges.front().first != first_pass || saved.film.next_pass() != ranges.front().end)
+        throw Error(ErrorCode::Conflict, "it has passes " + saved.film.pass_ranges().text() +
+                                             ", which are not those from " + std::to_string(first_pass) + " on");
+}
+
+}  // namespace
+
+void JobControl::request_snapshot(std::filesystem::path path) {
+    const std::lock_guard lock(mutex_);
+    snapshot_ = std::move(path);
+}
+
+std::optional<std::filesystem::path> JobControl::take_snapshot() {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(snapshot_, std::nullopt);
+}
+
+template <class... Arguments>
+void RenderJob::log(const char* format, Arguments... arguments) {
+    char text[512];
+    std::snprintf(text, sizeof text, format, arguments...);
+    report_.log.push_back(text);
+}
+
+RenderJob::RenderJob(const RenderOrder& order, JobControl& control, SceneCache& scenes, const Device& device,
+                     JobReport& report, const Send& send)
+    : order_(order),
+      control_(control),
+      scenes_(scenes),
+      device_(device),
+      report_(report),
+      send_(send),
+      method_(make_method(order.request)),
+      budget_(order.memory_bytes) {}
+
+void RenderJob::run() {
+    const JobRequest& request = order_.request;
+    budget_.require("film", Film::bytes_for({request.width, request.height}, layers_named(request.layers)));
+    load_scene();
+    prepare_measuring();
+    finish(render());
+}
+
+void RenderJob::load_scene() {
+    // Baseline: what is resident before this job's scene, as if the scene were not in the cache. Scenes of other jobs
+    // that are kept idle count to the baseline.
+    const uint64_t warm_bytes = scenes_.bytes_of(order_.source, order_.variant), resident = resident_bytes();
+    baseline_bytes_ = resident - std::min(resident, warm_bytes);
+    ready_ = scenes_.get(order_.source, order_.variant, budget_, stats_);
+    const auto triangles = static_cast<unsigned long long>(ready_->scene.triangle_count);
+    if (warm_bytes)
+        log("scene %s: %llu triangles, ready from an earlier job", order_.request.scene.c_str(), triangles);
+    else
+        log("scene %s: %llu triangles, loaded in %.3f s, ray structure in %.3f s", order_.request.scene.c_str(),
+            triangles, stats_.stage("load").wall_seconds, stats_.stage("acceleration_build").wall_seconds);
+    for (const std::string& warning : ready_->scene.warnings) report_.log.push_back("warning: " + warning);
+}
+
+void RenderJob::prepare_measuring() {
+    const JobRequest& request = order_.request;
+    const bool with_reference = !order_.reference.is_null();
+    MeasuringPlan plan = MeasuringPlan::of(request, with_reference);
+    {
+        const OffTheClock loading(stats_, kReferenceLoadStage, peak_);
+        std::optional<ReferenceImage> reference;
+        if (with_reference) {
+            reference = load_reference(order_.reference,
+                                       order_.memory_bytes - std::min(order_.memory_bytes, budget_.accounted_bytes()));
+            log("reference: %u x %u pixels, %s", reference->size.width, reference->size.height,
+                reference->passes ? (std::to_string(*reference->passes) + " passes").c_str() : "an image");
+        }
+        errors_.emplace(Size2{request.width, request.height}, std::move(reference), plan.layers);
+    }
+    budget_.require("error_measuring", errors_->bytes());
+    budget_.record("error_measuring", errors_->bytes());
+    follower_.emplace(std::move(plan), *errors_, stats_, peak_);
+    saver_.emplace(film_identity(request, order_.source.id, order_.streams, device_), order_.save_seconds, stats_,
+                   peak_);
+}
+
+std::optional<Film> RenderJob::film_to_go_on_with() {
+    if (!order_.resume) return std::nullopt;
+    const JobRequest& request = order_.request;
+    try {
+        SavedFilm saved = FilmFile::load(*order_.resume, order_.memory_bytes);
+        require_own_film(saved, saver_->identity(), {request.width, request.height}, layers_named(request.layers),
+                         request.first_pass);
+        FilmHistory before = FilmHistory::parse(saved.history);
+        stats_.counts += before.counts;
+        add_stages(stats_.stages, before.stages);
+        skipped_before_ = std::move(before.skipped);
+        seconds_before_ = before.seconds;
+        resumed_passes_ = saved.film.passes();
+        met_before_ = follower_->go_on_from(saved.film, std::move(before.curve), seconds_before_);
+        log("goes on from a film of %u passes and %.3f s", resumed_passes_, seconds_before_);
+        return std::move(saved.film);
+    } catch (const Error& error) {  // not this job's fault: it can be rendered all the same
+        report_.log.push_back(std::string("warning: the film of an earlier attempt cannot be gone on with (") +
+                              error.what() + "); the job begins anew");
+        return std::nullopt;
+    }
+}
+
+PassLoop::Result RenderJob::render() {
+    const JobRequest& request = order_.request;
+    const RenderContext context{ready_->scene, *ready_->intersector, resolve_view(request, ready_->scene),
+                                order_.seed(), budget_};
+    PassLoop loop{*method_, context, request.stop, control_.cancel,
+                  [this](const Film& film, double seconds) { return after_pass(film, seconds); }};
+    loop.first_pass = request.first_pass;
+    loop.film = film_to_go_on_with();
+    if (loop.film) {
+        loop.seconds_before = seconds_before_;
+        if (met_before_) loop.stop.passes = resumed_passes_;  // nothing is left to be done
+        report_.passes_done = resumed_passes_, report_.seconds = seconds_before_;
+        send_curve(0);
+        send_progress(*loop.film, seconds_before_);
+    }
+    PassLoop::Result result = loop.run(stats_);
+    add_skipped(stats_.skipped, skipped_before_);  // what a begin() of now did not name
+    return result;
+}
+
+bool RenderJob::after_pass(const Film& film, double seconds) {
+    report_.passes_done = film.passes(), report_.seconds = seconds;
+    const size_t known_points = follower_->curve().size();
+    const bool target_met = follower_->after_pass(film, seconds);
+    if (follower_->curve().size() > known_points) send_curve(known_points);
+    if (wall_now_seconds() - last_progress_ >= kProgressSeconds) send_progress(film, seconds);
+    if (const auto snapshot = control_.take_snapshot()) save(film, seconds, *snapshot, true);
+    if (!target_met && saver_->due(film)) save(film, seconds, order_.film, true);
+    return target_met;
+}
+
+void RenderJob::finish(const PassLoop::Result& result) {
+    const Film& film = result.film;
+    const bool goes_on_elsewhere = result.cancelled && control_.stopping;
+    report_.passes_done = film.passes(), report_.seconds = result.render_seconds;
+    const uint64_t peak_bytes = peak_.bytes();  // of the render; the rest is the runner's
+    ErrorStatistics errors;
+    if (film.passes() > 0 && !goes_on_elsewhere) {
+        const size_t known_points = follower_->curve().size();
+        follower_->finish(film, result.render_seconds);
+        if (follower_->curve().size() > known_points) send_curve(known_points);
+        const OffTheClock measuring(stats_, kErrorMeasuringStage, peak_);
+        ResolvedFilm resolved(film);
+        const JobRequest& request = order_.request;
+        errors = error_statistics(resolved, *errors_, follower_->plan(), follower_->curve().back().metrics,
+                                  request.reference ? to_json(*request.reference) : json(nullptr));
+    }
+    for (const std::string& warning : errors.warnings) report_.log.push_back("warning: " + warning);
+    report_.curve = to_json(follower_->curve());
+    report_.error_now = follower_->error_now();
+    if (film.passes() > 0) {
+        // A job that is to go on elsewhere leaves its film and nothing to look at.
+        if (!goes_on_elsewhere && result.passes_rendered > 0) save_artefacts();
+        save(film, result.render_seconds, order_.film, control_.stopping);
+        report_.film = order_.film.string();
+    }
+    report_.statistics = statistics_json({stats_, film, budget_, ready_->scene.needs, device_, order_.request,
+                                          order_.source.id, result.render_seconds, order_.threads, baseline_bytes_,
+                                          peak_bytes, saver_->identity().settings, resumed_passes_, &errors});
+    report_.state = result.cancelled ? "cancelled" : "succeeded";
+    log("%s after %u passes, %.3f s of rendering on %u threads", report_.state.c_str(), film.passes(),
+        result.render_seconds, order_.threads);
+}
+
+FilmHistory RenderJob::history(double seconds) const {
+    FilmHistory history{seconds, stats_.counts, stats_.stages, stats_.skipped, follower_->curve(), {}};
+    history.standard_error_scale = errors_->last_standard_error_scale();
+    return history;
+}
+
+void RenderJob::save(const Film& film, double seconds, const std::filesystem::path& path, bool tell) {
+    saver_->save(film, history(seconds).text(), path);
+    if (!tell) return;
+    send_({{"type", "film_saved"},
+           {"job", order_.job},
+           {"attempt", order_.attempt},
+           {"path", path.string()},
+           {"passes_done", film.passes()}});
+}
+
+void RenderJob::save_artefacts() {
+    for (const MethodArtefact& artefact : method_->artefacts()) {
+        const std::filesystem::path path = artefact_path(order_.film, artefact.name);
+        artefact.write(path);
+        report_.artefact_files.push_back(path);
+        report_.artefacts.push_back(artefact.name);
+        log("kept %s: %llu bytes", artefact.name.c_str(),
+            static_cast<unsigned long long>(std::filesystem::file_size(path)));
+    }
+}
+
+void RenderJob::send_curve(size_t first) {
+    const std::vector<CurvePoint>& curve = follower_->curve();
+    report_.curve = to_json(curve);
+    report_.error_now = follower_->error_now();
+    if (first == curve.size()) return;
+    send_({{"type", "curve"},
+           {"job", order_.job},
+           {"attempt", order_.attempt},
+           {"points", to_json({curve.begin() + static_cast<std::ptrdiff_t>(first), curve.end()})},
+           {"error_now", follower_->error_now()}});
+}
+
+void RenderJob::send_progress(const Film& film, double seconds) {
+    send_({{"type", "progress"},
+           {"job", order_.job},
+           {"attempt", order_.attempt},
+           {"passes_done", film.passes()},
+           {"progress", progress_of(order_.request.stop, film.passes(), seconds)},
+           {"seconds", seconds},
+           {"error_now", follower_->error_now()}});
+    last_progress_ = wall_now_seconds();
+}
+
+}  // namespace photond

@@ -1,0 +1,111 @@
+#pragma once
+// Scene -> method -> film -> result: one job from its order to what it leaves. Around the loop over its passes
+// (pass_loop.h) it goes on from saved films and saves them (film_saver.h), follows the error (error_follower.h) and
+// sends what the daemon wants to hear.
+
+#include <atomic>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <vector>
+
+#include "renderer/core/cancel.h"
+#include "server/worker/device.h"
+#include "server/worker/error_follower.h"
+#include "server/worker/error_statistics.h"
+#include "server/worker/film_history.h"
+#include "server/worker/film_saver.h"
+#include "server/worker/pass_loop.h"
+#include "server/worker/render_order.h"
+#include "server/worker/render_peak.h"
+#include "server/worker/scene_cache.h"
+
+namespace photond {
+
+/// What other threads may ask of a running job.
+class JobControl {
+public:
+    CancelToken cancel;
+    std::atomic<bool> stopping{false};  // cancelled because the worker is to end
+
+    /// Save the film so far to `path` after the pass at hand; a second request before that replaces the first.
+    void request_snapshot(std::filesystem::path path);
+    std::optional<std::filesystem::path> take_snapshot();
+
+private:
+    std::mutex mutex_;
+    std::optional<std::filesystem::path> snapshot_;
+};
+
+/// What "finished" will say; filled as the job goes on, so that a failure keeps what was true before it.
+struct JobReport {
+    std::string state = "failed";
+    uint32_t passes_done = 0;
+    double seconds = 0;
+    nlohmann::json film = nullptr;
+    nlohmann::json statistics = nullptr;
+    nlohmann::json curve = nullptr;
+    nlohmann::json error_now = nullptr;
+    nlohmann::json artefacts = nlohmann::json::array();
+    std::vector<std::filesystem::path> artefact_files;
+    nlohmann::json failure = nullptr;
+    nlohmann::json log = nlohmann::json::array();
+};
+
+class RenderJob {
+public:
+    using Send = std::function<void(const nlohmann::json& message)>;
+
+    /// Borrows everything. Throws photond::Error with pointers into the request for parameters that are refused.
+    RenderJob(const RenderOrder& order, JobControl& control, SceneCache& scenes, const Device& device,
+              JobReport& report, const Send& send);
+
+    /// Throws photond::Error for what the job or its files cannot have; the report then holds what was done.
+    void run();
+
+private:
+    void load_scene();
+    void prepare_measuring();
+    /// The film of an earlier attempt, where there is one that this job may go on with; otherwise the log says why
+    /// not. Its statistics and its curve become this job's.
+    std::optional<Film> film_to_go_on_with();
+    PassLoop::Result render();
+    bool after_pass(const Film& film, double seconds);
+    void finish(const PassLoop::Result& result);
+
+    FilmHistory history(double seconds) const;
+    void save(const Film& film, double seconds, const std::filesystem::path& path, bool tell);
+    void save_artefacts();
+    /// From that point on.
+    void send_curve(size_t first);
+    void send_progress(const Film& film, double seconds);
+    template <class... Arguments>
+    void log(const char* format, Arguments... arguments);
+
+    const RenderOrder& order_;
+    JobControl& control_;
+    SceneCache& scenes_;
+    const Device& device_;
+    JobReport& report_;
+    const Send& send_;
+
+    const std::unique_ptr<Method> method_;
+    Stats stats_;
+    MemoryBudget budget_;
+    RenderPeak peak_;
+    uint64_t baseline_bytes_ = 0;
+    std::shared_ptr<const ReadyScene> ready_;
+    std::optional<FilmErrors> errors_;
+    std::optional<ErrorFollower> follower_;
+    std::optional<FilmSaver> saver_;
+    double seconds_before_ = 0;    // of the film that this job goes on with
+    uint32_t resumed_passes_ = 0;  // likewise
+    bool met_before_ = false;      // its target, likewise
+    std::vector<Skipped> skipped_before_;
+    double last_progress_ = 0;
+};
+
+}  // namespace photond
