@@ -124,7 +124,7 @@ double ErrorEstimator::variance_ratio(uint32_t passes) const {
     const std::span<const Level> levels(levels_.data(), level_count_);
     if (levels.empty()) return 1;
     const double now = std::log2(passes);
-    // Least squares of log2 g over log2 n.
+    // Least squares of log2 ratio over log2 n.
     double mean_x = 0, mean_y = 0, xx = 0, xy = 0;
     for (const Level& level : levels) mean_x += level.log2_passes, mean_y += std::log2(level.ratio);
     mean_x /= static_cast<double>(levels.size()), mean_y /= static_cast<double>(levels.size());
@@ -134,10 +134,9 @@ double ErrorEstimator::variance_ratio(uint32_t passes) const {
     }
     // NaN of a level without any difference is no slope either.
     const double slope = xx > 0 && xy < 0 ? std::max(xy / xx, kLeastSlope) : 0;
-    double ratio = 0;  // as it would be now
-    for (const Level& level : levels) ratio += level.ratio * std::exp2(slope * (now - level.log2_passes));
-    const double per_doubling = std::exp2(slope);
-    return ratio / static_cast<double>(levels.size()) * per_doubling / (2 - per_doubling);
+    double sum = 0;
+    for (const Level& level : levels) sum += level.ratio * std::exp2(slope * (now - level.log2_passes));
+    return sum / static_cast<double>(levels.size());
 }
 
 std::optional<double> share_within(std::span<const float> image, std::span<const float> standard_error,

@@ -1,0 +1,102 @@
+// How fast path tracing converges: its relative_mse falls as 1/passes with random numbers, and no slower with
+// low-discrepancy ones.
+//
+// A run of 1,024 passes gives 1,024/n images of n consecutive passes; the level n is the mean of their relative_mse, so
+// that all levels have seen the same paths. The slope of log relative_mse over log passes is fitted to the levels 16,
+// 32 ... 1,024 by least squares, once for each seed; the mean over the seeds is judged, with Student's t over them as
+// its noise. Expected of random numbers: -1 exactly.
+// - The reference is of another seed, low-discrepancy and of at least 16 times as many passes. Even with the error of
+// as
+//   many independent passes, 1/16 of the last level's, it would make the slope 0.013 too flat (1/32 of the level
+//   before, and so on); it has less than half of that error.
+// - The mean of a logarithm is lower than the logarithm of the mean by half the relative variance of relative_mse: in
+//   the last level, the worst, about 0.01 / 2 a seed, which is 0.001 of slope.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "renderer/error/error_meter.h"
+#include "renderer/scene/builtin_scenes.h"
+#include "tests/support/render.h"
+#include "tests/support/statistics.h"
+
+namespace photond {
+namespace {
+
+constexpr uint32_t kFirst = 16, kLast = 1024, kLevels = 7;
+constexpr double kFalseAlarm = 1e-6;
+constexpr size_t kChecks = 2 * 2;  // both samplers, short and long
+
+struct Plan {
+    Size2 size;
+    uint32_t reference_passes;
+    size_t seeds;
+};
+
+test::RenderSettings settings_of(const Plan& plan, SamplerKind sampler, uint64_t seed) {
+    test::RenderSettings settings;
+    settings.size = plan.size;
+    settings.seed = seed;
+    settings.params.sampler = sampler;
+    return settings;
+}
+
+/// Slope of log relative_mse over log passes in one run.
+double slope_of(const Scene& scene, const test::RenderSettings& settings, const ErrorMeter& meter) {
+    MemoryBudget budget;
+    Stats stats;
+    const std::unique_ptr<Intersector> intersector = make_embree_intersector(scene, budget, stats);
+    PathTracing method(settings.params);
+    method.begin({scene, *intersector, View{find_camera(scene, ""), settings.size, settings.filter, settings.layers},
+                  settings.seed, budget},
+                 stats);
+    std::vector<Film> films(kLevels, Film(settings.size, settings.layers));
+    test::RunningMean errors[kLevels];
+    for (uint32_t pass = 0; pass < kLast; ++pass) {
+        method.run_pass(pass, stats, CancelToken{});
+        for (uint32_t level = 0; level < kLevels; ++level) {
+            method.resolve(films[level]);
+            if (films[level].passes() < kFirst << level) continue;
+            errors[level].add(meter.pointwise(films[level].resolve_beauty()).relative_mse.value());
+            films[level] = Film(settings.size, settings.layers);
+        }
+    }
+    double products = 0, squares = 0;
+    for (uint32_t level = 0; level < kLevels; ++level) {
+        const double x = (level - 0.5 * (kLevels - 1)) * std::log(2.0);
+        products += x * std::log(errors[level].mean());
+        squares += x * x;
+    }
+    return products / squares;
+}
+
+std::vector<float> reference_of(const Scene& scene, const Plan& plan, uint64_t seed) {
+    test::RenderSettings settings = settings_of(plan, SamplerKind::Sobol, seed);
+    settings.passes = plan.reference_passes;
+    return test::render(scene, settings).resolve_beauty();
+}
+
+void expect_convergence(const Plan& plan) {
+    const Scene scene = make_builtin_scene("cornell-box");
+    const ErrorMeter meter(plan.size, reference_of(scene, plan, 1'000'001));
+    const auto slope = [&](SamplerKind sampler) {
+        const test::Interval found = test::mean_interval(
+            test::replicates(plan.seeds,
+                             [&](uint64_t seed) { return slope_of(scene, settings_of(plan, sampler, seed), meter); }),
+            kFalseAlarm, kChecks);
+        std::printf("%s: slope %.4f, +- %.4f at a false-alarm rate of %g\n",
+                    sampler == SamplerKind::Random ? "random" : "sobol", found.mean, found.half_width, kFalseAlarm);
+        return found;
+    };
+    const test::Interval random = slope(SamplerKind::Random), sobol = slope(SamplerKind::Sobol);
+    EXPECT_LE(random.half_width, 0.05) << "too noisy to judge";
+    EXPECT_NEAR(random.mean, -1, 0.05);
+    EXPECT_LE(sobol.mean + sobol.half_width, -1) << "less steep than independent numbers";
+}
+
+TEST(Convergence, PathTracingFallsAsOneOverPasses) { expect_convergence({{16, 16}, 16384, 32}); }
+TEST(ConvergenceLong, PathTracingFallsAsOneOverPasses) { expect_convergence({{48, 48}, 65536, 48}); }
+
+}  // namespace
+}  // namespace photond
