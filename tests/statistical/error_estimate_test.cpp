@@ -185,7 +185,9 @@ TEST(ErrorEstimate, ScaleOfGaussianNoiseIsOneAtAnyPasses) {
         // Scale: standard deviation of a level's ratio is sqrt(2 / values) = 0.8 %; with the slope's at most twice
         // that.
         EXPECT_NEAR(estimate->standard_error_scale, 1, 0.06) << n;
-        if (n >= 8) EXPECT_NEAR(estimate->estimated_relative_mse * n, 0.25 / (4 + 0.04), 0.12 * 0.25 / 4) << n;
+        if (n >= 8) {
+            EXPECT_NEAR(estimate->estimated_relative_mse * n, 0.25 / (4 + 0.04), 0.12 * 0.25 / 4) << n;
+        }
     }
 }
 
