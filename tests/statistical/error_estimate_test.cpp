@@ -2,11 +2,11 @@
 //
 // Of the values said to lie within 90 % confidence 85 to 95 % are to do so, pooled over an image's values that have a
 // variance, averaged over runs of independent seeds; the reference's own standard error is added in quadrature.
-// kPathTracing below lists all built-in scenes, which of them lie in that range after 256 passes, and why others do
-// not. It is path tracing's rare paths in every case: a value whose variance comes from paths that few of its passes
-// have found, or none, has a between-pass variance that is far below the true one, and no statistic of its passes can
-// know. Such values are said to be better than they are: shares fall, and estimated_relative_mse lies below
-// relative_mse (its ratio is printed). More passes bring them nearer.
+// kPathTracing below lists all built-in scenes and which of them lie in that range after 256 passes. Those below have
+// rare paths: a value whose variance comes from paths that few of its passes have found, or none, has a between-pass
+// variance far below the true one, and no statistic of its passes can know. Such values are said to be better than they
+// are, and estimated_relative_mse lies below relative_mse (its ratio is printed). More passes bring them nearer. After
+// 64 passes furnace is above as well (0.99: Sobol' numbers are uneven at small powers of two there).
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,6 @@
 
 #include "renderer/error/error_meter.h"
 #include "renderer/error/estimate.h"
-#include "renderer/methods/photon_mapping/photon_mapping.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/render.h"
 #include "tests/support/statistics.h"
@@ -116,23 +115,33 @@ void expect_inside(const Calibration& found) {
     EXPECT_GE(found.share(), kLeastShare);
     EXPECT_LE(found.share(), kMostShare);
 }
-/// By more than the runs' noise allows for.
-void expect_below(const Calibration& found, size_t checks) {
+enum class Expected : uint8_t { Below, Inside, Above };
+
+/// By more than the runs' noise allows for. The error itself is said to be too small either way: rare paths.
+void expect_outside(const Calibration& found, Expected side, size_t checks) {
     const test::Interval share = test::mean_interval(found.shares, kFalseAlarm, checks);
-    EXPECT_LT(share.mean + share.half_width, kLeastShare);
+    if (side == Expected::Below) {
+        EXPECT_LT(share.mean + share.half_width, kLeastShare);
+    } else {
+        EXPECT_GT(share.mean - share.half_width, kMostShare);
+    }
     EXPECT_LT(found.error_ratio(), 1);
 }
 
 struct SceneRow {
     std::string_view name;
-    bool inside;
+    Expected share;
 };
 constexpr SceneRow kPathTracing[] = {
-    {"cornell-box", true},        {"cornell-box-spot", true},
-    {"cornell-box-glass", false},  // caustics of the lamp, which only diffuse bounces find
-    {"cornell-box-glossy", true}, {"furnace", true},
-    {"caustic-ring", true},       {"keyhole", false},  // light through a keyhole: few paths pass it
-    {"interior", false},                               // sun and sky through small windows, glass and metal
+    {"cornell-box", Expected::Inside},
+    {"cornell-box-spot", Expected::Inside},
+    {"cornell-box-glass", Expected::Below},  // 0.82: caustics of the lamp, which only diffuse bounces find
+    {"cornell-box-glossy", Expected::Inside},
+    {"furnace", Expected::Inside},
+    // 0.96: most of the image is plain and far better than the caustic, which the scale is of.
+    {"caustic-ring", Expected::Above},
+    {"keyhole", Expected::Below},   // 0.83: few paths pass the keyhole
+    {"interior", Expected::Below},  // rare paths off glass and metal, small windows
 };
 
 TEST(ErrorEstimate, CornellBoxesAfter64Passes) {
@@ -149,11 +158,11 @@ TEST(ErrorEstimateLong, AllScenesAfter256Passes) {
     ASSERT_EQ(std::size(kPathTracing), builtin_scene_names().size());
     for (const SceneRow& row : kPathTracing) {
         SCOPED_TRACE(row.name);
-        const Calibration found = calibrate<PathTracing>(row.name, {{64, 256}, 2048, 8})[1];
-        if (row.inside) {
+        const Calibration found = calibrate<PathTracing>(row.name, {{64, 256}, 2048, 32})[1];
+        if (row.share == Expected::Inside) {
             expect_inside(found);
         } else {
-            expect_below(found, std::size(kPathTracing));
+            expect_outside(found, row.share, std::size(kPathTracing));
         }
     }
 }
