@@ -372,7 +372,7 @@ ComparisonRequest parse_comparison_request(const json& body, const JobVocabulary
     ComparisonRequest request;
     request.metrics = read_metrics(reader, vocabulary, shared_faults);
     const json* given_seeds = read_array(reader, "seeds", false, "seed");
-    const json seeds = given_seeds ? *given_seeds : json::array({1});
+    const json seeds = given_seeds ? *given_seeds : json::array({1u});
     if (given_seeds) check_distinct(seeds, "/seeds", faults);
     reader.finish();
 

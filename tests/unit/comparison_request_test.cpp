@@ -131,6 +131,9 @@ TEST(ComparisonRequest, TheEchoHasEveryDefaultAndIsAFixedPoint) {
             EXPECT_EQ(request.jobs[i].parameters, again.jobs[i].parameters);
         }
     }
+    json without_seeds = body();
+    without_seeds.erase("seeds");
+    EXPECT_EQ(parse_comparison_request(without_seeds, vocabulary()).echo.at("seeds"), json::parse("[1]"));
     const json echo = parse_comparison_request(body(), vocabulary()).echo;
     EXPECT_EQ(echo.at("seeds"), json::parse("[3, 1]"));
     EXPECT_EQ(echo.at("priority"), 0);
@@ -201,7 +204,7 @@ TEST(ComparisonRequest, AllFaultsAreNamedTogether) {
     wrong["image"]["width"] = 0;
     wrong["entries"][0]["method"]["name"] = "nothing";
     wrong["entries"][1]["sweep"]["photons"] = {0, 5000, -1};
-    wrong["seeds"] = {1, 2, "x"};
+    wrong["seeds"] = json::parse(R"([1, 2, "x"])");
     wrong["metrics"] = {"rmse", "no"};
     wrong["sceen"] = 1;
     EXPECT_EQ(pointers_of(wrong),
@@ -217,7 +220,7 @@ TEST(ComparisonRequest, HasAtMostAThousandJobs) {
     json values = json::array();
     for (int i = 1; i <= 166; ++i) values.push_back(i);
     many["entries"][1]["sweep"] = {{"photons", values}, {"radius", {0.1, 0.2, 0.3}}};
-    many["seeds"] = {1, 2};
+    many["seeds"] = json::parse("[1, 2]");
     EXPECT_EQ(parse_comparison_request(many, vocabulary()).jobs.size(), 998u);
     many["entries"][1]["sweep"]["photons"].push_back(167);
     EXPECT_EQ(pointers_of(many), Pointers{"/entries"});

@@ -1,0 +1,57 @@
+#include "server/comparisons/measured_job.h"
+
+namespace photond {
+namespace {
+
+using nlohmann::json;
+
+std::optional<double> number_of(const json& object, const char* key) {
+    const auto found = object.find(key);
+    return found != object.end() && found->is_number() ? std::optional(found->get<double>()) : std::nullopt;
+}
+
+std::optional<uint64_t> count_of(const json& object, const char* key) {
+    const auto found = object.find(key);
+    return found != object.end() && found->is_number_unsigned() ? std::optional(found->get<uint64_t>()) : std::nullopt;
+}
+
+/// The numbers of an object of metrics; those with several values are no figures of a table.
+std::map<std::string, double> figures(const json& metrics) {
+    std::map<std::string, double> found;
+    if (!metrics.is_object()) return found;
+    for (const auto& [metric, value] : metrics.items())
+        if (value.is_number()) found[metric] = value.get<double>();
+    return found;
+}
+
+CurvePoint curve_point(const json& source) {
+    CurvePoint point;
+    point.seconds = source.value("seconds", 0.0);
+    point.passes = source.value("passes", uint32_t{0});
+    point.photons = count_of(source, "photons");
+    for (const auto& [metric, value] : figures(source.value("metrics", json()))) point.metrics[metric] = value;
+    return point;
+}
+
+/// What rendering took beside the idle process, host and device together.
+std::optional<uint64_t> peak_bytes(const json& memory) {
+    const auto peak = count_of(memory, "peak_resident_bytes");
+    if (!peak) return std::nullopt;
+    const uint64_t baseline = count_of(memory, "baseline_resident_bytes").value_or(0);
+    return (*peak > baseline ? *peak - baseline : 0) + count_of(memory, "peak_device_bytes").value_or(0);
+}
+
+}  // namespace
+
+void add_measurements(MeasuredJob& job, const json& curve, const json& statistics) {
+    if (curve.is_array())
+        for (const json& point : curve) job.curve.push_back(curve_point(point));
+    if (!statistics.is_object()) return;
+    job.error = figures(statistics.value("error", json()));
+    job.reference_error = figures(statistics.value("reference_error", json()));
+    job.peak_bytes = peak_bytes(statistics.value("memory", json::object()));
+    const json counts = statistics.value("counts", json::object());
+    job.photons = count_of(counts, "photons_emitted");
+}
+
+}  // namespace photond

@@ -1,0 +1,259 @@
+#include "server/comparisons/report_html.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "renderer/error/color_map.h"
+#include "server/comparisons/plot.h"
+#include "server/comparisons/report_page.h"
+#include "server/comparisons/report_tables.h"
+#include "server/comparisons/report_text.h"
+
+namespace photond {
+namespace {
+
+using nlohmann::json;
+
+std::string plain(const json& value) { return value.is_string() ? value.get<std::string>() : value.dump(); }
+
+std::string paragraph(const std::string& html, const char* kind = "") {
+    return std::string("<p") + (*kind != '\0' ? std::string(" class=\"") + kind + "\"" : "") + ">" + html + "</p>\n";
+}
+
+std::string heading(const std::string& html) { return "<h2>" + html + "</h2>\n"; }
+
+bool is_over(const Report& report) {
+    const std::string state = report.comparison.at("state");
+    return state != "queued" && state != "running";
+}
+
+/// "64 passes", "10 s or relative_mse of 0.001, whichever is first".
+std::string stop_text(const json& stop) {
+    std::vector<std::string> conditions;
+    if (stop["seconds"].is_number()) conditions.push_back(short_seconds(stop["seconds"]));
+    if (stop["passes"].is_number()) conditions.push_back(plain(stop["passes"]) + " passes");
+    if (stop["target"].is_object())
+        conditions.push_back("a " + plain(stop["target"]["metric"]) + " of " + short_number(stop["target"]["value"]));
+    std::string text;
+    for (const std::string& condition : conditions) text += (text.empty() ? "" : " or ") + condition;
+    return escaped(text) + (conditions.size() > 1 ? ", whichever came first" : "");
+}
+
+std::string reference_text(const json& reference) {
+    if (reference.is_null()) return "no reference: errors are estimated from the passes";
+    if (reference.is_string()) return escaped(reference.get<std::string>());
+    return escaped(plain(reference["method"]["name"])) + " on " + escaped(plain(reference["method"]["device"])) + ", " +
+           stop_text(reference["stop"]);
+}
+
+std::string header(const Report& report) {
+    const json& comparison = report.comparison;
+    const json& request = comparison.at("request");
+    std::string labels;
+    for (const json& entry : request["entries"])
+        labels += (labels.empty() ? "" : " · ") + escaped(plain(entry["label"]));
+    std::string seeds;
+    for (const json& seed : request["seeds"]) seeds += (seeds.empty() ? "" : ", ") + plain(seed);
+    std::string html = "<header><h1>" + escaped(plain(request["scene"])) + ": " + labels + "</h1>\n";
+    html += paragraph("Comparison " + escaped(plain(comparison["id"])) + " of " +
+                      std::to_string(comparison["jobs"].size()) + " jobs, " + plain(request["image"]["width"]) + " × " +
+                      plain(request["image"]["height"]) + " pixels, seed" + (request["seeds"].size() > 1 ? "s " : " ") +
+                      seeds + "; each job ended at " + stop_text(request["stop"]) + ".");
+    html += paragraph("Reference: " + reference_text(request["reference"]) + ".");
+    html += paragraph("photond " + escaped(report.version) + ", asked for on " + escaped(plain(comparison["created"])) +
+                          (comparison["overhead_seconds"].is_number()
+                               ? "; " + short_seconds(comparison["overhead_seconds"]) +
+                                     " were spent beside the jobs' clocks (loading, building, measuring, saving)"
+                               : "") +
+                          ".",
+                      "soft");
+    return html + "</header>\n";
+}
+
+std::string state_note(const Report& report) {
+    const json& comparison = report.comparison;
+    const json& states = comparison.at("job_states");
+    const std::string done = plain(states["succeeded"]) + " of " + std::to_string(comparison["jobs"].size()) + " jobs";
+    if (!is_over(report))
+        return paragraph("Unfinished: " + done + " have succeeded. What follows is of what is there so far.",
+                         "unfinished warning");
+    if (comparison["state"] == "succeeded") return "";
+    return paragraph(
+        "The comparison " +
+            (comparison["state"] == "failed" ? std::string("failed in part") : std::string("was cancelled")) + ": " +
+            done + " succeeded. What follows is of those.",
+        "unfinished warning");
+}
+
+std::string reference_warnings(const Report& report) {
+    const json& reference = report.comparison.at("reference");
+    if (reference.is_null()) return "";
+    std::string html;
+    for (const json& warning : reference["warnings"]) html += "<li>" + escaped(plain(warning)) + "</li>";
+    return html.empty() ? "" : "<ul class=\"first warning\">" + html + "</ul>\n";
+}
+
+std::string verdicts(const Report& report) {
+    std::string html;
+    for (const std::string& metric : report.table.metrics) {
+        const std::vector<std::string> lines = first_to_reach(report.table, metric);
+        if (lines.empty()) continue;
+        html += "<h3>" + escaped(metric) + "</h3><ul class=\"first\">";
+        for (const std::string& line : lines) html += "<li>" + line + "</li>";
+        html += "</ul>\n";
+    }
+    if (html.empty()) return "";
+    const bool one_seed = report.comparison.at("request")["seeds"].size() == 1;
+    return heading("Who reaches which error first") + html +
+           (one_seed ? paragraph("One seed: the spread of these times is not known. More seeds give intervals.", "soft")
+                     : "");
+}
+
+std::string legend(const ComparisonTable& table) {
+    std::string html = "<ul class=\"legend\">";
+    for (size_t r = 0; r < table.rows.size(); ++r)
+        html += "<li>" + legend_stroke(r) + escaped(row_name(table.rows[r].label, table.rows[r].parameters)) + "</li>";
+    return html + "</ul>\n";
+}
+
+std::string metric_section(const ComparisonTable& table, const std::string& metric) {
+    Plot plot{metric + " against time", metric, {}, std::nullopt};
+    for (const TableRow& row : table.rows) {
+        plot.series.push_back({row_name(row.label, row.parameters), row.mean_curve.at(metric)});
+        if (row.error.at(metric).reference) plot.reference_noise = row.error.at(metric).reference;
+    }
+    const std::string svg = log_log_plot(plot);
+    if (svg.empty()) return heading(escaped(metric)) + paragraph("Nothing has been measured yet.", "soft");
+    return heading(escaped(metric)) + legend(table) + svg + "\n" +
+           paragraph("Lines: the mean over the seeds (of logarithms); bands: its 95 % interval.", "soft") +
+           time_to_error_table(table, metric) + "<p></p>" + error_at_time_table(table, metric);
+}
+
+std::string image_element(const ReportPicture& picture, bool in_wipe) {
+    const std::string name = escaped(picture.name);
+    return "<figure><img alt=\"" + name + "\"" + (in_wipe ? " data-picture=\"" + name + "\"" : "") +
+           " src=\"data:image/png;base64," + base64(picture.png) + "\"><figcaption>" + name + " (" +
+           escaped(picture.job) + ")</figcaption></figure>\n";
+}
+
+/// The colours of a map and what they stand for: `marks` are places in [0, 1] and their texts.
+std::string scale_bar(const char* id, const std::vector<std::pair<double, std::string>>& marks) {
+    constexpr int kStops = 16;
+    constexpr double kWidth = 460, kInset = 10;
+    std::vector<float> values;
+    for (int i = 0; i <= kStops; ++i) values.push_back(static_cast<float>(i) / kStops);
+    const std::vector<uint8_t> colors = color_mapped(values);
+    std::string svg = "<svg class=\"scale\" viewBox=\"0 0 480 46\" aria-hidden=\"true\"><linearGradient id=\"" +
+                      std::string(id) + "\">";
+    for (size_t i = 0; i <= kStops; ++i)
+        svg += "<stop offset=\"" + short_number(static_cast<double>(i) / kStops) + "\" stop-color=\"rgb(" +
+               std::to_string(colors[3 * i]) + "," + std::to_string(colors[3 * i + 1]) + "," +
+               std::to_string(colors[3 * i + 2]) + ")\"/>";
+    svg +=
+        "</linearGradient><rect x=\"10\" y=\"4\" width=\"460\" height=\"16\" fill=\"url(#" + std::string(id) + ")\"/>";
+    for (const auto& [at, text] : marks)
+        svg += "<text x=\"" + short_number(kInset + kWidth * at) + "\" y=\"38\" text-anchor=\"" +
+               (at == 0   ? "start"
+                : at == 1 ? "end"
+                          : "middle") +
+               "\">" + text + "</text>";
+    return svg + "</svg>\n";
+}
+
+std::string grid(const Report& report, ReportPicture::Kind kind) {
+    std::string html;
+    for (const ReportPicture& picture : report.pictures)
+        if (picture.kind == kind) html += image_element(picture, kind == ReportPicture::Kind::Beauty);
+    return html.empty() ? "" : "<div class=\"pictures\">\n" + html + "</div>\n";
+}
+
+constexpr const char* kWipe =
+    R"(<div id="wipe" hidden><div id="wipe-choice"><label>left <select id="wipe-left"></select></label>
+<label>right <select id="wipe-right"></select></label></div>
+<div id="wipe-stage"><img id="wipe-under" alt=""><img id="wipe-over" alt=""><div id="wipe-line"></div></div>
+<input id="wipe-at" type="range" min="0" max="1000" value="500" aria-label="where the two images part"></div>
+)";
+
+std::string pictures(const Report& report) {
+    std::string html;
+    if (const std::string images = grid(report, ReportPicture::Kind::Beauty); !images.empty())
+        html += paragraph("First seed of each row, all at one exposure of " + short_number(report.exposure_stops) +
+                          " stops, sRGB.") +
+                kWipe + images;
+    if (const std::string maps = grid(report, ReportPicture::Kind::Error); !maps.empty())
+        html += "<h3>Relative error of each pixel</h3>\n" +
+                scale_bar("error-scale", {{0, "0.001"}, {0.25, "0.01"}, {0.5, "0.1"}, {0.75, "1"}, {1, "10"}}) + maps;
+    if (const std::string maps = grid(report, ReportPicture::Kind::Flip); !maps.empty())
+        html += "<h3>HDR-FLIP</h3>\n" + scale_bar("flip-scale", {{0, "0"}, {0.5, "0.5"}, {1, "1"}}) + maps;
+    for (const std::string& note : report.notes) html += paragraph(escaped(note), "soft");
+    return html.empty() ? "" : heading("Images") + html;
+}
+
+std::string jobs_table(const Report& report) {
+    std::string html =
+        "<div class=\"scroll\"><table><thead><tr><th>row</th><th>job</th><th>seed</th><th>state</th><th>passes</th>"
+        "<th>seconds</th><th>device</th><th>threads</th><th>version</th><th>job hash</th><th>pixel hash</th></tr>"
+        "</thead><tbody>";
+    const json& jobs = report.comparison.at("jobs");
+    for (size_t i = 0; i < jobs.size(); ++i) {
+        const json& job = jobs[i];
+        const json statistics = i < report.statistics.size() ? report.statistics[i] : json();
+        const auto fact = [&](const char* key) {
+            const json value = statistics.is_object() ? statistics.value(key, json()) : json();
+            return value.is_null() ? std::string("–") : escaped(plain(value));
+        };
+        const json device = statistics.is_object() ? statistics.value("device", json()) : json();
+        html += "<tr><td>" + escaped(row_name(plain(job["label"]), job["parameters"])) + "</td><td>" +
+                escaped(plain(job["id"])) + "</td><td>" + plain(job["seed"]) + "</td><td>" +
+                escaped(plain(job["state"])) + "</td><td>" + plain(job["passes_done"]) + "</td><td>" +
+                short_seconds(job["seconds"]) + "</td><td class=\"text\">" +
+                (device.is_object() ? escaped(plain(device.value("name", json("–")))) : "–") + "</td><td>" +
+                fact("threads") + "</td><td>" + fact("version") + "</td><td class=\"hash\">" + fact("job_hash") +
+                "</td><td class=\"hash\">" + fact("pixel_hash") + "</td></tr>";
+    }
+    return html + "</tbody></table></div>\n";
+}
+
+std::string repetition(const Report& report) {
+    const json& request = report.comparison.at("request");
+    return heading("To repeat it") +
+           paragraph(
+               "The body below, every default filled in, as <code>comparison.json</code>, and a running photond:") +
+           "<pre>curl -X POST http://127.0.0.1:8080/v1/comparisons -H 'Content-Type: application/json' "
+           "--data @comparison.json</pre>\n<pre>" +
+           escaped(request.dump(2, ' ', false, json::error_handler_t::replace)) + "</pre>\n" +
+           paragraph(
+               "The same passes give the same pixels: a job stopped by time or target is repeated to the bit with "
+               "<code>passes</code> set to the number it did.") +
+           jobs_table(report);
+}
+
+}  // namespace
+
+std::string report_html(const Report& report) {
+    const std::string title =
+        escaped(plain(report.comparison.at("request")["scene"]) + ": comparison " + plain(report.comparison.at("id")));
+    std::string html = "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" + title +
+                       "</title><meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<style>" +
+                       kReportCss + styles_of_series(report.table.rows.size()) + "</style></head><body>\n";
+    html += header(report) + state_note(report) + verdicts(report) + reference_warnings(report);
+    for (const std::string& metric : report.table.metrics) html += metric_section(report.table, metric);
+    html += heading("What it cost") + cost_table(report.table);
+    html += pictures(report) + repetition(report);
+    html +=
+        "<footer>Times run on the jobs' own clocks: the method's beginning, its passes and its end; loading, "
+        "building and measuring are outside. Errors as photond's conventions define them.</footer>\n";
+    return html + "<script>" + kReportJs + "</script></body></html>\n";
+}
+
+std::string report_content_security_policy(const std::string& page) {
+    const auto between = [&page](const std::string& begin, const std::string& end) {
+        const size_t from = page.find(begin) + begin.size();
+        return std::string_view(page).substr(from, page.find(end, from) - from);
+    };
+    return "default-src 'none'; img-src data:; style-src 'sha256-" + sha256_base64(between("<style>", "</style>")) +
+           "'; script-src 'sha256-" + sha256_base64(between("<script>", "</script>")) +
+           "'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+}
+
+}  // namespace photond
