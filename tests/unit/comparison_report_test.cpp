@@ -1,0 +1,163 @@
+// The page of a comparison: what it says of the tables, and that nothing of a name gets out of its place.
+
+#include "server/comparisons/report_html.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "server/comparisons/exposure.h"
+#include "server/comparisons/plot.h"
+#include "server/comparisons/report_text.h"
+#include "tests/support/temporary_folder.h"
+
+namespace photond {
+namespace {
+
+using nlohmann::json;
+
+/// error = scale / seconds.
+MeasuredJob job(const std::string& label, uint64_t seed, double scale) {
+    MeasuredJob made;
+    made.id = "J" + std::to_string(seed);
+    made.label = label;
+    made.parameters = json::object();
+    made.seed = seed;
+    made.state = "succeeded";
+    for (double seconds = 0.5; seconds <= 16; seconds *= 2)
+        made.curve.push_back({seconds, static_cast<uint32_t>(seconds * 2), {}, {{"relative_mse", scale / seconds}}});
+    made.passes = 32;
+    made.seconds = 16;
+    return made;
+}
+
+Report report_of(const std::vector<MeasuredJob>& jobs, const std::string& label) {
+    Report report;
+    report.table = make_table(jobs, {"relative_mse"});
+    json listed = json::array();
+    for (const MeasuredJob& made : jobs)
+        listed.push_back({{"id", made.id},
+                          {"label", made.label},
+                          {"parameters", made.parameters},
+                          {"seed", made.seed},
+                          {"state", made.state},
+                          {"passes_done", made.passes},
+                          {"seconds", made.seconds}});
+    report.comparison = {{"id", "C1"},
+                         {"state", "succeeded"},
+                         {"created", "2026-01-01T00:00:00Z"},
+                         {"overhead_seconds", 1.5},
+                         {"job_states", {{"succeeded", jobs.size()}}},
+                         {"jobs", listed},
+                         {"reference", nullptr},
+                         {"request",
+                          {{"scene", label},
+                           {"image", {{"width", 8}, {"height", 4}}},
+                           {"seeds", {1, 2}},
+                           {"stop", {{"seconds", 10}, {"passes", nullptr}, {"target", nullptr}}},
+                           {"reference", nullptr},
+                           {"entries", {{{"label", label}}}}}}};
+    report.statistics.resize(jobs.size());
+    report.version = "1";
+    return report;
+}
+
+TEST(ReportHtml, NamesStayText) {
+    const std::string label = "<script>alert(\"1\" & '2')</script>";
+    Report report = report_of({job(label, 1, 1), job(label + "2", 2, 2)}, label);
+    report.pictures.push_back({ReportPicture::Kind::Beauty, label, label, {1, 2, 3, 4}});
+    report.notes = {label};
+    const std::string page = report_html(report);
+    EXPECT_EQ(page.find("alert(\""), std::string::npos);
+    EXPECT_NE(page.find("&lt;script&gt;alert(&quot;1&quot; &amp; &#39;2&#39;)&lt;/script&gt;"), std::string::npos);
+    size_t scripts = 0;
+    for (size_t at = page.find("<script"); at != std::string::npos; at = page.find("<script", at + 1)) ++scripts;
+    EXPECT_EQ(scripts, 1u);
+    EXPECT_NE(page.find("src=\"data:image/png;base64,AQIDBA==\""), std::string::npos);
+}
+
+TEST(ReportHtml, ThePolicyNamesItsOwnStyleAndScript) {
+    const std::string policy = report_content_security_policy("<style>a{}</style><script>b()</script>");
+    // printf %s 'a{}' | openssl dgst -sha256 -binary | base64, and of 'b()'.
+    EXPECT_NE(policy.find("style-src 'sha256-X1RutGBrXCt9KkSaXMK7tHftWiRscFHOhxsS8tv8hBk='"), std::string::npos)
+        << policy;
+    EXPECT_NE(policy.find("script-src 'sha256-cf242PFc/kb7xD0Qzhsmd9vvRkc+cWFmbi+k+YvtdKc='"), std::string::npos)
+        << policy;
+    EXPECT_EQ(policy.find("unsafe"), std::string::npos);
+}
+
+TEST(ReportHtml, SaysWhoIsFirst) {
+    // 1 / t and 2 / t with two seeds each, a tenth apart.
+    const std::vector<MeasuredJob> jobs{job("a", 1, 1), job("a", 2, 1.1), job("b", 1, 2), job("b", 2, 2.2)};
+    const ComparisonTable table = make_table(jobs, {"relative_mse"});
+    const std::vector<std::string> lines = first_to_reach(table, "relative_mse");
+    ASSERT_FALSE(lines.empty());
+    bool found = false;
+    for (const std::string& line : lines)
+        if (line.starts_with("0.2: ")) {
+            found = true;
+            EXPECT_TRUE(line.starts_with("0.2: <b>a</b> after 5.24 s")) << line;
+            EXPECT_NE(line.find("2 times sooner than b (10.5 s)"), std::string::npos) << line;
+        }
+    EXPECT_TRUE(found);
+    EXPECT_NE(lines.back().find("no other row reaches it"), std::string::npos) << lines.back();
+    EXPECT_TRUE(first_to_reach(make_table(std::vector{jobs[0]}, {"relative_mse"}), "relative_mse").empty());
+}
+
+TEST(ReportHtml, MarksWhatIsUnfinished) {
+    Report report = report_of({job("a", 1, 1), job("b", 2, 2)}, "scene");
+    EXPECT_EQ(report_html(report).find("Unfinished"), std::string::npos);
+    report.comparison["state"] = "running";
+    EXPECT_NE(report_html(report).find("Unfinished: 2 of 2 jobs"), std::string::npos);
+}
+
+TEST(Plot, PlacesADecadeAsLongAsTheNext) {
+    Plot plot{"t", "e", {{"a", {{1, {1, {}, {}}}, {10, {0.1, 0.05, 0.2}}, {100, {0.01, {}, {}}}}}}, 0.02};
+    const std::string svg = log_log_plot(plot);
+    const size_t begin = svg.find("<polyline");
+    const std::string points = svg.substr(svg.find("points=\"", begin) + 8, 60);
+    double x[3], y[3];
+    ASSERT_EQ(std::sscanf(points.c_str(), "%lf,%lf %lf,%lf %lf,%lf", &x[0], &y[0], &x[1], &y[1], &x[2], &y[2]), 6);
+    EXPECT_NEAR(x[1] - x[0], x[2] - x[1], 0.02);
+    EXPECT_NEAR(y[1] - y[0], y[2] - y[1], 0.02);
+    EXPECT_GT(y[1], y[0]) << "a smaller error lies lower";
+    EXPECT_NE(svg.find("the reference&#39;s own noise, 0.02"), std::string::npos);
+    EXPECT_TRUE(log_log_plot({"t", "e", {{"a", {}}}, {}}).empty());
+}
+
+TEST(ReportText, WritesNumbersShortly) {
+    EXPECT_EQ(short_number(0.0012345), "0.00123");
+    EXPECT_EQ(short_number(12.345), "12.3");
+    EXPECT_EQ(short_number(2), "2");
+    EXPECT_EQ(short_number(100000), "100000");
+    EXPECT_EQ(short_number(1.2345e-7), "1.23e-7");
+    EXPECT_EQ(short_seconds(0.0123), "12.3 ms");
+    EXPECT_EQ(short_seconds(200), "3 min 20 s");
+    EXPECT_EQ(short_seconds(7200), "2 h");
+    EXPECT_EQ(short_bytes(12'345'678), "12.3 MB");
+    const std::vector<uint8_t> bytes{'f', 'o', 'o', 'b', 'a'};  // RFC 4648, 10
+    EXPECT_EQ(base64(bytes), "Zm9vYmE=");
+    EXPECT_EQ(base64(std::span(bytes).first(4)), "Zm9vYg==");
+    EXPECT_EQ(base64({}), "");
+}
+
+TEST(Exposure, BringsTheLogAverageToMiddleGrey) {
+    const TemporaryFolder folder;
+    const auto stops = [&](const std::vector<float>& pixels) {
+        const std::filesystem::path path = folder.path() / "pixels";
+        std::ofstream(path, std::ios::binary)
+            .write(reinterpret_cast<const char*>(pixels.data()),
+                   static_cast<std::streamsize>(pixels.size() * sizeof(float)));
+        return exposure_stops(path);
+    };
+    const float nan = std::nanf("");
+    EXPECT_EQ(stops({0.18f, 0.18f, 0.18f}), 0);
+    EXPECT_EQ(stops({0.09f, 0.09f, 0.09f, 0, 0, 0, nan, 1, 1}), 1);
+    EXPECT_EQ(stops({0.09f, 0.09f, 0.09f, 1.44f, 1.44f, 1.44f}), -1);
+    EXPECT_EQ(stops({0, 0, 0}), 0);
+}
+
+}  // namespace
+}  // namespace photond
