@@ -1,0 +1,139 @@
+#include "protocol/comparison.h"
+#include "protocol/openapi_schemas.h"
+
+namespace photond::openapi {
+namespace {
+
+constexpr const char* kStates[] = {"queued", "running", "succeeded", "failed", "cancelled"};
+
+json state() { return one_of_words({std::begin(kStates), std::end(kStates)}); }
+json time() { return {{"type", {"string", "null"}}, {"format", "date-time"}}; }
+
+json at_least_one(json list) {
+    list["minItems"] = 1;
+    return list;
+}
+
+json request_schema(const json& job_request) {
+    const json& of_job = job_request.at("properties");
+    json label = typed("string", "the method's name where there is none");
+    label["minLength"] = 1;
+    label["maxLength"] = 256;
+    json values = at_least_one(list_of({{"not", {{"type", "null"}}}}));
+    values["uniqueItems"] = true;
+    const json entry =
+        taken({{"label", or_null(label)},
+               {"method", schema_ref("JobMethod")},
+               {"sweep", with_text(or_null(map_of(values)), "parameters and their values; every combination is run")}},
+              {"method"});
+    json seeds = at_least_one(list_of(in_range(typed("integer"), 0, UINT64_MAX)));
+    seeds["uniqueItems"] = true;
+    seeds["maxItems"] = kMaxComparisonJobs;
+    json metrics = of_job.at("metrics").at("anyOf").at(0);
+    metrics = at_least_one(std::move(metrics));
+    metrics["maxItems"] = 16;
+    json entries = at_least_one(list_of(entry));
+    entries["maxItems"] = kMaxComparisonJobs;
+    json properties{{"entries", with_text(entries, "rows of the tables; their labels differ")},
+                    {"seeds", or_null(seeds)},
+                    {"metrics", with_text(or_null(metrics), "of the tables; the first decides the Pareto front")}};
+    for (const char* key : {"scene", "camera", "image", "reference", "stop", "layers", "priority", "labels",
+                            "environment", "glass", "time"})
+        properties[key] = of_job.at(key);
+    return taken(std::move(properties), {"scene", "image", "entries", "stop"});
+}
+
+/// A mean over seeds and its 95 % interval; null where not every seed has a value.
+json mean(const char* name, json more) {
+    more[name] = nullable("number");
+    more["low"] = nullable("number");
+    more["high"] = nullable("number");
+    return given(std::move(more));
+}
+
+json row_schema() {
+    const json spread = or_null(given({{"min", typed("number")}, {"max", typed("number")}}));
+    const json counts = or_null(given({{"min", count()}, {"max", count()}}));
+    return given(
+        {{"label", typed("string")},
+         {"parameters", typed("object", "those the sweep gave")},
+         {"jobs", list_of(typed("string"))},
+         {"seeds", count()},
+         {"succeeded", count("seeds whose job has succeeded")},
+         {"passes", counts},
+         {"photons", counts},
+         {"seconds", spread},
+         {"error", map_of(mean("value", {{"reference", nullable("number", "the reference's own noise")},
+                                         {"near_reference", typed("boolean", "within 3 times of that")}}))},
+         {"time_to_error", map_of(list_of(mean("seconds", {{"error", typed("number")}, {"reached", count("seeds")}})))},
+         {"error_at_time", map_of(list_of(mean("error", {{"seconds", typed("number")}, {"reached", count("seeds")}})))},
+         {"peak_bytes", nullable("integer", "the largest of the seeds', beside the idle process")},
+         {"efficiency", nullable("number", "1 / (mse x seconds), mean over the seeds")},
+         {"pareto", typed("boolean", "at some time no other row is better")}});
+}
+
+json summary_schema() {
+    json states = json::object();
+    for (const char* name : kStates) states[name] = count();
+    return given({{"id", typed("string")},
+                  {"state", state()},
+                  {"progress", in_range(typed("number"), 0, 1)},
+                  {"created", time()},
+                  {"started", time()},
+                  {"finished", time()},
+                  {"job_states", given(std::move(states))},
+                  {"overhead_seconds",
+                   nullable("number", "from the first start to the last end on each device, less the jobs' clocks")},
+                  {"request", schema_ref("ComparisonRequest")},
+                  {"links", given({{"self", typed("string")},
+                                   {"report_json", typed("string")},
+                                   {"report_csv", typed("string")},
+                                   {"report_html", typed("string")}})}});
+}
+
+json comparison_schema() {
+    json schema = summary_schema();
+    const auto add = [&schema](const char* key, json member) {
+        schema["properties"][key] = std::move(member);
+        schema["required"].push_back(key);
+    };
+    add("jobs", list_of(given({{"id", typed("string")},
+                               {"label", typed("string")},
+                               {"parameters", typed("object")},
+                               {"seed", count()},
+                               {"state", state()},
+                               {"passes_done", count()},
+                               {"seconds", typed("number")}})));
+    add("table", list_of(row_schema()));
+    add("reference", or_null(given({{"job", nullable("string")},
+                                    {"image", nullable("string")},
+                                    {"state", {{"type", {"string", "null"}}}},
+                                    {"error", with_text(or_null(map_of(typed("number"))), "its own noise")},
+                                    {"warnings", list_of(typed("string"))}})));
+    return schema;
+}
+
+json report_schema(const json& comparison) {
+    json schema = comparison;
+    schema["properties"]["curves"] =
+        list_of(given({{"job", typed("string")},
+                       {"points", list_of(given({{"seconds", typed("number")},
+                                                 {"passes", count()},
+                                                 {"photons", nullable("integer")},
+                                                 {"metrics", map_of(nullable("number"))}}))}}));
+    schema["required"].push_back("curves");
+    return schema;
+}
+
+}  // namespace
+
+json comparison_schemas(const json& job_request) {
+    const json comparison = comparison_schema();
+    return {{"ComparisonRequest", request_schema(job_request)},
+            {"Comparison", comparison},
+            {"ComparisonSummary", summary_schema()},
+            {"ComparisonPage", page_of("ComparisonSummary")},
+            {"ComparisonReport", report_schema(comparison)}};
+}
+
+}  // namespace photond::openapi

@@ -1,0 +1,61 @@
+#pragma once
+// The words the OpenAPI document is written in: JSON Schema (2020-12), as the service takes and gives.
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace photond::openapi {
+
+using nlohmann::json;
+
+inline json schema_ref(const std::string& name) { return {{"$ref", "#/components/schemas/" + name}}; }
+inline json typed(const char* type, const char* text = "") {
+    json schema{{"type", type}};
+    if (*text != '\0') schema["description"] = text;
+    return schema;
+}
+inline json nullable(const char* type, const char* text = "") {
+    json schema = typed(type, text);
+    schema["type"] = {type, "null"};
+    return schema;
+}
+inline json with_text(json schema, const char* text) {
+    schema["description"] = text;
+    return schema;
+}
+inline json nullable_ref(const std::string& name) { return {{"anyOf", {schema_ref(name), {{"type", "null"}}}}}; }
+inline json in_range(json schema, const json& minimum, const json& maximum) {
+    schema["minimum"] = minimum;
+    if (!maximum.is_null()) schema["maximum"] = maximum;
+    return schema;
+}
+inline json count(const char* text = "") { return in_range(typed("integer", text), 0, nullptr); }
+inline json list_of(json items) { return {{"type", "array"}, {"items", std::move(items)}}; }
+inline json map_of(json values) { return {{"type", "object"}, {"additionalProperties", std::move(values)}}; }
+inline json one_of_words(const std::vector<std::string>& words) { return {{"type", "string"}, {"enum", words}}; }
+
+/// What the service gives: each property is there, null where it does not apply; more may be added later.
+inline json given(json properties) {
+    json required = json::array();
+    for (const auto& [key, value] : properties.items()) required.push_back(key);
+    return {{"type", "object"}, {"properties", std::move(properties)}, {"required", required}};
+}
+/// What the service takes: nothing beside what is declared.
+inline json taken(json properties, const std::vector<std::string>& required) {
+    return {{"type", "object"},
+            {"properties", std::move(properties)},
+            {"required", required},
+            {"additionalProperties", false}};
+}
+/// The same where null is as good as absent.
+inline json or_null(json schema) { return {{"anyOf", {std::move(schema), {{"type", "null"}}}}}; }
+
+inline json page_of(const char* name) {
+    return given({{"items", list_of(schema_ref(name))}, {"next_cursor", nullable("string")}});
+}
+
+/// Of comparisons, by name. `job_request`: the schema JobRequest, which their members are taken from.
+json comparison_schemas(const json& job_request);
+
+}  // namespace photond::openapi
