@@ -1,0 +1,300 @@
+#include "server/worker/helper_errors.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "protocol/nearest_name.h"
+#include "renderer/error/color_map.h"
+#include "renderer/error/error_meter.h"
+#include "renderer/error/estimate.h"
+#include "renderer/film/exr_file.h"
+#include "renderer/film/png_file.h"
+#include "server/worker/error_statistics.h"
+#include "server/worker/helper_message.h"
+#include "server/worker/reference_image.h"
+
+namespace photond {
+
+using nlohmann::json;
+
+namespace {
+
+/// An image and what it is compared with, of one size.
+struct ImagePair {
+    ReferenceImage image, reference;
+};
+
+/// A text of no length when both have the layer.
+std::string missing_layer(const ImagePair& pair, const std::string& layer) {
+    const auto missing = [&](const char* which, const ReferenceImage& image) -> std::string {
+        if (image.layers.contains(layer)) return "";
+        std::string there;
+        for (const auto& [name, pixels] : image.layers) there += (there.empty() ? "" : ", ") + name;
+        return std::string("the ") + which + " has no layer \"" + layer + "\"; it has " + there;
+    };
+    const std::string text = missing("image", pair.image);
+    return text.empty() ? missing("reference", pair.reference) : text;
+}
+
+void require_layer(const ImagePair& pair, const std::string& layer, const std::string& pointer) {
+    const std::string missing = missing_layer(pair, layer);
+    if (!missing.empty()) throw Error(ErrorCode::UnknownName, pointer, missing);
+}
+
+uint64_t bytes_of(const ReferenceImage& image) {
+    uint64_t values = 0;
+    for (const auto* layers : {&image.layers, &image.standard_error})
+        for (const auto& [name, pixels] : *layers) values += pixels.size();
+    return values * sizeof(float);
+}
+
+/// Faults of the file are put to the field that names it.
+ReferenceImage load_source(const json& message, const char* key, uint64_t memory_bytes) {
+    const std::string pointer = std::string("/") + key;
+    if (!message.contains(key)) throw Error(ErrorCode::MissingField, pointer, "must be a film or an image");
+    try {
+        return load_reference(message[key], memory_bytes);
+    } catch (const Error& error) {
+        throw Error(error.code, pointer, error.what());
+    }
+}
+
+std::string size_text(Size2 size) { return std::to_string(size.width) + " x " + std::to_string(size.height); }
+
+ImagePair load_pair(const json& message, uint64_t memory_bytes) {
+    ImagePair pair;
+    pair.image = load_source(message, "image", memory_bytes);
+    const uint64_t left = memory_bytes - std::min(memory_bytes, bytes_of(pair.image));
+    pair.reference = load_source(message, "reference", left);
+    if (pair.image.size != pair.reference.size)
+        throw Error(
+            ErrorCode::Conflict, "/image",
+            "the image has " + size_text(pair.image.size) + " pixels, the reference " + size_text(pair.reference.size));
+    return pair;
+}
+
+// --- Measuring
+
+struct WantedMetric {
+    LayerMetric metric;
+    std::string pointer;
+};
+
+LayerMetric metric_named(const std::string& name, const std::string& pointer) {
+    if (const std::optional<LayerMetric> metric = layer_metric_named(name)) return *metric;
+    std::vector<std::string> known;
+    std::string all;
+    for (const MetricInfo& info : kMetrics) {
+        known.emplace_back(info.name);
+        all += (all.empty() ? "" : ", ") + known.back();
+    }
+    const std::string near = nearest_name(name.substr(name.find(':') + 1), known);
+    throw Error(ErrorCode::UnknownName, pointer,
+                "there is no metric \"" + name + "\"; " +
+                    (near.empty() ? "there are " + all : "did you mean \"" + near + "\"?"));
+}
+
+std::vector<WantedMetric> wanted_metrics(const json& message) {
+    std::vector<WantedMetric> wanted;
+    const json names = message.value("metrics", json(nullptr));
+    if (names.is_null()) {
+        for (const MetricInfo& info : kMetrics)
+            if (info.needs_reference && !info.costly) wanted.push_back({{"beauty", info.metric}, "/metrics"});
+        return wanted;
+    }
+    if (!names.is_array()) throw Error(ErrorCode::WrongType, "/metrics", "must be a list of names");
+    for (size_t i = 0; i < names.size(); ++i) {
+        const std::string pointer = "/metrics/" + std::to_string(i);
+        if (!names[i].is_string()) throw Error(ErrorCode::WrongType, pointer, "must be a name");
+        wanted.push_back({metric_named(names[i].get<std::string>(), pointer), pointer});
+    }
+    return wanted;
+}
+
+json channels_json(const std::array<std::optional<double>, 3>& values) {
+    json channels = json::array();
+    for (const std::optional<double>& value : values) channels.push_back(value ? json(*value) : json(nullptr));
+    return channels;
+}
+
+/// A metric's value as the wire has it; null with a reason.
+json value_json(const ErrorMeter& meter, std::span<const float> image, Metric metric, std::string& why) {
+    // By channel: one that has no value does not take that of the others.
+    if (metric == Metric::Bias || metric == Metric::RelativeBias) {
+        const PointwiseErrors errors = meter.pointwise(image);
+        const std::array<std::optional<double>, 3>& values =
+            metric == Metric::Bias ? errors.bias : errors.relative_bias;
+        if (ErrorMeter::value_of(errors, metric).empty()) meter.measure(metric, image, &why);
+        const bool any = std::any_of(values.begin(), values.end(), [](const auto& value) { return value.has_value(); });
+        return any ? channels_json(values) : json(nullptr);
+    }
+    const std::vector<double> values = meter.measure(metric, image, &why);
+    if (values.empty()) return nullptr;
+    if (metric == Metric::FireflyCount) return static_cast<uint64_t>(values.front());
+    if (metric != Metric::Percentiles) return values.front();
+    json percentiles = json::object();
+    for (size_t i = 0; i < values.size(); ++i) percentiles[std::string(kPercentileNames[i])] = values[i];
+    return percentiles;
+}
+
+/// Of the image's own passes.
+json estimate_json(const ReferenceImage& image, const std::string& layer, std::string& why) {
+    const auto standard_error = image.standard_error.find(layer);
+    if (standard_error == image.standard_error.end()) {
+        why = "the image's noise is not known";
+        return nullptr;
+    }
+    std::vector<float> variance = standard_error->second;
+    for (float& value : variance) value *= value;
+    const std::optional<double> estimate = expected_relative_mse(image.layers.at(layer), variance);
+    if (!estimate) why = "the mean of the image is 0, or nothing is known of its noise";
+    return estimate ? json(*estimate) : json(nullptr);
+}
+
+uint64_t count_not_finite(std::span<const float> values) {
+    return static_cast<uint64_t>(
+        std::count_if(values.begin(), values.end(), [](float value) { return !std::isfinite(value); }));
+}
+
+/// One layer: its meter, and the reference with noise of its own where that is known.
+struct MeasuredLayer {
+    std::unique_ptr<const ErrorMeter> meter;
+    std::vector<float> noisy_reference;
+};
+
+class Measuring {
+public:
+    explicit Measuring(ImagePair pair) : pair_(std::move(pair)) {}
+
+    void add(const WantedMetric& wanted) {
+        const auto& [layer, metric] = wanted.metric;
+        const std::string name = wanted.metric.name();
+        require_layer(pair_, layer, wanted.pointer);
+        std::string why;
+        if (!metric_info(metric).needs_reference) {
+            values_[name] = estimate_json(pair_.image, layer, why);
+            reference_error_[name] = nullptr;
+        } else {
+            const MeasuredLayer& measured = layer_of(layer);
+            values_[name] = value_json(*measured.meter, pair_.image.layers.at(layer), metric, why);
+            std::string why_not;  // as for the image
+            reference_error_[name] = measured.noisy_reference.empty()
+                                         ? json(nullptr)
+                                         : value_json(*measured.meter, measured.noisy_reference, metric, why_not);
+        }
+        if (!why.empty()) note(name + ": " + why);
+    }
+
+    json result() {
+        const bool known = std::any_of(reference_error_.begin(), reference_error_.end(),
+                                       [](const json& value) { return !value.is_null(); });
+        if (known)
+            for (const std::string& warning : noise_warnings(values_, reference_error_)) note(warning);
+        return {{"metrics", values_}, {"reference_error", known ? reference_error_ : json(nullptr)}, {"notes", notes_}};
+    }
+
+private:
+    const MeasuredLayer& layer_of(const std::string& layer) {
+        const auto [entry, is_new] = layers_.try_emplace(layer);
+        if (!is_new) return entry->second;
+        MeasuredLayer& measured = entry->second;
+        std::vector<float>& reference = pair_.reference.layers.at(layer);
+        note_not_finite(layer, pair_.image.layers.at(layer), reference);
+        measured.meter = std::make_unique<const ErrorMeter>(pair_.image.size, std::move(reference));
+        const auto standard_error = pair_.reference.standard_error.find(layer);
+        if (standard_error != pair_.reference.standard_error.end())
+            measured.noisy_reference =
+                with_own_noise(measured.meter->reference(), standard_error->second, kReferenceNoiseSeed);
+        else
+            note("the reference's own noise is not known for " + layer);
+        return measured;
+    }
+
+    void note_not_finite(const std::string& layer, std::span<const float> image, std::span<const float> reference) {
+        const uint64_t of_image = count_not_finite(image), of_reference = count_not_finite(reference);
+        if (of_image + of_reference == 0) return;
+        note(layer + ": " + std::to_string(of_image) + " values of the image and " + std::to_string(of_reference) +
+             " of the reference are NaN or infinite; means leave them out, FLIP takes them for 0");
+    }
+
+    void note(const std::string& text) { notes_.push_back(text); }
+
+    ImagePair pair_;
+    std::map<std::string, MeasuredLayer> layers_;
+    json values_ = json::object(), reference_error_ = json::object(), notes_ = json::array();
+};
+
+// --- Pictures
+
+std::string layer_in(const json& message) {
+    const json layer = message.value("layer", json("beauty"));
+    if (!layer.is_string()) throw Error(ErrorCode::WrongType, "/layer", "must be a name");
+    return layer.get<std::string>();
+}
+
+FlipRange range_in(const json& message) {
+    const std::string name = text_of(message, "range");
+    if (name == "ldr") return FlipRange::Ldr;
+    if (name == "hdr") return FlipRange::Hdr;
+    throw Error(ErrorCode::UnknownName, "/range", "range \"" + name + "\" is neither ldr nor hdr");
+}
+
+/// 0 at kLeastMappedError and below, 1 at kGreatestMappedError and above.
+float on_log_scale(double error) {
+    static const double decades = std::log10(kGreatestMappedError / kLeastMappedError);
+    if (std::isnan(error)) return std::numeric_limits<float>::quiet_NaN();
+    if (error <= kLeastMappedError) return 0;
+    return static_cast<float>(std::min(1.0, std::log10(error / kLeastMappedError) / decades));
+}
+
+}  // namespace
+
+json measure_images(const json& message, uint64_t memory_bytes) {
+    const std::vector<WantedMetric> wanted = wanted_metrics(message);
+    Measuring measuring(load_pair(message, memory_bytes));
+    for (const WantedMetric& metric : wanted) measuring.add(metric);
+    return measuring.result();
+}
+
+json encode_difference(const json& message, uint64_t memory_bytes) {
+    ImagePair pair = load_pair(message, memory_bytes);
+    std::vector<ImageLayer> differences;
+    const auto add = [&](const std::string& layer) {
+        if (!missing_layer(pair, layer).empty()) return;
+        std::vector<float> pixels = std::move(pair.image.layers[layer]);
+        const std::vector<float>& reference = pair.reference.layers[layer];
+        for (size_t i = 0; i < pixels.size(); ++i) pixels[i] -= reference[i];
+        differences.push_back({channel_names(layer), std::move(pixels)});
+    };
+    add("beauty");
+    for (const LayerInfo& info : kLayers) add(std::string(info.name));
+    write_exr(pair.image.size, std::move(differences), Precision::Float, {}, text_of(message, "out"));
+    return json::object();
+}
+
+json encode_flip(const json& message, uint64_t memory_bytes) {
+    const FlipRange range = range_in(message);
+    const std::string layer = layer_in(message);
+    const ImagePair pair = load_pair(message, memory_bytes);
+    require_layer(pair, layer, "/layer");
+    const FlipMap map =
+        Flip(pair.image.size, pair.reference.layers.at(layer), range).measure(pair.image.layers.at(layer));
+    write_png(pair.image.size, color_mapped(map.values), text_of(message, "out"));
+    return {{"mean", map.mean}};
+}
+
+json encode_error_map(const json& message, uint64_t memory_bytes) {
+    const std::string layer = layer_in(message);
+    ImagePair pair = load_pair(message, memory_bytes);
+    require_layer(pair, layer, "/layer");
+    const ErrorMeter meter(pair.image.size, std::move(pair.reference.layers.at(layer)));
+    const std::vector<double> errors = meter.relative_errors(pair.image.layers.at(layer));
+    std::vector<float> shown(pair.image.size.pixels(), std::numeric_limits<float>::quiet_NaN());
+    std::transform(errors.begin(), errors.end(), shown.begin(), on_log_scale);
+    write_png(pair.image.size, color_mapped(shown), text_of(message, "out"));
+    return json::object();
+}
+
+}  // namespace photond

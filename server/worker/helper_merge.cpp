@@ -1,0 +1,106 @@
+#include "server/worker/helper_merge.h"
+
+#include "protocol/job.h"
+#include "renderer/film/film_file.h"
+#include "server/job_vocabulary.h"
+#include "server/worker/film_history.h"
+#include "server/worker/helper_message.h"
+#include "server/worker/statistics.h"
+
+namespace photond {
+
+using nlohmann::json;
+
+namespace {
+
+struct JoinedFilms {
+    SavedFilm saved;
+    FilmHistory history;
+};
+
+std::vector<std::string> film_paths(const json& message) {
+    const json films = message.value("films", json(nullptr));
+    if (!films.is_array() || films.empty()) throw Error(ErrorCode::MissingField, "/films", "must name films");
+    std::vector<std::string> paths;
+    for (size_t i = 0; i < films.size(); ++i) {
+        if (!films[i].is_string())
+            throw Error(ErrorCode::WrongType, "/films/" + std::to_string(i), "must be the path of a film");
+        paths.push_back(films[i].get<std::string>());
+    }
+    return paths;
+}
+
+void join(JoinedFilms& joined, const std::string& path, uint64_t memory_bytes) {
+    const uint64_t held = joined.saved.film.bytes();
+    const SavedFilm next = FilmFile::load(path, memory_bytes - std::min(memory_bytes, held));
+    require_alike(joined.saved.identity, next.identity);
+    const FilmHistory history = FilmHistory::parse(next.history);
+    joined.saved.film.merge(next.film);
+    joined.history += history;
+}
+
+JoinedFilms first_film(const std::string& path, uint64_t memory_bytes) {
+    SavedFilm saved = FilmFile::load(path, memory_bytes);
+    require_alike(saved.identity, saved.identity);  // it must say what it is
+    FilmHistory history = FilmHistory::parse(saved.history);
+    return {std::move(saved), std::move(history)};
+}
+
+JoinedFilms join_all(const std::vector<std::string>& paths, uint64_t memory_bytes) {
+    size_t at = 0;
+    try {
+        JoinedFilms joined = first_film(paths[0], memory_bytes);
+        for (at = 1; at < paths.size(); ++at) join(joined, paths[at], memory_bytes);
+        return joined;
+    } catch (const Error& error) {
+        throw Error(error.code, "/films/" + std::to_string(at), error.what());
+    }
+}
+
+/// What was measured of one process and one scene in memory does not add up over jobs: null.
+json statistics_of(const JoinedFilms& joined, const JobRequest& request, const std::string& scene_id) {
+    const Stats stats{joined.history.counts, joined.history.stages, joined.history.skipped};
+    const MemoryBudget no_budget;
+    const Needs no_needs;
+    const Device device{request.method.device, "", "", 0};
+    json statistics = statistics_json({.stats = stats,
+                                       .film = joined.saved.film,
+                                       .budget = no_budget,
+                                       .needs = no_needs,
+                                       .device = device,
+                                       .request = request,
+                                       .scene_id = scene_id,
+                                       .render_seconds = joined.history.seconds,
+                                       .threads = 0,
+                                       .baseline_resident_bytes = 0,
+                                       .peak_resident_bytes = 0,
+                                       .settings_hash = joined.saved.identity.settings,
+                                       .resumed_passes = 0,
+                                       .errors = nullptr});
+    for (const char* unknown : {"needs", "threads", "host_cores", "device_shared"}) statistics[unknown] = nullptr;
+    for (const char* unknown : {"accounted_bytes", "baseline_resident_bytes", "peak_resident_bytes"})
+        statistics["memory"][unknown] = nullptr;
+    statistics["device"]["name"] = nullptr;
+    return statistics;
+}
+
+}  // namespace
+
+json merge_films(const json& message, uint64_t memory_bytes) {
+    const std::vector<std::string> paths = film_paths(message);
+    const std::string scene_id = text_of(message, "scene_id"), out = text_of(message, "out");
+    if (!message.contains("job_request")) throw Error(ErrorCode::MissingField, "/job_request", "must be a job");
+    const JobRequest request = parse_job_request(message["job_request"], job_vocabulary());
+    const JoinedFilms joined = join_all(paths, memory_bytes);
+    const Film& film = joined.saved.film;
+    if (film.passes() == 0) throw Error(ErrorCode::Internal, "/films", "the films have no pass");
+    json statistics = statistics_of(joined, request, scene_id);
+    FilmFile::save(film, joined.saved.identity, joined.history.text(), out);
+    json pixel_hash = statistics["pixel_hash"];
+    return {{"passes_done", film.passes()},
+            {"seconds", joined.history.seconds},
+            {"statistics", std::move(statistics)},
+            {"pixel_hash", std::move(pixel_hash)}};
+}
+
+}  // namespace photond
