@@ -25,6 +25,18 @@ double progress_of(const StopConditions& stop, uint32_t passes, double seconds) 
     return std::min(progress, 1.0);
 }
 
+/// The most that FLIP's features of the reference may take (flip.h).
+uint64_t most_flip_bytes(const MeasuringPlan& plan, Size2 size) {
+    constexpr uint64_t kMostExposures = 16, kBytesAPixel = 20, kCopyBytesAPixel = 12;
+    uint64_t bytes = 0;
+    for (const LayerMetric& metric : plan.costly) {
+        if (metric.metric != Metric::FlipLdr && metric.metric != Metric::FlipHdr) continue;
+        const uint64_t exposures = metric.metric == Metric::FlipLdr ? 1 : kMostExposures;
+        bytes += std::min(kFlipCacheBytes, kBytesAPixel * exposures * size.pixels()) + kCopyBytesAPixel * size.pixels();
+    }
+    return bytes;
+}
+
 /// Throws ErrorCode::Conflict unless passes can be added to the film as if it were this job's own.
 void require_own_film(const SavedFilm& saved, const FilmIdentity& identity, Size2 size, LayerSet layers,
                       uint32_t first_pass) {
@@ -94,18 +106,16 @@ void RenderJob::prepare_measuring() {
     const JobRequest& request = order_.request;
     const bool with_reference = !order_.reference.is_null();
     MeasuringPlan plan = MeasuringPlan::of(request, with_reference);
-    {
+    std::optional<ReferenceImage> reference;
+    if (with_reference) {
         const OffTheClock loading(stats_, kReferenceLoadStage, peak_);
-        std::optional<ReferenceImage> reference;
-        if (with_reference) {
-            reference = load_reference(order_.reference,
-                                       order_.memory_bytes - std::min(order_.memory_bytes, budget_.accounted_bytes()));
-            log("reference: %u x %u pixels, %s", reference->size.width, reference->size.height,
-                reference->passes ? (std::to_string(*reference->passes) + " passes").c_str() : "an image");
-        }
-        errors_.emplace(Size2{request.width, request.height}, std::move(reference), plan.layers);
+        reference = load_reference(order_.reference,
+                                   order_.memory_bytes - std::min(order_.memory_bytes, budget_.accounted_bytes()));
+        log("reference: %u x %u pixels, %s", reference->size.width, reference->size.height,
+            reference->passes ? (std::to_string(*reference->passes) + " passes").c_str() : "an image");
     }
-    budget_.require("error_measuring", errors_->bytes());
+    errors_.emplace(Size2{request.width, request.height}, std::move(reference), plan.layers);
+    budget_.require("error_measuring", errors_->bytes() + most_flip_bytes(plan, {request.width, request.height}));
     budget_.record("error_measuring", errors_->bytes());
     follower_.emplace(std::move(plan), *errors_, stats_, peak_);
     saver_.emplace(film_identity(request, order_.source.id, order_.streams, device_), order_.save_seconds, stats_,
