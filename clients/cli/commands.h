@@ -1,8 +1,8 @@
 #pragma once
 // The commands. Each function adds its subcommand to the program; parsing sets Session::action, which main() runs.
 //
-// An option's value name is also what completion asks for: SCENE, JOB, METHOD, DEVICE, CAMERA, LAYERS, FILE, or words
-// separated by '|'.
+// An option's value name is also what completion asks for: SCENE, JOB, COMPARISON, METHOD, DEVICE, CAMERA, LAYERS,
+// METRICS, METRIC=VALUE, REFERENCE, IMAGE, NAME=VALUE, FILE, kEntryKind, or words separated by '|'.
 
 #include <CLI/CLI.hpp>
 #include <memory>
@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "clients/cli/parameter_schema.h"
+#include "clients/cli/method_catalogue.h"
 #include "clients/cli/session.h"
 
 namespace photond::cli {
@@ -19,15 +19,19 @@ void add_scenes_commands(CLI::App& program, Session& session);
 void add_jobs_commands(CLI::App& program, Session& session);
 /// methods, devices, status
 void add_catalogue_commands(CLI::App& program, Session& session);
+/// compare SCENE
+void add_compare_command(CLI::App& program, Session& session);
+/// comparisons list|show|watch|cancel|fetch
+void add_comparisons_commands(CLI::App& program, Session& session);
+/// merge and metrics: what is made of finished jobs and images
+void add_film_commands(CLI::App& program, Session& session);
 void add_doctor_command(CLI::App& program, Session& session);
 void add_completion_command(CLI::App& program, Session& session);
 
 /// What the help and the checks of `render` need from the daemon.
 struct RenderVocabulary {
-    std::string method;                 // the one the command line names
-    std::vector<Parameter> parameters;  // of that method
-    std::vector<std::string> layers;    // on request, of that method
-    bool known = false;                 // the daemon was asked and has that method
+    CatalogueMethod method;  // the one the command line names; its name alone where the daemon did not answer
+    bool known = false;      // the daemon was asked and has that method
 };
 void add_render_command(CLI::App& program, Session& session, const RenderVocabulary& vocabulary);
 
@@ -37,6 +41,7 @@ std::unique_ptr<CLI::App> make_program(Session& session, const RenderVocabulary&
 /// The last value of an option in unparsed arguments: --name VALUE or --name=VALUE; empty when it is not there.
 std::string argument_of(const std::vector<std::string>& arguments, const std::vector<std::string>& names);
 inline const char* const kDefaultMethod = "path_tracing";
+inline const char* const kEntryKind = "[LABEL=]METHOD[,NAME=VALUE...]";
 /// Asks the daemon for the method that `arguments` of `render` name. Throws Failure.
 RenderVocabulary ask_render_vocabulary(Session& session, const std::vector<std::string>& arguments);
 

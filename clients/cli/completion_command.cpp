@@ -4,6 +4,7 @@
 #include <iostream>
 
 #include "clients/cli/commands.h"
+#include "clients/cli/reference_option.h"
 #include "clients/cli/units.h"
 
 namespace photond::cli {
@@ -168,7 +169,7 @@ public:
 private:
     RenderVocabulary render_vocabulary() {
         RenderVocabulary vocabulary;
-        vocabulary.method = kDefaultMethod;
+        vocabulary.method.name = kDefaultMethod;
         if (std::find(words_.begin(), words_.end(), "render") == words_.end()) return vocabulary;
         const std::vector<std::string> complete_words(words_.begin(), words_.end() - 1);
         try {
@@ -200,12 +201,18 @@ private:
     void add_values(const std::string& kind, const Position& position) {
         try {
             if (kind == "SCENE") return add_scenes(position);
+            if (kind == "COMPARISON")
+                return add_items("/v1/comparisons?limit=" + std::to_string(kMostJobs), "id", "state");
+            if (kind == "REFERENCE" || kind == "IMAGE") return add_images(kind == "REFERENCE");
+            if (kind == "METRICS") return add_listed(position, metric_names(session_.daemon()));
+            if (kind == "METRIC=VALUE") return add_targets();
+            if (kind == kEntryKind) return add_entry(position);
             if (kind == "JOB") return add_items("/v1/jobs?limit=" + std::to_string(kMostJobs), "id", "state");
             if (kind == "METHOD") return add_items("/v1/methods", "name", "title");
             if (kind == "DEVICE") return add_items("/v1/devices", "id", "name");
             if (kind == "CAMERA") return add_cameras(position);
             if (kind == "NAME=VALUE") return add_settings(position);
-            if (kind == "LAYERS") return add_layers(position);
+            if (kind == "LAYERS") return add_listed(position, vocabulary_->method.layers);
             if (kind == "FILE") return found_.push_back({":files", ""});
             if (kind.find('|') == std::string::npos) return;
             for (size_t begin = 0; begin <= kind.size();) {
@@ -224,7 +231,8 @@ private:
     }
 
     void add_scenes(const Position& position) {
-        if (position.command->get_name() == "render") found_.push_back({":files", ""});
+        if (position.command->get_name() == "render" || position.command->get_name() == "compare")
+            found_.push_back({":files", ""});
         const json scenes = session_.daemon().get("/v1/scenes?limit=1000").at("items");
         for (const json& scene : scenes) {
             const json triangles = scene.value("triangles", json());
@@ -244,7 +252,7 @@ private:
 
     void add_settings(const Position& position) {
         const size_t equals = position.value.find('=');
-        for (const Parameter& parameter : vocabulary_->parameters) {
+        for (const Parameter& parameter : vocabulary_->method.parameters) {
             if (equals == std::string::npos) {
                 add(parameter.name + "=", parameter.help());
             } else if (position.value.substr(0, equals) == parameter.name) {
@@ -255,10 +263,41 @@ private:
         }
     }
 
-    /// Names of the method's layers, after those already written.
-    void add_layers(const Position& position) {
+    /// Words of a list with commas, after those already written.
+    void add_listed(const Position& position, const std::vector<std::string>& words) {
         const std::string written = position.value.substr(0, position.value.rfind(',') + 1);
-        for (const std::string& layer : vocabulary_->layers) add(written + layer, "");
+        for (const std::string& word : words) add(written + word, "");
+    }
+
+    /// What can be measured, and what against.
+    void add_images(bool reference) {
+        found_.push_back({":files", ""});
+        add_items("/v1/jobs?state=succeeded&limit=" + std::to_string(kMostJobs), "id", "state");
+        const json methods = reference ? session_.daemon().get("/v1/methods").at("items") : json::array();
+        for (const json& method : methods)
+            add(method.at("name").get<std::string>() + ":", "rendered with this many passes");
+    }
+
+    void add_targets() {
+        for (const std::string& metric : metric_names(session_.daemon())) add(metric + "=", "");
+    }
+
+    /// The method of an entry, after its label; then its parameters.
+    void add_entry(const Position& position) {
+        const size_t comma = position.value.rfind(',');
+        const size_t equals = position.value.find('=');
+        const bool labelled = equals != std::string::npos && equals < position.value.find(',');
+        const size_t begin = labelled ? equals + 1 : 0;
+        if (comma == std::string::npos) {
+            const json methods = session_.daemon().get("/v1/methods").at("items");
+            for (const json& method : methods)
+                add(position.value.substr(0, begin) + method.at("name").get<std::string>(),
+                    plain_text(method.value("title", json())));
+            return;
+        }
+        const std::string name = position.value.substr(begin, position.value.find_first_of("@,", begin) - begin);
+        for (const Parameter& parameter : MethodCatalogue(session_.daemon()).method(name).parameters)
+            add(position.value.substr(0, comma + 1) + parameter.name + "=", parameter.help());
     }
 
     Session& session_;

@@ -5,6 +5,7 @@
 #include "clients/cli/job_follower.h"
 #include "clients/cli/progress_view.h"
 #include "clients/cli/statistics_report.h"
+#include "clients/cli/stop_options.h"
 #include "clients/cli/text_table.h"
 #include "clients/cli/units.h"
 
@@ -13,15 +14,6 @@ namespace photond::cli {
 namespace {
 
 using nlohmann::json;
-
-std::string stop_text(const json& stop) {
-    std::string text;
-    if (!stop.is_object()) return "-";
-    const auto add = [&](const std::string& part) { text += (text.empty() ? "" : " or ") + part; };
-    if (stop.contains("passes") && stop["passes"].is_number()) add(plain_text(stop["passes"]) + " passes");
-    if (stop.contains("seconds") && stop["seconds"].is_number()) add(human_seconds(stop["seconds"].get<double>()));
-    return text;
-}
 
 std::string pairs_text(const json& object) {
     std::string text;
@@ -36,11 +28,11 @@ std::string pairs_text(const json& object) {
 void add_wait_options(CLI::App& command, WaitOptions& options) {
     command
         .add_option("--timeout", options.timeout_seconds,
-                    "give up waiting after this many seconds; the job goes on (exit code 6)")
+                    "give up waiting after this many seconds; what was started goes on (exit code 6)")
         ->type_name("SECONDS")
         ->check(CLI::Range(0.001, 1e9).description(""));
     command.add_flag("--cancel-on-interrupt", options.cancel_on_interrupt,
-                     "Ctrl-C cancels the job; without this it only stops watching");
+                     "Ctrl-C cancels what is watched; without this it only stops watching");
 }
 
 void add_output_options(CLI::App& command, JobOutputs& outputs) {
@@ -53,9 +45,26 @@ void add_output_options(CLI::App& command, JobOutputs& outputs) {
     command.add_option("--preview", outputs.preview, "save a tone-mapped PNG")->type_name("FILE");
     command.add_option("--exposure", outputs.exposure_stops, "exposure of the PNG in stops; default: 0")
         ->type_name("NUMBER");
-    command.add_option("--curve", outputs.curve, "tone curve of the PNG")
+    command.add_option("--tone-curve", outputs.tone_curve, "tone curve of the PNG")
         ->type_name("srgb|filmic")
         ->check(CLI::IsMember({"srgb", "filmic"}).description(""));
+    const auto file = [&](const char* name, std::string& value, const char* text) {
+        command.add_option(name, value, text)->type_name("FILE")->group("Error");
+    };
+    // --curve was the PNG's tone curve before there were errors to draw: its two words still are.
+    command
+        .add_option_function<std::string>(
+            "--curve",
+            [&outputs](const std::string& text) {
+                (text == "srgb" || text == "filmic" ? outputs.tone_curve : outputs.error_curve) = text;
+            },
+            "save the error over time as CSV ('-': standard output)")
+        ->type_name("FILE")
+        ->group("Error");
+    file("--difference", outputs.difference, "save image minus reference (.exr)");
+    file("--flip", outputs.flip, "save the FLIP map, what an eye would see of the error (.png)");
+    file("--error-map", outputs.error_map, "save the error of each pixel in false colours (.png)");
+    file("--film", outputs.film, "save the film itself: sums, squares and counts of every pass");
     command
         .add_option("--photon-map", outputs.photon_map,
                     "save the photons as a glTF point cloud (.glb), where the method has keep_photon_map")
@@ -65,29 +74,39 @@ void add_output_options(CLI::App& command, JobOutputs& outputs) {
         ->check(CLI::IsMember({"half", "float"}).description(""));
 }
 
-json wait_for_job(Session& session, const std::string& id, const WaitOptions& options, bool print_changes) {
+std::optional<json> wait_for(Session& session, const std::string& kind, const std::string& id,
+                             const WaitOptions& options, const std::function<json()>& follow) {
     if (options.timeout_seconds > 0)
         session.interrupt().set_deadline(std::chrono::duration<double>(options.timeout_seconds));
-    const std::string go_on = "watch it: photonctl jobs watch " + id + "; end it: photonctl jobs cancel " + id;
+    const std::string command = "photonctl " + kind + "s ";
+    const std::string go_on = "watch it: " + command + "watch " + id + "; end it: " + command + "cancel " + id;
+    const std::string subject = kind + " " + id;
     try {
-        ProgressView view(session.error_is_terminal());
-        return follow_job(session.daemon(), id, [&](const json& job, const std::string&) {
-            view.show(job);
-            if (print_changes && !is_over(job)) session.print_json(job);
-        });
+        return follow();
     } catch (const Failure& failure) {
         if (failure.code == ExitCode::TimedOut)
-            throw Failure(ExitCode::TimedOut, "--timeout passed; job " + id + " goes on", go_on);
+            throw Failure(ExitCode::TimedOut, "--timeout passed; " + subject + " goes on", go_on);
         if (failure.code == ExitCode::Unreachable)
-            throw Failure(ExitCode::Unreachable, std::string(failure.what()) + "; job " + id + " is kept", go_on);
+            throw Failure(ExitCode::Unreachable, std::string(failure.what()) + "; " + subject + " is kept", go_on);
         if (failure.code != ExitCode::Interrupted) throw;
         if (!options.cancel_on_interrupt)
-            throw Failure(ExitCode::Interrupted, "interrupted; job " + id + " goes on", go_on);
+            throw Failure(ExitCode::Interrupted, "interrupted; " + subject + " goes on", go_on);
     }
     session.interrupt().acknowledge();
     session.remark("cancelling " + id);
-    session.daemon().send("DELETE", resource_path("jobs", id), nullptr, Repeat::Safely);
-    return follow_job(session.daemon(), id, [](const json&, const std::string&) {});
+    session.daemon().send("DELETE", resource_path(kind + "s", id), nullptr, Repeat::Safely);
+    return std::nullopt;
+}
+
+json wait_for_job(Session& session, const std::string& id, const WaitOptions& options, bool print_changes) {
+    const std::optional<json> job = wait_for(session, "job", id, options, [&] {
+        ProgressView view(session.error_is_terminal());
+        return follow_job(session.daemon(), id, [&](const json& now, const std::string&) {
+            view.show(now);
+            if (print_changes && !is_over(now)) session.print_json(now);
+        });
+    });
+    return job ? *job : follow_job(session.daemon(), id, [](const json&, const std::string&) {});
 }
 
 ExitCode exit_code_of(const json& job) {

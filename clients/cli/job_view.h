@@ -2,8 +2,10 @@
 // Following and showing jobs, as `render` and `jobs` both do.
 
 #include <CLI/CLI.hpp>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 #include "clients/cli/session.h"
@@ -18,8 +20,14 @@ struct WaitOptions {
 
 /// --timeout and --cancel-on-interrupt.
 void add_wait_options(CLI::App& command, WaitOptions& options);
-/// --preview, --exposure, --curve, --precision, -o.
+/// Where the image, its previews, its photons and its errors are saved.
 void add_output_options(CLI::App& command, JobOutputs& outputs);
+
+/// Runs `follow`, which returns what it followed when that is over. Throws Failure: Interrupted, TimedOut and
+/// Unreachable say how to go on. With cancel_on_interrupt an interrupt cancels it and nothing is returned: it then only
+/// has to come to its end. `kind`: job or comparison.
+std::optional<nlohmann::json> wait_for(Session& session, const std::string& kind, const std::string& id,
+                                       const WaitOptions& options, const std::function<nlohmann::json()>& follow);
 
 /// Follows a job with its progress shown; with `print_changes` every change is also printed as JSON. Throws Failure:
 /// Interrupted and TimedOut say how to go on; with cancel_on_interrupt an interrupt cancels the job, which is returned.

@@ -1,9 +1,10 @@
-// photonctl jobs list|show|watch|cancel|retry|fetch
+// photonctl jobs list|show|watch|cancel|retry|extend|fetch
 
 #include <iostream>
 
 #include "clients/cli/commands.h"
 #include "clients/cli/job_view.h"
+#include "clients/cli/stop_options.h"
 #include "clients/cli/text_table.h"
 #include "clients/cli/units.h"
 
@@ -18,6 +19,7 @@ struct JobsOptions {
     std::string state, label, scene, method;
     size_t limit = 50;
     bool purge = false;
+    StopOptions stop;
     WaitOptions wait;
     JobOutputs outputs;
 };
@@ -96,6 +98,18 @@ ExitCode change_jobs(Session& session, const JobsOptions& options, const std::st
     return ExitCode::Ok;
 }
 
+ExitCode extend_job(Session& session, const JobsOptions& options) {
+    if (!options.stop.any())
+        throw Failure(ExitCode::Usage, "until when? --passes, --seconds or --target is needed",
+                      "they count from the first pass: a job of 64 passes goes on with --passes 256");
+    const std::string& id = options.ids.front();
+    const json job = session.daemon().send("POST", resource_path("jobs", id) + "/extend",
+                                           {{"stop", options.stop.body()}}, Repeat::OnlyIfRefused);
+    if (session.json_output) session.print_json(job);
+    session.remark(id + " goes on, now " + text_of(job, "state") + "; watch it: photonctl jobs watch " + id);
+    return ExitCode::Ok;
+}
+
 ExitCode fetch_job(Session& session, const JobsOptions& options) {
     const std::string& id = options.ids.front();
     JobOutputs outputs = options.outputs;
@@ -110,7 +124,7 @@ ExitCode fetch_job(Session& session, const JobsOptions& options) {
 }  // namespace
 
 void add_jobs_commands(CLI::App& program, Session& session) {
-    CLI::App* jobs = program.add_subcommand("jobs", "Render jobs: list, show, watch, cancel, retry, fetch");
+    CLI::App* jobs = program.add_subcommand("jobs", "Render jobs: list, show, watch, cancel, retry, extend, fetch");
     jobs->require_subcommand(1);
     const auto options = std::make_shared<JobsOptions>();
 
@@ -150,8 +164,11 @@ void add_jobs_commands(CLI::App& program, Session& session) {
         return change_jobs(s, o, "POST", "/retry", Repeat::OnlyIfRefused, "queued again");
     });
 
+    add_stop_options(*command("extend", "Go on with a finished job: more passes on the same film", 1, extend_job),
+                     options->stop, "stop at this many passes, those it has counted");
+
     CLI::App* fetch =
-        command("fetch", "Save images, statistics, log or photon map of a job; default: JOB.exr", 1, fetch_job);
+        command("fetch", "Save images, errors, statistics, log or photon map of a job; default: JOB.exr", 1, fetch_job);
     add_output_options(*fetch, options->outputs);
     fetch->add_option("--statistics", options->outputs.statistics, "save statistics.json ('-': standard output)")
         ->type_name("FILE");

@@ -77,7 +77,7 @@ bool asks_for_help(const std::vector<std::string>& arguments) {
 /// `render` needs to know its method's parameters before its arguments can be read.
 RenderVocabulary vocabulary_for(Session& session, const std::vector<std::string>& arguments) {
     RenderVocabulary vocabulary;
-    vocabulary.method = kDefaultMethod;
+    vocabulary.method.name = kDefaultMethod;
     const bool renders = std::find(arguments.begin(), arguments.end(), "render") != arguments.end();
     if (!renders) return vocabulary;
     if (const std::string url = argument_of(arguments, {"--server"}); !url.empty()) session.server.url = url;
@@ -141,7 +141,10 @@ std::unique_ptr<CLI::App> make_program(Session& session, const RenderVocabulary&
         ->check(CLI::Range(0.0, 86400.0).description(""));
     add_render_command(*program, session, vocabulary);
     add_scenes_commands(*program, session);
+    add_compare_command(*program, session);
+    add_comparisons_commands(*program, session);
     add_jobs_commands(*program, session);
+    add_film_commands(*program, session);
     add_catalogue_commands(*program, session);
     add_doctor_command(*program, session);
     add_completion_command(*program, session);

@@ -48,6 +48,19 @@ std::string passes_text(const json& job) {
     return done + " passes";
 }
 
+/// The error so far and the one to reach; empty while nothing is measured.
+std::string error_text(const json& job) {
+    const json error = job.value("error_now", json());
+    if (!error.is_object() || !error.contains("value") || !error["value"].is_number()) return "";
+    const std::string metric = plain_text(error.value("metric", json()));
+    std::string text = ", " + metric + " " + three_digit_number(error["value"].get<double>());
+    const json stop = job.contains("request") ? job["request"].value("stop", json()) : json();
+    const json target = stop.is_object() ? stop.value("target", json()) : json();
+    if (target.is_object() && plain_text(target.value("metric", json())) == metric)
+        text += " (target " + plain_text(target.value("value", json())) + ")";
+    return text;
+}
+
 std::string bar(double progress) {
     static const bool utf8 = utf8_locale();
     const auto full = static_cast<size_t>(std::lround(std::clamp(progress, 0.0, 1.0) * kBarColumns));
@@ -66,8 +79,23 @@ std::string time_left(const json& job) {
 
 }  // namespace
 
-ProgressView::~ProgressView() {
-    if (line_open_) std::cerr << std::endl;
+std::string job_figures(const json& job) {
+    return passes_text(job) + ", " + human_seconds(number(job, "seconds")) + error_text(job);
+}
+
+ProgressLine::~ProgressLine() {
+    if (open_) std::cerr << std::endl;
+}
+
+void ProgressLine::redraw(const std::string& text) {
+    std::string shown = text;
+    // Cut at whole characters: a line that wraps would not be redrawn in place.
+    while (display_width(shown) + 1 > terminal_columns()) {
+        while (shown.size() > 1 && (static_cast<unsigned char>(shown.back()) & 0xC0U) == 0x80U) shown.pop_back();
+        shown.pop_back();
+    }
+    std::cerr << '\r' << shown << "\033[K" << std::flush;
+    open_ = true;
 }
 
 void ProgressView::show(const json& job) {
@@ -75,13 +103,13 @@ void ProgressView::show(const json& job) {
     const std::string id = plain_text(job.value("id", json()));
     const double progress = number(job, "progress");
     const std::string percent = human_number(std::floor(progress * 100)) + " %";
-    const std::string figures = passes_text(job) + ", " + human_seconds(number(job, "seconds"));
+    const std::string figures = job_figures(job);
     if (terminal_) {
         if (state == "queued")
-            redraw(id + " queued");
+            line_.redraw(id + " queued");
         else
-            redraw(id + " " + bar(progress) + " " + std::string(5 - std::min<size_t>(5, percent.size()), ' ') +
-                   percent + "  " + figures + (state == "running" ? time_left(job) : ", " + state));
+            line_.redraw(id + " " + bar(progress) + " " + std::string(5 - std::min<size_t>(5, percent.size()), ' ') +
+                         percent + "  " + figures + (state == "running" ? time_left(job) : ", " + state));
         return;
     }
     const auto now = std::chrono::steady_clock::now();
@@ -96,15 +124,25 @@ void ProgressView::show(const json& job) {
     shown_at_ = now;
 }
 
-void ProgressView::redraw(const std::string& line) {
-    std::string shown = line;
-    // Cut at whole characters: a line that wraps would not be redrawn in place.
-    while (display_width(shown) + 1 > terminal_columns()) {
-        while (shown.size() > 1 && (static_cast<unsigned char>(shown.back()) & 0xC0U) == 0x80U) shown.pop_back();
-        shown.pop_back();
+void ComparisonProgressView::show(const json& comparison, const ComparisonProgress& progress) {
+    const std::string state = plain_text(comparison.value("state", json()));
+    const std::string id = plain_text(comparison.value("id", json()));
+    const std::string count = std::to_string(progress.done) + "/" + std::to_string(progress.all) + " jobs";
+    const bool runs = progress.job.is_object() && progress.job.value("state", "") == "running";
+    std::string now;
+    if (progress.job.is_object())
+        now = runs ? progress.name : progress.name + " waits (for the reference, or another job)";
+    if (terminal_) {
+        const double share = progress.job.is_object() ? number(progress.job, "progress") : 0;
+        const double all = static_cast<double>(std::max<size_t>(progress.all, 1));
+        line_.redraw(id + " " + bar((static_cast<double>(progress.done) + share) / all) + " " + count +
+                     (now.empty() ? ", " + state : "  " + now) + (runs ? ": " + job_figures(progress.job) : ""));
+        return;
     }
-    std::cerr << '\r' << shown << "\033[K" << std::flush;
-    line_open_ = true;
+    const std::string line = id + " " + state + ": " + count + (now.empty() ? "" : ", " + now);
+    if (line == shown_) return;
+    shown_ = line;
+    std::cerr << line << std::endl;
 }
 
 }  // namespace photond::cli

@@ -125,11 +125,49 @@ void print_origin(std::ostream& out, const json& statistics) {
             add(words(key).c_str(), plain_text(count) + " samples dropped");
     }
     if (member(statistics, "device_shared") == true) add("timing", "another job shared the device: not to be compared");
-    const json error = member(statistics, "error");
-    if (error.is_object())
-        for (const auto& [metric, value] : error.items())
-            if (!value.is_null()) table.add_row({words(metric), plain_text(value)});
     if (!table.empty()) table.print(out << '\n', "  ");
+}
+
+/// A number, or several with spaces between them (channels, percentiles).
+std::string error_cell(const json& value) {
+    if (value.is_number()) return three_digit_number(value.get<double>());
+    if (!value.is_array() && !value.is_object()) return plain_text(value);
+    std::string text;
+    for (const json& part : value) text += (text.empty() ? "" : " ") + error_cell(part);
+    return text;
+}
+
+}  // namespace
+
+void print_errors(std::ostream& out, const json& error, const json& reference_error) {
+    if (!error.is_object() || error.empty()) return;
+    std::vector<TextTable::Column> columns{{"error"}, {"", Align::Right}};
+    const bool noise_known = reference_error.is_object() && !reference_error.empty();
+    if (noise_known) columns.push_back({"reference's own noise", Align::Right});
+    TextTable table(columns);
+    for (const auto& [metric, value] : error.items()) {
+        if (value.is_null()) continue;
+        std::vector<std::string> row{printable(metric), error_cell(value)};
+        if (noise_known) row.push_back(error_cell(member(reference_error, metric.c_str())));
+        table.add_row(std::move(row));
+    }
+    if (!table.empty()) table.print(out, "  ");
+}
+
+namespace {
+
+/// Errors, what they are measured against and how far that can be trusted; else what is expected without a reference.
+void print_error_part(std::ostream& out, const json& statistics) {
+    const json reference = member(statistics, "reference");
+    if (member(statistics, "error").is_object()) out << '\n';
+    print_errors(out, member(statistics, "error"), member(statistics, "reference_error"));
+    for (const char* key : {"notes", "warnings"})
+        for (const json& line : member(reference, key))
+            out << "  " << (key == std::string("notes") ? "note: " : "warning: ") << plain_text(line) << '\n';
+    const json expected = member(member(statistics, "estimate"), "estimated_relative_mse");
+    if (expected.is_number())
+        out << "\n  estimated_relative_mse " << three_digit_number(expected.get<double>())
+            << ": relative_mse as the passes' own spread lets expect it\n";
 }
 
 }  // namespace
@@ -140,6 +178,7 @@ void print_statistics(std::ostream& out, const json& statistics) {
     print_counts(out, statistics);
     print_memory(out, member(statistics, "memory"));
     print_origin(out, statistics);
+    print_error_part(out, statistics);
 }
 
 }  // namespace photond::cli

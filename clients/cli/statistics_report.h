@@ -9,4 +9,8 @@ namespace photond::cli {
 /// `statistics`: the object of protocol.md, "Shapes"; what is null in it is left out.
 void print_statistics(std::ostream& out, const nlohmann::json& statistics);
 
+/// A table of errors with the reference's own noise beside them. `error`: metric to number, array or null;
+/// `reference_error`: likewise, or null.
+void print_errors(std::ostream& out, const nlohmann::json& error, const nlohmann::json& reference_error);
+
 }  // namespace photond::cli

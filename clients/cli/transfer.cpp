@@ -1,5 +1,7 @@
 #include "clients/cli/transfer.h"
 
+#include <algorithm>
+#include <array>
 #include <iostream>
 #include <memory>
 #include <sstream>
@@ -18,9 +20,23 @@ std::string decimal(double value) {
     return text.str();
 }
 
+/// What is saved under one name each, as a member and its place below the job.
+struct NamedOutput {
+    std::string JobOutputs::*file;
+    const char* resource;
+};
+constexpr std::array<NamedOutput, 8> kNamedOutputs{{{&JobOutputs::statistics, "/statistics.json"},
+                                                    {&JobOutputs::log, "/log.txt"},
+                                                    {&JobOutputs::photon_map, "/photon_map.glb"},
+                                                    {&JobOutputs::error_curve, "/curve.csv"},
+                                                    {&JobOutputs::difference, "/difference.exr"},
+                                                    {&JobOutputs::flip, "/flip.png"},
+                                                    {&JobOutputs::error_map, "/error.png"},
+                                                    {&JobOutputs::film, "/film"}}};
+
 std::string preview_query(const JobOutputs& outputs) {
     std::string query = "?exposure=" + decimal(outputs.exposure_stops);
-    if (!outputs.curve.empty()) query += "&curve=" + percent_encode(outputs.curve);
+    if (!outputs.tone_curve.empty()) query += "&curve=" + percent_encode(outputs.tone_curve);
     return query;
 }
 
@@ -63,6 +79,11 @@ void JobOutputs::check() const {
                           "name it .exr (all layers) or .png (preview)");
 }
 
+bool JobOutputs::any() const {
+    return any_image() || std::any_of(kNamedOutputs.begin(), kNamedOutputs.end(),
+                                      [this](const NamedOutput& output) { return !(this->*output.file).empty(); });
+}
+
 void save_job_outputs(Session& session, const std::string& job_id, const JobOutputs& outputs) {
     const std::string job = resource_path("jobs", job_id);
     for (const std::string& image : outputs.images) {
@@ -75,9 +96,9 @@ void save_job_outputs(Session& session, const std::string& job_id, const JobOutp
     }
     if (!outputs.preview.empty())
         save_resource(session, job + "/preview.png" + preview_query(outputs), outputs.preview);
-    if (!outputs.statistics.empty()) save_resource(session, job + "/statistics.json", outputs.statistics);
-    if (!outputs.log.empty()) save_resource(session, job + "/log.txt", outputs.log);
-    if (!outputs.photon_map.empty()) save_resource(session, job + "/photon_map.glb", outputs.photon_map);
+    for (const NamedOutput& output : kNamedOutputs)
+        if (const std::string& file = outputs.*output.file; !file.empty())
+            save_resource(session, job + output.resource, file);
 }
 
 }  // namespace photond::cli

@@ -20,12 +20,18 @@ struct JobOutputs {
     std::string photon_map;           // glTF, where the method kept it
     std::string precision;            // of the EXR: half or float; empty: float
     double exposure_stops = 0;        // of the preview
-    std::string curve;                // of the preview; empty: the daemon's default
+    std::string tone_curve;           // of the preview; empty: the daemon's default
+    std::string error_curve;          // CSV
+    std::string difference;           // EXR, against the reference
+    std::string flip;                 // PNG, against the reference
+    std::string error_map;            // PNG, against the reference
+    std::string film;                 // the daemon's own format: what `merge` and `extend` go on from
 
     /// Throws Failure(Usage) for a file name whose suffix says nothing, before anything is rendered.
     void check() const;
     bool any_image() const { return !images.empty() || !preview.empty(); }
-    bool any() const { return any_image() || !statistics.empty() || !log.empty() || !photon_map.empty(); }
+    bool any() const;
+    bool needs_reference() const { return !difference.empty() || !flip.empty() || !error_map.empty(); }
 };
 
 void save_job_outputs(Session& session, const std::string& job_id, const JobOutputs& outputs);

@@ -66,6 +66,8 @@ std::string human_number(double value) {
     return formatted("%.4g", value);
 }
 
+std::string three_digit_number(double value) { return formatted("%.3g", value); }
+
 std::string human_time(const nlohmann::json& rfc3339) {
     if (!rfc3339.is_string()) return "-";
     std::string text = printable(rfc3339.get<std::string>());

@@ -13,6 +13,8 @@ std::string human_seconds(double seconds);  // 3.1 ms, 12.4 s, 3 min 05 s, 2 h 1
 std::string human_count(double count);      // 950, 12.3 k, 4.56 M
 /// Four significant digits, no trailing zeros, no exponent between 1e-3 and 1e7.
 std::string human_number(double value);
+/// Three significant digits: errors, which are not known to more. No exponent between 1e-4 and 1e4.
+std::string three_digit_number(double value);
 /// "2026-11-21T06:25:12.345Z" as "2026-11-21 06:25:12"; "-" for null.
 std::string human_time(const nlohmann::json& rfc3339);
 /// A JSON scalar as a person writes it: no quotes, "-" for null; objects and arrays as JSON.

@@ -3,15 +3,11 @@ hold it to what it promises about repeats."""
 
 import http.server
 import json
-import os
-import pathlib
 import re
-import shutil
 import signal
 import socket
 import struct
 import subprocess
-import tempfile
 import threading
 import time
 import unittest
@@ -22,10 +18,8 @@ import zipfile
 import OpenImageIO as oiio
 
 from photond_daemon import BIN, Daemon
-
-PHOTONCTL = str(BIN / "photonctl")
-SMALL = ["--width", "24", "--height", "16", "--passes", "2"]
-OK, FAILED, USAGE, UNREACHABLE, REFUSED, CANCELLED, TIMED_OUT, LOCAL_FILE, INTERRUPTED = 0, 1, 2, 3, 4, 5, 6, 7, 130
+from photonctl_case import (CANCELLED, INTERRUPTED, LOCAL_FILE, OK, REFUSED, SMALL, TIMED_OUT, UNREACHABLE, USAGE, Case, cli,
+                            json_lines)
 
 daemon = None
 folder = None
@@ -33,32 +27,12 @@ folder = None
 
 def setUpModule():
     global daemon, folder
-    folder = pathlib.Path(tempfile.mkdtemp(prefix="photonctl-test-"))
-    daemon = Daemon()
-    daemon.wait_ready()
+    cli.start()
+    daemon, folder = cli.daemon, cli.folder
 
 
 def tearDownModule():
-    daemon.close()
-    shutil.rmtree(folder, ignore_errors=True)
-
-
-def server_url():
-    return f"http://127.0.0.1:{daemon.port}"
-
-
-def environment(**more):
-    variables = {k: v for k, v in os.environ.items() if not k.startswith("PHOTOND_") and k != "NO_COLOR"}
-    return {**variables, "PHOTOND_URL": server_url(), **more}
-
-
-def photonctl(*arguments, timeout=120, input=None, **variables):
-    return subprocess.run([PHOTONCTL, *map(str, arguments)], capture_output=True, text=True, timeout=timeout, cwd=folder,
-                          env=environment(**variables), input=input)
-
-
-def json_lines(result):
-    return [json.loads(line) for line in result.stdout.splitlines()]
+    cli.stop()
 
 
 def a_triangle(place, buffer_uri="data%20of%20it/./triangle.bin", glb=False):
@@ -83,23 +57,13 @@ def a_triangle(place, buffer_uri="data%20of%20it/./triangle.bin", glb=False):
     return place / "triangle.glb"
 
 
-class Case(unittest.TestCase):
-    def run_ok(self, *arguments, **more):
-        return self.run_for(OK, *arguments, **more)
-
-    def run_for(self, code, *arguments, **more):
-        result = photonctl(*arguments, **more)
-        self.assertEqual(result.returncode, code, f"{arguments}\n{result.stdout}\n{result.stderr}")
-        return result
-
-
 class Rendering(Case):
     def test_what_is_asked_for_is_what_is_rendered_and_saved(self):
         exr, png = folder / "out.exr", folder / "out.png"
         result = self.run_ok("render", "cornell-box", "--width", 24, "--height", 16, "--passes", 3, "--seed", 7, "--layers",
                              "albedo,depth", "--filter", "gaussian", "--priority", 5, "--label", "study=cli", "--label",
                              "part=2", "--indirect-bounces", 2, "-o", exr, "--precision", "half", "--preview", png,
-                             "--exposure", "-1.5", "--eye", "-0.1,0.2,2", "--target", "0,0.25,0", "--yfov", 0.5)
+                             "--exposure", "-1.5", "--eye", "-0.1,0.2,2", "--look-at", "0,0.25,0", "--yfov", 0.5)
         job = daemon.request("GET", "/v1/jobs?label=part%3D2").json["items"][0]
         request = job["request"]
         self.assertEqual(request["image"], {"width": 24, "height": 16, "filter": "gaussian"})
@@ -183,8 +147,7 @@ class Waiting(Case):
     LONG = ["render", "cornell-box", "--width", "32", "--height", "32", "--seconds", "60"]
 
     def start_long(self, *more):
-        process = subprocess.Popen([PHOTONCTL, *self.LONG, *more], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                                   cwd=folder, env=environment())
+        process = cli.popen(*self.LONG, *more)
         self.addCleanup(process.stdout.close)
         self.addCleanup(process.stderr.close)
         line = process.stderr.readline()
@@ -320,7 +283,7 @@ class HelpAndChecks(Case):
                 (["--method", "path_trcing"], ["did you mean path_tracing"]),
                 (["--label", "novalue"], ["KEY=VALUE"]),
                 (["-o", "image.tiff"], [".exr", ".png"]),
-                (["--eye", "0,0,1"], ["--target"])):
+                (["--eye", "0,0,1"], ["--look-at"])):
             with self.subTest(arguments=arguments):
                 result = self.run_for(USAGE, "render", "cornell-box", *SMALL, *arguments)
                 for word in words:
@@ -347,37 +310,27 @@ class HelpAndChecks(Case):
 
 
 class Completion(Case):
-    def bash(self, line):
-        """What bash would offer after `line`."""
-        words = re.findall(r"[=:]|[^ =:]+", line) + ([""] if line[-1] == " " else [])
-        script = (f'source <("{PHOTONCTL}" completion bash); compopt() {{ :; }}; COMP_LINE="$1"; COMP_POINT=${{#1}}; shift; '
-                  'COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _photonctl; printf "%s\\n" "${COMPREPLY[@]}"')
-        result = subprocess.run(["bash", "-c", script, "bash", line, *words], capture_output=True, text=True, timeout=60,
-                                cwd=folder, env=environment(PATH=f"{BIN}:{os.environ['PATH']}"))
-        self.assertEqual(result.stderr, "")
-        return result.stdout.split()
-
     def test_commands_options_and_words(self):
-        self.assertIn("render", self.bash("photonctl "))
-        self.assertEqual(self.bash("photonctl jobs wa"), ["watch"])
-        self.assertEqual(self.bash("photonctl render --indirect-b"), ["--indirect-bounces"])
-        self.assertEqual(self.bash("photonctl render --precision "), ["half", "float"])
-        self.assertEqual(self.bash("photonctl jobs list --state=fai"), ["failed"])
-        self.assertNotIn("complete", self.bash("photonctl co"))  # hidden
+        self.assertIn("render", self.completed("photonctl "))
+        self.assertEqual(self.completed("photonctl jobs wa"), ["watch"])
+        self.assertEqual(self.completed("photonctl render --indirect-b"), ["--indirect-bounces"])
+        self.assertEqual(self.completed("photonctl render --precision "), ["half", "float"])
+        self.assertEqual(self.completed("photonctl jobs list --state=fai"), ["failed"])
+        self.assertNotIn("complete", self.completed("photonctl co"))  # hidden
 
     def test_what_the_daemon_knows(self):
         [job] = json_lines(self.run_ok("render", "furnace", *SMALL, "--json"))
-        self.assertIn("cornell-box-glass", self.bash("photonctl render cornell-box-g"))
-        self.assertEqual(self.bash("photonctl render --method path"), ["path_tracing"])
-        self.assertIn(job["id"], self.bash("photonctl jobs show "))
-        self.assertEqual(self.bash("photonctl render --set sampler=so"), ["sobol"])
-        self.assertEqual(self.bash("photonctl render cornell-box --camera "), ["camera"])
-        self.assertEqual(self.bash("photonctl render --layers albedo,no"), ["albedo,normal"])
+        self.assertIn("cornell-box-glass", self.completed("photonctl render cornell-box-g"))
+        self.assertEqual(self.completed("photonctl render --method path"), ["path_tracing"])
+        self.assertIn(job["id"], self.completed("photonctl jobs show "))
+        self.assertEqual(self.completed("photonctl render --set sampler=so"), ["sobol"])
+        self.assertEqual(self.completed("photonctl render cornell-box --camera "), ["camera"])
+        self.assertEqual(self.completed("photonctl render --layers albedo,no"), ["albedo,normal"])
         (folder / "completed.glb").write_bytes(b"")
-        self.assertIn("completed.glb", self.bash("photonctl render comp"))
+        self.assertIn("completed.glb", self.completed("photonctl render comp"))
 
     def test_nothing_is_offered_and_nothing_hangs_without_a_daemon(self):
-        result = photonctl("complete", "--words", "photonctl", "jobs", "show", "", PHOTOND_URL="http://127.0.0.1:1")
+        result = cli.run("complete", "--words", "photonctl", "jobs", "show", "", PHOTOND_URL="http://127.0.0.1:1")
         self.assertEqual((result.returncode, result.stdout, result.stderr), (OK, "", ""))
 
     def test_scripts_for_the_other_shells_call_the_same_command(self):
@@ -464,7 +417,7 @@ class Forwarder(http.server.BaseHTTPRequestHandler):
             self.end_headers()
             return
         headers = {k: v for k, v in self.headers.items() if k not in ("Host", "Connection")}
-        upstream = urllib.request.Request(server_url() + self.path, data=body or None, headers=headers, method=self.command)
+        upstream = urllib.request.Request(cli.url() + self.path, data=body or None, headers=headers, method=self.command)
         try:
             reply = urllib.request.urlopen(upstream, timeout=60)
         except urllib.error.HTTPError as refusal:

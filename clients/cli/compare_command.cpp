@@ -1,0 +1,125 @@
+// photonctl compare SCENE
+
+#include <algorithm>
+#include <charconv>
+#include <iostream>
+
+#include "clients/cli/commands.h"
+#include "clients/cli/comparison_follower.h"
+#include "clients/cli/method_catalogue.h"
+#include "clients/cli/request_options.h"
+#include "clients/cli/units.h"
+
+namespace photond::cli {
+
+namespace {
+
+using nlohmann::json;
+
+struct CompareOptions {
+    RequestOptions request;
+    std::vector<std::string> entries, sweeps;
+    std::vector<uint64_t> seeds;
+    bool no_wait = false;
+    WaitOptions wait;
+    ReportOutputs outputs;
+};
+
+/// "LABEL=METHOD[,PARAMETER=VALUE...]", or the method alone, which then is its own label. A label may not have what the
+/// rest begins with: the first '=' before any ',' ends it.
+json entry_from(const MethodCatalogue& catalogue, const std::string& text) {
+    const size_t equals = text.find('=');
+    const bool labelled = equals != std::string::npos && equals < text.find(',');
+    if (labelled && equals == 0) throw Failure(ExitCode::Usage, "--entry " + printable(text) + " has an empty label");
+    json entry{{"method", catalogue.method_from(labelled ? text.substr(equals + 1) : text)}};
+    entry["label"] = labelled ? json(text.substr(0, equals)) : entry["method"]["name"];
+    return entry;
+}
+
+/// "LABEL:PARAMETER=V1,V2,..." into the entry of that label.
+void put_sweep(json& entries, const MethodCatalogue& catalogue, const std::string& text) {
+    const size_t colon = text.rfind(':', text.find('='));
+    if (colon == std::string::npos || text.find('=') == std::string::npos)
+        throw Failure(ExitCode::Usage, "--sweep " + printable(text) + " is not LABEL:PARAMETER=VALUE,VALUE");
+    const std::string label = text.substr(0, colon);
+    const auto entry = std::find_if(entries.begin(), entries.end(),
+                                    [&](const json& candidate) { return candidate.value("label", "") == label; });
+    if (entry == entries.end())
+        throw Failure(ExitCode::Usage, "--sweep " + printable(text) + ": no --entry has the label " + printable(label));
+    const auto [name, values] = key_and_value(text.substr(colon + 1), "--sweep");
+    const Parameter& parameter = catalogue.method(entry->at("method").at("name").get<std::string>()).parameter(name);
+    json& swept = (*entry)["sweep"][name];
+    for (const std::string& value : split(values, ',')) swept.push_back(parameter.parse(value));
+}
+
+/// The comparison but for its scene, environment and reference, which may have to be sent first.
+json build_request(Session& session, const CompareOptions& options) {
+    json request = start_request(options.request);
+    if (!options.entries.empty() || !options.sweeps.empty()) {
+        const MethodCatalogue catalogue(session.daemon());
+        if (!options.entries.empty()) request["entries"] = json::array();
+        for (const std::string& entry : options.entries) request["entries"].push_back(entry_from(catalogue, entry));
+        if (!request.contains("entries") || !request["entries"].is_array())
+            throw Failure(ExitCode::Usage, "--sweep belongs to an --entry");
+        for (const std::string& sweep : options.sweeps) put_sweep(request["entries"], catalogue, sweep);
+    }
+    if (!request.contains("entries"))
+        throw Failure(ExitCode::Usage, "what is compared? at least one --entry is needed",
+                      "for example --entry path_tracing --entry 'photon mapping=photon_mapping,photons=200000'");
+    if (!request.contains("stop"))
+        throw Failure(ExitCode::Usage, "when does each job end? --seconds, --passes or --target is needed",
+                      "for example --seconds 30");
+    if (!options.seeds.empty()) request["seeds"] = options.seeds;
+    return request;
+}
+
+ExitCode compare(Session& session, const CompareOptions& options) {
+    options.outputs.check();
+    if (options.no_wait && (options.outputs.any() || options.wait.timeout_seconds > 0))
+        throw Failure(ExitCode::Usage, "--no-wait saves nothing and needs no --timeout",
+                      "photonctl comparisons fetch saves it later");
+    json request = build_request(session, options);
+    send_parts(session, request, options.request);
+    const json accepted = submit(session, "/v1/comparisons", request, options.request.idempotency_key);
+    const std::string id = accepted.at("id").get<std::string>();
+    if (!options.no_wait) return finish_comparison(session, id, options.wait, options.outputs, false);
+    if (session.json_output)
+        session.print_json(accepted);
+    else
+        std::cout << id << '\n';
+    session.remark("watch it: photonctl comparisons watch " + id);
+    return ExitCode::Ok;
+}
+
+}  // namespace
+
+void add_compare_command(CLI::App& program, Session& session) {
+    CLI::App* command = program.add_subcommand(
+        "compare", "Which method reaches which error first on a scene: render with each, measure, report");
+    const auto options = std::make_shared<CompareOptions>();
+    const auto add_list = [&](const char* name, std::vector<std::string>& value, const char* text, const char* type) {
+        command->add_option(name, value, text)->type_name(type)->expected(1)->take_all();
+    };
+    add_source_options(*command, options->request);
+    add_list(
+        "--entry", options->entries,
+        "what is compared, once for each: 'photon mapping=photon_mapping,photons=200000'; METHOD@DEVICE says where",
+        kEntryKind);
+    add_list("--sweep", options->sweeps, "try an entry with each of these values; several sweeps of one entry multiply",
+             "LABEL:NAME=VALUE,VALUE");
+    command->add_option("--seeds", options->seeds, "repeat every job with each of these, for error bars; default: 1")
+        ->type_name("INT,INT")
+        ->expected(1)
+        ->delimiter(',')
+        ->take_all();
+    add_stop_options(*command, options->request.stop, "stop each job after this many samples a pixel");
+    add_image_options(*command, options->request, {});
+    add_report_options(*command, options->outputs);
+    command->add_flag("--no-wait", options->no_wait, "print the comparison's id and leave");
+    add_wait_options(*command, options->wait);
+    add_view_options(*command, options->request);
+    command->callback(
+        [&session, options] { session.action = [&session, options] { return compare(session, *options); }; });
+}
+
+}  // namespace photond::cli

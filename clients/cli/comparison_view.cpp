@@ -1,0 +1,295 @@
+#include "clients/cli/comparison_view.h"
+
+#include <algorithm>
+#include <functional>
+#include <optional>
+#include <ostream>
+#include <set>
+
+#include "clients/cli/text_table.h"
+#include "clients/cli/units.h"
+
+namespace photond::cli {
+
+using nlohmann::json;
+
+namespace {
+
+constexpr size_t kMostRowsAcross = 4;  // more are written down the page
+constexpr size_t kMostColumns = 6;     // of places then
+
+json member(const json& object, const char* key) {
+    return object.is_object() && object.contains(key) ? object[key] : json();
+}
+
+/// A figure with its interval; empty where the row has none.
+struct Figure {
+    double value = 0;
+    std::optional<double> low, high;
+};
+
+/// The metrics of the tables, in the order they were asked for.
+std::vector<std::string> metrics_of(const json& comparison) {
+    std::vector<std::string> metrics;
+    for (const json& metric : member(member(comparison, "request"), "metrics")) metrics.push_back(plain_text(metric));
+    return metrics;
+}
+
+/// One of the two kinds of table: `kind` is the member of a row, `at` what its columns are of, `value` what they hold.
+struct Curve {
+    const char* kind;
+    const char* at;
+    const char* value;
+};
+constexpr Curve kTimeToError{"time_to_error", "error", "seconds"};
+constexpr Curve kErrorAtTime{"error_at_time", "seconds", "error"};
+
+json points_of(const json& row, const Curve& curve, const std::string& metric) {
+    const json points = member(member(row, curve.kind), metric.c_str());
+    return points.is_array() ? points : json::array();
+}
+
+/// Where any row has a figure, rising.
+std::set<double> places(const json& table, const Curve& curve, const std::string& metric) {
+    std::set<double> found;
+    for (const json& row : table)
+        for (const json& point : points_of(row, curve, metric))
+            if (member(point, curve.at).is_number() && member(point, curve.value).is_number())
+                found.insert(point[curve.at].get<double>());
+    return found;
+}
+
+std::optional<Figure> figure_at(const json& row, const Curve& curve, const std::string& metric, double place) {
+    for (const json& point : points_of(row, curve, metric)) {
+        if (!member(point, curve.at).is_number() || point[curve.at].get<double>() != place) continue;
+        if (!member(point, curve.value).is_number()) return std::nullopt;
+        Figure figure{point[curve.value].get<double>(), {}, {}};
+        if (member(point, "low").is_number()) figure.low = point["low"].get<double>();
+        if (member(point, "high").is_number()) figure.high = point["high"].get<double>();
+        return figure;
+    }
+    return std::nullopt;
+}
+
+using Format = std::function<std::string(double)>;
+
+std::string cell(const std::optional<Figure>& figure, const Format& format) {
+    if (!figure) return "-";
+    std::string text = format(figure->value);
+    if (figure->low && figure->high) text += " (" + format(*figure->low) + " to " + format(*figure->high) + ")";
+    return text;
+}
+
+/// What is asked of one metric of the table: where its figures are, and how places and figures are written.
+struct CurveTable {
+    const json& rows;
+    const Curve& curve;
+    const std::string& metric;
+    Format place_text, figure_text;
+
+    std::string cell_at(const json& row, double place) const {
+        return cell(figure_at(row, curve, metric, place), figure_text);
+    }
+};
+
+/// Places down, rows across: for few rows, with their intervals.
+void print_places_down(std::ostream& out, const CurveTable& table, const std::string& title,
+                       const std::vector<double>& places) {
+    std::vector<TextTable::Column> heads{{title, Align::Right}};
+    for (const json& row : table.rows) heads.push_back({comparison_row_name(row), Align::Right});
+    TextTable text(heads);
+    for (const double place : places) {
+        std::vector<std::string> cells{table.place_text(place)};
+        for (const json& row : table.rows) cells.push_back(table.cell_at(row, place));
+        text.add_row(std::move(cells));
+    }
+    text.print(out << '\n', "  ");
+}
+
+/// Rows down, places across: for sweeps. Only so many places fit a line, without intervals; evenly chosen, the hardest
+/// among them.
+void print_rows_down(std::ostream& out, const CurveTable& table, const std::string& title,
+                     const std::vector<double>& places) {
+    std::vector<double> chosen;
+    for (size_t i = std::min(places.size(), kMostColumns); i > 0; --i)
+        chosen.push_back(places[places.size() - 1 - (i - 1) * places.size() / std::min(places.size(), kMostColumns)]);
+    std::vector<TextTable::Column> heads{{title}};
+    for (const double place : chosen) heads.push_back({table.place_text(place), Align::Right});
+    TextTable text(heads);
+    for (const json& row : table.rows) {
+        std::vector<std::string> cells{comparison_row_name(row)};
+        for (const double place : chosen) {
+            const std::optional<Figure> figure = figure_at(row, table.curve, table.metric, place);
+            cells.push_back(figure ? table.figure_text(figure->value) : "-");
+        }
+        text.add_row(std::move(cells));
+    }
+    text.print(out << '\n', "  ");
+}
+
+void print_curve(std::ostream& out, const CurveTable& table, const std::string& title,
+                 const std::vector<double>& places) {
+    if (places.empty()) return;
+    if (table.rows.size() <= kMostRowsAcross)
+        print_places_down(out, table, title, places);
+    else
+        print_rows_down(out, table, title, places);
+}
+
+/// What each row ended with and what it cost.
+void print_ends(std::ostream& out, const json& rows, const std::vector<std::string>& metrics) {
+    std::vector<TextTable::Column> heads{{"at the end"}, {"passes", Align::Right}};
+    for (const std::string& metric : metrics) heads.push_back({metric, Align::Right});
+    for (const char* head : {"peak memory", "efficiency"}) heads.push_back({head, Align::Right});
+    heads.push_back({"Pareto front"});
+    TextTable text(heads);
+    for (const json& row : rows) {
+        const json passes = member(row, "passes");
+        std::vector<std::string> cells{comparison_row_name(row), plain_text(member(passes, "min"))};
+        if (member(passes, "max") != member(passes, "min")) cells.back() += " to " + plain_text(passes["max"]);
+        for (const std::string& metric : metrics) {
+            const json error = member(member(row, "error"), metric.c_str());
+            const json value = member(error, "value");
+            cells.push_back(value.is_number() ? three_digit_number(value.get<double>()) : "-");
+            if (member(error, "near_reference") == true) cells.back() += "!";
+        }
+        const json bytes = member(row, "peak_bytes");
+        const json efficiency = member(row, "efficiency");
+        cells.push_back(bytes.is_number() ? human_bytes(bytes.get<double>()) : "-");
+        cells.push_back(efficiency.is_number() ? three_digit_number(efficiency.get<double>()) : "-");
+        cells.push_back(member(row, "pareto") == true ? "*" : "");
+        text.add_row(std::move(cells));
+    }
+    text.print(out << '\n', "  ");
+}
+
+/// The reference's own noise, and what it spoils.
+void print_noise(std::ostream& out, const json& rows, const std::vector<std::string>& metrics) {
+    for (const std::string& metric : metrics) {
+        std::optional<double> noise;
+        std::string spoilt;
+        for (const json& row : rows) {
+            const json error = member(member(row, "error"), metric.c_str());
+            if (member(error, "reference").is_number()) noise = error["reference"].get<double>();
+            if (member(error, "near_reference") == true)
+                spoilt += (spoilt.empty() ? "" : "; ") + comparison_row_name(row);
+        }
+        if (!noise) continue;
+        out << "  the reference's own noise: " << metric << ' ' << three_digit_number(*noise) << '\n';
+        if (!spoilt.empty())
+            out << "  ! within three times that noise, which then is part of the figure: " << spoilt << '\n';
+    }
+}
+
+struct Arrival {
+    std::string name;
+    Figure seconds;
+};
+
+/// Rows that reach `error`, quickest first; the names of those that do not are added to `missing`.
+std::vector<Arrival> arrivals_at(const json& table, const std::string& metric, double error,
+                                 std::vector<std::string>& missing) {
+    std::vector<Arrival> arrivals;
+    for (const json& row : table) {
+        const std::string name = comparison_row_name(row);
+        if (const auto seconds = figure_at(row, kTimeToError, metric, error))
+            arrivals.push_back({name, *seconds});
+        else
+            missing.push_back(name);
+    }
+    std::stable_sort(arrivals.begin(), arrivals.end(),
+                     [](const Arrival& a, const Arrival& b) { return a.seconds.value < b.seconds.value; });
+    return arrivals;
+}
+
+bool overlap(const Figure& a, const Figure& b) {
+    return a.low && a.high && b.low && b.high && *a.high >= *b.low && *b.high >= *a.low;
+}
+
+/// Who reaches an error first, or which two are too close to call.
+struct Outcome {
+    double error = 0;
+    std::vector<Arrival> arrivals;     // quickest first
+    std::vector<std::string> missing;  // rows that do not reach it
+    bool close = false;                // the intervals of the two quickest overlap
+
+    /// Whether it says the same of another error: an easier one needs no sentence of its own.
+    bool same_leader(const Outcome& other) const {
+        return close == other.close && arrivals.front().name == other.arrivals.front().name &&
+               (!close || arrivals[1].name == other.arrivals[1].name);
+    }
+};
+
+Outcome outcome_at(const json& table, const std::string& metric, double error) {
+    Outcome outcome;
+    outcome.error = error;
+    outcome.arrivals = arrivals_at(table, metric, error, outcome.missing);
+    outcome.close = outcome.arrivals.size() > 1 && overlap(outcome.arrivals[0].seconds, outcome.arrivals[1].seconds);
+    return outcome;
+}
+
+/// `easiest`: the largest error in a row of which the same is true.
+std::string sentence_of(const Outcome& outcome, const std::string& metric, double easiest) {
+    const std::vector<Arrival>& arrivals = outcome.arrivals;
+    const std::string goal = metric + " " + three_digit_number(outcome.error);
+    const auto named = [](const Arrival& arrival) {
+        return arrival.name + ": " + human_seconds(arrival.seconds.value);
+    };
+    std::string others;
+    const auto add = [&others](const std::string& text) { others += (others.empty() ? "" : "; ") + text; };
+    for (size_t i = outcome.close ? 2 : 1; i < arrivals.size(); ++i) add(named(arrivals[i]));
+    for (const std::string& name : outcome.missing) add(name + ": not in its time");
+    std::string sentence =
+        outcome.close
+            ? "too close to call at " + goal + ": " + named(arrivals[0]) + "; " + named(arrivals[1])
+            : arrivals[0].name + " reaches " + goal + " first, after " + human_seconds(arrivals[0].seconds.value);
+    if (!others.empty()) sentence += " (" + others + ")";
+    return sentence + (easiest > outcome.error ? ", and likewise from " + three_digit_number(easiest) + " on" : "");
+}
+
+}  // namespace
+
+std::string comparison_row_name(const json& row) {
+    std::string name = plain_text(member(row, "label"));
+    const json parameters = member(row, "parameters");
+    if (!parameters.is_object()) return name;
+    for (const auto& [key, value] : parameters.items()) name += ", " + printable(key) + " " + plain_text(value);
+    return name;
+}
+
+void print_comparison_tables(std::ostream& out, const json& comparison) {
+    const json table = member(comparison, "table");
+    if (!table.is_array() || table.empty()) return;
+    const std::vector<std::string> metrics = metrics_of(comparison);
+    for (const std::string& metric : metrics) {
+        const std::set<double> errors = places(table, kTimeToError, metric);
+        print_curve(out, {table, kTimeToError, metric, three_digit_number, human_seconds}, "time to " + metric,
+                    {errors.rbegin(), errors.rend()});
+        const std::set<double> times = places(table, kErrorAtTime, metric);
+        print_curve(out, {table, kErrorAtTime, metric, human_seconds, three_digit_number}, metric + " after",
+                    {times.begin(), times.end()});
+    }
+    print_ends(out, table, metrics);
+    print_noise(out, table, metrics);
+}
+
+std::vector<std::string> verdicts(const json& comparison) {
+    std::vector<std::string> sentences;
+    const json table = member(comparison, "table");
+    if (!table.is_array() || table.size() < 2) return sentences;
+    for (const std::string& metric : metrics_of(comparison)) {
+        const std::set<double> errors = places(table, kTimeToError, metric);
+        std::vector<Outcome> outcomes;  // the largest error first
+        for (auto error = errors.rbegin(); error != errors.rend(); ++error)
+            outcomes.push_back(outcome_at(table, metric, *error));
+        for (size_t begin = 0; begin < outcomes.size();) {
+            size_t last = begin;
+            while (last + 1 < outcomes.size() && outcomes[last + 1].same_leader(outcomes[begin])) ++last;
+            sentences.push_back(sentence_of(outcomes[last], metric, outcomes[begin].error));
+            begin = last + 1;
+        }
+    }
+    return sentences;
+}
+
+}  // namespace photond::cli

@@ -1,0 +1,71 @@
+#include "clients/cli/method_catalogue.h"
+
+#include <algorithm>
+
+#include "clients/cli/failure.h"
+#include "clients/cli/stop_options.h"
+#include "clients/cli/units.h"
+#include "protocol/nearest_name.h"
+
+namespace photond::cli {
+
+using nlohmann::json;
+
+namespace {
+
+/// The one of that name; else a Failure that says what was meant, or where the names stand.
+template <class T>
+const T& named(const std::vector<T>& list, const std::string& name, const std::string& message,
+               const std::string& otherwise) {
+    const auto found = std::find_if(list.begin(), list.end(), [&](const T& item) { return item.name == name; });
+    if (found != list.end()) return *found;
+    std::vector<std::string> known;
+    for (const T& item : list) known.push_back(item.name);
+    const std::string near = nearest_name(name, known);
+    throw Failure(ExitCode::Usage, message, near.empty() ? otherwise : "did you mean " + near + "?");
+}
+
+}  // namespace
+
+const Parameter& CatalogueMethod::parameter(const std::string& parameter_name) const {
+    return named(parameters, parameter_name, name + " has no parameter " + printable(parameter_name),
+                 "photonctl methods " + name + " lists them");
+}
+
+MethodCatalogue::MethodCatalogue(DaemonClient& daemon) {
+    const json items = daemon.get("/v1/methods").at("items");
+    for (const json& item : items) {
+        CatalogueMethod method{item.value("name", ""), parameters_of(item), {}};
+        for (const json& layer : item.value("layers", json::array())) method.layers.push_back(plain_text(layer));
+        methods_.push_back(std::move(method));
+    }
+}
+
+const CatalogueMethod& MethodCatalogue::method(const std::string& name) const {
+    return named(methods_, name, "the daemon has no method " + printable(name), "photonctl methods lists them");
+}
+
+json MethodCatalogue::method_from(const std::string& text) const {
+    const std::vector<std::string> pieces = split(text, ',');
+    const size_t at = pieces.front().find('@');
+    const CatalogueMethod& found = method(pieces.front().substr(0, at));
+    json wire{{"name", found.name}};
+    if (at != std::string::npos) wire["device"] = pieces.front().substr(at + 1);
+    for (size_t i = 1; i < pieces.size(); ++i) {
+        const auto [name, value] = key_and_value(pieces[i], text.c_str());
+        wire["parameters"][name] = found.parameter(name).parse(value);
+    }
+    return wire;
+}
+
+std::vector<std::string> split(const std::string& text, char separator) {
+    std::vector<std::string> pieces;
+    for (size_t begin = 0; begin <= text.size();) {
+        const size_t end = std::min(text.find(separator, begin), text.size());
+        pieces.push_back(text.substr(begin, end - begin));
+        begin = end + 1;
+    }
+    return pieces;
+}
+
+}  // namespace photond::cli

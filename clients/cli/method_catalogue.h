@@ -1,0 +1,41 @@
+#pragma once
+// The daemon's methods as command lines name them: METHOD[@DEVICE][,PARAMETER=VALUE...], checked before anything is
+// sent.
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "clients/cli/daemon_client.h"
+#include "clients/cli/parameter_schema.h"
+
+namespace photond::cli {
+
+struct CatalogueMethod {
+    std::string name;
+    std::vector<Parameter> parameters;
+    std::vector<std::string> layers;  // on request
+
+    /// Throws Failure(Usage) with the nearest name.
+    const Parameter& parameter(const std::string& parameter_name) const;
+};
+
+class MethodCatalogue {
+public:
+    /// Asks the daemon. Throws Failure.
+    explicit MethodCatalogue(DaemonClient& daemon);
+
+    /// Throws Failure(Usage) with the nearest name.
+    const CatalogueMethod& method(const std::string& name) const;
+    /// The wire's `method`: {"name", "device", "parameters"}, the latter two where the text has them. Throws
+    /// Failure(Usage).
+    nlohmann::json method_from(const std::string& text) const;
+
+private:
+    std::vector<CatalogueMethod> methods_;
+};
+
+/// The pieces of "a,b,c".
+std::vector<std::string> split(const std::string& text, char separator);
+
+}  // namespace photond::cli
