@@ -233,7 +233,7 @@ void Film::merge(const Film& other) {
     for (size_t i = 0; i < hits_.size(); ++i) hits_[i] += other.hits_[i];
     passes_ += other.passes_;
     nan_count_ += other.nan_count_, infinity_count_ += other.infinity_count_;
-    next_pass_ = pass_ranges_.end();
+    if (passes_ > 0) next_pass_ = pass_ranges_.end();
 }
 
 std::vector<float> Film::resolve(Layer layer) const {

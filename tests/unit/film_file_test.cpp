@@ -1,0 +1,265 @@
+// What a film's file gives back, of this version and of older ones, and that no damage passes for a film.
+
+#include "renderer/film/film_file.h"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <csignal>
+#include <cstring>
+#include <fstream>
+
+#include "protocol/error.h"
+#include "renderer/core/sha256.h"
+#include "tests/support/random_film.h"
+#include "tests/support/temporary_folder.h"
+
+namespace photond {
+namespace {
+
+using test::film_of;
+using test::film_of_range;
+
+const FilmIdentity kIdentity{"scene 1", "settings of path_tracing", "cpu, version 1"};
+const std::string kHistory = R"({"seconds": 1.5})";
+
+std::string digest_of(const std::string& bytes) { return sha256_hex(bytes.data(), bytes.size()).substr(0, 32); }
+
+template <class Value>
+std::string raw(Value value) {
+    return {reinterpret_cast<const char*>(&value), sizeof value};
+}
+
+class FilmFileTest : public testing::Test {
+    const TemporaryFolder folder_;
+
+protected:
+    const std::filesystem::path path = folder_.path() / "film";
+
+    std::string bytes() const {
+        std::ifstream in(path, std::ios::binary);
+        return {std::istreambuf_iterator<char>(in), {}};
+    }
+    void write(const std::string& content) const {
+        std::ofstream(path, std::ios::binary | std::ios::trunc).write(content.data(), std::streamsize(content.size()));
+    }
+    /// What loading says; empty when it is content.
+    std::string refusal(ErrorCode expected = ErrorCode::Internal) const {
+        try {
+            (void)FilmFile::load(path);
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code, expected) << error.what();
+            return error.what();
+        }
+        return "";
+    }
+};
+
+TEST_F(FilmFileTest, GivesTheSameFilmBack) {
+    const Size2 size{211, 97};  // more than one block an array, the last one cut
+    const Film film = film_of(size, LayerSet::all(), {0, 1, 2, 3});
+    FilmFile::save(film, kIdentity, kHistory, path);
+    const SavedFilm loaded = FilmFile::load(path);
+    EXPECT_TRUE(film == loaded.film);
+    EXPECT_EQ(loaded.film.pixel_hash(), film.pixel_hash());
+    EXPECT_EQ(loaded.identity, kIdentity);
+    EXPECT_EQ(loaded.history, kHistory);
+    EXPECT_FALSE(std::filesystem::exists(path.string() + ".part"));
+    try {
+        (void)FilmFile::load(path, film.bytes() - 1);
+        ADD_FAILURE() << "loaded past its limit";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code, ErrorCode::OutOfMemory);
+    }
+}
+
+TEST_F(FilmFileTest, KeepsWhichPassesItHoldsAndGoesOnBehindThem) {
+    const Size2 size{7, 5};
+    Film film = film_of_range(size, LayerSet(), 16, 19);
+    film.merge(film_of_range(size, LayerSet(), 3, 5));
+    FilmFile::save(film, kIdentity, kHistory, path);
+    Film loaded = FilmFile::load(path).film;
+    EXPECT_TRUE(loaded == film);
+    EXPECT_EQ(loaded.pass_ranges().text(), "3-4, 16-18");
+    EXPECT_EQ(loaded.next_pass(), 19u);
+    loaded.add_pass(test::random_pass(size, LayerSet(), 19));
+    EXPECT_EQ(loaded.pass_ranges().text(), "3-4, 16-19");
+    EXPECT_EQ(loaded.passes(), 6u);
+}
+
+TEST_F(FilmFileTest, TextsMayBeEmptyOrHoldAnyBytes) {
+    const Film film = film_of({3, 2}, LayerSet(), {0});
+    for (const std::string& text : {std::string(), std::string("\0\n\xff", 3), std::string(100'000, 'x')}) {
+        FilmFile::save(film, {text, "", text}, text, path);
+        const SavedFilm loaded = FilmFile::load(path);
+        EXPECT_EQ(loaded.identity, (FilmIdentity{text, "", text}));
+        EXPECT_EQ(loaded.history, text);
+        EXPECT_TRUE(loaded.film == film);
+    }
+}
+
+// --- Older versions, by bytes put together here from their format
+
+constexpr uint32_t kEmittedDirectIndirect = 0b111, kDepth = 1u << 7, kPhotonCount = 1u << 9;
+
+std::string header(uint32_t version, uint32_t width, uint32_t height, uint32_t layers, uint32_t passes) {
+    std::string text = "PHOTFILM" + raw(version) + raw(width) + raw(height) + raw(layers) + raw(passes) +
+                       raw(uint32_t{0}) + raw(uint64_t{3}) + raw(uint64_t{2});
+    return text + digest_of(text);
+}
+
+/// A block of whole numbers of that many bytes each, in two's complement.
+std::string block(uint8_t width, const std::vector<FixedSum>& values) {
+    std::string text(1, static_cast<char>(width));
+    for (const FixedSum value : values) text += raw(value).substr(0, width);
+    return text + digest_of(text);
+}
+
+constexpr FixedSum kOne = FixedSum{1} << 64;
+
+/// Two pixels, two passes of emitted 1, 0, 0.5; direct -2 in the first pixel's red; indirect 0; depth 3 in the second.
+std::string old_film(uint32_t version, uint32_t extra_layers = 0) {
+    const std::vector<FixedSum> nothing(6, 0), squares_emitted{2 * kOne, 0, kOne / 2, 2 * kOne, 0, kOne / 2};
+    std::vector<FixedSum> squares_beauty = squares_emitted;
+    squares_beauty[0] = 2 * kOne;  // (1 - 2)^2
+    return header(version, 2, 1, kEmittedDirectIndirect | kDepth | extra_layers, 2) +
+           block(9, {2 * kOne, 0, kOne, 2 * kOne, 0, kOne}) + block(16, {-4 * kOne, 0, 0, 0, 0, 0}) +
+           block(1, nothing) + block(16, {0, 6 * kOne}) + block(9, squares_beauty) +
+           block(12, {8 * kOne, 0, 0, 0, 0, 0}) + block(1, nothing) + block(4, {0, 2});
+}
+
+TEST_F(FilmFileTest, ReadsTheVersionsBeforeIdentity) {
+    LayerSet layers;
+    layers.add(Layer::Depth);
+    Film film({2, 1}, layers);
+    PassImage pass({2, 1}, layers);
+    pass.emitted = {Rgb(1, 0, 0.5f), Rgb(1, 0, 0.5f)};
+    pass.direct[0].x = -2;
+    pass.hit[1] = 1, pass.depth[1] = 3;
+    for (int p = 0; p < 2; ++p) film.add_pass(pass);
+    for (const uint32_t version : {1u, 2u}) {
+        write(old_film(version));
+        const SavedFilm loaded = FilmFile::load(path);
+        EXPECT_EQ(loaded.film.resolve_beauty(), film.resolve_beauty());
+        EXPECT_EQ(loaded.film.resolve(Layer::Depth), (std::vector<float>{0, 3}));
+        EXPECT_EQ(loaded.film.pass_variance_beauty(), std::vector<float>(6, 0.0f));
+        EXPECT_EQ(loaded.film.pixel_hash(), film.pixel_hash());
+        EXPECT_EQ(loaded.film.nan_count(), 3u);
+        EXPECT_EQ(loaded.film.infinity_count(), 2u);
+        EXPECT_EQ(loaded.film.pass_ranges().text(), "0-1");
+        EXPECT_EQ(loaded.film.next_pass(), 2u);
+        EXPECT_EQ(loaded.identity, FilmIdentity());
+        EXPECT_EQ(loaded.history, "");
+    }
+    write(old_film(2).substr(0, 80 + 40));
+    EXPECT_NE(refusal().find("cut short"), std::string::npos);
+    write(old_film(1, kPhotonCount));  // a layer that version did not have
+    EXPECT_NE(refusal().find("layers"), std::string::npos);
+    write(old_film(4));
+    EXPECT_NE(refusal(ErrorCode::Unsupported).find("reads 1 to 3"), std::string::npos);
+    write(old_film(0));
+    EXPECT_NE(refusal(ErrorCode::Unsupported).find("version 0"), std::string::npos);
+}
+
+// --- Damage
+
+TEST_F(FilmFileTest, RefusesEveryDamage) {
+    Film film = film_of_range({9, 5}, LayerSet::all(), 4, 6);
+    film.merge(film_of_range({9, 5}, LayerSet::all(), 0, 1));
+    FilmFile::save(film, kIdentity, kHistory, path);
+    const std::string good = bytes();
+    ASSERT_EQ(refusal(), "");
+    const size_t texts = kIdentity.scene.size() + kIdentity.settings.size() + kIdentity.device.size() + kHistory.size();
+    const size_t sums_at = 80 + texts + 2 * sizeof(PassRanges::Range) + 5 * (sizeof(uint64_t) + 32);
+    for (size_t at = 0; at < good.size(); at += at < sums_at ? 1 : 61)  // every byte of what comes before the sums
+        for (const char bit : {'\x01', '\x10'}) {
+            std::string changed = good;
+            changed[at] = static_cast<char>(changed[at] ^ bit);
+            write(changed);
+            EXPECT_NE(refusal(), "") << "byte " << at;
+        }
+    for (size_t length = 0; length < good.size(); length += length < sums_at ? 7 : 173) {
+        write(good.substr(0, length));
+        EXPECT_NE(refusal(), "") << "cut to " << length;
+    }
+    write(good + "x");
+    EXPECT_NE(refusal(), "");
+}
+
+/// One of the parts of version 3 between header and sums.
+std::string part(const std::string& content) {
+    const std::string text = raw(uint64_t{content.size()}) + content;
+    return text + digest_of(text);
+}
+
+TEST_F(FilmFileTest, RefusesRangesThatAreNotOfItsPasses) {
+    const std::string texts = part("scene") + part("settings") + part("device") + part("{}");
+    const std::string sums = old_film(2).substr(80), start = header(3, 2, 1, kEmittedDirectIndirect | kDepth, 2);
+    const auto range = [](uint32_t first, uint32_t end) { return raw(first) + raw(end); };
+    write(start + texts + part(range(5, 6) + range(9, 10)) + sums);
+    EXPECT_EQ(FilmFile::load(path).film.pass_ranges().text(), "5, 9");
+    for (const std::string& wrong :
+         {range(0, 1), range(0, 3), range(1, 1) + range(4, 6), range(5, 6) + range(5, 6), range(9, 10) + range(5, 6),
+          range(5, 6) + range(6, 7), range(5, 6) + range(9, 10) + "abc", range(0, 2).substr(0, 4), std::string()}) {
+        write(start + texts + part(wrong) + sums);
+        EXPECT_NE(refusal(), "") << testing::PrintToString(wrong);
+    }
+    std::string endless = start + raw(uint64_t{1} << 62);  // a length that no memory holds
+    write(endless + texts + sums);
+    EXPECT_NE(refusal(), "");
+}
+
+TEST_F(FilmFileTest, AFullDiskIsNamedAndLeavesNothing) {
+    const Film film = film_of({128, 128}, LayerSet(), {0});
+    signal(SIGXFSZ, SIG_IGN);
+    rlimit before{};
+    getrlimit(RLIMIT_FSIZE, &before);
+    rlimit small = before;
+    small.rlim_cur = 100'000;
+    setrlimit(RLIMIT_FSIZE, &small);
+    try {
+        FilmFile::save(film, kIdentity, kHistory, path);
+        ADD_FAILURE() << "saved past the limit";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code, ErrorCode::NoSpace) << error.what();
+    }
+    setrlimit(RLIMIT_FSIZE, &before);
+    EXPECT_FALSE(std::filesystem::exists(path));
+    EXPECT_FALSE(std::filesystem::exists(path.string() + ".part"));
+}
+
+// --- What belongs together
+
+std::string difference(const FilmIdentity& a, const FilmIdentity& b) {
+    try {
+        require_alike(a, b);
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code, ErrorCode::Conflict);
+        return error.what();
+    }
+    return "";
+}
+
+TEST(FilmIdentity, NamesWhatDiffersAndShowsBoth) {
+    EXPECT_EQ(difference(kIdentity, kIdentity), "");
+    FilmIdentity other = kIdentity;
+    other.scene = "scene 2";
+    const std::string scene = difference(kIdentity, other);
+    for (const char* named : {"scene", "scene 1", "scene 2"}) EXPECT_NE(scene.find(named), std::string::npos) << scene;
+    other = kIdentity, other.settings = "settings of photon_mapping";
+    EXPECT_NE(difference(kIdentity, other).find("settings"), std::string::npos);
+    EXPECT_EQ(difference(kIdentity, other).find("scene"), std::string::npos);
+    other = kIdentity, other.device = "cpu, version 2";
+    const std::string device = difference(kIdentity, other);
+    for (const char* named : {"device", "version 1", "version 2"})
+        EXPECT_NE(device.find(named), std::string::npos) << device;
+}
+
+TEST(FilmIdentity, AnEmptyOneIsLikeNothing) {
+    EXPECT_NE(difference({}, kIdentity), "");
+    EXPECT_NE(difference(kIdentity, {}), "");
+    EXPECT_NE(difference({}, {}), "");
+}
+
+}  // namespace
+}  // namespace photond
