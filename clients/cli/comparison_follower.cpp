@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kPollEvery{300};
 
-/// Asks again and again. Jobs of a comparison run in their order, so that one of them is asked for at a time.
+/// Asks again and again; of its jobs, and of the reference they wait for, only the one that runs.
 class ComparisonFollower {
 public:
     using Listener = std::function<void(const json& comparison, const ComparisonProgress& progress)>;
@@ -41,21 +41,25 @@ private:
         ComparisonProgress progress;
         const json jobs = comparison.value("jobs", json::array());
         progress.all = jobs.size();
-        for (; done_ < jobs.size() && jobs[done_].value("id", json()).is_string(); ++done_) {
-            const json job = daemon_.get(resource_path("jobs", jobs[done_]["id"].get<std::string>()));
-            if (is_over(job)) continue;
-            progress.job = job;
-            progress.name =
-                comparison_row_name(jobs[done_]) + ", seed " + plain_text(jobs[done_].value("seed", json()));
-            break;
+        const json* next = nullptr;  // the one that runs, else the first that waits
+        for (const json& job : jobs) {
+            progress.done += is_over(job);
+            if (!is_over(job) && (next == nullptr || job.value("state", "") == "running")) next = &job;
         }
-        progress.done = done_;
+        if (next == nullptr) return progress;
+        const json reference = comparison.value("reference", json());
+        if (reference.is_object() && reference.value("state", json()) == "running") {
+            progress.name = "the reference";
+            progress.job = daemon_.get(resource_path("jobs", reference.at("job").get<std::string>()));
+        } else {
+            progress.name = comparison_row_name(*next) + ", seed " + plain_text(next->value("seed", json()));
+            progress.job = daemon_.get(resource_path("jobs", next->at("id").get<std::string>()));
+        }
         return progress;
     }
 
     DaemonClient& daemon_;
     std::string path_;
-    size_t done_ = 0;
 };
 
 json follow(Session& session, const std::string& id, const ComparisonFollower::Listener& listener) {
@@ -128,6 +132,8 @@ void print_comparison(const Session& session, const json& comparison) {
                                 plain_text(image.value("height", json()))});
     table.add_row({"reference", reference_text(request.value("reference", json()))});
     table.add_row({"each job", stop_text(request.value("stop", json()))});
+    const json overhead = comparison.value("overhead_seconds", json());
+    if (overhead.is_number()) table.add_row({"beside their clocks", human_seconds(overhead.get<double>())});
     table.print(std::cout, "  ");
     print_comparison_tables(std::cout, comparison);
     const std::vector<std::string> sentences = verdicts(comparison);

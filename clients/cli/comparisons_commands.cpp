@@ -28,6 +28,17 @@ std::string labels_of(const json& request) {
     return labels;
 }
 
+/// "3/6": of its jobs those that are over.
+std::string jobs_of(const json& comparison) {
+    uint64_t over = 0, all = 0;
+    const json states = comparison.value("job_states", json::object());
+    for (const auto& [state, count] : states.items()) {
+        all += count.get<uint64_t>();
+        if (state == "succeeded" || state == "failed" || state == "cancelled") over += count.get<uint64_t>();
+    }
+    return std::to_string(over) + "/" + std::to_string(all);
+}
+
 ExitCode list_comparisons(Session& session, const ComparisonsOptions& options) {
     TextTable table({{"COMPARISON"},
                      {"STATE"},
@@ -43,12 +54,10 @@ ExitCode list_comparisons(Session& session, const ComparisonsOptions& options) {
         }
         const json request = comparison.value("request", json::object());
         const json image = request.value("image", json::object());
-        const json jobs = comparison.value("jobs", json());
         table.add_row({plain_text(comparison.value("id", json())), plain_text(comparison.value("state", json())),
                        plain_text(request.value("scene", json())),
                        plain_text(image.value("width", json())) + "x" + plain_text(image.value("height", json())),
-                       jobs.is_array() ? std::to_string(jobs.size()) : "-", labels_of(request),
-                       human_time(comparison.value("created", json()))});
+                       jobs_of(comparison), labels_of(request), human_time(comparison.value("created", json()))});
     }
     if (!session.json_output) table.print(std::cout);
     return ExitCode::Ok;

@@ -43,8 +43,7 @@ ExitCode measure(Session& session, const std::string& image, const std::string& 
         return ExitCode::Ok;
     }
     print_errors(std::cout, answer.at("metrics"), answer.value("reference_error", json()));
-    for (const json& warning : answer.value("warnings", json::array()))
-        std::cout << "  warning: " << plain_text(warning) << '\n';
+    for (const json& note : answer.value("notes", json::array())) std::cout << "  note: " << plain_text(note) << '\n';
     return ExitCode::Ok;
 }
 
@@ -72,9 +71,8 @@ void add_film_commands(CLI::App& program, Session& session) {
     metrics_command->add_option("reference", images->second, "what it is measured against, likewise")
         ->required()
         ->type_name("IMAGE");
-    add_metrics_option(
-        *metrics_command, *metrics,
-        "which ones, separated by commas; LAYER:METRIC is of one layer; default: those that cost little");
+    add_metrics_option(*metrics_command, *metrics,
+                       "which ones, separated by commas; LAYER:METRIC is of one layer; default: all, of the beauty");
     metrics_command->callback([&session, images, metrics] {
         session.action = [&session, images, metrics] {
             return measure(session, images->first, images->second, *metrics);

@@ -130,8 +130,7 @@ void ComparisonProgressView::show(const json& comparison, const ComparisonProgre
     const std::string count = std::to_string(progress.done) + "/" + std::to_string(progress.all) + " jobs";
     const bool runs = progress.job.is_object() && progress.job.value("state", "") == "running";
     std::string now;
-    if (progress.job.is_object())
-        now = runs ? progress.name : progress.name + " waits (for the reference, or another job)";
+    if (progress.job.is_object()) now = runs ? progress.name : progress.name + " waits";
     if (terminal_) {
         const double share = progress.job.is_object() ? number(progress.job, "progress") : 0;
         const double all = static_cast<double>(std::max<size_t>(progress.all, 1));
