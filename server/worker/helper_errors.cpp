@@ -179,10 +179,11 @@ public:
         } else {
             const MeasuredLayer& measured = layer_of(layer);
             values_[name] = value_json(*measured.meter, pair_.image.layers.at(layer), metric, why);
+            // Fireflies are an image's own: added noise makes none, and what the reference has explains none.
+            const bool known = !measured.noisy_reference.empty() && metric != Metric::FireflyCount;
             std::string why_not;  // as for the image
-            reference_error_[name] = measured.noisy_reference.empty()
-                                         ? json(nullptr)
-                                         : value_json(*measured.meter, measured.noisy_reference, metric, why_not);
+            reference_error_[name] =
+                known ? value_json(*measured.meter, measured.noisy_reference, metric, why_not) : json(nullptr);
         }
         if (!why.empty()) note(name + ": " + why);
     }

@@ -199,10 +199,11 @@ TEST_F(HelperErrors, TheNoiseOfAFilmIsStatedAndWarnedOf) {
     const double expected = meter.measure(Metric::Rmse, with_own_noise(r, standard_error, 1)).front();
 
     const std::vector<float> other = random_pixels(size, 9);
-    const json far =
-        measure(image("x.exr", size, {{"beauty", other}, {"emitted", other}}), reference, {"rmse", "emitted:rmse"});
+    const json far = measure(image("x.exr", size, {{"beauty", other}, {"emitted", other}}), reference,
+                             {"rmse", "emitted:rmse", "firefly_count"});
     EXPECT_NEAR(far["reference_error"]["rmse"].get<double>(), expected, 1e-9);
     EXPECT_TRUE(far["reference_error"]["emitted:rmse"].is_null());
+    EXPECT_TRUE(far["reference_error"]["firefly_count"].is_null());
     EXPECT_FALSE(mentions(far["notes"], "rmse is "));
     std::vector<float> near = r;
     for (float& value : near) value += static_cast<float>(expected);
