@@ -83,7 +83,7 @@ TEST_F(JobErrors, ReferencesDrawNumbersOfTheirOwn) {
     const std::string reference = hash(run(message));
     EXPECT_NE(reference, own);
     EXPECT_EQ(hash(run(message)), reference);
-    message["request"]["seed"] = 2;
+    message["request"]["seed"] = 2u;
     EXPECT_NE(hash(run(message)), reference);
     message = order();
     message["streams"] = "job";
@@ -169,10 +169,11 @@ TEST_F(JobErrors, TheCurveIsSentPointByPointAndMeasuringIsOffTheClock) {
 TEST_F(JobErrors, AWarningWhereTheReferenceIsNoBetter) {
     const json source = reference(8);
     const json alike = run(measured_order(source, {{"stop", {{"passes", 8}}}}));
-    EXPECT_TRUE(logged(alike, "relative_mse is ")) << alike["log"].dump(1);
+    EXPECT_TRUE(logged(alike, "rmse is ") && logged(alike, "times what the reference's own noise explains"))
+        << alike["log"].dump(1);
     EXPECT_FALSE(alike["statistics"]["reference"]["warnings"].empty());
     const json worse = run(measured_order(reference(256), {{"stop", {{"passes", 1}}}}));
-    EXPECT_FALSE(logged(worse, "relative_mse is ")) << worse["log"].dump(1);
+    EXPECT_FALSE(logged(worse, "own noise explains")) << worse["log"].dump(1);
     EXPECT_TRUE(worse["statistics"]["reference"]["warnings"].empty());
 }
 
@@ -264,7 +265,7 @@ TEST_F(JobErrors, OtherFilmsAreNamedAndTheJobBeginsAnew) {
         save_after(order(changes), 2, "other.film");
         return "other.film";
     };
-    begins_anew(changed({{"seed", 2}}), "settings");
+    begins_anew(changed({{"seed", 2u}}), "settings");
     begins_anew(changed({{"layers", {"depth"}}}), "settings");
     begins_anew(changed({{"image", {{"filter", "gaussian"}}}}), "settings");
     begins_anew(changed({{"first_pass", 1}}), "passes 1-2");
@@ -304,7 +305,7 @@ TEST_F(JobErrors, PartsOfAJobAreItsPasses) {
 }
 
 TEST_F(JobErrors, TheFilmIsSavedWhileTheJobRuns) {
-    json message = order({{"stop", {{"seconds", 0.3}}}});
+    json message = order({{"stop", {{"seconds", 0.3}, {"passes", nullptr}}}});
     message["save_seconds"] = 0;
     const json finished = run(message);
     size_t saved = 0;
