@@ -5,11 +5,6 @@ namespace {
 
 using nlohmann::json;
 
-std::optional<double> number_of(const json& object, const char* key) {
-    const auto found = object.find(key);
-    return found != object.end() && found->is_number() ? std::optional(found->get<double>()) : std::nullopt;
-}
-
 std::optional<uint64_t> count_of(const json& object, const char* key) {
     const auto found = object.find(key);
     return found != object.end() && found->is_number_unsigned() ? std::optional(found->get<uint64_t>()) : std::nullopt;
@@ -52,6 +47,7 @@ void add_measurements(MeasuredJob& job, const json& curve, const json& statistic
     job.peak_bytes = peak_bytes(statistics.value("memory", json::object()));
     const json counts = statistics.value("counts", json::object());
     job.photons = count_of(counts, "photons_emitted");
+    if (job.photons == 0) job.photons.reset();  // a method without photons
 }
 
 }  // namespace photond

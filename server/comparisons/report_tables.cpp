@@ -42,6 +42,7 @@ struct Figures {
     const char* reaching;  // "reached it"
     std::function<const std::optional<LogMean>&(size_t row, size_t column)> mean;
     std::function<size_t(size_t row, size_t column)> reached;
+    std::function<bool(size_t row, size_t column)> at_most = [](size_t, size_t) { return false; };
 };
 
 std::string figures_table(const ComparisonTable& table, const Figures& figures, const std::string& caption) {
@@ -61,12 +62,18 @@ std::string figures_table(const ComparisonTable& table, const Figures& figures, 
                 continue;
             }
             const bool marked = mean->mean == best[c] && table.rows.size() > 1;
-            html +=
-                std::string(marked ? "<td class=\"best\">" : "<td>") + with_interval(*mean, figures.written) + "</td>";
+            html += std::string(marked ? "<td class=\"best\">" : "<td>") + (figures.at_most(r, c) ? "≤ " : "") +
+                    with_interval(*mean, figures.written) + "</td>";
         }
         html += "</tr>";
     }
     return html + "</tbody></table></div>";
+}
+
+/// Where a row is at or below an error from its first point on: its time is an upper bound.
+bool begins_below(const TableRow& row, const std::string& metric, double error) {
+    const std::vector<MeanPoint>& curve = row.mean_curve.at(metric);
+    return !curve.empty() && curve.front().error.mean <= error;
 }
 
 std::string spread_text(const Spread& spread, std::string (*written)(double)) {
@@ -107,9 +114,12 @@ std::string time_to_error_table(const ComparisonTable& table, const std::string&
         return table.rows[r].time_to_error.at(metric)[c].seconds;
     };
     figures.reached = [&](size_t r, size_t c) { return table.rows[r].time_to_error.at(metric)[c].reached; };
+    figures.at_most = [&](size_t r, size_t c) {
+        return begins_below(table.rows[r], metric, table.rows[r].time_to_error.at(metric)[c].error);
+    };
     return figures_table(table, figures,
                          "Time to reach an error of ... and stay there; small: 95 % interval over the seeds; – : not "
-                         "reached by every seed.");
+                         "reached by every seed; ≤ : below it from the first measurement on.");
 }
 
 std::string error_at_time_table(const ComparisonTable& table, const std::string& metric) {
@@ -161,6 +171,7 @@ std::vector<std::string> first_to_reach(const ComparisonTable& table, const std:
                   [&](size_t a, size_t b) { return at(a).seconds->mean < at(b).seconds->mean; });
         const LogMean& first = *at(order[0]).seconds;
         std::string line = short_number(at(order[0]).error) + ": <b>" + name_of(table.rows[order[0]]) + "</b> after " +
+                           (begins_below(table.rows[order[0]], metric, at(order[0]).error) ? "at most " : "") +
                            short_seconds(first.mean);
         if (const std::string spread = interval(first, short_seconds); !spread.empty()) line += " (" + spread + ")";
         if (order.size() == 1) {

@@ -108,6 +108,17 @@ std::vector<ErrorAtTime> errors_at_times(const Curves& curves, const RowRange& r
     return found;
 }
 
+/// The mean of the seeds' last points.
+MeanPoint mean_end(const Curves& curves, const RowRange& row) {
+    std::vector<double> seconds, errors;
+    for (size_t i = row.begin; i < row.end; ++i)
+        if (!curves[i].empty()) {
+            seconds.push_back(curves[i].back().seconds);
+            errors.push_back(curves[i].back().error);
+        }
+    return {log_mean(seconds)->mean, *log_mean(errors)};
+}
+
 std::vector<MeanPoint> mean_curve(const Curves& curves, const RowRange& row) {
     double from = 0, to = std::numeric_limits<double>::infinity();
     const std::vector<TimedError>* first = nullptr;
@@ -117,7 +128,8 @@ std::vector<MeanPoint> mean_curve(const Curves& curves, const RowRange& row) {
         from = std::max(from, curves[i].front().seconds);
         to = std::min(to, curves[i].back().seconds);
     }
-    if (first == nullptr || to < from) return {};
+    if (first == nullptr) return {};
+    if (to < from) return {mean_end(curves, row)};  // measured so rarely that there is no time they share
     std::vector<double> times{from};
     for (const TimedError& point : *first)
         if (point.seconds > from && point.seconds < to) times.push_back(point.seconds);
