@@ -1,54 +1,14 @@
 #include "protocol/openapi.h"
 
 #include "protocol/error.h"
+#include "protocol/openapi_schemas.h"
 #include "protocol/problem.h"
 
 namespace photond {
 namespace {
 
 using nlohmann::json;
-
-json schema_ref(const std::string& name) { return {{"$ref", "#/components/schemas/" + name}}; }
-json typed(const char* type, const char* text = "") {
-    json schema{{"type", type}};
-    if (*text != '\0') schema["description"] = text;
-    return schema;
-}
-json nullable(const char* type, const char* text = "") {
-    json schema = typed(type, text);
-    schema["type"] = {type, "null"};
-    return schema;
-}
-json with_text(json schema, const char* text) {
-    schema["description"] = text;
-    return schema;
-}
-json nullable_ref(const std::string& name) { return {{"anyOf", {schema_ref(name), {{"type", "null"}}}}}; }
-json in_range(json schema, const json& minimum, const json& maximum) {
-    schema["minimum"] = minimum;
-    if (!maximum.is_null()) schema["maximum"] = maximum;
-    return schema;
-}
-json count(const char* text = "") { return in_range(typed("integer", text), 0, nullptr); }
-json list_of(json items) { return {{"type", "array"}, {"items", std::move(items)}}; }
-json map_of(json values) { return {{"type", "object"}, {"additionalProperties", std::move(values)}}; }
-json one_of_words(const std::vector<std::string>& words) { return {{"type", "string"}, {"enum", words}}; }
-
-/// What the service gives: each property is there, null where it does not apply; more may be added later.
-json given(json properties) {
-    json required = json::array();
-    for (const auto& [key, value] : properties.items()) required.push_back(key);
-    return {{"type", "object"}, {"properties", std::move(properties)}, {"required", required}};
-}
-/// What the service takes: nothing beside what is declared.
-json taken(json properties, const std::vector<std::string>& required) {
-    return {{"type", "object"},
-            {"properties", std::move(properties)},
-            {"required", required},
-            {"additionalProperties", false}};
-}
-/// The same where null is as good as absent.
-json or_null(json schema) { return {{"anyOf", {std::move(schema), {{"type", "null"}}}}}; }
+using namespace openapi;
 
 json vector3() {
     return {
@@ -66,6 +26,54 @@ json problem_schema() {
                   {"instance", nullable("string", "the path asked for")},
                   {"errors", list_of(given({{"pointer", typed("string", "JSON pointer into the body (or the glTF)")},
                                             {"detail", typed("string")}}))}});
+}
+
+/// "relative_mse" or "indirect:relative_mse".
+json metric_name(const std::vector<std::string>& metrics, const std::vector<std::string>& layers) {
+    const auto alternatives = [](const std::vector<std::string>& words) {
+        std::string text;
+        for (const std::string& word : words) text += (text.empty() ? "" : "|") + word;
+        return text;
+    };
+    std::vector<std::string> measured = layers;
+    measured.emplace_back("beauty");
+    return {{"type", "string"},
+            {"pattern", "^((" + alternatives(measured) + "):)?(" + alternatives(metrics) + ")$"},
+            {"examples", metrics},  // what clients offer to complete
+            {"description", "a metric of the beauty, or LAYER:METRIC"}};
+}
+
+json stop_schema(const ApiVocabulary& vocabulary) {
+    const json target = taken({{"metric", metric_name(vocabulary.metrics, vocabulary.radiance_layers)},
+                               {"value", in_range(typed("number", "met when the metric is at most this"), 0, 1e30)}},
+                              {"metric", "value"});
+    json stop = taken({{"seconds", or_null(in_range(typed("number", "s"), 1e-3, 1e9))},
+                       {"passes", or_null(in_range(typed("integer"), 1, 1'000'000'000))},
+                       {"target", or_null(target)}},
+                      {});
+    const auto has = [](const char* key, const char* type) {
+        return json{{"properties", {{key, {{"type", type}}}}}, {"required", json::array({key})}};
+    };
+    stop["anyOf"] = {has("seconds", "number"), has("passes", "number"), has("target", "object")};
+    return with_text(stop, "the first one met ends the job; counted from the film's first pass");
+}
+
+json job_method_schema(const ApiVocabulary& vocabulary) {
+    json methods = json::array();
+    for (const ApiVocabulary::Method& method : vocabulary.methods)
+        methods.push_back(taken({{"name", {{"const", method.name}}},
+                                 {"device", {{"type", {"string", "null"}}, {"pattern", "^(cpu|gpu|gpu:[0-9]{1,3})$"}}},
+                                 {"parameters", or_null(schema_ref("Parameters." + method.name))}},
+                                {"name"}));
+    return {{"oneOf", methods}};
+}
+
+json reference_schema() {
+    const json named{{"type", "string"}, {"pattern", "^(job|image):."}, {"maxLength", 256}};
+    const json made =
+        with_text(taken({{"method", schema_ref("JobMethod")}, {"stop", schema_ref("Stop")}}, {"method", "stop"}),
+                  "rendered once, from the job's own scene and view, and kept");
+    return {{"anyOf", {named, made, {{"type", "null"}}}}};
 }
 
 json job_request_schema(const ApiVocabulary& vocabulary) {
@@ -86,28 +94,16 @@ json job_request_schema(const ApiVocabulary& vocabulary) {
                               {"height", in_range(typed("integer"), 1, vocabulary.max_height)},
                               {"filter", or_null(one_of_words({"box", "gaussian", "blackman_harris"}))}},
                              {"width", "height"});
-    json methods = json::array();
-    for (const ApiVocabulary::Method& method : vocabulary.methods)
-        methods.push_back(taken({{"name", {{"const", method.name}}},
-                                 {"device", {{"type", {"string", "null"}}, {"pattern", "^(cpu|gpu|gpu:[0-9]{1,3})$"}}},
-                                 {"parameters", or_null(schema_ref("Parameters." + method.name))}},
-                                {"name"}));
-    json stop = taken({{"seconds", or_null(in_range(typed("number", "s"), 1e-3, 1e9))},
-                       {"passes", or_null(in_range(typed("integer"), 1, 1'000'000'000))},
-                       {"target", {{"type", "null"}, {"description", "not built yet"}}}},
-                      {});
-    const auto has_number = [](const char* key) {
-        return json{{"properties", {{key, {{"type", "number"}}}}}, {"required", json::array({key})}};
-    };
-    stop["anyOf"] = {has_number("seconds"), has_number("passes")};
     json layers = list_of(one_of_words(vocabulary.layers));
     layers["uniqueItems"] = true;
+    json metrics = list_of(metric_name(vocabulary.metrics, vocabulary.radiance_layers));
+    metrics["uniqueItems"] = true;
     // Methods that cannot fill every layer narrow the list.
-    json layers_by_method = json::array();
+    json narrowed = json::array();
     for (const ApiVocabulary::Method& method : vocabulary.methods) {
         if (method.layers.size() == vocabulary.layers.size()) continue;
         const json by_this{{"properties", {{"method", {{"properties", {{"name", {{"const", method.name}}}}}}}}}};
-        layers_by_method.push_back(
+        narrowed.push_back(
             {{"if", by_this}, {"then", {{"properties", {{"layers", {{"items", one_of_words(method.layers)}}}}}}}});
     }
     const json environment = taken({{"image", {{"type", "string"}, {"pattern", "^image:."}, {"maxLength", 256}}},
@@ -117,22 +113,53 @@ json job_request_schema(const ApiVocabulary& vocabulary) {
     json labels = map_of({{"type", "string"}, {"maxLength", 256}});
     labels["maxProperties"] = 64;
     labels["propertyNames"] = {{"pattern", "^[^=]{1,64}$"}};
-    json request = taken({{"scene", name},
-                          {"camera", or_null(camera)},
-                          {"image", image},
-                          {"method", {{"oneOf", methods}}},
-                          {"stop", stop},
-                          {"seed", or_null(in_range(typed("integer"), 0, UINT64_MAX))},
-                          {"layers", or_null(layers)},
-                          {"reference", {{"type", "null"}, {"description", "not built yet"}}},
-                          {"priority", or_null(in_range(typed("integer", "higher first"), -100, 100))},
-                          {"labels", or_null(labels)},
-                          {"environment", or_null(environment)},
-                          {"glass", or_null(one_of_words({"as_stored", "solid"}))},
-                          {"time", or_null({{"const", 0}, {"description", "s; animation is not built yet"}})}},
-                         {"scene", "image", "method", "stop"});
-    if (!layers_by_method.empty()) request["allOf"] = layers_by_method;
+    json request = taken(
+        {{"scene", name},
+         {"camera", or_null(camera)},
+         {"image", image},
+         {"method", schema_ref("JobMethod")},
+         {"stop", schema_ref("Stop")},
+         {"first_pass", or_null(in_range(typed("integer", "a part of a larger job, to be merged"), 0, 1'000'000'000))},
+         {"seed", or_null(in_range(typed("integer"), 0, UINT64_MAX))},
+         {"layers", or_null(layers)},
+         {"reference", reference_schema()},
+         {"metrics", with_text(or_null(metrics), "measured besides those that cost little")},
+         {"priority", or_null(in_range(typed("integer", "higher first"), -100, 100))},
+         {"labels", or_null(labels)},
+         {"environment", or_null(environment)},
+         {"glass", or_null(one_of_words({"as_stored", "solid"}))},
+         {"time", or_null({{"const", 0}, {"description", "s; animation is not built yet"}})}},
+        {"scene", "image", "method", "stop"});
+    if (!narrowed.empty()) request["allOf"] = narrowed;
     return request;
+}
+
+json extension_schema() { return taken({{"stop", schema_ref("Stop")}}, {"stop"}); }
+
+json merge_request_schema() {
+    json jobs = list_of(typed("string"));
+    jobs["minItems"] = 1;
+    jobs["maxItems"] = 1000;
+    jobs["uniqueItems"] = true;
+    return taken({{"jobs", with_text(jobs, "parts of one image, each with passes of its own")}}, {"jobs"});
+}
+
+json measurement_request_schema(const ApiVocabulary& vocabulary) {
+    const json source{{"type", "string"}, {"pattern", "^(job|image):."}, {"maxLength", 256}};
+    json metrics = list_of(metric_name(vocabulary.image_metrics, vocabulary.radiance_layers));
+    metrics["minItems"] = 1;
+    metrics["maxItems"] = 256;
+    metrics["uniqueItems"] = true;
+    return taken({{"image", source}, {"reference", source}, {"metrics", or_null(metrics)}}, {"image", "reference"});
+}
+
+/// A metric's value: one number, one a channel, percentiles by name; null where its definition gives none.
+json metric_values() { return map_of({{"type", {"number", "array", "object", "null"}}}); }
+
+json measurement_schema() {
+    return given({{"metrics", metric_values()},
+                  {"reference_error", with_text(or_null(metric_values()), "what the reference's own noise explains")},
+                  {"notes", list_of(typed("string"))}});
 }
 
 json method_schema() {
@@ -189,6 +216,8 @@ json scene_schema() {
 
 json statistics_schema() {
     const json bytes = nullable("integer", "bytes");
+    json pass_range = list_of(count());
+    pass_range["minItems"] = pass_range["maxItems"] = 2;
     return given(
         {{"stages", list_of(given({{"name", typed("string")},
                                    {"wall_seconds", nullable("number")},
@@ -211,16 +240,29 @@ json statistics_schema() {
          {"skipped", list_of(given({{"what", typed("string")}, {"why", typed("string")}, {"bytes_saved", count()}}))},
          {"device", given({{"id", typed("string")}, {"name", nullable("string")}, {"driver", nullable("string")}})},
          {"version", typed("string")},
-         {"host_cores", count()},
-         {"threads", count()},
+         {"host_cores", nullable("integer")},
+         {"threads", nullable("integer")},
          {"seed", count()},
          {"job_hash", nullable("string")},
          {"pixel_hash", nullable("string")},
          {"nan_count", count()},
          {"infinity_count", count()},
          {"device_shared", nullable("boolean")},
-         {"error", or_null(map_of(nullable("number")))},
-         {"reference_error", or_null(map_of(nullable("number")))}});
+         {"pass_ranges", with_text(list_of(pass_range), "[first, end) of each run of passes")},
+         {"resumed_passes", count("rendered by earlier attempts")},
+         {"settings_hash", nullable("string", "of all that decides a pass's pixels")},
+         {"error", with_text(or_null(metric_values()), "against the reference")},
+         {"reference_error", with_text(or_null(metric_values()), "what the reference's own noise explains of it")},
+         {"reference", or_null(given({{"source", {{"type", {"string", "object", "null"}}}},
+                                      {"passes", nullable("integer")},
+                                      {"flip_version", nullable("string")},
+                                      {"warnings", list_of(typed("string"))},
+                                      {"notes", list_of(typed("string"))}}))},
+         {"estimate", with_text(or_null(given({{"estimated_relative_mse", nullable("number")},
+                                               {"standard_error_scale", nullable("number")},
+                                               {"confidence", nullable("number")},
+                                               {"within_confidence", nullable("number")}})),
+                                "what the passes alone tell of the beauty's error")}});
 }
 
 json job_schema(const ApiVocabulary& vocabulary) {
@@ -229,6 +271,10 @@ json job_schema(const ApiVocabulary& vocabulary) {
                         {"preview", nullable("string")},
                         {"statistics", nullable("string")},
                         {"curve", nullable("string")},
+                        {"difference", nullable("string")},
+                        {"flip", nullable("string")},
+                        {"error_map", nullable("string")},
+                        {"film", nullable("string")},
                         {"log", nullable("string")},
                         {"events", typed("string")}});
     for (const ApiVocabulary::Artefact& artefact : vocabulary.artefacts) {
@@ -241,6 +287,9 @@ json job_schema(const ApiVocabulary& vocabulary) {
                                     {"photons", nullable("integer")},
                                     {"metrics", or_null(map_of(nullable("number")))}});
     return given({{"id", typed("string")},
+                  {"role", one_of_words({"render", "reference", "merged"})},
+                  {"comparison", nullable("string", "the comparison it belongs to")},
+                  {"reference_job", nullable("string", "the job it is measured against")},
                   {"state", one_of_words({"queued", "running", "succeeded", "failed", "cancelled"})},
                   {"progress", in_range(typed("number"), 0, 1)},
                   {"passes_done", count()},
@@ -289,10 +338,6 @@ json image_schema() {
 json estimate_schema() {
     return given({{"memory_bytes", count("what the job will hold: film, scene, ray structure and the method's own")},
                   {"seconds", nullable("number", "of rendering; null while the method has rendered nothing here")}});
-}
-
-json page_of(const char* name) {
-    return given({{"items", list_of(schema_ref(name))}, {"next_cursor", nullable("string")}});
 }
 
 // --- operations
@@ -360,6 +405,10 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
     const json precision = one_of_words({"float", "half"});
     const json flag = typed("boolean");
     const json state = one_of_words({"queued", "running", "succeeded", "failed", "cancelled"});
+    const json role = one_of_words({"render", "reference", "merged"});
+    std::vector<std::string> measured_layers = vocabulary.radiance_layers;
+    measured_layers.insert(measured_layers.begin(), "beauty");
+    const json measured_layer = one_of_words(measured_layers);
     std::vector<std::string> pixel_layers{"beauty", "emitted", "direct", "indirect"};
     pixel_layers.insert(pixel_layers.end(), vocabulary.layers.begin(), vocabulary.layers.end());
     const json image_body{{"image/x-exr", binary()}, {"image/vnd.radiance", binary()}};
@@ -395,7 +444,13 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
          "Jobs, newest first",
          {{200, object("JobPage")}},
          nullptr,
-         {{"state", state}, {"label", word}, {"scene", word}, {"method", word}, {"limit", limit}, {"cursor", word}}},
+         {{"state", state},
+          {"label", word},
+          {"scene", word},
+          {"method", word},
+          {"role", role},
+          {"limit", limit},
+          {"cursor", word}}},
         {"get", "/v1/jobs/{id}", "getJob", "One job", {{200, object("Job")}}},
         {"delete",
          "/v1/jobs/{id}",
@@ -405,6 +460,20 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
          nullptr,
          {{"purge", flag}}},
         {"post", "/v1/jobs/{id}/retry", "retryJob", "Queue a failed or cancelled job again", {{202, object("Job")}}},
+        {"post",
+         "/v1/jobs/{id}/extend",
+         "extendJob",
+         "More passes on the film of a succeeded or cancelled job",
+         {{202, object("Job")}},
+         object("Extension")},
+        {"post",
+         "/v1/jobs/merge",
+         "mergeJobs",
+         "One job of all the passes of several",
+         {{201, object("Job")}},
+         object("MergeRequest"),
+         {},
+         {{"Idempotency-Key", "the same key and body give the same job"}}},
         {"get",
          "/v1/jobs/{id}/events",
          "jobEvents",
@@ -447,13 +516,86 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
          "getStatistics",
          "The statistics of a job that is over",
          {{200, object("Statistics")}, {202, nullptr}}},
+        {"get",
+         "/v1/jobs/{id}/curve.csv",
+         "getCurve",
+         "Error over time, so far or to the end",
+         {{200, file("text/csv")}, {202, nullptr}}},
+        {"get",
+         "/v1/jobs/{id}/difference.exr",
+         "getDifference",
+         "The image less its reference, by layer",
+         {{200, file("image/x-exr")}, {202, nullptr}}},
+        {"get",
+         "/v1/jobs/{id}/flip.png",
+         "getFlip",
+         "The FLIP map against its reference",
+         {{200, file("image/png")}, {202, nullptr}},
+         nullptr,
+         {{"layer", measured_layer}, {"range", one_of_words({"hdr", "ldr"})}}},
+        {"get",
+         "/v1/jobs/{id}/error.png",
+         "getErrorMap",
+         "Each pixel's relative error, on one scale for all jobs",
+         {{200, file("image/png")}, {202, nullptr}},
+         nullptr,
+         {{"layer", measured_layer}}},
+        {"get",
+         "/v1/jobs/{id}/film",
+         "getFilm",
+         "The film itself: exact sums, to be merged or gone on with",
+         {{200, file("application/octet-stream")}, {202, nullptr}}},
         {"get", "/v1/jobs/{id}/log.txt", "getLog", "What happened to the job", {{200, file("text/plain")}}},
+        {"post",
+         "/v1/comparisons",
+         "submitComparison",
+         "Queue a comparison and all its jobs",
+         {{202, object("Comparison")}},
+         object("ComparisonRequest"),
+         {},
+         {{"Idempotency-Key", "the same key and body give the same comparison"}}},
+        {"get",
+         "/v1/comparisons",
+         "listComparisons",
+         "Comparisons without their jobs and tables, newest first",
+         {{200, object("ComparisonPage")}},
+         nullptr,
+         page},
+        {"get", "/v1/comparisons/{id}", "getComparison", "One comparison", {{200, object("Comparison")}}},
+        {"delete",
+         "/v1/comparisons/{id}",
+         "cancelComparison",
+         "Cancel its jobs, or remove it with them and their files",
+         {{200, object("Comparison")}, {202, object("Comparison")}},
+         nullptr,
+         {{"purge", flag}}},
+        {"get",
+         "/v1/comparisons/{id}/report.json",
+         "getComparisonReport",
+         "The comparison with every curve",
+         {{200, object("ComparisonReport")}}},
+        {"get",
+         "/v1/comparisons/{id}/report.csv",
+         "getComparisonCurves",
+         "A line for each point of each curve",
+         {{200, file("text/csv")}}},
+        {"get",
+         "/v1/comparisons/{id}/report.html",
+         "getComparisonPage",
+         "A page that needs nothing beside itself: plots, tables, images, and how to repeat it",
+         {{200, file("text/html")}}},
         {"post",
          "/v1/images",
          "addImage",
          "Upload an EXR or HDR image",
          {{201, object("Image")}, {200, object("Image")}},
          image_body},
+        {"post",
+         "/v1/metrics",
+         "measure",
+         "The error of an image against another",
+         {{200, object("Measurement")}},
+         object("MeasurementRequest")},
         {"get", "/v1/images/{id}", "getUploadedImage", "One image", {{200, object("Image")}}},
         {"get", "/v1/images/{id}/file", "getImageFile", "The image as uploaded", {{200, file("image/x-exr")}}},
         {"get", "/v1/status", "getStatus", "The daemon, its queue and workers", {{200, object("Status")}}},
@@ -481,6 +623,12 @@ std::string artefact_link(const std::string& name) { return name.substr(0, name.
 json openapi_document(const ApiVocabulary& vocabulary) {
     json schemas{{"Problem", problem_schema()},
                  {"JobRequest", job_request_schema(vocabulary)},
+                 {"JobMethod", job_method_schema(vocabulary)},
+                 {"Stop", stop_schema(vocabulary)},
+                 {"Extension", extension_schema()},
+                 {"MergeRequest", merge_request_schema()},
+                 {"MeasurementRequest", measurement_request_schema(vocabulary)},
+                 {"Measurement", measurement_schema()},
                  {"Method", method_schema()},
                  {"Device", device_schema()},
                  {"Scene", scene_schema()},
@@ -494,6 +642,7 @@ json openapi_document(const ApiVocabulary& vocabulary) {
                  {"JobPage", page_of("Job")},
                  {"MethodPage", page_of("Method")},
                  {"DevicePage", page_of("Device")}};
+    schemas.update(comparison_schemas(schemas["JobRequest"]));
     for (const ApiVocabulary::Method& method : vocabulary.methods)
         schemas["Parameters." + method.name] = method.parameters;
     json paths = json::object();

@@ -16,7 +16,10 @@ struct ApiVocabulary {
         std::vector<std::string> layers;  // on request, those it can fill
     };
     std::vector<Method> methods;
-    std::vector<std::string> layers;  // on request, of any method
+    std::vector<std::string> layers;           // on request, of any method
+    std::vector<std::string> metrics;          // that are one number: for targets and curves
+    std::vector<std::string> image_metrics;    // of two images
+    std::vector<std::string> radiance_layers;  // that can be measured
     struct Artefact {
         std::string name;  // "photon_map.glb"
         std::string media_type;

@@ -151,6 +151,11 @@ int main(int argc, char** argv) {
     app.add_option("--worker-nice", options.worker_nice, "added to the workers' niceness")
         ->check(CLI::Range(0, 19))
         ->capture_default_str();
+    app.add_option("--save-seconds", options.save_seconds,
+                   "seconds between two savings of a running job's film, from which it goes on when its worker is "
+                   "lost; 0: never")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str();
     app.add_option("--tokens", options.token_file, "file of bearer tokens, NAME ROLE sha256:HEX a line");
     app.add_option("--log-level", log_level, "debug, info, warning, error")->capture_default_str();
     app.add_option("--new-token", new_token,

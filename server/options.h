@@ -35,6 +35,7 @@ struct Options {
     uint64_t memory_limit_bytes = 0;             // a job may hold in a worker; 0: 75 % of RAM
     uint32_t threads = 0;                        // of each CPU worker; 0: all cores
     int worker_nice = 5;                         // so that the daemon answers while all cores render
+    double save_seconds = 10;                    // between two savings of a running job's film; 0: never
     std::filesystem::path token_file;            // empty: no authentication (loopback only)
     Limits limits;
 };

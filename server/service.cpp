@@ -85,7 +85,12 @@ void Service::Impl::recover() {
         record_loss(attempt, {ExitCause::Lost, "the daemon ended without warning", true}, false);
     }
     for (const JobRow& row : store.jobs_to_purge()) purge(row);
-    for (const QueuedJob& job : store.queued_jobs()) queue.push(job.seq, job.priority, job.device);
+    finish_purges();
+    for (const QueuedJob& job : store.queued_jobs())
+        if (job.waits_for)
+            queue.hold(job.seq, job.priority, job.device, *job.waits_for);
+        else
+            queue.push(job.seq, job.priority, job.device);
 }
 
 void Service::Impl::sweep_orphans() {
@@ -255,6 +260,12 @@ Page Service::list_jobs(const JobFilter& filter) { return impl_->list_jobs(filte
 Service::Cancelled Service::cancel_job(const std::string& id) { return impl_->cancel_job(id, false); }
 Service::Cancelled Service::purge_job(const std::string& id) { return impl_->cancel_job(id, true); }
 json Service::retry_job(const std::string& id) { return impl_->retry_job(id); }
+json Service::extend_job(const std::string& id, const json& body) { return impl_->extend_job(id, body); }
+json Service::merge_jobs(const json& body, const std::optional<std::string>& idempotency_key) {
+    return impl_->merge_jobs(body, idempotency_key);
+}
+json Service::measure(const json& body) { return impl_->measure(body); }
+Artefact Service::curve(const std::string& id) { return impl_->curve_file(id); }
 Artefact Service::statistics(const std::string& id) { return impl_->statistics(id); }
 Artefact Service::method_artefact(const std::string& id, const std::string& name) {
     return impl_->method_artefact(id, name);

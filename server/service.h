@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "protocol/comparison.h"
 #include "protocol/error.h"
 #include "protocol/job.h"
 #include "server/events.h"
@@ -41,6 +42,7 @@ struct JobFilter {
     std::string label;  // "key" or "key=value"
     std::string scene;  // id or name
     std::string method;
+    std::string role;      // empty: any; else one of the three roles, or OutOfRange
     uint32_t limit = 100;  // 1..1000, else OutOfRange
     std::string cursor;    // from next_cursor; empty: the newest
 };
@@ -118,6 +120,16 @@ public:
     /// Removes the job and its files; a running one is cancelled first and removed when its worker has let go of it.
     Cancelled purge_job(const std::string& id);
     nlohmann::json retry_job(const std::string& id);
+    /// More passes on the film of a succeeded or cancelled job: `body` is {"stop": ...}, counted from the film's first
+    /// pass, so that saying it twice does no harm. WrongState in other states, Conflict at /stop when the film meets
+    /// it already.
+    nlohmann::json extend_job(const std::string& id, const nlohmann::json& body);
+    /// `body`: {"jobs": [ids]}, parts of one image. A new job whose film is all their passes; faults at /jobs/i. Waits
+    /// for the helper.
+    nlohmann::json merge_jobs(const nlohmann::json& body, const std::optional<std::string>& idempotency_key);
+    /// `body`: {"image", "reference": "job:ID" or "image:ID", "metrics": [names]}; {"metrics", "reference_error",
+    /// "notes"}. Waits for the helper.
+    nlohmann::json measure(const nlohmann::json& body);
 
     // Artefacts; they wait for the helper (and, while the job runs, for the pass at hand) unless they are in the cache.
     // `precision` is "float" or "half", else OutOfRange. NotFound when the job ended without a film.
@@ -132,8 +144,36 @@ public:
     /// What the method left beside the image, by a name of all_artefacts(). Pending until the job is over; NotFound,
     /// saying how to ask for it, when the job has none.
     Artefact method_artefact(const std::string& id, const std::string& name);
+    /// Of a job with a reference; NotFound, with the reason, where either film is missing. EXR of x - r by layer; PNG
+    /// of the FLIP map (`range` "ldr" or "hdr") and of each pixel's relative error.
+    Artefact difference(const std::string& id);
+    Artefact flip(const std::string& id, const std::string& layer, const std::string& range);
+    Artefact error_map(const std::string& id, const std::string& layer);
+    /// text/csv: seconds, passes, photons and every metric measured; so far while it runs.
+    Artefact curve(const std::string& id);
+    /// The film itself, in the format of film_file.h.
+    Artefact film(const std::string& id);
     /// What happened to the job, attempt by attempt; text/plain.
     Artefact log(const std::string& id);
+
+    // --- comparisons
+    // --------------------------------------------------------------------------------------------------
+    /// Durable, with all its jobs, when it returns; all of them are accepted or none. Throws as submit_job() does.
+    nlohmann::json submit_comparison(const ComparisonRequest& request,
+                                     const std::optional<std::string>& idempotency_key);
+    nlohmann::json get_comparison(const std::string& id);
+    /// Without jobs and tables.
+    Page list_comparisons(uint32_t limit, const std::string& cursor);
+    /// Cancels its jobs that are not over, and the reference made for it where nobody else waits for that.
+    Cancelled cancel_comparison(const std::string& id);
+    /// Removes its jobs and their files too; what runs when its worker has let go of it.
+    Cancelled purge_comparison(const std::string& id);
+    /// get_comparison() and every curve.
+    Artefact comparison_json(const std::string& id);
+    Artefact comparison_csv(const std::string& id);
+    /// A page that needs nothing beside itself; waits for the helper. Of a comparison that is not over it shows what is
+    /// there. Its header Content-Security-Policy permits exactly its own script and style.
+    Artefact comparison_html(const std::string& id);
 
     // --- system
     // -------------------------------------------------------------------------------------------------------

@@ -59,6 +59,30 @@ Artefact Service::Impl::artefact(const std::string& key, const std::string& medi
     return {false, file->path, media_type, file->etag, file->bytes, file, file->headers};
 }
 
+Artefact Service::Impl::linked(const std::string& key, const fs::path& file, const std::string& media_type) {
+    const auto found = artefacts.get(key, files.fresh_cache_path(), [&](const fs::path& path) {
+        link_or_copy(file, path);
+        return std::map<std::string, std::string>();
+    });
+    return {false, found->path, media_type, found->etag, found->bytes, found, found->headers};
+}
+
+Artefact Service::Impl::text_artefact(const std::string& prefix, const std::string& text,
+                                      const std::string& media_type) {
+    return artefact(prefix + sha256_hex(text.data(), text.size()), media_type, [&](const fs::path& path) {
+        write_text(path, text);
+        return std::map<std::string, std::string>();
+    });
+}
+
+void Service::Impl::pin(FilmSource& film) {
+    auto held = std::make_shared<Snapshot>();
+    const fs::path name = files.fresh_spool_path();
+    link_or_copy(film.path, name);
+    held->path = film.path = name;
+    film.pin = std::move(held);
+}
+
 Service::Impl::FilmSource Service::Impl::film_source(const std::string& id) {
     std::unique_lock lock(mutex);
     const auto give_up = SteadyClock::now() + kSnapshotPatience;
@@ -91,9 +115,10 @@ Service::Impl::FilmSource Service::Impl::film_source(const std::string& id) {
 
 Artefact Service::Impl::encode(const std::string& id, const std::string& what, const std::string& media_type,
                                json request, bool with_statistics) {
-    const FilmSource film = film_source(id);
+    FilmSource film = film_source(id);
     if (film.pending) return pending();
     return artefact(film.cache_key + "/" + what, media_type, [&](const fs::path& path) {
+        pin(film);
         request["film"] = film.path.string();
         request["out"] = path.string();
         if (with_statistics) request["statistics"] = film.statistics;
@@ -144,13 +169,7 @@ Artefact Service::Impl::statistics(const std::string& id) {
     }
     if (!is_over(row.state)) return pending();
     if (row.statistics.empty()) throw Error(ErrorCode::NotFound, "job " + id + " ended without statistics");
-    // Named by what it holds: a retried job has others.
-    const std::string content = sha256_hex(row.statistics.data(), row.statistics.size());
-    return artefact("job/" + std::to_string(row.seq) + "/statistics/" + content, "application/json",
-                    [&](const fs::path& path) {
-                        write_text(path, row.statistics);
-                        return std::map<std::string, std::string>();
-                    });
+    return text_artefact("job/" + std::to_string(row.seq) + "/statistics/", row.statistics, "application/json");
 }
 
 Artefact Service::Impl::method_artefact(const std::string& id, const std::string& name) {
@@ -165,14 +184,8 @@ Artefact Service::Impl::method_artefact(const std::string& id, const std::string
     const json kept = json::parse(row.artefacts);
     if (std::find(kept.begin(), kept.end(), json(name)) != kept.end()) {
         const fs::path file = artefact_path(files.films / row.film, name);
-        // A second name for the same file in the cache: no copy, and a download that has begun outlives the job.
-        const auto linked = artefacts.get("job/" + std::to_string(row.seq) + "/" + file.filename().string(),
-                                          files.fresh_cache_path(), [&](const fs::path& path) {
-                                              link_or_copy(file, path);
-                                              return std::map<std::string, std::string>();
-                                          });
-        return {false,  linked->path,   std::string(info->media_type), linked->etag, linked->bytes,
-                linked, linked->headers};
+        return linked("job/" + std::to_string(row.seq) + "/" + file.filename().string(), file,
+                      std::string(info->media_type));
     }
     const std::string what(info->text), parameter(info->parameter);
     const MethodInfo* method = find_method(row.method);
@@ -194,11 +207,7 @@ Artefact Service::Impl::log(const std::string& id) {
         seq = require_job(id).seq;
         for (const auto& [at_ms, line] : store.log(seq)) text += rfc3339(at_ms) + " " + line + "\n";
     }
-    return artefact("job/" + std::to_string(seq) + "/log/" + sha256_hex(text.data(), text.size()),
-                    "text/plain; charset=utf-8", [&](const fs::path& path) {
-                        write_text(path, text);
-                        return std::map<std::string, std::string>();
-                    });
+    return text_artefact("job/" + std::to_string(seq) + "/log/", text, "text/plain; charset=utf-8");
 }
 
 }  // namespace photond

@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "protocol/problem.h"
 #include "protocol/worker_messages.h"
@@ -22,6 +23,7 @@ constexpr auto kProgressInterval = std::chrono::milliseconds(250);  // four even
 constexpr auto kCancelPatience = std::chrono::seconds(4);  // a worker that does not let go of a job by then is killed
 constexpr size_t kMaxLogLines = 1000;                      // of one attempt
 constexpr size_t kMaxLogLineBytes = 4096;
+constexpr size_t kMaxCurvePoints = 10'000;       // a worker gone astray; a curve has some sixty
 constexpr uint64_t kJobsBeforeRecycling = 5000;  // of one process
 
 struct NamedEnd {
@@ -59,33 +61,62 @@ std::string problem_of(int64_t seq, ErrorCode code, const std::string& detail, c
 
 json time_or_null(const std::optional<int64_t>& ms) { return ms ? json(rfc3339(*ms)) : json(); }
 
-}  // namespace
-
-Event Service::Impl::state_event(const JobRow& row) const {
-    json data = {{"id", job_id(row.seq)},
-                 {"state", job_state_name(row.state)},
-                 {"progress", row.progress},
-                 {"passes_done", row.passes_done},
-                 {"seconds", row.seconds},
-                 {"started", time_or_null(row.started_ms)},
-                 {"finished", time_or_null(row.finished_ms)},
-                 {"attempts", json::parse(row.attempts)},
-                 {"failure", row.failure.empty() ? json() : json::parse(row.failure)},
-                 {"statistics", row.statistics.empty() ? json() : json::parse(row.statistics)}};
-    return {events.next_id(), "state", job_id(row.seq), data.dump(-1, ' ', false, json::error_handler_t::replace)};
+/// Text of a row's JSON member; empty for null and for what holds nothing.
+std::string text_of(const json& value) {
+    return value.empty() ? "" : value.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
-void Service::Impl::commit_state(JobRow& row, const std::string& log_line, const std::function<void()>& more) {
-    Event event = state_event(row);
+std::string curve_data(int64_t seq, const json& points, const std::string& error_now) {
+    return json{
+        {"id", job_id(seq)}, {"curve", points}, {"error_now", error_now.empty() ? json() : json::parse(error_now)}}
+        .dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+json object_or_null(const json& message, const char* member) {
+    const json value = message.value(member, json());
+    return value.is_object() ? value : json();
+}
+
+}  // namespace
+
+std::string Service::Impl::state_data(const JobRow& row) {
+    const json data = {{"id", job_id(row.seq)},
+                       {"state", job_state_name(row.state)},
+                       {"progress", row.progress},
+                       {"passes_done", row.passes_done},
+                       {"seconds", row.seconds},
+                       {"error_now", row.error_now.empty() ? json() : json::parse(row.error_now)},
+                       {"started", time_or_null(row.started_ms)},
+                       {"finished", time_or_null(row.finished_ms)},
+                       {"attempts", json::parse(row.attempts)},
+                       {"failure", row.failure.empty() ? json() : json::parse(row.failure)},
+                       {"statistics", row.statistics.empty() ? json() : json::parse(row.statistics)}};
+    return data.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+void Service::Impl::put_event(Outbox& outbox, const char* type, int64_t job, std::string data) {
+    outbox.events.push_back({events.next_id() + outbox.events.size(), type, job_id(job), std::move(data)});
+    if (events.next_id() + outbox.events.size() >= outbox.ids_until)
+        outbox.ids_until = reserve_event_ids(outbox.events.size());
+    store.insert_event(outbox.events.back(), job);
+}
+
+void Service::Impl::tell(Outbox outbox) {
+    event_ids_until = std::max(event_ids_until, outbox.ids_until);
+    for (Event& event : outbox.events) events.publish(std::move(event));
+}
+
+void Service::Impl::commit_state(JobRow& row, const std::string& log_line, const std::function<void()>& more,
+                                 const json& new_points) {
+    Outbox outbox;
     auto transaction = store.transaction();
     store.update_job(row);
     if (more) more();
     store.append_log(row.seq, now_ms(), log_line);
-    const uint64_t reserved = reserve_event_ids(1);
-    store.insert_event(event, row.seq);
+    if (!new_points.empty()) put_event(outbox, "curve", row.seq, curve_data(row.seq, new_points, row.error_now));
+    put_event(outbox, "state", row.seq, state_data(row));
     transaction.commit();
-    event_ids_until = reserved;
-    events.publish(std::move(event));
+    tell(std::move(outbox));
 }
 
 void Service::Impl::publish_progress(const RunningAttempt& attempt) {
@@ -98,7 +129,8 @@ void Service::Impl::publish_progress(const RunningAttempt& attempt) {
     const json data = {{"id", job_id(attempt.seq)},
                        {"progress", attempt.progress},
                        {"passes_done", attempt.passes_done},
-                       {"seconds", attempt.seconds}};
+                       {"seconds", attempt.seconds},
+                       {"error_now", attempt.error_now}};
     events.publish({events.next_id(), "progress", job_id(attempt.seq), data.dump()});
 }
 
@@ -106,6 +138,7 @@ void Service::Impl::ended(const JobRow& row) {
     metrics.job_ended(std::string(job_state_name(row.state)), row.method, row.device, row.seconds,
                       row.statistics.empty() ? json() : json::parse(row.statistics));
     attempt_changed.notify_all();
+    release_waiting(row);
 }
 
 RunningAttempt* Service::Impl::running_attempt(int64_t seq) {
@@ -130,8 +163,15 @@ void Service::Impl::dispatch(Slot& slot) {
             const auto seq = queue.front(slot.device);
             if (!seq) return;
             auto row = store.job(*seq);
-            if (row && row->state == JobState::Queued) begin_attempt(slot, *std::move(row));
-            queue.remove(*seq);
+            if (!row || row->state != JobState::Queued) {
+                queue.remove(*seq);
+            } else if (waits_for(*row)) {  // what it is measured against was queued again
+                queue.remove(*seq);
+                enqueue(*row);
+            } else {
+                begin_attempt(slot, *std::move(row));
+                queue.remove(*seq);
+            }
         }
     } catch (const std::exception& error) {
         spdlog::error("device {}: the next job cannot begin: {}", slot.device, error.what());
@@ -139,6 +179,13 @@ void Service::Impl::dispatch(Slot& slot) {
 }
 
 void Service::Impl::begin_attempt(Slot& slot, JobRow row) {
+    json reference;
+    try {
+        reference = reference_source(row);
+    } catch (const Error& error) {
+        if (error.code != ErrorCode::WrongState) throw;
+        return fail_for_reference(std::move(row), error.what());
+    }
     const auto scene = find_scene(row.scene);
     if (!scene) throw Error(ErrorCode::Internal, "job " + job_id(row.seq) + " has lost its scene");
     const json request = json::parse(row.request);
@@ -153,8 +200,6 @@ void Service::Impl::begin_attempt(Slot& slot, JobRow row) {
     row.state = JobState::Running;
     ++row.attempt;
     if (first) row.started_ms = now;
-    row.passes_done = 0;
-    row.progress = row.seconds = 0;
     json attempts = json::parse(row.attempts);
     attempts.push_back({{"attempt", row.attempt},
                         {"device", slot.device},
@@ -162,18 +207,25 @@ void Service::Impl::begin_attempt(Slot& slot, JobRow row) {
                         {"finished", nullptr},
                         {"outcome", "running"},
                         {"reason", nullptr},
-                        {"passes_done", 0}});
+                        {"passes_done", row.passes_done}});
     row.attempts = attempts.dump();
     // The token is on the disk before anybody can act under it: after a crash of the daemon it is never used again.
-    commit_state(row, "attempt " + std::to_string(row.attempt) + " begins on " + slot.device);
+    const std::string from =
+        row.film.empty() ? "" : ", going on from a film of " + std::to_string(row.passes_done) + " passes";
+    commit_state(row, "attempt " + std::to_string(row.attempt) + " begins on " + slot.device + from);
     if (first) metrics.job_started(static_cast<double>(now - row.created_ms) / 1000);
 
     RunningAttempt attempt;
     attempt.seq = row.seq;
     attempt.attempt = row.attempt;
     attempt.film = job_id(row.seq) + "-" + std::to_string(row.attempt) + ".film";
+    attempt.passes_done = row.passes_done;
+    attempt.progress = row.progress;
+    attempt.seconds = row.seconds;
+    if (!row.error_now.empty()) attempt.error_now = json::parse(row.error_now);
+    if (!row.curve.empty()) attempt.curve = json::parse(row.curve);
     attempt.begun = SteadyClock::now();
-    attempt.last_event = attempt.begun - kProgressInterval;
+    attempt.last_event = attempt.last_curve_event = attempt.begun - kProgressInterval;
     if (options.limits.max_job_seconds > 0)
         attempt.deadline =
             attempt.begun + std::chrono::milliseconds(static_cast<int64_t>(options.limits.max_job_seconds * 1000));
@@ -185,6 +237,10 @@ void Service::Impl::begin_attempt(Slot& slot, JobRow row) {
                         {"scene", scene_order(*scene)},
                         {"environment", environment},
                         {"film", (files.films / attempt.film).string()},
+                        {"resume", row.film.empty() ? json() : json((files.films / row.film).string())},
+                        {"reference", reference},
+                        {"streams", row.role == JobRole::Reference ? "reference" : "job"},
+                        {"save_seconds", options.save_seconds > 0 ? json(options.save_seconds) : json()},
                         {"limits", {{"memory_bytes", options.memory_limit_bytes}, {"threads", options.threads}}}});
     slot.running = std::move(attempt);
 }
@@ -209,7 +265,7 @@ void Service::Impl::settle(Slot& slot, std::function<void()> record) {
         slot.answered = false;  // until its successor says hello
         slot.process->recycle();
     }
-    dispatch(slot);
+    dispatch();  // its end may have set others free, for other devices too
 }
 
 void Service::Impl::worker_message(Slot& slot, const json& message) {
@@ -228,6 +284,8 @@ void Service::Impl::worker_message(Slot& slot, const json& message) {
                 spdlog::warn("device {}: a late '{}' is ignored", slot.device, type);
             } else if (type == "progress") {
                 progress(slot, message);
+            } else if (type == "curve") {
+                curve(slot, message);
             } else if (type == "film_saved") {
                 film_saved(slot, message);
             } else if (type == "finished") {
@@ -245,16 +303,47 @@ void Service::Impl::progress(Slot& slot, const json& message) {
     attempt.passes_done = message.value("passes_done", attempt.passes_done);
     attempt.progress = std::clamp(message.value("progress", attempt.progress), 0.0, 1.0);
     attempt.seconds = message.value("seconds", attempt.seconds);
+    if (message.contains("error_now")) attempt.error_now = object_or_null(message, "error_now");
     const auto now = SteadyClock::now();
     if (now - attempt.last_event < kProgressInterval) return;  // the next one says it all
     attempt.last_event = now;
     publish_progress(attempt);
 }
 
+void Service::Impl::curve(Slot& slot, const json& message) {
+    RunningAttempt& attempt = *slot.running;
+    const json points = message.value("points", json::array());
+    if (!points.is_array() || attempt.curve.size() + points.size() > kMaxCurvePoints) return;
+    // A job that goes on from a film sends that film's points too; they were told by the attempt before.
+    if (!attempt.curve_begun) {
+        const json told = std::exchange(attempt.curve, json::array());
+        attempt.curve_begun = true;
+        for (const json& point : points)
+            if (std::find(told.begin(), told.end(), point) == told.end()) attempt.unpublished.push_back(point);
+    } else {
+        attempt.unpublished.insert(attempt.unpublished.end(), points.begin(), points.end());
+    }
+    attempt.curve.insert(attempt.curve.end(), points.begin(), points.end());
+    if (message.contains("error_now")) attempt.error_now = object_or_null(message, "error_now");
+    publish_curve(attempt);
+}
+
+void Service::Impl::publish_curve(RunningAttempt& attempt) {
+    const auto now = SteadyClock::now();
+    if (attempt.unpublished.empty() || now - attempt.last_curve_event < kProgressInterval) return;
+    attempt.last_curve_event = now;
+    Outbox outbox;
+    auto transaction = store.transaction();
+    put_event(outbox, "curve", attempt.seq, curve_data(attempt.seq, attempt.unpublished, text_of(attempt.error_now)));
+    transaction.commit();
+    attempt.unpublished = json::array();
+    tell(std::move(outbox));
+}
+
 void Service::Impl::film_saved(Slot& slot, const json& message) {
     RunningAttempt& attempt = *slot.running;
     const fs::path path = message.value("path", "");
-    if (path.filename() == attempt.film) return;  // its last film; "finished" follows
+    if (path == files.films / attempt.film) return keep_film(attempt, message.value("passes_done", int64_t{0}));
     const std::string mine = attempt.film + ".s";
     if (path.parent_path() != files.films || !path.filename().string().starts_with(mine)) return;
     auto snapshot = std::make_shared<Snapshot>();
@@ -263,6 +352,21 @@ void Service::Impl::film_saved(Slot& slot, const json& message) {
     snapshot->saved = SteadyClock::now();
     attempt.snapshot = std::move(snapshot);
     attempt_changed.notify_all();
+}
+
+void Service::Impl::keep_film(const RunningAttempt& attempt, int64_t passes_done) {
+    auto row = store.job(attempt.seq);
+    if (!row || row->state != JobState::Running || row->attempt != attempt.attempt) return;
+    const std::string old_film = std::exchange(row->film, attempt.film);
+    row->passes_done = passes_done;
+    row->seconds = attempt.seconds;
+    row->progress = attempt.progress;
+    row->curve = text_of(attempt.curve);
+    row->error_now = text_of(attempt.error_now);
+    auto transaction = store.transaction();
+    store.update_job(*row);
+    transaction.commit();
+    if (old_film != row->film) remove_film(old_film);
 }
 
 void Service::Impl::finished(Slot& slot, const json& message) {
@@ -290,9 +394,15 @@ void Service::Impl::record_result(const RunningAttempt& attempt, const json& mes
     const json film = message.value("film", json());
     const bool has_film = film.is_string() && fs::path(film.get<std::string>()) == files.films / attempt.film &&
                           fs::is_regular_file(files.films / attempt.film);
-    row.passes_done = message.value("passes_done", int64_t{0});
-    row.seconds = message.value("seconds", 0.0);
-    row.film = has_film ? attempt.film : "";
+    if (has_film) {  // else what was saved last stays, and the row says what that holds
+        row.film = attempt.film;
+        row.passes_done = message.value("passes_done", int64_t{0});
+        row.seconds = message.value("seconds", 0.0);
+        row.progress = std::max(row.progress, attempt.progress);
+        const json points = message.value("curve", json());
+        row.curve = text_of(points.is_array() ? points : attempt.curve);
+        row.error_now = text_of(object_or_null(message, "error_now"));
+    }
     row.finished_ms = now_ms();
     const json statistics = message.value("statistics", json());
     if (statistics.is_object()) {
@@ -300,7 +410,6 @@ void Service::Impl::record_result(const RunningAttempt& attempt, const json& mes
         const json hash = statistics.value("pixel_hash", json());
         row.pixel_hash = hash.is_string() ? hash.get<std::string>() : "";
     }
-    row.progress = std::max(row.progress, attempt.progress);
 
     std::string outcome = state;
     json reason;
@@ -330,22 +439,24 @@ void Service::Impl::record_result(const RunningAttempt& attempt, const json& mes
         row.failure = problem_of(row.seq, failure.code, failure.what(), failure.faults);
     }
     row.artefacts = is_over(row.state) && has_film ? kept_artefacts(row, message).dump() : "[]";
-    close_attempt(row, outcome, reason, row.passes_done);
+    const int64_t reached = message.value("passes_done", int64_t{0});
+    close_attempt(row, outcome, reason, reached);
     const std::string line = "attempt " + std::to_string(row.attempt) + " " + outcome + " after " +
-                             std::to_string(row.passes_done) + " passes" +
+                             std::to_string(reached) + " passes" +
                              (reason.is_string() ? ": " + reason.get<std::string>() : "");
-    commit_state(row, line, [&] {
-        const json lines = message.value("log", json::array());
-        for (size_t i = 0; i < lines.size() && i < kMaxLogLines; ++i)
-            if (lines[i].is_string())
-                store.append_log(row.seq, now_ms(), lines[i].get<std::string>().substr(0, kMaxLogLineBytes));
-    });
+    commit_state(
+        row, line,
+        [&] {
+            const json lines = message.value("log", json::array());
+            for (size_t i = 0; i < lines.size() && i < kMaxLogLines; ++i)
+                if (lines[i].is_string())
+                    store.append_log(row.seq, now_ms(), lines[i].get<std::string>().substr(0, kMaxLogLineBytes));
+        },
+        attempt.unpublished);
     if (old_film != row.film) remove_film(old_film);
     artefacts.forget("job/" + std::to_string(row.seq) + "/");
-    if (row.state == JobState::Queued) {
-        queue.push(row.seq, row.priority, row.device);
-        return;
-    }
+    if (row.state == JobState::Queued) return enqueue(row);
+
     ended(row);
     if (row.purge_requested) purge(row);
     spdlog::info("job {} {} on {} after {} passes, {:.3f} s", job_id(row.seq), outcome, device, row.passes_done,
@@ -359,9 +470,7 @@ void Service::Impl::record_loss(const RunningAttempt& attempt, const ProcessExit
     std::string reason = "the worker " + exit.text;
     NamedEnd end = end_of(exit);
     if (exit.text.starts_with("the daemon")) reason = exit.text;
-    row.passes_done = attempt.passes_done;
-    row.seconds = attempt.seconds;
-    row.progress = attempt.progress;
+    // The row says what the film holds that was saved last: that is what the job has, and goes on from.
     std::string outcome = end.outcome;
     if (row.cancel_requested) {
         row.state = JobState::Cancelled;
@@ -388,12 +497,14 @@ void Service::Impl::record_loss(const RunningAttempt& attempt, const ProcessExit
     }
     if (is_over(row.state)) row.finished_ms = now_ms();
     close_attempt(row, outcome, reason, attempt.passes_done);
-    commit_state(row, "attempt " + std::to_string(row.attempt) + " " + outcome + ": " + reason +
-                          (row.state == JobState::Queued ? "; queued again" : ""));
+    commit_state(row,
+                 "attempt " + std::to_string(row.attempt) + " " + outcome + ": " + reason +
+                     (row.state == JobState::Queued ? "; queued again" : ""),
+                 {}, attempt.unpublished);
     // What the dead attempt had written nobody names.
     if (attempt.film != row.film) remove_film(attempt.film);
     if (row.state == JobState::Queued) {
-        queue.push(row.seq, row.priority, row.device);
+        enqueue(row);
     } else {
         ended(row);
         if (row.purge_requested) purge(row);
@@ -425,6 +536,7 @@ void Service::Impl::worker_tick(Slot& slot) {
     if (!slot.running) return dispatch(slot);
     const auto now = SteadyClock::now();
     RunningAttempt& attempt = *slot.running;
+    publish_curve(attempt);
     if (now >= attempt.deadline && !attempt.deadline_passed) {
         attempt.deadline_passed = true;
         cancel_running(slot);

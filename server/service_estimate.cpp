@@ -1,9 +1,11 @@
 // What a job will take, before it is queued.
 
 #include <algorithm>
+#include <set>
 #include <thread>
 
 #include "protocol/param_json.h"
+#include "renderer/error/estimate.h"
 #include "renderer/methods/registry.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "server/service_impl.h"
@@ -22,6 +24,22 @@ LayerSet layers_of(const JobRequest& request) {
         if (std::find(request.layers.begin(), request.layers.end(), info.name) != request.layers.end())
             layers.add(info.layer);
     return layers;
+}
+
+/// What a worker keeps to follow a job's error: the estimate's earlier image, and for each layer that is measured the
+/// reference's pixels, as they are and as a display shows them, and their standard error.
+uint64_t measuring_bytes(const JobRequest& request) {
+    const uint64_t image_bytes = uint64_t{request.width} * request.height * 3 * sizeof(float);
+    uint64_t bytes = ErrorEstimator::bytes_for({request.width, request.height});
+    if (!request.reference) return bytes;
+    std::set<std::string> layers{"beauty"};
+    if (request.stop.target) layers.insert(layer_of_metric(request.stop.target->metric));
+    for (const std::string& metric : request.metrics) layers.insert(layer_of_metric(metric));
+    for (const std::string& layer : layers) {
+        const bool noise_known = request.reference->image.empty() && layer != "emitted" && layer != "caustic";
+        bytes += image_bytes * (noise_known ? 3 : 2);
+    }
+    return bytes;
 }
 
 /// One of the method's estimates for a request.
@@ -95,14 +113,15 @@ Workload Service::Impl::workload_of(const JobRequest& request, const json& summa
 uint64_t Service::Impl::estimate_memory_bytes(const JobRequest& request, const SceneRef& scene) {
     const json summary = summary_of(scene);
     const Workload workload = workload_of(request, summary);
-    return film_bytes(request) + summary.value("memory_bytes", uint64_t{0}) +
+    return film_bytes(request) + measuring_bytes(request) + summary.value("memory_bytes", uint64_t{0}) +
            workload.environment_size.pixels() * sizeof(Rgb) +
            ask_method(request, workload, &MethodInfo::estimate_bytes);
 }
 
 uint64_t Service::Impl::estimate_disk_bytes(const JobRequest& request, const SceneRef& scene) {
     const Workload workload = workload_of(request, summary_of(scene));
-    return film_bytes(request) + ask_method(request, workload, &MethodInfo::estimate_artefact_bytes);
+    // A film that is saved again lies beside the one before until it is whole.
+    return 2 * film_bytes(request) + ask_method(request, workload, &MethodInfo::estimate_artefact_bytes);
 }
 
 json Service::Impl::estimate_job(const JobRequest& request) {
@@ -118,9 +137,10 @@ json Service::Impl::estimate_job(const JobRequest& request) {
         std::optional<double> a_pass;
         int most_alike = -1;
         for (const JobRow& row : store.latest_succeeded(request.method.name, kEarlierJobs)) {
-            if (row.device != device_of(request)) continue;
+            if (row.device != device_of(request.method)) continue;
             const json before = json::parse(row.request);
-            const int alike = 2 * (row.scene == scene.id) + (before["method"]["parameters"] == request.method.parameters);
+            const int alike =
+                2 * (row.scene == scene.id) + (before["method"]["parameters"] == request.method.parameters);
             if (alike <= most_alike) continue;
             const auto as_then = seconds_of_a_pass(request, row, before);
             if (!as_then) continue;

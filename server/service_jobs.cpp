@@ -1,15 +1,13 @@
-// Jobs as clients see them: submitted, looked at, listed, cancelled, retried, purged.
+// Jobs as clients see them: looked at, listed, cancelled, retried, extended, purged.
 
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
 
-#include "protocol/nearest_name.h"
+#include "protocol/object_reader.h"
 #include "protocol/openapi.h"
 #include "protocol/worker_messages.h"
-#include "renderer/core/sha256.h"
 #include "renderer/methods/registry.h"
-#include "renderer/scene/builtin_scenes.h"
 #include "server/clock_text.h"
 #include "server/service_impl.h"
 
@@ -19,21 +17,32 @@ using nlohmann::json;
 
 namespace {
 
-constexpr size_t kMaxKeyBytes = 255;
-
 json parsed_or_null(const std::string& text) { return text.empty() ? json() : json::parse(text); }
 json time_or_null(const std::optional<int64_t>& ms) { return ms ? json(rfc3339(*ms)) : json(); }
 
-void check_key(const std::string& key) {
-    const bool printable = std::all_of(key.begin(), key.end(), [](char c) { return c > 31 && c < 127; });
-    if (key.empty() || key.size() > kMaxKeyBytes || !printable)
-        throw Error(ErrorCode::OutOfRange,
-                    "an Idempotency-Key has 1 to " + std::to_string(kMaxKeyBytes) + " printable ASCII characters");
+/// What of its stop conditions a job has done, where that can be told before the end.
+double progress_towards(const StopConditions& stop, const JobRow& row) {
+    double progress = 0;
+    if (stop.passes) progress = std::max(progress, static_cast<double>(row.passes_done) / *stop.passes);
+    if (stop.seconds) progress = std::max(progress, row.seconds / *stop.seconds);
+    return std::min(progress, 1.0);
 }
 
-std::string nearest_hint(const std::string& wrong, const std::vector<std::string>& known) {
-    const std::string near = nearest_name(wrong, known);
-    return near.empty() ? "" : "; did you mean '" + near + "'?";
+/// The conditions that what a job has done meets already, as text; empty: none.
+std::string met(const StopConditions& stop, const JobRow& row) {
+    if (stop.passes && row.passes_done >= *stop.passes)
+        return "the film has " + std::to_string(row.passes_done) + " passes already";
+    if (stop.seconds && row.seconds >= *stop.seconds) return "the film took " + json(row.seconds).dump() + " s already";
+    if (!stop.target) return "";
+    const json now = parsed_or_null(row.error_now);
+    const json statistics = parsed_or_null(row.statistics);
+    json value =
+        now.is_object() && now.value("metric", "") == stop.target->metric ? now.value("value", json()) : json();
+    if (value.is_null() && statistics.is_object() && statistics.value("error", json()).is_object())
+        value = statistics["error"].value(stop.target->metric, json());
+    if (value.is_number() && value.get<double>() <= stop.target->value)
+        return "the film's " + stop.target->metric + " is " + value.dump() + " already";
+    return "";
 }
 
 }  // namespace
@@ -47,136 +56,52 @@ JobRow Service::Impl::require_job(const std::string& id) {
 json Service::Impl::job_object(const JobRow& row) const {
     int64_t passes_done = row.passes_done;
     double progress = row.progress, seconds = row.seconds;
+    json error_now = parsed_or_null(row.error_now), curve = parsed_or_null(row.curve);
     for (const auto& slot : slots)
         if (slot->running && slot->running->seq == row.seq && row.state == JobState::Running) {
             passes_done = slot->running->passes_done;
             progress = slot->running->progress;
             seconds = slot->running->seconds;
+            error_now = slot->running->error_now;
+            curve = slot->running->curve.empty() ? json() : slot->running->curve;
         }
+    const json request = json::parse(row.request);
     const std::string self = "/v1/jobs/" + job_id(row.seq);
+    const bool has_film = passes_done > 0;
+    const bool measurable = has_film && !request.value("reference", json()).is_null();
+    const auto link = [&](bool there, const char* name) { return there ? json(self + name) : json(); };
     json links = {{"self", self},
                   {"image", self + "/image.exr"},
                   {"preview", self + "/preview.png"},
                   {"statistics", self + "/statistics.json"},
-                  {"curve", nullptr},
+                  {"curve", link(!curve.is_null(), "/curve.csv")},
+                  {"difference", link(measurable, "/difference.exr")},
+                  {"flip", link(measurable, "/flip.png")},
+                  {"error_map", link(measurable, "/error.png")},
+                  {"film", link(has_film, "/film")},
                   {"log", self + "/log.txt"},
                   {"events", self + "/events"}};
     for (const ArtefactInfo& artefact : all_artefacts()) links[artefact_link(std::string(artefact.name))] = nullptr;
     for (const json& name : json::parse(row.artefacts))
         links[artefact_link(name.get<std::string>())] = self + "/" + name.get<std::string>();
     return {{"id", job_id(row.seq)},
+            {"role", job_role_name(row.role)},
+            {"comparison", row.comparison ? json(comparison_id(*row.comparison)) : json()},
+            {"reference_job", row.reference_job ? json(job_id(*row.reference_job)) : json()},
             {"state", job_state_name(row.state)},
             {"progress", progress},
             {"passes_done", passes_done},
             {"seconds", seconds},
-            {"error_now", nullptr},
+            {"error_now", error_now},
             {"created", rfc3339(row.created_ms)},
             {"started", time_or_null(row.started_ms)},
             {"finished", time_or_null(row.finished_ms)},
             {"attempts", json::parse(row.attempts)},
-            {"request", json::parse(row.request)},
+            {"request", request},
             {"links", links},
             {"statistics", parsed_or_null(row.statistics)},
             {"failure", parsed_or_null(row.failure)},
-            {"curve", nullptr}};
-}
-
-std::string Service::Impl::device_of(const JobRequest& request) const {
-    std::string known;
-    for (const std::string& device : options.devices) {
-        if (device == request.method.device || (request.method.device == "gpu" && device.starts_with("gpu:"))) return device;
-        known += (known.empty() ? "" : ", ") + device;
-    }
-    throw Error(ErrorCode::DeviceUnavailable, "/method/device",
-                "this daemon has no device '" + request.method.device + "'; it has: " + known);
-}
-
-Service::Impl::SceneRef Service::Impl::check_request(const JobRequest& request) {
-    const std::string device = device_of(request);
-    auto scene = find_scene(request.scene);
-    if (!scene) {
-        std::vector<std::string> known;
-        for (const std::string_view name : builtin_scene_names()) known.emplace_back(name);
-        for (const SceneRow& row : store.scenes(INT64_MAX, 1000)) known.push_back(row.name);
-        throw Error(ErrorCode::UnknownName, "/scene",
-                    "there is no scene '" + request.scene + "'" + nearest_hint(request.scene, known));
-    }
-    if (!request.camera.name.empty()) {
-        std::vector<std::string> cameras;
-        if (scene->builtin) {
-            cameras.emplace_back("camera");
-        } else {
-            const json summary = json::parse(scene->row->summary);
-            for (const json& camera : summary.value("cameras", json::array()))
-                cameras.push_back(camera.value("name", ""));
-        }
-        if (std::find(cameras.begin(), cameras.end(), request.camera.name) == cameras.end())
-            throw Error(
-                ErrorCode::UnknownName, "/camera/name",
-                "the scene has no camera '" + request.camera.name + "'" + nearest_hint(request.camera.name, cameras));
-    }
-    if (request.environment) {
-        const std::string& image = request.environment->image;
-        if (!image.starts_with("image:") || !store.image(image.substr(6)))
-            throw Error(ErrorCode::UnknownName, "/environment/image", "there is no image '" + image + "'");
-    }
-    const uint64_t bytes = estimate_memory_bytes(request, *scene);
-    const std::string needs = "; the job needs about " + std::to_string(bytes) + " bytes";
-    const uint64_t pixels = uint64_t{request.width} * request.height;
-    if (pixels > options.limits.max_pixels)
-        throw Error(ErrorCode::OutOfRange, "/image",
-                    std::to_string(request.width) + " x " + std::to_string(request.height) + " = " +
-                        std::to_string(pixels) + " pixels, the limit is " + std::to_string(options.limits.max_pixels) +
-                        needs);
-    if (bytes > options.memory_limit_bytes)
-        throw Error(ErrorCode::OutOfMemory, "/image",
-                    "the limit of a worker is " + std::to_string(options.memory_limit_bytes) + " bytes" + needs);
-    return *std::move(scene);
-}
-
-json Service::Impl::submit_job(const JobRequest& request, const std::optional<std::string>& key,
-                               const std::string& canonical_body) {
-    const std::string body_sha256 = key ? sha256_hex(canonical_body.data(), canonical_body.size()) : "";
-    if (key) check_key(*key);
-    const std::lock_guard lock(mutex);
-    if (key)
-        if (const auto known = store.key(*key)) {
-            if (known->body_sha256 != body_sha256)
-                throw Error(ErrorCode::IdempotencyMismatch,
-                            "the Idempotency-Key was used with another body, for job " + job_id(known->job));
-            return job_object(require_job(job_id(known->job)));
-        }
-    if (stopping) throw Error(ErrorCode::Unavailable, "the daemon is stopping and takes no new jobs");
-    const SceneRef scene = check_request(request);
-    if (queue.size() >= options.limits.max_queue)
-        throw Error(ErrorCode::QueueFull, std::to_string(queue.size()) + " jobs are waiting, the limit is " +
-                                              std::to_string(options.limits.max_queue));
-    check_disk(estimate_disk_bytes(request, scene));
-
-    JobRow row;
-    row.priority = request.priority;
-    row.device = device_of(request);
-    row.method = request.method.name;
-    row.scene = scene.id;
-    row.request = to_json(request).dump();
-    row.created_ms = now_ms();
-    const std::vector<std::pair<std::string, std::string>> labels(request.labels.begin(), request.labels.end());
-    {
-        auto transaction = store.transaction();
-        store.insert_job(row, labels);
-        if (key) store.insert_key(*key, body_sha256, row.seq, row.created_ms);
-        store.append_log(row.seq, row.created_ms, "queued for " + row.device);
-        Event event = state_event(row);
-        const uint64_t reserved = reserve_event_ids(1);
-        store.insert_event(event, row.seq);
-        transaction.commit();
-        event_ids_until = reserved;
-        events.publish(std::move(event));
-    }
-    json object = job_object(row);  // as accepted, whatever happens next
-    queue.push(row.seq, row.priority, row.device);
-    dispatch();
-    return object;
+            {"curve", curve}};
 }
 
 json Service::Impl::get_job(const std::string& id) {
@@ -201,6 +126,11 @@ Page Service::Impl::list_jobs(const JobFilter& filter) {
         if (equals != std::string::npos) query.label_value = filter.label.substr(equals + 1);
         if (query.label_key.empty()) throw Error(ErrorCode::OutOfRange, "/label", "a label is KEY or KEY=VALUE");
     }
+    if (!filter.role.empty()) {
+        query.role = job_role_named(filter.role);
+        if (!query.role)
+            throw Error(ErrorCode::OutOfRange, "/role", "'" + filter.role + "' is none of render, reference, merged");
+    }
     query.method = filter.method;
     json items = json::array();
     json next;
@@ -219,6 +149,8 @@ Page Service::Impl::list_jobs(const JobFilter& filter) {
 Service::Cancelled Service::Impl::cancel_job(const std::string& id, bool remove) {
     const std::lock_guard lock(mutex);
     JobRow row = require_job(id);
+    if (remove) check_not_compared(row);
+    if (remove) check_unused(row, false);
     if (is_over(row.state)) {
         json object = job_object(row);
         if (remove) purge(row);
@@ -230,6 +162,7 @@ Service::Cancelled Service::Impl::cancel_job(const std::string& id, bool remove)
         commit_state(row, "cancelled while queued");
         queue.remove(row.seq);
         ended(row);
+        dispatch();
         json object = job_object(row);
         if (remove) purge(row);
         return {std::move(object), false};
@@ -252,6 +185,7 @@ void Service::Impl::purge(const JobRow& row) {
     transaction.commit();
     artefacts.forget("job/" + std::to_string(row.seq) + "/");
     remove_film(row.film);
+    finish_purges();
 }
 
 void Service::Impl::remove_film(const std::string& film) const {
@@ -267,30 +201,83 @@ json Service::Impl::retry_job(const std::string& id) {
     if (row.state != JobState::Failed && row.state != JobState::Cancelled)
         throw Error(ErrorCode::WrongState, "job " + id + " is " + std::string(job_state_name(row.state)) +
                                                "; only a failed or cancelled one can be retried");
-    if (stopping) throw Error(ErrorCode::Unavailable, "the daemon is stopping and takes no new jobs");
-    if (!find_scene(row.scene)) throw Error(ErrorCode::WrongState, "the scene of job " + id + " has been deleted");
-    if (queue.size() >= options.limits.max_queue)
-        throw Error(ErrorCode::QueueFull, std::to_string(queue.size()) + " jobs are waiting, the limit is " +
-                                              std::to_string(options.limits.max_queue));
-    const std::string old_film = row.film;
+    return queue_again(std::move(row), "queued again on request");
+}
+
+json Service::Impl::extend_job(const std::string& id, const json& body) {
+    const std::lock_guard lock(mutex);
+    JobRow row = require_job(id);
+    json request = json::parse(row.request);
+    BodyFaults faults;
+    ObjectReader reader(body, "", faults);
+    StopConditions stop;
+    if (const json* source = reader.member("stop", true))
+        stop = read_stop_conditions(*source, reader.at("stop"), vocabulary,
+                                    !request.value("reference", json()).is_null(), faults);
+    reader.finish();
+    faults.throw_if_any();
+    // Said again while that is under way, or done, it changes nothing: a client may repeat what it heard no answer to.
+    const json was = request["stop"];
+    request["stop"] = to_json(stop);
+    parse_job_request(request, vocabulary);  // a target's layer must be one of the job's
+    if (was == request["stop"] && row.state != JobState::Cancelled && row.state != JobState::Failed)
+        return job_object(row);
+    if (row.state != JobState::Succeeded && row.state != JobState::Cancelled)
+        throw Error(ErrorCode::WrongState, "job " + id + " is " + std::string(job_state_name(row.state)) +
+                                               "; only a succeeded or cancelled one can be extended");
+    if (row.film.empty()) throw Error(ErrorCode::WrongState, "job " + id + " has no film to go on from");
+    if (row.role == JobRole::Merged) check_one_range(row);
+    if (const std::string has = met(stop, row); !has.empty()) throw Error(ErrorCode::Conflict, "/stop", has);
+    row.request = request.dump();
+    row.progress = progress_towards(stop, row);
+    return queue_again(std::move(row), "extended on request to " + to_json(stop).dump());
+}
+
+void Service::Impl::check_one_range(const JobRow& row) {
+    const json ranges = parsed_or_null(row.statistics).value("pass_ranges", json());
+    if (ranges.is_array() && ranges.size() > 1)
+        throw Error(ErrorCode::WrongState, "the passes of job " + job_id(row.seq) + " are " +
+                                               std::to_string(ranges.size()) + " ranges, " + ranges.dump() +
+                                               ": there is no one pass to go on from");
+}
+
+json Service::Impl::queue_again(JobRow row, const std::string& why) {
+    const JobRequest request = parse_job_request(json::parse(row.request), vocabulary);
+    const std::string id = job_id(row.seq);
+    check_unused(row, true);
+    const auto scene = find_scene(row.scene);
+    if (!scene) throw Error(ErrorCode::WrongState, "the scene of job " + id + " has been deleted");
+    auto reference = missing_reference(request, *scene, row.reference_job);
+    if (!reference && !waits_for(row)) reference_source(row);  // lost: it cannot be measured again
+    // The film's next savings take the place of the one it has.
+    check_room(reference ? 2 : 1, estimate_disk_bytes(request, *scene));
+    const int64_t now = now_ms();
+    if (row.role == JobRole::Reference) row.content = reference_content(request, row.scene);
     row.state = JobState::Queued;
     row.started_ms.reset();
     row.finished_ms.reset();
     row.crashes = row.losses = 0;
     row.cancel_requested = false;
-    row.passes_done = 0;
-    row.progress = row.seconds = 0;
-    row.film.clear();
     row.artefacts = "[]";
     row.pixel_hash.clear();
     row.statistics.clear();
     row.failure.clear();
-    commit_state(row, "queued again on request");
+    const std::string from =
+        row.film.empty() ? "" : "; goes on from its film of " + std::to_string(row.passes_done) + " passes";
+    Insertion inserted;
+    {
+        auto transaction = store.transaction();
+        if (reference) row.reference_job = insert_reference(*std::move(reference), inserted);
+        if (row.reference_job) raise_reference(*row.reference_job, row.priority, inserted);
+        store.update_job(row);
+        store.append_log(row.seq, now, why + from + waiting_text(row));
+        put_event(inserted.outbox, "state", row.seq, state_data(row));
+        transaction.commit();
+    }
+    inserted.rows.push_back(row);
     artefacts.forget("job/" + std::to_string(row.seq) + "/");
-    remove_film(old_film);
     json object = job_object(row);
-    queue.push(row.seq, row.priority, row.device);
-    dispatch();
+    accept(std::move(inserted));
     return object;
 }
 

@@ -36,6 +36,29 @@ void add_artefact_routes(std::vector<Route>& routes, Service& service) {
         query.finish();
         return service.statistics(call.path_parameters[0]);
     });
+    add("curve.csv", Lane::Quick, [&service](Call& call, Query& query) {
+        query.finish();
+        return service.curve(call.path_parameters[0]);
+    });
+    add("difference.exr", Lane::Slow, [&service](Call& call, Query& query) {
+        query.finish();
+        return service.difference(call.path_parameters[0]);
+    });
+    add("flip.png", Lane::Slow, [&service](Call& call, Query& query) {
+        const std::string layer = query.text("layer", "beauty");
+        const std::string range = query.text("range", "hdr");
+        query.finish();
+        return service.flip(call.path_parameters[0], layer, range);
+    });
+    add("error.png", Lane::Slow, [&service](Call& call, Query& query) {
+        const std::string layer = query.text("layer", "beauty");
+        query.finish();
+        return service.error_map(call.path_parameters[0], layer);
+    });
+    add("film", Lane::Slow, [&service](Call& call, Query& query) {
+        query.finish();
+        return service.film(call.path_parameters[0]);
+    });
     add("log.txt", Lane::Quick, [&service](Call& call, Query& query) {
         query.finish();
         return service.log(call.path_parameters[0]);

@@ -1,3 +1,4 @@
+#include "protocol/strict_json.h"
 #include "server/routes/file_reply.h"
 #include "server/routes/query.h"
 #include "server/routes/routes.h"
@@ -17,6 +18,14 @@ void add_image_routes(std::vector<Route>& routes, Service& service) {
                           Reply reply = json_reply(added.created ? 201 : 200, added.object);
                           reply.headers["Location"] = "/v1/images/" + added.object.at("id").get<std::string>();
                           return reply;
+                      }});
+    routes.push_back({.method = "POST",
+                      .pattern = "/v1/metrics",
+                      .body = BodyKind::Json,
+                      .lane = Lane::Slow,
+                      .handle = [&service](Call& call) {
+                          Query(call.query).finish();
+                          return json_reply(200, service.measure(parse_strict_json(call.body)));
                       }});
     routes.push_back({.method = "GET", .pattern = "/v1/images/{id}", .handle = [&service](Call& call) {
                           Query(call.query).finish();

@@ -3,19 +3,17 @@
 #include <charconv>
 
 #include "protocol/strict_json.h"
+#include "server/routes/idempotency.h"
 #include "server/routes/query.h"
 #include "server/routes/routes.h"
 
 namespace photond::http {
 namespace {
 
-std::optional<std::string> idempotency_key(const Call& call) {
-    const std::string* key = call.head.header("idempotency-key");
-    if (key == nullptr) return std::nullopt;
-    if (key->empty() || key->size() > 255)
-        throw Error(ErrorCode::BadRequest,
-                    "Idempotency-Key must have 1 to 255 bytes, has " + std::to_string(key->size()));
-    return *key;
+Reply job_reply(int status, const nlohmann::json& job) {
+    Reply reply = json_reply(status, job);
+    reply.headers["Location"] = "/v1/jobs/" + job.at("id").get<std::string>();
+    return reply;
 }
 
 Reply submit(Service& service, Call& call) {
@@ -25,10 +23,7 @@ Reply submit(Service& service, Call& call) {
     const JobRequest request = parse_job_request(parse_strict_json(call.body), service.vocabulary());
     const std::optional<std::string> key = idempotency_key(call);
     if (dry_run) return json_reply(200, service.estimate_job(request));  // a key binds to what is queued: not to this
-    const nlohmann::json job = service.submit_job(request, key, to_json(request).dump());
-    Reply reply = json_reply(202, job);
-    reply.headers["Location"] = "/v1/jobs/" + job.at("id").get<std::string>();
-    return reply;
+    return job_reply(202, service.submit_job(request, key, to_json(request).dump()));
 }
 
 Reply list(Service& service, Call& call) {
@@ -38,6 +33,7 @@ Reply list(Service& service, Call& call) {
     filter.label = query.text("label");
     filter.scene = query.text("scene");
     filter.method = query.text("method");
+    filter.role = query.text("role");
     filter.limit = query.integer("limit", 100);
     filter.cursor = query.text("cursor");
     query.finish();
@@ -69,7 +65,8 @@ std::optional<uint64_t> resume_after(const Call& call, const EventHub& events) {
 // subscription.
 std::string state_now(const nlohmann::json& job, uint64_t id) {
     nlohmann::json data;
-    for (const char* key : {"id", "state", "progress", "passes_done", "seconds", "started", "finished", "failure"})
+    for (const char* key :
+         {"id", "state", "progress", "passes_done", "seconds", "error_now", "started", "finished", "failure"})
         data[key] = job.contains(key) ? job.at(key) : nlohmann::json(nullptr);
     return "event: state\nid: " + std::to_string(id) +
            "\ndata: " + data.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n\n";
@@ -115,10 +112,21 @@ void add_job_routes(std::vector<Route>& routes, Service& service) {
                       }});
     routes.push_back({.method = "POST", .pattern = "/v1/jobs/{id}/retry", .handle = [&service](Call& call) {
                           Query(call.query).finish();
-                          const nlohmann::json job = service.retry_job(call.path_parameters[0]);
-                          Reply reply = json_reply(202, job);
-                          reply.headers["Location"] = "/v1/jobs/" + job.at("id").get<std::string>();
-                          return reply;
+                          return job_reply(202, service.retry_job(call.path_parameters[0]));
+                      }});
+    routes.push_back(
+        {.method = "POST", .pattern = "/v1/jobs/{id}/extend", .body = BodyKind::Json, .handle = [&service](Call& call) {
+             Query(call.query).finish();
+             return job_reply(202, service.extend_job(call.path_parameters[0], parse_strict_json(call.body)));
+         }});
+    routes.push_back({.method = "POST",
+                      .pattern = "/v1/jobs/merge",
+                      .body = BodyKind::Json,
+                      .lane = Lane::Slow,
+                      .handle = [&service](Call& call) {
+                          Query(call.query).finish();
+                          const std::optional<std::string> key = idempotency_key(call);
+                          return job_reply(201, service.merge_jobs(parse_strict_json(call.body), key));
                       }});
     routes.push_back({.method = "GET", .pattern = "/v1/jobs/{id}/events", .handle = [&service](Call& call) {
                           return job_events(service, call);

@@ -2,6 +2,7 @@
 
 #include "protocol/openapi.h"
 #include "protocol/param_json.h"
+#include "renderer/error/metric.h"
 #include "renderer/methods/registry.h"
 #include "server/routes/front_page.h"
 #include "server/routes/query.h"
@@ -87,6 +88,10 @@ std::string openapi_text(const Service& service) {
         vocabulary.artefacts.push_back(
             {std::string(artefact.name), std::string(artefact.media_type), std::string(artefact.text)});
     vocabulary.layers = service.vocabulary().layer_names;
+    vocabulary.metrics = service.vocabulary().metric_names;
+    for (const MetricInfo& metric : kMetrics)
+        if (metric.needs_reference) vocabulary.image_metrics.emplace_back(metric.name);
+    vocabulary.radiance_layers = service.vocabulary().radiance_layers;
     vocabulary.max_width = service.vocabulary().max_width;
     vocabulary.max_height = service.vocabulary().max_height;
     return openapi_document(vocabulary).dump(2) + "\n";

@@ -121,6 +121,12 @@ std::optional<JobState> job_state_named(std::string_view name) {
     return std::nullopt;
 }
 
+std::optional<JobRole> job_role_named(std::string_view name) {
+    for (size_t i = 0; i < std::size(kJobRoles); ++i)
+        if (kJobRoles[i] == name) return static_cast<JobRole>(i);
+    return std::nullopt;
+}
+
 namespace {
 
 /// The number behind one letter: "J17"; 0 for anything else.
@@ -181,6 +187,7 @@ std::vector<JobRow> Store::jobs(const JobQuery& query) {
     // One text for each set of filters in use, so that each gets its own plan and index.
     std::string sql = select_jobs() + " WHERE seq < ?1";
     if (query.state) sql += " AND state = ?3";
+    if (query.role) sql += " AND role = ?8";
     if (!query.scene.empty()) sql += " AND scene = ?4";
     if (!query.method.empty()) sql += " AND method = ?5";
     if (!query.label_key.empty()) {
@@ -192,6 +199,7 @@ std::vector<JobRow> Store::jobs(const JobQuery& query) {
     Statement read = database_.prepare(sql);
     read.bind(1, query.before).bind(2, static_cast<int64_t>(query.limit));
     if (query.state) read.bind(3, static_cast<int64_t>(*query.state));
+    if (query.role) read.bind(8, static_cast<int64_t>(*query.role));
     if (!query.scene.empty()) read.bind(4, query.scene);
     if (!query.method.empty()) read.bind(5, query.method);
     if (!query.label_key.empty()) read.bind(6, query.label_key);
@@ -210,9 +218,12 @@ std::vector<JobRow> Store::jobs_to_purge() {
 }
 
 std::vector<QueuedJob> Store::queued_jobs() {
-    Statement read = database_.prepare("SELECT seq, priority, device FROM jobs WHERE state = 0");
+    Statement read = database_.prepare(
+        "SELECT j.seq, j.priority, j.device, r.seq FROM jobs j LEFT JOIN jobs r ON r.seq = j.reference_job AND r.state "
+        "< 2 WHERE j.state = 0");
     std::vector<QueuedJob> jobs;
-    while (read.step()) jobs.push_back({read.integer(0), static_cast<int>(read.integer(1)), read.text(2)});
+    while (read.step())
+        jobs.push_back({read.integer(0), static_cast<int>(read.integer(1)), read.text(2), optional_integer(read, 3)});
     return jobs;
 }
 
@@ -352,6 +363,18 @@ std::vector<ComparisonJob> Store::comparison_jobs(int64_t seq) {
     std::vector<ComparisonJob> jobs;
     while (read.step())
         jobs.push_back({read.integer(0), read.text(1), read.text(2), static_cast<uint64_t>(read.integer(3))});
+    return jobs;
+}
+
+std::vector<JobProgress> Store::comparison_progress(int64_t seq) {
+    Statement read = database_.prepare(
+        "SELECT jobs.seq, state, device, progress, seconds, started_ms, finished_ms, reference_job FROM comparison_jobs "
+        "JOIN jobs ON jobs.seq = comparison_jobs.job WHERE comparison_jobs.comparison = ?1 ORDER BY place");
+    read.bind(1, seq);
+    std::vector<JobProgress> jobs;
+    while (read.step())
+        jobs.push_back({read.integer(0), static_cast<JobState>(read.integer(1)), read.text(2), read.real(3),
+                        read.real(4), optional_integer(read, 5), optional_integer(read, 6), optional_integer(read, 7)});
     return jobs;
 }
 

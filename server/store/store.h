@@ -27,6 +27,7 @@ enum class JobRole : uint8_t {
 };
 inline constexpr std::string_view kJobRoles[] = {"render", "reference", "merged"};
 constexpr std::string_view job_role_name(JobRole role) { return kJobRoles[static_cast<size_t>(role)]; }
+std::optional<JobRole> job_role_named(std::string_view name);
 
 /// A job as it is kept. Times are milliseconds since 1970 UTC; JSON members are texts.
 struct JobRow {
@@ -74,6 +75,15 @@ struct ComparisonJob {
     uint64_t seed = 1;
 };
 
+/// Of a job what its comparison's state follows from.
+struct JobProgress {
+    int64_t seq = 0;
+    JobState state = JobState::Queued;
+    std::string device;
+    double progress = 0, seconds = 0;
+    std::optional<int64_t> started_ms, finished_ms, reference_job;
+};
+
 struct SceneRow {
     int64_t seq = 0;
     std::string id, name, file;  // file: relative to the scene's folder
@@ -88,6 +98,7 @@ struct ImageRow {
 
 struct JobQuery {
     std::optional<JobState> state;
+    std::optional<JobRole> role;
     std::string label_key;
     std::optional<std::string> label_value;
     std::string scene, method;   // empty: any
@@ -99,6 +110,7 @@ struct QueuedJob {
     int64_t seq;
     int priority;
     std::string device;
+    std::optional<int64_t> waits_for;  // the job it is measured against, where that is not over
 };
 
 /// Not thread-safe: the service's lock serialises. Every write is inside a transaction() of the caller.
@@ -157,6 +169,8 @@ public:
     std::vector<ComparisonRow> comparisons(int64_t before, uint32_t limit);
     /// In the order they were planned.
     std::vector<ComparisonJob> comparison_jobs(int64_t seq);
+    /// Likewise; those jobs that are still there.
+    std::vector<JobProgress> comparison_progress(int64_t seq);
     std::vector<ComparisonRow> comparisons_to_purge();
     struct ComparisonKeyRow {
         std::string body_sha256;

@@ -14,11 +14,17 @@ from photond_daemon import Daemon, small_job
 GENERATED = int(os.environ.get("PHOTOND_GENERATED_JOBS", "4000"))
 
 BASE = small_job(size=16, passes=1)
+PATHS = {"name": "path_tracing"}
+ESTIMATED = "estimated_relative_mse"
 EYE = {"eye": [0, 0, 2], "target": [0, 0, 0]}
 
 
 def look(**changes):
     return {"look_at": {**EYE, **changes}}
+
+
+def made(**changes):
+    return {"method": PATHS, "stop": {"passes": 1}, **changes}
 
 
 # Not JSON, or not one JSON text: 400, wherever it breaks.
@@ -127,10 +133,31 @@ FAULTS = [
     ("/method", {"name": "photon_mapping", "parameters": {"cone_k": 0.5}}, "/method/parameters/cone_k"),
     ("/method", {"name": "photon_mapping", "parameters": {"nearest_photons": 1}}, "/method/parameters/nearest_photons"),
     # not built yet, or not on this device
-    ("/method/device", "gpu", None), ("/method/device", "gpu:0", None), ("/reference", "job:J1", None),
-    ("/reference", {"method": {"name": "path_tracing"}, "stop": {"passes": 1}}, None),
-    ("/stop/target", {"metric": "relative_mse", "value": 0.1}, None), ("/time", 1, None), ("/time", -0.5, None),
+    ("/method/device", "gpu", None), ("/method/device", "gpu:0", None), ("/time", 1, None), ("/time", -0.5, None),
     ("/time", 1e300, None),
+    # references, targets, metrics, parts
+    ("/reference", "J1", None), ("/reference", "job:", None), ("/reference", "image:", None), ("/reference", "", None),
+    ("/reference", "job:J999999999", None), ("/reference", "job:x", None), ("/reference", "image:none", None),
+    ("/reference", 1, None), ("/reference", [], None), ("/reference", True, None),
+    ("/reference", {}, "/reference/method"), ("/reference", {"method": PATHS}, "/reference/stop"),
+    ("/reference", {"stop": {"passes": 1}}, "/reference/method"), ("/reference", made(seed=2), "/reference/seed"),
+    ("/reference", made(method={"name": "x"}), "/reference/method/name"),
+    ("/reference", made(method={**PATHS, "device": "gpu:0"}), "/reference/method/device"),
+    ("/reference", made(method={**PATHS, "parameters": {"x": 1}}), "/reference/method/parameters/x"),
+    ("/reference", made(stop={"passes": 0}), "/reference/stop/passes"), ("/reference", made(stop={}), "/reference/stop"),
+    ("/reference", made(stop={"target": {"metric": "rmse", "value": 1}}), "/reference/stop/target/metric"),
+    ("/stop/target", {"metric": "relative_mse", "value": 0.1}, "/stop/target/metric"), ("/stop/target", 1, None),
+    ("/stop/target", {"metric": ESTIMATED}, "/stop/target/value"), ("/stop/target", {"value": 1}, "/stop/target/metric"),
+    ("/stop/target", {"metric": ESTIMATED, "value": -1}, "/stop/target/value"),
+    ("/stop/target", {"metric": ESTIMATED, "value": "1"}, "/stop/target/value"),
+    ("/stop/target", {"metric": "estimated_relative_mes", "value": 1}, "/stop/target/metric"),
+    ("/stop/target", {"metric": "direct:" + ESTIMATED, "value": 1}, "/stop/target/metric"),
+    ("/stop/target", {"metric": ESTIMATED, "value": 1, "layer": "direct"}, "/stop/target/layer"),
+    ("/metrics", ["rmse"], None), ("/metrics", "rmse", None), ("/metrics", ["rsme"], "/metrics/0"),
+    ("/metrics", [1], "/metrics/0"), ("/metrics", ["rmse", "rmse"], "/metrics/1"),
+    ("/metrics", ["albedo:rmse"], "/metrics/0"), ("/metrics", ["caustic:rmse"], "/metrics/0"),
+    ("/metrics", ["percentiles"], "/metrics/0"), ("/first_pass", -1, None), ("/first_pass", 0.5, None),
+    ("/first_pass", "0", None), ("/first_pass", 2**32, None),
 ]
 
 # Bodies that are well-formed JSON and no object: the fault is the whole.
@@ -244,7 +271,8 @@ class MalformedJobsTest(unittest.TestCase):
 
 
 RICH = {**BASE, "camera": look(up=[0, 1, 0], yfov=0.7), "seed": 7, "layers": ["albedo", "depth"], "priority": 3,
-        "labels": {"a": "b"}, "glass": "solid", "time": 0, "reference": None}
+        "labels": {"a": "b"}, "glass": "solid", "time": 0, "reference": made(), "metrics": ["rmse", "direct:mae"],
+        "first_pass": 0, "stop": {"passes": 1, "seconds": None, "target": {"metric": "rmse", "value": 0.5}}}
 STRANGE = [None, True, False, 0, -1, 1, 0.5, 1e300, -1e300, 5e-324, 2**31, 2**32, 2**53 + 1, 2**63, 2**64, 10**30, "",
            "x", "\u0000", "é" * 10, "a" * 1000, [], {}, [[]], [{}], {"a": {}}, [None] * 5, {"": ""}, "gpu", "cpu",
            "NaN"]

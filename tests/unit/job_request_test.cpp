@@ -24,6 +24,9 @@ JobVocabulary vocabulary() {
     JobVocabulary known;
     known.method_names = {"path_tracing", "photon_mapping"};
     known.layer_names = {"caustic", "albedo", "normal", "position", "depth", "standard_error", "photon_count"};
+    known.metric_names = {"relative_mse", "rmse", "estimated_relative_mse"};
+    known.estimated_metrics = {"estimated_relative_mse"};
+    known.radiance_layers = {"emitted", "direct", "indirect", "caustic"};
     known.make_params = [](const std::string&) { return std::make_unique<TinyParams>(); };
     known.devices_of = [](const std::string& method) {
         return method == "path_tracing" ? std::vector<std::string>{"cpu"} : std::vector<std::string>{"cpu", "gpu"};
@@ -64,8 +67,8 @@ TEST(JobRequest, FillsInEveryDefault) {
         "camera": {"name": null, "look_at": null, "aperture": 0, "focus_distance": null},
         "image": {"width": 64, "height": 32, "filter": "box"},
         "method": {"name": "path_tracing", "device": "cpu", "parameters": {"bounces": 8, "radius": 0.05}},
-        "stop": {"seconds": null, "passes": 4, "target": null},
-        "seed": 1, "layers": [], "reference": null, "priority": 0, "labels": {}, "environment": null,
+        "stop": {"seconds": null, "passes": 4, "target": null}, "first_pass": 0,
+        "seed": 1, "layers": [], "reference": null, "metrics": [], "priority": 0, "labels": {}, "environment": null,
         "glass": "as_stored", "time": 0})"));
 }
 
@@ -75,14 +78,22 @@ TEST(JobRequest, ReadsEveryField) {
                                  "aperture": 0.01, "focus_distance": 2.5},
         "image": {"width": 65536, "height": 1, "filter": "gaussian"},
         "method": {"name": "photon_mapping", "device": "gpu:3", "parameters": {"bounces": 0}},
-        "stop": {"seconds": 0.5, "passes": 7}, "seed": 18446744073709551615, "layers": ["depth", "albedo"],
+        "stop": {"seconds": 0.5, "passes": 7, "target": {"metric": "indirect:rmse", "value": 0.25}}, "first_pass": 3,
+        "reference": {"method": {"name": "path_tracing"}, "stop": {"passes": 9}}, "metrics": ["caustic:relative_mse"],
+        "seed": 18446744073709551615, "layers": ["depth", "albedo", "caustic"],
         "priority": -100, "labels": {"a/b": "c", "~": ""}, "environment": {"image": "image:i1", "scale": 2, "rotation": -1},
         "glass": "solid", "time": 0})");
     const JobRequest request = parse_job_request(body, vocabulary());
     EXPECT_EQ(request.camera.look_at->up[2], 1);
     EXPECT_EQ(request.method.device, "gpu:3");
     EXPECT_EQ(request.seed, UINT64_MAX);
-    EXPECT_EQ(request.layers, (std::vector<std::string>{"depth", "albedo"}));
+    EXPECT_EQ(request.layers, (std::vector<std::string>{"depth", "albedo", "caustic"}));
+    EXPECT_EQ(request.stop.target->metric, "indirect:rmse");
+    EXPECT_EQ(request.stop.target->value, 0.25);
+    EXPECT_EQ(request.first_pass, 3u);
+    EXPECT_EQ(request.reference->rendering->method.parameters.dump(), R"({"bounces":8,"radius":0.05})");
+    EXPECT_EQ(request.reference->rendering->stop.passes, 9u);
+    EXPECT_EQ(request.metrics, std::vector<std::string>{"caustic:relative_mse"});
     EXPECT_EQ(request.labels.at("a/b"), "c");
     EXPECT_EQ(request.environment->rotation, -1);
     EXPECT_EQ(request.method.parameters.dump(), R"({"bounces":0,"radius":0.05})");
@@ -110,6 +121,16 @@ TEST(JobRequest, TheEchoIsAFixedPoint) {
         if (chance()) body["priority"] = static_cast<int>(random() % 201) - 100;
         if (chance()) body["labels"]["k"] = std::to_string(random());
         if (chance()) body["environment"] = {{"image", "image:x"}, {"rotation", number(random)}};
+        if (chance()) body["first_pass"] = random() % 1000;
+        if (chance()) {
+            const json references[] = {
+                "job:J17", "image:abc", {{"method", {{"name", "path_tracing"}}}, {"stop", {{"seconds", 2.5}}}}};
+            body["reference"] = references[random() % 3];
+            if (chance()) body["metrics"] = {"rmse", "direct:relative_mse"};
+            if (chance()) body["stop"]["target"] = {{"metric", "beauty:rmse"}, {"value", std::abs(number(random))}};
+        } else if (chance()) {
+            body["stop"]["target"] = {{"metric", "estimated_relative_mse"}, {"value", 1e-3}};
+        }
         const json echo = to_json(parse_job_request(body, vocabulary()));
         const json again = to_json(parse_job_request(json::parse(echo.dump()), vocabulary()));
         ASSERT_EQ(echo.dump(), again.dump());
@@ -121,13 +142,13 @@ TEST(JobRequest, NamesAllFaultsAtOnce) {
     const std::vector<std::string> pointers = pointers_of(json::parse(R"({
         "scen": "x", "camera": {"name": "a", "look_at": {"eye": [0, "x"], "target": [0, 0, 0], "roll": 1}},
         "image": {"width": 0, "height": 1.5}, "method": {"name": "path_tracing", "device": "gpu", "parameters": {"bounce": 1}},
-        "stop": {"target": {"metric": "rmse", "value": 1}}, "layers": ["albdo", 3], "reference": "job:J1", "x/y": 1})"),
+        "stop": {"target": {"metric": "rmse", "value": 1}}, "layers": ["albdo", 3], "reference": "J1", "metrics": ["rsme", 1], "x/y": 1})"),
                                                           &code);
     EXPECT_EQ(code, ErrorCode::MissingField);
-    EXPECT_EQ(pointers,
-              (std::vector<std::string>{"/scene", "/camera/look_at/eye", "/camera/look_at/roll", "/camera/look_at",
-                                        "/image/width", "/image/height", "/method/device", "/method/parameters/bounce",
-                                        "/stop/target", "/layers/0", "/layers/1", "/reference", "/scen", "/x~1y"}));
+    EXPECT_EQ(pointers, (std::vector<std::string>{"/scene", "/camera/look_at/eye", "/camera/look_at/roll",
+                                                  "/camera/look_at", "/image/width", "/image/height", "/method/device",
+                                                  "/method/parameters/bounce", "/reference", "/layers/0", "/layers/1",
+                                                  "/metrics/0", "/metrics/1", "/scen", "/x~1y"}));
 }
 
 TEST(JobRequest, SuggestsTheNearestName) {
@@ -175,7 +196,29 @@ TEST(JobRequest, RefusesEachFaultAtItsPlace) {
         {"/environment", "{\"image\": \"sky\"}", "/environment/image", ErrorCode::UnknownName},
         {"/glass", "\"hollow\"", "/glass", ErrorCode::UnknownName},
         {"/time", "1", "/time", ErrorCode::Unsupported},
-        {"/reference", "\"job:J1\"", "/reference", ErrorCode::Unsupported},
+        {"/reference", "\"J1\"", "/reference", ErrorCode::UnknownName},
+        {"/reference", "\"job:\"", "/reference", ErrorCode::UnknownName},
+        {"/reference", "\"image:\"", "/reference", ErrorCode::UnknownName},
+        {"/reference", "1", "/reference", ErrorCode::WrongType},
+        {"/reference", "[]", "/reference", ErrorCode::WrongType},
+        {"/reference", R"({"method": {"name": "path_tracing"}})", "/reference/stop", ErrorCode::MissingField},
+        {"/reference", R"({"stop": {"passes": 1}})", "/reference/method", ErrorCode::MissingField},
+        {"/reference", R"({"method": {"name": "x"}, "stop": {"passes": 1}})", "/reference/method/name",
+         ErrorCode::UnknownName},
+        {"/reference", R"({"method": {"name": "path_tracing"}, "stop": {}})", "/reference/stop",
+         ErrorCode::MissingField},
+        {"/reference", R"({"method": {"name": "path_tracing"}, "stop": {"passes": 1}, "seed": 2})", "/reference/seed",
+         ErrorCode::UnknownField},
+        {"/reference", R"({"method": {"name": "path_tracing"}, "stop": {"target": {"metric": "rmse", "value": 1}}})",
+         "/reference/stop/target/metric", ErrorCode::Conflict},
+        {"/stop/target", R"({"metric": "rmse", "value": 1})", "/stop/target/metric", ErrorCode::Conflict},
+        {"/stop/target", R"({"metric": "estimated_relative_mse"})", "/stop/target/value", ErrorCode::MissingField},
+        {"/stop/target", R"({"metric": "estimated_relative_mse", "value": -1})", "/stop/target/value",
+         ErrorCode::OutOfRange},
+        {"/metrics", "[\"rmse\"]", "/metrics", ErrorCode::Conflict},
+        {"/metrics", "{}", "/metrics", ErrorCode::WrongType},
+        {"/first_pass", "-1", "/first_pass", ErrorCode::OutOfRange},
+        {"/first_pass", "0.5", "/first_pass", ErrorCode::OutOfRange},
         {"/camera", "{\"aperture\": 0.1}", "/camera/focus_distance", ErrorCode::MissingField},
         {"/camera", "{\"focus_distance\": 0}", "/camera/focus_distance", ErrorCode::OutOfRange},
         {"/camera", R"({"look_at": {"eye": [0,0,0], "target": [0,0,0]}})", "/camera/look_at/target",
@@ -194,6 +237,28 @@ TEST(JobRequest, RefusesEachFaultAtItsPlace) {
             << wrong.at << " = " << wrong.value;
         EXPECT_EQ(code, wrong.code) << wrong.at << " = " << wrong.value;
     }
+}
+
+TEST(JobRequest, MetricsAreOfLayersThatTheImageHolds) {
+    json body = smallest();
+    body["reference"] = "job:J1";
+    body["metrics"] = {"rmse", "albedo:rmse", "caustic:rmse", "indirect:rmse", "rmse"};
+    body["stop"]["target"] = {{"metric", "caustic:relative_mse"}, {"value", 1}};
+    EXPECT_EQ(pointers_of(body), (std::vector<std::string>{"/metrics/1", "/metrics/4", "/stop/target/metric",
+                                                           "/metrics/1", "/metrics/2"}));
+    body["metrics"] = {"rmse", "caustic:rmse", "indirect:rmse"};
+    body["layers"] = {"caustic"};
+    EXPECT_EQ(parse_job_request(body, vocabulary()).metrics.size(), 3u);
+}
+
+TEST(JobRequest, AStopIsReadByItself) {
+    BodyFaults faults;
+    const json target{{"metric", "relative_mse"}, {"value", 0.5}};
+    const StopConditions stop = read_stop_conditions({{"target", target}}, "/stop", vocabulary(), true, faults);
+    EXPECT_EQ(faults.size(), 0u);
+    EXPECT_EQ(to_json(stop), (json{{"seconds", nullptr}, {"passes", nullptr}, {"target", target}}));
+    read_stop_conditions({{"target", target}}, "/stop", vocabulary(), false, faults);
+    EXPECT_EQ(faults.size(), 1u);
 }
 
 TEST(JobRequest, AMethodMayHaveLayersThatOthersLack) {

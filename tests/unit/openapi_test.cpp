@@ -18,6 +18,9 @@ json document() {
     vocabulary.methods = {{"path_tracing", {{"type", "object"}}, {"albedo"}},
                           {"photon_mapping", {{"type", "object"}}, {"albedo", "depth"}}};
     vocabulary.layers = {"albedo", "depth"};
+    vocabulary.metrics = {"rmse", "estimated_relative_mse"};
+    vocabulary.image_metrics = {"rmse", "percentiles"};
+    vocabulary.radiance_layers = {"emitted", "direct"};
     vocabulary.artefacts = {{"photon_map.glb", "model/gltf-binary", "the photon map"}};
     return openapi_document(vocabulary);
 }
@@ -62,11 +65,15 @@ TEST(OpenApi, ProblemKnowsEveryErrorCode) {
 }
 
 TEST(OpenApi, RequestKnowsMethodsAndLayers) {
-    const json request = document()["components"]["schemas"]["JobRequest"];
+    const json schemas = document()["components"]["schemas"], request = schemas["JobRequest"];
     EXPECT_EQ(request["additionalProperties"], false);
-    EXPECT_EQ(request["properties"]["method"]["oneOf"][0]["properties"]["name"]["const"], "path_tracing");
+    EXPECT_EQ(schemas["JobMethod"]["oneOf"][0]["properties"]["name"]["const"], "path_tracing");
     EXPECT_EQ(request["properties"]["layers"]["anyOf"][0]["items"]["enum"].dump(), R"(["albedo","depth"])");
-    EXPECT_EQ(request["properties"]["stop"]["anyOf"][0]["required"].dump(), R"(["seconds"])");
+    EXPECT_EQ(schemas["Stop"]["anyOf"][0]["required"].dump(), R"(["seconds"])");
+    EXPECT_EQ(request["properties"]["metrics"]["anyOf"][0]["items"]["pattern"],
+              "^((emitted|direct|beauty):)?(rmse|estimated_relative_mse)$");
+    EXPECT_EQ(schemas["MeasurementRequest"]["properties"]["metrics"]["anyOf"][0]["items"]["pattern"],
+              "^((emitted|direct|beauty):)?(rmse|percentiles)$");
     // Only the method that lacks a layer narrows the list.
     ASSERT_EQ(request["allOf"].size(), 1u);
     EXPECT_EQ(request["allOf"][0]["if"]["properties"]["method"]["properties"]["name"]["const"], "path_tracing");

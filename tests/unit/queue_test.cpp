@@ -44,6 +44,28 @@ TEST(JobQueue, DevicesDoNotWaitForEachOther) {
     EXPECT_FALSE(queue.remove(3));
 }
 
+TEST(JobQueue, SomeWaitForTheEndOfAnother) {
+    JobQueue queue;
+    queue.push(1, 0, "cpu");
+    queue.hold(2, 5, "cpu", 1);
+    queue.hold(3, 9, "gpu:0", 1);
+    queue.hold(4, 9, "cpu", 2);
+    EXPECT_EQ(queue.size(), 4u) << "those that wait count";
+    queue.push(2, 7, "cpu");  // held already: nothing happens
+    EXPECT_EQ(queue.front("cpu"), 1) << "whatever the priority of those held";
+    EXPECT_FALSE(queue.front("gpu:0"));
+    EXPECT_TRUE(queue.remove(1));
+    EXPECT_EQ(queue.release(1), (std::vector<int64_t>{2, 3}));
+    EXPECT_EQ(queue.front("cpu"), 2);
+    EXPECT_EQ(queue.front("gpu:0"), 3);
+    EXPECT_TRUE(queue.release(1).empty()) << "once";
+    EXPECT_TRUE(queue.remove(4)) << "one that is held can be cancelled";
+    EXPECT_TRUE(queue.release(2).empty());
+    EXPECT_EQ(queue.size(), 2u);
+    queue.hold(2, 0, "cpu", 9);  // in the queue already: nothing happens
+    EXPECT_EQ(queue.front("cpu"), 2);
+}
+
 TEST(RetryPolicy, FollowsTheProtocol) {
     // Lost through no fault of its own: at most two further attempts.
     EXPECT_FALSE(failure_after(AttemptEnd::Lost, 1, 0));

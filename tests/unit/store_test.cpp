@@ -45,6 +45,31 @@ int64_t insert(Store& store, JobRow row, const std::vector<std::pair<std::string
     return row.seq;
 }
 
+TEST(Store, AQueuedJobWaitsForItsReferenceUntilThatIsOver) {
+    const TemporaryFolder folder;
+    Store store(folder.path / "s");
+    JobRow reference = some_job("s", JobState::Running);
+    reference.role = JobRole::Reference;
+    reference.seq = insert(store, reference);
+    JobRow job = some_job();
+    job.reference_job = reference.seq;
+    const int64_t seq = insert(store, job);
+    ASSERT_EQ(store.queued_jobs().size(), 1u);
+    EXPECT_EQ(store.queued_jobs()[0].waits_for, reference.seq);
+    JobQuery query;
+    query.role = JobRole::Reference;
+    ASSERT_EQ(store.jobs(query).size(), 1u);
+    EXPECT_EQ(store.jobs(query)[0].seq, reference.seq);
+    auto transaction = store.transaction();
+    reference.state = JobState::Failed;
+    store.update_job(reference);
+    EXPECT_EQ(store.queued_jobs()[0].waits_for, std::nullopt);
+    store.delete_job(reference.seq);
+    transaction.commit();
+    EXPECT_EQ(store.queued_jobs()[0].seq, seq);
+    EXPECT_EQ(store.queued_jobs()[0].waits_for, std::nullopt) << "of one that is gone nothing can be waited for";
+}
+
 TEST(Store, AJobComesBackAsItWasAfterReopening) {
     const TemporaryFolder folder;
     JobRow row = some_job("scene", JobState::Failed);

@@ -1,0 +1,65 @@
+#include "protocol/comparison.h"
+
+#include "protocol/strict_json.h"
+#include "server/routes/file_reply.h"
+#include "server/routes/idempotency.h"
+#include "server/routes/query.h"
+#include "server/routes/routes.h"
+
+namespace photond::http {
+namespace {
+
+Reply submit(Service& service, Call& call) {
+    Query(call.query).finish();
+    const ComparisonRequest request = parse_comparison_request(parse_strict_json(call.body), service.vocabulary());
+    const nlohmann::json comparison = service.submit_comparison(request, idempotency_key(call));
+    Reply reply = json_reply(202, comparison);
+    reply.headers["Location"] = "/v1/comparisons/" + comparison.at("id").get<std::string>();
+    return reply;
+}
+
+Reply list(Service& service, Call& call) {
+    Query query(call.query);
+    const uint32_t limit = query.integer("limit", 100);
+    const std::string cursor = query.text("cursor");
+    query.finish();
+    return json_reply(200, service.list_comparisons(limit, cursor));
+}
+
+Reply remove(Service& service, Call& call) {
+    Query query(call.query);
+    const bool purge = query.flag("purge");
+    query.finish();
+    const Service::Cancelled cancelled =
+        purge ? service.purge_comparison(call.path_parameters[0]) : service.cancel_comparison(call.path_parameters[0]);
+    return json_reply(cancelled.was_over ? 200 : 202, cancelled.object);
+}
+
+}  // namespace
+
+void add_comparison_routes(std::vector<Route>& routes, Service& service) {
+    // A thousand jobs are judged, written and read together: too long for the threads that answer at once.
+    const auto add = [&routes](const char* method, const char* pattern, BodyKind body,
+                               std::function<Reply(Call&)> handle) {
+        routes.push_back(
+            {.method = method, .pattern = pattern, .body = body, .lane = Lane::Slow, .handle = std::move(handle)});
+    };
+    add("POST", "/v1/comparisons", BodyKind::Json, [&service](Call& call) { return submit(service, call); });
+    add("GET", "/v1/comparisons", BodyKind::None, [&service](Call& call) { return list(service, call); });
+    add("GET", "/v1/comparisons/{id}", BodyKind::None, [&service](Call& call) {
+        Query(call.query).finish();
+        return json_reply(200, service.get_comparison(call.path_parameters[0]));
+    });
+    add("DELETE", "/v1/comparisons/{id}", BodyKind::None, [&service](Call& call) { return remove(service, call); });
+    const auto add_report = [&](const char* pattern, Artefact (Service::*report)(const std::string&)) {
+        add("GET", pattern, BodyKind::None, [&service, report](Call& call) {
+            Query(call.query).finish();
+            return file_reply(call, (service.*report)(call.path_parameters[0]));
+        });
+    };
+    add_report("/v1/comparisons/{id}/report.json", &Service::comparison_json);
+    add_report("/v1/comparisons/{id}/report.csv", &Service::comparison_csv);
+    add_report("/v1/comparisons/{id}/report.html", &Service::comparison_html);
+}
+
+}  // namespace photond::http

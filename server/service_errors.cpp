@@ -1,0 +1,236 @@
+// Errors to look at: curves, differences and maps of a job against its reference, and measuring on request.
+
+#include <algorithm>
+
+#include "protocol/object_reader.h"
+#include "protocol/param_json.h"
+#include "renderer/core/sha256.h"
+#include "renderer/error/metric.h"
+#include "renderer/film/layers.h"
+#include "server/service_impl.h"
+
+namespace photond {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+constexpr size_t kMaxSourceBytes = 256;
+constexpr size_t kMaxMetrics = 256;
+
+std::vector<std::string> radiance_layers() {
+    std::vector<std::string> layers{"beauty"};
+    for (const LayerInfo& info : kLayers)
+        if (info.radiance) layers.emplace_back(info.name);
+    return layers;
+}
+
+void check_layer(const std::string& layer) {
+    const std::vector<std::string> known = radiance_layers();
+    if (std::find(known.begin(), known.end(), layer) == known.end())
+        throw Error(ErrorCode::UnknownName, "/layer",
+                    "'" + layer + "' is no layer of radiance" + did_you_mean(layer, known));
+}
+
+std::string curve_csv(const json& curve) {
+    std::vector<std::string> metrics;  // in the order in which they were first measured
+    for (const json& point : curve)
+        for (const auto& [metric, value] : point.value("metrics", json::object()).items())
+            if (std::find(metrics.begin(), metrics.end(), metric) == metrics.end()) metrics.push_back(metric);
+    std::string text = "seconds,passes,photons";
+    for (const std::string& metric : metrics) text += "," + metric;
+    text += "\n";
+    const auto cell = [](const json& value) { return value.is_null() ? std::string() : value.dump(); };
+    for (const json& point : curve) {
+        text += cell(point.value("seconds", json())) + "," + cell(point.value("passes", json())) + "," +
+                cell(point.value("photons", json()));
+        const json values = point.value("metrics", json::object());
+        for (const std::string& metric : metrics) text += "," + cell(values.value(metric, json()));
+        text += "\n";
+    }
+    return text;
+}
+
+/// The metrics of a body; all there are of the beauty where it names none.
+json read_metrics(const json* source, BodyFaults& faults) {
+    json names = json::array();
+    std::vector<std::string> known;
+    for (const MetricInfo& info : kMetrics)
+        if (info.needs_reference) known.emplace_back(info.name);
+    if (!source) return known;
+    if (!source->is_array() || source->empty() || source->size() > kMaxMetrics) {
+        faults.add(source->is_array() ? ErrorCode::OutOfRange : ErrorCode::WrongType, "/metrics",
+                   "must be an array of 1 to " + std::to_string(kMaxMetrics) + " names");
+        return names;
+    }
+    const std::vector<std::string> layers = radiance_layers();
+    for (size_t i = 0; i < source->size(); ++i) {
+        const json& name = (*source)[i];
+        const std::string pointer = "/metrics/" + std::to_string(i);
+        if (!name.is_string()) {
+            faults.add(ErrorCode::WrongType, pointer, "must be a string");
+            continue;
+        }
+        const auto text = name.get<std::string>();
+        const auto metric = layer_metric_named(text);
+        if (!metric || !metric_info(metric->metric).needs_reference)
+            faults.add(
+                ErrorCode::UnknownName, pointer,
+                "'" + text + "' is no metric of two images" +
+                    did_you_mean(text.substr(text.find(':') == std::string::npos ? 0 : text.find(':') + 1), known));
+        else if (std::find(layers.begin(), layers.end(), metric->layer) == layers.end())
+            faults.add(ErrorCode::UnknownName, pointer,
+                       "'" + metric->layer + "' is no layer of radiance" + did_you_mean(metric->layer, layers));
+        else if (std::find(names.begin(), names.end(), name) != names.end())
+            faults.add(ErrorCode::Conflict, pointer, "'" + text + "' is named twice");
+        names.push_back(name);
+    }
+    return names;
+}
+
+}  // namespace
+
+Service::Impl::MeasuredPair Service::Impl::measured_pair(const std::string& id) {
+    MeasuredPair pair;
+    {
+        const std::lock_guard lock(mutex);
+        const JobRow row = require_job(id);
+        if (json::parse(row.request).value("reference", json()).is_null())
+            throw Error(ErrorCode::NotFound, "job " + id + " has no reference to be compared with");
+    }
+    pair.film = film_source(id);
+    if (pair.film.pending) return pair;
+    const std::lock_guard lock(mutex);
+    const JobRow row = require_job(id);
+    if (waits_for(row)) {
+        pair.film.pending = true;
+        return pair;
+    }
+    try {
+        pair.reference = reference_source(row);
+    } catch (const Error& error) {
+        throw Error(ErrorCode::NotFound, "job " + id + ": " + error.what());
+    }
+    const fs::path path = pair.reference.begin()->get<std::string>();
+    pair.key = pair.film.cache_key + "/against/" + path.filename().string();
+    if (pair.reference.contains("film")) {
+        pair.pinned_reference.path = path;
+        pin(pair.pinned_reference);
+        pair.reference["film"] = pair.pinned_reference.path.string();
+    }
+    return pair;
+}
+
+Artefact Service::Impl::encode_error(const std::string& id, const std::string& what, const std::string& media_type,
+                                     json request) {
+    MeasuredPair pair = measured_pair(id);
+    if (pair.film.pending) {
+        Artefact pending;
+        pending.pending = true;
+        return pending;
+    }
+    return artefact(pair.key + "/" + what, media_type, [&](const fs::path& path) {
+        pin(pair.film);
+        request["image"] = {{"film", pair.film.path.string()}};
+        request["reference"] = pair.reference;
+        request["out"] = path.string();
+        helper->call(request);
+        return std::map<std::string, std::string>();
+    });
+}
+
+Artefact Service::difference(const std::string& id) {
+    return impl_->encode_error(id, "difference", "image/x-exr", {{"type", "encode_difference"}});
+}
+
+Artefact Service::flip(const std::string& id, const std::string& layer, const std::string& range) {
+    check_layer(layer);
+    if (range != "ldr" && range != "hdr")
+        throw Error(ErrorCode::OutOfRange, "/range", "range = '" + range + "' is neither ldr nor hdr");
+    return impl_->encode_error(id, "flip/" + layer + "/" + range, "image/png",
+                               {{"type", "encode_flip"}, {"layer", layer}, {"range", range}});
+}
+
+Artefact Service::error_map(const std::string& id, const std::string& layer) {
+    check_layer(layer);
+    return impl_->encode_error(id, "error/" + layer, "image/png", {{"type", "encode_error_map"}, {"layer", layer}});
+}
+
+Artefact Service::Impl::curve_file(const std::string& id) {
+    json curve;
+    JobRow row;
+    {
+        const std::lock_guard lock(mutex);
+        row = require_job(id);
+        curve = job_object(row)["curve"];
+    }
+    if (curve.is_null()) {
+        if (is_over(row.state)) throw Error(ErrorCode::NotFound, "job " + id + " ended without a point of a curve");
+        Artefact pending;
+        pending.pending = true;
+        return pending;
+    }
+    const std::string text = curve_csv(curve);
+    return text_artefact("job/" + std::to_string(row.seq) + "/curve/", text, "text/csv");
+}
+
+Artefact Service::film(const std::string& id) {
+    const Impl::FilmSource film = impl_->film_source(id);
+    if (film.pending) {
+        Artefact pending;
+        pending.pending = true;
+        return pending;
+    }
+    return impl_->linked(film.cache_key + "/film", film.path, "application/octet-stream");
+}
+
+Service::Impl::FilmSource Service::Impl::source_named(const std::string& name, const std::string& pointer,
+                                                      json& source) {
+    FilmSource film;
+    if (name.starts_with("image:")) {
+        const std::lock_guard lock(mutex);
+        const auto image = store.image(name.substr(6));
+        if (!image) throw Error(ErrorCode::UnknownName, pointer, "there is no image '" + name.substr(6) + "'");
+        source = {{"image", (files.images / image->file).string()}};
+        return film;
+    }
+    const std::string id = name.substr(4);
+    try {
+        film = film_source(id);
+    } catch (const Error& error) {
+        if (error.code != ErrorCode::NotFound) throw;
+        throw Error(ErrorCode::UnknownName, pointer, error.what());
+    }
+    if (film.pending) throw Error(ErrorCode::WrongState, pointer, "job " + id + " has no film yet");
+    pin(film);
+    source = {{"film", film.path.string()}};
+    return film;
+}
+
+json Service::Impl::measure(const json& body) {
+    BodyFaults faults;
+    ObjectReader reader(body, "", faults);
+    std::optional<std::string> names[2];
+    const char* const members[2] = {"image", "reference"};
+    for (int i = 0; i < 2; ++i) {
+        names[i] = reader.string(members[i], kMaxSourceBytes, true);
+        const bool good = names[i] && ((names[i]->starts_with("job:") && names[i]->size() > 4) ||
+                                       (names[i]->starts_with("image:") && names[i]->size() > 6));
+        if (names[i] && !good)
+            faults.add(ErrorCode::UnknownName, reader.at(members[i]),
+                       "'" + *names[i] + "' is neither \"job:ID\" nor \"image:ID\"");
+    }
+    const json metrics = read_metrics(reader.member("metrics"), faults);
+    reader.finish();
+    faults.throw_if_any();
+    json order{{"type", "measure"}, {"metrics", metrics}};
+    const FilmSource image = source_named(*names[0], "/image", order["image"]);
+    const FilmSource reference = source_named(*names[1], "/reference", order["reference"]);
+    json result = helper->call(order);
+    return {{"metrics", result.value("metrics", json::object())},
+            {"reference_error", result.value("reference_error", json())},
+            {"notes", result.value("notes", json::array())}};
+}
+
+}  // namespace photond
