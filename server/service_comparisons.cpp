@@ -10,6 +10,7 @@
 #include "renderer/core/sha256.h"
 #include "server/clock_text.h"
 #include "server/comparisons/measured_job.h"
+#include "server/comparisons/report_text.h"
 #include "server/service_impl.h"
 
 namespace photond {
@@ -117,8 +118,8 @@ json reference_json(const ComparisonRow& row, const std::optional<JobProgress>& 
         for (const auto& [metric, figure] : table_row.error)
             if (figure.near_reference)
                 warnings.push_back("the " + metric + " of " + row_name(table_row.label, table_row.parameters) + ", " +
-                                   json(figure.error->mean).dump() + ", is within 3 times the reference's own, " +
-                                   json(*figure.reference).dump() + ": take a reference of more passes");
+                                   short_number(figure.error->mean) + ", is within 3 times the reference's own, " +
+                                   short_number(*figure.reference) + ": take a reference of more passes");
     const bool image = asked.is_string() && asked.get_ref<const std::string&>().starts_with("image:");
     return {{"job", reference ? json(job_id(reference->seq)) : json()},
             {"image", image ? json(asked.get<std::string>().substr(6)) : json()},
