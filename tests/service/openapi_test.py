@@ -5,6 +5,7 @@ what it forbids is refused, and every answer is one that it announces.
 import json
 import random
 import re
+import time
 import unittest
 
 import malformed_jobs_test as malformed
@@ -15,6 +16,13 @@ from photond_daemon import Daemon, Reply, small_job
 # Faults that no schema can express: they depend on what the daemon holds, or relate one field to another.
 BEYOND_SCHEMAS = {"/scene", "/camera/name", "/camera/look_at", "/camera/look_at/target", "/camera/look_at/up",
                   "/camera/focus_distance", "/environment/image", "/method/device", "/method/parameters/radius_relative"}
+
+
+COMPARISON = {"scene": "cornell-box", "image": {"width": 8, "height": 8},
+              "reference": {"method": {"name": "path_tracing"}, "stop": {"passes": 8}},
+              "entries": [{"label": "paths", "method": {"name": "path_tracing"}, "sweep": {"indirect_bounces": [1, 2]}},
+                          {"method": {"name": "photon_mapping", "parameters": {"photons": 100, "gather_rays": 1}}}],
+              "stop": {"passes": 2}, "metrics": ["relative_mse"], "seeds": [1, 2]}
 
 
 class Document:
@@ -164,11 +172,27 @@ class OpenApiTest(unittest.TestCase):
             self.daemon.request("DELETE", f"/v1/jobs/{job_id}?purge=true")
         self.assertEqual(ask("DELETE", f"/v1/jobs/{job['id']}?purge=true").status, 200)
         self.assertEqual(ask("DELETE", f"/v1/scenes/{scene['id']}").status, 200)
+        self.ask_about_comparisons()
         announced = {(operation["operationId"], int(status))
                      for methods in self.api.document["paths"].values() for operation in methods.values()
                      for status in operation["responses"] if status != "default"}
         # Event streams never end, so the plain request above cannot read them; api_test does.
         self.assertEqual({entry for entry in announced - self.answered if not entry[0].endswith("Events")}, set())
+
+    def ask_about_comparisons(self):
+        ask = self.ask
+        compared = ask("POST", "/v1/comparisons", json_body=COMPARISON).json
+        while ask("GET", f"/v1/comparisons/{compared['id']}").json["state"] != "succeeded":
+            time.sleep(0.05)
+        self.assertEqual(len(ask("GET", "/v1/comparisons").json["items"]), 1)
+        for name in ("report.json", "report.csv", "report.html"):
+            self.assertEqual(ask("GET", f"/v1/comparisons/{compared['id']}/{name}").status, 200, name)
+        long = ask("POST", "/v1/comparisons", json_body={**COMPARISON, "stop": {"seconds": 3600}}).json
+        self.assertEqual(ask("DELETE", f"/v1/comparisons/{long['id']}").status, 202)
+        while ask("GET", f"/v1/comparisons/{long['id']}").json["state"] != "cancelled":
+            time.sleep(0.05)
+        for comparison in (long, compared):
+            self.assertEqual(ask("DELETE", f"/v1/comparisons/{comparison['id']}?purge=true").status, 200)
 
     def test_every_refusal_is_a_problem(self):
         for method, path, options in (
@@ -178,10 +202,30 @@ class OpenApiTest(unittest.TestCase):
                 ("POST", "/v1/jobs", {"body": b"{", "headers": {"Content-Type": "application/json"}}),
                 ("POST", "/v1/scenes", {"body": b"no", "headers": {"Content-Type": "model/gltf-binary"}}),
                 ("POST", "/v1/images", {"body": b"no", "headers": {"Content-Type": "image/x-exr"}}),
-                ("POST", "/v1/jobs/none/retry", {})):
+                ("POST", "/v1/jobs/none/retry", {}), ("GET", "/v1/comparisons/C999", {}),
+                ("GET", "/v1/comparisons/none/report.html", {}), ("DELETE", "/v1/comparisons/none", {}),
+                ("POST", "/v1/comparisons", {"json_body": {}})):
             self.assertGreaterEqual(self.ask(method, path, **options).status, 400)
 
     # --- requests
+
+    def test_comparisons_are_taken_and_refused_as_the_schema_says(self):
+        schema = self.api.component("ComparisonRequest")
+        self.check(schema, COMPARISON, "the body")
+        for change in ({"entries": []}, {"entries": None}, {"entries": [{"label": "x"}]}, {"entries": [{"method": {}}]},
+                       {"entries": [{"method": {"name": "path_tracing"}, "sweep": {"indirect_bounces": []}}]},
+                       {"entries": [{"method": {"name": "path_tracing"}, "sweep": {"indirect_bounces": [None]}}]},
+                       {"entries": [{"method": {"name": "path_tracing"}, "sweep": [1]}]},
+                       {"entries": [{"method": {"name": "path_tracing"}, "more": 1}]},
+                       {"entries": [{"method": {"name": "path_tracing"}, "label": ""}]},
+                       {"seeds": []}, {"seeds": [1, 1]}, {"seeds": [-1]}, {"seeds": ["1"]}, {"seeds": 1},
+                       {"metrics": []}, {"metrics": ["no_metric"]}, {"metrics": ["rmse", "rmse"]}, {"stop": {}},
+                       {"stop": None}, {"image": {"width": 0, "height": 1}}, {"scene": None}, {"reference": "J1"},
+                       {"method": {"name": "path_tracing"}}, {"seed": 1}, {"first_pass": 1}):
+            body = {**COMPARISON, **change}
+            with self.subTest(change=change):
+                self.assertFalse(schema.is_valid(body))
+                self.assertEqual(self.ask("POST", "/v1/comparisons", json_body=body).status, 422)
 
     def test_what_the_reader_refuses_the_schema_refuses(self):
         schema = self.api.component("JobRequest")
