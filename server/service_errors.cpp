@@ -35,9 +35,11 @@ void check_layer(const std::string& layer) {
 
 std::string curve_csv(const json& curve) {
     std::vector<std::string> metrics;  // in the order in which they were first measured
-    for (const json& point : curve)
-        for (const auto& [metric, value] : point.value("metrics", json::object()).items())
+    for (const json& point : curve) {
+        const json values = point.value("metrics", json::object());
+        for (const auto& [metric, value] : values.items())
             if (std::find(metrics.begin(), metrics.end(), metric) == metrics.end()) metrics.push_back(metric);
+    }
     std::string text = "seconds,passes,photons";
     for (const std::string& metric : metrics) text += "," + metric;
     text += "\n";

@@ -1,0 +1,249 @@
+"""What jobs are measured against: other jobs, uploaded images, and references rendered once for all who ask for the same;
+waiting for them, failing with them; curves, targets, differences and maps; POST /v1/metrics.
+"""
+
+import csv
+import io
+import os
+import signal
+import time
+import unittest
+
+from photond_daemon import Daemon, small_job
+
+PATHS = {"name": "path_tracing"}
+ENDLESS = 100_000_000  # passes: over long after the test
+
+
+def made(passes, **method):
+    return {"method": {**PATHS, **method}, "stop": {"passes": passes}}
+
+
+def rows(daemon, role):
+    return daemon.request("GET", f"/v1/jobs?limit=1000&role={role}").json["items"]
+
+
+class ReferencesTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.daemon = Daemon()
+        cls.daemon.wait_ready()
+        cls.fine = cls.run_job(small_job(passes=64, seed=99, layers=["caustic"]))
+        exr = cls.daemon.request("GET", cls.fine["links"]["image"]).body
+        cls.image = cls.daemon.request("POST", "/v1/images", body=exr, headers={"Content-Type": "image/x-exr"}).json
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.daemon.close()
+
+    @classmethod
+    def run_job(cls, body):
+        job = cls.daemon.wait_for_job(cls.daemon.submit(body)["id"])
+        assert job["state"] == "succeeded", job["failure"]
+        return job
+
+    def get(self, path, status=200):
+        reply = self.daemon.request("GET", path)
+        self.assertEqual(reply.status, status, (path, reply))
+        return reply
+
+    def refused(self, body, pointer, status=422, path="/v1/jobs"):
+        reply = self.daemon.request("POST", path, json_body=body)
+        self.assertEqual(reply.status, status, reply)
+        if pointer is not None:
+            self.assertIn(pointer, [error["pointer"] for error in reply.json["errors"]], reply)
+        return reply.json["detail"]
+
+    def test_a_job_and_the_image_of_it_measure_alike(self):
+        against_job = self.run_job(small_job(passes=4, reference=f"job:{self.fine['id']}", metrics=["indirect:rmse"]))
+        against_image = self.run_job(small_job(passes=4, reference=f"image:{self.image['id']}"))
+        self.assertEqual(against_job["reference_job"], self.fine["id"])
+        self.assertIsNone(against_image["reference_job"])
+        error, other = against_job["statistics"]["error"], against_image["statistics"]["error"]
+        self.assertAlmostEqual(error["relative_mse"] / other["relative_mse"], 1, places=5)
+        self.assertGreater(error["indirect:rmse"], 0)
+        self.assertEqual(against_job["error_now"], {"metric": "relative_mse", "value": error["relative_mse"]})
+        # Measuring leaves the picture alone.
+        self.assertEqual(against_job["statistics"]["pixel_hash"],
+                         self.run_job(small_job(passes=4))["statistics"]["pixel_hash"])
+
+    def test_the_curve(self):
+        job = self.run_job(small_job(passes=8, reference=f"job:{self.fine['id']}"))
+        passes = [point["passes"] for point in job["curve"]]
+        self.assertEqual(passes, sorted(set(passes)))
+        self.assertLessEqual({1, 2, 4, 8}, set(passes))
+        self.assertEqual(job["curve"][-1]["metrics"]["relative_mse"], job["statistics"]["error"]["relative_mse"])
+        reply = self.get(job["links"]["curve"])
+        self.assertEqual(reply.headers["content-type"].split(";")[0], "text/csv")
+        table = list(csv.DictReader(io.StringIO(reply.text)))
+        self.assertEqual(list(table[0])[:3], ["seconds", "passes", "photons"])
+        self.assertEqual([int(row["passes"]) for row in table], passes)
+        self.assertEqual(table[0]["photons"], "", "path tracing emits none")
+        for row, point in zip(table, job["curve"]):
+            for metric, value in point["metrics"].items():
+                self.assertEqual(row[metric], "" if value is None else repr(value))
+        events = self.daemon.request("GET", f"/v1/jobs/{job['id']}").json
+        self.assertEqual(events["curve"], job["curve"])
+
+    def test_a_target_stops_the_job(self):
+        job = self.run_job({**small_job(reference=f"job:{self.fine['id']}"),
+                            "stop": {"passes": 4096, "target": {"metric": "relative_mse", "value": 0.2}}})
+        self.assertLess(job["passes_done"], 4096)
+        self.assertLessEqual(job["statistics"]["error"]["relative_mse"], 0.2)
+        by_passes = self.run_job(small_job(passes=job["passes_done"]))
+        self.assertEqual(job["statistics"]["pixel_hash"], by_passes["statistics"]["pixel_hash"])
+        estimated = self.run_job({**small_job(),
+                                  "stop": {"passes": 4096, "target": {"metric": "estimated_relative_mse", "value": 0.2}}})
+        self.assertLess(estimated["passes_done"], 4096)
+        self.assertEqual(estimated["error_now"]["metric"], "estimated_relative_mse")
+
+    def test_pictures_of_the_difference(self):
+        job = self.run_job(small_job(passes=2, reference=f"job:{self.fine['id']}"))
+        for name, magic in (("difference.exr", b"\x76\x2f\x31\x01"), ("flip.png", b"\x89PNG"), ("error.png", b"\x89PNG"),
+                            ("flip.png?layer=direct&range=ldr", b"\x89PNG"), ("error.png?layer=indirect", b"\x89PNG")):
+            self.assertEqual(self.get(f"/v1/jobs/{job['id']}/{name}").body[:4], magic, name)
+        flips = {self.get(f"/v1/jobs/{job['id']}/flip.png?range={range_}").body for range_ in ("ldr", "hdr")}
+        self.assertEqual(len(flips), 2)
+        self.get(f"/v1/jobs/{job['id']}/flip.png?layer=albedo", 422)
+        self.get(f"/v1/jobs/{job['id']}/flip.png?range=mdr", 422)
+        for name in ("difference", "flip", "error_map", "film", "curve"):
+            self.assertEqual(self.get(job["links"][name]).status, 200, name)
+        # Without a reference there is nothing to differ from, and the answer says so.
+        for name in ("difference.exr", "flip.png", "error.png"):
+            self.assertIn("has no reference", self.get(f"/v1/jobs/{self.fine['id']}/{name}", 404).json["detail"])
+        self.assertIsNone(self.fine["links"]["difference"])
+
+    def test_rendered_once_for_several(self):
+        before = len(rows(self.daemon, "reference"))
+        jobs = [self.daemon.submit(small_job(passes=2, seed=seed, reference=made(48), labels={"n": str(seed)}))
+                for seed in range(1, 5)]
+        references = rows(self.daemon, "reference")
+        self.assertEqual(len(references), before + 1)
+        reference = self.daemon.wait_for_job(references[0]["id"])
+        self.assertEqual((reference["role"], reference["request"]["seed"], reference["request"]["labels"]),
+                         ("reference", 1, {}))
+        self.assertEqual({job["reference_job"] for job in jobs}, {reference["id"]})
+        done = [self.daemon.wait_for_job(job["id"]) for job in jobs]
+        self.assertEqual({job["state"] for job in done}, {"succeeded"})
+        self.assertGreaterEqual(min(job["started"] for job in done), reference["finished"])
+        log = self.get(done[0]["links"]["log"]).text
+        self.assertIn(f"waits for its reference, job {reference['id']}", log)
+        # Its random numbers are its own: the same passes of the same seed would be the same noise.
+        twin = self.run_job(small_job(passes=48))
+        self.assertNotEqual(twin["statistics"]["pixel_hash"], reference["statistics"]["pixel_hash"])
+        # Of another number of passes, or with a layer more to measure, it is another image.
+        self.run_job(small_job(passes=1, reference=made(49)))
+        self.run_job(small_job(passes=1, reference=made(48), layers=["caustic", "depth"], metrics=["caustic:rmse"]))
+        self.assertEqual(len(rows(self.daemon, "reference")), before + 3)
+        self.assertEqual(rows(self.daemon, "reference")[0]["request"]["layers"], ["caustic"])
+
+    def test_what_cannot_be_measured_is_refused(self):
+        fine = f"job:{self.fine['id']}"
+        self.refused(small_job(size=16, reference=fine), "/reference")
+        self.refused(small_job(size=16, reference=f"image:{self.image['id']}"), "/reference")
+        self.refused(small_job(reference="job:J99999"), "/reference")
+        bare = self.run_job(small_job())
+        detail = self.refused(small_job(reference=f"job:{bare['id']}", layers=["caustic"], metrics=["caustic:rmse"]),
+                              "/metrics/0")
+        self.assertIn("caustic", detail)
+        queued = self.daemon.submit(small_job(passes=ENDLESS))["id"]
+        self.daemon.request("DELETE", f"/v1/jobs/{queued}")
+        if not self.daemon.wait_for_job(queued)["passes_done"]:
+            self.refused(small_job(reference=f"job:{queued}"), "/reference")
+        self.refused(small_job(reference=made(1, device="gpu:0")), "/reference/method/device")
+
+    def test_a_reference_that_does_not_come(self):
+        waiting = [self.daemon.submit(small_job(reference=made(ENDLESS), seed=seed)) for seed in (1, 2)]
+        reference = waiting[0]["reference_job"]
+        self.assertEqual(waiting[1]["reference_job"], reference)
+        for image in ("image.exr", "curve.csv", "flip.png"):
+            self.get(f"/v1/jobs/{waiting[0]['id']}/{image}", 202)
+        purge = self.daemon.request("DELETE", f"/v1/jobs/{reference}?purge=true")
+        self.assertEqual(purge.status, 409, purge)
+        self.assertIn(waiting[0]["id"], purge.json["detail"])
+        # Who needs it more raises it.
+        urgent = self.daemon.submit(small_job(reference=made(ENDLESS), priority=7))
+        self.assertEqual(urgent["reference_job"], reference)
+        self.assertEqual(self.daemon.request("DELETE", f"/v1/jobs/{urgent['id']}").status, 202)
+        self.daemon.request("DELETE", f"/v1/jobs/{reference}")
+        for job in waiting:
+            job = self.daemon.wait_for_job(job["id"])
+            self.assertEqual((job["state"], job["failure"]["code"]), ("failed", "wrong_state"), job)
+            self.assertIn(f"job {reference}, was cancelled", job["failure"]["detail"])
+            self.assertEqual(job["attempts"], [])
+        # Asked for again it is made anew, and so for a job that is tried again.
+        again = self.daemon.request("POST", f"/v1/jobs/{waiting[0]['id']}/retry").json
+        self.assertNotEqual(again["reference_job"], reference)
+        self.daemon.request("DELETE", f"/v1/jobs/{again['reference_job']}")
+        self.assertEqual(self.daemon.wait_for_job(again["id"])["state"], "failed")
+
+    def test_metrics_on_request(self):
+        job = self.run_job(small_job(passes=4, reference=f"job:{self.fine['id']}"))
+        image, reference = f"job:{job['id']}", f"job:{self.fine['id']}"
+        ask = {"image": image, "reference": reference}
+        reply = self.daemon.request("POST", "/v1/metrics", json_body=ask)
+        self.assertEqual(reply.status, 200, reply)
+        metrics = reply.json["metrics"]
+        self.assertGreaterEqual(set(metrics), {"relative_mse", "rmse", "mae", "smape", "rmse_8bit", "flip_ldr",
+                                               "flip_hdr", "bias", "relative_bias", "percentiles", "firefly_count"})
+        self.assertEqual(metrics["relative_mse"], job["statistics"]["error"]["relative_mse"])
+        some = self.daemon.request("POST", "/v1/metrics", json_body={**ask, "metrics": ["direct:rmse", "mae"]}).json
+        self.assertEqual(set(some["metrics"]), {"direct:rmse", "mae"})
+        by_image = self.daemon.request("POST", "/v1/metrics", json_body={**ask, "reference": f"image:{self.image['id']}"})
+        self.assertAlmostEqual(by_image.json["metrics"]["mae"], metrics["mae"], places=5)
+        for body, pointer, status in (
+                ({}, "/image", 422), ({"image": image}, "/reference", 422), ({**ask, "metric": ["mae"]}, "/metric", 422),
+                ({**ask, "image": "J1"}, "/image", 422), ({**ask, "image": "job:J99999"}, "/image", 422),
+                ({**ask, "reference": "image:none"}, "/reference", 422), ({**ask, "metrics": []}, "/metrics", 422),
+                ({**ask, "metrics": ["mea"]}, "/metrics/0", 422), ({**ask, "metrics": ["mae", 1]}, "/metrics/1", 422),
+                ({**ask, "metrics": ["albedo:mae"]}, "/metrics/0", 422),
+                ({**ask, "metrics": ["estimated_relative_mse"]}, "/metrics/0", 422)):
+            with self.subTest(body=body):
+                self.refused(body, pointer, status, "/v1/metrics")
+        small = self.run_job(small_job(size=16))
+        self.refused({**ask, "image": f"job:{small['id']}"}, "/image", 422, "/v1/metrics")
+
+
+class WaitingTest(unittest.TestCase):
+    def test_across_kills_and_a_restart(self):
+        with Daemon() as daemon:
+            daemon.wait_ready()
+            job = daemon.submit({**small_job(size=64), "reference": made(600)})
+            reference = job["reference_job"]
+            self.assertEqual(daemon.wait_for_job(reference, ("running",))["role"], "reference")
+            daemon.kill()
+            daemon.start()
+            job = daemon.wait_for_job(job["id"])
+            self.assertEqual((job["state"], job["reference_job"]), ("succeeded", reference), job["failure"])
+            self.assertEqual(len(job["attempts"]), 1, "it was never begun before its reference was there")
+            self.assertEqual(daemon.job(reference)["state"], "succeeded")
+            # Kept over the restart, and taken by who asks for the same.
+            self.assertEqual(daemon.stop(), 0)
+            daemon.start()
+            other = daemon.wait_for_job(daemon.submit({**small_job(size=64, seed=5), "reference": made(600)})["id"])
+            self.assertEqual((other["state"], other["reference_job"]), ("succeeded", reference))
+            self.assertEqual(len(rows(daemon, "reference")), 1)
+            # Once nobody needs it, it can go; what it was good for then says so.
+            self.assertEqual(daemon.request("DELETE", f"/v1/jobs/{reference}?purge=true").status, 200)
+            gone = daemon.request("GET", f"/v1/jobs/{other['id']}/difference.exr")
+            self.assertEqual(gone.status, 404)
+            self.assertIn(f"job {reference}, has been removed", gone.json["detail"])
+
+    def test_a_reference_that_fails(self):
+        with Daemon() as daemon:
+            daemon.wait_ready()
+            job = daemon.submit({**small_job(), "reference": made(ENDLESS)})
+            for attempt in (1, 2):
+                deadline = time.monotonic() + 60
+                while len(daemon.job(job["reference_job"])["attempts"]) < attempt or \
+                        not daemon.job(job["reference_job"])["passes_done"]:
+                    self.assertLess(time.monotonic(), deadline)
+                    time.sleep(0.02)
+                os.kill(daemon.workers()["cpu"], signal.SIGSEGV)
+            job = daemon.wait_for_job(job["id"])
+            self.assertEqual(job["state"], "failed")
+            self.assertIn(f"job {job['reference_job']}, failed: attempt 2 crashed", job["failure"]["detail"])
+
+
+if __name__ == "__main__":
+    unittest.main()
