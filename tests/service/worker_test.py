@@ -201,6 +201,69 @@ class RenderWorker(WorkerTest):
         self.assertEqual(finished["failure"]["errors"][0]["pointer"], "/camera/name")
 
 
+    def saved_or_finished(self):
+        """The next film_saved or finished, and the passes of the curve's points told before it."""
+        points = []
+        while True:
+            message = self.worker.receive()
+            self.assertIsNotNone(message)
+            if message["type"] == "curve":
+                points += [point["passes"] for point in message["points"]]
+            if message["type"] in ("film_saved", "finished"):
+                return message, points
+
+    def test_goes_on_where_a_killed_worker_saved_its_film(self):
+        stop = {"passes": 4000}
+        whole, _ = self.render(stop=stop, film="whole.film")
+        order = dict(self.order(stop=stop), resume=None, save_seconds=0)
+        saved_passes, saved_points = [], []
+        while len(saved_passes) < 3:  # killed once its film is saved, and again in the attempts that go on from it
+            self.worker.send(**order)
+            message, points = self.saved_or_finished()
+            if message["type"] == "finished":
+                break
+            self.assertEqual(message["path"], order["film"])
+            self.worker.process.kill()
+            self.worker.process.wait()
+            self.worker.socket.close()
+            saved_passes.append(message["passes_done"])
+            saved_points = points
+            order["resume"] = self.path(f"kept{len(saved_passes)}.film")
+            os.rename(order["film"], order["resume"])
+            self.worker = WorkerProcess(self.kind)
+            self.addCleanup(self.worker.close)
+            self.worker.wait_for("hello")
+        self.assertTrue(saved_passes)
+        self.assertEqual(sorted(set(saved_passes)), saved_passes)  # each attempt came further
+        order["save_seconds"] = None
+        self.worker.send(**order)
+        finished, sent = self.saved_or_finished()
+        self.assertEqual((finished["type"], finished["state"]), ("finished", "succeeded"), finished)
+        self.assertEqual(finished["statistics"]["pixel_hash"], whole["statistics"]["pixel_hash"])
+        self.assertGreaterEqual(finished["statistics"]["resumed_passes"], saved_passes[-1])
+        self.assertEqual(finished["statistics"]["counts"], whole["statistics"]["counts"])
+        self.assertEqual(sent, [point["passes"] for point in finished["curve"]])
+        self.assertEqual(sent[:len(saved_points)], saved_points)
+        self.assertTrue({1 << k for k in range(12)} | {4000} <= set(sent), sent)
+
+    def test_measures_against_a_reference_and_stops_at_a_target(self):
+        self.worker.send(**self.order(film="reference.film", stop={"passes": 64}), streams="reference")
+        self.worker.wait_for("finished")
+        target = {"metric": "relative_mse", "value": 0.05}
+        self.worker.send(**self.order(reference="job:J9", stop={"passes": 64, "target": target}, metrics=["flip_ldr"]),
+                         reference={"film": self.path("reference.film")})
+        finished, before = self.worker.wait_for("finished")
+        self.assertEqual(finished["state"], "succeeded", finished)
+        self.assertEqual(finished["error_now"]["metric"], "relative_mse")
+        self.assertEqual(finished["error_now"]["value"], finished["statistics"]["error"]["relative_mse"])
+        self.assertTrue(finished["error_now"]["value"] <= 0.05 or finished["passes_done"] == 64)
+        self.assertIn("curve", [m["type"] for m in before])
+        for point in finished["curve"]:
+            self.assertEqual(sorted(point), ["metrics", "passes", "photons", "seconds"])
+            self.assertIn("flip_ldr", point["metrics"])
+        self.assertIsInstance(finished["curve"][-1]["metrics"]["flip_ldr"], float)
+
+
 class Helper(WorkerTest):
     kind = "none"
 
