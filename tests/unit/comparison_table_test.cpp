@@ -152,6 +152,15 @@ TEST(ComparisonTable, ShowsWhatIsThere) {
     EXPECT_TRUE(to_json(make_table({}, {"rmse"})).empty());
 }
 
+TEST(ComparisonTable, SeedsThatShareNoTimeShowTheirEnd) {
+    std::vector<MeasuredJob> jobs{power_law("a", 1, 0.1, 1, 1, 1), power_law("a", 2, 0.1, 1, 4, 4)};
+    const ComparisonTable table = make_table(jobs, {"relative_mse"});
+    const std::vector<MeanPoint>& curve = table.rows[0].mean_curve.at("relative_mse");
+    ASSERT_EQ(curve.size(), 1u);
+    EXPECT_NEAR(curve[0].seconds, 2, 1e-12);
+    EXPECT_NEAR(curve[0].error.mean, 0.05, 1e-12);
+}
+
 TEST(ParetoFront, KeepsWhatIsBestAtSomeTime) {
     using Curve = std::vector<TimedError>;
     const Curve early{{1, 1}, {2, 0.8}, {100, 0.7}};   // best at first
