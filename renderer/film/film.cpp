@@ -86,8 +86,8 @@ double variance_of(FixedSum sum, FixedSquares squares, uint32_t n) {
     if (left_high < high || (left_high == high && left_low <= low)) return 0;
     const FixedSquares borrow = left_low < low ? 1 : 0;
     const double difference =
-        std::ldexp(static_cast<double>(left_high - high - borrow), 128) + static_cast<double>(left_low - low);
-    return std::ldexp(difference, -128) / (double{static_cast<double>(n)} * (static_cast<double>(n) - 1.0));
+        0x1p128 * static_cast<double>(left_high - high - borrow) + static_cast<double>(left_low - low);
+    return 0x1p-128 * difference / (double{static_cast<double>(n)} * (static_cast<double>(n) - 1.0));
 }
 
 template <class Function>

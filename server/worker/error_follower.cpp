@@ -1,6 +1,7 @@
 #include "server/worker/error_follower.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "server/worker/film_history.h"
@@ -35,8 +36,11 @@ LayerMetric metric_named(const std::string& name) {
 MeasuringPlan MeasuringPlan::of(const JobRequest& request, bool has_reference) {
     MeasuringPlan plan;
     plan.layers.insert("beauty");
-    const auto add = [&plan](const LayerMetric& metric) {
-        std::vector<LayerMetric>& list = metric_info(metric.metric).costly ? plan.costly : plan.cheap;
+    const auto add = [&](const LayerMetric& metric) {
+        const MetricInfo& info = metric_info(metric.metric);
+        std::vector<LayerMetric>& list = info.costly                              ? plan.costly
+                                         : has_reference && !info.needs_reference ? plan.estimated
+                                                                                  : plan.cheap;
         if (std::find(list.begin(), list.end(), metric) == list.end()) list.push_back(metric);
         plan.layers.insert(metric.layer);
     };
@@ -112,7 +116,7 @@ void ErrorFollower::measure_target(const Film& film) {
 
 void ErrorFollower::measure_point(const Film& film, double seconds, bool in_the_end) {
     const OffTheClock measuring(stats_, kErrorMeasuringStage, peak_);
-    double start = now_();
+    const double start = now_();
     ResolvedFilm resolved(film);
     const bool again = !curve_.empty() && curve_.back().passes == film.passes();  // some of it was left for the end
     if (!again) {
@@ -123,30 +127,37 @@ void ErrorFollower::measure_point(const Film& film, double seconds, bool in_the_
     errors_.measure(resolved, plan_.cheap, values);
     cheap_cost_ = now_() - start;
     measured_seconds_ += cheap_cost_;
-    for (const LayerMetric& metric : plan_.costly) {
-        std::optional<double>& value = values[metric.name()];
-        if (value || (!in_the_end && !there_is_time_for(guessed_cost(metric), seconds))) continue;
-        start = now_();
-        errors_.measure(resolved, std::span(&metric, 1), values);
-        const double cost = now_() - start;
-        costs_[metric.name()] = cost;
-        measured_seconds_ += cost;
-    }
-    if (!plan_.target) return;
-    if (!values[plan_.target->name()]) return;
+    const auto measure_if = [&](bool due, const LayerMetric& metric) {
+        if (!values[metric.name()] && (due || there_is_time_for(guessed_cost(metric), seconds)))
+            measure_timed(resolved, metric, values);
+    };
+    for (const LayerMetric& metric : plan_.estimated)
+        measure_if(in_the_end || std::has_single_bit(film.passes()), metric);
+    for (const LayerMetric& metric : plan_.costly) measure_if(in_the_end, metric);
+    if (!plan_.target || !values[plan_.target->name()]) return;
     checked_passes_ = film.passes();
-    const bool costly = metric_info(plan_.target->metric).costly;
-    target_cost_ = costly ? costs_[plan_.target->name()] : cheap_cost_;
+    const auto cost = costs_.find(plan_.target->name());
+    target_cost_ = cost != costs_.end() ? cost->second : cheap_cost_;
+}
+
+void ErrorFollower::measure_timed(ResolvedFilm& resolved, const LayerMetric& metric, MetricValues& values) {
+    const double start = now_();
+    errors_.measure(resolved, std::span(&metric, 1), values);
+    const double cost = now_() - start;
+    costs_[metric.name()] = cost;
+    measured_seconds_ += cost;
 }
 
 void ErrorFollower::finish(const Film& film, double seconds) {
     if (film.passes() == 0) return;
     const bool has_point = !curve_.empty() && curve_.back().passes == film.passes();
+    const auto measured = [&](const LayerMetric& metric) {
+        const auto value = curve_.back().metrics.find(metric.name());
+        return value != curve_.back().metrics.end() && value->second;
+    };
     const auto complete = [&] {
-        return std::all_of(plan_.costly.begin(), plan_.costly.end(), [&](const LayerMetric& metric) {
-            const auto value = curve_.back().metrics.find(metric.name());
-            return value != curve_.back().metrics.end() && value->second;
-        });
+        return std::all_of(plan_.costly.begin(), plan_.costly.end(), measured) &&
+               std::all_of(plan_.estimated.begin(), plan_.estimated.end(), measured);
     };
     if (!has_point || !complete()) measure_point(film, seconds, true);
     met_by(curve_.back().metrics);

@@ -23,6 +23,8 @@ inline constexpr double kMeasuringShare = 0.025;
 struct MeasuringPlan {
     std::vector<LayerMetric> cheap;   // at every point of the curve
     std::vector<LayerMetric> costly;  // at points as far as there is time, and in the end
+    /// Beside a reference: at points that are powers of two, which estimates need, at others as far as there is time.
+    std::vector<LayerMetric> estimated;
     std::optional<LayerMetric> target;
     double target_value = 0;
     LayerMetric now;               // the metric of "error_now"
@@ -58,6 +60,8 @@ private:
     bool there_is_time_for(double cost_seconds, double seconds) const;
     bool met_by(const MetricValues& values);
     double guessed_cost(const LayerMetric& metric) const;
+    /// Adds the metric's value, and what it took to the costs.
+    void measure_timed(ResolvedFilm& resolved, const LayerMetric& metric, MetricValues& values);
 
     const MeasuringPlan plan_;
     FilmErrors& errors_;
