@@ -71,7 +71,7 @@ LIBRARIES = [
 # The C library and the system: never a third party.
 SYSTEM = [
     "unistd.h", "fcntl.h", "poll.h", "signal.h", "spawn.h", "sched.h", "netdb.h", "malloc.h", "dlfcn.h", "pthread.h",
-    "termios.h", "dirent.h", "sys/*", "linux/*", "netinet/*", "arpa/*", "immintrin.h", "experimental/simd",
+    "termios.h", "dirent.h", "gnu/*", "sys/*", "linux/*", "netinet/*", "arpa/*", "immintrin.h", "experimental/simd",
 ]
 STANDARD = re.compile(r"[a-z_0-9]+")  # <vector>, <cstdint>: no dot, no slash
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*(?:"([^"\n]*)"|<([^>\n]*)>|(\S+))', re.MULTILINE)
