@@ -333,9 +333,15 @@ void Service::Impl::publish_curve(RunningAttempt& attempt) {
     if (attempt.unpublished.empty() || now - attempt.last_curve_event < kProgressInterval) return;
     attempt.last_curve_event = now;
     Outbox outbox;
-    auto transaction = store.transaction();
-    put_event(outbox, "curve", attempt.seq, curve_data(attempt.seq, attempt.unpublished, text_of(attempt.error_now)));
-    transaction.commit();
+    try {
+        auto transaction = store.transaction();
+        put_event(outbox, "curve", attempt.seq,
+                  curve_data(attempt.seq, attempt.unpublished, text_of(attempt.error_now)));
+        transaction.commit();
+    } catch (const std::exception& error) {  // told later, with the points to come
+        spdlog::error("job {}: its curve cannot be told yet: {}", job_id(attempt.seq), error.what());
+        return;
+    }
     attempt.unpublished = json::array();
     tell(std::move(outbox));
 }

@@ -1,5 +1,5 @@
-"""Films as artefacts: saved while a job runs, gone on from after a kill, extended, merged. Whatever way the passes of an
-image came together, its bits are those of one undisturbed run.
+"""Films as artefacts: saved while a job runs, gone on from after a kill, extended, merged. Whatever way the passes of
+an image came together, its bits are those of one undisturbed run.
 """
 
 import os
@@ -165,7 +165,7 @@ class JoiningTest(unittest.TestCase):
         self.assertEqual((hash_of(done), done["passes_done"]), (hash_of(self.whole), 48))
         self.assertEqual(done["statistics"]["resumed_passes"], 16)
         self.assertGreater(done["seconds"], job["seconds"])
-        self.assertEqual(self.extend(job["id"], {"passes": 48})["state"], "succeeded", "said once more, when it is done")
+        self.assertEqual(self.extend(job["id"], {"passes": 48})["state"], "succeeded", "said again when it is done")
         self.assertEqual(len(self.daemon.job(job["id"])["attempts"]), 2)
 
     def test_what_cannot_be_extended(self):
@@ -251,7 +251,7 @@ class JoiningTest(unittest.TestCase):
         self.merge(jobs[:1], 422, **key)
         listed = self.daemon.request("GET", "/v1/jobs?role=merged&limit=1000").json["items"]
         self.assertEqual(len(list((self.daemon.data_dir / "films").glob("merged-*"))),
-                         len([job for job in listed if not job["attempts"]]), "those extended since have films of their own")
+                         len([job for job in listed if not job["attempts"]]), "those extended since have others")
         served = self.daemon.request("GET", f"/v1/jobs/{merged['id']}/film")
         self.assertEqual((served.status, served.body[:8]), (200, b"PHOTFILM"))
 

@@ -74,7 +74,9 @@ class JobsTest(unittest.TestCase):
         raw = self.daemon.request("GET", path + "/pixels?layer=direct&precision=float")
         self.assertEqual(len(raw.body), 32 * 32 * 3 * 4)
         self.assertEqual(self.daemon.request("GET", path + "/pixels?layer=nothing").status, 422)
-        self.assertEqual(self.daemon.request("GET", path + "/curve.csv").status, 404)
+        self.assertEqual(self.daemon.request("GET", path + "/difference.exr").status, 404)
+        self.assertEqual(self.daemon.request("GET", path + "/curve.csv").text.split("\n")[0],
+                         "seconds,passes,photons,estimated_relative_mse")
 
     def test_looks_at_the_film_while_it_runs(self):
         job_id = self.endless()

@@ -15,7 +15,10 @@ from photond_daemon import Daemon, Reply, small_job
 
 # Faults that no schema can express: they depend on what the daemon holds, or relate one field to another.
 BEYOND_SCHEMAS = {"/scene", "/camera/name", "/camera/look_at", "/camera/look_at/target", "/camera/look_at/up",
-                  "/camera/focus_distance", "/environment/image", "/method/device", "/method/parameters/radius_relative"}
+                  "/camera/focus_distance", "/environment/image", "/method/device",
+                  "/method/parameters/radius_relative", "/reference", "/reference/method/device",
+                  "/reference/stop/target/metric", "/stop/target/metric",
+                  "/metrics", "/metrics/0", "/metrics/1"}
 
 
 COMPARISON = {"scene": "cornell-box", "image": {"width": 8, "height": 8},
@@ -120,15 +123,19 @@ class OpenApiTest(unittest.TestCase):
             reply = self.daemon.request("BREW", concrete)
             self.assertEqual(reply.status, 405, path)
             allowed = set(reply.headers["allow"].split(", ")) - {"HEAD"}
-            self.assertEqual(allowed, {method.upper() for method in methods}, path)
+            # "/v1/jobs/merge" is also the place of a job of that name, which is never there.
+            named = [other for pattern, other in self.api.document["paths"].items()
+                     if pattern == path or "{" not in path and re.fullmatch(re.sub(r"\{\w+\}", "[^/]+", pattern), path)]
+            self.assertEqual(allowed, {method.upper() for methods in named for method in methods}, path)
 
     # --- answers
 
     def test_every_answer_is_announced(self):
         ask = self.ask
         binary = {"Content-Type": "model/gltf-binary"}
-        for path in ("/healthz", "/readyz", "/metrics", "/", "/v1/status", "/v1/openapi.json", "/v1/methods",
-                     "/v1/methods/path_tracing", "/v1/devices", "/v1/scenes?limit=1000", "/v1/jobs"):
+        for path in ("/healthz", "/readyz", "/metrics", "/", "/front_page.css", "/front_page.js", "/v1/status",
+                     "/v1/openapi.json", "/v1/methods", "/v1/methods/path_tracing", "/v1/devices", "/v1/scenes?limit=1000",
+                     "/v1/jobs"):
             self.assertEqual(ask("GET", path).status, 200, path)
         scene = ask("POST", "/v1/scenes?name=x", tiny_scene.glb(), binary).json
         ask("POST", "/v1/scenes", tiny_scene.glb(), binary)
@@ -142,6 +149,7 @@ class OpenApiTest(unittest.TestCase):
         ask("GET", f"/v1/jobs/{job['id']}")
         for name in ("image.exr", "preview.png", "pixels", "statistics.json", "log.txt"):
             self.assertEqual(ask("GET", f"/v1/jobs/{job['id']}/{name}").status, 200, name)
+        self.measured(scene["id"], job["id"])
         photons = {"name": "photon_mapping", "parameters": {"photons": 1000, "gather_rays": 1, "keep_photon_map": True}}
         kept = ask("POST", "/v1/jobs", json_body={**small_job(), "method": photons}).json
         self.daemon.wait_for_job(kept["id"])
@@ -194,6 +202,35 @@ class OpenApiTest(unittest.TestCase):
         for comparison in (long, compared):
             self.assertEqual(ask("DELETE", f"/v1/comparisons/{comparison['id']}?purge=true").status, 200)
 
+    def measured(self, scene, reference):
+        """What there is of errors, extended and merged jobs."""
+        ask = self.ask
+        job = ask("POST", "/v1/jobs", json_body=small_job(scene=scene, passes=2, reference=f"job:{reference}",
+                                                          metrics=["indirect:rmse", "flip_hdr"])).json
+        self.daemon.wait_for_job(job["id"])
+        ask("GET", f"/v1/jobs/{job['id']}")
+        for name in ("curve.csv", "difference.exr", "flip.png", "error.png", "film", "statistics.json"):
+            self.assertEqual(ask("GET", f"/v1/jobs/{job['id']}/{name}").status, 200, name)
+        pair = {"image": f"job:{job['id']}", "reference": f"job:{reference}"}
+        self.assertEqual(ask("POST", "/v1/metrics", json_body=pair).status, 200)
+        self.check(self.api.component("MeasurementRequest"), pair, "a measurement")
+        stop = {"stop": {"passes": 4}}
+        self.check(self.api.component("Extension"), stop, "an extension")
+        self.assertEqual(ask("POST", f"/v1/jobs/{job['id']}/extend", json_body=stop).status, 202)
+        self.daemon.wait_for_job(job["id"])
+        merged = ask("POST", "/v1/jobs/merge", json_body={"jobs": [job["id"]]})
+        self.assertEqual(merged.status, 201, merged)
+        made = {"method": {"name": "path_tracing"}, "stop": {"seconds": 3600}}
+        waiting = ask("POST", "/v1/jobs", json_body=small_job(scene=scene, reference=made)).json
+        for name in ("curve.csv", "difference.exr", "flip.png", "error.png", "film"):
+            self.assertEqual(ask("GET", f"/v1/jobs/{waiting['id']}/{name}").status, 202, name)
+        self.assertEqual(ask("DELETE", f"/v1/jobs/{waiting['reference_job']}").status, 202)
+        self.daemon.wait_for_job(waiting["id"])
+        ask("GET", f"/v1/jobs/{waiting['id']}")
+        for job_id in (job["id"], merged.json["id"], waiting["id"], waiting["reference_job"]):
+            self.daemon.wait_for_job(job_id)
+            self.daemon.request("DELETE", f"/v1/jobs/{job_id}?purge=true")
+
     def test_every_refusal_is_a_problem(self):
         for method, path, options in (
                 ("GET", "/none", {}), ("PUT", "/v1/jobs", {}), ("GET", "/v1/jobs/none", {}),
@@ -202,7 +239,10 @@ class OpenApiTest(unittest.TestCase):
                 ("POST", "/v1/jobs", {"body": b"{", "headers": {"Content-Type": "application/json"}}),
                 ("POST", "/v1/scenes", {"body": b"no", "headers": {"Content-Type": "model/gltf-binary"}}),
                 ("POST", "/v1/images", {"body": b"no", "headers": {"Content-Type": "image/x-exr"}}),
-                ("POST", "/v1/jobs/none/retry", {}), ("GET", "/v1/comparisons/C999", {}),
+                ("POST", "/v1/jobs/none/retry", {}), ("POST", "/v1/jobs/none/extend", {"json_body": {}}),
+                ("POST", "/v1/jobs/merge", {"json_body": {"jobs": ["none"]}}),
+                ("POST", "/v1/metrics", {"json_body": {"image": "none"}}), ("GET", "/v1/jobs?role=x", {}),
+                ("GET", "/v1/comparisons/C999", {}),
                 ("GET", "/v1/comparisons/none/report.html", {}), ("DELETE", "/v1/comparisons/none", {}),
                 ("POST", "/v1/comparisons", {"json_body": {}})):
             self.assertGreaterEqual(self.ask(method, path, **options).status, 400)
@@ -237,7 +277,7 @@ class OpenApiTest(unittest.TestCase):
             if schema.is_valid(body):
                 let_through.append((at, pointer or at, repr(value)[:80]))
         self.assertEqual([fault for fault in let_through if fault[1] not in BEYOND_SCHEMAS], [])
-        self.assertLess(len(let_through), 20, let_through)  # of some two hundred
+        self.assertLess(len(let_through), 30, let_through)  # of some three hundred
 
     def test_what_the_reader_takes_the_schema_takes_and_back(self):
         schema = self.api.component("JobRequest")

@@ -1,5 +1,5 @@
-"""What jobs are measured against: other jobs, uploaded images, and references rendered once for all who ask for the same;
-waiting for them, failing with them; curves, targets, differences and maps; POST /v1/metrics.
+"""What jobs are measured against: other jobs, uploaded images, and references rendered once for all who ask for the
+same; waiting for them, failing with them; curves, targets, differences and maps; POST /v1/metrics.
 """
 
 import csv
@@ -93,14 +93,16 @@ class ReferencesTest(unittest.TestCase):
         by_passes = self.run_job(small_job(passes=job["passes_done"]))
         self.assertEqual(job["statistics"]["pixel_hash"], by_passes["statistics"]["pixel_hash"])
         estimated = self.run_job({**small_job(),
-                                  "stop": {"passes": 4096, "target": {"metric": "estimated_relative_mse", "value": 0.2}}})
+                                  "stop": {"passes": 4096,
+                                           "target": {"metric": "estimated_relative_mse", "value": 0.2}}})
         self.assertLess(estimated["passes_done"], 4096)
         self.assertEqual(estimated["error_now"]["metric"], "estimated_relative_mse")
 
     def test_pictures_of_the_difference(self):
         job = self.run_job(small_job(passes=2, reference=f"job:{self.fine['id']}"))
-        for name, magic in (("difference.exr", b"\x76\x2f\x31\x01"), ("flip.png", b"\x89PNG"), ("error.png", b"\x89PNG"),
-                            ("flip.png?layer=direct&range=ldr", b"\x89PNG"), ("error.png?layer=indirect", b"\x89PNG")):
+        for name, magic in (("difference.exr", b"\x76\x2f\x31\x01"), ("flip.png", b"\x89PNG"),
+                            ("error.png", b"\x89PNG"), ("flip.png?layer=direct&range=ldr", b"\x89PNG"),
+                            ("error.png?layer=indirect", b"\x89PNG")):
             self.assertEqual(self.get(f"/v1/jobs/{job['id']}/{name}").body[:4], magic, name)
         flips = {self.get(f"/v1/jobs/{job['id']}/flip.png?range={range_}").body for range_ in ("ldr", "hdr")}
         self.assertEqual(len(flips), 2)
@@ -189,10 +191,12 @@ class ReferencesTest(unittest.TestCase):
         self.assertEqual(metrics["relative_mse"], job["statistics"]["error"]["relative_mse"])
         some = self.daemon.request("POST", "/v1/metrics", json_body={**ask, "metrics": ["direct:rmse", "mae"]}).json
         self.assertEqual(set(some["metrics"]), {"direct:rmse", "mae"})
-        by_image = self.daemon.request("POST", "/v1/metrics", json_body={**ask, "reference": f"image:{self.image['id']}"})
-        self.assertAlmostEqual(by_image.json["metrics"]["mae"], metrics["mae"], places=5)
+        by_image = {**ask, "reference": f"image:{self.image['id']}"}
+        by_image = self.daemon.request("POST", "/v1/metrics", json_body=by_image).json
+        self.assertAlmostEqual(by_image["metrics"]["mae"], metrics["mae"], places=5)
         for body, pointer, status in (
-                ({}, "/image", 422), ({"image": image}, "/reference", 422), ({**ask, "metric": ["mae"]}, "/metric", 422),
+                ({}, "/image", 422), ({"image": image}, "/reference", 422),
+                ({**ask, "metric": ["mae"]}, "/metric", 422),
                 ({**ask, "image": "J1"}, "/image", 422), ({**ask, "image": "job:J99999"}, "/image", 422),
                 ({**ask, "reference": "image:none"}, "/reference", 422), ({**ask, "metrics": []}, "/metrics", 422),
                 ({**ask, "metrics": ["mea"]}, "/metrics/0", 422), ({**ask, "metrics": ["mae", 1]}, "/metrics/1", 422),

@@ -218,7 +218,7 @@ TEST(JobRequest, RefusesEachFaultAtItsPlace) {
         {"/metrics", "[\"rmse\"]", "/metrics", ErrorCode::Conflict},
         {"/metrics", "{}", "/metrics", ErrorCode::WrongType},
         {"/first_pass", "-1", "/first_pass", ErrorCode::OutOfRange},
-        {"/first_pass", "0.5", "/first_pass", ErrorCode::OutOfRange},
+        {"/first_pass", "0.5", "/first_pass", ErrorCode::WrongType},
         {"/camera", "{\"aperture\": 0.1}", "/camera/focus_distance", ErrorCode::MissingField},
         {"/camera", "{\"focus_distance\": 0}", "/camera/focus_distance", ErrorCode::OutOfRange},
         {"/camera", R"({"look_at": {"eye": [0,0,0], "target": [0,0,0]}})", "/camera/look_at/target",
