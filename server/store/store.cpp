@@ -368,7 +368,8 @@ std::vector<ComparisonJob> Store::comparison_jobs(int64_t seq) {
 
 std::vector<JobProgress> Store::comparison_progress(int64_t seq) {
     Statement read = database_.prepare(
-        "SELECT jobs.seq, state, device, progress, seconds, started_ms, finished_ms, reference_job FROM comparison_jobs "
+        "SELECT jobs.seq, state, device, progress, seconds, started_ms, finished_ms, reference_job FROM "
+        "comparison_jobs "
         "JOIN jobs ON jobs.seq = comparison_jobs.job WHERE comparison_jobs.comparison = ?1 ORDER BY place");
     read.bind(1, seq);
     std::vector<JobProgress> jobs;

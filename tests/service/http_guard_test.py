@@ -358,7 +358,7 @@ class GuardTest(unittest.TestCase):
 
     def test_unknown_paths_and_methods(self):
         for path in ("/v1", "/v2/jobs", "/v1/jobs/", "/v1/jobs/a/b/c", "//", "/v1//jobs", "/../etc/passwd",
-                     "/v1/jobs/..%2f..%2fx", "/v1/scenes/%2e%2e", "/v1/jobs/x%00y", "/v1/comparisons",
+                     "/v1/jobs/..%2f..%2fx", "/v1/scenes/%2e%2e", "/v1/jobs/x%00y", "/v1/comparison",
                      "/v1/jobs/x/flip.png"):
             reply = self.daemon.request("GET", path)
             self.assertEqual(reply.status, 404, path)

@@ -22,7 +22,7 @@ from photond_daemon import Daemon, small_job  # noqa: E402
 
 SEEDS = 3
 CLIENTS = 2
-PASSES = 120
+PASSES = 600
 SIZE = 48
 COMPARISON = {
     "scene": "cornell-box", "image": {"width": SIZE, "height": SIZE},
@@ -50,10 +50,11 @@ def errors_at_passes(report):
     """{(label, parameters, seed): {passes: metrics}}, of the points after 1, 2, 4 ... passes and at the end: those at
     moments of the clock depend on the machine."""
     fixed = {2 ** k for k in range(32)} | {PASSES}
-    return {(curve["label"], str(sorted(curve["parameters"].items())), curve["seed"]):
+    points_of = {curve["job"]: curve["points"] for curve in report["curves"]}
+    return {(job["label"], str(sorted(job["parameters"].items())), job["seed"]):
             {point["passes"]: [point["metrics"][name] for name in COMPARISON["metrics"]]
-             for point in curve["curve"] if point["passes"] in fixed}
-            for curve in report["curves"]}
+             for point in points_of[job["id"]] if point["passes"] in fixed}
+            for job in report["jobs"]}
 
 
 class Disturbed(unittest.TestCase):
@@ -125,13 +126,13 @@ class Disturbed(unittest.TestCase):
         for number in range(1_000_000):
             key, seed = f"{name}-{number}", number % SEEDS + 1
             self.seeds[key] = seed
-            if not self.submit_until_answered("/v1/jobs", job_of(seed), key) or self.done.wait(0.5):
+            if not self.submit_until_answered("/v1/jobs", job_of(seed), key) or self.done.wait(1.2):
                 return
 
     def submit_comparisons(self):
         for number in range(1_000_000):
             key = f"comparison-{number}"
-            if not self.submit_until_answered("/v1/comparisons", COMPARISON, key) or self.done.wait(15):
+            if not self.submit_until_answered("/v1/comparisons", COMPARISON, key) or self.done.wait(20):
                 return
 
     def kill_daemon(self):

@@ -95,8 +95,7 @@ class Errors(Case):
         self.run_ok("jobs", "fetch", self.job["id"], "-o", "measured.exr")
         [same] = json_lines(self.run_ok("metrics", self.job["id"], "measured.exr", "--metrics", "rmse,flip_hdr", "--json"))
         self.assertEqual(same["metrics"]["rmse"], 0)
-        reference = next(job["id"] for job in get("/v1/jobs?role=reference&limit=1000").json["items"]
-                         if job["request"]["method"]["parameters"] == self.job["request"]["method"]["parameters"])
+        reference = self.job["reference_job"]
         result = self.run_ok("metrics", "measured.exr", reference, "--metrics", "relative_mse")
         [value] = re.findall(r"relative_mse +(\S+)", result.stdout)
         self.assertAlmostEqual(float(value) / self.job["statistics"]["error"]["relative_mse"], 1, delta=0.006)
