@@ -11,7 +11,8 @@
 //   service_comparisons.cpp  comparisons and their jobs
 //   service_reports.cpp    what can be downloaded of a comparison
 //   service_estimate.cpp   what a job will take
-//   service_attempts.cpp   from the queue to a worker and back: attempts, progress, results, losses
+//   service_attempts.cpp   from the queue to a worker and back: attempts, results, losses
+//   service_progress.cpp   what is heard of a running attempt and told of its job
 //   service_artefacts.cpp  what can be downloaded
 //   service_errors.cpp     curves, differences and maps; measuring on request
 
@@ -386,6 +387,13 @@ struct Service::Impl {
 
 /// Throws OutOfRange for what is no Idempotency-Key.
 void check_idempotency_key(const std::string& key);
+inline constexpr auto kProgressInterval = std::chrono::milliseconds(250);  // four events a second for each job
+
+/// Text of a row's JSON member; empty for null and for what holds nothing.
+std::string text_of(const nlohmann::json& value);
+/// A message's member where it is an object, else null.
+nlohmann::json object_or_null(const nlohmann::json& message, const char* member);
+
 /// A page's limit. Throws OutOfRange outside 1..1000.
 void check_limit(uint32_t limit);
 /// A cursor that is a number; `otherwise` when it is empty. Throws OutOfRange.

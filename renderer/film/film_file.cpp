@@ -251,15 +251,16 @@ SavedFilm FilmFile::load(const std::filesystem::path& path, uint64_t limit_bytes
 void require_alike(const FilmIdentity& a, const FilmIdentity& b) {
     if (a == FilmIdentity() || b == FilmIdentity())
         throw Error(ErrorCode::Conflict, "a film of an older version, which does not say what it shows");
-    constexpr size_t kShown = 24;  // enough of a hash to tell two apart
-    const auto differ = [](const char* what, const std::string& x, const std::string& y) {
+    constexpr size_t kHashShown = 24;     // enough of a hash to tell two apart
+    constexpr size_t kDeviceShown = 200;  // names what of the processor and the program differs
+    const auto differ = [](const char* what, const std::string& x, const std::string& y, size_t shown) {
         if (x != y)
-            throw Error(ErrorCode::Conflict, std::string("films of different ") + what + ": " + x.substr(0, kShown) +
-                                                 " and " + y.substr(0, kShown));
+            throw Error(ErrorCode::Conflict, std::string("films of different ") + what + ": " + x.substr(0, shown) +
+                                                 " and " + y.substr(0, shown));
     };
-    differ("scenes", a.scene, b.scene);
-    differ("settings", a.settings, b.settings);
-    differ("devices or versions", a.device, b.device);
+    differ("scenes", a.scene, b.scene, kHashShown);
+    differ("settings", a.settings, b.settings, kHashShown);
+    differ("devices or versions", a.device, b.device, kDeviceShown);
 }
 
 }  // namespace photond
