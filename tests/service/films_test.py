@@ -124,17 +124,11 @@ class JoiningTest(unittest.TestCase):
     def setUpClass(cls):
         cls.daemon = Daemon()
         cls.daemon.wait_ready()
-        cls.whole = cls.run_job(small_job(passes=48))
+        cls.whole = cls.daemon.run_job(small_job(passes=48))
 
     @classmethod
     def tearDownClass(cls):
         cls.daemon.close()
-
-    @classmethod
-    def run_job(cls, body):
-        job = cls.daemon.wait_for_job(cls.daemon.submit(body)["id"])
-        assert job["state"] == "succeeded", job["failure"]
-        return job
 
     def extend(self, job_id, stop, status=202):
         reply = self.daemon.request("POST", f"/v1/jobs/{job_id}/extend", json_body={"stop": stop})
@@ -155,7 +149,7 @@ class JoiningTest(unittest.TestCase):
     # --- extend
 
     def test_extended_it_is_the_longer_job(self):
-        job = self.run_job(small_job(passes=16))
+        job = self.daemon.run_job(small_job(passes=16))
         extended = self.extend(job["id"], {"passes": 48})
         self.assertEqual((extended["id"], extended["state"], extended["request"]["stop"]["passes"]),
                          (job["id"], "queued", 48))
@@ -169,7 +163,7 @@ class JoiningTest(unittest.TestCase):
         self.assertEqual(len(self.daemon.job(job["id"])["attempts"]), 2)
 
     def test_what_cannot_be_extended(self):
-        job = self.run_job(small_job(passes=16))
+        job = self.daemon.run_job(small_job(passes=16))
         refused = self.extend(job["id"], {"passes": 8}, 422)
         self.assertEqual(refused["errors"][0]["pointer"], "/stop")
         self.assertIn("16 passes", refused["detail"])
@@ -217,13 +211,13 @@ class JoiningTest(unittest.TestCase):
         self.extend(merged["id"], {"passes": 64})
         done = self.daemon.wait_for_job(merged["id"])
         self.assertEqual(done["statistics"]["resumed_passes"], 48)
-        self.assertEqual(hash_of(done), hash_of(self.run_job(small_job(passes=64))))
+        self.assertEqual(hash_of(done), hash_of(self.daemon.run_job(small_job(passes=64))))
 
     def test_unlike_things_are_refused(self):
         first, second = (self.daemon.wait_for_job(job["id"]) for job in self.parts(2, 4))
-        other_seed = self.run_job(small_job(passes=2, first_pass=2, seed=2))
-        other_layers = self.run_job(small_job(passes=2, first_pass=2, layers=["albedo"]))
-        overlapping = self.run_job(small_job(passes=3, first_pass=1))
+        other_seed = self.daemon.run_job(small_job(passes=2, first_pass=2, seed=2))
+        other_layers = self.daemon.run_job(small_job(passes=2, first_pass=2, layers=["albedo"]))
+        overlapping = self.daemon.run_job(small_job(passes=3, first_pass=1))
         running = self.daemon.submit(small_job(passes=ENDLESS))
         for jobs, pointer, word in (([first, second, other_seed], "/jobs/2", "seed"),
                                     ([first, other_layers], "/jobs/1", "layers"),
@@ -238,7 +232,7 @@ class JoiningTest(unittest.TestCase):
         self.daemon.wait_for_job(running["id"])
         self.assertEqual(list((self.daemon.data_dir / "spool").iterdir()), [], "nothing is left lying")
         # Parts with a gap between them are merged, but have no one pass to go on from.
-        apart = self.run_job(small_job(passes=2, first_pass=8))
+        apart = self.daemon.run_job(small_job(passes=2, first_pass=8))
         gap = self.merge([first, apart])
         self.assertEqual(gap["statistics"]["pass_ranges"], [[0, 2], [8, 10]])
         self.extend(gap["id"], {"passes": 100}, 409)

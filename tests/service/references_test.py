@@ -28,19 +28,13 @@ class ReferencesTest(unittest.TestCase):
     def setUpClass(cls):
         cls.daemon = Daemon()
         cls.daemon.wait_ready()
-        cls.fine = cls.run_job(small_job(passes=64, seed=99, layers=["caustic"]))
+        cls.fine = cls.daemon.run_job(small_job(passes=64, seed=99, layers=["caustic"]))
         exr = cls.daemon.request("GET", cls.fine["links"]["image"]).body
         cls.image = cls.daemon.request("POST", "/v1/images", body=exr, headers={"Content-Type": "image/x-exr"}).json
 
     @classmethod
     def tearDownClass(cls):
         cls.daemon.close()
-
-    @classmethod
-    def run_job(cls, body):
-        job = cls.daemon.wait_for_job(cls.daemon.submit(body)["id"])
-        assert job["state"] == "succeeded", job["failure"]
-        return job
 
     def get(self, path, status=200):
         reply = self.daemon.request("GET", path)
@@ -55,8 +49,8 @@ class ReferencesTest(unittest.TestCase):
         return reply.json["detail"]
 
     def test_a_job_and_the_image_of_it_measure_alike(self):
-        against_job = self.run_job(small_job(passes=4, reference=f"job:{self.fine['id']}", metrics=["indirect:rmse"]))
-        against_image = self.run_job(small_job(passes=4, reference=f"image:{self.image['id']}"))
+        against_job = self.daemon.run_job(small_job(passes=4, reference=f"job:{self.fine['id']}", metrics=["indirect:rmse"]))
+        against_image = self.daemon.run_job(small_job(passes=4, reference=f"image:{self.image['id']}"))
         self.assertEqual(against_job["reference_job"], self.fine["id"])
         self.assertIsNone(against_image["reference_job"])
         error, other = against_job["statistics"]["error"], against_image["statistics"]["error"]
@@ -65,10 +59,10 @@ class ReferencesTest(unittest.TestCase):
         self.assertEqual(against_job["error_now"], {"metric": "relative_mse", "value": error["relative_mse"]})
         # Measuring leaves the picture alone.
         self.assertEqual(against_job["statistics"]["pixel_hash"],
-                         self.run_job(small_job(passes=4))["statistics"]["pixel_hash"])
+                         self.daemon.run_job(small_job(passes=4))["statistics"]["pixel_hash"])
 
     def test_the_curve(self):
-        job = self.run_job(small_job(passes=8, reference=f"job:{self.fine['id']}"))
+        job = self.daemon.run_job(small_job(passes=8, reference=f"job:{self.fine['id']}"))
         passes = [point["passes"] for point in job["curve"]]
         self.assertEqual(passes, sorted(set(passes)))
         self.assertLessEqual({1, 2, 4, 8}, set(passes))
@@ -86,20 +80,20 @@ class ReferencesTest(unittest.TestCase):
         self.assertEqual(events["curve"], job["curve"])
 
     def test_a_target_stops_the_job(self):
-        job = self.run_job({**small_job(reference=f"job:{self.fine['id']}"),
+        job = self.daemon.run_job({**small_job(reference=f"job:{self.fine['id']}"),
                             "stop": {"passes": 4096, "target": {"metric": "relative_mse", "value": 0.2}}})
         self.assertLess(job["passes_done"], 4096)
         self.assertLessEqual(job["statistics"]["error"]["relative_mse"], 0.2)
-        by_passes = self.run_job(small_job(passes=job["passes_done"]))
+        by_passes = self.daemon.run_job(small_job(passes=job["passes_done"]))
         self.assertEqual(job["statistics"]["pixel_hash"], by_passes["statistics"]["pixel_hash"])
-        estimated = self.run_job({**small_job(),
+        estimated = self.daemon.run_job({**small_job(),
                                   "stop": {"passes": 4096,
                                            "target": {"metric": "estimated_relative_mse", "value": 0.2}}})
         self.assertLess(estimated["passes_done"], 4096)
         self.assertEqual(estimated["error_now"]["metric"], "estimated_relative_mse")
 
     def test_pictures_of_the_difference(self):
-        job = self.run_job(small_job(passes=2, reference=f"job:{self.fine['id']}"))
+        job = self.daemon.run_job(small_job(passes=2, reference=f"job:{self.fine['id']}"))
         for name, magic in (("difference.exr", b"\x76\x2f\x31\x01"), ("flip.png", b"\x89PNG"),
                             ("error.png", b"\x89PNG"), ("flip.png?layer=direct&range=ldr", b"\x89PNG"),
                             ("error.png?layer=indirect", b"\x89PNG")):
@@ -131,11 +125,11 @@ class ReferencesTest(unittest.TestCase):
         log = self.get(done[0]["links"]["log"]).text
         self.assertIn(f"waits for its reference, job {reference['id']}", log)
         # Its random numbers are its own: the same passes of the same seed would be the same noise.
-        twin = self.run_job(small_job(passes=48))
+        twin = self.daemon.run_job(small_job(passes=48))
         self.assertNotEqual(twin["statistics"]["pixel_hash"], reference["statistics"]["pixel_hash"])
         # Of another number of passes, or with a layer more to measure, it is another image.
-        self.run_job(small_job(passes=1, reference=made(49)))
-        self.run_job(small_job(passes=1, reference=made(48), layers=["caustic", "depth"], metrics=["caustic:rmse"]))
+        self.daemon.run_job(small_job(passes=1, reference=made(49)))
+        self.daemon.run_job(small_job(passes=1, reference=made(48), layers=["caustic", "depth"], metrics=["caustic:rmse"]))
         self.assertEqual(len(rows(self.daemon, "reference")), before + 3)
         self.assertEqual(rows(self.daemon, "reference")[0]["request"]["layers"], ["caustic"])
 
@@ -144,7 +138,7 @@ class ReferencesTest(unittest.TestCase):
         self.refused(small_job(size=16, reference=fine), "/reference")
         self.refused(small_job(size=16, reference=f"image:{self.image['id']}"), "/reference")
         self.refused(small_job(reference="job:J99999"), "/reference")
-        bare = self.run_job(small_job())
+        bare = self.daemon.run_job(small_job())
         detail = self.refused(small_job(reference=f"job:{bare['id']}", layers=["caustic"], metrics=["caustic:rmse"]),
                               "/metrics/0")
         self.assertIn("caustic", detail)
@@ -180,7 +174,7 @@ class ReferencesTest(unittest.TestCase):
         self.assertEqual(self.daemon.wait_for_job(again["id"])["state"], "failed")
 
     def test_metrics_on_request(self):
-        job = self.run_job(small_job(passes=4, reference=f"job:{self.fine['id']}"))
+        job = self.daemon.run_job(small_job(passes=4, reference=f"job:{self.fine['id']}"))
         image, reference = f"job:{job['id']}", f"job:{self.fine['id']}"
         ask = {"image": image, "reference": reference}
         reply = self.daemon.request("POST", "/v1/metrics", json_body=ask)
@@ -204,7 +198,7 @@ class ReferencesTest(unittest.TestCase):
                 ({**ask, "metrics": ["estimated_relative_mse"]}, "/metrics/0", 422)):
             with self.subTest(body=body):
                 self.refused(body, pointer, status, "/v1/metrics")
-        small = self.run_job(small_job(size=16))
+        small = self.daemon.run_job(small_job(size=16))
         self.refused({**ask, "image": f"job:{small['id']}"}, "/image", 422, "/v1/metrics")
 
 

@@ -185,6 +185,13 @@ class Daemon:
                 raise TimeoutError(f"job {job_id} is {job['state']} after {timeout_s} s\n{self.log()[-4000:]}")
             time.sleep(0.01)
 
+    def run_job(self, job):
+        """Submits a job and returns its object once it has succeeded."""
+        job = self.wait_for_job(self.submit(job)["id"])
+        if job["state"] != "succeeded":
+            raise AssertionError(f"job {job['id']}: {job['failure']}")
+        return job
+
     def add_scene(self, path, name=None, media_type="model/gltf-binary"):
         """Uploads a file; returns the scene's object."""
         query = f"?name={name}" if name else ""
