@@ -22,7 +22,7 @@ from photond_daemon import Daemon, small_job  # noqa: E402
 
 SEEDS = 3
 CLIENTS = 2
-PASSES = 600
+PASSES = 300
 SIZE = 48
 COMPARISON = {
     "scene": "cornell-box", "image": {"width": SIZE, "height": SIZE},
@@ -126,7 +126,7 @@ class Disturbed(unittest.TestCase):
         for number in range(1_000_000):
             key, seed = f"{name}-{number}", number % SEEDS + 1
             self.seeds[key] = seed
-            if not self.submit_until_answered("/v1/jobs", job_of(seed), key) or self.done.wait(1.2):
+            if not self.submit_until_answered("/v1/jobs", job_of(seed), key) or self.done.wait(1.0):
                 return
 
     def submit_comparisons(self):
