@@ -55,9 +55,15 @@ json likeness(const JobRow& row) {
 void check_alike(const json& first, const json& other, const std::string& first_id, size_t index) {
     for (const auto& [member, value] : first.items())
         if (const json theirs = other.value(member, json()); theirs != value)
-            throw Error(
-                ErrorCode::Conflict, at(index),
-                "differs from job " + first_id + " in " + member + ": " + theirs.dump() + " is not " + value.dump());
+            throw Error(ErrorCode::Conflict, at(index),
+                        std::string("differs from job ")
+                            .append(first_id)
+                            .append(" in ")
+                            .append(member)
+                            .append(": ")
+                            .append(theirs.dump())
+                            .append(" is not ")
+                            .append(value.dump()));
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ public:
 
     json run(const Listener& listener) {
         while (true) {
-            const json comparison = daemon_.get(path_);
+            json comparison = daemon_.get(path_);
             listener(comparison, progress_of(comparison));
             if (is_over(comparison)) return comparison;
             if (!daemon_.interrupt().sleep(kPollEvery)) throw interrupted(daemon_.interrupt().cause());

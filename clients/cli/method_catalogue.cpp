@@ -20,6 +20,7 @@ const T& named(const std::vector<T>& list, const std::string& name, const std::s
     const auto found = std::find_if(list.begin(), list.end(), [&](const T& item) { return item.name == name; });
     if (found != list.end()) return *found;
     std::vector<std::string> known;
+    known.reserve(list.size());
     for (const T& item : list) known.push_back(item.name);
     const std::string near = nearest_name(name, known);
     throw Failure(ExitCode::Usage, message, near.empty() ? otherwise : "did you mean " + near + "?");

@@ -89,7 +89,7 @@ std::vector<uint8_t> color_mapped(std::span<const float> values) {
     std::vector<uint8_t> rgb;
     rgb.reserve(3 * values.size());
     for (const float value : values) {
-        const auto index = [value] { return static_cast<size_t>(255 * std::clamp(value, 0.0f, 1.0f) + 0.5f); };
+        const auto index = [value] { return static_cast<size_t>(std::lround(255 * std::clamp(value, 0.0f, 1.0f))); };
         const Entry& entry = std::isnan(value) ? kMidGrey : table[index()];
         rgb.insert(rgb.end(), entry.begin(), entry.end());
     }

@@ -16,7 +16,7 @@ void JobQueue::hold(int64_t seq, int priority, const std::string& device, int64_
 std::vector<int64_t> JobQueue::release(int64_t until) {
     const auto found = held_until_.find(until);
     if (found == held_until_.end()) return {};
-    const std::vector<int64_t> released(found->second.begin(), found->second.end());
+    std::vector<int64_t> released(found->second.begin(), found->second.end());
     for (const int64_t seq : released) {
         const Held held = held_.at(seq);
         remove(seq);
