@@ -147,10 +147,6 @@ std::optional<std::string> ObjectReader::word(const std::string& key, const std:
     return std::nullopt;
 }
 
-void ObjectReader::not_built(const std::string& key, const std::string& what) {
-    if (member(key) != nullptr) faults_.add(ErrorCode::Unsupported, at(key), "unsupported: " + what + " not built yet");
-}
-
 void ObjectReader::finish() {
     for (const auto& [key, value] : source_->items())
         if (std::find(known_.begin(), known_.end(), key) == known_.end())

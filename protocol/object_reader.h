@@ -51,8 +51,6 @@ public:
     std::optional<uint64_t> seed(const std::string& key);
     std::optional<std::string> word(const std::string& key, const std::vector<std::string>& words,
                                     bool required = false);
-    /// Refuses the member, unless it is null, as a feature that is not built yet.
-    void not_built(const std::string& key, const std::string& what);
     void finish();
 
     /// Pointer of a member.

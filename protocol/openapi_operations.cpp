@@ -1,0 +1,298 @@
+#include "protocol/openapi_operations.h"
+
+#include "protocol/error.h"
+#include "protocol/openapi_schemas.h"
+#include "protocol/problem.h"
+
+namespace photond {
+namespace {
+
+using nlohmann::json;
+using namespace openapi;
+
+json content(const std::string& media_type, json schema) { return {{media_type, {{"schema", std::move(schema)}}}}; }
+json binary() { return json::object(); }
+
+struct Operation {
+    const char* method;
+    std::string path;
+    std::string id;
+    std::string summary;
+    std::vector<std::pair<int, json>> answers;  // status, content (empty: no body)
+    json body = nullptr;                        // content taken
+    std::vector<std::pair<const char*, json>> query = {};
+    std::vector<std::pair<const char*, const char*>> headers = {};
+};
+
+json operation_json(const Operation& operation) {
+    json parameters = json::array();
+    const std::string& path = operation.path;
+    for (size_t at = path.find('{'); at != std::string::npos; at = path.find('{', at + 1))
+        parameters.push_back({{"name", path.substr(at + 1, path.find('}', at) - at - 1)},
+                              {"in", "path"},
+                              {"required", true},
+                              {"schema", typed("string")}});
+    for (const auto& [name, schema] : operation.query)
+        parameters.push_back({{"name", name}, {"in", "query"}, {"schema", schema}});
+    for (const auto& [name, text] : operation.headers)
+        parameters.push_back({{"name", name}, {"in", "header"}, {"schema", typed("string")}, {"description", text}});
+    json responses{{"default",
+                    {{"description", "a failure, see the schema Problem"},
+                     {"content", content(kProblemMediaType, schema_ref("Problem"))}}}};
+    for (const auto& [status, body] : operation.answers) {
+        json& answer = responses[std::to_string(status)];
+        answer["description"] = status == 202 && body.is_null() ? "nothing rendered yet; ask again" : "as asked";
+        if (!body.is_null()) answer["content"] = body;
+    }
+    json result{{"operationId", operation.id},
+                {"summary", operation.summary},
+                {"parameters", parameters},
+                {"responses", responses}};
+    if (!operation.body.is_null()) result["requestBody"] = {{"required", true}, {"content", operation.body}};
+    return result;
+}
+
+/// "photon_map.glb" as getPhotonMap.
+std::string operation_id(const std::string& artefact) {
+    std::string id = "get";
+    bool begins_word = true;
+    for (const char c : artefact_link(artefact)) {
+        if (c != '_') id += begins_word && c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+        begins_word = c == '_';
+    }
+    return id;
+}
+
+std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
+    const char* kJson = "application/json";
+    const auto object = [&](const char* name) { return content(kJson, schema_ref(name)); };
+    const auto file = [&](const char* media_type) { return content(media_type, binary()); };
+    const json limit = in_range(typed("integer"), 1, 1000);
+    const json word = typed("string");
+    const std::vector<std::pair<const char*, json>> page{{"limit", limit}, {"cursor", word}};
+    const json precision = one_of_words({"float", "half"});
+    const json flag = typed("boolean");
+    const json state = one_of_words({"queued", "running", "succeeded", "failed", "cancelled"});
+    const json role = one_of_words({"render", "reference", "merged"});
+    std::vector<std::string> measured_layers = vocabulary.radiance_layers;
+    measured_layers.insert(measured_layers.begin(), "beauty");
+    const json measured_layer = one_of_words(measured_layers);
+    std::vector<std::string> pixel_layers{"beauty", "emitted", "direct", "indirect"};
+    pixel_layers.insert(pixel_layers.end(), vocabulary.layers.begin(), vocabulary.layers.end());
+    const json image_body{{"image/x-exr", binary()}, {"image/vnd.radiance", binary()}};
+    const json scene_body{
+        {"model/gltf-binary", binary()}, {"application/zip", binary()}, {"multipart/form-data", binary()}};
+    std::vector<Operation> all{
+        {"post",
+         "/v1/scenes",
+         "addScene",
+         "Upload a scene",
+         {{201, object("Scene")}, {200, object("Scene")}},
+         scene_body,
+         {{"name", word}},
+         {{"X-Scene-Name", "the scene's name, where the query gives none"}}},
+        {"get", "/v1/scenes", "listScenes", "Scenes, newest first", {{200, object("ScenePage")}}, nullptr, page},
+        {"get", "/v1/scenes/{scene}", "getScene", "One scene, by id or name", {{200, object("Scene")}}},
+        {"delete", "/v1/scenes/{scene}", "deleteScene", "Remove a scene", {{200, object("Scene")}}},
+        {"get", "/v1/scenes/{scene}/thumbnail.png", "getThumbnail", "A small picture", {{200, file("image/png")}}},
+        {"get", "/v1/methods", "listMethods", "Methods, by name", {{200, object("MethodPage")}}, nullptr, page},
+        {"get", "/v1/methods/{name}", "getMethod", "One method", {{200, object("Method")}}},
+        {"get", "/v1/devices", "listDevices", "Devices", {{200, object("DevicePage")}}},
+        {"post",
+         "/v1/jobs",
+         "submitJob",
+         "Queue a render job",
+         {{202, object("Job")}, {200, object("Estimate")}},
+         object("JobRequest"),
+         {{"dry_run", with_text(flag, "only estimate: 200, nothing is queued")}},
+         {{"Idempotency-Key", "the same key and body give the same job"}}},
+        {"get",
+         "/v1/jobs",
+         "listJobs",
+         "Jobs, newest first",
+         {{200, object("JobPage")}},
+         nullptr,
+         {{"state", state},
+          {"label", word},
+          {"scene", word},
+          {"method", word},
+          {"role", role},
+          {"limit", limit},
+          {"cursor", word}}},
+        {"get", "/v1/jobs/{id}", "getJob", "One job", {{200, object("Job")}}},
+        {"delete",
+         "/v1/jobs/{id}",
+         "cancelJob",
+         "Cancel, or remove with its files",
+         {{200, object("Job")}, {202, object("Job")}},
+         nullptr,
+         {{"purge", flag}}},
+        {"post", "/v1/jobs/{id}/retry", "retryJob", "Queue a failed or cancelled job again", {{202, object("Job")}}},
+        {"post",
+         "/v1/jobs/{id}/extend",
+         "extendJob",
+         "More passes on the film of a succeeded or cancelled job",
+         {{202, object("Job")}},
+         object("Extension")},
+        {"post",
+         "/v1/jobs/merge",
+         "mergeJobs",
+         "One job of all the passes of several",
+         {{201, object("Job")}},
+         object("MergeRequest"),
+         {},
+         {{"Idempotency-Key", "the same key and body give the same job"}}},
+        {"get",
+         "/v1/jobs/{id}/events",
+         "jobEvents",
+         "Server-sent events of one job",
+         {{200, file("text/event-stream")}},
+         nullptr,
+         {},
+         {{"Last-Event-ID", "resume after this event"}}},
+        {"get",
+         "/v1/events",
+         "allEvents",
+         "Server-sent events of all jobs",
+         {{200, file("text/event-stream")}},
+         nullptr,
+         {},
+         {{"Last-Event-ID", "resume after this event"}}},
+        {"get",
+         "/v1/jobs/{id}/image.exr",
+         "getImage",
+         "The film, so far or final",
+         {{200, file("image/x-exr")}, {202, nullptr}},
+         nullptr,
+         {{"precision", precision}}},
+        {"get",
+         "/v1/jobs/{id}/preview.png",
+         "getPreview",
+         "The image on a display",
+         {{200, file("image/png")}, {202, nullptr}},
+         nullptr,
+         {{"exposure", in_range(typed("number", "stops"), -32, 32)}, {"curve", one_of_words({"srgb", "filmic"})}}},
+        {"get",
+         "/v1/jobs/{id}/pixels",
+         "getPixels",
+         "Raw little-endian pixels, row 0 at the top",
+         {{200, file("application/octet-stream")}, {202, nullptr}},
+         nullptr,
+         {{"layer", one_of_words(pixel_layers)}, {"precision", precision}}},
+        {"get",
+         "/v1/jobs/{id}/statistics.json",
+         "getStatistics",
+         "The statistics of a job that is over",
+         {{200, object("Statistics")}, {202, nullptr}}},
+        {"get",
+         "/v1/jobs/{id}/curve.csv",
+         "getCurve",
+         "Error over time, so far or to the end",
+         {{200, file("text/csv")}, {202, nullptr}}},
+        {"get",
+         "/v1/jobs/{id}/difference.exr",
+         "getDifference",
+         "The image less its reference, by layer",
+         {{200, file("image/x-exr")}, {202, nullptr}}},
+        {"get",
+         "/v1/jobs/{id}/flip.png",
+         "getFlip",
+         "The FLIP map against its reference",
+         {{200, file("image/png")}, {202, nullptr}},
+         nullptr,
+         {{"layer", measured_layer}, {"range", one_of_words({"hdr", "ldr"})}}},
+        {"get",
+         "/v1/jobs/{id}/error.png",
+         "getErrorMap",
+         "Each pixel's relative error, on one scale for all jobs",
+         {{200, file("image/png")}, {202, nullptr}},
+         nullptr,
+         {{"layer", measured_layer}}},
+        {"get",
+         "/v1/jobs/{id}/film",
+         "getFilm",
+         "The film itself: exact sums, to be merged or gone on with",
+         {{200, file("application/octet-stream")}, {202, nullptr}}},
+        {"get", "/v1/jobs/{id}/log.txt", "getLog", "What happened to the job", {{200, file("text/plain")}}},
+        {"post",
+         "/v1/comparisons",
+         "submitComparison",
+         "Queue a comparison and all its jobs",
+         {{202, object("Comparison")}},
+         object("ComparisonRequest"),
+         {},
+         {{"Idempotency-Key", "the same key and body give the same comparison"}}},
+        {"get",
+         "/v1/comparisons",
+         "listComparisons",
+         "Comparisons without their jobs and tables, newest first",
+         {{200, object("ComparisonPage")}},
+         nullptr,
+         page},
+        {"get", "/v1/comparisons/{id}", "getComparison", "One comparison", {{200, object("Comparison")}}},
+        {"delete",
+         "/v1/comparisons/{id}",
+         "cancelComparison",
+         "Cancel its jobs, or remove it with them and their files",
+         {{200, object("Comparison")}, {202, object("Comparison")}},
+         nullptr,
+         {{"purge", flag}}},
+        {"get",
+         "/v1/comparisons/{id}/report.json",
+         "getComparisonReport",
+         "The comparison with every curve",
+         {{200, object("ComparisonReport")}}},
+        {"get",
+         "/v1/comparisons/{id}/report.csv",
+         "getComparisonCurves",
+         "A line for each point of each curve",
+         {{200, file("text/csv")}}},
+        {"get",
+         "/v1/comparisons/{id}/report.html",
+         "getComparisonPage",
+         "A page that needs nothing beside itself: plots, tables, images, and how to repeat it",
+         {{200, file("text/html")}}},
+        {"post",
+         "/v1/images",
+         "addImage",
+         "Upload an EXR or HDR image",
+         {{201, object("Image")}, {200, object("Image")}},
+         image_body},
+        {"post",
+         "/v1/metrics",
+         "measure",
+         "The error of an image against another",
+         {{200, object("Measurement")}},
+         object("MeasurementRequest")},
+        {"get", "/v1/images/{id}", "getUploadedImage", "One image", {{200, object("Image")}}},
+        {"get", "/v1/images/{id}/file", "getImageFile", "The image as uploaded", {{200, file("image/x-exr")}}},
+        {"get", "/v1/status", "getStatus", "The daemon, its queue and workers", {{200, object("Status")}}},
+        {"get", "/v1/openapi.json", "getOpenApi", "This document", {{200, content(kJson, typed("object"))}}},
+        {"get", "/healthz", "isAlive", "Is it alive", {{200, object("Health")}}},
+        {"get", "/readyz", "isReady", "Has every worker answered", {{200, object("Health")}}},
+        {"get", "/metrics", "getMetrics", "Prometheus metrics", {{200, file("text/plain")}}},
+        {"get", "/", "frontPage", "A page to look at: queue, running jobs, comparisons", {{200, file("text/html")}}},
+        {"get", "/front_page.css", "frontPageStyle", "Of the page", {{200, file("text/css")}}},
+        {"get", "/front_page.js", "frontPageScript", "Of the page", {{200, file("text/javascript")}}},
+    };
+    for (const ApiVocabulary::Artefact& artefact : vocabulary.artefacts)
+        all.push_back({"get",
+                       "/v1/jobs/{id}/" + artefact.name,
+                       operation_id(artefact.name),
+                       "The " + artefact.text + " that the method kept",
+                       {{200, content(artefact.media_type, binary())}, {202, nullptr}}});
+    return all;
+}
+
+}  // namespace
+
+std::string artefact_link(const std::string& name) { return name.substr(0, name.find('.')); }
+
+json openapi_paths(const ApiVocabulary& vocabulary) {
+    json paths = json::object();
+    for (const Operation& operation : operations(vocabulary))
+        paths[operation.path][operation.method] = operation_json(operation);
+    return paths;
+}
+
+}  // namespace photond
