@@ -228,6 +228,7 @@ json statistics_schema() {
                            {"photons_emitted", nullable("integer")},
                            {"photons_stored", nullable("integer")},
                            {"splats", nullable("integer")},
+                           {"splat_contributions", nullable("integer")},
                            {"vpls", nullable("integer")},
                            {"voxels", nullable("integer")},
                            {"passes", count()}})},

@@ -15,7 +15,9 @@ enum class RandomDomain : uint32_t {
     Reference = 3,
     Test = 4,
     BuiltinScene = 5,
-    ShadowPhotons = 6
+    ShadowPhotons = 6,
+    Splats = 7,
+    Stratification = 8
 };
 
 /// A good 32-bit mixing function. [Wellons 2018] "Prospecting for Hash Functions", lowbias32.

@@ -19,6 +19,8 @@ Counts& Counts::operator+=(const Counts& other) {
     photon_rays += other.photon_rays;
     photons_emitted += other.photons_emitted;
     photons_stored += other.photons_stored;
+    splats += other.splats;
+    splat_contributions += other.splat_contributions;
     nan_samples += other.nan_samples;
     infinite_samples += other.infinite_samples;
     return *this;

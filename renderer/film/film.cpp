@@ -20,7 +20,8 @@ constexpr uint32_t kInfinityBits = 0x7f800000u;
 constexpr FixedSquares kSaturated = ~FixedSquares{0};
 
 /// Layers that hold means over the samples that hit, and are summed.
-constexpr Layer kAuxiliary[] = {Layer::Albedo, Layer::Normal, Layer::Position, Layer::Depth, Layer::PhotonCount};
+constexpr Layer kAuxiliary[] = {Layer::Albedo, Layer::Normal,      Layer::Position,
+                                Layer::Depth,  Layer::PhotonCount, Layer::Overlap};
 
 bool keeps_hits(LayerSet layers) {
     for (const Layer layer : kAuxiliary)
@@ -109,6 +110,7 @@ PassImage::PassImage(Size2 image_size, LayerSet layer_set) : size(image_size), l
     make(Layer::Position, position);
     if (layers.has(Layer::Depth)) depth.assign(n, 0.0f);
     if (layers.has(Layer::PhotonCount)) photon_count.assign(n, 0.0f);
+    if (layers.has(Layer::Overlap)) overlap.assign(n, 0.0f);
     if (keeps_hits(layers)) hit.assign(n, 0);
 }
 
@@ -151,11 +153,12 @@ void Film::add_pass(const PassImage& pass) {
         FixedSum* sums;
         const float* values;
     };
-    SingleLayer single_layers[2];
+    SingleLayer single_layers[3];
     int single_layer_count = 0;
     if (layers_.has(Layer::Depth)) single_layers[single_layer_count++] = {sums(Layer::Depth), pass.depth.data()};
     if (layers_.has(Layer::PhotonCount))
         single_layers[single_layer_count++] = {sums(Layer::PhotonCount), pass.photon_count.data()};
+    if (layers_.has(Layer::Overlap)) single_layers[single_layer_count++] = {sums(Layer::Overlap), pass.overlap.data()};
 
     FixedSum* const emitted_sums = sums(Layer::Emitted);
     FixedSum* const direct_sums = sums(Layer::Direct);

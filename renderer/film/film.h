@@ -26,7 +26,7 @@ struct PassImage {
     std::vector<Rgb> emitted, direct, indirect, caustic;  // radiance [W m^-2 sr^-1]
     std::vector<Rgb> albedo, normal, position;            // where hit[i] != 0
     std::vector<float> depth;
-    std::vector<float> photon_count;
+    std::vector<float> photon_count, overlap;
     std::vector<uint8_t> hit;  // 1 where the sample met a surface; only kept when an auxiliary layer is asked for
 };
 
@@ -66,8 +66,8 @@ public:
     uint64_t bytes() const { return bytes_for(size_, layers_); }
 
     /// Mean over the passes of a layer (or the beauty), as size().pixels() * channels floats; 0 before the first pass.
-    /// Auxiliary layers: mean over the samples that hit, 0 where none did; for PhotonCount a sample that met a surface
-    /// and found no photon counts, as 0. StandardError: of the beauty's mean, from the variance between passes;
+    /// Auxiliary layers: mean over the samples that hit, 0 where none did; for PhotonCount and Overlap a sample that met
+    /// a surface and found no photon or splat counts, as 0. StandardError: of the beauty's mean, from the variance between passes;
     /// infinite before the second pass, when nothing is known of it.
     std::vector<float> resolve(Layer layer) const;
     std::vector<float> resolve_beauty() const;

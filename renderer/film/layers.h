@@ -19,8 +19,9 @@ enum class Layer : uint8_t {
     Depth,
     StandardError,
     PhotonCount,
+    Overlap,
 };
-inline constexpr size_t kLayerCount = 10;
+inline constexpr size_t kLayerCount = 11;
 
 struct LayerInfo {
     Layer layer;
@@ -42,6 +43,7 @@ inline constexpr std::array<LayerInfo, kLayerCount> kLayers{{
     {Layer::Depth, "depth", {"Z", "", ""}, 1, false, "distance along the camera's forward axis [m]"},
     {Layer::StandardError, "standard_error", {"R", "G", "B"}, 3, false, "standard error of beauty from the passes"},
     {Layer::PhotonCount, "photon_count", {"Y", "", ""}, 1, false, "photons that a pass used in its estimates"},
+    {Layer::Overlap, "overlap", {"Y", "", ""}, 1, false, "splats that lie over the pixel in a pass"},
 }};
 constexpr const LayerInfo& layer_info(Layer layer) { return kLayers[static_cast<size_t>(layer)]; }
 

@@ -15,6 +15,7 @@ inline void clear_pixel(PassImage& image, uint32_t pixel) {
         if (!layer->empty()) (*layer)[pixel] = Rgb(0);
     if (!image.depth.empty()) image.depth[pixel] = 0;
     if (!image.photon_count.empty()) image.photon_count[pixel] = 0;
+    if (!image.overlap.empty()) image.overlap[pixel] = 0;
     if (!image.hit.empty()) image.hit[pixel] = 0;
 }
 

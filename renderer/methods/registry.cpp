@@ -20,8 +20,9 @@ MethodInfo row(std::string_view title, std::string_view family, std::vector<std:
     info.family = family;
     info.sources = std::move(sources);
     info.devices = std::move(devices);
-    info.layers = LayerSet::all();
-    info.layers.remove(Layer::PhotonCount);  // of methods that have photons to count
+    info.layers = LayerSet::all();  // but those that only some methods have something to count for
+    info.layers.remove(Layer::PhotonCount);
+    info.layers.remove(Layer::Overlap);
     info.make_params = +[]() -> std::unique_ptr<MethodParams> { return std::make_unique<typename M::Params>(); };
     info.make = +[](const MethodParams& params) -> std::unique_ptr<Method> {
         return std::make_unique<M>(dynamic_cast<const typename M::Params&>(params));
@@ -55,7 +56,7 @@ MethodInfo photon_mapping_row() {
                             "Jensen and Christensen 1995, Efficiently Rendering Shadows using the Photon Map",
                             "Christensen 1999, Faster Photon Map Global Illumination"},
                            {"cpu"});
-    info.layers = LayerSet::all();
+    info.layers.add(Layer::PhotonCount);
     info.artefacts = {{PhotonMapping::kArtefact, "model/gltf-binary", "keep_photon_map", "photon map"}};
     info.estimate_artefact_bytes = photon_map_file_bytes;
     return info;

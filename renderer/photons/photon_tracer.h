@@ -9,7 +9,7 @@
 
 #include "renderer/core/cancel.h"
 #include "renderer/core/stats.h"
-#include "renderer/photons/photon.h"
+#include "renderer/photons/reflected_photon.h"
 #include "renderer/scene/intersector.h"
 #include "renderer/transport/emission_sampling.h"
 #include "renderer/transport/sobol.h"
@@ -24,13 +24,23 @@ enum class PhotonMapKind : uint8_t {
     Caustic,  // at least one scattering, all specular; paths end at the first that is not
 };
 
+/// How light paths start.
+enum class PhotonInjection : uint8_t {
+    Paths,  // along one long low-discrepancy sequence
+    /// [Dachsbacher and Stamminger 2005]: each light renders a grid of texels, jittered anew each pass, of about as
+    /// many in all as there are to be photons. Paths end at their first hit.
+    ReflectiveShadowMap,
+};
+
 struct PhotonTracing {
     PhotonMapKind kind = PhotonMapKind::Global;
     uint32_t photons = 200'000;              // light paths a pass
     uint32_t most_scatterings = UINT32_MAX;  // photons with more are neither stored nor traced
     float glossy_threshold = 0.05f;          // alpha
     SamplerKind sampler = SamplerKind::Sobol;
-    const ProjectionMap* guide = nullptr;  // of caustic photons; nullptr: by the lights' emission alone
+    const ProjectionMap* guide = nullptr;                // of caustic photons; nullptr: by the lights' emission alone
+    PhotonInjection injection = PhotonInjection::Paths;  // of trace_reflected()
+    bool rough_apart = true;  // trace_reflected(): rough lobes as ReflectedPhoton::Spread::Rough, else as beams
 };
 
 /// What one call of trace() did.
@@ -43,6 +53,14 @@ struct TracedPhotons {
     Counts counts;                     // photon_rays, photons_emitted, photons_stored
 };
 
+/// What one call of trace_reflected() did.
+struct TracedReflections {
+    std::vector<ReflectedPhoton> photons;  // in an order that does not depend on the number of threads
+    std::vector<ReflectingSurface> surfaces;
+    uint64_t paths = 0;  // emitted
+    Counts counts;       // photon_rays, photons_emitted, photons_stored
+};
+
 /// Borrows scene, intersector, emission and guide.
 class PhotonTracer {
 public:
@@ -53,6 +71,10 @@ public:
     /// One pass's photons: a pure function of (scene, settings, seed, pass), traced in parallel in batches. Cancelled:
     /// what comes back is incomplete and must not be used.
     TracedPhotons trace(uint64_t seed, uint32_t pass, const CancelToken& cancel) const;
+
+    /// The same paths, but what is kept is where they leave: one photon at each scattering up to `most_scatterings`,
+    /// whatever the kind. Russian roulette keeps the photons' powers alike.
+    TracedReflections trace_reflected(uint64_t seed, uint32_t pass, const CancelToken& cancel) const;
 
     /// Bytes of scratch all threads together take.
     static uint64_t scratch_bytes(size_t threads);

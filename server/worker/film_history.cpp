@@ -10,11 +10,16 @@ using nlohmann::json;
 
 namespace {
 
-constexpr std::pair<const char*, uint64_t Counts::*> kCounts[] = {
-    {"camera_rays", &Counts::camera_rays},         {"bounce_rays", &Counts::bounce_rays},
-    {"shadow_rays", &Counts::shadow_rays},         {"photon_rays", &Counts::photon_rays},
-    {"photons_emitted", &Counts::photons_emitted}, {"photons_stored", &Counts::photons_stored},
-    {"nan_samples", &Counts::nan_samples},         {"infinite_samples", &Counts::infinite_samples}};
+constexpr std::pair<const char*, uint64_t Counts::*> kCounts[] = {{"camera_rays", &Counts::camera_rays},
+                                                                  {"bounce_rays", &Counts::bounce_rays},
+                                                                  {"shadow_rays", &Counts::shadow_rays},
+                                                                  {"photon_rays", &Counts::photon_rays},
+                                                                  {"photons_emitted", &Counts::photons_emitted},
+                                                                  {"photons_stored", &Counts::photons_stored},
+                                                                  {"splats", &Counts::splats},
+                                                                  {"splat_contributions", &Counts::splat_contributions},
+                                                                  {"nan_samples", &Counts::nan_samples},
+                                                                  {"infinite_samples", &Counts::infinite_samples}};
 static_assert(std::size(kCounts) * sizeof(uint64_t) == sizeof(Counts), "a count is missing from the table");
 
 template <class Value>
@@ -36,7 +41,8 @@ CurvePoint curve_point_of(const json& source) {
 FilmHistory history_of(const json& source) {
     FilmHistory history;
     history.seconds = source.at("seconds");
-    for (const auto& [name, count] : kCounts) history.counts.*count = source.at("counts").at(name);
+    for (const auto& [name, count] : kCounts)
+        history.counts.*count = source.at("counts").value(name, uint64_t{0});  // older films have fewer
     for (const json& stage : source.at("stages"))
         history.stages.push_back(
             {stage.at("name"), stage.at("wall_seconds"), stage.at("cpu_seconds"), stage.at("gpu_seconds")});

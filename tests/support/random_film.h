@@ -29,6 +29,7 @@ inline PassImage random_pass(Size2 size, LayerSet layers, uint32_t pass) {
         if (layers.has(Layer::Position)) image.position[i] = rgb();
         if (layers.has(Layer::Depth)) image.depth[i] = value();
         if (layers.has(Layer::PhotonCount)) image.photon_count[i] = std::abs(value());
+        if (layers.has(Layer::Overlap)) image.overlap[i] = std::abs(value());
     }
     return image;
 }
