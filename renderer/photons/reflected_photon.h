@@ -17,8 +17,8 @@ struct ReflectedPhoton {
         /// about `normal`.
         Lambert,
         /// By the rough part of a BSDF: intensity arriving_power_w * f(w) |cos_g(w)| with what `surface` refers to.
-        /// `direction`
-        /// was drawn with density cos / pi about `normal`; power_w is not set.
+        /// `direction` was drawn with density cos / pi about `normal`; power_w is arriving_power_w times the rough
+        /// part's albedo, about the flux that leaves.
         Rough,
         /// All along `direction`: what a delta lobe, a narrow one, or one that transmits has scattered there.
         Beam,
