@@ -10,10 +10,12 @@ namespace photond {
 struct LambertVisiblePoint {
     vec3 position;          // world [m]
     vec3 geometric_normal;  // unit, on the eye's side
-    vec3 normal;            // unit: the one that shades
+    vec3 normal;            // unit: the one that shades; the light sampler was given it too
     Rgb weight;             // throughput of the path up to here times reflectance: radiance is weight / pi * irradiance
     uint32_t pixel;
     uint32_t scatterings;  // of the path before this point
+    Rgb reflectance;
+    uint32_t path;  // SpecularWalk::path() and path_key() tell more while the point is handed over
 };
 
 /// Any other: the rough part f_d of its BSDF waits.
