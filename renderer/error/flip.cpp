@@ -10,7 +10,7 @@
 #include "renderer/core/parallel.h"
 #include "renderer/error/flip_exposures.h"
 #include "renderer/error/flip_features.h"
-#include "renderer/error/lane_math.h"
+#include "renderer/core/lane_math.h"
 
 namespace photond {
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "renderer/error/lane_math.h"
+#include "renderer/core/lane_math.h"
 #include "renderer/error/white_relative_xyz.h"
 
 namespace photond {

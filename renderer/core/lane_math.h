@@ -1,5 +1,5 @@
 #pragma once
-// Roots and powers of several numbers at once, to float accuracy: what colour spaces and perceptual exponents need. The
+// Roots and powers of several numbers at once, to float accuracy: for colour spaces, perceptual exponents, weights. The
 // standard library's are called one number at a time.
 
 #include "renderer/core/lanes.h"
