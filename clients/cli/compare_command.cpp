@@ -25,17 +25,6 @@ struct CompareOptions {
     ReportOutputs outputs;
 };
 
-/// "LABEL=METHOD[,PARAMETER=VALUE...]", or the method alone, which then is its own label. A label may not have what the
-/// rest begins with: the first '=' before any ',' ends it.
-json entry_from(const MethodCatalogue& catalogue, const std::string& text) {
-    const size_t equals = text.find('=');
-    const bool labelled = equals != std::string::npos && equals < text.find(',');
-    if (labelled && equals == 0) throw Failure(ExitCode::Usage, "--entry " + printable(text) + " has an empty label");
-    json entry{{"method", catalogue.method_from(labelled ? text.substr(equals + 1) : text)}};
-    entry["label"] = labelled ? json(text.substr(0, equals)) : entry["method"]["name"];
-    return entry;
-}
-
 /// "LABEL:PARAMETER=V1,V2,..." into the entry of that label.
 void put_sweep(json& entries, const MethodCatalogue& catalogue, const std::string& text) {
     const size_t colon = text.rfind(':', text.find('='));
@@ -58,7 +47,7 @@ json build_request(Session& session, const CompareOptions& options) {
     if (!options.entries.empty() || !options.sweeps.empty()) {
         const MethodCatalogue catalogue(session.daemon());
         if (!options.entries.empty()) request["entries"] = json::array();
-        for (const std::string& entry : options.entries) request["entries"].push_back(entry_from(catalogue, entry));
+        for (const std::string& entry : options.entries) request["entries"].push_back(catalogue.entry_from(entry));
         if (!request.contains("entries") || !request["entries"].is_array())
             throw Failure(ExitCode::Usage, "--sweep belongs to an --entry");
         for (const std::string& sweep : options.sweeps) put_sweep(request["entries"], catalogue, sweep);

@@ -59,6 +59,15 @@ json MethodCatalogue::method_from(const std::string& text) const {
     return wire;
 }
 
+json MethodCatalogue::entry_from(const std::string& text) const {
+    const size_t equals = text.find('=');
+    const bool labelled = equals != std::string::npos && equals < text.find(',');
+    if (labelled && equals == 0) throw Failure(ExitCode::Usage, "--entry " + printable(text) + " has an empty label");
+    json entry{{"method", method_from(labelled ? text.substr(equals + 1) : text)}};
+    entry["label"] = labelled ? json(text.substr(0, equals)) : entry["method"]["name"];
+    return entry;
+}
+
 std::vector<std::string> split(const std::string& text, char separator) {
     std::vector<std::string> pieces;
     for (size_t begin = 0; begin <= text.size();) {

@@ -30,6 +30,12 @@ public:
     /// The wire's `method`: {"name", "device", "parameters"}, the latter two where the text has them. Throws
     /// Failure(Usage).
     nlohmann::json method_from(const std::string& text) const;
+    /// An entry of a table that compares methods, {"label", "method"}: "LABEL=METHOD[,PARAMETER=VALUE...]", or the
+    /// method alone, which then is its own label. A label may not have what the rest begins with: the first '=' before
+    /// any ',' ends it. Throws Failure(Usage).
+    nlohmann::json entry_from(const std::string& text) const;
+    /// All, by name.
+    const std::vector<CatalogueMethod>& methods() const { return methods_; }
 
 private:
     std::vector<CatalogueMethod> methods_;
