@@ -7,10 +7,10 @@
 #include <optional>
 
 #include "renderer/core/huge_pages.h"
+#include "renderer/core/lane_math.h"
 #include "renderer/core/parallel.h"
 #include "renderer/error/flip_exposures.h"
 #include "renderer/error/flip_features.h"
-#include "renderer/core/lane_math.h"
 
 namespace photond {
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <random>
 
+#include "renderer/core/lane_math.h"
 #include "renderer/error/aces_tone_curve.h"
-#include "renderer/error/lane_math.h"
 #include "tests/support/direct_flip.h"
 
 namespace photond {
