@@ -12,61 +12,115 @@ namespace photond {
 namespace {
 
 /// Puts the batches' photons one behind the other as they come in, in the order of the batches: what is written once
-/// need not be copied together at the end, and its pages are touched once.
+/// need not be copied together at the end, and its pages are touched once. Of photons that arrive `surfaces` stay
+/// empty.
+template <class Kept>
 class PhotonsInOrder {
 public:
     explicit PhotonsInOrder(size_t batches) : waiting_(batches) {}
 
-    void keep(size_t batch, std::span<const Photon> photons, const PhotonCounts& counts) {
+    void keep(size_t batch, std::span<const Kept> photons, std::span<const ReflectingSurface> surfaces,
+              const PhotonCounts& counts) {
         const std::lock_guard lock(mutex_);
         counts_.counts += counts.counts;
         counts_.first_hits_specular += counts.first_hits_specular;
         if (batch != kept_) {
-            waiting_[batch] = {.photons = {photons.begin(), photons.end()}, .traced = true};
+            waiting_[batch] = {.photons = {photons.begin(), photons.end()},
+                               .surfaces = {surfaces.begin(), surfaces.end()},
+                               .traced = true};
             return;
         }
-        append(photons);
+        append(photons, surfaces);
         for (; kept_ < waiting_.size() && waiting_[kept_].traced;) {
-            const std::vector<Photon> mine = std::move(waiting_[kept_].photons);
-            append(mine);
+            const Waiting mine = std::move(waiting_[kept_]);
+            append(mine.photons, mine.surfaces);
         }
     }
 
-    void finish(TracedPhotons& traced) {
-        traced.photons = std::move(photons_);
-        traced.counts = counts_.counts;
-        traced.paths = counts_.counts.photons_emitted;
-        traced.first_hits_specular = counts_.first_hits_specular;
-    }
+    const PhotonCounts& counts() const { return counts_; }
+    std::vector<Kept> take_photons() { return std::move(photons_); }
+    std::vector<ReflectingSurface> take_surfaces() { return std::move(surfaces_); }
 
 private:
     struct Waiting {
-        std::vector<Photon> photons;
+        std::vector<Kept> photons;
+        std::vector<ReflectingSurface> surfaces;
         bool traced = false;
     };
 
-    void append(std::span<const Photon> photons) {
+    void append(std::span<const Kept> photons, std::span<const ReflectingSurface> surfaces) {
         ++kept_;
-        const size_t needed = photons_.size() + photons.size();
-        if (needed > photons_.capacity()) {  // room for all, if the other batches are like those so far
+        const size_t first = photons_.size();
+        append(photons_, photons);
+        if constexpr (std::is_same_v<Kept, ReflectedPhoton>) {
+            const auto before = static_cast<uint32_t>(surfaces_.size());
+            if (before > 0)
+                for (Kept& photon : std::span(photons_).subspan(first))
+                    if (photon.surface != Kept::kNoSurface) photon.surface += before;
+            append(surfaces_, surfaces);
+        }
+    }
+
+    template <class T>
+    void append(std::vector<T>& all, std::span<const T> mine) const {
+        const size_t needed = all.size() + mine.size();
+        if (needed > all.capacity()) {  // room for all, if the other batches are like those so far
             const double expected =
                 1.1 * static_cast<double>(needed) * static_cast<double>(waiting_.size()) / static_cast<double>(kept_);
-            photons_.reserve(std::max(static_cast<size_t>(expected), needed + needed / 4));
+            all.reserve(std::max(static_cast<size_t>(expected), needed + needed / 4));
         }
-        photons_.insert(photons_.end(), photons.begin(), photons.end());
+        all.insert(all.end(), mine.begin(), mine.end());
     }
 
     std::mutex mutex_;
     std::vector<Waiting> waiting_;
     size_t kept_ = 0;  // batches
-    std::vector<Photon> photons_;
+    std::vector<Kept> photons_;
+    std::vector<ReflectingSurface> surfaces_;
     PhotonCounts counts_;
+};
+
+/// Light paths of a pass, cut where the runs of numbers are.
+struct Batches {
+    uint64_t first, last;  // elements, half open
+
+    uint64_t first_run() const { return first / SequenceSampler::kRun; }
+    size_t count() const {
+        constexpr uint64_t kRun = SequenceSampler::kRun;
+        return static_cast<size_t>((last + kRun - 1) / kRun - first_run());
+    }
+    PhotonBatch operator[](size_t i) const {
+        constexpr uint64_t kRun = SequenceSampler::kRun;
+        const uint64_t run = first_run() + i, start = run * kRun;
+        return {run, static_cast<uint32_t>(std::max(first, start) - start),
+                static_cast<uint32_t>(std::min(last - start, kRun))};
+    }
 };
 
 }  // namespace
 
 struct PhotonTracer::Shared : PhotonTracingScene {
     using PhotonTracingScene::PhotonTracingScene;
+
+    SequenceSampler sampler(uint64_t seed) const {
+        return {tracing.sampler, seed, RandomDomain::Photons, static_cast<uint32_t>(tracing.kind)};
+    }
+    Batches batches(uint32_t pass) const {
+        const uint64_t first = uint64_t{pass} * tracing.photons;
+        return {first, first + tracing.photons};
+    }
+    /// trace(wavefront, place of the batch), in parallel. Threads take batches in their order, so that few wait for an
+    /// earlier one to be kept.
+    template <class Trace>
+    void for_each_batch(const Batches& batches, const CancelToken& cancel, const Trace& trace) {
+        const size_t count = batches.count();
+        std::atomic<size_t> next{0};
+        parallel_for(std::min(count, most_threads()), 1, [&](size_t) {
+            PhotonWavefront& wavefront = wavefronts.local();
+            for (size_t i = next++; i < count && !cancel.cancelled(); i = next++) trace(wavefront, i);
+        });
+    }
+
     ThreadLocal<PhotonWavefront> wavefronts;
 };
 
@@ -84,28 +138,40 @@ TracedPhotons PhotonTracer::trace(uint64_t seed, uint32_t pass, const CancelToke
         traced.paths = traced.counts.photons_emitted = tracing.photons;
         return traced;
     }
-    // Batches are cut where the runs of numbers are.
-    const SequenceSampler sampler(tracing.sampler, seed, RandomDomain::Photons, static_cast<uint32_t>(tracing.kind));
-    constexpr uint64_t kRun = SequenceSampler::kRun;
-    const uint64_t first = uint64_t{pass} * tracing.photons, last = first + tracing.photons;
-    const uint64_t first_run = first / kRun;
-    const auto runs = static_cast<size_t>((last + kRun - 1) / kRun - first_run);
-
-    // Threads take batches in their order, so that few wait for an earlier one to be kept.
-    PhotonsInOrder in_order(runs);
-    std::atomic<size_t> next{0};
-    parallel_for(std::min(runs, most_threads()), 1, [&](size_t) {
-        PhotonWavefront& wavefront = shared_->wavefronts.local();
-        for (size_t i = next++; i < runs && !cancel.cancelled(); i = next++) {
-            const uint64_t run = first_run + i, start = run * kRun;
-            const PhotonBatch batch{run, static_cast<uint32_t>(std::max(first, start) - start),
-                                    static_cast<uint32_t>(std::min(last - start, kRun))};
-            PhotonCounts counts;
-            const std::span<const Photon> photons = wavefront.trace(*shared_, sampler, batch, counts);
-            in_order.keep(i, photons, counts);
-        }
+    const SequenceSampler sampler = shared_->sampler(seed);
+    const Batches batches = shared_->batches(pass);
+    PhotonsInOrder<Photon> in_order(batches.count());
+    shared_->for_each_batch(batches, cancel, [&](PhotonWavefront& wavefront, size_t i) {
+        PhotonCounts counts;
+        const std::span<const Photon> photons = wavefront.trace(*shared_, sampler, batches[i], counts);
+        in_order.keep(i, photons, {}, counts);
     });
-    in_order.finish(traced);
+    traced.photons = in_order.take_photons();
+    traced.counts = in_order.counts().counts;
+    traced.paths = traced.counts.photons_emitted;
+    traced.first_hits_specular = in_order.counts().first_hits_specular;
+    return traced;
+}
+
+TracedReflections PhotonTracer::trace_reflected(uint64_t seed, uint32_t pass, const CancelToken& cancel) const {
+    const PhotonTracing& tracing = shared_->tracing;
+    TracedReflections traced;
+    if (!(shared_->emission.total_power_w() > 0)) {
+        traced.paths = traced.counts.photons_emitted = tracing.photons;
+        return traced;
+    }
+    const SequenceSampler sampler = shared_->sampler(seed);
+    const Batches batches = shared_->batches(pass);
+    PhotonsInOrder<ReflectedPhoton> in_order(batches.count());
+    shared_->for_each_batch(batches, cancel, [&](PhotonWavefront& wavefront, size_t i) {
+        PhotonCounts counts;
+        const ReflectedBatch reflected = wavefront.trace_reflected(*shared_, sampler, batches[i], counts.counts);
+        in_order.keep(i, reflected.photons, reflected.surfaces, counts);
+    });
+    traced.photons = in_order.take_photons();
+    traced.surfaces = in_order.take_surfaces();
+    traced.counts = in_order.counts().counts;
+    traced.paths = traced.counts.photons_emitted;
     return traced;
 }
 

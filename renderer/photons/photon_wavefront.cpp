@@ -2,28 +2,15 @@
 
 #include "renderer/photons/projection_map.h"
 #include "renderer/transport/hit_prefetch.h"
-#include "renderer/transport/lambert_lanes.h"
-#include "renderer/transport/photon_scattering.h"
 
 namespace photond {
 
 namespace {
 
-/// No path outlives roulette for ever, however white the scene.
-constexpr float kMostSurvival = 0.98f;
-
 /// Whether some place of such a surface may scatter diffusely.
 bool may_be_diffuse(const Material& m) {
     return !m.unlit && !is_black(m.base_color) && m.transmission < 1 &&
            (m.metallic < 1 || m.metallic_roughness_texture.used());
-}
-
-/// Whether power is fit to go on; counted where it is not finite.
-bool is_sound(const Rgb& power_w, Counts& counts) {
-    if (is_finite(power_w)) return true;
-    const bool nan = std::isnan(power_w.x) || std::isnan(power_w.y) || std::isnan(power_w.z);
-    ++(nan ? counts.nan_samples : counts.infinite_samples);
-    return false;
 }
 
 }  // namespace
@@ -71,20 +58,16 @@ std::span<const Photon> PhotonWavefront::trace(const PhotonTracingScene& shared,
                                                const PhotonBatch& batch, PhotonCounts& counts) {
     photon_count_ = 0;
     start_paths(shared, sampler, batch, counts.counts);
+    const bool caustic = shared.tracing.kind == PhotonMapKind::Caustic;
     for (uint32_t scatterings = 0; count_ > 0; ++scatterings) {
-        shared.intersector.closest_hits({rays_.data(), count_}, {hits_.data(), count_}, Coherence::Incoherent);
-        counts.counts.photon_rays += count_;
-        sort_hits(shared, scatterings);
-        draw_numbers(shared, sampler, batch.run, scatterings);
+        find_hits(shared, scatterings, counts.counts);
+        if (scatterings < shared.tracing.most_scatterings)
+            draw_numbers(sampler, batch.run, scatterings, caustic ? lambert_count_ : 0);
         // So that storing need not ask for room.
         if (photons_.size() < photon_count_ + order_.size()) photons_.resize(2 * (photon_count_ + order_.size()));
-        next_count_ = 0;
         shade_lambert(shared, scatterings, counts.counts);
         shade_general(shared, scatterings, counts);
-        next_paths_.swap(paths_);
-        next_rays_.swap(rays_);
-        next_elements_.swap(elements_);
-        count_ = next_count_;
+        advance();
     }
     counts.counts.photons_emitted += batch.last - batch.first;
     counts.counts.photons_stored += photon_count_;
@@ -130,6 +113,21 @@ void PhotonWavefront::start_paths(const PhotonTracingScene& shared, const Sequen
     }
 }
 
+void PhotonWavefront::find_hits(const PhotonTracingScene& shared, uint32_t scatterings, Counts& counts) {
+    shared.intersector.closest_hits({rays_.data(), count_}, {hits_.data(), count_}, Coherence::Incoherent);
+    counts.photon_rays += count_;
+    sort_hits(shared, scatterings);
+    next_count_ = 0;
+}
+
+/// To the paths' next vertices.
+void PhotonWavefront::advance() {
+    next_paths_.swap(paths_);
+    next_rays_.swap(rays_);
+    next_elements_.swap(elements_);
+    count_ = next_count_;
+}
+
 /// Drops the paths that met nothing, takes what the way took from the others,
 /// and tells them apart.
 void PhotonWavefront::sort_hits(const PhotonTracingScene& shared, uint32_t scatterings) {
@@ -150,11 +148,8 @@ void PhotonWavefront::sort_hits(const PhotonTracingScene& shared, uint32_t scatt
     order_.insert(order_.end(), general_.begin(), general_.end());
 }
 
-/// Of all that may scatter.
-void PhotonWavefront::draw_numbers(const PhotonTracingScene& shared, const SequenceSampler& sampler, uint64_t run,
-                                   uint32_t scatterings) {
-    if (scatterings >= shared.tracing.most_scatterings) return;
-    const size_t first = shared.tracing.kind == PhotonMapKind::Caustic ? lambert_count_ : 0;
+/// Of all that may scatter: those from place `first` on.
+void PhotonWavefront::draw_numbers(const SequenceSampler& sampler, uint64_t run, uint32_t scatterings, size_t first) {
     const size_t count = order_.size() - first;
     if (count == 0) return;
     for (size_t k = 0; k < count; ++k) drawn_elements_[k] = elements_[order_[first + k]];
@@ -200,8 +195,9 @@ void PhotonWavefront::ask_texels(const PhotonTracingScene& shared, size_t place)
 
 /// Keeps the paths that may survive at plain Lambert reflectors or leave a photon. Of the others the triangle's corners
 /// need not be fetched.
-void PhotonWavefront::keep_some(const PhotonTracingScene& shared, uint32_t scatterings) {
-    const bool caustic = shared.tracing.kind == PhotonMapKind::Caustic;
+void PhotonWavefront::keep_some(const PhotonTracingScene& shared, uint32_t scatterings, Record record) {
+    const bool arrivals = record == Record::Arrivals;
+    const bool caustic = arrivals && shared.tracing.kind == PhotonMapKind::Caustic;
     const bool scatters = !caustic && scatterings < shared.tracing.most_scatterings;
     const bool textured = scatters && shared.scene.needs.base_color_textures;
     kept_.resize(lambert_count_);
@@ -211,8 +207,10 @@ void PhotonWavefront::keep_some(const PhotonTracingScene& shared, uint32_t scatt
         const uint32_t i = order_[place];
         const Path& path = paths_[i];
         const PhotonTracingScene::Shading& shading = shared.shading[hits_[i].instance];
-        Kept kept{
-            .place = place, .stores = (caustic || path.rough) && shading.stores, .hope = 0, .reflectance = Rgb(0)};
+        Kept kept{.place = place,
+                  .stores = arrivals && (caustic || path.rough) && shading.stores,
+                  .hope = 0,
+                  .reflectance = Rgb(0)};
         bool may_survive = false;
         if (scatters) {
             kept.reflectance = shading.surface.varies()
@@ -220,7 +218,8 @@ void PhotonWavefront::keep_some(const PhotonTracingScene& shared, uint32_t scatt
                                    : shading.surface.base_color;
             kept.hope = max_component(path.power_w * kept.reflectance) * path.reference_inverse;
             // Where the mesh is smooth its normals may raise the hope.
-            may_survive = shading.surface.normals || !(choice_.x[place] >= std::min(kept.hope, kMostSurvival));
+            may_survive =
+                (arrivals && shading.surface.normals) || !(choice_.x[place] >= std::min(kept.hope, kMostSurvival));
         }
         kept_[count] = kept;  // without a branch, which nobody could foresee
         count += static_cast<size_t>(kept.stores | may_survive);
@@ -233,54 +232,33 @@ void PhotonWavefront::shade_lambert(const PhotonTracingScene& shared, uint32_t s
     const bool caustic = shared.tracing.kind == PhotonMapKind::Caustic;
     const bool scatters = !caustic && scatterings < shared.tracing.most_scatterings;
     if (caustic && scatterings == 0) return;
-    keep_some(shared, scatterings);
-    const auto ask_corners = [&](size_t k) {
-        if (k >= kept_.size()) return;
-        const Hit& hit = hits_[order_[kept_[k].place]];
-        shared.shading[hit.instance].surface.prefetch_corners(hit);
-    };
-    constexpr size_t kAhead = 24;
-    for (size_t k = 0; k < kAhead; ++k) ask_corners(k);
-
-    LambertGroup group;
-    for (size_t first = 0; first < kept_.size(); first += kLanes) {
-        const size_t lanes = std::min(kLanes, kept_.size() - first);
-        for (size_t lane = 0; lane < kLanes; ++lane) {  // lanes past the end repeat the last path and are not read
-            ask_corners(first + lane + kAhead);
-            const uint32_t place = kept_[std::min(first + lane, kept_.size() - 1)].place;
-            const uint32_t i = order_[place];
-            group.gather(lane, shared.shading[hits_[i].instance].surface, hits_[i], rays_[i]);
-            group.sample_x[lane] = direction_.x[place];
-            group.sample_y[lane] = direction_.y[place];
+    keep_some(shared, scatterings, Record::Arrivals);
+    scatter_lambert(shared, [&](const Kept& kept, const LambertGroup& group, size_t lane) {
+        const uint32_t i = order_[kept.place];
+        const Path& path = paths_[i];
+        if (kept.stores)
+            store(path, group.position.get(lane), group.geometric_normal.get(lane), -rays_[i].direction, scatterings);
+        if (!scatters || group.scattered[lane] == 0) return;
+        const float hope = kept.hope * group.correction[lane];
+        const float survival = std::min(hope, kMostSurvival);
+        if (!(choice_.x[kept.place] < survival)) {
+            if (std::isnan(hope)) ++counts.nan_samples;
+            return;
         }
-        group.find_surface();
-        group.scatter_photons();
+        const Rgb power_w = path.power_w * kept.reflectance * (group.correction[lane] * (1 / survival));
+        if (is_sound(power_w, counts)) go_on_from_lambert(i, power_w, group, lane);
+    });
+}
 
-        for (size_t lane = 0; lane < lanes; ++lane) {
-            const Kept& kept = kept_[first + lane];
-            const uint32_t i = order_[kept.place];
-            const Path& path = paths_[i];
-            if (kept.stores)
-                store(path, group.position.get(lane), group.geometric_normal.get(lane), -rays_[i].direction,
-                      scatterings);
-            if (!scatters || group.scattered[lane] == 0) continue;
-            const float hope = kept.hope * group.correction[lane];
-            const float survival = std::min(hope, kMostSurvival);
-            if (!(choice_.x[kept.place] < survival)) {
-                if (std::isnan(hope)) ++counts.nan_samples;
-                continue;
-            }
-            Path& next = next_paths_[next_count_];
-            next.power_w = path.power_w * kept.reflectance * (group.correction[lane] * (1 / survival));
-            if (!is_sound(next.power_w, counts)) continue;
-            next.reference_inverse = path.reference_inverse;
-            next.rough = true;
-            next.all_delta = false;
-            next.media = path.media;
-            next_rays_[next_count_] = {group.start.get(lane), group.next_direction.get(lane), kInfinity};
-            next_elements_[next_count_++] = elements_[i];
-        }
-    }
+void PhotonWavefront::go_on_from_lambert(uint32_t path, const Rgb& power_w, const LambertGroup& group, size_t lane) {
+    Path& next = next_paths_[next_count_];
+    next.power_w = power_w;
+    next.reference_inverse = paths_[path].reference_inverse;
+    next.rough = true;
+    next.all_delta = false;
+    next.media = paths_[path].media;
+    next_rays_[next_count_] = {group.start.get(lane), group.next_direction.get(lane), kInfinity};
+    next_elements_[next_count_++] = elements_[path];
 }
 
 /// Any other hits, one by one.
@@ -293,55 +271,71 @@ void PhotonWavefront::shade_general(const PhotonTracingScene& shared, uint32_t s
     }
 }
 
+/// False: nothing scatters there.
+bool PhotonWavefront::part_hit(const PhotonTracingScene& shared, uint32_t path, PartedHit& parted) const {
+    const Scene& scene = shared.scene;
+    parted.wi_world = -rays_[path].direction;
+    parted.point = make_shading_point(scene, hits_[path], rays_[path].direction);
+    const ShadingPoint& point = parted.point;
+    if (scene.materials[point.material].unlit) return false;
+    parted.outside_ior = paths_[path].media.outside_ior(scene, point.material, !point.front_side);
+    const Bsdf bsdf = make_bsdf(scene, point, parted.outside_ior);
+    parted.specular = bsdf.specular_part(shared.tracing.glossy_threshold);
+    parted.rough = bsdf.rough_part(shared.tracing.glossy_threshold);
+    return true;
+}
+
 /// Stores the photon and draws the next ray. False: the path ends, and what stands in the place of the next path does
 /// not count.
 bool PhotonWavefront::scatter_general(const PhotonTracingScene& shared, size_t place, uint32_t scatterings,
                                       PhotonCounts& counts) {
-    const Scene& scene = shared.scene;
     const PhotonTracing& tracing = shared.tracing;
     const uint32_t i = order_[place];
     const Path& path = paths_[i];
-    const vec3 wi_world = -rays_[i].direction;
-    const ShadingPoint point = make_shading_point(scene, hits_[i], rays_[i].direction);
-    if (scene.materials[point.material].unlit) return false;
-
-    const float threshold = tracing.glossy_threshold;
-    const float outside_ior = path.media.outside_ior(scene, point.material, !point.front_side);
-    const Bsdf bsdf = make_bsdf(scene, point, outside_ior);
-    const Bsdf specular = bsdf.specular_part(threshold), rough = bsdf.rough_part(threshold);
+    PartedHit parted;
+    if (!part_hit(shared, i, parted)) return false;
+    const ShadingPoint& point = parted.point;
     const bool caustic = tracing.kind == PhotonMapKind::Caustic;
-    if (scatterings == 0 && specular.scatters()) ++counts.first_hits_specular;
-    if ((caustic ? scatterings > 0 : path.rough) && (rough.scatters() || shared.shading[point.instance].stores))
-        store(path, point.position, point.geometric_normal, wi_world, scatterings);
+    if (scatterings == 0 && parted.specular.scatters()) ++counts.first_hits_specular;
+    if ((caustic ? scatterings > 0 : path.rough) && (parted.rough.scatters() || shared.shading[point.instance].stores))
+        store(path, point.position, point.geometric_normal, parted.wi_world, scatterings);
     if (scatterings >= tracing.most_scatterings) return false;
+    return scatter_parted(parted, place, !caustic, counts.counts).goes_on;
+}
 
+/// Draws the next ray, by the rough part only if `by_rough`. Where the path ends, what stands in the place of the next
+/// path does not count.
+PhotonWavefront::PartedScattering PhotonWavefront::scatter_parted(const PartedHit& parted, size_t place, bool by_rough,
+                                                                  Counts& counts) {
+    const Path& path = paths_[order_[place]];
+    const ShadingPoint& point = parted.point;
     // Each part is tried; one number then chooses between them and absorption, by what they leave of the power.
     const vec2 u(direction_.x[place], direction_.y[place]);
     const float u_lobe = choice_.y[place];
-    PhotonScattering by_specular, by_rough;
-    if (specular.scatters()) by_specular = scatter_photon(point, specular, wi_world, u_lobe, u);
-    if (!caustic && rough.scatters()) by_rough = scatter_photon(point, rough, wi_world, u_lobe, u);
-    const Rgb specular_w = path.power_w * by_specular.weight, rough_w = path.power_w * by_rough.weight;
-    if (!is_sound(specular_w, counts.counts) || !is_sound(rough_w, counts.counts)) return false;
+    PhotonScattering specular, rough;
+    if (parted.specular.scatters()) specular = scatter_photon(point, parted.specular, parted.wi_world, u_lobe, u);
+    if (by_rough && parted.rough.scatters()) rough = scatter_photon(point, parted.rough, parted.wi_world, u_lobe, u);
+    const Rgb specular_w = path.power_w * specular.weight, rough_w = path.power_w * rough.weight;
+    if (!is_sound(specular_w, counts) || !is_sound(rough_w, counts)) return {};
     const float specular_hope = max_component(specular_w) * path.reference_inverse;
     const float rough_hope = max_component(rough_w) * path.reference_inverse;
     const float hope = specular_hope + rough_hope;
-    if (!(hope > 0)) return false;
+    if (!(hope > 0)) return {};
     const float share = std::min(1.0f, kMostSurvival / hope);  // of the hope that is granted
     const float roulette = choice_.x[place];
-    if (roulette >= hope * share) return false;
+    if (roulette >= hope * share) return {};
     const bool is_rough = roulette >= specular_hope * share;
-    const PhotonScattering& chosen = is_rough ? by_rough : by_specular;
+    const PhotonScattering& chosen = is_rough ? rough : specular;
 
     Path& next = next_paths_[next_count_];
     next = path;
     next.power_w = (is_rough ? rough_w : specular_w) / ((is_rough ? rough_hope : specular_hope) * share);
-    if (!is_sound(next.power_w, counts.counts)) return false;
+    if (!is_sound(next.power_w, counts)) return {};
     next.rough = path.rough || is_rough;
     next.all_delta = path.all_delta && chosen.delta;
     if (chosen.refraction) next.media.cross(point.material, point.front_side);
     next_rays_[next_count_] = {ray_origin(point, chosen.direction), chosen.direction, kInfinity};
-    return true;
+    return {.goes_on = true, .is_rough = is_rough};
 }
 
 }  // namespace photond

@@ -7,7 +7,7 @@
 
 #include "renderer/photons/photon_tracer.h"
 #include "renderer/transport/lambert_lanes.h"
-#include "renderer/transport/medium_stack.h"
+#include "renderer/transport/photon_scattering.h"
 
 namespace photond {
 
@@ -59,11 +59,31 @@ constexpr uint32_t sample_set(uint32_t scattering, ScatteringSet set) {
     return 2 * scattering + 1 + static_cast<uint32_t>(set);
 }
 
+/// What a batch leaves where its paths are reflected. The photons' `surface` counts from the batch's first.
+struct ReflectedBatch {
+    std::span<const ReflectedPhoton> photons;
+    std::span<const ReflectingSurface> surfaces;
+};
+
+/// No path outlives roulette for ever, however white the scene.
+inline constexpr float kMostSurvival = 0.98f;
+
+/// Whether power is fit to go on; counted where it is not finite.
+inline bool is_sound(const Rgb& power_w, Counts& counts) {
+    if (is_finite(power_w)) return true;
+    const bool nan = std::isnan(power_w.x) || std::isnan(power_w.y) || std::isnan(power_w.z);
+    ++(nan ? counts.nan_samples : counts.infinite_samples);
+    return false;
+}
+
 /// Scratch of one thread; reused from batch to batch.
 class PhotonWavefront {
 public:
     static constexpr uint32_t kPaths = SequenceSampler::kRun;
+    /// Of threads that call trace() alone ...
     static uint64_t bytes_per_thread();
+    /// ... or trace_reflected() alone.
+    static uint64_t reflection_bytes_per_thread();
 
     PhotonWavefront();
 
@@ -72,7 +92,13 @@ public:
     std::span<const Photon> trace(const PhotonTracingScene& shared, const SequenceSampler& sampler,
                                   const PhotonBatch& batch, PhotonCounts& counts);
 
+    /// The same paths, up to their last scattering that counts, and what they leave there; ordered alike.
+    ReflectedBatch trace_reflected(const PhotonTracingScene& shared, const SequenceSampler& sampler,
+                                   const PhotonBatch& batch, Counts& counts);
+
 private:
+    /// Where photons are kept: as they arrive, or as they leave.
+    enum class Record { Arrivals, Reflections };
     /// A path between two of its vertices; how many scatterings it has had all paths of the batch share.
     struct Path {
         Rgb power_w{0};
@@ -82,17 +108,50 @@ private:
         MediumStack media;
     };
 
+    /// A path that may survive at a Lambert reflector, or leaves a photon there.
+    struct Kept {
+        uint32_t place;  // in order_
+        bool stores;
+        float hope;  // share of the power at emission that it may keep, but for the shading normal's correction
+        Rgb reflectance;
+    };
+    /// A hit on any other surface, and the two parts of its BSDF.
+    struct PartedHit {
+        ShadingPoint point;
+        vec3 wi_world;
+        float outside_ior;
+        Bsdf specular, rough;
+    };
+    /// What a path does there.
+    struct PartedScattering {
+        bool goes_on = false;
+        bool is_rough = false;  // by the rough part
+    };
+
     void start_paths(const PhotonTracingScene& shared, const SequenceSampler& sampler, const PhotonBatch& batch,
                      Counts& counts);
+    void find_hits(const PhotonTracingScene& shared, uint32_t scatterings, Counts& counts);
+    void advance();
     void sort_hits(const PhotonTracingScene& shared, uint32_t scatterings);
-    void draw_numbers(const PhotonTracingScene& shared, const SequenceSampler& sampler, uint64_t run,
-                      uint32_t scatterings);
+    void draw_numbers(const SequenceSampler& sampler, uint64_t run, uint32_t scatterings, size_t first);
+    void ask_texels(const PhotonTracingScene& shared, size_t place);
+    void keep_some(const PhotonTracingScene& shared, uint32_t scatterings, Record record);
+    template <class Visit>
+    void scatter_lambert(const PhotonTracingScene& shared, const Visit& visit);
+    void go_on_from_lambert(uint32_t path, const Rgb& power_w, const LambertGroup& group, size_t lane);
+    bool part_hit(const PhotonTracingScene& shared, uint32_t path, PartedHit& parted) const;
+    PartedScattering scatter_parted(const PartedHit& parted, size_t place, bool by_rough, Counts& counts);
+
     void shade_lambert(const PhotonTracingScene& shared, uint32_t scatterings, Counts& counts);
     void shade_general(const PhotonTracingScene& shared, uint32_t scatterings, PhotonCounts& counts);
     bool scatter_general(const PhotonTracingScene& shared, size_t place, uint32_t scatterings, PhotonCounts& counts);
-    void ask_texels(const PhotonTracingScene& shared, size_t place);
-    void keep_some(const PhotonTracingScene& shared, uint32_t scatterings);
     void store(const Path& path, const vec3& position, const vec3& normal, const vec3& wi_world, uint32_t scatterings);
+
+    void reflect_lambert(const PhotonTracingScene& shared, uint32_t scatterings, bool goes_on, Counts& counts);
+    void reflect_general(const PhotonTracingScene& shared, uint32_t scatterings, bool goes_on, Counts& counts);
+    bool reflect_parted(const PhotonTracingScene& shared, size_t place, uint32_t scatterings, bool goes_on,
+                        Counts& counts);
+    void keep_rough(const PartedHit& parted, size_t place, uint32_t scatterings, Counts& counts);
 
     // All of these hold kPaths but the photons; how many count is said here.
     size_t count_ = 0;  // of the paths under way
@@ -106,13 +165,6 @@ private:
     std::vector<uint32_t> order_;  // paths that met a surface: the first lambert_count_ of them in lanes
     std::vector<uint32_t> general_;
     size_t lambert_count_ = 0;
-    /// A path that may survive at a Lambert reflector, or leaves a photon there.
-    struct Kept {
-        uint32_t place;  // in order_
-        bool stores;
-        float hope;  // share of the power at emission that it may keep, but for the shading normal's correction
-        Rgb reflectance;
-    };
     std::vector<Kept> kept_;
     static constexpr size_t kLookups = 32;
     std::array<TextureLookup, kLookups> lookups_{};  // of hits on Lambert reflectors, by place in order_
@@ -124,6 +176,37 @@ private:
     std::vector<uint32_t> drawn_elements_;
     std::vector<Photon> photons_;  // grows
     size_t photon_count_ = 0;
+    std::vector<ReflectedPhoton> reflections_;  // grow
+    std::vector<ReflectingSurface> surfaces_;
 };
+
+/// Finds the surface at the hits on Lambert reflectors that were kept and draws where their paths go on, and calls
+/// visit(kept, group, lane).
+template <class Visit>
+void PhotonWavefront::scatter_lambert(const PhotonTracingScene& shared, const Visit& visit) {
+    const auto ask_corners = [&](size_t k) {
+        if (k >= kept_.size()) return;
+        const Hit& hit = hits_[order_[kept_[k].place]];
+        shared.shading[hit.instance].surface.prefetch_corners(hit);
+    };
+    constexpr size_t kAhead = 24;
+    for (size_t k = 0; k < kAhead; ++k) ask_corners(k);
+
+    LambertGroup group;
+    for (size_t first = 0; first < kept_.size(); first += kLanes) {
+        const size_t lanes = std::min(kLanes, kept_.size() - first);
+        for (size_t lane = 0; lane < kLanes; ++lane) {  // lanes past the end repeat the last path and are not read
+            ask_corners(first + lane + kAhead);
+            const uint32_t place = kept_[std::min(first + lane, kept_.size() - 1)].place;
+            const uint32_t i = order_[place];
+            group.gather(lane, shared.shading[hits_[i].instance].surface, hits_[i], rays_[i]);
+            group.sample_x[lane] = direction_.x[place];
+            group.sample_y[lane] = direction_.y[place];
+        }
+        group.find_surface();
+        group.scatter_photons();
+        for (size_t lane = 0; lane < lanes; ++lane) visit(kept_[first + lane], group, lane);
+    }
+}
 
 }  // namespace photond
