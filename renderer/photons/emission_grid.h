@@ -19,11 +19,13 @@ struct EmissionResolution {
 /// EmissionSampler.
 EmissionResolution emission_resolution(const Scene& scene, uint32_t light, int levels);
 
-/// u in that cell of a square of count x count; stays below 1.
-inline vec2 into_cell(const uvec2& cell, uint32_t count, const vec2& u) {
+/// u in that cell of a square of count.x x count.y; stays below 1.
+inline vec2 into_cell(const uvec2& cell, const uvec2& count, const vec2& u) {
     constexpr float kBelowOne = 0x1.fffffep-1f;
-    return glm::min((vec2(cell) + u) * (1 / static_cast<float>(count)), vec2(kBelowOne));
+    return glm::min((vec2(cell) + u) * (1.0f / vec2(count)), vec2(kBelowOne));
 }
+/// The same of a square of count x count.
+inline vec2 into_cell(const uvec2& cell, uint32_t count, const vec2& u) { return into_cell(cell, uvec2(count), u); }
 
 /// The bins of one light: a square of directions after the other, for one place after the other.
 struct EmissionGrid {

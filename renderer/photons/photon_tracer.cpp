@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <mutex>
+#include <optional>
 
 #include "renderer/core/parallel.h"
 #include "renderer/core/thread_local.h"
@@ -83,6 +84,7 @@ private:
 /// Light paths of a pass, cut where the runs of numbers are.
 struct Batches {
     uint64_t first, last;  // elements, half open
+    const ReflectiveShadowMapPass* texels = nullptr;
 
     uint64_t first_run() const { return first / SequenceSampler::kRun; }
     size_t count() const {
@@ -93,14 +95,19 @@ struct Batches {
         constexpr uint64_t kRun = SequenceSampler::kRun;
         const uint64_t run = first_run() + i, start = run * kRun;
         return {run, static_cast<uint32_t>(std::max(first, start) - start),
-                static_cast<uint32_t>(std::min(last - start, kRun))};
+                static_cast<uint32_t>(std::min(last - start, kRun)), texels};
     }
 };
 
 }  // namespace
 
 struct PhotonTracer::Shared : PhotonTracingScene {
-    using PhotonTracingScene::PhotonTracingScene;
+    Shared(const Scene& scene, const Intersector& intersector, const EmissionSampler& emission,
+           const PhotonTracing& tracing)
+        : PhotonTracingScene(scene, intersector, emission, tracing) {
+        if (tracing.injection == PhotonInjection::ReflectiveShadowMap && emission.total_power_w() > 0)
+            maps.emplace(emission, tracing.photons);
+    }
 
     SequenceSampler sampler(uint64_t seed) const {
         return {tracing.sampler, seed, RandomDomain::Photons, static_cast<uint32_t>(tracing.kind)};
@@ -121,6 +128,7 @@ struct PhotonTracer::Shared : PhotonTracingScene {
         });
     }
 
+    std::optional<ReflectiveShadowMaps> maps;
     ThreadLocal<PhotonWavefront> wavefronts;
 };
 
@@ -130,6 +138,14 @@ PhotonTracer::PhotonTracer(const Scene& scene, const Intersector& intersector, c
 PhotonTracer::~PhotonTracer() = default;
 
 uint64_t PhotonTracer::scratch_bytes(size_t threads) { return threads * PhotonWavefront::bytes_per_thread(); }
+uint64_t PhotonTracer::reflection_scratch_bytes(size_t threads, uint64_t lights, PhotonInjection injection) {
+    return threads * PhotonWavefront::reflection_bytes_per_thread() +
+           (injection == PhotonInjection::ReflectiveShadowMap ? ReflectiveShadowMaps::bytes_for(lights) : 0);
+}
+uint64_t PhotonTracer::reflection_bytes(uint64_t photons, uint64_t surfaces) {
+    // PhotonsInOrder asks for a quarter more at most, and has both the old and the new room while it moves.
+    return (photons * sizeof(ReflectedPhoton) + surfaces * sizeof(ReflectingSurface)) * 9 / 4;
+}
 
 TracedPhotons PhotonTracer::trace(uint64_t seed, uint32_t pass, const CancelToken& cancel) const {
     const PhotonTracing& tracing = shared_->tracing;
@@ -160,8 +176,10 @@ TracedReflections PhotonTracer::trace_reflected(uint64_t seed, uint32_t pass, co
         traced.paths = traced.counts.photons_emitted = tracing.photons;
         return traced;
     }
-    const SequenceSampler sampler = shared_->sampler(seed);
-    const Batches batches = shared_->batches(pass);
+    std::optional<ReflectiveShadowMapPass> texels;
+    if (shared_->maps) texels.emplace(*shared_->maps, seed, pass);
+    const SequenceSampler sampler = shared_->sampler(texels ? texels->seed() : seed);
+    const Batches batches = texels ? Batches{0, texels->texels(), &*texels} : shared_->batches(pass);
     PhotonsInOrder<ReflectedPhoton> in_order(batches.count());
     shared_->for_each_batch(batches, cancel, [&](PhotonWavefront& wavefront, size_t i) {
         PhotonCounts counts;

@@ -78,22 +78,31 @@ void PhotonWavefront::start_paths(const PhotonTracingScene& shared, const Sequen
                                   const PhotonBatch& batch, Counts& counts) {
     const size_t emitted = batch.last - batch.first;
     for (uint32_t i = 0; i < emitted; ++i) drawn_elements_[i] = batch.first + i;
-    const auto draw = [&](EmissionSet set, Numbers& numbers) {
-        sampler.sample_2d(batch.run, {drawn_elements_.data(), emitted}, sample_set(set), {numbers.x.data(), emitted},
+    const auto draw = [&](uint32_t set, Numbers& numbers) {
+        sampler.sample_2d(batch.run, {drawn_elements_.data(), emitted}, set, {numbers.x.data(), emitted},
                           {numbers.y.data(), emitted});
     };
-    draw(EmissionSet::Light, choice_);
-    draw(EmissionSet::Position, position_);
-    draw(EmissionSet::Direction, direction_);
+    draw(batch.texels ? kJitterSet : sample_set(EmissionSet::Light), choice_);
+    draw(sample_set(EmissionSet::Position), position_);
+    draw(sample_set(EmissionSet::Direction), direction_);
 
     const ProjectionMap* guide = shared.tracing.guide;
-    const float share = 1 / static_cast<float>(shared.tracing.photons);
-    count_ = 0;
-    if (guide) {
+    const float share = batch.texels ? 1.0f : 1 / static_cast<float>(shared.tracing.photons);
+    const auto start_each = [&](const auto& sample) {
         for (uint32_t i = 0; i < emitted; ++i)
-            if (!guide->sample(choice_.x[i], {position_.x[i], position_.y[i]}, {direction_.x[i], direction_.y[i]},
-                               starts_[i]))
+            if (!sample(i, vec2(position_.x[i], position_.y[i]), vec2(direction_.x[i], direction_.y[i]), starts_[i]))
                 starts_[i].power_w = Rgb(0);
+    };
+    count_ = 0;
+    if (batch.texels) {
+        const uint64_t first = batch.run * kPaths + batch.first;
+        start_each([&](uint32_t i, const vec2& u_position, const vec2& u_direction, EmissionSample& start) {
+            return batch.texels->sample(first + i, {choice_.x[i], choice_.y[i]}, u_position, u_direction, start);
+        });
+    } else if (guide) {
+        start_each([&](uint32_t i, const vec2& u_position, const vec2& u_direction, EmissionSample& start) {
+            return guide->sample(choice_.x[i], u_position, u_direction, start);
+        });
     } else {
         shared.emission.sample({choice_.x, position_.x, position_.y, direction_.x, direction_.y},
                                {starts_.data(), emitted});

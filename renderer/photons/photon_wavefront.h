@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "renderer/photons/photon_tracer.h"
+#include "renderer/photons/reflective_shadow_map.h"
 #include "renderer/transport/lambert_lanes.h"
 #include "renderer/transport/photon_scattering.h"
 
@@ -37,6 +38,8 @@ struct PhotonTracingScene {
 struct PhotonBatch {
     uint64_t run;
     uint32_t first, last;  // elements of the run, half open
+    /// Where the paths start: those texels, counted as the sequence's elements. nullptr: by the guide or the emission.
+    const ReflectiveShadowMapPass* texels = nullptr;
 };
 
 /// What a thread's batches did.
@@ -53,6 +56,9 @@ constexpr uint32_t sample_set(EmissionSet set) {
     constexpr uint32_t kSets[] = {0, 1, 3};
     return kSets[static_cast<uint32_t>(set)];
 }
+/// Beyond those of all paths, where numbers are independent: jitter that followed a sequence would repeat from row to
+/// row.
+inline constexpr uint32_t kJitterSet = 1u << 31;
 /// `scattering` counts from 1.
 constexpr uint32_t sample_set(uint32_t scattering, ScatteringSet set) {
     if (scattering == 1) return set == ScatteringSet::Direction ? 2 : 4;

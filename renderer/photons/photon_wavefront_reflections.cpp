@@ -30,7 +30,7 @@ ReflectedBatch PhotonWavefront::trace_reflected(const PhotonTracingScene& shared
                                                 const PhotonBatch& batch, Counts& counts) {
     reflections_.clear();
     surfaces_.clear();
-    const uint32_t most = shared.tracing.most_scatterings;
+    const uint32_t most = std::min(shared.tracing.most_scatterings, batch.texels ? 1u : UINT32_MAX);
     start_paths(shared, sampler, batch, counts);
     for (uint32_t scatterings = 0; count_ > 0 && scatterings < most; ++scatterings) {
         find_hits(shared, scatterings, counts);

@@ -1,0 +1,70 @@
+#include "renderer/photons/reflective_shadow_map.h"
+
+#include <algorithm>
+
+#include "renderer/photons/emission_grid.h"
+
+namespace photond {
+
+namespace {
+
+/// Of RandomDomain::Photons in a pass; the light paths' numbers are of a SequenceSampler.
+constexpr uint64_t kMapStream = 0;
+
+/// At most so many texels in a grid about as wide as high.
+uvec2 grid_size(double texels) {
+    auto columns = static_cast<uint32_t>(std::sqrt(texels));
+    // The other numbers come along one sequence from texel to texel, row after row. With an even number of columns
+    // their leading bits would repeat down a column; with an odd one each column is covered as evenly as each row. Few
+    // texels have no room for the difference.
+    if (columns >= 8) columns |= 1u;
+    return {columns, static_cast<uint32_t>(texels / columns)};
+}
+
+}  // namespace
+
+ReflectiveShadowMaps::ReflectiveShadowMaps(const EmissionSampler& emission, uint32_t texels) : emission_(emission) {
+    for (uint32_t light = 0; light < emission.lights(); ++light) {
+        const double expected = double{emission.probability(light)} * texels;
+        if (!(expected > 0)) continue;
+        if (expected < 1) {
+            weak_.push_back({light, uvec2(1), 0, static_cast<float>(expected)});
+            continue;
+        }
+        const uvec2 size = grid_size(expected);
+        const uint64_t count = uint64_t{size.x} * size.y;
+        grids_.push_back({light, size, texels_, static_cast<float>(count)});
+        texels_ += count;
+    }
+}
+
+/// Weak lights by systematic sampling: equidistant points with one random offset on the cumulative sum of the expected
+/// texels, each below 1. A light is met exactly as often as expected, and the number of all hardly varies.
+ReflectiveShadowMapPass::ReflectiveShadowMapPass(const ReflectiveShadowMaps& maps, uint64_t seed, uint32_t pass)
+    : maps_(maps), texels_(maps.texels_) {
+    RandomStream random(seed, RandomDomain::Photons, pass, kMapStream);
+    const auto bits = [&] { return uint64_t{random.next_bits()} << 32 | random.next_bits(); };
+    seed_ = bits();
+    double sum = 0, next = static_cast<double>(bits() >> 11) * 0x1p-53;
+    for (Grid grid : maps.weak_) {
+        sum += double{grid.expected};
+        if (next >= sum) continue;
+        next += 1;
+        grid.first_texel = texels_++;
+        chosen_.push_back(grid);
+    }
+}
+
+bool ReflectiveShadowMapPass::sample(uint64_t texel, const vec2& u_jitter, vec2 u_position, vec2 u_direction,
+                                     EmissionSample& out) const {
+    const std::vector<Grid>& grids = texel < maps_.texels_ ? maps_.grids_ : chosen_;
+    const Grid& grid = *(std::upper_bound(grids.begin(), grids.end(), texel,
+                                          [](uint64_t t, const Grid& other) { return t < other.first_texel; }) -
+                         1);
+    const uint64_t place = texel - grid.first_texel;
+    const uvec2 cell(place % grid.size.x, place / grid.size.x);
+    (maps_.emission_.guided_by_position(grid.light) ? u_position : u_direction) = into_cell(cell, grid.size, u_jitter);
+    return maps_.emission_.sample_light(grid.light, grid.expected, u_position, u_direction, out);
+}
+
+}  // namespace photond
