@@ -1,9 +1,11 @@
 #include "renderer/scene/builtin_scenes.h"
 
+#include <algorithm>
 #include <array>
 
 #include "protocol/error.h"
 #include "renderer/scene/builtin_families.h"
+#include "renderer/scene/hard_cases.h"
 
 namespace photond {
 
@@ -35,14 +37,36 @@ constexpr auto kNames = [] {
 
 std::span<const std::string_view> builtin_scene_names() { return kNames; }
 
+std::span<const std::string_view> builtin_family_names() {
+    static constexpr std::string_view kFamilies[] = {"hard-cases"};
+    return kFamilies;
+}
+
+std::span<const std::string_view> builtin_scene_names(std::string_view family) {
+    static const std::vector<std::string_view> kHardCases = [] {
+        std::vector<std::string_view> names;
+        for (const HardCase& hard_case : hard_cases())
+            if (hard_case.make) names.push_back(hard_case.name);
+        return names;
+    }();
+    if (family == builtin_family_names()[0]) return kHardCases;
+    throw Error(ErrorCode::UnknownName,
+                "there is no family of scenes \"" + std::string(family) + "\"; there is \"hard-cases\"");
+}
+
+bool is_builtin_scene(std::string_view name) {
+    return std::find(kNames.begin(), kNames.end(), name) != kNames.end() || find_hard_case(name);
+}
+
 Scene make_builtin_scene(std::string_view name) {
+    const auto finished = [name](Scene scene) {
+        scene.name = name;
+        finish_scene(scene);
+        return scene;
+    };
     for (const BuiltinScene& builtin : kBuiltinScenes)
-        if (builtin.name == name) {
-            Scene scene = builtin.make();
-            scene.name = name;
-            finish_scene(scene);
-            return scene;
-        }
+        if (builtin.name == name) return finished(builtin.make());
+    if (const HardCase* hard_case = find_hard_case(name)) return finished(hard_case->make());
     throw Error(ErrorCode::NotFound, "there is no built-in scene named \"" + std::string(name) + "\"");
 }
 
