@@ -2,8 +2,11 @@
 // What all tiles and passes of one render that follows paths from the eye share: prepared once by begin(), read by all
 // threads.
 
+#include <vector>
+
 #include "renderer/methods/method.h"
 #include "renderer/methods/pixel_filter.h"
+#include "renderer/transport/lambert_lanes.h"
 #include "renderer/transport/light_sampling.h"
 #include "renderer/transport/medium_stack.h"
 #include "renderer/transport/sobol.h"
@@ -11,6 +14,13 @@
 namespace photond {
 
 struct EyeScene {
+    /// How the hits of an instance are shaded.
+    struct Shading {
+        bool lambert;  // in lanes: LambertGroup knows it
+        bool varies;   // the reflectance, by texture or vertex colour
+        bool emits;
+    };
+
     EyeScene(const RenderContext& context, SamplerKind sampler_kind, uint32_t most_scatterings)
         : scene(context.scene),
           intersector(context.intersector),
@@ -21,7 +31,15 @@ struct EyeScene {
           filter(context.view.filter),
           seed(context.seed),
           sampler(sampler_kind),
-          max_scatterings(most_scatterings) {}
+          max_scatterings(most_scatterings) {
+        shading.reserve(scene.instances.size());
+        for (const Instance& instance : scene.instances) {
+            const Mesh& mesh = scene.meshes[instance.mesh];
+            const Material& m = scene.materials[mesh.material];
+            shading.push_back(
+                {.lambert = is_plain_lambert(m), .varies = base_color_varies(scene, mesh), .emits = m.emissive()});
+        }
+    }
 
     const Scene& scene;
     const Intersector& intersector;
@@ -33,6 +51,7 @@ struct EyeScene {
     const uint64_t seed;
     const SamplerKind sampler;
     const uint32_t max_scatterings;
+    std::vector<Shading> shading;  // by instance
 };
 
 /// Two-dimensional sets of random numbers: two for the camera, then four for each vertex, the camera's included. The

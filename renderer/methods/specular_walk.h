@@ -6,6 +6,7 @@
 //
 // Plain Lambert reflectors are shaded in lanes (specular_walk_lambert.cpp): a path ends there, as there is no f_s.
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -40,7 +41,7 @@ public:
 class VisiblePointSink {
 public:
     virtual ~VisiblePointSink() = default;
-    /// Called once for each vertex, also when nothing waits there; the points are gone afterwards.
+    /// Called for each vertex that left any; they are gone afterwards.
     virtual void take(std::span<const LambertVisiblePoint> lambert, std::span<const VisiblePoint> others) = 0;
 };
 
@@ -105,17 +106,29 @@ private:
         PassImage& image;
         Counts& counts;
     };
-    struct LitVertex;
-    class PunctualLanes;
+    /// Where light samples are drawn, for one or all of them.
+    struct LitPoint {
+        vec3 position;          // world, as the normals are
+        vec3 geometric_normal;  // on the eye's side
+        vec3 lit_normal;        // for the light sampler
+        uint32_t index;         // of the path
+        uint32_t pixel;
+        bool indirect;
+        // What the guide said of the last light: it is the same for each of its samples.
+        std::optional<uint32_t> judged{};
+        LightSeen seen = LightSeen::Unknown;
+    };
 
     void sort_hits(const Pass& pass);
     void draw_numbers(const Pass& pass);
-    void draw(const PassSampler& sampler, VertexSet set, Numbers& numbers);
     void shade_lambert(const Pass& pass);
+    void light_lambert(const Pass& pass, const LambertGroup& group, size_t lane, uint32_t i, const Rgb& weight);
     void shade_general(const Pass& pass);
     bool shade_vertex(const Pass& pass, uint32_t i);
-    template <class Scattered>
-    void sample_lights(const Pass& pass, const LitVertex& at, uint32_t i, const Scattered& scattered);
+    WalkVertex decide(const Pass& pass, const EyePath& path, bool waits);
+    bool draw_light(const Pass& pass, const LitPoint& point, uint32_t sample, LightSample& light) const;
+    void add_light(const Pass& pass, LitPoint& point, const LightSample& light, const vec3& origin,
+                   const Rgb& radiance);
     void trace_shadow_rays(const Pass& pass);
 
     uint32_t vertex_ = 0;
@@ -129,7 +142,7 @@ private:
     std::vector<uint32_t> lambert_, general_;          // paths by how their hits are shaded
     std::vector<LambertVisiblePoint> lambert_points_;  // of this vertex
     std::vector<VisiblePoint> points_;
-    Numbers light_point_, choice_, direction_, lobe_;
+    Numbers light_point_, light_choice_, roulette_, direction_, lobe_;
     // These hold a batch of shadow rays.
     size_t shadow_count_ = 0;
     std::vector<Ray> shadow_rays_;

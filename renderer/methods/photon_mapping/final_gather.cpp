@@ -210,12 +210,12 @@ void FinalGather::shade(const PhotonMappingScene& shared, const PassMaps& maps, 
             const float weight = looks_for_lights && !light.delta ? power_heuristic(light.pdf_sa, f.pdf_sa) : 1.0f;
             const Rgb radiance = weight * to_pixel * f.f_cos * light.radiance_over_pdf;
             if (!is_black(radiance)) {
-                switch (light_seen(maps, surface, light, neighbours_)) {
+                switch (light_seen(maps, surface.position, surface.geometric_normal, light.source, neighbours_)) {
                     case LightSeen::Whole: image.indirect[origin.pixel] += radiance; break;
                     case LightSeen::Nothing: break;
                     case LightSeen::Unknown:
                         shadow_rays_[shadow_count_] = light.shadow_ray(ray_origin(surface, light.wi));
-                        pending_[shadow_count_++] = {radiance, origin.pixel, true};
+                        pending_[shadow_count_++] = {radiance, origin.pixel};
                 }
             }
         }

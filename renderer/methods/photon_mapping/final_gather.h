@@ -15,27 +15,18 @@
 
 #include "renderer/core/cancel.h"
 #include "renderer/core/stats.h"
-#include "renderer/methods/eye_path.h"
 #include "renderer/methods/photon_mapping/photon_lookup.h"
 #include "renderer/methods/photon_mapping/split_samplers.h"
+#include "renderer/methods/visible_point.h"
 #include "renderer/photons/gather_distribution.h"
 
 namespace photond {
 
 /// A vertex of a path from the eye, whose rough part gathers light.
-struct GatherPoint {
-    ShadingPoint surface;
-    Bsdf rough;       // f_d
-    vec3 wo;          // local
-    Rgb throughput;   // of the path up to here
-    float eta_scale;  // as in EyePath, and so are the next
-    uint32_t pixel;
-    uint32_t scatterings;  // before this vertex
-    MediumStack media;
+struct GatherPoint : VisiblePoint {
     uint32_t key;            // names its numbers
     uint32_t rays;           // split_of() the gather rays
     uint32_t light_samples;  // drawn there
-    vec3 lit_normal;         // as given to the light sampler
 };
 
 /// Scratch of one thread; reused from tile to tile.
@@ -76,6 +67,12 @@ private:
         bool lights_only;  // what it meets scatters nothing
         SampledLight light;
         MediumStack media;
+    };
+
+    /// A light sample that waits for its shadow ray.
+    struct PendingLight {
+        Rgb radiance;
+        uint32_t pixel;
     };
 
     void gather_batch(const PhotonMappingScene& shared, const PassMaps& maps, const SplitSamplers& samplers,

@@ -78,18 +78,10 @@ inline RadianceEstimate estimate_global_at_end(const PhotonMappingScene& shared,
     return estimate;
 }
 
-/// What the shadow photons say of the light drawn: Unknown without any.
-inline LightSeen light_seen(const PassMaps& maps, const ShadingPoint& surface, const LightSample& light,
+/// What the shadow photons say of a light source (LightSample::source): Unknown without any.
+inline LightSeen light_seen(const PassMaps& maps, const vec3& position, const vec3& geometric_normal, uint32_t source,
                             Neighbours& scratch) {
-    if (!maps.shadow) return LightSeen::Unknown;
-    return maps.shadow->seen(surface.position, surface.geometric_normal, light.source, scratch);
+    return maps.shadow ? maps.shadow->seen(position, geometric_normal, source, scratch) : LightSeen::Unknown;
 }
-
-/// A light sample that waits for its shadow ray.
-struct PendingLight {
-    Rgb radiance;
-    uint32_t pixel;
-    bool indirect;
-};
 
 }  // namespace photond

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "renderer/core/rgb.h"
@@ -28,6 +29,7 @@ public:
     }
 
     const PassSampler& operator[](size_t sample) const { return samplers_[sample]; }
+    std::span<const PassSampler> all() const { return samplers_; }
     size_t size() const { return samplers_.size(); }
     static uint64_t bytes_for(uint32_t samples) {
         return samples * (sizeof(PassSampler) + PassSampler::kPreparedSets * 16ull);
