@@ -24,6 +24,7 @@ uvec2 grid_size(double texels) {
 }  // namespace
 
 ReflectiveShadowMaps::ReflectiveShadowMaps(const EmissionSampler& emission, uint32_t texels) : emission_(emission) {
+    double left_over = 0;  // of a texel, by the lights before: many lights of few texels each have all together
     for (uint32_t light = 0; light < emission.lights(); ++light) {
         const double expected = double{emission.probability(light)} * texels;
         if (!(expected > 0)) continue;
@@ -31,8 +32,9 @@ ReflectiveShadowMaps::ReflectiveShadowMaps(const EmissionSampler& emission, uint
             weak_.push_back({light, uvec2(1), 0, static_cast<float>(expected)});
             continue;
         }
-        const uvec2 size = grid_size(expected);
+        const uvec2 size = grid_size(expected + left_over);
         const uint64_t count = uint64_t{size.x} * size.y;
+        left_over = std::min(expected + left_over - static_cast<double>(count), 1.0);
         grids_.push_back({light, size, texels_, static_cast<float>(count)});
         texels_ += count;
     }

@@ -17,6 +17,9 @@ public:
     TracedPhotons trace(const PhotonTracing& tracing, uint64_t seed = 1, uint32_t pass = 0) const {
         return PhotonTracer(scene, *intersector, emission, tracing).trace(seed, pass, CancelToken{});
     }
+    TracedReflections trace_reflected(const PhotonTracing& tracing, uint64_t seed = 1, uint32_t pass = 0) const {
+        return PhotonTracer(scene, *intersector, emission, tracing).trace_reflected(seed, pass, CancelToken{});
+    }
 
     const Scene scene;
     const EmissionSampler emission;
