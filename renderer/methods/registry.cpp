@@ -4,6 +4,7 @@
 
 #include "renderer/methods/path_tracing/path_tracing.h"
 #include "renderer/methods/photon_mapping/photon_mapping.h"
+#include "renderer/methods/photon_splatting/photon_splatting.h"
 #include "renderer/photons/photon_cloud.h"
 
 namespace photond {
@@ -62,6 +63,17 @@ MethodInfo photon_mapping_row() {
     return info;
 }
 
+MethodInfo photon_splatting_row() {
+    MethodInfo info = row<PhotonSplatting>(
+        "Photon splatting", "photon splatting",
+        {"the thesis papers/photon-splatting.txt", "Dachsbacher and Stamminger 2006, Splatting Indirect Illumination",
+         "Kollig and Keller 2004, Illumination in the Presence of Weak Singularities"},
+        {"cpu"});
+    info.layers.add(Layer::Overlap);
+    info.layers.remove(Layer::Caustic);
+    return info;
+}
+
 }  // namespace
 
 std::span<const MethodInfo> all_methods() {
@@ -69,6 +81,7 @@ std::span<const MethodInfo> all_methods() {
         row<PathTracing>("Path tracing", "path tracing",
                          {"Kajiya 1986, The Rendering Equation", "Veach 1997, Robust Monte Carlo Methods"}, {"cpu"}),
         photon_mapping_row(),
+        photon_splatting_row(),
     };
     return kMethods;
 }

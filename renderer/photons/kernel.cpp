@@ -54,4 +54,16 @@ float Kernel::mass_within(float q) const {
     return static_cast<float>(mass);
 }
 
+float Kernel::sample_disc(float u) const {
+    if (shape_ == KernelShape::Constant) return 1;
+    // Discs up to radius q hold the kernel's mass within q less the part that larger discs have there, pi q^2 K(q).
+    const auto share = [&](float q) { return mass_within(q) - kPi * q * q * (*this)(q * q); };
+    float low = 0, high = 1;
+    for (int i = 0; i < 24; ++i) {
+        const float middle = 0.5f * (low + high);
+        (share(middle) <= u ? low : high) = middle;
+    }
+    return high;
+}
+
 }  // namespace photond

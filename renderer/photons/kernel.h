@@ -1,7 +1,7 @@
 #pragma once
 // Radial kernels of density estimation on a disc. Each integrates to 1 over the disc of radius r in the plane.
 
-#include "renderer/core/geometry.h"
+#include "renderer/core/lane_math.h"
 
 namespace photond {
 
@@ -35,11 +35,28 @@ public:
         return 0;
     }
 
+    /// The same, several at once.
+    FloatLanes operator()(const FloatLanes& q_sq) const {
+        switch (shape_) {
+            case KernelShape::Constant: return scale_;
+            case KernelShape::Cone: return scale_ - slope_ * std::experimental::sqrt(q_sq);
+            case KernelShape::Gaussian:
+                return scale_ - slope_ * (1.0f - exp2_lanes(-0.5f * kGaussianBeta * kLog2E * q_sq));
+            case KernelShape::Epanechnikov: return scale_ - slope_ * q_sq;
+        }
+        return 0;
+    }
+
     /// Share of the kernel within q = u / r of the centre: 0 at 0, 1 at 1 and beyond, closed form.
     float mass_within(float q) const;
 
+    /// Every kernel that does not rise outwards is a mixture of constant discs. Draws the radius of one of them, over
+    /// r: the mean over `u`, uniform in [0, 1), of discs of integral 1 is the kernel.
+    float sample_disc(float u) const;
+
 private:
     static constexpr float kGaussianBeta = 1.953f;
+    static constexpr float kLog2E = 1.44269504088896340736f;
 
     KernelShape shape_;
     float cone_k_;

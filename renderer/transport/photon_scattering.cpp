@@ -67,12 +67,10 @@ PhotonScattering scatter_diffuse(const ShadingPoint& point, const Bsdf& bsdf, co
     PhotonScattering scattering;
     const vec3 local = sample_cosine_hemisphere(u);
     scattering.direction = Frame(point.geometric_normal).to_world(local);
-    const Frame frame(normal_of_eye(point, scattering.direction));
     // Again by the direction itself: a cosine of 0 has no density.
     const float cos_out = glm::dot(point.geometric_normal, scattering.direction);
     if (local.z <= 0 || cos_out <= 0) return scattering;
-    const Rgb f_cos = FramedBsdf(point, bsdf, frame).evaluate(wi, scattering.direction).f_cos;
-    scattering.weight = f_cos * (correction(point, frame.normal, wi, scattering.direction) * kPi / cos_out);
+    scattering.weight = scatter_density(point, bsdf, wi, scattering.direction) * (kPi / cos_out);
     return scattering;
 }
 
@@ -125,6 +123,12 @@ PhotonScattering scatter_photon(const ShadingPoint& point, const Bsdf& bsdf, con
     const BsdfSample sample = bsdf.sample(point.shading.to_local(wi_world), u_lobe, u, TransportMode::Importance);
     if (!sample.valid()) return {};
     return {point.shading.to_world(sample.wi), sample.weight, sample.delta, sample.refraction};
+}
+
+Rgb scatter_density(const ShadingPoint& point, const Bsdf& bsdf, const vec3& wi_world, const vec3& out_world) {
+    const Frame frame(normal_of_eye(point, out_world));
+    const Rgb f_cos = FramedBsdf(point, bsdf, frame).evaluate(wi_world, out_world).f_cos;
+    return f_cos * correction(point, frame.normal, wi_world, out_world);
 }
 
 }  // namespace photond

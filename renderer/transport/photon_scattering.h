@@ -34,4 +34,8 @@ struct PhotonScattering {
 PhotonScattering scatter_photon(const ShadingPoint& point, const Bsdf& bsdf, const vec3& wi_world, float u_lobe,
                                 const vec2& u);
 
+/// What scatter_photon() draws from: the share of the light arriving from `wi_world` that lobes which are no delta send
+/// to each solid angle about `out_world` [1/sr] (both unit). 0 below the surface.
+Rgb scatter_density(const ShadingPoint& point, const Bsdf& bsdf, const vec3& wi_world, const vec3& out_world);
+
 }  // namespace photond

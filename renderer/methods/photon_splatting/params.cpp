@@ -1,0 +1,86 @@
+#include "protocol/error.h"
+#include "renderer/methods/photon_splatting/photon_splatting.h"
+
+namespace photond {
+
+void PhotonSplattingParams::visit(ParamVisitor& visitor) {
+    static constexpr std::string_view kInjections[] = {"paths", "reflective_shadow_map"};
+    static constexpr std::string_view kRepresentatives[] = {"random", "by_power", "closest_to_mean",
+                                                            "dominant_direction"};
+    static constexpr std::string_view kFilters[] = {"box", "tent", "gaussian"};
+    static constexpr std::string_view kWeightings[] = {"normalised", "radiometric"};
+    static constexpr std::string_view kEstimators[] = {"connect", "kernel"};
+    static constexpr std::string_view kBlurs[] = {"none", "3", "5", "7", "9"};
+    static constexpr std::string_view kSamplers[] = {"sobol", "random"};
+
+    visitor.field("photons", photons, {"photons", 1, 1e9, "light paths a pass"});
+    visitor.field("bounces", bounces, {"", 0, 254, "greatest number of bounces in the indirect layer"});
+    visitor.enumeration("injection", injection,
+                        {kInjections,
+                         "light paths from the lights, or a jittered reflective shadow map of each light, which knows "
+                         "one bounce only"});
+    visitor.field("rays_per_photon", rays_per_photon,
+                  {"rays", 1, 1024, "splats of a photon, in stratified directions"});
+    visitor.flag("stratify", stratify, "splat the photons of a voxel as few");
+    visitor.field("grid_cells", grid_cells,
+                  {"cells", 1, 1024, "stratification: voxels along the longest side of the scene"});
+    visitor.field("minimum_photons", minimum_photons,
+                  {"photons", 1, 1e6, "stratification: cells that hold fewer are joined in 2x2x2 blocks"});
+    visitor.field("splats_per_cell", splats_per_cell, {"splats", 1, 1024, "stratification: splats of a cell"});
+    visitor.enumeration("representative", representative,
+                        {kRepresentatives,
+                         "stratification: which photons splat for their cell; the last two are biased, as in the "
+                         "thesis"});
+    visitor.field("splat_size", splat_size_m, {"m", 1e-9, 1e9, "side of a splat; its radius is half of that"});
+    visitor.field(
+        "splat_size_relative", splat_size_relative,
+        {"", 1e-9, 1e3, "the same, over the radius of the scene's bounding sphere; 0.1 when neither is given"});
+    visitor.enumeration("filter", filter, {kFilters, "weight of a splat across its axis, radial"});
+    visitor.enumeration("weighting", weighting,
+                        {kWeightings, "normalised: the thesis' colour over weight; radiometric: watts"});
+    visitor.enumeration("estimator", estimator,
+                        {kEstimators,
+                         "radiometric: photons connect with the points their rays pass by (no kernel bias), or light "
+                         "along their rays (consistent with shrink)"});
+    visitor.field("step_back", step_back_m,
+                  {"m", 0, 1e9, "a beam begins that far before the hit of its ray; ten splat radii when not given"});
+    visitor.field("splat_depth", splat_depth_m,
+                  {"m", 1e-9, 1e9, "how far a beam lights from there; step_back and ten radii when not given"});
+    visitor.field("shadow_resolution", shadow_resolution,
+                  {"texels", 4, 64, "beams: depth map texels along each side of a splat"});
+    visitor.flag("visibility", visibility, "shadow rays of connections, depth maps of beams; without, light leaks");
+    visitor.flag(
+        "shrink", shrink,
+        "radiometric beams become narrower from pass to pass, so that their blur vanishes; connections have none");
+    visitor.field("alpha", alpha, {"", 0.01, 0.99, "share of the noise kept: shrinking is faster the lower it is"});
+    visitor.flag("repay", repay,
+                 "connect: what the clamp within a splat's radius of the photon takes is made up for by one short ray "
+                 "a visible point");
+    visitor.enumeration("blur", blur, {kBlurs, "Gaussian blur of each pass's indirect layer, pixels across"});
+    visitor.flag("blur_edges", blur_edges, "the blur stops where normal or depth change");
+    visitor.field("ambient", ambient,
+                  {"W m^-2 sr^-1", 0, 1e9, "radiance from everywhere for visible points that no splat reached"});
+    visitor.field("indirect_exposure", indirect_exposure,
+                  {"", 0, 1e9, "factor on the indirect layer; of normalised weighting, whose scale is arbitrary"});
+    visitor.field("glossy_threshold", glossy_threshold,
+                  {"", 0, 1, "eye paths: lobes with GGX alpha below it are followed, not splatted on"});
+    visitor.field("connect_threshold", connect_threshold,
+                  {"", 0, 1, "photons: lobes with GGX alpha below it light along their direction, not by connection"});
+    visitor.enumeration("sampler", sampler,
+                        {kSamplers, "numbers of the passes: low-discrepancy (Owen-scrambled Sobol') or independent"});
+}
+
+void PhotonSplattingParams::check() const {
+    if (splat_size_m && splat_size_relative)
+        throw Error(ErrorCode::Conflict, "/splat_size_relative",
+                    "splat_size and splat_size_relative exclude each other");
+    if (injection == PhotonInjection::ReflectiveShadowMap && bounces > 1)
+        throw Error(ErrorCode::Conflict, "/bounces",
+                    "bounces = " + std::to_string(bounces) +
+                        " with injection reflective_shadow_map, which knows one bounce only");
+    if (indirect_exposure != 1 && weighting != SplatWeighting::Normalised)
+        throw Error(ErrorCode::Conflict, "/indirect_exposure",
+                    "indirect_exposure scales the weighting normalised; radiometric has its scale");
+}
+
+}  // namespace photond

@@ -1,0 +1,166 @@
+#include "renderer/methods/photon_splatting/repayment.h"
+
+#include "renderer/transport/emission.h"
+#include "renderer/transport/mis.h"
+#include "renderer/transport/sampling.h"
+
+namespace photond {
+
+namespace {
+
+constexpr uint32_t kRouletteStart = 4;
+constexpr float kMostSurvival = 0.98f;
+
+/// The part of a BSDF whose photons connect: rough, and reflecting alone (photon_tracer.h).
+Bsdf connecting_part(const Bsdf& bsdf, float threshold) {
+    const Bsdf rough = bsdf.rough_part(threshold);
+    return rough.has_non_delta_transmission() ? Bsdf() : rough;
+}
+
+}  // namespace
+
+void Repayment::repay(const RepaymentScene& shared, const PassSampler& sampler, const VisibleCluster& cluster,
+                      PointTile& points, Counts& counts) {
+    const float reach_m = std::sqrt(shared.clamp_sq_m2);
+    blocks_ = points.blocks.data() + cluster.first_block;
+    if (cluster.most_scatterings == 0) return;
+    if (shared.shafts && cluster.flat &&
+        !shared.shafts->near_above(cluster.target, reach_m, cluster.target.centre, cluster.normal))
+        return;
+    start(shared, sampler, cluster, points);
+    int64_t left = int64_t{cluster.most_scatterings} - 1;
+    for (uint32_t vertex = 0; !rays_.empty(); ++vertex, --left) {
+        hits_.resize(rays_.size());
+        shared.eye.intersector.closest_hits(rays_, hits_, Coherence::Incoherent);
+        counts.bounce_rays += rays_.size();
+        next_rays_.clear(), next_paths_.clear(), shadow_rays_.clear(), lights_.clear();
+        for (size_t i = 0; i < rays_.size(); ++i) scatter(shared, sampler, vertex, left, i);
+        occluded_.resize(shadow_rays_.size());
+        shared.eye.intersector.occluded(shadow_rays_, occluded_, Coherence::Incoherent);
+        counts.shadow_rays += shadow_rays_.size();
+        for (size_t i = 0; i < lights_.size(); ++i)
+            if (!occluded_[i]) add(lights_[i].point, lights_[i].light);
+        rays_.swap(next_rays_), paths_.swap(next_paths_);
+    }
+}
+
+void Repayment::add(uint32_t point, const Rgb& light) {
+    Vec3Array& sum = blocks_[point / kLanes].sum;
+    sum.set(point % kLanes, sum.get(point % kLanes) + light);
+}
+
+/// One short ray a point. The throughput makes irradiance of radiance at Lambert points, radiance at others.
+void Repayment::start(const RepaymentScene& shared, const PassSampler& sampler, const VisibleCluster& cluster,
+                      const PointTile& points) {
+    const float reach_m = std::sqrt(shared.clamp_sq_m2);
+    rays_.clear(), paths_.clear();
+    for (uint32_t i = 0; i < cluster.points; ++i) {
+        const PointBlock& block = blocks_[i / kLanes];
+        const size_t lane = i % kLanes;
+        const vec3 position = block.position.get(lane), geometric = block.geometric_normal.get(lane);
+        const VisiblePoint* general = cluster.general ? &points.general[block.general[lane]] : nullptr;
+        const uint32_t key = hash32(sampler.pixel_key(block.pixel[lane]) + cluster.most_scatterings);
+        vec2 u = sampler.sample_2d(key, sample_set(0, VertexSet::Direction));
+        const bool both_sides = general && general->rough.has_non_delta_transmission();
+        bool below = false;
+        if (both_sides) {
+            below = u.x >= 0.5f;
+            u.x = 2 * u.x - (below ? 1.0f : 0.0f);
+        }
+        const Frame frame(general ? general->surface.shading.normal : block.normal.get(lane));
+        vec3 local = sample_cosine_hemisphere(u);
+        if (below) local.z = -local.z;
+        const vec3 w = frame.to_world(local);
+        const bool front = glm::dot(geometric, w) > 0;
+        if (!both_sides && !front) continue;
+        Path path{.throughput = Rgb(kPi), .point = i, .key = key, .media = {}};
+        if (general) {
+            const vec3 wi = general->surface.shading.to_local(w);
+            const float pdf = std::fabs(local.z) * kInvPi * (both_sides ? 0.5f : 1.0f);
+            path.throughput = general->rough.f_cos(general->wo, wi) / pdf;
+            path.media = general->media;
+            if (is_black(path.throughput)) continue;
+        }
+        path.position = position;
+        paths_.push_back(path);
+        rays_.push_back({offset_ray_origin(position, front ? geometric : -geometric), w, reach_m});
+    }
+}
+
+/// Adds the light at the end of ray i, and sends the path on. `left`: scatterings that photons may have had before the
+/// one at this vertex; below 0 when only a light was still to be met.
+void Repayment::scatter(const RepaymentScene& shared, const PassSampler& sampler, uint32_t vertex, int64_t left,
+                        size_t i) {
+    const Scene& scene = shared.eye.scene;
+    Path path = paths_[i];
+    const Hit& hit = hits_[i];
+    const vec3& direction = rays_[i].direction;
+    if (hit.valid()) path.throughput *= shared.eye.absorption.transmittance(path.media, hit.t);
+    if (vertex > 0) {  // light met by the path on from y
+        Rgb radiance(0);
+        float light_pdf = 0;
+        if (!hit.valid()) {
+            if (!scene.environment) return;
+            radiance = shared.eye.lights.environment_radiance(direction);
+            if (!path.delta) light_pdf = shared.eye.lights.pdf_environment(path.position, path.lit_normal, direction);
+        } else {
+            const ShadingPoint met = make_shading_point(scene, hit, direction);
+            radiance = emitted_radiance(scene, {hit.instance, hit.triangle, hit.u, hit.v}, met.front_side);
+            if (!path.delta && !is_black(radiance))
+                light_pdf = shared.eye.lights.pdf_triangle(path.position, path.lit_normal, hit.instance, hit.triangle,
+                                                           direction, hit.t);
+        }
+        if (!is_black(radiance))
+            add(path.point, path.throughput * radiance * (path.delta ? 1.0f : power_heuristic(path.pdf_sa, light_pdf)));
+    } else if (hit.valid()) {
+        path.throughput *= 1 - std::min(sqr(hit.t) / shared.clamp_sq_m2, 1.0f);
+    }
+    if (!hit.valid() || left < 0) return;
+
+    const ShadingPoint at = make_shading_point(scene, hit, direction);
+    if (scene.materials[at.material].unlit) return;
+    const Bsdf whole = make_bsdf(scene, at, path.media.outside_ior(scene, at.material, !at.front_side));
+    const Bsdf bsdf = vertex == 0 ? connecting_part(whole, shared.connect_threshold) : whole;
+    if (!bsdf.scatters()) return;
+    const vec3 wo = at.shading.to_local(-direction);
+    path.position = at.position;
+    path.lit_normal = bsdf.has_non_delta_transmission() ? vec3(0) : at.shading.normal;
+    // Light that the path on from here may meet is found in two ways; a last vertex has light samples alone.
+    const bool goes_on = left > 0 || bsdf.has_delta();
+    if (bsdf.has_non_delta()) sample_light(shared, sampler, vertex, path, at, bsdf, wo, goes_on);
+    if (!goes_on) return;
+
+    const vec2 choice = sampler.sample_2d(path.key, sample_set(vertex + 1, VertexSet::Lobe));
+    const BsdfSample next =
+        bsdf.sample(wo, choice.x, sampler.sample_2d(path.key, sample_set(vertex + 1, VertexSet::Direction)));
+    if (!next.valid()) return;
+    path.throughput *= next.weight;
+    path.pdf_sa = next.pdf_sa;
+    path.delta = next.delta;
+    if (next.refraction) path.media.cross(at.material, at.front_side);
+    if (vertex >= kRouletteStart) {
+        const float survival = std::min(max_component(path.throughput) * kInvPi, kMostSurvival);
+        if (!(choice.y < survival)) return;
+        path.throughput /= survival;
+    }
+    const vec3 w = at.shading.to_world(next.wi);
+    next_rays_.push_back({ray_origin(at, w), w, kInfinity});
+    next_paths_.push_back(path);
+}
+
+void Repayment::sample_light(const RepaymentScene& shared, const PassSampler& sampler, uint32_t vertex,
+                             const Path& path, const ShadingPoint& at, const Bsdf& bsdf, const vec3& wo,
+                             bool competes) {
+    LightSample light;
+    const float choice = sampler.sample_2d(path.key, sample_set(vertex, VertexSet::LightChoiceAndRoulette)).x;
+    if (!shared.eye.lights.sample(path.position, path.lit_normal, choice,
+                                  sampler.sample_2d(path.key, sample_set(vertex, VertexSet::LightPoint)), light))
+        return;
+    const BsdfValue f = bsdf.evaluate(wo, at.shading.to_local(light.wi));
+    if (is_black(f.f_cos)) return;
+    const float weight = light.delta || !competes ? 1.0f : power_heuristic(light.pdf_sa, f.pdf_sa);
+    shadow_rays_.push_back(light.shadow_ray(ray_origin(at, light.wi)));
+    lights_.push_back({path.throughput * f.f_cos * light.radiance_over_pdf * weight, path.point});
+}
+
+}  // namespace photond

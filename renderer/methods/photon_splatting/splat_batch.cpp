@@ -1,0 +1,216 @@
+#include "renderer/methods/photon_splatting/splat_batch.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "renderer/core/parallel.h"
+#include "renderer/transport/sampling.h"
+
+namespace photond {
+
+namespace {
+
+constexpr size_t kChunkSources = 256;
+
+/// Makes the splats of one photon, and says which clusters they may light. One chunk's.
+class SplatMaker {
+public:
+    SplatMaker(const SplatPass& pass, SplatBatch::Chunk& chunk)
+        : pass_(pass), settings_(pass.settings), shrink_(settings_.shrink(pass.pass)), chunk_(chunk) {}
+
+    void add(const SplatSource& source) {
+        const ReflectedPhoton& photon = pass_.photons.photons[source.photon];
+        const bool one_way = photon.spread() == ReflectedPhoton::Spread::Beam;
+        const uint32_t rays = one_way ? 1 : pass_.params.rays_per_photon;
+        RandomStream random(pass_.seed, RandomDomain::Splats, pass_.pass, source.photon);
+        const vec2 offset = random.next_2d();
+        for (uint32_t i = 0; i < rays; ++i)
+            add_ray(source, photon, rays == 1 ? photon.direction : direction(photon, offset, i), rays, random.next());
+    }
+
+    /// Beams begin some way before the first surface their photons meet, and need depth maps there.
+    void place_beams() {
+        std::vector<Splat>& splats = chunk_.splats;
+        rays_.clear();
+        for (const Splat& splat : splats)
+            if (splat.kind == Splat::Kind::Beam) rays_.push_back({splat.shadow_target, splat.axis, kInfinity});
+        if (rays_.empty()) return;
+        hits_.resize(rays_.size());
+        pass_.intersector.closest_hits(rays_, hits_, Coherence::Incoherent);
+        chunk_.counts.photon_rays += rays_.size();
+        frusta_.clear();
+        size_t ray = 0;
+        std::erase_if(splats, [&](Splat& splat) {
+            if (splat.kind != Splat::Kind::Beam) return false;
+            const Hit& hit = hits_[ray++];
+            if (!hit.valid()) return true;  // it lights nothing
+            splat.near_m = hit.t - settings_.step_back_m;
+            splat.far_m = splat.near_m + settings_.depth_m;
+            splat.frustum = static_cast<uint32_t>(frusta_.size());
+            frusta_.push_back(
+                {splat.origin + splat.near_m * splat.axis, splat.axis, splat.radius_m, settings_.depth_m});
+            return false;
+        });
+        if (settings_.visibility) {
+            chunk_.depth_maps = SplatDepthMaps(settings_.shadow_resolution);
+            chunk_.depth_maps.trace(frusta_, pass_.intersector, chunk_.counts);
+        }
+    }
+
+    void find_clusters() {
+        const std::span<const VisibleCluster> clusters = pass_.clusters.clusters();
+        for (uint32_t i = 0; i < chunk_.splats.size(); ++i) {
+            const Splat& splat = chunk_.splats[i];
+            const bool beam = splat.kind == Splat::Kind::Beam;
+            const bool asks_shafts = !beam && pass_.shafts && settings_.visibility;
+            const auto enter = [&](const ShaftTarget& target, int clear) {
+                if (beam) return 1;
+                const float reach = glm::dot(glm::abs(splat.normal), target.half);
+                // All below the horizon of y, or so little above that next to nothing gets there.
+                if (glm::dot(splat.normal, target.centre - splat.origin) + reach <= 1e-5f * splat.radius_m) return -1;
+                return clear == 1 || (asks_shafts && pass_.shafts->clear(splat.origin, target)) ? 1 : 0;
+            };
+            pass_.clusters.find(
+                {splat.origin, splat.axis, beam ? splat.near_m : 0, beam ? splat.far_m : kInfinity, splat.radius_m},
+                settings_.visibility && !beam ? 0 : 1, enter, [&](uint32_t cluster, int clear) {
+                    if (faces(clusters[cluster], splat, beam)) chunk_.found.push_back({cluster, i, clear == 1});
+                });
+        }
+    }
+
+private:
+    static bool faces(const VisibleCluster& cluster, const Splat& splat, bool beam) {
+        if (splat.scatterings > cluster.most_scatterings) return false;
+        if (!cluster.flat) return true;
+        return beam ? glm::dot(cluster.normal, splat.axis) < 0
+                    : glm::dot(cluster.normal, splat.origin - cluster.target.centre) +
+                              glm::dot(glm::abs(cluster.normal), cluster.target.half) >
+                          0;
+    }
+
+    /// The i-th of several directions of a photon: points of a lattice, shifted for the photon, so that they are spread
+    /// evenly over the hemisphere. [Roberts 2018] The Unreasonable Effectiveness of Quasirandom Sequences.
+    static vec3 direction(const ReflectedPhoton& photon, const vec2& offset, uint32_t i) {
+        constexpr float kBelowOne = 0x1.fffffep-1f;
+        vec2 u = offset + static_cast<float>(i + 1) * vec2(0.75487766625f, 0.56984029100f);
+        u = glm::min(u - glm::floor(u), vec2(kBelowOne));
+        return Frame(photon.normal).to_world(sample_cosine_hemisphere(u));
+    }
+
+    void add_ray(const SplatSource& source, const ReflectedPhoton& photon, const vec3& axis, uint32_t rays, float u) {
+        using Spread = ReflectedPhoton::Spread;
+        Splat splat;
+        splat.origin = photon.position;
+        splat.axis = axis;
+        splat.normal = photon.normal;
+        splat.photon = source.photon;
+        splat.scatterings = static_cast<uint16_t>(photon.scatterings());
+        splat.weight = source.photons;
+        splat.shadow_target =
+            offset_ray_origin(photon.position, glm::dot(photon.normal, axis) < 0 ? -photon.normal : photon.normal);
+        const bool connects = settings_.connects && photon.spread() != Spread::Beam;
+        splat.radius_m = settings_.radius_m * std::sqrt(source.photons) * (connects ? 1.0f : shrink_);
+        splat.disc_radius_m = splat.radius_m * settings_.filter.sample_disc(u);
+        Rgb power_w = source.power_w / static_cast<float>(rays);
+        if (!connects) {
+            splat.kind = Splat::Kind::Beam;
+            if (photon.spread() == Spread::Lambert) power_w *= photon.correction_towards(axis);
+            if (settings_.normalised) {
+                // A colour: what the scene's surfaces would get on average if all photons were like this one.
+                splat.intensity = power_w * (static_cast<float>(rays) * static_cast<float>(pass_.photons.paths) /
+                                             settings_.surface_area_m2);
+            }
+        } else if (photon.spread() == Spread::Rough) {
+            splat.kind = Splat::Kind::ConnectRough;
+            const ReflectingSurface& at = pass_.photons.surfaces[photon.surface];
+            const float own = max_component(photon.power_w);
+            power_w = at.arriving_power_w * (own > 0 ? max_component(power_w) / own : 0);
+            splat.frustum = static_cast<uint32_t>(chunk_.rough.size());
+            const ShadingPoint surface = make_shading_point(pass_.scene, at.hit, -at.wi_world);
+            chunk_.rough.push_back(
+                {surface, make_bsdf(pass_.scene, surface, at.outside_ior).rough_part(pass_.params.connect_threshold),
+                 at.wi_world});
+        } else {
+            splat.corrected = photon.correction != 1;
+        }
+        if (!settings_.normalised) splat.intensity = power_w / sqr(splat.radius_m);
+        if (is_black(splat.intensity) || !is_finite(splat.intensity)) return;
+        chunk_.splats.push_back(splat);
+    }
+
+    const SplatPass& pass_;
+    const SplatSettings& settings_;
+    const float shrink_;
+    SplatBatch::Chunk& chunk_;
+    std::vector<Ray> rays_;
+    std::vector<Hit> hits_;
+    std::vector<SplatFrustum> frusta_;
+};
+
+}  // namespace
+
+void SplatBatch::make(const SplatPass& pass, size_t first, size_t last, Stats& stats, const CancelToken& cancel) {
+    const double wall_start = wall_now_seconds();
+    chunk_count_ = (last - first + kChunkSources - 1) / kChunkSources;
+    if (chunks_.size() < chunk_count_) chunks_.resize(chunk_count_);
+    parallel_for(chunk_count_, 1, [&](size_t c) {
+        Chunk& chunk = chunks_[c];
+        chunk.splats.clear(), chunk.rough.clear(), chunk.found.clear();
+        chunk.counts = {};
+        chunk.seconds_depth = chunk.seconds_finding = 0;
+        if (cancel.cancelled()) return;
+        ThreadLaps laps;
+        SplatMaker maker(pass, chunk);
+        const size_t begin = first + c * kChunkSources, end = std::min(begin + kChunkSources, last);
+        for (size_t i = begin; i < end; ++i) {
+            if (pass.sources.empty()) {
+                const ReflectedPhoton& photon = pass.photons.photons[i];
+                maker.add({static_cast<uint32_t>(i), photon.power_w, 1});
+            } else {
+                maker.add(pass.sources[i]);
+            }
+        }
+        maker.place_beams();
+        laps.lap(chunk.seconds_depth);
+        maker.find_clusters();
+        laps.lap(chunk.seconds_finding);
+        chunk.counts.splats += chunk.splats.size();
+    });
+    double depth = 0, finding = 0;
+    for (size_t c = 0; c < chunk_count_; ++c) {
+        stats.counts += chunks_[c].counts;
+        depth += chunks_[c].seconds_depth;
+        finding += chunks_[c].seconds_finding;
+    }
+    sort_pairs(pass.clusters.clusters().size());
+    add_interleaved_stages(stats, wall_now_seconds() - wall_start, {{"splat_depth", depth}, {"splat_find", finding}});
+}
+
+/// Counting sort by cluster: pairs of a cluster stay in the order of their chunks, and so of their splats.
+void SplatBatch::sort_pairs(size_t clusters) {
+    places_.assign(clusters * chunk_count_, 0);
+    for (size_t c = 0; c < chunk_count_; ++c)
+        for (const Chunk::Found& found : chunks_[c].found) ++places_[found.cluster * chunk_count_ + c];
+    begins_.resize(clusters + 1);
+    uint32_t pairs = 0;
+    for (size_t i = 0; i < clusters; ++i) {
+        begins_[i] = pairs;
+        for (size_t c = 0; c < chunk_count_; ++c) pairs += std::exchange(places_[i * chunk_count_ + c], pairs);
+    }
+    begins_[clusters] = pairs;
+    pairs_.resize(pairs);
+    parallel_for(chunk_count_, 1, [&](size_t c) {
+        for (const Chunk::Found& found : chunks_[c].found)
+            pairs_[places_[found.cluster * chunk_count_ + c]++] = {found.splat, static_cast<uint16_t>(c), found.clear};
+    });
+}
+
+uint64_t SplatBatch::bytes() const {
+    uint64_t bytes = pairs_.capacity() * sizeof(Pair) + (begins_.capacity() + places_.capacity()) * sizeof(uint32_t);
+    for (const Chunk& chunk : chunks_)
+        bytes += chunk.splats.capacity() * sizeof(Splat) + chunk.rough.capacity() * sizeof(RoughOrigin) +
+                 chunk.found.capacity() * sizeof(Chunk::Found);
+    return bytes;
+}
+
+}  // namespace photond

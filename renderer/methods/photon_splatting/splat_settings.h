@@ -1,0 +1,28 @@
+#pragma once
+// The parameters of splatting as lengths and choices in one scene.
+
+#include "renderer/methods/photon_splatting/photon_splatting.h"
+
+namespace photond {
+
+struct SplatSettings {
+    SplatSettings(const PhotonSplattingParams& params, const Scene& scene);
+
+    bool connects;    // Lambert and rough photons by connection, else all as beams
+    bool normalised;  // weights are kept, and divided out
+    bool visibility;
+    Kernel filter;
+    float radius_m;      // half of splat_size: of a photon that splats alone, in the first pass
+    float step_back_m;   // of beams, before the hit of the photon's ray
+    float depth_m;       // of beams, from there
+    float clamp_sq_m2;   // B of the connection's clamp
+    float shrink_alpha;  // 1: no shrinking
+    uint32_t shadow_resolution;
+    float surface_area_m2;  // of the scene; `normalised` makes powers colours with it
+
+    /// Radius of the beams of that pass over that of the first one: sqrt(Gamma(i + alpha) / (Gamma(1 + alpha)
+    /// Gamma(i + 1))), i = pass + 1 (derivations.md, "Radius of pass i").
+    float shrink(uint32_t pass) const;
+};
+
+}  // namespace photond

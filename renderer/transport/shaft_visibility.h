@@ -1,0 +1,68 @@
+#pragma once
+// Whether anything may stand between a point and a small region: one question instead of a shadow ray to each of the
+// region's points. After shaft culling [Haines and Wallace 1991], conservative: "clear" is exact, all else is unknown.
+//
+// The shaft is the pyramid from the apex about the region's bounding sphere. A triangle cannot stand in it when it lies
+// outside one of the pyramid's planes, or when apex and region lie on one side of its own plane: so the walls of a
+// convex room never do, whatever lies on them.
+//
+// [Haines and Wallace 1991] Shaft Culling for Efficient Ray-Traced Radiosity. Eurographics Workshop on Rendering.
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "renderer/core/lanes.h"
+#include "renderer/scene/scene.h"
+
+namespace photond {
+
+/// Where shafts end: points within a box and a sphere.
+struct ShaftTarget {
+    vec3 centre{0};  // of both
+    vec3 half{0};    // of the box
+    float radius_m = 0;
+};
+
+class ShaftVisibility {
+public:
+    /// Scenes with more triangles than that are left to shadow rays: the copy made here costs 52 bytes a triangle.
+    static constexpr uint64_t kMostTriangles = 2'000'000;
+    static uint64_t estimate_bytes(uint64_t triangles);
+
+    /// All triangles of a finished scene, which is not needed any more.
+    explicit ShaftVisibility(const Scene& scene);
+
+    /// Whether all segments from the apex to points of the target are free of surfaces. Both may lie on surfaces; a
+    /// segment is asked about that leaves the apex's and reaches the point's surface on one side (cosines not below 0).
+    /// False also where the answer would take long. Thread-safe.
+    bool clear(const vec3& apex, const ShaftTarget& target) const;
+
+    /// Whether a triangle may come within `radius_m` of the target's points on the side of the plane through `point`
+    /// that `normal` (unit) shows to. False is exact.
+    bool near_above(const ShaftTarget& target, float radius_m, const vec3& point, const vec3& normal) const;
+
+    uint64_t bytes() const;
+
+private:
+    struct Block {  // kLanes triangles; places past the end are never in a shaft
+        alignas(64) std::array<float, kLanes> corner[3][3];  // by corner and axis
+        alignas(64) std::array<float, kLanes> plane[4];      // unit normal and offset: n . p = offset on the triangle
+    };
+    struct Node {  // kLanes children
+        alignas(64) std::array<float, kLanes> centre[3], half[3];
+    };
+    struct Pyramid;
+
+    static Bounds3 fill(Block& block, std::span<const TriangleCorners> triangles);
+    FloatMask block_in_shaft(const Block& block, const Pyramid& pyramid, const ShaftTarget& target) const;
+    template <class Children, class Leaf>
+    bool any(const Children& children_of, const Leaf& in_block) const;
+
+    std::vector<Block> large_;               // those that no box but the scene's holds: always asked
+    std::vector<Block> blocks_;              // the others, along a Morton curve
+    std::vector<std::vector<Node>> levels_;  // over blocks_: levels_[0] has the blocks as children
+    float tolerance_m_ = 0;                  // how far a point of a surface may lie off its plane by rounding
+};
+
+}  // namespace photond
