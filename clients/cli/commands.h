@@ -23,6 +23,8 @@ void add_catalogue_commands(CLI::App& program, Session& session);
 void add_compare_command(CLI::App& program, Session& session);
 /// comparisons list|show|watch|cancel|fetch
 void add_comparisons_commands(CLI::App& program, Session& session);
+/// hard-cases
+void add_hard_cases_command(CLI::App& program, Session& session);
 /// merge and metrics: what is made of finished jobs and images
 void add_film_commands(CLI::App& program, Session& session);
 void add_doctor_command(CLI::App& program, Session& session);

@@ -27,7 +27,7 @@ struct ExitCodeRow {
 // Printed below `photonctl --help`.
 inline constexpr ExitCodeRow kExitCodes[] = {
     {ExitCode::Ok, "done"},
-    {ExitCode::JobFailed, "the job failed, or a check of `doctor` did"},
+    {ExitCode::JobFailed, "the job failed, or a check of `doctor` or `hard-cases` did"},
     {ExitCode::Usage, "the command line or a file given on it cannot be used; nothing was sent"},
     {ExitCode::Unreachable, "the daemon cannot be reached, or was lost for longer than is retried"},
     {ExitCode::Refused, "the daemon refused; every fault is printed with its place"},

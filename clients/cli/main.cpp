@@ -143,6 +143,7 @@ std::unique_ptr<CLI::App> make_program(Session& session, const RenderVocabulary&
     add_scenes_commands(*program, session);
     add_compare_command(*program, session);
     add_comparisons_commands(*program, session);
+    add_hard_cases_command(*program, session);
     add_jobs_commands(*program, session);
     add_film_commands(*program, session);
     add_catalogue_commands(*program, session);
