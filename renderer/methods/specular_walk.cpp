@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
+#include "renderer/methods/eye_contributions.h"
 #include "renderer/methods/eye_vertex.h"
 #include "renderer/transport/hit_prefetch.h"
 

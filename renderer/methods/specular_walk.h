@@ -10,7 +10,6 @@
 #include <span>
 #include <vector>
 
-#include "renderer/methods/eye_contributions.h"
 #include "renderer/methods/tiles.h"
 #include "renderer/methods/visible_point.h"
 #include "renderer/photons/shadow_photons.h"

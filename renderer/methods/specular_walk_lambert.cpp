@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "renderer/methods/eye_contributions.h"
 #include "renderer/methods/specular_walk.h"
 #include "renderer/transport/hit_prefetch.h"
 #include "renderer/transport/lambert_lanes.h"
