@@ -283,12 +283,19 @@ struct SortedKeys {
     size_t usable = 0;
 };
 
+bool has_power(const ReflectedPhoton& photon) {
+    assert(is_finite(photon.power_w) && "no photon's power is infinite");
+    assert(std::min({photon.power_w.x, photon.power_w.y, photon.power_w.z}) >= 0 && "no photon takes light away");
+    return !is_black(photon.power_w);
+}
+
 SortedKeys sort_photons(std::span<const ReflectedPhoton> photons, const ShiftedGrid& grid) {
     SortedKeys sorted{std::vector<uint64_t>(photons.size())};
-    parallel_for(photons.size(), 4096, [&](size_t i) {
-        const Rgb& power_w = photons[i].power_w;
-        assert(is_finite(power_w) && std::min({power_w.x, power_w.y, power_w.z}) >= 0 && "no photon's power");
-        sorted.keys[i] = is_black(power_w) ? kNoPower : grid.code(photons[i].position) << kIndexBits | i;
+    constexpr size_t kChunk = 4096;
+    parallel_for((photons.size() + kChunk - 1) / kChunk, 1, [&, grid](size_t chunk) {
+        uint64_t* keys = sorted.keys.data();
+        for (size_t i = chunk * kChunk; i < std::min(photons.size(), (chunk + 1) * kChunk); ++i)
+            keys[i] = has_power(photons[i]) ? grid.code(photons[i].position) << kIndexBits | i : kNoPower;
     });
     const auto powerless =
         std::partition(sorted.keys.begin(), sorted.keys.end(), [](uint64_t key) { return key != kNoPower; });
