@@ -25,12 +25,12 @@ Vec3Lanes lanes_of(const std::array<float, kLanes> (&values)[3]) {
 
 /// Side planes through the apex, normals outwards, and how far along the axis it reaches.
 struct ShaftVisibility::Pyramid {
-    vec3 apex, axis;
+    vec3 apex, apex_normal, axis;
     vec3 side[4];
     float far_m;
     bool degenerate;  // the apex lies within the sphere
 
-    Pyramid(const vec3& from, const ShaftTarget& target) : apex(from) {
+    Pyramid(const vec3& from, const vec3& normal, const ShaftTarget& target) : apex(from), apex_normal(normal) {
         const vec3 to = target.centre - from;
         const float distance = glm::length(to);
         degenerate = !(distance > 1.01f * target.radius_m);
@@ -173,21 +173,34 @@ FloatMask ShaftVisibility::block_in_shaft(const Block& block, const Pyramid& pyr
     const FloatLanes along_a = dot(axis, a), along_b = dot(axis, b), along_c = dot(axis, c);
     outside = outside || stdx::max(stdx::max(along_a, along_b), along_c) < 0 ||
               stdx::min(stdx::min(along_a, along_b), along_c) > pyramid.far_m;
+    // All below the apex's horizon, or behind the target's plane.
+    const FloatLanes tolerance = tolerance_m_;
+    const auto highest = [&](const vec3& normal) {
+        const Vec3Lanes n = broadcast(normal);
+        return stdx::max(stdx::max(dot(n, a), dot(n, b)), dot(n, c));
+    };
+    outside = outside || highest(pyramid.apex_normal) <= tolerance;
+    if (target.flat())
+        outside =
+            outside || highest(target.normal) <= glm::dot(target.normal, target.centre - pyramid.apex) + tolerance;
     if (stdx::all_of(outside)) return !outside;
 
     const Vec3Lanes n{lanes_of(block.plane[0]), lanes_of(block.plane[1]), lanes_of(block.plane[2])};
     const FloatLanes offset = lanes_of(block.plane[3]);
     const FloatLanes of_apex = dot(n, apex) - offset, of_centre = dot(n, broadcast(target.centre)) - offset;
-    const FloatLanes reach =
+    FloatLanes reach =
         stdx::fabs(n.x) * target.half.x + stdx::fabs(n.y) * target.half.y + stdx::fabs(n.z) * target.half.z;
-    const FloatLanes tolerance = tolerance_m_;
+    if (target.flat()) {  // a disc: along n it reaches as far as the sine of the planes' angle says
+        const Vec3Lanes sine = cross(n, broadcast(target.normal));
+        reach = stdx::min(reach, target.radius_m * stdx::sqrt(dot(sine, sine)));
+    }
     outside = outside || (of_apex >= -tolerance && of_centre - reach >= -tolerance) ||
               (of_apex <= tolerance && of_centre + reach <= tolerance);
     return !outside;
 }
 
-bool ShaftVisibility::clear(const vec3& apex, const ShaftTarget& target) const {
-    const Pyramid pyramid(apex, target);
+bool ShaftVisibility::clear(const vec3& apex, const vec3& apex_normal, const ShaftTarget& target) const {
+    const Pyramid pyramid(apex, apex_normal, target);
     if (pyramid.degenerate) return false;
     const auto children_of = [&](const Node& node) {
         const Vec3Lanes centre = lanes_of(node.centre) - broadcast(apex), half = lanes_of(node.half);

@@ -17,11 +17,14 @@
 
 namespace photond {
 
-/// Where shafts end: points within a box and a sphere.
+/// Where shafts end: points within a box and a sphere, and on a plane where there is one.
 struct ShaftTarget {
-    vec3 centre{0};  // of both
+    vec3 centre{0};  // of both, and on the plane
     vec3 half{0};    // of the box
     float radius_m = 0;
+    vec3 normal{0};  // unit, of the plane; 0: none
+
+    bool flat() const { return normal != vec3(0); }
 };
 
 class ShaftVisibility {
@@ -33,10 +36,10 @@ public:
     /// All triangles of a finished scene, which is not needed any more.
     explicit ShaftVisibility(const Scene& scene);
 
-    /// Whether all segments from the apex to points of the target are free of surfaces. Both may lie on surfaces; a
-    /// segment is asked about that leaves the apex's and reaches the point's surface on one side (cosines not below 0).
-    /// False also where the answer would take long. Thread-safe.
-    bool clear(const vec3& apex, const ShaftTarget& target) const;
+    /// Whether all segments from the apex to points of the target are free of surfaces. The apex lies on a surface, the
+    /// points may: only segments count that leave to the side that `apex_normal` (unit) shows to, and reach a flat
+    /// target on the side of its normal. False also where the answer would take long. Thread-safe.
+    bool clear(const vec3& apex, const vec3& apex_normal, const ShaftTarget& target) const;
 
     /// Whether a triangle may come within `radius_m` of the target's points on the side of the plane through `point`
     /// that `normal` (unit) shows to. False is exact.

@@ -24,8 +24,8 @@ void Repayment::repay(const RepaymentScene& shared, const PassSampler& sampler, 
     const float reach_m = std::sqrt(shared.clamp_sq_m2);
     blocks_ = points.blocks.data() + cluster.first_block;
     if (cluster.most_scatterings == 0) return;
-    if (shared.shafts && cluster.flat &&
-        !shared.shafts->near_above(cluster.target, reach_m, cluster.target.centre, cluster.normal))
+    if (shared.shafts && cluster.flat() &&
+        !shared.shafts->near_above(cluster.target, reach_m, cluster.target.centre, cluster.target.normal))
         return;
     start(shared, sampler, cluster, points);
     int64_t left = int64_t{cluster.most_scatterings} - 1;

@@ -47,7 +47,7 @@ void SplatAccumulator::light(const SplatPass& pass, const SplatBatch& batch, uin
     blocks_ = points.blocks.data() + at.first_block;
     if (at.general)
         light_cluster<Receiver::General>(pass, batch, cluster, counts);
-    else if (at.flat)
+    else if (at.flat())
         light_cluster<Receiver::FlatLambert>(pass, batch, cluster, counts);
     else
         light_cluster<Receiver::SmoothLambert>(pass, batch, cluster, counts);

@@ -68,7 +68,7 @@ public:
                 const float reach = glm::dot(glm::abs(splat.normal), target.half);
                 // All below the horizon of y, or so little above that next to nothing gets there.
                 if (glm::dot(splat.normal, target.centre - splat.origin) + reach <= 1e-5f * splat.radius_m) return -1;
-                return clear == 1 || (asks_shafts && pass_.shafts->clear(splat.origin, target)) ? 1 : 0;
+                return clear == 1 || (asks_shafts && pass_.shafts->clear(splat.origin, splat.normal, target)) ? 1 : 0;
             };
             pass_.clusters.find(
                 {splat.origin, splat.axis, beam ? splat.near_m : 0, beam ? splat.far_m : kInfinity, splat.radius_m},
@@ -81,10 +81,10 @@ public:
 private:
     static bool faces(const VisibleCluster& cluster, const Splat& splat, bool beam) {
         if (splat.scatterings > cluster.most_scatterings) return false;
-        if (!cluster.flat) return true;
-        return beam ? glm::dot(cluster.normal, splat.axis) < 0
-                    : glm::dot(cluster.normal, splat.origin - cluster.target.centre) +
-                              glm::dot(glm::abs(cluster.normal), cluster.target.half) >
+        if (!cluster.flat()) return true;
+        return beam ? glm::dot(cluster.target.normal, splat.axis) < 0
+                    : glm::dot(cluster.target.normal, splat.origin - cluster.target.centre) +
+                              glm::dot(glm::abs(cluster.target.normal), cluster.target.half) >
                           0;
     }
 

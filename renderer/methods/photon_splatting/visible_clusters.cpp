@@ -9,6 +9,7 @@ namespace photond {
 namespace {
 
 constexpr uint32_t kBlockSide = 8;  // pixels
+constexpr float kOffPlane = 1e-6f;  // that points on a plane may lie beside it, over their coordinates
 constexpr float kNowhere = 1e18f;   // coordinates no splat reaches, whose squares are finite
 
 const vec3& position_of(const LambertVisiblePoint& point) { return point.position; }
@@ -26,7 +27,32 @@ Rgb weight_of(const VisiblePoint& point) { return point.throughput; }
 template <class Point>
 constexpr bool kGeneral = std::is_same_v<Point, VisiblePoint>;
 
-ShaftTarget target_of(const Bounds3& box) { return {box.centre(), 0.5f * box.diagonal(), 0}; }
+/// Normals of coplanar triangles, which differ by rounding.
+bool alike(const vec3& a, const vec3& b) { return glm::dot(a - b, a - b) < 1e-12f; }
+
+/// Of several targets together.
+ShaftTarget target_of(std::span<const ShaftTarget> children) {
+    Bounds3 box;
+    for (const ShaftTarget& child : children) {
+        box.extend(child.centre - child.half);
+        box.extend(child.centre + child.half);
+    }
+    const vec3 normal = children[0].normal;
+    bool flat = children[0].flat();
+    dvec3 sum(0);
+    for (const ShaftTarget& child : children) {
+        const float scale = max_component(glm::abs(child.centre) + box.diagonal());
+        flat &= alike(child.normal, normal) &&
+                std::fabs(glm::dot(child.centre - children[0].centre, normal)) <= kOffPlane * scale;
+        sum += dvec3(child.centre);
+    }
+    const vec3 centre = flat ? vec3(sum / static_cast<double>(children.size())) : box.centre();
+    ShaftTarget target{centre, glm::max(box.max - centre, centre - box.min), 0, flat ? normal : vec3(0)};
+    for (const ShaftTarget& child : children)
+        target.radius_m = std::max(target.radius_m, glm::length(child.centre - centre) + child.radius_m);
+    target.radius_m = std::min(target.radius_m, glm::length(target.half)) * 1.0001f;
+    return target;
+}
 
 }  // namespace
 
@@ -96,23 +122,31 @@ void ClusterBuilder::add_cluster(std::span<const Point> points, std::span<uint32
     }
 
     VisibleCluster cluster;
-    cluster.target = target_of(box);
     cluster.tile = tile_index_;
     cluster.first_block = static_cast<uint32_t>(points_->blocks.size());
     cluster.points = static_cast<uint16_t>(order.size());
     cluster.general = kGeneral<Point>;
     uint32_t most_before = 0;
-    cluster.normal = geometric_normal_of(points[order[0]]);
-    cluster.flat = true;
-    float radius_sq = 0;
+    const vec3 normal = geometric_normal_of(points[order[0]]);
+    bool flat = true;
+    dvec3 sum(0);
     for (const uint32_t i : order) {
         const Point& point = points[i];
-        const vec3 from_centre = position_of(point) - cluster.target.centre;
-        radius_sq = std::max(radius_sq, glm::dot(from_centre, from_centre));
         most_before = std::max(most_before, point.scatterings);
-        cluster.flat &= geometric_normal_of(point) == cluster.normal && normal_of(point) == cluster.normal;
+        flat &= alike(geometric_normal_of(point), normal) && alike(normal_of(point), normal);
+        sum += dvec3(position_of(point));
     }
-    cluster.target.radius_m = std::sqrt(radius_sq) * 1.0001f;
+    // The mean of points on a plane is on it, which the box's centre is not.
+    const vec3 centre = flat ? vec3(sum / static_cast<double>(order.size())) : box.centre();
+    float radius_sq = 0, off_plane = 0;
+    for (const uint32_t i : order) {
+        const vec3 from_centre = position_of(points[i]) - centre;
+        radius_sq = std::max(radius_sq, glm::dot(from_centre, from_centre));
+        off_plane = std::max(off_plane, std::fabs(glm::dot(from_centre, normal)));
+    }
+    flat &= off_plane <= kOffPlane * max_component(glm::abs(centre) + box.diagonal());
+    cluster.target = {centre, glm::max(box.max - centre, centre - box.min), std::sqrt(radius_sq) * 1.0001f,
+                      flat ? normal : vec3(0)};
     cluster.most_scatterings = max_scatterings_ - std::min(max_scatterings_, most_before + 1);
 
     for (size_t first = 0; first < order.size(); first += kLanes) {
@@ -157,19 +191,12 @@ void VisibleClusters::build(std::vector<VisibleCluster> clusters, const Bounds3&
         for (size_t n = 0; n < level.nodes.size(); ++n) {
             Node& node = level.nodes[n];
             const size_t first = n * kLanes, last = std::min(first + kLanes, children.size());
-            Bounds3 box;
-            for (size_t i = first; i < last; ++i) {
-                box.extend(children[i].centre - children[i].half);
-                box.extend(children[i].centre + children[i].half);
-            }
-            ShaftTarget& target = level.targets[n] = target_of(box);
+            level.targets[n] = target_of(std::span(children).subspan(first, last - first));
             for (size_t lane = 0; lane < kLanes; ++lane) {
                 const ShaftTarget& child = children[std::min(first + lane, last - 1)];
                 node.x[lane] = child.centre.x, node.y[lane] = child.centre.y, node.z[lane] = child.centre.z;
                 node.radius[lane] = child.radius_m;
-                target.radius_m = std::max(target.radius_m, glm::length(child.centre - target.centre) + child.radius_m);
             }
-            target.radius_m = std::min(target.radius_m * 1.0001f, glm::length(target.half) * 1.0001f);
         }
         if (level.nodes.size() == 1) break;
         children = level.targets;

@@ -39,15 +39,15 @@ struct PointTile {
 struct VisibleCluster {
     static constexpr uint32_t kMostPoints = 64;
 
-    ShaftTarget target;  // its points' box and sphere
-    vec3 normal{0};      // geometric; of all its points where it is flat
+    ShaftTarget target;  // its points' box and sphere; its normal is theirs where the cluster is flat
     uint32_t tile = 0;
     uint32_t first_block = 0;
     uint16_t points = 0;
-    bool flat = false;              // one geometric normal, and the shading normals are that too
     bool general = false;           // not Lambert
     uint32_t most_scatterings = 0;  // of a photon that may light it: the rest is the eye path's
 
+    /// One geometric normal, on the eye's side, which is the shading normal too.
+    bool flat() const { return target.flat(); }
     uint32_t blocks() const { return (points + uint32_t{kLanes} - 1) / uint32_t{kLanes}; }
 };
 
