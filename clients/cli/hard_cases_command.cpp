@@ -53,10 +53,18 @@ TableOptions table_options(const HardCasesOptions& options) {
 
 ExitCode list_cases(Session& session, const std::vector<HardCase>& cases) {
     TextTable table({{"CASE"}, {"ROW"}, {"CHECKS", Align::Right}, {"ANSWER"}});
-    for (const HardCase& one : cases)
+    for (const HardCase& one : cases) {
+        if (session.json_output)
+            session.print_json({{"case", one.row},
+                                {"name", one.name()},
+                                {"scene", one.scene.empty() ? json() : json(one.scene)},
+                                {"test", one.test.empty() ? json() : json(one.test)},
+                                {"strains", one.strains},
+                                {"text", one.text}});
         table.add_row({printable(one.name()), printable(one.row),
                        one.scene.empty() ? "-" : std::to_string(one.checks.size()),
                        one.test.empty() ? printable(one.text) : "the test " + printable(one.test)});
+    }
     if (!session.json_output) table.print(std::cout);
     return ExitCode::Ok;
 }
@@ -84,12 +92,7 @@ ExitCode hard_cases(Session& session, const HardCasesOptions& given) {
     check(given);
     HardCasesOptions options = given;
     if (options.short_form && !options.entries.photons) options.entries.photons = kShortPhotons;
-    std::vector<HardCase> cases;
-    for (const json& scene : session.daemon().list("/v1/scenes?family=hard-cases", SIZE_MAX)) {
-        if (options.list && session.json_output) session.print_json(scene);
-        cases.push_back(hard_case_from(scene));
-    }
-    cases = chosen_cases(cases, options.cases);
+    std::vector<HardCase> cases = chosen_cases(hard_cases_of(session.daemon()), options.cases);
     if (options.list) return list_cases(session, cases);
     if (cases.empty()) throw Failure(ExitCode::Usage, "the daemon has no hard case", "is it of this version?");
 

@@ -88,6 +88,20 @@ HardCase hard_case_from(const json& scene) {
     return found;
 }
 
+std::vector<HardCase> hard_cases_of(DaemonClient& daemon) {
+    const std::string path = "/v1/scenes?family=hard-cases";
+    std::vector<HardCase> cases;
+    for (const json& scene : daemon.list(path, SIZE_MAX)) cases.push_back(hard_case_from(scene));
+    const json tests = daemon.get(path + "&limit=1").value("tests", json::array());
+    for (const json& test : tests) {
+        HardCase covered = hard_case_from(test);
+        const auto last =
+            std::find_if(cases.rbegin(), cases.rend(), [&](const HardCase& one) { return one.row == covered.row; });
+        cases.insert(last == cases.rend() ? cases.end() : last.base(), std::move(covered));
+    }
+    return cases;
+}
+
 std::vector<HardCase> chosen_cases(const std::vector<HardCase>& all, const std::vector<std::string>& names) {
     for (const std::string& name : names) {
         if (std::any_of(all.begin(), all.end(), [&](const HardCase& one) { return is_meant(one, name); })) continue;

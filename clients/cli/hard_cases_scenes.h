@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "clients/cli/daemon_client.h"
 #include "clients/cli/hard_cases_verdict.h"
 
 namespace photond::cli {
@@ -48,7 +49,10 @@ struct HardCase {
     std::string name() const;
 };
 
-/// One item of the list. Throws Failure(Refused) where it is not what the protocol says.
+/// All that the daemon has: its scenes, and behind those of the same row what tests cover. Throws Failure.
+std::vector<HardCase> hard_cases_of(DaemonClient& daemon);
+
+/// One item of the list: of `items`, or of `tests`. Throws Failure(Refused) where it is not what the protocol says.
 HardCase hard_case_from(const nlohmann::json& scene);
 
 /// Those that a name given on the command line means: whole scene names, with or without "hard-case/", or a part of a
