@@ -28,7 +28,7 @@ struct ReflectedPhoton {
     Rgb power_w{0};                 // flux that leaves [W], over the number of light paths EMITTED
     vec3 normal{0};                 // geometric, unit, on the side the light arrived at
     vec3 direction{0};              // world, unit
-    uint32_t smooth_normal = 0;     // Octahedral<16>, on `normal`'s side; of Lambert
+    uint32_t smooth_normal = 0;     // Octahedral<16>, on `normal`'s side
     float correction = 1;           // of Lambert: |cos_s| / |cos_g| of the arriving direction
     uint32_t surface = kNoSurface;  // of Rough: index into TracedReflections::surfaces
     uint32_t scatterings_and_spread = 0;
