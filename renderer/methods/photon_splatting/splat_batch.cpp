@@ -39,18 +39,17 @@ public:
         pass_.intersector.closest_hits(rays_, hits_, Coherence::Incoherent);
         chunk_.counts.photon_rays += rays_.size();
         frusta_.clear();
-        size_t ray = 0;
-        std::erase_if(splats, [&](Splat& splat) {
-            if (splat.kind != Splat::Kind::Beam) return false;
-            const Hit& hit = hits_[ray++];
-            if (!hit.valid()) return true;  // it lights nothing
-            splat.near_m = hit.t - settings_.step_back_m;
-            splat.far_m = splat.near_m + settings_.depth_m;
-            splat.frustum = static_cast<uint32_t>(frusta_.size());
-            frusta_.push_back(
-                {splat.origin + splat.near_m * splat.axis, splat.axis, splat.radius_m, settings_.depth_m});
-            return false;
-        });
+        size_t ray = 0, kept = 0;
+        for (const Splat& placed : splats) {
+            Splat splat = placed;
+            if (splat.kind == Splat::Kind::Beam) {
+                const Hit& hit = hits_[ray++];
+                if (!hit.valid()) continue;  // it lights nothing
+                place(splat, hit.t);
+            }
+            splats[kept++] = splat;
+        }
+        splats.resize(kept);
         if (settings_.visibility) {
             chunk_.depth_maps = SplatDepthMaps(settings_.shadow_resolution);
             chunk_.depth_maps.trace(frusta_, pass_.intersector, chunk_.counts);
@@ -79,6 +78,18 @@ public:
     }
 
 private:
+    /// Where a beam begins and ends whose ray meets a surface at that distance.
+    void place(Splat& splat, float hit_m) {
+        // Not before the whole bundle has left the surface it comes from, whose back would shadow it.
+        const float cosine = std::max(std::fabs(glm::dot(splat.normal, splat.axis)), 1e-3f);
+        const float leaves_m = splat.radius_m * std::sqrt(std::max(1 - sqr(cosine), 0.0f)) / cosine;
+        splat.near_m = std::max(hit_m - settings_.step_back_m, std::min(leaves_m, hit_m));
+        splat.far_m = std::max(hit_m - settings_.step_back_m + settings_.depth_m, splat.near_m);
+        splat.frustum = static_cast<uint32_t>(frusta_.size());
+        frusta_.push_back({splat.origin + splat.near_m * splat.axis, splat.axis, splat.radius_m,
+                           std::max(splat.far_m - splat.near_m, 1e-6f * splat.radius_m)});
+    }
+
     static bool faces(const VisibleCluster& cluster, const Splat& splat, bool beam) {
         if (splat.scatterings > cluster.most_scatterings) return false;
         if (!cluster.flat()) return true;
