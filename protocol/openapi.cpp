@@ -190,31 +190,6 @@ json device_schema() {
                   {"state", one_of_words({"ready", "busy", "failed"})}});
 }
 
-json scene_schema() {
-    json corner = list_of(typed("number"));
-    corner["minItems"] = corner["maxItems"] = 3;
-    return given(
-        {{"id", typed("string")},
-         {"name", nullable("string")},
-         {"bytes", nullable("integer", "of its files")},
-         {"memory_bytes", nullable("integer", "about what it takes in a worker, ray structure included")},
-         {"triangles", nullable("integer")},
-         {"vertices", nullable("integer")},
-         {"materials", nullable("integer")},
-         {"textures", nullable("integer")},
-         {"lights", or_null(given({{"area", count()}, {"punctual", count()}, {"environment", typed("boolean")}}))},
-         {"cameras", list_of(given({{"name", typed("string")}, {"yfov", nullable("number", "radians")}}))},
-         {"animations", nullable("integer")},
-         {"bounds", or_null(given({{"min", corner}, {"max", corner}}))},
-         {"needs", or_null(map_of(typed("boolean")))},
-         {"photon_yield", with_text(or_null(given({{"global", typed("number")},
-                                                   {"caustic", typed("number")},
-                                                   {"caustic_unguided", typed("number")}})),
-                                    "photons stored for each light path, as a few paths had it")},
-         {"warnings", list_of(typed("string"))},
-         {"builtin", typed("boolean")}});
-}
-
 json statistics_schema() {
     const json bytes = nullable("integer", "bytes");
     json pass_range = list_of(count());
@@ -355,17 +330,16 @@ json openapi_document(const ApiVocabulary& vocabulary) {
                  {"Measurement", measurement_schema()},
                  {"Method", method_schema()},
                  {"Device", device_schema()},
-                 {"Scene", scene_schema()},
                  {"Statistics", statistics_schema()},
                  {"Job", job_schema(vocabulary)},
                  {"Estimate", estimate_schema()},
                  {"Status", status_schema()},
                  {"Image", image_schema()},
                  {"Health", given({{"status", typed("string")}})},
-                 {"ScenePage", page_of("Scene")},
                  {"JobPage", page_of("Job")},
                  {"MethodPage", page_of("Method")},
                  {"DevicePage", page_of("Device")}};
+    schemas.update(scene_schemas());
     schemas.update(comparison_schemas(schemas["JobRequest"]));
     for (const ApiVocabulary::Method& method : vocabulary.methods)
         schemas["Parameters." + method.name] = method.parameters;

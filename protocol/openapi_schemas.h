@@ -55,6 +55,9 @@ inline json page_of(const char* name) {
     return given({{"items", list_of(schema_ref(name))}, {"next_cursor", nullable("string")}});
 }
 
+/// Of scenes, their page and their known answers, by name.
+json scene_schemas();
+
 /// Of comparisons, by name. `job_request`: the schema JobRequest, which their members are taken from.
 json comparison_schemas(const json& job_request);
 

@@ -242,7 +242,9 @@ std::filesystem::path Service::spool_dir() const { return impl_->files.spool; }
 std::filesystem::path Service::make_spool_path() { return impl_->files.fresh_spool_path(); }
 void Service::check_disk(uint64_t bytes) const { impl_->check_disk(bytes); }
 Added Service::add_scene(SceneUpload upload) { return impl_->add_scene(std::move(upload)); }
-Page Service::list_scenes(uint32_t limit, const std::string& cursor) { return impl_->list_scenes(limit, cursor); }
+Page Service::list_scenes(const std::string& family, uint32_t limit, const std::string& cursor) {
+    return impl_->list_scenes(family, limit, cursor);
+}
 json Service::get_scene(const std::string& id_or_name) { return impl_->get_scene(id_or_name); }
 Artefact Service::thumbnail(const std::string& id_or_name) { return impl_->thumbnail(id_or_name); }
 json Service::delete_scene(const std::string& id_or_name) { return impl_->delete_scene(id_or_name); }

@@ -78,7 +78,9 @@ public:
 
     /// Waits for the helper's verdict: BadScene with JSON pointers into the glTF.
     Added add_scene(SceneUpload upload);
-    Page list_scenes(uint32_t limit, const std::string& cursor);
+    /// Uploaded scenes, then built-in ones; or the built-in ones of a family (builtin_scenes.h), which are listed only
+    /// so: UnknownName for one that there is not.
+    Page list_scenes(const std::string& family, uint32_t limit, const std::string& cursor);
     nlohmann::json get_scene(const std::string& id_or_name);
     /// Waits for the helper the first time.
     Artefact thumbnail(const std::string& id_or_name);

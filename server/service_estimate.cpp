@@ -126,8 +126,7 @@ uint64_t Service::Impl::estimate_disk_bytes(const JobRequest& request, const Sce
 
 json Service::Impl::estimate_job(const JobRequest& request) {
     // Waits for the helper when nobody has asked for this scene yet.
-    const auto builtins = builtin_scene_names();
-    if (std::find(builtins.begin(), builtins.end(), request.scene) != builtins.end()) builtin_object(request.scene);
+    if (is_builtin_scene(request.scene)) builtin_object(request.scene);
     const std::lock_guard lock(mutex);
     const SceneRef scene = check_request(request);
     json seconds = request.stop.seconds ? json(*request.stop.seconds) : json();

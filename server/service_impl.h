@@ -131,7 +131,8 @@ struct Service::Impl {
     nlohmann::json scene_object(const SceneRow& row) const;
     nlohmann::json scene_order(const SceneRef& scene) const;  // "scene" of a render order
     Added add_scene(SceneUpload upload);
-    Page list_scenes(uint32_t limit, const std::string& cursor);
+    Page list_scenes(const std::string& family, uint32_t limit, const std::string& cursor);
+    Page list_family(const std::string& family, uint32_t limit, const std::string& cursor);
     nlohmann::json get_scene(const std::string& id_or_name);
     Artefact thumbnail(const std::string& id_or_name);
     nlohmann::json delete_scene(const std::string& id_or_name);

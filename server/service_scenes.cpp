@@ -5,6 +5,7 @@
 #include "protocol/nearest_name.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "server/clock_text.h"
+#include "server/known_answer.h"
 #include "server/service_impl.h"
 
 namespace photond {
@@ -26,11 +27,6 @@ struct Spooled {
     }
 };
 
-bool is_builtin(const std::string& name) {
-    const auto names = builtin_scene_names();
-    return std::find(names.begin(), names.end(), name) != names.end();
-}
-
 void check_name(const std::string& name) {
     const bool printable =
         std::all_of(name.begin(), name.end(), [](char c) { return static_cast<unsigned char>(c) >= 32 && c != 127; });
@@ -38,7 +34,7 @@ void check_name(const std::string& name) {
         throw Error(
             ErrorCode::OutOfRange, "/name",
             "a scene's name has at most " + std::to_string(kMaxNameBytes) + " bytes, no control character, no '/'");
-    if (is_builtin(name)) throw Error(ErrorCode::Conflict, "/name", "'" + name + "' is a built-in scene");
+    if (is_builtin_scene(name)) throw Error(ErrorCode::Conflict, "/name", "'" + name + "' is a built-in scene");
 }
 
 /// The one glTF of an uploaded folder.
@@ -86,7 +82,7 @@ void Service::Impl::check_disk(uint64_t bytes) const {
 }
 
 std::optional<Service::Impl::SceneRef> Service::Impl::find_scene(const std::string& id_or_name) {
-    if (is_builtin(id_or_name)) return SceneRef{id_or_name, true, std::nullopt};
+    if (is_builtin_scene(id_or_name)) return SceneRef{id_or_name, true, std::nullopt};
     auto row = store.scene(id_or_name);
     if (!row) row = store.scene_named(id_or_name);
     if (!row) return std::nullopt;
@@ -108,6 +104,7 @@ json Service::Impl::builtin_object(const std::string& name) {
     object["id"] = object["name"] = name;
     object["builtin"] = true;
     object["bytes"] = 0;
+    object["known_answer"] = known_answer_of(name);
     const std::lock_guard lock(builtin_mutex);
     return builtin_summaries.insert_or_assign(name, std::move(object)).first->second;
 }
@@ -118,6 +115,7 @@ json Service::Impl::scene_object(const SceneRow& row) const {
     object["id"] = row.id;
     object["name"] = row.name;
     object["builtin"] = false;
+    object["known_answer"] = nullptr;
     return object;
 }
 
@@ -191,8 +189,20 @@ Added Service::Impl::add_scene(SceneUpload upload) {
     return {scene_object(row), true};
 }
 
-Page Service::Impl::list_scenes(uint32_t limit, const std::string& cursor) {
+Page Service::Impl::list_family(const std::string& family, uint32_t limit, const std::string& cursor) {
+    const auto names = builtin_scene_names(family);
+    size_t next = cursor.empty() ? 0 : static_cast<size_t>(read_cursor(cursor, 0));
+    json items = json::array();
+    for (; next < names.size() && items.size() < limit; ++next)
+        items.push_back(builtin_object(std::string(names[next])));
+    return {{"items", std::move(items)},
+            {"next_cursor", next < names.size() ? json(std::to_string(next)) : json()},
+            {"tests", hard_cases_tested_elsewhere()}};
+}
+
+Page Service::Impl::list_scenes(const std::string& family, uint32_t limit, const std::string& cursor) {
     check_limit(limit);
+    if (!family.empty()) return list_family(family, limit, cursor);
     // The built-in scenes are older than any other: after the uploaded ones, in their own order, under "b" and a
     // number.
     const auto names = builtin_scene_names();
@@ -206,12 +216,12 @@ Page Service::Impl::list_scenes(uint32_t limit, const std::string& cursor) {
         const auto rows = store.scenes(read_cursor(cursor, INT64_MAX), limit);
         for (const SceneRow& row : rows) items.push_back(scene_object(row));
         if (items.size() == limit)
-            return {{"items", std::move(items)}, {"next_cursor", std::to_string(rows.back().seq)}};
+            return {{"items", std::move(items)}, {"next_cursor", std::to_string(rows.back().seq)}, {"tests", nullptr}};
     }
     for (; builtin < names.size() && items.size() < limit; ++builtin)
         items.push_back(builtin_object(std::string(names[builtin])));
     if (builtin < names.size()) next = "b" + std::to_string(builtin);
-    return {{"items", std::move(items)}, {"next_cursor", std::move(next)}};
+    return {{"items", std::move(items)}, {"next_cursor", std::move(next)}, {"tests", nullptr}};
 }
 
 json Service::Impl::get_scene(const std::string& id_or_name) {

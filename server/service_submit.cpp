@@ -48,6 +48,8 @@ Service::Impl::SceneRef Service::Impl::check_request(const JobRequest& request) 
     if (!scene) {
         std::vector<std::string> known;
         for (const std::string_view name : builtin_scene_names()) known.emplace_back(name);
+        for (const std::string_view family : builtin_family_names())
+            for (const std::string_view name : builtin_scene_names(family)) known.emplace_back(name);
         for (const SceneRow& row : store.scenes(INT64_MAX, 1000)) known.push_back(row.name);
         throw Error(ErrorCode::UnknownName, "/scene",
                     "there is no scene '" + request.scene + "'" + nearest_hint(request.scene, known));

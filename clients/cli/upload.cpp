@@ -165,7 +165,9 @@ size_t SegmentedBody::read(uint64_t offset, char* buffer, size_t capacity) {
 
 bool looks_like_scene_path(const std::string& argument) {
     std::error_code ignored;
-    return is_scene_suffix(suffix_of(argument)) || argument.find('/') != std::string::npos ||
+    // The built-in hard cases alone have names with a slash.
+    const bool hard_case = argument.starts_with("hard-case/") && !fs::exists(argument, ignored);
+    return is_scene_suffix(suffix_of(argument)) || (argument.find('/') != std::string::npos && !hard_case) ||
            fs::is_directory(argument, ignored);
 }
 

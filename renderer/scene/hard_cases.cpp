@@ -10,6 +10,10 @@ std::vector<HardCase> make_hard_cases() {
     std::vector<HardCase> cases;
     add_furnace_cases(cases);
     add_patch_cases(cases);
+    add_room_cases(cases);
+    add_light_cases(cases);
+    add_degenerate_cases(cases);
+    add_glass_cases(cases);
     return cases;
 }
 

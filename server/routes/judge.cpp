@@ -15,6 +15,16 @@ std::vector<std::string_view> split(std::string_view path) {
     }
 }
 
+/// "hard-case/corner-90": built-in scenes of a family are the only names with a slash, and have nothing else in them
+/// that a path could mean.
+bool is_family_member(std::string_view name) {
+    const size_t slash = name.find('/');
+    const auto word = [](std::string_view part) {
+        return !part.empty() && part.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-") == std::string::npos;
+    };
+    return word(name.substr(0, slash)) && word(name.substr(slash + 1));
+}
+
 // The values of {..} where the pattern fits; nothing where it does not.
 std::optional<std::vector<std::string>> match(std::string_view pattern, const std::vector<std::string>& parts) {
     const std::vector<std::string_view> wanted = split(pattern);
@@ -23,6 +33,8 @@ std::optional<std::vector<std::string>> match(std::string_view pattern, const st
     for (size_t i = 0; i < wanted.size(); ++i) {
         if (wanted[i].starts_with('{')) {
             if (parts[i].empty()) return std::nullopt;
+            if (parts[i].find('/') != std::string::npos && !(wanted[i] == "{scene}" && is_family_member(parts[i])))
+                return std::nullopt;
             values.push_back(parts[i]);
         } else if (wanted[i] != parts[i]) {
             return std::nullopt;
@@ -74,7 +86,7 @@ void Judge::find_route(Exchange& exchange) const {
         if (!decoded) throw Error(ErrorCode::BadRequest, "the path has a malformed percent escape");
         // Nothing here has such a name, and nothing behind this point should have to think of them.
         if (*decoded == "." || *decoded == ".." || std::any_of(decoded->begin(), decoded->end(), [](char c) {
-                return c == '/' || c == '\\' || static_cast<unsigned char>(c) < 0x20;
+                return c == '\\' || static_cast<unsigned char>(c) < 0x20;
             }))
             throw Error(ErrorCode::NotFound, "there is nothing at this path");
         parts.push_back(*decoded);

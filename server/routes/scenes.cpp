@@ -42,8 +42,9 @@ Reply list_scenes(Service& service, Call& call) {
     Query query(call.query);
     const uint32_t limit = query.integer("limit", 100);
     const std::string cursor = query.text("cursor");
+    const std::string family = query.text("family");
     query.finish();
-    return json_reply(200, service.list_scenes(limit, cursor));
+    return json_reply(200, service.list_scenes(family, limit, cursor));
 }
 
 }  // namespace
