@@ -117,13 +117,15 @@ void add_entry_options(CLI::App& command, EntryOptions& entries) {
     command.add_option("-m,--method", entries.methods, "only this one of the daemon's methods; may be repeated")
         ->type_name("METHOD")
         ->expected(1)
-        ->take_all();
+        ->take_all()
+        ->allow_extra_args(false);
     command
         .add_option("--entry", entries.entries,
                     "one more column: 'small splats=photon_splatting,splat_size=0.02'; may be repeated")
         ->type_name(kEntryKind)
         ->expected(1)
-        ->take_all();
+        ->take_all()
+        ->allow_extra_args(false);
     command.add_flag("--entries-only", entries.entries_only, "no columns but those of --entry");
     command
         .add_option("--photons", entries.photons,
@@ -170,7 +172,8 @@ void add_hard_cases_command(CLI::App& program, Session& session) {
     command->add_option("-o,--output", options->pages, "save the table as a page that stands alone (.html)")
         ->type_name("FILE")
         ->expected(1)
-        ->take_all();
+        ->take_all()
+        ->allow_extra_args(false);
     command->add_option("--json-report", options->json_report, "save the table as JSON ('-': standard output)")
         ->type_name("FILE");
     command->callback(
