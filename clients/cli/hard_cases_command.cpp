@@ -18,7 +18,7 @@ using nlohmann::json;
 // The short form: enough to see NaN, infinity, negative radiance, crashes and hangs in every cell, and a bias of tens
 // of percent.
 constexpr double kShortEffort = 1.0 / 16;
-constexpr uint64_t kShortSeeds = 4;
+constexpr uint64_t kShortSeeds = 6;
 constexpr uint64_t kShortPhotons = 10'000;
 constexpr double kShortJobSeconds = 20;
 
@@ -136,7 +136,7 @@ void add_entry_options(CLI::App& command, EntryOptions& entries) {
 
 void add_effort_options(CLI::App& command, HardCasesOptions& options) {
     command.add_flag("--short", options.short_form, "few passes and seeds, small images: minutes instead of hours");
-    command.add_option("--seeds", options.seeds, "jobs of each rendering, for its error; default: 8, 4 with --short")
+    command.add_option("--seeds", options.seeds, "jobs of each rendering, for its error; default: 8, 6 with --short")
         ->type_name("INT")
         ->check(CLI::Range(2, 1000).description(""));
     command
