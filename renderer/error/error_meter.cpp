@@ -155,6 +155,8 @@ std::vector<double> ErrorMeter::value_of(const PointwiseErrors& errors, Metric m
         case Metric::Mae: return one(errors.mae);
         case Metric::Smape: return one(errors.smape);
         case Metric::Rmse8bit: return one(errors.rmse_8bit);
+        case Metric::FittedRmse: return one(errors.fitted_rmse);
+        case Metric::FittedRelativeMse: return one(errors.fitted_relative_mse);
         case Metric::Bias: return by_channel(errors.bias);
         case Metric::RelativeBias: return by_channel(errors.relative_bias);
         default: assert(false && "not a metric of one sweep"); return {};

@@ -21,13 +21,18 @@ namespace photond {
 /// where no value is left. Values where x or r is not finite are left out of every mean and counted.
 struct PointwiseErrors {
     std::optional<double> relative_mse, rmse, mae, smape, rmse_8bit;
+    /// After a factor s on x, for images whose scale is arbitrary: the least that rmse and relative_mse can be of any
+    /// s, and that s. No s where x is black everywhere.
+    std::optional<double> fitted_rmse, fitted_relative_mse;
+    std::optional<double> least_squares_exposure, relative_least_squares_exposure;
     std::array<std::optional<double>, 3> bias, relative_bias;  // by channel
     uint64_t left_out = 0;                                     // values (not pixels)
 };
 
 /// Measures images of one layer against one reference, and keeps whatever of that depends on the reference alone.
 /// rmse_8bit compares display values as real numbers: clamped to 0..255, not rounded. A negative m, which light does
-/// not have, counts by its magnitude in smape. Thread-safe.
+/// not have, counts by its magnitude in smape. The fitted squares are exact to some 1e-7 of the mean square of x - r or
+/// of r, whichever is less: what the fit leaves is a difference of sums. Thread-safe.
 class ErrorMeter {
 public:
     /// `reference`: 3 * size.pixels() values.

@@ -15,6 +15,8 @@ enum class Metric : uint8_t {
     Mae,
     Smape,
     Rmse8bit,
+    FittedRmse,
+    FittedRelativeMse,
     FlipLdr,
     FlipHdr,
     Bias,
@@ -33,12 +35,15 @@ struct MetricInfo {
     std::string_view text;
 };
 
-inline constexpr std::array<MetricInfo, 12> kMetrics{{
+inline constexpr std::array<MetricInfo, 14> kMetrics{{
     {Metric::RelativeMse, "relative_mse", 1, true, false, "mean of (x - r)^2 / (r^2 + 0.01 m^2), m the mean of r"},
     {Metric::Rmse, "rmse", 1, true, false, "root of the mean squared difference"},
     {Metric::Mae, "mae", 1, true, false, "mean absolute difference"},
     {Metric::Smape, "smape", 1, true, false, "mean of 2 |x - r| / (|x| + |r| + 0.1 m)"},
     {Metric::Rmse8bit, "rmse_8bit", 1, true, false, "RMS difference per channel at 8-bit sRGB, the three added"},
+    {Metric::FittedRmse, "fitted_rmse", 1, true, false, "rmse after the exposure (a factor on x) that makes it least"},
+    {Metric::FittedRelativeMse, "fitted_relative_mse", 1, true, false,
+     "relative_mse after the exposure that makes it least"},
     {Metric::FlipLdr, "flip_ldr", 1, true, true, "mean LDR-FLIP, 0 to 1"},
     {Metric::FlipHdr, "flip_hdr", 1, true, true, "mean HDR-FLIP, 0 to 1"},
     {Metric::Bias, "bias", 3, true, false, "mean of x - r, by channel"},

@@ -1,5 +1,6 @@
 // ErrorMeter::pointwise(): all measures that are sums over values, in one sweep.
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 
@@ -14,14 +15,46 @@ namespace {
 constexpr std::experimental::element_aligned_tag kUnaligned;
 constexpr double kDisplayWhite = 255;
 
+/// Weighted sums of products of x, r and d = x - r: what the least squares of s x - r over all factors s need.
+template <class Sum>
+struct Products {
+    Sum dd = 0, xx = 0, xd = 0, xr = 0, rr = 0;
+
+    /// Of one value, or of lanes, with its weight.
+    void add(const Sum& x, const Sum& r, const Sum& d, const Sum& weight) {
+        const Sum weighted_x = weight * x, weighted_r = weight * r;
+        dd += weight * d * d, xx += weighted_x * x, xd += weighted_x * d, xr += weighted_x * r, rr += weighted_r * r;
+    }
+    template <class Other, class Map>
+    void add(const Products<Other>& other, const Map& map) {
+        dd += map(other.dd), xx += map(other.xx), xd += map(other.xd), xr += map(other.xr), rr += map(other.rr);
+    }
+};
+
+struct Fit {
+    double squares;                  // the least sum of (s x - r)^2
+    std::optional<double> exposure;  // its s
+};
+
+/// sum (s x - r)^2 is least at s = xr / xx = 1 - xd / xx, where it is rr - xr^2 / xx = dd - xd^2 / xx. Of the two the
+/// one that subtracts from less loses less: an image near the reference has small dd, one with a value beyond all
+/// bounds, or far too bright, has it large.
+Fit least_squares(const Products<double>& sums) {
+    if (!(sums.xx > 0)) return {sums.rr, std::nullopt};
+    if (sums.dd <= sums.rr) return {std::max(0.0, sums.dd - sums.xd / sums.xx * sums.xd), 1 - sums.xd / sums.xx};
+    return {std::max(0.0, sums.rr - sums.xr / sums.xx * sums.xr), sums.xr / sums.xx};
+}
+
 /// Of the values that are finite in both images.
 struct Sums {
-    double relative_squares = 0, squares = 0, absolutes = 0, symmetric = 0;
+    Products<double> plain, relative;  // weights 1 and 1 / (r^2 + 0.01 m^2)
+    double absolutes = 0, symmetric = 0;
     std::array<double, 3> differences{}, encoded_squares{};  // by channel, as is
     std::array<uint64_t, 3> count{};
 
     Sums& operator+=(const Sums& other) {
-        relative_squares += other.relative_squares, squares += other.squares;
+        const auto same = [](double sum) { return sum; };
+        plain.add(other.plain, same), relative.add(other.relative, same);
         absolutes += other.absolutes, symmetric += other.symmetric;
         for (size_t k = 0; k < 3; ++k) {
             differences[k] += other.differences[k], encoded_squares[k] += other.encoded_squares[k];
@@ -74,15 +107,15 @@ public:
         for (size_t i = 0; i < count; ++i) {
             const double x = double{image[i]}, r = double{reference[i]};
             if (!std::isfinite(x) || !std::isfinite(r)) continue;
-            const double difference = x - r, square = difference * difference, absolute = std::fabs(difference);
+            const double difference = x - r, absolute = std::fabs(difference);
             const double shown = double{srgb_encode_clamped(image[i])[0]} - double{encoded_reference[i]};
-            sums_.squares += square;
+            sums_.plain.add(x, r, difference, 1);
             sums_.absolutes += absolute;
             sums_.differences[i % 3] += difference;
             sums_.encoded_squares[i % 3] += shown * shown;
             ++sums_.count[i % 3];
             if (mean_ == 0) continue;
-            sums_.relative_squares += square / (r * r + square_floor());
+            sums_.relative.add(x, r, difference, 1 / (r * r + square_floor()));
             sums_.symmetric += 2 * absolute / (std::fabs(x) + std::fabs(r) + magnitude_floor());
         }
     }
@@ -96,7 +129,8 @@ private:
     static constexpr uint32_t kRun = 32;
 
     struct Run {
-        FloatLanes relative_squares = 0, squares = 0, absolutes = 0, half_symmetric = 0;
+        Products<FloatLanes> plain, relative;
+        FloatLanes absolutes = 0, half_symmetric = 0;
         FloatLanes differences[3]{0, 0, 0}, encoded_squares[3]{0, 0, 0};
         uint32_t blocks = 0;
     };
@@ -106,12 +140,12 @@ private:
 
     /// All in units of unit_.
     void add_differences(size_t v, const FloatLanes& x, const FloatLanes& r) {
-        const FloatLanes difference = x - r, square = difference * difference, absolute = abs(difference);
+        const FloatLanes difference = x - r, absolute = abs(difference);
         const FloatLanes square_scale = r * r + square_floor_, magnitude = abs(x) + abs(r) + magnitude_floor_;
         const FloatLanes inverse = 1.0f / (square_scale * magnitude);  // one division for two quotients
-        run_.relative_squares += square * magnitude * inverse;
+        run_.relative.add(x, r, difference, magnitude * inverse);
+        run_.plain.add(x, r, difference, 1.0f);
         run_.half_symmetric += absolute * square_scale * inverse;
-        run_.squares += square;
         run_.absolutes += absolute;
         run_.differences[v] += difference;
     }
@@ -122,9 +156,9 @@ private:
             for (size_t lane = 0; lane < kLanes; ++lane) total += double{lanes[lane]};
             return total;
         };
-        sums_.relative_squares += sum(run_.relative_squares);
+        sums_.relative.add(run_.relative, sum);
+        sums_.plain.add(run_.plain, [&](const FloatLanes& lanes) { return sum(lanes) * unit_ * unit_; });
         sums_.symmetric += 2 * sum(run_.half_symmetric);
-        sums_.squares += sum(run_.squares) * unit_ * unit_;
         sums_.absolutes += sum(run_.absolutes) * unit_;
         for (size_t i = 0; i < kBlockValues; ++i) {
             sums_.differences[i % 3] += double{run_.differences[i / kLanes][i % kLanes]} * unit_;
@@ -164,9 +198,15 @@ PointwiseErrors ErrorMeter::pointwise(std::span<const float> image) const {
     errors.left_out = image.size() - count;
     if (count == 0) return errors;
     const auto mean = [&](double sum) { return sum / static_cast<double>(count); };
-    errors.rmse = std::sqrt(mean(sums.squares));
+    errors.rmse = std::sqrt(mean(sums.plain.dd));
+    const Fit fit = least_squares(sums.plain), relative_fit = least_squares(sums.relative);
+    errors.fitted_rmse = std::sqrt(mean(fit.squares)), errors.least_squares_exposure = fit.exposure;
     errors.mae = mean(sums.absolutes);
-    if (mean_ != 0) errors.relative_mse = mean(sums.relative_squares), errors.smape = mean(sums.symmetric);
+    if (mean_ != 0) {
+        errors.relative_mse = mean(sums.relative.dd), errors.smape = mean(sums.symmetric);
+        errors.fitted_relative_mse = mean(relative_fit.squares);
+        errors.relative_least_squares_exposure = relative_fit.exposure;
+    }
     double display_error = 0;
     for (size_t k = 0; k < 3; ++k) {
         const auto channel_count = static_cast<double>(sums.count[k]);

@@ -47,6 +47,8 @@ void add_layer(json& error, json& notes, ResolvedFilm& film, const ErrorMeter& m
     }
     error[named(layer, "bias")] = channels_json(sweep.bias);
     error[named(layer, "relative_bias")] = channels_json(sweep.relative_bias);
+    error[named(layer, "least_squares_exposure")] = number_or_null(sweep.least_squares_exposure);
+    error[named(layer, "relative_least_squares_exposure")] = number_or_null(sweep.relative_least_squares_exposure);
     const std::vector<float>& variance = film.pass_variance(layer);
     error[named(layer, "bias_standard_error")] = nullptr;
     if (!variance.empty()) {

@@ -58,6 +58,7 @@ Real display(float x) {
 /// conventions.md, "Error", written down once more.
 struct Expected {
     Real mean = 0, relative_mse = 0, rmse = 0, mae = 0, smape = 0, rmse_8bit = 0, bias[3]{}, relative_bias[3]{};
+    Real exposure = 0, relative_exposure = 0, fitted_rmse = 0, fitted_relative_mse = 0;
     uint64_t left_out = 0;
 
     explicit Expected(const Pair& pair) {
@@ -86,11 +87,33 @@ struct Expected {
             display_squares[i % 3] += std::pow(display(pair.image[i]) - display(pair.reference[i]), Real(2));
         }
         relative_mse /= count, rmse = std::sqrt(rmse / count), mae /= count, smape /= count;
+        fit(pair, count);
         for (int k = 0; k < 3; ++k) {
             bias[k] /= channel_count[k];
             relative_bias[k] = bias[k] / channel_mean[k];
             rmse_8bit += std::sqrt(display_squares[k] / channel_count[k]);
         }
+    }
+
+private:
+    /// Each exposure from its normal equation, then the measure itself of the image times that: nothing cancels.
+    void fit(const Pair& pair, Real count) {
+        const auto each = [&](const auto& visit) {
+            for (size_t i = 0; i < pair.reference.size(); ++i)
+                if (std::isfinite(pair.reference[i]) && std::isfinite(pair.image[i]))
+                    visit(Real(pair.image[i]), Real(pair.reference[i]),
+                          1 / (Real(pair.reference[i]) * Real(pair.reference[i]) + Real(0.01) * mean * mean));
+        };
+        Real xr = 0, xx = 0, relative_xr = 0, relative_xx = 0;
+        each([&](Real x, Real r, Real weight) {
+            xr += x * r, xx += x * x, relative_xr += weight * x * r, relative_xx += weight * x * x;
+        });
+        exposure = xr / xx, relative_exposure = relative_xr / relative_xx;
+        each([&](Real x, Real r, Real weight) {
+            fitted_rmse += (exposure * x - r) * (exposure * x - r);
+            fitted_relative_mse += weight * (relative_exposure * x - r) * (relative_exposure * x - r);
+        });
+        fitted_rmse = std::sqrt(fitted_rmse / count), fitted_relative_mse /= count;
     }
 };
 
@@ -109,6 +132,10 @@ void expect_same(const Pair& pair) {
     expect_close(errors.rmse, expected.rmse, "rmse");
     expect_close(errors.mae, expected.mae, "mae");
     expect_close(errors.smape, expected.smape, "smape");
+    expect_close(errors.fitted_rmse, expected.fitted_rmse, "fitted_rmse");
+    expect_close(errors.fitted_relative_mse, expected.fitted_relative_mse, "fitted_relative_mse");
+    expect_close(errors.least_squares_exposure, expected.exposure, "least_squares_exposure");
+    expect_close(errors.relative_least_squares_exposure, expected.relative_exposure, "relative exposure");
     ASSERT_TRUE(errors.rmse_8bit);
     EXPECT_NEAR(*errors.rmse_8bit, double(expected.rmse_8bit), 3e-4);  // three times the stated error of the sRGB curve
     for (size_t k = 0; k < 3; ++k) {
@@ -175,12 +202,39 @@ TEST(ErrorMeter, MatchesValuesWorkedByHand) {
     EXPECT_NEAR(*errors.relative_mse, (1 / 1.04 + 4 / 9.04) / 6, 1e-7);
     EXPECT_NEAR(*errors.smape, (2 * 1 / (2 + 1 + 0.2) + 2 * 2 / (1 + 3 + 0.2)) / 6, 1e-7);
     EXPECT_EQ(*errors.rmse_8bit, 0);  // a display shows 1, 2 and 3 alike
+    // x.x = 4 + 1 + 1 + 9 + 9 + 1 = 25, x.r = 2 + 1 + 1 + 9 + 9 + 3 = 25, r.r = 30: s = 1, which leaves 5.
+    EXPECT_DOUBLE_EQ(*errors.least_squares_exposure, 1);
+    EXPECT_NEAR(*errors.fitted_rmse, std::sqrt(5.0 / 6), 1e-7);
+    // By 1.04 and 9.04: x.x = 6 / 1.04 + 19 / 9.04, x.r = 4 / 1.04 + 21 / 9.04, r.r = 3 / 1.04 + 27 / 9.04.
+    const double xx = 6 / 1.04 + 19 / 9.04, xr = 4 / 1.04 + 21 / 9.04, rr = 3 / 1.04 + 27 / 9.04;
+    EXPECT_NEAR(*errors.relative_least_squares_exposure, xr / xx, 1e-7);
+    EXPECT_NEAR(*errors.fitted_relative_mse, (rr - xr * xr / xx) / 6, 1e-7);
     const double bias[] = {0.5, 0, -1};
     for (size_t k = 0; k < 3; ++k) {
         EXPECT_DOUBLE_EQ(*errors.bias[k], bias[k]);
         EXPECT_DOUBLE_EQ(*errors.relative_bias[k], bias[k] / 2);
     }
     EXPECT_EQ(errors.left_out, 0u);
+}
+
+TEST(ErrorMeter, ExposureIsTakenOutWholly) {
+    const Pair pair({211, 67}, 81);
+    const ErrorMeter meter(pair.size, pair.reference);
+    const double squares = std::pow(*meter.pointwise(constant(pair.size, 0)).rmse, 2);  // mean of r^2
+    for (const float factor : {1e-6f, 0.02f, 0.9f, 1.1f, 64.0f, 3e5f}) {
+        SCOPED_TRACE(factor);
+        Image image = pair.reference;
+        for (float& value : image) value *= factor;
+        const PointwiseErrors errors = meter.pointwise(image);
+        EXPECT_NEAR(*errors.least_squares_exposure * double(factor), 1, 1e-6);
+        EXPECT_NEAR(*errors.relative_least_squares_exposure * double(factor), 1, 1e-6);
+        EXPECT_LE(std::pow(*errors.fitted_rmse, 2), 1e-6 * squares);
+        EXPECT_LE(*errors.fitted_relative_mse, 1e-6);
+    }
+    const PointwiseErrors black = meter.pointwise(constant(pair.size, 0));
+    EXPECT_FALSE(black.least_squares_exposure || black.relative_least_squares_exposure);
+    EXPECT_EQ(*black.fitted_rmse, *black.rmse);  // no factor helps
+    EXPECT_EQ(*black.fitted_relative_mse, *black.relative_mse);
 }
 
 TEST(ErrorMeter, EightBitErrorIsOfTheDisplay) {
@@ -209,7 +263,7 @@ TEST(ErrorMeter, SaysWhyAReferenceOfMeanZeroHasNoRelativeError) {
     EXPECT_NEAR(*errors.rmse / 2e-25, 1, 1e-6);
     EXPECT_NEAR(*errors.mae / 2e-25, 1, 1e-6);
     EXPECT_NEAR(*errors.bias[1] / 2e-25, 1, 1e-6);
-    for (const Metric metric : {Metric::RelativeMse, Metric::Smape, Metric::Percentiles}) {
+    for (const Metric metric : {Metric::RelativeMse, Metric::FittedRelativeMse, Metric::Smape, Metric::Percentiles}) {
         std::string why;
         EXPECT_TRUE(meter.measure(metric, image, &why).empty());
         EXPECT_EQ(why, "the mean of the reference is 0");
@@ -369,7 +423,7 @@ TEST(ErrorMeter, GivesTheSameBitsOnAnyNumberOfThreads) {
         });
     };
     const std::vector<double> one = measured(1);
-    ASSERT_EQ(one.size(), 1u + 5 + 3 + 3 + 4 + 1);
+    ASSERT_EQ(one.size(), 1u + 7 + 3 + 3 + 4 + 1);
     for (const int threads : {2, 3, 8}) {
         const std::vector<double> many = measured(threads);
         ASSERT_EQ(many.size(), one.size());
