@@ -28,22 +28,22 @@ constexpr std::array<Variant, 5> kVariants = {
 
 /// Why approximations break where they do (design: methods.md). `setting`: of the entry, or of the method's default.
 struct Reason {
-    const char* method;
+    const char* method;   // empty: any
     const char* setting;  // "NAME=VALUE"; empty: any
     const char* row;      // part of the row's name; empty: any
     const char* text;
 };
-constexpr std::array<Reason, 6> kReasons = {
-    {{"photon_splatting", "weighting=normalised", "",
+constexpr std::array<Reason, 9> kReasons = {
+    {{"", "", "dynamic range", "light paths start from lights by their power: next to none from the dim one"},
+     {"photon_splatting", "weighting=normalised", "",
       "a weighted mean of the photons' colours: it discards how dense they are, so no exposure makes it converge"},
-     {"photon_splatting", "estimator=kernel", "", "the kernel darkens within a radius of edges, by half at the edge"},
-     {"photon_mapping", "gather=direct", "thin wall",
-      "a disc of the density estimate does not see a wall thinner than its radius"},
-     {"photon_mapping", "gather=direct", "",
-      "the density estimate smears light within its radius, and loses it at edges"},
+     {"photon_splatting", "estimator=kernel", "corner", "the kernel darkens within a radius of edges, by half there"},
+     {"photon_splatting", "estimator=kernel", "facing", "the kernel darkens within a radius of edges, by half there"},
+     {"photon_mapping", "", "thin wall", "a disc of the density estimate does not see a wall thinner than its radius"},
      {"photon_mapping", "", "corner", "lookups of the density estimate reach past the edge"},
-     {"photon_mapping", "", "thin wall",
-      "a disc of the density estimate does not see a wall thinner than its radius"}}};
+     {"photon_mapping", "", "facing", "the density estimate loses light within its radius of edges"},
+     {"photon_mapping", "", "caustic", "the density estimate smears light within its radius"},
+     {"photon_mapping", "gather=direct", "sphere", "the density estimate takes a curved surface for a flat one"}}};
 
 constexpr uint32_t kManyBounces = 8;  // for answers with all of them, where a number must be named
 
@@ -146,8 +146,8 @@ BouncedMethod with_bounces(const TableEntry& entry, std::optional<uint32_t> boun
 
 std::string known_reason(const TableEntry& entry, const HardCase& hard_case) {
     const auto found = std::find_if(kReasons.begin(), kReasons.end(), [&](const Reason& reason) {
-        return entry.method.at("name") == reason.method && has_setting(entry, reason.setting) &&
-               hard_case.row.find(reason.row) != std::string::npos;
+        return (*reason.method == '\0' || entry.method.at("name") == reason.method) &&
+               has_setting(entry, reason.setting) && hard_case.row.find(reason.row) != std::string::npos;
     });
     return found == kReasons.end() ? "" : found->text;
 }

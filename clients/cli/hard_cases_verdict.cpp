@@ -22,8 +22,9 @@ constexpr std::array<RelationName, 6> kRelations = {{{Relation::Equals, "equals"
                                                      {Relation::Zero, "zero"},
                                                      {Relation::Finite, "finite"}}};
 
-// Pixels come as 32-bit floats, each rounded by at most half of this, relative.
-constexpr double kPixelRounding = 1.2e-7;
+// Renderers compute in 32-bit floats, and pixels come as such: some ten roundings of 6e-8. Without it a method whose
+// seeds agree to the bit would break by its last digit.
+constexpr double kPixelRounding = 1e-6;
 // A holding cell whose interval is wider says how wide.
 constexpr double kNarrow = 0.05;
 
