@@ -18,13 +18,12 @@
 
 #include "renderer/error/error_meter.h"
 #include "renderer/scene/builtin_scenes.h"
-#include "tests/support/render.h"
-#include "tests/support/statistics.h"
+#include "tests/support/convergence.h"
 
 namespace photond {
 namespace {
 
-constexpr uint32_t kFirst = 16, kLast = 1024, kLevels = 7;
+constexpr uint32_t kFirst = 16, kLast = 1024;
 constexpr double kFalseAlarm = 1e-6;
 constexpr size_t kChecks = 2 * 2;  // both samplers, short and long
 
@@ -38,37 +37,16 @@ test::RenderSettings settings_of(const Plan& plan, SamplerKind sampler, uint64_t
     test::RenderSettings settings;
     settings.size = plan.size;
     settings.seed = seed;
+    settings.passes = kLast;
     settings.params.sampler = sampler;
     return settings;
 }
 
 /// Slope of log relative_mse over log passes in one run.
 double slope_of(const Scene& scene, const test::RenderSettings& settings, const ErrorMeter& meter) {
-    MemoryBudget budget;
-    Stats stats;
-    const std::unique_ptr<Intersector> intersector = make_embree_intersector(scene, budget, stats);
-    PathTracing method(settings.params);
-    method.begin({scene, *intersector, View{find_camera(scene, ""), settings.size, settings.filter, settings.layers},
-                  settings.seed, budget},
-                 stats);
-    std::vector<Film> films(kLevels, Film(settings.size, settings.layers));
-    test::RunningMean errors[kLevels];
-    for (uint32_t pass = 0; pass < kLast; ++pass) {
-        method.run_pass(pass, stats, CancelToken{});
-        for (uint32_t level = 0; level < kLevels; ++level) {
-            method.resolve(films[level]);
-            if (films[level].passes() < kFirst << level) continue;
-            errors[level].add(meter.pointwise(films[level].resolve_beauty()).relative_mse.value());
-            films[level] = Film(settings.size, settings.layers);
-        }
-    }
-    double products = 0, squares = 0;
-    for (uint32_t level = 0; level < kLevels; ++level) {
-        const double x = (level - 0.5 * (kLevels - 1)) * std::log(2.0);
-        products += x * std::log(errors[level].mean());
-        squares += x * x;
-    }
-    return products / squares;
+    return test::slope_over_doublings(test::errors_of_doubled_passes(scene, settings, kFirst, [&](const Film& film) {
+        return meter.pointwise(film.resolve_beauty()).relative_mse.value();
+    }));
 }
 
 std::vector<float> reference_of(const Scene& scene, const Plan& plan, uint64_t seed) {

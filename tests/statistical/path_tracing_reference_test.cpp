@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "renderer/film/exr_file.h"
 #include "renderer/scene/builtin_scenes.h"
+#include "tests/support/reference_images.h"
 #include "tests/support/render.h"
 #include "tests/support/statistics.h"
 
@@ -38,8 +38,7 @@ bool at_emitter_edge(const std::vector<float>& reference, size_t x, size_t y) {
 /// run's own noise is allowed beside it.
 void expect_agrees(const Image& image, const char* file, double noise, uint32_t passes, bool exact_bias) {
     SCOPED_TRACE(file);
-    const std::vector<float> reference =
-        read_exr(std::filesystem::path(PHOTOND_TEST_DATA) / "reference" / file).layers.at("beauty");
+    const std::vector<float> reference = test::reference_image(file);
     ASSERT_EQ(reference.size(), image.mean.size());
     const double z_limit = test::two_sided_z(test::share_of_false_alarm(kFalseAlarm, kImages * 3 * kBlocks * kBlocks));
     ASSERT_LT(z_limit, 6.5);
@@ -105,13 +104,13 @@ void compare_with_reference(uint32_t passes, bool exact_bias) {
         EXPECT_EQ(film.nan_count() + film.infinity_count(), 0u);
         return Image{film.resolve_beauty(), film.pass_variance_beauty()};
     };
-    expect_agrees(beauty({}), "reference_256.exr", 2.7e-4, passes, exact_bias);
+    expect_agrees(beauty({}), "reference_256.exr", test::kReferenceNoise, passes, exact_bias);
     expect_agrees(beauty(0), "direct_only_256.exr", 8e-5, passes, exact_bias);
     settings.params.indirect_bounces = 1;
     const Film film = test::render(scene, settings);
     // Its noise is not stated; that of the full image, which holds this light, is taken.
     expect_agrees({film.resolve(Layer::Indirect), film.pass_variance(Layer::Indirect)}, "indirect_one_bounce_256.exr",
-                  2.7e-4, passes, exact_bias);
+                  test::kReferenceNoise, passes, exact_bias);
 }
 
 TEST(PathTracingReference, AgreesWithAnIndependentRenderer) { compare_with_reference(32, false); }

@@ -19,11 +19,12 @@ struct RenderSettingsOf {
 };
 using RenderSettings = RenderSettingsOf<PathTracing>;
 
-/// The film of those passes, seen by the scene's first camera. Counts, stages and skipped parts go to `stats`, what the
-/// method recorded to `budget`, when they are asked for.
-template <class M>
-Film render(const Scene& scene, const RenderSettingsOf<M>& settings, Stats* stats = nullptr,
-            MemoryBudget* budget = nullptr) {
+/// Renders those passes, seen by the scene's first camera, and calls after_pass(method, pass) after each, for it to
+/// resolve() the pass into films. Counts, stages and skipped parts go to `stats`, what the method recorded to `budget`,
+/// when they are asked for.
+template <class M, class AfterPass>
+void run_passes(const Scene& scene, const RenderSettingsOf<M>& settings, const AfterPass& after_pass,
+                Stats* stats = nullptr, MemoryBudget* budget = nullptr) {
     MemoryBudget own_budget, ray_structures;
     Stats own_stats;
     Stats& counted = stats ? *stats : own_stats;
@@ -32,11 +33,19 @@ Film render(const Scene& scene, const RenderSettingsOf<M>& settings, Stats* stat
     method.begin({scene, *intersector, View{find_camera(scene, ""), settings.size, settings.filter, settings.layers},
                   settings.seed, budget ? *budget : own_budget},
                  counted);
-    Film film(settings.size, settings.layers, settings.first_pass);
     for (uint32_t i = 0; i < settings.passes; ++i) {
         method.run_pass(settings.first_pass + i, counted, CancelToken{});
-        method.resolve(film);
+        after_pass(method, settings.first_pass + i);
     }
+}
+
+/// The film of those passes.
+template <class M>
+Film render(const Scene& scene, const RenderSettingsOf<M>& settings, Stats* stats = nullptr,
+            MemoryBudget* budget = nullptr) {
+    Film film(settings.size, settings.layers, settings.first_pass);
+    run_passes(
+        scene, settings, [&](M& method, uint32_t) { method.resolve(film); }, stats, budget);
     return film;
 }
 

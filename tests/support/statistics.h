@@ -141,6 +141,18 @@ inline Interval mean_interval(const std::vector<double>& replicates, double fals
     return {mean.mean(), t * mean.standard_error()};
 }
 
+/// Least-squares slope of log values[i] over log 2^i: by what power of a number that doubles from value to value they
+/// change. Two values or more, all above 0.
+inline double slope_over_doublings(const std::vector<double>& values) {
+    double products = 0, squares = 0;
+    for (size_t i = 0; i < values.size(); ++i) {
+        const double x = (static_cast<double>(i) - 0.5 * (static_cast<double>(values.size()) - 1)) * std::log(2.0);
+        products += x * std::log(values[i]);
+        squares += x * x;
+    }
+    return products / squares;
+}
+
 /// estimate(seed) for seeds 1 ... count.
 template <class Estimate>
 std::vector<double> replicates(size_t count, const Estimate& estimate) {
