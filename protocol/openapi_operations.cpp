@@ -77,6 +77,8 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
     std::vector<std::string> measured_layers = vocabulary.radiance_layers;
     measured_layers.insert(measured_layers.begin(), "beauty");
     const json measured_layer = one_of_words(measured_layers);
+    std::vector<std::string> preview_layers = measured_layers;
+    preview_layers.emplace_back("overlap");
     std::vector<std::string> pixel_layers{"beauty", "emitted", "direct", "indirect"};
     pixel_layers.insert(pixel_layers.end(), vocabulary.layers.begin(), vocabulary.layers.end());
     const json image_body{{"image/x-exr", binary()}, {"image/vnd.radiance", binary()}};
@@ -97,7 +99,8 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
          "Scenes, newest first; or the built-in scenes of a family",
          {{200, object("ScenePage")}},
          nullptr,
-         {{"family", with_text(one_of_words({"hard-cases"}), "built-in scenes that are listed only so")},
+         {{"family",
+           with_text(one_of_words({"hard-cases", "photon-splatting"}), "built-in scenes that are listed only so")},
           {"limit", limit},
           {"cursor", word}}},
         {"get", "/v1/scenes/{scene}", "getScene", "One scene, by id or name", {{200, object("Scene")}}},
@@ -176,10 +179,13 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
         {"get",
          "/v1/jobs/{id}/preview.png",
          "getPreview",
-         "The image on a display",
+         "The image, or one layer of radiance, on a display; overlap as a heat map (blue 0, green 200, red 400, white "
+         "600 splats)",
          {{200, file("image/png")}, {202, nullptr}},
          nullptr,
-         {{"exposure", in_range(typed("number", "stops"), -32, 32)}, {"curve", one_of_words({"srgb", "filmic"})}}},
+         {{"layer", one_of_words(preview_layers)},
+          {"exposure", in_range(typed("number", "stops"), -32, 32)},
+          {"curve", one_of_words({"srgb", "filmic"})}}},
         {"get",
          "/v1/jobs/{id}/pixels",
          "getPixels",

@@ -53,7 +53,8 @@
 //   merge_films    {"request", "films": [path..], "job_request": as in render, "scene_id", "out"}
 //                  -> {"passes_done", "seconds", "statistics": {..}, "pixel_hash"}
 //   encode_exr     {"request", "film", "statistics": {..}|null, "precision": "float"|"half", "out"} -> {"overflowed": n}
-//   encode_preview {"request", "film", "exposure": stops, "curve": "srgb"|"filmic", "out"}  -> {}
+//   encode_preview {"request", "film", "layer": beauty, one of radiance, or overlap, "exposure": stops,
+//                  "curve": "srgb"|"filmic", "out"}                 -> {} (PNG; overlap as a heat map)
 //   encode_pixels  {"request", "film", "layer", "precision", "out"} -> {"width", "height", "channels", "overflowed"}
 //   stop           {}                                               -> exit 0, no reply
 // clang-format on

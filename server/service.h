@@ -137,7 +137,7 @@ public:
     // `precision` is "float" or "half", else OutOfRange. NotFound when the job ended without a film.
     Artefact image(const std::string& id, const std::string& precision);
     /// `exposure` in stops, -32..32; `curve` "srgb" or "filmic".
-    Artefact preview(const std::string& id, double exposure, const std::string& curve);
+    Artefact preview(const std::string& id, const std::string& layer, double exposure, const std::string& curve);
     /// Raw little-endian pixels, row 0 at the top; `layer` empty or "beauty", or a layer's name. Headers
     /// X-Image-Width, X-Image-Height, X-Image-Channels.
     Artefact pixels(const std::string& id, const std::string& layer, const std::string& precision);

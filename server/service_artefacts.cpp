@@ -25,6 +25,13 @@ void check_precision(const std::string& precision) {
         throw Error(ErrorCode::OutOfRange, "/precision", "precision = '" + precision + "' is neither float nor half");
 }
 
+/// Those that a display can show: radiance, and splats over a pixel as a heat map.
+bool has_preview(const std::string& layer) {
+    return layer == "beauty" || std::any_of(kLayers.begin(), kLayers.end(), [&](const LayerInfo& info) {
+               return info.name == layer && (info.radiance || info.layer == Layer::Overlap);
+           });
+}
+
 void write_text(const fs::path& path, const std::string& text) {
     std::ofstream out(path, std::ios::binary);
     out << text;
@@ -141,14 +148,22 @@ Artefact Service::image(const std::string& id, const std::string& precision) {
                          true);
 }
 
-Artefact Service::preview(const std::string& id, double exposure, const std::string& curve) {
+Artefact Service::preview(const std::string& id, const std::string& layer, double exposure, const std::string& curve) {
+    if (!has_preview(layer))
+        throw Error(
+            ErrorCode::UnknownName, "/layer",
+            "'" + layer + "' is no layer with a preview: radiance is shown as on a display, overlap as a heat map");
     if (!(std::abs(exposure) <= 32))
         throw Error(ErrorCode::OutOfRange, "/exposure",
                     "exposure = " + json(exposure).dump() + " is outside [-32, 32] stops");
     if (curve != "srgb" && curve != "filmic")
         throw Error(ErrorCode::OutOfRange, "/curve", "curve = '" + curve + "' is neither srgb nor filmic");
-    return impl_->encode(id, "png/" + curve + "/" + json(exposure).dump(), "image/png",
-                         {{"type", "encode_preview"}, {"exposure", exposure}, {"curve", curve}}, false);
+    if (layer == layer_info(Layer::Overlap).name && (exposure != 0 || curve != "srgb"))
+        throw Error(ErrorCode::Conflict, exposure != 0 ? "/exposure" : "/curve",
+                    "the heat map of overlap has neither exposure nor tone curve");
+    return impl_->encode(id, "png/" + layer + "/" + curve + "/" + json(exposure).dump(), "image/png",
+                         {{"type", "encode_preview"}, {"layer", layer}, {"exposure", exposure}, {"curve", curve}},
+                         false);
 }
 
 Artefact Service::pixels(const std::string& id, const std::string& layer, const std::string& precision) {

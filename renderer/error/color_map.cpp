@@ -68,6 +68,7 @@ Lch map_color(double t) {
 }
 
 using Entry = std::array<uint8_t, 3>;
+constexpr Entry kMidGrey{119, 119, 119};  // L* 50
 
 std::array<Entry, 256> make_table() {
     std::array<Entry, 256> table{};
@@ -85,13 +86,33 @@ std::array<Entry, 256> make_table() {
 
 std::vector<uint8_t> color_mapped(std::span<const float> values) {
     static const std::array<Entry, 256> table = make_table();
-    constexpr Entry kMidGrey{119, 119, 119};  // L* 50
     std::vector<uint8_t> rgb;
     rgb.reserve(3 * values.size());
     for (const float value : values) {
         const auto index = [value] { return static_cast<size_t>(std::lround(255 * std::clamp(value, 0.0f, 1.0f))); };
         const Entry& entry = std::isnan(value) ? kMidGrey : table[index()];
         rgb.insert(rgb.end(), entry.begin(), entry.end());
+    }
+    return rgb;
+}
+
+std::vector<uint8_t> overlap_heat_map(std::span<const float> splats) {
+    constexpr float kStep = 200;  // splats from each of these to the next
+    constexpr std::array<std::array<float, 3>, 4> kColors{{{0, 0, 255}, {0, 255, 0}, {255, 0, 0}, {255, 255, 255}}};
+    std::vector<uint8_t> rgb;
+    rgb.reserve(3 * splats.size());
+    for (const float count : splats) {
+        if (std::isnan(count)) {
+            rgb.insert(rgb.end(), kMidGrey.begin(), kMidGrey.end());
+            continue;
+        }
+        const float place = std::clamp(count / kStep, 0.0f, static_cast<float>(kColors.size() - 1));
+        const size_t below = std::min(static_cast<size_t>(place), kColors.size() - 2);
+        const float share = place - static_cast<float>(below);
+        for (size_t k = 0; k < 3; ++k) {
+            const float value = (1 - share) * kColors[below][k] + share * kColors[below + 1][k];
+            rgb.push_back(static_cast<uint8_t>(std::lround(value)));
+        }
     }
     return rgb;
 }

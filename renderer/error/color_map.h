@@ -1,5 +1,6 @@
 #pragma once
-// How error and FLIP maps are shown: a map from [0, 1] to colours whose lightness rises evenly, dark to bright.
+// How values are shown as colours: error and FLIP maps from [0, 1] by a map whose lightness rises evenly, dark to
+// bright; counts of splats by the colours of the photon-splatting thesis.
 
 #include <cstdint>
 #include <span>
@@ -9,5 +10,9 @@ namespace photond {
 
 /// 8-bit sRGB, interleaved, of values clamped to [0, 1]; a NaN is shown as mid-grey.
 std::vector<uint8_t> color_mapped(std::span<const float> values);
+
+/// 8-bit sRGB, interleaved, of how many splats lie over a pixel: blue 0, green 200, red 400, white 600 and more, linear
+/// in between in display values; below 0 as 0, a NaN mid-grey. papers/photon-splatting.txt, Figure 18.
+std::vector<uint8_t> overlap_heat_map(std::span<const float> splats);
 
 }  // namespace photond

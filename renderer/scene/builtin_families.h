@@ -20,6 +20,11 @@ Scene make_keyhole();
 // builtin_interior.cpp: a furnished room.
 Scene make_interior();
 
+// builtin_splatting_figures.cpp: figures of the photon splatting thesis.
+Scene make_splatting_plate();
+Scene make_splatting_skimming_ray();
+Scene make_splatting_chairs();
+
 /// A matte material without the 4 % specular lobe of a glTF non-metal: pure Lambert.
 Material lambert(const char* name, const Rgb& albedo);
 Material metal(const char* name, const Rgb& reflectance, float roughness);

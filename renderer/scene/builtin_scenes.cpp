@@ -27,18 +27,27 @@ constexpr std::array kBuiltinScenes = {
     BuiltinScene{"interior", make_interior},
 };
 
-constexpr auto kNames = [] {
-    std::array<std::string_view, kBuiltinScenes.size()> names;
-    for (size_t i = 0; i < names.size(); ++i) names[i] = kBuiltinScenes[i].name;
+constexpr std::array kSplattingFigures = {
+    BuiltinScene{"photon-splatting/plate", make_splatting_plate},
+    BuiltinScene{"photon-splatting/skimming-ray", make_splatting_skimming_ray},
+    BuiltinScene{"photon-splatting/chairs", make_splatting_chairs},
+};
+
+template <size_t N>
+constexpr std::array<std::string_view, N> names_of(const std::array<BuiltinScene, N>& scenes) {
+    std::array<std::string_view, N> names;
+    for (size_t i = 0; i < N; ++i) names[i] = scenes[i].name;
     return names;
-}();
+}
+constexpr auto kNames = names_of(kBuiltinScenes);
+constexpr auto kSplattingNames = names_of(kSplattingFigures);
 
 }  // namespace
 
 std::span<const std::string_view> builtin_scene_names() { return kNames; }
 
 std::span<const std::string_view> builtin_family_names() {
-    static constexpr std::string_view kFamilies[] = {"hard-cases"};
+    static constexpr std::string_view kFamilies[] = {"hard-cases", "photon-splatting"};
     return kFamilies;
 }
 
@@ -50,12 +59,17 @@ std::span<const std::string_view> builtin_scene_names(std::string_view family) {
         return names;
     }();
     if (family == builtin_family_names()[0]) return kHardCases;
+    if (family == builtin_family_names()[1]) return kSplattingNames;
+    std::string known;
+    for (const std::string_view name : builtin_family_names()) known += (known.empty() ? "" : ", ") + std::string(name);
     throw Error(ErrorCode::UnknownName,
-                "there is no family of scenes \"" + std::string(family) + "\"; there is \"hard-cases\"");
+                "there is no family of scenes \"" + std::string(family) + "\"; there are " + known);
 }
 
 bool is_builtin_scene(std::string_view name) {
-    return std::find(kNames.begin(), kNames.end(), name) != kNames.end() || find_hard_case(name);
+    return std::find(kNames.begin(), kNames.end(), name) != kNames.end() ||
+           std::find(kSplattingNames.begin(), kSplattingNames.end(), name) != kSplattingNames.end() ||
+           find_hard_case(name);
 }
 
 Scene make_builtin_scene(std::string_view name) {
@@ -66,6 +80,8 @@ Scene make_builtin_scene(std::string_view name) {
     };
     for (const BuiltinScene& builtin : kBuiltinScenes)
         if (builtin.name == name) return finished(builtin.make());
+    for (const BuiltinScene& figure : kSplattingFigures)
+        if (figure.name == name) return finished(figure.make());
     if (const HardCase* hard_case = find_hard_case(name)) return finished(hard_case->make());
     throw Error(ErrorCode::NotFound, "there is no built-in scene named \"" + std::string(name) + "\"");
 }

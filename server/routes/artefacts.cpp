@@ -21,10 +21,11 @@ void add_artefact_routes(std::vector<Route>& routes, Service& service) {
         return service.image(call.path_parameters[0], precision);
     });
     add("preview.png", Lane::Slow, [&service](Call& call, Query& query) {
+        const std::string layer = query.text("layer", "beauty");
         const double exposure_stops = query.number("exposure", 0);
         const std::string curve = query.text("curve", "srgb");
         query.finish();
-        return service.preview(call.path_parameters[0], exposure_stops, curve);
+        return service.preview(call.path_parameters[0], layer, exposure_stops, curve);
     });
     add("pixels", Lane::Slow, [&service](Call& call, Query& query) {
         const std::string layer = query.text("layer");

@@ -9,6 +9,7 @@
 #include "protocol/worker_messages.h"
 #include "renderer/backends/cpu/embree_intersector.h"
 #include "renderer/core/atomic_file.h"
+#include "renderer/error/color_map.h"
 #include "renderer/film/exr_file.h"
 #include "renderer/film/film_file.h"
 #include "renderer/film/png_file.h"
@@ -114,14 +115,37 @@ json encode_exr(const json& message, const HelperLimits& limits) {
     return {{"overflowed", write_exr(film, precision_of(message), attributes, text_of(message, "out"))}};
 }
 
+/// Throws Error(UnknownName) where the film has no layer of that name.
+const LayerInfo& film_layer(const Film& film, const std::string& name) {
+    const auto info = std::find_if(kLayers.begin(), kLayers.end(), [&](const LayerInfo& l) { return l.name == name; });
+    if (info == kLayers.end() || !film.layers().has(info->layer))
+        throw Error(ErrorCode::UnknownName, "/layer", "the film has no layer \"" + name + "\"");
+    return *info;
+}
+
 json encode_preview(const json& message, const HelperLimits& limits) {
     const std::string curve_name = text_of(message, "curve");
     const std::optional<ToneCurve> curve = tone_curve_named(curve_name);
     if (!curve)
         throw Error(ErrorCode::UnknownName, "/curve", "curve \"" + curve_name + "\" is neither srgb nor filmic");
     const Film film = FilmFile::load(text_of(message, "film"), limits.memory_bytes).film;
-    write_png(film.size(), tone_mapped(film.resolve_beauty(), message.value("exposure", 0.0f), *curve),
-              text_of(message, "out"));
+    const std::string layer = message.value("layer", "beauty");
+    const auto shown = [&](const std::vector<float>& radiance) {
+        return tone_mapped(radiance, message.value("exposure", 0.0f), *curve);
+    };
+    std::vector<uint8_t> rgb;
+    if (layer == "beauty") {
+        rgb = shown(film.resolve_beauty());
+    } else {
+        const LayerInfo& info = film_layer(film, layer);
+        if (info.radiance)
+            rgb = shown(film.resolve(info.layer));
+        else if (info.layer == Layer::Overlap)
+            rgb = overlap_heat_map(film.resolve(info.layer));
+        else
+            throw Error(ErrorCode::UnknownName, "/layer", "the layer \"" + layer + "\" has no preview");
+    }
+    write_png(film.size(), rgb, text_of(message, "out"));
     return json::object();
 }
 
@@ -133,12 +157,9 @@ json encode_pixels(const json& message, const HelperLimits& limits) {
     if (wanted.empty() || wanted == "beauty") {
         pixels = film.resolve_beauty();
     } else {
-        const auto info =
-            std::find_if(kLayers.begin(), kLayers.end(), [&](const LayerInfo& l) { return l.name == wanted; });
-        if (info == kLayers.end() || !film.layers().has(info->layer))
-            throw Error(ErrorCode::UnknownName, "/layer", "the film has no layer \"" + wanted + "\"");
-        pixels = film.resolve(info->layer);
-        channels = info->channel_count;
+        const LayerInfo& info = film_layer(film, wanted);
+        pixels = film.resolve(info.layer);
+        channels = info.channel_count;
     }
     uint64_t overflowed = 0;
     AtomicFile out(text_of(message, "out"));

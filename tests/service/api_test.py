@@ -199,10 +199,15 @@ class ApiTest(unittest.TestCase):
         bright = self.request("GET", links["preview"] + "?exposure=2.5&curve=filmic")
         self.assertEqual(bright.body[:4], b"\x89PNG")
         self.assertNotEqual(bright.body, self.request("GET", links["preview"]).body)
+        self.assertEqual(self.request("GET", links["preview"] + "?layer=beauty").body,
+                         self.request("GET", links["preview"]).body)
+        self.assertNotEqual(self.request("GET", links["preview"] + "?layer=indirect").body,
+                            self.request("GET", links["preview"]).body)
         self.assertEqual(self.request("GET", links["statistics"]).json, job["statistics"])
         self.assertTrue(self.request("GET", links["log"]).headers["content-type"].startswith("text/plain"))
         for path in ("image.exr?precision=double", "preview.png?exposure=x", "preview.png?curve=log",
-                     "preview.png?exposure=1e9", "pixels?layer=heat", "image.exr?exposure=1"):
+                     "preview.png?exposure=1e9", "preview.png?layer=depth", "preview.png?layer=overlap",
+                     "preview.png?layer=overlap&exposure=1", "preview.png?layer=overlap&curve=filmic", "pixels?layer=heat", "image.exr?exposure=1"):
             self.assertEqual(self.request("GET", f"/v1/jobs/{job_id}/{path}").status, 422, path)
 
     def test_the_request_comes_back_whole(self):

@@ -77,10 +77,15 @@ std::vector<Triangle> read_plain_glb(const std::filesystem::path& path) {
 }
 
 TEST(BuiltinScenes, AllAreThereWithACameraAndSoundMeshes) {
-    const std::set<std::string_view> names(builtin_scene_names().begin(), builtin_scene_names().end());
+    std::set<std::string_view> names(builtin_scene_names().begin(), builtin_scene_names().end());
     EXPECT_EQ(names,
               (std::set<std::string_view>{"cornell-box", "cornell-box-spot", "cornell-box-glass", "cornell-box-glossy",
                                           "furnace", "caustic-ring", "keyhole", "interior"}));
+    for (const std::string_view figure : builtin_scene_names("photon-splatting")) {
+        EXPECT_TRUE(figure.starts_with("photon-splatting/") && is_builtin_scene(figure)) << figure;
+        names.insert(figure);
+    }
+    EXPECT_EQ(names.size(), 11u);
     for (const std::string_view name : names) {
         const Scene scene = make_builtin_scene(name);
         EXPECT_EQ(scene.name, name);

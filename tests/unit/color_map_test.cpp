@@ -65,5 +65,15 @@ TEST(ColorMap, ClampsAndShowsNanAsMidGrey) {
     EXPECT_TRUE(color_mapped({}).empty());
 }
 
+TEST(OverlapHeatMap, HasTheColoursOfTheThesis) {
+    // papers/photon-splatting.txt, Figure 18; half way between two of them is half of each, rounded away from 0.
+    const std::vector<float> splats{0, 100, 200, 300, 400, 500, 600, 50, -3, 601, kInf, std::nanf("")};
+    const std::vector<uint8_t> expected{0,   0, 255, 0,   128, 128, 0,   255, 0,   128, 128, 0,
+                                        255, 0, 0,   255, 128, 128, 255, 255, 255, 0,   64,  191,
+                                        0,   0, 255, 255, 255, 255, 255, 255, 255, 119, 119, 119};
+    EXPECT_EQ(overlap_heat_map(splats), expected);
+    EXPECT_TRUE(overlap_heat_map({}).empty());
+}
+
 }  // namespace
 }  // namespace photond
