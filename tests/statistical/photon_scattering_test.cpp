@@ -112,10 +112,20 @@ struct Estimate {
     double mean = 0, variance = 0;
 };
 
-/// What the eye sees of light from wi: power that leaves into each cell over power that arrives,
-/// the integral of f |cos_s(wi)| |cos_g(out)| / |cos_g(wi)|. Two random points in each of kSteps^2 strata, whose
-/// differences say how much the mean varies.
-std::vector<Estimate> seen_by_eye(const Scene& scene, const Case& c, float outside_ior, const vec3& wi) {
+/// Power per solid angle that leaves towards `out` over power that arrives from wi, as the eye sees it:
+/// f |cos_s(wi)| |cos_g(out)| / |cos_g(wi)|.
+double seen_towards(const Scene& scene, const Case& c, float outside_ior, const vec3& wi, const vec3& out) {
+    const ShadingPoint point = make_shading_point(scene, kHit, -out);
+    const Bsdf bsdf = part_of(make_bsdf(scene, point, outside_ior), c.part);
+    const Rgb f_cos = bsdf.f_cos(point.shading.to_local(out), point.shading.to_local(wi));
+    return static_cast<double>(f_cos.x * std::fabs(glm::dot(point.geometric_normal, out)) /
+                               std::fabs(glm::dot(point.geometric_normal, wi)));
+}
+
+/// Integral of density(out) over each cell: two random points in each of kSteps^2 strata, whose differences say how
+/// much the mean varies.
+template <class Density>
+std::vector<Estimate> integrate_over_cells(const Density& density) {
     constexpr int kSteps = 16;
     std::vector<Estimate> cells(DirectionCells::kCells);
     RandomStream random(11, RandomDomain::Test, 0, 0);
@@ -123,13 +133,7 @@ std::vector<Estimate> seen_by_eye(const Scene& scene, const Case& c, float outsi
         const auto sample = [&](int row, int column) {
             const double x = (row + static_cast<double>(random.next())) / kSteps;
             const double y = (column + static_cast<double>(random.next())) / kSteps;
-            const vec3 out = DirectionCells::direction(i, x, y);
-            const ShadingPoint point = make_shading_point(scene, kHit, -out);
-            const Bsdf bsdf = part_of(make_bsdf(scene, point, outside_ior), c.part);
-            const Rgb f_cos = bsdf.f_cos(point.shading.to_local(out), point.shading.to_local(wi));
-            return static_cast<double>(f_cos.x * std::fabs(glm::dot(point.geometric_normal, out)) /
-                                       std::fabs(glm::dot(point.geometric_normal, wi))) *
-                   DirectionCells::solid_angle(i) / (kSteps * kSteps);
+            return density(DirectionCells::direction(i, x, y)) * DirectionCells::solid_angle(i) / (kSteps * kSteps);
         };
         for (int row = 0; row < kSteps; ++row)
             for (int column = 0; column < kSteps; ++column) {
@@ -139,6 +143,11 @@ std::vector<Estimate> seen_by_eye(const Scene& scene, const Case& c, float outsi
             }
     }
     return cells;
+}
+
+/// What the eye sees of light from wi: power that leaves into each cell over power that arrives.
+std::vector<Estimate> seen_by_eye(const Scene& scene, const Case& c, float outside_ior, const vec3& wi) {
+    return integrate_over_cells([&](const vec3& out) { return seen_towards(scene, c, outside_ior, wi, out); });
 }
 
 using Scatter = PhotonScattering (*)(const ShadingPoint&, const Bsdf&, const vec3&, float, const vec2&);
@@ -230,6 +239,56 @@ TEST(PhotonScattering, CarriesWhatTheEyeFinds) {
             }
         }
     EXPECT_GT(below, 20u);
+}
+
+// The density is what the eye sees, direction by direction, on both sides of the surface; so that what connections
+// evaluate is what scatter_photon() draws from.
+TEST(PhotonScattering, DensityIsWhatTheEyeSees) {
+    size_t compared = 0;
+    RandomStream random(14, RandomDomain::Test, 0, 0);
+    for (const Case& c : cases())
+        for (const Normals normals : kAllNormals) {
+            const Scene scene = triangle_scene(c.material, normals);
+            for (const vec3& wi : kLights) {
+                const ShadingPoint point = make_shading_point(scene, kHit, -wi);
+                const Bsdf bsdf = part_of(make_bsdf(scene, point), c.part);
+                for (int i = 0; i < 300; ++i) {
+                    const vec3 out(
+                        direction_at(2 * static_cast<double>(random.next()) - 1, static_cast<double>(random.next())));
+                    const double seen = seen_towards(scene, c, 1, wi, out);
+                    const auto density = static_cast<double>(scatter_density(point, bsdf, wi, out).x);
+                    EXPECT_NEAR(density, seen, 1e-3 * seen + 1e-6)  // rounding near the horizon
+                        << c.name << ", normals " << static_cast<int>(normals) << ", light " << wi.x << " " << wi.y
+                        << " " << wi.z << ", out " << out.x << " " << out.y << " " << out.z;
+                    compared += seen > 1e-3;
+                }
+            }
+        }
+    EXPECT_GT(compared, 10'000u);
+}
+
+// Its integral is the mean weight of what scatter_photon() draws.
+TEST(PhotonScattering, DensityIntegratesToTheMeanWeight) {
+    const std::vector<Case> list = cases();
+    constexpr size_t kChosen[] = {0, 1, 2, 6};  // reflectors
+    const double z = two_sided_z(share_of_false_alarm(
+        kFalseAlarm, std::size(kChosen) * std::size(kAllNormals) * std::size(kLights) * DirectionCells::kCells));
+    uint64_t stream = 1000;
+    for (const size_t which : kChosen)
+        for (const Normals normals : kAllNormals) {
+            const Case& c = list[which];
+            const Scene scene = triangle_scene(c.material, normals);
+            for (const vec3& wi : kLights) {
+                const ShadingPoint point = make_shading_point(scene, kHit, -wi);
+                const Bsdf bsdf = part_of(make_bsdf(scene, point), c.part);
+                const std::vector<Estimate> integral = integrate_over_cells(
+                    [&](const vec3& out) { return static_cast<double>(scatter_density(point, bsdf, wi, out).x); });
+                EXPECT_LT(greatest_deviation(integral, carried_by_photons(scene, c, 1, wi, scatter_photon, ++stream)),
+                          z)
+                    << c.name << ", normals " << static_cast<int>(normals) << ", light " << wi.x << " " << wi.y << " "
+                    << wi.z;
+            }
+        }
 }
 
 TEST(PhotonScattering, TheBsdfsOwnWeightWouldBeNoticed) {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 
 #include "protocol/error.h"
@@ -70,6 +71,42 @@ TEST(Kernel, ShapesAreThoseOfTheirSources) {
     const Kernel gaussian(KernelShape::Gaussian);
     const auto w = [](float q_sq) { return 1 - (1 - std::exp(-1.953f * q_sq / 2)) / (1 - std::exp(-1.953f)); };
     for (const float q_sq : {0.1f, 0.5f, 1.0f}) EXPECT_NEAR(gaussian(q_sq) / gaussian(0), w(q_sq), 1e-6f);
+}
+
+// A disc drawn over u in [0, 1) brings 1 / (pi disc^2) within itself. Its mass within q falls as u grows, so that the
+// midpoints of n strata miss the mean by 1 / (2 n) at most; single precision adds little.
+TEST(Kernel, IsTheMeanOfItsDiscs) {
+    constexpr int kStrata = 20000;
+    constexpr double kTolerance = 0.5 / kStrata + 2e-6;
+    for (const Kernel& kernel : kernels()) {
+        std::vector<double> discs;
+        for (int i = 0; i < kStrata; ++i) {
+            discs.push_back(double{kernel.sample_disc((static_cast<float>(i) + 0.5f) / kStrata)});
+            EXPECT_GT(discs.back(), 0) << name(kernel);
+            EXPECT_LE(discs.back(), 1) << name(kernel);
+        }
+        EXPECT_TRUE(std::is_sorted(discs.begin(), discs.end())) << name(kernel);
+        for (const double q : {0.02, 0.1, 0.3, 0.5, 0.7, 0.9, 0.98, 1.0}) {
+            double mass = 0;
+            for (const double disc : discs) mass += std::min(1.0, q * q / (disc * disc));
+            EXPECT_NEAR(mass / kStrata, double{kernel.mass_within(static_cast<float>(q))}, kTolerance)
+                << name(kernel) << " q " << q;
+        }
+        EXPECT_LE(kernel.sample_disc(0x1.fffffep-1f), 1);
+        EXPECT_GT(kernel.sample_disc(0), 0);
+    }
+}
+
+TEST(Kernel, LanesAgreeWithSingleNumbers) {
+    for (const Kernel& kernel : kernels())
+        for (int i = 0; i <= 1000; i += int(kLanes)) {
+            FloatLanes q_sq;
+            for (int lane = 0; lane < int(kLanes); ++lane) q_sq[size_t(lane)] = std::min(1.0f, float(i + lane) / 1000);
+            const FloatLanes together = kernel(q_sq);
+            for (size_t lane = 0; lane < kLanes; ++lane)
+                EXPECT_NEAR(float{together[lane]}, kernel(float{q_sq[lane]}), 2e-6f)
+                    << name(kernel) << " q^2 " << float{q_sq[lane]};
+        }
 }
 
 TEST(Kernel, ACutConeIsRefused) {

@@ -8,7 +8,7 @@
 #include "protocol/error.h"
 #include "renderer/core/thread_local.h"
 #include "renderer/scene/builtin_scenes.h"
-#include "renderer/scene/mesh_builder.h"
+#include "tests/support/hard_scenes.h"
 #include "tests/support/render.h"
 #include "tests/support/statistics.h"
 #include "tests/support/threads.h"
@@ -358,65 +358,8 @@ TEST(PhotonMapping, ACancelledPassLeavesNothing) {
     EXPECT_EQ(method.artefacts()[0].name, "photon_map.glb");
 }
 
-/// A floor and a wall, seen from the front; no light.
-Scene corner(const Material& material) {
-    Scene scene;
-    scene.materials = {material};
-    scene.meshes = {MeshBuilder().quad({-2, -1, 0}, {2, -1, 0}, {2, -1, -4}, {-2, -1, -4}).build(0),
-                    MeshBuilder().quad({-2, -1, -4}, {2, -1, -4}, {2, 3, -4}, {-2, 3, -4}).build(0)};
-    scene.instances.resize(2);
-    scene.instances[1].mesh = 1;
-    scene.cameras = {Camera{}};
-    return scene;
-}
-Material lambert(float reflectance) {
-    Material material;
-    material.metallic = material.specular = 0;
-    material.base_color = Rgb(reflectance);
-    return material;
-}
-PunctualLight lamp() {
-    PunctualLight light;
-    light.position = vec3(0, 2, -2);
-    return light;
-}
-void add_sky(Scene& scene) {
-    Environment sky;
-    sky.map.size = {8, 4};
-    sky.map.radiance.assign(32, Rgb(1));
-    scene.environment = sky;
-}
-
-struct HardScene {
-    const char* name;
-    Scene scene;
-    bool dark;  // nothing is to be seen
-};
-std::vector<HardScene> hard_scenes() {
-    Material mirror;
-    mirror.metallic = 1;
-    mirror.roughness = 0;
-    std::vector<HardScene> scenes;
-    scenes.push_back({"no light", corner(lambert(0.5f)), true});
-    scenes.push_back({"black", corner(lambert(0)), true});
-    scenes.back().scene.punctual_lights = {lamp()};
-    scenes.push_back({"all mirrors", corner(mirror), true});
-    scenes.back().scene.punctual_lights = {lamp()};
-    scenes.push_back({"mirrors under the sky", corner(mirror), false});
-    add_sky(scenes.back().scene);
-    scenes.push_back({"nothing but the sky", Scene{}, false});
-    scenes.back().scene.cameras = {Camera{}};
-    add_sky(scenes.back().scene);
-    scenes.push_back({"nothing at all", Scene{}, true});
-    scenes.back().scene.cameras = {Camera{}};
-    scenes.push_back({"lamp", corner(lambert(1)), false});
-    scenes.back().scene.punctual_lights = {lamp()};
-    for (HardScene& hard : scenes) finish_scene(hard.scene);
-    return scenes;
-}
-
 TEST(PhotonMapping, StaysFiniteWhereThereIsNothingToWorkWith) {
-    for (const HardScene& hard : hard_scenes()) {
+    for (const test::HardScene& hard : test::hard_scenes()) {
         for (const Gather gather : {Gather::Direct, Gather::Final}) {
             for (const uint32_t photons : {1u, 3000u}) {
                 for (const bool options : {false, true}) {

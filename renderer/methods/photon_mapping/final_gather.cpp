@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "renderer/core/morton.h"
 #include "renderer/methods/eye_contributions.h"
 #include "renderer/transport/hit_prefetch.h"
 
@@ -11,21 +12,6 @@ namespace {
 
 /// Instead of a number for Russian roulette: none.
 constexpr float kCertain = -1;
-
-/// Ten bits with two zeros before each.
-uint64_t spread_bits(uint32_t x) {
-    x = (x | x << 16) & 0x030000ffu;
-    x = (x | x << 8) & 0x0300f00fu;
-    x = (x | x << 4) & 0x030c30c3u;
-    return (x | x << 2) & 0x09249249u;
-}
-
-/// Place of a point on the Morton curve through the scene's bounds.
-uint64_t morton_code(const Bounds3& bounds, const vec3& p) {
-    const vec3 size = glm::max(bounds.diagonal(), vec3(1e-30f));
-    const vec3 cell = glm::clamp((p - bounds.min) / size * 1024.0f, vec3(0), vec3(1023));
-    return spread_bits(uint32_t(cell.x)) | spread_bits(uint32_t(cell.y)) << 1 | spread_bits(uint32_t(cell.z)) << 2;
-}
 
 }  // namespace
 
@@ -151,7 +137,7 @@ void FinalGather::sort_hits(const PhotonMappingScene& shared, std::span<const Ga
         if (hit.valid()) {
             prefetch_index(shared.scene, hit);
             const vec3 position = rays_[i].origin + hit.t * rays_[i].direction;
-            order_.push_back(morton_code(shared.scene.bounds, position) << 32 | i);
+            order_.push_back(uint64_t{morton_code(shared.scene.bounds, position)} << 32 | i);
         } else if (shared.scene.environment && paths_[i].light.pdf_sa > 0) {
             const vec3& wi = rays_[i].direction;
             const GatherPath& path = paths_[i];

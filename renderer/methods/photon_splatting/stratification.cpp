@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "renderer/core/morton.h"
 #include "renderer/core/parallel.h"
 
 namespace photond {
@@ -20,15 +21,6 @@ constexpr uint64_t kIndexMask = (uint64_t{1} << kIndexBits) - 1;
 constexpr uint64_t kNoPower = ~uint64_t{0};
 uint64_t code_of(uint64_t key) { return key >> kIndexBits; }
 uint32_t index_of(uint64_t key) { return static_cast<uint32_t>(key & kIndexMask); }
-
-/// Bit i of the coordinate at bit 3 i; below 2^16.
-uint64_t spread_by_three(int32_t coordinate) {
-    auto x = static_cast<uint64_t>(coordinate);
-    x = (x | x << 16) & 0x001f'0000'ff00'00ffull;
-    x = (x | x << 8) & 0x100f'00f0'0f00'f00full;
-    x = (x | x << 4) & 0x10c3'0c30'c30c'30c3ull;
-    return (x | x << 2) & 0x1249'2492'4924'9249ull;
-}
 
 /// The cells of one pass. Half a cell beyond the bounds counts as inside: photons on a wall of the bounds lie beyond it
 /// by their rounding.
@@ -58,8 +50,7 @@ public:
         const bool inside =
             p.x >= low_.x && p.x <= high_.x && p.y >= low_.y && p.y <= high_.y && p.z >= low_.z && p.z <= high_.z;
         if (!inside) return outside();
-        const glm::ivec3 cell(glm::max(vec3(0), (p - min_) * cells_per_m_ + first_));
-        return spread_by_three(cell.x) | spread_by_three(cell.y) << 1 | spread_by_three(cell.z) << 2;
+        return morton_code_wide(uvec3(glm::ivec3(glm::max(vec3(0), (p - min_) * cells_per_m_ + first_))));
     }
 
 private:
