@@ -70,6 +70,7 @@ ShaftVisibility::ShaftVisibility(const Scene& scene) {
     const vec3 extent = scene.bounds.diagonal();
     const float longest = std::max({extent.x, extent.y, extent.z});
     const vec3 farthest = glm::max(glm::abs(scene.bounds.min), glm::abs(scene.bounds.max));
+    masked_ = scene.needs.alpha;
     tolerance_m_ = 4e-6f * std::max({farthest.x, farthest.y, farthest.z});
 
     std::vector<TriangleCorners> large, small;
@@ -94,18 +95,17 @@ ShaftVisibility::ShaftVisibility(const Scene& scene) {
     sorted.reserve(small.size());
     for (const auto& [code, index] : order) sorted.push_back(small[index]);
 
-    const auto blocks_of = [](const std::vector<TriangleCorners>& triangles, std::vector<Block>& blocks,
-                              std::vector<Bounds3>& bounds) {
-        blocks.resize((triangles.size() + kLanes - 1) / kLanes);
-        bounds.resize(blocks.size());
-        for (size_t b = 0; b < blocks.size(); ++b)
-            bounds[b] =
-                fill(blocks[b],
-                     std::span(triangles).subspan(b * kLanes).first(std::min(kLanes, triangles.size() - b * kLanes)));
+    const auto blocks_of = [&](const std::vector<TriangleCorners>& triangles, std::vector<Bounds3>& bounds) {
+        bounds.resize((triangles.size() + kLanes - 1) / kLanes);
+        for (size_t b = 0; b < bounds.size(); ++b) {
+            const size_t first = b * kLanes, count = std::min(kLanes, triangles.size() - first);
+            bounds[b] = fill(blocks_.emplace_back(), std::span(triangles).subspan(first, count));
+        }
     };
     std::vector<Bounds3> bounds;
-    blocks_of(large, large_, bounds);
-    blocks_of(sorted, blocks_, bounds);
+    blocks_of(large, bounds);
+    large_ = static_cast<uint32_t>(blocks_.size());
+    blocks_of(sorted, bounds);
     while (!bounds.empty()) {
         std::vector<Node>& level = levels_.emplace_back((bounds.size() + kLanes - 1) / kLanes);
         std::vector<Bounds3> above(level.size());
@@ -126,14 +126,14 @@ ShaftVisibility::ShaftVisibility(const Scene& scene) {
 uint64_t ShaftVisibility::bytes() const {
     uint64_t nodes = 0;
     for (const std::vector<Node>& level : levels_) nodes += level.size();
-    return (large_.size() + blocks_.size()) * sizeof(Block) + nodes * sizeof(Node);
+    return blocks_.size() * sizeof(Block) + nodes * sizeof(Node);
 }
 
 /// Goes down to the blocks whose nodes `children_of` (a mask of a node's children) lets through. True as soon as
 /// `in_block` is, or when it takes too long.
 template <class Children, class Leaf>
 bool ShaftVisibility::any(const Children& children_of, const Leaf& in_block) const {
-    for (const Block& block : large_)
+    for (uint32_t block = 0; block < large_; ++block)
         if (in_block(block)) return true;
     if (levels_.empty()) return false;
     struct Place {
@@ -151,7 +151,7 @@ bool ShaftVisibility::any(const Children& children_of, const Leaf& in_block) con
             const uint32_t child = index * static_cast<uint32_t>(kLanes) + lane;
             if (level > 0) {
                 stack[depth++] = {level - 1, child};
-            } else if (++blocks > kMostBlocks || in_block(blocks_[child])) {
+            } else if (++blocks > kMostBlocks || in_block(large_ + child)) {
                 return true;
             }
         }
@@ -199,9 +199,36 @@ FloatMask ShaftVisibility::block_in_shaft(const Block& block, const Pyramid& pyr
     return !outside;
 }
 
-bool ShaftVisibility::clear(const vec3& apex, const vec3& apex_normal, const ShaftTarget& target) const {
+ShaftVisibility::Block ShaftVisibility::gather(std::span<const uint32_t> triangles) const {
+    Block block;
+    for (size_t lane = 0; lane < kLanes; ++lane) {
+        const uint32_t triangle = triangles[std::min(lane, triangles.size() - 1)];
+        const Block& from = blocks_[triangle / kLanes];
+        const size_t place = triangle % kLanes;
+        for (int axis = 0; axis < 3; ++axis) {
+            for (int c = 0; c < 3; ++c) block.corner[c][axis][lane] = from.corner[c][axis][place];
+            block.plane[axis][lane] = from.plane[axis][place];
+        }
+        block.plane[3][lane] = from.plane[3][place];
+    }
+    return block;
+}
+
+ShaftBlockers ShaftVisibility::blockers(const vec3& apex, const vec3& apex_normal, const ShaftTarget& target,
+                                        const ShaftBlockers& within) const {
     const Pyramid pyramid(apex, apex_normal, target);
-    if (pyramid.degenerate) return false;
+    if (pyramid.degenerate) return within;
+    ShaftBlockers found;
+    if (within.known()) {
+        for (uint32_t first = 0; first < within.count; first += uint32_t{kLanes}) {
+            const uint32_t lanes = std::min(within.count - first, uint32_t{kLanes});
+            const FloatMask in =
+                block_in_shaft(gather(std::span(within.triangles).subspan(first, lanes)), pyramid, target);
+            for (uint32_t lane = 0; lane < lanes; ++lane)
+                if (in[lane]) found.triangles[found.count++] = within.triangles[first + lane];
+        }
+        return found;
+    }
     const auto children_of = [&](const Node& node) {
         const Vec3Lanes centre = lanes_of(node.centre) - broadcast(apex), half = lanes_of(node.half);
         FloatMask outside(false);
@@ -211,7 +238,37 @@ bool ShaftVisibility::clear(const vec3& apex, const vec3& apex_normal, const Sha
         const FloatLanes reach = dot(broadcast(glm::abs(pyramid.axis)), half);
         return !(outside || along + reach < 0 || along - reach > pyramid.far_m);
     };
-    return !any(children_of, [&](const Block& block) { return stdx::any_of(block_in_shaft(block, pyramid, target)); });
+    const bool too_many = any(children_of, [&](uint32_t block) {
+        const FloatMask in = block_in_shaft(blocks_[block], pyramid, target);
+        if (stdx::none_of(in)) return false;
+        for (uint32_t lane = 0; lane < kLanes; ++lane) {
+            if (!in[lane]) continue;
+            if (masked_ || found.count == ShaftBlockers::kMost) return true;
+            found.triangles[found.count++] = block * static_cast<uint32_t>(kLanes) + lane;
+        }
+        return false;
+    });
+    return too_many ? ShaftBlockers::unknown() : found;
+}
+
+/// [Moeller and Trumbore 1997] Fast, Minimum Storage Ray/Triangle Intersection.
+FloatMask ShaftVisibility::blocked(const ShaftBlockers& blockers, const Vec3Lanes& from, const vec3& to) const {
+    const Vec3Lanes direction = broadcast(to) - from;
+    FloatMask cut(false);
+    for (uint32_t i = 0; i < blockers.count; ++i) {
+        const Block& block = blocks_[blockers.triangles[i] / kLanes];
+        const size_t place = blockers.triangles[i] % kLanes;
+        const auto corner = [&](int c) {
+            return vec3(block.corner[c][0][place], block.corner[c][1][place], block.corner[c][2][place]);
+        };
+        const vec3 origin = corner(0);
+        const Vec3Lanes edge1 = broadcast(corner(1) - origin), edge2 = broadcast(corner(2) - origin);
+        const Vec3Lanes p = cross(direction, edge2), s = from - broadcast(origin), q = cross(s, edge1);
+        const FloatLanes inverse = 1.0f / dot(edge1, p);
+        const FloatLanes u = dot(s, p) * inverse, v = dot(direction, q) * inverse, t = dot(edge2, q) * inverse;
+        cut = cut || (u >= 0 && v >= 0 && u + v <= 1 && t > 0 && t < 1);
+    }
+    return cut;
 }
 
 bool ShaftVisibility::near_above(const ShaftTarget& target, float radius_m, const vec3& point,
@@ -224,7 +281,8 @@ bool ShaftVisibility::near_above(const ShaftTarget& target, float radius_m, cons
         return stdx::fabs(between.x) <= half.x + reach.x && stdx::fabs(between.y) <= half.y + reach.y &&
                stdx::fabs(between.z) <= half.z + reach.z;
     };
-    return any(children_of, [&](const Block& block) {
+    return any(children_of, [&](uint32_t index) {
+        const Block& block = blocks_[index];
         const Vec3Lanes corner[3] = {lanes_of(block.corner[0]), lanes_of(block.corner[1]), lanes_of(block.corner[2])};
         const auto least = [&](auto get) {
             return stdx::min(stdx::min(get(corner[0]), get(corner[1])), get(corner[2]));

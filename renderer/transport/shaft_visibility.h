@@ -27,6 +27,20 @@ struct ShaftTarget {
     bool flat() const { return normal != vec3(0); }
 };
 
+/// Triangles that may stand in a shaft.
+struct ShaftBlockers {
+    static constexpr uint32_t kMost = 16;
+    uint32_t count = 0;  // kMost + 1: more than that; nothing more is known
+    std::array<uint32_t, kMost> triangles;
+
+    bool known() const { return count <= kMost; }
+    static ShaftBlockers unknown() {
+        ShaftBlockers all;
+        all.count = kMost + 1;
+        return all;
+    }
+};
+
 class ShaftVisibility {
 public:
     /// Scenes with more triangles than that are left to shadow rays: the copy made here costs 52 bytes a triangle.
@@ -36,10 +50,15 @@ public:
     /// All triangles of a finished scene, which is not needed any more.
     explicit ShaftVisibility(const Scene& scene);
 
-    /// Whether all segments from the apex to points of the target are free of surfaces. The apex lies on a surface, the
-    /// points may: only segments count that leave to the side that `apex_normal` (unit) shows to, and reach a flat
-    /// target on the side of its normal. False also where the answer would take long. Thread-safe.
-    bool clear(const vec3& apex, const vec3& apex_normal, const ShaftTarget& target) const;
+    /// Triangles that may cut segments from the apex to points of the target; none: all are free. The apex lies on a
+    /// surface, the points may: only segments count that leave to the side that `apex_normal` (unit) shows to, and
+    /// reach a flat target on the side of its normal. `within`: what was said of a target that holds this one, seen
+    /// from the same apex. Where a surface is masked, or it would take long, the answer is unknown. Thread-safe.
+    ShaftBlockers blockers(const vec3& apex, const vec3& apex_normal, const ShaftTarget& target,
+                           const ShaftBlockers& within = ShaftBlockers::unknown()) const;
+
+    /// Which of the segments between the points and `to`, both off their surfaces, are cut by these (known) triangles.
+    FloatMask blocked(const ShaftBlockers& blockers, const Vec3Lanes& from, const vec3& to) const;
 
     /// Whether a triangle may come within `radius_m` of the target's points on the side of the plane through `point`
     /// that `normal` (unit) shows to. False is exact.
@@ -59,12 +78,14 @@ private:
 
     static Bounds3 fill(Block& block, std::span<const TriangleCorners> triangles);
     FloatMask block_in_shaft(const Block& block, const Pyramid& pyramid, const ShaftTarget& target) const;
+    Block gather(std::span<const uint32_t> triangles) const;
     template <class Children, class Leaf>
     bool any(const Children& children_of, const Leaf& in_block) const;
 
-    std::vector<Block> large_;               // those that no box but the scene's holds: always asked
-    std::vector<Block> blocks_;              // the others, along a Morton curve
-    std::vector<std::vector<Node>> levels_;  // over blocks_: levels_[0] has the blocks as children
+    std::vector<Block> blocks_;              // first the large triangles, which no box but the scene's holds well
+    uint32_t large_ = 0;                     // blocks of those: always asked; the others lie along a Morton curve
+    std::vector<std::vector<Node>> levels_;  // levels_[0] has the other blocks as children
+    bool masked_ = false;                    // some triangle lets part of the light through
     float tolerance_m_ = 0;                  // how far a point of a surface may lie off its plane by rounding
 };
 

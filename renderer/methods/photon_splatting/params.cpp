@@ -35,6 +35,9 @@ void PhotonSplattingParams::visit(ParamVisitor& visitor) {
     visitor.field(
         "splat_size_relative", splat_size_relative,
         {"", 1e-9, 1e3, "the same, over the radius of the scene's bounding sphere; 0.1 when neither is given"});
+    visitor.flag("adaptive_size", adaptive_size,
+                 "connect: splats are smaller where light is dense and larger where it is rare, by a pilot's photons; "
+                 "exact in the mean like any size");
     visitor.enumeration("filter", filter, {kFilters, "weight of a splat across its axis, radial"});
     visitor.enumeration("weighting", weighting,
                         {kWeightings, "normalised: the thesis' colour over weight; radiometric: watts"});

@@ -6,6 +6,7 @@
 #include "renderer/gbuffer/indirect_blur.h"
 #include "renderer/methods/photon_splatting/repayment.h"
 #include "renderer/methods/photon_splatting/splat_accumulation.h"
+#include "renderer/methods/photon_splatting/splat_sizes.h"
 #include "renderer/methods/specular_walk.h"
 
 namespace photond {
@@ -14,6 +15,7 @@ namespace {
 
 constexpr uint32_t kTileSide = 32;
 constexpr float kSplitRadii = 0.75f;  // clusters wider than that are halved
+constexpr uint64_t kPilotSeed = 0x5a1f'0b1d'91c3'7e55;
 constexpr uint32_t kBlurPixels[] = {0, 3, 5, 7, 9};
 
 /// Photons a light path leaves at each of its scatterings where nothing is known of the scene, a furnished closed room.
@@ -76,6 +78,7 @@ struct PhotonSplatting::State {
     std::optional<EmissionSampler> emission;
     std::optional<PhotonTracer> tracer;
     std::optional<ShaftVisibility> shafts;
+    SplatSizes sizes{settings.radius_m};
     ThreadLocal<PerThread> threads;
     std::map<std::string, uint64_t> most_bytes;
 
@@ -152,15 +155,13 @@ void PhotonSplatting::begin(const RenderContext& context, Stats& stats) {
     budget.record("emission_sampler", state.emission->bytes());
     budget.record("photon_tracer", PhotonTracer::scratch_bytes(most_threads()));
     budget.record("splat_accumulators", most_threads() * SplatAccumulator::bytes_per_thread());
-    state.tracer.emplace(scene, context.intersector, *state.emission,
-                         PhotonTracing{.photons = params_.photons,
-                                       .most_scatterings = params_.bounces,
-                                       .glossy_threshold = params_.connects() ? std::max(params_.connect_threshold,
-                                                                                         params_.glossy_threshold)
-                                                                              : params_.glossy_threshold,
-                                       .sampler = params_.sampler,
-                                       .injection = params_.injection,
-                                       .rough_apart = params_.connects()});
+    const PhotonTracing tracing{.photons = params_.photons,
+                                .most_scatterings = params_.bounces,
+                                .glossy_threshold = params_.photon_threshold(),
+                                .sampler = params_.sampler,
+                                .injection = params_.injection,
+                                .rough_apart = params_.connects()};
+    state.tracer.emplace(scene, context.intersector, *state.emission, tracing);
     const auto skip_shafts = [&](const char* why, uint64_t bytes) {
         stats.skipped.push_back({"shaft visibility", why, bytes});
     };
@@ -174,6 +175,17 @@ void PhotonSplatting::begin(const RenderContext& context, Stats& stats) {
         const StageTimer timer(stats, "shaft_build");
         state.shafts.emplace(scene);
         budget.record("shaft_visibility", state.shafts->bytes());
+    }
+    if (params_.connects() && params_.adaptive_size) {
+        const StageTimer timer(stats, "photon_tracing");
+        PhotonTracing pilot = tracing;
+        pilot.photons = SplatSizes::kPilotPhotons;
+        // Numbers of its own: as little as the seed of a reference does this one show in the passes.
+        const TracedReflections photons = PhotonTracer(scene, context.intersector, *state.emission, pilot)
+                                              .trace_reflected(hash64(context.seed) ^ kPilotSeed, 0, CancelToken{});
+        stats.counts += photons.counts;
+        state.sizes = SplatSizes(state.settings.radius_m, scene.bounds, photons, context.intersector, stats.counts);
+        budget.record("splat_sizes", state.sizes.bytes());
     }
     if (params_.connects() && !scene.needs.delta && !scene.needs.glossy)
         stats.skipped.push_back({"depth maps of beams", "no surface reflects but by its rough part", 0});
@@ -218,6 +230,11 @@ void PhotonSplatting::look_from_eye(uint32_t pass, Stats& stats, const CancelTok
         bytes += state.tiles[i].blocks.capacity() * sizeof(PointBlock) +
                  state.tiles[i].general.capacity() * sizeof(VisiblePoint);
     }
+    parallel_for(clusters.size(), 64, [&](size_t i) {
+        VisibleCluster& cluster = clusters[i];
+        const vec3 normal = state.tiles[cluster.tile].blocks[cluster.first_block].geometric_normal.get(0);
+        cluster.splat_radius_m = state.sizes.radius_m(cluster.target.centre, normal);
+    });
     state.clusters.build(std::move(clusters), state.eye.scene.bounds);
     state.record("visible_points", bytes + state.clusters.bytes());
 
@@ -289,9 +306,7 @@ void PhotonSplatting::light_image(uint32_t pass, Stats& stats, const CancelToken
     if (params_.connects() && params_.repay && state.tracer) {
         const StageTimer timer(stats, "repay");
         const PassSampler sampler(state.eye.sampler, state.eye.seed, RandomDomain::Splats, pass);
-        const RepaymentScene shared{state.eye, state.settings.clamp_sq_m2,
-                                    std::max(params_.connect_threshold, params_.glossy_threshold),
-                                    state.shafts ? &*state.shafts : nullptr};
+        const RepaymentScene shared{state.eye, params_.photon_threshold(), state.shafts ? &*state.shafts : nullptr};
         parallel_for(state.clusters.clusters().size(), 4, [&](size_t index) {
             if (cancel.cancelled()) return;
             State::PerThread& mine = state.threads.local();

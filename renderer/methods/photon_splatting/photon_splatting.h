@@ -26,6 +26,7 @@ struct PhotonSplattingParams final : MethodParams {
     Representative representative = Representative::ByPower;
     std::optional<float> splat_size_m;
     std::optional<float> splat_size_relative;
+    bool adaptive_size = true;
     SplatFilter filter = SplatFilter::Box;
     SplatWeighting weighting = SplatWeighting::Radiometric;
     SplatEstimator estimator = SplatEstimator::Connect;
@@ -51,6 +52,10 @@ struct PhotonSplattingParams final : MethodParams {
     bool connects() const { return weighting == SplatWeighting::Radiometric && estimator == SplatEstimator::Connect; }
     /// Whether beams become narrower from pass to pass.
     bool shrinks() const { return shrink && weighting == SplatWeighting::Radiometric; }
+    /// Of photons: lobes with GGX alpha below it send beams.
+    float photon_threshold() const {
+        return connects() ? std::max(connect_threshold, glossy_threshold) : glossy_threshold;
+    }
     /// Greatest number of scattering vertices of a path (conventions.md: n vertices make n - 1 bounces).
     uint32_t max_scatterings() const { return bounces + 1; }
 };

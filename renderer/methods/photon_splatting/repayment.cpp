@@ -21,13 +21,14 @@ Bsdf connecting_part(const Bsdf& bsdf, float threshold) {
 
 void Repayment::repay(const RepaymentScene& shared, const PassSampler& sampler, const VisibleCluster& cluster,
                       PointTile& points, Counts& counts) {
-    const float reach_m = std::sqrt(shared.clamp_sq_m2);
+    clamp_sq_m2_ = cluster.clamp_sq_m2();
+    const float reach_m = std::sqrt(clamp_sq_m2_);
     blocks_ = points.blocks.data() + cluster.first_block;
     if (cluster.most_scatterings == 0) return;
     if (shared.shafts && cluster.flat() &&
         !shared.shafts->near_above(cluster.target, reach_m, cluster.target.centre, cluster.target.normal))
         return;
-    start(shared, sampler, cluster, points);
+    start(sampler, cluster, points);
     int64_t left = int64_t{cluster.most_scatterings} - 1;
     for (uint32_t vertex = 0; !rays_.empty(); ++vertex, --left) {
         hits_.resize(rays_.size());
@@ -50,9 +51,8 @@ void Repayment::add(uint32_t point, const Rgb& light) {
 }
 
 /// One short ray a point. The throughput makes irradiance of radiance at Lambert points, radiance at others.
-void Repayment::start(const RepaymentScene& shared, const PassSampler& sampler, const VisibleCluster& cluster,
-                      const PointTile& points) {
-    const float reach_m = std::sqrt(shared.clamp_sq_m2);
+void Repayment::start(const PassSampler& sampler, const VisibleCluster& cluster, const PointTile& points) {
+    const float reach_m = std::sqrt(clamp_sq_m2_);
     rays_.clear(), paths_.clear();
     for (uint32_t i = 0; i < cluster.points; ++i) {
         const PointBlock& block = blocks_[i / kLanes];
@@ -113,7 +113,7 @@ void Repayment::scatter(const RepaymentScene& shared, const PassSampler& sampler
         if (!is_black(radiance))
             add(path.point, path.throughput * radiance * (path.delta ? 1.0f : power_heuristic(path.pdf_sa, light_pdf)));
     } else if (hit.valid()) {
-        path.throughput *= 1 - std::min(sqr(hit.t) / shared.clamp_sq_m2, 1.0f);
+        path.throughput *= 1 - std::min(sqr(hit.t) / clamp_sq_m2_, 1.0f);
     }
     if (!hit.valid() || left < 0) return;
 

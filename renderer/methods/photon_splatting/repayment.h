@@ -16,7 +16,6 @@ namespace photond {
 /// What all threads share.
 struct RepaymentScene {
     const EyeScene& eye;
-    float clamp_sq_m2;              // B
     float connect_threshold;        // of the rough part that connects
     const ShaftVisibility* shafts;  // null: rays are traced everywhere
 };
@@ -44,14 +43,14 @@ private:
         uint32_t point;
     };
 
-    void start(const RepaymentScene& shared, const PassSampler& sampler, const VisibleCluster& cluster,
-               const PointTile& points);
+    void start(const PassSampler& sampler, const VisibleCluster& cluster, const PointTile& points);
     void scatter(const RepaymentScene& shared, const PassSampler& sampler, uint32_t vertex, int64_t left, size_t i);
     void sample_light(const RepaymentScene& shared, const PassSampler& sampler, uint32_t vertex, const Path& path,
                       const ShadingPoint& at, const Bsdf& bsdf, const vec3& wo, bool competes);
     void add(uint32_t point, const Rgb& light);
 
     PointBlock* blocks_ = nullptr;
+    float clamp_sq_m2_ = 0;  // B of the cluster
     std::vector<Ray> rays_, next_rays_, shadow_rays_;
     std::vector<Hit> hits_;
     std::vector<Path> paths_, next_paths_;

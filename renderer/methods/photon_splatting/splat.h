@@ -14,12 +14,14 @@ struct Splat {
     };
 
     vec3 origin{0};  // world [m]: y, where the photon left
-    float radius_m = 0;
-    vec3 axis{0};             // unit: w
-    float disc_radius_m = 0;  // Connect: of the disc that stands for the filter near y's horizon
-    Rgb intensity{0};         // W m^-2: power over radius^2 (ConnectRough: arriving power)
-    float near_m = 0;         // Beam: the part of the ray that it lights
-    vec3 normal{0};           // Connect: geometric, at y
+    /// Connections: over the radius that the receiver's place asks for (splat_sizes.h).
+    float radius = 0;  // Beam: [m]
+    vec3 axis{0};      // unit: w
+    float disc = 1;    // Connect: of the disc that stands for the filter near y's horizon, over the radius
+    /// Connections: power [W] (ConnectRough: the arriving power). Beam: over the squared radius [W m^-2].
+    Rgb intensity{0};
+    float near_m = 0;  // Beam: the part of the ray that it lights
+    vec3 normal{0};    // Connect: geometric, at y
     float far_m = kInfinity;
     vec3 shadow_target{0};     // Connect: where shadow rays to y end, just off its surface
     float weight = 1;          // `normalised`: of its cell

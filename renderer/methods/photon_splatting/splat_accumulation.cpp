@@ -13,6 +13,14 @@ void add_to(LaneFloats& sums, const FloatLanes& values) {
     (FloatLanes(sums, kAligned) + values).copy_to(sums, kAligned);
 }
 
+/// Where shadow rays from the points to a splat's origin begin: offset_ray_origin(), lane by lane.
+Vec3Lanes shadow_ends(const PointBlock& points, const Splat& splat) {
+    const Vec3Lanes p = points.position.load(), n = points.geometric_normal.load();
+    const FloatLanes side = select(dot(n, broadcast(splat.origin) - p) < 0, FloatLanes(-1), FloatLanes(1));
+    return {lambert_lanes::offset_coordinate(p.x, side * n.x), lambert_lanes::offset_coordinate(p.y, side * n.y),
+            lambert_lanes::offset_coordinate(p.z, side * n.z)};
+}
+
 /// What changes a splat's intensity towards a point, `d` from its origin.
 Rgb intensity_towards(const SplatPass& pass, const Splat& splat, const RoughOrigin* rough, const vec3& d) {
     if (!rough && !splat.corrected) return splat.intensity;
@@ -61,8 +69,9 @@ void SplatAccumulator::light_cluster(const SplatPass& pass, const SplatBatch& ba
     for (const SplatBatch::Pair& pair : batch.of_cluster(cluster)) {
         const SplatBatch::Chunk& chunk = batch.chunk(pair);
         const Splat& splat = chunk.splats[pair.splat];
-        const SplatBroadcast wide(splat);
-        if (splat.kind == Splat::Kind::Beam) {
+        const bool beam = splat.kind == Splat::Kind::Beam;
+        const SplatBroadcast wide(splat, beam ? splat.radius : splat.radius * at.splat_radius_m);
+        if (beam) {
             const bool asks_map = pass.settings.visibility;
             const Frame frame(splat.axis);
             for (uint32_t b = 0; b < blocks; ++b) {
@@ -83,10 +92,16 @@ void SplatAccumulator::light_cluster(const SplatPass& pass, const SplatBatch& ba
             continue;
         }
         const RoughOrigin* rough = splat.kind == Splat::Kind::ConnectRough ? &chunk.rough[splat.frustum] : nullptr;
-        for (uint32_t b = 0; b < blocks; ++b)
-            take<kReceiver>(pass, splat, rough, b,
-                            connect_gain<kReceiver>(splat, wide, blocks_[b], filter, pass.settings.clamp_sq_m2),
-                            pair.clear, counts);
+        const bool unknown = pair.blockers == SplatBatch::kUnknown;
+        for (uint32_t b = 0; b < blocks; ++b) {
+            SplatGain found = connect_gain<kReceiver>(splat, wide, blocks_[b], filter, at.clamp_sq_m2());
+            if (!unknown && pair.blockers != SplatBatch::kClear && stdx::any_of(found.lit)) {
+                found.lit = found.lit && !pass.shafts->blocked(chunk.blockers[pair.blockers],
+                                                               shadow_ends(blocks_[b], splat), splat.shadow_target);
+                found.gain = select(found.lit, found.gain, FloatLanes(0));
+            }
+            take<kReceiver>(pass, splat, rough, b, found, !unknown, counts);
+        }
     }
     trace_shadow_rays<kReceiver>(pass, counts);
     if constexpr (kReceiver == Receiver::General) {

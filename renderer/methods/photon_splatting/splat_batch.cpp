@@ -57,24 +57,8 @@ public:
     }
 
     void find_clusters() {
-        const std::span<const VisibleCluster> clusters = pass_.clusters.clusters();
-        for (uint32_t i = 0; i < chunk_.splats.size(); ++i) {
-            const Splat& splat = chunk_.splats[i];
-            const bool beam = splat.kind == Splat::Kind::Beam;
-            const bool asks_shafts = !beam && pass_.shafts && settings_.visibility;
-            const auto enter = [&](const ShaftTarget& target, int clear) {
-                if (beam) return 1;
-                const float reach = glm::dot(glm::abs(splat.normal), target.half);
-                // All below the horizon of y, or so little above that next to nothing gets there.
-                if (glm::dot(splat.normal, target.centre - splat.origin) + reach <= 1e-5f * splat.radius_m) return -1;
-                return clear == 1 || (asks_shafts && pass_.shafts->clear(splat.origin, splat.normal, target)) ? 1 : 0;
-            };
-            pass_.clusters.find(
-                {splat.origin, splat.axis, beam ? splat.near_m : 0, beam ? splat.far_m : kInfinity, splat.radius_m},
-                settings_.visibility && !beam ? 0 : 1, enter, [&](uint32_t cluster, int clear) {
-                    if (faces(clusters[cluster], splat, beam)) chunk_.found.push_back({cluster, i, clear == 1});
-                });
-        }
+        for (uint32_t i = 0; i < chunk_.splats.size(); ++i)
+            chunk_.splats[i].kind == Splat::Kind::Beam ? find_of_beam(i) : find_of_connection(i);
     }
 
 private:
@@ -82,12 +66,55 @@ private:
     void place(Splat& splat, float hit_m) {
         // Not before the whole bundle has left the surface it comes from, whose back would shadow it.
         const float cosine = std::max(std::fabs(glm::dot(splat.normal, splat.axis)), 1e-3f);
-        const float leaves_m = splat.radius_m * std::sqrt(std::max(1 - sqr(cosine), 0.0f)) / cosine;
+        const float leaves_m = splat.radius * std::sqrt(std::max(1 - sqr(cosine), 0.0f)) / cosine;
         splat.near_m = std::max(hit_m - settings_.step_back_m, std::min(leaves_m, hit_m));
         splat.far_m = std::max(hit_m - settings_.step_back_m + settings_.depth_m, splat.near_m);
         splat.frustum = static_cast<uint32_t>(frusta_.size());
-        frusta_.push_back({splat.origin + splat.near_m * splat.axis, splat.axis, splat.radius_m,
-                           std::max(splat.far_m - splat.near_m, 1e-6f * splat.radius_m)});
+        frusta_.push_back({splat.origin + splat.near_m * splat.axis, splat.axis, splat.radius,
+                           std::max(splat.far_m - splat.near_m, 1e-6f * splat.radius)});
+    }
+
+    void find_of_beam(uint32_t index) {
+        const Splat& splat = chunk_.splats[index];
+        pass_.clusters.find(
+            {splat.origin, splat.axis, splat.near_m, splat.far_m, splat.radius, 0}, 0,
+            [](const ShaftTarget&, int) { return 0; },
+            [&](uint32_t cluster, int) {
+                if (faces(pass_.clusters.clusters()[cluster], splat, true))
+                    chunk_.found.push_back({cluster, index, SplatBatch::kClear});
+            });
+    }
+
+    /// The states on the way down: what may stand in the shaft to a node, as an index into shafts_, or clear.
+    void find_of_connection(uint32_t index) {
+        constexpr int kSkipped = -1, kFree = 0;
+        const Splat& splat = chunk_.splats[index];
+        shafts_.assign(1, ShaftBlockers{});
+        if (settings_.visibility) shafts_.push_back(ShaftBlockers::unknown());
+        const auto enter = [&](const ShaftTarget& target, int from) {
+            const float reach = glm::dot(glm::abs(splat.normal), target.half);
+            // All below the horizon of y, or so little above that next to nothing gets there.
+            if (glm::dot(splat.normal, target.centre - splat.origin) + reach <= 1e-5f * settings_.radius_m)
+                return kSkipped;
+            if (from == kFree || !pass_.shafts) return from;
+            const ShaftBlockers found =
+                pass_.shafts->blockers(splat.origin, splat.normal, target, shafts_[static_cast<size_t>(from)]);
+            if (found.count == 0) return kFree;
+            shafts_.push_back(found);
+            return static_cast<int>(shafts_.size()) - 1;
+        };
+        const auto leaf = [&](uint32_t cluster, int state) {
+            if (!faces(pass_.clusters.clusters()[cluster], splat, false)) return;
+            uint32_t blockers = SplatBatch::kClear;
+            if (state != kFree) {
+                const ShaftBlockers& found = shafts_[static_cast<size_t>(state)];
+                blockers = found.known() ? static_cast<uint32_t>(chunk_.blockers.size()) : SplatBatch::kUnknown;
+                if (found.known()) chunk_.blockers.push_back(found);
+            }
+            chunk_.found.push_back({cluster, index, blockers});
+        };
+        pass_.clusters.find({splat.origin, splat.axis, 0, kInfinity, 0, splat.radius}, settings_.visibility ? 1 : 0,
+                            enter, leaf);
     }
 
     static bool faces(const VisibleCluster& cluster, const Splat& splat, bool beam) {
@@ -120,8 +147,8 @@ private:
         splat.shadow_target =
             offset_ray_origin(photon.position, glm::dot(photon.normal, axis) < 0 ? -photon.normal : photon.normal);
         const bool connects = settings_.connects && photon.spread() != Spread::Beam;
-        splat.radius_m = settings_.radius_m * std::sqrt(source.photons) * (connects ? 1.0f : shrink_);
-        splat.disc_radius_m = splat.radius_m * settings_.filter.sample_disc(u);
+        splat.radius = std::sqrt(source.photons) * (connects ? 1.0f : settings_.radius_m * shrink_);
+        splat.disc = settings_.filter.sample_disc(u);
         Rgb power_w = source.power_w / static_cast<float>(rays);
         if (!connects) {
             splat.kind = Splat::Kind::Beam;
@@ -139,12 +166,12 @@ private:
             splat.frustum = static_cast<uint32_t>(chunk_.rough.size());
             const ShadingPoint surface = make_shading_point(pass_.scene, at.hit, -at.wi_world);
             chunk_.rough.push_back(
-                {surface, make_bsdf(pass_.scene, surface, at.outside_ior).rough_part(pass_.params.connect_threshold),
+                {surface, make_bsdf(pass_.scene, surface, at.outside_ior).rough_part(pass_.params.photon_threshold()),
                  at.wi_world});
         } else {
             splat.corrected = photon.correction != 1;
         }
-        if (!settings_.normalised) splat.intensity = power_w / sqr(splat.radius_m);
+        if (!settings_.normalised) splat.intensity = connects ? power_w : power_w / sqr(splat.radius);
         if (is_black(splat.intensity) || !is_finite(splat.intensity)) return;
         chunk_.splats.push_back(splat);
     }
@@ -156,6 +183,7 @@ private:
     std::vector<Ray> rays_;
     std::vector<Hit> hits_;
     std::vector<SplatFrustum> frusta_;
+    std::vector<ShaftBlockers> shafts_;  // of one splat; the first is empty
 };
 
 }  // namespace
@@ -166,7 +194,7 @@ void SplatBatch::make(const SplatPass& pass, size_t first, size_t last, Stats& s
     if (chunks_.size() < chunk_count_) chunks_.resize(chunk_count_);
     parallel_for(chunk_count_, 1, [&](size_t c) {
         Chunk& chunk = chunks_[c];
-        chunk.splats.clear(), chunk.rough.clear(), chunk.found.clear();
+        chunk.splats.clear(), chunk.rough.clear(), chunk.found.clear(), chunk.blockers.clear();
         chunk.counts = {};
         chunk.seconds_depth = chunk.seconds_finding = 0;
         if (cancel.cancelled()) return;
@@ -212,7 +240,8 @@ void SplatBatch::sort_pairs(size_t clusters) {
     pairs_.resize(pairs);
     parallel_for(chunk_count_, 1, [&](size_t c) {
         for (const Chunk::Found& found : chunks_[c].found)
-            pairs_[places_[found.cluster * chunk_count_ + c]++] = {found.splat, static_cast<uint16_t>(c), found.clear};
+            pairs_[places_[found.cluster * chunk_count_ + c]++] = {found.splat, static_cast<uint32_t>(c),
+                                                                   found.blockers};
     });
 }
 
@@ -220,7 +249,7 @@ uint64_t SplatBatch::bytes() const {
     uint64_t bytes = pairs_.capacity() * sizeof(Pair) + (begins_.capacity() + places_.capacity()) * sizeof(uint32_t);
     for (const Chunk& chunk : chunks_)
         bytes += chunk.splats.capacity() * sizeof(Splat) + chunk.rough.capacity() * sizeof(RoughOrigin) +
-                 chunk.found.capacity() * sizeof(Chunk::Found);
+                 chunk.found.capacity() * sizeof(Chunk::Found) + chunk.blockers.capacity() * sizeof(ShaftBlockers);
     return bytes;
 }
 

@@ -51,9 +51,10 @@ public:
     /// A splat that may light a cluster.
     struct Pair {
         uint32_t splat;  // in chunk `chunk`
-        uint16_t chunk;
-        bool clear;  // nothing stands between
+        uint32_t chunk;
+        uint32_t blockers;  // what may stand between: index into the chunk's, or one of these
     };
+    static constexpr uint32_t kClear = ~0u, kUnknown = ~0u - 1;
     std::span<const Pair> of_cluster(uint32_t cluster) const {
         return std::span(pairs_).subspan(begins_[cluster], begins_[cluster + 1] - begins_[cluster]);
     }
@@ -61,11 +62,11 @@ public:
     /// Splats that were made together.
     struct Chunk {
         struct Found {
-            uint32_t cluster, splat;
-            bool clear;
+            uint32_t cluster, splat, blockers;
         };
         std::vector<Splat> splats;
         std::vector<RoughOrigin> rough;
+        std::vector<ShaftBlockers> blockers;
         std::vector<Found> found;
         SplatDepthMaps depth_maps{16};
         Counts counts;

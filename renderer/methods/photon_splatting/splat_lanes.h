@@ -8,8 +8,8 @@
 
 namespace photond {
 
-/// gain: irradiance [W m^-2] over the splat's intensity; for receivers that are not Lambert without the receiver's
-/// cosine. Zero where not lit.
+/// gain: irradiance [W m^-2] over the splat's intensity (Splat::intensity); for receivers that are not Lambert without
+/// the receiver's cosine. Zero where not lit.
 struct SplatGain {
     FloatLanes gain;
     FloatMask lit;
@@ -17,14 +17,16 @@ struct SplatGain {
 
 /// A splat in all lanes.
 struct SplatBroadcast {
-    explicit SplatBroadcast(const Splat& splat)
+    /// `radius_m`: at the receivers.
+    SplatBroadcast(const Splat& splat, float radius)
         : origin(broadcast(splat.origin)),
           axis(broadcast(splat.axis)),
           normal(broadcast(splat.normal)),
-          radius_sq(sqr(splat.radius_m)),
-          inverse_radius_sq(1 / sqr(splat.radius_m)) {}
+          radius_m(radius),
+          radius_sq(sqr(radius)),
+          inverse_radius_sq(1 / sqr(radius)) {}
     Vec3Lanes origin, axis, normal;
-    float radius_sq, inverse_radius_sq;
+    float radius_m, radius_sq, inverse_radius_sq;
 };
 
 /// How a cluster's points receive: decided once for all of them.
@@ -50,13 +52,14 @@ inline SplatGain connect_gain(const Splat& splat, const SplatBroadcast& wide, co
 
     const FloatLanes inverse_d = 1.0f / stdx::sqrt(stdx::max(d_sq, FloatLanes(1e-37f)));
     FloatLanes gain = filter(stdx::min(u_sq * wide.inverse_radius_sq, FloatLanes(1)));
-    const FloatMask clipped = lit && height < splat.radius_m;
+    const FloatMask clipped = lit && height < wide.radius_m;
     if (stdx::any_of(clipped)) {
-        const float disc_sq = sqr(splat.disc_radius_m);
+        const float disc_sq = wide.radius_sq * sqr(splat.disc);
         const FloatLanes factor = connect_factor(d_sq, stdx::min(height * inverse_d, FloatLanes(1)), disc_sq, clamp_sq);
         const FloatLanes of_disc = select(u_sq < disc_sq, factor * (kInvPi * wide.radius_sq / disc_sq), FloatLanes(0));
         gain = select(clipped, of_disc, gain);
     }
+    gain *= wide.inverse_radius_sq;
     if constexpr (kReceiver != Receiver::General) gain *= cosine * inverse_d;
     return {select(lit, gain, FloatLanes(0)), lit};
 }

@@ -43,7 +43,6 @@ SplatSettings::SplatSettings(const PhotonSplattingParams& params, const Scene& s
                           params.splat_size_relative.value_or(kSizeRelative) * scene.bounds.radius(), 1e-20f))),
       step_back_m(params.step_back_m.value_or(kDepthRadii * radius_m)),
       depth_m(params.splat_depth_m.value_or(step_back_m + kDepthRadii * radius_m)),
-      clamp_sq_m2(sqr(radius_m)),
       shrink_alpha(params.shrinks() ? params.alpha : 1.0f),
       shadow_resolution(params.shadow_resolution),
       surface_area_m2(normalised ? std::max(area_m2(scene), 1e-30f) : 1.0f) {}

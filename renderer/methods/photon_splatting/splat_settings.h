@@ -15,7 +15,6 @@ struct SplatSettings {
     float radius_m;      // half of splat_size: of a photon that splats alone, in the first pass
     float step_back_m;   // of beams, before the hit of the photon's ray
     float depth_m;       // of beams, from there
-    float clamp_sq_m2;   // B of the connection's clamp
     float shrink_alpha;  // 1: no shrinking
     uint32_t shadow_resolution;
     float surface_area_m2;  // of the scene; `normalised` makes powers colours with it

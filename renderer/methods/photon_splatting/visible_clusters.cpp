@@ -181,13 +181,18 @@ void VisibleClusters::build(std::vector<VisibleCluster> clusters, const Bounds3&
 
     levels_.clear();
     std::vector<ShaftTarget> children;
-    children.reserve(clusters_.size());
-    for (const VisibleCluster& cluster : clusters_) children.push_back(cluster.target);
+    std::vector<float> splat_radii_m;  // of the children
+    children.reserve(clusters_.size()), splat_radii_m.reserve(clusters_.size());
+    for (const VisibleCluster& cluster : clusters_) {
+        children.push_back(cluster.target);
+        splat_radii_m.push_back(cluster.splat_radius_m);
+    }
     while (!children.empty()) {
         Level& level = levels_.emplace_back();
         level.children = children.size();
         level.nodes.resize((children.size() + kLanes - 1) / kLanes);
         level.targets.resize(level.nodes.size());
+        level.splat_radii_m.assign(level.nodes.size(), 0.0f);
         for (size_t n = 0; n < level.nodes.size(); ++n) {
             Node& node = level.nodes[n];
             const size_t first = n * kLanes, last = std::min(first + kLanes, children.size());
@@ -196,10 +201,13 @@ void VisibleClusters::build(std::vector<VisibleCluster> clusters, const Bounds3&
                 const ShaftTarget& child = children[std::min(first + lane, last - 1)];
                 node.x[lane] = child.centre.x, node.y[lane] = child.centre.y, node.z[lane] = child.centre.z;
                 node.radius[lane] = child.radius_m;
+                node.splat_radius[lane] = splat_radii_m[std::min(first + lane, last - 1)];
+                level.splat_radii_m[n] = std::max(level.splat_radii_m[n], node.splat_radius[lane]);
             }
         }
         if (level.nodes.size() == 1) break;
         children = level.targets;
+        splat_radii_m = level.splat_radii_m;
     }
 }
 

@@ -44,10 +44,14 @@ struct VisibleCluster {
     uint32_t first_block = 0;
     uint16_t points = 0;
     bool general = false;           // not Lambert
+    float splat_radius_m = 0;       // of connections that light these points
     uint32_t most_scatterings = 0;  // of a photon that may light it: the rest is the eye path's
 
     /// One geometric normal, on the eye's side, which is the shading normal too.
     bool flat() const { return target.flat(); }
+    /// B of connections to these points (connect_weight.h) [m^2]: what comes from nearer is found by short rays. At a
+    /// sixth of the radius the noise of those, one a pixel, is about as small as that of the splats.
+    float clamp_sq_m2() const { return sqr(0.16f * splat_radius_m); }
     uint32_t blocks() const { return (points + uint32_t{kLanes} - 1) / uint32_t{kLanes}; }
 };
 
@@ -75,17 +79,17 @@ private:
 
 class VisibleClusters {
 public:
-    /// Tree over the clusters, which are moved in; their order changes.
+    /// Tree over the clusters, which are moved in with their splat radii; their order changes.
     void build(std::vector<VisibleCluster> clusters, const Bounds3& bounds);
 
     std::span<const VisibleCluster> clusters() const { return clusters_; }
     uint64_t bytes() const;
 
-    /// A segment of a ray and all points nearer to it than `radius_m`; `far_m` may be infinite. Distances before its
-    /// near end are those from that end.
+    /// A segment of a ray and all points nearer to it than `radius_m` plus `radius` times their cluster's splat radius;
+    /// `far_m` may be infinite. Distances before its near end are those from that end.
     struct Beam {
         vec3 origin, axis;  // axis unit
-        float near_m = 0, far_m = kInfinity, radius_m = 0;
+        float near_m = 0, far_m = kInfinity, radius_m = 0, radius = 0;
     };
 
     /// Calls leaf(cluster index, state) for all clusters whose sphere a beam may reach, in an order that depends on
@@ -97,11 +101,13 @@ public:
 private:
     struct Node {
         alignas(64) LaneFloats x, y, z, radius;  // spheres of the children
+        alignas(64) LaneFloats splat_radius;     // greatest of each
     };
     struct Level {
         std::vector<Node> nodes;
         std::vector<ShaftTarget> targets;  // of the nodes themselves
-        size_t children = 0;               // in all
+        std::vector<float> splat_radii_m;
+        size_t children = 0;  // in all
     };
 
     std::vector<VisibleCluster> clusters_;
@@ -133,7 +139,8 @@ void VisibleClusters::find(const Beam& beam, int state, const Enter& enter, cons
             origin;
         const FloatLanes t = stdx::min(stdx::max(dot(d, axis), FloatLanes(beam.near_m)), FloatLanes(beam.far_m));
         const Vec3Lanes across = d - t * axis;
-        const FloatLanes reach = FloatLanes(node.radius, kAligned) + beam.radius_m;
+        const FloatLanes reach =
+            FloatLanes(node.radius, kAligned) + beam.radius * FloatLanes(node.splat_radius, kAligned) + beam.radius_m;
         const FloatMask near = dot(across, across) <= reach * reach;
         if (stdx::none_of(near)) continue;
         const uint32_t first = index * static_cast<uint32_t>(kLanes);
