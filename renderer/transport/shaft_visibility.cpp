@@ -12,8 +12,9 @@ namespace {
 namespace stdx = std::experimental;
 constexpr stdx::vector_aligned_tag kAligned;
 
-constexpr float kLargeShare = 0.125f;  // of the scene's extent: a triangle's that makes it large
-constexpr size_t kMostBlocks = 48;     // that are looked at before the answer is "unknown"
+constexpr uint64_t kFewTriangles = 128;  // so few need no tree
+constexpr float kLargeShare = 0.4f;      // of the scene's extent: a triangle's that makes it large
+constexpr size_t kMostBlocks = 24;       // that are looked at before the answer is "unknown"
 constexpr size_t kMostLevels = 8;
 
 FloatLanes lanes_of(const std::array<float, kLanes>& values) { return {values.data(), kAligned}; }
@@ -73,6 +74,7 @@ ShaftVisibility::ShaftVisibility(const Scene& scene) {
     masked_ = scene.needs.alpha;
     tolerance_m_ = 4e-6f * std::max({farthest.x, farthest.y, farthest.z});
 
+    const bool few = scene.triangle_count <= kFewTriangles;
     std::vector<TriangleCorners> large, small;
     std::vector<std::pair<uint32_t, uint32_t>> order;  // Morton code, index into small
     for (uint32_t i = 0; i < scene.instances.size(); ++i) {
@@ -82,7 +84,7 @@ ShaftVisibility::ShaftVisibility(const Scene& scene) {
             Bounds3 bounds;
             for (const vec3& p : triangle.p) bounds.extend(p);
             const vec3 size = bounds.diagonal();
-            if (std::max({size.x, size.y, size.z}) > kLargeShare * longest) {
+            if (few || std::max({size.x, size.y, size.z}) > kLargeShare * longest) {
                 large.push_back(triangle);
                 continue;
             }
@@ -159,7 +161,9 @@ bool ShaftVisibility::any(const Children& children_of, const Leaf& in_block) con
     return false;
 }
 
-FloatMask ShaftVisibility::block_in_shaft(const Block& block, const Pyramid& pyramid, const ShaftTarget& target) const {
+// Flattened: the compiler stops inlining lanes' arithmetic here, which doubles the time.
+[[gnu::flatten]] FloatMask ShaftVisibility::block_in_shaft(const Block& block, const Pyramid& pyramid,
+                                                           const ShaftTarget& target) const {
     // Relative to the apex.
     const Vec3Lanes apex = broadcast(pyramid.apex);
     const Vec3Lanes a = lanes_of(block.corner[0]) - apex, b = lanes_of(block.corner[1]) - apex,
@@ -217,7 +221,8 @@ ShaftVisibility::Block ShaftVisibility::gather(std::span<const uint32_t> triangl
 ShaftBlockers ShaftVisibility::blockers(const vec3& apex, const vec3& apex_normal, const ShaftTarget& target,
                                         const ShaftBlockers& within) const {
     const Pyramid pyramid(apex, apex_normal, target);
-    if (pyramid.degenerate) return within;
+    // A bent target's own triangles stand in its shaft: where they are small that is too many of them.
+    if (pyramid.degenerate || (!target.flat() && !levels_.empty() && !within.known())) return within;
     ShaftBlockers found;
     if (within.known()) {
         for (uint32_t first = 0; first < within.count; first += uint32_t{kLanes}) {
@@ -252,7 +257,8 @@ ShaftBlockers ShaftVisibility::blockers(const vec3& apex, const vec3& apex_norma
 }
 
 /// [Moeller and Trumbore 1997] Fast, Minimum Storage Ray/Triangle Intersection.
-FloatMask ShaftVisibility::blocked(const ShaftBlockers& blockers, const Vec3Lanes& from, const vec3& to) const {
+[[gnu::flatten]] FloatMask ShaftVisibility::blocked(const ShaftBlockers& blockers, const Vec3Lanes& from,
+                                                    const vec3& to) const {
     const Vec3Lanes direction = broadcast(to) - from;
     FloatMask cut(false);
     for (uint32_t i = 0; i < blockers.count; ++i) {

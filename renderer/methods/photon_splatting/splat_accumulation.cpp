@@ -76,6 +76,7 @@ void SplatAccumulator::light_cluster(const SplatPass& pass, const SplatBatch& ba
             const Frame frame(splat.axis);
             for (uint32_t b = 0; b < blocks; ++b) {
                 SplatGain found = beam_gain<kReceiver>(splat, wide, blocks_[b], filter);
+                counts.splat_contributions += static_cast<uint64_t>(stdx::popcount(found.lit));
                 if (asks_map && stdx::any_of(found.lit)) {
                     for (size_t lane = 0; lane < kLanes; ++lane) {
                         if (!found.lit[lane]) continue;
@@ -95,6 +96,7 @@ void SplatAccumulator::light_cluster(const SplatPass& pass, const SplatBatch& ba
         const bool unknown = pair.blockers == SplatBatch::kUnknown;
         for (uint32_t b = 0; b < blocks; ++b) {
             SplatGain found = connect_gain<kReceiver>(splat, wide, blocks_[b], filter, at.clamp_sq_m2());
+            counts.splat_contributions += static_cast<uint64_t>(stdx::popcount(found.lit));
             if (!unknown && pair.blockers != SplatBatch::kClear && stdx::any_of(found.lit)) {
                 found.lit = found.lit && !pass.shafts->blocked(chunk.blockers[pair.blockers],
                                                                shadow_ends(blocks_[b], splat), splat.shadow_target);
@@ -115,9 +117,7 @@ void SplatAccumulator::light_cluster(const SplatPass& pass, const SplatBatch& ba
 template <Receiver kReceiver>
 void SplatAccumulator::take(const SplatPass& pass, const Splat& splat, const RoughOrigin* rough, uint32_t block,
                             const SplatGain& found, bool clear, Counts& counts) {
-    const int lit = stdx::popcount(found.lit);
-    if (lit == 0) return;
-    counts.splat_contributions += static_cast<uint64_t>(lit);
+    if (stdx::none_of(found.lit)) return;
     PointBlock& points = blocks_[block];
     if (kReceiver != Receiver::General && clear && !rough && !splat.corrected) {
         add_to(points.sum.x, splat.intensity.x * found.gain);
