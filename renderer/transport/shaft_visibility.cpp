@@ -257,13 +257,13 @@ ShaftBlockers ShaftVisibility::blockers(const vec3& apex, const vec3& apex_norma
 }
 
 /// [Moeller and Trumbore 1997] Fast, Minimum Storage Ray/Triangle Intersection.
-[[gnu::flatten]] FloatMask ShaftVisibility::blocked(const ShaftBlockers& blockers, const Vec3Lanes& from,
+[[gnu::flatten]] FloatMask ShaftVisibility::blocked(std::span<const uint32_t> triangles, const Vec3Lanes& from,
                                                     const vec3& to) const {
     const Vec3Lanes direction = broadcast(to) - from;
     FloatMask cut(false);
-    for (uint32_t i = 0; i < blockers.count; ++i) {
-        const Block& block = blocks_[blockers.triangles[i] / kLanes];
-        const size_t place = blockers.triangles[i] % kLanes;
+    for (const uint32_t triangle : triangles) {
+        const Block& block = blocks_[triangle / kLanes];
+        const size_t place = triangle % kLanes;
         const auto corner = [&](int c) {
             return vec3(block.corner[c][0][place], block.corner[c][1][place], block.corner[c][2][place]);
         };

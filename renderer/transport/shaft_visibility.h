@@ -57,8 +57,8 @@ public:
     ShaftBlockers blockers(const vec3& apex, const vec3& apex_normal, const ShaftTarget& target,
                            const ShaftBlockers& within = ShaftBlockers::unknown()) const;
 
-    /// Which of the segments between the points and `to`, both off their surfaces, are cut by these (known) triangles.
-    FloatMask blocked(const ShaftBlockers& blockers, const Vec3Lanes& from, const vec3& to) const;
+    /// Which of the segments between the points and `to`, both off their surfaces, are cut by these triangles.
+    FloatMask blocked(std::span<const uint32_t> triangles, const Vec3Lanes& from, const vec3& to) const;
 
     /// Whether a triangle may come within `radius_m` of the target's points on the side of the plane through `point`
     /// that `normal` (unit) shows to. False is exact.

@@ -34,7 +34,7 @@ void PhotonSplattingParams::visit(ParamVisitor& visitor) {
     visitor.field("splat_size", splat_size_m, {"m", 1e-9, 1e9, "side of a splat; its radius is half of that"});
     visitor.field(
         "splat_size_relative", splat_size_relative,
-        {"", 1e-9, 1e3, "the same, over the radius of the scene's bounding sphere; 0.1 when neither is given"});
+        {"", 1e-9, 1e3, "the same, over the radius of the scene's bounding sphere; 0.2 when neither is given"});
     visitor.flag("adaptive_size", adaptive_size,
                  "connect: splats are smaller where light is dense and larger where it is rare, by a pilot's photons; "
                  "exact in the mean like any size");

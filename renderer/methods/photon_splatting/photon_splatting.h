@@ -15,7 +15,7 @@ enum class Representative : uint8_t { Random, ByPower, ClosestToMean, DominantDi
 enum class BlurWidth : uint8_t { None, Three, Five, Seven, Nine };
 
 struct PhotonSplattingParams final : MethodParams {
-    uint32_t photons = 20'000;
+    uint32_t photons = 10'000;
     uint32_t bounces = 1;
     PhotonInjection injection = PhotonInjection::Paths;
     uint32_t rays_per_photon = 1;

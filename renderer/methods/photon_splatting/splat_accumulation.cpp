@@ -98,8 +98,8 @@ void SplatAccumulator::light_cluster(const SplatPass& pass, const SplatBatch& ba
             SplatGain found = connect_gain<kReceiver>(splat, wide, blocks_[b], filter, at.clamp_sq_m2());
             counts.splat_contributions += static_cast<uint64_t>(stdx::popcount(found.lit));
             if (!unknown && pair.blockers != SplatBatch::kClear && stdx::any_of(found.lit)) {
-                found.lit = found.lit && !pass.shafts->blocked(chunk.blockers[pair.blockers],
-                                                               shadow_ends(blocks_[b], splat), splat.shadow_target);
+                found.lit = found.lit && !pass.shafts->blocked(batch.blockers(pair), shadow_ends(blocks_[b], splat),
+                                                               splat.shadow_target);
                 found.gain = select(found.lit, found.gain, FloatLanes(0));
             }
             take<kReceiver>(pass, splat, rough, b, found, !unknown, counts);

@@ -109,12 +109,17 @@ private:
             if (state != kFree) {
                 const ShaftBlockers& found = shafts_[static_cast<size_t>(state)];
                 blockers = found.known() ? static_cast<uint32_t>(chunk_.blockers.size()) : SplatBatch::kUnknown;
-                if (found.known()) chunk_.blockers.push_back(found);
+                if (found.known()) keep(found);
             }
             chunk_.found.push_back({cluster, index, blockers});
         };
         pass_.clusters.find({splat.origin, splat.axis, 0, kInfinity, 0, splat.radius}, settings_.visibility ? 1 : 0,
                             enter, leaf);
+    }
+
+    void keep(const ShaftBlockers& found) {
+        chunk_.blockers.push_back(found.count);
+        chunk_.blockers.insert(chunk_.blockers.end(), found.triangles.begin(), found.triangles.begin() + found.count);
     }
 
     static bool faces(const VisibleCluster& cluster, const Splat& splat, bool beam) {
@@ -249,7 +254,7 @@ uint64_t SplatBatch::bytes() const {
     uint64_t bytes = pairs_.capacity() * sizeof(Pair) + (begins_.capacity() + places_.capacity()) * sizeof(uint32_t);
     for (const Chunk& chunk : chunks_)
         bytes += chunk.splats.capacity() * sizeof(Splat) + chunk.rough.capacity() * sizeof(RoughOrigin) +
-                 chunk.found.capacity() * sizeof(Chunk::Found) + chunk.blockers.capacity() * sizeof(ShaftBlockers);
+                 chunk.found.capacity() * sizeof(Chunk::Found) + chunk.blockers.capacity() * sizeof(uint32_t);
     return bytes;
 }
 

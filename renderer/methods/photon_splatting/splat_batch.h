@@ -66,13 +66,18 @@ public:
         };
         std::vector<Splat> splats;
         std::vector<RoughOrigin> rough;
-        std::vector<ShaftBlockers> blockers;
+        std::vector<uint32_t> blockers;  // runs: how many triangles, and which
         std::vector<Found> found;
         SplatDepthMaps depth_maps{16};
         Counts counts;
         double seconds_finding = 0, seconds_depth = 0;
     };
     const Chunk& chunk(const Pair& pair) const { return chunks_[pair.chunk]; }
+    /// What may stand between; of pairs that are neither clear nor unknown.
+    std::span<const uint32_t> blockers(const Pair& pair) const {
+        const std::vector<uint32_t>& all = chunks_[pair.chunk].blockers;
+        return std::span(all).subspan(pair.blockers + 1, all[pair.blockers]);
+    }
 
     uint64_t bytes() const;
 

@@ -7,7 +7,7 @@ namespace photond {
 namespace {
 
 // Side of a splat over the radius of the scene's bounding sphere. Measured in the Cornell box: see the class's page.
-constexpr float kSizeRelative = 0.1f;
+constexpr float kSizeRelative = 0.2f;
 constexpr float kDepthRadii = 10;  // of a frustum before and beyond the hit: at two a plain floor loses 6 %
 
 Kernel kernel_of(SplatFilter filter) {
