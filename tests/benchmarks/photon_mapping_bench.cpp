@@ -21,38 +21,10 @@
 #include "renderer/methods/path_tracing/path_tracing.h"
 #include "renderer/methods/photon_mapping/photon_mapping.h"
 #include "tests/benchmarks/bench_scenes.h"
+#include "tests/benchmarks/timed_render.h"
 
 namespace photond {
 namespace {
-
-/// A method begun on a scene, pass after pass into a film; knows its seconds as a job's clock counts them.
-template <class M>
-class Render {
-public:
-    Render(const Scene& scene, const Intersector& intersector, Size2 size, const typename M::Params& params,
-           uint64_t seed = 1)
-        : method_(params), film(size, LayerSet{}) {
-        const double start = wall_now_seconds();
-        method_.begin({scene, intersector, View{find_camera(scene, ""), size}, seed, budget}, stats);
-        seconds += wall_now_seconds() - start;
-    }
-    void pass() {
-        const double start = wall_now_seconds();
-        method_.run_pass(film.passes(), stats, CancelToken{});
-        method_.resolve(film);
-        seconds += wall_now_seconds() - start;
-    }
-
-    MemoryBudget budget;
-    Stats stats;
-    double seconds = 0;  // wall
-
-private:
-    M method_;
-
-public:
-    Film film;
-};
 
 struct Setting {
     const char* name;
@@ -90,7 +62,7 @@ void measure_stages() {
     const Scene scene = make_builtin_scene("cornell-box");
     const auto intersector = build(scene);
     for (const Setting& setting : settings()) {
-        Render<PhotonMapping> render(scene, *intersector, {512, 512}, setting.params);
+        TimedRender<PhotonMapping> render(scene, *intersector, {512, 512}, setting.params);
         for (int i = 0; i < 3; ++i) render.pass();
         std::printf("  %s: %.3f s a pass, %.1f MB\n", setting.name, render.seconds / 3,
                     1e-6 * double(render.budget.accounted_bytes()));
@@ -104,7 +76,7 @@ double relative_mse(const ErrorMeter& meter, const std::vector<float>& image) {
 }
 
 template <class M>
-void error_over_time(const char* name, Render<M>&& render, const ErrorMeter& meter, double seconds) {
+void error_over_time(const char* name, TimedRender<M>&& render, const ErrorMeter& meter, double seconds) {
     std::printf("  %-26s", name);
     for (uint32_t next = 1; render.seconds < seconds; next *= 2) {
         while (render.film.passes() < next) render.pass();
@@ -120,7 +92,7 @@ void measure_error() {
     constexpr double kSeconds = 20;
     const Scene scene = make_builtin_scene("cornell-box");
     const auto intersector = build(scene);
-    Render<PathTracing> truth(scene, *intersector, kSize, {}, 2);
+    TimedRender<PathTracing> truth(scene, *intersector, kSize, {}, 2);
     while (truth.film.passes() < kReferencePasses) truth.pass();
     const std::vector<float> reference = truth.film.resolve(Layer::Indirect);
     const std::vector<float> variance = truth.film.pass_variance(Layer::Indirect);
@@ -131,9 +103,9 @@ void measure_error() {
         "\nrelative_mse of the indirect layer over wall seconds (cornell-box 512x512, all bounces; reference: %u\n"
         "passes of path_tracing, %.0f s, its own noise %.1e)\n",
         kReferencePasses, truth.seconds, relative_mse(meter, noisy));
-    error_over_time("path_tracing", Render<PathTracing>(scene, *intersector, kSize, {}), meter, kSeconds);
+    error_over_time("path_tracing", TimedRender<PathTracing>(scene, *intersector, kSize, {}), meter, kSeconds);
     for (const Setting& setting : settings())
-        error_over_time(setting.name, Render<PhotonMapping>(scene, *intersector, kSize, setting.params), meter,
+        error_over_time(setting.name, TimedRender<PhotonMapping>(scene, *intersector, kSize, setting.params), meter,
                         kSeconds);
 }
 
@@ -160,7 +132,7 @@ void measure_jensen() {
             PhotonMappingParams probe = params;
             probe.gather = Gather::Direct;
             probe.photons = photons, probe.caustic_photons = caustic_photons;
-            Render<PhotonMapping> render(scene, *intersector, {4, 4}, probe);
+            TimedRender<PhotonMapping> render(scene, *intersector, {4, 4}, probe);
             render.pass();
             return double(render.stats.counts.photons_stored);
         };
@@ -171,7 +143,7 @@ void measure_jensen() {
 
         for (const Gather gather : {Gather::Direct, Gather::Final}) {
             params.gather = gather;
-            Render<PhotonMapping> render(scene, *intersector, kSize, params);
+            TimedRender<PhotonMapping> render(scene, *intersector, kSize, params);
             render.pass();
             double pass1 = 0, rendering = 0;
             for (const Stage& stage : render.stats.stages) {
