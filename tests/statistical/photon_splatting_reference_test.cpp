@@ -4,8 +4,9 @@
 // floor.
 //
 // Sizes a factor 4 apart: 0.5 m and 2 m in a room of 5.5 m, so that a splat of the second covers a third of a wall.
-// Pictures are smaller than the reference where that is cheaper: squares of its pixels are averaged, which is what its
-// box filter would have given (reduced()).
+// Bias is judged of splats that adapt to the density of light, as they do unless told otherwise, the fall of the noise
+// of splats of one size. Pictures are smaller than the reference where that is cheaper: squares of its pixels are
+// averaged, which is what its box filter would have given (reduced()).
 
 #include <gtest/gtest.h>
 
@@ -104,10 +105,10 @@ void expect_unbiased(const BiasPlan& plan) {
 TEST(PhotonSplattingReference, SmallSplatsThatConnectAreUnbiased) { expect_unbiased({kSmall, 64, 32, 1, 0.03, true}); }
 TEST(PhotonSplattingReference, LargeSplatsThatConnectAreUnbiased) { expect_unbiased({kLarge, 64, 32, 1, 0.03, true}); }
 TEST(PhotonSplattingReferenceLong, SmallSplatsThatConnectAreUnbiased) {
-    expect_unbiased({kSmall, 128, 64, 8, 0.003, false});
+    expect_unbiased({kSmall, 128, 64, 8, 0.005, false});
 }
 TEST(PhotonSplattingReferenceLong, LargeSplatsThatConnectAreUnbiased) {
-    expect_unbiased({kLarge, 64, 64, 16, 0.003, false});
+    expect_unbiased({kLarge, 64, 64, 16, 0.005, false});
 }
 
 TEST(PhotonSplattingReference, WithoutRepaymentTheStripsAlongEdgesAreSeenToBeDark) {
@@ -141,6 +142,7 @@ void expect_no_floor(float splat_size_m, const SlopePlan& plan) {
     for (size_t seed = 1; seed <= plan.seeds; ++seed) {
         Settings settings = settings_of(splat_size_m, plan.side, plan.photons);
         settings.params.sampler = SamplerKind::Random;
+        settings.params.adaptive_size = false;
         settings.passes = plan.last;
         settings.seed = seed;
         const std::vector<double> mse =
