@@ -43,6 +43,12 @@ void add_output_options(CLI::App& command, JobOutputs& outputs) {
         ->expected(1)
         ->take_all();
     command.add_option("--preview", outputs.preview, "save a tone-mapped PNG")->type_name("FILE");
+    command
+        .add_option(
+            "--preview-layer", outputs.preview_layer,
+            "what the PNG shows; default: beauty. overlap (with --layers overlap): splats over a pixel, blue 0, "
+            "green 200, red 400, white 600")
+        ->type_name("LAYER");
     command.add_option("--exposure", outputs.exposure_stops, "exposure of the PNG in stops; default: 0")
         ->type_name("NUMBER");
     command.add_option("--tone-curve", outputs.tone_curve, "tone curve of the PNG")

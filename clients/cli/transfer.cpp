@@ -36,6 +36,7 @@ constexpr std::array<NamedOutput, 8> kNamedOutputs{{{&JobOutputs::statistics, "/
 
 std::string preview_query(const JobOutputs& outputs) {
     std::string query = "?exposure=" + decimal(outputs.exposure_stops);
+    if (!outputs.preview_layer.empty()) query += "&layer=" + percent_encode(outputs.preview_layer);
     if (!outputs.tone_curve.empty()) query += "&curve=" + percent_encode(outputs.tone_curve);
     return query;
 }

@@ -15,6 +15,7 @@ void save_resource(Session& session, const std::string& path_and_query, const st
 struct JobOutputs {
     std::vector<std::string> images;  // .exr, or .png for a preview
     std::string preview;              // PNG
+    std::string preview_layer;        // what the PNG shows; empty: the beauty
     std::string statistics;           // JSON
     std::string log;                  // text
     std::string photon_map;           // glTF, where the method kept it

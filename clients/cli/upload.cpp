@@ -165,9 +165,10 @@ size_t SegmentedBody::read(uint64_t offset, char* buffer, size_t capacity) {
 
 bool looks_like_scene_path(const std::string& argument) {
     std::error_code ignored;
-    // The built-in hard cases alone have names with a slash.
-    const bool hard_case = argument.starts_with("hard-case/") && !fs::exists(argument, ignored);
-    return is_scene_suffix(suffix_of(argument)) || (argument.find('/') != std::string::npos && !hard_case) ||
+    // Built-in scenes of a family alone have names with a slash.
+    const bool of_family = (argument.starts_with("hard-case/") || argument.starts_with("photon-splatting/")) &&
+                           !fs::exists(argument, ignored);
+    return is_scene_suffix(suffix_of(argument)) || (argument.find('/') != std::string::npos && !of_family) ||
            fs::is_directory(argument, ignored);
 }
 

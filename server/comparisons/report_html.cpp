@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "renderer/error/color_map.h"
 #include "server/comparisons/plot.h"
@@ -189,6 +190,35 @@ std::string pictures(const Report& report) {
     return html.empty() ? "" : heading("Images") + html;
 }
 
+/// Bytes of each structure (statistics.memory) of each row's first job that has statistics.
+std::string structures_table(const Report& report) {
+    const json& jobs = report.comparison.at("jobs");
+    std::vector<std::pair<std::string, json>> rows;
+    std::set<std::string> names, seen;
+    for (size_t i = 0; i < std::min(jobs.size(), report.statistics.size()); ++i) {
+        const json& statistics = report.statistics[i];
+        const json memory = statistics.is_object() ? statistics.value("memory", json()) : json();
+        const json structures = memory.is_object() ? memory.value("structures", json()) : json();
+        const std::string name = row_name(plain(jobs[i]["label"]), jobs[i]["parameters"]);
+        if (!structures.is_object() || !seen.insert(name).second) continue;
+        for (const auto& [structure, bytes] : structures.items()) names.insert(structure);
+        rows.emplace_back(name, structures);
+    }
+    if (names.empty()) return "";
+    std::string html = "<p></p><div class=\"scroll\"><table><caption>Memory by structure</caption><thead><tr><th></th>";
+    for (const std::string& name : names) html += "<th>" + escaped(name) + "</th>";
+    html += "</tr></thead><tbody>";
+    for (const auto& [name, structures] : rows) {
+        html += "<tr><td>" + escaped(name) + "</td>";
+        for (const std::string& structure : names) {
+            const json bytes = structures.value(structure, json());
+            html += "<td>" + (bytes.is_number_unsigned() ? short_bytes(bytes.get<uint64_t>()) : "–") + "</td>";
+        }
+        html += "</tr>";
+    }
+    return html + "</tbody></table></div>\n";
+}
+
 std::string jobs_table(const Report& report) {
     std::string html =
         "<div class=\"scroll\"><table><thead><tr><th>row</th><th>job</th><th>seed</th><th>state</th><th>passes</th>"
@@ -238,7 +268,7 @@ std::string report_html(const Report& report) {
                        kReportCss + styles_of_series(report.table.rows.size()) + "</style></head><body>\n";
     html += header(report) + state_note(report) + verdicts(report) + reference_warnings(report);
     for (const std::string& metric : report.table.metrics) html += metric_section(report.table, metric);
-    html += heading("What it cost") + cost_table(report.table);
+    html += heading("What it cost") + cost_table(report.table) + structures_table(report);
     html += pictures(report) + repetition(report);
     html +=
         "<footer>Times run on the jobs' own clocks: the method's beginning, its passes and its end; loading, "

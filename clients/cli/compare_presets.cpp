@@ -1,0 +1,84 @@
+#include "clients/cli/compare_presets.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "clients/cli/failure.h"
+#include "clients/cli/units.h"
+
+namespace photond::cli {
+
+namespace {
+
+/// papers/photon-splatting.txt, section 5: Graphs 1 to 4, Table 1. Photon mapping is seen directly, as there; its
+/// second entry has as many bounces as light makes, against a reference of one, as the thesis compared. Splats cover
+/// the room as in Figure 18 (overlap of some hundreds); large ones have three times the side and a tenth of the
+/// photons, as in Table 1. Stratified cells are the thesis': none are joined, one splat each, the photon closest to the
+/// cell's mean. Ours: connect, radiometric, no stratification.
+ComparePreset photon_splatting_thesis() {
+    ComparePreset preset{};
+    preset.name = "photon-splatting-thesis";
+    preset.text = "Graphs 1-4 and Table 1 of the photon splatting thesis, and what connections make of them";
+    preset.scenes = {"cornell-box-spot", "interior"};
+    preset.width = 1600, preset.height = 900;
+    preset.seconds = 30;
+    preset.reference = "path_tracing,indirect_bounces=1";
+    preset.reference_passes = 256;
+    preset.metrics = {"indirect:relative_mse", "indirect:fitted_relative_mse", "indirect:rmse", "indirect:fitted_rmse",
+                      "rmse_8bit"};
+    preset.entries = {
+        "photon mapping=photon_mapping,gather=direct,indirect_bounces=1",
+        "photon mapping (many bounces)=photon_mapping,gather=direct,nearest_photons=200",
+        "small splats=photon_splatting,weighting=normalised,splat_size_relative=0.25",
+        "large splats=photon_splatting,weighting=normalised,splat_size_relative=0.75",
+        "stratified=photon_splatting,weighting=normalised,splat_size_relative=0.25,stratify=true,minimum_photons=1,"
+        "representative=closest_to_mean",
+        "ours=photon_splatting,bounces=1",
+    };
+    preset.sweeps = {
+        "photon mapping:photons=5000,50000",
+        "photon mapping:nearest_photons=50,200",
+        "photon mapping (many bounces):photons=5000,50000",
+        "small splats:photons=2500,8000,25000",
+        "large splats:photons=250,800,2500",
+        "stratified:photons=25000,100000",
+        "stratified:grid_cells=16,64,256",
+        "ours:photons=2500,8000,25000",
+    };
+    preset.structures_text = "Table 1 of the thesis (highest quality), beside ours";
+    preset.structures = {
+        {"photon mapping", {"global_map"}, "~50000 photons of 36 bytes: 1.71 MB"},
+        {"small splats", {"photons"}, "~25000 photons of 36 bytes: 0.85 MB"},
+        {"large splats", {"photons"}, "~2500 photons of 36 bytes: 0.08 MB"},
+        {"stratified", {"photons", "stratification"}, "256^3 voxels of 40 bytes: 576 MB"},
+        {"ours", {"photons"}, "-"},
+    };
+    return preset;
+}
+
+}  // namespace
+
+std::span<const ComparePreset> compare_presets() {
+    static const std::vector<ComparePreset> kPresets{photon_splatting_thesis()};
+    return kPresets;
+}
+
+const ComparePreset& compare_preset(const std::string& name) {
+    std::string all;
+    for (const ComparePreset& preset : compare_presets()) {
+        if (preset.name == name) return preset;
+        all += (all.empty() ? "there is " : "; ") + std::string(preset.name) + ": " + std::string(preset.text);
+    }
+    throw Failure(ExitCode::Usage, name == "help" ? "--preset wants a name" : "no preset is called " + printable(name),
+                  all);
+}
+
+std::string of_scene(const std::string& file, std::string_view scene) {
+    if (file.empty() || file == "-") return file;
+    std::string name(scene);
+    std::replace(name.begin(), name.end(), '/', '-');
+    const std::filesystem::path path(file);
+    return path.parent_path() / (path.stem().string() + "-" + name + path.extension().string());
+}
+
+}  // namespace photond::cli
