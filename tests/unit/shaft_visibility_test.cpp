@@ -23,6 +23,12 @@ struct SurfacePoint {
     vec3 position, normal;
 };
 
+/// What lies off its surface towards `to`, as shadow rays begin.
+vec3 off_surface(const SurfacePoint& point, const vec3& to) {
+    const bool front = glm::dot(point.normal, to - point.position) > 0;
+    return offset_ray_origin(point.position, front ? point.normal : -point.normal);
+}
+
 /// Where random rays of a scene begin and what they meet.
 class Sampled {
 public:
@@ -90,8 +96,7 @@ public:
 
     /// Whether a shadow ray of photon splatting is blocked.
     bool shadow_ray_blocked(const SurfacePoint& apex, const SurfacePoint& point) const {
-        const bool front = glm::dot(point.normal, apex.position - point.position) > 0;
-        const vec3 from = offset_ray_origin(point.position, front ? point.normal : -point.normal);
+        const vec3 from = off_surface(point, apex.position);
         return intersector->occluded({from, offset_ray_origin(apex.position, apex.normal) - from, 1});
     }
 
@@ -107,7 +112,7 @@ private:
     double area_ = 0;
 };
 
-ShaftTarget target_of(const std::vector<SurfacePoint>& points) {
+ShaftTarget target_of(std::span<const SurfacePoint> points) {
     Bounds3 box;
     dvec3 mean(0);
     bool flat = true;
@@ -127,46 +132,70 @@ ShaftTarget target_of(const std::vector<SurfacePoint>& points) {
 }
 
 struct Tally {
-    uint64_t shafts = 0, clear = 0, free = 0, flat = 0;  // free: no ray was blocked
-    uint64_t rays = 0, blocked = 0;
+    uint64_t shafts = 0, known = 0, clear = 0, free = 0, flat = 0;  // clear: no blockers; free: no ray was blocked
+    uint64_t rays = 0, blocked = 0;                                 // by Embree
+    uint64_t by_blockers = 0, differing = 0;                        // of known shafts; in what they say
 };
 
+/// The rays from the points to the apex, against what is said of their shaft.
+void compare_shaft(const Sampled& sampled, const SurfacePoint& apex, std::span<const SurfacePoint> points,
+                   const ShaftBlockers& blockers, bool far_away, Tally& tally, const std::string& name) {
+    const vec3 to = offset_ray_origin(apex.position, apex.normal);
+    uint64_t rays = 0, blocked = 0;
+    for (const SurfacePoint& point : points) {
+        // Light that leaves above the apex's surface, and comes to the side that is seen.
+        const vec3 d = point.position - apex.position;
+        if (glm::dot(apex.normal, d) <= sampled.rounding_m || -glm::dot(point.normal, d) <= sampled.rounding_m)
+            continue;
+        ++rays;
+        const bool ray_blocked =
+            far_away ? sampled.blocked_between(apex, point) : sampled.shadow_ray_blocked(apex, point);
+        blocked += ray_blocked;
+        if (!blockers.known() || far_away) continue;  // there offset points do not lie off their surfaces
+        const vec3 from = off_surface(point, apex.position);
+        const bool cut =
+            sampled.shafts.blocked(std::span(blockers.triangles).first(blockers.count), broadcast(from), to)[0];
+        tally.by_blockers += cut;
+        tally.differing += cut != ray_blocked;
+    }
+    if (rays == 0) return;
+    if (blockers.count == 0) {
+        EXPECT_EQ(blocked, 0u) << name << ", of " << rays << " rays";
+    }
+    ++tally.shafts;
+    tally.known += blockers.known();
+    tally.clear += blockers.count == 0;
+    tally.free += blocked == 0;
+    tally.rays += rays;
+    tally.blocked += blocked;
+}
+
 /// Random apexes and targets; what the eye sees is found by rays as everywhere. Fails where a clear shaft has a blocked
-/// ray.
-Tally compare(Sampled& sampled, int count, const char* name, bool far_away = false) {
+/// ray, or known blockers say otherwise than rays but for a rare edge. Half of the points make a target within the
+/// whole one.
+Tally compare(Sampled& sampled, int count, const std::string& name, bool far_away = false) {
     Tally tally;
     for (int i = 0; i < count; ++i) {
         const SurfacePoint apex = sampled.surface_point();
         const float width = 0.4f * sampled.next() * sampled.next();
         const std::vector<SurfacePoint> points = sampled.visible_points(width);
         if (points.size() < 8) continue;
-        const ShaftTarget target = target_of(points);
-        uint64_t rays = 0, blocked = 0;
-        for (const SurfacePoint& point : points) {
-            // Light that leaves above the apex's surface, and comes to the side that is seen.
-            const vec3 d = point.position - apex.position;
-            if (glm::dot(apex.normal, d) <= sampled.rounding_m || -glm::dot(point.normal, d) <= sampled.rounding_m)
-                continue;
-            ++rays;
-            blocked += far_away ? sampled.blocked_between(apex, point) : sampled.shadow_ray_blocked(apex, point);
-        }
-        if (rays == 0) continue;
-        const bool clear = sampled.shafts.clear(apex.position, apex.normal, target);
-        if (clear) {
-            EXPECT_EQ(blocked, 0u) << name << ", shaft " << i << " of " << rays << " rays, target's radius "
-                                   << target.radius_m << ", distance " << glm::distance(apex.position, target.centre)
-                                   << ", height " << glm::dot(apex.normal, target.centre - apex.position);
-        }
-        ++tally.shafts;
-        tally.clear += clear;
-        tally.free += blocked == 0;
+        const std::span<const SurfacePoint> part = std::span(points).first(points.size() / 2);
+        const ShaftTarget target = target_of(points), within = target_of(part);
+        const ShaftBlockers blockers = sampled.shafts.blockers(apex.position, apex.normal, target);
         tally.flat += target.flat();
-        tally.rays += rays;
-        tally.blocked += blocked;
+        compare_shaft(sampled, apex, points, blockers, far_away, tally, name);
+        compare_shaft(sampled, apex, part, sampled.shafts.blockers(apex.position, apex.normal, within, blockers),
+                      far_away, tally, name + ", part of a target");
     }
-    std::printf("%s: %d shafts, of %d free ones %.3f clear; %d rays, %d blocked; %d flat\n", name, int(tally.shafts),
-                int(tally.free), double(tally.clear) / double(tally.free), int(tally.rays), int(tally.blocked),
-                int(tally.flat));
+    std::printf(
+        "%s: %d shafts, %.3f known, of %d free ones %.3f clear; %d rays, %d blocked, %d by blockers; %d of "
+        "them differ; %d flat\n",
+        name.c_str(), int(tally.shafts), double(tally.known) / double(tally.shafts), int(tally.free),
+        double(tally.clear) / double(tally.free), int(tally.rays), int(tally.blocked), int(tally.by_blockers),
+        int(tally.differing), int(tally.flat));
+    // Rays that pass an edge by the rounding of either test, or begin where two surfaces meet.
+    EXPECT_LE(double(tally.differing), 2e-3 * double(tally.rays)) << name;
     return tally;
 }
 
@@ -192,7 +221,7 @@ Scene partitioned_room(float gap_m, const vec3& corner = vec3(0)) {
 TEST(ShaftVisibility, ClearShaftsHaveNoBlockedRay) {
     for (const char* name : {"cornell-box", "interior", "keyhole", "cornell-box-glass", "caustic-ring"}) {
         Sampled sampled(make_builtin_scene(name));
-        const Tally tally = compare(sampled, 3000, name);
+        const Tally tally = compare(sampled, 2000, name);
         EXPECT_GT(tally.clear, 30u) << name;
         EXPECT_GT(tally.blocked, 300u) << name << ": nothing that could have been wrong";
     }
@@ -201,7 +230,7 @@ TEST(ShaftVisibility, ClearShaftsHaveNoBlockedRay) {
 TEST(ShaftVisibility, ThinWallsAndSurfacesThatNearlyTouchAreSeen) {
     for (const float gap_m : {0.1f, 1e-2f, 1e-3f, 1e-4f}) {
         Sampled sampled(partitioned_room(gap_m));
-        const Tally tally = compare(sampled, 2000, ("gap " + std::to_string(gap_m)).c_str());
+        const Tally tally = compare(sampled, 1500, "gap " + std::to_string(gap_m));
         EXPECT_GT(tally.clear, 50u);
         EXPECT_GT(tally.blocked, 1000u);
     }
@@ -210,7 +239,7 @@ TEST(ShaftVisibility, ThinWallsAndSurfacesThatNearlyTouchAreSeen) {
 TEST(ShaftVisibility, ScenesFarFromTheOriginHaveTheSameAnswer) {
     for (const float distance_m : {100.0f, 3000.0f}) {
         Sampled sampled(partitioned_room(0.05f, vec3(distance_m, 0, -distance_m)));
-        const Tally tally = compare(sampled, 2000, ("at " + std::to_string(distance_m)).c_str(), true);
+        const Tally tally = compare(sampled, 1500, "at " + std::to_string(distance_m), true);
         EXPECT_GT(tally.clear, 50u);
         EXPECT_GT(tally.blocked, 1000u);
     }
@@ -219,15 +248,27 @@ TEST(ShaftVisibility, ScenesFarFromTheOriginHaveTheSameAnswer) {
 // What is free is mostly said to be: in the Cornell box two thirds of the connections need no shadow ray.
 TEST(ShaftVisibility, MostFreeShaftsOfTheCornellBoxAreClear) {
     Sampled sampled(make_builtin_scene("cornell-box"));
-    const Tally tally = compare(sampled, 6000, "cornell-box");
+    const Tally tally = compare(sampled, 3000, "cornell-box");
     EXPECT_GT(double(tally.clear), 0.6 * double(tally.free));
 }
 
 TEST(ShaftVisibility, AnApexWithinItsTargetKnowsNothing) {
     const Sampled sampled(make_builtin_scene("cornell-box"));
     const ShaftTarget target{sampled.scene.bounds.centre(), vec3(0.1f), 0.17f, vec3(0)};
-    EXPECT_FALSE(sampled.shafts.clear(target.centre, vec3(0, 1, 0), target));
-    EXPECT_FALSE(sampled.shafts.clear(target.centre + vec3(0.1f, 0, 0), vec3(0, 1, 0), target));
+    EXPECT_FALSE(sampled.shafts.blockers(target.centre, vec3(0, 1, 0), target).known());
+    EXPECT_FALSE(sampled.shafts.blockers(target.centre + vec3(0.1f, 0, 0), vec3(0, 1, 0), target).known());
+}
+
+TEST(ShaftVisibility, MaskedSurfacesAreLeftToRays) {
+    Scene scene = partitioned_room(0.1f);
+    const ShaftTarget target{vec3(1, 0, 1), vec3(0.1f, 0, 0.1f), 0.15f, vec3(0, 1, 0)};
+    const vec3 apex(3, 1, 1), normal(-1, 0, 0);  // beyond the partition
+    EXPECT_TRUE(ShaftVisibility(scene).blockers(apex, normal, target).known());
+    EXPECT_GT(ShaftVisibility(scene).blockers(apex, normal, target).count, 0u);
+    scene.materials[1].alpha = 0.5f;
+    scene.materials[1].alpha_mode = AlphaMode::Blend;
+    finish_scene(scene);
+    EXPECT_FALSE(ShaftVisibility(scene).blockers(apex, normal, target).known());
 }
 
 TEST(ShaftVisibility, AnEmptySceneIsClear) {
@@ -235,7 +276,7 @@ TEST(ShaftVisibility, AnEmptySceneIsClear) {
     finish_scene(scene);
     const ShaftVisibility shafts(scene);
     const ShaftTarget target{vec3(1, 2, 3), vec3(0.1f), 0.17f, vec3(0)};
-    EXPECT_TRUE(shafts.clear(vec3(0), vec3(0, 1, 0), target));
+    EXPECT_EQ(shafts.blockers(vec3(0), vec3(0, 1, 0), target).count, 0u);
     EXPECT_FALSE(shafts.near_above(target, 1, target.centre, vec3(0, 1, 0)));
 }
 
