@@ -8,7 +8,7 @@ namespace photond {
 
 namespace {
 
-constexpr uint32_t kBlockSide = 8;  // pixels
+constexpr uint32_t kBlockSide = 16;  // pixels
 constexpr float kOffPlane = 1e-6f;  // that points on a plane may lie beside it, over their coordinates
 constexpr float kNowhere = 1e18f;   // coordinates no splat reaches, whose squares are finite
 
@@ -92,10 +92,14 @@ void ClusterBuilder::take_kind(std::span<const Point> points) {
         return (std::min(point.scatterings - least, kinds - 1) * rows + y / kBlockSide) * columns + x / kBlockSide;
     };
     counts_.assign(size_t{kinds} * rows * columns + 1, 0);
-    for (const Point& point : points) ++counts_[key(point) + 1];
+    keys_.resize(points.size());
+    for (size_t i = 0; i < points.size(); ++i) {
+        keys_[i] = key(points[i]);
+        ++counts_[keys_[i] + 1];
+    }
     for (size_t i = 1; i < counts_.size(); ++i) counts_[i] += counts_[i - 1];
     order_.resize(points.size());
-    for (uint32_t i = 0; i < points.size(); ++i) order_[counts_[key(points[i])]++] = i;
+    for (uint32_t i = 0; i < points.size(); ++i) order_[counts_[keys_[i]]++] = i;
     size_t first = 0;
     for (size_t k = 0; k + 1 < counts_.size(); ++k) {  // counts_[k] is now the end of block k
         if (counts_[k] > first) add_cluster(points, std::span(order_).subspan(first, counts_[k] - first));

@@ -2,7 +2,7 @@
 // The visible points of a pass, in clusters that are near in space and face alike as far as the image does, and a tree
 // over them: splats find the points about a photon's ray without looking at the rest of the image.
 //
-// Points come tile by tile from the walk (specular_walk.h). Blocks of 8x8 pixels become clusters; where a block is
+// Points come tile by tile from the walk (specular_walk.h). Blocks of 16x16 pixels become clusters; where a block is
 // wider than splats care for (silhouettes, grazing floors) it is halved by place. Clusters lie along a Morton curve,
 // and kLanes in a row make a node, whose bounding spheres are tested at once.
 
@@ -19,6 +19,8 @@ namespace photond {
 
 /// kLanes visible points side by side. Places past a cluster's end lie where no splat reaches.
 struct PointBlock {
+    PointBlock() {}  // NOLINT(modernize-use-equals-default): not zeroed, all of it is written
+
     Vec3Array position;                   // world [m]
     Vec3Array normal;                     // that shades; 0 where light from both sides counts
     Vec3Array geometric_normal;           // on the eye's side
@@ -37,7 +39,7 @@ struct PointTile {
 };
 
 struct VisibleCluster {
-    static constexpr uint32_t kMostPoints = 64;
+    static constexpr uint32_t kMostPoints = 256;
 
     ShaftTarget target;  // its points' box and sphere; its normal is theirs where the cluster is flat
     uint32_t tile = 0;
@@ -74,7 +76,7 @@ private:
     float split_extent_m_ = 0;
     PointTile* points_ = nullptr;
     std::vector<VisibleCluster>* clusters_ = nullptr;
-    std::vector<uint32_t> order_, counts_;
+    std::vector<uint32_t> order_, keys_, counts_;
 };
 
 class VisibleClusters {
