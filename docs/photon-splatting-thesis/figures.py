@@ -15,6 +15,7 @@ import OpenImageIO as oiio
 
 HERE = pathlib.Path(__file__).resolve().parent
 NORMALISED = "photon_splatting,weighting=normalised"
+KERNEL = "photon_splatting,estimator=kernel,shrink=false"
 OURS = "photon_splatting,photons=10000"
 TRUTH = "path_tracing,indirect_bounces=1"
 GAP = 4  # pixels between panels
@@ -27,11 +28,12 @@ FIGURES = {
          (NORMALISED + ",photons=25000,splat_size_relative=0.25", 4),
          (NORMALISED + ",photons=25000,splat_size_relative=0.25,stratify=true,grid_cells=16,minimum_photons=1,"
           "representative=closest_to_mean", 4),
-         (OURS, 16), (TRUTH, 96)], {}),
+         (OURS, 16), (TRUTH, 96)], {"back wall at the edge": (0.47, 0.5, 0.5, 0.95), "back wall away from it": (0.05, 0.5, 0.2, 0.95)}),
     "figure-14-plate": (
         "photon-splatting/plate", [],
-        [("photon_splatting,estimator=kernel,shrink=false,photons=150,splat_size=2,shadow_resolution=64", 1),
-         (NORMALISED + ",photons=20000,splat_size=0.8,shadow_resolution=32", 2), (OURS, 16), (TRUTH, 128)], {}),
+        [(KERNEL + ",photons=150,splat_size=2,shadow_resolution=64", 1),
+         (NORMALISED + ",photons=20000,splat_size=0.8,shadow_resolution=32", 2), (OURS, 16), (TRUTH, 128)],
+        {"wall above the plate": (0.42, 0.335, 0.58, 0.36)}),
     "figure-16-skimming-ray": (
         "photon-splatting/skimming-ray", [],
         [(NORMALISED + ",photons=20000,splat_size=0.3", 4), (NORMALISED + ",photons=8000,splat_size=0.9", 4), (OURS, 16),
@@ -43,14 +45,16 @@ FIGURES = {
                                    "front of the short block": (0.5, 0.7, 0.67, 0.9)}),
     "figure-19-chairs": (
         "photon-splatting/chairs", [],
-        [(NORMALISED + ",photons=6000,splat_size=1,shadow_resolution=4", 4),
-         (NORMALISED + ",photons=6000,splat_size=1,shadow_resolution=32", 4), (OURS, 16), (TRUTH, 128)], {}),
+        [(NORMALISED + ",photons=6000,splat_size=1,shadow_resolution=32", 2),
+         (KERNEL + ",photons=6000,splat_size=0.5,shadow_resolution=4", 2),
+         (KERNEL + ",photons=6000,splat_size=0.5,shadow_resolution=32", 2), (OURS, 16), (TRUTH, 128)],
+        {"shadow of the right chair": (0.86, 0.49, 0.98, 0.54)}),
     "figure-20-voxels": (
         "cornell-box-spot", [],
         [(NORMALISED + ",photons=25000,splat_size_relative=0.25", 2),
          (NORMALISED + ",photons=250000,splat_size_relative=0.1,stratify=true,grid_cells=4,minimum_photons=1,"
           "representative=closest_to_mean", 2),
-         (OURS, 16), (TRUTH, 96)], {}),
+         (OURS, 16), (TRUTH, 96)], {"front of the short block": (0.5, 0.7, 0.67, 0.9)}),
 }
 
 
