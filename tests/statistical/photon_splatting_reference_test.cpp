@@ -3,7 +3,7 @@
 // clamp takes light and short rays repay it; and a noise that falls as one over the root of the photons, without a
 // floor.
 //
-// Sizes a factor 4 apart: 0.5 m and 2 m in a room of 5.5 m, so that a splat of the second covers a third of a wall.
+// Sizes a factor 4 apart: 0.5 m and 2 m in a room of 5.5 m, so that the second spans a third of a wall.
 // Bias is judged of splats that adapt to the density of light, as they do unless told otherwise, the fall of the noise
 // of splats of one size. Pictures are smaller than the reference where that is cheaper: squares of its pixels are
 // averaged, which is what its box filter would have given (reduced()).
