@@ -31,7 +31,9 @@ void PhotonSplattingParams::visit(ParamVisitor& visitor) {
                         {kRepresentatives,
                          "stratification: which photons splat for their cell; the last two are biased, as in the "
                          "thesis"});
-    visitor.field("splat_size", splat_size_m, {"m", 1e-9, 1e9, "side of a splat; its radius is half of that"});
+    visitor.field(
+        "splat_size", splat_size_m,
+        {"m", 1e-9, 1e9, "side of a splat; its radius is half of that; of beams beside connections a quarter"});
     visitor.field(
         "splat_size_relative", splat_size_relative,
         {"", 1e-9, 1e3, "the same, over the radius of the scene's bounding sphere; 0.2 when neither is given"});

@@ -152,7 +152,7 @@ private:
         splat.shadow_target =
             offset_ray_origin(photon.position, glm::dot(photon.normal, axis) < 0 ? -photon.normal : photon.normal);
         const bool connects = settings_.connects && photon.spread() != Spread::Beam;
-        splat.radius = std::sqrt(source.photons) * (connects ? 1.0f : settings_.radius_m * shrink_);
+        splat.radius = std::sqrt(source.photons) * (connects ? 1.0f : settings_.beam_radius_m * shrink_);
         splat.disc = settings_.filter.sample_disc(u);
         Rgb power_w = source.power_w / static_cast<float>(rays);
         if (!connects) {

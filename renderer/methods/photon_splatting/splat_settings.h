@@ -12,10 +12,11 @@ struct SplatSettings {
     bool normalised;  // weights are kept, and divided out
     bool visibility;
     Kernel filter;
-    float radius_m;      // half of splat_size: of a photon that splats alone, in the first pass
-    float step_back_m;   // of beams, before the hit of the photon's ray
-    float depth_m;       // of beams, from there
-    float shrink_alpha;  // 1: no shrinking
+    float radius_m;       // half of splat_size: of a photon that splats alone
+    float beam_radius_m;  // the same of beams, in the first pass; beside connections, which do not blur, a quarter
+    float step_back_m;    // of beams, before the hit of the photon's ray
+    float depth_m;        // of beams, from there
+    float shrink_alpha;   // 1: no shrinking
     uint32_t shadow_resolution;
     float surface_area_m2;  // of the scene; `normalised` makes powers colours with it
 

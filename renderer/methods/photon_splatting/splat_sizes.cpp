@@ -53,8 +53,8 @@ SplatSizes::SplatSizes(float radius_m, const Bounds3& bounds, const TracedReflec
         }
     }
     if (!(total > 0)) return;
-    const double volume = double{extent.x} * double{extent.y} * double{extent.z} / std::pow(double{cell_m_}, 3);
-    const auto average = static_cast<float>(total / std::max(volume, 1.0));
+    const dvec3 sides = glm::max(dvec3(extent) / double{cell_m_}, dvec3(1));  // in cells; a flat scene fills one
+    const auto average = static_cast<float>(total / (sides.x * sides.y * sides.z));
     for (int axis = 0; axis < 3; ++axis) {
         box_filter(lengths, cells_, axis);
         box_filter(volumes, cells_, axis);
