@@ -102,11 +102,9 @@ ExitCode compare_one(Session& session, const CompareOptions& options, const Comp
     const std::string id = accepted.at("id").get<std::string>();
     if (!options.no_wait) {
         const ExitCode code = finish_comparison(session, id, options.wait, options.outputs, false);
-        if (session.json_output) return code;
+        if (session.json_output || !preset) return code;
         const json comparison = session.daemon().get(resource_path("comparisons", id));
-        const std::vector<RowStructures> structures = structures_of(session.daemon(), comparison);
-        print_structures(std::cout, structures);
-        if (preset) print_published(std::cout, structures, *preset);
+        print_published(std::cout, structures_of(session.daemon(), comparison), *preset);
         return code;
     }
     if (session.json_output)

@@ -41,6 +41,17 @@ std::map<std::string, double> shared_by_all(const std::vector<RowStructures>& ro
     return shared;
 }
 
+/// Null for a job that has none, or has been removed since.
+json statistics_of(DaemonClient& daemon, const std::string& job_id) {
+    try {
+        return daemon.get(resource_path("jobs", job_id)).value("statistics", json());
+    } catch (const Failure& failure) {
+        constexpr int kNotFound = 404;
+        if (failure.problem.is_object() && failure.problem.value("status", 0) == kNotFound) return nullptr;
+        throw;
+    }
+}
+
 }  // namespace
 
 std::vector<RowStructures> structures_of(DaemonClient& daemon, const json& comparison) {
@@ -49,8 +60,7 @@ std::vector<RowStructures> structures_of(DaemonClient& daemon, const json& compa
     for (const json& job : comparison.value("jobs", json::array())) {
         const std::string name = comparison_row_name(job);
         if (!is_over(job) || seen.contains(name)) continue;
-        const json statistics =
-            daemon.get(resource_path("jobs", job.at("id").get<std::string>())).value("statistics", json());
+        const json statistics = statistics_of(daemon, job.at("id").get<std::string>());
         if (!statistics.is_object()) continue;
         seen.insert(name);
         RowStructures row{plain_text(job.value("label", json())), name, {}};

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <iostream>
 
+#include "clients/cli/compare_memory.h"
 #include "clients/cli/comparison_view.h"
 #include "clients/cli/job_follower.h"
 #include "clients/cli/progress_view.h"
@@ -120,7 +121,7 @@ ExitCode finish_comparison(Session& session, const std::string& id, const WaitOp
     return exit_code_of(comparison);
 }
 
-void print_comparison(const Session& session, const json& comparison) {
+void print_comparison(Session& session, const json& comparison) {
     const std::string state = plain_text(comparison.value("state", json()));
     const json request = comparison.value("request", json::object());
     const json image = request.value("image", json::object());
@@ -139,6 +140,7 @@ void print_comparison(const Session& session, const json& comparison) {
     const std::vector<std::string> sentences = verdicts(comparison);
     if (!sentences.empty()) std::cout << '\n';
     for (const std::string& sentence : sentences) std::cout << sentence << '\n';
+    print_structures(std::cout, structures_of(session.daemon(), comparison));
 }
 
 }  // namespace photond::cli

@@ -34,7 +34,7 @@ nlohmann::json wait_for_comparison(Session& session, const std::string& id, cons
 ExitCode finish_comparison(Session& session, const std::string& id, const WaitOptions& wait,
                            const ReportOutputs& outputs, bool print_changes);
 
-/// State, entries, tables and verdicts.
-void print_comparison(const Session& session, const nlohmann::json& comparison);
+/// State, entries, tables, verdicts and each entry's memory.
+void print_comparison(Session& session, const nlohmann::json& comparison);
 
 }  // namespace photond::cli
