@@ -12,6 +12,8 @@ using FloatLanes = std::experimental::simd<float, std::experimental::simd_abi::d
 using IntLanes = std::experimental::rebind_simd_t<int32_t, FloatLanes>;
 using FloatMask = FloatLanes::mask_type;
 inline constexpr size_t kLanes = FloatLanes::size();
+/// Of arrays that lanes are loaded from whole. Each member of a struct takes a multiple of it: a wider one is padding.
+inline constexpr size_t kLaneAlignment = std::experimental::memory_alignment_v<FloatLanes>;
 
 struct Vec3Lanes {
     FloatLanes x, y, z;

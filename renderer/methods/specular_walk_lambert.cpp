@@ -36,13 +36,13 @@ public:
         const FloatMask lit = cosine > 0 && dot(group.geometric_normal.load(), wi) > 0;
         select(lit, kInvPi * cosine * inverse_distance * inverse_distance, 0).copy_to(radiance, kAligned);
         if (light_.kind == PunctualLight::Kind::Spot) {
-            alignas(64) LaneFloats from_axis;
+            alignas(kLaneAlignment) LaneFloats from_axis;
             (-dot(broadcast(light_.direction), wi)).copy_to(from_axis, kAligned);
             for (size_t lane = 0; lane < kLanes; ++lane)
                 radiance[lane] *= radiance[lane] > 0 ? cone_.falloff(from_axis[lane]) : 0.0f;
         }
         if (light_.range_m < kInfinity) {
-            alignas(64) LaneFloats distance_m;
+            alignas(kLaneAlignment) LaneFloats distance_m;
             (1.0f / inverse_distance).copy_to(distance_m, kAligned);
             for (size_t lane = 0; lane < kLanes; ++lane)
                 radiance[lane] *= radiance[lane] > 0 ? range_window(distance_m[lane], light_.range_m) : 0.0f;
@@ -65,7 +65,7 @@ void SpecularWalk::shade_lambert(const Pass& pass) {
     std::optional<OnlyLight> only_light;
     if (!pass.settings.guide && OnlyLight::fits(scene)) only_light.emplace(scene.punctual_lights[0]);
     LambertGroup group;
-    alignas(64) LaneFloats lit;
+    alignas(kLaneAlignment) LaneFloats lit;
     for (size_t first = 0; first < lambert_.size(); first += kLanes) {
         const size_t lanes = std::min(kLanes, lambert_.size() - first);
         for (size_t lane = 0; lane < kLanes; ++lane) {  // lanes past the end repeat the last path and are not read

@@ -135,7 +135,7 @@ namespace {
 
 /// The numbers at some of the places of an array.
 FloatLanes gather(std::span<const float> numbers, std::span<const uint32_t> places) {
-    alignas(64) LaneFloats values;
+    alignas(kLaneAlignment) LaneFloats values;
     for (size_t lane = 0; lane < kLanes; ++lane) values[lane] = numbers[places[std::min(lane, places.size() - 1)]];
     return FloatLanes(values, lambert_lanes::kAligned);
 }
@@ -146,7 +146,7 @@ void EmissionSampler::Lights::sample_triangles(const EmissionNumbers& numbers, s
                                                std::span<EmissionSample> samples) const {
     using namespace lambert_lanes;
     Vec3Array corner, edge1, edge2, normal, start, direction;
-    alignas(64) LaneFloats sides;
+    alignas(kLaneAlignment) LaneFloats sides;
     for (size_t first = 0; first < places.size(); first += kLanes) {
         const std::span<const uint32_t> mine = places.subspan(first, std::min(kLanes, places.size() - first));
         for (size_t lane = 0; lane < kLanes; ++lane) {  // lanes past the end repeat the last sample and are not read

@@ -27,7 +27,7 @@ inline bool base_color_varies(const Scene& scene, const Mesh& mesh) {
 using LaneFloats = float[kLanes];
 
 struct Vec3Array {
-    alignas(64) LaneFloats x, y, z;
+    alignas(kLaneAlignment) LaneFloats x, y, z;
 
     void set(size_t lane, const vec3& v) { x[lane] = v.x, y[lane] = v.y, z[lane] = v.z; }
     vec3 get(size_t lane) const { return {x[lane], y[lane], z[lane]}; }
@@ -170,21 +170,22 @@ struct LambertGroup {
     Vec3Array direction;               // of the ray that met the surface
     Vec3Array throughput;              // of paths from a light: the photon's power
     Vec3Array reflectance;
-    alignas(64) LaneFloats u, v, flip;  // flip: -1 where the instance mirrors
-    alignas(64) LaneFloats scale;       // what throughput's greatest component is multiplied by to judge the path
-    alignas(64) LaneFloats roulette, sample_x, sample_y;  // uniform numbers
+    alignas(kLaneAlignment) LaneFloats u, v, flip;  // flip: -1 where the instance mirrors
+    alignas(kLaneAlignment)
+        LaneFloats scale;  // what throughput's greatest component is multiplied by to judge the path
+    alignas(kLaneAlignment) LaneFloats roulette, sample_x, sample_y;  // uniform numbers
 
     // Of find_surface().
     Vec3Array position, geometric_normal, normal, start;
-    Vec3Array smooth_normal;       // interpolated, on the geometric normal's side; that one where the mesh is flat
-    alignas(64) LaneFloats front;  // 1: seen from the front, or 0
+    Vec3Array smooth_normal;  // interpolated, on the geometric normal's side; that one where the mesh is flat
+    alignas(kLaneAlignment) LaneFloats front;  // 1: seen from the front, or 0
 
     // Of scatter() and scatter_photons().
     Vec3Array next_direction;
-    alignas(64) LaneFloats scattered;         // 1: goes on, or 0
-    alignas(64) LaneFloats cos_next;          // scatter() alone: against the normal
-    alignas(64) LaneFloats survival_inverse;  // scatter() alone; NaN where the path's numbers are
-    alignas(64) LaneFloats correction;        // scatter_photons(): of the shading normal
+    alignas(kLaneAlignment) LaneFloats scattered;         // 1: goes on, or 0
+    alignas(kLaneAlignment) LaneFloats cos_next;          // scatter() alone: against the normal
+    alignas(kLaneAlignment) LaneFloats survival_inverse;  // scatter() alone; NaN where the path's numbers are
+    alignas(kLaneAlignment) LaneFloats correction;        // scatter_photons(): of the shading normal
 
     /// `varies`: base_color_varies().
     void gather(size_t lane, const Scene& scene, bool varies, const Hit& hit, const Ray& ray,

@@ -68,11 +68,12 @@ public:
 
 private:
     struct Block {  // kLanes triangles; places past the end are never in a shaft
-        alignas(64) std::array<float, kLanes> corner[3][3];  // by corner and axis
-        alignas(64) std::array<float, kLanes> plane[4];      // unit normal and offset: n . p = offset on the triangle
+        alignas(kLaneAlignment) std::array<float, kLanes> corner[3][3];  // by corner and axis
+        alignas(kLaneAlignment)
+            std::array<float, kLanes> plane[4];  // unit normal and offset: n . p = offset on the triangle
     };
     struct Node {  // kLanes children
-        alignas(64) std::array<float, kLanes> centre[3], half[3];
+        alignas(kLaneAlignment) std::array<float, kLanes> centre[3], half[3];
     };
     struct Pyramid;
 

@@ -193,7 +193,7 @@ void PhotonSplatting::begin(const RenderContext& context, Stats& stats) {
         // Numbers of its own: as little as the seed of a reference does this one show in the passes.
         const TracedReflections photons = PhotonTracer(scene, context.intersector, *state.emission, pilot)
                                               .trace_reflected(hash64(context.seed) ^ kPilotSeed, 0, CancelToken{});
-        stats.counts += photons.counts;
+        stats.counts.photon_rays += photons.counts.photon_rays;  // none of them is a pass's
         state.sizes = SplatSizes(state.settings.radius_m, scene.bounds, photons, context.intersector, stats.counts);
         budget.record("splat_sizes", state.sizes.bytes());
     }

@@ -21,13 +21,13 @@ namespace photond {
 struct PointBlock {
     PointBlock() {}  // NOLINT(modernize-use-equals-default): not zeroed, all of it is written
 
-    Vec3Array position;                   // world [m]
-    Vec3Array normal;                     // that shades; 0 where light from both sides counts
-    Vec3Array geometric_normal;           // on the eye's side
-    Vec3Array weight;                     // Lambert: throughput times reflectance / pi; others: throughput
-    Vec3Array sum;                        // of the splats: Lambert irradiance [W m^-2], others radiance [W m^-2 sr^-1]
-    alignas(64) LaneFloats splats;        // that reach the point
-    alignas(64) LaneFloats splat_weight;  // `normalised`: sum of the filter's weights
+    Vec3Array position;          // world [m]
+    Vec3Array normal;            // that shades; 0 where light from both sides counts
+    Vec3Array geometric_normal;  // on the eye's side
+    Vec3Array weight;            // Lambert: throughput times reflectance / pi; others: throughput
+    Vec3Array sum;               // of the splats: Lambert irradiance [W m^-2], others radiance [W m^-2 sr^-1]
+    alignas(kLaneAlignment) LaneFloats splats;        // that reach the point
+    alignas(kLaneAlignment) LaneFloats splat_weight;  // `normalised`: sum of the filter's weights
     uint32_t pixel[kLanes];
     uint32_t general[kLanes];  // index into PointTile::general
 };
@@ -102,8 +102,8 @@ public:
 
 private:
     struct Node {
-        alignas(64) LaneFloats x, y, z, radius;  // spheres of the children
-        alignas(64) LaneFloats splat_radius;     // greatest of each
+        alignas(kLaneAlignment) LaneFloats x, y, z, radius;  // spheres of the children
+        alignas(kLaneAlignment) LaneFloats splat_radius;     // greatest of each
     };
     struct Level {
         std::vector<Node> nodes;
