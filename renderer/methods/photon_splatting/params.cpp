@@ -25,7 +25,9 @@ void PhotonSplattingParams::visit(ParamVisitor& visitor) {
     visitor.field("grid_cells", grid_cells,
                   {"cells", 1, 1024, "stratification: voxels along the longest side of the scene"});
     visitor.field("minimum_photons", minimum_photons,
-                  {"photons", 1, 1e6, "stratification: cells that hold fewer are joined in 2x2x2 blocks"});
+                  {"photons", 1, 1e6,
+                   "stratification: a block of 2x2x2 cells of which one holds fewer, but some, becomes one cell; from "
+                   "2 on a lone photon joins all about it, and the noise is that of few splats"});
     visitor.field("splats_per_cell", splats_per_cell, {"splats", 1, 1024, "stratification: splats of a cell"});
     visitor.enumeration("representative", representative,
                         {kRepresentatives,

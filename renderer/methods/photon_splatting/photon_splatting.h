@@ -21,7 +21,7 @@ struct PhotonSplattingParams final : MethodParams {
     uint32_t rays_per_photon = 1;
     bool stratify = false;
     uint32_t grid_cells = 64;
-    uint32_t minimum_photons = 2;
+    uint32_t minimum_photons = 1;
     uint32_t splats_per_cell = 1;
     Representative representative = Representative::ByPower;
     std::optional<float> splat_size_m;
