@@ -33,10 +33,14 @@ struct Reason {
     const char* row;      // part of the row's name; empty: any
     const char* text;
 };
-constexpr std::array<Reason, 9> kReasons = {
+constexpr std::array<Reason, 12> kReasons = {
     {{"", "", "dynamic range", "light paths start from lights by their power: next to none from the dim one"},
      {"photon_splatting", "weighting=normalised", "",
       "a weighted mean of the photons' colours: it discards how dense they are, so no exposure makes it converge"},
+     {"photon_splatting", "estimator=kernel", "thin wall",
+      "a depth map lights borderline depths, to a texel's width, which is more than the wall's"},
+     {"photon_splatting", "", "furnace", "as many bounces as it was given here, where the answer has all of them"},
+     {"photon_splatting", "", "glass", "beams from specular surfaces are as wide as a quarter of a splat"},
      {"photon_splatting", "estimator=kernel", "corner", "the kernel darkens within a radius of edges, by half there"},
      {"photon_splatting", "estimator=kernel", "facing", "the kernel darkens within a radius of edges, by half there"},
      {"photon_mapping", "", "thin wall", "a disc of the density estimate does not see a wall thinner than its radius"},

@@ -66,9 +66,9 @@ public:
     uint64_t bytes() const { return bytes_for(size_, layers_); }
 
     /// Mean over the passes of a layer (or the beauty), as size().pixels() * channels floats; 0 before the first pass.
-    /// Auxiliary layers: mean over the samples that hit, 0 where none did; for PhotonCount and Overlap a sample that met
-    /// a surface and found no photon or splat counts, as 0. StandardError: of the beauty's mean, from the variance between passes;
-    /// infinite before the second pass, when nothing is known of it.
+    /// Auxiliary layers: mean over the samples that hit, 0 where none did; for PhotonCount and Overlap a sample that
+    /// met a surface and found no photon or splat counts, as 0. StandardError: of the beauty's mean, from the variance
+    /// between passes; infinite before the second pass, when nothing is known of it.
     std::vector<float> resolve(Layer layer) const;
     std::vector<float> resolve_beauty() const;
     /// Unbiased variance between passes of one pass's value, per pixel and channel; empty for fewer than two passes.

@@ -70,11 +70,13 @@ struct PhotonSplattingParams final : MethodParams {
 ///
 ///   connect     Phi K(u) cos_x V(y, x), cos_x towards y, for all x within a splat's radius h of the half-line. As y
 ///               sends light out by the cosine, int p(w) K(u) dw = cos_y / (pi d^2): the mean is the transport from y
-///               to x for any h, without the bias of a kernel. Near y and its horizon the chance of passing is the form
-///               factor of a clipped sphere (connect_weight.h); within h of y the connection is clamped, and what that
-///               takes is found by one short ray a visible point (`repay`, repayment.h). Photons of rough BSDFs connect
-///               with their BSDF's value. V by shadow rays, spared where a shaft to a whole cluster of points is clear
-///               (transport/shaft_visibility.h).
+///               to x for any h, without the bias of a kernel; so h may differ from place to place (splat_sizes.h).
+///               Near y and its horizon the chance of passing is the form factor of a clipped sphere
+///               (connect_weight.h). Nearer than a sixth of h the connection is clamped, and what that takes is found
+///               by one short ray a visible point (`repay`, repayment.h): derivations.md clamps at h, whose rays are
+///               noisier than the splats. Photons of rough BSDFs connect with their BSDF's value. V is exact: the
+///               triangles that may stand in the shaft to a cluster of points are tested for all its points at once,
+///               where they are few (transport/shaft_visibility.h), else by shadow rays.
 ///   kernel      Phi K(u) max(0, n . -w) V, V by an orthographic depth map across the ray (splat_depth_maps.h), for x
 ///               within a frustum about the hit of the ray. Blurs by h; darkens to half within h of edges. Consistent
 ///               with `shrink`. Delta and narrow lobes splat so with any estimator: caustics.

@@ -9,8 +9,8 @@ namespace photond {
 namespace {
 
 constexpr uint32_t kBlockSide = 16;  // pixels
-constexpr float kOffPlane = 1e-6f;  // that points on a plane may lie beside it, over their coordinates
-constexpr float kNowhere = 1e18f;   // coordinates no splat reaches, whose squares are finite
+constexpr float kOffPlane = 1e-6f;   // that points on a plane may lie beside it, over their coordinates
+constexpr float kNowhere = 1e18f;    // coordinates no splat reaches, whose squares are finite
 
 const vec3& position_of(const LambertVisiblePoint& point) { return point.position; }
 const vec3& position_of(const VisiblePoint& point) { return point.surface.position; }
