@@ -42,7 +42,9 @@ uint64_t point_bytes(Size2 size, const Needs& needs) {
 /// scenes have half of that.
 uint64_t batch_bytes(const PhotonSplattingParams& params, Size2 size) {
     constexpr double kClustersOfRootPixel = 0.22, kStratified = 0.7, kSlack = 1.5;
-    const double splats = std::min<double>(expected_photons(params), SplatBatch::kSources) * params.rays_per_photon;
+    const size_t at_once = std::max<size_t>(SplatBatch::kSplats, params.rays_per_photon);
+    const double splats =
+        std::min(static_cast<double>(expected_photons(params)) * params.rays_per_photon, static_cast<double>(at_once));
     const double clusters = kClustersOfRootPixel * std::sqrt(static_cast<double>(size.pixels()));
     const double of_splat =
         kSlack * sizeof(Splat) + clusters * (sizeof(SplatBatch::Pair) + sizeof(SplatBatch::Chunk::Found));
@@ -295,8 +297,9 @@ void PhotonSplatting::splat_photons(uint32_t pass, Stats& stats, const CancelTok
         state.eye.scene, state.eye.intersector, state.settings, params_,        state.shafts ? &*state.shafts : nullptr,
         state.photons,   state.sources,         state.clusters, state.eye.seed, pass};
     const size_t count = splat_pass.source_count();
-    for (size_t first = 0; first < count && !cancel.cancelled(); first += SplatBatch::kSources) {
-        state.batch.make(splat_pass, first, std::min(first + SplatBatch::kSources, count), stats, cancel);
+    const size_t at_once = SplatBatch::sources(params_.rays_per_photon);
+    for (size_t first = 0; first < count && !cancel.cancelled(); first += at_once) {
+        state.batch.make(splat_pass, first, std::min(first + at_once, count), stats, cancel);
         const StageTimer timer(stats, "splat");
         parallel_for(state.clusters.clusters().size(), 4, [&](size_t cluster) {
             if (cancel.cancelled()) return;

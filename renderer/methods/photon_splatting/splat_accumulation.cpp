@@ -82,7 +82,7 @@ void SplatAccumulator::light_cluster(const SplatPass& pass, const SplatBatch& ba
                         if (!found.lit[lane]) continue;
                         const vec3 d = blocks_[b].position.get(lane) - splat.origin;
                         const vec2 across(glm::dot(d, frame.tangent), glm::dot(d, frame.bitangent));
-                        if (chunk.depth_maps.reaches(splat.frustum, across, glm::dot(d, splat.axis) - splat.near_m))
+                        if (chunk.depth_maps.reaches(splat.slot, across, glm::dot(d, splat.axis) - splat.near_m))
                             continue;
                         found.lit[lane] = false;
                         found.gain[lane] = 0;
@@ -92,7 +92,7 @@ void SplatAccumulator::light_cluster(const SplatPass& pass, const SplatBatch& ba
             }
             continue;
         }
-        const RoughOrigin* rough = splat.kind == Splat::Kind::ConnectRough ? &chunk.rough[splat.frustum] : nullptr;
+        const RoughOrigin* rough = splat.kind == Splat::Kind::ConnectRough ? &chunk.rough[splat.slot] : nullptr;
         const bool unknown = pair.blockers == SplatBatch::kUnknown;
         for (uint32_t b = 0; b < blocks; ++b) {
             SplatGain found = connect_gain<kReceiver>(splat, wide, blocks_[b], filter, at.clamp_sq_m2());

@@ -10,7 +10,7 @@ namespace photond {
 
 namespace {
 
-constexpr size_t kChunkSources = 256;
+constexpr size_t kChunkSplats = 128;
 
 /// Makes the splats of one photon, and says which clusters they may light. One chunk's.
 class SplatMaker {
@@ -69,7 +69,7 @@ private:
         const float leaves_m = splat.radius * std::sqrt(std::max(1 - sqr(cosine), 0.0f)) / cosine;
         splat.near_m = std::max(hit_m - settings_.step_back_m, std::min(leaves_m, hit_m));
         splat.far_m = std::max(hit_m - settings_.step_back_m + settings_.depth_m, splat.near_m);
-        splat.frustum = static_cast<uint32_t>(frusta_.size());
+        splat.slot = static_cast<uint32_t>(frusta_.size());
         frusta_.push_back({splat.origin + splat.near_m * splat.axis, splat.axis, splat.radius,
                            std::max(splat.far_m - splat.near_m, 1e-6f * splat.radius)});
     }
@@ -168,7 +168,7 @@ private:
             const ReflectingSurface& at = pass_.photons.surfaces[photon.surface];
             const float own = max_component(photon.power_w);
             power_w = at.arriving_power_w * (own > 0 ? max_component(power_w) / own : 0);
-            splat.frustum = static_cast<uint32_t>(chunk_.rough.size());
+            splat.slot = static_cast<uint32_t>(chunk_.rough.size());
             const ShadingPoint surface = make_shading_point(pass_.scene, at.hit, -at.wi_world);
             chunk_.rough.push_back(
                 {surface, make_bsdf(pass_.scene, surface, at.outside_ior).rough_part(pass_.params.photon_threshold()),
@@ -195,7 +195,8 @@ private:
 
 void SplatBatch::make(const SplatPass& pass, size_t first, size_t last, Stats& stats, const CancelToken& cancel) {
     const double wall_start = wall_now_seconds();
-    chunk_count_ = (last - first + kChunkSources - 1) / kChunkSources;
+    const size_t chunk_sources = std::max<size_t>(kChunkSplats / pass.params.rays_per_photon, 1);
+    chunk_count_ = (last - first + chunk_sources - 1) / chunk_sources;
     if (chunks_.size() < chunk_count_) chunks_.resize(chunk_count_);
     parallel_for(chunk_count_, 1, [&](size_t c) {
         Chunk& chunk = chunks_[c];
@@ -205,7 +206,7 @@ void SplatBatch::make(const SplatPass& pass, size_t first, size_t last, Stats& s
         if (cancel.cancelled()) return;
         ThreadLaps laps;
         SplatMaker maker(pass, chunk);
-        const size_t begin = first + c * kChunkSources, end = std::min(begin + kChunkSources, last);
+        const size_t begin = first + c * chunk_sources, end = std::min(begin + chunk_sources, last);
         for (size_t i = begin; i < end; ++i) {
             if (pass.sources.empty()) {
                 const ReflectedPhoton& photon = pass.photons.photons[i];

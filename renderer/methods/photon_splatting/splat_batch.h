@@ -42,7 +42,10 @@ struct RoughOrigin {
 
 class SplatBatch {
 public:
-    static constexpr size_t kSources = 1 << 15;  // a batch; fixed, as sums are rounded batch by batch
+    /// Splats of a batch: where they lie over all of a large image they find some GiB of pairs if there are many more.
+    static constexpr size_t kSplats = 1 << 12;
+    /// Sources of a batch, for photons of so many rays.
+    static size_t sources(uint32_t rays_per_photon) { return std::max<size_t>(kSplats / rays_per_photon, 1); }
 
     /// The splats of sources [first, last). Seconds of the finding go to `stats` as stage "splat_find", of depth maps
     /// as "splat_depth".
