@@ -31,8 +31,8 @@ ComparePreset photon_splatting_thesis() {
         "photon mapping (many bounces)=photon_mapping,gather=direct,nearest_photons=200",
         "small splats=photon_splatting,weighting=normalised,splat_size_relative=0.25",
         "large splats=photon_splatting,weighting=normalised,splat_size_relative=0.75",
-        "stratified=photon_splatting,weighting=normalised,splat_size_relative=0.25,stratify=true,minimum_photons=1,"
-        "representative=closest_to_mean",
+        ("stratified=photon_splatting,weighting=normalised,splat_size_relative=0.25,stratify=true,minimum_photons=1,"
+         "representative=closest_to_mean"),
         "ours=photon_splatting,bounces=1",
     };
     preset.sweeps = {

@@ -77,6 +77,7 @@ constexpr Rectangle kWallView{0.01, 0.51, -0.25, 0.25};  // height, then along t
 Scene floor_and_wall(const std::vector<float>& bounds, const std::vector<Rgb>& albedos) {
     Scene scene;
     std::vector<uint32_t> materials;
+    materials.reserve(albedos.size());
     for (const Rgb& albedo : albedos) materials.push_back(add_material(scene, lambert("floor", albedo)));
     const uint32_t wall = add_material(scene, grey());
     std::vector<MeshBuilder> floors(albedos.size());

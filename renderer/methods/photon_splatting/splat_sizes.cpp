@@ -45,8 +45,9 @@ SplatSizes::SplatSizes(float radius_m, const Bounds3& bounds, const TracedReflec
     double total = 0;
     for (size_t i = 0; i < rays.size(); ++i) {
         const float end_m = std::min(hits[i].t, 2 * longest);  // the scene is no wider
-        for (float t = 0.5f * step_m; t < end_m; t += step_m) {
-            const vec3 p = rays[i].origin + t * rays[i].direction;
+        const auto steps = static_cast<uint32_t>(std::lround(end_m / step_m));
+        for (uint32_t step = 0; step < steps; ++step) {
+            const vec3 p = rays[i].origin + (static_cast<float>(step) + 0.5f) * step_m * rays[i].direction;
             if (glm::any(glm::lessThan(p, bounds.min)) || glm::any(glm::greaterThan(p, bounds.max))) break;
             lengths[index(cell(p))] += 1;
             total += 1;

@@ -43,7 +43,11 @@ public:
     /// Levels of blocks above the cells, up to the one that holds all of them.
     uint32_t levels() const { return levels_; }
     /// Greater than all codes of cells.
-    uint64_t outside() const { return (uint64_t{1} << 3 * levels_) - 1; }
+    uint64_t outside() const {
+        assert(levels_ <= 11 && "at most 1024 cells along a side");
+        // NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult): it takes bit_width() for anything
+        return (uint64_t{1} << 3 * levels_) - 1;
+    }
 
     uint64_t code(const vec3& p) const {
         // Written so that NaN is outside, as everything is where the bounds are empty.
