@@ -288,6 +288,23 @@ TEST(PhotonSplatting, IndirectExposureScalesTheLayer) {
     EXPECT_GT(sum_of(a), sum_of(b));
 }
 
+// Colour over weight is a mean of colours, however many photons a splat stands for: a weight on one side alone would
+// show as a factor of dozens, which is how many photons a cell holds here.
+TEST(PhotonSplatting, NormalisedSplatsOfCellsAreAsBrightAsThoseOfPhotons) {
+    const Scene scene = make_builtin_scene("cornell-box-spot");
+    Settings settings = small(4, 4000);
+    settings.params.weighting = SplatWeighting::Normalised;
+    Stats of_photons, of_cells;
+    const double alone = sum_of(test::render(scene, settings, &of_photons).resolve(Layer::Indirect));
+    settings.params.stratify = true;
+    settings.params.grid_cells = 4;
+    const double together = sum_of(test::render(scene, settings, &of_cells).resolve(Layer::Indirect));
+    ASSERT_GT(of_photons.counts.splats, 20 * of_cells.counts.splats);
+    // Between them is which splats meet, and how obliquely: a factor that has no closed form, but is of order one.
+    EXPECT_GT(together, alone / 3);
+    EXPECT_LT(together, alone * 3);
+}
+
 TEST(PhotonSplatting, BlurKeepsTheMean) {
     const Scene scene = make_builtin_scene("cornell-box");
     Settings settings = small(1, 300);

@@ -84,7 +84,7 @@ struct PhotonSplattingParams final : MethodParams {
 ///               discards the density of photons: no exposure makes it converge to the truth.
 ///
 /// Strong on diffuse interreflection: equal photons make equal contributions, so that 25 of them at a point come within
-/// 20 % of the light. Weak where light comes through narrow glossy or specular parts, which blur (kernel), and where
+/// 30 % of the light. Weak where light comes through narrow glossy or specular parts, which blur (kernel), and where
 /// everything is far apart compared to h, as few points then share a photon.
 /// Without `repay` the clamp darkens corners. The layer `caustic` is not told apart. Not implemented: participating
 /// media, dispersion; a camera inside a solid sees as if it were outside of it.
@@ -100,7 +100,7 @@ public:
 
     explicit PhotonSplatting(const PhotonSplattingParams& params);
     ~PhotonSplatting() override;
-    /// What begin() and the passes will record, to some ten percent.
+    /// What begin() and the passes will record, to a factor of two; `splat_size` in metres is taken for the default.
     static uint64_t estimate_bytes(const PhotonSplattingParams& params, const Workload& workload);
 
     void begin(const RenderContext& context, Stats& stats) override;

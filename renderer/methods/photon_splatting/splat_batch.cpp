@@ -159,9 +159,10 @@ private:
             splat.kind = Splat::Kind::Beam;
             if (photon.spread() == Spread::Lambert) power_w *= photon.correction_towards(axis);
             if (settings_.normalised) {
-                // A colour: what the scene's surfaces would get on average if all photons were like this one.
-                splat.intensity = power_w * (static_cast<float>(rays) * static_cast<float>(pass_.photons.paths) /
-                                             settings_.surface_area_m2);
+                // A colour, what the scene's surfaces would get on average if all photons were like this one, with the
+                // weight it has in the mean.
+                splat.intensity = power_w * (splat.weight * static_cast<float>(rays) *
+                                             static_cast<float>(pass_.photons.paths) / settings_.surface_area_m2);
             }
         } else if (photon.spread() == Spread::Rough) {
             splat.kind = Splat::Kind::ConnectRough;
