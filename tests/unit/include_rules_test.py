@@ -28,6 +28,9 @@ MAY_INCLUDE = [
     ("renderer/film/*", ["renderer/film/*", "renderer/core/*", *PLAIN_PROTOCOL]),
     ("renderer/error/*", ["renderer/error/*", "renderer/core/*", *PLAIN_PROTOCOL]),
     ("renderer/transport/*", ["renderer/transport/*", "renderer/scene/*", "renderer/core/*", *PLAIN_PROTOCOL]),
+    # One scene upload: lights and tables among it, which transport makes.
+    ("renderer/backends/gpu/*", ["renderer/backends/gpu/*", "renderer/transport/*", "renderer/scene/*",
+                                 "renderer/core/*", *PLAIN_PROTOCOL]),
     ("renderer/backends/{room}/*", ["renderer/backends/{room}/*", "renderer/scene/*", "renderer/core/*",
                                     *PLAIN_PROTOCOL]),
     *((block, [block, "renderer/transport/*", "renderer/scene/*", "renderer/core/*", "renderer/backends/gpu/*",
@@ -47,7 +50,7 @@ MAY_INCLUDE = [
 LIBRARIES = [
     ("httplib.h", ["server/routes/*", "clients/cli/http_client.cpp"]),
     ("sqlite3.h", ["server/store/*"]),
-    ("embree3/*", ["renderer/backends/cpu/*"]),
+    ("embree3/*", ["renderer/backends/cpu/*", "renderer/backends/gpu/bvh*.cpp"]),
     ("meshoptimizer.h", ["renderer/scene/gltf*.cpp"]),
     ("OpenImageIO/*", ["renderer/film/exr_file.cpp", "renderer/film/png_file.cpp",
                        "renderer/scene/texture_decode.cpp"]),

@@ -1,0 +1,254 @@
+#include "renderer/backends/gpu/command_list.h"
+
+#include <algorithm>
+#include <map>
+
+#include "renderer/backends/gpu/instance.h"
+
+namespace photond::gpu {
+
+namespace {
+
+constexpr uint32_t kMostScopes = 512;
+constexpr VkAccessFlags2 kWrites = VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT;
+constexpr VkShaderStageFlags kPushStages = VK_SHADER_STAGE_COMPUTE_BIT | VK_SHADER_STAGE_ALL_GRAPHICS;
+
+VkAccessFlags2 flags_of(Access access) {
+    return (access != Access::Write ? VK_ACCESS_2_SHADER_STORAGE_READ_BIT : 0) |
+           (access != Access::Read ? VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT : 0);
+}
+
+}  // namespace
+
+CommandList::CommandList(Device& device) : device_(device) {
+    const VolkDeviceTable& vk = device.vk();
+    VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
+    pool.queueFamilyIndex = device.queue_family();
+    check(vk.vkCreateCommandPool(device.handle(), &pool, nullptr, &pool_), "making a command pool");
+    VkCommandBufferAllocateInfo allocate{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
+    allocate.commandPool = pool_;
+    allocate.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
+    allocate.commandBufferCount = 1;
+    check(vk.vkAllocateCommandBuffers(device.handle(), &allocate, &commands_), "making a command buffer");
+    VkQueryPoolCreateInfo queries{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
+    queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
+    queries.queryCount = 2 * kMostScopes;
+    check(vk.vkCreateQueryPool(device.handle(), &queries, nullptr, &queries_), "making timestamps");
+    begin();
+}
+
+CommandList::~CommandList() {
+    // A lost device has dropped the work; there is nothing to wait for.
+    if (submitted_) try {
+            device_.wait(*submitted_);
+        } catch (const Error&) {
+            submitted_.reset();
+        }
+    device_.vk().vkDestroyQueryPool(device_.handle(), queries_, nullptr);
+    device_.vk().vkDestroyCommandPool(device_.handle(), pool_, nullptr);
+}
+
+void CommandList::begin() {
+    VkCommandBufferBeginInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+    info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+    check(device_.vk().vkBeginCommandBuffer(commands_, &info), "recording commands");
+    device_.vk().vkResetQueryPool(device_.handle(), queries_, 0, 2 * kMostScopes);
+    barrier_ = {VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
+    needs_barrier_ = false;
+    layout_ = nullptr;
+    scopes_.clear();
+    bound_.clear();
+}
+
+void CommandList::reset() {
+    wait();
+    submitted_.reset();
+    check(device_.vk().vkResetCommandPool(device_.handle(), pool_, 0), "recording commands anew");
+    begin();
+}
+
+void CommandList::bind(const ComputePipeline& pipeline, std::span<const Binding> bindings) {
+    device_.vk().vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.handle());
+    bind_buffers(VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.layout(), pipeline.source(), bindings);
+}
+
+void CommandList::bind_buffers(VkPipelineBindPoint point, const PipelineLayout& layout, std::string_view name,
+                               std::span<const Binding> bindings) {
+    const std::span<const ShaderBuffer> buffers = layout.buffers();
+    if (bindings.size() != buffers.size())
+        throw Error(ErrorCode::Internal, std::string(name) + " has " + std::to_string(buffers.size()) +
+                                             " buffers; bound were " + std::to_string(bindings.size()));
+    layout_ = &layout;
+    bound_.assign(bindings.begin(), bindings.end());
+    std::vector<VkDescriptorBufferInfo> infos(bindings.size());
+    std::vector<VkWriteDescriptorSet> writes(bindings.size(), {VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET});
+    for (size_t i = 0; i < bindings.size(); ++i) {
+        const Binding& binding = bindings[i];
+        if (!binding.buffer || !*binding.buffer || (binding.access == Access::Read) != buffers[i].read_only)
+            throw Error(ErrorCode::Internal,
+                        std::string(name) + ", binding " + std::to_string(buffers[i].binding) +
+                            (binding.buffer && *binding.buffer
+                                 ? ": the shader declares another access to " + binding.buffer->structure()
+                                 : ": no buffer"));
+        infos[i] = {binding.buffer->handle(), binding.offset, binding.bytes};
+        writes[i].dstBinding = buffers[i].binding;
+        writes[i].descriptorCount = 1;
+        writes[i].descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+        writes[i].pBufferInfo = &infos[i];
+    }
+    if (!writes.empty())
+        device_.vk().vkCmdPushDescriptorSetKHR(commands_, point, layout.handle(), 0,
+                                               static_cast<uint32_t>(writes.size()), writes.data());
+    if (layout.scene()) {
+        const VkDescriptorSet set = layout.scene()->handle();
+        device_.vk().vkCmdBindDescriptorSets(commands_, point, layout.handle(), 1, 1, &set, 0, nullptr);
+    }
+}
+
+void CommandList::push_bytes(std::span<const std::byte> bytes) {
+    if (!layout_ || bytes.size() != layout_->push_bytes())
+        throw Error(ErrorCode::Internal, "push constants of " + std::to_string(bytes.size()) + " bytes do not fit");
+    device_.vk().vkCmdPushConstants(commands_, layout_->handle(), kPushStages, 0, static_cast<uint32_t>(bytes.size()),
+                                    bytes.data());
+}
+
+/// A write waits for all before it; a read for the last write, unless another read did already.
+void CommandList::use(Buffer& buffer, VkPipelineStageFlags2 stage, VkAccessFlags2 access) {
+    UseState& state = buffer.state();
+    const bool writes = (access & kWrites) != 0;
+    if (state.write_stages || (writes && state.read_stages)) {
+        barrier_.srcStageMask |= state.write_stages | (writes ? state.read_stages : 0);
+        barrier_.srcAccessMask |= state.write_access;
+        // For whatever device stage comes to read it later: one barrier serves them all.
+        barrier_.dstStageMask |= VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+        barrier_.dstAccessMask |= VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
+        needs_barrier_ = true;
+        state = {};
+    }
+    if (writes) {
+        state.write_stages |= stage;
+        state.write_access |= access & kWrites;
+    } else {
+        state.read_stages |= stage;
+    }
+}
+
+void CommandList::flush_barrier() {
+    if (!needs_barrier_) return;
+    VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+    info.memoryBarrierCount = 1;
+    info.pMemoryBarriers = &barrier_;
+    device_.vk().vkCmdPipelineBarrier2(commands_, &info);
+    barrier_ = {VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
+    needs_barrier_ = false;
+}
+
+void CommandList::use_bound() {
+    for (const Binding& binding : bound_)
+        use(*binding.buffer, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, flags_of(binding.access));
+}
+
+void CommandList::dispatch(uint32_t x, uint32_t y, uint32_t z) {
+    const uint32_t* most = device_.limits().workgroups;
+    if (x > most[0] || y > most[1] || z > most[2])
+        throw Error(ErrorCode::Internal, "a dispatch of " + std::to_string(x) + " x " + std::to_string(y) + " x " +
+                                             std::to_string(z) + " groups passes the device's limit");
+    use_bound();
+    flush_barrier();
+    device_.vk().vkCmdDispatch(commands_, x, y, z);
+}
+
+void CommandList::dispatch_threads(uint64_t threads, uint32_t group_size) {
+    if (threads == 0) return;
+    const uint64_t count = (threads + group_size - 1) / group_size;
+    const uint64_t most = std::min<uint64_t>(device_.limits().workgroups[0], 1u << 15);
+    const uint64_t rows = (count + most - 1) / most;
+    dispatch(static_cast<uint32_t>(rows > 1 ? most : count), static_cast<uint32_t>(rows));
+}
+
+void CommandList::dispatch_indirect(Buffer& counts, uint64_t offset) {
+    use_bound();
+    use(counts, VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT);
+    flush_barrier();
+    device_.vk().vkCmdDispatchIndirect(commands_, counts.handle(), offset);
+}
+
+void CommandList::fill(Buffer& buffer, uint32_t word) { fill(buffer, word, 0, buffer.bytes() / 4 * 4); }
+
+void CommandList::fill(Buffer& buffer, uint32_t word, uint64_t offset, uint64_t bytes) {
+    use(buffer, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT);
+    flush_barrier();
+    device_.vk().vkCmdFillBuffer(commands_, buffer.handle(), offset, bytes, word);
+}
+
+void CommandList::update(Buffer& buffer, std::span<const std::byte> bytes, uint64_t offset) {
+    use(buffer, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT);
+    flush_barrier();
+    device_.vk().vkCmdUpdateBuffer(commands_, buffer.handle(), offset, bytes.size(), bytes.data());
+}
+
+void CommandList::copy(Buffer& from, uint64_t from_offset, Buffer& to, uint64_t to_offset, uint64_t bytes) {
+    use(from, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_READ_BIT);
+    use(to, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT);
+    flush_barrier();
+    const VkBufferCopy region{from_offset, to_offset, bytes};
+    device_.vk().vkCmdCopyBuffer(commands_, from.handle(), to.handle(), 1, &region);
+}
+
+void CommandList::host_reads(Buffer&) {
+    barrier_.srcStageMask |= VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+    barrier_.srcAccessMask |= VK_ACCESS_2_MEMORY_WRITE_BIT;
+    barrier_.dstStageMask |= VK_PIPELINE_STAGE_2_HOST_BIT;
+    barrier_.dstAccessMask |= VK_ACCESS_2_HOST_READ_BIT;
+    needs_barrier_ = true;
+}
+
+void CommandList::begin_scope(const std::string& name) {
+    if (Instance::get()->debug_names()) {
+        VkDebugUtilsLabelEXT label{VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT};
+        label.pLabelName = name.c_str();
+        vkCmdBeginDebugUtilsLabelEXT(commands_, &label);
+    }
+    if (scopes_.size() < kMostScopes)
+        device_.vk().vkCmdWriteTimestamp2(commands_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_,
+                                          static_cast<uint32_t>(2 * scopes_.size()));
+    scopes_.push_back(name);
+}
+
+void CommandList::end_scope() {
+    if (scopes_.size() <= kMostScopes)
+        device_.vk().vkCmdWriteTimestamp2(commands_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_,
+                                          static_cast<uint32_t>(2 * scopes_.size()) - 1);
+    if (Instance::get()->debug_names())
+        vkCmdEndDebugUtilsLabelEXT(commands_);
+}
+
+void CommandList::submit() {
+    flush_barrier();
+    check(device_.vk().vkEndCommandBuffer(commands_), "recording commands");
+    times_.clear();
+    submitted_ = device_.submit(commands_);
+}
+
+bool CommandList::done() { return !submitted_ || device_.reached(*submitted_); }
+
+void CommandList::wait() {
+    if (!submitted_) return;
+    device_.wait(*submitted_);
+    if (!times_.empty() || scopes_.empty()) return;
+    const auto count = static_cast<uint32_t>(std::min<size_t>(scopes_.size(), kMostScopes));
+    std::vector<uint64_t> ticks(2 * count);
+    check(device_.vk().vkGetQueryPoolResults(device_.handle(), queries_, 0, 2 * count, ticks.size() * sizeof(uint64_t),
+                                             ticks.data(), sizeof(uint64_t),
+                                             VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
+          "reading timestamps");
+    for (uint32_t i = 0; i < count; ++i)
+        times_.push_back(
+            {scopes_[i], static_cast<double>(ticks[2 * i + 1] - ticks[2 * i]) * device_.limits().timestamp_seconds});
+}
+
+void CommandList::add_times(Stats& stats) const {
+    for (const ScopeTime& time : times_) stats.stage(time.name).gpu_seconds += time.seconds;
+}
+
+}  // namespace photond::gpu

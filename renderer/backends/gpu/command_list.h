@@ -1,0 +1,131 @@
+#pragma once
+// Work for the device: recorded, submitted, waited for. What each command reads and writes is declared where it is
+// bound; the barriers between commands follow from that, from list to list.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "renderer/backends/gpu/pipeline.h"
+#include "renderer/core/stats.h"
+
+namespace photond::gpu {
+
+enum class Access : uint8_t { Read, Write, ReadWrite };
+
+/// A buffer as a command uses it. Its place in the list is its place among the shader's buffers of set 0, by binding.
+struct Binding {
+    Buffer* buffer;
+    Access access;
+    uint64_t offset = 0;  // bytes; a multiple of 256
+    uint64_t bytes = VK_WHOLE_SIZE;
+};
+inline Binding read(Buffer& buffer) { return {&buffer, Access::Read}; }
+inline Binding write(Buffer& buffer) { return {&buffer, Access::Write}; }
+inline Binding read_write(Buffer& buffer) { return {&buffer, Access::ReadWrite}; }
+
+/// GPU seconds of one scope.
+struct ScopeTime {
+    std::string name;
+    double seconds;
+};
+
+/// Borrows what it is told of until it has been waited for; going away, it waits. Not thread-safe.
+class CommandList {
+public:
+    explicit CommandList(Device& device);
+    ~CommandList();
+    CommandList(const CommandList&) = delete;
+    CommandList& operator=(const CommandList&) = delete;
+
+    /// What dispatch() runs next. Throws ErrorCode::Internal where the bindings are not those of the shader: their
+    /// number, and read() for a buffer that it does not declare readonly (write() and read_write() for one it does).
+    void bind(const ComputePipeline& pipeline, std::span<const Binding> bindings);
+    void bind(const ComputePipeline& pipeline, std::initializer_list<Binding> bindings) {
+        bind(pipeline, std::span(bindings.begin(), bindings.size()));
+    }
+    template <class T>
+    void push(const T& constants) {
+        push_bytes(std::as_bytes(std::span(&constants, 1)));
+    }
+
+    void dispatch(uint32_t x, uint32_t y = 1, uint32_t z = 1);
+    /// At least `threads` threads in groups of `group_size`; shaders number them by flat_index() (invocation.glsl), and
+    /// those past the end have nothing to do. 0: nothing is run.
+    void dispatch_threads(uint64_t threads, uint32_t group_size);
+    /// Three counts of groups, read at `offset` of the buffer.
+    void dispatch_indirect(Buffer& counts, uint64_t offset);
+
+    void fill(Buffer& buffer, uint32_t word);  // all of it
+    void fill(Buffer& buffer, uint32_t word, uint64_t offset, uint64_t bytes);
+    /// Copies up to 64 KiB at recording.
+    void update(Buffer& buffer, std::span<const std::byte> bytes, uint64_t offset = 0);
+    template <class T>
+    void update(Buffer& buffer, const T& value) {
+        update(buffer, std::as_bytes(std::span(&value, 1)));
+    }
+    void copy(Buffer& from, uint64_t from_offset, Buffer& to, uint64_t to_offset, uint64_t bytes);
+    /// What was written there will be read by the host.
+    void host_reads(Buffer& buffer);
+
+    /// Between the two the device's time counts for that name; scopes do not nest.
+    void begin_scope(const std::string& name);
+    void end_scope();
+
+    /// Starts it after all that was submitted before.
+    void submit();
+    /// Until it is done; at once where it was never submitted. Throws DeviceLost.
+    void wait();
+    bool done();
+    /// Of the last submission, once waited for, in the order of recording; several of one name stay several.
+    const std::vector<ScopeTime>& times() const { return times_; }
+    /// Adds them to the stages of those names.
+    void add_times(Stats& stats) const;
+    /// Waits, and begins anew.
+    void reset();
+
+    /// For raster passes (raster_pass.h), which record into the same list.
+    VkCommandBuffer handle() const { return commands_; }
+    Device& device() { return device_; }
+    /// Declares a use outside of dispatch(), and makes it wait for those before.
+    void use(Buffer& buffer, VkPipelineStageFlags2 stage, VkAccessFlags2 access);
+    /// Binds buffers to any pipeline of that layout, as bind() does.
+    void bind_buffers(VkPipelineBindPoint point, const PipelineLayout& layout, std::string_view name,
+                      std::span<const Binding> bindings);
+    void flush_barrier();
+
+private:
+    void begin();
+    void push_bytes(std::span<const std::byte> bytes);
+    void use_bound();
+
+    Device& device_;
+    VkCommandPool pool_ = VK_NULL_HANDLE;
+    VkCommandBuffer commands_ = VK_NULL_HANDLE;
+    VkQueryPool queries_ = VK_NULL_HANDLE;
+    std::vector<std::string> scopes_;
+    std::vector<ScopeTime> times_;
+    std::optional<uint64_t> submitted_;
+    const PipelineLayout* layout_ = nullptr;
+    std::vector<Binding> bound_;
+    VkMemoryBarrier2 barrier_{};
+    bool needs_barrier_ = false;
+};
+
+/// A scope as long as it lives.
+class Scope {
+public:
+    Scope(CommandList& commands, const std::string& name) : commands_(commands) { commands.begin_scope(name); }
+    ~Scope() { commands_.end_scope(); }
+    Scope(const Scope&) = delete;
+    Scope& operator=(const Scope&) = delete;
+
+private:
+    CommandList& commands_;
+};
+
+constexpr uint32_t groups(uint64_t threads, uint32_t group_size) {
+    return static_cast<uint32_t>((threads + group_size - 1) / group_size);
+}
+
+}  // namespace photond::gpu

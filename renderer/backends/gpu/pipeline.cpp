@@ -1,0 +1,146 @@
+#include "renderer/backends/gpu/pipeline.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace photond::gpu {
+
+namespace {
+
+constexpr VkShaderStageFlags kStages = VK_SHADER_STAGE_COMPUTE_BIT | VK_SHADER_STAGE_ALL_GRAPHICS;
+
+VkDescriptorSetLayout make_set_layout(Device& device, std::span<const uint32_t> bindings,
+                                      VkDescriptorSetLayoutCreateFlags flags, const std::string& name) {
+    std::vector<VkDescriptorSetLayoutBinding> all;
+    for (const uint32_t binding : bindings)
+        all.push_back({binding, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, kStages, nullptr});
+    VkDescriptorSetLayoutCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
+    info.flags = flags;
+    info.bindingCount = static_cast<uint32_t>(all.size());
+    info.pBindings = all.data();
+    VkDescriptorSetLayout layout;
+    check(device.vk().vkCreateDescriptorSetLayout(device.handle(), &info, nullptr, &layout),
+          "describing the buffers of " + name);
+    return layout;
+}
+
+}  // namespace
+
+BufferSet::BufferSet(Device& device, const std::string& name, std::span<Buffer* const> buffers) : device_(device) {
+    const auto count = static_cast<uint32_t>(buffers.size());
+    std::vector<uint32_t> bindings(count);
+    for (uint32_t i = 0; i < count; ++i) bindings[i] = i;
+    layout_ = make_set_layout(device, bindings, 0, name);
+    const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, count};
+    VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
+    pool.maxSets = 1;
+    pool.poolSizeCount = 1;
+    pool.pPoolSizes = &size;
+    check(device.vk().vkCreateDescriptorPool(device.handle(), &pool, nullptr, &pool_), "binding " + name);
+    VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
+    allocate.descriptorPool = pool_;
+    allocate.descriptorSetCount = 1;
+    allocate.pSetLayouts = &layout_;
+    check(device.vk().vkAllocateDescriptorSets(device.handle(), &allocate, &set_), "binding " + name);
+    std::vector<VkDescriptorBufferInfo> infos;
+    for (const Buffer* buffer : buffers) infos.push_back({buffer->handle(), 0, VK_WHOLE_SIZE});
+    VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
+    write.dstSet = set_;
+    write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+    std::vector<VkWriteDescriptorSet> writes;
+    for (uint32_t i = 0; i < count; ++i) {
+        write.dstBinding = i;
+        write.descriptorCount = 1;
+        write.pBufferInfo = &infos[i];
+        writes.push_back(write);
+    }
+    device.vk().vkUpdateDescriptorSets(device.handle(), count, writes.data(), 0, nullptr);
+    device.set_name(VK_OBJECT_TYPE_DESCRIPTOR_SET, reinterpret_cast<uint64_t>(set_), name);
+}
+
+BufferSet::~BufferSet() {
+    device_.vk().vkDestroyDescriptorPool(device_.handle(), pool_, nullptr);
+    device_.vk().vkDestroyDescriptorSetLayout(device_.handle(), layout_, nullptr);
+}
+
+Specialization specialize(uint32_t id, float value) { return {id, std::bit_cast<uint32_t>(value)}; }
+
+PipelineLayout::PipelineLayout(Device& device, std::span<const Shader* const> shaders, uint32_t push_bytes,
+                               const BufferSet* scene)
+    : device_(device), push_bytes_(push_bytes), scene_(scene) {
+    const std::string name(shaders.front()->source);
+    bool reads_scene = false;
+    for (const Shader* shader : shaders) {
+        reads_scene |= uses_scene(shader->words);
+        for (const ShaderBuffer& buffer : buffers_of(shader->words)) {
+            const auto same = std::find_if(buffers_.begin(), buffers_.end(),
+                                           [&](const ShaderBuffer& b) { return b.binding == buffer.binding; });
+            if (same == buffers_.end())
+                buffers_.push_back(buffer);
+            else
+                same->read_only &= buffer.read_only;
+        }
+    }
+    std::sort(buffers_.begin(), buffers_.end(), [](const auto& a, const auto& b) { return a.binding < b.binding; });
+    if (reads_scene && !scene) throw Error(ErrorCode::Internal, name + " reads the scene, which was not given");
+    if (push_bytes > device.limits().push_constants || push_bytes % 4 != 0)
+        throw Error(ErrorCode::Internal, name + " has " + std::to_string(push_bytes) +
+                                             " bytes of push constants; the device takes " +
+                                             std::to_string(device.limits().push_constants));
+    std::vector<uint32_t> bindings;
+    for (const ShaderBuffer& buffer : buffers_) bindings.push_back(buffer.binding);
+    set_layout_ = make_set_layout(device, bindings, VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR, name);
+    const VkDescriptorSetLayout sets[] = {set_layout_, scene ? scene->layout() : VK_NULL_HANDLE};
+    const VkPushConstantRange range{kStages, 0, push_bytes};
+    VkPipelineLayoutCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
+    info.setLayoutCount = scene ? 2 : 1;
+    info.pSetLayouts = sets;
+    info.pushConstantRangeCount = push_bytes > 0 ? 1 : 0;
+    info.pPushConstantRanges = &range;
+    check(device.vk().vkCreatePipelineLayout(device.handle(), &info, nullptr, &handle_), "laying out " + name);
+}
+
+PipelineLayout::~PipelineLayout() {
+    device_.vk().vkDestroyPipelineLayout(device_.handle(), handle_, nullptr);
+    device_.vk().vkDestroyDescriptorSetLayout(device_.handle(), set_layout_, nullptr);
+}
+
+ShaderStage::ShaderStage(Device& device, VkShaderStageFlagBits stage, const Shader& shader,
+                         std::span<const Specialization> constants)
+    : device_(device) {
+    for (const Specialization& constant : constants) {
+        entries_.push_back({constant.id, static_cast<uint32_t>(values_.size() * sizeof(uint32_t)), sizeof(uint32_t)});
+        values_.push_back(constant.value);
+    }
+    specialization_ = {static_cast<uint32_t>(entries_.size()), entries_.data(), values_.size() * sizeof(uint32_t),
+                       values_.data()};
+    VkShaderModuleCreateInfo module{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
+    module.codeSize = shader.words.size_bytes();
+    module.pCode = shader.words.data();
+    info_.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
+    info_.stage = stage;
+    info_.pName = "main";
+    info_.pSpecializationInfo = &specialization_;
+    check(device.vk().vkCreateShaderModule(device.handle(), &module, nullptr, &info_.module),
+          "loading " + std::string(shader.source));
+}
+
+ShaderStage::~ShaderStage() { device_.vk().vkDestroyShaderModule(device_.handle(), info_.module, nullptr); }
+
+ComputePipeline::ComputePipeline(Device& device, std::string_view source, uint32_t push_bytes, const BufferSet* scene,
+                                 std::span<const Specialization> constants)
+    : device_(device),
+      shader_(find_shader(source)),
+      layout_(device, std::initializer_list<const Shader*>{&shader_}, push_bytes, scene) {
+    const ShaderStage stage(device, VK_SHADER_STAGE_COMPUTE_BIT, shader_, constants);
+    VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
+    info.stage = stage.info();
+    info.layout = layout_.handle();
+    check(device.vk().vkCreateComputePipelines(device.handle(), device.pipeline_cache(), 1, &info, nullptr, &handle_),
+          "compiling " + std::string(source));
+    device.set_name(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<uint64_t>(handle_), std::string(source));
+}
+
+ComputePipeline::~ComputePipeline() { device_.vk().vkDestroyPipeline(device_.handle(), handle_, nullptr); }
+
+}  // namespace photond::gpu

@@ -1,0 +1,103 @@
+#pragma once
+// Compiled compute shaders, with constants fixed for what a scene needs.
+
+#include <vector>
+
+#include "renderer/backends/gpu/buffer.h"
+#include "renderer/backends/gpu/spirv.h"
+
+namespace photond::gpu {
+
+/// Buffers that many shaders read and none writes, bound together as descriptor set 1: the scene.
+class BufferSet {
+public:
+    /// Borrows the buffers, which must be there and stay. Binding i is buffers[i].
+    BufferSet(Device& device, const std::string& name, std::span<Buffer* const> buffers);
+    ~BufferSet();
+    BufferSet(const BufferSet&) = delete;
+    BufferSet& operator=(const BufferSet&) = delete;
+
+    VkDescriptorSetLayout layout() const { return layout_; }
+    VkDescriptorSet handle() const { return set_; }
+
+private:
+    Device& device_;
+    VkDescriptorSetLayout layout_ = VK_NULL_HANDLE;
+    VkDescriptorPool pool_ = VK_NULL_HANDLE;
+    VkDescriptorSet set_ = VK_NULL_HANDLE;
+};
+
+/// Values for `layout(constant_id = i)`: 4 bytes each.
+struct Specialization {
+    uint32_t id;
+    uint32_t value;
+};
+inline Specialization specialize(uint32_t id, bool value) { return {id, value ? 1u : 0u}; }
+inline Specialization specialize(uint32_t id, uint32_t value) { return {id, value}; }
+Specialization specialize(uint32_t id, float value);
+
+/// What a shader's interface is: its buffers of set 0, and whether it reads the scene.
+class PipelineLayout {
+public:
+    PipelineLayout(Device& device, std::span<const Shader* const> shaders, uint32_t push_bytes, const BufferSet* scene);
+    ~PipelineLayout();
+    PipelineLayout(const PipelineLayout&) = delete;
+    PipelineLayout& operator=(const PipelineLayout&) = delete;
+
+    VkPipelineLayout handle() const { return handle_; }
+    std::span<const ShaderBuffer> buffers() const { return buffers_; }
+    uint32_t push_bytes() const { return push_bytes_; }
+    const BufferSet* scene() const { return scene_; }
+
+private:
+    Device& device_;
+    std::vector<ShaderBuffer> buffers_;
+    uint32_t push_bytes_;
+    const BufferSet* scene_;
+    VkDescriptorSetLayout set_layout_ = VK_NULL_HANDLE;
+    VkPipelineLayout handle_ = VK_NULL_HANDLE;
+};
+
+class ComputePipeline {
+public:
+    /// `source` as in find_shader(). `push_bytes`: size of the shader's push constants, a multiple of 4. `scene`: where
+    /// the shader reads one; borrowed. Throws ErrorCode::Internal where shader and arguments do not fit.
+    ComputePipeline(Device& device, std::string_view source, uint32_t push_bytes, const BufferSet* scene = nullptr,
+                    std::span<const Specialization> constants = {});
+    ComputePipeline(Device& device, std::string_view source, uint32_t push_bytes, const BufferSet* scene,
+                    std::initializer_list<Specialization> constants)
+        : ComputePipeline(device, source, push_bytes, scene, std::span(constants.begin(), constants.size())) {}
+    ~ComputePipeline();
+    ComputePipeline(const ComputePipeline&) = delete;
+    ComputePipeline& operator=(const ComputePipeline&) = delete;
+
+    VkPipeline handle() const { return handle_; }
+    const PipelineLayout& layout() const { return layout_; }
+    std::string_view source() const { return shader_.source; }
+
+private:
+    Device& device_;
+    const Shader& shader_;
+    const PipelineLayout layout_;
+    VkPipeline handle_ = VK_NULL_HANDLE;
+};
+
+/// A shader stage with its constants, for those who make pipelines. Owns the module; lives while they are made.
+class ShaderStage {
+public:
+    ShaderStage(Device& device, VkShaderStageFlagBits stage, const Shader& shader,
+                std::span<const Specialization> constants);
+    ~ShaderStage();
+    ShaderStage(const ShaderStage&) = delete;
+    ShaderStage& operator=(const ShaderStage&) = delete;
+    const VkPipelineShaderStageCreateInfo& info() const { return info_; }
+
+private:
+    Device& device_;
+    std::vector<VkSpecializationMapEntry> entries_;
+    std::vector<uint32_t> values_;
+    VkSpecializationInfo specialization_{};
+    VkPipelineShaderStageCreateInfo info_{};
+};
+
+}  // namespace photond::gpu

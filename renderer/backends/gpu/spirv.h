@@ -1,0 +1,32 @@
+#pragma once
+// Shaders as the build compiled them, by the path of their source, and what can be read off them.
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace photond::gpu {
+
+/// One shader's words.
+struct Shader {
+    std::string_view source;  // "renderer/backends/gpu/radix_sort_scatter.comp"
+    std::span<const uint32_t> words;
+};
+
+/// The shaders that are part of the program. Programs with shaders of their own (tests) add them at start.
+void add_shaders(std::span<const Shader> shaders);
+/// Throws ErrorCode::Internal when there is none of that source.
+const Shader& find_shader(std::string_view source);
+
+/// A storage buffer of descriptor set 0, as the shader declares it.
+struct ShaderBuffer {
+    uint32_t binding;
+    bool read_only;  // declared readonly
+};
+/// Those of set 0, by binding.
+std::vector<ShaderBuffer> buffers_of(std::span<const uint32_t> words);
+/// Whether the shader reads the scene, which is descriptor set 1.
+bool uses_scene(std::span<const uint32_t> words);
+
+}  // namespace photond::gpu
