@@ -219,8 +219,7 @@ void CommandList::end_scope() {
     if (scopes_.size() <= kMostScopes)
         device_.vk().vkCmdWriteTimestamp2(commands_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_,
                                           static_cast<uint32_t>(2 * scopes_.size()) - 1);
-    if (Instance::get()->debug_names())
-        vkCmdEndDebugUtilsLabelEXT(commands_);
+    if (Instance::get()->debug_names()) vkCmdEndDebugUtilsLabelEXT(commands_);
 }
 
 void CommandList::submit() {

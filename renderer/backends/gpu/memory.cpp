@@ -26,10 +26,10 @@ Memory::~Memory() {
 /// The pool of the best type that is allowed: all flags that are wanted, else those that are needed.
 uint32_t Memory::pool_for(uint32_t allowed_types, MemoryKind kind) {
     constexpr VkMemoryPropertyFlags kHost = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
-    const VkMemoryPropertyFlags needed = kind == MemoryKind::Device ? 0 : kHost;
-    const VkMemoryPropertyFlags wanted = kind == MemoryKind::Device     ? VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT
-                                         : kind == MemoryKind::Readback ? kHost | VK_MEMORY_PROPERTY_HOST_CACHED_BIT
-                                                                        : kHost;
+    const VkMemoryPropertyFlags needed = kind == MemoryKind::Device ? VkMemoryPropertyFlags{0} : kHost;
+    VkMemoryPropertyFlags wanted = needed;
+    if (kind == MemoryKind::Device) wanted |= VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
+    if (kind == MemoryKind::Readback) wanted |= VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
     for (const VkMemoryPropertyFlags flags : {wanted, needed}) {
         for (uint32_t type = 0; type < properties_.memoryTypeCount; ++type) {
             if (!(allowed_types >> type & 1u) || (properties_.memoryTypes[type].propertyFlags & flags) != flags)
