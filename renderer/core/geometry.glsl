@@ -4,7 +4,7 @@
 
 const float PI = 3.14159265358979323846;
 const float INV_PI = 0.31830988618379067154;
-const float INFINITY = uintBitsToFloat(0x7f800000u);
+#define INFINITY uintBitsToFloat(0x7f800000u)
 
 struct Ray {
     vec3 origin;
