@@ -29,12 +29,16 @@ public:
     uint32_t sample(float u) const;
     float probability(uint32_t entry) const { return empty() ? 0.0f : cdf_[entry + 1] - cdf_[entry]; }
 
+    // The tables it draws by, for the device's copy (light_tables.h).
+    std::span<const float> cdf() const { return cdf_; }         // entries + 1
+    std::span<const uint32_t> guide() const { return guide_; }  // entry that holds i / (size - 1)
+
     uint64_t bytes() const;
     static uint64_t bytes_for(uint64_t entries);
 
 private:
-    std::vector<float> cdf_;       // entries + 1
-    std::vector<uint32_t> guide_;  // entry that holds i / (size - 1): the guide table of [Chen and Asau 1974]
+    std::vector<float> cdf_;
+    std::vector<uint32_t> guide_;  // the guide table of [Chen and Asau 1974]
 };
 
 }  // namespace photond

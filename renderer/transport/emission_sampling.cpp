@@ -300,6 +300,10 @@ bool EmissionSampler::guided_by_position(uint32_t light) const {
            punctual[light - triangles].kind == PunctualLight::Kind::Directional;
 }
 
+std::span<const LightTriangle> EmissionSampler::triangles() const { return lights_->triangles; }
+
+const DiscreteDistribution& EmissionSampler::choice() const { return lights_->choice; }
+
 double EmissionSampler::total_power_w() const { return lights_->total_power_w; }
 
 uint64_t EmissionSampler::bytes() const {

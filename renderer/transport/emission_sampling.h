@@ -12,6 +12,9 @@
 
 namespace photond {
 
+class DiscreteDistribution;
+struct LightTriangle;
+
 /// The start of a light path.
 struct EmissionSample {
     Ray ray;                    // moved off an emitting surface; unit direction
@@ -55,6 +58,10 @@ public:
     /// Which of a light's two pairs of numbers decides what it sees most: directional lights are guided by the place on
     /// their disc, all others by the direction.
     bool guided_by_position(uint32_t light) const;
+
+    // What it is made of, for the device's copy (light_tables.h).
+    std::span<const LightTriangle> triangles() const;  // beside Scene::triangle_lights
+    const DiscreteDistribution& choice() const;        // of the lights
 
     /// Flux of all lights [W], mean over the channels; 0: the scene is dark, or empty. That of points and spots is
     /// without the window of their range; that of textured triangles and of the environment is good to a few percent.

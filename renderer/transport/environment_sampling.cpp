@@ -11,7 +11,7 @@ constexpr float kTwoPi = 2 * kPi;
 constexpr float kBelowOne = 0x1.fffffep-1f;
 
 /// Cosine of the polar angle of a row's upper edge.
-double row_edge(uint32_t row, uint32_t height) {
+double exact_row_edge(uint32_t row, uint32_t height) {
     return std::cos(3.14159265358979323846 * row / static_cast<double>(height));
 }
 
@@ -61,11 +61,16 @@ EnvironmentSampler::EnvironmentSampler(const Environment& environment) : environ
             column_sums[x + 1] =
                 column_sums[x] + std::max(0.0, (double{above[x]} + 6 * double{here[x]} + below[x]) / 8);
         normalise(&column_cdf_[size_t{y} * (width + 1)], width, column_sums);
-        row_sums[y + 1] = row_sums[y] + column_sums[width] * (row_edge(y, height) - row_edge(y + 1, height));
+        row_sums[y + 1] =
+            row_sums[y] + column_sums[width] * (exact_row_edge(y, height) - exact_row_edge(y + 1, height));
     }
     normalise(row_cdf_.data(), height, row_sums);
     // Texels of a row share its solid angle 2 pi (cos a - cos b); the mean is over 4 pi.
     mean_radiance_ = environment.scale * static_cast<float>(row_sums[height] / (2.0 * width));
+}
+
+float EnvironmentSampler::row_edge(uint32_t row) const {
+    return static_cast<float>(exact_row_edge(row, environment_.map.size.height));
 }
 
 vec2 EnvironmentSampler::to_map(const vec3& wi) const {
@@ -85,8 +90,8 @@ bool EnvironmentSampler::sample(vec2 u, vec3& wi, float& pdf_sa) const {
     const float* columns = &column_cdf_[y * (width + 1)];
     const size_t x = find_interval(columns, width, u.x, in_column);
 
-    const float top = static_cast<float>(row_edge(static_cast<uint32_t>(y), height));
-    const float bottom = static_cast<float>(row_edge(static_cast<uint32_t>(y) + 1, height));
+    const float top = row_edge(static_cast<uint32_t>(y));
+    const float bottom = row_edge(static_cast<uint32_t>(y) + 1);
     const float cos_polar = top + in_row * (bottom - top);
     const float sin_polar = std::sqrt(std::max(0.0f, 1 - cos_polar * cos_polar));
     const float azimuth =
@@ -105,8 +110,8 @@ float EnvironmentSampler::pdf(const vec3& wi) const {
     const size_t x = std::min(static_cast<size_t>(at.x * static_cast<float>(width)), size_t{width} - 1);
     const float* columns = &column_cdf_[y * (width + 1)];
     const float probability = (row_cdf_[y + 1] - row_cdf_[y]) * (columns[x + 1] - columns[x]);
-    const float top = static_cast<float>(row_edge(static_cast<uint32_t>(y), height));
-    const float bottom = static_cast<float>(row_edge(static_cast<uint32_t>(y) + 1, height));
+    const float top = row_edge(static_cast<uint32_t>(y));
+    const float bottom = row_edge(static_cast<uint32_t>(y) + 1);
     return probability * static_cast<float>(width) / (kTwoPi * (top - bottom));
 }
 

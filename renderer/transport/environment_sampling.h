@@ -1,6 +1,7 @@
 #pragma once
 // Sampling of an equirectangular environment by its radiance.
 
+#include <span>
 #include <vector>
 
 #include "renderer/scene/scene.h"
@@ -21,6 +22,13 @@ public:
     Rgb radiance(const vec3& wi) const;
     /// Mean over the sphere and the channels [W m^-2 sr^-1].
     float mean_radiance() const { return mean_radiance_; }
+
+    // The tables it draws by, for the device's copy (light_tables.h).
+    std::span<const float> row_cdf() const { return row_cdf_; }        // height + 1
+    std::span<const float> column_cdf() const { return column_cdf_; }  // height rows of width + 1
+    /// Cosine of the polar angle of a row's upper edge; row in [0, height].
+    float row_edge(uint32_t row) const;
+
     static uint64_t bytes_for(Size2 size) {
         return size.pixels() == 0 ? 0 : (size.pixels() + 2 * uint64_t{size.height} + 1) * sizeof(float);
     }
@@ -30,8 +38,8 @@ private:
     vec2 to_map(const vec3& wi) const;  // (column, row) in [0, 1]^2
 
     const Environment& environment_;
-    std::vector<float> row_cdf_;     // height + 1
-    std::vector<float> column_cdf_;  // height rows of width + 1
+    std::vector<float> row_cdf_;
+    std::vector<float> column_cdf_;
     float mean_radiance_ = 0;
 };
 

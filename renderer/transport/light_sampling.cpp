@@ -3,6 +3,7 @@
 #include <cassert>
 
 #include "renderer/transport/emission.h"
+#include "renderer/transport/emitter.h"
 #include "renderer/transport/environment_sampling.h"
 #include "renderer/transport/light_tree.h"
 #include "renderer/transport/light_triangle.h"
@@ -13,24 +14,6 @@
 namespace photond {
 
 namespace {
-
-constexpr uint32_t kNoEmitter = ~0u;
-
-/// A light of finite position: a triangle, two triangles that make a parallelogram, a point or a spot.
-struct Emitter {
-    enum class Shape : uint8_t { Triangle, Parallelogram, Point, Spot };
-
-    vec3 corner;        // points, spots: the position
-    vec3 edge1, edge2;  // triangle: corner + s edge1 + t edge2, s + t <= 1; parallelogram: s, t <= 1
-    vec3 normal;        // unit, the front side
-    float area_m2;
-    Rgb radiance;       // of constant emitters [W m^-2 sr^-1]
-    uint32_t instance;  // triangles: where it is in the scene; points, spots: index of the punctual light
-    uint32_t triangle;
-    Shape shape;
-    bool two_sided;
-    bool varies;  // by texture or coverage: asked for at the point drawn
-};
 
 Emitter make_triangle(const Scene& scene, const TriangleLight& light) {
     const LightTriangle triangle = make_light_triangle(scene, light);
@@ -175,8 +158,7 @@ struct LightSampler::Lights {
     std::unique_ptr<EnvironmentSampler> environment;
     bool tree_only = false;  // no light at infinity
 
-    // Which emitter a triangle belongs to: emitter_of_triangle[first_of_instance[i] + t]. Both empty without any.
-    std::vector<uint32_t> first_of_instance;
+    std::vector<uint32_t> first_of_instance;  // see emitter_of_triangle() in the header
     std::vector<uint32_t> emitter_of_triangle;
 
     uint32_t emitter_of(uint32_t instance, uint32_t triangle) const {
@@ -402,6 +384,18 @@ float LightSampler::pdf_environment(const vec3& p, const vec3& n, const vec3& wi
 Rgb LightSampler::environment_radiance(const vec3& wi) const {
     return lights_->environment ? lights_->environment->radiance(wi) : Rgb(0);
 }
+
+std::span<const Emitter> LightSampler::emitters() const { return lights_->emitters; }
+
+const LightTree& LightSampler::tree() const { return lights_->tree; }
+
+std::span<const uint32_t> LightSampler::directional() const { return lights_->directional; }
+
+const EnvironmentSampler* LightSampler::environment() const { return lights_->environment.get(); }
+
+std::span<const uint32_t> LightSampler::first_of_instance() const { return lights_->first_of_instance; }
+
+std::span<const uint32_t> LightSampler::emitter_of_triangle() const { return lights_->emitter_of_triangle; }
 
 bool LightSampler::empty() const {
     return lights_->tree.empty() && lights_->directional.empty() && !lights_->environment;

@@ -4,10 +4,15 @@
 // weigh against a BSDF's by multiple importance sampling as they stand.
 
 #include <memory>
+#include <span>
 
 #include "renderer/scene/scene.h"
 
 namespace photond {
+
+class EnvironmentSampler;
+class LightTree;
+struct Emitter;
 
 /// One direction towards a light, before it is known whether anything is in between.
 struct LightSample {
@@ -63,6 +68,16 @@ public:
 
     /// What arrives from outside the scene along -wi [W m^-2 sr^-1]; black without an environment.
     Rgb environment_radiance(const vec3& wi) const;
+
+    // What it is made of, for the device's copy (light_tables.h).
+    std::span<const Emitter> emitters() const;
+    const LightTree& tree() const;                  // over the emitters
+    std::span<const uint32_t> directional() const;  // indices of punctual lights
+    const EnvironmentSampler* environment() const;  // null without one
+    /// Which emitter a triangle belongs to: emitter_of_triangle()[first_of_instance()[i] + t]; kNoEmitter in either: to
+    /// none. Both empty where no triangle emits.
+    std::span<const uint32_t> first_of_instance() const;
+    std::span<const uint32_t> emitter_of_triangle() const;
 
     /// Whether the scene has no light that sample() could draw.
     bool empty() const;

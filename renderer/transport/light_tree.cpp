@@ -76,8 +76,8 @@ struct LightTree::Builder {
     std::vector<uint32_t> order;
 
     static constexpr int kBuckets = 12;
-    // Below this depth clusters are cut in equal halves, so that a path fits the 64 bits of Leaf: 24 + 32 levels.
-    static constexpr uint32_t kBalancedDepth = 24;
+    // Below this depth clusters are cut in equal halves, so that 32 levels more hold as many lights as there can be.
+    static constexpr uint32_t kBalancedDepth = kMostLevels - 32;
 
     static Node make_node(const LightBounds& b) {
         Node node;

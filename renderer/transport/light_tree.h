@@ -45,9 +45,6 @@ public:
     /// none can.
     float irradiance_estimate(const vec3& p, const vec3& n) const;
 
-    uint64_t bytes() const { return nodes_.capacity() * sizeof(Node) + leaf_of_.capacity() * sizeof(Leaf); }
-
-private:
     // The left child follows its parent, so that one line of the cache often holds both.
     struct alignas(64) Node {
         vec3 centre;
@@ -65,11 +62,18 @@ private:
         uint8_t depth = kNoLeaf;
     };
     static constexpr uint8_t kNoLeaf = 0xff;
+    static constexpr uint32_t kMostLevels = 56;  // no path is longer
 
+    std::span<const Node> nodes() const { return nodes_; }     // [0] is the root
+    std::span<const Leaf> leaves() const { return leaf_of_; }  // of every light
+
+    uint64_t bytes() const { return nodes_.capacity() * sizeof(Node) + leaf_of_.capacity() * sizeof(Leaf); }
+
+private:
     static float importance(const Node& node, const vec3& p, const vec3& n);
     struct Builder;
 
-    std::vector<Node> nodes_;  // [0] is the root
+    std::vector<Node> nodes_;
     std::vector<Leaf> leaf_of_;
 };
 

@@ -27,7 +27,6 @@ public:
     /// A unit direction about +z with density falloff / solid_angle(); u uniform in [0, 1)^2. Only when that is > 0.
     vec3 sample(const vec2& u) const;
 
-private:
     /// Integrals over the cosine: where the falloff is 1, and on the ramp, which t leaves at `top` <= 1 (it does not
     /// reach 1 where the axis lies on it).
     struct Shares {
@@ -36,7 +35,9 @@ private:
         double top;
     };
     Shares shares() const;
+    float width() const { return width_; }
 
+private:
     float cos_outer_;
     float width_;  // of the ramp, in the cosine
 };
