@@ -46,7 +46,7 @@ double two_sided_student_t(double probability, uint64_t degrees) {
 
 bool CurveSchedule::due(uint32_t passes, double seconds) {
     assert(std::isfinite(seconds));
-    const bool due = passes >= next_passes_ || seconds >= next_seconds_;
+    const bool due = is_due(passes, seconds);
     skip_to(passes, seconds);
     return due;
 }

@@ -23,6 +23,8 @@ class CurveSchedule {
 public:
     /// Called after every pass; true when this one is a point. `passes` and `seconds` rise from call to call.
     bool due(uint32_t passes, double seconds);
+    /// What due() would say.
+    bool is_due(uint32_t passes, double seconds) const { return passes >= next_passes_ || seconds >= next_seconds_; }
     /// As if due() had been called at this point: for a job that goes on from a film.
     void skip_to(uint32_t passes, double seconds);
 

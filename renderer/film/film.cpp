@@ -23,14 +23,6 @@ constexpr FixedSquares kSaturated = ~FixedSquares{0};
 constexpr Layer kAuxiliary[] = {Layer::Albedo, Layer::Normal,      Layer::Position,
                                 Layer::Depth,  Layer::PhotonCount, Layer::Overlap};
 
-bool keeps_hits(LayerSet layers) {
-    for (const Layer layer : kAuxiliary)
-        if (layers.has(layer)) return true;
-    return false;
-}
-
-bool is_summed(LayerSet layers, Layer layer) { return layers.has(layer) && layer != Layer::StandardError; }
-
 /// x / 2^-64, cut to a whole number; 0 <= x < 2^63. By the processor's own conversions, without branches: what lies
 /// before the point, then what it leaves, which is exact.
 inline FixedSquares to_fixed_squares(double x) {
@@ -111,35 +103,35 @@ PassImage::PassImage(Size2 image_size, LayerSet layer_set) : size(image_size), l
     if (layers.has(Layer::Depth)) depth.assign(n, 0.0f);
     if (layers.has(Layer::PhotonCount)) photon_count.assign(n, 0.0f);
     if (layers.has(Layer::Overlap)) overlap.assign(n, 0.0f);
-    if (keeps_hits(layers)) hit.assign(n, 0);
+    if (layers.needs_hits()) hit.assign(n, 0);
 }
 
 uint64_t PassImage::bytes_for(Size2 size, LayerSet layers) {
-    uint64_t bytes_a_pixel = keeps_hits(layers) ? 1 : 0;
+    uint64_t bytes_a_pixel = layers.needs_hits() ? 1 : 0;
     for (const LayerInfo& info : kLayers)
-        if (is_summed(layers, info.layer)) bytes_a_pixel += info.channel_count * sizeof(float);
+        if (layers.has_in_passes(info.layer)) bytes_a_pixel += info.channel_count * sizeof(float);
     return bytes_a_pixel * size.pixels();
 }
 
 Film::Film(Size2 size, LayerSet layers, uint32_t first_pass) : size_(size), layers_(layers), next_pass_(first_pass) {
     const size_t n = size.pixels();
     for (const LayerInfo& info : kLayers)
-        if (is_summed(layers, info.layer)) sums_[static_cast<size_t>(info.layer)].assign(n * info.channel_count, 0);
+        if (layers.has_in_passes(info.layer)) sums_[static_cast<size_t>(info.layer)].assign(n * info.channel_count, 0);
     squares_beauty_.assign(3 * n, 0), squares_direct_.assign(3 * n, 0), squares_indirect_.assign(3 * n, 0);
-    if (keeps_hits(layers)) hits_.assign(n, 0);
+    if (layers.needs_hits()) hits_.assign(n, 0);
 }
 
 uint64_t Film::bytes_for(Size2 size, LayerSet layers) {
-    uint64_t bytes_a_pixel = 9 * sizeof(FixedSquares) + (keeps_hits(layers) ? sizeof(uint32_t) : 0);
+    uint64_t bytes_a_pixel = 9 * sizeof(FixedSquares) + (layers.needs_hits() ? sizeof(uint32_t) : 0);
     for (const LayerInfo& info : kLayers)
-        if (is_summed(layers, info.layer)) bytes_a_pixel += info.channel_count * sizeof(FixedSum);
+        if (layers.has_in_passes(info.layer)) bytes_a_pixel += info.channel_count * sizeof(FixedSum);
     return bytes_a_pixel * size.pixels();
 }
 
 void Film::add_pass(const PassImage& pass) {
     assert(pass.size == size_ && pass.layers == layers_ && "a pass has its film's size and layers");
     const auto sums = [&](Layer layer) { return sums_[static_cast<size_t>(layer)].data(); };
-    const bool caustic = layers_.has(Layer::Caustic), auxiliary = keeps_hits(layers_);
+    const bool caustic = layers_.has(Layer::Caustic), auxiliary = layers_.needs_hits();
     struct AuxiliaryLayer {
         FixedSum* sums;
         const Rgb* values;

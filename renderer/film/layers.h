@@ -54,6 +54,14 @@ public:
     constexpr bool has(Layer layer) const { return (bits_ >> static_cast<unsigned>(layer)) & 1u; }
     constexpr void add(Layer layer) { bits_ |= 1u << static_cast<unsigned>(layer); }
     constexpr void remove(Layer layer) { bits_ &= ~(1u << static_cast<unsigned>(layer)); }
+    /// Whether a pass fills it: standard errors come of the passes together.
+    constexpr bool has_in_passes(Layer layer) const { return layer != Layer::StandardError && has(layer); }
+    /// Whether samples that met a surface are counted: there is an auxiliary layer to be divided by them.
+    constexpr bool needs_hits() const {
+        for (const LayerInfo& info : kLayers)
+            if (!info.radiance && has_in_passes(info.layer)) return true;
+        return false;
+    }
     /// Every layer there is.
     static constexpr LayerSet all() {
         LayerSet layers;

@@ -23,7 +23,7 @@ struct EyeScene {
 
     EyeScene(const RenderContext& context, SamplerKind sampler_kind, uint32_t most_scatterings)
         : scene(context.scene),
-          intersector(context.intersector),
+          intersector(*context.intersector),
           lights(context.scene),
           absorption(context.scene),
           view(context.view),

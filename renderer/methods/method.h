@@ -20,6 +20,10 @@
 
 namespace photond {
 
+namespace gpu {
+class DeviceScene;
+}
+
 enum class PixelFilter : uint8_t { Box, Gaussian, BlackmanHarris };
 
 /// What is looked at and how.
@@ -30,13 +34,15 @@ struct View {
     LayerSet layers;
 };
 
-/// The scene and the structures all methods share; borrowed until the method is gone.
+/// The scene and the structures all methods share; borrowed until the method is gone. A method has what its device's
+/// kind asks for: rays on the CPU, or the scene on the GPU.
 struct RenderContext {
     const Scene& scene;
-    const Intersector& intersector;
+    const Intersector* intersector;  // null on a GPU
     View view;
     uint64_t seed = 1;
-    MemoryBudget& budget;
+    MemoryBudget& budget;                      // of the host
+    gpu::DeviceScene* device_scene = nullptr;  // null on the CPU
 };
 
 /// Photons that a scene stores for each light path started, on paths of any length.
@@ -74,6 +80,12 @@ public:
     /// Renders one pass, a pure function of (scene, view, parameters, seed, pass), whatever the number of threads. When
     /// `cancel` is seen the pass is left unfinished and nothing of it may reach the film.
     virtual void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) = 0;
+    /// Said between run_pass() and resolve(): that pass is wanted next. A method whose work another device does begins
+    /// it now, so that the device works while this pass is folded into the film, measured and written.
+    virtual void expect_pass(uint32_t /*pass*/) {}
+    /// Waits for what expect_pass() began: said on the job's clock before something that is off it, so that no work is
+    /// done for nothing.
+    virtual void settle() {}
     /// Folds the pass just finished into the film.
     virtual void resolve(Film& film) = 0;
     /// What the passes leave for whoever wants to look inside. Asked once, after the last pass, when at least one was

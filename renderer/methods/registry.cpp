@@ -28,6 +28,8 @@ MethodInfo row(std::string_view title, std::string_view family, std::vector<std:
     info.make = +[](const MethodParams& params) -> std::unique_ptr<Method> {
         return std::make_unique<M>(dynamic_cast<const typename M::Params&>(params));
     };
+    info.make_gpu = nullptr;
+    info.estimate_device_bytes = nullptr;
     info.estimate_bytes = +[](const MethodParams& params, const Workload& workload) {
         return M::estimate_bytes(dynamic_cast<const typename M::Params&>(params), workload);
     };

@@ -27,13 +27,17 @@ struct MethodInfo {
     std::vector<std::string_view> sources;
     bool mergeable = true;
     bool deterministic_cpu = true;          // same pixel hash for any number of threads
+    bool deterministic_gpu = true;          // same pixel hash on one device and driver
     std::vector<std::string_view> devices;  // kinds: "cpu", "gpu"
     LayerSet layers;                        // those it can fill
     std::vector<ArtefactInfo> artefacts;
     std::unique_ptr<MethodParams> (*make_params)();
-    std::unique_ptr<Method> (*make)(const MethodParams& params);
+    std::unique_ptr<Method> (*make)(const MethodParams& params);      // for the CPU
+    std::unique_ptr<Method> (*make_gpu)(const MethodParams& params);  // null where `devices` has no "gpu"
     /// Bytes the method itself will record in its budget: all but the film, the scene and its ray structure.
     uint64_t (*estimate_bytes)(const MethodParams& params, const Workload& workload);
+    /// Bytes of the GPU's memory the method will take beside the scene's; null where there is no make_gpu.
+    uint64_t (*estimate_device_bytes)(const MethodParams& params, const Workload& workload);
     /// About the bytes of the artefacts it will leave on the disk.
     uint64_t (*estimate_artefact_bytes)(const MethodParams& params, const Workload& workload);
 

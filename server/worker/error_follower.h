@@ -44,6 +44,10 @@ public:
     /// For a job that goes on from a film: the points it had, and how long measuring took by the stage in `stats`.
     /// True when that film meets the target.
     bool go_on_from(const Film& film, std::vector<CurvePoint> curve, double seconds);
+    /// Whether after_pass() may measure then: it takes its time, which is not the job's.
+    bool may_measure(const Film& film, double seconds) const {
+        return plan_.target || schedule_.is_due(film.passes(), seconds);
+    }
     /// After each pass; `seconds` on the job's clock. True when the target is met by what was measured now.
     bool after_pass(const Film& film, double seconds);
     /// At the job's end: its last point, complete.

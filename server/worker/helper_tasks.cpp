@@ -94,7 +94,7 @@ json thumbnail(const json& message, const HelperLimits& limits) {
     scene.account(budget);
     const std::unique_ptr<Intersector> intersector = make_embree_intersector(scene, budget, stats);
     const std::unique_ptr<Method> method = make_method(request);
-    const RenderContext context{scene, *intersector, resolve_view(request, scene), request.seed, budget};
+    const RenderContext context{scene, intersector.get(), resolve_view(request, scene), request.seed, budget};
     const CancelToken never;
     PassLoop loop{*method, context, request.stop, never, nullptr};
     const Film film = loop.run(stats).film;

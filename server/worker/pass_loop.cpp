@@ -28,10 +28,15 @@ PassLoop::Result PassLoop::run(Stats& stats) {
             result.cancelled = true;  // the pass may be unfinished: nothing of it reaches the film
             break;
         }
+        const uint32_t done = result.film.passes() + 1;
+        const double seconds = result.render_seconds + (now() - start);
+        if (!(stop.passes && done >= *stop.passes) && !(stop.seconds && seconds >= *stop.seconds))
+            method.expect_pass(result.film.next_pass() + 1);
         {
             const StageTimer timer(stats, "combine");
             method.resolve(result.film);
         }
+        if (pauses && pauses(result.film, result.render_seconds + (now() - start))) method.settle();
         result.render_seconds += now() - start;
         ++result.passes_rendered;
         if (after_pass && after_pass(result.film, result.render_seconds)) break;

@@ -5,6 +5,7 @@
 
 #include "protocol/error.h"
 #include "protocol/worker_messages.h"
+#include "renderer/backends/gpu/device.h"
 #include "server/worker/job_setup.h"
 #include "server/worker/off_the_clock.h"
 #include "server/worker/process_memory.h"
@@ -76,7 +77,7 @@ RenderJob::RenderJob(const RenderOrder& order, JobControl& control, SceneCache& 
       device_(device),
       report_(report),
       send_(send),
-      method_(make_method(order.request)),
+      method_(make_method(order.request, device.kind)),
       budget_(order.memory_bytes) {}
 
 void RenderJob::run() {
@@ -93,6 +94,7 @@ void RenderJob::load_scene() {
     const uint64_t warm_bytes = scenes_.bytes_of(order_.source, order_.variant), resident = resident_bytes();
     baseline_bytes_ = resident - std::min(resident, warm_bytes);
     ready_ = scenes_.get(order_.source, order_.variant, budget_, stats_);
+    if (device_.in_use) note_idle_device_memory();
     const auto triangles = static_cast<unsigned long long>(ready_->scene.triangle_count);
     if (warm_bytes)
         log("scene %s: %llu triangles, ready from an earlier job", order_.request.scene.c_str(), triangles);
@@ -100,6 +102,25 @@ void RenderJob::load_scene() {
         log("scene %s: %llu triangles, loaded in %.3f s, ray structure in %.3f s", order_.request.scene.c_str(),
             triangles, stats_.stage("load").wall_seconds, stats_.stage("acceleration_build").wall_seconds);
     for (const std::string& warning : ready_->scene.warnings) report_.log.push_back("warning: " + warning);
+}
+
+void RenderJob::note_idle_device_memory() {
+    gpu::Memory& memory = device_.in_use->memory();
+    memory.reset_peak();  // while the scene was uploaded no method held anything
+    idle_device_structures_ = memory.structures();
+    for (const auto& [name, bytes] : ready_->device_structures) idle_device_structures_[name] -= bytes;
+}
+
+std::optional<DeviceMemoryUse> RenderJob::device_memory() const {
+    if (!device_.in_use) return std::nullopt;
+    const gpu::Memory& memory = device_.in_use->memory();
+    DeviceMemoryUse use{memory.structures(), memory.peak_bytes()};
+    for (const auto& [name, bytes] : idle_device_structures_) {
+        use.structures[name] -= bytes;
+        use.peak_bytes -= bytes;
+    }
+    std::erase_if(use.structures, [](const auto& structure) { return structure.second == 0; });
+    return use;
 }
 
 void RenderJob::prepare_measuring() {
@@ -147,10 +168,17 @@ std::optional<Film> RenderJob::film_to_go_on_with() {
 
 PassLoop::Result RenderJob::render() {
     const JobRequest& request = order_.request;
-    const RenderContext context{ready_->scene, *ready_->intersector, resolve_view(request, ready_->scene),
-                                order_.seed(), budget_};
+    const RenderContext context{ready_->scene,
+                                ready_->intersector.get(),
+                                resolve_view(request, ready_->scene),
+                                order_.seed(),
+                                budget_,
+                                ready_->device_scene.get()};
     PassLoop loop{*method_, context, request.stop, control_.cancel,
                   [this](const Film& film, double seconds) { return after_pass(film, seconds); }};
+    loop.pauses = [this](const Film& film, double seconds) {
+        return follower_->may_measure(film, seconds) || saver_->due(film);
+    };
     loop.first_pass = request.first_pass;
     loop.film = film_to_go_on_with();
     if (loop.film) {
@@ -181,6 +209,7 @@ void RenderJob::finish(const PassLoop::Result& result) {
     const bool goes_on_elsewhere = result.cancelled && control_.stopping;
     report_.passes_done = film.passes(), report_.seconds = result.render_seconds;
     const uint64_t peak_bytes = peak_.bytes();  // of the render; the rest is the runner's
+    const std::optional<DeviceMemoryUse> on_device = device_memory();
     ErrorStatistics errors;
     if (film.passes() > 0 && !goes_on_elsewhere) {
         const size_t known_points = follower_->curve().size();
@@ -203,7 +232,8 @@ void RenderJob::finish(const PassLoop::Result& result) {
     }
     report_.statistics = statistics_json({stats_, film, budget_, ready_->scene.needs, device_, order_.request,
                                           order_.source.id, result.render_seconds, order_.threads, baseline_bytes_,
-                                          peak_bytes, saver_->identity().settings, resumed_passes_, &errors});
+                                          peak_bytes, saver_->identity().settings, resumed_passes_, &errors,
+                                          on_device});
     report_.state = result.cancelled ? "cancelled" : "succeeded";
     log("%s after %u passes, %.3f s of rendering on %u threads", report_.state.c_str(), film.passes(),
         result.render_seconds, order_.threads);

@@ -63,7 +63,7 @@ private:
 class PassLoopTest : public testing::Test {
 protected:
     PassLoop::Result run(CountingMethod& method, StopConditions stop) {
-        const RenderContext context{scene_, intersector_, {Camera(), {4, 2}, PixelFilter::Box, LayerSet()}, 1, budget};
+        const RenderContext context{scene_, &intersector_, {Camera(), {4, 2}, PixelFilter::Box, LayerSet()}, 1, budget};
         PassLoop loop{method, context, stop, cancel, after_pass, first_pass, film, seconds_before, now};
         return loop.run(stats);
     }

@@ -378,7 +378,7 @@ TEST(PhotonSplatting, ACancelledPassLeavesNothing) {
     const auto intersector = make_embree_intersector(scene, budget, stats);
     PhotonSplattingParams params;
     params.photons = 500;
-    const RenderContext context{scene, *intersector, View{find_camera(scene, ""), {40, 35}}, 1, budget};
+    const RenderContext context{scene, intersector.get(), View{find_camera(scene, ""), {40, 35}}, 1, budget};
     PhotonSplatting method(params);
     method.begin(context, stats);
     Film film({40, 35}, {});

@@ -87,7 +87,7 @@ Walked walk(const Scene& scene, const WalkOptions& options) {
     MemoryBudget budget;
     Stats stats;
     const std::unique_ptr<Intersector> intersector = make_embree_intersector(scene, budget, stats);
-    const RenderContext context{scene, *intersector,
+    const RenderContext context{scene, intersector.get(),
                                 View{find_camera(scene, ""), options.size, PixelFilter::Box, options.layers},
                                 options.seed, budget};
     const EyeScene shared(context, SamplerKind::Sobol, options.max_scatterings);

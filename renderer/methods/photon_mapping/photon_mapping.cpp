@@ -167,12 +167,12 @@ void PhotonMapping::begin(const RenderContext& context, Stats& stats) {
     budget.record("emission_sampler", state.emission->bytes());
     if (plan.global.wanted())
         state.global_tracer.emplace(
-            scene, context.intersector, *state.emission,
+            scene, *context.intersector, *state.emission,
             state.tracing(PhotonMapKind::Global, params_.photons, plan.global.most_scatterings));
     if (plan.caustic.wanted()) {
         if (params_.projection_maps) build_projection_map(context, stats);
         state.caustic_tracer.emplace(
-            scene, context.intersector, *state.emission,
+            scene, *context.intersector, *state.emission,
             state.tracing(PhotonMapKind::Caustic, caustic_photons, plan.caustic.most_scatterings));
     }
     if (state.global_tracer || state.caustic_tracer)
@@ -182,7 +182,7 @@ void PhotonMapping::begin(const RenderContext& context, Stats& stats) {
 void PhotonMapping::build_projection_map(const RenderContext& context, Stats& stats) {
     const StageTimer timer(stats, "photon_emission");
     State& state = *state_;
-    state.projection.emplace(context.scene, context.intersector, *state.emission, params_.glossy_threshold,
+    state.projection.emplace(context.scene, *context.intersector, *state.emission, params_.glossy_threshold,
                              context.seed);
     stats.counts.photon_rays += state.projection->pilot_rays();
     // What its building took beside it has been given back, but it was there.

@@ -173,7 +173,7 @@ void PhotonSplatting::begin(const RenderContext& context, Stats& stats) {
                                 .sampler = params_.sampler,
                                 .injection = params_.injection,
                                 .rough_apart = params_.connects()};
-    state.tracer.emplace(scene, context.intersector, *state.emission, tracing);
+    state.tracer.emplace(scene, *context.intersector, *state.emission, tracing);
     const auto skip_shafts = [&](const char* why, uint64_t bytes) {
         stats.skipped.push_back({"shaft visibility", why, bytes});
     };
@@ -193,10 +193,10 @@ void PhotonSplatting::begin(const RenderContext& context, Stats& stats) {
         PhotonTracing pilot = tracing;
         pilot.photons = SplatSizes::kPilotPhotons;
         // Numbers of its own: as little as the seed of a reference does this one show in the passes.
-        const TracedReflections photons = PhotonTracer(scene, context.intersector, *state.emission, pilot)
+        const TracedReflections photons = PhotonTracer(scene, *context.intersector, *state.emission, pilot)
                                               .trace_reflected(hash64(context.seed) ^ kPilotSeed, 0, CancelToken{});
         stats.counts.photon_rays += photons.counts.photon_rays;  // none of them is a pass's
-        state.sizes = SplatSizes(state.settings.radius_m, scene.bounds, photons, context.intersector, stats.counts);
+        state.sizes = SplatSizes(state.settings.radius_m, scene.bounds, photons, *context.intersector, stats.counts);
         budget.record("splat_sizes", state.sizes.bytes());
     }
     if (params_.connects() && !scene.needs.delta && !scene.needs.glossy)

@@ -1,0 +1,114 @@
+#include "renderer/methods/device_image.h"
+
+#include <cstring>
+
+#include "renderer/core/parallel.h"
+
+namespace photond {
+
+namespace {
+
+constexpr uint64_t kCounterBytes = 2 * COUNTERS * sizeof(uint32_t);
+
+}  // namespace
+
+uint32_t DeviceImage::planes(LayerSet layers) {
+    uint32_t planes = layers.needs_hits() ? 1 : 0;
+    for (const LayerInfo& info : kLayers)
+        if (layers.has_in_passes(info.layer)) planes += info.channel_count;
+    return planes;
+}
+
+uint64_t DeviceImage::device_bytes(Size2 size, LayerSet layers) {
+    return planes(layers) * size.pixels() * sizeof(float) + kCounterBytes;
+}
+
+DeviceImage::DeviceImage(gpu::Device& device, Size2 size, LayerSet layers)
+    : size_(size),
+      kept_(layers),
+      layers_(device, "pass_image", planes(layers) * size.pixels() * sizeof(float)),
+      counters_(device, "counters", kCounterBytes),
+      host_layers_(device, "readback", layers_.bytes(), gpu::MemoryKind::Readback),
+      host_counters_(device, "readback", kCounterBytes, gpu::MemoryKind::Readback) {}
+
+uint32_t DeviceImage::plane_of(Layer layer) const {
+    if (!kept_.has_in_passes(layer)) return NO_PLANE;
+    uint32_t plane = 0;
+    for (const LayerInfo& info : kLayers) {
+        if (info.layer == layer) break;
+        if (kept_.has_in_passes(info.layer)) plane += info.channel_count;
+    }
+    return plane;
+}
+
+uint32_t DeviceImage::hit_plane() const { return kept_.needs_hits() ? planes(kept_) - 1 : NO_PLANE; }
+
+std::vector<gpu::Specialization> DeviceImage::specialization() const {
+    static_assert(static_cast<uint32_t>(Layer::Direct) * 3 == PLANE_DIRECT &&
+                  static_cast<uint32_t>(Layer::Indirect) * 3 == PLANE_INDIRECT);
+    return {gpu::specialize(PLANE_CAUSTIC_ID, plane_of(Layer::Caustic)),
+            gpu::specialize(PLANE_ALBEDO_ID, plane_of(Layer::Albedo)),
+            gpu::specialize(PLANE_NORMAL_ID, plane_of(Layer::Normal)),
+            gpu::specialize(PLANE_POSITION_ID, plane_of(Layer::Position)),
+            gpu::specialize(PLANE_DEPTH_ID, plane_of(Layer::Depth)),
+            gpu::specialize(PLANE_PHOTON_COUNT_ID, plane_of(Layer::PhotonCount)),
+            gpu::specialize(PLANE_OVERLAP_ID, plane_of(Layer::Overlap)),
+            gpu::specialize(PLANE_HIT_ID, hit_plane()),
+            gpu::specialize(FILM_PIXELS_ID, static_cast<uint32_t>(size_.pixels()))};
+}
+
+void DeviceImage::record_clear(gpu::CommandList& commands) {
+    commands.fill(layers_, 0);
+    commands.fill(counters_, 0);
+}
+
+void DeviceImage::record_readback(gpu::CommandList& commands) {
+    const gpu::Scope scope(commands, "readback");
+    commands.copy(layers_, 0, host_layers_, 0, layers_.bytes());
+    commands.copy(counters_, 0, host_counters_, 0, kCounterBytes);
+    commands.host_reads(host_layers_);
+    commands.host_reads(host_counters_);
+}
+
+void DeviceImage::read(PassImage& image, Counts& counts, const dvec3& origin) const {
+    const size_t pixels = size_.pixels();
+    const auto* floats = reinterpret_cast<const float*>(host_layers_.mapped());
+    const auto copy_colours = [&](uint32_t plane, std::vector<Rgb>& to) {
+        if (plane == NO_PLANE || to.empty()) return;
+        const float* from = floats + plane * pixels;
+        parallel_for(pixels, 4096, [&](size_t i) { to[i] = {from[3 * i], from[3 * i + 1], from[3 * i + 2]}; });
+    };
+    const auto copy_values = [&](uint32_t plane, std::vector<float>& to) {
+        if (plane == NO_PLANE || to.empty()) return;
+        std::memcpy(to.data(), floats + plane * pixels, pixels * sizeof(float));
+    };
+    copy_colours(PLANE_EMITTED, image.emitted);
+    copy_colours(PLANE_DIRECT, image.direct);
+    copy_colours(PLANE_INDIRECT, image.indirect);
+    copy_colours(plane_of(Layer::Caustic), image.caustic);
+    copy_colours(plane_of(Layer::Albedo), image.albedo);
+    copy_colours(plane_of(Layer::Normal), image.normal);
+    copy_colours(plane_of(Layer::Position), image.position);
+    copy_values(plane_of(Layer::Depth), image.depth);
+    copy_values(plane_of(Layer::PhotonCount), image.photon_count);
+    copy_values(plane_of(Layer::Overlap), image.overlap);
+    if (!image.hit.empty()) {
+        const float* from = floats + hit_plane() * pixels;
+        for (size_t i = 0; i < pixels; ++i) {
+            image.hit[i] = from[i] != 0;
+            if (image.hit[i] && !image.position.empty()) image.position[i] = vec3(dvec3(image.position[i]) + origin);
+        }
+    }
+    const auto* words = reinterpret_cast<const uint32_t*>(host_counters_.mapped());
+    const auto counted = [&](uint32_t counter) { return uint64_t{words[2 * counter + 1]} << 32 | words[2 * counter]; };
+    counts.camera_rays += counted(COUNTER_CAMERA_RAYS);
+    counts.bounce_rays += counted(COUNTER_BOUNCE_RAYS);
+    counts.shadow_rays += counted(COUNTER_SHADOW_RAYS);
+    counts.photon_rays += counted(COUNTER_PHOTON_RAYS);
+    counts.photons_emitted += counted(COUNTER_PHOTONS_EMITTED);
+    counts.photons_stored += counted(COUNTER_PHOTONS_STORED);
+    counts.splats += counted(COUNTER_SPLATS);
+    counts.splat_contributions += counted(COUNTER_SPLAT_CONTRIBUTIONS);
+}
+
+}  // namespace photond

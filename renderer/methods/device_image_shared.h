@@ -1,0 +1,34 @@
+// The layers of a pass on the device: planes of one float buffer, each as large as the film, channel beside channel.
+// For both compilers.
+#ifndef PHOTOND_DEVICE_IMAGE_SHARED_H
+#define PHOTOND_DEVICE_IMAGE_SHARED_H
+
+// Specialisation constants: the first plane of a layer (three for colours and vectors), NO_PLANE where it is not kept.
+#define PLANE_CAUSTIC_ID 32
+#define PLANE_ALBEDO_ID 33
+#define PLANE_NORMAL_ID 34
+#define PLANE_POSITION_ID 35
+#define PLANE_DEPTH_ID 36
+#define PLANE_PHOTON_COUNT_ID 37
+#define PLANE_OVERLAP_ID 38
+#define PLANE_HIT_ID 39
+#define FILM_PIXELS_ID 40
+#define NO_PLANE 0xffffffffu
+
+// Emitted, direct and indirect are always there, in this order.
+#define PLANE_EMITTED 0
+#define PLANE_DIRECT 3
+#define PLANE_INDIRECT 6
+
+// Counters: 64 bits each as two words, low first, in the order of Counts (core/stats.h).
+#define COUNTER_CAMERA_RAYS 0
+#define COUNTER_BOUNCE_RAYS 1
+#define COUNTER_SHADOW_RAYS 2
+#define COUNTER_PHOTON_RAYS 3
+#define COUNTER_PHOTONS_EMITTED 4
+#define COUNTER_PHOTONS_STORED 5
+#define COUNTER_SPLATS 6
+#define COUNTER_SPLAT_CONTRIBUTIONS 7
+#define COUNTERS 8
+
+#endif
