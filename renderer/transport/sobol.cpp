@@ -76,6 +76,11 @@ float scrambled_fraction(uint32_t bits_reversed, uint32_t seed) {
 
 }  // namespace
 
+std::span<const uint32_t> sobol_directions() {
+    static_assert(kDimensions == SOBOL_DIMENSIONS);
+    return {&kDirections.reversed[0][0], kDimensions * SOBOL_INDEX_BITS};
+}
+
 PassSampler::PassSampler(SamplerKind kind, uint64_t seed, RandomDomain domain, uint32_t pass)
     : kind_(kind), pass_(pass) {
     const uint64_t stream = hash64(hash64(seed + 0x9e3779b97f4a7c15ull) ^ static_cast<uint64_t>(domain));
@@ -120,6 +125,13 @@ void PassSampler::sample_2d(std::span<const uint32_t> pixel_keys, uint32_t set, 
         xs[i] = p.x;
         ys[i] = p.y;
     }
+}
+
+gpu::PassSamplerData PassSampler::device_data() const {
+    gpu::PassSamplerData data{static_cast<uint32_t>(kind_), pass_, set_salt_, pixel_salt_, random_key_, {}};
+    for (size_t set = 0; set < prepared_.size(); ++set)
+        data.prepared[set] = {prepared_[set].x_reversed, prepared_[set].y_reversed, prepared_[set].salt};
+    return data;
 }
 
 SequenceSampler::SequenceSampler(SamplerKind kind, uint64_t seed, RandomDomain domain, uint32_t stream)

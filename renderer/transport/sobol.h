@@ -24,6 +24,7 @@
 #include <vector>
 
 #include "renderer/core/rng.h"
+#include "renderer/transport/sobol_shared.h"
 
 namespace photond {
 
@@ -52,6 +53,11 @@ constexpr uint32_t laine_karras(uint32_t x, uint32_t seed) {
 
 /// Where numbers come from: Random is the same interface over independent numbers, to be compared with.
 enum class SamplerKind : uint8_t { Sobol, Random };
+static_assert(int(SamplerKind::Sobol) == SAMPLER_KIND_SOBOL && int(SamplerKind::Random) == SAMPLER_KIND_RANDOM);
+
+/// The generator matrices that sobol.glsl reads: a word for each dimension and bit of the index, the dimension's bits
+/// together; bit 0 of a word is the most significant of the fraction.
+std::span<const uint32_t> sobol_directions();
 
 /// The numbers of one pass. Built once a pass, then read by all threads. Sets are numbered by the caller, one for each
 /// two-dimensional decision along a path; the first kPreparedSets are the fastest, all others work as well.
@@ -59,6 +65,7 @@ class PassSampler {
 public:
     static constexpr uint32_t kSetsInBlock = 10;
     static constexpr uint32_t kPreparedSets = 120;
+    static_assert(kSetsInBlock == SOBOL_SETS_IN_BLOCK && kPreparedSets == SOBOL_PREPARED_SETS);
 
     PassSampler(SamplerKind kind, uint64_t seed, RandomDomain domain, uint32_t pass);
 
@@ -74,6 +81,9 @@ public:
     /// The same for many pixels at once, vectorised: (x[i], y[i]) is sample_2d(pixel_keys[i], set), bit by bit. Spans
     /// of equal length.
     void sample_2d(std::span<const uint32_t> pixel_keys, uint32_t set, std::span<float> x, std::span<float> y) const;
+
+    /// For the twin in sobol.glsl, which draws the same numbers.
+    gpu::PassSamplerData device_data() const;
 
 private:
     /// What a set has in common for all pixels of this pass.
@@ -128,6 +138,9 @@ public:
     /// by bit. Offsets below kRun; spans of equal length.
     void sample_2d(uint64_t run, std::span<const uint32_t> offsets, uint32_t set, std::span<float> x,
                    std::span<float> y) const;
+
+    /// For the twin in sobol.glsl, which draws the same numbers.
+    gpu::SequenceKey device_key() const { return {key_, static_cast<uint32_t>(kind_), 0}; }
 
 private:
     bool is_random(uint32_t set) const { return kind_ == SamplerKind::Random || set >= kSets; }
