@@ -2,10 +2,13 @@
 // Radial kernels of density estimation on a disc. Each integrates to 1 over the disc of radius r in the plane.
 
 #include "renderer/core/lane_math.h"
+#include "renderer/photons/kernel_shared.h"
 
 namespace photond {
 
 enum class KernelShape : uint8_t { Constant, Cone, Gaussian, Epanechnikov };
+static_assert(int(KernelShape::Constant) == KERNEL_CONSTANT && int(KernelShape::Cone) == KERNEL_CONE &&
+              int(KernelShape::Gaussian) == KERNEL_GAUSSIAN && int(KernelShape::Epanechnikov) == KERNEL_EPANECHNIKOV);
 
 /// K(u; r) = shape(u^2 / r^2) / r^2 [m^-2], zero beyond r.
 ///   constant      1 / pi
@@ -54,8 +57,11 @@ public:
     /// r: the mean over `u`, uniform in [0, 1), of discs of integral 1 is the kernel.
     float sample_disc(float u) const;
 
+    /// For the twin in kernel.glsl.
+    gpu::KernelRecord device_record() const { return {static_cast<uint32_t>(shape_), scale_, slope_}; }
+
 private:
-    static constexpr float kGaussianBeta = 1.953f;
+    static constexpr float kGaussianBeta = KERNEL_GAUSSIAN_BETA;
     static constexpr float kLog2E = 1.44269504088896340736f;
 
     KernelShape shape_;

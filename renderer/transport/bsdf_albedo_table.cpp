@@ -93,6 +93,14 @@ void AlbedoTable::average_rows() {
     }
 }
 
+std::vector<vec2> AlbedoTable::device_data() const {
+    std::vector<vec2> data;
+    data.reserve(kRows * kColumns + kRows);
+    for (const auto& row : directional_) data.insert(data.end(), row.begin(), row.end());
+    data.insert(data.end(), average_.begin(), average_.end());
+    return data;
+}
+
 const AlbedoTable& AlbedoTable::get() {
     static const AlbedoTable table;
     return table;

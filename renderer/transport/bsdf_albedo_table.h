@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <vector>
 
 #include "renderer/core/geometry.h"
 #include "renderer/core/lanes.h"
@@ -76,6 +77,9 @@ public:
         const Cell r = cell(row, kRows);
         return (1 - r.fraction) * average_[r.index] + r.fraction * average_[r.index + 1];
     }
+
+    /// For the twin in bsdf_albedo_table.glsl: (A, B) row by row, then the rows' means.
+    std::vector<vec2> device_data() const;
 
 private:
     static constexpr float kMirrorRow = -1.0f;

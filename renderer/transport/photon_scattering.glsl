@@ -1,0 +1,141 @@
+// GLSL twin of transport/photon_scattering.h and .cpp: scattering of light paths, which must carry what paths from the
+// eye would have found. Reasons and references are there.
+#ifndef PHOTOND_PHOTON_SCATTERING_GLSL
+#define PHOTOND_PHOTON_SCATTERING_GLSL
+
+#include "renderer/transport/bsdf.glsl"
+#include "renderer/transport/medium_stack.glsl"
+#include "renderer/transport/surface.glsl"
+
+struct PhotonScattering {
+    vec3 direction;  // world, unit: where the photon goes on to
+    vec3 weight;     // power changes by this factor, over the probability of the direction
+    bool delta;
+    bool refraction;  // the medium changes: medium_stack_cross()
+};
+const PhotonScattering NO_PHOTON_SCATTERING = PhotonScattering(vec3(0.0), vec3(0.0), false, false);
+
+bool photon_scattering_valid(PhotonScattering scattering) { return !is_black(scattering.weight); }
+
+/// Share of the directions that are drawn about the geometric normal, of lobes that are no delta ...
+const float GEOMETRIC_SHARE = 0.125;
+/// ... and where light that the surface reflects or refracts like a mirror leaves below the smooth normal's plane.
+const float GEOMETRIC_SHARE_BELOW = 0.5;
+
+/// Whether eyes may see two frames. Flat meshes with normals of their own differ by rounding alone.
+bool leans(ShadingPoint point) {
+    if (!NEEDS_SMOOTH_NORMALS && !NEEDS_NORMAL_MAPS) return false;
+    const vec3 difference = point.smooth_normal - point.geometric_normal;
+    return dot(difference, difference) > 1e-10;
+}
+
+/// The shading normal that an eye at the end of `direction` sees, turned to the photon's side.
+vec3 normal_of_eye(ShadingPoint point, vec3 direction) {
+    const float side = dot(point.geometric_normal, direction) < 0 ? -1.0 : 1.0;
+    return normal_seen(point.smooth_normal, point.geometric_normal, -side * direction);
+}
+
+/// |cos_s(wi)| |cos_g(out)| / (|cos_g(wi)| |cos_s(out)|): between f |cos_s(out)|, which BSDF samples are made of, and
+/// the change of power. 0 where light arrives from below the eye's shading plane.
+float correction(ShadingPoint point, vec3 shading_normal, vec3 wi, vec3 outgoing) {
+    const float cos_wi = dot(shading_normal, wi);
+    const float cos_out = abs(dot(shading_normal, outgoing));
+    const float geometric_wi = dot(point.geometric_normal, wi);
+    if (cos_wi <= 0 || cos_out <= 0 || geometric_wi <= 0) return 0.0;
+    return cos_wi * abs(dot(point.geometric_normal, outgoing)) / (geometric_wi * cos_out);
+}
+
+/// The lobes about one shading normal.
+BsdfValue evaluate_framed(ShadingPoint point, Bsdf bsdf, Frame frame, vec3 wi, vec3 outgoing) {
+    const Bsdf lobes = bsdf_with_geometric_normal(bsdf, to_local(frame, point.geometric_normal));
+    return bsdf_evaluate(lobes, to_local(frame, wi), to_local(frame, outgoing), TRANSPORT_IMPORTANCE);
+}
+
+/// Whether a mirror or a smooth interface about the geometric normal sends the light to where an eye would use that
+/// normal, too.
+bool leaves_below(ShadingPoint point, Bsdf bsdf, vec3 wi) {
+    const vec3 ng = point.geometric_normal, ns = point.smooth_normal;
+    if (dot(ns, reflect_direction(wi, ng)) <= 0) return true;
+    const float eta = bsdf_refraction_eta(bsdf), cos_wi = dot(ng, wi);
+    if (eta <= 0) return false;
+    const DielectricFresnel fresnel = fresnel_dielectric(cos_wi, eta);
+    return fresnel.cos_t > 0 && dot(ns, refract_direction(wi, ng, cos_wi, fresnel.cos_t, eta)) >= 0;
+}
+
+/// What scatter_photon() draws from: the share of the light arriving from `wi_world` that lobes which are no delta send
+/// to each solid angle about `out_world` [1/sr] (both unit). 0 below the surface.
+vec3 scatter_density(ShadingPoint point, Bsdf bsdf, vec3 wi_world, vec3 out_world) {
+    const Frame frame = make_frame(normal_of_eye(point, out_world));
+    const vec3 f_cos = evaluate_framed(point, bsdf, frame, wi_world, out_world).f_cos;
+    return f_cos * correction(point, frame.normal, wi_world, out_world);
+}
+
+/// The diffuse lobe alone: drawn about the geometric normal, which reaches all directions with light and spares the
+/// quotient of the cosines of the direction drawn.
+PhotonScattering scatter_diffuse(ShadingPoint point, Bsdf bsdf, vec3 wi, vec2 u) {
+    PhotonScattering scattering = NO_PHOTON_SCATTERING;
+    const vec3 local = sample_cosine_hemisphere(u);
+    scattering.direction = to_world(make_frame(point.geometric_normal), local);
+    // Again by the direction itself: a cosine of 0 has no density.
+    const float cos_out = dot(point.geometric_normal, scattering.direction);
+    if (local.z <= 0 || cos_out <= 0) return scattering;
+    scattering.weight = scatter_density(point, bsdf, wi, scattering.direction) * (PI / cos_out);
+    return scattering;
+}
+
+/// Any lobes where the smooth normal leans: drawn about the normal that the photon's own side sees, or about the
+/// geometric one.
+PhotonScattering scatter_leaning(ShadingPoint point, Bsdf bsdf, vec3 wi, float u_lobe, vec2 u) {
+    // Light from below the smooth normal's plane is seen by eyes that use the geometric normal alone.
+    const bool one_frame = point.shading.normal == point.geometric_normal;
+    float geometric_share = 0.0;
+    if (!one_frame)
+        geometric_share = leaves_below(point, bsdf, wi) ? GEOMETRIC_SHARE_BELOW
+                          : bsdf_has_non_delta(bsdf)    ? GEOMETRIC_SHARE
+                                                        : 0.0;
+
+    const bool by_geometric = u_lobe < geometric_share;
+    const float share = by_geometric ? geometric_share : 1.0 - geometric_share;
+    u_lobe = min((by_geometric ? u_lobe : u_lobe - geometric_share) / share, BELOW_ONE);
+    const Frame geometric = make_frame(point.geometric_normal);
+    Frame drawn = point.shading, other = geometric;
+    if (by_geometric) {
+        drawn = geometric;
+        other = point.shading;
+    }
+    const Bsdf lobes = bsdf_with_geometric_normal(bsdf, to_local(drawn, point.geometric_normal));
+    const BsdfSample s = bsdf_sample(lobes, to_local(drawn, wi), u_lobe, u, TRANSPORT_IMPORTANCE);
+    if (!bsdf_sample_valid(s)) return NO_PHOTON_SCATTERING;
+
+    PhotonScattering scattering = PhotonScattering(to_world(drawn, s.wi), vec3(0.0), s.delta, s.refraction);
+    const vec3 eye_normal = normal_of_eye(point, scattering.direction);
+    const float change = correction(point, eye_normal, wi, scattering.direction);
+    if (change <= 0) return NO_PHOTON_SCATTERING;
+    const bool seen_as_drawn = eye_normal == drawn.normal;
+    if (s.delta) {
+        // About another normal the lobe does not go this way.
+        if (!seen_as_drawn) return NO_PHOTON_SCATTERING;
+        scattering.weight = s.weight * (change / share);
+        return scattering;
+    }
+    BsdfValue of_other = NO_BSDF_VALUE;
+    if (geometric_share > 0) of_other = evaluate_framed(point, bsdf, other, wi, scattering.direction);
+    const vec3 f_cos = seen_as_drawn ? s.weight * s.pdf_sa : of_other.f_cos;
+    scattering.weight = f_cos * (change / (share * s.pdf_sa + (1.0 - share) * of_other.pdf_sa));
+    return scattering;
+}
+
+/// Scatters light that arrived at `point` (made for the photon's ray) from `wi_world` (unit, away from the surface) by
+/// the lobes in `bsdf`, which is part of (or all of) the BSDF at that point as looked at from wi_world. The numbers are
+/// uniform in [0, 1).
+PhotonScattering scatter_photon(ShadingPoint point, Bsdf bsdf, vec3 wi_world, float u_lobe, vec2 u) {
+    if (leans(point)) {
+        if (bsdf_is_diffuse(bsdf)) return scatter_diffuse(point, bsdf, wi_world, u);
+        return scatter_leaning(point, bsdf, wi_world, u_lobe, u);
+    }
+    const BsdfSample s = bsdf_sample(bsdf, to_local(point.shading, wi_world), u_lobe, u, TRANSPORT_IMPORTANCE);
+    if (!bsdf_sample_valid(s)) return NO_PHOTON_SCATTERING;
+    return PhotonScattering(to_world(point.shading, s.wi), s.weight, s.delta, s.refraction);
+}
+
+#endif
