@@ -51,11 +51,11 @@ constexpr uint64_t kStagingBytes = 16ull << 20;
 
 }  // namespace
 
-void upload(Device& device, Buffer& to, std::span<const std::byte> bytes) {
+void upload(Device& device, Buffer& to, std::span<const std::byte> bytes, uint64_t offset) {
     if (bytes.empty()) return;
     if (to.mapped()) {
         device.wait_idle();  // commands under way may still read what is there
-        std::memcpy(to.mapped(), bytes.data(), bytes.size());
+        std::memcpy(to.mapped() + offset, bytes.data(), bytes.size());
         return;
     }
     Buffer staging(device, "staging", std::min<uint64_t>(bytes.size(), kStagingBytes), MemoryKind::Upload);
@@ -63,7 +63,7 @@ void upload(Device& device, Buffer& to, std::span<const std::byte> bytes) {
         const uint64_t now = std::min<uint64_t>(staging.bytes(), bytes.size() - done);
         std::memcpy(staging.mapped(), bytes.data() + done, now);
         CommandList commands(device);
-        commands.copy(staging, 0, to, done, now);
+        commands.copy(staging, 0, to, offset + done, now);
         commands.submit();
         commands.wait();
     }

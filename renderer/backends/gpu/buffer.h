@@ -30,6 +30,7 @@ public:
     VkBuffer handle() const { return handle_; }
     const std::string& structure() const { return structure_; }
     uint64_t bytes() const { return bytes_; }
+    uint64_t memory_bytes() const { return allocation_.bytes; }  // what Memory accounts for it: rounded up
     explicit operator bool() const { return handle_ != VK_NULL_HANDLE; }
     /// The host's view; null where it has none. What the device wrote is there once CommandList has been waited for,
     /// and had host_reads() said of it.
@@ -52,8 +53,8 @@ private:
     UseState state_;
 };
 
-/// Copies to a device buffer and waits. `bytes` may be smaller than the buffer.
-void upload(Device& device, Buffer& to, std::span<const std::byte> bytes);
+/// Copies to a device buffer, from that byte of it on, and waits. `bytes` may be fewer than the buffer has.
+void upload(Device& device, Buffer& to, std::span<const std::byte> bytes, uint64_t offset = 0);
 /// Waits and copies from a device buffer's start.
 void download(Device& device, Buffer& from, std::span<std::byte> bytes);
 

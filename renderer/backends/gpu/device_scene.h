@@ -1,0 +1,51 @@
+#pragma once
+// A scene on a device: uploaded once, then only read, by all shaders (descriptor set 1, scene_bindings.h).
+
+#include <array>
+#include <map>
+#include <vector>
+
+#include "renderer/backends/gpu/pipeline.h"
+#include "renderer/backends/gpu/scene_bindings.h"
+#include "renderer/core/stats.h"
+#include "renderer/scene/scene.h"
+
+namespace photond::gpu {
+
+class DeviceScene {
+public:
+    /// Of a finished scene; borrows both, which must stay. Building the ray structure is timed as stage
+    /// `acceleration_build`, everything else as `scene_upload`. Throws ErrorCode::OutOfMemory, naming the structure
+    /// with its bytes and the limit, when one is more than the device may hold or its shaders can see in one buffer.
+    DeviceScene(Device& device, const Scene& scene, Stats& stats);
+    DeviceScene(Device& device, const Scene& scene) : DeviceScene(device, scene, Stats()) {}
+    DeviceScene(const DeviceScene&) = delete;
+    DeviceScene& operator=(const DeviceScene&) = delete;
+
+    Device& device() const { return device_; }
+    const Scene& scene() const { return scene_; }
+
+    /// For pipelines whose shaders read the scene: its buffers ...
+    const BufferSet& set() const { return set_; }
+    /// ... and what it needs, as constants 0 to 31 (scene.glsl).
+    std::span<const Specialization> specialization() const { return specialization_; }
+    /// The same and a method's own.
+    std::vector<Specialization> specialization(std::span<const Specialization> more) const;
+
+    /// Device bytes, as Device::memory() accounts them: in all, and by structure.
+    uint64_t bytes() const;
+    std::map<std::string, uint64_t> structures() const;
+
+private:
+    DeviceScene(Device& device, const Scene& scene, Stats&& unused) : DeviceScene(device, scene, unused) {}
+    static std::array<Buffer, SCENE_BINDINGS> upload_all(Device& device, const Scene& scene, Stats& stats);
+    static BufferSet bind_all(Device& device, std::array<Buffer, SCENE_BINDINGS>& buffers);
+
+    Device& device_;
+    const Scene& scene_;
+    std::array<Buffer, SCENE_BINDINGS> buffers_;  // by binding
+    BufferSet set_;
+    std::vector<Specialization> specialization_;
+};
+
+}  // namespace photond::gpu
