@@ -5,6 +5,7 @@
 const float PI = 3.14159265358979323846;
 const float INV_PI = 0.31830988618379067154;
 #define INFINITY uintBitsToFloat(0x7f800000u)
+#define BELOW_ONE uintBitsToFloat(0x3f7fffffu)  // the greatest float below 1
 
 struct Ray {
     vec3 origin;

@@ -4,6 +4,7 @@
 #define PHOTOND_BSDF_GLSL
 
 #include "renderer/backends/gpu/scene.glsl"
+#include "renderer/core/geometry.glsl"
 #include "renderer/transport/bsdf_albedo_table.glsl"
 #include "renderer/transport/fresnel.glsl"
 #include "renderer/transport/microfacet.glsl"
@@ -17,8 +18,6 @@
 const float DELTA_ROUGHNESS = 0.01;
 /// Rough refraction bends by about alpha |eta - 1|: below this it is delta (bsdf.cpp).
 const float DELTA_REFRACTION = 1e-5;
-/// The greatest float below 1.
-#define BELOW_ONE uintBitsToFloat(0x3f7fffffu)
 
 /// f(wo, wi) |cos(wi)| [sr^-1], and the density [sr^-1] with which bsdf_sample(wo) finds wi. Delta lobes are not in
 /// either.

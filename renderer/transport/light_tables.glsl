@@ -4,6 +4,7 @@
 #define PHOTOND_LIGHT_TABLES_GLSL
 
 #include "renderer/backends/gpu/scene.glsl"
+#include "renderer/core/geometry.glsl"
 #include "renderer/transport/light_tables_shared.h"
 
 layout(set = SCENE_SET, binding = LIGHT_WORDS_BINDING, scalar) readonly buffer LightWords { uint light_words[]; };
@@ -11,9 +12,6 @@ layout(set = SCENE_SET, binding = LIGHT_FLOATS_BINDING, scalar) readonly buffer 
 layout(set = SCENE_SET, binding = LIGHT_CONSTANTS_BINDING, scalar) readonly buffer LightConstantsBuffer {
     LightConstants light_constants;
 };
-
-/// The greatest number below 1: what is left of a uniform number must stay below.
-const float BELOW_ONE = 0.999999940395355224609375;
 
 /// Numbers of what casts one shadow: the emitting triangles of an instance together, each punctual light, the
 /// environment.
