@@ -4,6 +4,9 @@
 
 #include "renderer/backends/gpu/scene_shared.h"
 #include "renderer/core/srgb.h"
+#include "renderer/transport/bsdf_albedo_table.h"
+#include "renderer/transport/light_tables.h"
+#include "renderer/transport/sobol.h"
 
 namespace photond::gpu {
 
@@ -183,11 +186,9 @@ SceneConstants scene_constants(const Scene& scene) {
     return constants;
 }
 
-template <class T>
-Buffer upload_elements(Device& device, const std::string& structure, const std::vector<T>& elements) {
-    Filler filler(device, structure, std::span(elements).size_bytes());
-    filler.add(elements);
-    return filler.finish();
+template <class Elements>
+Buffer upload_elements(Device& device, const std::string& structure, const Elements& elements) {
+    return make_buffer(device, structure, std::span<const typename Elements::value_type>(elements));
 }
 
 /// One array of every mesh, one after the other.
@@ -214,6 +215,16 @@ Buffer upload_texels(Device& device, const Scene& scene) {
     Filler filler(device, "scene_texels", bytes);
     for (const Texture& texture : scene.textures) filler.add(texture.texels);
     return filler.finish();
+}
+
+void upload_lights(Device& device, const LightTables& lights, std::array<Buffer, SCENE_BINDINGS>& buffers) {
+    buffers[EMITTERS_BINDING] = upload_elements(device, "light_emitters", lights.emitters);
+    buffers[LIGHT_NODES_BINDING] = upload_elements(device, "light_nodes", lights.nodes);
+    buffers[LIGHT_WORDS_BINDING] = upload_elements(device, "light_words", lights.words);
+    buffers[PUNCTUAL_LIGHTS_BINDING] = upload_elements(device, "punctual_lights", lights.punctual_lights);
+    buffers[LIGHT_FLOATS_BINDING] = upload_elements(device, "light_floats", lights.floats);
+    buffers[ENVIRONMENT_BINDING] = upload_elements(device, "environment_map", lights.environment);
+    buffers[LIGHT_CONSTANTS_BINDING] = upload_elements(device, "light_constants", std::array{lights.constants});
 }
 
 /// Constants 0 to 17 of scene.glsl.
@@ -253,9 +264,12 @@ std::array<Buffer, SCENE_BINDINGS> DeviceScene::upload_all(Device& device, const
     buffers[MATERIALS_BINDING] = upload_elements(device, "scene_materials", material_records(scene));
     buffers[TEXTURES_BINDING] = upload_elements(device, "scene_textures", texture_records(scene));
     buffers[TEXELS_BINDING] = upload_texels(device, scene);
-    // A set has no empty places: what the scene has not is a few bytes that no shader reads.
-    for (Buffer& buffer : buffers)
-        if (!buffer) buffer = Buffer(device, "scene_unused", sizeof(uint32_t));
+    upload_lights(device, make_light_tables(scene), buffers);
+    buffers[TABLES_BINDING] = upload_elements(device, "albedo_table", AlbedoTable::get().device_data());
+    buffers[SOBOL_BINDING] = upload_elements(device, "sobol_directions", sobol_directions());
+    // Until the ray structure is there: a set has no empty places.
+    buffers[BVH_NODES_BINDING] = Buffer(device, "bvh_nodes", sizeof(uint32_t));
+    buffers[BVH_TRIANGLES_BINDING] = Buffer(device, "bvh_triangles", sizeof(uint32_t));
     return buffers;
 }
 
