@@ -2,8 +2,9 @@
 #ifndef PHOTOND_INVOCATION_GLSL
 #define PHOTOND_INVOCATION_GLSL
 
-uint flat_index() {
-    return (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * gl_WorkGroupSize.x + gl_LocalInvocationIndex;
-}
+// Not a function: in one that stands before `layout(local_size_x = ...) in`, gl_WorkGroupSize is 1 without a word from
+// the compiler.
+#define flat_index() \
+    ((gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * gl_WorkGroupSize.x + gl_LocalInvocationIndex)
 
 #endif
