@@ -22,7 +22,7 @@
 #include "protocol/error.h"
 #include "renderer/backends/cpu/small_scene_intersector.h"
 #include "renderer/core/lanes.h"
-#include "renderer/core/rng.h"
+#include "renderer/scene/alpha_test.h"
 #include "renderer/scene/scene.h"
 #include "renderer/scene/surface_color.h"
 
@@ -80,14 +80,8 @@ struct AlphaTest {
     uint32_t instance;  // kNoHit: told by Embree's instance id
 
     bool passes(const Ray& ray, uint32_t instance_id, uint32_t triangle, float u, float v) const {
-        const float coverage = surface_coverage(*scene, scene->meshes[mesh], triangle, u, v);
-        if (coverage <= 0 || coverage >= 1) return coverage <= 0;
-        uint32_t bits[6];
-        std::memcpy(bits, &ray.origin, sizeof(vec3));
-        std::memcpy(bits + 3, &ray.direction, sizeof(vec3));
-        uint64_t hash = uint64_t{instance_id} << 32 | triangle;
-        for (const int i : {0, 2, 4}) hash = hash64(hash ^ (uint64_t{bits[i]} << 32 | bits[i + 1]));
-        return to_unit_float(uint32_t(hash >> 32)) >= coverage;
+        return passes_surface(ray, instance_id, triangle,
+                              surface_coverage(*scene, scene->meshes[mesh], triangle, u, v));
     }
 
     static void filter(const RTCFilterFunctionNArguments* args) {

@@ -1,0 +1,32 @@
+#pragma once
+// The ray structure of the device, built on the host: Embree's binary tree, collapsed to compressed wide nodes
+// (bvh_shared.h), which bvh.glsl traverses.
+
+#include <span>
+#include <vector>
+
+#include "renderer/backends/gpu/bvh_shared.h"
+#include "renderer/scene/intersector.h"
+
+namespace photond::gpu {
+
+struct BvhData {
+    std::vector<BvhNode> nodes;          // BVH_NODES_BINDING; the root is the first; never empty
+    std::vector<BvhTriangle> triangles;  // BVH_TRIANGLES_BINDING; never empty
+    uint32_t stack_entries = 0;          // the most a traversal can need
+    double build_seconds = 0;
+
+    uint64_t bytes() const { return nodes.size() * sizeof(BvhNode) + triangles.size() * sizeof(BvhTriangle); }
+};
+
+/// One tree in world space; where meshes are used more than once (Needs::instances), each mesh that has a transform has
+/// a tree of its own, and the top tree holds its instances beside the triangles of all other meshes.
+/// Throws ErrorCode::Unsupported, with the figure, when its traversal would need more stack than BVH_STACK.
+BvhData build_bvh(const Scene& scene);
+
+/// bvh.glsl's traversal on the host, one ray at a time: what its answers are compared with. Same meaning as
+/// Intersector's.
+Hit closest_hit(const BvhData& bvh, const Scene& scene, const Ray& ray);
+bool occluded(const BvhData& bvh, const Scene& scene, const Ray& ray);
+
+}  // namespace photond::gpu
