@@ -12,6 +12,7 @@ namespace photond {
 /// Layers and counters of one pass; a method that overlaps passes has two.
 class DeviceImage {
 public:
+    DeviceImage() = default;  // holds nothing
     DeviceImage(gpu::Device& device, Size2 size, LayerSet layers);
     /// Bytes on the device, and of the host's copy.
     static uint64_t device_bytes(Size2 size, LayerSet layers);

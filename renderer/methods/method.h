@@ -38,11 +38,11 @@ struct View {
 /// kind asks for: rays on the CPU, or the scene on the GPU.
 struct RenderContext {
     const Scene& scene;
-    const Intersector* intersector;  // null on a GPU
+    const Intersector* intersector;  // on a GPU: answered by it (backends/gpu/device_intersector.h), for few rays
     View view;
     uint64_t seed = 1;
-    MemoryBudget& budget;                      // of the host
-    gpu::DeviceScene* device_scene = nullptr;  // null on the CPU
+    MemoryBudget& budget;                            // of the host
+    const gpu::DeviceScene* device_scene = nullptr;  // null on the CPU
 };
 
 /// Photons that a scene stores for each light path started, on paths of any length.

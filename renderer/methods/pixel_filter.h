@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cmath>
+#include <span>
 
 #include "renderer/methods/method.h"
 
@@ -31,8 +32,11 @@ public:
         return filter_ == PixelFilter::Box ? u : vec2(0.5f) + vec2(invert(u.x), invert(u.y));
     }
 
-private:
     static constexpr size_t kBins = 256;
+    /// Of a smooth filter over its width, at the bins' edges; zeros for the box.
+    std::span<const float, kBins + 1> cdf() const { return cdf_; }
+
+private:
     static constexpr float kBinWidth = 2 * kRadius / float(kBins);
 
     /// The filter in one dimension, not normalised; the filters are separable.

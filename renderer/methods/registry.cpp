@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "renderer/methods/path_tracing/path_tracing.h"
+#include "renderer/methods/path_tracing/path_tracing_gpu.h"
 #include "renderer/methods/photon_mapping/photon_mapping.h"
 #include "renderer/methods/photon_splatting/photon_splatting.h"
 #include "renderer/photons/photon_cloud.h"
@@ -30,10 +31,26 @@ MethodInfo row(std::string_view title, std::string_view family, std::vector<std:
     };
     info.make_gpu = nullptr;
     info.estimate_device_bytes = nullptr;
+    info.check_gpu = +[](const MethodParams&) {};
     info.estimate_bytes = +[](const MethodParams& params, const Workload& workload) {
         return M::estimate_bytes(dynamic_cast<const typename M::Params&>(params), workload);
     };
     info.estimate_artefact_bytes = +[](const MethodParams&, const Workload&) { return uint64_t{0}; };
+    return info;
+}
+
+/// The same with a class for the GPU.
+template <class Cpu, class Gpu>
+MethodInfo on_gpu(MethodInfo info) {
+    info.make_gpu = +[](const MethodParams& params) -> std::unique_ptr<Method> {
+        return std::make_unique<Gpu>(dynamic_cast<const typename Cpu::Params&>(params));
+    };
+    if constexpr (requires(const typename Cpu::Params& params) { Gpu::check_gpu(params); })
+        info.check_gpu =
+            +[](const MethodParams& params) { Gpu::check_gpu(dynamic_cast<const typename Cpu::Params&>(params)); };
+    info.estimate_device_bytes = +[](const MethodParams& params, const Workload& workload) {
+        return Gpu::estimate_device_bytes(dynamic_cast<const typename Cpu::Params&>(params), workload);
+    };
     return info;
 }
 
@@ -80,8 +97,9 @@ MethodInfo photon_splatting_row() {
 
 std::span<const MethodInfo> all_methods() {
     static const MethodInfo kMethods[] = {
-        row<PathTracing>("Path tracing", "path tracing",
-                         {"Kajiya 1986, The Rendering Equation", "Veach 1997, Robust Monte Carlo Methods"}, {"cpu"}),
+        on_gpu<PathTracing, PathTracingGpu>(row<PathTracing>(
+            "Path tracing", "path tracing",
+            {"Kajiya 1986, The Rendering Equation", "Veach 1997, Robust Monte Carlo Methods"}, {"cpu", "gpu"})),
         photon_mapping_row(),
         photon_splatting_row(),
     };

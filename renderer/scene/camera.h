@@ -32,6 +32,11 @@ public:
     /// uniform pair in [0,1)^2. The direction is unit.
     Ray operator()(vec2 film, vec2 lens) const;
 
+    const Camera& camera() const { return camera_; }
+    vec3 corner() const { return corner_; }
+    vec3 pixel_x() const { return pixel_x_; }
+    vec3 pixel_y() const { return pixel_y_; }
+
 private:
     Camera camera_;
     vec3 corner_;             // top left corner of the image on the plane at unit distance, less the eye

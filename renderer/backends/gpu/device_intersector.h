@@ -1,0 +1,36 @@
+#pragma once
+// The one ray interface, answered by a device: for the little that is worked out on the host while a scene is on a GPU
+// (projection maps, pilots). Methods on the GPU trace rays in their own shaders.
+
+#include <mutex>
+
+#include "renderer/backends/gpu/device_scene.h"
+#include "renderer/scene/intersector.h"
+
+namespace photond::gpu {
+
+/// Batches make a way to the device and back each: ask for many rays at once. One batch runs at a time. Borrows the
+/// scene.
+class DeviceIntersector final : public Intersector {
+public:
+    explicit DeviceIntersector(const DeviceScene& scene);
+    ~DeviceIntersector() override;
+
+    Hit closest_hit(const Ray& ray) const override;
+    bool occluded(const Ray& ray) const override;
+    void closest_hits(std::span<const Ray> rays, std::span<Hit> hits, Coherence coherence) const override;
+    void occluded(std::span<const Ray> rays, std::span<uint8_t> occluded, Coherence coherence) const override;
+
+    /// Its buffers; the rays' structure is the scene's.
+    uint64_t bytes() const override;
+
+private:
+    struct Batch;
+
+    void trace(std::span<const Ray> rays, bool any) const;
+
+    mutable std::mutex mutex_;
+    const std::unique_ptr<Batch> batch_;
+};
+
+}  // namespace photond::gpu

@@ -1,0 +1,31 @@
+#pragma once
+#include "renderer/methods/path_tracing/path_tracing.h"
+
+namespace photond {
+
+/// PathTracing on a GPU: the same paths with the same numbers, so that the image differs from the CPU's by rounding
+/// alone (a path that rounding sends elsewhere is a sample of its own right). Each thread follows the path of one pixel
+/// to its end and keeps what it finds, so the image is the same from run to run on one device.
+class PathTracingGpu final : public Method {
+public:
+    explicit PathTracingGpu(const PathTracingParams& params);
+    ~PathTracingGpu() override;
+    /// What begin() will record of the host's memory ...
+    static uint64_t estimate_bytes(const PathTracingParams& params, const Workload& workload);
+    /// ... and take of the device's.
+    static uint64_t estimate_device_bytes(const PathTracingParams& params, const Workload& workload);
+
+    void begin(const RenderContext& context, Stats& stats) override;
+    void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) override;
+    void expect_pass(uint32_t pass) override;
+    void settle() override;
+    void resolve(Film& film) override;
+
+private:
+    struct State;  // path_tracing_gpu.cpp
+
+    const PathTracingParams params_;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace photond

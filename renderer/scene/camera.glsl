@@ -1,0 +1,39 @@
+// GLSL twin of scene/camera.h: CameraRays, of the constants in `eye` (methods/eye_scene.glsl).
+#ifndef PHOTOND_CAMERA_GLSL
+#define PHOTOND_CAMERA_GLSL
+
+#include "renderer/core/geometry.glsl"
+#include "renderer/methods/eye_shared.h"
+
+/// Maps the unit square to the unit disc with little distortion.
+/// [Shirley and Chiu 1997] A Low Distortion Map Between Disk and Square. JGT 2(3).
+vec2 concentric_disc(vec2 u) {
+    const vec2 offset = 2.0 * u - vec2(1.0);
+    if (offset.x == 0.0 && offset.y == 0.0) return vec2(0.0);
+    float radius, phi;
+    if (abs(offset.x) > abs(offset.y)) {
+        radius = offset.x;
+        phi = PI / 4.0 * (offset.y / offset.x);
+    } else {
+        radius = offset.y;
+        phi = PI / 2.0 - PI / 4.0 * (offset.x / offset.y);
+    }
+    return radius * vec2(cos(phi), sin(phi));
+}
+
+/// Starts the ray through image position `film` (pixels; (0,0) is the top left corner) from lens position `lens`.
+Ray camera_ray(EyeConstants eye, vec2 film, vec2 lens) {
+    const vec3 plane = eye.corner + film.x * eye.pixel_x + film.y * eye.pixel_y;
+    vec3 origin = eye.position;
+    vec3 direction = plane;
+    if (eye.orthographic != 0) origin += plane, direction = eye.forward;
+    if (eye.aperture_radius_m > 0.0) {
+        const vec2 disc = eye.aperture_radius_m * concentric_disc(lens);
+        const vec3 shift = disc.x * eye.right + disc.y * eye.up;
+        direction -= shift / eye.focus_distance_m;
+        origin += shift;
+    }
+    return Ray(origin, normalize(direction), INFINITY);
+}
+
+#endif
