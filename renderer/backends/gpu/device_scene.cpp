@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "renderer/backends/gpu/bvh.h"
 #include "renderer/backends/gpu/scene_shared.h"
 #include "renderer/core/srgb.h"
 #include "renderer/transport/bsdf_albedo_table.h"
@@ -217,6 +218,17 @@ Buffer upload_texels(Device& device, const Scene& scene) {
     return filler.finish();
 }
 
+/// The host's copy of the ray structure is gone before anything else is uploaded.
+void upload_rays(Device& device, const Scene& scene, Stats& stats, std::array<Buffer, SCENE_BINDINGS>& buffers) {
+    const BvhData bvh = [&] {
+        const StageTimer timer(stats, "acceleration_build");
+        return build_bvh(scene);
+    }();
+    const StageTimer timer(stats, "scene_upload");
+    buffers[BVH_NODES_BINDING] = upload_elements(device, "bvh_nodes", bvh.nodes);
+    buffers[BVH_TRIANGLES_BINDING] = upload_elements(device, "bvh_triangles", bvh.triangles);
+}
+
 void upload_lights(Device& device, const LightTables& lights, std::array<Buffer, SCENE_BINDINGS>& buffers) {
     buffers[EMITTERS_BINDING] = upload_elements(device, "light_emitters", lights.emitters);
     buffers[LIGHT_NODES_BINDING] = upload_elements(device, "light_nodes", lights.nodes);
@@ -252,6 +264,7 @@ std::vector<Specialization> needs_of(const Scene& scene) {
 
 std::array<Buffer, SCENE_BINDINGS> DeviceScene::upload_all(Device& device, const Scene& scene, Stats& stats) {
     std::array<Buffer, SCENE_BINDINGS> buffers;
+    upload_rays(device, scene, stats, buffers);
     const StageTimer timer(stats, "scene_upload");
     buffers[SCENE_CONSTANTS_BINDING] = upload_elements(device, "scene_constants", std::vector{scene_constants(scene)});
     buffers[TRIANGLES_BINDING] = upload_of_meshes(
@@ -267,9 +280,6 @@ std::array<Buffer, SCENE_BINDINGS> DeviceScene::upload_all(Device& device, const
     upload_lights(device, make_light_tables(scene), buffers);
     buffers[TABLES_BINDING] = upload_elements(device, "albedo_table", AlbedoTable::get().device_data());
     buffers[SOBOL_BINDING] = upload_elements(device, "sobol_directions", sobol_directions());
-    // Until the ray structure is there: a set has no empty places.
-    buffers[BVH_NODES_BINDING] = Buffer(device, "bvh_nodes", sizeof(uint32_t));
-    buffers[BVH_TRIANGLES_BINDING] = Buffer(device, "bvh_triangles", sizeof(uint32_t));
     return buffers;
 }
 
