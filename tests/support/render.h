@@ -19,6 +19,24 @@ struct RenderSettingsOf {
 };
 using RenderSettings = RenderSettingsOf<PathTracing>;
 
+/// What the scene's first camera sees.
+template <class M>
+View view_of(const Scene& scene, const RenderSettingsOf<M>& settings) {
+    return {find_camera(scene, ""), settings.size, settings.filter, settings.layers};
+}
+
+/// Renders those passes in a context and calls after_pass(method, pass) after each.
+template <class M, class AfterPass>
+void run_passes_in(const RenderContext& context, const RenderSettingsOf<M>& settings, const AfterPass& after_pass,
+                   Stats& stats) {
+    M method(settings.params);
+    method.begin(context, stats);
+    for (uint32_t i = 0; i < settings.passes; ++i) {
+        method.run_pass(settings.first_pass + i, stats, CancelToken{});
+        after_pass(method, settings.first_pass + i);
+    }
+}
+
 /// Renders those passes, seen by the scene's first camera, and calls after_pass(method, pass) after each, for it to
 /// resolve() the pass into films. Counts, stages and skipped parts go to `stats`, what the method recorded to `budget`,
 /// when they are asked for.
@@ -29,14 +47,9 @@ void run_passes(const Scene& scene, const RenderSettingsOf<M>& settings, const A
     Stats own_stats;
     Stats& counted = stats ? *stats : own_stats;
     const std::unique_ptr<Intersector> intersector = make_embree_intersector(scene, ray_structures, counted);
-    M method(settings.params);
-    method.begin({scene, *intersector, View{find_camera(scene, ""), settings.size, settings.filter, settings.layers},
-                  settings.seed, budget ? *budget : own_budget},
-                 counted);
-    for (uint32_t i = 0; i < settings.passes; ++i) {
-        method.run_pass(settings.first_pass + i, counted, CancelToken{});
-        after_pass(method, settings.first_pass + i);
-    }
+    const RenderContext context{scene, intersector.get(), view_of(scene, settings), settings.seed,
+                                budget ? *budget : own_budget};
+    run_passes_in(context, settings, after_pass, counted);
 }
 
 /// The film of those passes.

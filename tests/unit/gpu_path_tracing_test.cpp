@@ -1,0 +1,130 @@
+// Path tracing on a GPU against its CPU twin: the same paths, but for rounding; and what a method promises beside.
+
+#include <gtest/gtest.h>
+
+#include "renderer/methods/path_tracing/path_tracing_gpu.h"
+#include "renderer/scene/builtin_scenes.h"
+#include "tests/support/gpu_render.h"
+
+namespace photond {
+namespace {
+
+LayerSet all_layers() {
+    LayerSet layers;
+    for (const Layer layer : {Layer::Caustic, Layer::Albedo, Layer::Normal, Layer::Position, Layer::Depth})
+        layers.add(layer);
+    return layers;
+}
+
+template <class M>
+test::RenderSettingsOf<M> settings_for(uint32_t passes) {
+    test::RenderSettingsOf<M> settings;
+    settings.size = {40, 30};  // tiles cut at both edges
+    settings.passes = passes;
+    settings.layers = all_layers();
+    settings.params.indirect_bounces = 4;
+    return settings;
+}
+
+struct TwoFilms {
+    Film cpu, gpu;
+    Stats cpu_stats, gpu_stats;
+};
+
+TwoFilms render_both(const Scene& scene, uint32_t passes) {
+    Stats cpu_stats, gpu_stats;
+    Film cpu = test::render(scene, settings_for<PathTracing>(passes), &cpu_stats);
+    Film gpu = test::render(test::SceneOnDevice(scene), settings_for<PathTracingGpu>(passes), &gpu_stats);
+    return {std::move(cpu), std::move(gpu), cpu_stats, gpu_stats};
+}
+
+/// Share of values that differ by more than `tolerance` of the layer's mean.
+double share_apart(const std::vector<float>& a, const std::vector<float>& b, double tolerance) {
+    const double mean = test::mean_of(a);
+    size_t apart = 0;
+    for (size_t i = 0; i < a.size(); ++i) apart += std::fabs(a[i] - b[i]) > tolerance * std::fabs(mean);
+    return double(apart) / double(a.size());
+}
+
+class GpuPathTracing : public testing::TestWithParam<const char*> {};
+
+// The same numbers drive both: rounding alone tells them apart, which now and then sends a path elsewhere (a hit on the
+// other side of an edge, another lobe). What one such path carries is noise of the image's own size, so the share of
+// values that are apart is bounded, not how far: 2 % of 40 x 30 x 3.
+TEST_P(GpuPathTracing, FollowsTheCpusPaths) {
+    const Scene scene = make_builtin_scene(GetParam());
+    const TwoFilms films = render_both(scene, 2);
+    for (const Layer layer : {Layer::Emitted, Layer::Direct, Layer::Indirect, Layer::Caustic, Layer::Albedo,
+                              Layer::Normal, Layer::Position, Layer::Depth})
+        EXPECT_LT(share_apart(films.cpu.resolve(layer), films.gpu.resolve(layer), 1e-3), 0.02)
+            << GetParam() << ", " << layer_info(layer).name;
+    const Counts &cpu = films.cpu_stats.counts, &gpu = films.gpu_stats.counts;
+    EXPECT_EQ(cpu.camera_rays, gpu.camera_rays);
+    EXPECT_NEAR(double(cpu.bounce_rays), double(gpu.bounce_rays), 0.01 * double(cpu.bounce_rays));
+    EXPECT_NEAR(double(cpu.shadow_rays), double(gpu.shadow_rays), 0.01 * double(cpu.shadow_rays) + 10);
+    EXPECT_EQ(films.gpu.nan_count() + films.gpu.infinity_count(), 0u);
+}
+INSTANTIATE_TEST_SUITE_P(BuiltinScenes, GpuPathTracing,
+                         testing::Values("cornell-box", "cornell-box-spot", "cornell-box-glossy", "cornell-box-glass",
+                                         "interior"));
+
+TEST(GpuPathTracing, SameDeviceSameBits) {
+    const Scene scene = make_builtin_scene("cornell-box-glass");
+    const test::SceneOnDevice where(scene);
+    const auto settings = settings_for<PathTracingGpu>(3);
+    EXPECT_EQ(test::render(where, settings).pixel_hash(), test::render(where, settings).pixel_hash());
+}
+
+TEST(GpuPathTracing, APassIsAPureFunctionOfItsIndex) {
+    const Scene scene = make_builtin_scene("cornell-box");
+    const test::SceneOnDevice where(scene);
+    auto whole = settings_for<PathTracingGpu>(4), first = settings_for<PathTracingGpu>(1),
+         rest = settings_for<PathTracingGpu>(3);
+    rest.first_pass = 1;
+    Film merged = test::render(where, first);
+    merged.merge(test::render(where, rest));
+    EXPECT_EQ(merged, test::render(where, whole));
+}
+
+TEST(GpuPathTracing, ACancelledPassIsNoPass) {
+    const Scene scene = make_builtin_scene("cornell-box");
+    const test::SceneOnDevice where(scene);
+    const auto settings = settings_for<PathTracingGpu>(1);
+    MemoryBudget budget;
+    Stats stats;
+    const RenderContext context{scene,  &where.intersector, test::view_of(scene, settings), 1,
+                                budget, &where.device_scene};
+    PathTracingGpu method(settings.params);
+    method.begin(context, stats);
+    CancelToken cancel;
+    cancel.cancel();
+    method.run_pass(0, stats, cancel);
+    Film film(settings.size, settings.layers);
+    method.resolve(film);
+    EXPECT_EQ(film.passes(), 0u);
+    method.run_pass(0, stats, CancelToken{});
+    method.resolve(film);
+    EXPECT_EQ(film, test::render(where, settings));
+}
+
+TEST(GpuPathTracing, TakesTheMemoryItSays) {
+    const Scene scene = make_builtin_scene("cornell-box");
+    const test::SceneOnDevice where(scene);
+    const auto settings = settings_for<PathTracingGpu>(1);
+    gpu::Device& device = test::gpu_device();
+    const uint64_t before = device.memory().used_bytes();
+    MemoryBudget budget;
+    Stats stats;
+    PathTracingGpu method(settings.params);
+    method.begin({scene, &where.intersector, test::view_of(scene, settings), 1, budget, &where.device_scene}, stats);
+    Workload workload;
+    workload.film_size = settings.size;
+    workload.layers = settings.layers;
+    const uint64_t estimate = PathTracingGpu::estimate_device_bytes(settings.params, workload);
+    const uint64_t taken = device.memory().used_bytes() - before;
+    EXPECT_LE(taken, 1.5 * double(estimate));
+    EXPECT_GE(1.5 * double(taken), double(estimate));
+}
+
+}  // namespace
+}  // namespace photond
