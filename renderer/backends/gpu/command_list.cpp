@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "renderer/backends/gpu/image.h"
 #include "renderer/backends/gpu/instance.h"
 
 namespace photond::gpu {
@@ -10,15 +11,20 @@ namespace photond::gpu {
 namespace {
 
 constexpr uint32_t kMostScopes = 512;
-constexpr VkAccessFlags2 kWrites = VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT;
+constexpr VkAccessFlags2 kWrites = VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT |
+                                   VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT |
+                                   VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;
+// For whatever device stage comes to read it later: one barrier serves them all.
+constexpr VkPipelineStageFlags2 kLaterStages = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+constexpr VkAccessFlags2 kLaterAccess = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
 constexpr VkShaderStageFlags kPushStages = VK_SHADER_STAGE_COMPUTE_BIT | VK_SHADER_STAGE_ALL_GRAPHICS;
+
+}  // namespace
 
 VkAccessFlags2 flags_of(Access access) {
     return (access != Access::Write ? VK_ACCESS_2_SHADER_STORAGE_READ_BIT : 0) |
            (access != Access::Read ? VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT : 0);
 }
-
-}  // namespace
 
 CommandList::CommandList(Device& device) : device_(device) {
     const VolkDeviceTable& vk = device.vk();
@@ -54,7 +60,8 @@ void CommandList::begin() {
     check(device_.vk().vkBeginCommandBuffer(commands_, &info), "recording commands");
     device_.vk().vkResetQueryPool(device_.handle(), queries_, 0, 2 * kMostScopes);
     barrier_ = {VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
-    needs_barrier_ = false;
+    image_barriers_.clear();
+    needs_barrier_ = rendering_ = false;
     layout_ = nullptr;
     scopes_.clear();
     bound_.clear();
@@ -114,18 +121,22 @@ void CommandList::push_bytes(std::span<const std::byte> bytes) {
 
 /// A write waits for all before it; a read for the last write, unless another read did already.
 void CommandList::use(Buffer& buffer, VkPipelineStageFlags2 stage, VkAccessFlags2 access) {
+    if (rendering_) throw Error(ErrorCode::Internal, buffer.structure() + " cannot be waited for within a raster pass");
     UseState& state = buffer.state();
     const bool writes = (access & kWrites) != 0;
     if (state.write_stages || (writes && state.read_stages)) {
         barrier_.srcStageMask |= state.write_stages | (writes ? state.read_stages : 0);
         barrier_.srcAccessMask |= state.write_access;
-        // For whatever device stage comes to read it later: one barrier serves them all.
-        barrier_.dstStageMask |= VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
-        barrier_.dstAccessMask |= VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
+        barrier_.dstStageMask |= kLaterStages;
+        barrier_.dstAccessMask |= kLaterAccess;
         needs_barrier_ = true;
         state = {};
     }
-    if (writes) {
+    note(state, stage, access);
+}
+
+void CommandList::note(UseState& state, VkPipelineStageFlags2 stage, VkAccessFlags2 access) {
+    if (access & kWrites) {
         state.write_stages |= stage;
         state.write_access |= access & kWrites;
     } else {
@@ -133,17 +144,59 @@ void CommandList::use(Buffer& buffer, VkPipelineStageFlags2 stage, VkAccessFlags
     }
 }
 
+void CommandList::use(Image& image, VkPipelineStageFlags2 stage, VkAccessFlags2 access, VkImageLayout layout,
+                      bool discard) {
+    if (rendering_) throw Error(ErrorCode::Internal, image.structure() + " cannot be waited for within a raster pass");
+    ImageState& state = image.state();
+    // Changing the layout writes the image.
+    const bool writes = (access & kWrites) != 0 || state.layout != layout;
+    if (state.use.write_stages || (writes && state.use.read_stages) || state.layout != layout) {
+        VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
+        barrier.srcStageMask = state.use.write_stages | (writes ? state.use.read_stages : 0);
+        barrier.srcAccessMask = state.use.write_access;
+        barrier.dstStageMask = kLaterStages;
+        barrier.dstAccessMask = kLaterAccess;
+        barrier.oldLayout = discard ? VK_IMAGE_LAYOUT_UNDEFINED : state.layout;
+        barrier.newLayout = layout;
+        barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+        barrier.image = image.handle();
+        barrier.subresourceRange = {image.aspect(), 0, 1, 0, image.layers()};
+        image_barriers_.push_back(barrier);
+        needs_barrier_ = true;
+        state = {{}, layout};
+    }
+    note(state.use, stage, access);
+}
+
 void CommandList::flush_barrier() {
     if (!needs_barrier_) return;
     VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
-    info.memoryBarrierCount = 1;
+    info.memoryBarrierCount = barrier_.dstStageMask ? 1 : 0;
     info.pMemoryBarriers = &barrier_;
+    info.imageMemoryBarrierCount = static_cast<uint32_t>(image_barriers_.size());
+    info.pImageMemoryBarriers = image_barriers_.data();
     device_.vk().vkCmdPipelineBarrier2(commands_, &info);
     barrier_ = {VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
+    image_barriers_.clear();
     needs_barrier_ = false;
 }
 
+void CommandList::begin_rendering(const VkRenderingInfo& info) {
+    if (rendering_) throw Error(ErrorCode::Internal, "raster passes do not nest");
+    flush_barrier();
+    device_.vk().vkCmdBeginRendering(commands_, &info);
+    rendering_ = true;
+}
+
+void CommandList::end_rendering() {
+    device_.vk().vkCmdEndRendering(commands_);
+    rendering_ = false;
+    layout_ = nullptr;
+    bound_.clear();
+}
+
 void CommandList::use_bound() {
+    if (!layout_) throw Error(ErrorCode::Internal, "a dispatch before anything was bound");
     for (const Binding& binding : bound_)
         use(*binding.buffer, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, flags_of(binding.access));
 }

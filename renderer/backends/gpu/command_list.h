@@ -11,7 +11,11 @@
 
 namespace photond::gpu {
 
+class Image;
+
 enum class Access : uint8_t { Read, Write, ReadWrite };
+/// What a shader does to a storage buffer.
+VkAccessFlags2 flags_of(Access access);
 
 /// A buffer as a command uses it. Its place in the list is its place among the shader's buffers of set 0, by binding.
 struct Binding {
@@ -89,15 +93,23 @@ public:
     Device& device() { return device_; }
     /// Declares a use outside of dispatch(), and makes it wait for those before.
     void use(Buffer& buffer, VkPipelineStageFlags2 stage, VkAccessFlags2 access);
+    /// The same of an image, which will be in that layout. `discard`: what it holds is not needed any more.
+    void use(Image& image, VkPipelineStageFlags2 stage, VkAccessFlags2 access, VkImageLayout layout,
+             bool discard = false);
     /// Binds buffers to any pipeline of that layout, as bind() does.
     void bind_buffers(VkPipelineBindPoint point, const PipelineLayout& layout, std::string_view name,
                       std::span<const Binding> bindings);
     void flush_barrier();
+    /// Between the two only what needs no barrier may be recorded: uses throw ErrorCode::Internal.
+    void begin_rendering(const VkRenderingInfo& info);
+    /// Nothing is bound after.
+    void end_rendering();
 
 private:
     void begin();
     void push_bytes(std::span<const std::byte> bytes);
     void use_bound();
+    static void note(UseState& state, VkPipelineStageFlags2 stage, VkAccessFlags2 access);
 
     Device& device_;
     VkCommandPool pool_ = VK_NULL_HANDLE;
@@ -109,7 +121,9 @@ private:
     const PipelineLayout* layout_ = nullptr;
     std::vector<Binding> bound_;
     VkMemoryBarrier2 barrier_{};
+    std::vector<VkImageMemoryBarrier2> image_barriers_;
     bool needs_barrier_ = false;
+    bool rendering_ = false;
 };
 
 /// A scope as long as it lives.

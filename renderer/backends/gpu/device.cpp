@@ -43,6 +43,7 @@ uint32_t find_queue_family(VkPhysicalDevice physical) {
 Device::Device(const DeviceOptions& options) : cache_file_(options.pipeline_cache) {
     const PhysicalDevice& physical = find_device(options.id);
     report_ = physical.report;
+    physical_ = physical.handle;
     if (!report_.lacks.empty()) {
         std::string list;
         for (const std::string& lack : report_.lacks) list += (list.empty() ? "" : ", ") + lack;
@@ -97,17 +98,20 @@ void Device::load_pipeline_cache(const std::filesystem::path& file) {
     info.initialDataSize = bytes.size();
     info.pInitialData = bytes.data();
     check(vk_.vkCreatePipelineCache(handle_, &info, nullptr, &pipeline_cache_), "making the pipeline cache");
+    saved_cache_bytes_ = bytes.size();
 }
 
-void Device::save_pipeline_cache() const noexcept try {
+void Device::save_pipeline_cache() noexcept try {
     if (cache_file_.empty()) return;
     size_t size = 0;
     if (vk_.vkGetPipelineCacheData(handle_, pipeline_cache_, &size, nullptr) != VK_SUCCESS) return;
+    if (size == saved_cache_bytes_) return;
     std::vector<char> bytes(size);
     if (vk_.vkGetPipelineCacheData(handle_, pipeline_cache_, &size, bytes.data()) != VK_SUCCESS) return;
     AtomicFile file(cache_file_);
     file.write(bytes.data(), size);
     file.commit();
+    saved_cache_bytes_ = size;
 } catch (const std::exception&) {
     return;  // the next start compiles again
 }

@@ -32,6 +32,7 @@ public:
     const DeviceReport& report() const { return report_; }
     const Limits& limits() const { return report_.limits; }
     VkDevice handle() const { return handle_; }
+    VkPhysicalDevice physical() const { return physical_; }
     const VolkDeviceTable& vk() const { return vk_; }
     uint32_t queue_family() const { return queue_family_; }
     VkPipelineCache pipeline_cache() const { return pipeline_cache_; }
@@ -51,6 +52,9 @@ public:
     bool reached(uint64_t point);
     void wait_idle() { wait(submitted_); }
 
+    /// Writes the pipeline cache's file where the cache has grown since. What fails is left for the next time.
+    void save_pipeline_cache() noexcept;
+
     /// Paths one submission should hold at most, so that cancelling is answered soon: a software device takes seconds
     /// for what a card does in a millisecond.
     uint32_t paths_per_submit() const { return report_.software ? 1u << 15 : 1u << 24; }
@@ -58,9 +62,9 @@ public:
 private:
     void make_device(VkPhysicalDevice physical);
     void load_pipeline_cache(const std::filesystem::path& file);
-    void save_pipeline_cache() const noexcept;
 
     DeviceReport report_;
+    VkPhysicalDevice physical_ = VK_NULL_HANDLE;
     VkDevice handle_ = VK_NULL_HANDLE;
     VolkDeviceTable vk_{};
     uint32_t queue_family_ = 0;
@@ -69,6 +73,7 @@ private:
     uint64_t submitted_ = 0;
     std::filesystem::path cache_file_;
     VkPipelineCache pipeline_cache_ = VK_NULL_HANDLE;
+    size_t saved_cache_bytes_ = 0;
     std::unique_ptr<Memory> memory_;
     uint64_t memory_limit_bytes_;
 };
