@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "renderer/core/rng.h"
-#include "tests/support/bsdf_quadrature.h"
+#include "tests/support/random_materials.h"
 #include "tests/support/statistics.h"
 
 namespace photond {
@@ -13,29 +13,6 @@ using namespace test;
 
 constexpr double kFalseAlarm = 1e-6;
 constexpr float kThreshold = 0.05f;  // alpha
-
-vec3 random_direction(RandomStream& random, float least_cos) {
-    const float z = least_cos + (1 - least_cos) * random.next();
-    return vec3(direction_at(static_cast<double>(z), static_cast<double>(random.next())));
-}
-
-/// Any mixture of lobes; roughness from delta to 1.
-Bsdf::Parameters random_material(RandomStream& random) {
-    const auto sometimes = [&](float value) { return random.next() < 0.5f ? value : 0.0f; };
-    const auto colour = [&] { return Rgb(random.next(), random.next(), random.next()); };
-    Bsdf::Parameters p;
-    p.geometric_normal = random_direction(random, 0.8f);
-    p.base_color = colour();
-    p.metallic = sometimes(random.next());
-    p.roughness = sometimes(random.next());
-    p.ior = 1 + random.next();
-    p.specular = random.next();
-    p.specular_color = 1.5f * colour();
-    p.transmission = sometimes(random.next());
-    p.solid = random.next() < 0.5f;
-    p.eta = 0.6f + random.next();
-    return p;
-}
 
 TEST(BsdfParts, AddUpToTheWhole) {
     RandomStream random(1, RandomDomain::Test, 0, 0);
