@@ -213,20 +213,26 @@ bool sample_light_groups(vec3 p, vec3 n, float u_select, vec2 u, out LightSample
     const float tree_probability = light_groups_probability(g, g.tree);
     if (light_group_chosen(u_select, tree_probability, below, rest))
         return sample_light_from_tree(p, n, rest, u, tree_probability, light_sample);
-    if (NEEDS_PUNCTUAL_LIGHTS)
-        for (uint i = 0u; i < light_constants.directional_lights; ++i) {
-            const uint light = directional_light(i);
-            const PunctualLightRecord sun = punctual_lights[light];
-            const float probability = light_groups_probability(g, directional_estimate(sun, n));
-            if (!light_group_chosen(u_select, probability, below, rest)) continue;
-            light_sample.wi = -sun.direction;
+    if (NEEDS_PUNCTUAL_LIGHTS) {
+        // Found in the loop, filled in after it: lanes that find theirs in different rounds do so together.
+        bool found = false;
+        uint light;
+        float probability;
+        for (uint i = 0u; i < light_constants.directional_lights && !found; ++i) {
+            light = directional_light(i);
+            probability = light_groups_probability(g, directional_estimate(punctual_lights[light], n));
+            found = light_group_chosen(u_select, probability, below, rest);
+        }
+        if (found) {
+            light_sample.wi = -punctual_lights[light].direction;
             light_sample.distance = INFINITY;
-            light_sample.radiance_over_pdf = sun.intensity / probability;
+            light_sample.radiance_over_pdf = punctual_lights[light].intensity / probability;
             light_sample.pdf_sa = probability;
             light_sample.delta = true;
             light_sample.source = light_source_of_punctual(light);
             return true;
         }
+    }
     if (!NEEDS_ENVIRONMENT) return false;
     const float probability = light_groups_probability(g, environment_estimate());
     if (!(probability > 0.0) || !environment_sample(u, light_sample.wi, light_sample.pdf_sa)) return false;
