@@ -45,10 +45,9 @@ bool walk_light_sample(EyePath path, WalkVertex met, Bsdf specular, float sample
     return true;
 }
 
-/// Follows the path's ray to the next vertex: adds what it finds there to `light`, with one light sample and no competing
-/// rays, and draws the next ray by the specular part. False: the path ends; `met.waits` holds all the same.
-bool walk_vertex(uint vertex, uint key, float glossy_threshold, inout EyePath path, inout Ray ray, inout PathLight light,
-                 inout uint shadow_rays, out WalkVertex met) {
+/// Follows the path's ray to the next vertex and adds what it finds there to `light`, but for light samples. False: it ends.
+bool walk_meet(uint vertex, float glossy_threshold, inout EyePath path, Ray ray, inout PathLight light,
+               out WalkVertex met, out Bsdf specular) {
     met.waits = false;
     met.hit = closest_hit(ray);
     path.throughput *= transmittance(path.media, met.hit.t);
@@ -66,12 +65,30 @@ bool walk_vertex(uint vertex, uint key, float glossy_threshold, inout EyePath pa
     met.eta_scale = path.eta_scale;
     met.media = path.media;
     met.scatterings = path.scatterings;
-    const Bsdf specular = bsdf_specular_part(at.bsdf, glossy_threshold);
+    specular = bsdf_specular_part(at.bsdf, glossy_threshold);
     met.rough = bsdf_rough_part(at.bsdf, glossy_threshold);
     met.waits = bsdf_scatters(met.rough) && path.scatterings + 2 <= eye.max_scatterings;
+    return true;
+}
 
+/// Draws the path's next ray by the specular part; `roulette`: a number for it. False: the path ends.
+bool walk_leave(uint vertex, uint key, WalkVertex met, Bsdf specular, float roulette, inout EyePath path,
+                inout PathLight light, inout Ray ray) {
+    if (!bsdf_scatters(specular)) return false;
+    const float u_lobe = sample_2d(key, sample_set(vertex, SET_LOBE)).x;
+    const vec2 u_direction = sample_2d(key, sample_set(vertex, SET_DIRECTION));
+    return leave_surface(path, met.surface, bsdf_sample(specular, met.wo, u_lobe, u_direction),
+                         vertex + 1 >= eye.roulette_start, roulette, light, ray);
+}
+
+/// Follows the path's ray to the next vertex: adds what it finds there to `light`, with one light sample and no competing
+/// rays, and draws the next ray by the specular part. False: the path ends; `met.waits` holds all the same.
+bool walk_vertex(uint vertex, uint key, float glossy_threshold, inout EyePath path, inout Ray ray, inout PathLight light,
+                 inout uint shadow_rays, out WalkVertex met) {
+    Bsdf specular;
+    if (!walk_meet(vertex, glossy_threshold, path, ray, light, met, specular)) return false;
     const vec2 choice = sample_2d(key, sample_set(vertex, SET_LIGHT_CHOICE_AND_ROULETTE));
-    if (bsdf_has_non_delta(at.bsdf)) {
+    if (bsdf_has_non_delta(specular) || bsdf_has_non_delta(met.rough)) {
         Ray to_light;
         vec3 radiance;
         const vec2 u_light = sample_2d(key, sample_set(vertex, SET_LIGHT_POINT));
@@ -82,11 +99,7 @@ bool walk_vertex(uint vertex, uint key, float glossy_threshold, inout EyePath pa
             }
         }
     }
-    if (!bsdf_scatters(specular)) return false;
-    const float u_lobe = sample_2d(key, sample_set(vertex, SET_LOBE)).x;
-    const vec2 u_direction = sample_2d(key, sample_set(vertex, SET_DIRECTION));
-    return leave_surface(path, met.surface, bsdf_sample(specular, met.wo, u_lobe, u_direction),
-                         vertex + 1 >= eye.roulette_start, choice.y, light, ray);
+    return walk_leave(vertex, key, met, specular, choice.y, path, light, ray);
 }
 
 #endif
