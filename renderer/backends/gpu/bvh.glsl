@@ -27,6 +27,9 @@ struct Hit {
 };
 bool hit_valid(Hit hit) { return hit.instance != NO_HIT; }
 
+/// Whether the top tree has instances of meshes in it (BvhData::two_levels).
+layout(constant_id = BVH_TWO_LEVELS_ID) const bool BVH_TWO_LEVELS = true;
+
 // Five to a node, three to a triangle. lavapipe loads word by word and lane by lane, or two words at once.
 layout(set = SCENE_SET, binding = BVH_NODES_BINDING, std430) readonly buffer BvhNodes { u64vec2 bvh_nodes[]; };
 layout(set = SCENE_SET, binding = BVH_TRIANGLES_BINDING, std430) readonly buffer BvhTriangles {
@@ -120,35 +123,28 @@ bool bvh_meet_triangle(vec3 corner_0, vec3 corner_1, vec3 corner_2, BvhRay ray, 
 }
 
 /// Goes through the tree; `any`, a constant: the first hit found will do, and only hit_valid() of it counts.
+///
+/// Measured on lavapipe, processor time of closest hits in scenes of 76,000 to 263,000 triangles: nodes in a loop of their
+/// own before the triangles 0 to 20 % slower, one triangle an iteration 0 to 25 %, the stack in shared memory within the
+/// noise, loads of single words 5 to 15 % slower.
 Hit bvh_trace(Ray world_ray, const bool any) {
     BvhRay ray = make_bvh_ray(world_ray.origin, world_ray.direction);
     Hit hit = Hit(world_ray.t_max, NO_HIT, 0u, 0.0, 0.0);
-    uint place = NO_HIT;             // of the nearest triangle
-    uint instance = NO_HIT;          // that the ray is in
-    uint instance_depth = NO_HIT;    // the stack's, when it went in
+    uint place = NO_HIT;           // of the nearest triangle
+    uint instance = NO_HIT;        // that the ray is in
+    uint instance_depth = NO_HIT;  // the stack's, when it went in
     uvec2 stack[BVH_STACK];
     uint depth = 0u;
     uvec2 nodes = uvec2(0u, world_ray.t_max > 0.0 ? 0x80000000u : 0u);
     uvec2 triangles = uvec2(0u);
     while (nodes.y > 0x00ffffffu || triangles.y != 0u) {
-        while (triangles.y == 0u && nodes.y > 0x00ffffffu) {
+        if (triangles.y == 0u) {
             const uint bit = uint(findMSB(nodes.y));
             nodes.y ^= 1u << bit;
             const uint slot = (bit - 24u) ^ ray.octant;
             const uint index = nodes.x + bitCount(nodes.y & ((1u << slot) - 1u));
             if (nodes.y > 0x00ffffffu) stack[depth++] = nodes;
             bvh_visit(index, ray, hit.t, nodes, triangles);
-            if (nodes.y <= 0x00ffffffu && triangles.y == 0u && depth > 0u) {
-                if (NEEDS_INSTANCES && depth == instance_depth) {
-                    instance = instance_depth = NO_HIT;
-                    ray = make_bvh_ray(world_ray.origin, world_ray.direction);
-                }
-                nodes = stack[--depth];
-                if (NEEDS_INSTANCES && nodes.y <= 0x00ffffffu) {
-                    triangles = nodes;
-                    nodes.y = 0u;
-                }
-            }
         }
         while (triangles.y != 0u) {
             const uint record = triangles.x + uint(findLSB(triangles.y));
@@ -157,7 +153,7 @@ Hit bvh_trace(Ray world_ray, const bool any) {
             const vec4 words_1 = uintBitsToFloat(bvh_words(bvh_triangles[3u * record + 1u]));
             const uvec2 words_2 = unpackUint2x32(bvh_triangles[3u * record + 2u].x);
             const uint kind = words_2.y;
-            if (NEEDS_INSTANCES && kind == BVH_INSTANCE) {
+            if (BVH_TWO_LEVELS && kind == BVH_INSTANCE) {
                 if (triangles.y != 0u) stack[depth++] = triangles;
                 if (nodes.y > 0x00ffffffu) stack[depth++] = nodes;
                 triangles.y = 0u;
@@ -179,7 +175,7 @@ Hit bvh_trace(Ray world_ray, const bool any) {
                 continue;
             if (NEEDS_ALPHA && kind == BVH_COVERED_IN_PART) {
                 const uvec2 link = unpackUint2x32(bvh_triangles[3u * record + 2u].y);
-                const uint in_instance = NEEDS_INSTANCES && instance != NO_HIT ? instance : link.y;
+                const uint in_instance = BVH_TWO_LEVELS && instance != NO_HIT ? instance : link.y;
                 if (passes_surface(world_ray, in_instance, link.x, surface_coverage(in_instance, link.x, u, v)))
                     continue;
             }
@@ -194,12 +190,12 @@ Hit bvh_trace(Ray world_ray, const bool any) {
             }
         }
         if (nodes.y <= 0x00ffffffu && depth > 0u) {
-            if (NEEDS_INSTANCES && depth == instance_depth) {
+            if (BVH_TWO_LEVELS && depth == instance_depth) {
                 instance = instance_depth = NO_HIT;
                 ray = make_bvh_ray(world_ray.origin, world_ray.direction);
             }
             nodes = stack[--depth];
-            if (NEEDS_INSTANCES && nodes.y <= 0x00ffffffu) {
+            if (BVH_TWO_LEVELS && nodes.y <= 0x00ffffffu) {
                 triangles = nodes;
                 nodes.y = 0u;
             }
@@ -212,7 +208,7 @@ Hit bvh_trace(Ray world_ray, const bool any) {
     }
     const uvec2 link = unpackUint2x32(bvh_triangles[3u * place + 2u].y);
     hit.triangle = link.x;
-    if (!NEEDS_INSTANCES || hit.instance == NO_HIT) hit.instance = link.y;
+    if (!BVH_TWO_LEVELS || hit.instance == NO_HIT) hit.instance = link.y;
     return hit;
 }
 

@@ -340,14 +340,19 @@ mat4x3 inverse_of(const mat4x3& to_world) {
 
 }  // namespace
 
-BvhData build_bvh(const Scene& scene) {
+bool has_two_levels(const Scene& scene, uint64_t most_copied_triangles) {
+    return scene.needs.instances && scene.triangle_count > most_copied_triangles;
+}
+
+BvhData build_bvh(const Scene& scene, uint64_t most_copied_triangles) {
     const auto start = std::chrono::steady_clock::now();
     const std::unique_ptr<RTCDeviceTy, DeviceRelease> device(rtcNewDevice(nullptr));
     if (!device) throw Error(ErrorCode::Internal, "Embree does not start on this machine");
     BvhData data;
     Encoder encoder(data);
+    data.two_levels = has_two_levels(scene, most_copied_triangles);
 
-    const auto is_placed = [&](const Instance& instance) { return scene.needs.instances && !instance.identity; };
+    const auto is_placed = [&](const Instance& instance) { return data.two_levels && !instance.identity; };
     std::vector<Primitive> primitives;
     std::vector<mat4x3> transforms;
     std::vector<float> ray_distance(scene.meshes.size(), -1.0f);  // by mesh that has a tree of its own

@@ -9,6 +9,9 @@
 // for an instance. build_bvh() refuses a scene that needs more.
 #define BVH_STACK 24
 
+// Specialisation constant: BvhData::two_levels.
+#define BVH_TWO_LEVELS_ID 18
+
 // BvhTriangle::kind
 #define BVH_OPAQUE 0u
 #define BVH_COVERED_IN_PART 1u  // masked or blended

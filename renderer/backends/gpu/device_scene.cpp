@@ -239,7 +239,7 @@ void upload_lights(Device& device, const LightTables& lights, std::array<Buffer,
     buffers[LIGHT_CONSTANTS_BINDING] = upload_elements(device, "light_constants", std::array{lights.constants});
 }
 
-/// Constants 0 to 17 of scene.glsl.
+/// Constants 0 to 17 of scene.glsl, 18 of bvh.glsl.
 std::vector<Specialization> needs_of(const Scene& scene) {
     const Needs& needs = scene.needs;
     const bool transforms = std::any_of(scene.instances.begin(), scene.instances.end(), [](const auto& instance) {
@@ -255,7 +255,7 @@ std::vector<Specialization> needs_of(const Scene& scene) {
          {transforms, needs.alpha, needs.normal_maps, needs.base_color_textures, needs.material_textures,
           needs.emission_textures, needs.vertex_colors, needs.only_lambert(), needs.transmission, needs.solid_glass,
           needs.environment, needs.area_lights, needs.punctual_lights, needs.unlit, needs.delta, needs.glossy,
-          directional || needs.environment, smooth_normals})
+          directional || needs.environment, smooth_normals, has_two_levels(scene)})
         constants.push_back(specialize(static_cast<uint32_t>(constants.size()), value));
     return constants;
 }
