@@ -49,9 +49,16 @@ namespace {
 
 constexpr uint64_t kStagingBytes = 16ull << 20;
 
+void check_size(const Buffer& buffer, size_t bytes) {
+    if (bytes > buffer.bytes())
+        throw Error(ErrorCode::Internal, buffer.structure() + " has " + std::to_string(buffer.bytes()) +
+                                             " bytes; to be copied were " + std::to_string(bytes));
+}
+
 }  // namespace
 
 void upload(Device& device, Buffer& to, std::span<const std::byte> bytes, uint64_t offset) {
+    check_size(to, offset + bytes.size());
     if (bytes.empty()) return;
     if (to.mapped()) {
         device.wait_idle();  // commands under way may still read what is there
@@ -70,6 +77,7 @@ void upload(Device& device, Buffer& to, std::span<const std::byte> bytes, uint64
 }
 
 void download(Device& device, Buffer& from, std::span<std::byte> bytes) {
+    check_size(from, bytes.size());
     if (bytes.empty()) return;
     if (from.mapped()) {
         CommandList commands(device);

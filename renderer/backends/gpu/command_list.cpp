@@ -11,6 +11,8 @@ namespace photond::gpu {
 namespace {
 
 constexpr uint32_t kMostScopes = 512;
+constexpr uint64_t kMostThreads = 1ull << 31;  // and those of rows that are not full: flat_index() has 32 bits
+constexpr uint64_t kMostUpdated = 65536;       // bytes [Vulkan 1.3, vkCmdUpdateBuffer]
 constexpr VkAccessFlags2 kWrites = VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT |
                                    VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT |
                                    VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;
@@ -27,29 +29,45 @@ VkAccessFlags2 flags_of(Access access) {
 }
 
 CommandList::CommandList(Device& device) : device_(device) {
-    const VolkDeviceTable& vk = device.vk();
+    try {
+        make();
+        begin();
+    } catch (...) {
+        destroy();
+        throw;
+    }
+}
+
+void CommandList::make() {
+    const VolkDeviceTable& vk = device_.vk();
     VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
-    pool.queueFamilyIndex = device.queue_family();
-    check(vk.vkCreateCommandPool(device.handle(), &pool, nullptr, &pool_), "making a command pool");
+    pool.queueFamilyIndex = device_.queue_family();
+    check(vk.vkCreateCommandPool(device_.handle(), &pool, nullptr, &pool_), "making a command pool");
     VkCommandBufferAllocateInfo allocate{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
     allocate.commandPool = pool_;
     allocate.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
     allocate.commandBufferCount = 1;
-    check(vk.vkAllocateCommandBuffers(device.handle(), &allocate, &commands_), "making a command buffer");
+    check(vk.vkAllocateCommandBuffers(device_.handle(), &allocate, &commands_), "making a command buffer");
     VkQueryPoolCreateInfo queries{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
     queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
     queries.queryCount = 2 * kMostScopes;
-    check(vk.vkCreateQueryPool(device.handle(), &queries, nullptr, &queries_), "making timestamps");
-    begin();
+    check(vk.vkCreateQueryPool(device_.handle(), &queries, nullptr, &queries_), "making timestamps");
 }
 
 CommandList::~CommandList() {
-    // A lost device has dropped the work; there is nothing to wait for.
-    if (submitted_) try {
+    if (submitted_) {
+        try {
             device_.wait(*submitted_);
         } catch (const Error&) {
-            submitted_.reset();
+            submitted_.reset();  // a lost device has dropped the work; there is nothing to wait for
         }
+    } else if (used_) {
+        device_.drop_barriers();
+    }
+    destroy();
+}
+
+void CommandList::destroy() noexcept {
     device_.vk().vkDestroyQueryPool(device_.handle(), queries_, nullptr);
     device_.vk().vkDestroyCommandPool(device_.handle(), pool_, nullptr);
 }
@@ -61,7 +79,7 @@ void CommandList::begin() {
     device_.vk().vkResetQueryPool(device_.handle(), queries_, 0, 2 * kMostScopes);
     barrier_ = {VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
     image_barriers_.clear();
-    needs_barrier_ = rendering_ = false;
+    needs_barrier_ = rendering_ = used_ = false;
     layout_ = nullptr;
     scopes_.clear();
     bound_.clear();
@@ -69,6 +87,7 @@ void CommandList::begin() {
 
 void CommandList::reset() {
     wait();
+    if (used_ && !submitted_) device_.drop_barriers();
     submitted_.reset();
     check(device_.vk().vkResetCommandPool(device_.handle(), pool_, 0), "recording commands anew");
     begin();
@@ -85,8 +104,6 @@ void CommandList::bind_buffers(VkPipelineBindPoint point, const PipelineLayout& 
     if (bindings.size() != buffers.size())
         throw Error(ErrorCode::Internal, std::string(name) + " has " + std::to_string(buffers.size()) +
                                              " buffers; bound were " + std::to_string(bindings.size()));
-    layout_ = &layout;
-    bound_.assign(bindings.begin(), bindings.end());
     std::vector<VkDescriptorBufferInfo> infos(bindings.size());
     std::vector<VkWriteDescriptorSet> writes(bindings.size(), {VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET});
     for (size_t i = 0; i < bindings.size(); ++i) {
@@ -103,6 +120,8 @@ void CommandList::bind_buffers(VkPipelineBindPoint point, const PipelineLayout& 
         writes[i].descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
         writes[i].pBufferInfo = &infos[i];
     }
+    layout_ = &layout;
+    bound_.assign(bindings.begin(), bindings.end());
     if (!writes.empty())
         device_.vk().vkCmdPushDescriptorSetKHR(commands_, point, layout.handle(), 0,
                                                static_cast<uint32_t>(writes.size()), writes.data());
@@ -121,7 +140,7 @@ void CommandList::push_bytes(std::span<const std::byte> bytes) {
 
 /// A write waits for all before it; a read for the last write, unless another read did already.
 void CommandList::use(Buffer& buffer, VkPipelineStageFlags2 stage, VkAccessFlags2 access) {
-    if (rendering_) throw Error(ErrorCode::Internal, buffer.structure() + " cannot be waited for within a raster pass");
+    begin_use(buffer.structure());
     UseState& state = buffer.state();
     const bool writes = (access & kWrites) != 0;
     if (state.write_stages || (writes && state.read_stages)) {
@@ -135,6 +154,12 @@ void CommandList::use(Buffer& buffer, VkPipelineStageFlags2 stage, VkAccessFlags
     note(state, stage, access);
 }
 
+void CommandList::begin_use(const std::string& structure) {
+    if (rendering_) throw Error(ErrorCode::Internal, structure + " cannot be waited for within a raster pass");
+    if (submitted_) throw Error(ErrorCode::Internal, structure + " is used by commands that are submitted already");
+    used_ = true;
+}
+
 void CommandList::note(UseState& state, VkPipelineStageFlags2 stage, VkAccessFlags2 access) {
     if (access & kWrites) {
         state.write_stages |= stage;
@@ -146,7 +171,7 @@ void CommandList::note(UseState& state, VkPipelineStageFlags2 stage, VkAccessFla
 
 void CommandList::use(Image& image, VkPipelineStageFlags2 stage, VkAccessFlags2 access, VkImageLayout layout,
                       bool discard) {
-    if (rendering_) throw Error(ErrorCode::Internal, image.structure() + " cannot be waited for within a raster pass");
+    begin_use(image.structure());
     ImageState& state = image.state();
     // Changing the layout writes the image.
     const bool writes = (access & kWrites) != 0 || state.layout != layout;
@@ -213,6 +238,8 @@ void CommandList::dispatch(uint32_t x, uint32_t y, uint32_t z) {
 
 void CommandList::dispatch_threads(uint64_t threads, uint32_t group_size) {
     if (threads == 0) return;
+    if (threads > kMostThreads)
+        throw Error(ErrorCode::Internal, "a dispatch of " + std::to_string(threads) + " threads cannot number them");
     const uint64_t count = (threads + group_size - 1) / group_size;
     const uint64_t most = std::min<uint64_t>(device_.limits().workgroups[0], 1u << 15);
     const uint64_t rows = (count + most - 1) / most;
@@ -235,6 +262,9 @@ void CommandList::fill(Buffer& buffer, uint32_t word, uint64_t offset, uint64_t 
 }
 
 void CommandList::update(Buffer& buffer, std::span<const std::byte> bytes, uint64_t offset) {
+    if (bytes.empty() || bytes.size() > kMostUpdated || bytes.size() % 4 != 0)
+        throw Error(ErrorCode::Internal,
+                    buffer.structure() + " cannot be updated by " + std::to_string(bytes.size()) + " bytes at once");
     use(buffer, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT);
     flush_barrier();
     device_.vk().vkCmdUpdateBuffer(commands_, buffer.handle(), offset, bytes.size(), bytes.data());
@@ -257,25 +287,27 @@ void CommandList::host_reads(Buffer&) {
 }
 
 void CommandList::begin_scope(const std::string& name) {
+    if (scopes_.size() == kMostScopes)
+        throw Error(ErrorCode::Internal, "a list of more than " + std::to_string(kMostScopes) + " scopes");
     if (Instance::get()->debug_names()) {
         VkDebugUtilsLabelEXT label{VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT};
         label.pLabelName = name.c_str();
         vkCmdBeginDebugUtilsLabelEXT(commands_, &label);
     }
-    if (scopes_.size() < kMostScopes)
-        device_.vk().vkCmdWriteTimestamp2(commands_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_,
-                                          static_cast<uint32_t>(2 * scopes_.size()));
+    device_.vk().vkCmdWriteTimestamp2(commands_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_,
+                                      static_cast<uint32_t>(2 * scopes_.size()));
     scopes_.push_back(name);
 }
 
 void CommandList::end_scope() {
-    if (scopes_.size() <= kMostScopes)
-        device_.vk().vkCmdWriteTimestamp2(commands_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_,
-                                          static_cast<uint32_t>(2 * scopes_.size()) - 1);
+    device_.vk().vkCmdWriteTimestamp2(commands_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_,
+                                      static_cast<uint32_t>(2 * scopes_.size()) - 1);
     if (Instance::get()->debug_names()) vkCmdEndDebugUtilsLabelEXT(commands_);
 }
 
 void CommandList::submit() {
+    if (submitted_ || rendering_)
+        throw Error(ErrorCode::Internal, rendering_ ? "a raster pass is not ended" : "commands are submitted already");
     flush_barrier();
     check(device_.vk().vkEndCommandBuffer(commands_), "recording commands");
     times_.clear();
@@ -288,7 +320,7 @@ void CommandList::wait() {
     if (!submitted_) return;
     device_.wait(*submitted_);
     if (!times_.empty() || scopes_.empty()) return;
-    const auto count = static_cast<uint32_t>(std::min<size_t>(scopes_.size(), kMostScopes));
+    const auto count = static_cast<uint32_t>(scopes_.size());
     std::vector<uint64_t> ticks(2 * count);
     check(device_.vk().vkGetQueryPoolResults(device_.handle(), queries_, 0, 2 * count, ticks.size() * sizeof(uint64_t),
                                              ticks.data(), sizeof(uint64_t),

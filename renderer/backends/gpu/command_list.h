@@ -34,7 +34,8 @@ struct ScopeTime {
     double seconds;
 };
 
-/// Borrows what it is told of until it has been waited for; going away, it waits. Not thread-safe.
+/// Lists are submitted in the order they are recorded in. Borrows what it is told of until it has been waited for;
+/// going away, it waits. Not thread-safe.
 class CommandList {
 public:
     explicit CommandList(Device& device);
@@ -55,14 +56,14 @@ public:
 
     void dispatch(uint32_t x, uint32_t y = 1, uint32_t z = 1);
     /// At least `threads` threads in groups of `group_size`; shaders number them by flat_index() (invocation.glsl), and
-    /// those past the end have nothing to do. 0: nothing is run.
+    /// those past the end have nothing to do. 0: nothing is run. Throws ErrorCode::Internal past 2^31.
     void dispatch_threads(uint64_t threads, uint32_t group_size);
     /// Three counts of groups, read at `offset` of the buffer.
     void dispatch_indirect(Buffer& counts, uint64_t offset);
 
     void fill(Buffer& buffer, uint32_t word);  // all of it
     void fill(Buffer& buffer, uint32_t word, uint64_t offset, uint64_t bytes);
-    /// Copies up to 64 KiB at recording.
+    /// Copies up to 64 KiB at recording, a multiple of 4 bytes; ErrorCode::Internal for others.
     void update(Buffer& buffer, std::span<const std::byte> bytes, uint64_t offset = 0);
     template <class T>
     void update(Buffer& buffer, const T& value) {
@@ -72,11 +73,12 @@ public:
     /// What was written there will be read by the host.
     void host_reads(Buffer& buffer);
 
-    /// Between the two the device's time counts for that name; scopes do not nest.
+    /// Between the two the device's time counts for that name; scopes do not nest. Throws ErrorCode::Internal past 512
+    /// in a list.
     void begin_scope(const std::string& name);
     void end_scope();
 
-    /// Starts it after all that was submitted before.
+    /// Starts it after all that was submitted before. Once, until reset(); nothing is recorded after.
     void submit();
     /// Until it is done; at once where it was never submitted. Throws DeviceLost.
     void wait();
@@ -106,7 +108,10 @@ public:
     void end_rendering();
 
 private:
+    void make();
+    void destroy() noexcept;
     void begin();
+    void begin_use(const std::string& structure);
     void push_bytes(std::span<const std::byte> bytes);
     void use_bound();
     static void note(UseState& state, VkPipelineStageFlags2 stage, VkAccessFlags2 access);
@@ -124,6 +129,7 @@ private:
     std::vector<VkImageMemoryBarrier2> image_barriers_;
     bool needs_barrier_ = false;
     bool rendering_ = false;
+    bool used_ = false;  // something, since it began
 };
 
 /// A scope as long as it lives.

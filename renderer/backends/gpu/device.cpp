@@ -50,9 +50,14 @@ Device::Device(const DeviceOptions& options) : cache_file_(options.pipeline_cach
         throw Error(ErrorCode::Unsupported, report_.id + " (" + report_.name + ") lacks " + list);
     }
     memory_limit_bytes_ = std::min(options.memory_limit_bytes, report_.memory_bytes);
-    make_device(physical.handle);
-    memory_ = std::make_unique<Memory>(physical.handle, handle_, vk_, report_.software);
-    load_pipeline_cache(cache_file_);
+    try {
+        make_device(physical.handle);
+        memory_ = std::make_unique<Memory>(physical.handle, handle_, vk_, report_.software);
+        load_pipeline_cache(cache_file_);
+    } catch (...) {
+        close();
+        throw;
+    }
 }
 
 void Device::make_device(VkPhysicalDevice physical) {
@@ -80,9 +85,13 @@ void Device::make_device(VkPhysicalDevice physical) {
 }
 
 Device::~Device() {
-    if (!handle_) return;
     vk_.vkDeviceWaitIdle(handle_);  // lost or not: nothing more can be done here
     save_pipeline_cache();
+    close();
+}
+
+void Device::close() noexcept {
+    if (!handle_) return;
     vk_.vkDestroyPipelineCache(handle_, pipeline_cache_, nullptr);
     vk_.vkDestroySemaphore(handle_, timeline_, nullptr);
     memory_.reset();
@@ -145,7 +154,14 @@ uint64_t Device::submit(VkCommandBuffer commands) {
     info.pCommandBufferInfos = &buffer;
     info.signalSemaphoreInfoCount = 1;
     info.pSignalSemaphoreInfos = &signal;
+    VkSemaphoreSubmitInfo before = signal;
+    before.value = submitted_;
+    if (barriers_dropped_) {
+        info.waitSemaphoreInfoCount = 1;
+        info.pWaitSemaphoreInfos = &before;
+    }
     check(vk_.vkQueueSubmit2(queue_, 1, &info, VK_NULL_HANDLE), "submitting work");
+    barriers_dropped_ = false;
     return ++submitted_;
 }
 

@@ -47,6 +47,9 @@ public:
 
     /// Starts recorded commands after all that were submitted before; the point of the timeline at which they are done.
     uint64_t submit(VkCommandBuffer commands);
+    /// Commands that were recorded will not be submitted, nor the barriers that later ones count on: what is submitted
+    /// next waits for all before it.
+    void drop_barriers() { barriers_dropped_ = true; }
     /// Blocks until that point is reached. Throws DeviceLost.
     void wait(uint64_t point);
     bool reached(uint64_t point);
@@ -61,6 +64,7 @@ public:
 
 private:
     void make_device(VkPhysicalDevice physical);
+    void close() noexcept;
     void load_pipeline_cache(const std::filesystem::path& file);
 
     DeviceReport report_;
@@ -71,6 +75,7 @@ private:
     VkQueue queue_ = VK_NULL_HANDLE;
     VkSemaphore timeline_ = VK_NULL_HANDLE;
     uint64_t submitted_ = 0;
+    bool barriers_dropped_ = false;
     std::filesystem::path cache_file_;
     VkPipelineCache pipeline_cache_ = VK_NULL_HANDLE;
     size_t saved_cache_bytes_ = 0;

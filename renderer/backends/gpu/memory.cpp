@@ -9,6 +9,8 @@ namespace {
 /// Small enough that tests with little in them take little; a card's many gigabytes ask for fewer, larger ones.
 constexpr uint64_t kBlockBytes = 64ull << 20, kSoftwareBlockBytes = 8ull << 20;
 
+constexpr VkMemoryPropertyFlags kHost = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+
 uint64_t align_up(uint64_t x, uint64_t alignment) { return (x + alignment - 1) / alignment * alignment; }
 
 }  // namespace
@@ -25,7 +27,6 @@ Memory::~Memory() {
 
 /// The pool of the best type that is allowed: all flags that are wanted, else those that are needed.
 uint32_t Memory::pool_for(uint32_t allowed_types, MemoryKind kind) {
-    constexpr VkMemoryPropertyFlags kHost = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
     const VkMemoryPropertyFlags needed = kind == MemoryKind::Device ? VkMemoryPropertyFlags{0} : kHost;
     VkMemoryPropertyFlags wanted = needed;
     if (kind == MemoryKind::Device) wanted |= VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
@@ -51,7 +52,8 @@ Memory::Block Memory::make_block(const Pool& pool, uint64_t bytes, const std::st
     check(vk_.vkAllocateMemory(device_, &info, nullptr, &block.memory),
           "allocating " + std::to_string(bytes) + " bytes for " + structure + " beside " +
               std::to_string(block_bytes_) + " bytes held");
-    if (properties_.memoryTypes[pool.memory_type].propertyFlags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT) {
+    // What is not coherent would need flushes: the host does not look at it.
+    if ((properties_.memoryTypes[pool.memory_type].propertyFlags & kHost) == kHost) {
         void* mapped = nullptr;
         const VkResult result = vk_.vkMapMemory(device_, block.memory, 0, VK_WHOLE_SIZE, 0, &mapped);
         if (result != VK_SUCCESS) vk_.vkFreeMemory(device_, block.memory, nullptr);

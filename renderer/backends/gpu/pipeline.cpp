@@ -8,6 +8,7 @@ namespace photond::gpu {
 namespace {
 
 constexpr VkShaderStageFlags kStages = VK_SHADER_STAGE_COMPUTE_BIT | VK_SHADER_STAGE_ALL_GRAPHICS;
+constexpr uint32_t kMostPushed = 32;  // that every device takes [Vulkan 1.3, maxPushDescriptors]
 
 VkDescriptorSetLayout make_set_layout(Device& device, std::span<const uint32_t> bindings,
                                       VkDescriptorSetLayoutCreateFlags flags, const std::string& name) {
@@ -26,39 +27,53 @@ VkDescriptorSetLayout make_set_layout(Device& device, std::span<const uint32_t> 
 
 }  // namespace
 
-BufferSet::BufferSet(Device& device, const std::string& name, std::span<Buffer* const> buffers) : device_(device) {
-    const auto count = static_cast<uint32_t>(buffers.size());
-    std::vector<uint32_t> bindings(count);
-    for (uint32_t i = 0; i < count; ++i) bindings[i] = i;
-    layout_ = make_set_layout(device, bindings, 0, name);
-    const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, count};
+BufferSet::BufferSet(Device& device, const std::string& name, std::span<Buffer* const> buffers)
+    : device_(device), count_(static_cast<uint32_t>(buffers.size())) {
+    for (uint32_t i = 0; i < count_; ++i)
+        if (!buffers[i] || !*buffers[i])
+            throw Error(ErrorCode::Internal, name + ", binding " + std::to_string(i) + ": no buffer");
+    try {
+        make(name, buffers);
+    } catch (...) {
+        destroy();
+        throw;
+    }
+}
+
+void BufferSet::make(const std::string& name, std::span<Buffer* const> buffers) {
+    std::vector<uint32_t> bindings(count_);
+    for (uint32_t i = 0; i < count_; ++i) bindings[i] = i;
+    layout_ = make_set_layout(device_, bindings, 0, name);
+    const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, count_};
     VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
     pool.maxSets = 1;
     pool.poolSizeCount = 1;
     pool.pPoolSizes = &size;
-    check(device.vk().vkCreateDescriptorPool(device.handle(), &pool, nullptr, &pool_), "binding " + name);
+    check(device_.vk().vkCreateDescriptorPool(device_.handle(), &pool, nullptr, &pool_), "binding " + name);
     VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
     allocate.descriptorPool = pool_;
     allocate.descriptorSetCount = 1;
     allocate.pSetLayouts = &layout_;
-    check(device.vk().vkAllocateDescriptorSets(device.handle(), &allocate, &set_), "binding " + name);
+    check(device_.vk().vkAllocateDescriptorSets(device_.handle(), &allocate, &set_), "binding " + name);
     std::vector<VkDescriptorBufferInfo> infos;
     for (const Buffer* buffer : buffers) infos.push_back({buffer->handle(), 0, VK_WHOLE_SIZE});
     VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
     write.dstSet = set_;
     write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
     std::vector<VkWriteDescriptorSet> writes;
-    for (uint32_t i = 0; i < count; ++i) {
+    for (uint32_t i = 0; i < count_; ++i) {
         write.dstBinding = i;
         write.descriptorCount = 1;
         write.pBufferInfo = &infos[i];
         writes.push_back(write);
     }
-    device.vk().vkUpdateDescriptorSets(device.handle(), count, writes.data(), 0, nullptr);
-    device.set_name(VK_OBJECT_TYPE_DESCRIPTOR_SET, reinterpret_cast<uint64_t>(set_), name);
+    device_.vk().vkUpdateDescriptorSets(device_.handle(), count_, writes.data(), 0, nullptr);
+    device_.set_name(VK_OBJECT_TYPE_DESCRIPTOR_SET, reinterpret_cast<uint64_t>(set_), name);
 }
 
-BufferSet::~BufferSet() {
+BufferSet::~BufferSet() { destroy(); }
+
+void BufferSet::destroy() noexcept {
     device_.vk().vkDestroyDescriptorPool(device_.handle(), pool_, nullptr);
     device_.vk().vkDestroyDescriptorSetLayout(device_.handle(), layout_, nullptr);
 }
@@ -87,6 +102,12 @@ PipelineLayout::PipelineLayout(Device& device, std::span<const Shader* const> sh
         throw Error(ErrorCode::Internal, name + " has " + std::to_string(push_bytes) +
                                              " bytes of push constants; the device takes " +
                                              std::to_string(device.limits().push_constants));
+    const size_t all = buffers_.size() + (scene ? scene->buffers() : 0);
+    if (buffers_.size() > kMostPushed || all > device.limits().storage_buffers)
+        throw Error(ErrorCode::Internal, name + " has " + std::to_string(buffers_.size()) + " buffers, " +
+                                             std::to_string(all) + " with the scene's; the device takes " +
+                                             std::to_string(kMostPushed) + " and " +
+                                             std::to_string(device.limits().storage_buffers));
     std::vector<uint32_t> bindings;
     for (const ShaderBuffer& buffer : buffers_) bindings.push_back(buffer.binding);
     set_layout_ = make_set_layout(device, bindings, VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR, name);
@@ -97,7 +118,9 @@ PipelineLayout::PipelineLayout(Device& device, std::span<const Shader* const> sh
     info.pSetLayouts = sets;
     info.pushConstantRangeCount = push_bytes > 0 ? 1 : 0;
     info.pPushConstantRanges = &range;
-    check(device.vk().vkCreatePipelineLayout(device.handle(), &info, nullptr, &handle_), "laying out " + name);
+    const VkResult result = device.vk().vkCreatePipelineLayout(device.handle(), &info, nullptr, &handle_);
+    if (result != VK_SUCCESS) device.vk().vkDestroyDescriptorSetLayout(device.handle(), set_layout_, nullptr);
+    check(result, "laying out " + name);
 }
 
 PipelineLayout::~PipelineLayout() {

@@ -11,7 +11,8 @@ namespace photond::gpu {
 /// Buffers that many shaders read and none writes, bound together as descriptor set 1: the scene.
 class BufferSet {
 public:
-    /// Borrows the buffers, which must be there and stay. Binding i is buffers[i].
+    /// Borrows the buffers, which must stay. Binding i is buffers[i]; throws ErrorCode::Internal where that holds
+    /// nothing.
     BufferSet(Device& device, const std::string& name, std::span<Buffer* const> buffers);
     ~BufferSet();
     BufferSet(const BufferSet&) = delete;
@@ -19,9 +20,14 @@ public:
 
     VkDescriptorSetLayout layout() const { return layout_; }
     VkDescriptorSet handle() const { return set_; }
+    uint32_t buffers() const { return count_; }
 
 private:
+    void make(const std::string& name, std::span<Buffer* const> buffers);
+    void destroy() noexcept;
+
     Device& device_;
+    const uint32_t count_;
     VkDescriptorSetLayout layout_ = VK_NULL_HANDLE;
     VkDescriptorPool pool_ = VK_NULL_HANDLE;
     VkDescriptorSet set_ = VK_NULL_HANDLE;
