@@ -214,7 +214,9 @@ bool sample_light_groups(vec3 p, vec3 n, float u_select, vec2 u, out LightSample
     if (light_group_chosen(u_select, tree_probability, below, rest))
         return sample_light_from_tree(p, n, rest, u, tree_probability, light_sample);
     if (NEEDS_PUNCTUAL_LIGHTS) {
-        // Found in the loop, filled in after it: lanes that find theirs in different rounds do so together.
+        // Found in the loop, filled in after it: lanes that find theirs in different rounds do so together. (A loop
+        // whose body goes on by `continue` and ends in `return` is compiled wrongly by lavapipe of Mesa 22.3: it
+        // never returns.)
         bool found = false;
         uint light;
         float probability;

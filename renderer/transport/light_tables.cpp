@@ -175,11 +175,4 @@ LightTables make_light_tables(const Scene& scene) {
     return tables;
 }
 
-uint64_t LightTables::bytes() const {
-    return sizeof(constants) + emitters.size() * sizeof(gpu::EmitterRecord) +
-           nodes.size() * sizeof(gpu::LightNodeRecord) + words.size() * sizeof(uint32_t) +
-           punctual_lights.size() * sizeof(gpu::PunctualLightRecord) + floats.size() * sizeof(float) +
-           environment.size_bytes();
-}
-
 }  // namespace photond

@@ -20,8 +20,6 @@ struct LightTables {
     std::vector<gpu::PunctualLightRecord> punctual_lights;
     std::vector<float> floats;
     std::span<const Rgb> environment;  // radiance, the map's texels; borrowed from the scene
-
-    uint64_t bytes() const;
 };
 
 /// Of a finished scene. Throws ErrorCode::Unsupported past the number of lights that a node can point to.

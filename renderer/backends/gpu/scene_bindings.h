@@ -16,7 +16,7 @@
 #define MATERIALS_BINDING 8
 #define TEXTURES_BINDING 9
 #define TEXELS_BINDING 10
-#define EMITTERS_BINDING 11         // transport/light_sampling.glsl
+#define EMITTERS_BINDING 11         // transport/light_triangle.glsl
 #define LIGHT_NODES_BINDING 12      // transport/light_tree.glsl
 #define LIGHT_WORDS_BINDING 13      // transport/light_tables.glsl
 #define PUNCTUAL_LIGHTS_BINDING 14  // transport/punctual.glsl
