@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "renderer/transport/bsdf.h"
@@ -91,22 +92,42 @@ struct CellGrid {
     size_t cells() const { return static_cast<size_t>(radial * azimuths); }
 };
 
-inline CellIntegrals integrate_bsdf(const Bsdf& bsdf, const ScatteringMap& map, Side side, const CellGrid& grid) {
-    CellIntegrals integrals;
-    integrals.pdf.assign(grid.cells(), 0);
+/// `evaluate(span of wi)`: their BsdfValues in Importance mode.
+template <class Evaluate>
+CellIntegrals integrate_values(const Evaluate& evaluate, const ScatteringMap& map, Side side, const CellGrid& grid) {
+    struct Point {
+        size_t cell;
+        double solid_angle;
+    };
     const int rows = grid.radial * grid.steps, columns = grid.azimuths * grid.steps;
-    const vec3 wo(map.wo);
+    std::vector<vec3> directions;
+    std::vector<Point> points;
     for (int i = 0; i < rows; ++i)
         for (int j = 0; j < columns; ++j) {
             dvec3 wi(0);
             const double solid_angle = map.scatter(side, (i + 0.5) / rows, (j + 0.5) / columns, wi) / rows / columns;
             if (solid_angle <= 0) continue;
-            const BsdfValue value = bsdf.evaluate(wo, vec3(wi), TransportMode::Importance);
-            integrals.pdf[static_cast<size_t>(i / grid.steps * grid.azimuths + j / grid.steps)] +=
-                static_cast<double>(value.pdf_sa) * solid_angle;
-            integrals.f_cos += dvec3(value.f_cos) * solid_angle;
+            directions.emplace_back(wi);
+            points.push_back({static_cast<size_t>(i / grid.steps * grid.azimuths + j / grid.steps), solid_angle});
         }
+    CellIntegrals integrals;
+    integrals.pdf.assign(grid.cells(), 0);
+    const std::vector<BsdfValue> values = evaluate(std::span<const vec3>(directions));
+    for (size_t i = 0; i < points.size(); ++i) {
+        integrals.pdf[points[i].cell] += static_cast<double>(values[i].pdf_sa) * points[i].solid_angle;
+        integrals.f_cos += dvec3(values[i].f_cos) * points[i].solid_angle;
+    }
     return integrals;
+}
+
+inline CellIntegrals integrate_bsdf(const Bsdf& bsdf, const ScatteringMap& map, Side side, const CellGrid& grid) {
+    const auto evaluate = [&](std::span<const vec3> directions) {
+        std::vector<BsdfValue> values;
+        values.reserve(directions.size());
+        for (const vec3& wi : directions) values.push_back(bsdf.evaluate(vec3(map.wo), wi, TransportMode::Importance));
+        return values;
+    };
+    return integrate_values(evaluate, map, side, grid);
 }
 
 inline dvec3 direction_at(double cos_theta, double turn) {

@@ -65,7 +65,8 @@ TEST(GpuTwinsTransport, FunctionsAreThoseOfTheCpu) {
         const float pole = std::max(1 - std::fabs(frame.normal.z), 0.1f);
         ASSERT_LE(glm::distance(r.tangent, frame.tangent), 2e-6f / pole);
         ASSERT_LE(glm::distance(r.bitangent, frame.bitangent), 2e-6f / pole);
-        // Near the origin the offset is a share of a rounded cosine, elsewhere a whole number of units in the last place.
+        // Near the origin the offset is a share of a rounded cosine, elsewhere a whole number of units in the last
+        // place.
         const vec3 p = std::exp2(20 * (a.w - 0.5f)) * (vec3(a.y, a.z, a.x) - 0.5f);
         const vec3 offset = offset_ray_origin(p, frame.normal);
         for (int c = 0; c < 3; ++c) ASSERT_NEAR(r.offset[c], offset[c], 2e-6f * std::fabs(p[c]) + 4e-12f);

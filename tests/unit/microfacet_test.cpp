@@ -7,15 +7,12 @@
 #include "renderer/core/rng.h"
 #include "renderer/transport/bsdf.h"
 #include "renderer/transport/fresnel.h"
+#include "tests/support/bsdf_reciprocity_checks.h"
 
 namespace photond {
 namespace {
 
-vec3 random_direction(RandomStream& random) {
-    vec3 w = sample_cosine_hemisphere(random.next_2d());
-    if (random.next() < 0.2f) w = glm::normalize(vec3(w.x, w.y, 0.02f * w.z));  // grazing
-    return w;
-}
+using namespace test;
 
 TEST(Fresnel, KnownAngles) {
     EXPECT_FLOAT_EQ(fresnel_dielectric(1.0f, 1.5f).reflectance, 0.04f);
@@ -36,7 +33,7 @@ TEST(Fresnel, BothSidesAgreeAndRefractionRunsBack) {
     RandomStream random(1, RandomDomain::Test, 0, 0);
     for (int i = 0; i < 2000; ++i) {
         const float eta = 1.0f + 1.5f * random.next();
-        const vec3 wo = random_direction(random), h(0, 0, 1);
+        const vec3 wo = cosine_direction(random), h(0, 0, 1);
         const DielectricFresnel in = fresnel_dielectric(wo.z, eta);
         ASSERT_GT(in.cos_t, 0);
         const vec3 wi = refract_direction(wo, h, wo.z, in.cos_t, eta);
@@ -91,72 +88,9 @@ TEST(Ggx, NothingBreaksAtGrazingAngles) {
         }
 }
 
-/// f seen from the other side: directions and the index turned about.
-Bsdf::Parameters from_other_side(Bsdf::Parameters p) {
-    p.eta = 1 / p.eta;
-    return p;
-}
-vec3 turned(const vec3& w) { return {w.x, w.y, -w.z}; }
+TEST(BsdfReciprocity, ReflectionIsSymmetricAndRefractionScalesWithTheIndex) { expect_reciprocity(CpuBsdfs(), 200); }
 
-void expect_equal(const Rgb& a, const Rgb& b, double tolerance, const std::string& what) {
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(a[c], b[c], tolerance * (1e-3 + std::fabs(b[c]))) << what;
-}
-
-TEST(BsdfReciprocity, ReflectionIsSymmetricAndRefractionScalesWithTheIndex) {
-    RandomStream random(3, RandomDomain::Test, 0, 0);
-    Bsdf::Parameters p;
-    p.base_color = Rgb(0.9f, 0.4f, 0.1f);
-    p.specular_color = Rgb(1, 0.3f, 2);
-    for (const float roughness : {0.05f, 0.3f, 1.0f})
-        for (const float metallic : {0.0f, 0.4f, 1.0f})
-            for (const float transmission : {0.0f, 0.5f, 1.0f})
-                for (const bool solid : {false, true}) {
-                    p.roughness = roughness, p.metallic = metallic, p.transmission = transmission, p.solid = solid;
-                    const Bsdf bsdf = Bsdf::layered(p), other = Bsdf::layered(from_other_side(p));
-                    const std::string what = testing::PrintToString(roughness) + " " +
-                                             testing::PrintToString(metallic) + " " +
-                                             testing::PrintToString(transmission);
-                    // Half-vectors of float directions: relative error of a narrow lobe some 1e-7 / alpha.
-                    const double tolerance = 2e-5 + 2e-6 / static_cast<double>(sqr(roughness));
-                    for (int i = 0; i < 200; ++i) {
-                        const vec3 wo = random_direction(random), wi = random_direction(random);
-                        expect_equal(bsdf.f_cos(wo, wi) / wi.z, bsdf.f_cos(wi, wo) / wo.z, tolerance, what);
-                        // f*(wo, wi) of importance is f(wi, wo) of radiance, and f / eta^2 is symmetric [Veach
-                        // 1997, 5.14].
-                        const BsdfSample s = bsdf.sample(wo, random.next(), random.next_2d());
-                        if (!s.valid() || s.delta || !s.transmission) continue;
-                        const Rgb importance = bsdf.f_cos(wo, s.wi, TransportMode::Importance) / std::fabs(s.wi.z);
-                        const Rgb radiance = bsdf.f_cos(wo, s.wi, TransportMode::Radiance) / std::fabs(s.wi.z);
-                        const Rgb back = other.f_cos(turned(s.wi), turned(wo), TransportMode::Radiance) / wo.z;
-                        expect_equal(back, importance, 1e-3 + 20 * tolerance, what + " adjoint");
-                        expect_equal(radiance * (solid ? sqr(p.eta) : 1.0f), importance, 1e-5, what + " index");
-                    }
-                }
-}
-
-TEST(Bsdf, NothingIsNanFromMirrorToMattAndGrazing) {
-    RandomStream random(4, RandomDomain::Test, 0, 0);
-    for (const float roughness : {0.0f, 0.0099f, 0.01f, 0.02f, 0.1f, 0.5f, 1.0f})
-        for (const float eta : {0.0f, 1 / 1.5f, 1 - 1e-6f, 1.0f, 1 + 1e-6f, 1.001f, 1.5f, 2.4f})
-            for (const float mix : {0.0f, 0.5f, 1.0f})
-                for (const float cosine : {1e-6f, 1e-3f, 0.5f, 1.0f}) {
-                    const Bsdf bsdf = Bsdf::layered({.metallic = 0.3f * mix,
-                                                     .roughness = roughness,
-                                                     .transmission = mix,
-                                                     .solid = true,
-                                                     .eta = eta});
-                    const vec3 wo(0, std::sqrt(1 - cosine * cosine), cosine);
-                    for (int i = 0; i < 50; ++i) {
-                        const BsdfSample s = bsdf.sample(wo, random.next(), random.next_2d());
-                        ASSERT_TRUE(is_finite(s.weight) && std::isfinite(s.pdf_sa) && s.pdf_sa >= 0);
-                        ASSERT_TRUE(s.weight.x >= 0 && s.weight.y >= 0 && s.weight.z >= 0);
-                        const vec3 wi = random_direction(random) * (i % 2 ? 1.0f : -1.0f);
-                        const BsdfValue value = bsdf.evaluate(wo, wi);
-                        ASSERT_TRUE(is_finite(value.f_cos) && std::isfinite(value.pdf_sa) && value.pdf_sa >= 0);
-                        ASSERT_TRUE(value.f_cos.x >= 0 && value.f_cos.y >= 0 && value.f_cos.z >= 0);
-                    }
-                }
-}
+TEST(Bsdf, NothingIsNanFromMirrorToMattAndGrazing) { expect_no_nan(CpuBsdfs()); }
 
 TEST(Bsdf, AnIndexOfOneIsInvisible) {
     for (const float roughness : {0.0f, 0.3f, 1.0f}) {
@@ -184,7 +118,7 @@ TEST(Bsdf, NoSpecularIsPlainLambert) {
     const Bsdf layered = Bsdf::layered({.base_color = rho, .specular = 0});
     RandomStream random(5, RandomDomain::Test, 0, 0);
     for (int i = 0; i < 100; ++i) {
-        const vec3 wo = random_direction(random), wi = random_direction(random);
+        const vec3 wo = cosine_direction(random), wi = cosine_direction(random);
         expect_equal(layered.f_cos(wo, wi), plain.f_cos(wo, wi), 1e-6, "f");
         EXPECT_NEAR(layered.pdf_sa(wo, wi), wi.z * kInvPi, 1e-6);
         EXPECT_FLOAT_EQ(plain.pdf_sa(wo, wi), wi.z * kInvPi);
