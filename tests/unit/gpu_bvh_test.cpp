@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "protocol/error.h"
 #include "renderer/backends/cpu/embree_intersector.h"
 #include "renderer/backends/gpu/bvh.h"
 #include "renderer/backends/gpu/device_scene.h"
@@ -210,6 +211,48 @@ TEST(GpuBvh, AnswersRaysAlongAxesAndOfAnyLength) {
     }
     EXPECT_LE(different, 6);
     EXPECT_GT(hits, rays.size() / 10);
+}
+
+/// Each a tenth larger than the one before and farther from the origin.
+Mesh growing_triangles(float first_size, uint32_t count) {
+    Mesh mesh;
+    for (uint32_t i = 0; i < count; ++i) {
+        const float x = first_size * std::pow(1.1f, float(i));
+        for (const vec3& p : {vec3(x, 0, 0), vec3(1.1f * x, 0, x), vec3(1.1f * x, x, 0)}) mesh.positions.push_back(p);
+        mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+    }
+    return mesh;
+}
+
+TEST(GpuBvh, TakesCoincidentEmptyAndUnequalTriangles) {
+    // What no plane divides: many copies of one triangle, many triangles without area in one point; and sizes over
+    // twelve orders of magnitude, which make the tree deep.
+    Mesh copies, points;
+    for (uint32_t i = 0; i < 3000; ++i) {
+        for (const vec3& p : {vec3(0, 0, 1), vec3(1, 0, 0.2f), vec3(0, 1, 0)}) copies.positions.push_back(p);
+        for (int c = 0; c < 3; ++c) points.positions.push_back(vec3(0.5f));
+        copies.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+    }
+    points.triangles = copies.triangles;
+    for (const Mesh& mesh : {copies, points, growing_triangles(1e-6f, 290)}) {
+        const Scene scene = finished({mesh}, {{}});
+        const std::vector<Ray> rays = random_rays(scene.bounds, 1001, 9);
+        const Differences found = differences(scene, rays);
+        EXPECT_LE(found.embree, 2);
+        EXPECT_LE(found.device, 2);
+        EXPECT_EQ(found.occlusion, 0);
+        EXPECT_EQ(found.hits > 20, mesh.positions != points.positions);
+    }
+}
+
+TEST(GpuBvh, RefusesATreeTooDeepForTheStack) {
+    try {
+        gpu::build_bvh(finished({growing_triangles(1e-30f, 850)}, {{}}));
+        FAIL() << "was built";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code, ErrorCode::Unsupported);
+        EXPECT_NE(std::string(error.what()).find(std::to_string(BVH_STACK)), std::string::npos) << error.what();
+    }
 }
 
 TEST(GpuBvh, DoesNotTraceRaysWithoutLength) {

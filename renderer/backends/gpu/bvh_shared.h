@@ -7,7 +7,7 @@
 
 // Most entries a traversal's stack may ever hold: levels of wide nodes, those within an instance included, and one more
 // for an instance. build_bvh() refuses a scene that needs more.
-#define BVH_STACK 24
+#define BVH_STACK 32
 
 // Specialisation constant: BvhData::two_levels.
 #define BVH_TWO_LEVELS_ID 18
