@@ -11,7 +11,8 @@ namespace photond::gpu {
 /// Groups of WARPS warps (group_sum.glsl).
 struct GroupShape {
     /// `warp`: threads, a power of two up to 32; 0: as many as the device's subgroups have. Others than those are right
-    /// as well, and slower. Throws ErrorCode::Internal for one that is none.
+    /// as well, and slower. Throws ErrorCode::Internal for one that is none, ErrorCode::Unsupported where groups
+    /// have less than 20 KiB of shared memory.
     explicit GroupShape(const Device& device, uint32_t warp = 0);
 
     uint32_t warp = 0;

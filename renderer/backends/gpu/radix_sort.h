@@ -3,8 +3,8 @@
 //
 // By digits of up to 8 bits from the lowest, two passes or four: each counts the digits of every tile, sums the counts,
 // and puts the tile's elements where they go. A pass reads an element's key twice and its value once, writes both, and
-// moves 256 counts a tile five times: 21 bytes an element on devices with subgroups of 32 or more, so 42 for up to 16
-// bits of key and 85 for more; 3 dispatches a pass, and one more. Each key costs a shared-memory atomic to be counted
+// moves 256 counts a tile four times: 21 bytes an element on devices with subgroups of 32 or more, so 42 for up to 16
+// bits of key and 84 for more; 3 dispatches a pass, and one more. Each key costs a shared-memory atomic to be counted
 // and one to be ranked, with 3 barriers of its warp. No group waits for another that runs (prefix_sum.h), so devices
 // without fair scheduling sort as well.
 //
