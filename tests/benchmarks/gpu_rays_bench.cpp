@@ -1,6 +1,7 @@
 // Rays a second through the device's ray structure, and what building it costs: camera rays, the rays a Lambert surface
 // scatters where those hit, and shadow rays from there to random points of the scene's lights (of its box where it has
-// none). On a device of the same processor the rate a processor second is steadier than the rate a second.
+// none). Masked surfaces count as whole. On a software device the rate a processor second is steadier than the rate a
+// second.
 //
 //     gpu_rays_bench [scene ...]      a built-in scene's name, or a file below shared/scenes; default: some of each
 

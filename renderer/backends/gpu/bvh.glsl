@@ -13,7 +13,6 @@
 #include "renderer/core/geometry.glsl"
 #include "renderer/scene/alpha_test.glsl"
 #include "renderer/scene/surface_color.glsl"
-#include "renderer/scene/surface_color.glsl"
 
 const uint NO_HIT = 0xffffffffu;
 
@@ -124,9 +123,10 @@ bool bvh_meet_triangle(vec3 corner_0, vec3 corner_1, vec3 corner_2, BvhRay ray, 
 
 /// Goes through the tree; `any`, a constant: the first hit found will do, and only hit_valid() of it counts.
 ///
-/// Measured on lavapipe, processor time of closest hits in scenes of 76,000 to 263,000 triangles: nodes in a loop of their
-/// own before the triangles 0 to 20 % slower, one triangle an iteration 0 to 25 %, the stack in shared memory within the
-/// noise, loads of single words 5 to 15 % slower.
+/// Measured on lavapipe in scenes of 76,000 to 263,000 triangles, rays a processor second: these nodes serve 1.4 to 2.0
+/// times the rays that plain binary ones do (64 bytes, both boxes as floats). Nodes in a loop of their own before the
+/// triangles are 0 to 20 % slower for closest hits, one triangle an iteration 0 to 25 %, loads of single words 5 to 15 %;
+/// the stack in shared memory makes no difference.
 Hit bvh_trace(Ray world_ray, const bool any) {
     BvhRay ray = make_bvh_ray(world_ray.origin, world_ray.direction);
     Hit hit = Hit(world_ray.t_max, NO_HIT, 0u, 0.0, 0.0);
