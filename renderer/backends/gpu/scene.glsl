@@ -28,31 +28,31 @@ layout(constant_id = 15) const bool NEEDS_GLOSSY = true;
 layout(constant_id = 16) const bool NEEDS_LIGHT_GROUPS = true;  // directional lights or an environment
 layout(constant_id = 17) const bool NEEDS_SMOOTH_NORMALS = true;
 
-layout(set = SCENE_SET, binding = SCENE_CONSTANTS_BINDING, scalar) readonly buffer SceneConstantsBuffer {
+layout(set = SCENE_SET, binding = SCENE_CONSTANTS_BINDING, scalar) restrict readonly buffer SceneConstantsBuffer {
     SceneConstants scene_constants;
 };
-layout(set = SCENE_SET, binding = TRIANGLES_BINDING, scalar) readonly buffer SceneTriangles {
+layout(set = SCENE_SET, binding = TRIANGLES_BINDING, scalar) restrict readonly buffer SceneTriangles {
     uvec3 scene_triangles[];
 };
-layout(set = SCENE_SET, binding = POSITIONS_BINDING, scalar) readonly buffer ScenePositions {
+layout(set = SCENE_SET, binding = POSITIONS_BINDING, scalar) restrict readonly buffer ScenePositions {
     vec3 scene_positions[];
 };
-layout(set = SCENE_SET, binding = ATTRIBUTES_BINDING, scalar) readonly buffer SceneAttributes {
+layout(set = SCENE_SET, binding = ATTRIBUTES_BINDING, scalar) restrict readonly buffer SceneAttributes {
     float scene_attributes[];
 };
-layout(set = SCENE_SET, binding = MESHES_BINDING, scalar) readonly buffer SceneMeshes {
+layout(set = SCENE_SET, binding = MESHES_BINDING, scalar) restrict readonly buffer SceneMeshes {
     MeshRecord scene_meshes[];
 };
-layout(set = SCENE_SET, binding = INSTANCES_BINDING, scalar) readonly buffer SceneInstances {
+layout(set = SCENE_SET, binding = INSTANCES_BINDING, scalar) restrict readonly buffer SceneInstances {
     InstanceRecord scene_instances[];
 };
-layout(set = SCENE_SET, binding = MATERIALS_BINDING, scalar) readonly buffer SceneMaterials {
+layout(set = SCENE_SET, binding = MATERIALS_BINDING, scalar) restrict readonly buffer SceneMaterials {
     MaterialRecord scene_materials[];
 };
-layout(set = SCENE_SET, binding = TEXTURES_BINDING, scalar) readonly buffer SceneTextures {
+layout(set = SCENE_SET, binding = TEXTURES_BINDING, scalar) restrict readonly buffer SceneTextures {
     TextureRecord scene_textures[];
 };
-layout(set = SCENE_SET, binding = TEXELS_BINDING, scalar) readonly buffer SceneTexels {
+layout(set = SCENE_SET, binding = TEXELS_BINDING, scalar) restrict readonly buffer SceneTexels {
     uint scene_texels[];
 };
 
