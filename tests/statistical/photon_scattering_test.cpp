@@ -11,6 +11,7 @@
 #include "renderer/scene/scene.h"
 #include "renderer/transport/sampling.h"
 #include "tests/support/bsdf_quadrature.h"
+#include "tests/support/photon_scattering_checks.h"
 #include "tests/support/statistics.h"
 
 namespace photond {
@@ -19,136 +20,7 @@ namespace {
 using namespace test;
 
 constexpr double kFalseAlarm = 1e-6;  // of each test
-constexpr float kThreshold = 0.05f;   // alpha
-
-enum class Normals { Flat, Leaning, Mapped, LeaningAndMapped };
-constexpr Normals kAllNormals[] = {Normals::Flat, Normals::Leaning, Normals::Mapped, Normals::LeaningAndMapped};
-enum class PartOf { Whole, Specular, Rough };
-
-Bsdf part_of(const Bsdf& bsdf, PartOf part) {
-    return part == PartOf::Whole      ? bsdf
-           : part == PartOf::Specular ? bsdf.specular_part(kThreshold)
-                                      : bsdf.rough_part(kThreshold);
-}
-
-/// One triangle in the xy plane, its front towards +z.
-Scene triangle_scene(const Material& material, Normals normals) {
-    Mesh mesh;
-    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-    mesh.uv[0] = {{0, 1}, {1, 1}, {0, 0}};
-    mesh.triangles = {{0, 1, 2}};
-    if (normals == Normals::Leaning || normals == Normals::LeaningAndMapped)
-        mesh.normals = {glm::normalize(vec3(0.5f, 0, 1)), glm::normalize(vec3(0.6f, 0.3f, 1)),
-                        glm::normalize(vec3(0.3f, -0.2f, 1))};
-    Scene scene;
-    scene.meshes = {mesh};
-    scene.instances = {Instance{}};
-    scene.materials = {material};
-    if (normals == Normals::Mapped || normals == Normals::LeaningAndMapped) {
-        Texture texture;
-        texture.size = {1, 1};
-        texture.texels = {u8vec4(60, 150, 220, 255)};
-        scene.textures = {texture};
-        scene.materials[0].normal_texture.texture = 0;
-    }
-    return scene;
-}
-
-const Hit kHit{.t = 1, .instance = 0, .triangle = 0, .u = 0.25f, .v = 0.5f};
-
-struct Case {
-    const char* name;
-    Material material;
-    PartOf part = PartOf::Whole;
-};
-
-std::vector<Case> cases() {
-    const auto make = [](const char* name, float metallic, float roughness, float transmission, bool solid) {
-        Material m;
-        m.base_color = Rgb(0.8f, 0.5f, 0.2f);
-        m.metallic = metallic, m.roughness = roughness, m.transmission = transmission, m.solid = solid;
-        return Case{name, m};
-    };
-    std::vector<Case> list = {
-        make("Lambert", 0, 1, 0, false),          make("coated diffuse", 0, 0.4f, 0, false),
-        make("metal", 1, 0.5f, 0, false),         make("thin sheet", 0, 0.5f, 0.8f, false),
-        make("glass", 0, 0.6f, 1, true),          make("half glass, half metal", 0.5f, 0.4f, 0.7f, true),
-        make("rough part", 0, 0.15f, 0, false),   make("specular part", 0.5f, 0.2f, 0, false),
-        make("glass in glass", 0, 0.5f, 1, true),
-    };
-    list[0].material.specular = 0;
-    list[6].part = PartOf::Rough;
-    list[7].part = PartOf::Specular;
-    return list;
-}
-
-/// Cells over the sphere of directions: equal solid angles but for the last of each side of the surface, where a
-/// leaning normal makes the eye use the geometric one.
-struct DirectionCells {
-    static constexpr int kRings = 8, kAzimuths = 8;
-    static constexpr size_t kCells = kRings * kAzimuths;
-    static constexpr double kEdges[kRings + 1] = {-1, -0.6, -0.3, -0.12, 0, 0.12, 0.3, 0.6, 1};
-
-    static size_t cell(const vec3& w) {
-        int ring = 0;
-        while (ring + 1 < kRings && static_cast<double>(w.z) > kEdges[ring + 1]) ++ring;
-        const double turn = 0.5 + std::atan2(static_cast<double>(w.y), static_cast<double>(w.x)) / (2 * M_PI);
-        return static_cast<size_t>(ring * kAzimuths + std::clamp(static_cast<int>(turn * kAzimuths), 0, kAzimuths - 1));
-    }
-    /// A direction in the cell, from two numbers in [0, 1).
-    static vec3 direction(size_t cell, double x, double y) {
-        const int ring = static_cast<int>(cell) / kAzimuths, azimuth = static_cast<int>(cell) % kAzimuths;
-        const double z = kEdges[ring] + (kEdges[ring + 1] - kEdges[ring]) * x;
-        return vec3(direction_at(z, (azimuth + y) / kAzimuths + 0.5));
-    }
-    static double solid_angle(size_t cell) {
-        const size_t ring = cell / kAzimuths;
-        return (kEdges[ring + 1] - kEdges[ring]) * 2 * M_PI / kAzimuths;
-    }
-};
-
-/// A mean and its variance.
-struct Estimate {
-    double mean = 0, variance = 0;
-};
-
-/// Power per solid angle that leaves towards `out` over power that arrives from wi, as the eye sees it:
-/// f |cos_s(wi)| |cos_g(out)| / |cos_g(wi)|.
-double seen_towards(const Scene& scene, const Case& c, float outside_ior, const vec3& wi, const vec3& out) {
-    const ShadingPoint point = make_shading_point(scene, kHit, -out);
-    const Bsdf bsdf = part_of(make_bsdf(scene, point, outside_ior), c.part);
-    const Rgb f_cos = bsdf.f_cos(point.shading.to_local(out), point.shading.to_local(wi));
-    return static_cast<double>(f_cos.x * std::fabs(glm::dot(point.geometric_normal, out)) /
-                               std::fabs(glm::dot(point.geometric_normal, wi)));
-}
-
-/// Integral of density(out) over each cell: two random points in each of kSteps^2 strata, whose differences say how
-/// much the mean varies.
-template <class Density>
-std::vector<Estimate> integrate_over_cells(const Density& density) {
-    constexpr int kSteps = 16;
-    std::vector<Estimate> cells(DirectionCells::kCells);
-    RandomStream random(11, RandomDomain::Test, 0, 0);
-    for (size_t i = 0; i < cells.size(); ++i) {
-        const auto sample = [&](int row, int column) {
-            const double x = (row + static_cast<double>(random.next())) / kSteps;
-            const double y = (column + static_cast<double>(random.next())) / kSteps;
-            return density(DirectionCells::direction(i, x, y)) * DirectionCells::solid_angle(i) / (kSteps * kSteps);
-        };
-        for (int row = 0; row < kSteps; ++row)
-            for (int column = 0; column < kSteps; ++column) {
-                const double a = sample(row, column), b = sample(row, column);
-                cells[i].mean += (a + b) / 2;
-                cells[i].variance += (a - b) * (a - b) / 4;
-            }
-    }
-    return cells;
-}
-
-/// What the eye sees of light from wi: power that leaves into each cell over power that arrives.
-std::vector<Estimate> seen_by_eye(const Scene& scene, const Case& c, float outside_ior, const vec3& wi) {
-    return integrate_over_cells([&](const vec3& out) { return seen_towards(scene, c, outside_ior, wi, out); });
-}
+constexpr size_t kPhotons = 60'000;
 
 using Scatter = PhotonScattering (*)(const ShadingPoint&, const Bsdf&, const vec3&, float, const vec2&);
 
@@ -160,84 +32,22 @@ PhotonScattering scatter_naively(const ShadingPoint& point, const Bsdf& bsdf, co
     return {point.shading.to_world(s.wi), s.weight, s.delta, s.refraction};
 }
 
-constexpr int kPhotons = 60'000;
-
-struct Carried {
-    std::vector<Estimate> cells;
-    double greatest_weight = 0;
-};
-
-Carried carried_by_photons(const Scene& scene, const Case& c, float outside_ior, const vec3& wi, Scatter scatter,
-                           uint64_t stream) {
-    const ShadingPoint point = make_shading_point(scene, kHit, -wi);
-    const Bsdf bsdf = part_of(make_bsdf(scene, point, outside_ior), c.part);
-    std::vector<double> sums(DirectionCells::kCells), squares(DirectionCells::kCells);
-    RandomStream random(12, RandomDomain::Test, 0, stream);
-    Carried carried;
-    for (int i = 0; i < kPhotons; ++i) {
-        const float u_lobe = random.next();
-        const PhotonScattering s = scatter(point, bsdf, wi, u_lobe, random.next_2d());
-        if (!s.valid()) continue;
-        const double weight = static_cast<double>(s.weight.x);
-        const size_t cell = DirectionCells::cell(s.direction);
-        sums[cell] += weight, squares[cell] += weight * weight;
-        carried.greatest_weight = std::max(carried.greatest_weight, weight);
-    }
-    for (size_t i = 0; i < sums.size(); ++i) {
-        const double mean = sums[i] / kPhotons;
-        carried.cells.push_back({mean, (squares[i] / kPhotons - mean * mean) / kPhotons});
-    }
-    return carried;
+/// As ScatterMany: photon by photon.
+ScatterMany one_by_one(Scatter scatter) {
+    return
+        [scatter](const Scene& scene, const Case& c, float outside_ior, const vec3& wi, std::span<const vec3> numbers) {
+            const ShadingPoint point = make_shading_point(scene, kHit, -wi);
+            const Bsdf bsdf = part_of(make_bsdf(scene, point, outside_ior), c.part);
+            std::vector<PhotonScattering> scattered;
+            scattered.reserve(numbers.size());
+            for (const vec3& n : numbers) scattered.push_back(scatter(point, bsdf, wi, n.x, vec2(n.y, n.z)));
+            return scattered;
+        };
 }
-
-/// Greatest deviation in standard errors. The photons' variance is at least what the greatest weight makes likely, as a
-/// few photons do not say how much their number varies; cells where fewer than 25 of these are expected are pooled.
-double greatest_deviation(const std::vector<Estimate>& seen, const Carried& carried) {
-    double greatest = 0, pooled = 0;
-    Estimate pooled_seen, pooled_carried;
-    const auto check = [&](const Estimate& eye, const Estimate& photons) {
-        const double variance = std::max(photons.variance, carried.greatest_weight * eye.mean / kPhotons);
-        greatest = std::max(greatest, std::fabs(eye.mean - photons.mean) / std::sqrt(variance + eye.variance + 1e-14));
-    };
-    for (size_t i = 0; i < seen.size(); ++i) {
-        if (seen[i].mean * kPhotons >= 25 * carried.greatest_weight) {
-            check(seen[i], carried.cells[i]);
-            continue;
-        }
-        pooled_seen.mean += seen[i].mean, pooled_seen.variance += seen[i].variance;
-        pooled_carried.mean += carried.cells[i].mean, pooled_carried.variance += carried.cells[i].variance;
-        ++pooled;
-    }
-    if (pooled > 0) check(pooled_seen, pooled_carried);
-    return greatest;
-}
-
-// Light from five directions, two of them grazing (one from below the leaning normals' plane) and one from behind.
-const vec3 kLights[] = {glm::normalize(vec3(0.3f, 0.2f, 1)), glm::normalize(vec3(1, 0.1f, 0.2f)),
-                        glm::normalize(vec3(-1, 0.1f, 0.2f)), glm::normalize(vec3(-0.5f, 0.5f, 0.7f)),
-                        glm::normalize(vec3(0.2f, 0.4f, -1))};
 
 TEST(PhotonScattering, CarriesWhatTheEyeFinds) {
-    const std::vector<Case> list = cases();
-    const double z = two_sided_z(share_of_false_alarm(
-        kFalseAlarm, list.size() * std::size(kAllNormals) * std::size(kLights) * DirectionCells::kCells));
-    uint64_t stream = 0;
-    size_t below = 0;
-    for (const Case& c : list)
-        for (const Normals normals : kAllNormals) {
-            const Scene scene = triangle_scene(c.material, normals);
-            for (const vec3& wi : kLights) {
-                const float outside_ior = &c == &list.back() ? 1.8f : 1.0f;
-                const std::vector<Estimate> seen = seen_by_eye(scene, c, outside_ior, wi);
-                const Carried carried = carried_by_photons(scene, c, outside_ior, wi, scatter_photon, ++stream);
-                EXPECT_LT(greatest_deviation(seen, carried), z) << c.name << ", normals " << static_cast<int>(normals)
-                                                                << ", light " << wi.x << " " << wi.y << " " << wi.z;
-                below += seen[5 * DirectionCells::kAzimuths].mean > 1e-3;
-                // No photon is worth much more than what arrived, whatever the frames: grazing light on leaning
-                // surfaces may be scattered six times over (cos_s / cos_g), and draws that are needed are not rare.
-                EXPECT_LT(carried.greatest_weight, 60) << c.name << ", normals " << static_cast<int>(normals);
-            }
-        }
+    const size_t below = expect_photons_carry_what_the_eye_finds(one_by_one(scatter_photon), cases(), kAllNormals,
+                                                                 kPhotons, kFalseAlarm);
     EXPECT_GT(below, 20u);
 }
 
@@ -283,7 +93,8 @@ TEST(PhotonScattering, DensityIntegratesToTheMeanWeight) {
                 const Bsdf bsdf = part_of(make_bsdf(scene, point), c.part);
                 const std::vector<Estimate> integral = integrate_over_cells(
                     [&](const vec3& out) { return static_cast<double>(scatter_density(point, bsdf, wi, out).x); });
-                EXPECT_LT(greatest_deviation(integral, carried_by_photons(scene, c, 1, wi, scatter_photon, ++stream)),
+                EXPECT_LT(greatest_deviation(integral, carried_by_photons(scene, c, 1, wi, one_by_one(scatter_photon),
+                                                                          kPhotons, ++stream)),
                           z)
                     << c.name << ", normals " << static_cast<int>(normals) << ", light " << wi.x << " " << wi.y << " "
                     << wi.z;
@@ -297,7 +108,9 @@ TEST(PhotonScattering, TheBsdfsOwnWeightWouldBeNoticed) {
             const Case c = cases()[which];
             const Scene scene = triangle_scene(c.material, normals);
             const std::vector<Estimate> seen = seen_by_eye(scene, c, 1, kLights[3]);
-            EXPECT_GT(greatest_deviation(seen, carried_by_photons(scene, c, 1, kLights[3], scatter_naively, 1)), 10)
+            EXPECT_GT(greatest_deviation(
+                          seen, carried_by_photons(scene, c, 1, kLights[3], one_by_one(scatter_naively), kPhotons, 1)),
+                      10)
                 << c.name;
         }
 }
