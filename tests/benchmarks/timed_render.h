@@ -13,7 +13,7 @@ public:
                 uint64_t seed = 1)
         : method_(params), film(size, LayerSet{}) {
         const double start = wall_now_seconds();
-        method_.begin({scene, intersector, View{find_camera(scene, ""), size}, seed, budget}, stats);
+        method_.begin({scene, &intersector, View{find_camera(scene, ""), size}, seed, budget}, stats);
         seconds += wall_now_seconds() - start;
     }
     void pass() {

@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "renderer/scene/mesh_builder.h"  // glm::rotate
 #include "renderer/scene/scene.h"
 
 namespace photond::test {
@@ -34,6 +35,19 @@ inline Material emitting(const Rgb& radiance, bool two_sided = false) {
     material.emission = radiance;
     material.double_sided = two_sided;
     return material;
+}
+
+/// Turned about a skew axis: where normals lie along axes, the sign of a zero decides between two tangent frames.
+inline Scene turned(Scene scene) {
+    const mat3 turn(glm::rotate(mat4(1.0f), 0.7f, glm::normalize(vec3(1, 2, 3))));
+    for (Mesh& mesh : scene.meshes) {
+        for (vec3& p : mesh.positions) p = turn * p;
+        for (vec3& n : mesh.normals) n = turn * n;
+    }
+    for (Camera& camera : scene.cameras)
+        for (vec3* v : {&camera.position, &camera.right, &camera.up, &camera.forward}) *v = turn * *v;
+    finish_scene(scene);
+    return scene;
 }
 
 }  // namespace photond::test

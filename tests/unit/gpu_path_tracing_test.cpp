@@ -5,6 +5,7 @@
 #include "renderer/methods/path_tracing/path_tracing_gpu.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/gpu_render.h"
+#include "tests/support/scene_parts.h"
 
 namespace photond {
 namespace {
@@ -52,7 +53,7 @@ class GpuPathTracing : public testing::TestWithParam<const char*> {};
 // other side of an edge, another lobe). What one such path carries is noise of the image's own size, so the share of
 // values that are apart is bounded, not how far: 2 % of 40 x 30 x 3.
 TEST_P(GpuPathTracing, FollowsTheCpusPaths) {
-    const Scene scene = make_builtin_scene(GetParam());
+    const Scene scene = test::turned(make_builtin_scene(GetParam()));
     const TwoFilms films = render_both(scene, 2);
     for (const Layer layer : {Layer::Emitted, Layer::Direct, Layer::Indirect, Layer::Caustic, Layer::Albedo,
                               Layer::Normal, Layer::Position, Layer::Depth})

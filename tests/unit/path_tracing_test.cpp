@@ -11,6 +11,7 @@
 #include "renderer/scene/builtin_scenes.h"
 #include "renderer/scene/mesh_builder.h"
 #include "tests/support/render.h"
+#include "tests/support/scene_parts.h"
 #include "tests/support/threads.h"
 
 namespace photond {
@@ -56,23 +57,10 @@ TEST(PathTracing, APassIsAPureFunctionOfItsIndex) {
     EXPECT_NE(alone.pixel_hash(), test::render(scene, settings).pixel_hash());
 }
 
-/// Turned about a skew axis: where normals lie along axes, the sign of a zero decides between two tangent frames.
-Scene turned(Scene scene) {
-    const mat3 turn(glm::rotate(mat4(1.0f), 0.7f, glm::normalize(vec3(1, 2, 3))));
-    for (Mesh& mesh : scene.meshes) {
-        for (vec3& p : mesh.positions) p = turn * p;
-        for (vec3& n : mesh.normals) n = turn * n;
-    }
-    for (Camera& camera : scene.cameras)
-        for (vec3* v : {&camera.position, &camera.right, &camera.up, &camera.forward}) *v = turn * *v;
-    finish_scene(scene);
-    return scene;
-}
-
 // The same numbers drive both; only rounding differs, which now and then sends a path elsewhere.
 TEST(PathTracing, LanesAndSinglePathsShadeAlike) {
-    const Scene lanes = turned(make_builtin_scene("cornell-box"));
-    Scene single = turned(make_builtin_scene("cornell-box"));
+    const Scene lanes = test::turned(make_builtin_scene("cornell-box"));
+    Scene single = test::turned(make_builtin_scene("cornell-box"));
     Texture flat;  // a normal map that changes nothing asks for the general shading
     flat.size = {1, 1};
     flat.texels = {{128, 128, 255, 255}};

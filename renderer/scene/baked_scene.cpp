@@ -1,0 +1,229 @@
+#include "renderer/scene/baked_scene.h"
+
+#include <cstring>
+#include <fstream>
+#include <type_traits>
+
+#include "protocol/error.h"
+#include "renderer/core/atomic_file.h"
+
+namespace photond {
+
+namespace {
+
+constexpr char kMagic[] = "photond baked scene, version 1\n";
+
+/// Visits what a file holds, in the file's order: the writer and the reader are the same list. `A` has value(), for
+/// plain values, and array(), for strings and vectors of them.
+template <class A>
+void visit(A& archive, TextureRef& reference) {
+    archive.value(reference.texture), archive.value(reference.uv_set);
+    archive.value(reference.row_u), archive.value(reference.row_v);
+}
+
+template <class A>
+void visit(A& archive, Mesh& mesh) {
+    archive.array(mesh.positions), archive.array(mesh.normals), archive.array(mesh.tangents);
+    archive.array(mesh.uv[0]), archive.array(mesh.uv[1]), archive.array(mesh.colors), archive.array(mesh.triangles);
+    archive.value(mesh.material);
+}
+
+template <class A>
+void visit(A& archive, Instance& instance) {
+    archive.value(instance.mesh), archive.value(instance.identity), archive.value(instance.to_world);
+    archive.value(instance.normal_to_world), archive.value(instance.flips_orientation);
+}
+
+template <class A>
+void visit(A& archive, Material& m) {
+    archive.array(m.name);
+    archive.value(m.base_color), archive.value(m.alpha), archive.value(m.metallic), archive.value(m.roughness);
+    archive.value(m.normal_scale), archive.value(m.emission), archive.value(m.ior), archive.value(m.specular);
+    archive.value(m.specular_color), archive.value(m.transmission), archive.value(m.solid);
+    archive.value(m.attenuation_color), archive.value(m.attenuation_distance), archive.value(m.alpha_mode);
+    archive.value(m.alpha_cutoff), archive.value(m.double_sided), archive.value(m.unlit);
+    for (TextureRef* reference :
+         {&m.base_color_texture, &m.metallic_roughness_texture, &m.normal_texture, &m.emission_texture,
+          &m.specular_texture, &m.specular_color_texture, &m.transmission_texture})
+        visit(archive, *reference);
+}
+
+template <class A>
+void visit(A& archive, Texture& texture) {
+    archive.array(texture.name), archive.value(texture.size), archive.array(texture.texels);
+    archive.value(texture.wrap_s), archive.value(texture.wrap_t), archive.value(texture.nearest);
+}
+
+template <class A>
+void visit(A& archive, PunctualLight& light) {
+    archive.array(light.name), archive.value(light.kind), archive.value(light.intensity), archive.value(light.position);
+    archive.value(light.direction), archive.value(light.cos_inner), archive.value(light.cos_outer);
+    archive.value(light.range_m);
+}
+
+template <class A>
+void visit(A& archive, Camera& camera) {
+    archive.array(camera.name), archive.value(camera.orthographic), archive.value(camera.yfov);
+    archive.value(camera.ymag), archive.value(camera.position), archive.value(camera.right), archive.value(camera.up);
+    archive.value(camera.forward), archive.value(camera.aperture_radius_m), archive.value(camera.focus_distance_m);
+}
+
+template <class A>
+void visit(A& archive, Environment& environment) {
+    archive.value(environment.map.size), archive.array(environment.map.radiance);
+    archive.value(environment.scale), archive.value(environment.rotation);
+}
+
+template <class A>
+void visit(A& archive, Scene& scene) {
+    archive.array(scene.name), archive.value(scene.origin);
+    archive.objects(scene.meshes), archive.objects(scene.instances), archive.objects(scene.materials);
+    archive.objects(scene.textures), archive.objects(scene.punctual_lights), archive.objects(scene.cameras);
+    bool lit_from_outside = scene.environment.has_value();
+    archive.value(lit_from_outside);
+    if (lit_from_outside) {
+        if (!scene.environment) scene.environment.emplace();
+        visit(archive, *scene.environment);
+    }
+}
+
+class Writer {
+public:
+    explicit Writer(const std::filesystem::path& file) : file_(file) { file_.write(kMagic, sizeof kMagic - 1); }
+    void commit() { file_.commit(); }
+
+    template <class T>
+    void value(const T& plain) {
+        static_assert(std::is_trivially_copyable_v<T>);
+        file_.write(&plain, sizeof plain);
+    }
+    template <class Array>
+    void array(const Array& elements) {
+        value(uint64_t{elements.size()});
+        file_.write(elements.data(), elements.size() * sizeof(elements[0]));
+    }
+    template <class T>
+    void objects(std::vector<T>& all) {
+        value(uint64_t{all.size()});
+        for (T& object : all) visit(*this, object);
+    }
+
+private:
+    AtomicFile file_;
+};
+
+class Reader {
+public:
+    explicit Reader(const std::filesystem::path& path) : path_(path), file_(path, std::ios::binary | std::ios::ate) {
+        if (!file_) fail("cannot be opened");
+        left_ = static_cast<uint64_t>(file_.tellg());
+        file_.seekg(0);
+        char magic[sizeof kMagic - 1];
+        read(magic, sizeof magic);
+        if (std::memcmp(magic, kMagic, sizeof magic) != 0) fail("is not a baked scene of this version");
+    }
+
+    template <class T>
+    void value(T& plain) {
+        static_assert(std::is_trivially_copyable_v<T>);
+        if constexpr (std::is_same_v<T, bool>) {
+            uint8_t byte;
+            read(&byte, 1);
+            if (byte > 1) fail("holds a flag that is neither 0 nor 1");
+            plain = byte != 0;
+        } else {
+            read(&plain, sizeof plain);
+        }
+    }
+    template <class Array>
+    void array(Array& elements) {
+        const uint64_t count = length(sizeof(elements[0]));
+        elements.resize(count);
+        read(elements.data(), count * sizeof(elements[0]));
+    }
+    template <class T>
+    void objects(std::vector<T>& all) {
+        all.resize(length(1));  // none takes less than a byte
+        for (T& object : all) visit(*this, object);
+    }
+
+    void finish() const {
+        if (left_ > 0) fail("goes on after its end");
+    }
+    [[noreturn]] void fail(const std::string& what) const {
+        throw Error(ErrorCode::BadScene, path_.string() + " " + what);
+    }
+
+private:
+    /// A count that what is left of the file can hold: nothing is allocated for more.
+    uint64_t length(uint64_t element_bytes) {
+        uint64_t count;
+        value(count);
+        if (count > left_ / element_bytes) fail("is cut off");
+        return count;
+    }
+    void read(void* to, uint64_t bytes) {
+        if (bytes > left_) fail("is cut off");
+        if (!file_.read(static_cast<char*>(to), static_cast<std::streamsize>(bytes))) fail("cannot be read");
+        left_ -= bytes;
+    }
+
+    const std::filesystem::path path_;
+    std::ifstream file_;
+    uint64_t left_ = 0;
+};
+
+/// Every reference is to something that is there.
+void check_references(const Scene& scene, const Reader& reader) {
+    for (const Mesh& mesh : scene.meshes) {
+        const size_t vertices = mesh.positions.size();
+        const auto fits = [&](size_t count) { return count == 0 || count == vertices; };
+        if (mesh.material >= scene.materials.size()) reader.fail("has a mesh of a material that is not there");
+        if (!fits(mesh.normals.size()) || !fits(mesh.tangents.size()) || !fits(mesh.uv[0].size()) ||
+            !fits(mesh.uv[1].size()) || !fits(mesh.colors.size()))
+            reader.fail("has a mesh whose attributes do not fit its vertices");
+        for (const uvec3& corner : mesh.triangles)
+            if (std::max({corner.x, corner.y, corner.z}) >= vertices)
+                reader.fail("has a triangle of a vertex that is not there");
+    }
+    for (const Instance& instance : scene.instances)
+        if (instance.mesh >= scene.meshes.size()) reader.fail("has an instance of a mesh that is not there");
+    for (const Texture& texture : scene.textures)
+        if (texture.texels.empty() || texture.texels.size() != texture.size.pixels() ||
+            texture.wrap_s > Wrap::ClampToEdge || texture.wrap_t > Wrap::ClampToEdge)
+            reader.fail("has a texture that is not whole");
+    for (const Material& m : scene.materials) {
+        if (m.alpha_mode > AlphaMode::Blend) reader.fail("has a material of no alpha mode");
+        for (const TextureRef* reference :
+             {&m.base_color_texture, &m.metallic_roughness_texture, &m.normal_texture, &m.emission_texture,
+              &m.specular_texture, &m.specular_color_texture, &m.transmission_texture})
+            if (reference->uv_set > 1 || reference->texture < kNoTexture ||
+                (reference->used() && static_cast<size_t>(reference->texture) >= scene.textures.size()))
+                reader.fail("has a material of a texture that is not there");
+    }
+    for (const PunctualLight& light : scene.punctual_lights)
+        if (light.kind > PunctualLight::Kind::Directional) reader.fail("has a light of no kind");
+    if (scene.environment && scene.environment->map.radiance.size() != scene.environment->map.size.pixels())
+        reader.fail("has an environment that is not whole");
+}
+
+}  // namespace
+
+void write_baked_scene(const Scene& scene, const std::filesystem::path& file) {
+    Writer writer(file);
+    Scene copy = scene;  // the list is of references that a reader fills
+    visit(writer, copy);
+    writer.commit();
+}
+
+Scene read_baked_scene(const std::filesystem::path& file) {
+    Reader reader(file);
+    Scene scene;
+    visit(reader, scene);
+    reader.finish();
+    check_references(scene, reader);
+    finish_scene(scene);
+    return scene;
+}
+
+}  // namespace photond
