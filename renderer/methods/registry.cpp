@@ -5,7 +5,9 @@
 #include "renderer/methods/path_tracing/path_tracing.h"
 #include "renderer/methods/path_tracing/path_tracing_gpu.h"
 #include "renderer/methods/photon_mapping/photon_mapping.h"
+#include "renderer/methods/photon_mapping/photon_mapping_gpu.h"
 #include "renderer/methods/photon_splatting/photon_splatting.h"
+#include "renderer/methods/photon_splatting/photon_splatting_gpu.h"
 #include "renderer/photons/photon_cloud.h"
 
 namespace photond {
@@ -69,13 +71,13 @@ uint64_t photon_map_file_bytes(const MethodParams& params, const Workload& workl
 }
 
 MethodInfo photon_mapping_row() {
-    MethodInfo info =
+    MethodInfo info = on_gpu<PhotonMapping, PhotonMappingGpu>(
         row<PhotonMapping>("Photon mapping", "photon mapping",
                            {"Jensen 1996, Global Illumination using Photon Maps",
                             "Jensen 1995, Importance Driven Path Tracing using the Photon Map",
                             "Jensen and Christensen 1995, Efficiently Rendering Shadows using the Photon Map",
                             "Christensen 1999, Faster Photon Map Global Illumination"},
-                           {"cpu"});
+                           {"cpu", "gpu"}));
     info.layers.add(Layer::PhotonCount);
     info.artefacts = {{PhotonMapping::kArtefact, "model/gltf-binary", "keep_photon_map", "photon map"}};
     info.estimate_artefact_bytes = photon_map_file_bytes;
@@ -83,11 +85,11 @@ MethodInfo photon_mapping_row() {
 }
 
 MethodInfo photon_splatting_row() {
-    MethodInfo info = row<PhotonSplatting>(
+    MethodInfo info = on_gpu<PhotonSplatting, PhotonSplattingGpu>(row<PhotonSplatting>(
         "Photon splatting", "photon splatting",
         {"the thesis papers/photon-splatting.txt", "Dachsbacher and Stamminger 2006, Splatting Indirect Illumination",
          "Kollig and Keller 2004, Illumination in the Presence of Weak Singularities"},
-        {"cpu"});
+        {"cpu", "gpu"}));
     info.layers.add(Layer::Overlap);
     info.layers.remove(Layer::Caustic);
     return info;

@@ -6,8 +6,8 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 
-#define GUIDE_WORDS_BINDING 5
-#define GUIDE_FLOATS_BINDING 6
+#define GUIDE_WORDS_BINDING 6
+#define GUIDE_FLOATS_BINDING 7
 #include "renderer/backends/gpu/invocation.glsl"
 #include "renderer/photons/photon.glsl"
 #include "renderer/photons/photon_paths.glsl"
@@ -16,10 +16,11 @@
 layout(local_size_x = PHOTON_TRACING_GROUP) in;
 layout(push_constant, scalar) uniform Push { PhotonTracingPush push; };
 layout(set = 0, binding = 0, scalar) buffer State { uint state[PHOTON_STATE_WORDS]; };
-layout(set = 0, binding = 1, scalar) writeonly buffer Places { PhotonPlace places[]; };
-layout(set = 0, binding = 2, scalar) writeonly buffer Powers { PhotonPower powers[]; };
+layout(set = 0, binding = 1, std430) writeonly buffer Places { uvec4 places[]; };  // PhotonPlace
+layout(set = 0, binding = 2, std430) writeonly buffer Powers { uvec4 powers[]; };  // PhotonPower
 layout(set = 0, binding = 3, scalar) writeonly buffer Paths { uint paths[]; };
-layout(set = 0, binding = 4, scalar) readonly buffer Stores { uint instance_stores[]; };  // 1: may be diffuse
+layout(set = 0, binding = 4, scalar) writeonly buffer Order { uint order[]; };
+layout(set = 0, binding = 5, scalar) readonly buffer Stores { uint instance_stores[]; };  // 1: may be diffuse
 
 shared uint group_rays;
 uint photon_rays = 0;
@@ -46,9 +47,10 @@ void store(Walk walk, PhotonVertex vertex) {
     const uint place = atomicAdd(state[PHOTONS_STORED_WORD], 1u);
     if (place >= push.capacity) return;
     const uint packed = pack_normal_and_path(vertex.point.geometric_normal, walk.path.scatterings, walk.path.all_delta);
-    places[place] = PhotonPlace(vertex.point.position, packed);
-    powers[place] = PhotonPower(walk.path.power_w, pack_photon_direction(vertex.wi_world));
+    places[place] = uvec4(floatBitsToUint(vertex.point.position), packed);
+    powers[place] = uvec4(floatBitsToUint(walk.path.power_w), pack_photon_direction(vertex.wi_world));
     paths[place] = walk.number;
+    order[place] = place;
 }
 
 /// To the next surface, where the photon may be stored, and on. False: the path ends. Twin:

@@ -15,16 +15,20 @@ bool may_be_diffuse(const Material& m) {
 
 }  // namespace
 
+bool stores_photons(const Scene& scene, uint32_t instance) {
+    const Mesh& mesh = scene.meshes[scene.instances[instance].mesh];
+    const Material& material = scene.materials[mesh.material];
+    return (is_plain_lambert(material) || base_color_varies(scene, mesh)) && may_be_diffuse(material);
+}
+
 PhotonTracingScene::PhotonTracingScene(const Scene& s, const Intersector& i, const EmissionSampler& e,
                                        const PhotonTracing& t)
     : scene(s), intersector(i), emission(e), tracing(t), absorption(s) {
     shading.reserve(scene.instances.size());
     for (uint32_t index = 0; index < scene.instances.size(); ++index) {
         const Mesh& mesh = scene.meshes[scene.instances[index].mesh];
-        const Material& material = scene.materials[mesh.material];
-        const bool lambert = is_plain_lambert(material), varies = base_color_varies(scene, mesh);
-        shading.push_back({.lambert = lambert,
-                           .stores = (lambert || varies) && may_be_diffuse(material),
+        shading.push_back({.lambert = is_plain_lambert(scene.materials[mesh.material]),
+                           .stores = stores_photons(scene, index),
                            .surface = LambertSurface(scene, index)});
     }
 }

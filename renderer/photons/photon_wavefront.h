@@ -17,8 +17,7 @@ struct PhotonTracingScene {
     /// How the hits of an instance are shaded.
     struct Shading {
         bool lambert;  // in lanes
-        /// Photons are stored wherever they arrive, also where a texture is black: the light that arrived there counts
-        /// in the estimate beside it.
+        /// stores_photons(): the light that arrived where a texture is black counts in the estimate beside it.
         bool stores;
         LambertSurface surface;
     };
@@ -33,6 +32,10 @@ struct PhotonTracingScene {
     const Absorption absorption;
     std::vector<Shading> shading;  // by instance
 };
+
+/// Whether photons are stored wherever they arrive on that instance, also where a texture is black: where some place of
+/// it may scatter diffusely, by its colour.
+bool stores_photons(const Scene& scene, uint32_t instance);
 
 /// Light paths that are traced together: part of one run of the sequence of numbers (SequenceSampler::kRun).
 struct PhotonBatch {

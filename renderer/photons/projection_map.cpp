@@ -6,6 +6,7 @@
 #include "renderer/core/parallel.h"
 #include "renderer/core/rng.h"
 #include "renderer/photons/emission_grid.h"
+#include "renderer/photons/projection_map_shared.h"
 #include "renderer/scene/scene.h"
 #include "renderer/transport/bsdf.h"
 #include "renderer/transport/discrete_distribution.h"
@@ -333,6 +334,25 @@ bool ProjectionMap::helps() const { return can_help(specular_share()) && guided_
 
 bool ProjectionMap::sample(float u_select, const vec2& u_position, const vec2& u_direction, EmissionSample& out) const {
     return bins_->sample(u_select, u_position, u_direction, out);
+}
+
+ProjectionMap::DeviceTables ProjectionMap::device_tables() const {
+    const Bins& bins = *bins_;
+    DeviceTables tables;
+    std::vector<uint32_t>& words = tables.words;
+    words.resize(GUIDE_HEADER);
+    for (const EmissionGrid& grid : bins.grids)
+        words.insert(words.end(), {grid.light, grid.first_bin, grid.resolution.places, grid.resolution.directions});
+    words[GUIDE_GRIDS] = static_cast<uint32_t>(bins.grids.size());
+    words[GUIDE_BINS] = bins.guided_bins;
+    words[GUIDE_REST] = static_cast<uint32_t>(words.size());
+    words.insert(words.end(), bins.rest.begin(), bins.rest.end());
+    words[GUIDE_CHOICE] = static_cast<uint32_t>(words.size());
+    const std::span<const uint32_t> guide = bins.choice.guide();
+    words[GUIDE_CHOICES] = guide.empty() ? 0 : static_cast<uint32_t>(guide.size() - 1);
+    words.insert(words.end(), guide.begin(), guide.end());
+    tables.cdf.assign(bins.choice.cdf().begin(), bins.choice.cdf().end());
+    return tables;
 }
 
 uint64_t ProjectionMap::pilot_rays() const { return bins_->pilot_rays; }

@@ -8,6 +8,7 @@
 // preferred; every other bin keeps a share, so that nothing is missed.
 
 #include <memory>
+#include <vector>
 
 #include "renderer/core/memory_budget.h"
 #include "renderer/core/stats.h"
@@ -36,6 +37,13 @@ public:
     /// As EmissionSampler::sample(), preferring the bins that saw specular surfaces; the power makes up for it. No
     /// number is used twice: u_select chooses light and bin.
     bool sample(float u_select, const vec2& u_position, const vec2& u_direction, EmissionSample& out) const;
+
+    /// For the twin in projection_map.glsl: its words, and the choice's cumulative table.
+    struct DeviceTables {
+        std::vector<uint32_t> words;
+        std::vector<float> cdf;
+    };
+    DeviceTables device_tables() const;
 
     uint64_t pilot_rays() const;
     uint64_t bytes() const;

@@ -13,10 +13,6 @@ namespace photond {
 
 namespace {
 
-/// Of scenes in which nobody has measured it: the global map of a closed room with reflectances about a half (as in the
-/// Cornell box), and the caustic map when specular surfaces fill a tenth.
-constexpr PhotonYield kExpectedYield{.global = 0.905, .caustic = 0.1, .caustic_unguided = 0.1};
-
 uint64_t expected(uint32_t photons, double stored) { return static_cast<uint64_t>(stored * photons) + 1; }
 
 /// Bytes of a map, and what its building takes beside it for a while.

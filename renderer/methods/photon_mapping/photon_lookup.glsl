@@ -1,0 +1,40 @@
+// GLSL twin of methods/photon_mapping/photon_lookup.h: the maps of a pass, and what all its threads share. Define
+// MAPPING_BINDING (of set 0) and what is needed by the files included here before.
+#ifndef PHOTOND_PHOTON_LOOKUP_GLSL
+#define PHOTOND_PHOTON_LOOKUP_GLSL
+
+#include "renderer/methods/photon_mapping/split_samplers.glsl"
+#include "renderer/methods/specular_walk.glsl"
+
+layout(constant_id = FINAL_GATHER_ID) const bool FINAL_GATHER = false;
+layout(constant_id = GLOBAL_MAP_ID) const bool GLOBAL_MAP = true;
+layout(constant_id = CAUSTIC_MAP_ID) const bool CAUSTIC_MAP = true;
+
+layout(set = 0, binding = MAPPING_BINDING, scalar) readonly buffer Mapping { PhotonMappingConstants mapping; };
+
+#define ESTIMATE mapping.estimate
+#include "renderer/photons/radiance_estimate.glsl"
+
+SplitSamplers light_samplers() { return SplitSamplers(mapping.light_samples, 0u); }
+SplitSamplers gather_samplers() {
+    return SplitSamplers(mapping.gather_rays, mapping.light_samples * SPLIT_PREPARED_SETS);
+}
+
+/// Scatterings left to a photon that is looked up after so many of the eye's path, the lookup's own included.
+uint photon_scatterings_left(uint scatterings) {
+    const uint most = eye.max_scatterings;
+    return most == 0xffffffffu ? most : most - min(most, scatterings);
+}
+
+/// Light of the caustic map that is scattered by `rough` (f_d). None when `most_scatterings` is 0.
+RadianceEstimate estimate_caustic(ShadingPoint surface, Bsdf rough, vec3 wo, uint most_scatterings) {
+    if (!CAUSTIC_MAP || most_scatterings == 0) return no_radiance();
+    return estimate_radiance(PHOTON_MAP_CAUSTIC, surface, rough, wo, most_scatterings);
+}
+/// The same of the global map.
+RadianceEstimate estimate_global(ShadingPoint surface, Bsdf rough, vec3 wo, uint most_scatterings) {
+    if (!GLOBAL_MAP || most_scatterings == 0) return no_radiance();
+    return estimate_radiance(PHOTON_MAP_GLOBAL, surface, rough, wo, most_scatterings);
+}
+
+#endif

@@ -1,0 +1,106 @@
+#version 460
+// Photon mapping's second pass, a thread a pixel: from the eye through what is specular (CPU twin: specular_walk.cpp), and at
+// each vertex what its rough part scatters of the maps' light, or gathers (CPU twin: eye_pass.cpp).
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+
+#define IMAGE_BINDING 0
+#define COUNTERS_BINDING 1
+#define EYE_BINDING 2
+#define SAMPLER_BINDING 3
+#define SPLIT_POINTS_BINDING 4
+#define MAPPING_BINDING 5
+#define GRID_STARTS_BINDING 6
+#define GRID_PLACES_BINDING 7
+#define MAP_POWERS_BINDING 8
+#define NEAREST_GROUP (EYE_TILE * EYE_TILE)
+#include "renderer/backends/gpu/invocation.glsl"
+#include "renderer/methods/eye_shared.h"
+#include "renderer/methods/photon_mapping/final_gather.glsl"
+
+layout(local_size_x = EYE_TILE * EYE_TILE) in;
+layout(push_constant, scalar) uniform Push { PhotonMappingPush push; };
+
+uint bounce_rays = 0, shadow_rays = 0, photons = 0;
+
+/// Light samples of a vertex; the rough part's share of them competes with `competing_rays`.
+vec3 sample_lights(EyePath path, WalkVertex met, Bsdf specular, uint key, uint vertex, uint light_samples,
+                   uint competing_rays) {
+    vec3 sum = vec3(0.0);
+    for (uint s = 0; s < light_samples; ++s) {
+        const float u_choice =
+            split_sample_2d(light_samplers(), s, key, sample_set(vertex, SET_LIGHT_CHOICE_AND_ROULETTE)).x;
+        const vec2 u_light = split_sample_2d(light_samplers(), s, key, sample_set(vertex, SET_LIGHT_POINT));
+        Ray to_light;
+        vec3 radiance;
+        if (!walk_light_sample(path, met, specular, float(light_samples), float(competing_rays), u_choice, u_light,
+                               to_light, radiance))
+            continue;
+        ++shadow_rays;
+        if (!occluded(to_light)) sum += radiance;
+    }
+    return sum;
+}
+
+/// Light of the maps that a visible point scatters, and what it gathers.
+void look_up(WalkVertex point, uint key, uint vertex, vec3 lit_normal, uint rays, uint light_samples,
+             inout PathLight light) {
+    const uint most = photon_scatterings_left(point.scatterings + 1);
+    const RadianceEstimate caustic = estimate_caustic(point.surface, point.rough, point.wo, most);
+    photons += caustic.photons;
+    light.indirect += point.throughput * caustic.radiance;
+    if (layer_kept(PLANE_CAUSTIC) && point.scatterings == 0) light.caustic += point.throughput * caustic.delta_radiance;
+    if (!FINAL_GATHER) {
+        const RadianceEstimate global = estimate_global(point.surface, point.rough, point.wo, most);
+        photons += global.photons;
+        light.indirect += point.throughput * global.radiance;
+        return;
+    }
+    const Gathered gathered = gather_light(point, gather_key(key, vertex), lit_normal, rays, light_samples);
+    const vec3 to_pixel = point.throughput * (1.0 / float(rays));
+    light.direct += to_pixel * gathered.direct;
+    light.indirect += to_pixel * gathered.indirect;
+    photons += gathered.photons;
+    bounce_rays += gathered.rays;
+    shadow_rays += gathered.shadow_rays;
+}
+
+/// One vertex of a path: what it finds, light samples, its visible point, and the next ray. False: it ends.
+bool step_path(uint vertex, uint key, inout EyePath path, inout Ray ray, inout PathLight light) {
+    WalkVertex met;
+    Bsdf specular;
+    if (!walk_meet(vertex, mapping.glossy_threshold, path, ray, light, met, specular)) return false;
+    const uint light_samples = split_of(mapping.light_samples, path.throughput, path.eta_scale);
+    const uint rays = FINAL_GATHER ? split_of(mapping.gather_rays, path.throughput, path.eta_scale) : 0u;
+    if (bsdf_has_non_delta(specular) || bsdf_has_non_delta(met.rough)) {
+        const vec3 lit = sample_lights(path, met, specular, key, vertex, light_samples, met.waits ? rays : 0u);
+        if (path.scatterings == 0) light.direct += lit; else light.indirect += lit;
+    }
+    if (met.waits) look_up(met, key, vertex, path.lit_normal, rays, light_samples, light);
+    const float roulette =
+        ONLY_LAMBERT ? 0.0 : sample_2d(key, sample_set(vertex, SET_LIGHT_CHOICE_AND_ROULETTE)).y;
+    const bool on = walk_leave(vertex, key, met, specular, roulette, path, light, ray);
+    path.pdf_sa /= float(light_samples);
+    return on;
+}
+
+void main() {
+    start_counting();
+    const uint tile = push.first_tile + flat_index() / (EYE_TILE * EYE_TILE);
+    uint pixel;
+    if (tile < push.end_tile && pixel_of_tile(tile, gl_LocalInvocationIndex, pixel)) {
+        EyePath path;
+        Ray ray;
+        uint key;
+        start_eye_path(pixel, path, ray, key);
+        PathLight light = no_light();
+        uint vertex = 0;
+        while (step_path(vertex, key, path, ray, light)) ++vertex;
+        store_light(pixel, light);
+        if (layer_kept(PLANE_PHOTON_COUNT)) store_value(PLANE_PHOTON_COUNT, pixel, float(photons));
+        count(COUNTER_CAMERA_RAYS, 1);
+        count(COUNTER_BOUNCE_RAYS, vertex + bounce_rays);
+        count(COUNTER_SHADOW_RAYS, shadow_rays);
+    }
+    finish_counting();
+}

@@ -1,0 +1,393 @@
+#include "renderer/methods/photon_mapping/photon_mapping_gpu.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <numbers>
+
+#include "protocol/error.h"
+#include "renderer/methods/device_image.h"
+#include "renderer/methods/device_passes.h"
+#include "renderer/methods/eye_constants.h"
+#include "renderer/methods/photon_mapping/photon_mapping_shared.h"
+#include "renderer/methods/photon_mapping/photon_plan.h"
+#include "renderer/photons/hash_grid_gpu.h"
+#include "renderer/photons/projection_map.h"
+
+namespace photond {
+
+namespace {
+
+constexpr uint32_t kTilePixels = EYE_TILE * EYE_TILE;
+constexpr uint32_t kWalkRouletteStart = 4;  // as specular_walk.cpp's
+constexpr std::array kKinds{PhotonMapKind::Global, PhotonMapKind::Caustic};
+constexpr size_t kMaps = kKinds.size();
+
+/// Room for a map's photons: a quarter more than expected.
+uint64_t room_for(double stored) { return static_cast<uint64_t>(1.25 * stored) + 1024; }
+
+uint32_t paths_of(const PhotonMappingParams& params, PhotonMapKind kind) {
+    return kind == PhotonMapKind::Global ? params.photons : params.caustic_photons.value_or(params.photons);
+}
+
+/// How many photons a map is laid out for, whatever it then stores: its order must be the same in each pass.
+uint64_t expected_photons(const PhotonMappingParams& params, PhotonMapKind kind) {
+    const double yield = kind == PhotonMapKind::Global ? kExpectedYield.global : kExpectedYield.caustic;
+    return static_cast<uint64_t>(yield * paths_of(params, kind)) + 1;
+}
+
+uint32_t nearest_of(const PhotonMappingParams& params, PhotonMapKind kind) {
+    if (kind == PhotonMapKind::Global) return params.nearest_photons;
+    return params.caustic_nearest_photons.value_or(params.nearest_photons);
+}
+
+/// By what the cells of a map are cut: the radius, or about that of the disc of the k nearest, where the photons spread
+/// over the walls of the scene's box; those of caustics lie closer. Searches go farther where there are fewer.
+float cell_size_m(const PhotonMappingParams& params, PhotonMapKind kind, const Bounds3& bounds, float radius_m) {
+    if (params.search == PhotonSearch::Kind::Radius || bounds.empty()) return radius_m;
+    constexpr float kCausticShare = 1.0f / 16;  // of the walls
+    constexpr float kMargin = 1.3f;             // so that most searches need not go farther
+    constexpr float kMostCells = 16;            // along the farthest search
+    const vec3 d = bounds.diagonal();
+    const float walls_m2 =
+        2 * (d.x * d.y + d.y * d.z + d.z * d.x) * (kind == PhotonMapKind::Caustic ? kCausticShare : 1);
+    const float photons_per_m2 = static_cast<float>(expected_photons(params, kind)) / walls_m2;
+    const float disc_m =
+        std::sqrt(static_cast<float>(nearest_of(params, kind)) / (std::numbers::pi_v<float> * photons_per_m2));
+    const float least_m = std::min(radius_m, 2 * bounds.radius()) / kMostCells;
+    return std::clamp(kMargin * disc_m, std::min(least_m, radius_m), radius_m);
+}
+
+uint32_t gather_rays_of(const PhotonMappingParams& params) {
+    return params.gather == Gather::Final ? params.gather_rays : 0;
+}
+
+uint64_t split_bytes(const PhotonMappingParams& params) {
+    return (uint64_t{params.most_light_samples()} + gather_rays_of(params)) * SPLIT_PREPARED_SETS * 2 *
+           sizeof(uint32_t);
+}
+
+std::string projection_text(const ProjectionMap& map) {
+    char text[160];
+    std::snprintf(text, sizeof text, "%.1f %% of the photons meet specular surfaces unguided, %.1f %% would guided",
+                  100 * map.specular_share(), 100 * map.guided_share());
+    return text;
+}
+
+}  // namespace
+
+struct PhotonMappingGpu::State {
+    State(const RenderContext& context, const PhotonMappingParams& parameters)
+        : params(parameters),
+          on_device(*context.device_scene),
+          device(on_device.device()),
+          scene(context.scene),
+          size(context.view.film_size),
+          seed(context.seed),
+          search_radius_m(parameters.search_radius_m(context.scene.bounds.radius())),
+          tiles((size.width + EYE_TILE - 1) / EYE_TILE * ((size.height + EYE_TILE - 1) / EYE_TILE)),
+          tiles_a_piece(std::max(
+              device.paths_per_submit() / (kTilePixels * (params.most_light_samples() + gather_rays_of(params))), 1u)),
+          eye(device, "eye", sizeof(gpu::EyeConstants)),
+          mapping(device, "photon_mapping", sizeof(gpu::PhotonMappingConstants)),
+          split_samplers(device, "renderer/methods/photon_mapping/split_samplers.comp", sizeof(gpu::SplitSamplersPush),
+                         &on_device.set()),
+          hash_grid(device),
+          image(size, context.view.layers) {
+        for (uint32_t i = 0; i < DevicePasses::kSlots; ++i) slots.emplace_back(device, context.view, params);
+        const gpu::EyeConstants constants =
+            make_eye_constants(context.view, params.max_scatterings(), kWalkRouletteStart);
+        gpu::upload(device, eye, std::as_bytes(std::span(&constants, 1)));
+    }
+
+    /// What a pass has of its own.
+    struct Slot {
+        Slot(gpu::Device& device, const View& view, const PhotonMappingParams& params)
+            : image(device, view.film_size, view.layers),
+              sampler(device, "sampler", sizeof(gpu::PassSamplerData)),
+              split_points(device, "split_samplers", split_bytes(params)),
+              photon_states(device, "readback", kMaps * PhotonTracerGpu::kStateBytes, gpu::MemoryKind::Readback) {}
+
+        DeviceImage image;
+        gpu::Buffer sampler, split_points;
+        gpu::Buffer photon_states;  // of the maps' tracers
+    };
+    /// One of the maps; without a tracer there is none.
+    struct Map {
+        std::optional<PhotonTracerGpu> tracer;
+        uint64_t capacity = 0;
+        gpu::HashGridConstants grid{};
+    };
+
+    void add_map(PhotonMapKind kind, uint32_t most_scatterings, const ProjectionMap* guide);
+    void make_room();
+    void prepare_passes(bool lights_can_be_met);
+    void record(uint32_t pass, Slot& slot, uint32_t piece, gpu::CommandList& commands);
+    void record_photons(uint32_t pass, Slot& slot, PhotonMapKind kind, uint32_t piece, gpu::CommandList& commands);
+    void record_eye(Slot& slot, uint32_t piece, gpu::CommandList& commands);
+    bool grow_if_short(const Slot& slot);
+    std::span<const uint32_t> photon_state(const Slot& slot, size_t kind) const {
+        return slot.photon_states.as<const uint32_t>().subspan(kind * PHOTON_STATE_WORDS, PHOTON_STATE_WORDS);
+    }
+    uint32_t pieces_of(const Map& map) const {
+        const uint32_t most = device.paths_per_submit();
+        return map.tracer ? (map.tracer->tracing().photons + most - 1) / most : 0;
+    }
+
+    const PhotonMappingParams params;
+    const gpu::DeviceScene& on_device;
+    gpu::Device& device;
+    const Scene& scene;
+    const Size2 size;
+    const uint64_t seed;
+    const float search_radius_m;
+    const uint32_t tiles, tiles_a_piece;
+    gpu::Buffer eye, mapping;
+    gpu::ComputePipeline split_samplers;
+    std::optional<gpu::ComputePipeline> eye_pass;
+    HashGridGpu hash_grid;
+    Map maps[kMaps];  // by kind
+    std::optional<UnsortedPhotons> photons;
+    std::optional<GridPhotons> grid_photons;
+    gpu::PhotonMappingConstants constants{};
+    std::vector<Slot> slots;
+    PassImage image;
+    bool pass_complete = false;          // image holds a whole pass
+    std::optional<DevicePasses> passes;  // last: its going waits for work that uses the others
+};
+
+PhotonMappingGpu::PhotonMappingGpu(const PhotonMappingParams& params) : params_(params) {}
+PhotonMappingGpu::~PhotonMappingGpu() = default;
+
+void PhotonMappingGpu::check_gpu(const PhotonMappingParams& params) {
+    const auto refuse = [](bool asked, const char* pointer, const char* what) {
+        if (asked) throw Error(ErrorCode::Unsupported, pointer, std::string(what) + " on a GPU; the CPU has it");
+    };
+    refuse(params.shadow_photons, "/shadow_photons", "there are no shadow photons");
+    refuse(params.precompute_irradiance, "/precompute_irradiance", "irradiance is not precomputed");
+    refuse(params.gather_sampling == GatherSampling::Photons, "/gather_sampling",
+           "gather rays are not drawn by the photons");
+    refuse(params.boundary == DiscBoundary::Clip, "/boundary", "discs are not clipped");
+    refuse(params.keep_photon_map, "/keep_photon_map", "photons are not kept");
+}
+
+uint64_t PhotonMappingGpu::estimate_bytes(const PhotonMappingParams& /*params*/, const Workload& workload) {
+    return PassImage::bytes_for(workload.film_size, workload.layers);
+}
+
+uint64_t PhotonMappingGpu::estimate_device_bytes(const PhotonMappingParams& params, const Workload& workload) {
+    const bool lights = workload.lights > 0 || workload.environment_size.pixels() > 0;
+    const PhotonYield yield = workload.photon_yield.value_or(kExpectedYield);
+    const bool specular = workload.needs.delta || (workload.photon_yield && yield.caustic > 0);
+    const PhotonPlan plan(params, lights, specular);
+    uint64_t bytes = DevicePasses::kSlots * (DeviceImage::device_bytes(workload.film_size, workload.layers) +
+                                             DeviceImage::host_bytes(workload.film_size, workload.layers) +
+                                             sizeof(gpu::PassSamplerData) + split_bytes(params)) +
+                     sizeof(gpu::EyeConstants) + sizeof(gpu::PhotonMappingConstants);
+    uint64_t most = 0;
+    for (const PhotonMapKind kind : kKinds) {
+        const bool global = kind == PhotonMapKind::Global;
+        if (!(global ? plan.global : plan.caustic).wanted()) continue;
+        const double measured = global ? yield.global : params.projection_maps ? yield.caustic : yield.caustic_unguided;
+        const uint64_t expected = expected_photons(params, kind);
+        const uint64_t capacity = room_for(std::max(measured * paths_of(params, kind), static_cast<double>(expected)));
+        most = std::max(most, capacity);
+        bytes += GridPhotons::bytes_for(grid_starts_for(expected), capacity);
+        if (!global && params.projection_maps) bytes += ProjectionMap::estimate_bytes(workload.lights);
+    }
+    return bytes + UnsortedPhotons::bytes_for(most);
+}
+
+void PhotonMappingGpu::State::add_map(PhotonMapKind kind, uint32_t most_scatterings, const ProjectionMap* guide) {
+    Map& map = maps[static_cast<size_t>(kind)];
+    map.tracer.emplace(on_device, PhotonTracing{.kind = kind,
+                                                .photons = paths_of(params, kind),
+                                                .most_scatterings = most_scatterings,
+                                                .glossy_threshold = params.glossy_threshold,
+                                                .sampler = params.sampler,
+                                                .guide = guide});
+    const uint64_t expected = expected_photons(params, kind);
+    map.capacity = room_for(static_cast<double>(expected));
+    map.grid = lay_out_grid(scene.bounds, cell_size_m(params, kind, scene.bounds, search_radius_m), expected);
+}
+
+/// For as many photons as the maps say.
+void PhotonMappingGpu::State::make_room() {
+    photons.reset(), grid_photons.reset();  // not both at once
+    uint64_t all = 0, most = 1, starts = 1;
+    for (Map& map : maps) {
+        if (!map.tracer) continue;
+        if (map.capacity > uint64_t{1} << 31)
+            throw Error(ErrorCode::OutOfMemory, "photons of one map are " + std::to_string(map.capacity) +
+                                                    ", and at most 2147483648 can be sorted");
+        map.grid.first_point = static_cast<uint32_t>(all);
+        map.grid.first_start = static_cast<uint32_t>(starts);
+        map.grid.capacity = static_cast<uint32_t>(map.capacity);
+        all += map.capacity;
+        most = std::max(most, map.capacity);
+        starts += map.grid.slots + 1;
+    }
+    photons.emplace(device, static_cast<uint32_t>(most));
+    grid_photons.emplace(device, starts, std::max<uint64_t>(all, 1));
+    for (size_t kind = 0; kind < kMaps; ++kind)
+        constants.estimate.maps[kind] = {maps[kind].grid, search_radius_m, nearest_of(params, kKinds[kind])};
+    gpu::upload(device, mapping, std::as_bytes(std::span(&constants, 1)));
+}
+
+void PhotonMappingGpu::State::prepare_passes(bool lights_can_be_met) {
+    constants = {.estimate = {.kernel = Kernel(params.kernel, params.cone_k).device_record(),
+                              .disc_thickness_m = params.disc_thickness_m.value_or(-1.0f)},
+                 .glossy_threshold = params.glossy_threshold,
+                 .light_samples = params.most_light_samples(),
+                 .gather_rays = gather_rays_of(params),
+                 .lights_can_be_met = lights_can_be_met};
+    make_room();
+    std::vector<gpu::Specialization> fixed = slots[0].image.specialization();
+    fixed.insert(fixed.end(), {gpu::specialize(SEARCH_NEAREST_ID, params.search == PhotonSearch::Kind::Nearest),
+                               gpu::specialize(SOFT_DISC_ID, params.soft_disc),
+                               gpu::specialize(FINAL_GATHER_ID, params.gather == Gather::Final),
+                               gpu::specialize(GLOBAL_MAP_ID, maps[PHOTON_MAP_GLOBAL].tracer.has_value()),
+                               gpu::specialize(CAUSTIC_MAP_ID, maps[PHOTON_MAP_CAUSTIC].tracer.has_value())});
+    eye_pass.emplace(device, "renderer/methods/photon_mapping/photon_mapping.comp", sizeof(gpu::PhotonMappingPush),
+                     &on_device.set(), on_device.specialization(fixed));
+    uint32_t pieces = (tiles + tiles_a_piece - 1) / tiles_a_piece;
+    for (const Map& map : maps) pieces += pieces_of(map);
+    passes.emplace(device, pieces, [this](uint32_t pass, uint32_t slot, uint32_t piece, gpu::CommandList& commands) {
+        record(pass, slots[slot], piece, commands);
+    });
+}
+
+void PhotonMappingGpu::State::record(uint32_t pass, Slot& slot, uint32_t piece, gpu::CommandList& commands) {
+    if (piece == 0) {
+        slot.image.record_clear(commands);
+        commands.update(slot.sampler, PassSampler(params.sampler, seed, RandomDomain::Camera, pass).device_data());
+        const gpu::SplitSamplersPush split{params.most_light_samples(), gather_rays_of(params)};
+        commands.bind(split_samplers, {gpu::read(slot.sampler), gpu::write(slot.split_points)});
+        commands.push(split);
+        commands.dispatch_threads(uint64_t{split.light_samples + split.gather_rays} * SPLIT_PREPARED_SETS,
+                                  SPLIT_SAMPLERS_GROUP);
+    }
+    for (const PhotonMapKind kind : kKinds) {
+        const uint32_t mine = pieces_of(maps[static_cast<size_t>(kind)]);
+        if (piece < mine) return record_photons(pass, slot, kind, piece, commands);
+        piece -= mine;
+    }
+    record_eye(slot, piece, commands);
+}
+
+/// Some of a map's light paths; with the last of them it is built.
+void PhotonMappingGpu::State::record_photons(uint32_t pass, Slot& slot, PhotonMapKind kind, uint32_t piece,
+                                             gpu::CommandList& commands) {
+    const auto index = static_cast<size_t>(kind);
+    Map& map = maps[index];
+    const uint32_t paths = map.tracer->tracing().photons, most = device.paths_per_submit();
+    const uint32_t first = piece * most, end = paths - first > most ? first + most : paths;
+    {
+        const gpu::Scope scope(commands, "photon_tracing");
+        if (piece == 0) map.tracer->record_start(commands);
+        map.tracer->record_paths(commands, seed, pass, first, end, *photons, map.grid.capacity);
+    }
+    if (end < paths) return;
+    const gpu::Scope scope(commands, "photon_map_build");
+    hash_grid.record(commands, map.grid, map.tracer->state(), paths, *photons, *grid_photons);
+    commands.copy(map.tracer->state(), 0, slot.photon_states, index * PhotonTracerGpu::kStateBytes,
+                  PhotonTracerGpu::kStateBytes);
+    commands.host_reads(slot.photon_states);
+}
+
+void PhotonMappingGpu::State::record_eye(Slot& slot, uint32_t piece, gpu::CommandList& commands) {
+    const uint32_t first = piece * tiles_a_piece, end = std::min(first + tiles_a_piece, tiles);
+    {
+        const gpu::Scope scope(commands, "gather");
+        commands.bind(*eye_pass, {gpu::read_write(slot.image.layers()), gpu::read_write(slot.image.counters()),
+                                  gpu::read(eye), gpu::read(slot.sampler), gpu::read(slot.split_points),
+                                  gpu::read(mapping), gpu::read(grid_photons->starts), gpu::read(grid_photons->places),
+                                  gpu::read(grid_photons->powers)});
+        commands.push(gpu::PhotonMappingPush{first, end});
+        commands.dispatch_threads(uint64_t{end - first} * kTilePixels, kTilePixels);
+    }
+    if (end == tiles) slot.image.record_readback(commands);
+}
+
+/// Of a whole pass: true where a map had too little room. Now it has room.
+bool PhotonMappingGpu::State::grow_if_short(const Slot& slot) {
+    bool short_of_room = false;
+    for (size_t kind = 0; kind < kMaps; ++kind) {
+        Map& map = maps[kind];
+        if (!map.tracer) continue;
+        const uint64_t stored = photon_state(slot, kind)[PHOTONS_STORED_WORD];
+        if (stored <= map.capacity) continue;
+        map.capacity = room_for(static_cast<double>(stored));
+        short_of_room = true;
+    }
+    if (!short_of_room) return false;
+    passes->settle();
+    make_room();
+    return true;
+}
+
+void PhotonMappingGpu::begin(const RenderContext& context, Stats& stats) {
+    check_gpu(params_);
+    const Scene& scene = context.scene;
+    const uint64_t image_bytes = PassImage::bytes_for(context.view.film_size, context.view.layers);
+    context.budget.require("pass_image", image_bytes);
+    state_ = std::make_unique<State>(context, params_);
+    State& state = *state_;
+    context.budget.record("pass_image", image_bytes);
+
+    // On the host for as long as the projection map is being made.
+    std::optional<EmissionSampler> emission;
+    if (!scene.triangle_lights.empty() || !scene.punctual_lights.empty() || scene.environment) {
+        const StageTimer timer(stats, "photon_emission");
+        emission.emplace(scene);
+        if (!(emission->total_power_w() > 0)) emission.reset();
+    }
+    const PhotonPlan plan(params_, emission.has_value(), has_specular_surface(scene, params_.glossy_threshold));
+    const auto skip_map = [&](const char* what, PhotonMapKind kind, const std::string& why) {
+        const uint64_t room = room_for(static_cast<double>(expected_photons(params_, kind)));
+        stats.skipped.push_back(
+            {what, why, UnsortedPhotons::bytes_for(room) + GridPhotons::bytes_for(grid_starts_for(room), room)});
+    };
+    if (!plan.global.wanted()) skip_map("global map", PhotonMapKind::Global, plan.global.why_not);
+    if (!plan.caustic.wanted()) skip_map("caustic map", PhotonMapKind::Caustic, plan.caustic.why_not);
+    if (!scene.needs.solid_glass) stats.skipped.push_back({"absorption", "no solid refracts", 0});
+
+    if (plan.global.wanted()) state.add_map(PhotonMapKind::Global, plan.global.most_scatterings, nullptr);
+    if (plan.caustic.wanted()) {
+        std::optional<ProjectionMap> projection;
+        if (params_.projection_maps) {
+            const StageTimer timer(stats, "photon_emission");
+            projection.emplace(scene, *context.intersector, *emission, params_.glossy_threshold, context.seed);
+            stats.counts.photon_rays += projection->pilot_rays();
+            if (!projection->helps()) {
+                stats.skipped.push_back({"projection map", projection_text(*projection), projection->bytes()});
+                projection.reset();
+            }
+        }
+        state.add_map(PhotonMapKind::Caustic, plan.caustic.most_scatterings, projection ? &*projection : nullptr);
+    }
+    state.prepare_passes(!scene.triangle_lights.empty() || scene.environment.has_value());
+}
+
+void PhotonMappingGpu::run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) {
+    State& state = *state_;
+    state.pass_complete = false;
+    const StageTimer timer(stats, "gather");
+    std::optional<uint32_t> slot = state.passes->run(pass, stats, cancel);
+    while (slot && state.grow_if_short(state.slots[*slot])) slot = state.passes->run(pass, stats, cancel);
+    if (!slot) return;
+    const State::Slot& done = state.slots[*slot];
+    done.image.read(state.image, stats.counts, state.scene.origin);
+    for (size_t kind = 0; kind < kMaps; ++kind)
+        if (state.maps[kind].tracer) state.maps[kind].tracer->add_to(stats.counts, state.photon_state(done, kind));
+    state.pass_complete = true;
+}
+
+void PhotonMappingGpu::expect_pass(uint32_t pass) { state_->passes->expect(pass); }
+void PhotonMappingGpu::settle() { state_->passes->settle(); }
+
+void PhotonMappingGpu::resolve(Film& film) {
+    if (state_->pass_complete) film.add_pass(state_->image);
+}
+
+}  // namespace photond

@@ -1,0 +1,36 @@
+#pragma once
+// HashGrid on a device: its cells, and sorting photons into them.
+
+#include "renderer/photons/hash_grid_shared.h"
+#include "renderer/photons/photon_tracer_gpu.h"
+
+namespace photond {
+
+/// The cells of a grid about `points` points or so (any number works) within `bounds`, made for searches of radius
+/// `cell_m` > 0; where its parts begin in shared arrays, and its room, are the caller's to say.
+gpu::HashGridConstants lay_out_grid(const Bounds3& bounds, float cell_m, uint64_t points);
+/// Most words of the table that lay_out_grid() asks for: slots and one more.
+uint64_t grid_starts_for(uint64_t points);
+
+/// Photons in the order of their grids, of one grid or more; hash_grid.glsl searches them.
+struct GridPhotons {
+    GridPhotons(gpu::Device& device, uint64_t starts, uint64_t capacity);
+    static uint64_t bytes_for(uint64_t starts, uint64_t capacity);
+
+    gpu::Buffer starts, places, powers;
+};
+
+class HashGridGpu {
+public:
+    explicit HashGridGpu(gpu::Device& device);
+
+    /// Sorts what the tracer has stored, of a pass of so many paths, by cell; within one by path, then by scattering:
+    /// the same order every time.
+    void record(gpu::CommandList& commands, const gpu::HashGridConstants& grid, gpu::Buffer& tracer_state,
+                uint32_t paths, UnsortedPhotons& photons, GridPhotons& to);
+
+private:
+    gpu::ComputePipeline keys_, starts_, order_;
+};
+
+}  // namespace photond

@@ -1,0 +1,200 @@
+// GLSL twin of photons/radiance_estimate.h: reflected radiance from the photons about a point. Define
+// GRID_STARTS_BINDING, GRID_PLACES_BINDING, MAP_POWERS_BINDING (of set 0), NEAREST_GROUP (threads of the group) and
+// ESTIMATE (an EstimateConstants) before.
+//
+// The k nearest are found exactly, in two sweeps through the cells or three, without a list of candidates: a histogram
+// of the squared distances says in which of its buckets the k-th is; among the few in there it is selected. Where they
+// are many the bucket is cut again, by the distances' bits. Then the photons up to that distance are summed.
+#ifndef PHOTOND_RADIANCE_ESTIMATE_GLSL
+#define PHOTOND_RADIANCE_ESTIMATE_GLSL
+
+#include "renderer/photons/hash_grid.glsl"
+#include "renderer/photons/kernel.glsl"
+#include "renderer/photons/photon.glsl"
+#include "renderer/photons/radiance_estimate_shared.h"
+#include "renderer/transport/bsdf.glsl"
+#include "renderer/transport/surface.glsl"
+
+layout(constant_id = SEARCH_NEAREST_ID) const bool SEARCH_NEAREST = true;
+layout(constant_id = SOFT_DISC_ID) const bool SOFT_DISC = false;
+
+layout(set = 0, binding = MAP_POWERS_BINDING, std430) readonly buffer MapPowers { uvec4 map_powers[]; };  // PhotonPower
+
+/// Photons that are summed: all at squared distances below `bound_sq`, and the first `equals` of those at it.
+struct PhotonDisc {
+    float radius_m;
+    float bound_sq;
+    uint equals;
+};
+
+shared uint nearest_histogram[NEAREST_BUCKETS * NEAREST_GROUP];
+
+/// This thread's counter of a bucket.
+uint nearest_counter(uint bucket) { return bucket * NEAREST_GROUP + gl_LocalInvocationIndex; }
+void clear_histogram() {
+    for (uint bucket = 0; bucket < NEAREST_BUCKETS; ++bucket) nearest_histogram[nearest_counter(bucket)] = 0;
+}
+/// The bucket that holds candidate number `rank`, which counts from 1 and is made to count from that bucket's first.
+uint bucket_of_rank(inout uint rank) {
+    uint bucket = 0;
+    for (; bucket < NEAREST_BUCKETS - 1; ++bucket) {
+        const uint count = nearest_histogram[nearest_counter(bucket)];
+        if (count >= rank) break;
+        rank -= count;
+    }
+    return bucket;
+}
+uint bucket_of_distance(float distance_sq, float buckets_per_m2) {
+    return min(uint(distance_sq * buckets_per_m2), NEAREST_BUCKETS - 1u);
+}
+
+/// KdTree::find_nearest(): the k nearest strictly within the map's radius, of which the farthest sets the disc and is
+/// not in it; all of them, with the map's radius, where there are fewer.
+PhotonDisc find_nearest(PhotonMapConstants map, vec3 p) {
+    const HashGridConstants grid = map.grid;
+    uint index;
+    uvec4 point;
+    float distance_sq;
+
+    // As far out as needed for k, from about where they are on average.
+    float radius_m = min(grid.cell_m, map.radius_m), buckets_per_m2;
+    while (true) {
+        clear_histogram();
+        const float radius_sq = radius_m * radius_m;
+        buckets_per_m2 = float(NEAREST_BUCKETS) / radius_sq;
+        uint found = 0;
+        GridSearch search = grid_search(grid, p, radius_m);
+        while (grid_next(grid, search, radius_sq, index, point, distance_sq)) {
+            if (distance_sq == radius_sq) continue;
+            ++nearest_histogram[nearest_counter(bucket_of_distance(distance_sq, buckets_per_m2))];
+            ++found;
+        }
+        if (found >= map.nearest) break;
+        if (radius_m >= map.radius_m) return PhotonDisc(map.radius_m, radius_sq, 0u);
+        radius_m = min(2.0 * radius_m, map.radius_m);
+    }
+    uint rank = map.nearest;
+    const uint bucket = bucket_of_rank(rank);
+    uint many = nearest_histogram[nearest_counter(bucket)];
+    // The k-th is number `rank` of the `many` in that bucket whose bits are in [low, low + width).
+    const float least = float(bucket) / buckets_per_m2 * 0.99999, most = float(bucket + 1u) / buckets_per_m2 * 1.00001;
+    uint low = floatBitsToUint(least), width = floatBitsToUint(most) - low;
+    const float reach_m = min(sqrt(most) * 1.00001, radius_m);
+
+    while (many > NEAREST_AT_ONCE && width > 1) {
+        clear_histogram();
+        const uint shift = uint(max(findMSB(width) - 4, 0));
+        GridSearch search = grid_search(grid, p, reach_m);
+        while (grid_next(grid, search, most, index, point, distance_sq)) {
+            const uint above = floatBitsToUint(distance_sq) - low;  // below `low`: wraps
+            if (above < width && bucket_of_distance(distance_sq, buckets_per_m2) == bucket)
+                ++nearest_histogram[nearest_counter(above >> shift)];
+        }
+        const uint part = bucket_of_rank(rank);
+        many = nearest_histogram[nearest_counter(part)];
+        low += part << shift;
+        width = 1u << shift;
+    }
+    // All that are left are as far as each other, or few.
+    float kth_sq = uintBitsToFloat(low);
+    if (width > 1) {
+        float nearest[NEAREST_AT_ONCE];
+        for (uint i = 0; i < NEAREST_AT_ONCE; ++i) nearest[i] = INFINITY;
+        GridSearch search = grid_search(grid, p, reach_m);
+        while (grid_next(grid, search, most, index, point, distance_sq)) {
+            const uint above = floatBitsToUint(distance_sq) - low;
+            if (above >= width || bucket_of_distance(distance_sq, buckets_per_m2) != bucket) continue;
+            float rest = distance_sq;
+            for (uint i = 0; i < NEAREST_AT_ONCE; ++i) {
+                const float nearer = min(nearest[i], rest);
+                rest = max(nearest[i], rest);
+                nearest[i] = nearer;
+            }
+        }
+        for (uint i = 0; i < NEAREST_AT_ONCE; ++i)
+            if (i + 1 == rank) kth_sq = nearest[i];
+        uint before = 0;
+        for (uint i = 0; i < NEAREST_AT_ONCE; ++i) before += nearest[i] < kth_sq ? 1u : 0u;
+        rank -= before;
+    }
+    return PhotonDisc(sqrt(kth_sq), kth_sq, rank - 1);
+}
+
+/// A photon's flux is L |cos_g| dw dA; the estimate divides by |cos_g| where the shading normal differs, but by no less
+/// than this.
+const float LEAST_COSINE = 1e-3;
+/// Photons whose geometric normal makes more than 60 degrees with that of the point are refused.
+const float DISC_COSINE = 0.5;
+const float LEAST_NORMAL_FLOAT = 1.17549435e-38;
+
+struct RadianceEstimate {
+    vec3 radiance;        // [W m^-2 sr^-1], all photons that passed
+    vec3 delta_radiance;  // the part of those whose scatterings were all delta (layer "caustic")
+    uint photons;         // that passed the tests
+    float radius_m;       // of the disc
+};
+RadianceEstimate no_radiance() { return RadianceEstimate(vec3(0.0), vec3(0.0), 0u, 0.0); }
+
+/// Reflected (and, by rough transmission, transmitted) radiance towards `wo` (local to point.shading) by the non-delta
+/// lobes of `bsdf`, from that map. Photons with more than `most_scatterings` are left out.
+RadianceEstimate estimate_radiance(uint map_kind, ShadingPoint point, Bsdf bsdf, vec3 wo, uint most_scatterings) {
+    RadianceEstimate estimate = no_radiance();
+    if (!bsdf_has_non_delta(bsdf)) return estimate;
+    const vec3 normal = point.geometric_normal;
+    const bool both_sides = bsdf_has_non_delta_transmission(bsdf);
+    // Of a Lambert reflector the same share of every photon; that it arrived at this side its normal says.
+    const bool plain = bsdf_is_lambert(bsdf) && point.shading.normal == normal;
+    if (plain && wo.z <= 0.0) return estimate;
+
+    const PhotonMapConstants map = ESTIMATE.maps[map_kind];
+    if (grid_starts[map.grid.first_start + map.grid.slots] == 0) return estimate;  // an empty map
+    PhotonDisc disc = PhotonDisc(map.radius_m, map.radius_m * map.radius_m, 0u);
+    if (SEARCH_NEAREST) disc = find_nearest(map, point.position);
+    estimate.radius_m = disc.radius_m;
+    // As many photons as are looked for in one place leave no disc to spread them over: no density, and of that place
+    // without area no light. Nor is there one where a disc is without end.
+    const float area = sqr(disc.radius_m);
+    if (!(area >= LEAST_NORMAL_FLOAT && area < INFINITY)) return estimate;
+    const float thickness_m = ESTIMATE.disc_thickness_m < 0.0 ? 0.25 * disc.radius_m : ESTIMATE.disc_thickness_m;
+    const uint same_normal = octahedral_encode(11u, normal);
+    const vec3 normal_local = to_local(point.shading, normal);
+
+    uint index;
+    uvec4 found;
+    float distance_sq;
+    GridSearch search = grid_search(map.grid, point.position, disc.radius_m);
+    while (grid_next(map.grid, search, disc.bound_sq, index, found, distance_sq)) {
+        if (distance_sq == disc.bound_sq) {
+            if (disc.equals == 0) continue;
+            --disc.equals;
+        }
+        const float height_m = abs(dot(normal, uintBitsToFloat(found.xyz) - point.position));
+        if (height_m > thickness_m || photon_scatterings(found.w) > most_scatterings) continue;
+        float side = 1.0;
+        if ((found.w & PHOTON_NORMAL_BITS) != same_normal) {
+            side = dot(photon_normal(found.w), normal);
+            if (side < 0.0 && !both_sides) continue;
+            if (!SOFT_DISC && abs(side) < DISC_COSINE) continue;
+        }
+        float weight = kernel_evaluate(ESTIMATE.kernel, distance_sq / area);
+        if (SOFT_DISC) weight *= abs(side) * (thickness_m > 0.0 ? 1.0 - height_m / thickness_m : 1.0);
+        const uvec4 power = map_powers[map.grid.first_point + index];
+        vec3 reflected = weight * uintBitsToFloat(power.xyz);
+        if (!plain) {
+            const vec3 wi = to_local(point.shading, photon_direction(power.w));
+            const float cos_g = dot(wi, normal_local);
+            // A photon of a curved surface's next facet may have come from below this one's horizon.
+            const float share = (cos_g > 0.0) == (side > 0.0) ? 1.0 / max(abs(cos_g), LEAST_COSINE) : 0.0;
+            reflected *= share * bsdf_f_cos(bsdf, wo, wi);
+        }
+        estimate.radiance += reflected;
+        if (photon_all_delta(found.w)) estimate.delta_radiance += reflected;
+        ++estimate.photons;
+    }
+    const vec3 factor = plain ? bsdf_f_cos(bsdf, wo, vec3(0.0, 0.0, 1.0)) : vec3(1.0);
+    estimate.radiance *= factor / area;
+    estimate.delta_radiance *= factor / area;
+    return estimate;
+}
+
+#endif

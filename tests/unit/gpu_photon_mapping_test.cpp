@@ -1,0 +1,293 @@
+// Photon mapping on a GPU against its CPU twin: the same photons and eye paths, but for rounding; and what a method
+// promises beside.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "protocol/error.h"
+#include "renderer/methods/photon_mapping/photon_mapping_gpu.h"
+#include "renderer/photons/hash_grid_gpu.h"
+#include "renderer/photons/projection_map.h"
+#include "renderer/scene/builtin_scenes.h"
+#include "tests/support/gpu_render.h"
+#include "tests/support/photons.h"
+#include "tests/support/scene_parts.h"
+
+namespace photond {
+namespace {
+
+/// The pass's photons as the device appends them.
+std::vector<Photon> trace_on_device(const gpu::DeviceScene& scene, const PhotonTracing& tracing, uint32_t pass,
+                                    Counts& counts) {
+    constexpr uint32_t kRoom = 100'000;
+    gpu::Device& device = test::gpu_device();
+    PhotonTracerGpu tracer(scene, tracing);
+    UnsortedPhotons photons(device, kRoom);
+    gpu::CommandList commands(device);
+    tracer.record_start(commands);
+    const uint32_t half = tracing.photons / 2;  // in two pieces
+    tracer.record_paths(commands, 1, pass, 0, half, photons, kRoom);
+    tracer.record_paths(commands, 1, pass, half, tracing.photons, photons, kRoom);
+    commands.submit();
+    commands.wait();
+    const std::vector<uint32_t> state = gpu::read_back<uint32_t>(device, tracer.state(), PHOTON_STATE_WORDS);
+    tracer.add_to(counts, state);
+    const uint32_t stored = state[PHOTONS_STORED_WORD];
+    const auto places = gpu::read_back<gpu::PhotonPlace>(device, photons.places, stored);
+    const auto powers = gpu::read_back<gpu::PhotonPower>(device, photons.powers, stored);
+    std::vector<Photon> all(stored);
+    for (uint32_t i = 0; i < stored; ++i)
+        all[i] = {places[i].position, {powers[i].power_w, powers[i].direction, places[i].normal_and_path}};
+    return all;
+}
+
+/// Photons of `a` that have no like in `b`: as many scatterings and the same kind of them, a place within 1e-4 of the
+/// scene's radius, a power within 1e-3 of itself, directions within a milliradian.
+size_t without_like(const std::vector<Photon>& a, std::vector<Photon> b, float radius_m) {
+    const auto by_x = [](const Photon& p, const Photon& q) { return p.position.x < q.position.x; };
+    std::sort(b.begin(), b.end(), by_x);
+    std::vector<bool> taken(b.size());
+    const float apart_m = 1e-4f * radius_m;
+    size_t alone = 0;
+    for (const Photon& photon : a) {
+        Photon from = photon;
+        from.position.x -= apart_m;
+        bool found = false;
+        for (size_t i = static_cast<size_t>(std::lower_bound(b.begin(), b.end(), from, by_x) - b.begin());
+             i < b.size() && b[i].position.x <= photon.position.x + apart_m && !found; ++i) {
+            const PhotonPayload &p = photon.payload, &q = b[i].payload;
+            found = !taken[i] && glm::length(b[i].position - photon.position) < apart_m &&
+                    p.scatterings() == q.scatterings() && p.all_delta() == q.all_delta() &&
+                    glm::length(p.power_w - q.power_w) < 1e-3f * glm::length(q.power_w) &&
+                    glm::length(p.wi_world() - q.wi_world()) < 1e-3f && glm::length(p.normal() - q.normal()) < 1e-2f;
+            if (found) taken[i] = true;
+        }
+        alone += !found;
+    }
+    return alone;
+}
+
+class GpuPhotonTracer : public testing::TestWithParam<const char*> {};
+
+// Rounding now and then sends a path elsewhere (a hit on the other side of an edge, another lobe), and with it all
+// photons that follow: at most one in a hundred is without its like.
+TEST_P(GpuPhotonTracer, StoresTheCpusPhotons) {
+    const test::PhotonScene host(test::turned(make_builtin_scene(GetParam())));
+    const gpu::DeviceScene device_scene(test::gpu_device(), host.scene);
+    for (const PhotonMapKind kind : {PhotonMapKind::Global, PhotonMapKind::Caustic}) {
+        PhotonTracing tracing = test::photon_tracing(kind, 5000);
+        tracing.most_scatterings = 6;
+        std::optional<ProjectionMap> guide;
+        if (kind == PhotonMapKind::Caustic) {
+            guide.emplace(host.scene, *host.intersector, host.emission, tracing.glossy_threshold, 1);
+            if (guide->helps()) tracing.guide = &*guide;
+        }
+        const TracedPhotons cpu = host.trace(tracing, 1, 3);
+        Counts counts;
+        const std::vector<Photon> gpu = trace_on_device(device_scene, tracing, 3, counts);
+        EXPECT_EQ(counts.photons_emitted, cpu.counts.photons_emitted);
+        EXPECT_EQ(counts.photons_stored, gpu.size());
+        const double tolerance = 0.01 * double(cpu.photons.size()) + 2;
+        EXPECT_NEAR(double(gpu.size()), double(cpu.photons.size()), tolerance);
+        EXPECT_NEAR(double(counts.photon_rays), double(cpu.counts.photon_rays), 0.01 * double(cpu.counts.photon_rays));
+        const float radius_m = host.scene.bounds.radius();
+        EXPECT_LE(double(without_like(gpu, cpu.photons, radius_m)), tolerance) << gpu.size() << " photons";
+        EXPECT_LE(double(without_like(cpu.photons, gpu, radius_m)), tolerance) << gpu.size() << " photons";
+    }
+}
+INSTANTIATE_TEST_SUITE_P(BuiltinScenes, GpuPhotonTracer,
+                         testing::Values("cornell-box", "cornell-box-spot", "cornell-box-glossy", "cornell-box-glass",
+                                         "interior"));
+
+LayerSet all_layers() {
+    LayerSet layers;
+    for (const Layer layer :
+         {Layer::Caustic, Layer::Albedo, Layer::Normal, Layer::Position, Layer::Depth, Layer::PhotonCount})
+        layers.add(layer);
+    return layers;
+}
+
+struct Choice {
+    const char* scene;
+    Gather gather;
+    PhotonSearch::Kind search;
+    KernelShape kernel = KernelShape::Constant;
+    bool soft_disc = false;
+    std::optional<float> disc_thickness_m{};
+};
+
+template <class M>
+test::RenderSettingsOf<M> settings_for(const Choice& choice) {
+    test::RenderSettingsOf<M> settings;
+    settings.size = {28, 20};  // tiles cut at both edges
+    settings.passes = 2;
+    settings.layers = all_layers();
+    settings.params.photons = 4000;
+    settings.params.indirect_bounces = 6;
+    settings.params.gather = choice.gather;
+    settings.params.gather_rays = 5;
+    settings.params.light_samples = 2;
+    settings.params.search = choice.search;
+    settings.params.nearest_photons = 20;
+    settings.params.caustic_nearest_photons = 40;
+    settings.params.kernel = choice.kernel;
+    settings.params.soft_disc = choice.soft_disc;
+    settings.params.disc_thickness_m = choice.disc_thickness_m;
+    return settings;
+}
+
+/// Share of values that differ by more than `tolerance` of the layer's mean.
+double share_apart(const std::vector<float>& a, const std::vector<float>& b, double tolerance) {
+    const double mean = test::mean_of(a);
+    size_t apart = 0;
+    for (size_t i = 0; i < a.size(); ++i) apart += std::fabs(a[i] - b[i]) > tolerance * std::fabs(mean);
+    return double(apart) / double(a.size());
+}
+
+class GpuPhotonMapping : public testing::TestWithParam<Choice> {};
+
+// A photon that rounding sends elsewhere shows in all pixels whose discs it was in, by about 1/20 of their light: what
+// is bounded is the mean difference, and how many pixels differ by as much as a photon is worth.
+TEST_P(GpuPhotonMapping, LooksLikeTheCpus) {
+    const Choice& choice = GetParam();
+    const Scene scene = test::turned(make_builtin_scene(choice.scene));
+    Stats cpu_stats, gpu_stats;
+    const Film cpu = test::render(scene, settings_for<PhotonMapping>(choice), &cpu_stats);
+    const Film gpu = test::render(test::SceneOnDevice(scene), settings_for<PhotonMappingGpu>(choice), &gpu_stats);
+    for (const Layer layer :
+         {Layer::Emitted, Layer::Direct, Layer::Albedo, Layer::Normal, Layer::Position, Layer::Depth})
+        EXPECT_LT(share_apart(cpu.resolve(layer), gpu.resolve(layer), 1e-3), 0.02) << layer_info(layer).name;
+    for (const Layer layer : {Layer::Indirect, Layer::Caustic, Layer::PhotonCount}) {
+        EXPECT_LT(share_apart(cpu.resolve(layer), gpu.resolve(layer), 0.02), 0.05) << layer_info(layer).name;
+        EXPECT_NEAR(test::mean_of(cpu.resolve(layer)), test::mean_of(gpu.resolve(layer)),
+                    0.02 * test::mean_of(cpu.resolve(layer)))
+            << layer_info(layer).name;
+    }
+    const Counts &a = cpu_stats.counts, &b = gpu_stats.counts;
+    EXPECT_EQ(a.camera_rays, b.camera_rays);
+    EXPECT_EQ(a.photons_emitted, b.photons_emitted);
+    const auto about = [](uint64_t x, uint64_t y) { return std::fabs(double(x) - double(y)) <= 0.01 * double(x) + 10; };
+    EXPECT_TRUE(about(a.bounce_rays, b.bounce_rays)) << a.bounce_rays << ", " << b.bounce_rays;
+    EXPECT_TRUE(about(a.shadow_rays, b.shadow_rays)) << a.shadow_rays << ", " << b.shadow_rays;
+    EXPECT_TRUE(about(a.photon_rays, b.photon_rays)) << a.photon_rays << ", " << b.photon_rays;
+    EXPECT_TRUE(about(a.photons_stored, b.photons_stored)) << a.photons_stored << ", " << b.photons_stored;
+    EXPECT_EQ(gpu.nan_count() + gpu.infinity_count(), 0u);
+}
+constexpr PhotonSearch::Kind kNearest = PhotonSearch::Kind::Nearest, kRadius = PhotonSearch::Kind::Radius;
+INSTANTIATE_TEST_SUITE_P(
+    Choices, GpuPhotonMapping,
+    testing::Values(Choice{"cornell-box", Gather::Direct, kRadius}, Choice{"cornell-box", Gather::Final, kNearest},
+                    Choice{"cornell-box-spot", Gather::Direct, kNearest, KernelShape::Cone},
+                    Choice{"cornell-box-glass", Gather::Final, kRadius, KernelShape::Gaussian},
+                    Choice{"cornell-box-glass", Gather::Direct, kNearest, KernelShape::Epanechnikov},
+                    Choice{"cornell-box-glossy", Gather::Direct, kRadius, KernelShape::Constant, true},
+                    Choice{"cornell-box-glossy", Gather::Final, kNearest, KernelShape::Constant, false, 0.01f},
+                    Choice{"interior", Gather::Direct, kNearest}));
+
+TEST(GpuPhotonMapping, SameDeviceSameBits) {
+    const Scene scene = make_builtin_scene("cornell-box-glass");
+    const test::SceneOnDevice where(scene);
+    const auto settings = settings_for<PhotonMappingGpu>({"", Gather::Final, kNearest});
+    EXPECT_EQ(test::render(where, settings).pixel_hash(), test::render(where, settings).pixel_hash());
+}
+
+TEST(GpuPhotonMapping, APassIsAPureFunctionOfItsIndex) {
+    const Scene scene = make_builtin_scene("cornell-box");
+    const test::SceneOnDevice where(scene);
+    auto whole = settings_for<PhotonMappingGpu>({"", Gather::Direct, kNearest}), first = whole, rest = whole;
+    whole.passes = 3;
+    first.passes = 1;
+    rest.passes = 2;
+    rest.first_pass = 1;
+    Film merged = test::render(where, first);
+    merged.merge(test::render(where, rest));
+    EXPECT_EQ(merged, test::render(where, whole));
+}
+
+// In a white room a path leaves a photon at nearly each of up to 60 scatterings: many times as many as there is room
+// for.
+TEST(GpuPhotonMapping, LosesNoPhotonWhereThereAreMoreThanExpected) {
+    Scene scene = make_builtin_scene("cornell-box");
+    for (Material& material : scene.materials) material.base_color = Rgb(0.97f);
+    auto settings = settings_for<PhotonMapping>({"", Gather::Direct, kRadius});
+    auto on_gpu = settings_for<PhotonMappingGpu>({"", Gather::Direct, kRadius});
+    settings.params.indirect_bounces = on_gpu.params.indirect_bounces = 60;
+    Stats cpu_stats, gpu_stats;
+    const Film cpu = test::render(scene, settings, &cpu_stats);
+    const Film gpu = test::render(test::SceneOnDevice(scene), on_gpu, &gpu_stats);
+    EXPECT_GT(cpu_stats.counts.photons_stored, 8 * cpu_stats.counts.photons_emitted);
+    EXPECT_NEAR(double(gpu_stats.counts.photons_stored), double(cpu_stats.counts.photons_stored),
+                0.01 * double(cpu_stats.counts.photons_stored));
+    EXPECT_EQ(gpu_stats.counts.photons_emitted, cpu_stats.counts.photons_emitted);
+    EXPECT_NEAR(test::mean_of(gpu.resolve(Layer::Indirect)), test::mean_of(cpu.resolve(Layer::Indirect)),
+                0.01 * test::mean_of(cpu.resolve(Layer::Indirect)));
+}
+
+TEST(GpuPhotonMapping, ACancelledPassIsNoPass) {
+    const Scene scene = make_builtin_scene("cornell-box");
+    const test::SceneOnDevice where(scene);
+    auto settings = settings_for<PhotonMappingGpu>({"", Gather::Direct, kRadius});
+    settings.passes = 1;
+    MemoryBudget budget;
+    Stats stats;
+    const RenderContext context{scene,  &where.intersector, test::view_of(scene, settings), 1,
+                                budget, &where.device_scene};
+    PhotonMappingGpu method(settings.params);
+    method.begin(context, stats);
+    CancelToken cancel;
+    cancel.cancel();
+    method.run_pass(0, stats, cancel);
+    Film film(settings.size, settings.layers);
+    method.resolve(film);
+    EXPECT_EQ(film.passes(), 0u);
+    method.run_pass(0, stats, CancelToken{});
+    method.resolve(film);
+    EXPECT_EQ(film, test::render(where, settings));
+}
+
+TEST(GpuPhotonMapping, TakesTheMemoryItSays) {
+    const Scene scene = make_builtin_scene("cornell-box-glass");
+    const test::SceneOnDevice where(scene);
+    auto settings = settings_for<PhotonMappingGpu>({"", Gather::Direct, kNearest});
+    settings.params.photons = 200'000;
+    gpu::Device& device = test::gpu_device();
+    const uint64_t before = device.memory().used_bytes();
+    MemoryBudget budget;
+    Stats stats;
+    PhotonMappingGpu method(settings.params);
+    method.begin({scene, &where.intersector, test::view_of(scene, settings), 1, budget, &where.device_scene}, stats);
+    Workload workload;
+    workload.film_size = settings.size;
+    workload.layers = settings.layers;
+    workload.lights = scene.triangle_lights.size() + scene.punctual_lights.size();
+    workload.needs = scene.needs;
+    const uint64_t estimate = PhotonMappingGpu::estimate_device_bytes(settings.params, workload);
+    const uint64_t taken = device.memory().used_bytes() - before;
+    EXPECT_LE(double(taken), 1.5 * double(estimate));
+    EXPECT_GE(1.5 * double(taken), double(estimate));
+}
+
+TEST(GpuPhotonMapping, RefusesWhatOnlyTheCpuHas) {
+    const auto pointer_of = [](auto change) -> std::string {
+        PhotonMappingParams params;
+        change(params);
+        try {
+            PhotonMappingGpu::check_gpu(params);
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code, ErrorCode::Unsupported);
+            return error.faults.at(0).pointer;
+        }
+        return "";
+    };
+    EXPECT_EQ(pointer_of([](PhotonMappingParams& p) { p.soft_disc = true; }), "");
+    EXPECT_EQ(pointer_of([](PhotonMappingParams& p) { p.shadow_photons = true; }), "/shadow_photons");
+    EXPECT_EQ(pointer_of([](PhotonMappingParams& p) { p.precompute_irradiance = true; }), "/precompute_irradiance");
+    EXPECT_EQ(pointer_of([](PhotonMappingParams& p) { p.gather_sampling = GatherSampling::Photons; }),
+              "/gather_sampling");
+    EXPECT_EQ(pointer_of([](PhotonMappingParams& p) { p.boundary = DiscBoundary::Clip; }), "/boundary");
+    EXPECT_EQ(pointer_of([](PhotonMappingParams& p) { p.keep_photon_map = true; }), "/keep_photon_map");
+}
+
+}  // namespace
+}  // namespace photond
