@@ -187,7 +187,20 @@ json device_schema() {
                   {"driver", nullable("string")},
                   {"memory_bytes", nullable("integer")},
                   {"software", nullable("boolean")},
-                  {"state", one_of_words({"ready", "busy", "failed"})}});
+                  {"state", with_text(one_of_words({"ready", "busy", "failed"}),
+                                      "failed: its worker does not stay up, or it lacks something")},
+                  {"served", typed("boolean", "jobs can be rendered on it: the daemon was given it by --devices")},
+                  {"lacks", with_text(list_of(typed("string")), "what photond needs and the device has not")},
+                  {"limits", or_null(given({{"storage_buffer_bytes", count()},
+                                            {"allocation_bytes", count()},
+                                            {"storage_buffers", count()},
+                                            {"push_constant_bytes", count()},
+                                            {"shared_memory_bytes", count()},
+                                            {"workgroup_size", count()},
+                                            {"workgroups", list_of(count())},
+                                            {"subgroup_size", count()},
+                                            {"image_side", count()},
+                                            {"timestamp_seconds", typed("number", "of a tick; 0: none")}}))}});
 }
 
 json statistics_schema() {
@@ -212,10 +225,14 @@ json statistics_schema() {
                            {"accounted_bytes", bytes},
                            {"baseline_resident_bytes", bytes},
                            {"peak_resident_bytes", bytes},
+                           {"device_structures", with_text(or_null(map_of(count())), "of a GPU's memory")},
                            {"peak_device_bytes", bytes}})},
          {"needs", or_null(typed("object"))},
          {"skipped", list_of(given({{"what", typed("string")}, {"why", typed("string")}, {"bytes_saved", count()}}))},
-         {"device", given({{"id", typed("string")}, {"name", nullable("string")}, {"driver", nullable("string")}})},
+         {"device", given({{"id", typed("string")},
+                           {"name", nullable("string")},
+                           {"driver", nullable("string")},
+                           {"software", nullable("boolean")}})},
          {"version", typed("string")},
          {"host_cores", nullable("integer")},
          {"threads", nullable("integer")},
@@ -224,7 +241,8 @@ json statistics_schema() {
          {"pixel_hash", nullable("string")},
          {"nan_count", count()},
          {"infinity_count", count()},
-         {"device_shared", nullable("boolean")},
+         {"device_shared", nullable("boolean", "another job ran meanwhile on the same cores")},
+         {"host_shared", nullable("boolean", "another job ran meanwhile, on whatever device")},
          {"pass_ranges", with_text(list_of(pass_range), "[first, end) of each run of passes")},
          {"resumed_passes", count("rendered by earlier attempts")},
          {"settings_hash", nullable("string", "of all that decides a pass's pixels")},
@@ -259,6 +277,15 @@ json job_schema(const ApiVocabulary& vocabulary) {
         links["required"].push_back(artefact_link(artefact.name));
     }
     const json time{{"type", {"string", "null"}}, {"format", "date-time"}};
+    json attempt = given({{"attempt", in_range(typed("integer"), 1, nullptr)},
+                          {"device", nullable("string")},
+                          {"started", time},
+                          {"finished", time},
+                          {"outcome", nullable("string")},
+                          {"passes_done", count()},
+                          {"reason", nullable("string")}});
+    attempt["properties"]["device_shared"] = typed("boolean", "when it is over: as in statistics");
+    attempt["properties"]["host_shared"] = typed("boolean", "likewise");
     const json curve_point = given({{"seconds", typed("number")},
                                     {"passes", count()},
                                     {"photons", nullable("integer")},
@@ -275,13 +302,7 @@ json job_schema(const ApiVocabulary& vocabulary) {
                   {"created", {{"type", "string"}, {"format", "date-time"}}},
                   {"started", time},
                   {"finished", time},
-                  {"attempts", list_of(given({{"attempt", in_range(typed("integer"), 1, nullptr)},
-                                              {"device", nullable("string")},
-                                              {"started", time},
-                                              {"finished", time},
-                                              {"outcome", nullable("string")},
-                                              {"passes_done", count()},
-                                              {"reason", nullable("string")}}))},
+                  {"attempts", list_of(std::move(attempt))},
                   {"request", schema_ref("JobRequest")},
                   {"links", links},
                   {"statistics", nullable_ref("Statistics")},
@@ -314,6 +335,7 @@ json image_schema() {
 
 json estimate_schema() {
     return given({{"memory_bytes", count("what the job will hold: film, scene, ray structure and the method's own")},
+                  {"device_memory_bytes", nullable("integer", "likewise, of a GPU's memory; null on the CPU")},
                   {"seconds", nullable("number", "of rendering; null while the method has rendered nothing here")}});
 }
 

@@ -3,8 +3,9 @@
 // file descriptor 3), each with "type". Files named in messages are absolute paths inside the data directory; the
 // writer writes beside, fsyncs and renames.
 //
-// The worker's command line: photond-worker --device cpu|none --memory-limit BYTES --threads N (0: all cores).
-// A process whose peer has closed the socket ends at once; an Error that ends a helper's request is its "failure".
+// The worker's command line: photond-worker --device cpu|gpu:N|none --memory-limit BYTES --threads N (0: all cores),
+// and for a GPU --pipeline-cache FILE. photond-worker --device list says "devices" and ends. A process whose peer has
+// closed the socket ends at once; an Error that ends a helper's request is its "failure".
 //
 // clang-format off
 // worker -> daemon
@@ -24,6 +25,8 @@
 //               "stopping": true when the job ended because of "stop"}
 //               The film is there when a pass was finished and the job did not fail; it is at the "film" path of the order.
 //               Each artefact (MethodInfo::artefacts) lies beside it at artefact_path(film, name); none with "stopping".
+//   device_lost {"job", "attempt", "reason"}   the GPU stopped answering; the process then ends with kDeviceLostStatus
+//   devices    {"items": [{device object of protocol.md}..]}              all of this machine, by --device list
 //   reply      {"request": n, "result": {..}|null, "failure": as above|null}   answers a helper's request
 // daemon -> worker
 //   render     {"job", "attempt", "request": job request,
@@ -84,7 +87,8 @@ inline std::filesystem::path artefact_path(const std::filesystem::path& film, st
 }
 
 inline constexpr size_t kMaxMessageBytes = size_t{16} << 20;
-inline constexpr int kWorkerSocket = 3;  // the worker's end of the socket pair
+inline constexpr int kWorkerSocket = 3;      // the worker's end of the socket pair
+inline constexpr int kDeviceLostStatus = 3;  // exit status of a worker whose GPU is lost
 
 /// Line-framed JSON over a stream socket. Reads are buffered; writes are whole lines under a lock.
 class MessageChannel {

@@ -20,10 +20,22 @@ namespace {
 
 constexpr size_t kEventsKept = 20'000;  // in the store, for Last-Event-ID
 constexpr uint64_t kEventIdsAhead = 10'000;
+constexpr uint64_t kDriverBytes = 1ull << 30;  // of a GPU's driver and its compiler, in a worker's own memory
 
 uint64_t milliseconds_until(SteadyClock::time_point begun) {
     return static_cast<uint64_t>(
         std::chrono::duration_cast<std::chrono::milliseconds>(SteadyClock::now() - begun).count());
+}
+
+Options with_devices_of(DeviceList& list, Options given) {
+    given.devices = list.resolve(given.devices);
+    return given;
+}
+
+/// "gpu:0" as "gpu-0.bin".
+std::string pipeline_cache_name(std::string device) {
+    std::replace(device.begin(), device.end(), ':', '-');
+    return device + ".bin";
 }
 
 }  // namespace
@@ -43,15 +55,12 @@ int64_t read_cursor(const std::string& cursor, int64_t otherwise) {
 }
 
 Service::Impl::Impl(Options given)
-    : options(std::move(given)),
+    : device_list(given.worker_program),
+      options(with_devices_of(device_list, std::move(given))),
       files(options.data_dir),
       vocabulary(job_vocabulary()),
       artefacts(options.limits.artefact_cache_bytes),
       store(files.store) {
-    for (const std::string& device : options.devices)
-        if (device != "cpu")
-            throw Error(ErrorCode::DeviceUnavailable,
-                        "device '" + device + "' is unavailable: this build renders on the cpu only");
     recover();
     sweep_orphans();
     start_processes();
@@ -86,11 +95,16 @@ void Service::Impl::recover() {
     }
     for (const JobRow& row : store.jobs_to_purge()) purge(row);
     finish_purges();
-    for (const QueuedJob& job : store.queued_jobs())
+    std::map<std::string, size_t> without_device;  // they are kept for a daemon that has it
+    for (const QueuedJob& job : store.queued_jobs()) {
         if (job.waits_for)
             queue.hold(job.seq, job.priority, job.device, *job.waits_for);
         else
             queue.push(job.seq, job.priority, job.device);
+        if (!has_device(job.device)) ++without_device[job.device];
+    }
+    for (const auto& [device, jobs] : without_device)
+        spdlog::warn("{} jobs wait for device {}, which this daemon was not given (--devices)", jobs, device);
 }
 
 void Service::Impl::sweep_orphans() {
@@ -128,16 +142,29 @@ void Service::Impl::start_processes() {
         process, options.limits.helper_timeout_seconds, [this] { update_ready(); }, helper_exited);
     process.nice = options.worker_nice;
     process.threads = options.threads;
+    std::unordered_set<std::string> caches;
     for (const std::string& device : options.devices) {
         slots.push_back(std::make_unique<Slot>());
         Slot& slot = *slots.back();
         slot.device = process.device = device;
+        process.more_arguments.clear();
+        process.driver_bytes = 0;
+        if (device != "cpu") {
+            slot.device_object = listed_device(device);
+            slot.on_host_cores = slot.device_object.value("software", false);
+            process.driver_bytes = kDriverBytes;
+            if (slot.on_host_cores) process.driver_bytes += slot.device_object.value("memory_bytes", uint64_t{0});
+            caches.insert(pipeline_cache_name(device));
+            process.more_arguments = {"--pipeline-cache",
+                                      (files.pipeline_cache / pipeline_cache_name(device)).string()};
+        }
         slot.process = std::make_unique<WorkerProcess>(
             process,
             WorkerProcess::Callbacks{.message = [this, &slot](const json& message) { worker_message(slot, message); },
                                      .exited = [this, &slot](const ProcessExit& exit) { worker_exited(slot, exit); },
                                      .tick = [this, &slot] { worker_tick(slot); }});
     }
+    if (!caches.empty()) DataFiles::sweep(files.pipeline_cache, caches);  // what a killed worker left half written
     prewarm = std::thread([this] {
         try {
             for (const std::string_view name : builtin_scene_names()) builtin_object(std::string(name));
@@ -177,17 +204,34 @@ void Service::Impl::update_ready() {
     if (!all) ready = false;
 }
 
+bool Service::Impl::has_device(const std::string& id) const {
+    return std::find(options.devices.begin(), options.devices.end(), id) != options.devices.end();
+}
+
+json Service::Impl::listed_device(const std::string& id) {
+    for (json& device : device_list.get())
+        if (device.value("id", "") == id) return std::move(device);
+    throw Error(ErrorCode::DeviceUnavailable, "this machine has no device " + id + " any more");
+}
+
 Page Service::Impl::devices() {
+    std::vector<json> items = device_list.get();
+    for (json& device : items) device["served"] = false;  // as it is where no worker of ours has it
     const std::lock_guard lock(mutex);
-    json items = json::array();
     for (const auto& slot : slots) {
         json device = slot->device_object;
         if (!device.is_object())  // it has not answered yet
-            device = {{"id", slot->device}, {"kind", "cpu"},           {"name", nullptr},
-                      {"driver", nullptr},  {"memory_bytes", nullptr}, {"software", true}};
+            device = {{"id", slot->device},      {"kind", "cpu"},    {"name", nullptr},        {"driver", nullptr},
+                      {"memory_bytes", nullptr}, {"software", true}, {"lacks", json::array()}, {"limits", nullptr}};
+        device["served"] = true;
         const bool starting = slot->restarts == 0 && !slot->answered;
         device["state"] = slot->running || starting ? "busy" : slot->answered ? "ready" : "failed";
-        items.push_back(std::move(device));
+        const auto listed =
+            std::find_if(items.begin(), items.end(), [&](const json& item) { return item["id"] == slot->device; });
+        if (listed != items.end())
+            *listed = std::move(device);
+        else
+            items.push_back(std::move(device));
     }
     return {{"items", std::move(items)}, {"next_cursor", nullptr}};
 }

@@ -109,8 +109,8 @@ public:
     /// nothing here. Waits for the helper the first time a built-in scene is asked about.
     nlohmann::json estimate_job(const JobRequest& request);
     /// An item of "attempts": {"attempt", "device", "started", "finished", "outcome": "running", "succeeded", "failed",
-    /// "cancelled", "stopped", "lost", "crashed", "hung", "out_of_memory", "no_space" or "timed_out", "reason",
-    /// "passes_done"}.
+    /// "cancelled", "stopped", "lost", "crashed", "hung", "device_lost", "out_of_memory", "no_space" or "timed_out",
+    /// "reason", "passes_done"} and, when it is over, {"device_shared", "host_shared"}.
     nlohmann::json get_job(const std::string& id);
     Page list_jobs(const JobFilter& filter);
     /// The job and whether it was over already (200 instead of 202).
@@ -179,6 +179,8 @@ public:
 
     // --- system
     // -------------------------------------------------------------------------------------------------------
+    /// The CPU and all GPUs of the machine; what "served" says is what jobs can be rendered on. Waits for the process
+    /// that lists them the first time.
     Page devices();
     /// {"version", "uptime_seconds", "ready", "queue": {"queued", "running"}, "workers": [{"device", "state", "pid",
     /// "job", "restarts", "resident_bytes"}], "disk_free_bytes"}.

@@ -35,13 +35,15 @@ NamedEnd end_of(const ProcessExit& exit) {
         case ExitCause::Hung: return {AttemptEnd::Crashed, "hung"};
         case ExitCause::OutOfMemory: return {AttemptEnd::OutOfMemory, "out_of_memory"};
         case ExitCause::NoSpace: return {AttemptEnd::NoSpace, "no_space"};
+        case ExitCause::DeviceLost: return {AttemptEnd::DeviceLost, "device_lost"};
         case ExitCause::Lost:
         case ExitCause::Ordered: break;
     }
     return {AttemptEnd::Lost, "lost"};
 }
 
-void close_attempt(JobRow& row, const std::string& outcome, const json& reason, int64_t passes_done) {
+void close_attempt(JobRow& row, const RunningAttempt& attempt, const std::string& outcome, const json& reason,
+                   int64_t passes_done) {
     json attempts = json::parse(row.attempts);
     if (attempts.empty()) return;
     json& last = attempts.back();
@@ -49,6 +51,8 @@ void close_attempt(JobRow& row, const std::string& outcome, const json& reason, 
     last["outcome"] = outcome;
     last["reason"] = reason;
     last["passes_done"] = passes_done;
+    last["device_shared"] = attempt.device_shared;
+    last["host_shared"] = attempt.host_shared;
     row.attempts = attempts.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
@@ -168,6 +172,18 @@ void Service::Impl::begin_attempt(Slot& slot, JobRow row) {
                         {"save_seconds", options.save_seconds > 0 ? json(options.save_seconds) : json()},
                         {"limits", {{"memory_bytes", options.memory_limit_bytes}, {"threads", options.threads}}}});
     slot.running = std::move(attempt);
+    mark_shared(slot);
+}
+
+void Service::Impl::mark_shared(Slot& slot) {
+    for (const auto& other : slots) {
+        if (other.get() == &slot || !other->running) continue;
+        const bool same_cores = slot.on_host_cores && other->on_host_cores;
+        for (RunningAttempt* attempt : {&*slot.running, &*other->running}) {
+            attempt->host_shared = true;
+            attempt->device_shared = attempt->device_shared || same_cores;
+        }
+    }
 }
 
 void Service::Impl::cancel_running(Slot& slot) {
@@ -213,6 +229,8 @@ void Service::Impl::worker_message(Slot& slot, const json& message) {
                 curve(slot, message);
             } else if (type == "film_saved") {
                 film_saved(slot, message);
+            } else if (type == "device_lost") {
+                slot.running->device_lost = message.value("reason", "");
             } else if (type == "finished") {
                 finished(slot, message);
             }
@@ -258,8 +276,17 @@ void Service::Impl::record_result(const RunningAttempt& attempt, const json& mes
         row.error_now = text_of(object_or_null(message, "error_now"));
     }
     row.finished_ms = now_ms();
-    const json statistics = message.value("statistics", json());
+    json statistics = message.value("statistics", json());
     if (statistics.is_object()) {
+        // Of what an earlier attempt left, its record tells.
+        const json before = json::parse(row.attempts);
+        const auto was_shared = [&](const char* what, bool now) {
+            for (const json& earlier : before)
+                now = now || (earlier.value("passes_done", 0) > 0 && earlier.value(what, false));
+            return now;
+        };
+        statistics["device_shared"] = was_shared("device_shared", attempt.device_shared);
+        statistics["host_shared"] = was_shared("host_shared", attempt.host_shared);
         row.statistics = statistics.dump(-1, ' ', false, json::error_handler_t::replace);
         const json hash = statistics.value("pixel_hash", json());
         row.pixel_hash = hash.is_string() ? hash.get<std::string>() : "";
@@ -294,7 +321,7 @@ void Service::Impl::record_result(const RunningAttempt& attempt, const json& mes
     }
     row.artefacts = is_over(row.state) && has_film ? kept_artefacts(row, message).dump() : "[]";
     const int64_t reached = message.value("passes_done", int64_t{0});
-    close_attempt(row, outcome, reason, reached);
+    close_attempt(row, attempt, outcome, reason, reached);
     const std::string line = "attempt " + std::to_string(row.attempt) + " " + outcome + " after " +
                              std::to_string(reached) + " passes" +
                              (reason.is_string() ? ": " + reason.get<std::string>() : "");
@@ -321,7 +348,7 @@ void Service::Impl::record_loss(const RunningAttempt& attempt, const ProcessExit
     auto found = store.job(attempt.seq);
     if (!found || found->state != JobState::Running || found->attempt != attempt.attempt) return;
     JobRow row = *std::move(found);
-    std::string reason = "the worker " + exit.text;
+    std::string reason = attempt.device_lost.empty() ? "the worker " + exit.text : attempt.device_lost;
     NamedEnd end = end_of(exit);
     if (exit.text.starts_with("the daemon")) reason = exit.text;
     // The row says what the film holds that was saved last: that is what the job has, and goes on from.
@@ -340,7 +367,7 @@ void Service::Impl::record_loss(const RunningAttempt& attempt, const ProcessExit
             reason = "passed the limit of " + std::to_string(options.limits.max_job_seconds) + " s";
         }
         row.losses += end.end == AttemptEnd::Lost;
-        row.crashes += end.end == AttemptEnd::Crashed;
+        row.crashes += end.end == AttemptEnd::Crashed || end.end == AttemptEnd::DeviceLost;
         if (const auto failure = failure_after(end.end, row.losses, row.crashes)) {
             row.state = JobState::Failed;
             row.failure =
@@ -350,7 +377,7 @@ void Service::Impl::record_loss(const RunningAttempt& attempt, const ProcessExit
         }
     }
     if (is_over(row.state)) row.finished_ms = now_ms();
-    close_attempt(row, outcome, reason, attempt.passes_done);
+    close_attempt(row, attempt, outcome, reason, attempt.passes_done);
     commit_state(row,
                  "attempt " + std::to_string(row.attempt) + " " + outcome + ": " + reason +
                      (row.state == JobState::Queued ? "; queued again" : ""),

@@ -118,6 +118,15 @@ uint64_t Service::Impl::estimate_memory_bytes(const JobRequest& request, const S
            ask_method(request, workload, &MethodInfo::estimate_bytes);
 }
 
+std::optional<uint64_t> Service::Impl::estimate_device_bytes(const JobRequest& request, const SceneRef& scene) {
+    const MethodInfo* method = find_method(request.method.name);
+    if (request.method.device == "cpu" || !method || !method->estimate_device_bytes) return std::nullopt;
+    const json summary = summary_of(scene);
+    const Workload workload = workload_of(request, summary);
+    return summary.value("memory_bytes", uint64_t{0}) + workload.environment_size.pixels() * sizeof(Rgb) +
+           ask_method(request, workload, &MethodInfo::estimate_device_bytes);
+}
+
 uint64_t Service::Impl::estimate_disk_bytes(const JobRequest& request, const SceneRef& scene) {
     const Workload workload = workload_of(request, summary_of(scene));
     // A film that is saved again lies beside the one before until it is whole.
@@ -151,7 +160,10 @@ json Service::Impl::estimate_job(const JobRequest& request) {
             seconds = request.stop.seconds ? std::min(estimate, *request.stop.seconds) : estimate;
         }
     }
-    return {{"memory_bytes", estimate_memory_bytes(request, scene)}, {"seconds", std::move(seconds)}};
+    const auto on_device = estimate_device_bytes(request, scene);
+    return {{"memory_bytes", estimate_memory_bytes(request, scene)},
+            {"device_memory_bytes", on_device ? json(*on_device) : json()},
+            {"seconds", std::move(seconds)}};
 }
 
 }  // namespace photond

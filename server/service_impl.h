@@ -33,6 +33,7 @@
 #include "server/store/artefact_cache.h"
 #include "server/store/data_files.h"
 #include "server/store/store.h"
+#include "server/workers/device_list.h"
 #include "server/workers/helper.h"
 #include "server/workers/worker_process.h"
 
@@ -66,6 +67,9 @@ struct RunningAttempt {
     SteadyClock::time_point kill_at = SteadyClock::time_point::max();   // when it has not answered a cancel
     bool deadline_passed = false;
     uint64_t snapshots = 0;
+    bool device_shared = false;  // another job ran meanwhile on the same cores ...
+    bool host_shared = false;    // ... or at all
+    std::string device_lost;     // the worker's reason; empty: it has said none
     std::shared_ptr<const Snapshot> snapshot;
     /// How it ended, when the store could not be written (disk full): tried again until it can.
     std::function<void()> unsettled;
@@ -74,8 +78,9 @@ struct RunningAttempt {
 struct Slot {
     std::string device;
     std::unique_ptr<WorkerProcess> process;
-    bool answered = false;  // the process at hand has said hello
-    nlohmann::json device_object;
+    bool answered = false;         // the process at hand has said hello
+    nlohmann::json device_object;  // of protocol.md; null until the CPU's worker has answered
+    bool on_host_cores = true;     // the CPU, or a GPU that is software
     uint64_t restarts = 0;
     uint64_t jobs_done = 0;  // by the process at hand
     std::optional<RunningAttempt> running;
@@ -115,7 +120,11 @@ struct Service::Impl {
     void start_processes();
     void stop();
     void update_ready();
-    Page devices();
+    /// A worker of ours renders on it, or is to.
+    bool has_device(const std::string& id) const;
+    /// What the list says of it. Throws DeviceUnavailable where it says nothing.
+    nlohmann::json listed_device(const std::string& id);
+    Page devices();  // takes the lock; may wait for the process that lists them
     nlohmann::json status();
     std::string metrics_text();
 
@@ -163,8 +172,12 @@ struct Service::Impl {
     void accept(Insertion inserted);
     /// Everything of a request that depends on this daemon; the scene it means. Under the lock.
     SceneRef check_request(const JobRequest& request);
+    /// Throws Unsupported for parameters that only the CPU has, where the method is to run on a GPU; faults at
+    /// prefix + "/method/parameters/...".
+    static void check_parameters(const JobMethod& method, const std::string& prefix);
     /// Pixels and memory, at `pointer`.
     void check_size(const JobRequest& request, const SceneRef& scene, const std::string& pointer);
+    void check_device_memory(const JobRequest& request, const SceneRef& scene, const std::string& pointer);
     std::string device_of(const JobMethod& method, const std::string& pointer = "/method/device") const;
     /// The job an idempotency key was used for; IdempotencyMismatch when that was with another body.
     std::optional<JobRow> job_of_key(const std::string& key, const std::string& body_sha256);
@@ -276,6 +289,8 @@ struct Service::Impl {
     nlohmann::json estimate_job(const JobRequest& request);  // takes the lock; may wait for the helper
     /// What the worker's budget will hold, to a few percent; under the lock.
     uint64_t estimate_memory_bytes(const JobRequest& request, const SceneRef& scene);
+    /// What it will take of a GPU's memory, its scene included; nothing on the CPU.
+    std::optional<uint64_t> estimate_device_bytes(const JobRequest& request, const SceneRef& scene);
     Workload workload_of(const JobRequest& request, const nlohmann::json& scene_summary);  // under the lock
     nlohmann::json summary_of(const SceneRef& scene);
     static uint64_t film_bytes(const JobRequest& request);
@@ -289,6 +304,8 @@ struct Service::Impl {
     void worker_message(Slot& slot, const nlohmann::json& message);  // takes the lock
     void worker_exited(Slot& slot, const ProcessExit& exit);         // takes the lock
     void worker_tick(Slot& slot);                                    // takes the lock
+    /// Another job has begun there: what runs beside it shares the host, and the device where that is the host's cores.
+    void mark_shared(Slot& slot);
     void progress(Slot& slot, const nlohmann::json& message);
     void film_saved(Slot& slot, const nlohmann::json& message);
     /// The attempt has saved its film: from here on the job goes on from there, whatever becomes of the attempt.
@@ -360,7 +377,8 @@ struct Service::Impl {
     FilmSource source_named(const std::string& name, const std::string& pointer, nlohmann::json& source);
     nlohmann::json measure(const nlohmann::json& body);
 
-    const Options options;
+    DeviceList device_list;
+    const Options options;  // its devices by id, each once
     DataFiles files;
     Metrics metrics;
     EventHub events;

@@ -244,6 +244,9 @@ void Service::Impl::check_one_range(const JobRow& row) {
 json Service::Impl::queue_again(JobRow row, const std::string& why) {
     const JobRequest request = parse_job_request(json::parse(row.request), vocabulary);
     const std::string id = job_id(row.seq);
+    if (!has_device(row.device))
+        throw Error(ErrorCode::DeviceUnavailable,
+                    "job " + id + " is rendered on " + row.device + ", which this daemon was not given");
     check_unused(row, true);
     const auto scene = find_scene(row.scene);
     if (!scene) throw Error(ErrorCode::WrongState, "the scene of job " + id + " has been deleted");

@@ -98,7 +98,9 @@ void Service::Impl::check_reference(const JobRequest& request, const SceneRef& s
     if (request.reference->rendering) {
         const JobRequest reference = reference_request(request);
         device_of(reference.method, "/reference/method/device");
+        check_parameters(reference.method, "/reference");
         check_size(reference, scene, "/reference/method");
+        check_device_memory(reference, scene, "/reference/method");
         return check_layers(request, "'" + reference.method.name + "'", reference.layers);
     }
     if (!request.reference->image.empty()) {

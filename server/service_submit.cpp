@@ -5,9 +5,12 @@
 #include <algorithm>
 
 #include "protocol/nearest_name.h"
+#include "protocol/param_json.h"
 #include "renderer/core/sha256.h"
+#include "renderer/methods/registry.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "server/clock_text.h"
+#include "server/device_memory.h"
 #include "server/service_impl.h"
 
 namespace photond {
@@ -42,8 +45,24 @@ std::string Service::Impl::device_of(const JobMethod& method, const std::string&
                 "this daemon has no device '" + method.device + "'; it has: " + known);
 }
 
+void Service::Impl::check_parameters(const JobMethod& method, const std::string& prefix) {
+    const MethodInfo* info = find_method(method.name);
+    if (!info || method.device == "cpu") return;
+    const std::unique_ptr<MethodParams> params = info->make_params();
+    std::vector<Fault> faults;  // none: the reader of jobs has seen to that
+    read_params(*params, method.parameters, "/method/parameters", faults);
+    try {
+        info->check_gpu(*params);
+    } catch (const Error& error) {
+        faults = error.faults;
+        for (Fault& fault : faults) fault.pointer.insert(0, prefix);
+        throw Error(error.code, error.what(), std::move(faults));
+    }
+}
+
 Service::Impl::SceneRef Service::Impl::check_request(const JobRequest& request) {
     device_of(request.method);
+    check_parameters(request.method, "");
     auto scene = find_scene(request.scene);
     if (!scene) {
         std::vector<std::string> known;
@@ -74,6 +93,7 @@ Service::Impl::SceneRef Service::Impl::check_request(const JobRequest& request) 
             throw Error(ErrorCode::UnknownName, "/environment/image", "there is no image '" + image + "'");
     }
     check_size(request, *scene, "/image");
+    check_device_memory(request, *scene, "/image");
     check_reference(request, *scene);
     return *std::move(scene);
 }
@@ -90,6 +110,19 @@ void Service::Impl::check_size(const JobRequest& request, const SceneRef& scene,
     if (bytes > options.memory_limit_bytes)
         throw Error(ErrorCode::OutOfMemory, pointer,
                     "the limit of a worker is " + std::to_string(options.memory_limit_bytes) + " bytes" + needs);
+}
+
+void Service::Impl::check_device_memory(const JobRequest& request, const SceneRef& scene, const std::string& pointer) {
+    const auto bytes = estimate_device_bytes(request, scene);
+    if (!bytes) return;
+    const std::string id = device_of(request.method);
+    const json device = listed_device(id);
+    const uint64_t limit = job_device_limit_bytes(device_limit_bytes(
+        device.value("memory_bytes", uint64_t{0}), device.value("software", false), options.memory_limit_bytes));
+    if (*bytes > limit)
+        throw Error(ErrorCode::OutOfMemory, pointer,
+                    "a job may hold " + std::to_string(limit) + " bytes of " + id + " (" + device.value("name", "") +
+                        "); this one needs about " + std::to_string(*bytes));
 }
 
 void Service::Impl::check_room(size_t jobs, uint64_t disk_bytes) const {

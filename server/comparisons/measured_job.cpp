@@ -28,12 +28,16 @@ CurvePoint curve_point(const json& source) {
     return point;
 }
 
-/// What rendering took beside the idle process, host and device together.
-std::optional<uint64_t> peak_bytes(const json& memory) {
+/// What rendering took beside the idle process, host and device together. A software device's memory is the host's:
+/// it is among what was resident.
+std::optional<uint64_t> peak_bytes(const json& statistics) {
+    const json memory = statistics.value("memory", json::object()), device = statistics.value("device", json::object());
     const auto peak = count_of(memory, "peak_resident_bytes");
     if (!peak) return std::nullopt;
     const uint64_t baseline = count_of(memory, "baseline_resident_bytes").value_or(0);
-    return (*peak > baseline ? *peak - baseline : 0) + count_of(memory, "peak_device_bytes").value_or(0);
+    const bool on_card = device.value("software", json()) == false;
+    return (*peak > baseline ? *peak - baseline : 0) +
+           (on_card ? count_of(memory, "peak_device_bytes").value_or(0) : 0);
 }
 
 }  // namespace
@@ -44,7 +48,7 @@ void add_measurements(MeasuredJob& job, const json& curve, const json& statistic
     if (!statistics.is_object()) return;
     job.error = figures(statistics.value("error", json()));
     job.reference_error = figures(statistics.value("reference_error", json()));
-    job.peak_bytes = peak_bytes(statistics.value("memory", json::object()));
+    job.peak_bytes = peak_bytes(statistics);
     const json counts = statistics.value("counts", json::object());
     job.photons = count_of(counts, "photons_emitted");
     if (job.photons == 0) job.photons.reset();  // a method without photons

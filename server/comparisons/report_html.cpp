@@ -190,7 +190,8 @@ std::string pictures(const Report& report) {
     return html.empty() ? "" : heading("Images") + html;
 }
 
-/// Bytes of each structure (statistics.memory) of each row's first job that has statistics.
+/// Bytes of each structure (statistics.memory), on the host and on its device, of each row's first job that has
+/// statistics.
 std::string structures_table(const Report& report) {
     const json& jobs = report.comparison.at("jobs");
     std::vector<std::pair<std::string, json>> rows;
@@ -198,9 +199,12 @@ std::string structures_table(const Report& report) {
     for (size_t i = 0; i < std::min(jobs.size(), report.statistics.size()); ++i) {
         const json& statistics = report.statistics[i];
         const json memory = statistics.is_object() ? statistics.value("memory", json()) : json();
-        const json structures = memory.is_object() ? memory.value("structures", json()) : json();
+        json structures = memory.is_object() ? memory.value("structures", json()) : json();
         const std::string name = row_name(plain(jobs[i]["label"]), jobs[i]["parameters"]);
         if (!structures.is_object() || !seen.insert(name).second) continue;
+        const json on_device = memory.value("device_structures", json());
+        if (on_device.is_object())
+            for (const auto& [structure, bytes] : on_device.items()) structures["device: " + structure] = bytes;
         for (const auto& [structure, bytes] : structures.items()) names.insert(structure);
         rows.emplace_back(name, structures);
     }
@@ -213,6 +217,46 @@ std::string structures_table(const Report& report) {
         for (const std::string& structure : names) {
             const json bytes = structures.value(structure, json());
             html += "<td>" + (bytes.is_number_unsigned() ? short_bytes(bytes.get<uint64_t>()) : "–") + "</td>";
+        }
+        html += "</tr>";
+    }
+    return html + "</tbody></table></div>\n";
+}
+
+/// Where a row's time went: wall seconds of each stage of its first job that has statistics, and the GPU's own.
+std::string stages_table(const Report& report) {
+    const json& jobs = report.comparison.at("jobs");
+    std::vector<std::pair<std::string, json>> rows;
+    std::vector<std::string> names;
+    std::set<std::string> seen;
+    for (size_t i = 0; i < std::min(jobs.size(), report.statistics.size()); ++i) {
+        const json& statistics = report.statistics[i];
+        const json stages = statistics.is_object() ? statistics.value("stages", json()) : json();
+        const std::string name = row_name(plain(jobs[i]["label"]), jobs[i]["parameters"]);
+        if (!stages.is_array() || !seen.insert(name).second) continue;
+        for (const json& stage : stages)
+            if (const std::string stage_name = plain(stage.at("name"));
+                std::find(names.begin(), names.end(), stage_name) == names.end())
+                names.push_back(stage_name);
+        rows.emplace_back(name, stages);
+    }
+    if (names.empty()) return "";
+    std::string html =
+        "<p></p><div class=\"scroll\"><table><caption>Seconds by stage, of the clock and (gpu) of the device; stages "
+        "of the device run within others of the clock</caption><thead><tr><th></th>";
+    for (const std::string& name : names) html += "<th>" + escaped(name) + "</th>";
+    html += "</tr></thead><tbody>";
+    for (const auto& [name, stages] : rows) {
+        html += "<tr><td>" + escaped(name) + "</td>";
+        for (const std::string& stage_name : names) {
+            std::string cell;
+            for (const json& stage : stages) {
+                if (stage.at("name") != stage_name) continue;
+                const json wall = stage.value("wall_seconds", json()), gpu = stage.value("gpu_seconds", json());
+                if (wall.is_number() && wall.get<double>() > 0) cell = short_seconds(wall);
+                if (gpu.is_number()) cell += (cell.empty() ? "" : ", ") + short_seconds(gpu) + " gpu";
+            }
+            html += "<td>" + (cell.empty() ? std::string("–") : cell) + "</td>";
         }
         html += "</tr>";
     }
@@ -233,12 +277,14 @@ std::string jobs_table(const Report& report) {
             return value.is_null() ? std::string("–") : escaped(plain(value));
         };
         const json device = statistics.is_object() ? statistics.value("device", json()) : json();
+        const json driver = device.is_object() ? device.value("driver", json()) : json();
         html += "<tr><td>" + escaped(row_name(plain(job["label"]), job["parameters"])) + "</td><td>" +
                 escaped(plain(job["id"])) + "</td><td>" + plain(job["seed"]) + "</td><td>" +
                 escaped(plain(job["state"])) + "</td><td>" + plain(job["passes_done"]) + "</td><td>" +
                 short_seconds(job["seconds"]) + "</td><td class=\"text\">" +
-                (device.is_object() ? escaped(plain(device.value("name", json("–")))) : "–") + "</td><td>" +
-                fact("threads") + "</td><td>" + fact("version") + "</td><td class=\"hash\">" + fact("job_hash") +
+                (device.is_object() ? escaped(plain(device.value("name", json("–")))) : "–") +
+                (driver.is_string() ? ", " + escaped(plain(driver)) : "") + "</td><td>" + fact("threads") +
+                "</td><td>" + fact("version") + "</td><td class=\"hash\">" + fact("job_hash") +
                 "</td><td class=\"hash\">" + fact("pixel_hash") + "</td></tr>";
     }
     return html + "</tbody></table></div>\n";
@@ -268,7 +314,7 @@ std::string report_html(const Report& report) {
                        kReportCss + styles_of_series(report.table.rows.size()) + "</style></head><body>\n";
     html += header(report) + state_note(report) + verdicts(report) + reference_warnings(report);
     for (const std::string& metric : report.table.metrics) html += metric_section(report.table, metric);
-    html += heading("What it cost") + cost_table(report.table) + structures_table(report);
+    html += heading("What it cost") + cost_table(report.table) + structures_table(report) + stages_table(report);
     html += pictures(report) + repetition(report);
     html +=
         "<footer>Times run on the jobs' own clocks: the method's beginning, its passes and its end; loading, "

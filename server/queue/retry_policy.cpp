@@ -10,6 +10,9 @@ std::optional<ErrorCode> failure_after(AttemptEnd end, int losses, int crashes) 
         case AttemptEnd::Crashed:
             if (crashes > kFurtherAttemptsAfterCrash) return ErrorCode::WorkerCrashed;
             return std::nullopt;
+        case AttemptEnd::DeviceLost:
+            if (crashes > kFurtherAttemptsAfterCrash) return ErrorCode::DeviceLost;
+            return std::nullopt;
         case AttemptEnd::OutOfMemory: return ErrorCode::OutOfMemory;
         case AttemptEnd::NoSpace: return ErrorCode::NoSpace;
         case AttemptEnd::TimedOut: return ErrorCode::TimedOut;

@@ -8,17 +8,19 @@
 namespace photond {
 
 inline constexpr int kFurtherAttemptsAfterLoss = 2;   // lost through no fault of the job's
-inline constexpr int kFurtherAttemptsAfterCrash = 1;  // crashed by a signal of its own
+inline constexpr int kFurtherAttemptsAfterCrash = 1;  // crashed by a signal of its own, or its GPU was lost
 
 enum class AttemptEnd : uint8_t {
     Lost,         // the daemon died, or the worker was killed from outside
     Crashed,      // the worker crashed, or hung, on this job
+    DeviceLost,   // the GPU stopped answering
     OutOfMemory,  // passed its memory limit
     NoSpace,      // passed its file size limit
     TimedOut,     // passed its deadline
 };
 
-/// Why the job fails now; empty: it goes back to the queue. The counts include the attempt that has just ended.
+/// Why the job fails now; empty: it goes back to the queue. The counts include the attempt that has just ended; lost
+/// devices are among the crashes.
 std::optional<ErrorCode> failure_after(AttemptEnd end, int losses, int crashes);
 
 }  // namespace photond

@@ -22,7 +22,7 @@ json strings(const auto& views) {
 json method_json(const MethodInfo& method) {
     json deterministic = json::object();
     for (const std::string_view kind : method.devices)
-        deterministic[std::string(kind)] = kind == "cpu" ? json(method.deterministic_cpu) : json(nullptr);
+        deterministic[std::string(kind)] = kind == "cpu" ? method.deterministic_cpu : method.deterministic_gpu;
     json artefacts = json::array();
     for (const ArtefactInfo& artefact : method.artefacts)
         artefacts.push_back({{"name", artefact.name},

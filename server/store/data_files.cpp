@@ -62,6 +62,7 @@ DataFiles::DataFiles(const fs::path& directory)
       films(made(directory / "films")),
       cache(made(directory / "cache")),
       spool(made(directory / "spool")),
+      pipeline_cache(made(directory / "pipeline-cache")),
       directory_(directory) {
     const fs::path lock_file = directory / "photond.lock";
     lock_ = open(lock_file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);

@@ -6,6 +6,7 @@
 //   scenes/ID/     uploaded scenes as unpacked     images/ID   uploaded images
 //   films/         films of jobs, one an attempt   cache/      encoded artefacts, emptied at start
 //   spool/         uploads under way, emptied at start
+//   pipeline-cache/  a file for each GPU: what its driver compiled, for the next worker
 
 #include <atomic>
 #include <cstdint>
@@ -25,7 +26,7 @@ public:
     DataFiles(const DataFiles&) = delete;
     DataFiles& operator=(const DataFiles&) = delete;
 
-    const std::filesystem::path store, scenes, images, films, cache, spool;
+    const std::filesystem::path store, scenes, images, films, cache, spool, pipeline_cache;
 
     /// A name nobody else was given.
     std::filesystem::path fresh_spool_path() { return spool / ("u" + std::to_string(++counter_)); }

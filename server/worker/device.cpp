@@ -3,6 +3,8 @@
 #include <fstream>
 
 #include "protocol/error.h"
+#include "renderer/backends/gpu/device.h"
+#include "server/device_memory.h"
 #include "server/worker/process_memory.h"
 
 namespace photond {
@@ -19,16 +21,58 @@ std::string processor_name() {
     return "CPU";
 }
 
+Device reported(const gpu::DeviceReport& report) {
+    return {report.id,    "gpu",         report.name, report.memory_bytes, report.driver, report.software,
+            report.lacks, report.limits, nullptr};
+}
+
 }  // namespace
 
 nlohmann::json Device::to_json() const {
-    return {{"id", id},         {"kind", kind},    {"name", name}, {"driver", nullptr}, {"memory_bytes", memory_bytes},
-            {"software", true}, {"state", "ready"}};
+    nlohmann::json limit_values;
+    if (limits)
+        limit_values = {{"storage_buffer_bytes", limits->storage_buffer_range},
+                        {"allocation_bytes", limits->allocation},
+                        {"storage_buffers", limits->storage_buffers},
+                        {"push_constant_bytes", limits->push_constants},
+                        {"shared_memory_bytes", limits->shared_memory},
+                        {"workgroup_size", limits->workgroup_size},
+                        {"workgroups", {limits->workgroups[0], limits->workgroups[1], limits->workgroups[2]}},
+                        {"subgroup_size", limits->subgroup_size},
+                        {"image_side", limits->image_side},
+                        {"timestamp_seconds", limits->timestamp_seconds}};
+    return {{"id", id},
+            {"kind", kind},
+            {"name", name},
+            {"driver", driver.empty() ? nlohmann::json() : nlohmann::json(driver)},
+            {"memory_bytes", memory_bytes},
+            {"software", software},
+            {"state", lacks.empty() ? "ready" : "failed"},
+            {"lacks", lacks},
+            {"limits", limit_values}};
 }
 
-Device open_device(const std::string& id) {
-    if (id == "cpu" || id == "none") return {id, "cpu", processor_name(), machine_memory_bytes()};
-    throw Error(ErrorCode::DeviceUnavailable, "there is no device \"" + id + "\"; known: cpu, none");
+Device open_device(const DeviceRequest& request) {
+    if (request.id == "cpu" || request.id == "none")
+        return {request.id, "cpu", processor_name(), machine_memory_bytes()};
+    if (!request.id.starts_with("gpu"))
+        throw Error(ErrorCode::DeviceUnavailable,
+                    "there is no device \"" + request.id + "\"; known: cpu, gpu, gpu:N, none");
+    for (const gpu::DeviceReport& report : gpu::list_devices()) {
+        if (report.id != request.id && !(request.id == "gpu" && report.lacks.empty())) continue;
+        Device device = reported(report);
+        device.in_use = std::make_shared<gpu::Device>(
+            gpu::DeviceOptions{report.id, request.pipeline_cache,
+                               device_limit_bytes(report.memory_bytes, report.software, request.memory_limit_bytes)});
+        return device;
+    }
+    throw Error(ErrorCode::DeviceUnavailable, "this machine has no device " + request.id + " that can render");
+}
+
+std::vector<Device> all_devices() {
+    std::vector<Device> devices{{"cpu", "cpu", processor_name(), machine_memory_bytes()}};
+    for (const gpu::DeviceReport& report : gpu::list_devices()) devices.push_back(reported(report));
+    return devices;
 }
 
 }  // namespace photond

@@ -97,8 +97,9 @@ std::string settings_hash(const JobRequest& request, RandomStreams streams) {
 }
 
 std::string device_class(const Device& device) {
-    return device.kind + "; " + device.name + "; " + processor_text() + "; C library " + gnu_get_libc_version() + "; " +
-           build_text();
+    const std::string driver = device.driver.empty() ? "" : device.driver + "; ";
+    return device.kind + "; " + device.name + "; " + driver + processor_text() + "; C library " +
+           gnu_get_libc_version() + "; " + build_text();
 }
 
 FilmIdentity film_identity(const JobRequest& request, const std::string& scene_id, RandomStreams streams,

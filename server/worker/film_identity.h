@@ -24,7 +24,8 @@ std::string settings_hash(const JobRequest& request, RandomStreams streams);
 /// the build's compiler, optimisation and instruction sets decide where products and sums are contracted to one
 /// rounding (-march=native: the build machine's, tuned for its model); Embree and the C library choose their code at
 /// run time by what the processor can do. All of these are in it, and the processor's name, which stands for the
-/// model that was tuned for.
+/// model that was tuned for; or the GPU's, with its driver, which compiles the shaders. So passes of a CPU and of a
+/// GPU, or of two kinds of card, are never mixed in one film.
 std::string device_class(const Device& device);
 
 /// Of the films a job renders. `device` ends with the program's version.

@@ -62,7 +62,7 @@ json statistics_of(const JoinedFilms& joined, const JobRequest& request, const s
     const Stats stats{joined.history.counts, joined.history.stages, joined.history.skipped};
     const MemoryBudget no_budget;
     const Needs no_needs;
-    const Device device{request.method.device, "", "", 0};
+    const Device device{.id = request.method.device, .kind = "", .name = ""};
     json statistics = statistics_json({.stats = stats,
                                        .film = joined.saved.film,
                                        .budget = no_budget,
@@ -77,10 +77,11 @@ json statistics_of(const JoinedFilms& joined, const JobRequest& request, const s
                                        .settings_hash = joined.saved.identity.settings,
                                        .resumed_passes = 0,
                                        .errors = nullptr});
-    for (const char* unknown : {"needs", "threads", "host_cores", "device_shared"}) statistics[unknown] = nullptr;
+    for (const char* unknown : {"needs", "threads", "host_cores", "device_shared", "host_shared"})
+        statistics[unknown] = nullptr;
     for (const char* unknown : {"accounted_bytes", "baseline_resident_bytes", "peak_resident_bytes"})
         statistics["memory"][unknown] = nullptr;
-    statistics["device"]["name"] = nullptr;
+    for (const char* unknown : {"name", "software"}) statistics["device"][unknown] = nullptr;
     return statistics;
 }
 

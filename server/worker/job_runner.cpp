@@ -5,18 +5,21 @@
 #include <tbb/task_arena.h>
 
 #include "protocol/worker_messages.h"
+#include "renderer/backends/gpu/device.h"
 #include "server/worker/process_memory.h"
 
 namespace photond {
 
 using nlohmann::json;
 
-JobRunner::JobRunner(SceneCache& scenes, Device device, unsigned max_threads, uint64_t memory_limit_bytes, Send send)
+JobRunner::JobRunner(SceneCache& scenes, Device device, unsigned max_threads, uint64_t memory_limit_bytes, Send send,
+                     std::function<void()> device_lost)
     : scenes_(scenes),
       device_(std::move(device)),
       max_threads_(max_threads),
       memory_limit_bytes_(memory_limit_bytes),
-      send_(std::move(send)) {}
+      send_(std::move(send)),
+      device_lost_(std::move(device_lost)) {}
 
 void JobRunner::run(const json& order, JobControl& control) noexcept {
     JobReport report;
@@ -34,6 +37,15 @@ void JobRunner::run(const json& order, JobControl& control) noexcept {
     // Code below this function throws; it catches only where a job can do without what failed.
     try {
         render(order, control, report);
+        // Compiled pipelines outlive a worker that is killed.
+        if (device_.in_use) device_.in_use->save_pipeline_cache();
+    } catch (const gpu::DeviceLost& lost) {
+        spdlog::error("job {}: {}", order.value("job", json(nullptr)).dump(), lost.what());
+        send_({{"type", "device_lost"},
+               {"job", order.value("job", json(nullptr))},
+               {"attempt", order.value("attempt", json(nullptr))},
+               {"reason", lost.what()}});
+        device_lost_();
     } catch (const Error& error) {
         fail(failure_json(error));
     } catch (const std::bad_alloc&) {

@@ -25,7 +25,7 @@ LayerSet layers_named(const std::vector<std::string>& names) {
     return layers;
 }
 
-std::unique_ptr<Method> make_method(const JobRequest& request) {
+std::unique_ptr<Method> make_method(const JobRequest& request, const std::string& device_kind) {
     const MethodInfo* info = find_method(request.method.name);
     if (!info)
         throw Error(ErrorCode::UnknownName, "/method/name", "there is no method \"" + request.method.name + "\"");
@@ -37,7 +37,11 @@ std::unique_ptr<Method> make_method(const JobRequest& request) {
         throw Error(ErrorCode::OutOfRange, first, std::move(faults));
     }
     params->check();
-    return info->make(*params);
+    if (device_kind == "cpu") return info->make(*params);
+    if (!info->make_gpu)
+        throw Error(ErrorCode::Unsupported, "/method/device", request.method.name + " does not run on a GPU");
+    info->check_gpu(*params);
+    return info->make_gpu(*params);
 }
 
 View resolve_view(const JobRequest& request, const Scene& scene) {

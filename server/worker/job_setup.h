@@ -10,8 +10,9 @@
 
 namespace photond {
 
-/// The method a request asks for, its parameters checked. Throws photond::Error with every fault's pointer.
-std::unique_ptr<Method> make_method(const JobRequest& request);
+/// The method a request asks for, for a device of that kind ("cpu", "gpu"), its parameters checked. Throws
+/// photond::Error with every fault's pointer.
+std::unique_ptr<Method> make_method(const JobRequest& request, const std::string& device_kind = "cpu");
 
 /// The view a request asks for, its camera found in the scene. Throws photond::Error with pointers into the request.
 View resolve_view(const JobRequest& request, const Scene& scene);

@@ -91,12 +91,14 @@ void RenderJob::run() {
 void RenderJob::load_scene() {
     // Baseline: what is resident before this job's scene, as if the scene were not in the cache. Scenes of other jobs
     // that are kept idle count to the baseline.
-    const uint64_t warm_bytes = scenes_.bytes_of(order_.source, order_.variant), resident = resident_bytes();
-    baseline_bytes_ = resident - std::min(resident, warm_bytes);
+    const uint64_t resident = resident_bytes();
+    const bool warm = scenes_.holds(order_.source, order_.variant);
     ready_ = scenes_.get(order_.source, order_.variant, budget_, stats_);
+    const uint64_t warm_bytes = warm ? ready_->bytes() + (device_.software ? ready_->device_bytes() : 0) : 0;
+    baseline_bytes_ = resident - std::min(resident, warm_bytes);
     if (device_.in_use) note_idle_device_memory();
     const auto triangles = static_cast<unsigned long long>(ready_->scene.triangle_count);
-    if (warm_bytes)
+    if (warm)
         log("scene %s: %llu triangles, ready from an earlier job", order_.request.scene.c_str(), triangles);
     else
         log("scene %s: %llu triangles, loaded in %.3f s, ray structure in %.3f s", order_.request.scene.c_str(),
@@ -168,12 +170,9 @@ std::optional<Film> RenderJob::film_to_go_on_with() {
 
 PassLoop::Result RenderJob::render() {
     const JobRequest& request = order_.request;
-    const RenderContext context{ready_->scene,
-                                ready_->intersector.get(),
-                                resolve_view(request, ready_->scene),
-                                order_.seed(),
-                                budget_,
-                                ready_->device_scene.get()};
+    const RenderContext context{
+        ready_->scene, ready_->intersector.get(), resolve_view(request, ready_->scene), order_.seed(),
+        budget_,       ready_->device_scene.get()};
     PassLoop loop{*method_, context, request.stop, control_.cancel,
                   [this](const Film& film, double seconds) { return after_pass(film, seconds); }};
     loop.pauses = [this](const Film& film, double seconds) {
@@ -230,10 +229,10 @@ void RenderJob::finish(const PassLoop::Result& result) {
         save(film, result.render_seconds, order_.film, control_.stopping);
         report_.film = order_.film.string();
     }
-    report_.statistics = statistics_json({stats_, film, budget_, ready_->scene.needs, device_, order_.request,
-                                          order_.source.id, result.render_seconds, order_.threads, baseline_bytes_,
-                                          peak_bytes, saver_->identity().settings, resumed_passes_, &errors,
-                                          on_device});
+    report_.statistics =
+        statistics_json({stats_, film, budget_, ready_->scene.needs, device_, order_.request, order_.source.id,
+                         result.render_seconds, order_.threads, baseline_bytes_, peak_bytes,
+                         saver_->identity().settings, resumed_passes_, &errors, on_device});
     report_.state = result.cancelled ? "cancelled" : "succeeded";
     log("%s after %u passes, %.3f s of rendering on %u threads", report_.state.c_str(), film.passes(),
         result.render_seconds, order_.threads);

@@ -22,6 +22,7 @@
 #include "server/worker/render_order.h"
 #include "server/worker/render_peak.h"
 #include "server/worker/scene_cache.h"
+#include "server/worker/statistics.h"
 
 namespace photond {
 
@@ -68,6 +69,10 @@ public:
 
 private:
     void load_scene();
+    /// What the device holds for other jobs' scenes.
+    void note_idle_device_memory();
+    /// What it holds, and held at most, for this job; empty on the CPU.
+    std::optional<DeviceMemoryUse> device_memory() const;
     void prepare_measuring();
     /// The film of an earlier attempt, where there is one that this job may go on with; otherwise the log says why
     /// not. Its statistics and its curve become this job's.
@@ -98,6 +103,7 @@ private:
     RenderPeak peak_;
     uint64_t baseline_bytes_ = 0;
     std::shared_ptr<const ReadyScene> ready_;
+    std::map<std::string, uint64_t> idle_device_structures_;
     std::optional<FilmErrors> errors_;
     std::optional<ErrorFollower> follower_;
     std::optional<FilmSaver> saver_;

@@ -95,16 +95,21 @@ void forbid_system_calls() {
 
 }  // namespace
 
-void enter_sandbox(const SandboxLimits& limits, int parent_socket) {
+void bind_to_parent(int parent_socket) {
     for (const int ignored : {SIGTERM, SIGINT, SIGPIPE, SIGXFSZ}) signal(ignored, SIG_IGN);
     die_with_parent(parent_socket);
     bound(RLIMIT_CORE, 0, "RLIMIT_CORE");
+}
+
+void enter_sandbox(const SandboxLimits& limits) {
     bound(RLIMIT_FSIZE, limits.file_bytes, "RLIMIT_FSIZE");
 #if !defined(__SANITIZE_ADDRESS__) && \
     !defined(__SANITIZE_THREAD__)  // their shadow memory is terabytes of address space
     mallopt(M_ARENA_MAX, kMallocArenas);
-    bound(RLIMIT_AS, virtual_bytes() + limits.memory_bytes + kReservedBytes + limits.threads * kReservedBytesAThread,
-          "RLIMIT_AS");
+    if (limits.bound_address_space)
+        bound(RLIMIT_AS,
+              virtual_bytes() + limits.memory_bytes + kReservedBytes + limits.threads * kReservedBytesAThread,
+              "RLIMIT_AS");
 #endif
     if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) fail("PR_SET_NO_NEW_PRIVS", errno);
     forbid_system_calls();

@@ -9,14 +9,21 @@ struct SandboxLimits {
     uint64_t memory_bytes = 0;  // what jobs may hold; address space is bounded somewhat above it
     uint64_t file_bytes = 0;    // largest file that may be written
     unsigned threads = 1;
+    /// A GPU's driver maps more than a job will ever hold: the daemon watches what is resident instead.
+    bool bound_address_space = true;
 };
 
 /// Binds the process' life to its parent's (SIGKILL when the thread that started it ends; `parent_socket` tells a
-/// parent that was gone before), takes away core dumps and new privileges, bounds files and address space, and forbids,
-/// by seccomp for all threads, what a renderer has no use for: new sockets, other programs, other processes, other
-/// users' rights, the kernel's configuration. A forbidden call fails with EPERM. SIGTERM, SIGINT, SIGPIPE and SIGXFSZ
-/// are ignored: the daemon speaks through the socket. Call it before any thread is started. Throws photond::Error
-/// (Internal) when any of it does not hold, ErrorCode::WorkerLost when the parent is gone.
-void enter_sandbox(const SandboxLimits& limits, int parent_socket);
+/// parent that was gone before) and takes away core dumps. SIGTERM, SIGINT, SIGPIPE and SIGXFSZ are ignored: the daemon
+/// speaks through the socket. Throws photond::Error (Internal) when any of it does not hold, ErrorCode::WorkerLost when
+/// the parent is gone.
+void bind_to_parent(int parent_socket);
+
+/// Takes away new privileges, bounds files and address space, and forbids, by seccomp for all threads, those that are
+/// there already among them, what a renderer has no use for: new sockets, other programs, other processes, other users'
+/// rights, the kernel's configuration. A forbidden call fails with EPERM. A GPU is opened before: its driver may ask
+/// services of the machine, or start programs, to get at the device, and no stranger has said anything by then. Throws
+/// photond::Error (Internal) when any of it does not hold.
+void enter_sandbox(const SandboxLimits& limits);
 
 }  // namespace photond

@@ -1,14 +1,18 @@
 #include "server/worker/scene_cache.h"
 
+#include <algorithm>
 #include <fstream>
 #include <vector>
 
 #include "protocol/error.h"
 #include "renderer/backends/cpu/embree_intersector.h"
+#include "renderer/backends/gpu/device.h"
+#include "renderer/backends/gpu/device_scene.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "renderer/scene/gltf_loader.h"
 #include "renderer/scene/solid_glass.h"
 #include "renderer/scene/texture_decode.h"
+#include "server/device_memory.h"
 #include "server/worker/process_memory.h"
 
 namespace photond {
@@ -33,6 +37,12 @@ EnvironmentMap read_environment(const std::filesystem::path& path) {
     return decode_environment(encoded, limits);
 }
 
+uint64_t sum_of(const std::map<std::string, uint64_t>& structures) {
+    uint64_t sum = 0;
+    for (const auto& [name, bytes] : structures) sum += bytes;
+    return sum;
+}
+
 }  // namespace
 
 SceneSource SceneSource::from_json(const json& json) {
@@ -47,11 +57,11 @@ SceneSource SceneSource::from_json(const json& json) {
     return source;
 }
 
-uint64_t ReadyScene::bytes() const {
-    uint64_t sum = 0;
-    for (const auto& [name, bytes] : structures) sum += bytes;
-    return sum;
-}
+ReadyScene::ReadyScene() = default;
+ReadyScene::~ReadyScene() = default;
+
+uint64_t ReadyScene::bytes() const { return sum_of(structures); }
+uint64_t ReadyScene::device_bytes() const { return sum_of(device_structures); }
 
 Scene load_scene(const SceneSource& source, const SceneVariant& variant, Stats& stats) {
     Scene scene;
@@ -91,14 +101,8 @@ std::string SceneCache::key_of(const SceneSource& source, const SceneVariant& va
 }
 
 bool SceneCache::holds(const SceneSource& source, const SceneVariant& variant) const {
-    return bytes_of(source, variant) > 0;
-}
-
-uint64_t SceneCache::bytes_of(const SceneSource& source, const SceneVariant& variant) const {
     const std::string key = key_of(source, variant);
-    for (const Entry& entry : entries_)
-        if (entry.key == key) return entry.ready->bytes();
-    return 0;
+    return std::any_of(entries_.begin(), entries_.end(), [&](const Entry& entry) { return entry.key == key; });
 }
 
 std::shared_ptr<const ReadyScene> SceneCache::get(const SceneSource& source, const SceneVariant& variant,
@@ -117,7 +121,13 @@ std::shared_ptr<const ReadyScene> SceneCache::get(const SceneSource& source, con
     MemoryBudget scene_budget(budget.limit_bytes());
     ready->scene.account(scene_budget);
     scene_budget.require("scene", 0);
-    ready->intersector = make_embree_intersector(ready->scene, scene_budget, stats);
+    if (device_) {
+        ready->device_scene = std::make_unique<gpu::DeviceScene>(*device_, ready->scene, stats);
+        ready->device_structures = ready->device_scene->structures();
+        release_free_memory();  // what building and sending it needed
+    } else {
+        ready->intersector = make_embree_intersector(ready->scene, scene_budget, stats);
+    }
     ready->structures = scene_budget.structures();
     for (const auto& [name, bytes] : ready->structures) budget.record(name, bytes);
     entries_.push_front({key, ready});
@@ -125,14 +135,17 @@ std::shared_ptr<const ReadyScene> SceneCache::get(const SceneSource& source, con
 }
 
 void SceneCache::evict_idle(const std::string& wanted_key) {
-    uint64_t idle = 0;
+    const uint64_t idle_device_bytes = device_ ? device_->memory_limit_bytes() / kIdleDeviceScenesDivisor : 0;
+    uint64_t idle = 0, idle_on_device = 0;
     for (auto entry = entries_.begin(); entry != entries_.end();) {
-        if (entry->key != wanted_key && (idle += entry->ready->bytes()) > idle_bytes_) {
-            idle -= entry->ready->bytes();
+        const uint64_t bytes = entry->ready->bytes(), device_bytes = entry->ready->device_bytes();
+        const bool fits = idle + bytes <= idle_bytes_ && idle_on_device + device_bytes <= idle_device_bytes;
+        if (entry->key != wanted_key && !fits) {
             entry = entries_.erase(entry);
-        } else {
-            ++entry;
+            continue;
         }
+        if (entry->key != wanted_key) idle += bytes, idle_on_device += device_bytes;
+        ++entry;
     }
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Scenes kept ready between jobs: loaded, with their ray structure built.
+// Scenes kept ready between jobs: loaded, with their ray structure built, on a GPU where the worker has one.
 
 #include <filesystem>
 #include <list>
@@ -15,6 +15,11 @@
 #include "renderer/scene/scene.h"
 
 namespace photond {
+
+namespace gpu {
+class Device;
+class DeviceScene;
+}  // namespace gpu
 
 /// Where a scene comes from, as "scene" in a render order says it.
 struct SceneSource {
@@ -39,28 +44,34 @@ struct SceneVariant {
 /// A scene and its ray structure, and what each part of them takes.
 struct ReadyScene {
     Scene scene;
-    std::unique_ptr<Intersector> intersector;
-    std::map<std::string, uint64_t> structures;
+    std::unique_ptr<Intersector> intersector;        // null on a GPU
+    std::unique_ptr<gpu::DeviceScene> device_scene;  // null on the CPU
+    std::map<std::string, uint64_t> structures;      // of the host
+    std::map<std::string, uint64_t> device_structures;
 
-    uint64_t bytes() const;
+    ReadyScene();
+    ~ReadyScene();
+    uint64_t bytes() const;  // of the host
+    uint64_t device_bytes() const;
 };
 
 /// Loads or makes a scene, changed as the job asks. Stages `load` and, where it was changed, `needs`. Throws
 /// photond::Error: BadScene with pointers into the glTF, BadImage for the environment.
 Scene load_scene(const SceneSource& source, const SceneVariant& variant, Stats& stats);
 
-/// The last scene used, and older ones as long as together they hold at most `idle_bytes`; the least recently used go
-/// first. Not thread-safe: one job runs at a time.
+/// The last scene used, and older ones as long as together they hold at most `idle_bytes`, and of a device's memory the
+/// share that is not one job's (device_memory.h); the least recently used go first. Not thread-safe: one job runs at a
+/// time.
 class SceneCache {
 public:
-    explicit SceneCache(uint64_t idle_bytes) : idle_bytes_(idle_bytes) {}
+    /// `device`: what its scenes are made ready for, borrowed; null: the CPU.
+    explicit SceneCache(uint64_t idle_bytes, gpu::Device* device = nullptr)
+        : idle_bytes_(idle_bytes), device_(device) {}
 
     /// Whether get() would find it ready.
     bool holds(const SceneSource& source, const SceneVariant& variant) const;
-    /// Bytes of the scene if it is ready, else 0.
-    uint64_t bytes_of(const SceneSource& source, const SceneVariant& variant) const;
-    /// The scene, from memory or loaded now; its structures are recorded in `budget`. Throws what load_scene() throws,
-    /// and OutOfMemory when it does not fit the budget.
+    /// The scene, from memory or loaded now; its structures on the host are recorded in `budget`. Throws what
+    /// load_scene() throws, and OutOfMemory when it does not fit the budget.
     std::shared_ptr<const ReadyScene> get(const SceneSource& source, const SceneVariant& variant, MemoryBudget& budget,
                                           Stats& stats);
     void clear() { entries_.clear(); }
@@ -74,6 +85,7 @@ private:
     void evict_idle(const std::string& wanted_key);
 
     const uint64_t idle_bytes_;
+    gpu::Device* const device_;
     std::list<Entry> entries_;  // the last used first
 };
 

@@ -61,7 +61,7 @@ json statistics_json(const StatisticsInput& input) {
         stages.push_back({{"name", stage.name},
                           {"wall_seconds", stage.wall_seconds},
                           {"cpu_seconds", stage.cpu_seconds},
-                          {"gpu_seconds", nullptr}});
+                          {"gpu_seconds", stage.gpu_seconds > 0 ? json(stage.gpu_seconds) : json(nullptr)}});
     json needs = json::object();
     input.needs.visit([&](const char* name, bool needed) { needs[name] = needed; });
     json skipped = json::array();
@@ -73,6 +73,7 @@ json statistics_json(const StatisticsInput& input) {
     const ErrorStatistics nothing_measured;
     const ErrorStatistics& errors = input.errors ? *input.errors : nothing_measured;
     const auto passes = static_cast<double>(input.film.passes());
+    const std::optional<DeviceMemoryUse>& on_device = input.device_memory;
     const double samples = passes * static_cast<double>(input.film.size().pixels());
 
     return {{"stages", stages},
@@ -104,10 +105,15 @@ json statistics_json(const StatisticsInput& input) {
               {"accounted_bytes", input.budget.accounted_bytes()},
               {"baseline_resident_bytes", input.baseline_resident_bytes},
               {"peak_resident_bytes", input.peak_resident_bytes},
-              {"peak_device_bytes", nullptr}}},
+              {"device_structures", on_device ? json(on_device->structures) : json(nullptr)},
+              {"peak_device_bytes", on_device ? json(on_device->peak_bytes) : json(nullptr)}}},
             {"needs", needs},
             {"skipped", skipped},
-            {"device", {{"id", input.device.id}, {"name", input.device.name}, {"driver", nullptr}}},
+            {"device",
+             {{"id", input.device.id},
+              {"name", input.device.name},
+              {"driver", input.device.driver.empty() ? json(nullptr) : json(input.device.driver)},
+              {"software", input.device.software}}},
             {"version", PHOTOND_VERSION},
             {"host_cores", sysconf(_SC_NPROCESSORS_ONLN)},
             {"threads", input.threads},
@@ -121,7 +127,8 @@ json statistics_json(const StatisticsInput& input) {
             {"pixel_hash", input.film.passes() ? json(input.film.pixel_hash()) : json(nullptr)},
             {"nan_count", input.film.nan_count() + counts.nan_samples},
             {"infinity_count", input.film.infinity_count() + counts.infinite_samples},
-            {"device_shared", false},
+            {"device_shared", false},  // the daemon knows
+            {"host_shared", false},
             {"error", errors.error},
             {"reference_error", errors.reference_error},
             {"reference", errors.reference},

@@ -1,7 +1,9 @@
 #pragma once
 // The numbers that come with every image (protocol.md, "Shapes", `statistics`).
 
+#include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +18,12 @@
 
 namespace photond {
 
+/// Of one job: bytes of a GPU's memory by structure, and the most there were.
+struct DeviceMemoryUse {
+    std::map<std::string, uint64_t> structures;
+    uint64_t peak_bytes = 0;
+};
+
 struct StatisticsInput {
     const Stats& stats;
     const Film& film;
@@ -28,9 +36,10 @@ struct StatisticsInput {
     unsigned threads = 1;
     uint64_t baseline_resident_bytes = 0;
     uint64_t peak_resident_bytes = 0;
-    std::string settings_hash;                // film_identity.h; empty: not known
-    uint32_t resumed_passes = 0;              // of these, from a film of an earlier attempt
-    const ErrorStatistics* errors = nullptr;  // none: nothing was measured
+    std::string settings_hash;                          // film_identity.h; empty: not known
+    uint32_t resumed_passes = 0;                        // of these, from a film of an earlier attempt
+    const ErrorStatistics* errors = nullptr;            // none: nothing was measured
+    std::optional<DeviceMemoryUse> device_memory = {};  // none: on the CPU
 };
 
 nlohmann::json statistics_json(const StatisticsInput& input);

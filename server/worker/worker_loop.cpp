@@ -88,13 +88,17 @@ private:
     std::thread thread_;
 };
 
+/// The GPU is lost, and with it this process' way to it. The daemon starts another.
+[[noreturn]] void end_without_gpu() { std::_Exit(kDeviceLostStatus); }
+
 }  // namespace
 
 int run_render_worker(MessageChannel& channel, const WorkerOptions& options) {
     start_threads();
-    SceneCache scenes(options.memory_limit_bytes / kIdleScenesDivisor);
-    JobRunner runner(scenes, options.device, options.threads, options.memory_limit_bytes,
-                     [&channel](const json& message) { channel.send(message); });
+    SceneCache scenes(options.memory_limit_bytes / kIdleScenesDivisor, options.device.in_use.get());
+    JobRunner runner(
+        scenes, options.device, options.threads, options.memory_limit_bytes,
+        [&channel](const json& message) { channel.send(message); }, end_without_gpu);
     RunningJob job;
     say_hello(channel, options.device);
     const Heartbeat heartbeat(channel);
@@ -122,6 +126,12 @@ int run_render_worker(MessageChannel& channel, const WorkerOptions& options) {
     }
     // The daemon is gone: nobody waits for the result, and a pass may take long.
     std::_Exit(0);
+}
+
+int list_devices(MessageChannel& channel) {
+    json items = json::array();
+    for (const Device& device : all_devices()) items.push_back(device.to_json());
+    return channel.send({{"type", "devices"}, {"items", std::move(items)}}) ? 0 : 1;
 }
 
 int run_helper(MessageChannel& channel, const WorkerOptions& options) {

@@ -1,5 +1,5 @@
 #pragma once
-// The two lives of a worker process: render jobs one at a time, or do the helper's tasks.
+// The lives of a worker process: render jobs one at a time, do the helper's tasks, or say once what devices there are.
 
 #include "protocol/worker_messages.h"
 #include "server/worker/device.h"
@@ -15,5 +15,8 @@ struct WorkerOptions {
 /// Says hello, sends heartbeats and serves messages until told to stop or the peer is gone; returns the exit status.
 int run_render_worker(MessageChannel& channel, const WorkerOptions& options);
 int run_helper(MessageChannel& channel, const WorkerOptions& options);
+
+/// Sends "devices"; returns the exit status.
+int list_devices(MessageChannel& channel);
 
 }  // namespace photond

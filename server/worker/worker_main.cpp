@@ -16,9 +16,13 @@ int main(int argc, char** argv) {
     std::string device = "cpu";
     unsigned threads = 0;
     uint64_t memory_limit_bytes = 0;
-    app.add_option("--device", device, "cpu, or none for the helper that judges uploads and encodes images");
+    std::filesystem::path pipeline_cache;
+    app.add_option(
+        "--device", device,
+        "cpu, gpu:N, none for the helper that judges uploads and encodes images, or list to name all devices");
     app.add_option("--threads", threads, "threads to render with; 0: all cores");
     app.add_option("--memory-limit", memory_limit_bytes, "bytes a job may hold; 0: three quarters of this machine's");
+    app.add_option("--pipeline-cache", pipeline_cache, "file that a GPU's compiled pipelines are kept in");
     CLI11_PARSE(app, argc, argv);
     if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
     if (memory_limit_bytes == 0) memory_limit_bytes = photond::machine_memory_bytes() / 4 * 3;
@@ -26,9 +30,12 @@ int main(int argc, char** argv) {
     spdlog::set_default_logger(spdlog::stderr_logger_mt("worker"));
     spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e %l photond-worker[%P] %v");
     try {
-        photond::enter_sandbox({memory_limit_bytes, memory_limit_bytes, threads}, photond::kWorkerSocket);
-        const photond::WorkerOptions options{photond::open_device(device), memory_limit_bytes, threads};
+        photond::bind_to_parent(photond::kWorkerSocket);
         photond::MessageChannel channel(photond::kWorkerSocket);
+        if (device == "list") return photond::list_devices(channel);
+        const photond::WorkerOptions options{photond::open_device({device, pipeline_cache, memory_limit_bytes}),
+                                             memory_limit_bytes, threads};
+        photond::enter_sandbox({memory_limit_bytes, memory_limit_bytes, threads, options.device.kind != "gpu"});
         return device == "none" ? run_helper(channel, options) : run_render_worker(channel, options);
     } catch (const std::exception& error) {
         spdlog::critical("{}", error.what());

@@ -129,6 +129,7 @@ std::optional<nlohmann::json> Helper::attempt(std::unique_lock<std::mutex>& lock
                         "takes more memory than the " + std::to_string(memory_limit_bytes_) + " bytes allowed");
         case ExitCause::NoSpace: throw Error(ErrorCode::NoSpace, "the helper process passed its file size limit");
         case ExitCause::Hung: throw Error(ErrorCode::TimedOut, "the helper process hung: " + exit_->text);
+        case ExitCause::DeviceLost:  // it has none
         case ExitCause::Crashed: break;
     }
     throw Error(ErrorCode::WorkerCrashed, "the helper process " + exit_->text);

@@ -55,7 +55,8 @@ bool is_own_fault(int signal) {
 }  // namespace
 
 std::string_view exit_cause_name(ExitCause cause) {
-    constexpr std::string_view kNames[] = {"crashed", "lost", "hung", "out_of_memory", "no_space", "ordered"};
+    constexpr std::string_view kNames[] = {"crashed",  "lost",        "hung",   "out_of_memory",
+                                           "no_space", "device_lost", "ordered"};
     return kNames[static_cast<size_t>(cause)];
 }
 
@@ -156,11 +157,11 @@ void WorkerProcess::supervise() {
 
 std::shared_ptr<WorkerProcess::Link> WorkerProcess::spawn() {
     try {
-        const Child child =
-            spawn_child(options_.program,
-                        {"--device", options_.device, "--memory-limit", std::to_string(options_.memory_limit_bytes),
-                         "--threads", std::to_string(options_.threads)},
-                        options_.nice);
+        std::vector<std::string> arguments{"--device",       options_.device,
+                                           "--memory-limit", std::to_string(options_.memory_limit_bytes),
+                                           "--threads",      std::to_string(options_.threads)};
+        arguments.insert(arguments.end(), options_.more_arguments.begin(), options_.more_arguments.end());
+        const Child child = spawn_child(options_.program, arguments, options_.nice);
         auto link = std::make_shared<Link>(child.socket);
         const std::lock_guard lock(mutex_);
         pid_ = child.pid;
@@ -217,8 +218,8 @@ void WorkerProcess::watch_memory() {
     const uint64_t resident = resident_bytes_of(pid_);  // only this thread changes pid_
     resident_bytes_ = resident;
     const uint64_t limit = options_.memory_limit_bytes;
-    if (resident > kOwnBytes && resident - kOwnBytes > limit &&
-        resident - kOwnBytes - limit > limit / kIdleScenesDivisor)
+    const uint64_t own = kOwnBytes + options_.driver_bytes;
+    if (resident > own && resident - own > limit && resident - own - limit > limit / kIdleScenesDivisor)
         kill_because(ExitCause::OutOfMemory, "resident set of " + std::to_string(resident) +
                                                  " bytes, far above the limit of " + std::to_string(limit));
 }
@@ -251,6 +252,8 @@ ProcessExit WorkerProcess::reap(bool had_answered) {
         return {is_own_fault(signal) ? ExitCause::Crashed : ExitCause::Lost, text, had_answered};
     }
     const std::string text = "ended with status " + std::to_string(WEXITSTATUS(status));
+    if (WEXITSTATUS(status) == kDeviceLostStatus)
+        return {ExitCause::DeviceLost, "ended because its GPU stopped answering", had_answered};
     if (ordered_ && WEXITSTATUS(status) == 0) return {ExitCause::Ordered, text, had_answered};
     return {ExitCause::Crashed, text, had_answered};
 }

@@ -16,15 +16,18 @@
 #include <string>
 #include <string_view>
 #include <thread>
+#include <vector>
 
 namespace photond {
 
 struct ProcessOptions {
     std::filesystem::path program;
     std::string device;  // "--device" argument; names it in the log
+    std::vector<std::string> more_arguments;
     uint64_t memory_limit_bytes = UINT64_MAX;
-    uint32_t threads = 0;  // 0: all cores
-    int nice = 0;          // added to the daemon's own
+    uint64_t driver_bytes = 0;  // that a device's driver may hold in this process beside that
+    uint32_t threads = 0;       // 0: all cores
+    int nice = 0;               // added to the daemon's own
     double heartbeat_timeout_seconds = 30;
 };
 
@@ -34,6 +37,7 @@ enum class ExitCause : uint8_t {
     Hung,         // no heartbeat; killed by us
     OutOfMemory,  // over its limit; killed by us
     NoSpace,      // over its file size limit
+    DeviceLost,   // its GPU stopped answering, as it says itself
     Ordered,      // ended because we said so: stop() or kill()
 };
 

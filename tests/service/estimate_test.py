@@ -31,7 +31,7 @@ class EstimateTest(unittest.TestCase):
     def estimate(self, body, **options):
         reply = self.daemon.request("POST", "/v1/jobs?dry_run=true", json_body=body, **options)
         self.assertEqual(reply.status, 200, reply)
-        self.assertEqual(set(reply.json), {"memory_bytes", "seconds"})
+        self.assertEqual(set(reply.json), {"memory_bytes", "device_memory_bytes", "seconds"})
         return reply.json
 
     def hold_to_measured(self, body):

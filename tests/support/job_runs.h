@@ -29,7 +29,7 @@ inline bool is_off_the_clock(const std::string& stage) {
 class JobRuns : public testing::Test {
 protected:
     JobRuns()
-        : runner_(scenes_, open_device("cpu"), 2, 4ull << 30,
+        : runner_(scenes_, open_device({"cpu", {}, 0}), 2, 4ull << 30,
                   [this](const json& message) {
                       sent.push_back(message);
                       if (on_message) on_message(message);

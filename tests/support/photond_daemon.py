@@ -48,13 +48,14 @@ class Reply:
 
 
 class Daemon:
-    """A running photond. `extra` are further command-line arguments."""
+    """A running photond. `extra` are further command-line arguments, `environment` variables beside this process'."""
 
-    def __init__(self, *extra, data_dir=None, start=True, start_timeout_s=60):
+    def __init__(self, *extra, data_dir=None, start=True, start_timeout_s=60, environment=None):
         self.extra = [str(argument) for argument in extra]
         self.own_data = data_dir is None
         self.data_dir = pathlib.Path(data_dir or tempfile.mkdtemp(prefix="photond-test-"))
         self.start_timeout_s = start_timeout_s
+        self.environment = environment or {}
         self.process = None
         self.address = self.port = None
         self.log_path = self.data_dir.parent / (self.data_dir.name + ".log")
@@ -72,7 +73,8 @@ class Daemon:
         """Starts it and waits for its line; raises with the log when it does not come."""
         command = [str(BIN / "photond"), "--data", str(self.data_dir), "--listen", "127.0.0.1:0", *self.extra]
         with open(self.log_path, "ab") as log:
-            self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=log, stdin=subprocess.DEVNULL)
+            self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=log, stdin=subprocess.DEVNULL,
+                                            env={**os.environ, **self.environment})
         lines = []
         reader = threading.Thread(target=lambda: lines.append(self.process.stdout.readline()), daemon=True)
         reader.start()

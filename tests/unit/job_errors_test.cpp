@@ -333,7 +333,7 @@ TEST(FilmIdentityTest, IsOfWhatDecidesThePixels) {
     JobRequest other = request;
     other.time = 1;
     EXPECT_NE(settings_hash(other, RandomStreams::Job), hash);
-    const Device device = open_device("cpu");
+    const Device device = open_device({"cpu", {}, 0});
     const FilmIdentity identity = film_identity(request, "id", RandomStreams::Job, device);
     EXPECT_EQ(identity.scene, "id");
     EXPECT_NE(identity.device.find(device.name), std::string::npos);

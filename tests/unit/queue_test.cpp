@@ -74,6 +74,9 @@ TEST(RetryPolicy, FollowsTheProtocol) {
     // By its own signal: once more.
     EXPECT_FALSE(failure_after(AttemptEnd::Crashed, 2, 1));
     EXPECT_EQ(failure_after(AttemptEnd::Crashed, 0, 2), ErrorCode::WorkerCrashed);
+    // Its GPU lost: once more likewise, and two attempts in all with crashes among them.
+    EXPECT_FALSE(failure_after(AttemptEnd::DeviceLost, 2, 1));
+    EXPECT_EQ(failure_after(AttemptEnd::DeviceLost, 0, 2), ErrorCode::DeviceLost);
     // At once.
     EXPECT_EQ(failure_after(AttemptEnd::OutOfMemory, 0, 0), ErrorCode::OutOfMemory);
     EXPECT_EQ(failure_after(AttemptEnd::NoSpace, 0, 0), ErrorCode::NoSpace);

@@ -14,6 +14,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <functional>
 #include <thread>
@@ -26,15 +27,19 @@ namespace {
 constexpr uint64_t kFileBytes = 1 << 20;
 
 /// Runs `attempt` in a child that is in the sandbox; returns its exit status, 200 when the sandbox could not be
-/// entered.
-int in_sandbox(const std::function<int()>& attempt) {
+/// entered. `threads_before` runs before it is, as a GPU's driver does.
+int in_sandbox(
+    const std::function<int()>& attempt, bool bound_address_space = true,
+    const std::function<void()>& threads_before = [] {}) {
     int sockets[2];
     if (socketpair(AF_UNIX, SOCK_STREAM, 0, sockets) != 0) return 201;
     const pid_t child = fork();
     if (child == 0) {
         close(sockets[0]);
         try {
-            enter_sandbox({256ull << 20, kFileBytes, 2}, sockets[1]);
+            bind_to_parent(sockets[1]);
+            threads_before();
+            enter_sandbox({256ull << 20, kFileBytes, 2, bound_address_space});
         } catch (const std::exception& error) {
             fprintf(stderr, "%s\n", error.what());
             _exit(200);
@@ -99,6 +104,27 @@ TEST(Sandbox, TheFilterHoldsForThreadsToo) {
               EPERM);
 }
 
+TEST(Sandbox, TheFilterHoldsForThreadsThatWereThereBefore) {
+    std::atomic<bool> entered = false;
+    std::atomic<int> error = 0, privileges = 0;
+    std::thread earlier;
+    const int result = in_sandbox(
+        [&] {
+            entered = true;
+            earlier.join();
+            return error == EPERM && privileges == 1 ? 42 : 1;
+        },
+        false,
+        [&] {
+            earlier = std::thread([&] {
+                while (!entered) std::this_thread::yield();
+                error = error_of(socket(AF_INET, SOCK_STREAM, 0));
+                privileges = prctl(PR_GET_NO_NEW_PRIVS, 0, 0, 0, 0);
+            });
+        });
+    EXPECT_EQ(result, 42);
+}
+
 TEST(Sandbox, LimitsOfFilesCoresAndPrivileges) {
     EXPECT_EQ(in_sandbox([] {
                   FILE* file = tmpfile();  // SIGXFSZ is ignored: the write fails instead
@@ -133,6 +159,15 @@ TEST(Sandbox, AddressSpaceIsBounded) {
                   return memory == MAP_FAILED ? errno : 0;
               }),
               ENOMEM);
+    EXPECT_EQ(in_sandbox(
+                  [] {
+                      void* memory = mmap(nullptr, 8ull << 30, PROT_READ | PROT_WRITE,
+                                          MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+                      return memory == MAP_FAILED ? errno : 42;
+                  },
+                  false),
+              42)
+        << "a GPU's driver maps as wide as it likes";
 }
 #endif
 
@@ -144,7 +179,8 @@ TEST(Sandbox, DiesWithItsParent) {
         int sockets[2];
         if (socketpair(AF_UNIX, SOCK_STREAM, 0, sockets) != 0) _exit(1);
         if (fork() == 0) {
-            enter_sandbox({256ull << 20, kFileBytes, 2}, sockets[1]);
+            bind_to_parent(sockets[1]);
+            enter_sandbox({256ull << 20, kFileBytes, 2});
             close(pipe_ends[0]);
             if (write(pipe_ends[1], "r", 1) != 1) _exit(1);
             for (;;) pause();
@@ -174,7 +210,7 @@ TEST(Sandbox, AParentThatIsGoneAlreadyIsNoticed) {
             while (getppid() == middle) usleep(1000);  // until the maker is gone
             char seen = 'x';
             try {
-                enter_sandbox({256ull << 20, kFileBytes, 2}, sockets[1]);
+                bind_to_parent(sockets[1]);
             } catch (const Error& error) {
                 seen = error.code == ErrorCode::WorkerLost ? 'l' : 'e';
             }

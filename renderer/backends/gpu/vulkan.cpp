@@ -4,7 +4,7 @@
 namespace photond::gpu {
 
 DeviceLost::DeviceLost(const std::string& doing)
-    : Error(ErrorCode::WorkerCrashed, "the GPU stopped answering while " + doing) {}
+    : Error(ErrorCode::DeviceLost, "the GPU stopped answering while " + doing) {}
 
 std::string result_name(VkResult result) {
     switch (result) {

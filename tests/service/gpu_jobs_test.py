@@ -1,0 +1,170 @@
+"""Jobs on a GPU through the whole service: statistics, memory, side by side with the CPU, kills, merging, other devices
+after a restart. Vulkan's validation layers run along."""
+
+import json
+import os
+import pathlib
+import signal
+import tempfile
+import time
+import unittest
+
+import OpenImageIO as oiio
+
+from gpu_daemon import able_gpus, gpu_daemon, needs_gpu, validation_messages
+from photond_daemon import Daemon, small_job
+
+GPU = able_gpus()[0] if able_gpus() else None
+ENDLESS = 1_000_000
+
+
+def gpu_job(device=None, size=32, passes=2, **more):
+    job = small_job(size=size, passes=passes, **more)
+    job["method"]["device"] = device or GPU["id"]
+    return job
+
+
+def hash_of(job):
+    return job["statistics"]["pixel_hash"]
+
+
+def wait_until(condition, what, timeout_s=60):
+    begun = time.monotonic()
+    while not condition():
+        if time.monotonic() - begun > timeout_s:
+            raise TimeoutError(what)
+        time.sleep(0.01)
+
+
+class GpuCase(unittest.TestCase):
+    environment = {"PHOTOND_GPU_VALIDATION": "1"}
+    options = ()
+
+    @classmethod
+    def setUpClass(cls):
+        cls.daemon = gpu_daemon(*cls.options, environment=cls.environment)
+        cls.addClassCleanup(cls.daemon.close)
+
+    def tearDown(self):
+        self.assertEqual(validation_messages(self.daemon), [])
+
+
+@needs_gpu
+class JobTest(GpuCase):
+    def test_a_job_and_what_it_says_of_itself(self):
+        job = self.daemon.run_job(gpu_job())
+        statistics = job["statistics"]
+        self.assertEqual(statistics["device"], {"id": GPU["id"], "name": GPU["name"], "driver": GPU["driver"],
+                                                "software": GPU["software"]})
+        on_gpu = {stage["name"]: stage["gpu_seconds"] for stage in statistics["stages"] if stage["gpu_seconds"]}
+        self.assertTrue(on_gpu, statistics["stages"])
+        self.assertGreater(statistics["counts"]["rays"]["camera"], 0)
+        for name in ("load", "acceleration_build", "scene_upload"):
+            self.assertIn(name, [stage["name"] for stage in statistics["stages"]])
+        memory = statistics["memory"]
+        self.assertTrue(memory["device_structures"])
+        self.assertGreaterEqual(memory["peak_device_bytes"], sum(memory["device_structures"].values()))
+        # The EXR says the same.
+        with tempfile.NamedTemporaryFile(suffix=".exr") as file:
+            file.write(self.daemon.request("GET", job["links"]["image"]).body)
+            file.flush()
+            image = oiio.ImageInput.open(file.name)
+            attributes = {attribute.name: attribute.value for attribute in image.spec().extra_attribs}
+            image.close()
+        self.assertEqual(attributes["photond:device.driver"], GPU["driver"])
+        stage, seconds = next(iter(on_gpu.items()))
+        self.assertAlmostEqual(attributes[f"photond:stages.{stage}.gpu_seconds"], seconds, delta=1e-6 + 1e-5 * seconds)
+        self.assertEqual(attributes["photond:memory.peak_device_bytes"], memory["peak_device_bytes"])
+        # The same job gives the same bits, by whatever name the device goes, and from a warm scene.
+        again = self.daemon.run_job(gpu_job("gpu"))
+        self.assertEqual(hash_of(again), hash_of(job))
+        self.assertEqual(again["statistics"]["memory"]["device_structures"], memory["device_structures"])
+        self.assertEqual(again["attempts"][0]["device"], GPU["id"])
+
+    def test_memory_is_estimated_and_refused(self):
+        job = gpu_job(size=256, passes=1)
+        estimate = self.daemon.request("POST", "/v1/jobs?dry_run=true", json_body=job).json
+        used = self.daemon.run_job(job)["statistics"]["memory"]
+        # Gate 12 of reliability.md: within 1.5, where there is enough to count.
+        self.assertLess(used["peak_device_bytes"], 1.5 * estimate["device_memory_bytes"], used)
+        self.assertLess(estimate["device_memory_bytes"], 1.5 * used["peak_device_bytes"] + (8 << 20), used)
+        on_cpu = small_job()
+        self.assertIsNone(self.daemon.request("POST", "/v1/jobs?dry_run=true",
+                                              json_body=on_cpu).json["device_memory_bytes"])
+
+    def test_two_scenes_are_told_apart_in_memory(self):
+        first = self.daemon.run_job(gpu_job(scene="cornell-box"))["statistics"]["memory"]
+        self.daemon.run_job(gpu_job(scene="interior", passes=1))
+        again = self.daemon.run_job(gpu_job(scene="cornell-box"))["statistics"]["memory"]
+        self.assertEqual(first["device_structures"], again["device_structures"])
+        self.assertEqual(first["peak_device_bytes"], again["peak_device_bytes"])
+
+    def test_side_by_side_with_the_cpu(self):
+        running = {}
+        for device in ("cpu", GPU["id"]):
+            running[device] = self.daemon.submit(gpu_job(device, passes=ENDLESS))["id"]
+        jobs = running.values()
+        wait_until(lambda: all(self.daemon.job(job)["passes_done"] for job in jobs), "they do not run together")
+        for job in jobs:
+            self.assertEqual(self.daemon.request("DELETE", f"/v1/jobs/{job}").status, 202)
+        for device, job_id in running.items():
+            job = self.daemon.wait_for_job(job_id)
+            self.assertEqual(job["state"], "cancelled")
+            self.assertGreater(job["statistics"]["passes"], 0)
+            self.assertEqual(job["statistics"]["device"]["id"], device)
+            self.assertIs(job["statistics"]["host_shared"], True)
+            self.assertIs(job["statistics"]["device_shared"], GPU["software"], "a software GPU has the host's cores")
+        alone = self.daemon.run_job(gpu_job())["statistics"]
+        self.assertEqual((alone["host_shared"], alone["device_shared"]), (False, False))
+
+    def test_passes_of_two_kinds_of_device_are_no_film(self):
+        parts = [self.daemon.run_job(gpu_job(passes=1, first_pass=first)) for first in (0, 1)]
+        whole = self.daemon.run_job(gpu_job(passes=2))
+        merged = self.daemon.request("POST", "/v1/jobs/merge", json_body={"jobs": [job["id"] for job in parts]})
+        self.assertIn(merged.status, (201, 202), merged)
+        self.assertEqual(hash_of(merged.json), hash_of(whole))
+        on_cpu = self.daemon.run_job(gpu_job("cpu", passes=1, first_pass=1))
+        refused = self.daemon.request("POST", "/v1/jobs/merge", json_body={"jobs": [parts[0]["id"], on_cpu["id"]]})
+        self.assertEqual(refused.status, 422, refused)
+        self.assertIn("gpu", refused.text)
+
+    def test_killed_it_goes_on_to_the_same_bits(self):
+        expected = hash_of(self.daemon.run_job(gpu_job(size=64, passes=24)))
+        job_id = self.daemon.submit(gpu_job(size=64, passes=24))["id"]
+        wait_until(lambda: self.daemon.job(job_id)["passes_done"] >= 2, "no pass was done")
+        os.kill(self.daemon.workers()[GPU["id"]], signal.SIGKILL)
+        job = self.daemon.wait_for_job(job_id)
+        self.assertEqual((job["state"], [a["outcome"] for a in job["attempts"]]), ("succeeded", ["lost", "succeeded"]))
+        self.assertEqual(hash_of(job), expected)
+
+    def test_compiled_pipelines_are_kept(self):
+        self.daemon.run_job(gpu_job())
+        caches = os.listdir(self.daemon.data_dir / "pipeline-cache")
+        self.assertTrue(all(name == GPU["id"].replace(":", "-") + ".bin" for name in caches), caches)
+
+
+@needs_gpu
+class OtherDevicesTest(unittest.TestCase):
+    def test_a_job_waits_for_a_daemon_that_has_its_device(self):
+        with tempfile.TemporaryDirectory() as folder:
+            folder = pathlib.Path(folder) / "data"
+            with gpu_daemon(devices=GPU["id"], data_dir=folder) as daemon:
+                refused = daemon.request("POST", "/v1/jobs", json_body=small_job())
+                self.assertEqual((refused.status, refused.json["code"]), (422, "device_unavailable"))
+                job_id = daemon.submit(gpu_job(size=64, passes=400))["id"]
+                wait_until(lambda: daemon.job(job_id)["passes_done"], "no pass was done")
+            with Daemon(data_dir=folder) as daemon:
+                daemon.wait_ready()
+                self.assertEqual(daemon.job(job_id)["state"], "queued")
+                self.assertIn(f"1 jobs wait for device {GPU['id']}", daemon.log())
+                self.assertEqual(daemon.run_job(small_job())["state"], "succeeded")
+                self.assertEqual(daemon.request("DELETE", f"/v1/jobs/{job_id}").status, 202)
+                again = daemon.request("POST", f"/v1/jobs/{job_id}/retry")
+                self.assertEqual(again.json["code"], "device_unavailable", again)
+            with gpu_daemon(data_dir=folder) as daemon:
+                self.assertEqual(daemon.request("POST", f"/v1/jobs/{job_id}/retry").status, 202)
+                daemon.wait_for_job(job_id, states=("running", "succeeded"))
+
+
+if __name__ == "__main__":
+    unittest.main()
