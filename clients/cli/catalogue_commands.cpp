@@ -76,6 +76,13 @@ ExitCode show_methods(Session& session, const std::string& name) {
     return ExitCode::Ok;
 }
 
+/// "ready", "not used", "failed, lacks shaderInt64".
+std::string state_of(const json& device) {
+    const std::string lacks = words_of(device.value("lacks", json::array()));
+    if (!lacks.empty()) return plain_text(device.value("state", json())) + ", lacks " + lacks;
+    return device.value("served", true) ? plain_text(device.value("state", json())) : "not used";
+}
+
 ExitCode show_devices(Session& session) {
     TextTable table({{"ID"}, {"STATE"}, {"NAME"}, {"DRIVER"}, {"MEMORY", Align::Right}, {"KIND"}});
     const json devices = session.daemon().get("/v1/devices").at("items");
@@ -83,12 +90,17 @@ ExitCode show_devices(Session& session) {
         if (session.json_output) session.print_json(device);
         const json memory = device.value("memory_bytes", json());
         const json software = device.value("software", json());
-        table.add_row({plain_text(device.value("id", json())), plain_text(device.value("state", json())),
+        table.add_row({plain_text(device.value("id", json())), state_of(device),
                        plain_text(device.value("name", json())), plain_text(device.value("driver", json())),
                        memory.is_number() ? human_bytes(memory.get<double>()) : "-",
                        plain_text(device.value("kind", json())) + (software == true ? ", software" : "")});
     }
-    if (!session.json_output) table.print(std::cout);
+    if (session.json_output) return ExitCode::Ok;
+    table.print(std::cout);
+    for (const json& device : devices)
+        if (!device.value("served", true) && device.value("lacks", json::array()).empty())
+            session.remark("jobs can be rendered on " + plain_text(device.value("id", json())) +
+                           " when the daemon is started with --devices naming it too");
     return ExitCode::Ok;
 }
 

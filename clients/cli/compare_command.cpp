@@ -20,7 +20,7 @@ using nlohmann::json;
 
 struct CompareOptions {
     RequestOptions request;
-    std::string preset;
+    std::string preset, device;
     std::optional<uint32_t> reference_passes;
     std::vector<std::string> entries, sweeps;
     std::vector<uint64_t> seeds;
@@ -49,7 +49,7 @@ void put_sweep(json& entries, const MethodCatalogue& catalogue, const std::strin
 json build_request(Session& session, const CompareOptions& options) {
     json request = start_request(options.request);
     if (!options.entries.empty() || !options.sweeps.empty()) {
-        const MethodCatalogue catalogue(session.daemon());
+        const MethodCatalogue catalogue(session.daemon(), options.device);
         if (!options.entries.empty()) request["entries"] = json::array();
         for (const std::string& entry : options.entries) request["entries"].push_back(catalogue.entry_from(entry));
         if (!request.contains("entries") || !request["entries"].is_array())
@@ -161,6 +161,8 @@ void add_compare_command(CLI::App& program, Session& session) {
         "--entry", options->entries,
         "what is compared, once for each: 'photon mapping=photon_mapping,photons=200000'; METHOD@DEVICE says where",
         kEntryKind);
+    command->add_option("--device", options->device, "where entries render that name none; default: cpu")
+        ->type_name("DEVICE");
     add_list("--sweep", options->sweeps, "try an entry with each of these values; several sweeps of one entry multiply",
              "LABEL:NAME=VALUE,VALUE");
     command->add_option("--seeds", options->seeds, "repeat every job with each of these, for error bars; default: 1")

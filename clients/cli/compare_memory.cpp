@@ -67,6 +67,10 @@ std::vector<RowStructures> structures_of(DaemonClient& daemon, const json& compa
         const json structures = statistics.value("/memory/structures"_json_pointer, json::object());
         for (const auto& [structure, bytes] : structures.items())
             if (bytes.is_number()) row.bytes[structure] = bytes.get<double>();
+        const json on_device = statistics.value("/memory/device_structures"_json_pointer, json());
+        if (on_device.is_object())
+            for (const auto& [structure, bytes] : on_device.items())
+                if (bytes.is_number()) row.bytes["device: " + structure] = bytes.get<double>();
         rows.push_back(std::move(row));
     }
     return rows;

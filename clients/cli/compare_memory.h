@@ -14,7 +14,7 @@ namespace photond::cli {
 
 struct RowStructures {
     std::string label, name;              // of the entry; of the row, with what its sweep gave
-    std::map<std::string, double> bytes;  // statistics.memory.structures
+    std::map<std::string, double> bytes;  // statistics.memory: structures, and device_structures as "device: NAME"
 };
 
 /// Of the first job of each row that is over and has statistics. Throws Failure.

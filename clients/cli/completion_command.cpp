@@ -197,6 +197,13 @@ private:
         }
     }
 
+    void add_devices() {
+        const json items = session_.daemon().get("/v1/devices").at("items");
+        for (const json& item : items)
+            if (item.value("served", true))
+                add(item.at("id").get<std::string>(), plain_text(item.value("name", json())));
+    }
+
     /// `kind`: an option's value name.
     void add_values(const std::string& kind, const Position& position) {
         try {
@@ -209,7 +216,7 @@ private:
             if (kind == kEntryKind) return add_entry(position);
             if (kind == "JOB") return add_items("/v1/jobs?limit=" + std::to_string(kMostJobs), "id", "state");
             if (kind == "METHOD") return add_items("/v1/methods", "name", "title");
-            if (kind == "DEVICE") return add_items("/v1/devices", "id", "name");
+            if (kind == "DEVICE") return add_devices();
             if (kind == "CAMERA") return add_cameras(position);
             if (kind == "NAME=VALUE") return add_settings(position);
             if (kind == "LAYERS") return add_listed(position, vocabulary_->method.layers);

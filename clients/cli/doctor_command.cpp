@@ -236,6 +236,7 @@ private:
             const json devices = session_.daemon().get("/v1/devices").at("items");
             if (devices.empty()) add("devices", Verdict::Fail, "none", "start the daemon with --devices cpu");
             for (const json& device : devices) {
+                if (!device.value("served", true)) continue;
                 const std::string state = device.at("state").get<std::string>();
                 const bool failed = state == "failed";
                 add("device " + plain_text(device.at("id")), failed ? Verdict::Fail : Verdict::Ok,

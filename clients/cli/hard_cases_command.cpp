@@ -98,7 +98,8 @@ ExitCode hard_cases(Session& session, const HardCasesOptions& given) {
 
     const auto start = std::chrono::steady_clock::now();
     const HardCasesTable table =
-        measure_table(session, std::move(cases), entries_from(MethodCatalogue(session.daemon()), options.entries),
+        measure_table(session, std::move(cases),
+                      entries_from(MethodCatalogue(session.daemon(), options.entries.device), options.entries),
                       table_options(options), options.keep_jobs);
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
     const ReportOrigin origin{plain_text(session.daemon().get("/v1/status").value("version", json())),
@@ -127,6 +128,10 @@ void add_entry_options(CLI::App& command, EntryOptions& entries) {
         ->take_all()
         ->allow_extra_args(false);
     command.add_flag("--entries-only", entries.entries_only, "no columns but those of --entry");
+    command
+        .add_option("--device", entries.device,
+                    "where to render; of the daemon's methods those that run there; default: cpu")
+        ->type_name("DEVICE");
     command
         .add_option("--photons", entries.photons,
                     "a pass, for methods that have them; default: the method's own, 10000 with --short")

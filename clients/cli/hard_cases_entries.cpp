@@ -108,8 +108,9 @@ std::vector<TableEntry> entries_from(const MethodCatalogue& catalogue, const Ent
     std::vector<TableEntry> entries;
     for (const std::string& name : options.methods) (void)catalogue.method(name);  // throws for one that is not there
     for (const CatalogueMethod& method : catalogue.methods()) {
-        const bool wanted = options.methods.empty() || std::find(options.methods.begin(), options.methods.end(),
-                                                                 method.name) != options.methods.end();
+        const bool wanted = options.methods.empty() ? method.runs_on(options.device)
+                                                    : std::find(options.methods.begin(), options.methods.end(),
+                                                                method.name) != options.methods.end();
         if (wanted && !options.entries_only) add_method(entries, catalogue, method, options);
     }
     for (const std::string& text : options.entries) {

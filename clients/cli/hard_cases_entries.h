@@ -15,6 +15,7 @@ struct EntryOptions {
     std::vector<std::string> methods;  // only these of the daemon's; empty: all
     std::vector<std::string> entries;  // more, as "LABEL=METHOD[,NAME=VALUE...]"
     bool entries_only = false;         // none of the daemon's own
+    std::string device;                // of entries that name none; empty: the daemon's default
     std::optional<uint64_t> photons;   // a pass, of entries whose method has them and that do not say
 };
 

@@ -33,11 +33,16 @@ const Parameter& CatalogueMethod::parameter(const std::string& parameter_name) c
                  "photonctl methods " + name + " lists them");
 }
 
-MethodCatalogue::MethodCatalogue(DaemonClient& daemon) {
+bool CatalogueMethod::runs_on(const std::string& device) const {
+    return device.empty() || std::find(devices.begin(), devices.end(), device.substr(0, 3)) != devices.end();
+}
+
+MethodCatalogue::MethodCatalogue(DaemonClient& daemon, std::string device) : device_(std::move(device)) {
     const json items = daemon.get("/v1/methods").at("items");
     for (const json& item : items) {
-        CatalogueMethod method{item.value("name", ""), parameters_of(item), {}};
+        CatalogueMethod method{item.value("name", ""), parameters_of(item), {}, {}};
         for (const json& layer : item.value("layers", json::array())) method.layers.push_back(plain_text(layer));
+        for (const json& kind : item.value("devices", json::array())) method.devices.push_back(plain_text(kind));
         methods_.push_back(std::move(method));
     }
 }
@@ -51,7 +56,10 @@ json MethodCatalogue::method_from(const std::string& text) const {
     const size_t at = pieces.front().find('@');
     const CatalogueMethod& found = method(pieces.front().substr(0, at));
     json wire{{"name", found.name}};
-    if (at != std::string::npos) wire["device"] = pieces.front().substr(at + 1);
+    if (at != std::string::npos)
+        wire["device"] = pieces.front().substr(at + 1);
+    else if (!device_.empty())
+        wire["device"] = device_;
     for (size_t i = 1; i < pieces.size(); ++i) {
         const auto [name, value] = key_and_value(pieces[i], text.c_str());
         wire["parameters"][name] = found.parameter(name).parse(value);

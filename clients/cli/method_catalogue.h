@@ -14,7 +14,11 @@ namespace photond::cli {
 struct CatalogueMethod {
     std::string name;
     std::vector<Parameter> parameters;
-    std::vector<std::string> layers;  // on request
+    std::vector<std::string> layers;   // on request
+    std::vector<std::string> devices;  // kinds: "cpu", "gpu"
+
+    /// On a device by its id; empty: the daemon's default.
+    bool runs_on(const std::string& device) const;
 
     /// Throws Failure(Usage) with the nearest name.
     const Parameter& parameter(const std::string& parameter_name) const;
@@ -22,8 +26,8 @@ struct CatalogueMethod {
 
 class MethodCatalogue {
 public:
-    /// Asks the daemon. Throws Failure.
-    explicit MethodCatalogue(DaemonClient& daemon);
+    /// Asks the daemon. `device`: of methods whose text names none; empty: left to the daemon. Throws Failure.
+    explicit MethodCatalogue(DaemonClient& daemon, std::string device = "");
 
     /// Throws Failure(Usage) with the nearest name.
     const CatalogueMethod& method(const std::string& name) const;
@@ -38,6 +42,7 @@ public:
     const std::vector<CatalogueMethod>& methods() const { return methods_; }
 
 private:
+    std::string device_;
     std::vector<CatalogueMethod> methods_;
 };
 

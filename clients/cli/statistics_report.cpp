@@ -77,6 +77,10 @@ void print_memory(std::ostream& out, const json& memory) {
     if (structures.is_object())
         for (const auto& [name, bytes] : structures.items())
             if (bytes.is_number()) table.add_row({words(name), human_bytes(bytes.get<double>())});
+    const json on_device = member(memory, "device_structures");
+    if (on_device.is_object())
+        for (const auto& [name, bytes] : on_device.items())
+            if (bytes.is_number()) table.add_row({"device: " + words(name), human_bytes(bytes.get<double>())});
     for (const char* key : {"accounted_bytes", "baseline_resident_bytes", "peak_resident_bytes", "peak_device_bytes"}) {
         const json bytes = member(memory, key);
         std::string label = words(key);
@@ -116,6 +120,7 @@ void print_origin(std::ostream& out, const json& statistics) {
         for (const json& item : skipped) add("skipped", skipped_text(item));
     const json device = member(statistics, "device");
     add("device", plain_text(device.is_object() ? member(device, "name") : device));
+    add("driver", plain_text(member(device, "driver")));
     for (const char* key : {"version", "host_cores", "threads", "seed", "job_hash", "pixel_hash"})
         add(words(key).c_str(),
             key == std::string("seed") ? member(statistics, key).dump() : plain_text(member(statistics, key)));
@@ -124,7 +129,10 @@ void print_origin(std::ostream& out, const json& statistics) {
         if (count.is_number() && count.get<double>() != 0)
             add(words(key).c_str(), plain_text(count) + " samples dropped");
     }
-    if (member(statistics, "device_shared") == true) add("timing", "another job shared the device: not to be compared");
+    if (member(statistics, "device_shared") == true)
+        add("timing", "another job shared the device: not to be compared");
+    else if (member(statistics, "host_shared") == true)
+        add("timing", "another job ran on another device of this machine");
     if (!table.empty()) table.print(out << '\n', "  ");
 }
 
