@@ -69,4 +69,14 @@ bool ReflectiveShadowMapPass::sample(uint64_t texel, const vec2& u_jitter, vec2 
     return maps_.emission_.sample_light(grid.light, grid.expected, u_position, u_direction, out);
 }
 
+std::vector<gpu::TexelGrid> ReflectiveShadowMapPass::device_grids() const {
+    std::vector<gpu::TexelGrid> grids;
+    grids.reserve(maps_.grids_.size() + chosen_.size());
+    for (const std::vector<Grid>* some : {&maps_.grids_, &chosen_})
+        for (const Grid& grid : *some)
+            grids.push_back(
+                {grid.light, grid.size.x, grid.size.y, static_cast<uint32_t>(grid.first_texel), grid.expected});
+    return grids;
+}
+
 }  // namespace photond

@@ -10,6 +10,7 @@
 
 #include <vector>
 
+#include "renderer/photons/reflected_photon_shared.h"
 #include "renderer/transport/emission_sampling.h"
 #include "renderer/transport/sobol.h"
 
@@ -49,6 +50,8 @@ public:
     uint64_t texels() const { return texels_; }
     /// Of the pass's numbers: passes share none, as the same texels come in each.
     uint64_t seed() const { return seed_; }
+    /// For the twin in reflected_photons.comp: all grids, by their first texels.
+    std::vector<gpu::TexelGrid> device_grids() const;
 
     /// Where the path through a texel starts; its power is the texel's own, to be divided by nothing. `u_jitter`: where
     /// in the texel. It takes the place of one of the other two pairs of numbers, which are as EmissionSampler's. False

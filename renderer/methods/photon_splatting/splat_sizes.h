@@ -6,6 +6,8 @@
 // The density of photons in space comes from a pilot: some photons of their own random numbers, whose rays leave their
 // length in the cells of a coarse grid. It is a pure function of (scene, parameters, seed), and no pass sees another.
 
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "renderer/photons/photon_tracer.h"
@@ -26,6 +28,18 @@ public:
     /// Radius [m] of the splats that light points about p, a surface whose unit normal is n there: that of the
     /// constructor where light is as dense as it is on average, and from a third to three times that.
     float radius_m(const vec3& p, const vec3& n) const;
+
+    /// For the twin in splat_clusters.comp; none: the same radius everywhere. Borrows the factors.
+    struct Grid {
+        vec3 low;
+        float cell_m;
+        uvec3 cells;
+        std::span<const float> factors;  // on the radius, x fastest
+    };
+    std::optional<Grid> grid() const {
+        if (factors_.empty()) return std::nullopt;
+        return Grid{low_, cell_m_, cells_, factors_};
+    }
 
     uint64_t bytes() const { return factors_.capacity() * sizeof(float); }
 

@@ -1,0 +1,455 @@
+#include "renderer/methods/photon_splatting/photon_splatting_gpu.h"
+
+#include "protocol/error.h"
+#include "renderer/backends/gpu/device_scene.h"
+#include "renderer/methods/device_image.h"
+#include "renderer/methods/eye_constants.h"
+#include "renderer/methods/photon_splatting/splat_settings.h"
+#include "renderer/methods/photon_splatting/splat_shared.h"
+#include "renderer/methods/photon_splatting/splat_sizes.h"
+#include "renderer/methods/piece_queue.h"
+#include "renderer/photons/reflected_photons_gpu.h"
+
+namespace photond {
+
+namespace {
+
+constexpr uint32_t kTilePixels = EYE_TILE * EYE_TILE;
+static_assert(kTilePixels == SPLAT_GROUP);
+constexpr uint32_t kRouletteStart = 4;  // of paths through specular parts, as SpecularWalk's
+constexpr uint64_t kPilotSeed = 0x5a1f'0b1d'91c3'7e55;
+constexpr uint32_t kBatchSplats = 1u << 16;
+constexpr uint64_t kDepthBytes = 256ull << 20;  // of one batch's depth maps
+
+std::string shader(const char* name) { return "renderer/methods/photon_splatting/" + std::string(name); }
+
+uint32_t tile_count(Size2 size) {
+    return (size.width + EYE_TILE - 1) / EYE_TILE * ((size.height + EYE_TILE - 1) / EYE_TILE);
+}
+
+/// Points of a pixel, and clusters of a tile, that room is made for at first: one where no path goes on past its first
+/// point.
+constexpr double kSpecularPoints = 1.3, kSpecularClusters = 3;
+bool one_point_a_pixel(const Needs& needs) { return !needs.delta && !needs.glossy; }
+uint32_t expected_points(Size2 size, const Needs& needs) {
+    const auto all = static_cast<double>(tile_count(size)) * kTilePixels;
+    return static_cast<uint32_t>(all * (one_point_a_pixel(needs) ? 1 : kSpecularPoints));
+}
+uint32_t expected_clusters(Size2 size, const Needs& needs) {
+    return static_cast<uint32_t>(tile_count(size) * (one_point_a_pixel(needs) ? 1 : kSpecularClusters));
+}
+
+/// Whether some photons light along their rays.
+bool has_beams(const PhotonSplattingParams& params, const Needs& needs) {
+    return !params.connects() || !needs.only_lambert();
+}
+
+uint64_t texels_of_splat(const PhotonSplattingParams& params, const Needs& needs) {
+    return params.visibility && has_beams(params, needs) ? uint64_t{params.shadow_resolution} * params.shadow_resolution
+                                                         : 0;
+}
+
+/// Splats of a batch: a whole number of photons'.
+uint32_t batch_splats(const PhotonSplattingParams& params, const Needs& needs) {
+    const uint64_t all = uint64_t{params.photons} * std::min(params.bounces, 255u) * 2 * params.rays_per_photon;
+    uint64_t splats = std::min<uint64_t>(all, kBatchSplats);
+    if (const uint64_t texels = texels_of_splat(params, needs); texels > 0)
+        splats = std::min(splats, kDepthBytes / (texels * sizeof(float)));
+    const uint64_t photons = std::max<uint64_t>(splats / params.rays_per_photon, 1);
+    return static_cast<uint32_t>(photons * params.rays_per_photon);
+}
+
+PhotonTracing tracing_of(const PhotonSplattingParams& params) {
+    return {.photons = params.photons,
+            .most_scatterings = params.bounces,
+            .glossy_threshold = params.photon_threshold(),
+            .sampler = params.sampler,
+            .injection = params.injection,
+            .rough_apart = params.connects()};
+}
+
+}  // namespace
+
+struct PhotonSplattingGpu::State {
+    State(const RenderContext& context, const PhotonSplattingParams& p)
+        : params(p),
+          device(context.device_scene->device()),
+          device_scene(*context.device_scene),
+          scene(context.scene),
+          size(context.view.film_size),
+          seed(context.seed),
+          settings(p, context.scene),
+          splats_at_once(batch_splats(p, context.scene.needs)),
+          eye(device, "eye", sizeof(gpu::EyeConstants)),
+          sampler(device, "sampler", sizeof(gpu::PassSamplerData)),
+          repay_sampler(device, "sampler", sizeof(gpu::PassSamplerData)),
+          constants(device, "splat_constants", sizeof(gpu::SplatConstants)),
+          size_factors(device, "splat_sizes", sizeof(float)),
+          counts(device, "visible_points", SPLAT_COUNTS * sizeof(uint32_t)),
+          host_counts(device, "readback", SPLAT_COUNTS * sizeof(uint32_t), gpu::MemoryKind::Readback),
+          heads(device, "visible_points", size.pixels() * sizeof(uint32_t)),
+          device_image(device, size, context.view.layers),
+          image(size, context.view.layers),
+          queue(device) {
+        const gpu::EyeConstants of_eye = make_eye_constants(context.view, p.max_scatterings(), kRouletteStart);
+        gpu::upload(device, eye, std::as_bytes(std::span(&of_eye, 1)));
+        make_room(expected_points(size, scene.needs), expected_clusters(size, scene.needs));
+        std::vector<gpu::Specialization> fixed = device_image.specialization();
+        fixed.push_back(gpu::specialize(SPLAT_HAS_CONNECTIONS_ID, settings.connects));
+        fixed.push_back(gpu::specialize(SPLAT_HAS_BEAMS_ID, has_beams(p, scene.needs)));
+        fixed.push_back(gpu::specialize(SPLAT_NORMALISED_ID, settings.normalised));
+        fixed.push_back(gpu::specialize(SPLAT_VISIBILITY_ID, settings.visibility));
+        fixed = device_scene.specialization(fixed);
+        const auto pipeline = [&](const char* name, size_t push_bytes, bool reads_scene) {
+            return std::make_unique<gpu::ComputePipeline>(device, shader(name), static_cast<uint32_t>(push_bytes),
+                                                          reads_scene ? &device_scene.set() : nullptr, fixed);
+        };
+        walk = pipeline("splat_eye.comp", sizeof(gpu::SplatEyePush), true);
+        bound = pipeline("splat_clusters.comp", sizeof(gpu::SplatClusterPush), false);
+        make = pipeline("splat_make.comp", sizeof(gpu::SplatMakePush), true);
+        depth = pipeline("splat_depth.comp", sizeof(gpu::SplatClusterPush), true);
+        light = pipeline("splat_light.comp", sizeof(gpu::SplatClusterPush), true);
+        repay = pipeline("splat_repay.comp", sizeof(gpu::SplatPointPush), true);
+        combine = pipeline("splat_combine.comp", sizeof(uint32_t), true);
+    }
+
+    void make_room(uint32_t points_wanted, uint32_t clusters_wanted) {
+        if (points_wanted > point_capacity) {
+            points = {}, sums = {}, general_points = {};
+            point_capacity = points_wanted;
+            points = gpu::Buffer(device, "visible_points", uint64_t{points_wanted} * sizeof(gpu::SplatPoint));
+            sums = gpu::Buffer(device, "visible_points", uint64_t{points_wanted} * sizeof(gpu::SplatSum));
+            const uint64_t general = scene.needs.only_lambert() ? 1 : points_wanted;
+            general_points = gpu::Buffer(device, "visible_points", general * sizeof(gpu::SplatGeneralPoint));
+        }
+        if (clusters_wanted > cluster_capacity) {
+            clusters = {};
+            cluster_capacity = clusters_wanted;
+            clusters = gpu::Buffer(device, "visible_points", uint64_t{clusters_wanted} * sizeof(gpu::SplatCluster));
+        }
+    }
+
+    uint32_t counted(uint32_t word) const { return host_counts.as<uint32_t>()[word]; }
+    gpu::SplatConstants constants_of(uint32_t pass) const;
+
+    /// True where the pass found more points or photons than there was room for: now there is.
+    bool grow_if_short() {
+        const uint32_t found_points = counted(SPLAT_COUNT_POINTS), found_clusters = counted(SPLAT_COUNT_CLUSTERS);
+        const bool short_of_points = found_points > point_capacity || found_clusters > cluster_capacity;
+        if (short_of_points) make_room(found_points + found_points / 8, found_clusters + found_clusters / 8);
+        const bool short_of_photons = photons && photons->grow_if_short();
+        return short_of_points || short_of_photons;
+    }
+
+    std::vector<PieceQueue::Record> eye_pieces(uint32_t pass);
+    std::vector<PieceQueue::Record> photon_pieces(uint32_t pass);
+    std::vector<PieceQueue::Record> splat_pieces();
+    std::vector<PieceQueue::Record> image_pieces();
+    void add_batch(uint32_t first_photon, uint32_t end_photon, std::vector<PieceQueue::Record>& pieces);
+
+    const PhotonSplattingParams& params;
+    gpu::Device& device;
+    const gpu::DeviceScene& device_scene;
+    const Scene& scene;
+    const Size2 size;
+    const uint64_t seed;
+    const SplatSettings settings;
+    const uint32_t splats_at_once;
+    uint32_t point_capacity = 0, cluster_capacity = 0;
+    std::optional<SplatSizes> sizes;
+
+    gpu::Buffer eye, sampler, repay_sampler, constants, size_factors, counts, host_counts, heads;
+    gpu::Buffer points, general_points, sums, clusters, splats, depth_maps;
+    std::unique_ptr<gpu::ComputePipeline> walk, bound, make, depth, light, repay, combine;
+    DeviceImage device_image;
+    std::optional<EmissionSampler> emission;
+    std::optional<ReflectedPhotonsGpu> photons;
+    PassImage image;
+    bool pass_complete = false;     // image holds a whole pass
+    std::optional<uint32_t> begun;  // the pass whose first pieces are in the queue
+    PieceQueue queue;               // last: its going waits for work that uses the others
+};
+
+gpu::SplatConstants PhotonSplattingGpu::State::constants_of(uint32_t pass) const {
+    gpu::SplatConstants of_pass{};
+    of_pass.seed = seed;
+    of_pass.pass = pass;
+    of_pass.shrink = settings.shrink(pass);
+    of_pass.kernel = settings.filter.device_record();
+    of_pass.radius_m = settings.radius_m;
+    of_pass.beam_radius_m = settings.beam_radius_m;
+    of_pass.step_back_m = settings.step_back_m;
+    of_pass.depth_m = settings.depth_m;
+    of_pass.shadow_resolution = settings.shadow_resolution;
+    of_pass.rays_per_photon = params.rays_per_photon;
+    of_pass.connects = settings.connects;
+    of_pass.glossy_threshold = params.glossy_threshold;
+    of_pass.photon_threshold = params.photon_threshold();
+    of_pass.colour_scale = static_cast<float>(params.photons) / settings.surface_area_m2;
+    of_pass.exposure = params.indirect_exposure;
+    of_pass.ambient = params.ambient;
+    of_pass.point_capacity = point_capacity;
+    of_pass.cluster_capacity = cluster_capacity;
+    if (const auto grid = sizes ? sizes->grid() : std::nullopt) {
+        of_pass.sizes_low = grid->low;
+        of_pass.sizes_cell_m = grid->cell_m;
+        of_pass.sizes_cells = grid->cells;
+    }
+    return of_pass;
+}
+
+/// Direct light and the visible points.
+std::vector<PieceQueue::Record> PhotonSplattingGpu::State::eye_pieces(uint32_t pass) {
+    const uint32_t tiles = tile_count(size), at_once = std::max(device.paths_per_submit() / kTilePixels, 1u);
+    std::vector<PieceQueue::Record> pieces;
+    for (uint32_t first = 0; first < tiles; first += at_once) {
+        pieces.push_back([=, this, end = std::min(first + at_once, tiles)](gpu::CommandList& commands) {
+            if (first == 0) {
+                device_image.record_clear(commands);
+                commands.fill(counts, 0);
+                const auto numbers = [&](RandomDomain domain) {
+                    return PassSampler(params.sampler, seed, domain, pass).device_data();
+                };
+                commands.update(sampler, numbers(RandomDomain::Camera));
+                commands.update(repay_sampler, numbers(RandomDomain::Splats));
+                commands.update(constants, constants_of(pass));
+            }
+            {
+                const gpu::Scope scope(commands, "direct");
+                commands.bind(*walk, {gpu::read_write(device_image.layers()), gpu::read_write(device_image.counters()),
+                                      gpu::read(eye), gpu::read(sampler), gpu::read(constants), gpu::read_write(counts),
+                                      gpu::write(heads), gpu::write(points), gpu::write(general_points),
+                                      gpu::write(sums), gpu::write(clusters)});
+                commands.push(gpu::SplatEyePush{first, end});
+                commands.dispatch_threads(uint64_t{end - first} * kTilePixels, kTilePixels);
+            }
+            if (end < tiles) return;
+            const gpu::Scope scope(commands, "g_buffer");
+            commands.bind(*bound, {gpu::read(constants), gpu::read(counts), gpu::read(size_factors),
+                                   gpu::read_write(points), gpu::read_write(clusters)});
+            commands.push(gpu::SplatClusterPush{0, cluster_capacity, 0, 0});
+            commands.dispatch_threads(uint64_t{cluster_capacity} * SPLAT_GROUP, SPLAT_GROUP);
+            commands.copy(counts, 0, host_counts, 0, host_counts.bytes());
+            commands.host_reads(host_counts);
+        });
+    }
+    return pieces;
+}
+
+std::vector<PieceQueue::Record> PhotonSplattingGpu::State::photon_pieces(uint32_t pass) {
+    const uint32_t paths = photons->start(seed, pass), at_once = device.paths_per_submit();
+    std::vector<PieceQueue::Record> pieces;
+    for (uint32_t first = 0; first < paths; first += std::min(at_once, paths - first)) {
+        pieces.push_back([=, this, end = first + std::min(at_once, paths - first)](gpu::CommandList& commands) {
+            if (first == 0) photons->record_start(commands);
+            photons->record_paths(commands, first, end);
+            if (end == paths) photons->record_order(commands);
+        });
+    }
+    return pieces;
+}
+
+/// What the photons bring to the visible points, batch after batch.
+std::vector<PieceQueue::Record> PhotonSplattingGpu::State::splat_pieces() {
+    const uint32_t sources = photons->photons_of_pass(), at_once = splats_at_once / params.rays_per_photon;
+    std::vector<PieceQueue::Record> pieces;
+    for (uint32_t first = 0; first < sources; first += std::min(at_once, sources - first))
+        add_batch(first, first + std::min(at_once, sources - first), pieces);
+    return pieces;
+}
+
+void PhotonSplattingGpu::State::add_batch(uint32_t first_photon, uint32_t end_photon,
+                                          std::vector<PieceQueue::Record>& pieces) {
+    const uint32_t count = (end_photon - first_photon) * params.rays_per_photon;
+    pieces.push_back([=, this](gpu::CommandList& commands) {
+        const gpu::Scope scope(commands, "splat_depth");
+        commands.bind(*make, {gpu::read_write(device_image.layers()), gpu::read_write(device_image.counters()),
+                              gpu::read(constants), gpu::read(photons->state()), gpu::read(photons->photons()),
+                              gpu::read(photons->order()), gpu::read(photons->surfaces()), gpu::write(splats)});
+        commands.push(gpu::SplatMakePush{first_photon, end_photon, count});
+        commands.dispatch_threads(count, SPLAT_GROUP);
+    });
+    if (const uint64_t texels = texels_of_splat(params, scene.needs); texels > 0) {
+        const auto maps = static_cast<uint32_t>(std::max<uint64_t>(device.paths_per_submit() / texels, 1));
+        for (uint32_t first = 0; first < count; first += std::min(maps, count - first)) {
+            pieces.push_back([=, this, end = first + std::min(maps, count - first)](gpu::CommandList& commands) {
+                const gpu::Scope scope(commands, "splat_depth");
+                commands.bind(*depth, {gpu::read_write(device_image.layers()), gpu::read_write(device_image.counters()),
+                                       gpu::read(constants), gpu::read(splats), gpu::write(depth_maps)});
+                commands.push(gpu::SplatClusterPush{0, 0, first, end});
+                commands.dispatch_threads(uint64_t{end - first} * SPLAT_GROUP, SPLAT_GROUP);
+            });
+        }
+    }
+    // Pairs of a cluster and a splat. All clusters together, as far as may be: the more groups, the fuller the device.
+    const uint32_t clusters_in_all = counted(SPLAT_COUNT_CLUSTERS), pairs = device.paths_per_submit();
+    const uint32_t clusters_at_once = std::min(clusters_in_all, pairs / SPLAT_GROUP);
+    const uint32_t splats_a_piece = std::max(pairs / std::max(clusters_at_once, 1u) / SPLAT_GROUP, 1u) * SPLAT_GROUP;
+    for (uint32_t cluster = 0; cluster < clusters_in_all; cluster += clusters_at_once) {
+        for (uint32_t first = 0; first < count; first += std::min(splats_a_piece, count - first)) {
+            const gpu::SplatClusterPush push{cluster, std::min(cluster + clusters_at_once, clusters_in_all), first,
+                                             first + std::min(splats_a_piece, count - first)};
+            pieces.push_back([push, this](gpu::CommandList& commands) {
+                const gpu::Scope scope(commands, "splat");
+                commands.bind(*light, {gpu::read_write(device_image.layers()), gpu::read_write(device_image.counters()),
+                                       gpu::read(constants), gpu::read(counts), gpu::read(clusters), gpu::read(points),
+                                       gpu::read(general_points), gpu::read(splats), gpu::read(depth_maps),
+                                       gpu::read(photons->surfaces()), gpu::read_write(sums)});
+                commands.push(push);
+                commands.dispatch_threads(uint64_t{push.end_cluster - push.first_cluster} * SPLAT_GROUP, SPLAT_GROUP);
+            });
+        }
+    }
+}
+
+/// Repays the clamp, brings the points' sums into the image, and the image to the host.
+std::vector<PieceQueue::Record> PhotonSplattingGpu::State::image_pieces() {
+    std::vector<PieceQueue::Record> pieces;
+    if (settings.connects && params.repay && photons) {
+        const uint32_t all = counted(SPLAT_COUNT_POINTS), at_once = device.paths_per_submit();
+        for (uint32_t first = 0; first < all; first += std::min(at_once, all - first)) {
+            pieces.push_back([=, this, end = first + std::min(at_once, all - first)](gpu::CommandList& commands) {
+                const gpu::Scope scope(commands, "repay");
+                commands.bind(*repay, {gpu::read_write(device_image.layers()), gpu::read_write(device_image.counters()),
+                                       gpu::read(eye), gpu::read(repay_sampler), gpu::read(constants),
+                                       gpu::read(points), gpu::read(general_points), gpu::read_write(sums)});
+                commands.push(gpu::SplatPointPush{first, end});
+                commands.dispatch_threads(end - first, SPLAT_GROUP);
+            });
+        }
+    }
+    pieces.push_back([this](gpu::CommandList& commands) {
+        {
+            const gpu::Scope scope(commands, settings.normalised ? "normalise" : "combine");
+            commands.bind(*combine, {gpu::read_write(device_image.layers()), gpu::read(constants), gpu::read(heads),
+                                     gpu::read(points), gpu::read(general_points), gpu::read(sums)});
+            commands.push(static_cast<uint32_t>(size.pixels()));
+            commands.dispatch_threads(size.pixels(), SPLAT_GROUP);
+        }
+        device_image.record_readback(commands);
+    });
+    return pieces;
+}
+
+PhotonSplattingGpu::PhotonSplattingGpu(const PhotonSplattingParams& params) : params_(params) {}
+PhotonSplattingGpu::~PhotonSplattingGpu() = default;
+
+void PhotonSplattingGpu::check_gpu(const PhotonSplattingParams& params) {
+    if (params.stratify) throw Error(ErrorCode::Unsupported, "/stratify", "stratify is not done on a GPU");
+    if (params.blur != BlurWidth::None) throw Error(ErrorCode::Unsupported, "/blur", "blur is not done on a GPU");
+}
+
+uint64_t PhotonSplattingGpu::estimate_bytes(const PhotonSplattingParams& params, const Workload& workload) {
+    return PassImage::bytes_for(workload.film_size, workload.layers) +
+           (params.bounces > 0 ? EmissionSampler::estimate_bytes(workload.lights, workload.environment_size) : 0);
+}
+
+uint64_t PhotonSplattingGpu::estimate_device_bytes(const PhotonSplattingParams& params, const Workload& workload) {
+    const bool lambert = workload.needs.only_lambert();
+    const uint64_t of_point =
+        sizeof(gpu::SplatPoint) + sizeof(gpu::SplatSum) + (lambert ? 0 : sizeof(gpu::SplatGeneralPoint));
+    uint64_t bytes = DeviceImage::device_bytes(workload.film_size, workload.layers) +
+                     DeviceImage::host_bytes(workload.film_size, workload.layers) +
+                     workload.film_size.pixels() * sizeof(uint32_t) +
+                     expected_points(workload.film_size, workload.needs) * of_point +
+                     expected_clusters(workload.film_size, workload.needs) * sizeof(gpu::SplatCluster) +
+                     sizeof(gpu::EyeConstants) + 2 * sizeof(gpu::PassSamplerData) + sizeof(gpu::SplatConstants);
+    if ((workload.lights == 0 && workload.environment_size.pixels() == 0) || params.bounces == 0) return bytes;
+    const uint64_t texels = texels_of_splat(params, workload.needs);
+    return bytes + ReflectedPhotonsGpu::device_bytes(tracing_of(params), lambert) +
+           batch_splats(params, workload.needs) * (sizeof(gpu::Splat) + texels * sizeof(float));
+}
+
+void PhotonSplattingGpu::begin(const RenderContext& context, Stats& stats) {
+    const Scene& scene = context.scene;
+    const uint64_t image_bytes = PassImage::bytes_for(context.view.film_size, context.view.layers);
+    context.budget.require("pass_image", image_bytes);
+    state_ = std::make_unique<State>(context, params_);
+    State& state = *state_;
+    context.budget.record("pass_image", image_bytes);
+
+    const char* nothing = params_.bounces == 0 ? "bounces is 0" : nullptr;
+    if (!nothing) {
+        const StageTimer timer(stats, "photon_emission");
+        state.emission.emplace(scene);
+        if (!(state.emission->total_power_w() > 0)) {
+            state.emission.reset();
+            nothing = "the scene has no light";
+        }
+    }
+    if (nothing) {
+        stats.skipped.push_back(
+            {"splats", nothing, ReflectedPhotonsGpu::device_bytes(tracing_of(params_), scene.needs.only_lambert())});
+        return;
+    }
+    context.budget.record("emission_sampler", state.emission->bytes());
+    const PhotonTracing tracing = tracing_of(params_);
+    state.photons.emplace(state.device_scene, *state.emission, tracing, state.device_image);
+    const uint64_t splats = state.splats_at_once;
+    state.splats = gpu::Buffer(state.device, "splats", splats * sizeof(gpu::Splat));
+    state.depth_maps =
+        gpu::Buffer(state.device, "depth_maps",
+                    std::max<uint64_t>(splats * texels_of_splat(params_, scene.needs), 1) * sizeof(float));
+    if (params_.connects() && params_.adaptive_size) {
+        const StageTimer timer(stats, "photon_tracing");
+        PhotonTracing pilot = tracing;
+        pilot.photons = SplatSizes::kPilotPhotons;
+        const TracedReflections photons = PhotonTracer(scene, *context.intersector, *state.emission, pilot)
+                                              .trace_reflected(hash64(context.seed) ^ kPilotSeed, 0, CancelToken{});
+        stats.counts.photon_rays += photons.counts.photon_rays;  // none of them is a pass's
+        state.sizes.emplace(state.settings.radius_m, scene.bounds, photons, *context.intersector, stats.counts);
+        if (const auto grid = state.sizes->grid()) {
+            state.size_factors = {};
+            state.size_factors = gpu::make_buffer(state.device, "splat_sizes", grid->factors);
+        }
+    }
+    if (!has_beams(params_, scene.needs))
+        stats.skipped.push_back({"depth maps of beams", "no surface reflects but by its rough part", 0});
+    if (scene.needs.only_lambert())
+        stats.skipped.push_back({"layered shading", "every surface is a plain Lambert reflector", 0});
+    if (!scene.needs.solid_glass) stats.skipped.push_back({"absorption", "no solid refracts", 0});
+}
+
+/// Visible points, direct light and photons. False: cancelled.
+bool PhotonSplattingGpu::look_and_trace(uint32_t pass, Stats& stats, const CancelToken& cancel) {
+    State& state = *state_;
+    {
+        const StageTimer timer(stats, "direct");
+        if (state.begun != pass) state.queue.start(state.eye_pieces(pass));
+        state.begun.reset();
+        if (!state.queue.finish(stats, cancel)) return false;
+    }
+    if (!state.photons) return true;
+    const StageTimer timer(stats, "photon_tracing");
+    return state.queue.run(state.photon_pieces(pass), stats, cancel);
+}
+
+void PhotonSplattingGpu::run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) {
+    State& state = *state_;
+    state.pass_complete = false;
+    do {
+        if (!look_and_trace(pass, stats, cancel)) return;
+    } while (state.grow_if_short());
+    if (state.photons) {
+        state.photons->add_to(stats.counts);
+        const StageTimer timer(stats, "splat");
+        if (!state.queue.run(state.splat_pieces(), stats, cancel)) return;
+    }
+    const StageTimer timer(stats, state.settings.normalised ? "normalise" : "combine");
+    if (!state.queue.run(state.image_pieces(), stats, cancel) || cancel.cancelled()) return;
+    state.device_image.read(state.image, stats.counts, state.scene.origin);
+    state.pass_complete = true;
+}
+
+void PhotonSplattingGpu::expect_pass(uint32_t pass) {
+    state_->queue.start(state_->eye_pieces(pass));
+    state_->begun = pass;
+}
+
+void PhotonSplattingGpu::settle() { state_->device.wait_idle(); }
+
+void PhotonSplattingGpu::resolve(Film& film) {
+    if (state_->pass_complete) film.add_pass(state_->image);
+}
+
+}  // namespace photond

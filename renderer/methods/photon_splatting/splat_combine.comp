@@ -1,0 +1,43 @@
+#version 460
+// Brings what the splats left at the visible points into the image, a thread a pixel: CPU twin
+// PhotonSplatting::light_image().
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+
+#define IMAGE_BINDING 0
+#include "renderer/backends/gpu/invocation.glsl"
+#include "renderer/methods/device_image.glsl"
+#include "renderer/methods/photon_splatting/visible_points.glsl"
+
+layout(constant_id = SPLAT_NORMALISED_ID) const bool SPLAT_NORMALISED = false;
+
+layout(local_size_x = SPLAT_GROUP) in;
+layout(push_constant, scalar) uniform Push { uint pixels; } push;
+layout(set = 0, binding = 1, scalar) readonly buffer Constants { SplatConstants constants; };
+layout(set = 0, binding = 2, scalar) readonly buffer Heads { uint first_of_pixel[]; };
+layout(set = 0, binding = 3, scalar) readonly buffer Points { SplatPoint points[]; };
+layout(set = 0, binding = 4, scalar) readonly buffer GeneralPoints { SplatGeneralPoint general_points[]; };
+layout(set = 0, binding = 5, scalar) readonly buffer Sums { SplatSum sums[]; };
+
+void main() {
+    const uint pixel = flat_index();
+    if (pixel >= push.pixels) return;
+    vec3 indirect = vec3(0.0);
+    float splats = 0.0;
+    for (uint index = first_of_pixel[pixel]; index != NO_POINT; index = points[index].next) {
+        const SplatPoint point = points[index];
+        const SplatSum sum = sums[index];
+        vec3 light = sum.sum;
+        if (SPLAT_NORMALISED) light *= sum.splat_weight > 0.0 ? constants.exposure / sum.splat_weight : 0.0;
+        if (constants.ambient > 0.0 && sum.splats == 0.0) {
+            const bool general = !ONLY_LAMBERT && (point.kind & POINT_GENERAL) != 0u;
+            vec3 reflected = vec3(PI);
+            if (general) reflected = bsdf_albedo(make_receiver(general_points[index], constants.glossy_threshold).rough);
+            light += constants.ambient * reflected;
+        }
+        indirect += point.weight * light;
+        splats += sum.splats;
+    }
+    add_rgb(PLANE_INDIRECT, pixel, indirect);
+    if (layer_kept(PLANE_OVERLAP)) store_value(PLANE_OVERLAP, pixel, splats);
+}
