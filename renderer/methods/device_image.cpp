@@ -6,11 +6,7 @@
 
 namespace photond {
 
-namespace {
-
-constexpr uint64_t kCounterBytes = 2 * COUNTERS * sizeof(uint32_t);
-
-}  // namespace
+namespace {}  // namespace
 
 uint32_t DeviceImage::planes(LayerSet layers) {
     uint32_t planes = layers.needs_hits() ? 1 : 0;
@@ -20,16 +16,15 @@ uint32_t DeviceImage::planes(LayerSet layers) {
 }
 
 uint64_t DeviceImage::device_bytes(Size2 size, LayerSet layers) {
-    return planes(layers) * size.pixels() * sizeof(float) + kCounterBytes;
+    return planes(layers) * size.pixels() * sizeof(float) + gpu::Counters::kBytes;
 }
 
 DeviceImage::DeviceImage(gpu::Device& device, Size2 size, LayerSet layers)
     : size_(size),
       kept_(layers),
       layers_(device, "pass_image", planes(layers) * size.pixels() * sizeof(float)),
-      counters_(device, "counters", kCounterBytes),
-      host_layers_(device, "readback", layers_.bytes(), gpu::MemoryKind::Readback),
-      host_counters_(device, "readback", kCounterBytes, gpu::MemoryKind::Readback) {}
+      counters_(device),
+      host_layers_(device, "readback", layers_.bytes(), gpu::MemoryKind::Readback) {}
 
 uint32_t DeviceImage::plane_of(Layer layer) const {
     if (!kept_.has_in_passes(layer)) return NO_PLANE;
@@ -59,15 +54,14 @@ std::vector<gpu::Specialization> DeviceImage::specialization() const {
 
 void DeviceImage::record_clear(gpu::CommandList& commands) {
     commands.fill(layers_, 0);
-    commands.fill(counters_, 0);
+    counters_.record_clear(commands);
 }
 
 void DeviceImage::record_readback(gpu::CommandList& commands) {
     const gpu::Scope scope(commands, "readback");
     commands.copy(layers_, 0, host_layers_, 0, layers_.bytes());
-    commands.copy(counters_, 0, host_counters_, 0, kCounterBytes);
     commands.host_reads(host_layers_);
-    commands.host_reads(host_counters_);
+    counters_.record_readback(commands);
 }
 
 void DeviceImage::read(PassImage& image, Counts& counts, const dvec3& origin) const {
@@ -99,16 +93,7 @@ void DeviceImage::read(PassImage& image, Counts& counts, const dvec3& origin) co
             if (image.hit[i] && !image.position.empty()) image.position[i] = vec3(dvec3(image.position[i]) + origin);
         }
     }
-    const auto* words = reinterpret_cast<const uint32_t*>(host_counters_.mapped());
-    const auto counted = [&](uint32_t counter) { return uint64_t{words[2 * counter + 1]} << 32 | words[2 * counter]; };
-    counts.camera_rays += counted(COUNTER_CAMERA_RAYS);
-    counts.bounce_rays += counted(COUNTER_BOUNCE_RAYS);
-    counts.shadow_rays += counted(COUNTER_SHADOW_RAYS);
-    counts.photon_rays += counted(COUNTER_PHOTON_RAYS);
-    counts.photons_emitted += counted(COUNTER_PHOTONS_EMITTED);
-    counts.photons_stored += counted(COUNTER_PHOTONS_STORED);
-    counts.splats += counted(COUNTER_SPLATS);
-    counts.splat_contributions += counted(COUNTER_SPLAT_CONTRIBUTIONS);
+    counters_.read(counts);
 }
 
 }  // namespace photond

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "renderer/backends/gpu/command_list.h"
+#include "renderer/backends/gpu/counters.h"
 #include "renderer/film/film.h"
 #include "renderer/methods/device_image_shared.h"
 
@@ -21,7 +21,7 @@ public:
     /// Where the layers are, for shaders that include device_image.glsl.
     std::vector<gpu::Specialization> specialization() const;
     gpu::Buffer& layers() { return layers_; }
-    gpu::Buffer& counters() { return counters_; }
+    gpu::Buffer& counters() { return counters_.buffer(); }
 
     /// Black, and nothing counted.
     void record_clear(gpu::CommandList& commands);
@@ -38,7 +38,9 @@ private:
 
     Size2 size_;
     LayerSet kept_;
-    gpu::Buffer layers_, counters_, host_layers_, host_counters_;
+    gpu::Buffer layers_;
+    gpu::Counters counters_;
+    gpu::Buffer host_layers_;
 };
 
 }  // namespace photond

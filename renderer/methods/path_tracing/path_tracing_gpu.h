@@ -8,6 +8,8 @@ namespace photond {
 /// to its end and keeps what it finds, so the image is the same from run to run on one device.
 class PathTracingGpu final : public Method {
 public:
+    using Params = PathTracingParams;
+
     explicit PathTracingGpu(const PathTracingParams& params);
     ~PathTracingGpu() override;
     /// What begin() will record of the host's memory ...

@@ -1,0 +1,44 @@
+// Path tracing on a GPU and on the CPU are the same estimator: their images of every built-in scene agree, over the whole
+// and block by block.
+
+#include <gtest/gtest.h>
+
+#include "renderer/methods/path_tracing/path_tracing_gpu.h"
+#include "renderer/scene/builtin_scenes.h"
+#include "tests/support/gpu_render.h"
+
+namespace photond {
+namespace {
+
+template <class M>
+test::RenderSettingsOf<M> settings_for(uint64_t seed) {
+    test::RenderSettingsOf<M> settings;
+    settings.size = {48, 48};
+    settings.passes = 16;
+    settings.seed = seed;
+    settings.params.indirect_bounces = 6;
+    return settings;
+}
+
+class GpuAgreement : public testing::TestWithParam<const char*> {};
+
+// By the same numbers: what is left is rounding, and the paths it sends elsewhere. 0.3 % is the bound.
+TEST_P(GpuAgreement, MeansAgree) {
+    const Scene scene = make_builtin_scene(GetParam());
+    const test::SceneOnDevice where(scene);
+    const Film cpu = test::render(scene, settings_for<PathTracing>(1));
+    const Film gpu = test::render(where, settings_for<PathTracingGpu>(1));
+    const double mean_cpu = test::mean_of(cpu.resolve_beauty()), mean_gpu = test::mean_of(gpu.resolve_beauty());
+    EXPECT_NEAR(mean_gpu / mean_cpu, 1.0, 0.003) << GetParam();
+
+    // By other numbers: independent samples of the same mean, block by block (false alarms: 1e-6 a scene).
+    const Film other = test::render(where, settings_for<PathTracingGpu>(2));
+    EXPECT_EQ(test::blocks_that_differ(cpu, other, 16), "") << GetParam();
+}
+INSTANTIATE_TEST_SUITE_P(BuiltinScenes, GpuAgreement,
+                         testing::Values("cornell-box", "cornell-box-spot", "cornell-box-glass", "cornell-box-glossy",
+                                         "furnace", "caustic-ring", "keyhole", "interior", "photon-splatting/plate",
+                                         "photon-splatting/skimming-ray", "photon-splatting/chairs"));
+
+}  // namespace
+}  // namespace photond
