@@ -8,6 +8,10 @@
 #include "renderer/backends/gpu/instance.h"
 #include "renderer/backends/gpu/scene_bindings.h"
 
+/// What the validation layers keep of an instance that lives as long as the process is theirs.
+extern "C" const char* __lsan_default_suppressions();
+extern "C" const char* __lsan_default_suppressions() { return "leak:libVkLayer_khronos_validation.so\n"; }
+
 namespace photond {
 
 namespace gpu {
