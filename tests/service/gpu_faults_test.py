@@ -1,0 +1,101 @@
+"""Gate 13 of reliability.md: a device that is lost, memory that is not there, pipelines that cannot be made. Never a wrong
+image: the job's pixels are those of an undisturbed run, or it fails with a true reason."""
+
+import pathlib
+import tempfile
+import unittest
+
+from gpu_daemon import able_gpus, counted_calls, fault_environment, gpu_daemon, needs_gpu
+from photond_daemon import small_job
+
+GPU = able_gpus()[0] if able_gpus() else None
+JOB = small_job(size=32, passes=4)
+JOB["method"]["device"] = "gpu"
+
+
+def hash_of(job):
+    return job["statistics"]["pixel_hash"]
+
+
+def some_of(count):
+    """Of 1 .. count the first ones, the last and some between."""
+    return sorted({1, 2, count // 2, count - 1, count} & set(range(1, count + 1)))
+
+
+@needs_gpu
+class FaultTest(unittest.TestCase):
+    expected = None
+
+    def setUp(self):
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.folder = pathlib.Path(temporary.name)
+
+    def daemon(self, call, at=None, **fault):
+        # Films are saved after each pass, so that attempts do go on from one.
+        return gpu_daemon("--save-seconds", "0.000001", devices="gpu",
+                          environment=fault_environment(self.folder, call, at, **fault))
+
+    def calls_of_a_job(self, call):
+        """How many there are until the job's end; its undisturbed hash is kept."""
+        with self.daemon(call) as daemon:
+            job = daemon.run_job(JOB)
+            if FaultTest.expected:
+                self.assertEqual(hash_of(job), FaultTest.expected)
+            FaultTest.expected = hash_of(job)
+        count = counted_calls(self.folder)
+        self.assertGreater(count, 0, call)
+        return count
+
+    def lost(self, call):
+        for at in some_of(self.calls_of_a_job(call)):
+            with self.subTest(call=call, at=at), self.daemon(call, at) as daemon:
+                pid = daemon.workers()[GPU["id"]]
+                job = daemon.run_job(JOB)
+                self.assertTrue((self.folder / "once").exists(), "the fault never came")
+                if len(job["attempts"]) == 1:  # lost while it tidied up: the next job finds out
+                    self.assertEqual(hash_of(job), FaultTest.expected)
+                    job = daemon.run_job(JOB)
+                self.assertEqual([a["outcome"] for a in job["attempts"]], ["device_lost", "succeeded"])
+                self.assertIn("the GPU stopped answering", job["attempts"][0]["reason"])
+                self.assertEqual(hash_of(job), FaultTest.expected)
+                self.assertNotEqual(daemon.workers()[GPU["id"]], pid, "a process with a lost device went on")
+
+    def test_lost_while_submitting(self):
+        self.lost("vkQueueSubmit2")
+
+    def test_lost_while_waiting(self):
+        self.lost("vkWaitSemaphores")
+
+    def test_lost_twice_the_job_fails(self):
+        with self.daemon("vkQueueSubmit2", 2, once=False) as daemon:
+            job = daemon.wait_for_job(daemon.submit(JOB)["id"])
+            self.assertEqual((job["state"], job["failure"]["code"]), ("failed", "device_lost"))
+            self.assertEqual([a["outcome"] for a in job["attempts"]], ["device_lost"] * 2)
+            self.assertIn("the GPU stopped answering while submitting", job["failure"]["detail"])
+            daemon.wait_ready()
+            metrics = daemon.request("GET", "/metrics").text
+            self.assertRegex(metrics, r'photond_worker_restarts_total\{reason="device_lost"\} 2')
+
+    def survived(self, call, result, code, reason):
+        """One fault of a process: the job of that moment fails, or never notices; the worker and later jobs live on."""
+        for at in some_of(self.calls_of_a_job(call)):
+            with self.subTest(call=call, at=at), self.daemon(call, at, result=result) as daemon:
+                pid = daemon.workers()[GPU["id"]]
+                job = daemon.wait_for_job(daemon.submit(JOB)["id"])
+                self.assertTrue((self.folder / "once").exists(), "the fault never came")
+                self.assertEqual((job["state"], job["failure"]["code"]), ("failed", code), job)
+                self.assertRegex(job["failure"]["detail"], reason)
+                self.assertEqual(len(job["attempts"]), 1)
+                self.assertEqual(hash_of(daemon.run_job(JOB)), FaultTest.expected)
+                self.assertEqual(daemon.workers()[GPU["id"]], pid, "the worker did not live on")
+
+    def test_no_memory_on_the_device(self):
+        self.survived("vkAllocateMemory", "memory", "out_of_memory", r"allocating \d+ bytes for .* beside \d+ bytes held")
+
+    def test_a_pipeline_that_cannot_be_made(self):
+        self.survived("vkCreateComputePipelines", "failed", "internal", r"\.comp.*VK_ERROR_INITIALIZATION_FAILED")
+
+
+if __name__ == "__main__":
+    unittest.main()
