@@ -196,7 +196,6 @@ void trace_path(uint number) {
 }
 
 void main() {
-    start_counting();
     const uint number = push.first_path + flat_index();
     if (number < push.end_path) {
         trace_path(number);
@@ -204,5 +203,4 @@ void main() {
         if (photon_nan_samples > 0) atomicAdd(state[REFLECTION_NAN_SAMPLES], photon_nan_samples);
         if (photon_infinite_samples > 0) atomicAdd(state[REFLECTION_INFINITE_SAMPLES], photon_infinite_samples);
     }
-    finish_counting();
 }

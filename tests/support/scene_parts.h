@@ -46,6 +46,8 @@ inline Scene turned(Scene scene) {
     }
     for (Camera& camera : scene.cameras)
         for (vec3* v : {&camera.position, &camera.right, &camera.up, &camera.forward}) *v = turn * *v;
+    for (PunctualLight& light : scene.punctual_lights)
+        for (vec3* v : {&light.position, &light.direction}) *v = turn * *v;
     finish_scene(scene);
     return scene;
 }

@@ -48,7 +48,6 @@ bool step_path(uint vertex, uint key, inout EyePath path, inout Ray ray, inout P
 }
 
 void main() {
-    start_counting();
     const uint tile = push.first_tile + flat_index() / (EYE_TILE * EYE_TILE);
     uint pixel;
     if (tile < push.end_tile && pixel_of_tile(tile, gl_LocalInvocationIndex, pixel)) {
@@ -64,5 +63,4 @@ void main() {
         count(COUNTER_BOUNCE_RAYS, vertex);
         count(COUNTER_SHADOW_RAYS, shadow_rays);
     }
-    finish_counting();
 }

@@ -60,8 +60,6 @@ void trace_map(uint index, Splat splat) {
 }
 
 void main() {
-    start_counting();
     const uint index = push.first_splat + flat_index() / SPLAT_GROUP;
     if (index < push.end_splat && (splats[index].kind & SPLAT_KIND_MASK) == SPLAT_BEAM) trace_map(index, splats[index]);
-    finish_counting();
 }

@@ -51,7 +51,6 @@ void keep_point(uint index, WalkVertex met, uint pixel, uint next) {
 }
 
 void main() {
-    start_counting();
     const uint thread = gl_LocalInvocationIndex;
     const uint tile = push.first_tile + flat_index() / (EYE_TILE * EYE_TILE);
     uint pixel = 0;
@@ -100,5 +99,4 @@ void main() {
         count(COUNTER_BOUNCE_RAYS, vertices - 1);
         count(COUNTER_SHADOW_RAYS, shadow_rays);
     }
-    finish_counting();
 }

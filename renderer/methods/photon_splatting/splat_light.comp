@@ -16,6 +16,7 @@
 #include "renderer/photons/photon.glsl"
 #include "renderer/photons/reflected_photon_shared.h"
 #include "renderer/transport/photon_scattering.glsl"
+#include "renderer/transport/shaft_visibility.glsl"
 
 layout(constant_id = SPLAT_HAS_CONNECTIONS_ID) const bool SPLAT_HAS_CONNECTIONS = true;
 layout(constant_id = SPLAT_HAS_BEAMS_ID) const bool SPLAT_HAS_BEAMS = true;
@@ -35,7 +36,8 @@ layout(set = 0, binding = 9, scalar) readonly buffer Surfaces { ReflectingSurfac
 layout(set = 0, binding = 10, scalar) buffer Sums { SplatSum sums[]; };
 
 shared uint found[2];  // a bit a thread: its splat may reach the cluster
-shared uint queue[2 * SPLAT_GROUP];
+shared uint queue[2 * SPLAT_GROUP];  // splats, and QUEUE_CLEAR
+const uint QUEUE_CLEAR = 0x80000000u;  // nothing stands between the splat's origin and the cluster
 
 uint contributions = 0, shadow_rays = 0;
 
@@ -91,7 +93,7 @@ vec3 intensity_towards(Splat splat, vec3 d) {
 }
 
 /// Adds one splat to one point's sum.
-void add_splat(uint index, Splat splat, SplatPoint point, Receiver receiver, inout SplatSum sum) {
+void add_splat(uint queued, Splat splat, SplatPoint point, Receiver receiver, inout SplatSum sum) {
     if (splat.kind >> SPLAT_SCATTERINGS_SHIFT > (point.kind & ~POINT_GENERAL)) return;
     const bool beam =
         SPLAT_HAS_BEAMS && (!SPLAT_HAS_CONNECTIONS || (splat.kind & SPLAT_KIND_MASK) == SPLAT_BEAM);
@@ -100,7 +102,9 @@ void add_splat(uint index, Splat splat, SplatPoint point, Receiver receiver, ino
     if (beam ? !beam_gain(splat, point, constants.kernel, gain) : !connect_gain(splat, point, constants.kernel, gain))
         return;
     ++contributions;
-    if (SPLAT_VISIBILITY && (beam ? !reaches(index, splat, d) : cut_off(splat, point))) return;
+    if (SPLAT_VISIBILITY) {
+        if (beam ? !reaches(queued, splat, d) : (queued & QUEUE_CLEAR) == 0 && cut_off(splat, point)) return;
+    }
     sum.splats += 1.0;
     vec3 light = gain * (beam ? splat.intensity : intensity_towards(splat, d));
     if (!is_general(point)) {
@@ -138,8 +142,19 @@ void light_cluster(SplatCluster cluster) {
         barrier();
         const bool last = first + SPLAT_GROUP >= push.end_splat;
         if (waiting < SPLAT_GROUP && !last) continue;
+        if (SPLAT_VISIBILITY && SPLAT_HAS_CONNECTIONS) {
+            const ShaftTarget target =
+                ShaftTarget(cluster.centre, cluster.half_extent, cluster.radius_m, cluster.normal);
+            for (uint i = thread; i < waiting; i += SPLAT_GROUP) {
+                const Splat splat = splats[queue[i]];
+                if ((splat.kind & SPLAT_KIND_MASK) != SPLAT_BEAM && shaft_clear(splat.origin, splat.normal, target))
+                    queue[i] |= QUEUE_CLEAR;
+            }
+            barrier();
+        }
         if (mine)
-            for (uint i = 0; i < waiting; ++i) add_splat(queue[i], splats[queue[i]], point, receiver, sum);
+            for (uint i = 0; i < waiting; ++i)
+                add_splat(queue[i], splats[queue[i] & ~QUEUE_CLEAR], point, receiver, sum);
         waiting = 0;
         barrier();
     }
@@ -149,8 +164,6 @@ void light_cluster(SplatCluster cluster) {
 }
 
 void main() {
-    start_counting();
     const uint index = push.first_cluster + flat_index() / SPLAT_GROUP;
     if (index < min(push.end_cluster, counts[SPLAT_COUNT_CLUSTERS])) light_cluster(clusters[index]);
-    finish_counting();
 }

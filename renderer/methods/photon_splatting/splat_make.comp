@@ -99,7 +99,6 @@ bool make_splat(uint source, uint ray, ReflectedPhotonRecord photon, vec3 power_
 }
 
 void main() {
-    start_counting();
     const uint index = flat_index();
     if (index < push.splats) {
         const uint source = push.first_source + index / constants.rays_per_photon;
@@ -115,5 +114,4 @@ void main() {
         count(COUNTER_PHOTON_RAYS, photon_rays);
         count(COUNTER_SPLATS, lights ? 1 : 0);
     }
-    finish_counting();
 }

@@ -149,7 +149,6 @@ bool scatter(uint vertex, int left, SplatPoint point, inout RepaymentPath path, 
 }
 
 void main() {
-    start_counting();
     const uint index = push.first_point + flat_index();
     if (index < push.end_point) {
         const SplatPoint point = points[index];
@@ -164,5 +163,4 @@ void main() {
         count(COUNTER_BOUNCE_RAYS, bounce_rays);
         count(COUNTER_SHADOW_RAYS, shadow_rays);
     }
-    finish_counting();
 }
