@@ -22,47 +22,32 @@ constexpr uint64_t kNoPower = ~uint64_t{0};
 uint64_t code_of(uint64_t key) { return key >> kIndexBits; }
 uint32_t index_of(uint64_t key) { return static_cast<uint32_t>(key & kIndexMask); }
 
-/// The cells of one pass. Half a cell beyond the bounds counts as inside: photons on a wall of the bounds lie beyond it
-/// by their rounding.
+/// The codes of a pass's cells.
 class ShiftedGrid {
 public:
-    ShiftedGrid(const StratificationSettings& settings, uint64_t seed, uint32_t pass) : min_(settings.bounds.min) {
-        constexpr float kMargin = 0.5f;  // cells
-        const vec3 extent = settings.bounds.empty() ? vec3(0) : settings.bounds.diagonal();
-        const float cell_m = max_component(extent) / static_cast<float>(settings.cells);
-        // A grid about a single point has one cell.
-        cells_per_m_ = cell_m > 0 && std::isfinite(1 / cell_m) ? 1 / cell_m : 0;
-        low_ = settings.bounds.min - kMargin * cell_m;
-        high_ = settings.bounds.max + kMargin * cell_m;
-        RandomStream random(seed, RandomDomain::Stratification, pass, kShiftStream);
-        for (int axis = 0; axis < 3; ++axis) first_[axis] = kMargin + random.next();
-        // The bounds, a margin at either end and the shift come to cells + 2; one more for rounding, one for outside().
-        levels_ = static_cast<uint32_t>(std::bit_width(settings.cells + 3));
-    }
+    explicit ShiftedGrid(const StratificationGrid& grid) : grid_(grid) {}
 
     /// Levels of blocks above the cells, up to the one that holds all of them.
-    uint32_t levels() const { return levels_; }
+    uint32_t levels() const { return grid_.levels; }
     /// Greater than all codes of cells.
     uint64_t outside() const {
-        assert(levels_ <= 11 && "at most 1024 cells along a side");
+        assert(grid_.levels <= 11 && "at most 1024 cells along a side");
         // NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult): it takes bit_width() for anything
-        return (uint64_t{1} << 3 * levels_) - 1;
+        return (uint64_t{1} << 3 * grid_.levels) - 1;
     }
 
     uint64_t code(const vec3& p) const {
+        const vec3 &low = grid_.low, &high = grid_.high;
         // Written so that NaN is outside, as everything is where the bounds are empty.
         const bool inside =
-            p.x >= low_.x && p.x <= high_.x && p.y >= low_.y && p.y <= high_.y && p.z >= low_.z && p.z <= high_.z;
+            p.x >= low.x && p.x <= high.x && p.y >= low.y && p.y <= high.y && p.z >= low.z && p.z <= high.z;
         if (!inside) return outside();
-        return morton_code_wide(uvec3(glm::ivec3(glm::max(vec3(0), (p - min_) * cells_per_m_ + first_))));
+        return morton_code_wide(
+            uvec3(glm::ivec3(glm::max(vec3(0), (p - grid_.min) * grid_.cells_per_m + grid_.first))));
     }
 
 private:
-    static constexpr uint64_t kShiftStream = ~uint64_t{0};  // unlike any cell's
-    vec3 min_, low_, high_;
-    vec3 first_;  // of the bounds' corner, in cells
-    float cells_per_m_;
-    uint32_t levels_;
+    StratificationGrid grid_;
 };
 
 /// Sorts in place and in parallel by bits below `high_bit`; all bits above agree. American flag sort: [McIlroy,
@@ -311,11 +296,27 @@ constexpr uint32_t kTaskLevels = 4;
 
 }  // namespace
 
+StratificationGrid::StratificationGrid(const StratificationSettings& settings, uint64_t seed, uint32_t pass)
+    : min(settings.bounds.min) {
+    constexpr float kMargin = 0.5f;                  // cells
+    constexpr uint64_t kShiftStream = ~uint64_t{0};  // unlike any cell's
+    const vec3 extent = settings.bounds.empty() ? vec3(0) : settings.bounds.diagonal();
+    const float cell_m = max_component(extent) / static_cast<float>(settings.cells);
+    // A grid about a single point has one cell.
+    cells_per_m = cell_m > 0 && std::isfinite(1 / cell_m) ? 1 / cell_m : 0;
+    low = settings.bounds.min - kMargin * cell_m;
+    high = settings.bounds.max + kMargin * cell_m;
+    RandomStream random(seed, RandomDomain::Stratification, pass, kShiftStream);
+    for (int axis = 0; axis < 3; ++axis) first[axis] = kMargin + random.next();
+    // The bounds, a margin at either end and the shift come to cells + 2; one more for rounding, one for outside().
+    levels = static_cast<uint32_t>(std::bit_width(settings.cells + 3));
+}
+
 std::vector<SplatSource> stratify(std::span<const ReflectedPhoton> photons, const StratificationSettings& settings,
                                   uint64_t seed, uint32_t pass, uint64_t& peak_bytes) {
     assert(settings.cells >= 1 && settings.cells <= 1024 && settings.splats_per_cell >= 1);
     assert(photons.size() < kIndexMask && "indices have 31 bits");
-    const ShiftedGrid grid(settings, seed, pass);
+    const ShiftedGrid grid(StratificationGrid(settings, seed, pass));
     const SortedKeys sorted = sort_photons(photons, grid);
     const auto keys = std::span(sorted.keys).first(sorted.usable);
     const Chooser chooser(photons, keys, settings, seed, pass);

@@ -33,6 +33,17 @@ struct StratificationSettings {
     bool mean_power = false;  // `normalised`: the cell's mean power instead of the splat's share of its sum
 };
 
+/// The cells of one pass: that of p has the integer parts of (p - min) * cells_per_m + first. Half a cell beyond the
+/// bounds counts as inside: photons on a wall of the bounds lie beyond it by their rounding.
+struct StratificationGrid {
+    StratificationGrid(const StratificationSettings& settings, uint64_t seed, uint32_t pass);
+
+    vec3 min, low, high;  // of the bounds, and of what is inside
+    vec3 first;           // of the bounds' corner, in cells
+    float cells_per_m;
+    uint32_t levels;  // of blocks above the cells, up to the one that holds all of them; at most 11
+};
+
 /// One pass's splats in the order of their cells' Morton codes, photons outside the grid last: a pure function of
 /// (photons, settings, seed, pass), whatever the number of threads. The grid is shifted at random from pass to pass, by
 /// less than a cell along each axis. Photons of no power are left out, and count nowhere; powers must be finite and not
