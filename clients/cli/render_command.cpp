@@ -60,8 +60,10 @@ ExitCode print_estimate(Session& session, const json& request) {
         session.print_json(estimate);
         return ExitCode::Ok;
     }
-    const json seconds = estimate.value("seconds", json());
-    std::cout << "memory " << human_bytes(estimate.at("memory_bytes").get<double>()) << "\ntime   "
+    const json seconds = estimate.value("seconds", json()), on_device = estimate.value("device_memory_bytes", json());
+    std::cout << "memory " << human_bytes(estimate.at("memory_bytes").get<double>());
+    if (on_device.is_number()) std::cout << ", and " << human_bytes(on_device.get<double>()) << " of the GPU's";
+    std::cout << "\ntime   "
               << (seconds.is_number() ? human_seconds(seconds.get<double>())
                                       : "not known: the daemon has rendered nothing with this method yet")
               << '\n';

@@ -162,7 +162,7 @@ class GracefulStopTest(unittest.TestCase):
         with self.assertRaises(RuntimeError):
             Daemon("--listen", "0.0.0.0:0")
         with self.assertRaises(RuntimeError):
-            Daemon("--devices", "gpu:0")
+            Daemon("--devices", "gpu:99")
 
 
 class KilledDaemonTest(unittest.TestCase):
