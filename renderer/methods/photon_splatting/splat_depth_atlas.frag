@@ -1,0 +1,4 @@
+// Depth alone.
+#version 460
+
+void main() {}
