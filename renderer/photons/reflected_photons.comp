@@ -5,22 +5,21 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 
-#define IMAGE_BINDING 0
-#define COUNTERS_BINDING 1
+#define COUNTERS_BINDING 0
+#include "renderer/backends/gpu/counters.glsl"
 #include "renderer/backends/gpu/invocation.glsl"
-#include "renderer/methods/device_image.glsl"
 #include "renderer/photons/photon.glsl"
 #include "renderer/photons/photon_paths.glsl"
 #include "renderer/photons/reflected_photon_shared.h"
 
 layout(local_size_x = REFLECTION_GROUP) in;
 layout(push_constant, scalar) uniform Push { ReflectionPush push; };
-layout(set = 0, binding = 2, scalar) buffer State { uint state[REFLECTION_STATE_WORDS]; };
-layout(set = 0, binding = 3, scalar) writeonly buffer Photons { ReflectedPhotonRecord photons[]; };
-layout(set = 0, binding = 4, scalar) writeonly buffer Owners { PhotonOwner owners[]; };
-layout(set = 0, binding = 5, scalar) writeonly buffer PathCounts { uint photons_of_path[]; };
-layout(set = 0, binding = 6, scalar) writeonly buffer Surfaces { ReflectingSurfaceRecord surfaces[]; };
-layout(set = 0, binding = 7, scalar) readonly buffer Grids { TexelGrid grids[]; };
+layout(set = 0, binding = 1, scalar) buffer State { uint state[REFLECTION_STATE_WORDS]; };
+layout(set = 0, binding = 2, scalar) writeonly buffer Photons { ReflectedPhotonRecord photons[]; };
+layout(set = 0, binding = 3, scalar) writeonly buffer Owners { PhotonOwner owners[]; };
+layout(set = 0, binding = 4, scalar) writeonly buffer PathCounts { uint photons_of_path[]; };
+layout(set = 0, binding = 5, scalar) writeonly buffer Surfaces { ReflectingSurfaceRecord surfaces[]; };
+layout(set = 0, binding = 6, scalar) readonly buffer Grids { TexelGrid grids[]; };
 
 const float LEAST_ROUGH_SHARE = 1.0 / 16;  // kLeastRoughShare
 

@@ -33,16 +33,16 @@ uint64_t ReflectedPhotonsGpu::device_bytes(const PhotonTracing& tracing, bool la
 }
 
 ReflectedPhotonsGpu::ReflectedPhotonsGpu(const gpu::DeviceScene& scene, const EmissionSampler& emission,
-                                         const PhotonTracing& tracing, DeviceImage& image)
+                                         const PhotonTracing& tracing, gpu::Buffer& counters)
     : device_(scene.device()),
       tracing_(tracing),
-      image_(image),
+      counters_(counters),
       state_(device_, "photons", REFLECTION_STATE_WORDS * sizeof(uint32_t)),
       host_state_(device_, "readback", state_.bytes(), gpu::MemoryKind::Readback),
       path_counts_(device_, "photon_paths", (uint64_t{tracing.photons} + 1) * sizeof(uint32_t)),
       grids_(device_, "photon_paths", sizeof(gpu::TexelGrid)),
       trace_(device_, "renderer/photons/reflected_photons.comp", sizeof(gpu::ReflectionPush), &scene.set(),
-             scene.specialization(image.specialization())),
+             scene.specialization()),
       sort_(device_, "renderer/photons/reflected_photon_order.comp", sizeof(uint32_t)),
       sum_(device_, tracing.photons + 1) {
     if (tracing.injection == PhotonInjection::ReflectiveShadowMap) maps_.emplace(emission, tracing.photons);
@@ -102,9 +102,8 @@ void ReflectedPhotonsGpu::record_start(gpu::CommandList& commands) {
 
 void ReflectedPhotonsGpu::record_paths(gpu::CommandList& commands, uint32_t first, uint32_t end) {
     const gpu::Scope scope(commands, "photon_tracing");
-    commands.bind(trace_, {gpu::read_write(image_.layers()), gpu::read_write(image_.counters()),
-                           gpu::read_write(state_), gpu::write(photons_), gpu::write(owners_), gpu::write(path_counts_),
-                           gpu::write(surfaces_), gpu::read(grids_)});
+    commands.bind(trace_, {gpu::read_write(counters_), gpu::read_write(state_), gpu::write(photons_),
+                           gpu::write(owners_), gpu::write(path_counts_), gpu::write(surfaces_), gpu::read(grids_)});
     gpu::ReflectionPush push = push_;
     push.first_path = first;
     push.end_path = end;

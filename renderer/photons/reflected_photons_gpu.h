@@ -5,14 +5,14 @@
 
 #include "renderer/backends/gpu/device_scene.h"
 #include "renderer/backends/gpu/prefix_sum.h"
-#include "renderer/methods/device_image.h"
 #include "renderer/photons/photon_tracer.h"
 #include "renderer/photons/reflected_photon_shared.h"
 #include "renderer/photons/reflective_shadow_map.h"
 
 namespace photond {
 
-/// One pass's photons at a time. Borrows the scene, the emission and the image, whose counters it adds to.
+/// One pass's photons at a time. Borrows the scene, the emission and the counters (backends/gpu/counters.h), which it
+/// adds to.
 ///
 /// Photon i of the pass, in an order that is the same every time, is photons()[order()[i]]: path after path, and along
 /// each by its scatterings. Room for them is made by what paths leave in a furnished room; a pass that leaves more is
@@ -20,7 +20,7 @@ namespace photond {
 class ReflectedPhotonsGpu {
 public:
     ReflectedPhotonsGpu(const gpu::DeviceScene& scene, const EmissionSampler& emission, const PhotonTracing& tracing,
-                        DeviceImage& image);
+                        gpu::Buffer& counters);
     /// On the device, at first. `lambert`: every surface is a plain Lambert reflector.
     static uint64_t device_bytes(const PhotonTracing& tracing, bool lambert);
 
@@ -50,7 +50,7 @@ private:
 
     gpu::Device& device_;
     const PhotonTracing tracing_;
-    DeviceImage& image_;
+    gpu::Buffer& counters_;
     std::optional<ReflectiveShadowMaps> maps_;
     uint32_t photon_capacity_ = 0, surface_capacity_ = 0;
     gpu::ReflectionPush push_{};

@@ -81,7 +81,7 @@ class PhotonSplattingTest(unittest.TestCase):
         methods = {method["name"]: method for method in self.daemon.request("GET", "/v1/methods").json["items"]}
         method = methods["photon_splatting"]
         self.assertEqual((method["family"], method["devices"], method["mergeable"], method["artefacts"]),
-                         ("photon splatting", ["cpu"], True, []))
+                         ("photon splatting", ["cpu", "gpu"], True, []))
         self.assertEqual(method["layers"],
                          [name for name in methods["path_tracing"]["layers"] if name != "caustic"] + ["overlap"])
         properties = method["parameters"]["properties"]

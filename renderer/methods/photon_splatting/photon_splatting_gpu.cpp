@@ -263,9 +263,9 @@ void PhotonSplattingGpu::State::add_batch(uint32_t first_photon, uint32_t end_ph
     const uint32_t count = (end_photon - first_photon) * params.rays_per_photon;
     pieces.push_back([=, this](gpu::CommandList& commands) {
         const gpu::Scope scope(commands, "splat_depth");
-        commands.bind(*make, {gpu::read_write(device_image.layers()), gpu::read_write(device_image.counters()),
-                              gpu::read(constants), gpu::read(photons->state()), gpu::read(photons->photons()),
-                              gpu::read(photons->order()), gpu::read(photons->surfaces()), gpu::write(splats)});
+        commands.bind(*make, {gpu::read_write(device_image.counters()), gpu::read(constants),
+                              gpu::read(photons->state()), gpu::read(photons->photons()), gpu::read(photons->order()),
+                              gpu::read(photons->surfaces()), gpu::write(splats)});
         commands.push(gpu::SplatMakePush{first_photon, end_photon, count});
         commands.dispatch_threads(count, SPLAT_GROUP);
     });
@@ -274,8 +274,8 @@ void PhotonSplattingGpu::State::add_batch(uint32_t first_photon, uint32_t end_ph
         for (uint32_t first = 0; first < count; first += std::min(maps, count - first)) {
             pieces.push_back([=, this, end = first + std::min(maps, count - first)](gpu::CommandList& commands) {
                 const gpu::Scope scope(commands, "splat_depth");
-                commands.bind(*depth, {gpu::read_write(device_image.layers()), gpu::read_write(device_image.counters()),
-                                       gpu::read(constants), gpu::read(splats), gpu::write(depth_maps)});
+                commands.bind(*depth, {gpu::read_write(device_image.counters()), gpu::read(constants),
+                                       gpu::read(splats), gpu::write(depth_maps)});
                 commands.push(gpu::SplatClusterPush{0, 0, first, end});
                 commands.dispatch_threads(uint64_t{end - first} * SPLAT_GROUP, SPLAT_GROUP);
             });
@@ -291,10 +291,10 @@ void PhotonSplattingGpu::State::add_batch(uint32_t first_photon, uint32_t end_ph
                                              first + std::min(splats_a_piece, count - first)};
             pieces.push_back([push, this](gpu::CommandList& commands) {
                 const gpu::Scope scope(commands, "splat");
-                commands.bind(*light, {gpu::read_write(device_image.layers()), gpu::read_write(device_image.counters()),
-                                       gpu::read(constants), gpu::read(counts), gpu::read(clusters), gpu::read(points),
-                                       gpu::read(general_points), gpu::read(splats), gpu::read(depth_maps),
-                                       gpu::read(photons->surfaces()), gpu::read_write(sums)});
+                commands.bind(*light,
+                              {gpu::read_write(device_image.counters()), gpu::read(constants), gpu::read(counts),
+                               gpu::read(clusters), gpu::read(points), gpu::read(general_points), gpu::read(splats),
+                               gpu::read(depth_maps), gpu::read(photons->surfaces()), gpu::read_write(sums)});
                 commands.push(push);
                 commands.dispatch_threads(uint64_t{push.end_cluster - push.first_cluster} * SPLAT_GROUP, SPLAT_GROUP);
             });
@@ -384,7 +384,7 @@ void PhotonSplattingGpu::begin(const RenderContext& context, Stats& stats) {
     }
     context.budget.record("emission_sampler", state.emission->bytes());
     const PhotonTracing tracing = tracing_of(params_);
-    state.photons.emplace(state.device_scene, *state.emission, tracing, state.device_image);
+    state.photons.emplace(state.device_scene, *state.emission, tracing, state.device_image.counters());
     const uint64_t splats = state.splats_at_once;
     state.splats = gpu::Buffer(state.device, "splats", splats * sizeof(gpu::Splat));
     state.depth_maps =

@@ -4,17 +4,16 @@
 #extension GL_EXT_scalar_block_layout : require
 
 #include "renderer/methods/photon_splatting/splat_shared.h"
-#define IMAGE_BINDING 0
-#define COUNTERS_BINDING 1
+#define COUNTERS_BINDING 0
 #include "renderer/backends/gpu/bvh.glsl"
+#include "renderer/backends/gpu/counters.glsl"
 #include "renderer/backends/gpu/invocation.glsl"
-#include "renderer/methods/device_image.glsl"
 
 layout(local_size_x = SPLAT_GROUP) in;
 layout(push_constant, scalar) uniform Push { SplatClusterPush push; };
-layout(set = 0, binding = 2, scalar) readonly buffer Constants { SplatConstants constants; };
-layout(set = 0, binding = 3, scalar) readonly buffer Splats { Splat splats[]; };
-layout(set = 0, binding = 4, scalar) writeonly buffer DepthMaps { float farthest_m[]; };
+layout(set = 0, binding = 1, scalar) readonly buffer Constants { SplatConstants constants; };
+layout(set = 0, binding = 2, scalar) readonly buffer Splats { Splat splats[]; };
+layout(set = 0, binding = 3, scalar) writeonly buffer DepthMaps { float farthest_m[]; };
 
 const float MOST_SLOPE = 6.0;  // kMostSlope
 

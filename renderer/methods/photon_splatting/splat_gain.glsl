@@ -14,6 +14,12 @@ float clamp_sq_m2(float splat_radius_m) { return sqr(CLAMP_SHARE * splat_radius_
 
 bool is_general(SplatPoint point) { return !ONLY_LAMBERT && (point.kind & POINT_GENERAL) != 0u; }
 
+/// Whether light that travels along `d` (of any length) reaches the point's lit side.
+bool faces(SplatPoint point, vec3 d) {
+    if (!ONLY_LAMBERT && point.normal == vec3(0.0)) return true;
+    return dot(point.normal, d) < 0.0 && dot(point.geometric_normal, d) < 0.0;
+}
+
 /// A photon that connects. Irradiance [W m^-2] over the splat's intensity; for receivers that are not Lambert without the
 /// receiver's cosine. False: it is not lit.
 bool connect_gain(Splat splat, SplatPoint point, KernelRecord kernel, out float gain) {
@@ -25,9 +31,7 @@ bool connect_gain(Splat splat, SplatPoint point, KernelRecord kernel, out float 
     const vec3 across = d - along * splat.axis;
     const float u_sq = along > 0.0 ? dot(across, across) : d_sq;
     if (!(u_sq < radius_sq && height > 0.0)) return false;
-    const bool lambert = !is_general(point);
-    const float cosine = -dot(point.normal, d);  // times d
-    if (lambert && !(cosine > 0.0 && dot(point.geometric_normal, d) < 0.0)) return false;
+    if (!faces(point, d)) return false;
 
     const float inverse_d = 1.0 / sqrt(max(d_sq, 1e-37));
     if (height < radius_m) {
@@ -40,7 +44,7 @@ bool connect_gain(Splat splat, SplatPoint point, KernelRecord kernel, out float 
         gain = kernel_evaluate(kernel, min(u_sq * inverse_radius_sq, 1.0));
     }
     gain *= inverse_radius_sq;
-    if (lambert) gain *= cosine * inverse_d;
+    if (!is_general(point)) gain *= -dot(point.normal, d) * inverse_d;
     return true;
 }
 
@@ -52,12 +56,9 @@ bool beam_gain(Splat splat, SplatPoint point, KernelRecord kernel, out float gai
     const vec3 across = d - along * splat.axis;
     const float u_sq = dot(across, across), radius_sq = sqr(splat.radius);
     if (!(u_sq < radius_sq && along >= splat.near_m && along <= splat.far_m)) return false;
-    float cosine = 1.0;
-    if (!is_general(point)) {
-        cosine = -dot(point.normal, splat.axis);
-        if (!(cosine > 0.0 && dot(point.geometric_normal, splat.axis) < 0.0)) return false;
-    }
-    gain = kernel_evaluate(kernel, min(u_sq / radius_sq, 1.0)) * cosine;
+    if (!faces(point, splat.axis)) return false;
+    gain = kernel_evaluate(kernel, min(u_sq / radius_sq, 1.0));
+    if (!is_general(point)) gain *= -dot(point.normal, splat.axis);
     return true;
 }
 

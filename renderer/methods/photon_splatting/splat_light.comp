@@ -7,10 +7,9 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 
-#define IMAGE_BINDING 0
-#define COUNTERS_BINDING 1
+#define COUNTERS_BINDING 0
+#include "renderer/backends/gpu/counters.glsl"
 #include "renderer/backends/gpu/invocation.glsl"
-#include "renderer/methods/device_image.glsl"
 #include "renderer/methods/photon_splatting/splat_gain.glsl"
 #include "renderer/methods/photon_splatting/visible_points.glsl"
 #include "renderer/photons/photon.glsl"
@@ -25,15 +24,15 @@ layout(constant_id = SPLAT_VISIBILITY_ID) const bool SPLAT_VISIBILITY = true;
 
 layout(local_size_x = SPLAT_GROUP) in;
 layout(push_constant, scalar) uniform Push { SplatClusterPush push; };
-layout(set = 0, binding = 2, scalar) readonly buffer Constants { SplatConstants constants; };
-layout(set = 0, binding = 3, scalar) readonly buffer Sizes { uint counts[SPLAT_COUNTS]; };
-layout(set = 0, binding = 4, scalar) readonly buffer Clusters { SplatCluster clusters[]; };
-layout(set = 0, binding = 5, scalar) readonly buffer Points { SplatPoint points[]; };
-layout(set = 0, binding = 6, scalar) readonly buffer GeneralPoints { SplatGeneralPoint general_points[]; };
-layout(set = 0, binding = 7, scalar) readonly buffer Splats { Splat splats[]; };
-layout(set = 0, binding = 8, scalar) readonly buffer DepthMaps { float farthest_m[]; };
-layout(set = 0, binding = 9, scalar) readonly buffer Surfaces { ReflectingSurfaceRecord surfaces[]; };
-layout(set = 0, binding = 10, scalar) buffer Sums { SplatSum sums[]; };
+layout(set = 0, binding = 1, scalar) readonly buffer Constants { SplatConstants constants; };
+layout(set = 0, binding = 2, scalar) readonly buffer Sizes { uint counts[SPLAT_COUNTS]; };
+layout(set = 0, binding = 3, scalar) readonly buffer Clusters { SplatCluster clusters[]; };
+layout(set = 0, binding = 4, scalar) readonly buffer Points { SplatPoint points[]; };
+layout(set = 0, binding = 5, scalar) readonly buffer GeneralPoints { SplatGeneralPoint general_points[]; };
+layout(set = 0, binding = 6, scalar) readonly buffer Splats { Splat splats[]; };
+layout(set = 0, binding = 7, scalar) readonly buffer DepthMaps { float farthest_m[]; };
+layout(set = 0, binding = 8, scalar) readonly buffer Surfaces { ReflectingSurfaceRecord surfaces[]; };
+layout(set = 0, binding = 9, scalar) buffer Sums { SplatSum sums[]; };
 
 shared uint found[2];  // a bit a thread: its splat may reach the cluster
 shared uint queue[2 * SPLAT_GROUP];  // splats, and QUEUE_CLEAR

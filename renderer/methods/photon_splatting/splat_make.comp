@@ -4,12 +4,11 @@
 #extension GL_EXT_scalar_block_layout : require
 
 #include "renderer/methods/photon_splatting/splat_shared.h"
-#define IMAGE_BINDING 0
-#define COUNTERS_BINDING 1
+#define COUNTERS_BINDING 0
 #include "renderer/backends/gpu/bvh.glsl"
+#include "renderer/backends/gpu/counters.glsl"
 #include "renderer/backends/gpu/invocation.glsl"
 #include "renderer/core/rng.glsl"
-#include "renderer/methods/device_image.glsl"
 #include "renderer/photons/kernel.glsl"
 #include "renderer/photons/photon.glsl"
 #include "renderer/photons/reflected_photon_shared.h"
@@ -20,12 +19,12 @@ layout(constant_id = SPLAT_NORMALISED_ID) const bool SPLAT_NORMALISED = false;
 
 layout(local_size_x = SPLAT_GROUP) in;
 layout(push_constant, scalar) uniform Push { SplatMakePush push; };
-layout(set = 0, binding = 2, scalar) readonly buffer Constants { SplatConstants constants; };
-layout(set = 0, binding = 3, scalar) readonly buffer State { uint state[REFLECTION_STATE_WORDS]; };
-layout(set = 0, binding = 4, scalar) readonly buffer Photons { ReflectedPhotonRecord photons[]; };
-layout(set = 0, binding = 5, scalar) readonly buffer Order { uint order[]; };
-layout(set = 0, binding = 6, scalar) readonly buffer Surfaces { ReflectingSurfaceRecord surfaces[]; };
-layout(set = 0, binding = 7, scalar) writeonly buffer Splats { Splat splats[]; };
+layout(set = 0, binding = 1, scalar) readonly buffer Constants { SplatConstants constants; };
+layout(set = 0, binding = 2, scalar) readonly buffer State { uint state[REFLECTION_STATE_WORDS]; };
+layout(set = 0, binding = 3, scalar) readonly buffer Photons { ReflectedPhotonRecord photons[]; };
+layout(set = 0, binding = 4, scalar) readonly buffer Order { uint order[]; };
+layout(set = 0, binding = 5, scalar) readonly buffer Surfaces { ReflectingSurfaceRecord surfaces[]; };
+layout(set = 0, binding = 6, scalar) writeonly buffer Splats { Splat splats[]; };
 
 const uint64_t STREAM_STEP = 0x9e3779b97f4a7c15ul;  // of RandomStream: from a number to the next
 

@@ -1,0 +1,74 @@
+// Photon splatting on a GPU and on the CPU are the same estimator: their images agree, over the whole and block by
+// block, with each way of splatting and of starting paths.
+
+#include <gtest/gtest.h>
+
+#include "renderer/methods/photon_splatting/photon_splatting_gpu.h"
+#include "renderer/scene/builtin_scenes.h"
+#include "tests/support/gpu_render.h"
+#include "tests/support/scene_parts.h"
+
+namespace photond {
+namespace {
+
+struct Case {
+    const char* scene;
+    void (*choose)(PhotonSplattingParams& params);
+};
+
+template <class M>
+test::RenderSettingsOf<M> settings_for(const Case& which, uint64_t seed) {
+    test::RenderSettingsOf<M> settings;
+    settings.size = {32, 32};
+    settings.passes = 24;
+    settings.seed = seed;
+    settings.params.photons = 600;
+    settings.params.bounces = 2;
+    settings.params.splat_size_relative = 0.4f;
+    settings.params.shadow_resolution = 8;
+    which.choose(settings.params);
+    return settings;
+}
+
+class GpuSplattingAgreement : public testing::TestWithParam<Case> {};
+
+// By the same numbers: what is left is rounding, and the paths it sends elsewhere (turned: see test::turned()); with
+// splats that adapt or have several rays also which of equally good numbers each splat takes, of some 15,000 photons.
+// 0.3 % is the bound.
+TEST_P(GpuSplattingAgreement, MeansAgree) {
+    const Case& which = GetParam();
+    const Scene scene = test::turned(make_builtin_scene(which.scene));
+    const test::SceneOnDevice where(scene);
+    const Film cpu = test::render(scene, settings_for<PhotonSplatting>(which, 1));
+    const Film gpu = test::render(where, settings_for<PhotonSplattingGpu>(which, 1));
+    EXPECT_NEAR(test::mean_of(gpu.resolve_beauty()) / test::mean_of(cpu.resolve_beauty()), 1.0, 0.003);
+
+    // By other numbers: independent samples of the same mean, block by block (false alarms: 1e-6 a case).
+    const Film other = test::render(where, settings_for<PhotonSplattingGpu>(which, 2));
+    EXPECT_EQ(test::blocks_that_differ(cpu, other, 16), "");
+}
+INSTANTIATE_TEST_SUITE_P(Cases, GpuSplattingAgreement,
+                         testing::Values(Case{"cornell-box", [](PhotonSplattingParams&) {}},
+                                         Case{"cornell-box-glossy", [](PhotonSplattingParams& p) { p.bounces = 3; }},
+                                         Case{"interior", [](PhotonSplattingParams& p) { p.ambient = 0.01f; }},
+                                         Case{"cornell-box-spot",
+                                              [](PhotonSplattingParams& p) {
+                                                  p.bounces = 1;
+                                                  p.injection = PhotonInjection::ReflectiveShadowMap;
+                                                  p.filter = SplatFilter::Gaussian;
+                                                  p.rays_per_photon = 3;
+                                              }},
+                                         Case{"cornell-box-glass",
+                                              [](PhotonSplattingParams& p) {
+                                                  p.estimator = SplatEstimator::Kernel;
+                                                  p.filter = SplatFilter::Tent;
+                                              }},
+                                         Case{"cornell-box",
+                                              [](PhotonSplattingParams& p) { p.visibility = p.repay = false; }},
+                                         Case{"cornell-box", [](PhotonSplattingParams& p) {
+                                                  p.weighting = SplatWeighting::Normalised;
+                                                  p.filter = SplatFilter::Gaussian;
+                                              }}));
+
+}  // namespace
+}  // namespace photond
