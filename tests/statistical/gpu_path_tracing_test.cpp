@@ -6,6 +6,7 @@
 #include "renderer/methods/path_tracing/path_tracing_gpu.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/gpu_render.h"
+#include "tests/support/scene_parts.h"
 
 namespace photond {
 namespace {
@@ -13,7 +14,7 @@ namespace {
 template <class M>
 test::RenderSettingsOf<M> settings_for(uint64_t seed) {
     test::RenderSettingsOf<M> settings;
-    settings.size = {48, 48};
+    settings.size = {32, 32};
     settings.passes = 16;
     settings.seed = seed;
     settings.params.indirect_bounces = 6;
@@ -22,9 +23,10 @@ test::RenderSettingsOf<M> settings_for(uint64_t seed) {
 
 class GpuAgreement : public testing::TestWithParam<const char*> {};
 
-// By the same numbers: what is left is rounding, and the paths it sends elsewhere. 0.3 % is the bound.
+// By the same numbers: what is left is rounding, and the paths it sends elsewhere. 0.3 % is the bound. (Turned: where
+// normals lie along axes, the sign of a zero decides between two frames, and with that the whole path.)
 TEST_P(GpuAgreement, MeansAgree) {
-    const Scene scene = make_builtin_scene(GetParam());
+    const Scene scene = test::turned(make_builtin_scene(GetParam()));
     const test::SceneOnDevice where(scene);
     const Film cpu = test::render(scene, settings_for<PathTracing>(1));
     const Film gpu = test::render(where, settings_for<PathTracingGpu>(1));
@@ -33,7 +35,7 @@ TEST_P(GpuAgreement, MeansAgree) {
 
     // By other numbers: independent samples of the same mean, block by block (false alarms: 1e-6 a scene).
     const Film other = test::render(where, settings_for<PathTracingGpu>(2));
-    EXPECT_EQ(test::blocks_that_differ(cpu, other, 16), "") << GetParam();
+    EXPECT_EQ(test::blocks_that_differ(cpu, other, 8), "") << GetParam();
 }
 INSTANTIATE_TEST_SUITE_P(BuiltinScenes, GpuAgreement,
                          testing::Values("cornell-box", "cornell-box-spot", "cornell-box-glass", "cornell-box-glossy",

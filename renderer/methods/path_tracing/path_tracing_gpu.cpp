@@ -5,6 +5,7 @@
 #include "renderer/methods/device_passes.h"
 #include "renderer/methods/eye_constants.h"
 #include "renderer/methods/path_tracing/path_tracing_shared.h"
+#include "renderer/methods/path_tracing/path_wavefront_gpu.h"
 
 namespace photond {
 
@@ -16,7 +17,7 @@ constexpr uint32_t kTilePixels = EYE_TILE * EYE_TILE;
 }  // namespace
 
 struct PathTracingGpu::State {
-    State(const RenderContext& context, const PathTracingParams& params)
+    State(const RenderContext& context, const PathTracingParams& params, Kernels kernels)
         : device(context.device_scene->device()),
           scene(context.scene),
           size(context.view.film_size),
@@ -29,12 +30,15 @@ struct PathTracingGpu::State {
         for (Slot& slot : slots)
             slot = {DeviceImage(device, size, context.view.layers),
                     gpu::Buffer(device, "sampler", sizeof(gpu::PassSamplerData))};
-        const gpu::EyeConstants constants =
+        const gpu::EyeConstants eye_constants =
             make_eye_constants(context.view, params.max_scatterings(), params.roulette_start);
-        gpu::upload(device, eye, std::as_bytes(std::span(&constants, 1)));
+        gpu::upload(device, eye, std::as_bytes(std::span(&eye_constants, 1)));
         const gpu::DeviceScene& on_device = *context.device_scene;
-        pipeline.emplace(device, kShader, sizeof(gpu::PathTracingPush), &on_device.set(),
-                         on_device.specialization(slots[0].image.specialization()));
+        const std::vector<gpu::Specialization> constants = on_device.specialization(slots[0].image.specialization());
+        if (kernels == Kernels::Wavefront)
+            wavefront.emplace(on_device, std::min(tiles, tiles_a_piece), constants);
+        else
+            megakernel.emplace(device, kShader, sizeof(gpu::PathTracingPush), &on_device.set(), constants);
         passes.emplace(device, (tiles + tiles_a_piece - 1) / tiles_a_piece,
                        [this](uint32_t pass, uint32_t slot, uint32_t piece, gpu::CommandList& commands) {
                            record(pass, slots[slot], piece, commands);
@@ -53,10 +57,12 @@ struct PathTracingGpu::State {
             commands.update(slot.sampler, numbers);
         }
         const uint32_t first = piece * tiles_a_piece, end = std::min(first + tiles_a_piece, tiles);
-        {
+        if (wavefront) {
+            wavefront->record(commands, slot.image, eye, slot.sampler, first, end);
+        } else {
             const gpu::Scope scope(commands, "indirect");
-            commands.bind(*pipeline, {gpu::read_write(slot.image.layers()), gpu::read_write(slot.image.counters()),
-                                      gpu::read(eye), gpu::read(slot.sampler)});
+            commands.bind(*megakernel, {gpu::read_write(slot.image.layers()), gpu::read_write(slot.image.counters()),
+                                        gpu::read(eye), gpu::read(slot.sampler)});
             commands.push(gpu::PathTracingPush{first, end});
             commands.dispatch_threads(uint64_t{end - first} * kTilePixels, kTilePixels);
         }
@@ -71,13 +77,14 @@ struct PathTracingGpu::State {
     const uint32_t tiles, tiles_a_piece;
     gpu::Buffer eye;
     Slot slots[DevicePasses::kSlots];
-    std::optional<gpu::ComputePipeline> pipeline;
+    std::optional<gpu::ComputePipeline> megakernel;
+    std::optional<PathWavefrontGpu> wavefront;
     PassImage image;
     bool pass_complete = false;          // image holds a whole pass
     std::optional<DevicePasses> passes;  // last: its going waits for work that uses the others
 };
 
-PathTracingGpu::PathTracingGpu(const PathTracingParams& params) : params_(params) {}
+PathTracingGpu::PathTracingGpu(const PathTracingParams& params, Kernels kernels) : params_(params), kernels_(kernels) {}
 PathTracingGpu::~PathTracingGpu() = default;
 
 uint64_t PathTracingGpu::estimate_bytes(const PathTracingParams& /*params*/, const Workload& workload) {
@@ -94,7 +101,7 @@ uint64_t PathTracingGpu::estimate_device_bytes(const PathTracingParams& /*params
 void PathTracingGpu::begin(const RenderContext& context, Stats& stats) {
     const uint64_t image_bytes = PassImage::bytes_for(context.view.film_size, context.view.layers);
     context.budget.require("pass_image", image_bytes);
-    state_ = std::make_unique<State>(context, params_);
+    state_ = std::make_unique<State>(context, params_, kernels_);
     context.budget.record("pass_image", image_bytes);
 
     const Needs& needs = context.scene.needs;

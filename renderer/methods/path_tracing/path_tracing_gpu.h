@@ -4,13 +4,17 @@
 namespace photond {
 
 /// PathTracing on a GPU: the same paths with the same numbers, so that the image differs from the CPU's by rounding
-/// alone (a path that rounding sends elsewhere is a sample of its own right). Each thread follows the path of one pixel
-/// to its end and keeps what it finds, so the image is the same from run to run on one device.
+/// alone (a path that rounding sends elsewhere is a sample of its own right). What a path brings is added to its
+/// pixel in the path's own order, so the image is the same from run to run on one device.
 class PathTracingGpu final : public Method {
 public:
     using Params = PathTracingParams;
 
-    explicit PathTracingGpu(const PathTracingParams& params);
+    /// How the work is laid out: a thread follows a path to its end, or kernels do a step of all paths each
+    /// (path_wavefront_gpu.h). The image is the same; benchmarks measure both.
+    enum class Kernels : uint8_t { Mega, Wavefront };
+
+    explicit PathTracingGpu(const PathTracingParams& params, Kernels kernels = Kernels::Mega);
     ~PathTracingGpu() override;
     /// What begin() will record of the host's memory ...
     static uint64_t estimate_bytes(const PathTracingParams& params, const Workload& workload);
@@ -27,6 +31,7 @@ private:
     struct State;  // path_tracing_gpu.cpp
 
     const PathTracingParams params_;
+    const Kernels kernels_;
     std::unique_ptr<State> state_;
 };
 

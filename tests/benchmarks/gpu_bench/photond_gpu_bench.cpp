@@ -17,8 +17,10 @@
 #include "protocol/param_json.h"
 #include "renderer/backends/cpu/embree_intersector.h"
 #include "renderer/backends/gpu/device_intersector.h"
+#include "renderer/core/rng.h"
 #include "renderer/error/curve.h"
 #include "renderer/error/error_meter.h"
+#include "renderer/methods/path_tracing/path_tracing_gpu.h"
 #include "renderer/methods/registry.h"
 #include "renderer/scene/baked_scene.h"
 #include "renderer/scene/builtin_scenes.h"
@@ -37,6 +39,7 @@ struct Entry {
     json parameters = json::object();
     Size2 size;
     uint32_t passes = 1;
+    bool wavefront = false;
     std::vector<std::string> devices{"gpu"};
     std::optional<double> target;
     uint32_t reference_passes = 0;
@@ -53,6 +56,7 @@ Entry read_entry(const json& source, double scale) {
     entry.size = {scaled(source.at("width").get<double>()), scaled(source.at("height").get<double>())};
     entry.passes = scaled(source.value("passes", 1.0));
     if (entry.parameters.contains("photons")) entry.parameters["photons"] = scaled(entry.parameters["photons"]);
+    entry.wavefront = source.value("wavefront", false);
     entry.devices = source.value("devices", entry.devices);
     if (source.contains("time_to_error")) {
         const json& wanted = source["time_to_error"];
@@ -87,7 +91,8 @@ struct Place {
     std::unique_ptr<Intersector> host_rays;
 };
 
-std::unique_ptr<Method> make_method(const std::string& name, const json& parameters, bool on_gpu) {
+/// `wavefront`: path tracing laid out so, to be held against the method's own way.
+std::unique_ptr<Method> make_method(const std::string& name, const json& parameters, bool on_gpu, bool wavefront) {
     const MethodInfo* info = find_method(name);
     if (!info) throw Error(ErrorCode::UnknownName, "there is no method " + name);
     if (on_gpu && !info->make_gpu) throw Error(ErrorCode::DeviceUnavailable, name + " does not run on a GPU");
@@ -96,6 +101,9 @@ std::unique_ptr<Method> make_method(const std::string& name, const json& paramet
     read_params(*params, parameters, "/parameters", faults);
     if (!faults.empty()) throw Error(ErrorCode::OutOfRange, faults.front().pointer + ": " + faults.front().detail);
     if (on_gpu) info->check_gpu(*params);
+    if (on_gpu && wavefront)
+        return std::make_unique<PathTracingGpu>(dynamic_cast<const PathTracingParams&>(*params),
+                                                PathTracingGpu::Kernels::Wavefront);
     return on_gpu ? info->make_gpu(*params) : info->make(*params);
 }
 
@@ -103,7 +111,7 @@ std::unique_ptr<Method> make_method(const std::string& name, const json& paramet
 class Run {
 public:
     Run(const Entry& entry, Place& place, bool on_gpu, gpu::Device* device, uint64_t seed = 1)
-        : method_(make_method(entry.method, entry.parameters, on_gpu)), film(entry.size, LayerSet()) {
+        : method_(make_method(entry.method, entry.parameters, on_gpu, entry.wavefront)), film(entry.size, LayerSet()) {
         const RenderContext context = place.context(on_gpu, device, entry.size, seed);
         const double start = wall_now_seconds();
         method_->begin(context, stats);

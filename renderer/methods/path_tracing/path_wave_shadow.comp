@@ -1,0 +1,19 @@
+#version 460
+// The wavefront's shadow rays: the light samples that nothing stands before.
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+
+#define IMAGE_BINDING 0
+#define COUNTERS_BINDING 1
+#define EYE_BINDING 2
+#define SAMPLER_BINDING 3
+#include "renderer/methods/path_tracing/path_wave.glsl"
+
+void main() {
+    const uint i = flat_index();
+    if (i >= path_counts[SHADOWS_NOW]) return;
+    const ShadowState shadow = path_shadows[i];
+    count(COUNTER_SHADOW_RAYS, 1);
+    if (occluded(Ray(shadow.origin, shadow.direction, shadow.t_max))) return;
+    add_rgb(shadow.indirect != 0 ? PLANE_INDIRECT : PLANE_DIRECT, shadow.pixel, shadow.radiance);
+}

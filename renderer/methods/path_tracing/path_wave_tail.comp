@@ -1,0 +1,23 @@
+#version 460
+// The wavefront's last kernel: the few paths that are left are followed to their ends by a thread each.
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+
+#define IMAGE_BINDING 0
+#define COUNTERS_BINDING 1
+#define EYE_BINDING 2
+#define SAMPLER_BINDING 3
+#include "renderer/methods/path_tracing/path_wave.glsl"
+
+void main() {
+    uint place;
+    if (!queued_path(place)) return;
+    const PathState state = path_states[place];
+    PathLight light = no_light();
+    if (layer_kept(PLANE_ALBEDO)) light.albedo = load_rgb(PLANE_ALBEDO, state.pixel);
+    uint vertex = push.vertex, shadow_rays = 0;
+    follow_path(state.key, vertex, unpack_path(state), ray_of(state), light, shadow_rays);
+    store_light(state.pixel, light);
+    count(COUNTER_BOUNCE_RAYS, vertex - push.vertex);
+    count(COUNTER_SHADOW_RAYS, shadow_rays);
+}
