@@ -60,44 +60,48 @@ float grid_distance_sq(vec3 p, vec3 q) {
     return distance_sq;
 }
 
-/// Makes sure of a point under way. False: there is none left.
+/// To the next run of points, which may be empty: the next row's, or the rest of one that ran over the table's end. False:
+/// there is none.
 bool grid_next_run(HashGridConstants grid, inout GridSearch search) {
-    while (search.at >= search.end) {
-        uint slot = 0, columns = search.wrapped;
-        search.wrapped = 0;
-        if (columns == 0) {
-            const bool up = search.y >= search.high_y;
-            search.y = up ? search.low_y : search.y + 1;
-            search.z += up ? 1 : 0;
-            if (search.z > search.high_z) return false;
-            slot = grid_row(grid, search.y, search.z) + uint(search.low_x);
-            columns = search.columns;
-            if (grid.hashed != 0) {
-                slot &= grid.slots - 1u;
-                columns = min(columns, grid.slots - slot);
-                search.wrapped = search.columns - columns;
-            }
+    uint slot = 0, columns = search.wrapped;
+    search.wrapped = 0;
+    if (columns == 0) {
+        const bool up = search.y >= search.high_y;
+        search.y = up ? search.low_y : search.y + 1;
+        search.z += up ? 1 : 0;
+        if (search.z > search.high_z) return false;
+        slot = grid_row(grid, search.y, search.z) + uint(search.low_x);
+        columns = search.columns;
+        if (grid.hashed != 0) {
+            slot &= grid.slots - 1u;
+            columns = min(columns, grid.slots - slot);
+            search.wrapped = search.columns - columns;
         }
-        search.at = grid_starts[grid.first_start + slot];
-        search.end = grid_starts[grid.first_start + slot + columns];
     }
+    search.at = grid_starts[grid.first_start + slot];
+    search.end = grid_starts[grid.first_start + slot + columns];
     return true;
 }
 
 /// The next point at squared distances up to `bound_sq`, which is not beyond the search's radius, each point once; `index`
-/// counts from the grid's first. False: there is none.
+/// counts from the grid's first. False: there is none. One loop over runs and points: threads that run together need not
+/// wait for each other's runs to end.
 bool grid_next(HashGridConstants grid, inout GridSearch search, float bound_sq, out uint index, out uvec4 point,
                out float distance_sq) {
-    while (grid_next_run(grid, search)) {
+    while (true) {
+        if (search.at >= search.end) {
+            if (!grid_next_run(grid, search)) return false;
+            continue;
+        }
         index = search.at++;
         point = grid_places[grid.first_point + index];
         const vec3 position = uintBitsToFloat(point.xyz);
         distance_sq = grid_distance_sq(search.centre, position);
-        if (!(distance_sq <= bound_sq)) continue;
         // Rows that meet in the table hold each other's points.
-        if (grid.hashed == 0 || grid_cell_of(grid, position).yz == ivec2(search.y, search.z)) return true;
+        if (distance_sq <= bound_sq &&
+            (grid.hashed == 0 || grid_cell_of(grid, position).yz == ivec2(search.y, search.z)))
+            return true;
     }
-    return false;
 }
 
 #endif

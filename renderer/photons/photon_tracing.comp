@@ -5,6 +5,7 @@
 // as those of one path come in the order of its scatterings.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
 
 #define GUIDE_WORDS_BINDING 6
 #define GUIDE_FLOATS_BINDING 7
@@ -22,7 +23,6 @@ layout(set = 0, binding = 3, scalar) writeonly buffer Paths { uint paths[]; };
 layout(set = 0, binding = 4, scalar) writeonly buffer Order { uint order[]; };
 layout(set = 0, binding = 5, scalar) readonly buffer Stores { uint instance_stores[]; };  // 1: may be diffuse
 
-shared uint group_rays;
 uint photon_rays = 0;
 
 /// Where a path is, and what it is to be told from others by.
@@ -74,8 +74,6 @@ bool step_walk(inout Walk walk) {
 }
 
 void main() {
-    if (gl_LocalInvocationIndex == 0) group_rays = 0;
-    barrier();
     Walk walk;
     uint next = push.first_path + flat_index();
     bool alive = false;
@@ -87,11 +85,10 @@ void main() {
         if (!alive) break;
         alive = step_walk(walk);
     }
-    atomicAdd(group_rays, photon_rays);
     if (photon_nan_samples > 0) atomicAdd(state[NAN_SAMPLES_WORD], photon_nan_samples);
     if (photon_infinite_samples > 0) atomicAdd(state[INFINITE_SAMPLES_WORD], photon_infinite_samples);
-    barrier();
-    if (gl_LocalInvocationIndex != 0 || group_rays == 0) return;
-    const uint before = atomicAdd(state[PHOTON_RAYS_WORD], group_rays);
-    if (before + group_rays < before) atomicAdd(state[PHOTON_RAYS_WORD + 1], 1u);  // the carry
+    const uint rays = subgroupAdd(photon_rays);
+    if (!subgroupElect() || rays == 0) return;
+    const uint before = atomicAdd(state[PHOTON_RAYS_WORD], rays);
+    if (before + rays < before) atomicAdd(state[PHOTON_RAYS_WORD + 1], 1u);  // the carry
 }

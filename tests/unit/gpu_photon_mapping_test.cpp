@@ -9,6 +9,7 @@
 #include "renderer/methods/photon_mapping/photon_mapping_gpu.h"
 #include "renderer/photons/hash_grid_gpu.h"
 #include "renderer/photons/projection_map.h"
+#include "renderer/photons/radiance_estimate_shared.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/gpu_render.h"
 #include "tests/support/photons.h"
@@ -99,6 +100,122 @@ TEST_P(GpuPhotonTracer, StoresTheCpusPhotons) {
 INSTANTIATE_TEST_SUITE_P(BuiltinScenes, GpuPhotonTracer,
                          testing::Values("cornell-box", "cornell-box-spot", "cornell-box-glossy", "cornell-box-glass",
                                          "interior"));
+
+/// Photons in random places, then some thirty all in one; `word` counts them.
+std::vector<gpu::PhotonPlace> random_places(uint32_t count) {
+    RandomStream random(1, RandomDomain::Test, 0, 0);
+    std::vector<gpu::PhotonPlace> places(count);
+    for (uint32_t i = 0; i < count; ++i) {
+        const vec3 p(random.next(), 2 * random.next(), 0.5f * random.next());
+        places[i] = {i + 30 < count ? p : vec3(0.5f, 1, 0.25f), i + 1};
+    }
+    return places;
+}
+
+/// As grid_distance_sq() rounds it.
+float distance_sq(const vec3& p, const vec3& q) {
+    const vec3 d = q - p;
+    const volatile float x = d.x * d.x, y = d.y * d.y, z = d.z * d.z, xy = x + y;
+    return xy + z;
+}
+
+struct PhotonsFound {
+    float radius_m;
+    uint32_t photons, sum;
+};
+
+/// By looking at all. Of those as far as the k-th any may be left out: `sum` is 0 where there are several.
+PhotonsFound find_by_brute_force(const std::vector<gpu::PhotonPlace>& places, const vec3& p, float radius_m,
+                                 uint32_t k) {
+    std::vector<std::pair<float, uint32_t>> near;
+    for (const gpu::PhotonPlace& place : places)
+        if (const float d = distance_sq(p, place.position); d < radius_m * radius_m)
+            near.emplace_back(d, place.normal_and_path);
+    std::sort(near.begin(), near.end());
+    PhotonsFound found{radius_m, 0, 0};
+    bool several = false;
+    if (k > 0 && near.size() >= k) {
+        found.radius_m = std::sqrt(near[k - 1].first);
+        several = near[k - 2].first == near[k - 1].first;
+        near.resize(k - 1);
+    }
+    found.photons = static_cast<uint32_t>(near.size());
+    for (const auto& [d, word] : near) found.sum += word;
+    if (several) found.sum = 0;
+    return found;
+}
+
+struct Search {
+    float radius_m;
+    uint32_t nearest;       // 0: all within the radius
+    float cell_m;           // of the grid
+    uint32_t laid_out_for;  // points: few make a table in which rows meet
+};
+
+class GpuPhotonSearch : public testing::TestWithParam<Search> {};
+
+// Few enough candidates each: lavapipe (Mesa 22) leaves a shader's loops after 65535 turns in all.
+TEST_P(GpuPhotonSearch, FindsWhatBruteForceFinds) {
+    const Search& search = GetParam();
+    constexpr uint32_t kPhotons = 3000, kQueries = 400;
+    gpu::Device& device = test::gpu_device();
+    const std::vector<gpu::PhotonPlace> places = random_places(kPhotons);
+    Bounds3 bounds;
+    bounds.extend(vec3(0));
+    bounds.extend(vec3(1, 2, 0.5f));
+    gpu::EstimateConstants constants{};
+    gpu::HashGridConstants& grid = constants.maps[0].grid;
+    grid = lay_out_grid(bounds, search.cell_m, search.laid_out_for);
+    grid.first_start = 3, grid.first_point = 7, grid.capacity = kPhotons;  // as of the second grid of two
+    constants.maps[0].radius_m = search.radius_m;
+    constants.maps[0].nearest = search.nearest;
+
+    UnsortedPhotons photons(device, kPhotons);
+    std::vector<uint32_t> paths(kPhotons), order(kPhotons);
+    for (uint32_t i = 0; i < kPhotons; ++i) paths[i] = i * 7919 % kPhotons, order[i] = i;
+    gpu::upload(device, photons.places, std::as_bytes(std::span(places)));
+    gpu::upload(device, photons.paths, std::as_bytes(std::span(paths)));
+    gpu::upload(device, photons.order, std::as_bytes(std::span(order)));
+    std::vector<uint32_t> state(PHOTON_STATE_WORDS);
+    state[PHOTONS_STORED_WORD] = kPhotons;
+    gpu::Buffer tracer_state = gpu::make_buffer(device, "state", std::span<const uint32_t>(state));
+    GridPhotons in_order(device, grid.first_start + grid.slots + 1, grid.first_point + kPhotons);
+    HashGridGpu builder(device);
+    gpu::CommandList commands(device);
+    builder.record(commands, grid, tracer_state, kPhotons, photons, in_order);
+    commands.submit();
+    commands.wait();
+    const auto starts = gpu::read_back<uint32_t>(device, in_order.starts, grid.first_start + grid.slots + 1);
+    const auto map_places = gpu::read_back<gpu::PhotonPlace>(device, in_order.places, grid.first_point + kPhotons);
+    const auto map_powers = gpu::read_back<gpu::PhotonPower>(device, in_order.powers, grid.first_point + kPhotons);
+
+    std::vector<vec3> queries(kQueries);
+    RandomStream random(2, RandomDomain::Test, 0, 0);
+    for (vec3& p : queries)  // beside the box, too
+        p = vec3(1.2f * random.next() - 0.1f, 2.4f * random.next() - 0.2f, 0.6f * random.next() - 0.05f);
+    queries[0] = vec3(0.5f, 1, 0.25f);
+    queries[1] = vec3(1e6f, 0, 0);
+    const test::PartOfScene no_scene({});
+    const test::Twin twin("tests/gpu/photon_search.comp", &no_scene.set());
+    const auto found = twin.run<PhotonsFound>(
+        kQueries, {starts, map_places, map_powers, std::span<const gpu::EstimateConstants>(&constants, 1), queries});
+    uint64_t all = 0;
+    for (uint32_t i = 0; i < kQueries; ++i) {
+        const PhotonsFound wanted = find_by_brute_force(places, queries[i], search.radius_m, search.nearest);
+        EXPECT_FLOAT_EQ(found[i].radius_m, wanted.radius_m) << i;
+        EXPECT_EQ(found[i].photons, wanted.photons) << i;
+        if (wanted.sum != 0) {
+            EXPECT_EQ(found[i].sum, wanted.sum) << i;
+        }
+        all += found[i].photons;
+    }
+    EXPECT_GT(all, kQueries) << "searches in empty space show nothing";
+}
+INSTANTIATE_TEST_SUITE_P(Searches, GpuPhotonSearch,
+                         testing::Values(Search{0.1f, 0, 0.1f, 3000}, Search{0.1f, 0, 0.1f, 1},
+                                         Search{0.2f, 0, 0.05f, 1000}, Search{0.3f, 50, 0.1f, 100'000},
+                                         Search{0.3f, 2, 0.03f, 3000}, Search{5, 1000, 0.3f, 3000},
+                                         Search{0.08f, 20, 0.05f, 3000}, Search{5, 4000, 0.5f, 3000}));
 
 LayerSet all_layers() {
     LayerSet layers;
@@ -208,15 +325,15 @@ TEST(GpuPhotonMapping, APassIsAPureFunctionOfItsIndex) {
 // In a white room a path leaves a photon at nearly each of up to 60 scatterings: many times as many as there is room
 // for.
 TEST(GpuPhotonMapping, LosesNoPhotonWhereThereAreMoreThanExpected) {
-    Scene scene = make_builtin_scene("cornell-box");
+    Scene scene = test::turned(make_builtin_scene("cornell-box"));
     for (Material& material : scene.materials) material.base_color = Rgb(0.97f);
     auto settings = settings_for<PhotonMapping>({"", Gather::Direct, kRadius});
     auto on_gpu = settings_for<PhotonMappingGpu>({"", Gather::Direct, kRadius});
-    settings.params.indirect_bounces = on_gpu.params.indirect_bounces = 60;
+    settings.params.indirect_bounces = on_gpu.params.indirect_bounces = 20;
     Stats cpu_stats, gpu_stats;
     const Film cpu = test::render(scene, settings, &cpu_stats);
     const Film gpu = test::render(test::SceneOnDevice(scene), on_gpu, &gpu_stats);
-    EXPECT_GT(cpu_stats.counts.photons_stored, 8 * cpu_stats.counts.photons_emitted);
+    EXPECT_GT(cpu_stats.counts.photons_stored, 3 * cpu_stats.counts.photons_emitted);
     EXPECT_NEAR(double(gpu_stats.counts.photons_stored), double(cpu_stats.counts.photons_stored),
                 0.01 * double(cpu_stats.counts.photons_stored));
     EXPECT_EQ(gpu_stats.counts.photons_emitted, cpu_stats.counts.photons_emitted);

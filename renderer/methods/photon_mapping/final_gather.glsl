@@ -1,6 +1,6 @@
 // GLSL twin of methods/photon_mapping/final_gather.h: rays from a point the eye sees, and the light that leaves the surfaces
-// where they end. A thread gathers all rays of its point, one behind the other. A ray's path may part at its first end,
-// into one by the specular and one by the rough part; the latter waits until the former has ended.
+// where they end. A thread follows one ray. Its path may part at its first end, into one by the specular and one by the rough
+// part; the latter waits until the former has ended.
 #ifndef PHOTOND_FINAL_GATHER_GLSL
 #define PHOTOND_FINAL_GATHER_GLSL
 
@@ -25,14 +25,11 @@ struct GatherPath {
     Ray ray;
 };
 
-/// What a point gathers, over its throughput and the number of its rays.
+/// What rays find.
 struct Gathered {
     vec3 direct, indirect;
     uint photons, rays, shadow_rays;
 };
-
-/// Name of the numbers of the point that the eye path with that key reached at that vertex.
-uint gather_key(uint path_key, uint vertex) { return hash32(path_key ^ (0x9e3779b9u * (vertex + 1u))); }
 
 /// Radiance of a light that a ray met, and that a light sample where the ray began finds with that density.
 void add_met_light(inout Gathered gathered, GatherPath path, vec3 radiance, float light_pdf) {
@@ -153,42 +150,46 @@ bool shade_end(inout GatherPath path, uint key, uint ray_index, inout Gathered g
     return follow_gathered(path, surface, bsdf_sample(specular, wo, lobe.x, direction), lobe.y);
 }
 
-/// What `rays` rays of the point find, which are numbered by `key`; `lit_normal` as given to the light sampler there, for so
-/// many samples.
-Gathered gather_light(WalkVertex point, uint key, vec3 lit_normal, uint rays, uint light_samples) {
-    Gathered gathered = Gathered(vec3(0.0), vec3(0.0), 0u, 0u, 0u);
+/// A point that gathers: VisiblePoint, as far as it is needed here.
+struct GatherPoint {
+    ShadingPoint surface;
+    Bsdf rough;  // f_d
+    vec3 wo;     // local
+    vec3 lit_normal;
+    uint scatterings;
+    MediumStack media;
+    uint key;
+    uint rays, light_samples;
+};
+
+/// Adds what one of the point's rays finds.
+void gather_ray(GatherPoint point, uint ray_index, inout Gathered gathered) {
     const SplitSamplers samplers = gather_samplers();
-    GatherPath path, apart;
-    uint ray_index = 0;
-    bool alive = false, waits = false;
+    const vec2 u = split_sample_2d(samplers, ray_index, point.key, sample_set(0, SET_DIRECTION));
+    const float u_lobe =
+        ONLY_LAMBERT ? 0.0 : split_sample_2d(samplers, ray_index, point.key, sample_set(0, SET_LOBE)).x;
+    const BsdfSample next = bsdf_sample(point.rough, point.wo, u_lobe, u);
+    if (!bsdf_sample_valid(next) || is_black(next.weight)) return;
+    GatherPath path = GatherPath(vec3(1.0), 1.0, point.scatterings, 0u, NO_SAMPLED_LIGHT, point.media,
+                                 Ray(vec3(0.0), vec3(0.0), INFINITY));
+    follow_gathered(path, point.surface, next, -1.0);
+    path.light = SampledLight(point.surface.position, point.lit_normal,
+                              next.pdf_sa * float(point.rays) / float(point.light_samples));
+    GatherPath apart = path;
+    bool waits = false;
     while (true) {
-        if (!alive && waits) {
-            path = apart;
-            alive = true;
-            waits = false;
-        }
-        while (!alive && ray_index < rays) {
-            const vec2 u = split_sample_2d(samplers, ray_index, key, sample_set(0, SET_DIRECTION));
-            const float u_lobe = ONLY_LAMBERT ? 0.0 : split_sample_2d(samplers, ray_index, key, sample_set(0, SET_LOBE)).x;
-            ++ray_index;
-            const BsdfSample next = bsdf_sample(point.rough, point.wo, u_lobe, u);
-            if (!bsdf_sample_valid(next) || is_black(next.weight)) continue;
-            path = GatherPath(vec3(1.0), 1.0, point.scatterings, 0u, NO_SAMPLED_LIGHT, point.media,
-                              Ray(vec3(0.0), vec3(0.0), INFINITY));
-            alive = follow_gathered(path, point.surface, next, -1.0);
-            path.light = SampledLight(point.surface.position, lit_normal,
-                                      next.pdf_sa * float(rays) / float(light_samples));
-        }
-        if (!alive) break;
         bool parted;
         GatherPath rough;
-        alive = shade_end(path, key, ray_index - 1, gathered, parted, rough);
+        const bool on = shade_end(path, point.key, ray_index, gathered, parted, rough);
         if (parted) {
             apart = rough;
             waits = true;
         }
+        if (on) continue;
+        if (!waits) return;
+        path = apart;
+        waits = false;
     }
-    return gathered;
 }
 
 #endif

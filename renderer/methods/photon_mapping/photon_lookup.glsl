@@ -20,6 +20,9 @@ SplitSamplers gather_samplers() {
     return SplitSamplers(mapping.gather_rays, mapping.light_samples * SPLIT_PREPARED_SETS);
 }
 
+/// Name of the numbers of the point that the eye path with that key reached at that vertex.
+uint gather_key(uint path_key, uint vertex) { return hash32(path_key ^ (0x9e3779b9u * (vertex + 1u))); }
+
 /// Scatterings left to a photon that is looked up after so many of the eye's path, the lookup's own included.
 uint photon_scatterings_left(uint scatterings) {
     const uint most = eye.max_scatterings;

@@ -1,6 +1,7 @@
 #version 460
 // Photon mapping's second pass, a thread a pixel: from the eye through what is specular (CPU twin: specular_walk.cpp), and at
-// each vertex what its rough part scatters of the maps' light, or gathers (CPU twin: eye_pass.cpp).
+// each vertex what its rough part scatters of the maps' light (CPU twin: eye_pass.cpp). Where rays are to be gathered the
+// points are left for photon_gather.comp.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 
@@ -16,12 +17,16 @@
 #define NEAREST_GROUP (EYE_TILE * EYE_TILE)
 #include "renderer/backends/gpu/invocation.glsl"
 #include "renderer/methods/eye_shared.h"
-#include "renderer/methods/photon_mapping/final_gather.glsl"
+#include "renderer/methods/photon_mapping/photon_lookup.glsl"
 
 layout(local_size_x = EYE_TILE * EYE_TILE) in;
 layout(push_constant, scalar) uniform Push { PhotonMappingPush push; };
 
-uint bounce_rays = 0, shadow_rays = 0, photons = 0;
+layout(set = 0, binding = 9, scalar) buffer PointState { uint point_state[POINT_STATE_WORDS]; };
+layout(set = 0, binding = 10, scalar) writeonly buffer Points { GatherPointRecord points[]; };
+layout(set = 0, binding = 11, scalar) writeonly buffer LastPoints { uint last_points[]; };  // by thread of the piece
+
+uint shadow_rays = 0, photons = 0, last_point = NO_POINT;
 
 /// Light samples of a vertex; the rough part's share of them competes with `competing_rays`.
 vec3 sample_lights(EyePath path, WalkVertex met, Bsdf specular, uint key, uint vertex, uint light_samples,
@@ -42,27 +47,27 @@ vec3 sample_lights(EyePath path, WalkVertex met, Bsdf specular, uint key, uint v
     return sum;
 }
 
-/// Light of the maps that a visible point scatters, and what it gathers.
-void look_up(WalkVertex point, uint key, uint vertex, vec3 lit_normal, uint rays, uint light_samples,
-             inout PathLight light) {
+/// A point that gathers rays.
+void leave_point(WalkVertex met, uint key, uint rays, uint light_samples) {
+    const uint place = atomicAdd(point_state[POINTS_WORD], 1u);
+    if (place >= push.capacity) return;
+    points[place] = GatherPointRecord(met.throughput, met.eta_scale, met.ray_direction, met.outside_ior,
+                                      met.hit.instance, met.hit.triangle, met.hit.u, met.hit.v, met.media.materials,
+                                      met.scatterings, key, rays, light_samples, last_point);
+    last_point = place;
+}
+
+/// Light of the maps that a visible point scatters.
+void look_up(WalkVertex point, inout PathLight light) {
     const uint most = photon_scatterings_left(point.scatterings + 1);
     const RadianceEstimate caustic = estimate_caustic(point.surface, point.rough, point.wo, most);
     photons += caustic.photons;
     light.indirect += point.throughput * caustic.radiance;
     if (layer_kept(PLANE_CAUSTIC) && point.scatterings == 0) light.caustic += point.throughput * caustic.delta_radiance;
-    if (!FINAL_GATHER) {
-        const RadianceEstimate global = estimate_global(point.surface, point.rough, point.wo, most);
-        photons += global.photons;
-        light.indirect += point.throughput * global.radiance;
-        return;
-    }
-    const Gathered gathered = gather_light(point, gather_key(key, vertex), lit_normal, rays, light_samples);
-    const vec3 to_pixel = point.throughput * (1.0 / float(rays));
-    light.direct += to_pixel * gathered.direct;
-    light.indirect += to_pixel * gathered.indirect;
-    photons += gathered.photons;
-    bounce_rays += gathered.rays;
-    shadow_rays += gathered.shadow_rays;
+    if (FINAL_GATHER) return;
+    const RadianceEstimate global = estimate_global(point.surface, point.rough, point.wo, most);
+    photons += global.photons;
+    light.indirect += point.throughput * global.radiance;
 }
 
 /// One vertex of a path: what it finds, light samples, its visible point, and the next ray. False: it ends.
@@ -76,7 +81,10 @@ bool step_path(uint vertex, uint key, inout EyePath path, inout Ray ray, inout P
         const vec3 lit = sample_lights(path, met, specular, key, vertex, light_samples, met.waits ? rays : 0u);
         if (path.scatterings == 0) light.direct += lit; else light.indirect += lit;
     }
-    if (met.waits) look_up(met, key, vertex, path.lit_normal, rays, light_samples, light);
+    if (met.waits) {
+        look_up(met, light);
+        if (FINAL_GATHER) leave_point(met, gather_key(key, vertex), rays, light_samples);
+    }
     const float roulette =
         ONLY_LAMBERT ? 0.0 : sample_2d(key, sample_set(vertex, SET_LIGHT_CHOICE_AND_ROULETTE)).y;
     const bool on = walk_leave(vertex, key, met, specular, roulette, path, light, ray);
@@ -96,9 +104,10 @@ void main() {
         uint vertex = 0;
         while (step_path(vertex, key, path, ray, light)) ++vertex;
         store_light(pixel, light);
+        if (FINAL_GATHER) last_points[flat_index()] = last_point;
         if (layer_kept(PLANE_PHOTON_COUNT)) store_value(PLANE_PHOTON_COUNT, pixel, float(photons));
         count(COUNTER_CAMERA_RAYS, 1);
-        count(COUNTER_BOUNCE_RAYS, vertex + bounce_rays);
+        count(COUNTER_BOUNCE_RAYS, vertex);
         count(COUNTER_SHADOW_RAYS, shadow_rays);
     }
 }

@@ -67,6 +67,25 @@ uint64_t split_bytes(const PhotonMappingParams& params) {
            sizeof(uint32_t);
 }
 
+/// Room for points that gather, of a piece: about one a pixel; a few more where a path may leave several.
+uint64_t points_of_piece(uint32_t tiles, bool only_lambert) {
+    const uint64_t pixels = uint64_t{tiles} * kTilePixels;
+    return only_lambert ? pixels : pixels + pixels / 4;
+}
+constexpr uint64_t kPointBytes = sizeof(gpu::GatherPointRecord) + GATHER_LANES * sizeof(gpu::GatheredRecord);
+
+constexpr uint32_t kMostPathsPerSubmit = 1u << 24;  // of a card: Device::paths_per_submit()
+
+uint32_t tiles_of_piece(uint32_t paths_per_submit, uint32_t tiles, const PhotonMappingParams& params) {
+    const uint32_t paths_a_pixel = params.most_light_samples() + gather_rays_of(params);
+    return std::clamp(paths_per_submit / (kTilePixels * paths_a_pixel), 1u, std::max(tiles, 1u));
+}
+
+uint64_t last_points_bytes(const PhotonMappingParams& params, uint32_t tiles_a_piece) {
+    const uint64_t pixels = params.gather == Gather::Final ? uint64_t{tiles_a_piece} * kTilePixels : 1;
+    return pixels * sizeof(uint32_t);
+}
+
 std::string projection_text(const ProjectionMap& map) {
     char text[160];
     std::snprintf(text, sizeof text, "%.1f %% of the photons meet specular surfaces unguided, %.1f %% would guided",
@@ -86,8 +105,7 @@ struct PhotonMappingGpu::State {
           seed(context.seed),
           search_radius_m(parameters.search_radius_m(context.scene.bounds.radius())),
           tiles((size.width + EYE_TILE - 1) / EYE_TILE * ((size.height + EYE_TILE - 1) / EYE_TILE)),
-          tiles_a_piece(std::max(
-              device.paths_per_submit() / (kTilePixels * (params.most_light_samples() + gather_rays_of(params))), 1u)),
+          tiles_a_piece(tiles_of_piece(device.paths_per_submit(), tiles, params)),
           eye(device, "eye", sizeof(gpu::EyeConstants)),
           mapping(device, "photon_mapping", sizeof(gpu::PhotonMappingConstants)),
           split_samplers(device, "renderer/methods/photon_mapping/split_samplers.comp", sizeof(gpu::SplitSamplersPush),
@@ -106,11 +124,13 @@ struct PhotonMappingGpu::State {
             : image(device, view.film_size, view.layers),
               sampler(device, "sampler", sizeof(gpu::PassSamplerData)),
               split_points(device, "split_samplers", split_bytes(params)),
-              photon_states(device, "readback", kMaps * PhotonTracerGpu::kStateBytes, gpu::MemoryKind::Readback) {}
+              photon_states(device, "readback", kMaps * PhotonTracerGpu::kStateBytes, gpu::MemoryKind::Readback),
+              point_state(device, "readback", POINT_STATE_WORDS * sizeof(uint32_t), gpu::MemoryKind::Readback) {}
 
         DeviceImage image;
         gpu::Buffer sampler, split_points;
         gpu::Buffer photon_states;  // of the maps' tracers
+        gpu::Buffer point_state;    // of the points that gather
     };
     /// One of the maps; without a tracer there is none.
     struct Map {
@@ -125,6 +145,8 @@ struct PhotonMappingGpu::State {
     void record(uint32_t pass, Slot& slot, uint32_t piece, gpu::CommandList& commands);
     void record_photons(uint32_t pass, Slot& slot, PhotonMapKind kind, uint32_t piece, gpu::CommandList& commands);
     void record_eye(Slot& slot, uint32_t piece, gpu::CommandList& commands);
+    void record_gather(Slot& slot, uint32_t first_tile, uint32_t end_tile, gpu::CommandList& commands);
+    bool gathers() const { return params.gather == Gather::Final; }
     bool grow_if_short(const Slot& slot);
     std::span<const uint32_t> photon_state(const Slot& slot, size_t kind) const {
         return slot.photon_states.as<const uint32_t>().subspan(kind * PHOTON_STATE_WORDS, PHOTON_STATE_WORDS);
@@ -144,11 +166,14 @@ struct PhotonMappingGpu::State {
     const uint32_t tiles, tiles_a_piece;
     gpu::Buffer eye, mapping;
     gpu::ComputePipeline split_samplers;
-    std::optional<gpu::ComputePipeline> eye_pass;
+    std::optional<gpu::ComputePipeline> eye_pass, gather_pass, gather_sum;
     HashGridGpu hash_grid;
     Map maps[kMaps];  // by kind
     std::optional<UnsortedPhotons> photons;
     std::optional<GridPhotons> grid_photons;
+    uint64_t point_capacity = 1;
+    // Points that gather, of a piece: their state, themselves, what they gathered, and each pixel's last one.
+    gpu::Buffer point_state, points, gathered, last_points;
     gpu::PhotonMappingConstants constants{};
     std::vector<Slot> slots;
     PassImage image;
@@ -184,6 +209,13 @@ uint64_t PhotonMappingGpu::estimate_device_bytes(const PhotonMappingParams& para
                                              DeviceImage::host_bytes(workload.film_size, workload.layers) +
                                              sizeof(gpu::PassSamplerData) + split_bytes(params)) +
                      sizeof(gpu::EyeConstants) + sizeof(gpu::PhotonMappingConstants);
+    if (params.gather == Gather::Final) {  // what is a piece differs from device to device: the largest
+        const uint64_t pixels = workload.film_size.pixels();
+        const bool only_lambert = workload.needs.only_lambert();
+        const auto film_tiles = static_cast<uint32_t>((pixels + kTilePixels - 1) / kTilePixels);
+        const uint32_t most_tiles = tiles_of_piece(kMostPathsPerSubmit, film_tiles, params);
+        bytes += points_of_piece(most_tiles, only_lambert) * kPointBytes + last_points_bytes(params, most_tiles);
+    }
     uint64_t most = 0;
     for (const PhotonMapKind kind : kKinds) {
         const bool global = kind == PhotonMapKind::Global;
@@ -211,7 +243,7 @@ void PhotonMappingGpu::State::add_map(PhotonMapKind kind, uint32_t most_scatteri
     map.grid = lay_out_grid(scene.bounds, cell_size_m(params, kind, scene.bounds, search_radius_m), expected);
 }
 
-/// For as many photons as the maps say.
+/// For as many photons as the maps say, and for as many points that gather as is said.
 void PhotonMappingGpu::State::make_room() {
     photons.reset(), grid_photons.reset();  // not both at once
     uint64_t all = 0, most = 1, starts = 1;
@@ -229,6 +261,9 @@ void PhotonMappingGpu::State::make_room() {
     }
     photons.emplace(device, static_cast<uint32_t>(most));
     grid_photons.emplace(device, starts, std::max<uint64_t>(all, 1));
+    points = {}, gathered = {};
+    points = gpu::Buffer(device, "gather_points", point_capacity * sizeof(gpu::GatherPointRecord));
+    gathered = gpu::Buffer(device, "gather_points", point_capacity * GATHER_LANES * sizeof(gpu::GatheredRecord));
     for (size_t kind = 0; kind < kMaps; ++kind)
         constants.estimate.maps[kind] = {maps[kind].grid, search_radius_m, nearest_of(params, kKinds[kind])};
     gpu::upload(device, mapping, std::as_bytes(std::span(&constants, 1)));
@@ -241,6 +276,9 @@ void PhotonMappingGpu::State::prepare_passes(bool lights_can_be_met) {
                  .light_samples = params.most_light_samples(),
                  .gather_rays = gather_rays_of(params),
                  .lights_can_be_met = lights_can_be_met};
+    if (gathers()) point_capacity = points_of_piece(tiles_a_piece, scene.needs.only_lambert());
+    point_state = gpu::Buffer(device, "gather_points", POINT_STATE_WORDS * sizeof(uint32_t));
+    last_points = gpu::Buffer(device, "gather_points", last_points_bytes(params, tiles_a_piece));
     make_room();
     std::vector<gpu::Specialization> fixed = slots[0].image.specialization();
     fixed.insert(fixed.end(), {gpu::specialize(SEARCH_NEAREST_ID, params.search == PhotonSearch::Kind::Nearest),
@@ -248,8 +286,15 @@ void PhotonMappingGpu::State::prepare_passes(bool lights_can_be_met) {
                                gpu::specialize(FINAL_GATHER_ID, params.gather == Gather::Final),
                                gpu::specialize(GLOBAL_MAP_ID, maps[PHOTON_MAP_GLOBAL].tracer.has_value()),
                                gpu::specialize(CAUSTIC_MAP_ID, maps[PHOTON_MAP_CAUSTIC].tracer.has_value())});
+    fixed = on_device.specialization(fixed);
     eye_pass.emplace(device, "renderer/methods/photon_mapping/photon_mapping.comp", sizeof(gpu::PhotonMappingPush),
-                     &on_device.set(), on_device.specialization(fixed));
+                     &on_device.set(), fixed);
+    if (gathers()) {
+        gather_pass.emplace(device, "renderer/methods/photon_mapping/photon_gather.comp", sizeof(gpu::GatherPush),
+                            &on_device.set(), fixed);
+        gather_sum.emplace(device, "renderer/methods/photon_mapping/photon_gather_sum.comp", sizeof(gpu::GatherSumPush),
+                           &on_device.set(), fixed);
+    }
     uint32_t pieces = (tiles + tiles_a_piece - 1) / tiles_a_piece;
     for (const Map& map : maps) pieces += pieces_of(map);
     passes.emplace(device, pieces, [this](uint32_t pass, uint32_t slot, uint32_t piece, gpu::CommandList& commands) {
@@ -298,18 +343,43 @@ void PhotonMappingGpu::State::record_photons(uint32_t pass, Slot& slot, PhotonMa
 void PhotonMappingGpu::State::record_eye(Slot& slot, uint32_t piece, gpu::CommandList& commands) {
     const uint32_t first = piece * tiles_a_piece, end = std::min(first + tiles_a_piece, tiles);
     {
-        const gpu::Scope scope(commands, "gather");
+        const gpu::Scope scope(commands, gathers() ? "direct" : "gather");
+        if (gathers()) commands.fill(point_state, 0, POINTS_WORD * sizeof(uint32_t), sizeof(uint32_t));
+        if (piece == 0) commands.fill(point_state, 0);
         commands.bind(*eye_pass, {gpu::read_write(slot.image.layers()), gpu::read_write(slot.image.counters()),
                                   gpu::read(eye), gpu::read(slot.sampler), gpu::read(slot.split_points),
                                   gpu::read(mapping), gpu::read(grid_photons->starts), gpu::read(grid_photons->places),
-                                  gpu::read(grid_photons->powers)});
-        commands.push(gpu::PhotonMappingPush{first, end});
+                                  gpu::read(grid_photons->powers), gpu::read_write(point_state), gpu::write(points),
+                                  gpu::write(last_points)});
+        commands.push(gpu::PhotonMappingPush{first, end, static_cast<uint32_t>(point_capacity)});
         commands.dispatch_threads(uint64_t{end - first} * kTilePixels, kTilePixels);
     }
-    if (end == tiles) slot.image.record_readback(commands);
+    if (gathers()) record_gather(slot, first, end, commands);
+    if (end < tiles) return;
+    slot.image.record_readback(commands);
+    commands.copy(point_state, 0, slot.point_state, 0, point_state.bytes());
+    commands.host_reads(slot.point_state);
 }
 
-/// Of a whole pass: true where a map had too little room. Now it has room.
+/// The rays of a piece's points.
+void PhotonMappingGpu::State::record_gather(Slot& slot, uint32_t first_tile, uint32_t end_tile,
+                                            gpu::CommandList& commands) {
+    const gpu::Scope scope(commands, "gather");
+    commands.bind(*gather_pass,
+                  {gpu::read_write(slot.image.layers()), gpu::read_write(slot.image.counters()), gpu::read(eye),
+                   gpu::read(slot.sampler), gpu::read(slot.split_points), gpu::read(mapping),
+                   gpu::read(grid_photons->starts), gpu::read(grid_photons->places), gpu::read(grid_photons->powers),
+                   gpu::read(point_state), gpu::read(points), gpu::write(gathered)});
+    commands.push(gpu::GatherPush{static_cast<uint32_t>(point_capacity)});
+    commands.dispatch_threads(point_capacity * GATHER_LANES, GATHER_GROUP);
+    commands.bind(*gather_sum,
+                  {gpu::read_write(slot.image.layers()), gpu::read(eye), gpu::read(slot.sampler),
+                   gpu::read_write(point_state), gpu::read(points), gpu::read(gathered), gpu::read(last_points)});
+    commands.push(gpu::GatherSumPush{first_tile, end_tile});
+    commands.dispatch_threads(uint64_t{end_tile - first_tile} * kTilePixels, kTilePixels);
+}
+
+/// Of a whole pass: true where there was too little room for photons, or for points that gather. Now there is.
 bool PhotonMappingGpu::State::grow_if_short(const Slot& slot) {
     bool short_of_room = false;
     for (size_t kind = 0; kind < kMaps; ++kind) {
@@ -318,6 +388,10 @@ bool PhotonMappingGpu::State::grow_if_short(const Slot& slot) {
         const uint64_t stored = photon_state(slot, kind)[PHOTONS_STORED_WORD];
         if (stored <= map.capacity) continue;
         map.capacity = room_for(static_cast<double>(stored));
+        short_of_room = true;
+    }
+    if (const uint64_t most = slot.point_state.as<const uint32_t>()[MOST_POINTS_WORD]; most > point_capacity) {
+        point_capacity = most + most / 4;
         short_of_room = true;
     }
     if (!short_of_room) return false;

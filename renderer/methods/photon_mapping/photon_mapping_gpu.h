@@ -8,8 +8,8 @@ namespace photond {
 /// one order before they are summed, so the image is the same from run to run on one device.
 ///
 /// Both searches run on a hash grid; the k nearest are found exactly (radiance_estimate.glsl). Room for photons is made
-/// by what scenes are expected to store; a pass that stores more is traced again with room for all. What walks and
-/// lookups from the eye take is one stage, `gather`.
+/// by what scenes are expected to store; a pass that stores more is traced again with room for all. Stage `direct` is
+/// what paths from the eye take, and `gather` what gather rays do; without these both are one, `gather`.
 class PhotonMappingGpu final : public Method {
 public:
     using Params = PhotonMappingParams;

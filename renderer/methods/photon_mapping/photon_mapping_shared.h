@@ -14,6 +14,7 @@
 
 #ifdef __cplusplus
 namespace photond::gpu {
+using uvec4 = glm::uvec4;
 #endif
 
 struct PhotonMappingConstants {
@@ -27,7 +28,51 @@ struct PhotonMappingConstants {
 struct PhotonMappingPush {
     uint first_tile;
     uint end_tile;
+    uint capacity;  // gather points there is room for; what comes after is counted alone
 };
+
+/// A point the eye sees whose rough part gathers light: where it is, so that its surface can be made again.
+struct GatherPointRecord {
+    vec3 throughput;  // of the path up to here
+    float eta_scale;
+    vec3 ray_direction;  // of the ray that met the surface
+    float outside_ior;
+    uint instance;
+    uint triangle;
+    float u;
+    float v;
+    uvec4 media;
+    uint scatterings;  // of the path before this point
+    uint key;          // names its numbers
+    uint rays;
+    uint light_samples;  // drawn there
+    uint next;           // the point before it on the same pixel's path; NO_POINT: none
+};
+#define NO_POINT 0xffffffffu
+
+/// What one of a point's threads gathered: sums over its rays.
+struct GatheredRecord {
+    vec3 direct;
+    vec3 indirect;
+    uint photons;
+};
+#define GATHER_LANES 8  // threads of a point
+
+struct GatherPush {
+    uint capacity;  // points there is room for
+};
+
+struct GatherSumPush {
+    uint first_tile;
+    uint end_tile;
+};
+
+// Words of the points' state.
+#define POINTS_WORD 0       // of the piece, those without room included
+#define MOST_POINTS_WORD 1  // of a piece of the pass
+#define POINT_STATE_WORDS 2
+
+#define GATHER_GROUP 64  // threads
 
 struct SplitSamplersPush {
     uint light_samples;
@@ -35,7 +80,8 @@ struct SplitSamplersPush {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(PhotonMappingConstants) == sizeof(EstimateConstants) + 16);
+static_assert(sizeof(PhotonMappingConstants) == sizeof(EstimateConstants) + 16 && sizeof(GatherPointRecord) == 84 &&
+              sizeof(GatheredRecord) == 28);
 }  // namespace photond::gpu
 #endif
 
