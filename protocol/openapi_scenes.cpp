@@ -54,6 +54,7 @@ json scene_schema() {
          {"name", nullable("string")},
          {"bytes", nullable("integer", "of its files")},
          {"memory_bytes", nullable("integer", "about what it takes in a worker, ray structure included")},
+         {"acceleration_bytes", nullable("integer", "of them the ray structure's")},
          {"triangles", nullable("integer")},
          {"vertices", nullable("integer")},
          {"materials", nullable("integer")},

@@ -32,6 +32,7 @@ MethodInfo row(std::string_view title, std::string_view family, std::vector<std:
         return std::make_unique<M>(dynamic_cast<const typename M::Params&>(params));
     };
     info.make_gpu = nullptr;
+    info.estimate_bytes_gpu = nullptr;
     info.estimate_device_bytes = nullptr;
     info.check_gpu = +[](const MethodParams&) {};
     info.estimate_bytes = +[](const MethodParams& params, const Workload& workload) {
@@ -50,6 +51,9 @@ MethodInfo on_gpu(MethodInfo info) {
     if constexpr (requires(const typename Cpu::Params& params) { Gpu::check_gpu(params); })
         info.check_gpu =
             +[](const MethodParams& params) { Gpu::check_gpu(dynamic_cast<const typename Cpu::Params&>(params)); };
+    info.estimate_bytes_gpu = +[](const MethodParams& params, const Workload& workload) {
+        return Gpu::estimate_bytes(dynamic_cast<const typename Cpu::Params&>(params), workload);
+    };
     info.estimate_device_bytes = +[](const MethodParams& params, const Workload& workload) {
         return Gpu::estimate_device_bytes(dynamic_cast<const typename Cpu::Params&>(params), workload);
     };

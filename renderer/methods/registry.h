@@ -36,6 +36,8 @@ struct MethodInfo {
     std::unique_ptr<Method> (*make_gpu)(const MethodParams& params);  // null where `devices` has no "gpu"
     /// Bytes the method itself will record in its budget: all but the film, the scene and its ray structure.
     uint64_t (*estimate_bytes)(const MethodParams& params, const Workload& workload);
+    /// Likewise on a GPU: of the host's memory; null where there is no make_gpu.
+    uint64_t (*estimate_bytes_gpu)(const MethodParams& params, const Workload& workload);
     /// Throws ErrorCode::Unsupported, with a pointer to the parameter, for what only the CPU has.
     void (*check_gpu)(const MethodParams& params);
     /// Bytes of the GPU's memory the method will take beside the scene's; null where there is no make_gpu.

@@ -42,6 +42,7 @@ json scene_summary(const Scene& scene, const std::string& name, bool builtin) {
     scene.needs.visit([&](const char* need, bool needed) { needs[need] = needed; });
     MemoryBudget held;
     scene.account(held);
+    const uint64_t acceleration_bytes = estimate_acceleration_bytes(scene);
     json yield = nullptr;
     if (const auto measured = measure_photon_yield(scene))
         yield = {{"global", measured->global},
@@ -49,7 +50,8 @@ json scene_summary(const Scene& scene, const std::string& name, bool builtin) {
                  {"caustic_unguided", measured->caustic_unguided}};
     return {{"name", name.empty() ? scene.name : name},
             {"bytes", scene.file_bytes},
-            {"memory_bytes", held.accounted_bytes() + estimate_acceleration_bytes(scene)},
+            {"memory_bytes", held.accounted_bytes() + acceleration_bytes},
+            {"acceleration_bytes", acceleration_bytes},
             {"triangles", scene.triangle_count},
             {"vertices", scene.vertex_count},
             {"materials", scene.materials.size()},
