@@ -1,5 +1,7 @@
 #include "renderer/scene/baked_scene.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <type_traits>
@@ -13,82 +15,111 @@ namespace {
 
 constexpr char kMagic[] = "photond baked scene, version 1\n";
 
+/// What archive A is shown of a T: a reader fills it, others look.
+template <class A, class T>
+using Shown = std::conditional_t<A::kFills, T, const T>;
+
 /// Visits what a file holds, in the file's order: the writer and the reader are the same list. `A` has value(), for
-/// plain values, and array(), for strings and vectors of them.
+/// plain values, array(), for strings and vectors of them, and objects(), for vectors of what is visited itself.
 template <class A>
-void visit(A& archive, TextureRef& reference) {
+void visit(A& archive, Shown<A, TextureRef>& reference) {
     archive.value(reference.texture), archive.value(reference.uv_set);
     archive.value(reference.row_u), archive.value(reference.row_v);
 }
 
 template <class A>
-void visit(A& archive, Mesh& mesh) {
+void visit(A& archive, Shown<A, Mesh>& mesh) {
     archive.array(mesh.positions), archive.array(mesh.normals), archive.array(mesh.tangents);
     archive.array(mesh.uv[0]), archive.array(mesh.uv[1]), archive.array(mesh.colors), archive.array(mesh.triangles);
     archive.value(mesh.material);
 }
 
 template <class A>
-void visit(A& archive, Instance& instance) {
+void visit(A& archive, Shown<A, Instance>& instance) {
     archive.value(instance.mesh), archive.value(instance.identity), archive.value(instance.to_world);
     archive.value(instance.normal_to_world), archive.value(instance.flips_orientation);
 }
 
 template <class A>
-void visit(A& archive, Material& m) {
+void visit(A& archive, Shown<A, Material>& m) {
     archive.array(m.name);
     archive.value(m.base_color), archive.value(m.alpha), archive.value(m.metallic), archive.value(m.roughness);
     archive.value(m.normal_scale), archive.value(m.emission), archive.value(m.ior), archive.value(m.specular);
     archive.value(m.specular_color), archive.value(m.transmission), archive.value(m.solid);
     archive.value(m.attenuation_color), archive.value(m.attenuation_distance), archive.value(m.alpha_mode);
     archive.value(m.alpha_cutoff), archive.value(m.double_sided), archive.value(m.unlit);
-    for (TextureRef* reference :
+    for (auto* reference :
          {&m.base_color_texture, &m.metallic_roughness_texture, &m.normal_texture, &m.emission_texture,
           &m.specular_texture, &m.specular_color_texture, &m.transmission_texture})
         visit(archive, *reference);
 }
 
 template <class A>
-void visit(A& archive, Texture& texture) {
+void visit(A& archive, Shown<A, Texture>& texture) {
     archive.array(texture.name), archive.value(texture.size), archive.array(texture.texels);
     archive.value(texture.wrap_s), archive.value(texture.wrap_t), archive.value(texture.nearest);
 }
 
 template <class A>
-void visit(A& archive, PunctualLight& light) {
+void visit(A& archive, Shown<A, PunctualLight>& light) {
     archive.array(light.name), archive.value(light.kind), archive.value(light.intensity), archive.value(light.position);
     archive.value(light.direction), archive.value(light.cos_inner), archive.value(light.cos_outer);
     archive.value(light.range_m);
 }
 
 template <class A>
-void visit(A& archive, Camera& camera) {
+void visit(A& archive, Shown<A, Camera>& camera) {
     archive.array(camera.name), archive.value(camera.orthographic), archive.value(camera.yfov);
     archive.value(camera.ymag), archive.value(camera.position), archive.value(camera.right), archive.value(camera.up);
     archive.value(camera.forward), archive.value(camera.aperture_radius_m), archive.value(camera.focus_distance_m);
 }
 
 template <class A>
-void visit(A& archive, Environment& environment) {
+void visit(A& archive, Shown<A, Environment>& environment) {
     archive.value(environment.map.size), archive.array(environment.map.radiance);
     archive.value(environment.scale), archive.value(environment.rotation);
 }
 
 template <class A>
-void visit(A& archive, Scene& scene) {
+void visit(A& archive, Shown<A, Scene>& scene) {
     archive.array(scene.name), archive.value(scene.origin);
     archive.objects(scene.meshes), archive.objects(scene.instances), archive.objects(scene.materials);
     archive.objects(scene.textures), archive.objects(scene.punctual_lights), archive.objects(scene.cameras);
     bool lit_from_outside = scene.environment.has_value();
     archive.value(lit_from_outside);
     if (lit_from_outside) {
-        if (!scene.environment) scene.environment.emplace();
+        if constexpr (A::kFills) scene.environment.emplace();
         visit(archive, *scene.environment);
     }
 }
 
+/// Adds up what a file takes.
+class Meter {
+public:
+    static constexpr bool kFills = false;
+    uint64_t bytes() const { return bytes_; }
+
+    template <class T>
+    void value(const T& plain) {
+        bytes_ += sizeof plain;
+    }
+    template <class Array>
+    void array(const Array& elements) {
+        bytes_ += sizeof(uint64_t) + elements.size() * sizeof(elements[0]);
+    }
+    template <class T>
+    void objects(const std::vector<T>& all) {
+        bytes_ += sizeof(uint64_t);
+        for (const T& object : all) visit(*this, object);
+    }
+
+private:
+    uint64_t bytes_ = 0;
+};
+
 class Writer {
 public:
+    static constexpr bool kFills = false;
     explicit Writer(const std::filesystem::path& file) : file_(file) { file_.write(kMagic, sizeof kMagic - 1); }
     void commit() { file_.commit(); }
 
@@ -103,22 +134,47 @@ public:
         file_.write(elements.data(), elements.size() * sizeof(elements[0]));
     }
     template <class T>
-    void objects(std::vector<T>& all) {
+    void objects(const std::vector<T>& all) {
         value(uint64_t{all.size()});
-        for (T& object : all) visit(*this, object);
+        for (const T& object : all) visit(*this, object);
     }
 
 private:
     AtomicFile file_;
 };
 
+/// What a plain value is made of: itself, or the components of a vector or matrix.
+template <class T>
+struct ScalarOf {
+    using type = T;
+};
+template <class T>
+requires requires { typename T::value_type; }
+struct ScalarOf<T> {
+    using type = typename T::value_type;
+};
+
+/// Whether `holds` is true of every floating-point number in `plain`.
+template <class T, class Predicate>
+bool all_numbers(const T& plain, const Predicate& holds) {
+    using Scalar = typename ScalarOf<T>::type;
+    if constexpr (std::is_floating_point_v<Scalar>) {
+        Scalar numbers[sizeof plain / sizeof(Scalar)];
+        std::memcpy(numbers, &plain, sizeof plain);
+        return std::ranges::all_of(numbers, holds);
+    }
+    return true;
+}
+
 class Reader {
 public:
+    static constexpr bool kFills = true;
     explicit Reader(const std::filesystem::path& path) : path_(path), file_(path, std::ios::binary | std::ios::ate) {
-        if (!file_) fail("cannot be opened");
+        if (!file_ || !std::filesystem::is_regular_file(path)) fail("cannot be opened as a file");
         left_ = static_cast<uint64_t>(file_.tellg());
         file_.seekg(0);
         char magic[sizeof kMagic - 1];
+        if (left_ < sizeof magic) fail("is not a baked scene of this version");
         read(magic, sizeof magic);
         if (std::memcmp(magic, kMagic, sizeof magic) != 0) fail("is not a baked scene of this version");
     }
@@ -133,6 +189,8 @@ public:
             plain = byte != 0;
         } else {
             read(&plain, sizeof plain);
+            // Infinity is a range or a distance without end.
+            if (!all_numbers(plain, [](auto number) { return !std::isnan(number); })) fail("holds what is no number");
         }
     }
     template <class Array>
@@ -140,10 +198,15 @@ public:
         const uint64_t count = length(sizeof(elements[0]));
         elements.resize(count);
         read(elements.data(), count * sizeof(elements[0]));
+        for (const auto& element : elements)
+            if (!all_numbers(element, [](auto number) { return std::isfinite(number); }))
+                fail("holds a coordinate or colour that is not finite");
     }
     template <class T>
     void objects(std::vector<T>& all) {
-        all.resize(length(1));  // none takes less than a byte
+        Meter least;
+        visit(least, T());
+        all.resize(length(least.bytes()));
         for (T& object : all) visit(*this, object);
     }
 
@@ -203,16 +266,23 @@ void check_references(const Scene& scene, const Reader& reader) {
     }
     for (const PunctualLight& light : scene.punctual_lights)
         if (light.kind > PunctualLight::Kind::Directional) reader.fail("has a light of no kind");
-    if (scene.environment && scene.environment->map.radiance.size() != scene.environment->map.size.pixels())
+    if (!scene.environment) return;
+    const EnvironmentMap& map = scene.environment->map;
+    if (map.radiance.empty() || map.radiance.size() != map.size.pixels())
         reader.fail("has an environment that is not whole");
 }
 
 }  // namespace
 
+uint64_t baked_scene_bytes(const Scene& scene) {
+    Meter meter;
+    visit(meter, scene);
+    return sizeof kMagic - 1 + meter.bytes();
+}
+
 void write_baked_scene(const Scene& scene, const std::filesystem::path& file) {
     Writer writer(file);
-    Scene copy = scene;  // the list is of references that a reader fills
-    visit(writer, copy);
+    visit(writer, scene);
     writer.commit();
 }
 
