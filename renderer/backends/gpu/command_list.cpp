@@ -79,6 +79,7 @@ void CommandList::begin() {
     device_.vk().vkResetQueryPool(device_.handle(), queries_, 0, 2 * kMostScopes);
     barrier_ = {VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
     image_barriers_.clear();
+    coming_uses_.clear();
     needs_barrier_ = rendering_ = used_ = false;
     layout_ = nullptr;
     scopes_.clear();
@@ -138,20 +139,29 @@ void CommandList::push_bytes(std::span<const std::byte> bytes) {
                                     bytes.data());
 }
 
-/// A write waits for all before it; a read for the last write, unless another read did already.
 void CommandList::use(Buffer& buffer, VkPipelineStageFlags2 stage, VkAccessFlags2 access) {
     begin_use(buffer.structure());
-    UseState& state = buffer.state();
-    const bool writes = (access & kWrites) != 0;
-    if (state.write_stages || (writes && state.read_stages)) {
+    coming_uses_.push_back({&buffer.state(), stage, access});
+}
+
+/// A write waits for all before it; a read for the last write, unless another read did already. What the command that
+/// comes does to one buffer in several ways is judged by what was before it, and noted together.
+void CommandList::take_uses() {
+    std::vector<UseState*> waited_for;
+    for (const Use& use : coming_uses_) {
+        const UseState& state = *use.state;
+        const bool writes = (use.access & kWrites) != 0;
+        if (!state.write_stages && !(writes && state.read_stages)) continue;
         barrier_.srcStageMask |= state.write_stages | (writes ? state.read_stages : 0);
         barrier_.srcAccessMask |= state.write_access;
         barrier_.dstStageMask |= kLaterStages;
         barrier_.dstAccessMask |= kLaterAccess;
         needs_barrier_ = true;
-        state = {};
+        waited_for.push_back(use.state);
     }
-    note(state, stage, access);
+    for (UseState* state : waited_for) *state = {};
+    for (const Use& use : coming_uses_) note(*use.state, use.stage, use.access);
+    coming_uses_.clear();
 }
 
 void CommandList::begin_use(const std::string& structure) {
@@ -194,6 +204,7 @@ void CommandList::use(Image& image, VkPipelineStageFlags2 stage, VkAccessFlags2 
 }
 
 void CommandList::flush_barrier() {
+    take_uses();
     if (!needs_barrier_) return;
     VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
     info.memoryBarrierCount = barrier_.dstStageMask ? 1 : 0;

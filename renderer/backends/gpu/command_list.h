@@ -115,6 +115,7 @@ private:
     void push_bytes(std::span<const std::byte> bytes);
     void use_bound();
     static void note(UseState& state, VkPipelineStageFlags2 stage, VkAccessFlags2 access);
+    void take_uses();
 
     Device& device_;
     VkCommandPool pool_ = VK_NULL_HANDLE;
@@ -125,6 +126,13 @@ private:
     std::optional<uint64_t> submitted_;
     const PipelineLayout* layout_ = nullptr;
     std::vector<Binding> bound_;
+    /// Of the command that comes, until its barrier is recorded.
+    struct Use {
+        UseState* state;
+        VkPipelineStageFlags2 stage;
+        VkAccessFlags2 access;
+    };
+    std::vector<Use> coming_uses_;
     VkMemoryBarrier2 barrier_{};
     std::vector<VkImageMemoryBarrier2> image_barriers_;
     bool needs_barrier_ = false;
