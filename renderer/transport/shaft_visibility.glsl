@@ -1,6 +1,6 @@
-// Whether anything may stand between a point and a small region: twin of transport/shaft_visibility.h, over the device's
-// ray structure. "Clear" is exact, all else unknown: here the first triangle that may stand in the shaft ends the search,
-// as a shadow ray costs a device little more than testing a list of triangles.
+// Whether anything may stand between a point and a small region, and what: twin of transport/shaft_visibility.h, over the
+// device's ray structure. Define before: SHAFT_MOST_BLOCKERS, triangles that are told one by one, and SHAFT_BLOCKERS, an
+// array of so many uints for each place that shaft_blockers() is asked to use.
 #ifndef PHOTOND_SHAFT_VISIBILITY_GLSL
 #define PHOTOND_SHAFT_VISIBILITY_GLSL
 
@@ -14,6 +14,7 @@ struct ShaftTarget {
     vec3 normal;  // unit, of the plane; 0: none
 };
 
+const uint SHAFT_UNKNOWN = SHAFT_MOST_BLOCKERS + 1;  // more than that, or who knows
 const uint SHAFT_MOST_NODES = 32;  // that are looked at before the answer is "unknown"
 
 /// The pyramid from the apex about the region's sphere.
@@ -65,13 +66,14 @@ bool triangle_in_shaft(Shaft shaft, ShaftTarget target, vec3 a, vec3 b, vec3 c) 
              (of_apex <= tolerance && of_centre + reach <= tolerance));
 }
 
-/// Whether no triangle cuts a segment from the apex to a point of the target. The apex lies on a surface, the points may:
-/// only segments count that leave to the side that `apex_normal` (unit) shows to, and reach a flat target on the side of
-/// its normal. False: unknown.
-bool shaft_clear(vec3 apex, vec3 apex_normal, ShaftTarget target) {
+/// How many triangles may cut segments from the apex to points of the target, which are then kept at that place of
+/// SHAFT_BLOCKERS, as places in the ray structure; or SHAFT_UNKNOWN. The apex lies on a surface, the points may: only
+/// segments count that leave to the side that `apex_normal` (unit) shows to, and reach a flat target on the side of its
+/// normal.
+uint shaft_blockers(vec3 apex, vec3 apex_normal, ShaftTarget target, uint place) {
     const vec3 to = target.centre - apex;
     const float distance = length(to);
-    if (!(distance > 1.01 * target.radius_m)) return false;
+    if (!(distance > 1.01 * target.radius_m)) return SHAFT_UNKNOWN;
     Shaft shaft;
     shaft.apex = apex;
     shaft.apex_normal = apex_normal;
@@ -87,8 +89,7 @@ bool shaft_clear(vec3 apex, vec3 apex_normal, ShaftTarget target) {
     shaft.side[3] = -cosine * frame.bitangent - sine * shaft.axis;
 
     uvec2 stack[BVH_STACK];  // first child that is a node; which of the children are nodes, and above that, are to be seen
-    uint depth = 0;
-    uint index = 0;
+    uint depth = 0, index = 0, found = 0;
     for (uint visited = 0; visited < SHAFT_MOST_NODES; ++visited) {
         const uint at = 5u * index;
         const uvec4 head = bvh_words(bvh_nodes[at]), links = bvh_words(bvh_nodes[at + 1u]);
@@ -115,20 +116,40 @@ bool shaft_clear(vec3 apex, vec3 apex_normal, ShaftTarget target) {
             const vec4 words_0 = uintBitsToFloat(bvh_words(bvh_triangles[3u * record]));
             const vec4 words_1 = uintBitsToFloat(bvh_words(bvh_triangles[3u * record + 1u]));
             const uvec2 words_2 = unpackUint2x32(bvh_triangles[3u * record + 2u].x);
-            if (BVH_TWO_LEVELS && words_2.y == BVH_INSTANCE) return false;
-            if (triangle_in_shaft(shaft, target, words_0.xyz, vec3(words_0.w, words_1.xy),
-                                  vec3(words_1.zw, uintBitsToFloat(words_2.x))))
-                return false;
+            if (BVH_TWO_LEVELS && words_2.y == BVH_INSTANCE) return SHAFT_UNKNOWN;
+            if (!triangle_in_shaft(shaft, target, words_0.xyz, vec3(words_0.w, words_1.xy),
+                                   vec3(words_1.zw, uintBitsToFloat(words_2.x))))
+                continue;
+            if (found == SHAFT_MOST_BLOCKERS || words_2.y != BVH_OPAQUE) return SHAFT_UNKNOWN;
+            SHAFT_BLOCKERS[place * SHAFT_MOST_BLOCKERS + found++] = record;
         }
         const uint all_nodes = head.w >> 24;
         if (nodes != 0u) stack[depth++] = uvec2(links.x, all_nodes | nodes << 8);
-        if (depth == 0u) return true;
+        if (depth == 0u) return found;
         const uvec2 above = stack[depth - 1];
         const uint slot = uint(findLSB(above.y >> 8));
         const uint left = above.y & ~(256u << slot);
         stack[depth - 1].y = left;
         if (left >> 8 == 0u) --depth;
         index = above.x + bitCount(above.y & ((1u << slot) - 1u));
+    }
+    return SHAFT_UNKNOWN;
+}
+
+/// Whether one of the `count` triangles at that place cuts the segment, whose ends are off their surfaces.
+/// [Moeller and Trumbore 1997] Fast, Minimum Storage Ray/Triangle Intersection.
+bool shaft_cut(uint place, uint count, vec3 from, vec3 to) {
+    const vec3 direction = to - from;
+    for (uint i = 0; i < count; ++i) {
+        const uint record = SHAFT_BLOCKERS[place * SHAFT_MOST_BLOCKERS + i];
+        const vec4 words_0 = uintBitsToFloat(bvh_words(bvh_triangles[3u * record]));
+        const vec4 words_1 = uintBitsToFloat(bvh_words(bvh_triangles[3u * record + 1u]));
+        const float last = uintBitsToFloat(unpackUint2x32(bvh_triangles[3u * record + 2u].x).x);
+        const vec3 edge1 = vec3(words_0.w, words_1.xy) - words_0.xyz, edge2 = vec3(words_1.zw, last) - words_0.xyz;
+        const vec3 p = cross(direction, edge2), s = from - words_0.xyz, q = cross(s, edge1);
+        const float inverse = 1.0 / dot(edge1, p);
+        const float u = dot(s, p) * inverse, v = dot(direction, q) * inverse, t = dot(edge2, q) * inverse;
+        if (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0 && t < 1.0) return true;
     }
     return false;
 }

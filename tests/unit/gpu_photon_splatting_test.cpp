@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include "protocol/error.h"
 #include "renderer/backends/gpu/counters.h"
 #include "renderer/methods/photon_splatting/photon_splatting_gpu.h"
 #include "renderer/photons/reflected_photons_gpu.h"
@@ -223,13 +222,6 @@ TEST(GpuPhotonSplatting, MakesRoomForMorePhotonsThanExpected) {
     ASSERT_GT(photons.cpu.photons.size(), size_t{1500 * 3 * 7 / 10});
     EXPECT_NEAR(double(photons.gpu.size()), double(photons.cpu.photons.size()), 0.05 * double(photons.gpu.size()));
     EXPECT_EQ(photons.gpu.size(), photons.gpu_counts.photons_stored);
-}
-
-TEST(GpuPhotonSplatting, SaysWhatOnlyTheCpuDoes) {
-    PhotonSplattingParams params;
-    EXPECT_NO_THROW(PhotonSplattingGpu::check_gpu(params));
-    params.blur = BlurWidth::Three;
-    EXPECT_THROW(PhotonSplattingGpu::check_gpu(params), Error);
 }
 
 }  // namespace

@@ -15,7 +15,6 @@
 #include "renderer/photons/photon.glsl"
 #include "renderer/photons/reflected_photon_shared.h"
 #include "renderer/transport/photon_scattering.glsl"
-#include "renderer/transport/shaft_visibility.glsl"
 
 layout(constant_id = SPLAT_HAS_CONNECTIONS_ID) const bool SPLAT_HAS_CONNECTIONS = true;
 layout(constant_id = SPLAT_HAS_BEAMS_ID) const bool SPLAT_HAS_BEAMS = true;
@@ -35,8 +34,12 @@ layout(set = 0, binding = 8, scalar) readonly buffer Surfaces { ReflectingSurfac
 layout(set = 0, binding = 9, scalar) buffer Sums { SplatSum sums[]; };
 
 shared uint found[2];  // a bit a thread: its splat may reach the cluster
-shared uint queue[2 * SPLAT_GROUP];  // splats, and QUEUE_CLEAR
-const uint QUEUE_CLEAR = 0x80000000u;  // nothing stands between the splat's origin and the cluster
+shared uint queue[2 * SPLAT_GROUP];  // splats; above them, at QUEUE_BLOCKERS_SHIFT, what shaft_blockers() says of each
+const uint QUEUE_BLOCKERS_SHIFT = 28, QUEUE_SPLAT = (1u << QUEUE_BLOCKERS_SHIFT) - 1u;
+#define SHAFT_MOST_BLOCKERS 8
+shared uint blockers[2 * SPLAT_GROUP * SHAFT_MOST_BLOCKERS];
+#define SHAFT_BLOCKERS blockers
+#include "renderer/transport/shaft_visibility.glsl"
 
 uint contributions = 0, shadow_rays = 0;
 
@@ -67,12 +70,16 @@ bool reaches(uint index, Splat splat, vec3 d) {
 }
 
 /// Whether anything stands between the point and the splat's origin.
-bool cut_off(Splat splat, SplatPoint point) {
+bool cut_off(uint place, Splat splat, SplatPoint point) {
+    const uint count = queue[place] >> QUEUE_BLOCKERS_SHIFT;
+    if (count == 0) return false;
     const bool front = dot(point.geometric_normal, splat.origin - point.position) > 0.0;
     const vec3 from = offset_ray_origin(point.position, front ? point.geometric_normal : -point.geometric_normal);
     const vec3 side = dot(splat.normal, splat.axis) < 0.0 ? -splat.normal : splat.normal;
+    const vec3 to = offset_ray_origin(splat.origin, side);
+    if (count <= SHAFT_MOST_BLOCKERS) return shaft_cut(place, count, from, to);
     ++shadow_rays;
-    return occluded(Ray(from, offset_ray_origin(splat.origin, side) - from, 1.0));
+    return occluded(Ray(from, to - from, 1.0));
 }
 
 /// The splat's intensity towards a point, `d` from its origin: intensity_towards() of splat_accumulation.cpp.
@@ -91,8 +98,8 @@ vec3 intensity_towards(Splat splat, vec3 d) {
     return splat.intensity * scatter_density(surface, lobes, at.wi_world, w) * (PI / cosine);
 }
 
-/// Adds one splat to one point's sum.
-void add_splat(uint queued, Splat splat, SplatPoint point, Receiver receiver, inout SplatSum sum) {
+/// Adds one splat, at that place of the queue, to one point's sum.
+void add_splat(uint place, Splat splat, SplatPoint point, Receiver receiver, inout SplatSum sum) {
     if (splat.kind >> SPLAT_SCATTERINGS_SHIFT > (point.kind & ~POINT_GENERAL)) return;
     const bool beam =
         SPLAT_HAS_BEAMS && (!SPLAT_HAS_CONNECTIONS || (splat.kind & SPLAT_KIND_MASK) == SPLAT_BEAM);
@@ -101,9 +108,7 @@ void add_splat(uint queued, Splat splat, SplatPoint point, Receiver receiver, in
     if (beam ? !beam_gain(splat, point, constants.kernel, gain) : !connect_gain(splat, point, constants.kernel, gain))
         return;
     ++contributions;
-    if (SPLAT_VISIBILITY) {
-        if (beam ? !reaches(queued, splat, d) : (queued & QUEUE_CLEAR) == 0 && cut_off(splat, point)) return;
-    }
+    if (SPLAT_VISIBILITY && (beam ? !reaches(queue[place], splat, d) : cut_off(place, splat, point))) return;
     sum.splats += 1.0;
     vec3 light = gain * (beam ? splat.intensity : intensity_towards(splat, d));
     if (!is_general(point)) {
@@ -146,14 +151,13 @@ void light_cluster(SplatCluster cluster) {
                 ShaftTarget(cluster.centre, cluster.half_extent, cluster.radius_m, cluster.normal);
             for (uint i = thread; i < waiting; i += SPLAT_GROUP) {
                 const Splat splat = splats[queue[i]];
-                if ((splat.kind & SPLAT_KIND_MASK) != SPLAT_BEAM && shaft_clear(splat.origin, splat.normal, target))
-                    queue[i] |= QUEUE_CLEAR;
+                if ((splat.kind & SPLAT_KIND_MASK) != SPLAT_BEAM)
+                    queue[i] |= shaft_blockers(splat.origin, splat.normal, target, i) << QUEUE_BLOCKERS_SHIFT;
             }
             barrier();
         }
         if (mine)
-            for (uint i = 0; i < waiting; ++i)
-                add_splat(queue[i], splats[queue[i] & ~QUEUE_CLEAR], point, receiver, sum);
+            for (uint i = 0; i < waiting; ++i) add_splat(i, splats[queue[i] & QUEUE_SPLAT], point, receiver, sum);
         waiting = 0;
         barrier();
     }
