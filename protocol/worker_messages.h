@@ -45,6 +45,7 @@
 //                  or {"request", "builtin": name}
 //   unpack         {"request", "zip": path, "root": dir}            -> {"file": path of the .gltf/.glb inside root}
 //   thumbnail      {"request", "scene": as in render, "out": path}  -> {}
+//   bake           {"request", "scene": as in render, "max_bytes", "out": path} -> {"bytes"} (renderer/scene/baked_scene.h)
 //   judge_image    {"request", "path"}                              -> {"width", "height", "channels"}
 //   Below, SOURCE is {"film": path} or {"image": path}.
 //   measure        {"request", "image": SOURCE, "reference": SOURCE, "metrics": [name..]}

@@ -291,6 +291,7 @@ Page Service::list_scenes(const std::string& family, uint32_t limit, const std::
 }
 json Service::get_scene(const std::string& id_or_name) { return impl_->get_scene(id_or_name); }
 Artefact Service::thumbnail(const std::string& id_or_name) { return impl_->thumbnail(id_or_name); }
+Artefact Service::baked_scene(const std::string& id_or_name) { return impl_->baked_scene(id_or_name); }
 json Service::delete_scene(const std::string& id_or_name) { return impl_->delete_scene(id_or_name); }
 Added Service::add_image(const std::filesystem::path& spooled, const std::string& media_type) {
     return impl_->add_image(spooled, media_type);

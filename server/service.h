@@ -84,6 +84,9 @@ public:
     nlohmann::json get_scene(const std::string& id_or_name);
     /// Waits for the helper the first time.
     Artefact thumbnail(const std::string& id_or_name);
+    /// The scene as a file of renderer/scene/baked_scene.h. Waits for the helper the first time. OutOfMemory, NoSpace
+    /// and TimedOut where it is too large to be made.
+    Artefact baked_scene(const std::string& id_or_name);
     /// WrongState while a job that is not over uses it, and for a built-in one. Returns the object deleted.
     nlohmann::json delete_scene(const std::string& id_or_name);
 

@@ -144,6 +144,7 @@ struct Service::Impl {
     Page list_family(const std::string& family, uint32_t limit, const std::string& cursor);
     nlohmann::json get_scene(const std::string& id_or_name);
     Artefact thumbnail(const std::string& id_or_name);
+    Artefact baked_scene(const std::string& id_or_name);
     nlohmann::json delete_scene(const std::string& id_or_name);
     Added add_image(const std::filesystem::path& spooled, const std::string& media_type);
     ImageRow require_image(const std::string& id);

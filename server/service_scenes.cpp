@@ -237,6 +237,31 @@ Artefact Service::Impl::thumbnail(const std::string& id_or_name) {
     });
 }
 
+Artefact Service::Impl::baked_scene(const std::string& id_or_name) {
+    const SceneRef scene = require_scene(id_or_name);
+    return artefact("scene/" + scene.id + "/baked", "application/octet-stream", [&](const fs::path& path) {
+        const uint64_t free = files.free_bytes(), reserve = options.limits.disk_reserve_bytes;
+        try {
+            helper->call({{"type", "bake"},
+                          {"scene", scene_order(scene)},
+                          {"max_bytes", free - std::min(free, reserve)},
+                          {"out", path.string()}});
+        } catch (const Error& error) {
+            switch (error.code) {
+                case ErrorCode::OutOfMemory:
+                case ErrorCode::NoSpace:
+                case ErrorCode::TimedOut:
+                    throw Error(error.code, "scene '" + scene.id + "' cannot be baked: " + error.what());
+                default: throw;
+            }
+        }
+        std::string name = scene.id;
+        std::replace(name.begin(), name.end(), '/', '-');  // of a family's scenes
+        return std::map<std::string, std::string>{
+            {"Content-Disposition", "attachment; filename=\"" + name + ".baked\""}};
+    });
+}
+
 json Service::Impl::delete_scene(const std::string& id_or_name) {
     const std::lock_guard publish_lock(publish_mutex);
     const std::lock_guard lock(mutex);

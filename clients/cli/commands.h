@@ -15,6 +15,7 @@
 
 namespace photond::cli {
 
+/// scenes add|list|show|remove, and bake
 void add_scenes_commands(CLI::App& program, Session& session);
 void add_jobs_commands(CLI::App& program, Session& session);
 /// methods, devices, status

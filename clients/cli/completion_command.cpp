@@ -238,7 +238,8 @@ private:
     }
 
     void add_scenes(const Position& position) {
-        if (position.command->get_name() == "render" || position.command->get_name() == "compare")
+        if (const std::string command = position.command->get_name();
+            command == "render" || command == "compare" || command == "bake")
             found_.push_back({":files", ""});
         const json scenes = session_.daemon().get("/v1/scenes?limit=1000").at("items");
         for (const json& scene : scenes) {

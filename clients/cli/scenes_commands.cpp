@@ -1,4 +1,4 @@
-// photonctl scenes add|list|show|remove
+// photonctl scenes add|list|show|remove, and bake
 
 #include <iostream>
 
@@ -7,6 +7,7 @@
 #include "clients/cli/text_table.h"
 #include "clients/cli/transfer.h"
 #include "clients/cli/units.h"
+#include "clients/cli/upload.h"
 
 namespace photond::cli {
 
@@ -123,6 +124,14 @@ ExitCode remove_scenes(Session& session, const std::vector<std::string>& names) 
     return ExitCode::Ok;
 }
 
+ExitCode bake_scene(Session& session, const std::string& scene_name, const std::string& file) {
+    const json scene = looks_like_scene_path(scene_name) ? upload_scene(session, scene_name, "").scene
+                                                         : session.daemon().get(resource_path("scenes", scene_name));
+    save_resource(session, resource_path("scenes", scene.at("id").get<std::string>()) + "/baked", file);
+    if (session.json_output) session.print_json(scene);
+    return ExitCode::Ok;
+}
+
 }  // namespace
 
 void add_scenes_commands(CLI::App& program, Session& session) {
@@ -166,6 +175,17 @@ void add_scenes_commands(CLI::App& program, Session& session) {
     remove->add_option("scene", options->arguments, "ids or names")->required()->type_name("SCENE");
     remove->callback([&session, options] {
         session.action = [&session, options] { return remove_scenes(session, options->arguments); };
+    });
+
+    CLI::App* bake = program.add_subcommand(
+        "bake", "Save a scene as one file, textures decoded, for photond-gpu-bench on a machine without a daemon");
+    const auto baked = std::make_shared<std::pair<std::string, std::string>>();
+    bake->add_option("scene", baked->first, "id or name, or a path: .glb, .zip, .gltf with all its files, or a folder")
+        ->required()
+        ->type_name("SCENE");
+    bake->add_option("out", baked->second, "the file to write, such as scene.baked")->required()->type_name("FILE");
+    bake->callback([&session, baked] {
+        session.action = [&session, baked] { return bake_scene(session, baked->first, baked->second); };
     });
 }
 

@@ -74,6 +74,11 @@ void add_scene_routes(std::vector<Route>& routes, Service& service) {
                           Query(call.query).finish();
                           return file_reply(call, service.thumbnail(call.path_parameters[0]));
                       }});
+    routes.push_back(
+        {.method = "GET", .pattern = "/v1/scenes/{scene}/baked", .lane = Lane::Slow, .handle = [&service](Call& call) {
+             Query(call.query).finish();
+             return file_reply(call, service.baked_scene(call.path_parameters[0]));
+         }});
 }
 
 }  // namespace photond::http

@@ -14,6 +14,7 @@
 #include "renderer/film/film_file.h"
 #include "renderer/film/png_file.h"
 #include "renderer/film/tone_curve.h"
+#include "renderer/scene/baked_scene.h"
 #include "server/worker/helper_errors.h"
 #include "server/worker/helper_merge.h"
 #include "server/worker/helper_message.h"
@@ -104,6 +105,22 @@ json thumbnail(const json& message, const HelperLimits& limits) {
     return json::object();
 }
 
+json bake(const json& message, const HelperLimits& limits) {
+    const uint64_t free = message.at("max_bytes").get<uint64_t>();
+    Stats stats;
+    const Scene scene = load_scene(SceneSource::from_json(message.at("scene")), {}, stats);
+    const uint64_t bytes = baked_scene_bytes(scene);
+    const auto too_large = [&](ErrorCode code, uint64_t limit, const char* what) {
+        if (bytes > limit)
+            throw Error(code, "the baked scene takes " + std::to_string(bytes) + " bytes, more than the " +
+                                  std::to_string(limit) + " " + what);
+    };
+    too_large(ErrorCode::OutOfMemory, limits.memory_bytes, "bytes that the helper may hold");
+    too_large(ErrorCode::NoSpace, free, "bytes of disk that may be used");
+    write_baked_scene(scene, text_of(message, "out"));
+    return {{"bytes", bytes}};
+}
+
 json judge_image_file(const json& message) {
     const JudgedImage header = judge_image(text_of(message, "path"));
     return {{"width", header.size.width}, {"height", header.size.height}, {"channels", header.channels}};
@@ -181,6 +198,7 @@ json run_task(const json& message, const HelperLimits& limits) {
     if (type == "judge_scene") return judge_scene(message);
     if (type == "unpack") return unpack(message);
     if (type == "thumbnail") return thumbnail(message, limits);
+    if (type == "bake") return bake(message, limits);
     if (type == "judge_image") return judge_image_file(message);
     if (type == "measure") return measure_images(message, limits.memory_bytes);
     if (type == "encode_difference") return encode_difference(message, limits.memory_bytes);

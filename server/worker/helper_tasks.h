@@ -1,6 +1,6 @@
 #pragma once
-// What the helper (photond-worker --device none) does: judge uploads, unpack, thumbnails, encode films. The only place
-// where bytes from outside become scenes and images.
+// What the helper (photond-worker --device none) does: judge uploads, unpack, thumbnails, bake scenes, encode films.
+// The only place where bytes from outside become scenes and images.
 
 #include <nlohmann/json.hpp>
 

@@ -141,6 +141,7 @@ class OpenApiTest(unittest.TestCase):
         ask("POST", "/v1/scenes", tiny_scene.glb(), binary)
         ask("GET", f"/v1/scenes/{scene['id']}")
         ask("GET", f"/v1/scenes/{scene['id']}/thumbnail.png")
+        self.assertEqual(ask("GET", f"/v1/scenes/{scene['id']}/baked").status, 200)
         for builtin in [item for item in ask("GET", "/v1/scenes?limit=1000").json["items"] if item["builtin"]]:
             ask("GET", f"/v1/scenes/{builtin['id']}")
         self.assertEqual(ask("POST", "/v1/jobs?dry_run=true", json_body=small_job(scene=scene["id"])).status, 200)
@@ -242,7 +243,7 @@ class OpenApiTest(unittest.TestCase):
                 ("POST", "/v1/jobs/none/retry", {}), ("POST", "/v1/jobs/none/extend", {"json_body": {}}),
                 ("POST", "/v1/jobs/merge", {"json_body": {"jobs": ["none"]}}),
                 ("POST", "/v1/metrics", {"json_body": {"image": "none"}}), ("GET", "/v1/jobs?role=x", {}),
-                ("GET", "/v1/comparisons/C999", {}),
+                ("GET", "/v1/comparisons/C999", {}), ("GET", "/v1/scenes/none/baked", {}),
                 ("GET", "/v1/comparisons/none/report.html", {}), ("DELETE", "/v1/comparisons/none", {}),
                 ("POST", "/v1/comparisons", {"json_body": {}})):
             self.assertGreaterEqual(self.ask(method, path, **options).status, 400)
