@@ -101,7 +101,10 @@ uint64_t PathTracingGpu::estimate_device_bytes(const PathTracingParams& /*params
 void PathTracingGpu::begin(const RenderContext& context, Stats& stats) {
     const uint64_t image_bytes = PassImage::bytes_for(context.view.film_size, context.view.layers);
     context.budget.require("pass_image", image_bytes);
-    state_ = std::make_unique<State>(context, params_, kernels_);
+    {
+        const StageTimer timer(stats, "pipelines");
+        state_ = std::make_unique<State>(context, params_, kernels_);
+    }
     context.budget.record("pass_image", image_bytes);
 
     const Needs& needs = context.scene.needs;

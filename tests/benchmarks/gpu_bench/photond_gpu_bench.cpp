@@ -39,7 +39,7 @@ struct Entry {
     json parameters = json::object();
     Size2 size;
     uint32_t passes = 1;
-    bool wavefront = false;
+    std::string kernels;  // of path tracing: mega, wavefront; empty: the method's choice
     std::vector<std::string> devices{"gpu"};
     std::optional<double> target;
     uint32_t reference_passes = 0;
@@ -56,7 +56,7 @@ Entry read_entry(const json& source, double scale) {
     entry.size = {scaled(source.at("width").get<double>()), scaled(source.at("height").get<double>())};
     entry.passes = scaled(source.value("passes", 1.0));
     if (entry.parameters.contains("photons")) entry.parameters["photons"] = scaled(entry.parameters["photons"]);
-    entry.wavefront = source.value("wavefront", false);
+    entry.kernels = source.value("kernels", "");
     entry.devices = source.value("devices", entry.devices);
     if (source.contains("time_to_error")) {
         const json& wanted = source["time_to_error"];
@@ -91,8 +91,9 @@ struct Place {
     std::unique_ptr<Intersector> host_rays;
 };
 
-/// `wavefront`: path tracing laid out so, to be held against the method's own way.
-std::unique_ptr<Method> make_method(const std::string& name, const json& parameters, bool on_gpu, bool wavefront) {
+/// `kernels`: path tracing laid out so (PathTracingGpu::Kernels).
+std::unique_ptr<Method> make_method(const std::string& name, const json& parameters, bool on_gpu,
+                                    const std::string& kernels) {
     const MethodInfo* info = find_method(name);
     if (!info) throw Error(ErrorCode::UnknownName, "there is no method " + name);
     if (on_gpu && !info->make_gpu) throw Error(ErrorCode::DeviceUnavailable, name + " does not run on a GPU");
@@ -101,9 +102,10 @@ std::unique_ptr<Method> make_method(const std::string& name, const json& paramet
     read_params(*params, parameters, "/parameters", faults);
     if (!faults.empty()) throw Error(ErrorCode::OutOfRange, faults.front().pointer + ": " + faults.front().detail);
     if (on_gpu) info->check_gpu(*params);
-    if (on_gpu && wavefront)
-        return std::make_unique<PathTracingGpu>(dynamic_cast<const PathTracingParams&>(*params),
-                                                PathTracingGpu::Kernels::Wavefront);
+    if (on_gpu && !kernels.empty())
+        return std::make_unique<PathTracingGpu>(
+            dynamic_cast<const PathTracingParams&>(*params),
+            kernels == "wavefront" ? PathTracingGpu::Kernels::Wavefront : PathTracingGpu::Kernels::Mega);
     return on_gpu ? info->make_gpu(*params) : info->make(*params);
 }
 
@@ -111,7 +113,7 @@ std::unique_ptr<Method> make_method(const std::string& name, const json& paramet
 class Run {
 public:
     Run(const Entry& entry, Place& place, bool on_gpu, gpu::Device* device, uint64_t seed = 1)
-        : method_(make_method(entry.method, entry.parameters, on_gpu, entry.wavefront)), film(entry.size, LayerSet()) {
+        : method_(make_method(entry.method, entry.parameters, on_gpu, entry.kernels)), film(entry.size, LayerSet()) {
         const RenderContext context = place.context(on_gpu, device, entry.size, seed);
         const double start = wall_now_seconds();
         method_->begin(context, stats);
