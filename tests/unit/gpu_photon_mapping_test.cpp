@@ -214,7 +214,7 @@ TEST_P(GpuPhotonSearch, FindsWhatBruteForceFinds) {
 INSTANTIATE_TEST_SUITE_P(Searches, GpuPhotonSearch,
                          testing::Values(Search{0.1f, 0, 0.1f, 3000}, Search{0.1f, 0, 0.1f, 1},
                                          Search{0.2f, 0, 0.05f, 1000}, Search{0.3f, 50, 0.1f, 100'000},
-                                         Search{0.3f, 2, 0.03f, 3000}, Search{5, 1000, 0.3f, 3000},
+                                         Search{0.3f, 5, 0.03f, 3000}, Search{5, 1000, 0.3f, 3000},
                                          Search{0.08f, 20, 0.05f, 3000}, Search{5, 4000, 0.5f, 3000}));
 
 LayerSet all_layers() {
