@@ -111,6 +111,7 @@ json Service::Impl::builtin_object(const std::string& name) {
 
 json Service::Impl::scene_object(const SceneRow& row) const {
     json object = json::parse(row.summary);
+    object.emplace("acceleration_bytes", nullptr);
     object.emplace("photon_yield", nullptr);  // scenes uploaded before it was measured
     object["id"] = row.id;
     object["name"] = row.name;
