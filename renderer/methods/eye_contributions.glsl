@@ -54,7 +54,7 @@ void store_first_hit(uint pixel, vec3 position, vec3 shading_normal) {
     store_value(PLANE_HIT, pixel, 1.0);
     if (layer_kept(PLANE_NORMAL)) store_rgb(PLANE_NORMAL, pixel, shading_normal);
     if (layer_kept(PLANE_POSITION)) store_rgb(PLANE_POSITION, pixel, position);
-    if (layer_kept(PLANE_DEPTH)) store_value(PLANE_DEPTH, pixel, dot(position - eye.position, eye.forward));
+    if (layer_kept(PLANE_DEPTH)) store_value(PLANE_DEPTH, pixel, dot(position - eye.camera.position, eye.camera.forward));
 }
 
 /// Adds what the path brought to its pixel's layers.

@@ -4,12 +4,11 @@
 #define PHOTOND_EYE_SCENE_GLSL
 
 #include "renderer/methods/eye_shared.h"
+#include "renderer/scene/camera.glsl"
 #include "renderer/transport/sobol.glsl"
 #include "renderer/transport/medium_stack.glsl"
 
 layout(set = 0, binding = EYE_BINDING, scalar) readonly buffer Eye { EyeConstants eye; };
-
-#include "renderer/scene/camera.glsl"
 
 /// One path from the eye between two of its vertices; members as EyePath's.
 struct EyePath {
@@ -58,8 +57,8 @@ void start_eye_path(uint pixel, out EyePath path, out Ray ray, out uint key) {
     path = EyePath(vec3(1.0), 0.0, vec3(0.0), 1.0, vec3(0.0), pixel, 0, true, true, make_medium_stack());
     const vec2 u = sample_2d(key, SET_FILM);
     const vec2 within = eye.smooth_filter != 0 ? vec2(0.5) + vec2(invert_filter(u.x), invert_filter(u.y)) : u;
-    const vec2 lens = eye.aperture_radius_m > 0.0 ? sample_2d(key, SET_LENS) : vec2(0.0);
-    ray = camera_ray(eye, vec2(pixel % eye.width, pixel / eye.width) + within, lens);
+    const vec2 lens = eye.camera.aperture_radius_m > 0.0 ? sample_2d(key, SET_LENS) : vec2(0.0);
+    ray = camera_ray(eye.camera, vec2(pixel % eye.width, pixel / eye.width) + within, lens);
 }
 
 #endif

@@ -7,34 +7,26 @@
 #define FILTER_BINS 256     // PixelFilterSampler::kBins
 #define FILTER_RADIUS 1.5f  // PixelFilterSampler::kRadius [pixels]
 
-#ifdef __cplusplus
-#include "renderer/core/geometry.h"
+#include "renderer/scene/camera_shared.h"
 
+#ifdef __cplusplus
 namespace photond::gpu {
 using uint = uint32_t;
 #endif
 
 struct EyeConstants {
-    vec3 corner;   // CameraRays: top left corner of the image on the plane at unit distance, less the eye
-    uint width;    // pixels
-    vec3 pixel_x;  // steps of one pixel on that plane
+    CameraConstants camera;
+    uint width;  // pixels
     uint height;
-    vec3 pixel_y;
-    uint orthographic;  // 0 or 1
-    vec3 position;      // of the camera
-    float aperture_radius_m;
-    vec3 forward;
-    float focus_distance_m;
-    vec3 right;
-    uint smooth_filter;  // 0: box
-    vec3 up;
+    uint smooth_filter;    // 0: box
     uint max_scatterings;  // EyeScene::max_scatterings
     uint roulette_start;   // surface interactions after which roulette may end a path
     float filter_cdf[FILTER_BINS + 1];
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(EyeConstants) == 7 * 16 + 4 + 4 * (FILTER_BINS + 1), "must match the scalar layout of GLSL");
+static_assert(sizeof(EyeConstants) == sizeof(CameraConstants) + 5 * 4 + 4 * (FILTER_BINS + 1),
+              "must match the scalar layout of GLSL");
 }  // namespace photond::gpu
 #endif
 

@@ -1,9 +1,9 @@
-// GLSL twin of scene/camera.h: CameraRays, of the constants in `eye` (methods/eye_scene.glsl).
+// GLSL twin of scene/camera.h: CameraRays.
 #ifndef PHOTOND_CAMERA_GLSL
 #define PHOTOND_CAMERA_GLSL
 
 #include "renderer/core/geometry.glsl"
-#include "renderer/methods/eye_shared.h"
+#include "renderer/scene/camera_shared.h"
 
 /// Maps the unit square to the unit disc with little distortion.
 /// [Shirley and Chiu 1997] A Low Distortion Map Between Disk and Square. JGT 2(3).
@@ -22,15 +22,15 @@ vec2 concentric_disc(vec2 u) {
 }
 
 /// Starts the ray through image position `film` (pixels; (0,0) is the top left corner) from lens position `lens`.
-Ray camera_ray(EyeConstants eye, vec2 film, vec2 lens) {
-    const vec3 plane = eye.corner + film.x * eye.pixel_x + film.y * eye.pixel_y;
-    vec3 origin = eye.position;
+Ray camera_ray(CameraConstants camera, vec2 film, vec2 lens) {
+    const vec3 plane = camera.corner + film.x * camera.pixel_x + film.y * camera.pixel_y;
+    vec3 origin = camera.position;
     vec3 direction = plane;
-    if (eye.orthographic != 0) origin += plane, direction = eye.forward;
-    if (eye.aperture_radius_m > 0.0) {
-        const vec2 disc = eye.aperture_radius_m * concentric_disc(lens);
-        const vec3 shift = disc.x * eye.right + disc.y * eye.up;
-        direction -= shift / eye.focus_distance_m;
+    if (camera.orthographic != 0) origin += plane, direction = camera.forward;
+    if (camera.aperture_radius_m > 0.0) {
+        const vec2 disc = camera.aperture_radius_m * concentric_disc(lens);
+        const vec3 shift = disc.x * camera.right + disc.y * camera.up;
+        direction -= shift / camera.focus_distance_m;
         origin += shift;
     }
     return Ray(origin, normalize(direction), INFINITY);

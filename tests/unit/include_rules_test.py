@@ -11,7 +11,8 @@ import unittest
 
 SOURCE = pathlib.Path(os.environ.get("PHOTOND_SOURCE", pathlib.Path(__file__).resolve().parents[2]))
 TREES = ("protocol", "renderer", "server", "clients")
-SUFFIXES = {".h", ".cpp"}
+SHADERS = {".glsl", ".comp", ".vert", ".frag"}
+SUFFIXES = {".h", ".cpp"} | SHADERS
 
 # What of protocol/ the renderer may see; each of these headers includes the standard library only (checked below).
 PLAIN_PROTOCOL = ["protocol/error.h", "protocol/nearest_name.h", "protocol/param_info.h"]
@@ -45,6 +46,9 @@ MAY_INCLUDE = [
                   "renderer/core/*", "renderer/film/*.h", "renderer/error/*.h", "renderer/scene/*.h"]),
     ("clients/{room}/*", ["clients/{room}/*", "protocol/*"]),
 ]
+
+# A shader reads the scene and traces rays where it is needed: what C++ is given as an argument.
+SHADERS_MAY_INCLUDE = ["renderer/backends/gpu/*"]
 
 # Outside headers -> the only files that may include them.
 LIBRARIES = [
@@ -92,7 +96,8 @@ def may_include(path):
     for files, allowed in MAY_INCLUDE:
         match = fits(files, path)
         if match:
-            return [(pattern, match.groupdict().get("room")) for pattern in allowed]
+            everywhere = SHADERS_MAY_INCLUDE if pathlib.PurePosixPath(path).suffix in SHADERS else []
+            return [(pattern, match.groupdict().get("room")) for pattern in allowed + everywhere]
     return None
 
 
@@ -183,6 +188,9 @@ PLANTED = [
     ("renderer/backends/cpu/a.cpp", "<vulkan/vulkan.h>", False),
     ("renderer/backends/cpu/a.cpp", "<volk.h>", False),
     ("renderer/backends/cpu/a.cpp", "<glslang/Include/glslang_c_interface.h>", False),
+    ("renderer/transport/a.glsl", '"renderer/backends/gpu/b.glsl"', True),
+    ("renderer/transport/a.glsl", '"renderer/methods/b.glsl"', False),
+    ("renderer/scene/a.glsl", '"renderer/transport/b.glsl"', False),
     ("renderer/backends/gpu/a.cpp", "<volk.h>", True),
     ("renderer/backends/gpu/a.h", '"renderer/transport/b.h"', True),
     ("renderer/backends/gpu/a.h", '"renderer/photons/b.h"', False),
