@@ -56,7 +56,7 @@ PhotonDisc find_nearest(PhotonMapConstants map, vec3 p) {
     uvec4 point;
     float distance_sq;
 
-    // As far out as needed for k, from about where they are on average.
+    // As far out as needed for k: spheres with fewer cost little.
     float radius_m = min(grid.cell_m, map.radius_m), buckets_per_m2;
     while (true) {
         clear_histogram();
@@ -71,7 +71,9 @@ PhotonDisc find_nearest(PhotonMapConstants map, vec3 p) {
         }
         if (found >= map.nearest) break;
         if (radius_m >= map.radius_m) return PhotonDisc(map.radius_m, radius_sq, 0u);
-        radius_m = min(2.0 * radius_m, map.radius_m);
+        // To where k are expected, and some more, by what was found here.
+        const float wanted = sqrt(1.5 * float(map.nearest) / float(max(found, 1u)));
+        radius_m = min(clamp(wanted, 1.2, 4.0) * radius_m, map.radius_m);
     }
     uint rank = map.nearest;
     const uint bucket = bucket_of_rank(rank);

@@ -17,6 +17,7 @@
 #include "renderer/methods/photon_mapping/final_gather.glsl"
 
 layout(local_size_x = GATHER_GROUP) in;
+layout(constant_id = GATHER_LANES_ID) const uint GATHER_LANES = 8;
 layout(push_constant, scalar) uniform Push { GatherPush push; };
 layout(set = 0, binding = 9, scalar) readonly buffer PointState { uint point_state[POINT_STATE_WORDS]; };
 layout(set = 0, binding = 10, scalar) readonly buffer Points { GatherPointRecord points[]; };

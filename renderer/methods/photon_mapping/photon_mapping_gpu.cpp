@@ -41,12 +41,13 @@ uint32_t nearest_of(const PhotonMappingParams& params, PhotonMapKind kind) {
     return params.caustic_nearest_photons.value_or(params.nearest_photons);
 }
 
-/// By what the cells of a map are cut: the radius, or about that of the disc of the k nearest, where the photons spread
-/// over the walls of the scene's box; those of caustics lie closer. Searches go farther where there are fewer.
+/// By what the cells of a map are cut: the radius, or what a search for the k nearest begins with: less than the radius
+/// of their disc where the photons spread over the walls of the scene's box. Searches go farther where there are fewer;
+/// to have begun with too many costs more.
 float cell_size_m(const PhotonMappingParams& params, PhotonMapKind kind, const Bounds3& bounds, float radius_m) {
     if (params.search == PhotonSearch::Kind::Radius || bounds.empty()) return radius_m;
-    constexpr float kCausticShare = 1.0f / 16;  // of the walls
-    constexpr float kMargin = 1.3f;             // so that most searches need not go farther
+    constexpr float kCausticShare = 1.0f / 32;  // of the walls
+    constexpr float kBegin = 0.7f;              // of the disc
     constexpr float kMostCells = 16;            // along the farthest search
     const vec3 d = bounds.diagonal();
     const float walls_m2 =
@@ -55,7 +56,7 @@ float cell_size_m(const PhotonMappingParams& params, PhotonMapKind kind, const B
     const float disc_m =
         std::sqrt(static_cast<float>(nearest_of(params, kind)) / (std::numbers::pi_v<float> * photons_per_m2));
     const float least_m = std::min(radius_m, 2 * bounds.radius()) / kMostCells;
-    return std::clamp(kMargin * disc_m, std::min(least_m, radius_m), radius_m);
+    return std::clamp(kBegin * disc_m, std::min(least_m, radius_m), radius_m);
 }
 
 uint32_t gather_rays_of(const PhotonMappingParams& params) {
@@ -72,7 +73,9 @@ uint64_t points_of_piece(uint32_t tiles, bool only_lambert) {
     const uint64_t pixels = uint64_t{tiles} * kTilePixels;
     return only_lambert ? pixels : pixels + pixels / 4;
 }
-constexpr uint64_t kPointBytes = sizeof(gpu::GatherPointRecord) + GATHER_LANES * sizeof(gpu::GatheredRecord);
+constexpr uint32_t kGatherLanes = 8;           // threads of a point
+constexpr uint32_t kSoftwareGatherLanes = 64;  // lavapipe leaves the loops of a thread after 65535 turns in all
+constexpr uint64_t kPointBytes = sizeof(gpu::GatherPointRecord) + kGatherLanes * sizeof(gpu::GatheredRecord);
 
 constexpr uint32_t kMostPathsPerSubmit = 1u << 24;  // of a card: Device::paths_per_submit()
 
@@ -171,6 +174,7 @@ struct PhotonMappingGpu::State {
     Map maps[kMaps];  // by kind
     std::optional<UnsortedPhotons> photons;
     std::optional<GridPhotons> grid_photons;
+    const uint32_t gather_lanes = device.report().software ? kSoftwareGatherLanes : kGatherLanes;
     uint64_t point_capacity = 1;
     // Points that gather, of a piece: their state, themselves, what they gathered, and each pixel's last one.
     gpu::Buffer point_state, points, gathered, last_points;
@@ -263,7 +267,7 @@ void PhotonMappingGpu::State::make_room() {
     grid_photons.emplace(device, starts, std::max<uint64_t>(all, 1));
     points = {}, gathered = {};
     points = gpu::Buffer(device, "gather_points", point_capacity * sizeof(gpu::GatherPointRecord));
-    gathered = gpu::Buffer(device, "gather_points", point_capacity * GATHER_LANES * sizeof(gpu::GatheredRecord));
+    gathered = gpu::Buffer(device, "gather_points", point_capacity * gather_lanes * sizeof(gpu::GatheredRecord));
     for (size_t kind = 0; kind < kMaps; ++kind)
         constants.estimate.maps[kind] = {maps[kind].grid, search_radius_m, nearest_of(params, kKinds[kind])};
     gpu::upload(device, mapping, std::as_bytes(std::span(&constants, 1)));
@@ -281,11 +285,12 @@ void PhotonMappingGpu::State::prepare_passes(bool lights_can_be_met) {
     last_points = gpu::Buffer(device, "gather_points", last_points_bytes(params, tiles_a_piece));
     make_room();
     std::vector<gpu::Specialization> fixed = slots[0].image.specialization();
-    fixed.insert(fixed.end(), {gpu::specialize(SEARCH_NEAREST_ID, params.search == PhotonSearch::Kind::Nearest),
-                               gpu::specialize(SOFT_DISC_ID, params.soft_disc),
-                               gpu::specialize(FINAL_GATHER_ID, params.gather == Gather::Final),
-                               gpu::specialize(GLOBAL_MAP_ID, maps[PHOTON_MAP_GLOBAL].tracer.has_value()),
-                               gpu::specialize(CAUSTIC_MAP_ID, maps[PHOTON_MAP_CAUSTIC].tracer.has_value())});
+    fixed.insert(fixed.end(),
+                 {gpu::specialize(SEARCH_NEAREST_ID, params.search == PhotonSearch::Kind::Nearest),
+                  gpu::specialize(SOFT_DISC_ID, params.soft_disc), gpu::specialize(FINAL_GATHER_ID, gathers()),
+                  gpu::specialize(GATHER_LANES_ID, gather_lanes),
+                  gpu::specialize(GLOBAL_MAP_ID, maps[PHOTON_MAP_GLOBAL].tracer.has_value()),
+                  gpu::specialize(CAUSTIC_MAP_ID, maps[PHOTON_MAP_CAUSTIC].tracer.has_value())});
     fixed = on_device.specialization(fixed);
     eye_pass.emplace(device, "renderer/methods/photon_mapping/photon_mapping.comp", sizeof(gpu::PhotonMappingPush),
                      &on_device.set(), fixed);
@@ -371,7 +376,7 @@ void PhotonMappingGpu::State::record_gather(Slot& slot, uint32_t first_tile, uin
                    gpu::read(grid_photons->starts), gpu::read(grid_photons->places), gpu::read(grid_photons->powers),
                    gpu::read(point_state), gpu::read(points), gpu::write(gathered)});
     commands.push(gpu::GatherPush{static_cast<uint32_t>(point_capacity)});
-    commands.dispatch_threads(point_capacity * GATHER_LANES, GATHER_GROUP);
+    commands.dispatch_threads(point_capacity * gather_lanes, GATHER_GROUP);
     commands.bind(*gather_sum,
                   {gpu::read_write(slot.image.layers()), gpu::read(eye), gpu::read(slot.sampler),
                    gpu::read_write(point_state), gpu::read(points), gpu::read(gathered), gpu::read(last_points)});

@@ -11,6 +11,7 @@
 #define FINAL_GATHER_ID 44
 #define GLOBAL_MAP_ID 45  // whether there is one
 #define CAUSTIC_MAP_ID 46
+#define GATHER_LANES_ID 47  // threads of a point that gathers
 
 #ifdef __cplusplus
 namespace photond::gpu {
@@ -56,7 +57,6 @@ struct GatheredRecord {
     vec3 indirect;
     uint photons;
 };
-#define GATHER_LANES 8  // threads of a point
 
 struct GatherPush {
     uint capacity;  // points there is room for
