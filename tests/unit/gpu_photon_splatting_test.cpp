@@ -141,13 +141,15 @@ TEST_P(GpuPhotonSplatting, FollowsTheCpu) {
     EXPECT_LT(share_apart(cpu_indirect, gpu_indirect, 1e-2), 0.05);
     EXPECT_NEAR(test::mean_of(gpu_indirect) / test::mean_of(cpu_indirect), 1, 3e-3);
     // Of points that are not Lambert the CPU counts also what comes from behind, to no effect.
-    if (scene.needs.only_lambert())
+    if (scene.needs.only_lambert()) {
         EXPECT_NEAR(test::mean_of(gpu.resolve(Layer::Overlap)) / test::mean_of(cpu.resolve(Layer::Overlap)), 1, 5e-3);
+    }
     const Counts &a = cpu_stats.counts, &b = gpu_stats.counts;
     EXPECT_EQ(a.camera_rays, b.camera_rays);
     EXPECT_NEAR(double(a.splats), double(b.splats), 0.01 * double(a.splats));
-    if (scene.needs.only_lambert())
+    if (scene.needs.only_lambert()) {
         EXPECT_NEAR(double(a.splat_contributions), double(b.splat_contributions), 0.01 * double(a.splat_contributions));
+    }
     EXPECT_EQ(gpu.nan_count() + gpu.infinity_count(), 0u);
 }
 INSTANTIATE_TEST_SUITE_P(BuiltinScenes, GpuPhotonSplatting,

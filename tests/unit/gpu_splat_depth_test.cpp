@@ -132,9 +132,16 @@ INSTANTIATE_TEST_SUITE_P(Scenes, GpuSplatDepth,
                                          MapCase{"cornell-box", 63, 30}, MapCase{"interior", 16, 60}));
 
 TEST(GpuSplatDepth, IsChosenWhereTrianglesAreFewerThanRays) {
-    EXPECT_TRUE(SplatDepthAtlas::faster(make_builtin_scene("cornell-box"), 64));
-    EXPECT_FALSE(SplatDepthAtlas::faster(make_builtin_scene("cornell-box"), 4));
-    EXPECT_FALSE(SplatDepthAtlas::faster(make_builtin_scene("interior"), 16));
+    const auto faster = [](const char* name, uint32_t resolution) {
+        const Scene scene = make_builtin_scene(name);
+        return SplatDepthAtlas::faster(scene.needs, scene.triangle_count, resolution);
+    };
+    EXPECT_TRUE(faster("cornell-box", 64));
+    EXPECT_FALSE(faster("cornell-box", 4));
+    EXPECT_FALSE(faster("interior", 16));
+    Needs alpha;
+    alpha.alpha = true;
+    EXPECT_FALSE(SplatDepthAtlas::faster(alpha, 32, 64));
     EXPECT_FALSE(SplatDepthAtlas::possible(Scene{}));
 }
 

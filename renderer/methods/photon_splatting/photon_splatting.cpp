@@ -16,7 +16,6 @@ namespace {
 constexpr uint32_t kTileSide = 32;
 constexpr float kSplitRadii = 0.75f;  // clusters wider than that are halved
 constexpr uint64_t kPilotSeed = 0x5a1f'0b1d'91c3'7e55;
-constexpr uint32_t kBlurPixels[] = {0, 3, 5, 7, 9};
 
 /// Photons a light path leaves at each of its scatterings where nothing is known of the scene, a furnished closed room.
 constexpr double kExpectedYield = 0.6;
@@ -374,7 +373,7 @@ void PhotonSplatting::blur(Stats& stats) {
     const StageTimer timer(stats, "filter");
     BlurEdges edges;
     if (params_.blur_edges) edges.normal = state.blur_normal, edges.depth = state.blur_depth;
-    blur_layer(state.image.indirect, state.image.size, kBlurPixels[static_cast<size_t>(params_.blur)], edges);
+    blur_layer(state.image.indirect, state.image.size, blur_pixels(params_.blur), edges);
 }
 
 void PhotonSplatting::resolve(Film& film) {

@@ -13,6 +13,10 @@ enum class SplatEstimator : uint8_t { Connect, Kernel };
 enum class SplatFilter : uint8_t { Box, Tent, Gaussian };
 enum class Representative : uint8_t { Random, ByPower, ClosestToMean, DominantDirection };
 enum class BlurWidth : uint8_t { None, Three, Five, Seven, Nine };
+/// Pixels across; 0: none.
+constexpr uint32_t blur_pixels(BlurWidth width) {
+    return width == BlurWidth::None ? 0 : 2 * static_cast<uint32_t>(width) + 1;
+}
 
 struct PhotonSplattingParams final : MethodParams {
     uint32_t photons = 10'000;

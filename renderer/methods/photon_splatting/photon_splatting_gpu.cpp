@@ -1,12 +1,14 @@
 #include "renderer/methods/photon_splatting/photon_splatting_gpu.h"
 
-#include "protocol/error.h"
 #include "renderer/backends/gpu/device_scene.h"
+#include "renderer/gbuffer/indirect_blur.h"
 #include "renderer/methods/device_image.h"
 #include "renderer/methods/eye_constants.h"
+#include "renderer/methods/photon_splatting/splat_depth_atlas.h"
 #include "renderer/methods/photon_splatting/splat_settings.h"
 #include "renderer/methods/photon_splatting/splat_shared.h"
 #include "renderer/methods/photon_splatting/splat_sizes.h"
+#include "renderer/methods/photon_splatting/stratification_gpu.h"
 #include "renderer/methods/piece_queue.h"
 #include "renderer/photons/reflected_photons_gpu.h"
 
@@ -49,6 +51,12 @@ uint64_t texels_of_splat(const PhotonSplattingParams& params, const Needs& needs
                                                          : 0;
 }
 
+bool draws_depth_maps(const PhotonSplattingParams& params, const Needs& needs, uint64_t triangles) {
+    return texels_of_splat(params, needs) > 0 && SplatDepthAtlas::faster(needs, triangles, params.shadow_resolution);
+}
+
+bool has_edges(const PhotonSplattingParams& params) { return params.blur_edges && params.blur != BlurWidth::None; }
+
 /// Splats of a batch: a whole number of photons'.
 uint32_t batch_splats(const PhotonSplattingParams& params, const Needs& needs) {
     const uint64_t all = uint64_t{params.photons} * std::min(params.bounces, 255u) * 2 * params.rays_per_photon;
@@ -88,6 +96,8 @@ struct PhotonSplattingGpu::State {
           counts(device, "visible_points", SPLAT_COUNTS * sizeof(uint32_t)),
           host_counts(device, "readback", SPLAT_COUNTS * sizeof(uint32_t), gpu::MemoryKind::Readback),
           heads(device, "visible_points", size.pixels() * sizeof(uint32_t)),
+          edges(device, "blur_edges", (has_edges(p) ? size.pixels() : 1) * sizeof(vec4)),
+          host_edges(device, "readback", edges.bytes(), gpu::MemoryKind::Readback),
           device_image(device, size, context.view.layers),
           image(size, context.view.layers),
           queue(device) {
@@ -99,6 +109,8 @@ struct PhotonSplattingGpu::State {
         fixed.push_back(gpu::specialize(SPLAT_HAS_BEAMS_ID, has_beams(p, scene.needs)));
         fixed.push_back(gpu::specialize(SPLAT_NORMALISED_ID, settings.normalised));
         fixed.push_back(gpu::specialize(SPLAT_VISIBILITY_ID, settings.visibility));
+        fixed.push_back(gpu::specialize(SPLAT_STRATIFIED_ID, p.stratify));
+        fixed.push_back(gpu::specialize(SPLAT_EDGES_ID, has_edges(p)));
         fixed = device_scene.specialization(fixed);
         const auto pipeline = [&](const char* name, size_t push_bytes, bool reads_scene) {
             return std::make_unique<gpu::ComputePipeline>(device, shader(name), static_cast<uint32_t>(push_bytes),
@@ -143,8 +155,10 @@ struct PhotonSplattingGpu::State {
 
     std::vector<PieceQueue::Record> eye_pieces(uint32_t pass);
     std::vector<PieceQueue::Record> photon_pieces(uint32_t pass);
+    bool stratify(uint32_t pass, Stats& stats, const CancelToken& cancel);
     std::vector<PieceQueue::Record> splat_pieces();
     std::vector<PieceQueue::Record> image_pieces();
+    void blur(Stats& stats);
     void add_batch(uint32_t first_photon, uint32_t end_photon, std::vector<PieceQueue::Record>& pieces);
 
     const PhotonSplattingParams& params;
@@ -158,12 +172,14 @@ struct PhotonSplattingGpu::State {
     uint32_t point_capacity = 0, cluster_capacity = 0;
     std::optional<SplatSizes> sizes;
 
-    gpu::Buffer eye, sampler, repay_sampler, constants, size_factors, counts, host_counts, heads;
+    gpu::Buffer eye, sampler, repay_sampler, constants, size_factors, counts, host_counts, heads, edges, host_edges;
     gpu::Buffer points, general_points, sums, clusters, splats, depth_maps;
     std::unique_ptr<gpu::ComputePipeline> walk, bound, make, depth, light, repay, combine;
     DeviceImage device_image;
     std::optional<EmissionSampler> emission;
     std::optional<ReflectedPhotonsGpu> photons;
+    std::optional<StratificationGpu> stratification;
+    std::optional<SplatDepthAtlas> depth_atlas;  // null: depth maps are traced
     PassImage image;
     bool pass_complete = false;     // image holds a whole pass
     std::optional<uint32_t> begun;  // the pass whose first pieces are in the queue
@@ -249,9 +265,21 @@ std::vector<PieceQueue::Record> PhotonSplattingGpu::State::photon_pieces(uint32_
     return pieces;
 }
 
+/// Which photons splat. False: cancelled.
+bool PhotonSplattingGpu::State::stratify(uint32_t pass, Stats& stats, const CancelToken& cancel) {
+    if (!stratification) return true;
+    const StageTimer timer(stats, "stratify");
+    stratification->start(seed, pass, photons->photons_of_pass());
+    return queue.run({[this](gpu::CommandList& commands) {
+                         stratification->record(commands, photons->photons(), photons->order());
+                     }},
+                     stats, cancel);
+}
+
 /// What the photons bring to the visible points, batch after batch.
 std::vector<PieceQueue::Record> PhotonSplattingGpu::State::splat_pieces() {
-    const uint32_t sources = photons->photons_of_pass(), at_once = splats_at_once / params.rays_per_photon;
+    const uint32_t sources = stratification ? stratification->sources_of_pass() : photons->photons_of_pass();
+    const uint32_t at_once = splats_at_once / params.rays_per_photon;
     std::vector<PieceQueue::Record> pieces;
     for (uint32_t first = 0; first < sources; first += std::min(at_once, sources - first))
         add_batch(first, first + std::min(at_once, sources - first), pieces);
@@ -263,17 +291,21 @@ void PhotonSplattingGpu::State::add_batch(uint32_t first_photon, uint32_t end_ph
     const uint32_t count = (end_photon - first_photon) * params.rays_per_photon;
     pieces.push_back([=, this](gpu::CommandList& commands) {
         const gpu::Scope scope(commands, "splat_depth");
-        commands.bind(*make, {gpu::read_write(device_image.counters()), gpu::read(constants),
-                              gpu::read(photons->state()), gpu::read(photons->photons()), gpu::read(photons->order()),
-                              gpu::read(photons->surfaces()), gpu::write(splats)});
+        commands.bind(*make,
+                      {gpu::read_write(device_image.counters()), gpu::read(constants), gpu::read(photons->state()),
+                       gpu::read(photons->photons()), gpu::read(photons->order()), gpu::read(photons->surfaces()),
+                       gpu::write(splats), gpu::read(stratification ? stratification->sources() : counts)});
         commands.push(gpu::SplatMakePush{first_photon, end_photon, count});
         commands.dispatch_threads(count, SPLAT_GROUP);
     });
     if (const uint64_t texels = texels_of_splat(params, scene.needs); texels > 0) {
-        const auto maps = static_cast<uint32_t>(std::max<uint64_t>(device.paths_per_submit() / texels, 1));
+        const uint32_t maps = depth_atlas
+                                  ? depth_atlas->splats_at_once()
+                                  : static_cast<uint32_t>(std::max<uint64_t>(device.paths_per_submit() / texels, 1));
         for (uint32_t first = 0; first < count; first += std::min(maps, count - first)) {
             pieces.push_back([=, this, end = first + std::min(maps, count - first)](gpu::CommandList& commands) {
                 const gpu::Scope scope(commands, "splat_depth");
+                if (depth_atlas) return depth_atlas->record(commands, constants, splats, depth_maps, first, end);
                 commands.bind(*depth, {gpu::read_write(device_image.counters()), gpu::read(constants),
                                        gpu::read(splats), gpu::write(depth_maps)});
                 commands.push(gpu::SplatClusterPush{0, 0, first, end});
@@ -322,25 +354,41 @@ std::vector<PieceQueue::Record> PhotonSplattingGpu::State::image_pieces() {
         {
             const gpu::Scope scope(commands, settings.normalised ? "normalise" : "combine");
             commands.bind(*combine, {gpu::read_write(device_image.layers()), gpu::read(constants), gpu::read(heads),
-                                     gpu::read(points), gpu::read(general_points), gpu::read(sums)});
+                                     gpu::read(points), gpu::read(general_points), gpu::read(sums), gpu::read(eye),
+                                     gpu::write(edges)});
             commands.push(static_cast<uint32_t>(size.pixels()));
             commands.dispatch_threads(size.pixels(), SPLAT_GROUP);
+        }
+        if (has_edges(params)) {
+            commands.copy(edges, 0, host_edges, 0, edges.bytes());
+            commands.host_reads(host_edges);
         }
         device_image.record_readback(commands);
     });
     return pieces;
 }
 
+/// Of the host's image: it is done before the next pass's paths are.
+void PhotonSplattingGpu::State::blur(Stats& stats) {
+    if (params.blur == BlurWidth::None) return;
+    const StageTimer timer(stats, "filter");
+    std::vector<vec3> normal;
+    std::vector<float> depth;
+    if (has_edges(params)) {
+        for (const vec4& edge : host_edges.as<vec4>()) {
+            normal.emplace_back(edge);
+            depth.push_back(edge.w);
+        }
+    }
+    blur_layer(image.indirect, size, blur_pixels(params.blur), {.normal = normal, .depth = depth});
+}
+
 PhotonSplattingGpu::PhotonSplattingGpu(const PhotonSplattingParams& params) : params_(params) {}
 PhotonSplattingGpu::~PhotonSplattingGpu() = default;
 
-void PhotonSplattingGpu::check_gpu(const PhotonSplattingParams& params) {
-    if (params.stratify) throw Error(ErrorCode::Unsupported, "/stratify", "stratify is not done on a GPU");
-    if (params.blur != BlurWidth::None) throw Error(ErrorCode::Unsupported, "/blur", "blur is not done on a GPU");
-}
-
 uint64_t PhotonSplattingGpu::estimate_bytes(const PhotonSplattingParams& params, const Workload& workload) {
     return PassImage::bytes_for(workload.film_size, workload.layers) +
+           (has_edges(params) ? workload.film_size.pixels() * (sizeof(vec3) + sizeof(float)) : 0) +
            (params.bounces > 0 ? EmissionSampler::estimate_bytes(workload.lights, workload.environment_size) : 0);
 }
 
@@ -353,9 +401,17 @@ uint64_t PhotonSplattingGpu::estimate_device_bytes(const PhotonSplattingParams& 
                      workload.film_size.pixels() * sizeof(uint32_t) +
                      expected_points(workload.film_size, workload.needs) * of_point +
                      expected_clusters(workload.film_size, workload.needs) * sizeof(gpu::SplatCluster) +
+                     (has_edges(params) ? 2 * workload.film_size.pixels() * sizeof(vec4) : 0) +
                      sizeof(gpu::EyeConstants) + 2 * sizeof(gpu::PassSamplerData) + sizeof(gpu::SplatConstants);
     if ((workload.lights == 0 && workload.environment_size.pixels() == 0) || params.bounces == 0) return bytes;
     const uint64_t texels = texels_of_splat(params, workload.needs);
+    if (params.stratify) {
+        constexpr double kExpectedYield = 0.7;  // ReflectedPhotonsGpu's
+        const double photons = kExpectedYield * params.photons * std::clamp(params.bounces, 1u, 8u);
+        bytes += StratificationGpu::device_bytes(static_cast<uint64_t>(photons), params.minimum_photons);
+    }
+    if (draws_depth_maps(params, workload.needs, workload.triangles))
+        bytes += SplatDepthAtlas::device_bytes(params.shadow_resolution, batch_splats(params, workload.needs));
     return bytes + ReflectedPhotonsGpu::device_bytes(tracing_of(params), lambert) +
            batch_splats(params, workload.needs) * (sizeof(gpu::Splat) + texels * sizeof(float));
 }
@@ -364,7 +420,10 @@ void PhotonSplattingGpu::begin(const RenderContext& context, Stats& stats) {
     const Scene& scene = context.scene;
     const uint64_t image_bytes = PassImage::bytes_for(context.view.film_size, context.view.layers);
     context.budget.require("pass_image", image_bytes);
-    state_ = std::make_unique<State>(context, params_);
+    {
+        const StageTimer timer(stats, "pipelines");
+        state_ = std::make_unique<State>(context, params_);
+    }
     State& state = *state_;
     context.budget.record("pass_image", image_bytes);
 
@@ -390,6 +449,16 @@ void PhotonSplattingGpu::begin(const RenderContext& context, Stats& stats) {
     state.depth_maps =
         gpu::Buffer(state.device, "depth_maps",
                     std::max<uint64_t>(splats * texels_of_splat(params_, scene.needs), 1) * sizeof(float));
+    if (params_.stratify) {
+        state.stratification.emplace(state.device, StratificationSettings{.bounds = scene.bounds,
+                                                                          .cells = params_.grid_cells,
+                                                                          .minimum_photons = params_.minimum_photons,
+                                                                          .splats_per_cell = params_.splats_per_cell,
+                                                                          .representative = params_.representative,
+                                                                          .mean_power = state.settings.normalised});
+    }
+    if (draws_depth_maps(params_, scene.needs, scene.triangle_count))
+        state.depth_atlas.emplace(state.device_scene, params_.shadow_resolution, state.splats_at_once);
     if (params_.connects() && params_.adaptive_size) {
         const StageTimer timer(stats, "photon_tracing");
         PhotonTracing pilot = tracing;
@@ -433,11 +502,13 @@ void PhotonSplattingGpu::run_pass(uint32_t pass, Stats& stats, const CancelToken
     if (state.photons) {
         state.photons->add_to(stats.counts);
         const StageTimer timer(stats, "splat");
+        if (!state.stratify(pass, stats, cancel)) return;
         if (!state.queue.run(state.splat_pieces(), stats, cancel)) return;
     }
     const StageTimer timer(stats, state.settings.normalised ? "normalise" : "combine");
     if (!state.queue.run(state.image_pieces(), stats, cancel) || cancel.cancelled()) return;
     state.device_image.read(state.image, stats.counts, state.scene.origin);
+    state.blur(stats);
     state.pass_complete = true;
 }
 

@@ -10,15 +10,16 @@ namespace photond {
 ///
 /// Visible points lie tile by tile (splat_eye.comp); each tile's points at one vertex are a cluster, lit by a group of
 /// threads that goes through all splats (splat_light.comp). Splats come in batches, so that their depth maps are
-/// bounded. V of connections is found by shadow rays.
+/// bounded. V of connections is exact: shafts tell the few triangles that may stand between a photon and a cluster
+/// (transport/shaft_visibility.glsl), and where they are many or bent shadow rays are traced. Stratified photons are
+/// those of the CPU's chances, not its choices, as their order is another (stratification_gpu.h). Depth maps of beams
+/// are traced, or drawn where triangles are few (splat_depth_atlas.h). The blur is the host's, on what it reads back.
 class PhotonSplattingGpu final : public Method {
 public:
     using Params = PhotonSplattingParams;
 
     explicit PhotonSplattingGpu(const PhotonSplattingParams& params);
     ~PhotonSplattingGpu() override;
-    /// Throws ErrorCode::Unsupported, with a pointer to the parameter, for what only the CPU has.
-    static void check_gpu(const PhotonSplattingParams& params);
     /// What begin() will record of the host's memory ...
     static uint64_t estimate_bytes(const PhotonSplattingParams& params, const Workload& workload);
     /// ... and take of the device's.

@@ -7,9 +7,11 @@
 #define IMAGE_BINDING 0
 #include "renderer/backends/gpu/invocation.glsl"
 #include "renderer/methods/device_image.glsl"
+#include "renderer/methods/eye_shared.h"
 #include "renderer/methods/photon_splatting/visible_points.glsl"
 
 layout(constant_id = SPLAT_NORMALISED_ID) const bool SPLAT_NORMALISED = false;
+layout(constant_id = SPLAT_EDGES_ID) const bool SPLAT_EDGES = false;
 
 layout(local_size_x = SPLAT_GROUP) in;
 layout(push_constant, scalar) uniform Push { uint pixels; } push;
@@ -18,12 +20,15 @@ layout(set = 0, binding = 2, scalar) readonly buffer Heads { uint first_of_pixel
 layout(set = 0, binding = 3, scalar) readonly buffer Points { SplatPoint points[]; };
 layout(set = 0, binding = 4, scalar) readonly buffer GeneralPoints { SplatGeneralPoint general_points[]; };
 layout(set = 0, binding = 5, scalar) readonly buffer Sums { SplatSum sums[]; };
+layout(set = 0, binding = 6, scalar) readonly buffer Eye { EyeConstants eye; };
+layout(set = 0, binding = 7, scalar) writeonly buffer Edges { vec4 edges[]; };  // SPLAT_EDGES: a pixel's normal and depth
 
 void main() {
     const uint pixel = flat_index();
     if (pixel >= push.pixels) return;
     vec3 indirect = vec3(0.0);
     float splats = 0.0;
+    vec4 edge = vec4(vec3(0.0), INFINITY);
     for (uint index = first_of_pixel[pixel]; index != NO_POINT; index = points[index].next) {
         const SplatPoint point = points[index];
         const SplatSum sum = sums[index];
@@ -37,7 +42,9 @@ void main() {
         }
         indirect += point.weight * light;
         splats += sum.splats;
+        edge = vec4(point.normal, dot(point.position - eye.camera.position, eye.camera.forward));
     }
+    if (SPLAT_EDGES) edges[pixel] = edge;
     add_rgb(PLANE_INDIRECT, pixel, indirect);
     if (layer_kept(PLANE_OVERLAP)) store_value(PLANE_OVERLAP, pixel, splats);
 }

@@ -11,7 +11,8 @@ namespace photond {
 namespace {
 
 constexpr const char* kStructure = "depth_atlas";
-constexpr uint32_t kSide = 2048;  // of an atlas, at most
+constexpr uint32_t kSide = 2048;                                         // of an atlas, at most
+constexpr uint64_t kMostTexels = MOST_DEPTH_TEXELS * MOST_DEPTH_TEXELS;  // of a map
 
 uint32_t most_columns(uint32_t resolution) { return std::max(kSide / resolution, 1u); }
 
@@ -33,11 +34,12 @@ bool SplatDepthAtlas::possible(const Scene& scene) {
            scene.triangle_count < UINT32_MAX / 3;
 }
 
-bool SplatDepthAtlas::faster(const Scene& scene, uint32_t resolution) {
+bool SplatDepthAtlas::faster(const Needs& needs, uint64_t triangles, uint32_t resolution) {
     // lavapipe, microseconds a splat, traced and drawn: 32 triangles (cornell-box) at 8^2 texels 16 and 8, at 16^2 40
     // and 18, at 32^2 137 and 52, at 64^2 570 and 400; 263,112 (interior) at 32^2 300 and 24,000, at 64^2 1000 and
     // 24,000. So a triangle that is clipped away costs 0.09, a ray 0.14 to 0.3, a texel drawn 0.03 to 0.1.
-    return possible(scene) && scene.triangle_count <= uint64_t{resolution} * resolution;
+    static_assert(kMostTexels < gpu::kMostCopiedTriangles, "so few are never in trees of their own");
+    return !needs.alpha && triangles > 0 && triangles <= uint64_t{resolution} * resolution;
 }
 
 uint64_t SplatDepthAtlas::device_bytes(uint32_t resolution, uint32_t splats) {

@@ -19,7 +19,8 @@ public:
     /// possible() must be true.
     SplatDepthAtlas(const gpu::DeviceScene& scene, uint32_t resolution, uint32_t splats);
     static bool possible(const Scene& scene);
-    static bool faster(const Scene& scene, uint32_t resolution);
+    /// Than tracing; true only where possible() is.
+    static bool faster(const Needs& needs, uint64_t triangles, uint32_t resolution);
     static uint64_t device_bytes(uint32_t resolution, uint32_t splats);
 
     /// Of one record().

@@ -4,6 +4,7 @@
 #extension GL_EXT_scalar_block_layout : require
 
 #include "renderer/methods/photon_splatting/splat_shared.h"
+#include "renderer/methods/photon_splatting/stratification_shared.h"
 #define COUNTERS_BINDING 0
 #include "renderer/backends/gpu/bvh.glsl"
 #include "renderer/backends/gpu/counters.glsl"
@@ -16,6 +17,7 @@
 
 layout(constant_id = SPLAT_HAS_BEAMS_ID) const bool SPLAT_HAS_BEAMS = true;
 layout(constant_id = SPLAT_NORMALISED_ID) const bool SPLAT_NORMALISED = false;
+layout(constant_id = SPLAT_STRATIFIED_ID) const bool SPLAT_STRATIFIED = false;
 
 layout(local_size_x = SPLAT_GROUP) in;
 layout(push_constant, scalar) uniform Push { SplatMakePush push; };
@@ -25,6 +27,7 @@ layout(set = 0, binding = 3, scalar) readonly buffer Photons { ReflectedPhotonRe
 layout(set = 0, binding = 4, scalar) readonly buffer Order { uint order[]; };
 layout(set = 0, binding = 5, scalar) readonly buffer Surfaces { ReflectingSurfaceRecord surfaces[]; };
 layout(set = 0, binding = 6, scalar) writeonly buffer Splats { Splat splats[]; };
+layout(set = 0, binding = 7, scalar) readonly buffer Sources { SplatSourceRecord sources[]; };  // SPLAT_STRATIFIED
 
 const uint64_t STREAM_STEP = 0x9e3779b97f4a7c15ul;  // of RandomStream: from a number to the next
 
@@ -44,19 +47,18 @@ void place_beam(inout Splat splat, float hit_m) {
     splat.far_m = max(hit_m - constants.step_back_m + constants.depth_m, splat.near_m);
 }
 
-/// `photons_it_stands_for`: its area is that of one splat times this. False: it lights nothing.
-bool make_splat(uint source, uint ray, ReflectedPhotonRecord photon, vec3 power_w, float photons_it_stands_for,
-                inout uint photon_rays, out Splat splat) {
+/// False: it lights nothing.
+bool make_splat(SplatSourceRecord source, uint ray, ReflectedPhotonRecord photon, inout uint photon_rays, out Splat splat) {
     const uint spread = photon.scatterings_and_spread >> SPREAD_SHIFT & 3u;
     const uint rays = spread == SPREAD_BEAM ? 1 : constants.rays_per_photon;
     if (ray >= rays) return false;
-    RandomStream random = make_random_stream(constants.seed, RANDOM_DOMAIN_SPLATS, constants.pass, source);
+    RandomStream random = make_random_stream(constants.seed, RANDOM_DOMAIN_SPLATS, constants.pass, source.photon);
     const vec2 offset = random_stream_next_2d(random);
     random.key += ray * STREAM_STEP;
     splat.origin = photon.position;
     splat.axis = rays == 1 ? photon.direction : splat_direction(photon.normal, offset, ray);
     splat.normal = photon.normal;
-    splat.weight = photons_it_stands_for;
+    splat.weight = source.photons;
     splat.disc = kernel_sample_disc(constants.kernel, random_stream_next(random));
     splat.kind = (photon.scatterings_and_spread & 0xffu) << SPLAT_SCATTERINGS_SHIFT;
     splat.near_m = 0.0;
@@ -65,8 +67,8 @@ bool make_splat(uint source, uint ray, ReflectedPhotonRecord photon, vec3 power_
     splat.correction = photon.correction;
     splat.surface = photon.surface;
     const bool connects = constants.connects != 0 && spread != SPREAD_BEAM;
-    splat.radius = sqrt(photons_it_stands_for) * (connects ? 1.0 : constants.beam_radius_m * constants.shrink);
-    power_w /= float(rays);
+    splat.radius = sqrt(source.photons) * (connects ? 1.0 : constants.beam_radius_m * constants.shrink);
+    vec3 power_w = source.power_w / float(rays);
     if (!connects) {
         splat.kind |= SPLAT_BEAM;
         // ReflectedPhoton::correction_towards()
@@ -104,9 +106,12 @@ void main() {
         uint photon_rays = 0;
         Splat splat;
         bool lights = false;
-        if (source < min(push.end_source, state[REFLECTION_PHOTONS])) {
-            const ReflectedPhotonRecord photon = photons[order[source]];
-            lights = make_splat(source, index % constants.rays_per_photon, photon, photon.power_w, 1.0, photon_rays, splat);
+        if (source < (SPLAT_STRATIFIED ? push.end_source : min(push.end_source, state[REFLECTION_PHOTONS]))) {
+            SplatSourceRecord of = SplatSourceRecord(source, vec3(0.0), 1.0);
+            if (SPLAT_STRATIFIED) of = sources[source];
+            const ReflectedPhotonRecord photon = photons[order[of.photon]];
+            if (!SPLAT_STRATIFIED) of.power_w = photon.power_w;
+            lights = make_splat(of, index % constants.rays_per_photon, photon, photon_rays, splat);
         }
         if (!lights) splat.kind = SPLAT_NONE;
         splats[index] = splat;

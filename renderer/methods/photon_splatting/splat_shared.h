@@ -13,6 +13,8 @@
 #define SPLAT_HAS_BEAMS_ID 49
 #define SPLAT_NORMALISED_ID 50
 #define SPLAT_VISIBILITY_ID 51
+#define SPLAT_STRATIFIED_ID 52
+#define SPLAT_EDGES_ID 53  // whether the blur asks for normals and depths
 
 #define NO_POINT 0xffffffffu
 #define POINT_GENERAL 0x80000000u  // in SplatPoint::kind: not Lambert
@@ -29,10 +31,7 @@
 // SplatCounts: words of one buffer.
 #define SPLAT_COUNT_POINTS 0  // visible points; more than there is room for: those past it were left out
 #define SPLAT_COUNT_CLUSTERS 1
-#define SPLAT_COUNT_PHOTONS 2  // as TracedReflections::photons; as with points
-#define SPLAT_COUNT_SURFACES 3
-#define SPLAT_COUNT_ORDERED 4  // the sum of the paths' photons
-#define SPLAT_COUNTS 5
+#define SPLAT_COUNTS 2
 
 #ifdef __cplusplus
 #include "renderer/core/geometry.h"
