@@ -19,13 +19,13 @@ struct PassLoop {
     const CancelToken& cancel;
     /// Called after each finished pass, off the clock; true ends the loop.
     std::function<bool(const Film& film, double render_seconds)> after_pass = {};
-    /// Whether after_pass will take long, off the clock: the method's device is let come to rest before, on it.
-    std::function<bool(const Film& film, double render_seconds)> pauses = {};
 
     uint32_t first_pass = 0;        // index of the film's first pass; not used with `film`
     std::optional<Film> film = {};  // to go on with, from its next_pass(); taken by run()
     double seconds_before = 0;      // what that film took so far
     std::function<double()> now = wall_now_seconds;
+    /// Whether after_pass will take long, off the clock: the method's device is let come to rest before, on it.
+    std::function<bool(const Film& film, double render_seconds)> pauses = {};
 
     struct Result {
         Film film;

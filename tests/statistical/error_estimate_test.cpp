@@ -40,8 +40,8 @@ std::vector<Observed> observe(const Scene& scene, const test::RenderSettingsOf<M
     Stats stats;
     const std::unique_ptr<Intersector> intersector = make_embree_intersector(scene, budget, stats);
     M method(settings.params);
-    method.begin({scene, *intersector, View{find_camera(scene, ""), settings.size, settings.filter, settings.layers},
-                  settings.seed, budget},
+    method.begin({scene, intersector.get(),
+                  View{find_camera(scene, ""), settings.size, settings.filter, settings.layers}, settings.seed, budget},
                  stats);
     Film film(settings.size, settings.layers);
     ErrorEstimator estimator;

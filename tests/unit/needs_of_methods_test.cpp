@@ -59,7 +59,7 @@ Outcome run(std::string_view method_name, const Scene& scene, SetParams set) {
     const auto intersector = make_embree_intersector(scene, ray_structures, result.stats);
     const std::unique_ptr<Method> method = info.make(*params);
     constexpr Size2 kSize{32, 32};
-    method->begin({scene, *intersector, View{find_camera(scene, ""), kSize, PixelFilter::Box, {}}, 1, budget},
+    method->begin({scene, intersector.get(), View{find_camera(scene, ""), kSize, PixelFilter::Box, {}}, 1, budget},
                   result.stats);
     Film film(kSize, {});
     method->run_pass(0, result.stats, CancelToken{});

@@ -165,7 +165,7 @@ TEST(PathTracing, ACancelledPassLeavesNothing) {
     Stats stats;
     const auto intersector = make_embree_intersector(scene, budget, stats);
     PathTracing method({});
-    method.begin({scene, *intersector, View{find_camera(scene, ""), {64, 64}}, 1, budget}, stats);
+    method.begin({scene, intersector.get(), View{find_camera(scene, ""), {64, 64}}, 1, budget}, stats);
     Film film({64, 64}, {});
     CancelToken cancel;
     cancel.cancel();
@@ -188,7 +188,7 @@ TEST(PathTracing, RefusesAFilmThatDoesNotFit) {
     Stats stats;
     const auto intersector = make_embree_intersector(scene, budget, stats);
     PathTracing method({});
-    EXPECT_THROW(method.begin({scene, *intersector, View{find_camera(scene, ""), {4096, 4096}}, 1, budget}, stats),
+    EXPECT_THROW(method.begin({scene, intersector.get(), View{find_camera(scene, ""), {4096, 4096}}, 1, budget}, stats),
                  Error);
 }
 

@@ -340,7 +340,7 @@ TEST(PhotonMapping, ACancelledPassLeavesNothing) {
     params.gather_rays = 2;
     params.keep_photon_map = true;
     PhotonMapping method(params);
-    method.begin({scene, *intersector, View{find_camera(scene, ""), {64, 64}}, 1, budget}, stats);
+    method.begin({scene, intersector.get(), View{find_camera(scene, ""), {64, 64}}, 1, budget}, stats);
     Film film({64, 64}, {});
     CancelToken cancel;
     cancel.cancel();
