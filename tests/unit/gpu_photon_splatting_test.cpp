@@ -8,6 +8,7 @@
 #include "renderer/photons/reflected_photons_gpu.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/gpu_render.h"
+#include "tests/support/hard_scenes.h"
 #include "tests/support/scene_parts.h"
 
 namespace photond {
@@ -213,6 +214,29 @@ TEST(GpuPhotonSplatting, TakesTheMemoryItSays) {
         const uint64_t estimate = PhotonSplattingGpu::estimate_device_bytes(settings.params, workload);
         EXPECT_LE(double(taken), 1.5 * double(estimate)) << name;
         EXPECT_GE(1.5 * double(taken), double(estimate)) << name;
+    }
+}
+
+// No light, mirrors alone, a sky, nothing at all.
+TEST(GpuPhotonSplatting, HardScenesAreAsOnTheCpu) {
+    std::vector<test::HardScene> scenes;
+    for (test::HardScene& hard : test::hard_scenes())
+        for (const std::string_view name : {"no light", "mirrors under the sky", "nothing at all"})
+            if (hard.name == name) scenes.push_back(std::move(hard));
+    ASSERT_EQ(scenes.size(), 3u);
+    scenes.push_back({"walls under the sky", test::corner(test::lambert(0.5f)), false});
+    test::add_sky(scenes.back().scene);
+    for (test::HardScene& hard : scenes) {
+        finish_scene(hard.scene);
+        auto cpu_settings = settings_for<PhotonSplatting>(2);
+        auto gpu_settings = settings_for<PhotonSplattingGpu>(2);
+        cpu_settings.size = gpu_settings.size = {16, 12};
+        const Film cpu = test::render(hard.scene, cpu_settings);
+        const Film gpu = test::render(test::SceneOnDevice(hard.scene), gpu_settings);
+        const double mean = test::mean_of(cpu.resolve_beauty());
+        EXPECT_NEAR(test::mean_of(gpu.resolve_beauty()), mean, 0.003 * mean) << hard.name;
+        EXPECT_EQ(gpu.nan_count() + gpu.infinity_count(), 0u) << hard.name;
+        if (hard.dark) EXPECT_EQ(test::mean_of(gpu.resolve_beauty()), 0) << hard.name;
     }
 }
 
