@@ -21,6 +21,7 @@ PassLoop::Result PassLoop::run(Stats& stats) {
     double start = now();
     method.begin(context, stats);
     result.render_seconds += now() - start;
+    double last_pass_seconds = 0;
     while (!stop_met()) {
         start = now();
         if (!cancel.cancelled()) method.run_pass(result.film.next_pass(), stats, cancel);
@@ -29,15 +30,16 @@ PassLoop::Result PassLoop::run(Stats& stats) {
             break;
         }
         const uint32_t done = result.film.passes() + 1;
-        const double seconds = result.render_seconds + (now() - start);
-        if (!(stop.passes && done >= *stop.passes) && !(stop.seconds && seconds >= *stop.seconds))
+        const double guessed_seconds = result.render_seconds + last_pass_seconds;  // when this one is folded
+        if (!(stop.passes && done >= *stop.passes) && !(stop.seconds && guessed_seconds >= *stop.seconds))
             method.expect_pass(result.film.next_pass() + 1);
         {
             const StageTimer timer(stats, "combine");
             method.resolve(result.film);
         }
         if (pauses && pauses(result.film, result.render_seconds + (now() - start))) method.settle();
-        result.render_seconds += now() - start;
+        last_pass_seconds = now() - start;
+        result.render_seconds += last_pass_seconds;
         ++result.passes_rendered;
         if (after_pass && after_pass(result.film, result.render_seconds)) break;
     }

@@ -41,6 +41,7 @@ public:
     uint32_t cancel_pass = 0;
     uint32_t passes_run = 0;
     bool began = false;
+    std::string said;  // what the loop said: eN for expect_pass(N), r for resolve(), s for settle()
 
     void begin(const RenderContext& context, Stats&) override {
         began = true;
@@ -54,7 +55,16 @@ public:
         image_.direct.assign(image_.direct.size(), Rgb(static_cast<float>(pass + 1)));
         if (cancel_in_pass && pass == cancel_pass) cancel_in_pass->cancel();
     }
-    void resolve(Film& film) override { film.add_pass(image_); }
+    void expect_pass(uint32_t pass) override { said += "e" + std::to_string(pass); }
+    void settle() override {
+        said += "s";
+        std::this_thread::sleep_for(settle_time);
+    }
+    void resolve(Film& film) override {
+        said += "r";
+        film.add_pass(image_);
+    }
+    std::chrono::milliseconds settle_time{0};
 
 private:
     PassImage image_;
@@ -64,7 +74,7 @@ class PassLoopTest : public testing::Test {
 protected:
     PassLoop::Result run(CountingMethod& method, StopConditions stop) {
         const RenderContext context{scene_, &intersector_, {Camera(), {4, 2}, PixelFilter::Box, LayerSet()}, 1, budget};
-        PassLoop loop{method, context, stop, cancel, after_pass, first_pass, film, seconds_before, now};
+        PassLoop loop{method, context, stop, cancel, after_pass, first_pass, film, seconds_before, now, pauses};
         return loop.run(stats);
     }
     MemoryBudget budget;
@@ -75,6 +85,7 @@ protected:
     std::optional<Film> film;
     double seconds_before = 0;
     std::function<double()> now = wall_now_seconds;
+    std::function<bool(const Film&, double)> pauses;
 
 private:
     Scene scene_;
@@ -119,6 +130,22 @@ TEST_F(PassLoopTest, TheClockCountsTheMethodAndNothingElse) {
     const PassLoop::Result result = run(method, {.seconds = {}, .passes = 4});
     EXPECT_GE(result.render_seconds, 0.009);
     EXPECT_LE(result.render_seconds + spent_after_passes, wall_now_seconds() - start);
+}
+
+TEST_F(PassLoopTest, TheNextPassIsExpectedWhileThisOneIsFoldedAndTheLastIsTheLast) {
+    CountingMethod method;
+    run(method, {.seconds = {}, .passes = 3});
+    EXPECT_EQ(method.said, "e1re2rr");
+}
+
+// What a device does beside the loop is on the clock, also when the loop is about to leave it.
+TEST_F(PassLoopTest, ADeviceComesToRestOnTheClockBeforeAPause) {
+    CountingMethod method;
+    method.settle_time = std::chrono::milliseconds(5);
+    pauses = [](const Film& passes, double) { return passes.passes() == 2; };
+    const PassLoop::Result result = run(method, {.seconds = {}, .passes = 3});
+    EXPECT_EQ(method.said, "e1re2rsr");
+    EXPECT_GE(result.render_seconds, 0.005);
 }
 
 TEST_F(PassLoopTest, AnUnfinishedPassLeavesNothing) {
