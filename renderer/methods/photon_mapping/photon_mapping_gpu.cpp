@@ -145,6 +145,7 @@ struct PhotonMappingGpu::State {
     void add_map(PhotonMapKind kind, uint32_t most_scatterings, const ProjectionMap* guide);
     void make_room();
     void prepare_passes(bool lights_can_be_met);
+    void start_passes();
     void record(uint32_t pass, Slot& slot, uint32_t piece, gpu::CommandList& commands);
     void record_photons(uint32_t pass, Slot& slot, PhotonMapKind kind, uint32_t piece, gpu::CommandList& commands);
     void record_eye(Slot& slot, uint32_t piece, gpu::CommandList& commands);
@@ -300,6 +301,11 @@ void PhotonMappingGpu::State::prepare_passes(bool lights_can_be_met) {
         gather_sum.emplace(device, "renderer/methods/photon_mapping/photon_gather_sum.comp", sizeof(gpu::GatherSumPush),
                            &on_device.set(), fixed);
     }
+    start_passes();
+}
+
+/// Anew: what was begun of other passes is forgotten.
+void PhotonMappingGpu::State::start_passes() {
     uint32_t pieces = (tiles + tiles_a_piece - 1) / tiles_a_piece;
     for (const Map& map : maps) pieces += pieces_of(map);
     passes.emplace(device, pieces, [this](uint32_t pass, uint32_t slot, uint32_t piece, gpu::CommandList& commands) {
@@ -402,6 +408,7 @@ bool PhotonMappingGpu::State::grow_if_short(const Slot& slot) {
     if (!short_of_room) return false;
     passes->settle();
     make_room();
+    start_passes();  // a pass that was begun with less room is not to go on
     return true;
 }
 
