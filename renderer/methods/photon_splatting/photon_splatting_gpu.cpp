@@ -8,6 +8,7 @@
 #include "renderer/methods/photon_splatting/splat_settings.h"
 #include "renderer/methods/photon_splatting/splat_shared.h"
 #include "renderer/methods/photon_splatting/splat_sizes.h"
+#include "renderer/methods/photon_splatting/splat_volumes.h"
 #include "renderer/methods/photon_splatting/stratification_gpu.h"
 #include "renderer/methods/piece_queue.h"
 #include "renderer/photons/reflected_photons_gpu.h"
@@ -79,7 +80,7 @@ PhotonTracing tracing_of(const PhotonSplattingParams& params) {
 }  // namespace
 
 struct PhotonSplattingGpu::State {
-    State(const RenderContext& context, const PhotonSplattingParams& p)
+    State(const RenderContext& context, const PhotonSplattingParams& p, Beams beams)
         : params(p),
           device(context.device_scene->device()),
           device_scene(*context.device_scene),
@@ -119,10 +120,14 @@ struct PhotonSplattingGpu::State {
         walk = pipeline("splat_eye.comp", sizeof(gpu::SplatEyePush), true);
         bound = pipeline("splat_clusters.comp", sizeof(gpu::SplatClusterPush), false);
         make = pipeline("splat_make.comp", sizeof(gpu::SplatMakePush), true);
-        depth = pipeline("splat_depth.comp", sizeof(gpu::SplatClusterPush), true);
-        light = pipeline("splat_light.comp", sizeof(gpu::SplatClusterPush), true);
-        repay = pipeline("splat_repay.comp", sizeof(gpu::SplatPointPush), true);
+        if (texels_of_splat(p, scene.needs) > 0 && !draws_depth_maps(p, scene.needs, scene.triangle_count))
+            depth = pipeline("splat_depth.comp", sizeof(gpu::SplatClusterPush), true);
+        if (settings.connects && p.repay) repay = pipeline("splat_repay.comp", sizeof(gpu::SplatPointPush), true);
         combine = pipeline("splat_combine.comp", sizeof(uint32_t), true);
+        if (beams == Beams::Volumes && !settings.connects && SplatVolumes::possible(scene.needs, context.view.camera))
+            volumes.emplace(device_scene, size, fixed);
+        else
+            light = pipeline("splat_light.comp", sizeof(gpu::SplatClusterPush), true);
     }
 
     void make_room(uint32_t points_wanted, uint32_t clusters_wanted) {
@@ -158,6 +163,7 @@ struct PhotonSplattingGpu::State {
     bool stratify(uint32_t pass, Stats& stats, const CancelToken& cancel);
     std::vector<PieceQueue::Record> splat_pieces();
     std::vector<PieceQueue::Record> image_pieces();
+    SplatVolumes::Points volume_points() { return {eye, constants, heads, points, sums, device_image.counters()}; }
     void blur(Stats& stats);
     void add_batch(uint32_t first_photon, uint32_t end_photon, std::vector<PieceQueue::Record>& pieces);
 
@@ -179,6 +185,7 @@ struct PhotonSplattingGpu::State {
     std::optional<EmissionSampler> emission;
     std::optional<ReflectedPhotonsGpu> photons;
     std::optional<StratificationGpu> stratification;
+    std::optional<SplatVolumes> volumes;         // null: splats are gone through cluster by cluster
     std::optional<SplatDepthAtlas> depth_atlas;  // null: depth maps are traced
     PassImage image;
     bool pass_complete = false;     // image holds a whole pass
@@ -283,6 +290,12 @@ std::vector<PieceQueue::Record> PhotonSplattingGpu::State::splat_pieces() {
     std::vector<PieceQueue::Record> pieces;
     for (uint32_t first = 0; first < sources; first += std::min(at_once, sources - first))
         add_batch(first, first + std::min(at_once, sources - first), pieces);
+    if (volumes && sources > 0) {
+        pieces.push_back([this](gpu::CommandList& commands) {
+            const gpu::Scope scope(commands, "splat");
+            volumes->record_sums(commands, volume_points());
+        });
+    }
     return pieces;
 }
 
@@ -312,6 +325,17 @@ void PhotonSplattingGpu::State::add_batch(uint32_t first_photon, uint32_t end_ph
                 commands.dispatch_threads(uint64_t{end - first} * SPLAT_GROUP, SPLAT_GROUP);
             });
         }
+    }
+    if (volumes) {
+        const uint32_t volumes_at_once = volumes->splats_at_once();
+        for (uint32_t first = 0; first < count; first += std::min(volumes_at_once, count - first)) {
+            pieces.push_back([=, this, end = first + std::min(volumes_at_once, count - first),
+                              clear = first_photon == 0 && first == 0](gpu::CommandList& commands) {
+                const gpu::Scope scope(commands, "splat");
+                volumes->record(commands, volume_points(), splats, depth_maps, first, end, clear);
+            });
+        }
+        return;
     }
     // Pairs of a cluster and a splat. All clusters together, as far as may be: the more groups, the fuller the device.
     const uint32_t clusters_in_all = counted(SPLAT_COUNT_CLUSTERS), pairs = device.paths_per_submit();
@@ -383,7 +407,8 @@ void PhotonSplattingGpu::State::blur(Stats& stats) {
     blur_layer(image.indirect, size, blur_pixels(params.blur), {.normal = normal, .depth = depth});
 }
 
-PhotonSplattingGpu::PhotonSplattingGpu(const PhotonSplattingParams& params) : params_(params) {}
+PhotonSplattingGpu::PhotonSplattingGpu(const PhotonSplattingParams& params, Beams beams)
+    : params_(params), beams_(beams) {}
 PhotonSplattingGpu::~PhotonSplattingGpu() = default;
 
 uint64_t PhotonSplattingGpu::estimate_bytes(const PhotonSplattingParams& params, const Workload& workload) {
@@ -422,7 +447,7 @@ void PhotonSplattingGpu::begin(const RenderContext& context, Stats& stats) {
     context.budget.require("pass_image", image_bytes);
     {
         const StageTimer timer(stats, "pipelines");
-        state_ = std::make_unique<State>(context, params_);
+        state_ = std::make_unique<State>(context, params_, beams_);
     }
     State& state = *state_;
     context.budget.record("pass_image", image_bytes);

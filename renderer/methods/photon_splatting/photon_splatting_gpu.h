@@ -18,7 +18,13 @@ class PhotonSplattingGpu final : public Method {
 public:
     using Params = PhotonSplattingParams;
 
-    explicit PhotonSplattingGpu(const PhotonSplattingParams& params);
+    /// How beams light the visible points. Estimates are of the first.
+    enum class Beams : uint8_t {
+        Clusters,  // splat by splat, all that may reach a cluster
+        Volumes,   // drawn over the image, where that can be (splat_volumes.h); else the other
+    };
+
+    explicit PhotonSplattingGpu(const PhotonSplattingParams& params, Beams beams = Beams::Clusters);
     ~PhotonSplattingGpu() override;
     /// What begin() will record of the host's memory ...
     static uint64_t estimate_bytes(const PhotonSplattingParams& params, const Workload& workload);
@@ -37,6 +43,7 @@ private:
     bool look_and_trace(uint32_t pass, Stats& stats, const CancelToken& cancel);
 
     const PhotonSplattingParams params_;
+    const Beams beams_;
     std::unique_ptr<State> state_;
 };
 
