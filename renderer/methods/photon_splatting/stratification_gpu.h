@@ -17,6 +17,7 @@ namespace photond {
 /// codes have more than 32 bits). The first of each block counts what the block holds; joined blocks are found without
 /// going through levels one after another (stratify_join.comp). One thread goes through a cell: cells of 10^5 photons
 /// and more, where a few voxels hold all, take as long as all others together.
+/// lavapipe: a million photons in 64 or 256 cells a side in 0.5 to 0.8 s, the host in 0.7 to 0.8 s, all sources alike.
 ///
 /// In the accounts as "stratification". Borrows its device.
 class StratificationGpu {
