@@ -33,7 +33,7 @@ class Render {
 public:
     Render(const Scene& scene, const Intersector& intersector, Size2 size, const PathTracingParams& params)
         : method_(params), film(size, LayerSet{}) {
-        method_.begin({scene, intersector, View{find_camera(scene, ""), size}, 1, budget_}, stats);
+        method_.begin({scene, &intersector, View{find_camera(scene, ""), size}, 1, budget_}, stats);
     }
     void pass() { pass(next_pass_++); }
     void pass(uint32_t index) {
