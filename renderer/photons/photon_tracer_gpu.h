@@ -3,8 +3,8 @@
 
 #include "renderer/backends/gpu/device_scene.h"
 #include "renderer/backends/gpu/radix_sort.h"
-#include "renderer/photons/photon_tracer.h"
 #include "renderer/photons/photon_shared.h"
+#include "renderer/photons/photon_tracer.h"
 #include "renderer/photons/photon_tracing_shared.h"
 
 namespace photond {

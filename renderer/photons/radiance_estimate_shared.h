@@ -7,8 +7,8 @@
 #include "renderer/photons/kernel_shared.h"
 #include "renderer/photons/photon_shared.h"
 
-#define NEAREST_BUCKETS 32   // of the squared distances' histogram
-#define NEAREST_AT_ONCE 8    // candidates among which the k-th is found directly
+#define NEAREST_BUCKETS 32  // of the squared distances' histogram
+#define NEAREST_AT_ONCE 8   // candidates among which the k-th is found directly
 
 // Specialisation constants.
 #define SEARCH_NEAREST_ID 42  // PhotonSearch::Kind

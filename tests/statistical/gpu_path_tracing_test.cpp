@@ -1,5 +1,5 @@
-// Path tracing on a GPU and on the CPU are the same estimator: their images of every built-in scene agree, over the whole
-// and block by block.
+// Path tracing on a GPU and on the CPU are the same estimator: their images of every built-in scene agree, over the
+// whole and block by block.
 
 #include <gtest/gtest.h>
 
@@ -23,8 +23,8 @@ test::RenderSettingsOf<M> settings_for(uint64_t seed) {
 
 class GpuAgreement : public testing::TestWithParam<const char*> {};
 
-// By the same numbers: what is left is rounding, and the paths it sends elsewhere. 0.3 % is the bound. (Turned: where
-// normals lie along axes, the sign of a zero decides between two frames, and with that the whole path.)
+// By the same numbers: what is left is rounding, and the paths it sends elsewhere. 0.3 % is the bound. (Turned:
+// where normals lie along axes, the sign of a zero decides between two frames, and with that the whole path.)
 TEST_P(GpuAgreement, MeansAgree) {
     const Scene scene = test::turned(make_builtin_scene(GetParam()));
     const test::SceneOnDevice where(scene);
