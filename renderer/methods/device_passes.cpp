@@ -2,52 +2,22 @@
 
 namespace photond {
 
-DevicePasses::DevicePasses(gpu::Device& device, uint32_t pieces, Record record)
-    : device_(device), pieces_(pieces), record_(std::move(record)) {
-    for (Slot& slot : slots_)
-        for (uint32_t i = 0; i < pieces; ++i) slot.pieces.push_back(std::make_unique<gpu::CommandList>(device));
-}
-
-/// The slot that holds the pass, or the one whose turn it is.
-DevicePasses::Slot& DevicePasses::begin(uint32_t pass) {
-    for (Slot& slot : slots_)
-        if (slot.pass == pass) return slot;
-    const uint32_t index = 1 - last_slot_;
-    last_slot_ = index;
-    Slot& slot = slots_[index];
-    for (const auto& piece : slot.pieces) piece->wait();  // of a pass that was expected and never came
-    slot.pass = pass;
-    slot.submitted = 0;
-    return slot;
-}
-
-void DevicePasses::submit_next(Slot& slot) {
-    gpu::CommandList& commands = *slot.pieces[slot.submitted];
-    commands.reset();
-    record_(*slot.pass, static_cast<uint32_t>(&slot - slots_), slot.submitted, commands);
-    commands.submit();
-    ++slot.submitted;
+void DevicePasses::expect(uint32_t pass) {
+    if (expected_ == pass) return;
+    slot_ = 1 - slot_;
+    std::vector<PieceQueue::Record> pieces;
+    for (uint32_t piece = 0; piece < pieces_; ++piece)
+        pieces.push_back(
+            [this, pass, slot = slot_, piece](gpu::CommandList& commands) { record_(pass, slot, piece, commands); });
+    queue_.start(std::move(pieces));
+    expected_ = pass;
 }
 
 std::optional<uint32_t> DevicePasses::run(uint32_t pass, Stats& stats, const CancelToken& cancel) {
-    Slot& slot = begin(pass);
-    for (uint32_t done = 0; done < pieces_; ++done) {
-        while (slot.submitted < pieces_ && slot.submitted < done + kWaiting && !cancel.cancelled()) submit_next(slot);
-        if (done >= slot.submitted) break;
-        slot.pieces[done]->wait();
-    }
-    const bool whole = slot.submitted == pieces_;
-    slot.pass.reset();  // another run of the same pass is made anew
-    if (!whole || cancel.cancelled()) return std::nullopt;
-    for (const auto& piece : slot.pieces) piece->add_times(stats);
-    return static_cast<uint32_t>(&slot - slots_);
+    expect(pass);
+    expected_.reset();  // another run of the same pass is made anew
+    if (!queue_.finish(stats, cancel) || cancel.cancelled()) return std::nullopt;
+    return slot_;
 }
-
-void DevicePasses::expect(uint32_t pass) {
-    Slot& slot = begin(pass);
-    while (slot.submitted < pieces_ && slot.submitted < kWaiting) submit_next(slot);
-}
-
-void DevicePasses::settle() { device_.wait_idle(); }
 
 }  // namespace photond

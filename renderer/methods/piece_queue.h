@@ -9,7 +9,7 @@
 
 namespace photond {
 
-/// Pieces as they are known: those of DevicePasses are the same in all passes, these are not.
+/// Takes pieces as they become known; passes whose pieces are always the same go by DevicePasses.
 class PieceQueue {
 public:
     using Record = std::function<void(gpu::CommandList& commands)>;

@@ -40,7 +40,8 @@ TEST_P(GpuAgreement, MeansAgree) {
 INSTANTIATE_TEST_SUITE_P(BuiltinScenes, GpuAgreement,
                          testing::Values("cornell-box", "cornell-box-spot", "cornell-box-glass", "cornell-box-glossy",
                                          "furnace", "caustic-ring", "keyhole", "interior", "photon-splatting/plate",
-                                         "photon-splatting/skimming-ray", "photon-splatting/chairs"));
+                                         "photon-splatting/skimming-ray", "photon-splatting/chairs"),
+                         [](const auto& info) { return test::test_name(info.param, info.index); });
 
 }  // namespace
 }  // namespace photond

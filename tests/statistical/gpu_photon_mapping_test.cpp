@@ -97,11 +97,18 @@ TEST_P(GpuPhotonMappingImages, AreTheCpusByTheSameNumbersAndInTheMean) {
     }
 }
 constexpr PhotonSearch::Kind kNearest = PhotonSearch::Kind::Nearest, kRadius = PhotonSearch::Kind::Radius;
+template <class Info>
+std::string name_of(const Info& info) {
+    return test::test_name(info.param.scene, info.index);
+}
 INSTANTIATE_TEST_SUITE_P(Choices, GpuPhotonMappingImages,
                          testing::Values(Choice{"cornell-box", Gather::Direct, kRadius},
-                                         Choice{"cornell-box", Gather::Final, kNearest},
-                                         Choice{"cornell-box-glass", Gather::Direct, kNearest},
-                                         Choice{"cornell-box-glass", Gather::Final, kRadius}));
+                                         Choice{"cornell-box-glass", Gather::Direct, kNearest}),
+                         name_of<testing::TestParamInfo<Choice>>);
+INSTANTIATE_TEST_SUITE_P(LongChoices, GpuPhotonMappingImages,
+                         testing::Values(Choice{"cornell-box", Gather::Final, kNearest},
+                                         Choice{"cornell-box-glass", Gather::Final, kRadius}),
+                         name_of<testing::TestParamInfo<Choice>>);
 
 }  // namespace
 }  // namespace photond

@@ -1,6 +1,7 @@
 #pragma once
 // Renders with any method of the GPU from within a test, and holds its images against the CPU's.
 
+#include <cctype>
 #include <string>
 
 #include "renderer/backends/gpu/device_intersector.h"
@@ -36,6 +37,14 @@ Film render(const SceneOnDevice& where, const RenderSettingsOf<M>& settings, Sta
         },
         stats ? *stats : own_stats);
     return film;
+}
+
+/// A parameterised test's name that does not change from build to build: "cornell_box_3", the scene and the parameter's
+/// place.
+inline std::string test_name(std::string scene, size_t place) {
+    for (char& c : scene)
+        if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
+    return scene + "_" + std::to_string(place);
 }
 
 /// Mean of |a - b| over the mean of a.

@@ -67,7 +67,8 @@ TEST_P(GpuPathTracing, FollowsTheCpusPaths) {
 }
 INSTANTIATE_TEST_SUITE_P(BuiltinScenes, GpuPathTracing,
                          testing::Values("cornell-box", "cornell-box-spot", "cornell-box-glossy", "cornell-box-glass",
-                                         "interior"));
+                                         "interior"),
+                         [](const auto& info) { return test::test_name(info.param, info.index); });
 
 // Paths that go on after the wavefront's last kernel are followed by a thread each.
 TEST(GpuPathTracing, AWavefrontMakesTheSameImage) {

@@ -99,7 +99,8 @@ TEST_P(GpuPhotonTracer, StoresTheCpusPhotons) {
 }
 INSTANTIATE_TEST_SUITE_P(BuiltinScenes, GpuPhotonTracer,
                          testing::Values("cornell-box", "cornell-box-spot", "cornell-box-glossy", "cornell-box-glass",
-                                         "interior"));
+                                         "interior"),
+                         [](const auto& info) { return test::test_name(info.param, info.index); });
 
 /// Photons in random places, then some thirty all in one; `word` counts them.
 std::vector<gpu::PhotonPlace> random_places(uint32_t count) {
@@ -215,7 +216,8 @@ INSTANTIATE_TEST_SUITE_P(Searches, GpuPhotonSearch,
                          testing::Values(Search{0.1f, 0, 0.1f, 3000}, Search{0.1f, 0, 0.1f, 1},
                                          Search{0.2f, 0, 0.05f, 1000}, Search{0.3f, 50, 0.1f, 100'000},
                                          Search{0.3f, 5, 0.03f, 3000}, Search{5, 1000, 0.3f, 3000},
-                                         Search{0.08f, 20, 0.05f, 3000}, Search{5, 4000, 0.5f, 3000}));
+                                         Search{0.08f, 20, 0.05f, 3000}, Search{5, 4000, 0.5f, 3000}),
+                         [](const auto& info) { return test::test_name("search", info.index); });
 
 LayerSet all_layers() {
     LayerSet layers;
@@ -292,14 +294,22 @@ TEST_P(GpuPhotonMapping, LooksLikeTheCpus) {
     EXPECT_EQ(gpu.nan_count() + gpu.infinity_count(), 0u);
 }
 constexpr PhotonSearch::Kind kNearest = PhotonSearch::Kind::Nearest, kRadius = PhotonSearch::Kind::Radius;
+template <class Info>
+std::string name_of(const Info& info) {
+    return test::test_name(info.param.scene, info.index);
+}
 INSTANTIATE_TEST_SUITE_P(
     Choices, GpuPhotonMapping,
     testing::Values(Choice{"cornell-box", Gather::Direct, kRadius}, Choice{"cornell-box", Gather::Final, kNearest},
                     Choice{"cornell-box-spot", Gather::Direct, kNearest, KernelShape::Cone},
                     Choice{"cornell-box-glass", Gather::Final, kRadius, KernelShape::Gaussian},
                     Choice{"cornell-box-glass", Gather::Direct, kNearest, KernelShape::Epanechnikov},
-                    Choice{"cornell-box-glossy", Gather::Direct, kRadius, KernelShape::Constant, true},
-                    Choice{"cornell-box-glossy", Gather::Final, kNearest, KernelShape::Constant, false, 0.01f}));
+                    Choice{"cornell-box-glossy", Gather::Direct, kRadius, KernelShape::Constant, true}),
+    name_of<testing::TestParamInfo<Choice>>);
+INSTANTIATE_TEST_SUITE_P(LongChoices, GpuPhotonMapping,
+                         testing::Values(Choice{"cornell-box-glossy", Gather::Final, kNearest, KernelShape::Constant,
+                                                false, 0.01f}),
+                         name_of<testing::TestParamInfo<Choice>>);
 
 TEST(GpuPhotonMapping, SameDeviceSameBits) {
     const Scene scene = make_builtin_scene("cornell-box-glass");

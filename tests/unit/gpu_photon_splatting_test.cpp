@@ -97,7 +97,8 @@ INSTANTIATE_TEST_SUITE_P(BuiltinScenes, GpuReflectedPhotons,
                                          std::tuple("cornell-box-glass", PhotonInjection::Paths),
                                          std::tuple("interior", PhotonInjection::Paths),
                                          std::tuple("cornell-box-spot", PhotonInjection::ReflectiveShadowMap),
-                                         std::tuple("interior", PhotonInjection::ReflectiveShadowMap)));
+                                         std::tuple("interior", PhotonInjection::ReflectiveShadowMap)),
+                         [](const auto& info) { return test::test_name(std::get<0>(info.param), info.index); });
 
 enum class How { Connect, Kernel, Normalised };
 
@@ -156,7 +157,8 @@ TEST_P(GpuPhotonSplatting, FollowsTheCpu) {
 INSTANTIATE_TEST_SUITE_P(BuiltinScenes, GpuPhotonSplatting,
                          testing::Values(std::tuple("cornell-box-glossy", How::Connect),
                                          std::tuple("interior", How::Kernel),
-                                         std::tuple("cornell-box", How::Normalised)));
+                                         std::tuple("cornell-box", How::Normalised)),
+                         [](const auto& info) { return test::test_name(std::get<0>(info.param), info.index); });
 
 struct Begun {
     explicit Begun(const test::SceneOnDevice& where, const test::RenderSettingsOf<PhotonSplattingGpu>& settings)
