@@ -382,8 +382,9 @@ void Service::Impl::record_loss(const RunningAttempt& attempt, const ProcessExit
                  "attempt " + std::to_string(row.attempt) + " " + outcome + ": " + reason +
                      (row.state == JobState::Queued ? "; queued again" : ""),
                  {}, attempt.unpublished);
-    // What the dead attempt had written nobody names.
+    // What the dead attempt had written nobody names, nor what it was writing.
     if (attempt.film != row.film) remove_film(attempt.film);
+    remove_parts(attempt.film);
     if (row.state == JobState::Queued) {
         enqueue(row);
     } else {

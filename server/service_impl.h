@@ -231,6 +231,7 @@ struct Service::Impl {
     void purge(const JobRow& row);
     /// The film of an attempt (empty: none) and whatever artefacts lie beside it.
     void remove_film(const std::string& film) const;
+    void remove_parts(const std::string& film) const;  // what a killed worker was writing for it
 
     // service_merge.cpp
     nlohmann::json merge_jobs(const nlohmann::json& body, const std::optional<std::string>& key);  // waits

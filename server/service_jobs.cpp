@@ -7,6 +7,7 @@
 #include "protocol/object_reader.h"
 #include "protocol/openapi.h"
 #include "protocol/worker_messages.h"
+#include "renderer/core/atomic_file.h"
 #include "renderer/methods/registry.h"
 #include "server/clock_text.h"
 #include "server/service_impl.h"
@@ -186,6 +187,12 @@ void Service::Impl::purge(const JobRow& row) {
     artefacts.forget("job/" + std::to_string(row.seq) + "/");
     remove_film(row.film);
     finish_purges();
+}
+
+void Service::Impl::remove_parts(const std::string& film) const {
+    remove_quietly(AtomicFile::part_of(files.films / film));
+    for (const ArtefactInfo& artefact : all_artefacts())
+        remove_quietly(AtomicFile::part_of(artefact_path(files.films / film, artefact.name)));
 }
 
 void Service::Impl::remove_film(const std::string& film) const {

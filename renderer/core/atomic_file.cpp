@@ -10,7 +10,7 @@
 
 namespace photond {
 
-AtomicFile::AtomicFile(const std::filesystem::path& path) : path_(path), part_(path.string() + ".part") {
+AtomicFile::AtomicFile(const std::filesystem::path& path) : path_(path), part_(part_of(path)) {
     const int descriptor = open(part_.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0644);
     if (descriptor < 0) fail("cannot create", errno);
     file_ = fdopen(descriptor, "w+b");

@@ -11,6 +11,8 @@ namespace photond {
 class AtomicFile {
 public:
     explicit AtomicFile(const std::filesystem::path& path);
+    /// What lies beside a file while it is written; of a process that was killed meanwhile it stays.
+    static std::filesystem::path part_of(const std::filesystem::path& path) { return path.string() + ".part"; }
     ~AtomicFile();
     AtomicFile(const AtomicFile&) = delete;
     AtomicFile& operator=(const AtomicFile&) = delete;

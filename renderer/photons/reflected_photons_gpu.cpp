@@ -12,19 +12,18 @@ static_assert(SPREAD_LAMBERT == static_cast<uint32_t>(ReflectedPhoton::Spread::L
               SPREAD_ROUGH == static_cast<uint32_t>(ReflectedPhoton::Spread::Rough) &&
               SPREAD_BEAM == static_cast<uint32_t>(ReflectedPhoton::Spread::Beam));
 
-/// Photons a light path leaves at each of its scatterings, in a furnished closed room; and how many there are to be.
-constexpr double kExpectedYield = 0.7;
-uint32_t expected_photons(const PhotonTracing& tracing) {
-    const double photons = kExpectedYield * tracing.photons * std::clamp(tracing.most_scatterings, 1u, 8u);
-    return static_cast<uint32_t>(std::clamp(photons, 1024.0, 2e9));
-}
-
 uint32_t most_scatterings(const PhotonTracing& tracing) {
     return tracing.injection == PhotonInjection::ReflectiveShadowMap ? std::min(tracing.most_scatterings, 1u)
                                                                      : tracing.most_scatterings;
 }
 
 }  // namespace
+
+uint32_t ReflectedPhotonsGpu::expected_photons(const PhotonTracing& tracing) {
+    constexpr double kExpectedYield = 0.7;  // of a path at each of its scatterings, in a furnished closed room
+    const double photons = kExpectedYield * tracing.photons * std::clamp(tracing.most_scatterings, 1u, 8u);
+    return static_cast<uint32_t>(std::clamp(photons, 1024.0, 2e9));
+}
 
 uint64_t ReflectedPhotonsGpu::device_bytes(const PhotonTracing& tracing, bool lambert) {
     const uint64_t photons = expected_photons(tracing);

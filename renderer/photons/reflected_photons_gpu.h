@@ -21,6 +21,8 @@ class ReflectedPhotonsGpu {
 public:
     ReflectedPhotonsGpu(const gpu::DeviceScene& scene, const EmissionSampler& emission, const PhotonTracing& tracing,
                         gpu::Buffer& counters);
+    /// Photons of a pass that room is made for at first.
+    static uint32_t expected_photons(const PhotonTracing& tracing);
     /// On the device, at first. `lambert`: every surface is a plain Lambert reflector.
     static uint64_t device_bytes(const PhotonTracing& tracing, bool lambert);
 

@@ -64,6 +64,8 @@ class WorkerTest(unittest.TestCase):
 
     def test_killed_from_outside_it_runs_again_to_the_same_bits(self):
         job = self.daemon.submit(small_job(**LONGER))
+        # What a worker leaves that is killed while it saves its film.
+        (self.daemon.data_dir / "films" / (job["id"] + "-1.film.part")).write_bytes(b"half a film")
         pid = self.hit(job["id"], 1, signal.SIGKILL)
         job = self.daemon.wait_for_job(job["id"])
         self.assertEqual(job["state"], "succeeded", job["failure"])

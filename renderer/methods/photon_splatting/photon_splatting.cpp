@@ -15,7 +15,6 @@ namespace {
 
 constexpr uint32_t kTileSide = 32;
 constexpr float kSplitRadii = 0.75f;  // clusters wider than that are halved
-constexpr uint64_t kPilotSeed = 0x5a1f'0b1d'91c3'7e55;
 
 /// Photons a light path leaves at each of its scatterings where nothing is known of the scene, a furnished closed room.
 constexpr double kExpectedYield = 0.6;
@@ -189,13 +188,8 @@ void PhotonSplatting::begin(const RenderContext& context, Stats& stats) {
     }
     if (params_.connects() && params_.adaptive_size) {
         const StageTimer timer(stats, "photon_tracing");
-        PhotonTracing pilot = tracing;
-        pilot.photons = SplatSizes::kPilotPhotons;
-        // Numbers of its own: as little as the seed of a reference does this one show in the passes.
-        const TracedReflections photons = PhotonTracer(scene, *context.intersector, *state.emission, pilot)
-                                              .trace_reflected(hash64(context.seed) ^ kPilotSeed, 0, CancelToken{});
-        stats.counts.photon_rays += photons.counts.photon_rays;  // none of them is a pass's
-        state.sizes = SplatSizes(state.settings.radius_m, scene.bounds, photons, *context.intersector, stats.counts);
+        state.sizes = SplatSizes::by_pilot(state.settings.radius_m, scene, *context.intersector, *state.emission,
+                                           tracing, context.seed, stats.counts);
         budget.record("splat_sizes", state.sizes.bytes());
     }
     if (params_.connects() && !scene.needs.delta && !scene.needs.glossy)

@@ -20,7 +20,6 @@ namespace {
 constexpr uint32_t kTilePixels = EYE_TILE * EYE_TILE;
 static_assert(kTilePixels == SPLAT_GROUP);
 constexpr uint32_t kRouletteStart = 4;  // of paths through specular parts, as SpecularWalk's
-constexpr uint64_t kPilotSeed = 0x5a1f'0b1d'91c3'7e55;
 constexpr uint32_t kBatchSplats = 1u << 16;
 constexpr uint64_t kDepthBytes = 256ull << 20;  // of one batch's depth maps
 
@@ -430,11 +429,9 @@ uint64_t PhotonSplattingGpu::estimate_device_bytes(const PhotonSplattingParams& 
                      sizeof(gpu::EyeConstants) + 2 * sizeof(gpu::PassSamplerData) + sizeof(gpu::SplatConstants);
     if ((workload.lights == 0 && workload.environment_size.pixels() == 0) || params.bounces == 0) return bytes;
     const uint64_t texels = texels_of_splat(params, workload.needs);
-    if (params.stratify) {
-        constexpr double kExpectedYield = 0.7;  // ReflectedPhotonsGpu's
-        const double photons = kExpectedYield * params.photons * std::clamp(params.bounces, 1u, 8u);
-        bytes += StratificationGpu::device_bytes(static_cast<uint64_t>(photons), params.minimum_photons);
-    }
+    if (params.stratify)
+        bytes += StratificationGpu::device_bytes(ReflectedPhotonsGpu::expected_photons(tracing_of(params)),
+                                                 params.minimum_photons);
     if (draws_depth_maps(params, workload.needs, workload.triangles))
         bytes += SplatDepthAtlas::device_bytes(params.shadow_resolution, batch_splats(params, workload.needs));
     return bytes + ReflectedPhotonsGpu::device_bytes(tracing_of(params), lambert) +
@@ -486,12 +483,8 @@ void PhotonSplattingGpu::begin(const RenderContext& context, Stats& stats) {
         state.depth_atlas.emplace(state.device_scene, params_.shadow_resolution, state.splats_at_once);
     if (params_.connects() && params_.adaptive_size) {
         const StageTimer timer(stats, "photon_tracing");
-        PhotonTracing pilot = tracing;
-        pilot.photons = SplatSizes::kPilotPhotons;
-        const TracedReflections photons = PhotonTracer(scene, *context.intersector, *state.emission, pilot)
-                                              .trace_reflected(hash64(context.seed) ^ kPilotSeed, 0, CancelToken{});
-        stats.counts.photon_rays += photons.counts.photon_rays;  // none of them is a pass's
-        state.sizes.emplace(state.settings.radius_m, scene.bounds, photons, *context.intersector, stats.counts);
+        state.sizes = SplatSizes::by_pilot(state.settings.radius_m, scene, *context.intersector, *state.emission,
+                                           tracing, context.seed, stats.counts);
         if (const auto grid = state.sizes->grid()) {
             state.size_factors = {};
             state.size_factors = gpu::make_buffer(state.device, "splat_sizes", grid->factors);

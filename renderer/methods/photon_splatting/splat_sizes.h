@@ -21,6 +21,12 @@ public:
     /// The same radius everywhere.
     explicit SplatSizes(float radius_m) : radius_m_(radius_m) {}
 
+    /// By a pilot for a render of that seed, whose photons are traced as `tracing` says but for their number. Adds to
+    /// counts.photon_rays.
+    static SplatSizes by_pilot(float radius_m, const Scene& scene, const Intersector& intersector,
+                               const EmissionSampler& emission, const PhotonTracing& tracing, uint64_t seed,
+                               Counts& counts);
+
     /// From a pilot's photons, whose rays are followed to their ends. Adds to counts.photon_rays.
     SplatSizes(float radius_m, const Bounds3& bounds, const TracedReflections& pilot, const Intersector& intersector,
                Counts& counts);
