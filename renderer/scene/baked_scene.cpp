@@ -159,7 +159,7 @@ template <class T, class Predicate>
 bool all_numbers(const T& plain, const Predicate& holds) {
     using Scalar = typename ScalarOf<T>::type;
     if constexpr (std::is_floating_point_v<Scalar>) {
-        Scalar numbers[sizeof plain / sizeof(Scalar)];
+        Scalar numbers[sizeof plain / sizeof(Scalar)];  // NOLINT(bugprone-sizeof-expression): T may be its own scalar
         std::memcpy(numbers, &plain, sizeof plain);
         return std::ranges::all_of(numbers, holds);
     }
