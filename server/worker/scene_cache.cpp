@@ -7,6 +7,7 @@
 #include "protocol/error.h"
 #include "renderer/backends/cpu/embree_intersector.h"
 #include "renderer/backends/gpu/device.h"
+#include "renderer/backends/gpu/device_intersector.h"
 #include "renderer/backends/gpu/device_scene.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "renderer/scene/gltf_loader.h"
@@ -124,6 +125,7 @@ std::shared_ptr<const ReadyScene> SceneCache::get(const SceneSource& source, con
     if (device_) {
         ready->device_scene = std::make_unique<gpu::DeviceScene>(*device_, ready->scene, stats);
         ready->device_structures = ready->device_scene->structures();
+        ready->intersector = std::make_unique<gpu::DeviceIntersector>(*ready->device_scene);
         release_free_memory();  // what building and sending it needed
     } else {
         ready->intersector = make_embree_intersector(ready->scene, scene_budget, stats);

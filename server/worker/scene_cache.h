@@ -44,8 +44,8 @@ struct SceneVariant {
 /// A scene and its ray structure, and what each part of them takes.
 struct ReadyScene {
     Scene scene;
-    std::unique_ptr<Intersector> intersector;        // null on a GPU
     std::unique_ptr<gpu::DeviceScene> device_scene;  // null on the CPU
+    std::unique_ptr<Intersector> intersector;        // on a GPU answered by it
     std::map<std::string, uint64_t> structures;      // of the host
     std::map<std::string, uint64_t> device_structures;
 

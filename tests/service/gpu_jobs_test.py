@@ -83,6 +83,16 @@ class JobTest(GpuCase):
         self.assertEqual(again["statistics"]["memory"]["device_structures"], memory["device_structures"])
         self.assertEqual(again["attempts"][0]["device"], GPU["id"])
 
+    def test_every_method_of_the_gpu_renders(self):
+        """With its defaults; those that ask the host for rays (pilots, projection maps) among them."""
+        for method in self.daemon.request("GET", "/v1/methods").json["items"]:
+            if "gpu" not in method["devices"]:
+                continue
+            job = gpu_job(scene="cornell-box-glass")
+            job["method"]["name"] = method["name"]
+            with self.subTest(method["name"]):
+                self.assertEqual(self.daemon.run_job(job)["state"], "succeeded")
+
     def test_memory_is_estimated_and_refused(self):
         for scene, size in (("cornell-box", 256), ("furnace", 32), ("interior", 64)):
             job = gpu_job(scene=scene, size=size, passes=1)

@@ -35,11 +35,12 @@ struct DeviceIntersector::Batch {
     CommandList commands;
 };
 
-DeviceIntersector::DeviceIntersector(const DeviceScene& scene) : batch_(std::make_unique<Batch>(scene)) {}
+DeviceIntersector::DeviceIntersector(const DeviceScene& scene) : scene_(scene) {}
 DeviceIntersector::~DeviceIntersector() = default;
 
 /// Traces at most kMostRays; the answers are in batch_->hits.
 void DeviceIntersector::trace(std::span<const Ray> rays, bool any) const {
+    if (!batch_) batch_ = std::make_unique<Batch>(scene_);
     Batch& batch = *batch_;
     std::memcpy(batch.rays.mapped(), rays.data(), rays.size_bytes());
     batch.commands.reset();
@@ -82,6 +83,9 @@ bool DeviceIntersector::occluded(const Ray& ray) const {
     return met != 0;
 }
 
-uint64_t DeviceIntersector::bytes() const { return batch_->rays.bytes() + batch_->hits.bytes(); }
+uint64_t DeviceIntersector::bytes() const {
+    const std::scoped_lock lock(mutex_);
+    return batch_ ? batch_->rays.bytes() + batch_->hits.bytes() : 0;
+}
 
 }  // namespace photond::gpu

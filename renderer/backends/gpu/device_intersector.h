@@ -21,7 +21,7 @@ public:
     void closest_hits(std::span<const Ray> rays, std::span<Hit> hits, Coherence coherence) const override;
     void occluded(std::span<const Ray> rays, std::span<uint8_t> occluded, Coherence coherence) const override;
 
-    /// Its buffers; the rays' structure is the scene's.
+    /// Its buffers, once there are any; the rays' structure is the scene's.
     uint64_t bytes() const override;
 
 private:
@@ -29,8 +29,9 @@ private:
 
     void trace(std::span<const Ray> rays, bool any) const;
 
+    const DeviceScene& scene_;
     mutable std::mutex mutex_;
-    const std::unique_ptr<Batch> batch_;
+    mutable std::unique_ptr<Batch> batch_;  // made when first asked for a ray: most methods never do
 };
 
 }  // namespace photond::gpu
