@@ -1,0 +1,41 @@
+#pragma once
+// The sparse voxel octree of a scene, on the CPU. Thesis papers/svo-many-lights 3.1 and 4.3.2; beyond it: conservative
+// voxels, bricks of 4x4x4 of them as one mask at the leaves, and a triangle for each.
+//
+// Twin: SparseVoxelOctreeGpu, whose arrays are the same bit for bit.
+
+#include <vector>
+
+#include "renderer/voxels/svo_march.h"
+#include "renderer/voxels/voxel_grid.h"
+
+namespace photond {
+
+class SparseVoxelOctree {
+public:
+    /// Of a finished scene, which is not needed any more. `surfaces`: each set voxel knows the triangle of least number
+    /// among those that touch it. The same arrays however many threads build them.
+    SparseVoxelOctree(const Scene& scene, const VoxelGrid& grid, bool surfaces);
+    /// Bytes it will hold, and while it is built (`peak`), to a factor of two: by the triangles' area.
+    struct Estimate {
+        uint64_t bytes, peak_bytes;
+    };
+    static Estimate estimate_bytes(const Scene& scene, const VoxelGrid& grid, bool surfaces);
+
+    SvoView view() const { return {constants_, nodes_, bricks_, surfaces_}; }
+    const gpu::SvoConstants& constants() const { return constants_; }
+    /// Where each instance's triangles begin among the numbers in view().surfaces.
+    std::span<const uint32_t> first_triangles() const { return first_triangles_; }
+    uint64_t voxel_count() const { return voxel_count_; }
+    uint64_t bytes() const;
+
+private:
+    gpu::SvoConstants constants_;
+    std::vector<gpu::SvoNode> nodes_;
+    std::vector<gpu::SvoBrick> bricks_;
+    std::vector<uint32_t> surfaces_;
+    std::vector<uint32_t> first_triangles_;
+    uint64_t voxel_count_ = 0;
+};
+
+}  // namespace photond

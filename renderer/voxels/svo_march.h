@@ -1,0 +1,46 @@
+#pragma once
+// Segments and rays against the set voxels of a tree. GLSL twin: svo_march.glsl.
+//
+// SVO-restart (thesis, Fig. 3.3) down to the bricks, then voxel by voxel through their bits. Departure: where a ray
+// goes on is kept as the whole-numbered voxel it is in, which moves on by one at least along the axis it leaves a box
+// by and never back, so that no epsilon is needed, no voxel on the way is missed, and no walk is longer than 3 *
+// resolution steps, whatever the ray.
+
+#include <span>
+
+#include "renderer/voxels/svo_shared.h"
+
+namespace photond {
+
+/// The arrays of a tree; borrowed.
+struct SvoView {
+    gpu::SvoConstants constants;
+    std::span<const gpu::SvoNode> nodes;
+    std::span<const gpu::SvoBrick> bricks;
+    std::span<const uint32_t> surfaces;  // empty: none
+
+    bool is_set(const uvec3& voxel) const;
+};
+
+/// How far the ends of a segment are moved before it is asked about: they lie on surfaces, whose voxels are set. Chosen
+/// by svo_bench's table of false shadows and leaks.
+inline constexpr float kSvoNormalOffset = 1.0f;  // along the end's normal n: voxels times |n.x| + |n.y| + |n.z|
+inline constexpr float kSvoPullIn = 0.5f;        // along the segment, with normals [voxels]
+inline constexpr float kSvoBlindPullIn = 2.0f;   // without
+
+/// Whether the open segment between two points on surfaces meets a set voxel; false where what is left of it once its
+/// ends are pulled in is nothing, and for positions that are no numbers.
+bool svo_occluded(const SvoView& tree, const vec3& a, const vec3& b);
+/// The same with unit normals of the sides that the segment leaves to: the ends are lifted off their own surfaces'
+/// voxels first, which spares them however flat the segment lies.
+bool svo_occluded(const SvoView& tree, const vec3& a, const vec3& normal_a, const vec3& b, const vec3& normal_b);
+
+struct VoxelHit {
+    float t = kInfinity;  // where the ray enters the voxel; 0 in the one it starts in
+    uvec3 voxel{0};
+    uint32_t surface = ~0u;  // the triangle's number; ~0: the tree has no surfaces
+};
+/// The first set voxel that the ray meets in [0, t_max); nothing is moved. False: none.
+bool svo_first_voxel(const SvoView& tree, const Ray& ray, VoxelHit& hit);
+
+}  // namespace photond

@@ -1,0 +1,36 @@
+#pragma once
+// Rays answered by a voxel tree: for photons and bounces that are traced through it. GLSL twin: svo_hit.glsl.
+
+#include "renderer/scene/intersector.h"
+#include "renderer/voxels/sparse_voxel_octree.h"
+
+namespace photond {
+
+/// The first set voxel along the ray stands for the surface: the hit is where the ray meets the plane of the voxel's
+/// triangle, cut to the voxel and to the triangle.
+///
+/// Biased: a hit lies up to two voxels from the true one; surfaces closer than that hide each other; a ray that passes
+/// a silhouette within a voxel is stopped there; of several triangles in a voxel the one of least number answers;
+/// masked and blended surfaces are whole (is_voxelised()). A ray that starts on a surface, or ends on one, is lifted
+/// off that surface's voxels first, as svo_occluded() does with normals, the normal being that of the triangle in the
+/// voxel it starts in.
+class VoxelIntersector final : public Intersector {
+public:
+    /// Borrows both; the tree has surfaces.
+    VoxelIntersector(const Scene& scene, const SparseVoxelOctree& tree);
+
+    Hit closest_hit(const Ray& ray) const override;
+    bool occluded(const Ray& ray) const override;
+    void closest_hits(std::span<const Ray> rays, std::span<Hit> hits, Coherence coherence) const override;
+    void occluded(std::span<const Ray> rays, std::span<uint8_t> occluded, Coherence coherence) const override;
+
+    uint64_t bytes() const override { return tree_.bytes(); }
+
+private:
+    vec3 lifted(const vec3& position, const vec3& direction) const;
+
+    const Scene& scene_;
+    const SparseVoxelOctree& tree_;
+};
+
+}  // namespace photond
