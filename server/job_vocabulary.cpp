@@ -10,7 +10,7 @@ JobVocabulary job_vocabulary() {
     for (const MethodInfo& method : all_methods()) vocabulary.method_names.emplace_back(method.name);
     for (const LayerInfo& info : kLayers) {
         if (!LayerSet().has(info.layer)) vocabulary.layer_names.emplace_back(info.name);
-        if (info.radiance) vocabulary.radiance_layers.emplace_back(info.name);
+        if (info.radiance()) vocabulary.radiance_layers.emplace_back(info.name);
     }
     for (const MetricInfo& metric : kMetrics) {
         if (metric.values != 1) continue;

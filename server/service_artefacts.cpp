@@ -28,7 +28,7 @@ void check_precision(const std::string& precision) {
 /// Those that a display can show: radiance, and splats over a pixel as a heat map.
 bool has_preview(const std::string& layer) {
     return layer == "beauty" || std::any_of(kLayers.begin(), kLayers.end(), [&](const LayerInfo& info) {
-               return info.name == layer && (info.radiance || info.layer == Layer::Overlap);
+               return info.name == layer && (info.radiance() || info.layer == Layer::Overlap);
            });
 }
 

@@ -22,7 +22,7 @@ constexpr size_t kMaxMetrics = 256;
 std::vector<std::string> radiance_layers() {
     std::vector<std::string> layers{"beauty"};
     for (const LayerInfo& info : kLayers)
-        if (info.radiance) layers.emplace_back(info.name);
+        if (info.radiance()) layers.emplace_back(info.name);
     return layers;
 }
 

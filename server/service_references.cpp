@@ -86,7 +86,7 @@ JobRequest Service::Impl::reference_request(const JobRequest& request) {
     const std::vector<std::string> fills = method ? method->layers_on_request() : std::vector<std::string>();
     reference.layers.clear();
     for (const LayerInfo& info : kLayers)
-        if (info.radiance &&
+        if (info.radiance() &&
             std::find(request.layers.begin(), request.layers.end(), info.name) != request.layers.end() &&
             std::find(fills.begin(), fills.end(), info.name) != fills.end())
             reference.layers.emplace_back(info.name);

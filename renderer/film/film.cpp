@@ -19,10 +19,6 @@ constexpr uint32_t kLimitBits = std::bit_cast<uint32_t>(kFilmValueLimit);
 constexpr uint32_t kInfinityBits = 0x7f800000u;
 constexpr FixedSquares kSaturated = ~FixedSquares{0};
 
-/// Layers that hold means over the samples that hit, and are summed.
-constexpr Layer kAuxiliary[] = {Layer::Albedo, Layer::Normal,      Layer::Position,
-                                Layer::Depth,  Layer::PhotonCount, Layer::Overlap};
-
 /// x / 2^-64, cut to a whole number; 0 <= x < 2^63. By the processor's own conversions, without branches: what lies
 /// before the point, then what it leaves, which is exact.
 inline FixedSquares to_fixed_squares(double x) {
@@ -83,6 +79,24 @@ double variance_of(FixedSum sum, FixedSquares squares, uint32_t n) {
     return 0x1p-128 * difference / (double{static_cast<double>(n)} * (static_cast<double>(n) - 1.0));
 }
 
+/// Layers of one kind that a film keeps: where a pass's values are, and where they are summed.
+template <class Value>
+class LayerPixels {
+public:
+    void add(FixedSum* sums, const Value* values) { layers_[count_++] = {sums, values}; }
+    template <class Function>
+    void each(const Function& function) const {
+        for (size_t i = 0; i < count_; ++i) function(layers_[i].sums, layers_[i].values);
+    }
+
+private:
+    struct {
+        FixedSum* sums;
+        const Value* values;
+    } layers_[kLayerCount];
+    size_t count_ = 0;
+};
+
 template <class Function>
 std::vector<float> per_channel(size_t count, const Function& value) {
     std::vector<float> pixels(count);
@@ -99,10 +113,12 @@ PassImage::PassImage(Size2 image_size, LayerSet layer_set) : size(image_size), l
     };
     make(Layer::Emitted, emitted), make(Layer::Direct, direct), make(Layer::Indirect, indirect);
     make(Layer::Caustic, caustic), make(Layer::Albedo, albedo), make(Layer::Normal, normal);
-    make(Layer::Position, position);
+    make(Layer::Position, position), make(Layer::Clamped, clamped), make(Layer::Voxels, voxels);
+    make(Layer::SplitNormal, split_normal), make(Layer::SplitIndirect, split_indirect);
     if (layers.has(Layer::Depth)) depth.assign(n, 0.0f);
     if (layers.has(Layer::PhotonCount)) photon_count.assign(n, 0.0f);
     if (layers.has(Layer::Overlap)) overlap.assign(n, 0.0f);
+    if (layers.has(Layer::Vpls)) vpls.assign(n, 0.0f);
     if (layers.needs_hits()) hit.assign(n, 0);
 }
 
@@ -131,31 +147,25 @@ uint64_t Film::bytes_for(Size2 size, LayerSet layers) {
 void Film::add_pass(const PassImage& pass) {
     assert(pass.size == size_ && pass.layers == layers_ && "a pass has its film's size and layers");
     const auto sums = [&](Layer layer) { return sums_[static_cast<size_t>(layer)].data(); };
-    const bool caustic = layers_.has(Layer::Caustic), auxiliary = layers_.needs_hits();
-    struct AuxiliaryLayer {
-        FixedSum* sums;
-        const Rgb* values;
+    const bool auxiliary = layers_.needs_hits();
+    // Those that are kept: of all pixels, and of pixels that were hit.
+    LayerPixels<Rgb> rgb_layers[2];
+    LayerPixels<float> single_layers[2];
+    const auto keep = [&](Layer layer, const auto& pixels, auto& lists) {
+        if (layers_.has(layer))
+            lists[layer_info(layer).mean == LayerMean::Hits ? 1 : 0].add(sums(layer), pixels.data());
     };
-    AuxiliaryLayer rgb_layers[3];
-    int rgb_layer_count = 0;
-    if (layers_.has(Layer::Albedo)) rgb_layers[rgb_layer_count++] = {sums(Layer::Albedo), pass.albedo.data()};
-    if (layers_.has(Layer::Normal)) rgb_layers[rgb_layer_count++] = {sums(Layer::Normal), pass.normal.data()};
-    if (layers_.has(Layer::Position)) rgb_layers[rgb_layer_count++] = {sums(Layer::Position), pass.position.data()};
-    struct SingleLayer {
-        FixedSum* sums;
-        const float* values;
-    };
-    SingleLayer single_layers[3];
-    int single_layer_count = 0;
-    if (layers_.has(Layer::Depth)) single_layers[single_layer_count++] = {sums(Layer::Depth), pass.depth.data()};
-    if (layers_.has(Layer::PhotonCount))
-        single_layers[single_layer_count++] = {sums(Layer::PhotonCount), pass.photon_count.data()};
-    if (layers_.has(Layer::Overlap)) single_layers[single_layer_count++] = {sums(Layer::Overlap), pass.overlap.data()};
+    keep(Layer::Caustic, pass.caustic, rgb_layers), keep(Layer::Clamped, pass.clamped, rgb_layers);
+    keep(Layer::Albedo, pass.albedo, rgb_layers), keep(Layer::Normal, pass.normal, rgb_layers);
+    keep(Layer::Position, pass.position, rgb_layers), keep(Layer::Voxels, pass.voxels, rgb_layers);
+    keep(Layer::SplitNormal, pass.split_normal, rgb_layers);
+    keep(Layer::SplitIndirect, pass.split_indirect, rgb_layers);
+    keep(Layer::Depth, pass.depth, single_layers), keep(Layer::PhotonCount, pass.photon_count, single_layers);
+    keep(Layer::Overlap, pass.overlap, single_layers), keep(Layer::Vpls, pass.vpls, single_layers);
 
     FixedSum* const emitted_sums = sums(Layer::Emitted);
     FixedSum* const direct_sums = sums(Layer::Direct);
     FixedSum* const indirect_sums = sums(Layer::Indirect);
-    FixedSum* const caustic_sums = sums(Layer::Caustic);
 
     std::atomic<uint64_t> nan_count{0}, infinity_count{0};
     const auto add_range = [&](const tbb::blocked_range<size_t>& range) {
@@ -166,12 +176,11 @@ void Film::add_pass(const PassImage& pass) {
             const uint32_t indirect_bits = magnitude_bits(indirect);
             uint32_t worst = std::max({emitted_bits, direct_bits, indirect_bits});
             const bool hit = auxiliary && pass.hit[i];
-            if (caustic) worst = std::max(worst, magnitude_bits(pass.caustic[i]));
-            if (hit) {
-                for (int k = 0; k < rgb_layer_count; ++k)
-                    worst = std::max(worst, magnitude_bits(rgb_layers[k].values[i]));
-                for (int k = 0; k < single_layer_count; ++k)
-                    worst = std::max(worst, std::bit_cast<uint32_t>(single_layers[k].values[i]) & kMagnitudeBits);
+            for (int kind = 0; kind <= (hit ? 1 : 0); ++kind) {
+                rgb_layers[kind].each([&](FixedSum*, const Rgb* v) { worst = std::max(worst, magnitude_bits(v[i])); });
+                single_layers[kind].each([&](FixedSum*, const float* v) {
+                    worst = std::max(worst, std::bit_cast<uint32_t>(v[i]) & kMagnitudeBits);
+                });
             }
             if (worst >= kLimitBits) {
                 ++(worst > kInfinityBits ? nans : infinities);
@@ -190,12 +199,12 @@ void Film::add_pass(const PassImage& pass) {
                 for (int k = 0; k < 3; ++k)
                     add_square(squares_beauty_[3 * i + static_cast<size_t>(k)],
                                double{emitted[k]} + double{direct[k]} + double{indirect[k]});
-            if (caustic && !is_black(pass.caustic[i])) add_rgb(caustic_sums + 3 * i, pass.caustic[i]);
-            if (hit) {
-                ++hits_[i];
-                for (int k = 0; k < rgb_layer_count; ++k) add_rgb(rgb_layers[k].sums + 3 * i, rgb_layers[k].values[i]);
-                for (int k = 0; k < single_layer_count; ++k)
-                    single_layers[k].sums[i] += to_fixed(single_layers[k].values[i]);
+            if (hit) ++hits_[i];
+            for (int kind = 0; kind <= (hit ? 1 : 0); ++kind) {
+                rgb_layers[kind].each([&](FixedSum* to, const Rgb* v) {
+                    if (!is_black(v[i])) add_rgb(to + 3 * i, v[i]);
+                });
+                single_layers[kind].each([&](FixedSum* to, const float* v) { to[i] += to_fixed(v[i]); });
             }
         }
         nan_count += nans, infinity_count += infinities;
@@ -243,7 +252,7 @@ std::vector<float> Film::resolve(Layer layer) const {
     }
     const std::vector<FixedSum>& sums = sums_[static_cast<size_t>(layer)];
     return per_channel(count, [&](size_t i) {
-        const uint32_t samples = info.radiance ? passes_ : hits_[i / info.channel_count];
+        const uint32_t samples = info.mean == LayerMean::Hits ? hits_[i / info.channel_count] : passes_;
         return samples ? to_double(sums[i]) / samples : 0.0;
     });
 }

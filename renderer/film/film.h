@@ -27,6 +27,9 @@ struct PassImage {
     std::vector<Rgb> albedo, normal, position;            // where hit[i] != 0
     std::vector<float> depth;
     std::vector<float> photon_count, overlap;
+    std::vector<Rgb> clamped;                               // radiance
+    std::vector<Rgb> voxels, split_normal, split_indirect;  // whether hit or not
+    std::vector<float> vpls;
     std::vector<uint8_t> hit;  // 1 where the sample met a surface; only kept when an auxiliary layer is asked for
 };
 

@@ -16,10 +16,11 @@ namespace photond {
 namespace {
 
 constexpr char kMagic[8] = {'P', 'H', 'O', 'T', 'F', 'I', 'L', 'M'};
-constexpr uint32_t kVersion = 3;
+constexpr uint32_t kVersion = 4;
 constexpr uint32_t kOldestVersion = 1;
 constexpr uint32_t kVersionOfIdentity = 3;  // identity, history and ranges follow the header
 constexpr size_t kLayersOfVersion1 = 9;     // all up to standard_error
+constexpr size_t kLayersOfVersion3 = 11;    // all up to overlap
 constexpr size_t kBlockValues = 1 << 12;    // sums a block: 64 KiB at most, which malloc takes from memory it has
 constexpr size_t kBlocksAtOnce = 64;        // encoded side by side before they are written in order
 constexpr size_t kDigestBytes = 32;         // as hexadecimal digits
@@ -215,7 +216,9 @@ SavedFilm FilmFile::load(const std::filesystem::path& path, uint64_t limit_bytes
         throw Error(ErrorCode::Unsupported, "the film file " + path.filename().string() + " has version " +
                                                 std::to_string(header.version) + "; this program reads " +
                                                 std::to_string(kOldestVersion) + " to " + std::to_string(kVersion));
-    const size_t known_layers = header.version == 1 ? kLayersOfVersion1 : kLayerCount;
+    const size_t known_layers = header.version == 1   ? kLayersOfVersion1
+                                : header.version <= 3 ? kLayersOfVersion3
+                                                      : kLayerCount;
     if (header.width > kMaxSide || header.height > kMaxSide || header.layers >> known_layers != 0)
         damaged(path, "its size or layers are out of range");
     LayerSet layers;

@@ -6,8 +6,6 @@
 
 namespace photond {
 
-namespace {}  // namespace
-
 uint32_t DeviceImage::planes(LayerSet layers) {
     uint32_t planes = layers.needs_hits() ? 1 : 0;
     for (const LayerInfo& info : kLayers)
@@ -48,6 +46,11 @@ std::vector<gpu::Specialization> DeviceImage::specialization() const {
             gpu::specialize(PLANE_DEPTH_ID, plane_of(Layer::Depth)),
             gpu::specialize(PLANE_PHOTON_COUNT_ID, plane_of(Layer::PhotonCount)),
             gpu::specialize(PLANE_OVERLAP_ID, plane_of(Layer::Overlap)),
+            gpu::specialize(PLANE_CLAMPED_ID, plane_of(Layer::Clamped)),
+            gpu::specialize(PLANE_VOXELS_ID, plane_of(Layer::Voxels)),
+            gpu::specialize(PLANE_VPLS_ID, plane_of(Layer::Vpls)),
+            gpu::specialize(PLANE_SPLIT_NORMAL_ID, plane_of(Layer::SplitNormal)),
+            gpu::specialize(PLANE_SPLIT_INDIRECT_ID, plane_of(Layer::SplitIndirect)),
             gpu::specialize(PLANE_HIT_ID, hit_plane()),
             gpu::specialize(FILM_PIXELS_ID, static_cast<uint32_t>(size_.pixels()))};
 }
@@ -83,9 +86,14 @@ void DeviceImage::read(PassImage& image, Counts& counts, const dvec3& origin) co
     copy_colours(plane_of(Layer::Albedo), image.albedo);
     copy_colours(plane_of(Layer::Normal), image.normal);
     copy_colours(plane_of(Layer::Position), image.position);
+    copy_colours(plane_of(Layer::Clamped), image.clamped);
+    copy_colours(plane_of(Layer::Voxels), image.voxels);
+    copy_colours(plane_of(Layer::SplitNormal), image.split_normal);
+    copy_colours(plane_of(Layer::SplitIndirect), image.split_indirect);
     copy_values(plane_of(Layer::Depth), image.depth);
     copy_values(plane_of(Layer::PhotonCount), image.photon_count);
     copy_values(plane_of(Layer::Overlap), image.overlap);
+    copy_values(plane_of(Layer::Vpls), image.vpls);
     if (!image.hit.empty()) {
         const float* from = floats + hit_plane() * pixels;
         for (size_t i = 0; i < pixels; ++i) {

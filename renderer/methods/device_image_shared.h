@@ -13,6 +13,11 @@
 #define PLANE_OVERLAP_ID 38
 #define PLANE_HIT_ID 39
 #define FILM_PIXELS_ID 40
+#define PLANE_CLAMPED_ID 70
+#define PLANE_VOXELS_ID 71
+#define PLANE_VPLS_ID 72
+#define PLANE_SPLIT_NORMAL_ID 73
+#define PLANE_SPLIT_INDIRECT_ID 74
 #define NO_PLANE 0xffffffffu
 
 // Emitted, direct and indirect are always there, in this order.

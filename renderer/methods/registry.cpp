@@ -24,9 +24,10 @@ MethodInfo row(std::string_view title, std::string_view family, std::vector<std:
     info.family = family;
     info.sources = std::move(sources);
     info.devices = std::move(devices);
-    info.layers = LayerSet::all();  // but those that only some methods have something to count for
-    info.layers.remove(Layer::PhotonCount);
-    info.layers.remove(Layer::Overlap);
+    info.layers = LayerSet::all();  // but those that only some methods have something to say of
+    for (const Layer layer : {Layer::PhotonCount, Layer::Overlap, Layer::Clamped, Layer::Voxels, Layer::Vpls,
+                              Layer::SplitNormal, Layer::SplitIndirect})
+        info.layers.remove(layer);
     info.make_params = +[]() -> std::unique_ptr<MethodParams> { return std::make_unique<typename M::Params>(); };
     info.make = +[](const MethodParams& params) -> std::unique_ptr<Method> {
         return std::make_unique<M>(dynamic_cast<const typename M::Params&>(params));

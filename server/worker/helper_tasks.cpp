@@ -155,7 +155,7 @@ json encode_preview(const json& message, const HelperLimits& limits) {
         rgb = shown(film.resolve_beauty());
     } else {
         const LayerInfo& info = film_layer(film, layer);
-        if (info.radiance)
+        if (info.radiance())
             rgb = shown(film.resolve(info.layer));
         else if (info.layer == Layer::Overlap)
             rgb = overlap_heat_map(film.resolve(info.layer));

@@ -34,7 +34,7 @@ ReferenceImage reference_of_file(const std::filesystem::path& path, uint64_t lim
     reference.size = image.size;
     reference.layers["beauty"] = std::move(image.layers["beauty"]);
     for (const LayerInfo& info : kLayers)
-        if (const auto layer = image.layers.find(std::string(info.name)); info.radiance && layer != image.layers.end())
+        if (const auto layer = image.layers.find(std::string(info.name)); info.radiance() && layer != image.layers.end())
             reference.layers[layer->first] = std::move(layer->second);
     const auto error = image.layers.find(std::string(layer_info(Layer::StandardError).name));
     if (error != image.layers.end() &&
@@ -51,7 +51,7 @@ ReferenceImage reference_of_film(const Film& film, double standard_error_scale) 
     reference.passes = film.passes();
     reference.layers["beauty"] = film.resolve_beauty();
     for (const LayerInfo& info : kLayers)
-        if (info.radiance && film.layers().has(info.layer))
+        if (info.radiance() && film.layers().has(info.layer))
             reference.layers[std::string(info.name)] = film.resolve(info.layer);
     if (film.passes() < 2) return reference;
     const auto keep = [&](std::string_view layer, std::vector<float> pass_variance) {

@@ -21,6 +21,11 @@ inline PassImage random_pass(Size2 size, LayerSet layers, uint32_t pass) {
         const auto rgb = [&] { return Rgb(value(), value(), value()); };
         image.emitted[i] = rgb(), image.direct[i] = rgb(), image.indirect[i] = rgb();
         if (layers.has(Layer::Caustic)) image.caustic[i] = rgb();
+        if (layers.has(Layer::Clamped)) image.clamped[i] = rgb();
+        if (layers.has(Layer::Voxels)) image.voxels[i] = rgb();
+        if (layers.has(Layer::Vpls)) image.vpls[i] = std::abs(value());
+        if (layers.has(Layer::SplitNormal)) image.split_normal[i] = rgb();
+        if (layers.has(Layer::SplitIndirect)) image.split_indirect[i] = rgb();
         if (image.hit.empty()) continue;
         image.hit[i] = random.next() < 0.7f;
         if (!image.hit[i]) continue;
