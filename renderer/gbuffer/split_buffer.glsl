@@ -1,0 +1,23 @@
+// GLSL twin of gbuffer/split_buffer.h.
+#ifndef PHOTOND_SPLIT_BUFFER_GLSL
+#define PHOTOND_SPLIT_BUFFER_GLSL
+
+#include "renderer/gbuffer/split_shared.h"
+
+uint split_tile_of(SplitRecord split, uint point) { return point / split.tile_points; }
+
+uint split_point_of(SplitRecord split, uint x, uint y) {
+    return (y % split.side * split.side + x % split.side) * split.tile_points + y / split.side * split.tile_width +
+           x / split.side;
+}
+
+/// NO_PIXEL for padding.
+uint split_pixel_of(SplitRecord split, uint point) {
+    const uint tile = point / split.tile_points, place = point % split.tile_points;
+    const uint x = place % split.tile_width * split.side + tile % split.side;
+    const uint y = place / split.tile_width * split.side + tile / split.side;
+    const bool seen = place < split.tile_width * split.tile_height && x < split.width && y < split.height;
+    return seen ? y * split.width + x : NO_PIXEL;
+}
+
+#endif
