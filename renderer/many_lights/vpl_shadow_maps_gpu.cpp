@@ -1,0 +1,22 @@
+#include "renderer/many_lights/vpl_shadow_maps_gpu.h"
+
+namespace photond {
+
+VplShadowMapsGpu::VplShadowMapsGpu(const gpu::DeviceScene& scene, uint32_t resolution, uint32_t most_lights,
+                                   gpu::Buffer& counters)
+    : push_{.resolution = resolution, .count_word = 0, .most_lights = most_lights},
+      counters_(counters),
+      reach_(scene.device(), "shadow_maps", device_bytes(resolution, most_lights)),
+      trace_(scene.device(), "renderer/many_lights/vpl_shadow_maps.comp", sizeof(gpu::VplMapPush), &scene.set(),
+             scene.specialization()) {}
+
+void VplShadowMapsGpu::record(gpu::CommandList& commands, gpu::Buffer& vpls, gpu::DeviceWord count) {
+    const gpu::Scope scope(commands, "shadow_maps");
+    commands.bind(trace_, {gpu::read_write(counters_), gpu::read(vpls), gpu::read(*count.buffer), gpu::write(reach_)});
+    gpu::VplMapPush push = push_;
+    push.count_word = count.index;
+    commands.push(push);
+    commands.dispatch_threads(uint64_t{push.most_lights} * push.resolution * push.resolution, VPL_MAP_GROUP);
+}
+
+}  // namespace photond
