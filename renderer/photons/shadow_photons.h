@@ -13,15 +13,9 @@
 #include "renderer/photons/hash_grid.h"
 #include "renderer/scene/intersector.h"
 #include "renderer/transport/emission_sampling.h"
+#include "renderer/transport/light_seen.h"
 
 namespace photond {
-
-/// What the photons about a point say of one light source.
-enum class LightSeen : uint8_t {
-    Whole,    // all of it: no shadow ray is needed
-    Nothing,  // none of it: its light need not be asked for
-    Unknown,  // a border, or too few photons: trace the ray
-};
 
 /// Immutable and thread-safe once built. A source is what casts one shadow: all emitting triangles of an instance, one
 /// punctual light, the environment (EmissionSample::source, LightSample::source).
@@ -31,6 +25,7 @@ public:
     ShadowPhotons(const Scene& scene, const Intersector& intersector, const EmissionSampler& emission, uint32_t photons,
                   float radius_m, uint64_t seed, uint32_t pass, const CancelToken& cancel, Counts& counts);
 
+    /// What the photons about a point say of one light source: Unknown near a border, and where they are too few.
     /// `normal`: geometric, on the side looked at. Photons within radius_m whose normal makes at most 60 degrees with
     /// it are asked.
     LightSeen seen(const vec3& position, const vec3& normal, uint32_t source, Neighbours& scratch) const;
