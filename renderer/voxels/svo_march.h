@@ -22,11 +22,8 @@ struct SvoView {
     bool is_set(const uvec3& voxel) const;
 };
 
-/// How far the ends of a segment are moved before it is asked about: they lie on surfaces, whose voxels are set. Chosen
-/// by svo_bench's table of false shadows and leaks.
-inline constexpr float kSvoNormalOffset = 1.0f;  // along the end's normal n: voxels times |n.x| + |n.y| + |n.z|
-inline constexpr float kSvoPullIn = 0.5f;        // along the segment, with normals [voxels]
-inline constexpr float kSvoBlindPullIn = 2.0f;   // without
+/// A point on a surface lifted off the voxels that the surface's plane is in: towards `normal`, unit.
+vec3 svo_lift(const SvoView& tree, const vec3& position, const vec3& normal);
 
 /// Whether the open segment between two points on surfaces meets a set voxel; false where what is left of it once its
 /// ends are pulled in is nothing, and for positions that are no numbers.

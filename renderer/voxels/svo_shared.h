@@ -20,6 +20,13 @@
 
 #define SVO_GROUP 64  // threads
 
+// How far the ends of a segment are moved before it is held against the voxels, in voxels: chosen by svo_bench's table
+// of false shadows and leaks.
+#define SVO_NORMAL_OFFSET \
+    1.0f                  // along the end's unit normal n, times |n.x| + |n.y| + |n.z|: just off its plane's voxels
+#define SVO_PULL_IN 0.5f  // along the segment, after that
+#define SVO_BLIND_PULL_IN 2.0f  // along the segment, where no normals are given
+
 #ifdef __cplusplus
 #include "renderer/core/geometry.h"
 

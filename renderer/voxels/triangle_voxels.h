@@ -9,6 +9,8 @@
 // [Schwarz and Seidel 2010] Fast Parallel Surface and Solid Voxelization on GPUs. ACM TOG 29(6). Departure: intervals
 // instead of one-sided edge functions, which a triangle seen on edge has none of.
 
+#include <algorithm>
+
 #include "renderer/voxels/voxel_grid.h"
 
 namespace photond {
@@ -27,8 +29,9 @@ public:
 
     /// Bricks are visited by columns: along the axis that the triangle is closest to being at right angles to, which
     /// leaves few bricks in each.
-    uint32_t columns() const { return static_cast<uint32_t>(columns_[0] * columns_[1]); }
-    /// Brick coordinates of a column's bricks that may be touched: `brick` with component axis() in `along`.
+    uint32_t columns() const { return static_cast<uint32_t>(along(1) * along(2)); }
+    /// Those of a column's bricks that may be touched: of coordinates `brick`, the component axis() being replaced by
+    /// those of the range.
     BrickRange column(uint32_t index, glm::ivec3& brick) const;
     int axis() const { return axis_; }
 
@@ -36,19 +39,21 @@ public:
     uint64_t brick_mask(const glm::ivec3& brick) const;
 
 private:
-    /// A line in the plane of two axes: through an edge, and how far the triangle reaches along its normal.
-    struct Edge {
-        int64_t normal[2];
-        int64_t low, high;
-    };
+    int32_t along(int step) const {  // of its bricks, along axis_ + step
+        const int axis = (axis_ + step) % 3;
+        return std::max(end_brick_[axis] - first_brick_[axis], 0);
+    }
+    /// Whether the triangle's shadow in the plane of axes u and v may meet a square; false is exact.
+    bool square_may_touch(int u, int v, const glm::ivec2& low, int32_t side) const;
+    /// Bit i + 4 j for each square of the brick's, seen along an axis, that the triangle's shadow may meet.
+    uint32_t square_mask(int u, int v, const glm::ivec3& brick) const;
 
-    glm::ivec3 low_, high_;           // the triangle's box
-    int64_t normal_[3];               // 0 where it has none
-    int64_t plane_low_, plane_high_;  // of normal . p over all corners of a touched box, less its least corner's
-    std::array<Edge, 9> edges_;       // of the planes xy, yz, zx
-    glm::ivec3 first_brick_, end_brick_;
+    std::array<glm::ivec3, 3> p_;
+    glm::ivec3 low_, high_;               // the triangle's box
+    std::array<int64_t, 3> normal_{};     // 0 where it has none
+    int64_t offset_ = 0;                  // normal . p on the triangle
+    glm::ivec3 first_brick_, end_brick_;  // that its box touches
     int axis_ = 0;
-    int32_t columns_[2] = {0, 0};  // along axis_ + 1 and axis_ + 2
 };
 
 }  // namespace photond

@@ -22,7 +22,7 @@ VoxelGrid make_voxel_grid(const Bounds3& bounds, uint32_t resolution);
 gpu::SvoConstants svo_constants_of(const VoxelGrid& grid);
 
 /// Position in 1/256 voxel from the grid's least corner, rounded to the nearest: off by 0.55 at most, of a position in
-/// the grid. Positions far outside are cut off at +-2^20.
+/// the grid. Positions far outside are cut off at +-2^19.
 glm::ivec3 quantise(const gpu::SvoConstants& constants, const vec3& position);
 
 /// A triangle's corners so.
