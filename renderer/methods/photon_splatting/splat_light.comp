@@ -10,6 +10,8 @@
 #define COUNTERS_BINDING 0
 #include "renderer/backends/gpu/counters.glsl"
 #include "renderer/backends/gpu/invocation.glsl"
+#define DEPTH_MAPS_BINDING 7
+#include "renderer/methods/photon_splatting/splat_depth_maps.glsl"
 #include "renderer/methods/photon_splatting/splat_gain.glsl"
 #include "renderer/methods/photon_splatting/visible_points.glsl"
 #include "renderer/photons/photon.glsl"
@@ -29,7 +31,6 @@ layout(set = 0, binding = 3, scalar) readonly buffer Clusters { SplatCluster clu
 layout(set = 0, binding = 4, scalar) readonly buffer Points { SplatPoint points[]; };
 layout(set = 0, binding = 5, scalar) readonly buffer GeneralPoints { SplatGeneralPoint general_points[]; };
 layout(set = 0, binding = 6, scalar) readonly buffer Splats { Splat splats[]; };
-layout(set = 0, binding = 7, scalar) readonly buffer DepthMaps { float farthest_m[]; };
 layout(set = 0, binding = 8, scalar) readonly buffer Surfaces { ReflectingSurfaceRecord surfaces[]; };
 layout(set = 0, binding = 9, scalar) buffer Sums { SplatSum sums[]; };
 
@@ -57,16 +58,6 @@ bool may_light(Splat splat, SplatCluster cluster) {
     // All below the horizon of y, or so little above that next to nothing gets there.
     if (dot(splat.normal, d) + dot(abs(splat.normal), cluster.half_extent) <= 1e-5 * constants.radius_m) return false;
     return !flat_points || dot(abs(cluster.normal), cluster.half_extent) > dot(cluster.normal, d);
-}
-
-/// SplatDepthMaps::reaches()
-bool reaches(uint index, Splat splat, vec3 d) {
-    const Frame frame = make_frame(splat.axis);
-    const uint side = constants.shadow_resolution;
-    const vec2 across = vec2(dot(d, frame.tangent), dot(d, frame.bitangent));
-    // Points on the border too.
-    const uvec2 texel = uvec2(clamp(across * (0.5 * float(side) / splat.radius) + 0.5 * float(side), 0.0, float(side - 1)));
-    return dot(d, splat.axis) - splat.near_m <= farthest_m[(index * side + texel.y) * side + texel.x];
 }
 
 /// Whether anything stands between the point and the splat's origin.
@@ -108,7 +99,10 @@ void add_splat(uint place, Splat splat, SplatPoint point, Receiver receiver, ino
     if (beam ? !beam_gain(splat, point, constants.kernel, gain) : !connect_gain(splat, point, constants.kernel, gain))
         return;
     ++contributions;
-    if (SPLAT_VISIBILITY && (beam ? !reaches(queue[place], splat, d) : cut_off(place, splat, point))) return;
+    if (SPLAT_VISIBILITY) {
+        const uint side = constants.shadow_resolution;
+        if (beam ? !reaches(queue[place], side, splat, d) : cut_off(place, splat, point)) return;
+    }
     sum.splats += 1.0;
     vec3 light = gain * (beam ? splat.intensity : intensity_towards(splat, d));
     if (!is_general(point)) {

@@ -4,6 +4,8 @@
 #extension GL_EXT_scalar_block_layout : require
 
 #include "renderer/methods/eye_shared.h"
+#define DEPTH_MAPS_BINDING 5
+#include "renderer/methods/photon_splatting/splat_depth_maps.glsl"
 #include "renderer/methods/photon_splatting/splat_gain.glsl"
 
 layout(constant_id = SPLAT_NORMALISED_ID) const bool SPLAT_NORMALISED = false;
@@ -17,16 +19,6 @@ layout(set = 0, binding = 1, scalar) readonly buffer Splats { Splat splats[]; };
 layout(set = 0, binding = 2, scalar) readonly buffer Constants { SplatConstants constants; };
 layout(set = 0, binding = 3, scalar) readonly buffer Heads { uint first_of_pixel[]; };
 layout(set = 0, binding = 4, scalar) readonly buffer Points { SplatPoint points[]; };
-layout(set = 0, binding = 5, scalar) readonly buffer DepthMaps { float farthest_m[]; };
-
-/// SplatDepthMaps::reaches()
-bool reaches(Splat splat, vec3 d) {
-    const Frame frame = make_frame(splat.axis);
-    const uint side = constants.shadow_resolution;
-    const vec2 across = vec2(dot(d, frame.tangent), dot(d, frame.bitangent));
-    const uvec2 texel = uvec2(clamp(across * (0.5 * float(side) / splat.radius) + 0.5 * float(side), 0.0, float(side - 1)));
-    return dot(d, splat.axis) - splat.near_m <= farthest_m[(splat_index * side + texel.y) * side + texel.x];
-}
 
 void main() {
     const uvec2 at = uvec2(gl_FragCoord.xy);
@@ -38,7 +30,8 @@ void main() {
     if (splat.kind >> SPLAT_SCATTERINGS_SHIFT > point.kind || !beam_gain(splat, point, constants.kernel, gain)) discard;
     light_and_splats = vec4(0.0);
     weight_and_contributions = vec2(0.0, 1.0);
-    if (SPLAT_VISIBILITY && !reaches(splat, point.position - splat.origin)) return;
+    const vec3 d = point.position - splat.origin;
+    if (SPLAT_VISIBILITY && !reaches(splat_index, constants.shadow_resolution, splat, d)) return;
     light_and_splats = vec4(gain * splat.intensity, 1.0);
     // The filter's weight without the receiver's cosine.
     if (SPLAT_NORMALISED) weight_and_contributions.x = splat.weight * gain / -dot(point.normal, splat.axis);
