@@ -1,0 +1,64 @@
+#pragma once
+// Virtual point lights: where light leaves surfaces, placed by what the lights' maps see (texel_map.h), with flux that
+// is about the same for all. What they become is many_lights/vpl.h's business.
+//
+// Each texel of the map is traced to its first hit. What it reflects there makes a pyramid of flux (flux_map.h), by
+// which a Halton set, rotated from pass to pass, chooses texels; the light path of a chosen texel is traced on as
+// PhotonTracer::trace_reflected() does. [Keller 1997; Dachsbacher and Stamminger 2006; svo-many-lights, 4.8]
+//
+// [Keller 1997] Instant Radiosity. SIGGRAPH.
+// [Dachsbacher and Stamminger 2006] Splatting Indirect Illumination. I3D.
+
+#include <functional>
+#include <memory>
+
+#include "renderer/photons/photon_tracer.h"
+
+namespace photond {
+
+struct VplTracing {
+    uint32_t vpls = 1024;     // light paths a pass
+    uint32_t map_side = 128;  // texels, a power of two up to 1024; all lights share the map
+    uint32_t bounces = 1;     // most scatterings that leave light
+    /// Alpha: narrower lobes leave no light. Like all that transmits they only send paths on.
+    float glossy_threshold = 0.2f;
+    SamplerKind sampler = SamplerKind::Sobol;
+};
+
+/// A factor on the flux that a texel is chosen by: not negative. The photon: position, normal and reflected power_w of
+/// the texel's hit; it has one scattering, its direction is the normal. Called from several threads at a time.
+using TexelImportance = std::function<float(const ReflectedPhoton&)>;
+
+/// What share of the lights stays with the texels' plain flux where there is an importance beside it: what lights is
+/// never left out.
+inline constexpr float kPlainFluxShare = 0.25f;
+
+/// Borrows scene, intersectors and emission.
+class VplTracer {
+public:
+    /// First hits are found by `intersector`, all others by `bounce_intersector`.
+    VplTracer(const Scene& scene, const Intersector& intersector, const Intersector& bounce_intersector,
+              const EmissionSampler& emission, const VplTracing& tracing);
+    ~VplTracer();
+
+    /// One pass's lights: a pure function of (scene, settings, seed, pass), at most vpls x bounces of them, none of
+    /// Spread::Beam. They come along the curve of the map (path after path, and along each by its scatterings), so that
+    /// every n-th of them are spread as well as all. `importance` may be empty. Stages `rsm` and `vpl_generation`; the
+    /// counts are in what comes back. Cancelled: what comes back is incomplete and must not be used.
+    TracedReflections trace(uint64_t seed, uint32_t pass, const TexelImportance& importance, Stats& stats,
+                            const CancelToken& cancel) const;
+
+    /// About the area that light reaches without a bounce [m^2], by the texels of one map; 0 where it reaches nothing.
+    double lit_area_m2(uint64_t seed) const;
+
+    /// Bytes of scratch; `lights` with power, triangles one by one.
+    static uint64_t scratch_bytes(const VplTracing& tracing, size_t threads, uint64_t lights);
+    /// Of what trace() gives, at most.
+    static uint64_t result_bytes(const VplTracing& tracing);
+
+private:
+    struct Shared;
+    std::unique_ptr<Shared> shared_;
+};
+
+}  // namespace photond

@@ -1,0 +1,62 @@
+// What the shaders of VplTracerGpu are told, for both compilers.
+#ifndef PHOTOND_VPL_TRACER_SHARED_H
+#define PHOTOND_VPL_TRACER_SHARED_H
+
+#ifndef __cplusplus
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+#endif
+#include "renderer/transport/sobol_shared.h"
+
+#define VPL_GROUP 64  // threads
+
+// Bindings of set 0 that a shader with a function of its own for hits after the first may use: from here on.
+#define VPL_BOUNCE_BINDING 16
+
+#ifdef __cplusplus
+namespace photond::gpu {
+#endif
+
+/// Of vpl_texels.comp.
+struct VplTexelsPush {
+    SequenceKey sequence;
+    uint texels;       // of the map
+    uint used_texels;  // those that belong to a light
+    uint runs;
+    uint bounces;
+    float glossy_threshold;
+    uint weighted;  // 0 or 1: what texels are worth is written twice
+};
+
+/// Of vpl_mix.comp.
+struct VplMixPush {
+    uint texels;
+    uint total;  // index of the total of both pyramids
+    float plain_share;
+};
+
+/// Of vpl_choose.comp.
+struct VplChoosePush {
+    uint vpls;
+    uint levels;  // of the map
+    uint rotation_x;
+    uint rotation_y;
+};
+
+/// Of vpl_paths.comp.
+struct VplPathsPush {
+    SequenceKey texel_sequence;
+    SequenceKey sequence;  // of what comes after the first hit
+    uint paths;
+    uint levels;
+    uint runs;
+    uint bounces;
+    uint surface_capacity;
+    float glossy_threshold;
+};
+
+#ifdef __cplusplus
+static_assert(sizeof(VplTexelsPush) == 40 && sizeof(VplPathsPush) == 56, "must match the scalar layout of GLSL");
+}  // namespace photond::gpu
+#endif
+
+#endif
