@@ -20,4 +20,10 @@ uint split_pixel_of(SplitRecord split, uint point) {
     return seen ? y * split.width + x : NO_PIXEL;
 }
 
+/// SplitLayout::point_shown_at().
+uint split_point_shown_at(SplitRecord split, uint x, uint y) {
+    const uint tile = y / split.tile_height * split.side + x / split.tile_width;
+    return tile * split.tile_points + y % split.tile_height * split.tile_width + x % split.tile_width;
+}
+
 #endif

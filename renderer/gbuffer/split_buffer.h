@@ -42,6 +42,13 @@ struct SplitLayout {
         return place < tile_width * tile_height && x < size.width && y < size.height ? y * size.width + x : kNoPixel;
     }
 
+    /// The place shown at a pixel where the buffer is looked at as it lies: tile beside tile, cut to the image where
+    /// tiles overhang it.
+    uint32_t point_shown_at(uint32_t x, uint32_t y) const {
+        const uint32_t tile = y / tile_height * side + x / tile_width;
+        return tile * tile_points + y % tile_height * tile_width + x % tile_width;
+    }
+
     Size2 size{};
     uint32_t side = 1, tile_width = 0, tile_height = 0, tile_points = 0;
 };

@@ -45,7 +45,7 @@ private:
 class GBufferSink final : public VisiblePointSink {
 public:
     /// `tile` has the side kTileSide, but at the border. `walk` is the one that will call take().
-    void start(const Tile& tile, const SpecularWalk& walk, GBuffer& buffer, const CameraRays& camera);
+    void start(const Tile& tile, const SpecularWalk& walk, GBuffer& buffer, const Camera& camera);
     void take(std::span<const LambertVisiblePoint> lambert, std::span<const VisiblePoint> others) override;
     /// After the walk: weights make up for the points that were left out.
     void finish();

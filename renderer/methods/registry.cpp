@@ -8,6 +8,7 @@
 #include "renderer/methods/photon_mapping/photon_mapping_gpu.h"
 #include "renderer/methods/photon_splatting/photon_splatting.h"
 #include "renderer/methods/photon_splatting/photon_splatting_gpu.h"
+#include "renderer/methods/svo_many_lights/svo_many_lights.h"
 #include "renderer/photons/photon_cloud.h"
 
 namespace photond {
@@ -100,6 +101,18 @@ MethodInfo photon_splatting_row() {
     return info;
 }
 
+MethodInfo svo_many_lights_row() {
+    MethodInfo info = row<SvoManyLights>("Many lights, sparse voxel octree", "many lights",
+                                         {"the thesis papers/svo-many-lights.txt", "Keller 1997, Instant Radiosity",
+                                          "Kollig and Keller 2004, Illumination in the Presence of Weak Singularities",
+                                          "Clarberg et al. 2005, Wavelet Importance Sampling"},
+                                         {"cpu"});
+    for (const Layer layer : {Layer::Clamped, Layer::Voxels, Layer::Vpls, Layer::SplitNormal, Layer::SplitIndirect})
+        info.layers.add(layer);
+    info.layers.remove(Layer::Caustic);
+    return info;
+}
+
 }  // namespace
 
 std::span<const MethodInfo> all_methods() {
@@ -109,6 +122,7 @@ std::span<const MethodInfo> all_methods() {
             {"Kajiya 1986, The Rendering Equation", "Veach 1997, Robust Monte Carlo Methods"}, {"cpu", "gpu"})),
         photon_mapping_row(),
         photon_splatting_row(),
+        svo_many_lights_row(),
     };
     return kMethods;
 }

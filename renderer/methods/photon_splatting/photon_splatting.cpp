@@ -4,7 +4,7 @@
 
 #include "renderer/core/thread_local.h"
 #include "renderer/gbuffer/indirect_blur.h"
-#include "renderer/methods/photon_splatting/repayment.h"
+#include "renderer/methods/clamp_repayment.h"
 #include "renderer/methods/photon_splatting/splat_accumulation.h"
 #include "renderer/methods/photon_splatting/splat_sizes.h"
 #include "renderer/methods/specular_walk.h"
@@ -57,7 +57,9 @@ struct PhotonSplatting::State {
         ClusterBuilder builder;
         std::vector<VisibleCluster> clusters;
         SplatAccumulator accumulator;
-        Repayment repayment;
+        ClampRepayment repayment;
+        std::vector<ClampedPoint> clamped;
+        std::vector<Rgb> repaid;
         Counts counts;
         WalkSeconds seconds;
         double splat_seconds = 0, repay_seconds = 0;
@@ -73,6 +75,12 @@ struct PhotonSplatting::State {
         tiles.resize(size_t{columns} * ((size.height + kTileSide - 1) / kTileSide));
     }
 
+    /// Nothing that the clamp may take anything from: no short ray of the cluster's points would meet a surface.
+    bool nothing_near(const VisibleCluster& cluster) const {
+        return shafts && cluster.flat() &&
+               !shafts->near_above(cluster.target, std::sqrt(cluster.clamp_sq_m2()), cluster.target.centre,
+                                   cluster.target.normal);
+    }
     uint32_t tile_index(const Tile& tile) const { return tile.y0 / kTileSide * columns + tile.x0 / kTileSide; }
     /// A structure of this pass: what is reported is the greatest of all passes.
     void record(const std::string& structure, uint64_t bytes) {
@@ -312,12 +320,28 @@ void PhotonSplatting::light_image(uint32_t pass, Stats& stats, const CancelToken
     if (params_.connects() && params_.repay && state.tracer) {
         const StageTimer timer(stats, "repay");
         const PassSampler sampler(state.eye.sampler, state.eye.seed, RandomDomain::Splats, pass);
-        const RepaymentScene shared{state.eye, params_.photon_threshold(), state.shafts ? &*state.shafts : nullptr};
+        const RepaymentScene shared{state.eye, params_.photon_threshold()};
         parallel_for(state.clusters.clusters().size(), 4, [&](size_t index) {
             if (cancel.cancelled()) return;
             State::PerThread& mine = state.threads.local();
             const VisibleCluster& cluster = state.clusters.clusters()[index];
-            mine.repayment.repay(shared, sampler, cluster, state.tiles[cluster.tile], mine.counts);
+            if (state.nothing_near(cluster)) return;
+            PointTile& points = state.tiles[cluster.tile];
+            mine.clamped.clear();
+            for (uint32_t i = 0; i < cluster.points; ++i) {
+                const PointBlock& block = points.blocks[cluster.first_block + i / kLanes];
+                const size_t lane = i % kLanes;
+                mine.clamped.push_back({block.position.get(lane), block.geometric_normal.get(lane),
+                                        block.normal.get(lane),
+                                        cluster.general ? &points.general[block.general[lane]] : nullptr,
+                                        block.pixel[lane], cluster.most_scatterings});
+            }
+            mine.repaid.assign(cluster.points, Rgb(0));
+            mine.repayment.repay(shared, sampler, mine.clamped, cluster.clamp_sq_m2(), mine.repaid, mine.counts);
+            for (uint32_t i = 0; i < cluster.points; ++i) {
+                Vec3Array& sum = points.blocks[cluster.first_block + i / kLanes].sum;
+                sum.set(i % kLanes, sum.get(i % kLanes) + mine.repaid[i]);
+            }
         });
         for (State::PerThread& thread : state.threads) stats.counts += std::exchange(thread.counts, {});
     }

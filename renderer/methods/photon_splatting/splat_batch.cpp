@@ -170,10 +170,7 @@ private:
             const float own = max_component(photon.power_w);
             power_w = at.arriving_power_w * (own > 0 ? max_component(power_w) / own : 0);
             splat.slot = static_cast<uint32_t>(chunk_.rough.size());
-            const ShadingPoint surface = make_shading_point(pass_.scene, at.hit, -at.wi_world);
-            chunk_.rough.push_back(
-                {surface, make_bsdf(pass_.scene, surface, at.outside_ior).rough_part(pass_.params.photon_threshold()),
-                 at.wi_world});
+            chunk_.rough.push_back(make_rough_origin(pass_.scene, at, pass_.params.photon_threshold()));
         } else {
             splat.corrected = photon.correction != 1;
         }

@@ -14,6 +14,7 @@
 #include "renderer/methods/photon_splatting/splat_settings.h"
 #include "renderer/methods/photon_splatting/stratification.h"
 #include "renderer/methods/photon_splatting/visible_clusters.h"
+#include "renderer/methods/vpl_set.h"
 
 namespace photond {
 
@@ -31,13 +32,6 @@ struct SplatPass {
     uint32_t pass;
 
     size_t source_count() const { return sources.empty() ? photons.photons.size() : sources.size(); }
-};
-
-/// A BSDF that a photon is reflected by, as its connections ask for it.
-struct RoughOrigin {
-    ShadingPoint surface;
-    Bsdf rough;
-    vec3 wi_world{0};
 };
 
 class SplatBatch {

@@ -50,4 +50,52 @@ struct SvoManyLightsParams final : MethodParams {
     uint32_t split_side() const { return vpl_choice == VplChoice::Interleaved ? interleave : 1; }
 };
 
+/// Many lights with sparse-voxel-octree visibility: virtual point lights where direct light falls, and a G-buffer whose
+/// pixels ask a share of them each. The thesis papers/svo-many-lights.txt, stage for stage (methods.md), and past it.
+///
+/// A pass: each light's reflective shadow map is traced, a Halton set is warped by the flux of its texels, and the
+/// light paths chosen so leave `vpls` lights at their first surfaces and, with `bounces`, at further ones (photons/
+/// vpl_tracer.h). From the eye, specular parts are followed to one visible point a pixel, with direct light on the way
+/// (gbuffer_walk.h). A point asks the lights of its place in an n x n block (`interleave`), all of them
+/// (`vpl_choice` resampled, lightcut), by V of `visibility`; connections nearer than sqrt(B) are clamped, and what that
+/// takes is found by one short ray a point (clamp_repayment.h, layer `clamped`). The next pass has other lights, and
+/// other pixels ask them: with `visibility` rays and `repay`, and without `filter`, the mean over the passes is the
+/// light's transport up to `bounces`, but for what comes by narrow lobes of the surfaces lit directly (below).
+///
+/// Strong where light is smooth: a thousand lights light every pixel, and the octree answers for V without the scene.
+/// Weak: voxels darken within about a voxel of edges and contacts, and leak nothing (conservative voxels); `clamp` = 0
+/// makes the variance at corners infinite. Light that a lobe with GGX alpha below `connect_threshold` reflects towards
+/// a visible point (caustics) is not in it. The layer `caustic` is not told apart. Not implemented: participating
+/// media, dispersion, animated geometry (the tree is built once); incremental reuse of lights [Laine et al. 2007].
+///
+/// [Sun 2015] Many-Light Real-Time Global Illumination using Sparse Voxel Octree. Thesis, WPI.
+/// [Keller 1997] Instant Radiosity. SIGGRAPH. [Kollig and Keller 2004] Illumination in the Presence of Weak
+/// Singularities. [Clarberg et al. 2005] Wavelet Importance Sampling. SIGGRAPH.
+class SvoManyLights final : public Method {
+public:
+    static constexpr const char* kName = "svo_many_lights";
+    using Params = SvoManyLightsParams;
+
+    explicit SvoManyLights(const SvoManyLightsParams& params);
+    ~SvoManyLights() override;
+    /// What begin() and the passes will record, to a factor of two.
+    static uint64_t estimate_bytes(const SvoManyLightsParams& params, const Workload& workload);
+
+    void begin(const RenderContext& context, Stats& stats) override;
+    void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) override;
+    void resolve(Film& film) override;
+
+private:
+    struct State;  // svo_many_lights.cpp
+
+    void look_from_eye(uint32_t pass, Stats& stats, const CancelToken& cancel);
+    void make_lights(uint32_t pass, Stats& stats, const CancelToken& cancel);
+    void light_points(uint32_t pass, Stats& stats, const CancelToken& cancel);
+    void merge(Stats& stats);
+    bool repays() const;
+
+    const SvoManyLightsParams params_;
+    std::unique_ptr<State> state_;
+};
+
 }  // namespace photond

@@ -1,4 +1,4 @@
-#include "renderer/methods/photon_splatting/repayment.h"
+#include "renderer/methods/clamp_repayment.h"
 
 #include "renderer/transport/emission.h"
 #include "renderer/transport/mis.h"
@@ -19,47 +19,37 @@ Bsdf connecting_part(const Bsdf& bsdf, float threshold) {
 
 }  // namespace
 
-void Repayment::repay(const RepaymentScene& shared, const PassSampler& sampler, const VisibleCluster& cluster,
-                      PointTile& points, Counts& counts) {
-    clamp_sq_m2_ = cluster.clamp_sq_m2();
-    const float reach_m = std::sqrt(clamp_sq_m2_);
-    blocks_ = points.blocks.data() + cluster.first_block;
-    if (cluster.most_scatterings == 0) return;
-    if (shared.shafts && cluster.flat() &&
-        !shared.shafts->near_above(cluster.target, reach_m, cluster.target.centre, cluster.target.normal))
-        return;
-    start(sampler, cluster, points);
-    int64_t left = int64_t{cluster.most_scatterings} - 1;
-    for (uint32_t vertex = 0; !rays_.empty(); ++vertex, --left) {
+void ClampRepayment::repay(const RepaymentScene& shared, const PassSampler& sampler,
+                           std::span<const ClampedPoint> points, float clamp_sq_m2, std::span<Rgb> sums,
+                           Counts& counts) {
+    clamp_sq_m2_ = clamp_sq_m2;
+    start(sampler, points);
+    for (uint32_t vertex = 0; !rays_.empty(); ++vertex) {
         hits_.resize(rays_.size());
         shared.eye.intersector.closest_hits(rays_, hits_, Coherence::Incoherent);
         counts.bounce_rays += rays_.size();
         next_rays_.clear(), next_paths_.clear(), shadow_rays_.clear(), lights_.clear();
-        for (size_t i = 0; i < rays_.size(); ++i) scatter(shared, sampler, vertex, left, i);
+        for (size_t i = 0; i < rays_.size(); ++i) scatter(shared, sampler, vertex, i, sums);
         occluded_.resize(shadow_rays_.size());
         shared.eye.intersector.occluded(shadow_rays_, occluded_, Coherence::Incoherent);
         counts.shadow_rays += shadow_rays_.size();
         for (size_t i = 0; i < lights_.size(); ++i)
-            if (!occluded_[i]) add(lights_[i].point, lights_[i].light);
+            if (!occluded_[i]) sums[lights_[i].point] += lights_[i].light;
         rays_.swap(next_rays_), paths_.swap(next_paths_);
     }
 }
 
-void Repayment::add(uint32_t point, const Rgb& light) {
-    Vec3Array& sum = blocks_[point / kLanes].sum;
-    sum.set(point % kLanes, sum.get(point % kLanes) + light);
-}
-
 /// One short ray a point. The throughput makes irradiance of radiance at Lambert points, radiance at others.
-void Repayment::start(const PassSampler& sampler, const VisibleCluster& cluster, const PointTile& points) {
+void ClampRepayment::start(const PassSampler& sampler, std::span<const ClampedPoint> points) {
     const float reach_m = std::sqrt(clamp_sq_m2_);
     rays_.clear(), paths_.clear();
-    for (uint32_t i = 0; i < cluster.points; ++i) {
-        const PointBlock& block = blocks_[i / kLanes];
-        const size_t lane = i % kLanes;
-        const vec3 position = block.position.get(lane), geometric = block.geometric_normal.get(lane);
-        const VisiblePoint* general = cluster.general ? &points.general[block.general[lane]] : nullptr;
-        const uint32_t key = hash32(sampler.pixel_key(block.pixel[lane]) + cluster.most_scatterings);
+    for (uint32_t i = 0; i < points.size(); ++i) {
+        const ClampedPoint& point = points[i];
+        if (point.most_scatterings == 0) continue;
+        const vec3& position = point.position;
+        const vec3& geometric = point.geometric_normal;
+        const VisiblePoint* general = point.general;
+        const uint32_t key = hash32(sampler.pixel_key(point.pixel) + point.most_scatterings);
         vec2 u = sampler.sample_2d(key, sample_set(0, VertexSet::Direction));
         const bool both_sides = general && general->rough.has_non_delta_transmission();
         bool below = false;
@@ -67,13 +57,13 @@ void Repayment::start(const PassSampler& sampler, const VisibleCluster& cluster,
             below = u.x >= 0.5f;
             u.x = 2 * u.x - (below ? 1.0f : 0.0f);
         }
-        const Frame frame(general ? general->surface.shading.normal : block.normal.get(lane));
+        const Frame frame(general ? general->surface.shading.normal : point.normal);
         vec3 local = sample_cosine_hemisphere(u);
         if (below) local.z = -local.z;
         const vec3 w = frame.to_world(local);
         const bool front = glm::dot(geometric, w) > 0;
         if (!both_sides && !front) continue;
-        Path path{.throughput = Rgb(kPi), .point = i, .key = key, .media = {}};
+        Path path{.throughput = Rgb(kPi), .point = i, .key = key, .left = point.most_scatterings, .media = {}};
         if (general) {
             const vec3 wi = general->surface.shading.to_local(w);
             const float pdf = std::fabs(local.z) * kInvPi * (both_sides ? 0.5f : 1.0f);
@@ -87,10 +77,9 @@ void Repayment::start(const PassSampler& sampler, const VisibleCluster& cluster,
     }
 }
 
-/// Adds the light at the end of ray i, and sends the path on. `left`: scatterings that photons may have had before the
-/// one at this vertex; below 0 when only a light was still to be met.
-void Repayment::scatter(const RepaymentScene& shared, const PassSampler& sampler, uint32_t vertex, int64_t left,
-                        size_t i) {
+/// Adds the light at the end of ray i, and sends the path on.
+void ClampRepayment::scatter(const RepaymentScene& shared, const PassSampler& sampler, uint32_t vertex, size_t i,
+                             std::span<Rgb> sums) {
     const Scene& scene = shared.eye.scene;
     Path path = paths_[i];
     const Hit& hit = hits_[i];
@@ -111,11 +100,13 @@ void Repayment::scatter(const RepaymentScene& shared, const PassSampler& sampler
                                                            direction, hit.t);
         }
         if (!is_black(radiance))
-            add(path.point, path.throughput * radiance * (path.delta ? 1.0f : power_heuristic(path.pdf_sa, light_pdf)));
+            sums[path.point] +=
+                path.throughput * radiance * (path.delta ? 1.0f : power_heuristic(path.pdf_sa, light_pdf));
     } else if (hit.valid()) {
         path.throughput *= 1 - std::min(sqr(hit.t) / clamp_sq_m2_, 1.0f);
     }
-    if (!hit.valid() || left < 0) return;
+    if (!hit.valid() || path.left == 0) return;
+    --path.left;
 
     const ShadingPoint at = make_shading_point(scene, hit, direction);
     if (scene.materials[at.material].unlit) return;
@@ -126,7 +117,7 @@ void Repayment::scatter(const RepaymentScene& shared, const PassSampler& sampler
     path.position = at.position;
     path.lit_normal = bsdf.has_non_delta_transmission() ? vec3(0) : at.shading.normal;
     // Light that the path on from here may meet is found in two ways; a last vertex has light samples alone.
-    const bool goes_on = left > 0 || bsdf.has_delta();
+    const bool goes_on = path.left > 0 || bsdf.has_delta();
     if (bsdf.has_non_delta()) sample_light(shared, sampler, vertex, path, at, bsdf, wo, goes_on);
     if (!goes_on) return;
 
@@ -148,9 +139,9 @@ void Repayment::scatter(const RepaymentScene& shared, const PassSampler& sampler
     next_paths_.push_back(path);
 }
 
-void Repayment::sample_light(const RepaymentScene& shared, const PassSampler& sampler, uint32_t vertex,
-                             const Path& path, const ShadingPoint& at, const Bsdf& bsdf, const vec3& wo,
-                             bool competes) {
+void ClampRepayment::sample_light(const RepaymentScene& shared, const PassSampler& sampler, uint32_t vertex,
+                                  const Path& path, const ShadingPoint& at, const Bsdf& bsdf, const vec3& wo,
+                                  bool competes) {
     LightSample light;
     const float choice = sampler.sample_2d(path.key, sample_set(vertex, VertexSet::LightChoiceAndRoulette)).x;
     if (!shared.eye.lights.sample(path.position, path.lit_normal, choice,

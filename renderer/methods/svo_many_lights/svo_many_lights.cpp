@@ -1,0 +1,342 @@
+#include "renderer/methods/svo_many_lights/svo_many_lights.h"
+
+#include <map>
+
+#include "renderer/core/rng.h"
+#include "renderer/core/thread_local.h"
+#include "renderer/gbuffer/geometry_filter.h"
+#include "renderer/many_lights/vpl_shadow_maps.h"
+#include "renderer/methods/camera_importance.h"
+#include "renderer/methods/clamp_repayment.h"
+#include "renderer/methods/vpl_lighting.h"
+#include "renderer/photons/vpl_tracer.h"
+#include "renderer/voxels/sparse_voxel_octree.h"
+#include "renderer/voxels/voxel_intersector.h"
+
+namespace photond {
+
+namespace {
+
+constexpr uint32_t kPointsAtOnce = SplitLayout::kGroup;
+constexpr uint64_t kRotationStream = 0;  // of RandomDomain::Splats in a pass
+
+bool traces_voxels(const SvoManyLightsParams& params) {
+    return params.bounces > 1 && params.bounce_tracing == VplBounces::Voxels;
+}
+
+VplTracing tracing_of(const SvoManyLightsParams& params) {
+    return {.vpls = params.vpls,
+            .map_side = params.map_resolution,
+            .bounces = params.bounces,
+            .glossy_threshold = params.connect_threshold,
+            .sampler = params.sampler};
+}
+
+/// Values a point has besides its place: what lights bring it, what is repaid, and what the filter leaves.
+uint64_t values_of_point(const SvoManyLightsParams& params) { return 2 + (params.filter > 0 ? 1 : 0); }
+
+uint64_t light_count(const SvoManyLightsParams& params) {
+    return uint64_t{params.vpls} * std::clamp(params.bounces, 1u, 8u);
+}
+
+/// What lights take beside their photons: lists in subsets, surfaces where not all is Lambert.
+uint64_t light_bytes(const SvoManyLightsParams& params, const Needs& needs) {
+    const uint64_t lights = light_count(params);
+    const uint64_t maps =
+        params.visibility == VplVisibility::ShadowMaps ? VplShadowMaps::bytes_for(lights, params.shadow_resolution) : 0;
+    const uint64_t padding = uint64_t{params.split_side()} * params.split_side() * sizeof(VplBlock);
+    return lights * (sizeof(Vpl) + sizeof(VplBlock) / kLanes + (needs.only_lambert() ? 0 : sizeof(RoughOrigin))) +
+           padding + maps;
+}
+
+/// Of the octree where nothing is known of the scene but that it has rooms: surfaces of some times the cube's side.
+uint64_t tree_bytes(const SvoManyLightsParams& params) {
+    constexpr double kSurface = 8, kNodesABrick = 3, kVoxelsABrick = 16;
+    const double side = params.voxel_resolution / double{BRICK_SIDE};
+    const double bricks = std::min(kSurface * side * side, side * side * side);
+    const double surfaces = traces_voxels(params) ? (1 + kVoxelsABrick) * sizeof(uint32_t) : 0;
+    return static_cast<uint64_t>(bricks * (kNodesABrick * sizeof(gpu::SvoNode) + sizeof(gpu::SvoBrick) + surfaces));
+}
+
+}  // namespace
+
+struct SvoManyLights::State {
+    struct PerThread {
+        SpecularWalk walk{GBuffer::kTileSide};
+        GBufferSink sink;
+        VplLighting lighting;
+        ClampRepayment repayment;
+        std::vector<ClampedPoint> clamped;
+        std::vector<uint32_t> places;  // of those in the G-buffer
+        std::vector<Rgb> repaid;
+        Counts counts;
+        WalkSeconds seconds;
+        double lit_seconds = 0, repaid_seconds = 0;
+    };
+
+    State(const RenderContext& context, const SvoManyLightsParams& params)
+        : eye(context, params.sampler, params.max_scatterings()),
+          budget(context.budget),
+          buffer(context.view.film_size, params.split_side(), params.max_scatterings()),
+          sums(buffer.layout().points()),
+          image(context.view.film_size, context.view.layers) {}
+
+    /// A structure of this pass: what is reported is the greatest of all passes.
+    void record(const std::string& structure, uint64_t bytes) {
+        uint64_t& most = most_bytes[structure];
+        most = std::max(most, bytes);
+        budget.record(structure, most);
+    }
+    void take_counts(Stats& stats) {
+        for (PerThread& thread : threads) stats.counts += std::exchange(thread.counts, {});
+    }
+
+    const EyeScene eye;
+    MemoryBudget& budget;
+    std::optional<EmissionSampler> emission;
+    std::optional<SparseVoxelOctree> tree;
+    std::optional<VoxelIntersector> voxels;
+    std::optional<VplTracer> tracer;  // none: nothing is lit
+    std::optional<VplShadowMaps> maps;
+    float clamp_sq_m2 = 0;  // B
+    ThreadLocal<PerThread> threads;
+    std::map<std::string, uint64_t> most_bytes;
+
+    GBuffer buffer;
+    VplSet set;  // of the pass
+    VplSubsets subsets;
+    std::vector<Rgb> sums, repaid, filtered;  // by point
+    PassImage image;
+    bool pass_complete = false;  // image holds a whole pass
+};
+
+SvoManyLights::SvoManyLights(const SvoManyLightsParams& params) : params_(params) {}
+SvoManyLights::~SvoManyLights() = default;
+
+uint64_t SvoManyLights::estimate_bytes(const SvoManyLightsParams& params, const Workload& workload) {
+    const bool lights = workload.lights > 0 || workload.environment_size.pixels() > 0;
+    uint64_t bytes = PassImage::bytes_for(workload.film_size, workload.layers) +
+                     workload.threads * SpecularWalk::bytes_per_thread(GBuffer::kTileSide) +
+                     LightSampler::estimate_bytes(workload.lights, workload.environment_size) +
+                     GBuffer::estimate_bytes(workload.film_size, workload.needs) +
+                     values_of_point(params) * workload.film_size.pixels() * sizeof(Rgb);
+    if (!lights || params.bounces == 0) return bytes;
+    bytes += EmissionSampler::estimate_bytes(workload.lights, workload.environment_size) +
+             VplTracer::scratch_bytes(tracing_of(params), workload.threads, workload.lights) +
+             VplTracer::result_bytes(tracing_of(params)) + light_bytes(params, workload.needs);
+    if (params.needs_voxels()) bytes += tree_bytes(params);
+    return bytes;
+}
+
+void SvoManyLights::begin(const RenderContext& context, Stats& stats) {
+    const Scene& scene = context.scene;
+    const Workload workload{context.view.film_size,
+                            context.view.layers,
+                            unsigned(most_threads()),
+                            scene.triangle_lights.size() + scene.punctual_lights.size(),
+                            scene.environment ? scene.environment->map.size : Size2{},
+                            scene.triangle_count,
+                            scene.needs,
+                            {}};
+    context.budget.require(kName, estimate_bytes(params_, workload));
+
+    state_ = std::make_unique<State>(context, params_);
+    State& state = *state_;
+    MemoryBudget& budget = context.budget;
+    budget.record("pass_image", PassImage::bytes_for(context.view.film_size, context.view.layers));
+    budget.record("wavefronts", most_threads() * SpecularWalk::bytes_per_thread(GBuffer::kTileSide));
+    budget.record("light_sampler", state.eye.lights.bytes());
+
+    const char* nothing = params_.bounces == 0       ? "bounces is 0"
+                          : state.eye.lights.empty() ? "the scene has no light"
+                                                     : nullptr;
+    if (!nothing) {
+        state.emission.emplace(scene);
+        if (!(state.emission->total_power_w() > 0)) nothing = "the scene has no light";
+    }
+    if (nothing) {
+        stats.skipped.push_back({"virtual point lights", nothing, light_bytes(params_, scene.needs)});
+        return;
+    }
+    budget.record("emission_sampler", state.emission->bytes());
+    if (params_.needs_voxels()) {
+        const StageTimer timer(stats, "svo_build");
+        const VoxelGrid grid = make_voxel_grid(scene.bounds, params_.voxel_resolution);
+        budget.require("sparse_voxel_octree",
+                       SparseVoxelOctree::estimate_bytes(scene, grid, traces_voxels(params_)).peak_bytes);
+        state.tree.emplace(scene, grid, traces_voxels(params_));
+        budget.record("sparse_voxel_octree", state.tree->bytes());
+        if (traces_voxels(params_)) state.voxels.emplace(scene, *state.tree);
+    } else {
+        stats.skipped.push_back({"sparse voxel octree", "neither visibility nor bounces ask for it", 0});
+    }
+    const Intersector& further = state.voxels ? static_cast<const Intersector&>(*state.voxels) : *context.intersector;
+    state.tracer.emplace(scene, *context.intersector, further, *state.emission, tracing_of(params_));
+    budget.record("vpl_tracer", VplTracer::scratch_bytes(tracing_of(params_), most_threads(), workload.lights));
+    if (params_.visibility == VplVisibility::ShadowMaps) state.maps.emplace(params_.shadow_resolution);
+    const auto lit_area_m2 = [&] { return static_cast<float>(state.tracer->lit_area_m2(context.seed)); };
+    state.clamp_sq_m2 = params_.clamp_m2 ? *params_.clamp_m2 : default_clamp_sq_m2(lit_area_m2(), params_.vpls);
+    if (!scene.needs.solid_glass) stats.skipped.push_back({"absorption", "no solid refracts", 0});
+}
+
+void SvoManyLights::run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) {
+    state_->pass_complete = false;
+    look_from_eye(pass, stats, cancel);
+    if (cancel.cancelled()) return;
+    make_lights(pass, stats, cancel);
+    if (cancel.cancelled()) return;
+    light_points(pass, stats, cancel);
+    if (cancel.cancelled()) return;
+    merge(stats);
+    state_->pass_complete = true;
+}
+
+/// Direct light and the G-buffer, split as it is written.
+void SvoManyLights::look_from_eye(uint32_t pass, Stats& stats, const CancelToken& cancel) {
+    State& state = *state_;
+    const double wall_start = wall_now_seconds();
+    const PassSampler sampler(state.eye.sampler, state.eye.seed, RandomDomain::Camera, pass);
+    const WalkSettings settings{.glossy_threshold = params_.glossy_threshold};
+    parallel_over_tiles(state.eye.view.film_size, GBuffer::kTileSide, cancel, [&](const Tile& tile) {
+        State::PerThread& mine = state.threads.local();
+        mine.sink.start(tile, mine.walk, state.buffer, state.eye.view.camera);
+        mine.walk.trace_tile(state.eye, settings, {sampler, std::span(&sampler, 1)}, tile, state.image, mine.counts,
+                             mine.seconds, cancel, mine.sink);
+        mine.sink.finish();
+    });
+    if (cancel.cancelled()) return;
+    state.record("g_buffer", state.buffer.bytes());
+    WalkSeconds cpu;
+    for (State::PerThread& thread : state.threads) {
+        cpu.camera += thread.seconds.camera, cpu.direct += thread.seconds.direct;
+        cpu.indirect += thread.seconds.indirect, cpu.points += thread.seconds.points;
+        thread.seconds = {};
+    }
+    state.take_counts(stats);
+    add_interleaved_stages(
+        stats, wall_now_seconds() - wall_start,
+        {{"g_buffer", cpu.camera}, {"g_buffer_split", cpu.points}, {"direct", cpu.direct + cpu.indirect}});
+}
+
+void SvoManyLights::make_lights(uint32_t pass, Stats& stats, const CancelToken& cancel) {
+    State& state = *state_;
+    state.set.vpls.clear();
+    if (!state.tracer) return;
+    TexelImportance importance;
+    if (params_.placement == VplPlacement::Camera)
+        importance = CameraImportance(state.buffer, state.tree ? &*state.tree : nullptr, state.clamp_sq_m2,
+                                      state.eye.seed, pass);
+    const TracedReflections photons = state.tracer->trace(state.eye.seed, pass, importance, stats, cancel);
+    if (cancel.cancelled()) return;
+    stats.counts += photons.counts;
+    const StageTimer timer(stats, "vpl_generation");
+    state.set.assign(state.eye.scene, photons, params_.connect_threshold);
+    RandomStream random(state.eye.seed, RandomDomain::Splats, pass, kRotationStream);
+    state.subsets.assign(state.set, state.buffer.layout().tiles(), random.next_bits());
+    if (state.maps) {
+        state.maps->build(state.set.vpls, state.eye.scene, state.eye.intersector, stats);
+        state.record("vpl_shadow_maps", state.maps->bytes());
+    }
+    state.record("vpls", state.set.bytes() + state.subsets.bytes() +
+                             photons.photons.capacity() * sizeof(ReflectedPhoton) +
+                             photons.surfaces.capacity() * sizeof(ReflectingSurface));
+}
+
+/// What the lights bring to the points, and what the clamp takes.
+void SvoManyLights::light_points(uint32_t pass, Stats& stats, const CancelToken& cancel) {
+    State& state = *state_;
+    state.sums.assign(state.sums.size(), Rgb(0));
+    state.repaid.assign(repays() ? state.sums.size() : 0, Rgb(0));
+    if (!state.tracer) return;
+    const double wall_start = wall_now_seconds();
+    const VplPass lighting{.eye = state.eye,
+                           .set = state.set,
+                           .subsets = state.subsets,
+                           .visibility = params_.visibility,
+                           .tree = state.tree ? &*state.tree : nullptr,
+                           .maps = state.maps ? &*state.maps : nullptr,
+                           .clamp_sq_m2 = state.clamp_sq_m2,
+                           .roulette = params_.roulette,
+                           .seed = state.eye.seed,
+                           .pass = pass};
+    const PassSampler sampler(state.eye.sampler, state.eye.seed, RandomDomain::Splats, pass);
+    const RepaymentScene repayment{state.eye, params_.connect_threshold};
+    const uint32_t points = state.buffer.layout().points();
+    parallel_for(points / kPointsAtOnce, 1, [&](size_t group) {
+        if (cancel.cancelled()) return;
+        State::PerThread& mine = state.threads.local();
+        const auto first = static_cast<uint32_t>(group) * kPointsAtOnce, end = first + kPointsAtOnce;
+        const auto of_group = [&](std::vector<Rgb>& values) { return std::span(values).subspan(first, kPointsAtOnce); };
+        ThreadLaps laps;
+        mine.lighting.light(lighting, state.buffer, first, end, of_group(state.sums), mine.counts);
+        laps.lap(mine.lit_seconds);
+        if (!repays()) return;
+        mine.clamped.clear();
+        mine.places.clear();
+        for (uint32_t i = first; i < end; ++i) {
+            const gpu::GBufferPoint& point = state.buffer.points()[i];
+            if (point.kind == 0) continue;
+            const bool general = (point.kind & GBUFFER_GENERAL) != 0;
+            mine.clamped.push_back({point.position, point.geometric_normal, point.normal,
+                                    general ? &state.buffer.general(i) : nullptr, point.pixel,
+                                    point.kind & GBUFFER_SCATTERINGS});
+            mine.places.push_back(i);
+        }
+        mine.repaid.assign(mine.clamped.size(), Rgb(0));
+        mine.repayment.repay(repayment, sampler, mine.clamped, state.clamp_sq_m2, mine.repaid, mine.counts);
+        for (size_t i = 0; i < mine.places.size(); ++i) state.repaid[mine.places[i]] = mine.repaid[i];
+        laps.lap(mine.repaid_seconds);
+    });
+    double lit_seconds = 0, repaid_seconds = 0;
+    for (State::PerThread& thread : state.threads) {
+        lit_seconds += std::exchange(thread.lit_seconds, 0);
+        repaid_seconds += std::exchange(thread.repaid_seconds, 0);
+    }
+    state.take_counts(stats);
+    add_interleaved_stages(stats, wall_now_seconds() - wall_start,
+                           {{"indirect", lit_seconds}, {"repay", repaid_seconds}});
+}
+
+/// From the split buffer into the image.
+void SvoManyLights::merge(Stats& stats) {
+    State& state = *state_;
+    const SplitLayout& layout = state.buffer.layout();
+    const bool repaid = repays();
+    PassImage& image = state.image;
+    if (!image.split_indirect.empty() || !image.split_normal.empty()) {
+        for (uint32_t pixel = 0; pixel < image.size.pixels(); ++pixel) {
+            const uint32_t point = layout.point_shown_at(pixel % image.size.width, pixel / image.size.width);
+            if (!image.split_indirect.empty()) image.split_indirect[pixel] = state.sums[point];
+            if (!image.split_normal.empty()) image.split_normal[pixel] = state.buffer.points()[point].normal;
+        }
+    }
+    std::span<const Rgb> light = state.sums;
+    if (params_.filter > 1) {
+        const StageTimer timer(stats, "filter");
+        if (repaid && params_.repay)
+            for (size_t i = 0; i < state.sums.size(); ++i) state.sums[i] += state.repaid[i];
+        state.filtered.resize(state.sums.size());
+        filter_geometry_aware(layout, state.buffer.points(), state.sums,
+                              {params_.filter, params_.filter_normal, params_.filter_distance}, state.filtered);
+        light = state.filtered;
+    }
+    const StageTimer timer(stats, "merge");
+    const bool adds_repaid = repaid && params_.repay && params_.filter <= 1;
+    parallel_for(layout.points(), 4096, [&](size_t i) {
+        const gpu::GBufferPoint& point = state.buffer.points()[i];
+        if (point.kind == 0) return;
+        image.indirect[point.pixel] += point.weight * (adds_repaid ? light[i] + state.repaid[i] : light[i]);
+        if (!image.clamped.empty()) image.clamped[point.pixel] = repaid ? point.weight * state.repaid[i] : Rgb(0);
+    });
+}
+
+/// Whether short rays find what the clamp takes: it is added, or shown.
+bool SvoManyLights::repays() const {
+    return state_->clamp_sq_m2 > 0 && (params_.repay || !state_->image.clamped.empty());
+}
+
+void SvoManyLights::resolve(Film& film) {
+    if (state_->pass_complete) film.add_pass(state_->image);
+}
+
+}  // namespace photond
