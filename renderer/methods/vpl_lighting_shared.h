@@ -10,12 +10,8 @@
 #define VPL_VISIBILITY_MAPS 2u
 #define VPL_VISIBILITY_NONE 3u
 
-// Specialisation constants, after those of device_image_shared.h.
-#define VPL_VISIBILITY_ID 48
-
-// Words of the pass's counts.
-#define VPL_COUNT 0  // virtual point lights
-#define VPL_COUNT_WORDS 4
+// What shaders that ask for V bind it at, after all else (vpl_visibility_*.glsl).
+#define VPL_VISIBILITY_BINDING 24
 
 #ifdef __cplusplus
 namespace photond::gpu {
@@ -29,12 +25,23 @@ struct VplLightingConstants {
     uint rotation;  // tile t takes the lights whose index is t + rotation modulo the number of tiles
     SplitRecord split;
     float clamp_sq_m2;        // B; 0: none
-    float roulette;           // dimmer than that share of the mean so far: dropped by chance
+    float roulette;           // a light dimmer than that share of the mean is asked by chance; 0: all are
     float glossy_threshold;   // of eye paths
     float connect_threshold;  // of lights: lobes with GGX alpha below it send nothing
+    uint map_resolution;      // VPL_VISIBILITY_MAPS
+    uint unused;              // the compilers differ in whether they would leave room here
+};
+
+/// Points, a thread each, and lights of their tile's subset, by their place in it; both half open.
+struct VplLightingPush {
+    uint first_point;
+    uint end_point;
+    uint first_light;
+    uint end_light;
 };
 
 #ifdef __cplusplus
+static_assert(sizeof(VplLightingConstants) == 64, "must match the scalar layout of GLSL");
 }  // namespace photond::gpu
 #endif
 

@@ -1,0 +1,29 @@
+// The walk that fills a G-buffer on a device (device_gbuffer.h), for both compilers.
+#ifndef PHOTOND_DEVICE_GBUFFER_SHARED_H
+#define PHOTOND_DEVICE_GBUFFER_SHARED_H
+
+#include "renderer/gbuffer/gbuffer_shared.h"
+#include "renderer/gbuffer/split_shared.h"
+
+#ifdef __cplusplus
+namespace photond::gpu {
+#endif
+
+struct GBufferWalkPush {
+    SplitRecord split;
+    uint first_tile;  // of the image, EYE_TILE pixels a side, half open
+    uint end_tile;
+    float glossy_threshold;
+};
+
+/// Points, a thread each.
+struct PointPush {
+    uint first_point;
+    uint end_point;
+};
+
+#ifdef __cplusplus
+}  // namespace photond::gpu
+#endif
+
+#endif

@@ -1,0 +1,15 @@
+// What shaders that light points by virtual point lights have in common: a thread a point.
+#include "renderer/backends/gpu/invocation.glsl"
+#define COUNTERS_BINDING 0
+#include "renderer/backends/gpu/counters.glsl"
+#define VPL_LOBES_BINDING 6
+#include "renderer/methods/vpl_lighting.glsl"
+
+layout(local_size_x = SPLIT_GROUP) in;
+layout(push_constant, scalar) uniform Push { VplLightingPush push; };
+layout(set = 0, binding = 1, scalar) readonly buffer Constants { VplLightingConstants constants; };
+layout(set = 0, binding = 2, scalar) readonly buffer Points { GBufferPoint points[]; };
+layout(set = 0, binding = 3, scalar) readonly buffer GeneralPoints { GBufferGeneral general_points[]; };
+layout(set = 0, binding = 4, scalar) readonly buffer Counts { uint counts[VPL_COUNT_WORDS]; };
+layout(set = 0, binding = 5, scalar) readonly buffer Vpls { Vpl vpls[]; };
+layout(set = 0, binding = 7, scalar) buffer Sums { vec3 sums[]; };
