@@ -1,5 +1,5 @@
-// GLSL twin of gbuffer/geometry_filter.cpp. Define FILTER_POINTS and FILTER_IRRADIANCE before: the arrays of GBufferPoint and
-// vec3, in the order of the split buffer.
+// GLSL twin of gbuffer/geometry_filter.cpp. Define FILTER_POINTS and FILTER_IRRADIANCE before: the arrays of GBufferPoint
+// and vec3, in the order of the split buffer.
 #ifndef PHOTOND_GEOMETRY_FILTER_GLSL
 #define PHOTOND_GEOMETRY_FILTER_GLSL
 
