@@ -8,6 +8,7 @@
 #include "renderer/many_lights/vpl_shadow_maps.h"
 #include "renderer/methods/camera_importance.h"
 #include "renderer/methods/clamp_repayment.h"
+#include "renderer/methods/svo_many_lights/svo_layers.h"
 #include "renderer/methods/vpl_lighting.h"
 #include "renderer/photons/vpl_tracer.h"
 #include "renderer/voxels/sparse_voxel_octree.h"
@@ -310,6 +311,8 @@ void SvoManyLights::merge(Stats& stats) {
             if (!image.split_normal.empty()) image.split_normal[pixel] = state.buffer.points()[point].normal;
         }
     }
+    if (!image.voxels.empty() && state.tree) show_voxels(state.tree->view(), state.eye, image.voxels);
+    if (!image.vpls.empty()) show_vpls(state.set.vpls, state.eye, state.buffer, image.vpls);
     std::span<const Rgb> light = state.sums;
     if (params_.filter > 1) {
         const StageTimer timer(stats, "filter");
