@@ -1,9 +1,21 @@
 // GLSL twin of methods/specular_walk.cpp: from the eye through what is specular, a vertex at a time. What a vertex does is
 // said in specular_walk.h.
+//
+// A method that knows of shadows before a ray is traced (WalkGuide::light_seen()) defines before
+// WALK_LIGHT_SEEN(position, normal, source, key): a LIGHT_SEEN_* of a light source (LightSample::source) at a point;
+// `normal` is geometric, on the eye's side, `key` the path's of the sampler.
 #ifndef PHOTOND_SPECULAR_WALK_GLSL
 #define PHOTOND_SPECULAR_WALK_GLSL
 
 #include "renderer/methods/eye_vertex.glsl"
+
+// LightSeen.
+#define LIGHT_SEEN_WHOLE 0u
+#define LIGHT_SEEN_NOTHING 1u
+#define LIGHT_SEEN_UNKNOWN 2u
+#ifndef WALK_LIGHT_SEEN
+#define WALK_LIGHT_SEEN(position, normal, source, key) LIGHT_SEEN_UNKNOWN
+#endif
 
 /// A vertex of the walk: where a path is, and what of its light is still to come.
 struct WalkVertex {
@@ -20,15 +32,17 @@ struct WalkVertex {
     bool waits;        // a visible point: f_d scatters, and one more scattering, before it, is within eye.max_scatterings
 };
 
-/// Light samples at a vertex: the radiance of one, and the ray that must not be occluded for it to arrive. The specular
-/// part's share of it competes with the direction that the path goes on to, the rough part's with `competing_rays` that
+/// Light samples at a vertex: the radiance of one, the ray that must not be occluded for it to arrive, and whose light it
+/// is. The specular part's share of it competes with the direction that the path goes on to, the rough part's with `competing_rays` that
 /// the method draws. `samples`: of the vertex in all. False: it carries nothing.
 bool walk_light_sample(EyePath path, WalkVertex met, Bsdf specular, float samples, float competing_rays, float u_choice,
-                       vec2 u_light, out Ray ray, out vec3 radiance) {
+                       vec2 u_light, out Ray ray, out vec3 radiance, out uint source) {
     ray = Ray(vec3(0.0), vec3(0.0), 0.0);
     radiance = vec3(0.0);
+    source = 0;
     LightSample light_sample;
     if (!sample_light(path.position, path.lit_normal, u_choice, u_light, light_sample)) return false;
+    source = light_sample.source;
     const vec3 wi = to_local(met.surface.shading, light_sample.wi);
     const BsdfValue by_rough = bsdf_evaluate(met.rough, met.wo, wi, TRANSPORT_RADIANCE);
     vec3 f_cos = by_rough.f_cos;
@@ -91,10 +105,16 @@ bool walk_vertex(uint vertex, uint key, float glossy_threshold, inout EyePath pa
     if (bsdf_has_non_delta(specular) || bsdf_has_non_delta(met.rough)) {
         Ray to_light;
         vec3 radiance;
+        uint source;
         const vec2 u_light = sample_2d(key, sample_set(vertex, SET_LIGHT_POINT));
-        if (walk_light_sample(path, met, specular, 1.0, 0.0, choice.x, u_light, to_light, radiance)) {
-            ++shadow_rays;
-            if (!occluded(to_light)) {
+        if (walk_light_sample(path, met, specular, 1.0, 0.0, choice.x, u_light, to_light, radiance, source)) {
+            const uint seen = WALK_LIGHT_SEEN(met.surface.position, met.surface.geometric_normal, source, key);
+            bool arrives = seen == LIGHT_SEEN_WHOLE;
+            if (seen == LIGHT_SEEN_UNKNOWN) {
+                ++shadow_rays;
+                arrives = !occluded(to_light);
+            }
+            if (arrives) {
                 if (path.scatterings == 0) light.direct += radiance; else light.indirect += radiance;
             }
         }
