@@ -33,8 +33,8 @@ struct WalkVertex {
 };
 
 /// Light samples at a vertex: the radiance of one, the ray that must not be occluded for it to arrive, and whose light it
-/// is. The specular part's share of it competes with the direction that the path goes on to, the rough part's with `competing_rays` that
-/// the method draws. `samples`: of the vertex in all. False: it carries nothing.
+/// is (LightSample::source). The specular part's share of it competes with the direction that the path goes on to, the
+/// rough part's with `competing_rays` that the method draws. `samples`: of the vertex in all. False: it carries nothing.
 bool walk_light_sample(EyePath path, WalkVertex met, Bsdf specular, float samples, float competing_rays, float u_choice,
                        vec2 u_light, out Ray ray, out vec3 radiance, out uint source) {
     ray = Ray(vec3(0.0), vec3(0.0), 0.0);
