@@ -7,7 +7,7 @@
 #include "renderer/many_lights/vpl_shadow_maps_shared.h"
 
 const float VPL_MAP_MOST_STRETCH = 4.0;
-const float VPL_MAP_TOLERANCE = 0.5;
+const float VPL_MAP_TOLERANCE = 0.25;
 
 /// The unit direction, local to the light's frame, of a place in the map, [0, 1]^2.
 vec3 vpl_map_direction(vec2 place) {

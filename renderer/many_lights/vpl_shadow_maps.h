@@ -27,7 +27,7 @@ namespace vpl_map {
 
 inline constexpr uint32_t kLeastResolution = 4, kMostResolution = 128;
 inline constexpr float kMostStretch = 4;
-inline constexpr float kTolerance = 0.5f;
+inline constexpr float kTolerance = 0.25f;
 
 /// The unit direction, local to the light's frame, of a place in the map, [0, 1]^2.
 inline vec3 direction(const vec2& place) {
