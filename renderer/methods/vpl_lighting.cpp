@@ -16,16 +16,22 @@ constexpr stdx::vector_aligned_tag kAligned;
 /// Least chance of a light to be asked for V where the receiver is not Lambert: the cosines say less of what it brings.
 constexpr float kLeastGeneralChance = 0.25f;
 
-void set_lane(VplBlock& block, size_t lane, const Vpl& vpl, uint32_t index) {
-    block.position.set(lane, vpl.position);
-    block.normal.set(lane, vpl.normal);
-    block.intensity.set(lane, vpl.intensity);
-    block.scatterings[lane] = static_cast<float>(vpl.scatterings);
-    block.index[lane] = index;
-    if (!is_lambert(vpl) || vpl.correction != 1) block.plain = false;
+}  // namespace
+
+void VplBlock::set(size_t lane, const Vpl& vpl, uint32_t light) {
+    position.set(lane, vpl.position);
+    normal.set(lane, vpl.normal);
+    intensity.set(lane, vpl.intensity);
+    scatterings[lane] = static_cast<float>(vpl.scatterings);
+    index[lane] = light;
+    if (!is_lambert(vpl) || vpl.correction != 1) plain = false;
 }
 
-}  // namespace
+void VplBlock::clear_from(size_t lane) {
+    const bool is_plain = plain;
+    for (; lane < kLanes; ++lane) set(lane, {.normal = vec3(0), .surface = NO_VPL_SURFACE}, 0);
+    plain = is_plain;
+}
 
 void VplSubsets::assign(const VplSet& set, uint32_t tiles, uint32_t rotation) {
     blocks_.clear();
@@ -35,16 +41,17 @@ void VplSubsets::assign(const VplSet& set, uint32_t tiles, uint32_t rotation) {
         size_t lane = kLanes;
         for (uint32_t i = (tile + rotation) % tiles; i < count; i += tiles) {
             if (lane == kLanes) {
-                VplBlock& block = blocks_.emplace_back();
-                for (size_t k = 0; k < kLanes; ++k)
-                    set_lane(block, k, {.normal = vec3(0), .surface = NO_VPL_SURFACE}, 0);
-                block.plain = true;
+                blocks_.emplace_back().clear_from(0);
                 lane = 0;
             }
-            set_lane(blocks_.back(), lane++, set.vpls[i], i);
+            blocks_.back().set(lane++, set.vpls[i], i);
         }
         begins_.push_back(static_cast<uint32_t>(blocks_.size()));
     }
+}
+
+uint32_t VplLighting::key_of(const VplPass& pass, const gpu::GBufferPoint& point) {
+    return hash32(point.pixel ^ hash32(pass.pass ^ hash32(static_cast<uint32_t>(pass.seed))));
 }
 
 void VplLighting::start_point(const VplPass& pass, const GBuffer& buffer, uint32_t point) {
@@ -52,7 +59,7 @@ void VplLighting::start_point(const VplPass& pass, const GBuffer& buffer, uint32
     general_ = (point_->kind & GBUFFER_GENERAL) != 0 ? &buffer.general(point) : nullptr;
     evaluator_.reset();
     if (general_) evaluator_.emplace(general_->rough, general_->wo);
-    key_ = hash32(point_->pixel ^ hash32(pass.pass ^ hash32(static_cast<uint32_t>(pass.seed))));
+    key_ = key_of(pass, *point_);
     asked_.clear();
 }
 
@@ -183,6 +190,43 @@ void VplLighting::light(const VplPass& pass, const GBuffer& buffer, uint32_t fir
         }
         sums[index - first] += trace(pass, counts);
     }
+}
+
+Rgb VplLighting::light_by(const VplPass& pass, const GBuffer& buffer, uint32_t point, std::span<const ChosenVpl> lights,
+                          Counts& counts) {
+    start_point(pass, buffer, point);
+    blocks_.clear();
+    arriving_.clear();
+    float total = 0;
+    uint32_t lit = 0;
+    for (size_t first = 0; first < lights.size(); first += kLanes) {
+        const size_t count = std::min(lights.size() - first, kLanes);
+        VplBlock& block = blocks_.emplace_back();
+        for (size_t lane = 0; lane < count; ++lane)
+            block.set(lane, pass.set.vpls[lights[first + lane].vpl], lights[first + lane].vpl);
+        block.clear_from(count);
+        arriving_.push_back(arriving(pass, block));
+        for (size_t lane = 0; lane < count; ++lane) {
+            total += arriving_.back().size[lane] * lights[first + lane].weight;
+            lit += arriving_.back().size[lane] > 0 ? 1 : 0;
+        }
+    }
+    if (lit == 0) return Rgb(0);
+    const float bright = pass.roulette * total / static_cast<float>(lit);
+    const float least_chance = general_ ? kLeastGeneralChance : 0.0f;
+    for (size_t i = 0; i < lights.size(); ++i) {
+        const Arriving& from = arriving_[i / kLanes];
+        const size_t lane = i % kLanes;
+        const float size = from.size[lane] * lights[i].weight;
+        if (!(size > 0)) continue;
+        float chance = 1;
+        if (size < bright) {
+            chance = std::max(size / bright, least_chance);
+            if (!(to_unit_float(hash32(key_ + 0x9e3779b9u * lights[i].vpl)) < chance)) continue;
+        }
+        ask(pass, lights[i].vpl, from.light.get(lane) * (lights[i].weight / chance));
+    }
+    return trace(pass, counts);
 }
 
 }  // namespace photond

@@ -30,6 +30,17 @@ struct VplBlock {
     alignas(kLaneAlignment) LaneFloats scatterings;
     uint32_t index[kLanes];  // in VplSet::vpls
     bool plain = true;       // Lambert, no correction
+
+    /// `index`: the light's.
+    void set(size_t lane, const Vpl& vpl, uint32_t light);
+    /// Nothing is sent from there.
+    void clear_from(size_t lane);
+};
+
+/// A light that a point asks, drawn by chance (vpl_choice.h).
+struct ChosenVpl {
+    uint32_t vpl;
+    float weight;  // what it brings counts so many times
 };
 
 /// The lights of a pass in the subsets that tiles of the split buffer take: light i belongs to the tile t with
@@ -69,6 +80,11 @@ public:
     /// [W m^-2 sr^-1] before the throughput of others, is added to sums[first ...]. Shadow queries go to `counts`.
     void light(const VplPass& pass, const GBuffer& buffer, uint32_t first, uint32_t end, std::span<Rgb> sums,
                Counts& counts);
+    /// The same of one point by those lights, dim ones by chance again.
+    Rgb light_by(const VplPass& pass, const GBuffer& buffer, uint32_t point, std::span<const ChosenVpl> lights,
+                 Counts& counts);
+    /// What a point's random numbers of a pass are made of.
+    static uint32_t key_of(const VplPass& pass, const gpu::GBufferPoint& point);
 
     /// What one light brings to the point unshadowed, by way of the same code: for choices of other kinds.
     struct Arriving {
@@ -94,6 +110,7 @@ private:
     std::optional<BsdfEvaluator> evaluator_;
     uint32_t key_ = 0;  // of the point's random numbers
     std::vector<Arriving> arriving_;
+    std::vector<VplBlock> blocks_;  // of light_by()
     std::vector<Asked> asked_;
     std::vector<Ray> rays_;
     std::vector<uint8_t> occluded_;
