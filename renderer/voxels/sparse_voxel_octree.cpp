@@ -164,10 +164,9 @@ uint64_t SparseVoxelOctree::bytes() const {
            (surfaces_.size() + first_triangles_.size()) * sizeof(uint32_t);
 }
 
-SparseVoxelOctree::Estimate SparseVoxelOctree::estimate_bytes(const Scene& scene, const VoxelGrid& grid,
-                                                              bool surfaces) {
+SparseVoxelOctree::Estimate SparseVoxelOctree::estimate(const Scene& scene, const VoxelGrid& grid, bool surfaces) {
     // A convex flat figure thrown at random onto a grid touches 1 + its widths along the axes + the areas of its
-    // shadows cells on average, in units of a cell; neighbours share those of their edges.
+    // shadows cells on average, in units of a cell. Neighbours in a mesh share all but the areas.
     const double brick_m = double{grid.cell_m} * BRICK_SIDE;
     double fragments = 0, area = 0;  // shadows', in bricks
     for (uint32_t i = 0; i < scene.instances.size(); ++i) {
@@ -182,15 +181,17 @@ SparseVoxelOctree::Estimate SparseVoxelOctree::estimate_bytes(const Scene& scene
             fragments += 1 + width.x + width.y + width.z + shadow.x + shadow.y + shadow.z;
         }
     }
-    constexpr double kCurved = 1.3;     // edges and curves touch more than planes
-    constexpr double kNodesABrick = 3;  // 8 a tile, of which a plane fills 3 or so; levels above, a third more
+    constexpr double kCurved = 1.3;       // edges and curves touch more than planes
+    constexpr double kNodesABrick = 3;    // 8 a tile, of which a plane fills 3 or so; levels above, a third more
+    constexpr double kVoxelsABrick = 16;  // a plane's
     const double side = static_cast<double>(grid.resolution) / BRICK_SIDE;
     const double bricks = std::min({kCurved * area + 1, fragments + 1, side * side * side});
-    const double voxels = bricks * 16;  // a plane's share of a brick
-    const double bytes = bricks * (kNodesABrick * sizeof(gpu::SvoNode) + sizeof(gpu::SvoBrick)) +
+    const double voxels = kVoxelsABrick * bricks, nodes = kNodesABrick * bricks + 8;
+    const double bytes = nodes * sizeof(gpu::SvoNode) + bricks * sizeof(gpu::SvoBrick) +
                          (surfaces ? 4 * (bricks + voxels) : 0) + 4.0 * double(scene.instances.size() + 1);
     const double peak = bytes + 2 * fragments * sizeof(Fragment) + 8.0 * double(scene.triangle_count);
-    return {static_cast<uint64_t>(bytes), static_cast<uint64_t>(peak)};
+    const auto whole = [](double x) { return static_cast<uint64_t>(x); };
+    return {whole(fragments), whole(bricks), whole(nodes), whole(voxels), whole(bytes), whole(peak)};
 }
 
 }  // namespace photond

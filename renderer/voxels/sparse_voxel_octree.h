@@ -16,11 +16,17 @@ public:
     /// Of a finished scene, which is not needed any more. `surfaces`: each set voxel knows the triangle of least number
     /// among those that touch it. The same arrays however many threads build them.
     SparseVoxelOctree(const Scene& scene, const VoxelGrid& grid, bool surfaces);
-    /// Bytes it will hold, and while it is built (`peak`), to a factor of two: by the triangles' area.
+    /// What a tree will have, by its triangles' sizes alone. Most are right to a factor of two; where triangles lie
+    /// many in a brick, as in foliage, it is less than said.
     struct Estimate {
-        uint64_t bytes, peak_bytes;
+        uint64_t fragments, bricks, nodes, voxels;
+        uint64_t bytes;       // of the tree
+        uint64_t peak_bytes;  // while it is built, on the CPU
     };
-    static Estimate estimate_bytes(const Scene& scene, const VoxelGrid& grid, bool surfaces);
+    static Estimate estimate(const Scene& scene, const VoxelGrid& grid, bool surfaces);
+    static uint64_t estimate_bytes(const Scene& scene, const VoxelGrid& grid, bool surfaces) {
+        return estimate(scene, grid, surfaces).bytes;
+    }
 
     SvoView view() const { return {constants_, nodes_, bricks_, surfaces_}; }
     const gpu::SvoConstants& constants() const { return constants_; }

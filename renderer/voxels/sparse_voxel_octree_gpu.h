@@ -4,24 +4,32 @@
 // of rasterised, so that a wall and a crumb load the device evenly and no voxel is missed; tiles are allocated by
 // prefix sums instead of an atomic counter, so that the arrays are the CPU's bit for bit.
 
+#include <algorithm>
+#include <optional>
+
 #include "renderer/backends/gpu/device_scene.h"
 #include "renderer/backends/gpu/prefix_sum.h"
+#include "renderer/voxels/svo_build_shared.h"
 #include "renderer/voxels/voxel_grid.h"
 
 namespace photond {
 
 class SparseVoxelOctreeGpu {
 public:
-    /// Borrows the scene. Builds nothing yet; room is made by the first build_now().
+    /// Borrows the scene. Builds nothing yet; room is made by what its triangles' sizes let expect.
     SparseVoxelOctreeGpu(const gpu::DeviceScene& scene, const VoxelGrid& grid, bool surfaces);
 
-    /// Builds, waits, and makes room until there is enough. Stages `voxelise` and `svo_build`.
+    /// On the device, at first: of the tree and of what building it takes.
+    static uint64_t estimate_device_bytes(const Scene& scene, const VoxelGrid& grid, bool surfaces);
+
+    /// Builds, waits, makes room until there is enough, and gives back what is more than enough. Stages `voxelise` and
+    /// `svo_build`.
     void build_now(Stats& stats);
     /// Builds anew within a frame, without a wait; scopes `voxelise` and `svo_build`. Once that has been waited for,
     /// grow_if_short() says whether the room that build_now() made was enough.
     void record_build(gpu::CommandList& commands);
-    /// Once a recorded build has been waited for: true where there was too little room. Now there is, and it must be
-    /// built again. Throws ErrorCode::OutOfMemory where the device cannot hold it.
+    /// Once a recorded build has been waited for: true where there was too little room. Now there is more, and it must
+    /// be built again, and asked again. Throws ErrorCode::OutOfMemory where the device cannot hold it.
     bool grow_if_short();
 
     // For shaders that include svo_march.glsl. They stay the same until grow_if_short() says true or build_now() comes.
@@ -31,24 +39,50 @@ public:
     gpu::Buffer& surfaces() { return surfaces_; }                // a word without surfaces
     gpu::Buffer& first_triangles() { return first_triangles_; }  // for svo_hit.glsl
 
-    const gpu::SvoConstants& host_constants() const { return constants_; }
+    const gpu::SvoConstants& host_constants() const { return host_constants_; }
     // Of the last build waited for.
-    uint64_t voxel_count() const;
-    uint64_t node_count() const;
-    uint64_t brick_count() const;
-    uint64_t fragment_count() const;
+    uint64_t fragment_count() const { return counted(SVO_STATE_FRAGMENTS); }
+    uint64_t node_count() const { return counted(SVO_STATE_NODES); }
+    uint64_t brick_count() const { return counted(SVO_STATE_BRICKS); }
+    uint64_t voxel_count() const { return counted(SVO_STATE_VOXELS); }
 
     /// Of the tree itself, and with what building it takes.
     uint64_t device_bytes() const;
     uint64_t device_bytes_with_scratch() const;
     /// device_bytes() over set voxels.
-    double bytes_a_voxel() const;
+    double bytes_a_voxel() const { return double(device_bytes()) / double(std::max<uint64_t>(voxel_count(), 1)); }
 
 private:
+    /// What there is room for.
+    struct Room {
+        uint64_t fragments, nodes, bricks, voxels;
+    };
+    static Room expected_room(const Scene& scene, const VoxelGrid& grid);
+    static uint64_t tree_bytes(const Room& room, bool surfaces);
+    static uint64_t scratch_bytes(const Room& room);
+    uint32_t counted(uint32_t word) const { return host_state_.as<uint32_t>()[word]; }
+    gpu::SvoBuildPush push(uint32_t level) const;
+    void make_tree(const Room& room);
+    void make_scratch(const Room& room);
+    void write_constants();
+    void trim();
+    void record_voxelise(gpu::CommandList& commands);
+    void record_level(gpu::CommandList& commands, uint32_t level);
+    void record_surfaces(gpu::CommandList& commands);
+
     gpu::Device& device_;
     const gpu::DeviceScene& scene_;
-    gpu::SvoConstants constants_;
+    const bool with_surfaces_;
+    gpu::SvoConstants host_constants_;
+    Room room_{};
     gpu::Buffer constants_buffer_, nodes_, bricks_, surfaces_, first_triangles_;
+    gpu::Buffer state_, host_state_, columns_, fragments_, ranks_;
+    gpu::DeviceTiles column_tiles_;
+    gpu::PrefixSum column_sum_;
+    std::optional<gpu::DeviceTiles> fragment_tiles_, node_tiles_;
+    std::optional<gpu::PrefixSum> rank_sum_;
+    gpu::ComputePipeline count_columns_, make_fragments_, begin_, flag_, rank_, allocate_, next_, fill_masks_,
+        count_voxels_, fill_surfaces_;
 };
 
 }  // namespace photond

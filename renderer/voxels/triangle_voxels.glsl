@@ -59,8 +59,8 @@ TriangleVoxels make_triangle_voxels(QuantisedTriangle triangle, int bricks) {
         t.first_brick[i] = max(first_box(t.low[i], BRICK_SIZE_LOG2), 0);
         t.end_brick[i] = min(last_box(t.high[i], BRICK_SIZE_LOG2) + 1, bricks);
     }
-    const bool flat = t.normal.x != int64_t(0) || t.normal.y != int64_t(0) || t.normal.z != int64_t(0);
-    const i64vec3 weight = flat ? abs(t.normal) : -i64vec3(t.high - t.low);
+    const bool has_normal = t.normal.x != int64_t(0) || t.normal.y != int64_t(0) || t.normal.z != int64_t(0);
+    const i64vec3 weight = has_normal ? abs(t.normal) : -i64vec3(t.high - t.low);
     t.axis = 0;
     int64_t most = weight.x;
     if (weight.y > most) t.axis = 1, most = weight.y;

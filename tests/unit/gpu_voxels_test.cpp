@@ -1,0 +1,82 @@
+// Voxels on the device against the CPU's: the same trees bit for bit, and the same answers but for rays that rounding
+// sends past a corner on either side.
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "renderer/scene/builtin_scenes.h"
+#include "renderer/voxels/sparse_voxel_octree.h"
+#include "renderer/voxels/sparse_voxel_octree_gpu.h"
+#include "tests/support/gpu_twin.h"
+#include "tests/support/voxels.h"
+
+namespace photond {
+namespace {
+
+Scene scene_named(const std::string& name) {
+    return name == "medley" ? test::voxel_medley() : make_builtin_scene(name);
+}
+
+/// A device's tree, on the host.
+struct ReadBack {
+    explicit ReadBack(SparseVoxelOctreeGpu& tree)
+        : constants(tree.host_constants()),
+          nodes(gpu::read_back<gpu::SvoNode>(test::gpu_device(), tree.nodes(), tree.node_count())),
+          bricks(gpu::read_back<gpu::SvoBrick>(test::gpu_device(), tree.bricks(), tree.brick_count())),
+          surfaces(gpu::read_back<uint32_t>(test::gpu_device(), tree.surfaces(), tree.surfaces().bytes() / 4)) {}
+    SvoView view() const { return {constants, nodes, bricks, surfaces}; }
+
+    gpu::SvoConstants constants;
+    std::vector<gpu::SvoNode> nodes;
+    std::vector<gpu::SvoBrick> bricks;
+    std::vector<uint32_t> surfaces;
+};
+
+template <class T>
+bool same(std::span<const T> a, std::span<const T> b) {
+    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
+}
+
+void expect_the_cpus(const Scene& scene, uint32_t resolution) {
+    const gpu::DeviceScene device_scene(test::gpu_device(), scene);
+    const VoxelGrid grid = make_voxel_grid(scene.bounds, resolution);
+    const SparseVoxelOctree expected(scene, grid, true);
+    SparseVoxelOctreeGpu tree(device_scene, grid, true);
+    Stats stats;
+    tree.build_now(stats);
+    EXPECT_EQ(tree.voxel_count(), expected.voxel_count());
+    const ReadBack real(tree);
+    const SvoView view = real.view(), cpu = expected.view();
+    if (expected.voxel_count() > 0) {
+        EXPECT_TRUE(std::memcmp(&view.constants, &cpu.constants, sizeof cpu.constants) == 0);
+    }
+    EXPECT_TRUE(same(view.nodes, cpu.nodes));
+    EXPECT_TRUE(same(view.bricks, cpu.bricks));
+    if (expected.voxel_count() > 0) {
+        EXPECT_TRUE(same(view.surfaces, cpu.surfaces));
+    }
+    EXPECT_EQ(test::list_voxels(view), test::list_voxels(cpu));
+    EXPECT_GT(stats.stage("voxelise").gpu_seconds, 0);
+    EXPECT_GT(stats.stage("svo_build").gpu_seconds, 0);
+}
+
+class GpuVoxels : public testing::TestWithParam<const char*> {};
+
+TEST_P(GpuVoxels, AreTheCpus) {
+    const Scene scene = scene_named(GetParam());
+    for (const uint32_t resolution : {16u, 64u, 128u, 256u}) expect_the_cpus(scene, resolution);
+}
+INSTANTIATE_TEST_SUITE_P(Scenes, GpuVoxels,
+                         testing::Values("medley", "cornell-box", "photon-splatting/chairs", "interior"));
+
+TEST(GpuVoxels, AreTheCpusAt1024) { expect_the_cpus(test::voxel_medley(), 1024); }
+
+TEST(GpuVoxels, OfAnEmptySceneAreNone) {
+    Scene scene;
+    finish_scene(scene);
+    expect_the_cpus(scene, 128);
+}
+
+}  // namespace
+}  // namespace photond
