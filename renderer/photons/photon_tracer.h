@@ -41,6 +41,7 @@ struct PhotonTracing {
     const ProjectionMap* guide = nullptr;                // of caustic photons; nullptr: by the lights' emission alone
     PhotonInjection injection = PhotonInjection::Paths;  // of trace_reflected()
     bool rough_apart = true;  // trace_reflected(): rough lobes as ReflectedPhoton::Spread::Rough, else as beams
+    bool beams = true;        // trace_reflected(): false: those of Spread::Beam are not kept
 };
 
 /// What one call of trace() did.

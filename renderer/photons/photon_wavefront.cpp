@@ -21,9 +21,9 @@ bool stores_photons(const Scene& scene, uint32_t instance) {
     return (is_plain_lambert(material) || base_color_varies(scene, mesh)) && may_be_diffuse(material);
 }
 
-PhotonTracingScene::PhotonTracingScene(const Scene& s, const Intersector& i, const EmissionSampler& e,
-                                       const PhotonTracing& t)
-    : scene(s), intersector(i), emission(e), tracing(t), absorption(s) {
+PhotonTracingScene::PhotonTracingScene(const Scene& s, const Intersector& first, const Intersector& later,
+                                       const EmissionSampler& e, const PhotonTracing& t)
+    : scene(s), intersector(first), later_intersector(later), emission(e), tracing(t), absorption(s) {
     shading.reserve(scene.instances.size());
     for (uint32_t index = 0; index < scene.instances.size(); ++index) {
         const Mesh& mesh = scene.meshes[scene.instances[index].mesh];
@@ -81,25 +81,36 @@ std::span<const Photon> PhotonWavefront::trace(const PhotonTracingScene& shared,
 void PhotonWavefront::start_paths(const PhotonTracingScene& shared, const SequenceSampler& sampler,
                                   const PhotonBatch& batch, Counts& counts) {
     const size_t emitted = batch.last - batch.first;
+    const bool texels = batch.texels || batch.map;
+    chosen_ = batch.chosen;
     for (uint32_t i = 0; i < emitted; ++i) drawn_elements_[i] = batch.first + i;
     const auto draw = [&](uint32_t set, Numbers& numbers) {
         sampler.sample_2d(batch.run, {drawn_elements_.data(), emitted}, set, {numbers.x.data(), emitted},
                           {numbers.y.data(), emitted});
     };
-    draw(batch.texels ? kJitterSet : sample_set(EmissionSet::Light), choice_);
-    draw(sample_set(EmissionSet::Position), position_);
-    draw(sample_set(EmissionSet::Direction), direction_);
+    if (!chosen_) {
+        draw(texels ? kJitterSet : sample_set(EmissionSet::Light), choice_);
+        draw(sample_set(EmissionSet::Position), position_);
+        draw(sample_set(EmissionSet::Direction), direction_);
+    }
 
     const ProjectionMap* guide = shared.tracing.guide;
-    const float share = batch.texels ? 1.0f : 1 / static_cast<float>(shared.tracing.photons);
+    const uint64_t first = batch.run * kPaths + batch.first;
     const auto start_each = [&](const auto& sample) {
         for (uint32_t i = 0; i < emitted; ++i)
             if (!sample(i, vec2(position_.x[i], position_.y[i]), vec2(direction_.x[i], direction_.y[i]), starts_[i]))
                 starts_[i].power_w = Rgb(0);
     };
     count_ = 0;
-    if (batch.texels) {
-        const uint64_t first = batch.run * kPaths + batch.first;
+    if (chosen_) {
+        for (uint32_t i = 0; i < emitted; ++i)
+            starts_[i] = start_at_texel(*batch.chosen, batch.chosen->starts[first + i]);
+    } else if (batch.map) {
+        start_each([&](uint32_t i, const vec2& u_position, const vec2& u_direction, EmissionSample& start) {
+            return batch.map->sample(static_cast<uint32_t>(first) + i, {choice_.x[i], choice_.y[i]}, u_position,
+                                     u_direction, start);
+        });
+    } else if (batch.texels) {
         start_each([&](uint32_t i, const vec2& u_position, const vec2& u_direction, EmissionSample& start) {
             return batch.texels->sample(first + i, {choice_.x[i], choice_.y[i]}, u_position, u_direction, start);
         });
@@ -115,8 +126,14 @@ void PhotonWavefront::start_paths(const PhotonTracingScene& shared, const Sequen
         const EmissionSample& start = starts_[i];
         if (is_black(start.power_w) || !is_sound(start.power_w, counts)) continue;
         Path& path = paths_[count_];
-        path.power_w = start.power_w * share;
-        path.reference_inverse = 1 / max_component(path.power_w);
+        if (chosen_) {
+            const ChosenStart& mine = batch.chosen->starts[first + i];
+            path.power_w = start.power_w * mine.share;
+            path.reference_inverse = 1 / (mine.flux_w * mine.share);
+        } else {
+            path.power_w = texels ? start.power_w : start.power_w * (1 / static_cast<float>(shared.tracing.photons));
+            path.reference_inverse = 1 / max_component(path.power_w);
+        }
         path.rough = false;
         path.all_delta = true;
         path.media = {};
@@ -126,8 +143,18 @@ void PhotonWavefront::start_paths(const PhotonTracingScene& shared, const Sequen
     }
 }
 
+EmissionSample PhotonWavefront::start_at_texel(const ChosenStarts& chosen, const ChosenStart& start) const {
+    const auto numbers = [&](uint32_t set) { return chosen.texel_numbers.sample_2d(start.texel, set); };
+    EmissionSample sample;
+    if (!chosen.map.sample(start.texel, numbers(kJitterSet), numbers(sample_set(EmissionSet::Position)),
+                           numbers(sample_set(EmissionSet::Direction)), sample))
+        sample.power_w = Rgb(0);
+    return sample;
+}
+
 void PhotonWavefront::find_hits(const PhotonTracingScene& shared, uint32_t scatterings, Counts& counts) {
-    shared.intersector.closest_hits({rays_.data(), count_}, {hits_.data(), count_}, Coherence::Incoherent);
+    const Intersector& intersector = scatterings == 0 ? shared.intersector : shared.later_intersector;
+    intersector.closest_hits({rays_.data(), count_}, {hits_.data(), count_}, Coherence::Incoherent);
     counts.photon_rays += count_;
     sort_hits(shared, scatterings);
     next_count_ = 0;
@@ -213,6 +240,7 @@ void PhotonWavefront::keep_some(const PhotonTracingScene& shared, uint32_t scatt
     const bool caustic = arrivals && shared.tracing.kind == PhotonMapKind::Caustic;
     const bool scatters = !caustic && scatterings < shared.tracing.most_scatterings;
     const bool textured = scatters && shared.scene.needs.base_color_textures;
+    const float most = most_survival(scatterings);
     kept_.resize(lambert_count_);
     size_t count = 0;
     for (uint32_t place = 0; place < lambert_count_; ++place) {
@@ -231,8 +259,8 @@ void PhotonWavefront::keep_some(const PhotonTracingScene& shared, uint32_t scatt
                                    : shading.surface.base_color;
             kept.hope = max_component(path.power_w * kept.reflectance) * path.reference_inverse;
             // Where the mesh is smooth its normals may raise the hope.
-            may_survive =
-                (arrivals && shading.surface.normals) || !(choice_.x[place] >= std::min(kept.hope, kMostSurvival));
+            may_survive = (arrivals && shading.surface.normals) || record == Record::Everything ||
+                          !(choice_.x[place] >= std::min(kept.hope, most));
         }
         kept_[count] = kept;  // without a branch, which nobody could foresee
         count += static_cast<size_t>(kept.stores | may_survive);

@@ -7,6 +7,7 @@
 
 #include "renderer/photons/photon_tracer.h"
 #include "renderer/photons/reflective_shadow_map.h"
+#include "renderer/photons/texel_map.h"
 #include "renderer/transport/lambert_lanes.h"
 #include "renderer/transport/photon_scattering.h"
 
@@ -22,11 +23,16 @@ struct PhotonTracingScene {
         LambertSurface surface;
     };
 
+    /// First hits are found by `first`, all others by `later`.
+    PhotonTracingScene(const Scene& scene, const Intersector& first, const Intersector& later,
+                       const EmissionSampler& emission, const PhotonTracing& tracing);
     PhotonTracingScene(const Scene& scene, const Intersector& intersector, const EmissionSampler& emission,
-                       const PhotonTracing& tracing);
+                       const PhotonTracing& tracing)
+        : PhotonTracingScene(scene, intersector, intersector, emission, tracing) {}
 
     const Scene& scene;
     const Intersector& intersector;
+    const Intersector& later_intersector;
     const EmissionSampler& emission;
     const PhotonTracing tracing;
     const Absorption absorption;
@@ -37,12 +43,27 @@ struct PhotonTracingScene {
 /// it may scatter diffusely, by its colour.
 bool stores_photons(const Scene& scene, uint32_t instance);
 
+/// A light path that its first hit was chosen by (vpl_tracer.h).
+struct ChosenStart {
+    uint32_t texel;
+    float share;   // of the texel's power
+    float flux_w;  // what the texel's hit reflects: roulette keeps the path's power near its share of that
+};
+/// Such paths, one for each element of the sequence: each starts with its texel's own numbers.
+struct ChosenStarts {
+    const TexelMapPass& map;
+    const SequenceSampler& texel_numbers;
+    std::span<const ChosenStart> starts;
+};
+
 /// Light paths that are traced together: part of one run of the sequence of numbers (SequenceSampler::kRun).
 struct PhotonBatch {
     uint64_t run;
     uint32_t first, last;  // elements of the run, half open
     /// Where the paths start: those texels, counted as the sequence's elements. nullptr: by the guide or the emission.
     const ReflectiveShadowMapPass* texels = nullptr;
+    const TexelMapPass* map = nullptr;     // the same of another kind of map
+    const ChosenStarts* chosen = nullptr;  // or these
 };
 
 /// What a thread's batches did.
@@ -71,11 +92,33 @@ constexpr uint32_t sample_set(uint32_t scattering, ScatteringSet set) {
 /// What a batch leaves where its paths are reflected. The photons' `surface` counts from the batch's first.
 struct ReflectedBatch {
     std::span<const ReflectedPhoton> photons;
+    std::span<const uint32_t> elements;  // of the run: whose the photons are
     std::span<const ReflectingSurface> surfaces;
+};
+
+/// What a texel of the lights' map saw.
+struct SeenTexel {
+    uint32_t element;  // of the run
+    /// At its hit, with all of the reflected power: by Lambert or rough lobes that leave light there, of Spread::Beam
+    /// and without power where none does. `direction` is the normal, and no surface is kept.
+    ReflectedPhoton photon;
+    /// The greatest component of what a path may carry on from there [W]: by the lobes that leave light and, if paths
+    /// go on from there, by all others.
+    float flux_w;
 };
 
 /// No path outlives roulette for ever, however white the scene.
 inline constexpr float kMostSurvival = 0.98f;
+
+/// Bsdf::albedo() is a mean over all directions, which falls short at grazing ones and near a lobe. A photon of the
+/// rough part is kept with at least this share of the probability that all of its power would give it, so that what
+/// falls short costs at most so many times the power. Any probability above 0 is unbiased.
+inline constexpr float kLeastRoughShare = 1.0f / 16;
+
+/// Of power reflected by those lobes.
+inline float flux_to_keep_by(const Rgb& power_w, const Rgb& albedo) {
+    return std::max(max_component(power_w * albedo), kLeastRoughShare * max_component(power_w));
+}
 
 /// Whether power is fit to go on; counted where it is not finite.
 inline bool is_sound(const Rgb& power_w, Counts& counts) {
@@ -93,6 +136,8 @@ public:
     static uint64_t bytes_per_thread();
     /// ... or trace_reflected() alone.
     static uint64_t reflection_bytes_per_thread();
+    /// ... or trace_reflected() and see().
+    static uint64_t texel_bytes_per_thread() { return reflection_bytes_per_thread() + kPaths * sizeof(SeenTexel); }
 
     PhotonWavefront();
 
@@ -105,9 +150,13 @@ public:
     ReflectedBatch trace_reflected(const PhotonTracingScene& shared, const SequenceSampler& sampler,
                                    const PhotonBatch& batch, Counts& counts);
 
+    /// The first hits of the batch's texels that reflect anything; they stay until the next call.
+    std::span<const SeenTexel> see(const PhotonTracingScene& shared, const SequenceSampler& sampler,
+                                   const PhotonBatch& batch, Counts& counts);
+
 private:
-    /// Where photons are kept: as they arrive, or as they leave.
-    enum class Record { Arrivals, Reflections };
+    /// Where photons are kept: as they arrive, as they leave, or as they would leave if none were dropped.
+    enum class Record { Arrivals, Reflections, Everything };
     /// A path between two of its vertices; how many scatterings it has had all paths of the batch share.
     struct Path {
         Rgb power_w{0};
@@ -139,6 +188,9 @@ private:
 
     void start_paths(const PhotonTracingScene& shared, const SequenceSampler& sampler, const PhotonBatch& batch,
                      Counts& counts);
+    EmissionSample start_at_texel(const ChosenStarts& chosen, const ChosenStart& start) const;
+    /// No path outlives roulette for ever; chosen ones have had theirs when they come to their first hit.
+    float most_survival(uint32_t scatterings) const { return chosen_ && scatterings == 0 ? 1.0f : kMostSurvival; }
     void find_hits(const PhotonTracingScene& shared, uint32_t scatterings, Counts& counts);
     void advance();
     void sort_hits(const PhotonTracingScene& shared, uint32_t scatterings);
@@ -161,6 +213,8 @@ private:
     bool reflect_parted(const PhotonTracingScene& shared, size_t place, uint32_t scatterings, bool goes_on,
                         Counts& counts);
     void keep_rough(const PartedHit& parted, size_t place, uint32_t scatterings, Counts& counts);
+    void keep(uint32_t path, const ReflectedPhoton& photon);
+    void see_parted(const PhotonTracingScene& shared, uint32_t path);
 
     // All of these hold kPaths but the photons; how many count is said here.
     size_t count_ = 0;  // of the paths under way
@@ -186,7 +240,10 @@ private:
     std::vector<Photon> photons_;  // grows
     size_t photon_count_ = 0;
     std::vector<ReflectedPhoton> reflections_;  // grow
+    std::vector<uint32_t> reflection_elements_;
     std::vector<ReflectingSurface> surfaces_;
+    std::vector<SeenTexel> seen_;
+    bool chosen_ = false;  // the batch's paths were
 };
 
 /// Finds the surface at the hits on Lambert reflectors that were kept and draws where their paths go on, and calls

@@ -7,11 +7,6 @@ namespace photond {
 
 namespace {
 
-/// Bsdf::albedo() is a mean over all directions, which falls short at grazing ones and near a lobe. A photon of the
-/// rough part is kept with at least this share of the probability that all of its power would give it, so that what
-/// falls short costs at most so many times the power. Any probability above 0 is unbiased.
-constexpr float kLeastRoughShare = 1.0f / 16;
-
 /// The photon's smooth normal, and |cos_s| / |cos_g| of the arriving direction in front of it.
 void set_smooth_normal(ReflectedPhoton& photon, const vec3& smooth_normal, const vec3& wi_world) {
     photon.smooth_normal = Octahedral<16>::encode(smooth_normal);
@@ -23,12 +18,14 @@ void set_smooth_normal(ReflectedPhoton& photon, const vec3& smooth_normal, const
 
 uint64_t PhotonWavefront::reflection_bytes_per_thread() {
     constexpr uint64_t kPhotonsPerPath = 10;  // as bytes_per_thread()
-    return bytes_per_thread() + kPaths * kPhotonsPerPath * (sizeof(ReflectedPhoton) + sizeof(ReflectingSurface));
+    return bytes_per_thread() +
+           kPaths * kPhotonsPerPath * (sizeof(ReflectedPhoton) + sizeof(uint32_t) + sizeof(ReflectingSurface));
 }
 
 ReflectedBatch PhotonWavefront::trace_reflected(const PhotonTracingScene& shared, const SequenceSampler& sampler,
                                                 const PhotonBatch& batch, Counts& counts) {
     reflections_.clear();
+    reflection_elements_.clear();
     surfaces_.clear();
     const uint32_t most = std::min(shared.tracing.most_scatterings, batch.texels ? 1u : UINT32_MAX);
     start_paths(shared, sampler, batch, counts);
@@ -42,7 +39,12 @@ ReflectedBatch PhotonWavefront::trace_reflected(const PhotonTracingScene& shared
     }
     counts.photons_emitted += batch.last - batch.first;
     counts.photons_stored += reflections_.size();
-    return {reflections_, surfaces_};
+    return {reflections_, reflection_elements_, surfaces_};
+}
+
+void PhotonWavefront::keep(uint32_t path, const ReflectedPhoton& photon) {
+    reflections_.push_back(photon);
+    reflection_elements_.push_back(elements_[path]);
 }
 
 /// Hits on plain Lambert reflectors. What lets the path go on keeps the photon: that its direction leads nowhere takes
@@ -53,7 +55,7 @@ void PhotonWavefront::reflect_lambert(const PhotonTracingScene& shared, uint32_t
     keep_some(shared, scatterings, Record::Reflections);
     scatter_lambert(shared, [&](const Kept& kept, const LambertGroup& group, size_t lane) {
         const uint32_t i = order_[kept.place];
-        const float survival = std::min(kept.hope, kMostSurvival);
+        const float survival = std::min(kept.hope, most_survival(scatterings));
         ReflectedPhoton photon{
             .position = group.position.get(lane),
             .power_w = paths_[i].power_w * kept.reflectance * (1 / survival),
@@ -62,7 +64,7 @@ void PhotonWavefront::reflect_lambert(const PhotonTracingScene& shared, uint32_t
             .scatterings_and_spread = ReflectedPhoton::pack(scatterings + 1, ReflectedPhoton::Spread::Lambert)};
         set_smooth_normal(photon, group.smooth_normal.get(lane), -rays_[i].direction);
         if (!is_sound(photon.power_w, counts) || !is_sound(photon.power_w * photon.correction, counts)) return;
-        reflections_.push_back(photon);
+        keep(i, photon);
         if (!goes_on || group.scattered[lane] == 0) return;
         const Rgb next_w = photon.power_w * group.correction[lane];
         if (is_sound(next_w, counts)) go_on_from_lambert(i, next_w, group, lane);
@@ -89,17 +91,18 @@ bool PhotonWavefront::reflect_parted(const PhotonTracingScene& shared, size_t pl
     const bool apart =
         shared.tracing.rough_apart && parted.rough.scatters() && !parted.rough.has_non_delta_transmission();
     if (apart) keep_rough(parted, place, scatterings, counts);
-    if (apart && !goes_on && !parted.specular.scatters()) return false;
+    const bool beams = shared.tracing.beams;
+    if (!goes_on && (!beams || (apart && !parted.specular.scatters()))) return false;
     const PartedScattering scattering = scatter_parted(parted, place, true, counts);
     if (!scattering.goes_on) return false;
-    if (!(apart && scattering.is_rough))
-        reflections_.push_back(
-            {.position = parted.point.position,
-             .power_w = next_paths_[next_count_].power_w,
-             .normal = parted.point.geometric_normal,
-             .direction = next_rays_[next_count_].direction,
-             .smooth_normal = Octahedral<16>::encode(parted.point.smooth_normal),
-             .scatterings_and_spread = ReflectedPhoton::pack(scatterings + 1, ReflectedPhoton::Spread::Beam)});
+    if (beams && !(apart && scattering.is_rough))
+        keep(order_[place],
+             {.position = parted.point.position,
+              .power_w = next_paths_[next_count_].power_w,
+              .normal = parted.point.geometric_normal,
+              .direction = next_rays_[next_count_].direction,
+              .smooth_normal = Octahedral<16>::encode(parted.point.smooth_normal),
+              .scatterings_and_spread = ReflectedPhoton::pack(scatterings + 1, ReflectedPhoton::Spread::Beam)});
     return goes_on;
 }
 
@@ -108,8 +111,7 @@ bool PhotonWavefront::reflect_parted(const PhotonTracingScene& shared, size_t pl
 void PhotonWavefront::keep_rough(const PartedHit& parted, size_t place, uint32_t scatterings, Counts& counts) {
     const Path& path = paths_[order_[place]];
     const Rgb albedo = parted.rough.albedo();
-    const float hope = std::max(max_component(path.power_w * albedo), kLeastRoughShare * max_component(path.power_w)) *
-                       path.reference_inverse;
+    const float hope = flux_to_keep_by(path.power_w, albedo) * path.reference_inverse;
     const float kept = std::min(hope, 1.0f);
     // By the upper end of the number whose lower end the path goes on by: photons and paths make up for one another.
     if (!(choice_.x[place] >= 1 - kept)) {
@@ -133,7 +135,7 @@ void PhotonWavefront::keep_rough(const PartedHit& parted, size_t place, uint32_t
         photon.surface = static_cast<uint32_t>(surfaces_.size());
     }
     if (!is_sound(arriving_w, counts) || !is_sound(photon.power_w * photon.correction, counts)) return;
-    reflections_.push_back(photon);
+    keep(order_[place], photon);
     if (!lambert) surfaces_.push_back({hits_[order_[place]], parted.wi_world, arriving_w, parted.outside_ior});
 }
 

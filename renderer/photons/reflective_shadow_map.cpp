@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "renderer/photons/emission_grid.h"
+#include "renderer/photons/weak_lights.h"
 
 namespace photond {
 
@@ -40,21 +41,14 @@ ReflectiveShadowMaps::ReflectiveShadowMaps(const EmissionSampler& emission, uint
     }
 }
 
-/// Weak lights by systematic sampling: equidistant points with one random offset on the cumulative sum of the expected
-/// texels, each below 1. A light is met exactly as often as expected, and the number of all hardly varies.
 ReflectiveShadowMapPass::ReflectiveShadowMapPass(const ReflectiveShadowMaps& maps, uint64_t seed, uint32_t pass)
     : maps_(maps), texels_(maps.texels_) {
-    RandomStream random(seed, RandomDomain::Photons, pass, kMapStream);
-    const auto bits = [&] { return uint64_t{random.next_bits()} << 32 | random.next_bits(); };
-    seed_ = bits();
-    double sum = 0, next = static_cast<double>(bits() >> 11) * 0x1p-53;
-    for (Grid grid : maps.weak_) {
-        sum += double{grid.expected};
-        if (next >= sum) continue;
-        next += 1;
+    const MapPassNumbers numbers(seed, pass, kMapStream);
+    seed_ = numbers.texel_seed;
+    take_turns(maps.weak_, numbers.offset, [&](Grid grid) {
         grid.first_texel = texels_++;
         chosen_.push_back(grid);
-    }
+    });
 }
 
 bool ReflectiveShadowMapPass::sample(uint64_t texel, const vec2& u_jitter, vec2 u_position, vec2 u_direction,

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "renderer/scene/surface_area.h"
+
 namespace photond {
 
 namespace {
@@ -20,18 +22,6 @@ Kernel kernel_of(SplatFilter filter) {
     return Kernel();
 }
 
-float area_m2(const Scene& scene) {
-    double area = 0;
-    for (uint32_t i = 0; i < scene.instances.size(); ++i) {
-        const Mesh& mesh = scene.meshes[scene.instances[i].mesh];
-        for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-            const TriangleCorners triangle = world_triangle(scene, i, t);
-            area += 0.5 * double{glm::length(glm::cross(triangle.p[1] - triangle.p[0], triangle.p[2] - triangle.p[0]))};
-        }
-    }
-    return static_cast<float>(area);
-}
-
 }  // namespace
 
 SplatSettings::SplatSettings(const PhotonSplattingParams& params, const Scene& scene)
@@ -47,7 +37,7 @@ SplatSettings::SplatSettings(const PhotonSplattingParams& params, const Scene& s
       depth_m(params.splat_depth_m.value_or(step_back_m + kDepthRadii * beam_radius_m)),
       shrink_alpha(params.shrinks() ? params.alpha : 1.0f),
       shadow_resolution(params.shadow_resolution),
-      surface_area_m2(normalised ? std::max(area_m2(scene), 1e-30f) : 1.0f) {}
+      surface_area_m2(normalised ? std::max(static_cast<float>(photond::surface_area_m2(scene)), 1e-30f) : 1.0f) {}
 
 float SplatSettings::shrink(uint32_t pass) const {
     if (shrink_alpha == 1) return 1;
