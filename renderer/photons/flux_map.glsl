@@ -1,11 +1,23 @@
 // GLSL twin of photons/flux_map.h: choice among texels by a pyramid of sums, with the same whole numbers.
 //
-// Define FLUX_SUMS_BINDING (of set 0) before: the texels' worth, then the sums, level above level.
+// Define FLUX_SUMS_BINDING (of set 0) before to choose: the texels' worth, then the sums, level above level.
 #ifndef PHOTOND_FLUX_MAP_GLSL
 #define PHOTOND_FLUX_MAP_GLSL
 
 #include "renderer/core/hilbert.glsl"
 #include "renderer/photons/flux_map_shared.h"
+
+/// Where the sums of so many squares start: behind 4^levels texels and the levels between.
+uint flux_level(uint levels, uint squares) { return ((4u << (2u * levels)) - 4u * squares) / 3u; }
+
+/// Point i of the Halton sequence in bases 2 and 3, rotated, in fractions of 2^32.
+uvec2 rotated_halton_point(uint i, uvec2 rotation) {
+    uint in_base_3 = 0, left = i;
+    for (uint digit = 0; digit < 20; ++digit, left /= 3) in_base_3 = 3u * in_base_3 + left % 3u;
+    return uvec2(bitfieldReverse(i), uint((uint64_t(in_base_3) << 32) / 3486784401ul)) + rotation;
+}
+
+#ifdef FLUX_SUMS_BINDING
 
 layout(set = 0, binding = FLUX_SUMS_BINDING, scalar) readonly buffer FluxSums { float flux_sums[]; };
 
@@ -13,9 +25,6 @@ struct Texel {
     uint index;         // along the curve
     float probability;  // with which a uniform point chooses it
 };
-
-/// Where the sums of so many squares start: behind 4^levels texels and the levels between.
-uint flux_level(uint levels, uint squares) { return ((4u << (2u * levels)) - 4u * squares) / 3u; }
 
 float flux_total(uint levels) { return flux_sums[flux_level(levels, 1u)]; }
 
@@ -50,11 +59,6 @@ Texel flux_choose(uint levels, uvec2 point) {
     return texel;
 }
 
-/// Point i of the Halton sequence in bases 2 and 3, rotated, in fractions of 2^32.
-uvec2 rotated_halton_point(uint i, uvec2 rotation) {
-    uint in_base_3 = 0, left = i;
-    for (uint digit = 0; digit < 20; ++digit, left /= 3) in_base_3 = 3u * in_base_3 + left % 3u;
-    return uvec2(bitfieldReverse(i), uint((uint64_t(in_base_3) << 32) / 3486784401ul)) + rotation;
-}
+#endif
 
 #endif

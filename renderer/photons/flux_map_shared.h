@@ -4,7 +4,7 @@
 
 #define FLUX_MAP_MOST_LEVELS 10  // a side of 2^10
 #define FLUX_MAP_GROUP 64        // threads; a power of 4
-#define FLUX_MAP_GROUP_LEVELS 3  // 4^3 = FLUX_MAP_GROUP: levels that a group sums up
+#define FLUX_MAP_GROUP_LEVELS 4  // that a group sums up: 4^4 texels, four to a thread
 
 #ifdef __cplusplus
 #include "renderer/core/geometry.h"
@@ -16,7 +16,7 @@ using uint = uint32_t;
 /// Of the kernel that sums the levels.
 struct FluxLevelsPush {
     uint from_level;  // its values are there
-    uint levels;      // of the map, the texels' excluded
+    uint levels;      // of the map
 };
 
 #ifdef __cplusplus

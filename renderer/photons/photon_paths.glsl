@@ -5,7 +5,8 @@
 // The twin shades plain Lambert reflectors apart, in lanes; here they go the way of all surfaces, which comes to the same
 // but for rounding, and costs nothing where ONLY_LAMBERT leaves the rest out.
 //
-// Define GUIDE_WORDS_BINDING and GUIDE_FLOATS_BINDING (of set 0) before, where paths may start by a projection map.
+// Define GUIDE_WORDS_BINDING and GUIDE_FLOATS_BINDING (of set 0) before, where paths may start by a projection map, and
+// PHOTON_LATER_HIT, the name of a function like closest_hit(), where it finds the hits after a path's first scattering.
 #ifndef PHOTOND_PHOTON_PATHS_GLSL
 #define PHOTOND_PHOTON_PATHS_GLSL
 
@@ -86,10 +87,32 @@ bool start_photon_path(EmissionSample start, float share, out PhotonPath path) {
     return true;
 }
 
+const float LEAST_ROUGH_SHARE = 1.0 / 16;  // kLeastRoughShare
+
+/// Of power reflected by lobes of that albedo.
+float flux_to_keep_by(vec3 power_w, vec3 albedo) {
+    return max(max_component(power_w * albedo), LEAST_ROUGH_SHARE * max_component(power_w));
+}
+
+/// is_plain_lambert() of lambert_lanes.h.
+bool is_plain_lambert(uint material) {
+    return ONLY_LAMBERT ||
+           (scene_materials[material].metallic == 0.0 && scene_materials[material].specular == 0.0 &&
+            scene_materials[material].transmission == 0.0 &&
+            !texture_used(scene_materials[material].normal_texture));
+}
+
 /// Follows the ray to the next surface and takes what the way took from the path; `range_m` is that of the light, of first
 /// rays alone. False: the path ends.
 bool follow_photon(inout PhotonPath path, Ray ray, float range_m, out Hit hit) {
+#ifdef PHOTON_LATER_HIT
+    if (path.scatterings > 0)
+        hit = PHOTON_LATER_HIT(ray);
+    else
+        hit = closest_hit(ray);
+#else
     hit = closest_hit(ray);
+#endif
     if (!hit_valid(hit)) return false;
     if (path.scatterings == 0 && range_m < INFINITY) path.power_w *= range_window(hit.t, range_m);
     path.power_w *= transmittance(path.media, hit.t);

@@ -7,15 +7,12 @@
 #include "renderer/core/thread_local.h"
 #include "renderer/photons/flux_map.h"
 #include "renderer/photons/photon_wavefront.h"
-#include "renderer/photons/texel_map.h"
 #include "renderer/scene/surface_area.h"
 
 namespace photond {
 
 namespace {
 
-// Of RandomDomain::Photons, with the seed of a pass.
-constexpr uint32_t kTexelStream = 0, kPathStream = 1;
 constexpr uint32_t kPathsAtOnce = 256;  // of a batch: a pass has few
 
 PhotonTracing photon_tracing(const VplTracing& tracing) {
@@ -31,7 +28,7 @@ PhotonTracing photon_tracing(const VplTracing& tracing) {
 /// What is seen by one pass's map.
 struct TexelPass {
     TexelPass(const TexelMap& lights, const VplTracing& tracing, uint64_t seed, uint32_t pass)
-        : map(lights, seed, pass), numbers(tracing.sampler, map.seed(), RandomDomain::Photons, kTexelStream) {}
+        : map(lights, seed, pass), numbers(VplTracer::texel_numbers(tracing, map)) {}
 
     const TexelMapPass map;
     const SequenceSampler numbers;
@@ -138,7 +135,7 @@ TracedReflections VplTracer::Shared::trace_paths(const TexelPass& pass, std::spa
                                                  const CancelToken& cancel) {
     constexpr uint32_t kRun = SequenceSampler::kRun;
     static_assert(kRun % kPathsAtOnce == 0);
-    const SequenceSampler numbers(vpls.sampler, pass.map.seed(), RandomDomain::Photons, kPathStream);
+    const SequenceSampler numbers = path_numbers(vpls, pass.map);
     const ChosenStarts chosen{pass.map, pass.numbers, starts};
     const auto paths = static_cast<uint32_t>(starts.size());
     std::vector<PathLights> batches((paths + kPathsAtOnce - 1) / kPathsAtOnce);

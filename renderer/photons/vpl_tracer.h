@@ -13,6 +13,7 @@
 #include <memory>
 
 #include "renderer/photons/photon_tracer.h"
+#include "renderer/photons/texel_map.h"
 
 namespace photond {
 
@@ -47,6 +48,15 @@ public:
     /// counts are in what comes back. Cancelled: what comes back is incomplete and must not be used.
     TracedReflections trace(uint64_t seed, uint32_t pass, const TexelImportance& importance, Stats& stats,
                             const CancelToken& cancel) const;
+
+    /// The numbers of a pass: of its texels, by their places ...
+    static SequenceSampler texel_numbers(const VplTracing& tracing, const TexelMapPass& pass) {
+        return {tracing.sampler, pass.seed(), RandomDomain::Photons, 0};
+    }
+    /// ... and of its paths after their first rays, in the order they were chosen in.
+    static SequenceSampler path_numbers(const VplTracing& tracing, const TexelMapPass& pass) {
+        return {tracing.sampler, pass.seed(), RandomDomain::Photons, 1};
+    }
 
     /// About the area that light reaches without a bounce [m^2], by the texels of one map; 0 where it reaches nothing.
     double lit_area_m2(uint64_t seed) const;

@@ -10,6 +10,7 @@
 #include "renderer/photons/reflected_photon_shared.h"
 #include "renderer/photons/texel_map.h"
 #include "renderer/photons/vpl_tracer.h"
+#include "renderer/photons/vpl_tracer_shared.h"
 
 namespace photond {
 
@@ -63,16 +64,19 @@ public:
     void add_to(Counts& counts) const;
 
 private:
+    FluxMapGpu& chosen_by() { return weighted_ ? *weighted_ : plain_; }
+
     gpu::Device& device_;
     const VplTracing tracing_;
     gpu::Buffer& counters_;
     TexelMap map_;
+    std::optional<TexelMapPass> pass_;
     FluxMapGpu plain_;                    // by the texels' flux
     std::optional<FluxMapGpu> weighted_;  // by the importance too
     uint32_t run_count_ = 0;
     gpu::Buffer runs_, texels_, state_, host_state_, photons_, owners_, path_counts_, order_, surfaces_;
-    gpu::Buffer chosen_texels_, chosen_points_;  // of the paths, by texel: a uint each
-    VplBounceShader bounces_;
+    gpu::Buffer chosen_texels_, points_;  // of the paths: a uint each
+    const VplBounceShader bounces_;
     gpu::ComputePipeline trace_texels_, mix_, choose_, trace_paths_, sort_;
     gpu::RadixSort sort_paths_;
     gpu::PrefixSum sum_;

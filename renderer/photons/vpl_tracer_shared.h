@@ -24,30 +24,31 @@ struct VplTexelsPush {
     uint runs;
     uint bounces;
     float glossy_threshold;
-    uint weighted;  // 0 or 1: what texels are worth is written twice
+    uint unused;  // the compilers differ in whether they would leave room here
 };
 
 /// Of vpl_mix.comp.
 struct VplMixPush {
-    uint texels;
-    uint total;  // index of the total of both pyramids
-    float plain_share;
+    uint levels;        // of the map
+    float plain_share;  // kPlainFluxShare
 };
 
 /// Of vpl_choose.comp.
 struct VplChoosePush {
-    uint vpls;
+    uint paths;
     uint levels;  // of the map
     uint rotation_x;
     uint rotation_y;
 };
 
-/// Of vpl_paths.comp.
+/// Of vpl_paths.glsl.
 struct VplPathsPush {
     SequenceKey texel_sequence;
-    SequenceKey sequence;  // of what comes after the first hit
+    SequenceKey sequence;  // of what comes after the first ray
     uint paths;
-    uint levels;
+    uint levels;  // of the map
+    uint rotation_x;
+    uint rotation_y;
     uint runs;
     uint bounces;
     uint surface_capacity;
@@ -55,7 +56,7 @@ struct VplPathsPush {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(VplTexelsPush) == 40 && sizeof(VplPathsPush) == 56, "must match the scalar layout of GLSL");
+static_assert(sizeof(VplTexelsPush) == 40 && sizeof(VplPathsPush) == 64, "must match the scalar layout of GLSL");
 }  // namespace photond::gpu
 #endif
 
