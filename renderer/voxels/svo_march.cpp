@@ -15,6 +15,11 @@ uint32_t bit_in_brick(const ivec3& voxel) {
     return static_cast<uint32_t>((voxel.x & 3) | (voxel.y & 3) << 2 | (voxel.z & 3) << 4);
 }
 
+bool has_bit(const gpu::SvoBrick& brick, const ivec3& voxel) {
+    const uint32_t bit = bit_in_brick(voxel);
+    return brick.mask[bit / 32] >> bit % 32 & 1;
+}
+
 /// The leaf that holds a voxel: a brick's place, or SVO_NO_DATA for an empty box of `size` voxels.
 uint32_t find_leaf(const SvoView& tree, const ivec3& voxel, int32_t& size) {
     uint32_t tile = 0;
@@ -109,29 +114,44 @@ bool occluded_between(const SvoView& tree, const vec3& a, const vec3& b, float p
     return march(tree, a, (b - a) / length, pull_in, length - pull_in, hit);
 }
 
+uint32_t surface_of(const SvoView& tree, uint32_t brick, const ivec3& voxel) {
+    const uint64_t mask = tree.bricks[brick].mask[0] | uint64_t{tree.bricks[brick].mask[1]} << 32;
+    const auto before = static_cast<uint32_t>(std::popcount(mask & ((1ull << bit_in_brick(voxel)) - 1)));
+    return tree.surfaces[size_t{tree.constants.surface_base} + tree.surfaces[brick] + before];
+}
+
 }  // namespace
 
 bool SvoView::is_set(const uvec3& voxel) const {
     int32_t size;
     const uint32_t brick = find_leaf(*this, ivec3(voxel), size);
-    if (brick == SVO_NO_DATA) return false;
-    const uint32_t bit = bit_in_brick(ivec3(voxel));
-    return bricks[brick].mask[bit / 32] >> bit % 32 & 1;
+    return brick != SVO_NO_DATA && has_bit(bricks[brick], ivec3(voxel));
 }
 
-vec3 svo_lift(const SvoView& tree, const vec3& position, const vec3& normal) {
+uint32_t SvoView::surface_at(const vec3& position) const {
+    const vec3 at = to_voxels(*this, position), end(static_cast<float>(constants.grid.resolution));
+    if (!(glm::all(glm::greaterThanEqual(at, vec3(0))) && glm::all(glm::lessThan(at, end)))) return ~0u;
+    const ivec3 voxel(at);
+    int32_t size;
+    const uint32_t brick = find_leaf(*this, voxel, size);
+    return brick != SVO_NO_DATA && has_bit(bricks[brick], voxel) ? surface_of(*this, brick, voxel) : ~0u;
+}
+
+vec3 svo_lift(const SvoView& tree, const vec3& position, const vec3& normal, float offset) {
     const vec3 n = glm::abs(normal);
-    return position + SVO_NORMAL_OFFSET * tree.constants.grid.cell_m * (n.x + n.y + n.z) * normal;
+    return position + offset * tree.constants.grid.cell_m * (n.x + n.y + n.z) * normal;
 }
 
 bool svo_occluded(const SvoView& tree, const vec3& a, const vec3& b) {
     return occluded_between(tree, to_voxels(tree, a), to_voxels(tree, b), SVO_BLIND_PULL_IN);
 }
 
-bool svo_occluded(const SvoView& tree, const vec3& a, const vec3& normal_a, const vec3& b, const vec3& normal_b) {
-    const vec3 from = to_voxels(tree, svo_lift(tree, a, normal_a)), to = to_voxels(tree, svo_lift(tree, b, normal_b));
+bool svo_occluded(const SvoView& tree, const vec3& a, const vec3& normal_a, const vec3& b, const vec3& normal_b,
+                  const SvoOffsets& offsets) {
+    const vec3 from = to_voxels(tree, svo_lift(tree, a, normal_a, offsets.normal)),
+               to = to_voxels(tree, svo_lift(tree, b, normal_b, offsets.normal));
     if (!(glm::dot(to - from, b - a) > 0)) return false;  // nearer to each other than they were lifted
-    return occluded_between(tree, from, to, SVO_PULL_IN);
+    return occluded_between(tree, from, to, offsets.pull_in);
 }
 
 bool svo_first_voxel(const SvoView& tree, const Ray& ray, VoxelHit& hit) {
@@ -140,12 +160,7 @@ bool svo_first_voxel(const SvoView& tree, const Ray& ray, VoxelHit& hit) {
         !march(tree, to_voxels(tree, ray.origin), ray.direction, 0, ray.t_max * tree.constants.voxels_per_m, set))
         return false;
     hit = {set.t * tree.constants.grid.cell_m, uvec3(set.voxel), ~0u};
-    if (!tree.surfaces.empty()) {
-        const gpu::SvoBrick& brick = tree.bricks[set.brick];
-        const uint64_t mask = brick.mask[0] | uint64_t{brick.mask[1]} << 32;
-        const auto before = static_cast<uint32_t>(std::popcount(mask & ((1ull << bit_in_brick(set.voxel)) - 1)));
-        hit.surface = tree.surfaces[size_t{tree.constants.surface_base} + tree.surfaces[set.brick] + before];
-    }
+    if (!tree.surfaces.empty()) hit.surface = surface_of(tree, set.brick, set.voxel);
     return true;
 }
 

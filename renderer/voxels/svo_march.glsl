@@ -130,6 +130,20 @@ uint svo_surface(uint brick, ivec3 voxel) {
 }
 #endif
 
+#ifdef SVO_SURFACES_BINDING
+/// The number of the triangle in the voxel that holds a point; SVO_NO_DATA where that is not set, or outside of the grid.
+uint svo_surface_at(vec3 position) {
+    const vec3 at = svo_to_voxels(position);
+    if (!(all(greaterThanEqual(at, vec3(0.0))) && all(lessThan(at, vec3(svo_constants.grid.resolution)))))
+        return SVO_NO_DATA;
+    const ivec3 voxel = ivec3(at);
+    int size;
+    const uint brick = svo_find_leaf(voxel, size);
+    if (brick == SVO_NO_DATA || !svo_has_bit(svo_bricks[brick], svo_bit(voxel))) return SVO_NO_DATA;
+    return svo_surface(brick, voxel);
+}
+#endif
+
 /// The first set voxel that the ray meets in [0, t_max); nothing is moved. `t`: where it enters it, 0 in the one it
 /// starts in; `surface`: the number of its triangle, where the tree has them. False: none.
 bool svo_first_voxel(Ray ray, out float t, out uvec3 voxel, out uint surface) {

@@ -20,17 +20,27 @@ struct SvoView {
     std::span<const uint32_t> surfaces;  // empty: none
 
     bool is_set(const uvec3& voxel) const;
+    /// The number of the triangle in the voxel that holds a point; ~0 where that is not set, or outside of the grid.
+    /// The tree has surfaces.
+    uint32_t surface_at(const vec3& position) const;
+};
+
+/// How far the ends of a segment are moved, in voxels; others than these are for measuring what they should be.
+struct SvoOffsets {
+    float normal = SVO_NORMAL_OFFSET;
+    float pull_in = SVO_PULL_IN;
 };
 
 /// A point on a surface lifted off the voxels that the surface's plane is in: towards `normal`, unit.
-vec3 svo_lift(const SvoView& tree, const vec3& position, const vec3& normal);
+vec3 svo_lift(const SvoView& tree, const vec3& position, const vec3& normal, float offset = SVO_NORMAL_OFFSET);
 
 /// Whether the open segment between two points on surfaces meets a set voxel; false where what is left of it once its
 /// ends are pulled in is nothing, and for positions that are no numbers.
 bool svo_occluded(const SvoView& tree, const vec3& a, const vec3& b);
 /// The same with unit normals of the sides that the segment leaves to: the ends are lifted off their own surfaces'
 /// voxels first, which spares them however flat the segment lies.
-bool svo_occluded(const SvoView& tree, const vec3& a, const vec3& normal_a, const vec3& b, const vec3& normal_b);
+bool svo_occluded(const SvoView& tree, const vec3& a, const vec3& normal_a, const vec3& b, const vec3& normal_b,
+                  const SvoOffsets& offsets = SvoOffsets());
 
 struct VoxelHit {
     float t = kInfinity;  // where the ray enters the voxel; 0 in the one it starts in

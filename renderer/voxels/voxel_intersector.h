@@ -11,9 +11,12 @@ namespace photond {
 ///
 /// Biased: a hit lies up to two voxels from the true one; surfaces closer than that hide each other; a ray that passes
 /// a silhouette within a voxel is stopped there; of several triangles in a voxel the one of least number answers;
-/// masked and blended surfaces are whole (is_voxelised()). A ray that starts on a surface, or ends on one, is lifted
-/// off that surface's voxels first, as svo_occluded() does with normals, the normal being that of the triangle in the
-/// voxel it starts in.
+/// masked and blended surfaces are whole (is_voxelised()).
+///
+/// Rays start and end on surfaces, whose voxels are set. An end in a set voxel, on the plane of that voxel's triangle
+/// to a tenth of a voxel, is lifted off by svo_lift() to the side the ray is on; in a set voxel, but off that plane
+/// (near edges, where another triangle has the voxel), it is pulled in along the ray by SVO_BLIND_PULL_IN. Either is
+/// then pulled in by SVO_PULL_IN, as svo_occluded() does with normals.
 class VoxelIntersector final : public Intersector {
 public:
     /// Borrows both; the tree has surfaces.
@@ -27,7 +30,9 @@ public:
     uint64_t bytes() const override { return tree_.bytes(); }
 
 private:
-    vec3 lifted(const vec3& position, const vec3& direction) const;
+    TriangleCorners triangle(uint32_t number, uint32_t& instance, uint32_t& triangle) const;
+    /// Where to start asking of a ray's end, `along` leading into the ray.
+    vec3 away_from_surface(const vec3& position, const vec3& along) const;
 
     const Scene& scene_;
     const SparseVoxelOctree& tree_;
