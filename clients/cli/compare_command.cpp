@@ -1,12 +1,13 @@
 // photonctl compare SCENE, photonctl compare --preset NAME
 
 #include <algorithm>
-#include <charconv>
+#include <filesystem>
 #include <iostream>
 
 #include "clients/cli/commands.h"
 #include "clients/cli/compare_memory.h"
 #include "clients/cli/compare_presets.h"
+#include "clients/cli/compare_stages.h"
 #include "clients/cli/comparison_follower.h"
 #include "clients/cli/method_catalogue.h"
 #include "clients/cli/request_options.h"
@@ -20,7 +21,9 @@ using nlohmann::json;
 
 struct CompareOptions {
     RequestOptions request;
-    std::string preset, device;
+    std::string preset, device, scene_folder;
+    bool builtin = false;  // stand-ins for the preset's files
+    std::vector<std::string> parts;
     std::optional<uint32_t> reference_passes;
     std::vector<std::string> entries, sweeps;
     std::vector<uint64_t> seeds;
@@ -66,45 +69,134 @@ json build_request(Session& session, const CompareOptions& options) {
     return request;
 }
 
-/// The preset as options: what the command line says stands, its entries and sweeps come after the preset's.
-CompareOptions with_preset(const CompareOptions& given, const ComparePreset& preset) {
+/// "METHOD,..." on a device that is given.
+std::string on_device(const std::string& method, const std::string& device) {
+    if (device.empty()) return method;
+    const size_t end = std::min(method.find(','), method.size());
+    return method.substr(0, end) + "@" + device + method.substr(end);
+}
+
+/// When the jobs and the reference end. Frames stay frames: of them only the number can be given.
+void put_ends(CompareOptions& options, const PresetComparison& part) {
+    RequestOptions& request = options.request;
+    uint32_t reference_passes = options.reference_passes.value_or(part.reference_passes);
+    if (part.frames > 0) {
+        const uint32_t frames = request.stop.passes.value_or(part.frames);
+        request.stop = {};
+        request.stop.passes = reference_passes = frames;
+    } else if (!request.stop.any()) {
+        request.stop.seconds = part.seconds;
+    }
+    if (request.reference.empty())
+        request.reference = on_device(part.reference, options.device) + ":" + std::to_string(reference_passes);
+}
+
+std::filesystem::path file_of(const CompareOptions& options, const PresetComparison& part) {
+    return std::filesystem::path(options.scene_folder.empty() ? "." : options.scene_folder) / part.file;
+}
+
+/// The preset's scene and where it is looked at from, in files with its name.
+void put_scene(CompareOptions& options, const PresetComparison& part) {
+    RequestOptions& request = options.request;
+    if (part.file.empty() || options.builtin) {
+        request.scene = part.scene;
+    } else {
+        request.scene = file_of(options, part).string();
+        if (request.camera.empty() && request.eye.empty()) request.camera = part.camera;
+    }
+    for (std::string& page : options.outputs.html) page = of_part(page, part.name);
+    options.outputs.csv = of_part(options.outputs.csv, part.name);
+    options.outputs.json = of_part(options.outputs.json, part.name);
+    // The same key twice would be the same submission.
+    if (!request.idempotency_key.empty()) request.idempotency_key += "-" + std::string(part.name);
+}
+
+/// A comparison of the preset as options: what the command line says stands, its entries and sweeps come after the
+/// preset's.
+CompareOptions with_preset(const CompareOptions& given, const PresetComparison& part) {
     CompareOptions options = given;
-    const auto put_first = [](std::vector<std::string>& list, const std::vector<std::string_view>& first) {
+    const auto put_first = [](std::vector<std::string>& list, const std::vector<std::string>& first) {
         list.insert(list.begin(), first.begin(), first.end());
     };
-    put_first(options.entries, preset.entries);
-    put_first(options.sweeps, preset.sweeps);
+    put_first(options.entries, part.entries);
+    put_first(options.sweeps, part.sweeps);
+    if (options.seeds.empty()) options.seeds = {part.seed};
     RequestOptions& request = options.request;
-    request.width = request.width.value_or(preset.width);
-    request.height = request.height.value_or(preset.height);
-    if (request.metrics.empty()) put_first(request.metrics, preset.metrics);
-    if (!request.stop.any()) request.stop.seconds = preset.seconds;
-    if (request.reference.empty())
-        request.reference = std::string(preset.reference) + ":" +
-                            std::to_string(options.reference_passes.value_or(preset.reference_passes));
+    request.width = request.width.value_or(part.width);
+    request.height = request.height.value_or(part.height);
+    if (request.metrics.empty()) request.metrics = part.metrics;
+    put_ends(options, part);
+    if (request.scene.empty()) put_scene(options, part);
     return options;
 }
 
-CompareOptions for_scene(CompareOptions options, std::string_view scene) {
-    options.request.scene = scene;
-    for (std::string& page : options.outputs.html) page = of_scene(page, scene);
-    options.outputs.csv = of_scene(options.outputs.csv, scene);
-    options.outputs.json = of_scene(options.outputs.json, scene);
-    // The same key twice would be the same submission.
-    if (!options.request.idempotency_key.empty()) options.request.idempotency_key += "-" + std::string(scene);
-    return options;
+/// Those that are asked for: on a scene of the caller's one, by itself the preset's first.
+std::vector<const PresetComparison*> chosen_parts(const CompareOptions& options, const ComparePreset& preset) {
+    std::vector<const PresetComparison*> chosen;
+    for (const std::string& name : options.parts) {
+        const auto part = std::find_if(preset.comparisons.begin(), preset.comparisons.end(),
+                                       [&](const PresetComparison& candidate) { return candidate.name == name; });
+        if (part == preset.comparisons.end()) {
+            std::string all;
+            for (const PresetComparison& known : preset.comparisons)
+                all += (all.empty() ? "it has " : ", ") + std::string(known.name);
+            throw Failure(ExitCode::Usage, "the preset has no part " + printable(name), all);
+        }
+        chosen.push_back(&*part);
+    }
+    if (chosen.empty())
+        for (const PresetComparison& part : preset.comparisons) chosen.push_back(&part);
+    if (options.request.scene.empty()) return chosen;
+    if (options.parts.size() > 1) throw Failure(ExitCode::Usage, "on a scene of yours, --part names one");
+    return {chosen.front()};
 }
 
-ExitCode compare_one(Session& session, const CompareOptions& options, const ComparePreset* preset) {
+/// Drops what has no stand-in, with a remark. Throws Failure(Usage) for files that are not there, before anything is
+/// rendered.
+std::vector<const PresetComparison*> with_scenes(Session& session, const CompareOptions& options,
+                                                 std::vector<const PresetComparison*> parts) {
+    if (!options.request.scene.empty()) return parts;
+    std::string missing;
+    std::erase_if(parts, [&](const PresetComparison* part) {
+        if (part->file.empty()) return false;
+        if (options.builtin) {
+            session.remark(std::string(part->name) + ": " +
+                           (part->scene.empty() ? "nothing" : std::string(part->scene)) + " stands in for " +
+                           std::string(part->file));
+            return part->scene.empty();
+        }
+        std::error_code ignored;
+        const std::string name(part->file);
+        if (!std::filesystem::is_regular_file(file_of(options, *part), ignored) &&
+            missing.find(name) == std::string::npos)
+            missing += (missing.empty() ? "" : " and ") + name;
+        return false;
+    });
+    if (!missing.empty()) {
+        std::error_code ignored;
+        const std::filesystem::path folder = options.scene_folder.empty() ? "." : options.scene_folder;
+        throw Failure(
+            ExitCode::Usage,
+            missing + ": not in " + printable(std::filesystem::absolute(folder, ignored).lexically_normal().string()),
+            "--scene-folder says where the preset's scenes are; --builtin renders scenes of the program's own "
+            "in their place");
+    }
+    if (parts.empty()) throw Failure(ExitCode::Usage, "nothing stands in for the scenes of what --part names");
+    return parts;
+}
+
+ExitCode compare_one(Session& session, const CompareOptions& options, const PresetComparison* part) {
     json request = build_request(session, options);
     send_parts(session, request, options.request);
     const json accepted = submit(session, "/v1/comparisons", request, options.request.idempotency_key);
     const std::string id = accepted.at("id").get<std::string>();
     if (!options.no_wait) {
         const ExitCode code = finish_comparison(session, id, options.wait, options.outputs, false);
-        if (session.json_output || !preset) return code;
-        const json comparison = session.daemon().get(resource_path("comparisons", id));
-        print_published(std::cout, structures_of(session.daemon(), comparison), *preset);
+        if (session.json_output || !part) return code;
+        const std::vector<RowStatistics> rows =
+            statistics_of_rows(session.daemon(), session.daemon().get(resource_path("comparisons", id)));
+        print_published(std::cout, structures_of(rows), part->structures);
+        print_published_stages(std::cout, rows, part->stages);
         return code;
     }
     if (session.json_output)
@@ -124,16 +216,19 @@ ExitCode compare(Session& session, const CompareOptions& options) {
         if (options.reference_passes)
             throw Failure(ExitCode::Usage,
                           "--reference-passes belongs to --preset; --reference METHOD:PASSES says both");
+        if (!options.parts.empty() || !options.scene_folder.empty() || options.builtin)
+            throw Failure(ExitCode::Usage, "--part, --scene-folder and --builtin belong to --preset");
         return compare_one(session, options, nullptr);
     }
     const ComparePreset& preset = compare_preset(options.preset);
     if (options.reference_passes && !options.request.reference.empty())
         throw Failure(ExitCode::Usage, "--reference and --reference-passes exclude each other");
-    const CompareOptions whole = with_preset(options, preset);
-    if (!whole.request.scene.empty()) return compare_one(session, whole, &preset);
+    if ((options.builtin && !options.scene_folder.empty()) ||
+        (!options.request.scene.empty() && (options.builtin || !options.scene_folder.empty())))
+        throw Failure(ExitCode::Usage, "SCENE, --scene-folder and --builtin exclude one another");
     ExitCode worst = ExitCode::Ok;
-    for (const std::string_view scene : preset.scenes) {
-        const ExitCode code = compare_one(session, for_scene(whole, scene), &preset);
+    for (const PresetComparison* part : with_scenes(session, options, chosen_parts(options, preset))) {
+        const ExitCode code = compare_one(session, with_preset(options, *part), part);
         if (worst == ExitCode::Ok) worst = code;
     }
     return worst;
@@ -154,6 +249,18 @@ void add_compare_command(CLI::App& program, Session& session) {
                      "an experiment by its name, on its own scenes (a report each, with the scene in its name) unless "
                      "SCENE is given; other options change it. 'help' lists them")
         ->type_name("NAME");
+    command
+        ->add_option("--part", options->parts,
+                     "only these of the preset's comparisons; on SCENE one, default: the first")
+        ->type_name("NAME,NAME")
+        ->expected(1)
+        ->delimiter(',')
+        ->take_all();
+    command
+        ->add_option("--scene-folder", options->scene_folder,
+                     "where the preset's scenes lie that do not come with the program; default: here")
+        ->type_name("FOLDER");
+    command->add_flag("--builtin", options->builtin, "scenes of the program's own in the place of those");
     command->add_option("--reference-passes", options->reference_passes, "of the preset's reference")
         ->type_name("INT")
         ->check(CLI::Range(1, 1'000'000'000).description(""));

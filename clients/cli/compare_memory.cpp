@@ -3,10 +3,7 @@
 #include <algorithm>
 #include <optional>
 #include <ostream>
-#include <set>
 
-#include "clients/cli/comparison_view.h"
-#include "clients/cli/job_follower.h"
 #include "clients/cli/text_table.h"
 #include "clients/cli/units.h"
 
@@ -41,37 +38,19 @@ std::map<std::string, double> shared_by_all(const std::vector<RowStructures>& ro
     return shared;
 }
 
-/// Null for a job that has none, or has been removed since.
-json statistics_of(DaemonClient& daemon, const std::string& job_id) {
-    try {
-        return daemon.get(resource_path("jobs", job_id)).value("statistics", json());
-    } catch (const Failure& failure) {
-        constexpr int kNotFound = 404;
-        if (failure.problem.is_object() && failure.problem.value("status", 0) == kNotFound) return nullptr;
-        throw;
-    }
-}
-
 }  // namespace
 
-std::vector<RowStructures> structures_of(DaemonClient& daemon, const json& comparison) {
+std::vector<RowStructures> structures_of(std::span<const RowStatistics> statistics) {
     std::vector<RowStructures> rows;
-    std::set<std::string> seen;
-    for (const json& job : comparison.value("jobs", json::array())) {
-        const std::string name = comparison_row_name(job);
-        if (!is_over(job) || seen.contains(name)) continue;
-        const json statistics = statistics_of(daemon, job.at("id").get<std::string>());
-        if (!statistics.is_object()) continue;
-        seen.insert(name);
-        RowStructures row{plain_text(job.value("label", json())), name, {}};
-        const json structures = statistics.value("/memory/structures"_json_pointer, json::object());
-        for (const auto& [structure, bytes] : structures.items())
-            if (bytes.is_number()) row.bytes[structure] = bytes.get<double>();
-        const json on_device = statistics.value("/memory/device_structures"_json_pointer, json());
-        if (on_device.is_object())
-            for (const auto& [structure, bytes] : on_device.items())
-                if (bytes.is_number()) row.bytes["device: " + structure] = bytes.get<double>();
-        rows.push_back(std::move(row));
+    for (const RowStatistics& row : statistics) {
+        RowStructures& structures = rows.emplace_back(RowStructures{row.label, row.name, {}});
+        const auto take = [&structures](const json& members, const std::string& prefix) {
+            if (!members.is_object()) return;
+            for (const auto& [structure, bytes] : members.items())
+                if (bytes.is_number()) structures.bytes[prefix + structure] = bytes.get<double>();
+        };
+        take(row.statistics.value("/memory/structures"_json_pointer, json()), "");
+        take(row.statistics.value("/memory/device_structures"_json_pointer, json()), "device: ");
     }
     return rows;
 }
@@ -90,9 +69,10 @@ void print_structures(std::ostream& out, const std::vector<RowStructures>& rows)
     table.print(out << '\n', "  ");
 }
 
-void print_published(std::ostream& out, const std::vector<RowStructures>& rows, const ComparePreset& preset) {
-    TextTable table({{std::string(preset.structures_text)}, {"published"}, {"ours", Align::Right}, {"of"}});
-    for (const PublishedStructure& published : preset.structures) {
+void print_published(std::ostream& out, const std::vector<RowStructures>& rows,
+                     const PublishedStructures& published_structures) {
+    TextTable table({{std::string(published_structures.text)}, {"published"}, {"ours", Align::Right}, {"of"}});
+    for (const PublishedStructure& published : published_structures.structures) {
         std::optional<double> most;
         std::string row_name;
         for (const RowStructures& row : rows) {

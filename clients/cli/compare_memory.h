@@ -3,12 +3,12 @@
 
 #include <iosfwd>
 #include <map>
-#include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "clients/cli/compare_presets.h"
-#include "clients/cli/session.h"
+#include "clients/cli/compare_statistics.h"
 
 namespace photond::cli {
 
@@ -17,12 +17,11 @@ struct RowStructures {
     std::map<std::string, double> bytes;  // statistics.memory: structures, and device_structures as "device: NAME"
 };
 
-/// Of the first job of each row that is over and has statistics. Throws Failure.
-std::vector<RowStructures> structures_of(DaemonClient& daemon, const nlohmann::json& comparison);
+std::vector<RowStructures> structures_of(std::span<const RowStatistics> statistics);
 
 /// A line a row, largest first; what every row has of the same size (the scene, the image) is said once.
 void print_structures(std::ostream& out, const std::vector<RowStructures>& rows);
 /// Of each published structure ours, in the row of its entry that needs most.
-void print_published(std::ostream& out, const std::vector<RowStructures>& rows, const ComparePreset& preset);
+void print_published(std::ostream& out, const std::vector<RowStructures>& rows, const PublishedStructures& published);
 
 }  // namespace photond::cli

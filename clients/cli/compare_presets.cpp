@@ -16,17 +16,15 @@ namespace {
 /// photons, as in Table 1. Stratified cells are the thesis': none are joined, one splat each, the photon closest to the
 /// cell's mean. Ours: connect, radiometric, no stratification.
 ComparePreset photon_splatting_thesis() {
-    ComparePreset preset{};
-    preset.name = "photon-splatting-thesis";
-    preset.text = "Graphs 1-4 and Table 1 of the photon splatting thesis, and what connections make of them";
-    preset.scenes = {"cornell-box-spot", "interior"};
-    preset.width = 1600, preset.height = 900;
-    preset.seconds = 30;
-    preset.reference = "path_tracing,indirect_bounces=1";
-    preset.reference_passes = 256;
-    preset.metrics = {"indirect:relative_mse", "indirect:fitted_relative_mse", "indirect:rmse", "indirect:fitted_rmse",
-                      "rmse_8bit"};
-    preset.entries = {
+    PresetComparison comparison{};
+    comparison.width = 1600, comparison.height = 900;
+    comparison.seconds = 30;
+    comparison.seed = 1;
+    comparison.reference = "path_tracing,indirect_bounces=1";
+    comparison.reference_passes = 256;
+    comparison.metrics = {"indirect:relative_mse", "indirect:fitted_relative_mse", "indirect:rmse",
+                          "indirect:fitted_rmse", "rmse_8bit"};
+    comparison.entries = {
         "photon mapping=photon_mapping,gather=direct,indirect_bounces=1",
         "photon mapping (many bounces)=photon_mapping,gather=direct,nearest_photons=200",
         "small splats=photon_splatting,weighting=normalised,splat_size_relative=0.25",
@@ -35,7 +33,7 @@ ComparePreset photon_splatting_thesis() {
          "representative=closest_to_mean"),
         "ours=photon_splatting,bounces=1",
     };
-    preset.sweeps = {
+    comparison.sweeps = {
         "photon mapping:photons=5000,50000",
         "photon mapping:nearest_photons=50,200",
         "photon mapping (many bounces):photons=5000,50000",
@@ -45,21 +43,28 @@ ComparePreset photon_splatting_thesis() {
         "stratified:grid_cells=16,64,256",
         "ours:photons=2500,8000,25000",
     };
-    preset.structures_text = "Table 1 of the thesis (highest quality), beside ours";
-    preset.structures = {
-        {"photon mapping", {"global_map"}, "~50000 photons of 36 bytes: 1.71 MB"},
-        {"small splats", {"photons"}, "~25000 photons of 36 bytes: 0.85 MB"},
-        {"large splats", {"photons"}, "~2500 photons of 36 bytes: 0.08 MB"},
-        {"stratified", {"photons", "stratification"}, "256^3 voxels of 40 bytes: 576 MB"},
-        {"ours", {"photons"}, "-"},
-    };
+    comparison.structures = {"Table 1 of the thesis (highest quality), beside ours",
+                             {
+                                 {"photon mapping", {"global_map"}, "~50000 photons of 36 bytes: 1.71 MB"},
+                                 {"small splats", {"photons"}, "~25000 photons of 36 bytes: 0.85 MB"},
+                                 {"large splats", {"photons"}, "~2500 photons of 36 bytes: 0.08 MB"},
+                                 {"stratified", {"photons", "stratification"}, "256^3 voxels of 40 bytes: 576 MB"},
+                                 {"ours", {"photons"}, "-"},
+                             }};
+    ComparePreset preset{};
+    preset.name = "photon-splatting-thesis";
+    preset.text = "Graphs 1-4 and Table 1 of the photon splatting thesis, and what connections make of them";
+    for (const std::string_view scene : {"cornell-box-spot", "interior"}) {
+        comparison.name = comparison.scene = scene;
+        preset.comparisons.push_back(comparison);
+    }
     return preset;
 }
 
 }  // namespace
 
 std::span<const ComparePreset> compare_presets() {
-    static const std::vector<ComparePreset> kPresets{photon_splatting_thesis()};
+    static const std::vector<ComparePreset> kPresets{photon_splatting_thesis(), svo_thesis()};
     return kPresets;
 }
 
@@ -73,9 +78,9 @@ const ComparePreset& compare_preset(const std::string& name) {
                   all);
 }
 
-std::string of_scene(const std::string& file, std::string_view scene) {
+std::string of_part(const std::string& file, std::string_view part) {
     if (file.empty() || file == "-") return file;
-    std::string name(scene);
+    std::string name(part);
     std::replace(name.begin(), name.end(), '/', '-');
     const std::filesystem::path path(file);
     return path.parent_path() / (path.stem().string() + "-" + name + path.extension().string());

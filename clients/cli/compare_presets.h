@@ -1,6 +1,7 @@
 #pragma once
-// Comparisons that `photonctl compare --preset NAME` knows: an experiment as the options it stands for.
+// Experiments that `photonctl compare --preset NAME` knows: comparisons as the options they stand for.
 
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
@@ -16,24 +17,58 @@ struct PublishedStructure {
     std::string_view published;                // what it was made of, and how large
 };
 
+struct PublishedStructures {
+    std::string_view text;  // where those were published
+    std::vector<PublishedStructure> structures;
+};
+
+/// A stage whose time was published, beside which ours stands.
+struct PublishedStage {
+    std::string_view name;                 // as published
+    std::vector<std::string_view> stages;  // of statistics.stages, added up
+    bool once;                             // ours is done when a job begins, not in every pass
+    std::vector<double> published_ms;      // of each of PublishedStages::rows
+};
+
+struct PublishedStages {
+    std::string_view text;               // where those were published
+    std::vector<std::string_view> rows;  // of the comparison, with what their sweep gave: "thesis, vpls 512"
+    std::vector<PublishedStage> stages;
+};
+
+/// One comparison of a preset.
+struct PresetComparison {
+    std::string_view name;    // --part, and in the names of its reports
+    std::string_view scene;   // built in; where there is a `file`, what stands in for it; empty: nothing does
+    std::string_view file;    // a scene that does not come with the program, looked for in --scene-folder
+    std::string_view camera;  // of the file; empty: its first
+    uint32_t width, height;   // pixels
+    /// What ends each job: `seconds` on its clock or, where not 0, `frames`, the passes of each job and of the
+    /// reference. Frames are compared as they are: --seconds and --reference-passes do not change them, --passes does.
+    double seconds;
+    uint32_t frames;
+    uint64_t seed;              // of the jobs; references have 1 and, where it differs, other random numbers
+    std::string reference;      // METHOD[,PARAMETER=VALUE...]
+    uint32_t reference_passes;  // where `frames` is 0
+    std::vector<std::string> metrics;
+    std::vector<std::string> entries, sweeps;  // as --entry and --sweep take them
+    PublishedStructures structures;
+    PublishedStages stages;
+};
+
 struct ComparePreset {
     std::string_view name, text;
-    std::vector<std::string_view> scenes;  // one comparison each
-    uint32_t width, height;                // pixels
-    double seconds;                        // of each job
-    std::string_view reference;            // METHOD[,PARAMETER=VALUE...]
-    uint32_t reference_passes;
-    std::vector<std::string_view> metrics;
-    std::vector<std::string_view> entries, sweeps;  // as --entry and --sweep take them
-    std::vector<PublishedStructure> structures;
-    std::string_view structures_text;  // where those were published
+    std::vector<PresetComparison> comparisons;
 };
 
 std::span<const ComparePreset> compare_presets();
 /// Throws Failure(Usage) that lists them.
 const ComparePreset& compare_preset(const std::string& name);
 
-/// "report.html" of scene "a/b" as "report-a-b.html"; "-" and an empty name stay.
-std::string of_scene(const std::string& file, std::string_view scene);
+/// compare_preset_svo.cpp
+ComparePreset svo_thesis();
+
+/// "report.html" of comparison "a/b" as "report-a-b.html"; "-" and an empty name stay.
+std::string of_part(const std::string& file, std::string_view part);
 
 }  // namespace photond::cli

@@ -140,7 +140,7 @@ void print_comparison(Session& session, const json& comparison) {
     const std::vector<std::string> sentences = verdicts(comparison);
     if (!sentences.empty()) std::cout << '\n';
     for (const std::string& sentence : sentences) std::cout << sentence << '\n';
-    print_structures(std::cout, structures_of(session.daemon(), comparison));
+    print_structures(std::cout, structures_of(statistics_of_rows(session.daemon(), comparison)));
 }
 
 }  // namespace photond::cli
