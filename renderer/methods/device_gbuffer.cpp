@@ -18,9 +18,10 @@ uint32_t tile_count(Size2 size) {
 }  // namespace
 
 DeviceGBuffer::DeviceGBuffer(const gpu::DeviceScene& scene, const View& view, uint64_t seed, const GBufferWalk& walk,
-                             DeviceImage& image)
+                             DeviceImage& image, LightDepthMapsGpu* shadows)
     : device_(scene.device()),
       image_(image),
+      shadows_(shadows),
       walk_(walk),
       layout_(view.film_size, walk.split_side),
       seed_(seed),
@@ -33,8 +34,9 @@ DeviceGBuffer::DeviceGBuffer(const gpu::DeviceScene& scene, const View& view, ui
       general_(device_, "g_buffer",
                (scene.scene().needs.only_lambert() ? 1 : uint64_t{layout_.points()}) * sizeof(gpu::GBufferGeneral)),
       sums_(device_, "g_buffer", uint64_t{layout_.points()} * sizeof(vec3)),
-      pipeline_(device_, "renderer/methods/gbuffer_walk.comp", sizeof(gpu::GBufferWalkPush), &scene.set(),
-                scene.specialization(image.specialization())) {
+      pipeline_(device_,
+                shadows ? "renderer/methods/gbuffer_walk_depth_maps.comp" : "renderer/methods/gbuffer_walk.comp",
+                sizeof(gpu::GBufferWalkPush), &scene.set(), scene.specialization(image.specialization())) {
     const gpu::EyeConstants eye = make_eye_constants(view, walk.max_scatterings, kRouletteStart);
     gpu::upload(device_, eye_, std::as_bytes(std::span(&eye, 1)));
     // Padding holds no points: the walk never comes there.
@@ -58,8 +60,16 @@ void DeviceGBuffer::record(gpu::CommandList& commands, uint32_t pass, uint32_t p
     }
     const uint32_t first = piece * tiles_a_piece_, end = std::min(first + tiles_a_piece_, tiles_);
     const gpu::Scope scope(commands, "direct");
-    commands.bind(pipeline_, {gpu::read_write(image_.layers()), gpu::read_write(image_.counters()), gpu::read(eye_),
-                              gpu::read(sampler_), gpu::write(points_), gpu::write(general_)});
+    std::vector<gpu::Binding> bindings = {gpu::read_write(image_.layers()),
+                                          gpu::read_write(image_.counters()),
+                                          gpu::read(eye_),
+                                          gpu::read(sampler_),
+                                          gpu::write(points_),
+                                          gpu::write(general_)};
+    if (shadows_)
+        for (gpu::Buffer* of_maps : {&shadows_->constants(), &shadows_->maps(), &shadows_->depths()})
+            bindings.push_back(gpu::read(*of_maps));
+    commands.bind(pipeline_, bindings);
     commands.push(gpu::GBufferWalkPush{split(), first, end, walk_.glossy_threshold});
     commands.dispatch_threads(uint64_t{end - first} * kTilePixels, kTilePixels);
 }

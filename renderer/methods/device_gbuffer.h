@@ -3,6 +3,7 @@
 // it, so that splitting costs nothing of its own.
 
 #include "renderer/backends/gpu/device_scene.h"
+#include "renderer/gbuffer/light_depth_maps_gpu.h"
 #include "renderer/gbuffer/split_buffer.h"
 #include "renderer/methods/device_gbuffer_shared.h"
 #include "renderer/methods/device_image.h"
@@ -20,9 +21,10 @@ struct GBufferWalk {
 
 class DeviceGBuffer {
 public:
-    /// Borrows the scene and the image, whose direct light, emitted light and first hits the walk writes.
+    /// Borrows all; of the image the walk writes direct light, emitted light and first hits. `shadows`: of punctual
+    /// lights; null: rays tell.
     DeviceGBuffer(const gpu::DeviceScene& scene, const View& view, uint64_t seed, const GBufferWalk& walk,
-                  DeviceImage& image);
+                  DeviceImage& image, LightDepthMapsGpu* shadows = nullptr);
     static uint64_t device_bytes(Size2 size, uint32_t split_side, const Needs& needs);
 
     /// A pass is recorded in that many pieces, 0 ..., each short enough for one submit; scope `direct`. The image is
@@ -41,6 +43,7 @@ public:
 private:
     gpu::Device& device_;
     DeviceImage& image_;
+    LightDepthMapsGpu* const shadows_;
     const GBufferWalk walk_;
     const SplitLayout layout_;
     const uint64_t seed_;

@@ -3,6 +3,7 @@
 #define PHOTOND_DEVICE_GBUFFER_SHARED_H
 
 #include "renderer/gbuffer/gbuffer_shared.h"
+#include "renderer/gbuffer/geometry_filter_shared.h"
 #include "renderer/gbuffer/split_shared.h"
 
 #ifdef __cplusplus
@@ -14,6 +15,11 @@ struct GBufferWalkPush {
     uint first_tile;  // of the image, EYE_TILE pixels a side, half open
     uint end_tile;
     float glossy_threshold;
+};
+
+struct GBufferFilterPush {
+    SplitRecord split;
+    GeometryFilter filter_settings;
 };
 
 /// Points, a thread each.

@@ -8,7 +8,7 @@
 #include "renderer/photons/reflected_photon_shared.h"
 #include "renderer/transport/bsdf_material.glsl"
 
-layout(local_size_x = VPL_GROUP) in;
+layout(local_size_x = VPL_SET_GROUP) in;
 layout(push_constant, scalar) uniform Push { VplGatherPush push; };
 layout(set = 0, binding = 0, scalar) readonly buffer State { uint state[REFLECTION_STATE_WORDS]; };
 layout(set = 0, binding = 1, scalar) readonly buffer Photons { ReflectedPhotonRecord photons[]; };

@@ -17,6 +17,11 @@ static_assert(VPL_VISIBILITY_SVO == static_cast<uint32_t>(VplVisibility::Svo) &&
 /// Lights that a point goes through at a time: the mean that roulette goes by is theirs.
 constexpr uint32_t kLightsAtOnce = 4096;
 
+/// At most.
+uint32_t lights_of_tile(const VplSetGpu& lights, const DeviceGBuffer& buffer) {
+    return (lights.most() + buffer.layout().tiles() - 1) / buffer.layout().tiles();
+}
+
 }  // namespace
 
 std::string VplVisibilityGpu::shader(const std::string& stem, VplVisibility kind) {
@@ -43,11 +48,10 @@ VplLightingGpu::VplLightingGpu(const gpu::DeviceScene& scene, DeviceGBuffer& buf
       counters_(counters),
       seed_(seed),
       settings_(settings),
-      lights_of_tile_((lights.most() + buffer.layout().tiles() - 1) / buffer.layout().tiles()),
-      lights_at_once_(std::min(lights_of_tile_, kLightsAtOnce)),
+      lights_at_once_(std::min(lights_of_tile(lights, buffer), kLightsAtOnce)),
       points_at_once_(std::max(scene.device().paths_per_submit() / lights_at_once_ / SPLIT_GROUP, 1u) * SPLIT_GROUP),
       point_pieces_((buffer.layout().points() + points_at_once_ - 1) / points_at_once_),
-      light_pieces_((lights_of_tile_ + lights_at_once_ - 1) / lights_at_once_),
+      light_pieces_((lights_of_tile(lights, buffer) + lights_at_once_ - 1) / lights_at_once_),
       constants_(scene.device(), "vpl_constants", sizeof(gpu::VplLightingConstants)),
       light_(scene.device(), VplVisibilityGpu::shader("renderer/methods/vpl_lighting", settings.visibility),
              sizeof(gpu::VplLightingPush), &scene.set(), scene.specialization()) {}

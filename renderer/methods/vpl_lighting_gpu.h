@@ -43,9 +43,6 @@ public:
                    uint64_t seed, const VplLightingSettings& settings);
     static uint64_t device_bytes() { return sizeof(gpu::VplLightingConstants); }
 
-    /// Says what B is from now on, where only the scene tells.
-    void set_clamp(float clamp_sq_m2) { settings_.clamp_sq_m2 = clamp_sq_m2; }
-
     /// Of a pass, before what reads constants().
     void record_constants(gpu::CommandList& commands, uint32_t pass);
     /// A pass is lit in that many pieces, 0 ..., each short enough for one submit; scope `indirect`.
@@ -53,7 +50,7 @@ public:
     void record(gpu::CommandList& commands, const VplVisibilityGpu& visibility, uint32_t piece);
     /// Points of a piece, and lights of a tile's subset, at most.
     uint32_t points_at_once() const { return points_at_once_; }
-    uint32_t lights_of_tile() const { return lights_of_tile_; }
+    uint32_t lights_at_once() const { return lights_at_once_; }
 
     gpu::Buffer& constants() { return constants_; }  // VplLightingConstants
 
@@ -65,8 +62,8 @@ private:
     VplSetGpu& lights_;
     gpu::Buffer& counters_;
     const uint64_t seed_;
-    VplLightingSettings settings_;
-    const uint32_t lights_of_tile_, lights_at_once_, points_at_once_, point_pieces_, light_pieces_;
+    const VplLightingSettings settings_;
+    const uint32_t lights_at_once_, points_at_once_, point_pieces_, light_pieces_;
     gpu::Buffer constants_;
     gpu::ComputePipeline light_;
 };

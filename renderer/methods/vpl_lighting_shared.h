@@ -10,6 +10,9 @@
 #define VPL_VISIBILITY_MAPS 2u
 #define VPL_VISIBILITY_NONE 3u
 
+// Specialisation constants, after those of device_image_shared.h.
+#define CLAMP_IS_REPAID_ID 48
+
 // What shaders that ask for V bind it at, after all else (vpl_visibility_*.glsl).
 #define VPL_VISIBILITY_BINDING 24
 

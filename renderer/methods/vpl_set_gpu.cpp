@@ -8,6 +8,7 @@ VplSetGpu::VplSetGpu(const gpu::DeviceScene& scene, uint32_t most, float connect
       vpls_(scene.device(), "vpls", uint64_t{most} * sizeof(gpu::Vpl)),
       lobes_(scene.device(), "vpls", (scene.scene().needs.only_lambert() ? 1 : uint64_t{most}) * sizeof(gpu::VplLobes)),
       counts_(scene.device(), "vpls", VPL_COUNT_WORDS * sizeof(uint32_t)),
+      host_counts_(scene.device(), "readback", counts_.bytes(), gpu::MemoryKind::Readback),
       gather_(scene.device(), "renderer/methods/vpl_gather.comp", sizeof(gpu::VplGatherPush), &scene.set(),
               scene.specialization()) {}
 
@@ -21,9 +22,9 @@ void VplSetGpu::record(gpu::CommandList& commands, const Photons& photons) {
     commands.bind(gather_, {gpu::read(photons.state), gpu::read(photons.photons), gpu::read(photons.order),
                             gpu::read(photons.surfaces), gpu::write(vpls_), gpu::write(lobes_), gpu::write(counts_)});
     commands.push(gpu::VplGatherPush{most_, connect_threshold_});
-    commands.dispatch_threads(most_, VPL_GROUP);
+    commands.dispatch_threads(most_, VPL_SET_GROUP);
+    commands.copy(counts_, 0, host_counts_, 0, counts_.bytes());
+    commands.host_reads(host_counts_);
 }
-
-void VplSetGpu::record_none(gpu::CommandList& commands) { commands.fill(counts_, 0); }
 
 }  // namespace photond

@@ -21,8 +21,8 @@ public:
     };
     /// Scope `vpl_generation`.
     void record(gpu::CommandList& commands, const Photons& photons);
-    /// No lights, where a scene has none.
-    void record_none(gpu::CommandList& commands);
+    /// Once that has been waited for.
+    uint32_t lights_of_pass() const { return host_counts_.as<uint32_t>()[VPL_COUNT]; }
 
     uint32_t most() const { return most_; }
     gpu::Buffer& vpls() { return vpls_; }      // Vpl
@@ -32,7 +32,7 @@ public:
 private:
     const uint32_t most_;
     const float connect_threshold_;
-    gpu::Buffer vpls_, lobes_, counts_;
+    gpu::Buffer vpls_, lobes_, counts_, host_counts_;
     gpu::ComputePipeline gather_;
 };
 

@@ -4,7 +4,7 @@
 
 #include "renderer/many_lights/vpl_shared.h"
 
-#define VPL_GROUP 64  // threads
+#define VPL_SET_GROUP 64  // threads
 
 // Words of the pass's counts.
 #define VPL_COUNT 0  // virtual point lights

@@ -136,7 +136,7 @@ struct PhotonSplattingGpu::State {
             points = gpu::Buffer(device, "visible_points", uint64_t{points_wanted} * sizeof(gpu::SplatPoint));
             sums = gpu::Buffer(device, "visible_points", uint64_t{points_wanted} * sizeof(gpu::SplatSum));
             const uint64_t general = scene.needs.only_lambert() ? 1 : points_wanted;
-            general_points = gpu::Buffer(device, "visible_points", general * sizeof(gpu::SplatGeneralPoint));
+            general_points = gpu::Buffer(device, "visible_points", general * sizeof(gpu::GBufferGeneral));
         }
         if (clusters_wanted > cluster_capacity) {
             clusters = {};
@@ -419,7 +419,7 @@ uint64_t PhotonSplattingGpu::estimate_bytes(const PhotonSplattingParams& params,
 uint64_t PhotonSplattingGpu::estimate_device_bytes(const PhotonSplattingParams& params, const Workload& workload) {
     const bool lambert = workload.needs.only_lambert();
     const uint64_t of_point =
-        sizeof(gpu::SplatPoint) + sizeof(gpu::SplatSum) + (lambert ? 0 : sizeof(gpu::SplatGeneralPoint));
+        sizeof(gpu::SplatPoint) + sizeof(gpu::SplatSum) + (lambert ? 0 : sizeof(gpu::GBufferGeneral));
     uint64_t bytes = DeviceImage::device_bytes(workload.film_size, workload.layers) +
                      DeviceImage::host_bytes(workload.film_size, workload.layers) +
                      workload.film_size.pixels() * sizeof(uint32_t) +

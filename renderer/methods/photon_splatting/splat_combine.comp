@@ -8,7 +8,8 @@
 #include "renderer/backends/gpu/invocation.glsl"
 #include "renderer/methods/device_image.glsl"
 #include "renderer/methods/eye_shared.h"
-#include "renderer/methods/photon_splatting/visible_points.glsl"
+#include "renderer/methods/photon_splatting/splat_shared.h"
+#include "renderer/methods/receiver.glsl"
 
 layout(constant_id = SPLAT_NORMALISED_ID) const bool SPLAT_NORMALISED = false;
 layout(constant_id = SPLAT_EDGES_ID) const bool SPLAT_EDGES = false;
@@ -18,7 +19,7 @@ layout(push_constant, scalar) uniform Push { uint pixels; } push;
 layout(set = 0, binding = 1, scalar) readonly buffer Constants { SplatConstants constants; };
 layout(set = 0, binding = 2, scalar) readonly buffer Heads { uint first_of_pixel[]; };
 layout(set = 0, binding = 3, scalar) readonly buffer Points { SplatPoint points[]; };
-layout(set = 0, binding = 4, scalar) readonly buffer GeneralPoints { SplatGeneralPoint general_points[]; };
+layout(set = 0, binding = 4, scalar) readonly buffer GeneralPoints { GBufferGeneral general_points[]; };
 layout(set = 0, binding = 5, scalar) readonly buffer Sums { SplatSum sums[]; };
 layout(set = 0, binding = 6, scalar) readonly buffer Eye { EyeConstants eye; };
 layout(set = 0, binding = 7, scalar) writeonly buffer Edges { vec4 edges[]; };  // SPLAT_EDGES: a pixel's normal and depth

@@ -16,7 +16,7 @@ layout(set = 0, binding = 4, scalar) readonly buffer Constants { SplatConstants 
 layout(set = 0, binding = 5, scalar) buffer Sizes { uint counts[SPLAT_COUNTS]; };
 layout(set = 0, binding = 6, scalar) writeonly buffer Heads { uint first_of_pixel[]; };
 layout(set = 0, binding = 7, scalar) writeonly buffer Points { SplatPoint points[]; };
-layout(set = 0, binding = 8, scalar) writeonly buffer GeneralPoints { SplatGeneralPoint general_points[]; };
+layout(set = 0, binding = 8, scalar) writeonly buffer GeneralPoints { GBufferGeneral general_points[]; };
 layout(set = 0, binding = 9, scalar) writeonly buffer Sums { SplatSum sums[]; };
 layout(set = 0, binding = 10, scalar) writeonly buffer Clusters { SplatCluster clusters[]; };
 
@@ -43,8 +43,8 @@ void keep_point(uint index, WalkVertex met, uint pixel, uint next) {
         point.weight = met.throughput;
         point.kind |= POINT_GENERAL;
         general_points[index] =
-            SplatGeneralPoint(met.hit.t, met.hit.instance, met.hit.triangle, met.hit.u, met.hit.v, met.ray_direction,
-                              met.outside_ior, met.media.materials);
+            GBufferGeneral(met.hit.t, met.hit.instance, met.hit.triangle, met.hit.u, met.hit.v, met.ray_direction,
+                           met.outside_ior, met.media.materials);
     }
     points[index] = point;
     sums[index] = SplatSum(vec3(0.0), 0.0, 0.0);

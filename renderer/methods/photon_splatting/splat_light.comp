@@ -13,7 +13,7 @@
 #define DEPTH_MAPS_BINDING 7
 #include "renderer/methods/photon_splatting/splat_depth_maps.glsl"
 #include "renderer/methods/photon_splatting/splat_gain.glsl"
-#include "renderer/methods/photon_splatting/visible_points.glsl"
+#include "renderer/methods/receiver.glsl"
 #include "renderer/photons/photon.glsl"
 #include "renderer/photons/reflected_photon_shared.h"
 #include "renderer/transport/photon_scattering.glsl"
@@ -29,7 +29,7 @@ layout(set = 0, binding = 1, scalar) readonly buffer Constants { SplatConstants 
 layout(set = 0, binding = 2, scalar) readonly buffer Sizes { uint counts[SPLAT_COUNTS]; };
 layout(set = 0, binding = 3, scalar) readonly buffer Clusters { SplatCluster clusters[]; };
 layout(set = 0, binding = 4, scalar) readonly buffer Points { SplatPoint points[]; };
-layout(set = 0, binding = 5, scalar) readonly buffer GeneralPoints { SplatGeneralPoint general_points[]; };
+layout(set = 0, binding = 5, scalar) readonly buffer GeneralPoints { GBufferGeneral general_points[]; };
 layout(set = 0, binding = 6, scalar) readonly buffer Splats { Splat splats[]; };
 layout(set = 0, binding = 8, scalar) readonly buffer Surfaces { ReflectingSurfaceRecord surfaces[]; };
 layout(set = 0, binding = 9, scalar) buffer Sums { SplatSum sums[]; };

@@ -3,6 +3,7 @@
 #ifndef PHOTOND_SPLAT_SHARED_H
 #define PHOTOND_SPLAT_SHARED_H
 
+#include "renderer/gbuffer/gbuffer_shared.h"
 #include "renderer/photons/kernel_shared.h"
 
 #define SPLAT_GROUP 64  // threads of a group that lights a cluster, and most points of one: a tile of EYE_TILE squared
@@ -80,18 +81,6 @@ struct SplatPoint {
     float splat_radius_m;   // of connections that light it
 };
 
-/// What more is known of points that are not Lambert: enough to make their BSDF again. At the point's index.
-struct SplatGeneralPoint {
-    float t;  // the hit
-    uint instance;
-    uint triangle;
-    float u;
-    float v;
-    vec3 ray_direction;
-    float outside_ior;
-    uvec4 media;  // MediumStack
-};
-
 /// What splats have brought to a point.
 struct SplatSum {
     vec3 sum;            // Lambert: irradiance [W m^-2], others: radiance [W m^-2 sr^-1]
@@ -153,8 +142,8 @@ struct SplatPointPush {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(SplatConstants) == 112 && sizeof(SplatPoint) == 64 && sizeof(SplatGeneralPoint) == 52 &&
-                  sizeof(SplatSum) == 20 && sizeof(SplatCluster) == 56 && sizeof(Splat) == 84,
+static_assert(sizeof(SplatConstants) == 112 && sizeof(SplatPoint) == 64 && sizeof(SplatSum) == 20 &&
+                  sizeof(SplatCluster) == 56 && sizeof(Splat) == 84,
               "must match the scalar layout of GLSL");
 }  // namespace photond::gpu
 #endif

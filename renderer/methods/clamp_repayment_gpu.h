@@ -1,0 +1,31 @@
+#pragma once
+// ClampRepayment (clamp_repayment.h) on a device, for the points of a DeviceGBuffer.
+
+#include "renderer/methods/device_gbuffer.h"
+
+namespace photond {
+
+class ClampRepaymentGpu {
+public:
+    /// Borrows the points and the image. `adds`: what is found is added to the points' sums; the layer `clamped` gets
+    /// it where it is kept.
+    ClampRepaymentGpu(const gpu::DeviceScene& scene, DeviceGBuffer& buffer, DeviceImage& image, uint64_t seed,
+                      SamplerKind sampler, bool adds);
+    static uint64_t device_bytes() { return sizeof(gpu::PassSamplerData); }
+
+    /// A pass is done in that many pieces, 0 ..., each short enough for one submit; scope `repay`. `constants`:
+    /// VplLightingGpu's.
+    uint32_t pieces() const { return pieces_; }
+    void record(gpu::CommandList& commands, gpu::Buffer& constants, uint32_t pass, uint32_t piece);
+
+private:
+    DeviceGBuffer& buffer_;
+    DeviceImage& image_;
+    const uint64_t seed_;
+    const SamplerKind sampler_kind_;
+    const uint32_t points_at_once_, pieces_;
+    gpu::Buffer sampler_;
+    gpu::ComputePipeline pipeline_;
+};
+
+}  // namespace photond
