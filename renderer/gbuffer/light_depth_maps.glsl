@@ -14,7 +14,7 @@ layout(set = 0, binding = LIGHT_DEPTH_MAPS_BINDING, scalar) readonly buffer Ligh
 };
 layout(set = 0, binding = LIGHT_DEPTHS_BINDING, scalar) readonly buffer LightDepths { float light_depths_m[]; };
 
-const float LIGHT_DEPTH_MOST_SLOPE = 6.0;  // LightDepthMaps::kMostSlope
+const float LIGHT_DEPTH_MOST_SLOPE = 6.0, LIGHT_DEPTH_CONCAVE_SLOPE = 2.0;  // of LightDepthMaps
 
 /// Where in a map: texels from its corner, and the face of a cube.
 struct LightDepthPlace {
@@ -76,9 +76,10 @@ bool light_depth_lit(uint source, vec3 position, vec3 normal, vec2 u) {
     const Ray ray = light_depth_ray(map, light_depth_constants.resolution, texel);
     const vec3 to_point = position - ray.origin;
     const float along = dot(to_point, ray.direction);
-    const float farthest = along + LIGHT_DEPTH_MOST_SLOPE * length(to_point - along * ray.direction);
+    const float across = length(to_point - along * ray.direction), farthest = along + LIGHT_DEPTH_MOST_SLOPE * across;
     const float plane = dot(to_point, normal) / dot(ray.direction, normal);
-    const float limit = (plane > 0.0 && plane < farthest ? plane : farthest) - width_m;
+    const float limit =
+        (plane > 0.0 && plane < farthest ? plane : farthest) - width_m - LIGHT_DEPTH_CONCAVE_SLOPE * across;
     return light_depths_m[map.first_texel + texel] >= limit;
 }
 
