@@ -63,13 +63,19 @@ public:
                               2 * static_cast<uint32_t>(axis) + uint32_t{normal[axis] < 0},
                           side_m2 / (facing[axis] * columns)});
     }
-    double area_m2() {
-        std::sort(cells_.begin(), cells_.end(), [](const Cell& a, const Cell& b) {
+    /// Keeps one of each.
+    void merge() {
+        const auto by_key = [](const Cell& a, const Cell& b) {
             return std::pair(a.key, a.area_m2) < std::pair(b.key, b.area_m2);
-        });
+        };
+        std::sort(cells_.begin(), cells_.end(), by_key);
+        const auto same = [](const Cell& a, const Cell& b) { return a.key == b.key; };
+        cells_.erase(std::unique(cells_.begin(), cells_.end(), same), cells_.end());
+    }
+    size_t count() const { return cells_.size(); }
+    double area_m2() const {
         double area = 0;
-        for (size_t i = 0; i < cells_.size(); ++i)
-            if (i == 0 || cells_[i].key != cells_[i - 1].key) area += double{cells_[i].area_m2};
+        for (const Cell& cell : cells_) area += double{cell.area_m2};
         return area;
     }
 
@@ -236,12 +242,18 @@ double VplTracer::lit_area_m2(uint64_t seed) const {
     size_t hits = 0;
     for (const std::vector<SeenTexel>& run : runs) hits += run.size();
     if (hits == 0) return 0;
-    // Cells so wide that few are lit without being hit.
-    const double resolution = std::clamp(std::sqrt(static_cast<double>(hits) / 4), 1.0, 64.0);
-    LitCells cells(shared_->scene.bounds, static_cast<uint32_t>(resolution));
-    for (const std::vector<SeenTexel>& run : runs)
-        for (const SeenTexel& texel : run) cells.add(texel.photon.position, texel.photon.normal);
-    return std::min(cells.area_m2(), surface_area_m2(shared_->scene));
+    // Cells so wide that hardly any are lit without being hit.
+    constexpr size_t kHitsOfCell = 8;
+    double area_m2 = 0;
+    for (uint32_t resolution = 64; resolution > 0; resolution /= 2) {
+        LitCells cells(shared_->scene.bounds, resolution);
+        for (const std::vector<SeenTexel>& run : runs)
+            for (const SeenTexel& texel : run) cells.add(texel.photon.position, texel.photon.normal);
+        cells.merge();
+        area_m2 = cells.area_m2();
+        if (cells.count() * kHitsOfCell <= hits) break;
+    }
+    return std::min(area_m2, surface_area_m2(shared_->scene));
 }
 
 uint64_t VplTracer::scratch_bytes(const VplTracing& tracing, size_t threads, uint64_t lights) {
