@@ -6,19 +6,19 @@ printed. Needs numpy and OpenImageIO.
 """
 
 import pathlib
-import subprocess
 import sys
-import tempfile
 
 import numpy
-import OpenImageIO as oiio
 
 HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent))
+from strips import render, save, shown, side_by_side  # noqa: E402  docs/strips.py
+
 NORMALISED = "photon_splatting,weighting=normalised"
 KERNEL = "photon_splatting,estimator=kernel,shrink=false"
 OURS = "photon_splatting,photons=10000"
 TRUTH = "path_tracing,indirect_bounces=1"
-GAP = 4  # pixels between panels
+SIZE = (320, 240)  # pixels of a panel
 
 # scene, view, (METHOD,PARAMETERS, passes) of each panel, regions (name: x0, y0, x1, y1 over the width and height)
 FIGURES = {
@@ -58,47 +58,15 @@ FIGURES = {
 }
 
 
-def photonctl(*arguments):
-    subprocess.run(["photonctl", *map(str, arguments)], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-
-
-def render(folder, scene, view, method, passes):
-    """The indirect layer: height x width x RGB."""
-    name, *settings = method.split(",")
-    file = folder / "panel.exr"
-    photonctl("render", scene, *view, "--width", 320, "--height", 240, "--method", name, "--passes", passes,
-              *(word for setting in settings for word in ("--set", setting)), "-o", file)
-    source = oiio.ImageInput.open(str(file))
-    names = source.spec().channelnames
-    pixels = numpy.asarray(source.read_image("float"), dtype=float)
-    source.close()
-    return pixels[:, :, [names.index("indirect." + channel) for channel in "RGB"]]
-
-
 def mean_of(image, region):
     height, width = image.shape[:2]
     x0, y0, x1, y1 = region
     return image[int(y0 * height):int(y1 * height), int(x0 * width):int(x1 * width)].mean()
 
 
-def shown(image, exposure):
-    linear = numpy.clip(image * exposure, 0, 1)
-    return numpy.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
-
-
-def save(strip, file):
-    pixels = numpy.ascontiguousarray(numpy.rint(255 * strip).astype(numpy.uint8))
-    spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], 3, "uint8")
-    spec.attribute("Compression", "jpeg:90")
-    out = oiio.ImageOutput.create(str(file))
-    if not out or not out.open(str(file), spec) or not out.write_image(pixels) or not out.close():
-        raise OSError(f"cannot write {file}: {oiio.geterror()}")
-
-
 def make(figure):
     scene, view, panels, regions = FIGURES[figure]
-    with tempfile.TemporaryDirectory() as folder:
-        images = [render(pathlib.Path(folder), scene, view, *panel) for panel in panels]
+    images = [render(scene, view, SIZE, *panel) for panel in panels]
     truth = images[-1]
     exposure = 0.5 / numpy.percentile(truth.mean(axis=2), 95)
     strip = []
@@ -108,8 +76,8 @@ def make(figure):
         ratios = ", ".join(f"{name} {fit * mean_of(image, region) / mean_of(truth, region):.3f}"
                            for name, region in regions.items())
         print(f"{figure}: {method}, {passes} passes: exposure {fit:.4g}, relative_mse then {error:.3g}; {ratios}", flush=True)
-        strip += [shown(fit * image, exposure), numpy.ones((image.shape[0], GAP, 3))]
-    save(numpy.hstack(strip[:-1]), HERE / f"{figure}.jpg")
+        strip.append(shown(fit * image, exposure))
+    save(side_by_side(strip), HERE / f"{figure}.jpg")
 
 
 if __name__ == "__main__":
