@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "renderer/core/rng.h"
+#include "renderer/methods/vpl_choice_shared.h"
 
 namespace photond {
 
@@ -13,8 +14,6 @@ constexpr stdx::vector_aligned_tag kAligned;
 
 constexpr size_t kGroupBlocks = 8;  // whose sum is kept, so that few lights are looked at twice
 constexpr float kLeastGeneralCosine = 0.25f;
-/// Of hash32(key ^ ...): kept apart from the numbers of Russian roulette, key + a multiple of the golden ratio.
-constexpr uint32_t kResampledSalt = 0x6a09e667u, kLightcutSalt = 0xbb67ae85u;
 constexpr uint32_t kGolden = 0x9e3779b9u;
 
 }  // namespace
@@ -79,7 +78,7 @@ void ResampledVpls::choose(const ChoicePoints& points, float clamp_sq_m2, Scratc
         if (!(total > 0)) continue;
 
         const double step = total / count_;
-        double next = step * double{to_unit_float(hash32(points.key[lane] ^ kResampledSalt))};
+        double next = step * double{to_unit_float(hash32(points.key[lane] ^ RESAMPLED_SALT))};
         double passed = 0;
         for (size_t group = 0; group < scratch.sums.size(); ++group) {
             const double end = passed + double{scratch.sums[group]};
@@ -142,7 +141,7 @@ void LightcutVpls::choose(const ChoicePoints& points, float clamp_sq_m2, Scratch
         chosen.clear();
         if (!(points.receivers.there[lane] > 0)) continue;
         for (const uint32_t top : scratch.cut) {
-            uint32_t state = hash32(points.key[lane] ^ hash32(top ^ kLightcutSalt));
+            uint32_t state = hash32(points.key[lane] ^ hash32(top ^ LIGHTCUT_SALT));
             uint32_t node = top;
             while (node < tree_.leaves()) {
                 const float left = nodes[2 * node].intensity, right = nodes[2 * node + 1].intensity;
