@@ -4,6 +4,7 @@
 
 #include "renderer/methods/photon_mapping/photon_mapping_gpu.h"
 #include "renderer/scene/builtin_scenes.h"
+#include "tests/support/block_test.h"
 #include "tests/support/gpu_render.h"
 #include "tests/support/scene_parts.h"
 
@@ -17,10 +18,12 @@ struct Choice {
 };
 
 template <class M>
-test::RenderSettingsOf<M> settings_for(const Choice& choice) {
+test::RenderSettingsOf<M> settings_for(const Choice& choice, uint64_t seed) {
     test::RenderSettingsOf<M> settings;
     settings.size = {64, 64};
-    settings.passes = 16;
+    settings.passes = 20;
+    settings.seed = seed;
+    settings.params.sampler = SamplerKind::Random;  // passes are independent
     settings.params.photons = 6000;
     settings.params.indirect_bounces = 5;
     settings.params.gather = choice.gather;
@@ -29,72 +32,25 @@ test::RenderSettingsOf<M> settings_for(const Choice& choice) {
     return settings;
 }
 
-/// The passes' mean image, and each pass's sums over blocks of 8 x 8 pixels, by channel.
-struct Passes {
-    std::vector<float> image;
-    std::vector<test::RunningMean> blocks;
-
-    void add(const Film& pass) {
-        constexpr uint32_t kSide = 8;
-        const std::vector<float> beauty = pass.resolve_beauty();
-        const uint32_t width = pass.size().width, columns = width / kSide;
-        image.resize(beauty.size());
-        blocks.resize(beauty.size() / (kSide * kSide));
-        std::vector<double> sums(blocks.size());
-        for (uint32_t i = 0; i < beauty.size(); ++i) {
-            const uint32_t x = i / 3 % width, y = i / 3 / width;
-            image[i] += beauty[i];
-            sums[3 * (y / kSide * columns + x / kSide) + i % 3] += beauty[i];
-        }
-        for (size_t i = 0; i < sums.size(); ++i) blocks[i].add(sums[i]);
-    }
-};
-
-template <class M>
-Passes render_passes(const RenderContext& context, const test::RenderSettingsOf<M>& settings) {
-    Passes passes;
-    Stats stats;
-    test::run_passes_in(
-        context, settings,
-        [&](M& method, uint32_t pass) {
-            Film film(settings.size, settings.layers, pass);
-            method.resolve(film);
-            passes.add(film);
-        },
-        stats);
-    return passes;
-}
+constexpr double kMustNotice = 0.3;  // of the light of half of the blocks
 
 class GpuPhotonMappingImages : public testing::TestWithParam<Choice> {};
 
 // Turned out of its axes: along them a rounding error decides which of two frames a normal has, and all paths part.
 // Else some in a thousand do, each a sample of its own right: by the same numbers images differ by less than 0.3 %,
-// pixel by pixel. By other numbers blocks are compared, whose variance is that between passes, as pixels of a block
-// share photons; false alarms: 1e-6 a choice, Sidak over its blocks and channels, Student's t with the least degrees of
-// freedom that Welch's may be.
+// pixel by pixel. By other numbers blocks are compared (false alarms: 1e-6 a choice).
 TEST_P(GpuPhotonMappingImages, AreTheCpusByTheSameNumbersAndInTheMean) {
     const Choice& choice = GetParam();
     const Scene scene = test::turned(make_builtin_scene(choice.scene));
     const test::SceneOnDevice where(scene);
-    MemoryBudget budget;
-    Stats stats;
-    const std::unique_ptr<Intersector> rays = make_embree_intersector(scene, budget, stats);
-    const auto on_cpu = settings_for<PhotonMapping>(choice);
-    const auto on_gpu = settings_for<PhotonMappingGpu>(choice);
-    const View view = test::view_of(scene, on_cpu);
-    const auto gpu = [&](uint64_t seed) {
-        return render_passes(RenderContext{scene, &where.intersector, view, seed, budget, &where.device_scene}, on_gpu);
-    };
-    const Passes cpu = render_passes(RenderContext{scene, rays.get(), view, 1, budget}, on_cpu);
-    EXPECT_LT(test::mean_relative_difference(cpu.image, gpu(1).image), 0.003);
+    const test::RenderedBlocks cpu = test::render_blocks(scene, settings_for<PhotonMapping>(choice, 1), 8);
+    const Film gpu = test::render(where, settings_for<PhotonMappingGpu>(choice, 1));
+    EXPECT_LT(test::mean_relative_difference(cpu.film.resolve_beauty(), gpu.resolve_beauty()), 0.003);
 
-    const Passes other = gpu(2);
-    const double limit = test::two_sided_t(test::share_of_false_alarm(1e-6, cpu.blocks.size()), on_cpu.passes - 1);
-    for (size_t i = 0; i < cpu.blocks.size(); ++i) {
-        const test::RunningMean &a = cpu.blocks[i], &b = other.blocks[i];
-        const double error = std::hypot(a.standard_error(), b.standard_error());
-        EXPECT_LE(std::fabs(a.mean() - b.mean()), limit * error + 1e-5 * a.mean()) << "block " << i / 3;
-    }
+    const test::RenderedBlocks other = test::render_blocks(where, settings_for<PhotonMappingGpu>(choice, 2), 8);
+    const test::BlockTest test = test::compare_blocks(cpu.blocks, other.blocks);
+    EXPECT_EQ(test.alarms, 0u) << test.table();
+    EXPECT_LT(test.half_notice, kMustNotice) << "too noisy to notice a defect";
 }
 constexpr PhotonSearch::Kind kNearest = PhotonSearch::Kind::Nearest, kRadius = PhotonSearch::Kind::Radius;
 template <class Info>

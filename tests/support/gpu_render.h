@@ -1,5 +1,7 @@
 #pragma once
-// Renders with any method of the GPU from within a test, and holds its images against the CPU's.
+// Renders with any method of the GPU from within a test.
+
+#include <gtest/gtest.h>
 
 #include <cctype>
 #include <string>
@@ -7,7 +9,6 @@
 #include "renderer/backends/gpu/device_intersector.h"
 #include "tests/support/gpu_twin.h"
 #include "tests/support/render.h"
-#include "tests/support/statistics.h"
 
 namespace photond::test {
 
@@ -21,21 +22,29 @@ struct SceneOnDevice {
     const gpu::DeviceIntersector intersector;
 };
 
-/// render() of render.h, there.
-template <class M>
-Film render(const SceneOnDevice& where, const RenderSettingsOf<M>& settings, Stats* stats = nullptr) {
+/// run_passes() of render.h, there.
+template <class M, class AfterPass>
+void run_passes(const SceneOnDevice& where, const RenderSettingsOf<M>& settings, const AfterPass& after_pass,
+                Stats* stats = nullptr) {
     MemoryBudget budget;
     Stats own_stats;
     const RenderContext context{where.scene, &where.intersector, view_of(where.scene, settings), settings.seed,
                                 budget,      &where.device_scene};
-    Film film(settings.size, settings.layers, settings.first_pass);
     run_passes_in(
         context, settings,
         [&](M& method, uint32_t pass) {
             method.expect_pass(pass + 1);  // as a job does; the last one comes to nothing
-            method.resolve(film);
+            after_pass(method, pass);
         },
         stats ? *stats : own_stats);
+}
+
+/// render() of render.h, there.
+template <class M>
+Film render(const SceneOnDevice& where, const RenderSettingsOf<M>& settings, Stats* stats = nullptr) {
+    Film film(settings.size, settings.layers, settings.first_pass);
+    run_passes(
+        where, settings, [&](M& method, uint32_t) { method.resolve(film); }, stats);
     return film;
 }
 
@@ -54,35 +63,29 @@ inline double mean_relative_difference(const std::vector<float>& a, const std::v
     return sum > 0 ? difference / sum : difference;
 }
 
-/// Two films whose samples are drawn independently, or by the same numbers: blocks of `side` x `side` pixels of their
-/// beauty whose means differ by more than their passes' variance explains, at a false-alarm rate of 1e-6 over all
-/// blocks (Sidak), as text; empty: none. A block's means over the passes are taken as normal: ask for 16 passes or
-/// more.
-inline std::string blocks_that_differ(const Film& a, const Film& b, uint32_t side) {
-    const Size2 size = a.size();
-    const std::vector<float> image_a = a.resolve_beauty(), image_b = b.resolve_beauty();
-    const std::vector<float> variance_a = a.pass_variance_beauty(), variance_b = b.pass_variance_beauty();
-    const uint32_t columns = size.width / side, rows = size.height / side;
-    const double z_limit = two_sided_z(share_of_false_alarm(1e-6, size_t{columns} * rows * 3));
-    std::string differing;
-    for (uint32_t block = 0; block < columns * rows; ++block) {
-        for (uint32_t c = 0; c < 3; ++c) {
-            double difference = 0, variance = 0, sum = 0;
-            for (uint32_t i = 0; i < side * side; ++i) {
-                const uint32_t x = block % columns * side + i % side, y = block / columns * side + i / side;
-                const size_t at = 3 * (size_t{y} * size.width + x) + c;
-                difference += double{image_a[at]} - double{image_b[at]};
-                sum += image_a[at];
-                variance += double{variance_a[at]} / a.passes() + double{variance_b[at]} / b.passes();
-            }
-            // Rounding: 1e-5 of the sum, where passes do not vary at all.
-            if (std::fabs(difference) > z_limit * std::sqrt(variance) + 1e-5 * sum)
-                differing += "block " + std::to_string(block) + ", channel " + std::to_string(c) + ": " +
-                             std::to_string(difference) + " of " + std::to_string(sum) + ", standard error " +
-                             std::to_string(std::sqrt(variance)) + "\n";
-        }
-    }
-    return differing;
+/// Share of values that differ by more than `tolerance` of the layer's mean.
+inline double share_apart(const std::vector<float>& a, const std::vector<float>& b, double tolerance) {
+    const double mean = mean_of(a);
+    size_t apart = 0;
+    for (size_t i = 0; i < a.size(); ++i) apart += std::fabs(a[i] - b[i]) > tolerance * std::fabs(mean);
+    return double(apart) / double(a.size());
+}
+
+/// What begin() takes of the device's memory is what the method says beforehand, to a factor of 1.5.
+template <class M>
+void expect_device_bytes_as_estimated(const SceneOnDevice& where, const RenderSettingsOf<M>& settings) {
+    const uint64_t before = gpu_device().memory().used_bytes();
+    MemoryBudget budget;
+    Stats stats;
+    M method(settings.params);
+    method.begin(
+        {where.scene, &where.intersector, view_of(where.scene, settings), settings.seed, budget, &where.device_scene},
+        stats);
+    const Workload workload = workload_of(where.scene, settings);
+    const auto estimate = static_cast<double>(M::estimate_device_bytes(settings.params, workload));
+    const auto taken = static_cast<double>(gpu_device().memory().used_bytes() - before);
+    EXPECT_LE(taken, 1.5 * estimate);
+    EXPECT_GE(1.5 * taken, estimate);
 }
 
 }  // namespace photond::test

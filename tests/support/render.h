@@ -2,6 +2,7 @@
 // Renders with any method from within a test.
 
 #include "renderer/backends/cpu/embree_intersector.h"
+#include "renderer/core/thread_local.h"
 #include "renderer/methods/path_tracing/path_tracing.h"
 
 namespace photond::test {
@@ -23,6 +24,17 @@ using RenderSettings = RenderSettingsOf<PathTracing>;
 template <class M>
 View view_of(const Scene& scene, const RenderSettingsOf<M>& settings) {
     return {find_camera(scene, ""), settings.size, settings.filter, settings.layers};
+}
+
+/// What a method is told of the scene and the film to estimate its memory by.
+template <class M>
+Workload workload_of(const Scene& scene, const RenderSettingsOf<M>& settings) {
+    Workload workload{.film_size = settings.size, .layers = settings.layers, .threads = unsigned(most_threads())};
+    workload.lights = scene.triangle_lights.size() + scene.punctual_lights.size();
+    if (scene.environment) workload.environment_size = scene.environment->map.size;
+    workload.triangles = scene.triangle_count;
+    workload.needs = scene.needs;
+    return workload;
 }
 
 /// Renders those passes in a context and calls after_pass(method, pass) after each.

@@ -39,14 +39,6 @@ TwoFilms render_both(const Scene& scene, uint32_t passes) {
     return {std::move(cpu), std::move(gpu), cpu_stats, gpu_stats};
 }
 
-/// Share of values that differ by more than `tolerance` of the layer's mean.
-double share_apart(const std::vector<float>& a, const std::vector<float>& b, double tolerance) {
-    const double mean = test::mean_of(a);
-    size_t apart = 0;
-    for (size_t i = 0; i < a.size(); ++i) apart += std::fabs(a[i] - b[i]) > tolerance * std::fabs(mean);
-    return double(apart) / double(a.size());
-}
-
 class GpuPathTracing : public testing::TestWithParam<const char*> {};
 
 // The same numbers drive both: rounding alone tells them apart, which now and then sends a path elsewhere (a hit on the
@@ -57,7 +49,7 @@ TEST_P(GpuPathTracing, FollowsTheCpusPaths) {
     const TwoFilms films = render_both(scene, 2);
     for (const Layer layer : {Layer::Emitted, Layer::Direct, Layer::Indirect, Layer::Caustic, Layer::Albedo,
                               Layer::Normal, Layer::Position, Layer::Depth})
-        EXPECT_LT(share_apart(films.cpu.resolve(layer), films.gpu.resolve(layer), 1e-3), 0.02)
+        EXPECT_LT(test::share_apart(films.cpu.resolve(layer), films.gpu.resolve(layer), 1e-3), 0.02)
             << GetParam() << ", " << layer_info(layer).name;
     const Counts &cpu = films.cpu_stats.counts, &gpu = films.gpu_stats.counts;
     EXPECT_EQ(cpu.camera_rays, gpu.camera_rays);
@@ -94,7 +86,7 @@ TEST(GpuPathTracing, AWavefrontMakesTheSameImage) {
         // The compiler may round one shader unlike the other: as with the CPU's twin, few values are apart.
         for (const LayerInfo& info : kLayers) {
             if (!settings.layers.has(info.layer)) continue;
-            EXPECT_LT(share_apart(by_thread.resolve(info.layer), by_wave.resolve(info.layer), 1e-4), 0.005)
+            EXPECT_LT(test::share_apart(by_thread.resolve(info.layer), by_wave.resolve(info.layer), 1e-4), 0.005)
                 << name << ", " << info.name;
         }
         EXPECT_EQ(mega.counts.camera_rays, wave.counts.camera_rays);
@@ -146,21 +138,7 @@ TEST(GpuPathTracing, ACancelledPassIsNoPass) {
 
 TEST(GpuPathTracing, TakesTheMemoryItSays) {
     const Scene scene = make_builtin_scene("cornell-box");
-    const test::SceneOnDevice where(scene);
-    const auto settings = settings_for<PathTracingGpu>(1);
-    gpu::Device& device = test::gpu_device();
-    const uint64_t before = device.memory().used_bytes();
-    MemoryBudget budget;
-    Stats stats;
-    PathTracingGpu method(settings.params);
-    method.begin({scene, &where.intersector, test::view_of(scene, settings), 1, budget, &where.device_scene}, stats);
-    Workload workload;
-    workload.film_size = settings.size;
-    workload.layers = settings.layers;
-    const uint64_t estimate = PathTracingGpu::estimate_device_bytes(settings.params, workload);
-    const uint64_t taken = device.memory().used_bytes() - before;
-    EXPECT_LE(taken, 1.5 * double(estimate));
-    EXPECT_GE(1.5 * double(taken), double(estimate));
+    test::expect_device_bytes_as_estimated(test::SceneOnDevice(scene), settings_for<PathTracingGpu>(1));
 }
 
 }  // namespace

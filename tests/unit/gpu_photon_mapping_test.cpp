@@ -256,14 +256,6 @@ test::RenderSettingsOf<M> settings_for(const Choice& choice) {
     return settings;
 }
 
-/// Share of values that differ by more than `tolerance` of the layer's mean.
-double share_apart(const std::vector<float>& a, const std::vector<float>& b, double tolerance) {
-    const double mean = test::mean_of(a);
-    size_t apart = 0;
-    for (size_t i = 0; i < a.size(); ++i) apart += std::fabs(a[i] - b[i]) > tolerance * std::fabs(mean);
-    return double(apart) / double(a.size());
-}
-
 class GpuPhotonMapping : public testing::TestWithParam<Choice> {};
 
 // A photon that rounding sends elsewhere shows in all pixels whose discs it was in, by about 1/20 of their light: what
@@ -276,9 +268,9 @@ TEST_P(GpuPhotonMapping, LooksLikeTheCpus) {
     const Film gpu = test::render(test::SceneOnDevice(scene), settings_for<PhotonMappingGpu>(choice), &gpu_stats);
     for (const Layer layer :
          {Layer::Emitted, Layer::Direct, Layer::Albedo, Layer::Normal, Layer::Position, Layer::Depth})
-        EXPECT_LT(share_apart(cpu.resolve(layer), gpu.resolve(layer), 1e-3), 0.02) << layer_info(layer).name;
+        EXPECT_LT(test::share_apart(cpu.resolve(layer), gpu.resolve(layer), 1e-3), 0.02) << layer_info(layer).name;
     for (const Layer layer : {Layer::Indirect, Layer::Caustic, Layer::PhotonCount}) {
-        EXPECT_LT(share_apart(cpu.resolve(layer), gpu.resolve(layer), 0.02), 0.05) << layer_info(layer).name;
+        EXPECT_LT(test::share_apart(cpu.resolve(layer), gpu.resolve(layer), 0.02), 0.05) << layer_info(layer).name;
         EXPECT_NEAR(test::mean_of(cpu.resolve(layer)), test::mean_of(gpu.resolve(layer)),
                     0.02 * test::mean_of(cpu.resolve(layer)))
             << layer_info(layer).name;
@@ -381,24 +373,9 @@ TEST(GpuPhotonMapping, ACancelledPassIsNoPass) {
 
 TEST(GpuPhotonMapping, TakesTheMemoryItSays) {
     const Scene scene = make_builtin_scene("cornell-box-glass");
-    const test::SceneOnDevice where(scene);
     auto settings = settings_for<PhotonMappingGpu>({"", Gather::Direct, kNearest});
     settings.params.photons = 200'000;
-    gpu::Device& device = test::gpu_device();
-    const uint64_t before = device.memory().used_bytes();
-    MemoryBudget budget;
-    Stats stats;
-    PhotonMappingGpu method(settings.params);
-    method.begin({scene, &where.intersector, test::view_of(scene, settings), 1, budget, &where.device_scene}, stats);
-    Workload workload;
-    workload.film_size = settings.size;
-    workload.layers = settings.layers;
-    workload.lights = scene.triangle_lights.size() + scene.punctual_lights.size();
-    workload.needs = scene.needs;
-    const uint64_t estimate = PhotonMappingGpu::estimate_device_bytes(settings.params, workload);
-    const uint64_t taken = device.memory().used_bytes() - before;
-    EXPECT_LE(double(taken), 1.5 * double(estimate));
-    EXPECT_GE(1.5 * double(taken), double(estimate));
+    test::expect_device_bytes_as_estimated(test::SceneOnDevice(scene), settings);
 }
 
 TEST(GpuPhotonMapping, RefusesWhatOnlyTheCpuHas) {

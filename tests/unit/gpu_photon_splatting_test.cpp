@@ -118,14 +118,6 @@ test::RenderSettingsOf<M> settings_for(uint32_t passes, How how = How::Connect) 
     return settings;
 }
 
-/// Share of values that differ by more than `tolerance` of the layer's mean.
-double share_apart(const std::vector<float>& a, const std::vector<float>& b, double tolerance) {
-    const double mean = test::mean_of(a);
-    size_t apart = 0;
-    for (size_t i = 0; i < a.size(); ++i) apart += std::fabs(a[i] - b[i]) > tolerance * std::fabs(mean);
-    return double(apart) / double(a.size());
-}
-
 class GpuPhotonSplatting : public testing::TestWithParam<std::tuple<const char*, How>> {};
 
 // With splats of one size and one ray a photon the same numbers drive both: rounding alone tells them apart. A photon
@@ -138,9 +130,9 @@ TEST_P(GpuPhotonSplatting, FollowsTheCpu) {
     const Film cpu = test::render(scene, settings_for<PhotonSplatting>(2, how), &cpu_stats);
     const Film gpu = test::render(test::SceneOnDevice(scene), settings_for<PhotonSplattingGpu>(2, how), &gpu_stats);
     for (const Layer layer : {Layer::Emitted, Layer::Direct, Layer::Albedo, Layer::Normal, Layer::Depth})
-        EXPECT_LT(share_apart(cpu.resolve(layer), gpu.resolve(layer), 1e-3), 0.02) << layer_info(layer).name;
+        EXPECT_LT(test::share_apart(cpu.resolve(layer), gpu.resolve(layer), 1e-3), 0.02) << layer_info(layer).name;
     const std::vector<float> cpu_indirect = cpu.resolve(Layer::Indirect), gpu_indirect = gpu.resolve(Layer::Indirect);
-    EXPECT_LT(share_apart(cpu_indirect, gpu_indirect, 1e-2), 0.05);
+    EXPECT_LT(test::share_apart(cpu_indirect, gpu_indirect, 1e-2), 0.05);
     EXPECT_NEAR(test::mean_of(gpu_indirect) / test::mean_of(cpu_indirect), 1, 3e-3);
     // Of points that are not Lambert the CPU counts also what comes from behind, to no effect.
     if (scene.needs.only_lambert()) {
@@ -202,20 +194,11 @@ TEST(GpuPhotonSplatting, APassIsAPureFunctionOfItsIndexAndNoneWhenCancelled) {
 
 TEST(GpuPhotonSplatting, TakesTheMemoryItSays) {
     for (const char* name : {"cornell-box", "cornell-box-glass"}) {
+        SCOPED_TRACE(name);
         const Scene scene = make_builtin_scene(name);
-        const test::SceneOnDevice where(scene);
         auto settings = settings_for<PhotonSplattingGpu>(1);
         settings.params.photons = 10'000;
-        const uint64_t before = test::gpu_device().memory().used_bytes();
-        const Begun run(where, settings);
-        const uint64_t taken = test::gpu_device().memory().used_bytes() - before;
-        const Workload workload{.film_size = settings.size,
-                                .layers = settings.layers,
-                                .lights = scene.triangle_lights.size(),
-                                .needs = scene.needs};
-        const uint64_t estimate = PhotonSplattingGpu::estimate_device_bytes(settings.params, workload);
-        EXPECT_LE(double(taken), 1.5 * double(estimate)) << name;
-        EXPECT_GE(1.5 * double(taken), double(estimate)) << name;
+        test::expect_device_bytes_as_estimated(test::SceneOnDevice(scene), settings);
     }
 }
 

@@ -6,6 +6,7 @@
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/gpu_render.h"
 #include "tests/support/scene_parts.h"
+#include "tests/support/statistics.h"
 
 namespace photond {
 namespace {

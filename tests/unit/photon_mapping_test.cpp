@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include "protocol/error.h"
-#include "renderer/core/thread_local.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/hard_scenes.h"
 #include "tests/support/render.h"
@@ -284,10 +283,8 @@ TEST(PhotonMapping, MemoryIsEstimatedToAFewPercentForPlainScenes) {
         settings.params.gather_rays = 1;
         MemoryBudget budget;
         test::render(scene, settings, nullptr, &budget);
-        Workload workload{settings.size, settings.layers, unsigned(most_threads()), scene.triangle_lights.size()};
-        workload.triangles = scene.triangle_count;
-        workload.needs = scene.needs;
-        const auto estimate = double(PhotonMapping::estimate_bytes(settings.params, workload));
+        const auto estimate =
+            double(PhotonMapping::estimate_bytes(settings.params, test::workload_of(scene, settings)));
         EXPECT_NEAR(estimate / double(budget.accounted_bytes()), 1, 0.05);
     }
 }

@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include "protocol/error.h"
-#include "renderer/core/thread_local.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/hard_scenes.h"
 #include "tests/support/render.h"
@@ -408,15 +407,6 @@ TEST(PhotonSplatting, ACancelledPassLeavesNothing) {
 
 // --- memory
 
-Workload workload_of(const Scene& scene, const Settings& settings) {
-    Workload workload{settings.size, settings.layers, unsigned(most_threads())};
-    workload.lights = scene.triangle_lights.size() + scene.punctual_lights.size();
-    if (scene.environment) workload.environment_size = scene.environment->map.size;
-    workload.triangles = scene.triangle_count;
-    workload.needs = scene.needs;
-    return workload;
-}
-
 TEST(PhotonSplatting, MemoryIsEstimatedToAFactorOfTwo) {
     constexpr double kWithin = 2;  // open scenes have fewer pairs of splats and clusters than closed rooms
     for (const std::string_view name : builtin_scene_names()) {
@@ -428,7 +418,7 @@ TEST(PhotonSplatting, MemoryIsEstimatedToAFactorOfTwo) {
             MemoryBudget budget;
             test::render(scene, settings, nullptr, &budget);
             const auto estimate =
-                double(PhotonSplatting::estimate_bytes(settings.params, workload_of(scene, settings)));
+                double(PhotonSplatting::estimate_bytes(settings.params, test::workload_of(scene, settings)));
             const double ratio = estimate / double(budget.accounted_bytes());
             std::printf("%-20s %-10s estimated %6.2f MB, %.2f of what was counted\n", std::string(name).c_str(),
                         stratify ? "stratified" : "default", estimate / 1e6, ratio);
