@@ -35,6 +35,13 @@ struct VplTreeNode {
     uint light;      // of a leaf
 };
 
+/// What makes the tree on a device.
+struct VplTreePush {
+    uint most;        // lights that there is room for
+    uint count_word;  // of the counts: how many lights there are
+    uint level;       // of the nodes that are there already, from the leaves; 0: none are
+};
+
 #ifdef __cplusplus
 static_assert(sizeof(VplTreeNode) == 48, "must match the scalar layout of GLSL");
 }  // namespace photond::gpu
