@@ -130,10 +130,10 @@ Counts VplTracer::Shared::see_texels(const TexelPass& pass, const CancelToken& c
 std::vector<ChosenStart> VplTracer::Shared::choose(const FluxMap& worth, const FluxMap& flux,
                                                    const uvec2& rotation) const {
     std::vector<ChosenStart> starts(vpls.vpls);
-    for (uint32_t i = 0; i < vpls.vpls; ++i) {
-        const Texel texel = worth.choose(rotated_halton_point(i, rotation));
+    parallel_for(starts.size(), kPathsAtOnce, [&](size_t i) {
+        const Texel texel = worth.choose(rotated_halton_point(static_cast<uint32_t>(i), rotation));
         starts[i] = {texel.index, 1 / (static_cast<float>(vpls.vpls) * texel.probability), flux.worth()[texel.index]};
-    }
+    });
     return starts;
 }
 
