@@ -26,23 +26,51 @@ vec3 svo_unit_normal(TriangleCorners c) {
     return size > 0.0 ? n / size : vec3(0.0);
 }
 
-/// Where to start asking of a ray's end, `along` leading into the ray.
-vec3 svo_away_from_surface(vec3 position, vec3 along) {
-    const float kOnPlane = 0.1;  // voxels
-    const float cell_m = svo_constants.grid.cell_m;
-    const uint number = svo_surface_at(position);
-    if (number == SVO_NO_DATA) return position;
+const float SVO_ON_PLANE = 0.01;  // voxels: what rounding may leave
+
+float svo_plane_of(uint number, vec3 position, out vec3 normal) {
     const uvec2 place = svo_triangle(number, svo_constants.instance_count);
     const TriangleCorners corners = world_triangle(place.x, place.y);
-    vec3 n = svo_unit_normal(corners);
-    if (!(abs(dot(n, position - corners.p[0])) <= kOnPlane * cell_m) || n == vec3(0.0))
-        return position + SVO_BLIND_PULL_IN * cell_m * along;
-    if (dot(n, along) < 0.0) n = -n;
-    return svo_lift(position, n) + SVO_PULL_IN * cell_m * along;
+    normal = svo_unit_normal(corners);
+    return dot(normal, position - corners.p[0]);
+}
+
+/// The plane of a surface that a point in a set voxel lies on: unit normal and the point's signed distance. False: it lies
+/// in no set voxel.
+bool svo_plane_at(vec3 position, out vec3 normal, out float height) {
+    const float cell_m = svo_constants.grid.cell_m;
+    normal = vec3(0.0), height = 0.0;
+    const uint own = svo_surface_at(position);
+    if (own == SVO_NO_DATA) return false;
+    height = svo_plane_of(own, position, normal);
+    for (int i = 0; i < 6; ++i) {
+        const float aside = (i & 1) != 0 ? cell_m : -cell_m;
+        const vec3 beside = position + vec3(i < 2 ? aside : 0.0, i >= 2 && i < 4 ? aside : 0.0, i >= 4 ? aside : 0.0);
+        const uint number = svo_surface_at(beside);
+        if (number == SVO_NO_DATA || number == own) continue;
+        vec3 n;
+        const float distance = svo_plane_of(number, position, n);
+        if (!(abs(distance) <= SVO_ON_PLANE * cell_m) || !(abs(distance) < abs(height))) continue;
+        normal = n, height = distance;
+    }
+    return true;
+}
+
+/// Where to start asking of a ray's end, `along` leading into the ray.
+vec3 svo_away_from_surface(vec3 position, vec3 along) {
+    vec3 n;
+    float height;
+    if (!svo_plane_at(position, n, height)) return position;
+    const float slope = dot(n, along);
+    const bool off = abs(height) > SVO_ON_PLANE * svo_constants.grid.cell_m;
+    if (off && height * slope < 0.0) return position;
+    return svo_lift(position, slope < 0.0 ? -n : n);
 }
 
 Hit svo_closest_hit(Ray ray) {
     const float kVoxelDiagonal = 1.7321;  // its length
+    const float kLiftedReach = 4.0;       // lifts: how far along the ray the lifted one's hit may be from its own
+    const float kLeastDistance = 1e-3;    // voxels
     const Hit none = Hit(INFINITY, NO_HIT, 0u, 0.0, 0.0);
     const float size = length(ray.direction), cell_m = svo_constants.grid.cell_m;
     if (!(ray.t_max > 0.0) || !(size > 0.0)) return none;
@@ -57,9 +85,13 @@ Hit svo_closest_hit(Ray ray) {
     const uvec2 place = svo_triangle(number, svo_constants.instance_count);
     const TriangleCorners corners = world_triangle(place.x, place.y);
     const vec3 n = svo_unit_normal(corners);
-    const float enter = skipped + t, leave = enter + kVoxelDiagonal * cell_m;
+    // The voxel is that of the lifted ray, the point that of the ray itself, which meets the plane elsewhere.
+    const float enter = skipped + t, margin = kLiftedReach * length(from - ray.origin);
+    const float nearest = max(enter - margin, kLeastDistance * cell_m);
+    const float farthest = max(enter + margin + kVoxelDiagonal * cell_m, nearest);
     const float slope = dot(n, along);
-    const float distance = slope != 0.0 ? clamp(dot(n, corners.p[0] - ray.origin) / slope, enter, leave) : enter;
+    const float distance =
+        slope != 0.0 ? clamp(dot(n, corners.p[0] - ray.origin) / slope, nearest, farthest) : max(enter, nearest);
     const float t_hit = distance / size;
     if (!(t_hit > 0.0) || !(t_hit < ray.t_max)) return none;
     const vec2 uv = svo_cut_barycentrics(corners, ray.origin + distance * along);

@@ -8,8 +8,10 @@ namespace photond {
 
 namespace {
 
-constexpr float kOnPlane = 0.1f;           // voxels
+constexpr float kOnPlane = 0.01f;          // voxels: what rounding may leave
 constexpr float kVoxelDiagonal = 1.7321f;  // its length
+constexpr float kLiftedReach = 4;          // lifts: how far along the ray the lifted one's hit may be from its own
+constexpr float kLeastDistance = 1e-3f;    // voxels
 constexpr size_t kRaysATask = 256;
 
 /// Barycentrics of the triangle's point that stands for p: its projection along the normal, cut to the triangle.
@@ -44,17 +46,37 @@ TriangleCorners VoxelIntersector::triangle(uint32_t number, uint32_t& instance, 
     return world_triangle(scene_, instance, triangle);
 }
 
-vec3 VoxelIntersector::away_from_surface(const vec3& position, const vec3& along) const {
+bool VoxelIntersector::plane_at(const vec3& position, vec3& normal, float& height) const {
     const float cell_m = tree_.constants().grid.cell_m;
-    const uint32_t number = tree_.view().surface_at(position);
-    if (number == ~0u) return position;
-    uint32_t instance, triangle_there;
-    const TriangleCorners corners = triangle(number, instance, triangle_there);
-    vec3 n = unit_normal(corners);
-    if (!(std::fabs(glm::dot(n, position - corners.p[0])) <= kOnPlane * cell_m) || n == vec3(0))
-        return position + SVO_BLIND_PULL_IN * cell_m * along;
-    if (glm::dot(n, along) < 0) n = -n;
-    return svo_lift(tree_.view(), position, n) + SVO_PULL_IN * cell_m * along;
+    const auto plane_of = [&](uint32_t number, vec3& n) {
+        uint32_t instance, triangle_there;
+        const TriangleCorners corners = triangle(number, instance, triangle_there);
+        n = unit_normal(corners);
+        return glm::dot(n, position - corners.p[0]);
+    };
+    const uint32_t own = tree_.view().surface_at(position);
+    if (own == ~0u) return false;
+    height = plane_of(own, normal);
+    for (int i = 0; i < 6; ++i) {
+        vec3 beside = position, n;
+        beside[i / 2] += i % 2 ? cell_m : -cell_m;
+        const uint32_t number = tree_.view().surface_at(beside);
+        if (number == ~0u || number == own) continue;
+        const float distance = plane_of(number, n);
+        if (!(std::fabs(distance) <= kOnPlane * cell_m) || !(std::fabs(distance) < std::fabs(height))) continue;
+        normal = n, height = distance;
+    }
+    return true;
+}
+
+vec3 VoxelIntersector::away_from_surface(const vec3& position, const vec3& along) const {
+    vec3 n;
+    float height;
+    if (!plane_at(position, n, height)) return position;
+    const float slope = glm::dot(n, along);
+    const bool off = std::fabs(height) > kOnPlane * tree_.constants().grid.cell_m;
+    if (off && height * slope < 0) return position;
+    return svo_lift(tree_.view(), position, slope < 0 ? -n : n);
 }
 
 Hit VoxelIntersector::closest_hit(const Ray& ray) const {
@@ -69,9 +91,12 @@ Hit VoxelIntersector::closest_hit(const Ray& ray) const {
     Hit hit;
     const TriangleCorners corners = triangle(voxel.surface, hit.instance, hit.triangle);
     const vec3 n = unit_normal(corners);
-    const float enter = skipped + voxel.t, leave = enter + kVoxelDiagonal * cell_m;
+    // The voxel is that of the lifted ray, the point that of the ray itself, which meets the plane elsewhere.
+    const float enter = skipped + voxel.t, margin = kLiftedReach * glm::length(from - ray.origin);
+    const float nearest = std::max(enter - margin, kLeastDistance * cell_m);
+    const float farthest = std::max(enter + margin + kVoxelDiagonal * cell_m, nearest);
     const float slope = glm::dot(n, along), to_plane = glm::dot(n, corners.p[0] - ray.origin) / slope;
-    const float distance = slope != 0 ? std::clamp(to_plane, enter, leave) : enter;
+    const float distance = slope != 0 ? std::clamp(to_plane, nearest, farthest) : std::max(enter, nearest);
     hit.t = distance / length;
     if (!(hit.t > 0) || !(hit.t < ray.t_max)) return {};
     const vec2 uv = cut_barycentrics(corners, ray.origin + distance * along);

@@ -72,6 +72,59 @@ INSTANTIATE_TEST_SUITE_P(Scenes, GpuVoxels,
 
 TEST(GpuVoxels, AreTheCpusAt1024) { expect_the_cpus(test::voxel_medley(), 1024); }
 
+/// Hairs have hardly any area to expect voxels by: the first build is short of room.
+TEST(GpuVoxels, GrowWhereThereIsTooLittleRoom) {
+    Scene scene;
+    MeshBuilder builder;
+    RandomStream random(5, RandomDomain::Test, 0, 0);
+    for (int i = 0; i < 300; ++i) {
+        const vec3 a = test::random_vec3(random), b = test::random_vec3(random);
+        builder.triangle(a, b, b + vec3(0, 1e-5f, 0));
+    }
+    test::add(scene, builder.build(0), test::lambert(0.5f));
+    finish_scene(scene);
+    const gpu::DeviceScene device_scene(test::gpu_device(), scene);
+    SparseVoxelOctreeGpu tree(device_scene, make_voxel_grid(scene.bounds, 256), true);
+    for (int builds = 1;; ++builds) {
+        gpu::CommandList commands(test::gpu_device());
+        tree.record_build(commands);
+        commands.submit();
+        commands.wait();
+        if (!tree.grow_if_short()) {
+            EXPECT_GT(builds, 1);
+            break;
+        }
+        ASSERT_LT(builds, 10);
+    }
+    // Again within the room there is now: the same.
+    const uint64_t voxels = tree.voxel_count(), room = tree.device_bytes();
+    const auto list = test::list_voxels(ReadBack(tree).view());
+    EXPECT_EQ(list, test::list_voxels(SparseVoxelOctree(scene, tree.host_constants().grid, true).view()));
+    Stats stats;
+    tree.build_now(stats);
+    EXPECT_EQ(tree.voxel_count(), voxels);
+    EXPECT_LT(tree.device_bytes(), room);  // what was too much is given back
+    EXPECT_EQ(test::list_voxels(ReadBack(tree).view()), list);
+}
+
+TEST(GpuVoxels, TakeTheBytesTheySay) {
+    const Scene scene = make_builtin_scene("interior");
+    const gpu::DeviceScene device_scene(test::gpu_device(), scene);
+    const VoxelGrid grid = make_voxel_grid(scene.bounds, 256);
+    for (const bool surfaces : {false, true}) {
+        SparseVoxelOctreeGpu tree(device_scene, grid, surfaces);
+        const double before = double(tree.device_bytes_with_scratch());
+        EXPECT_LT(before, 1.01 * double(SparseVoxelOctreeGpu::estimate_device_bytes(scene, grid, surfaces)) + 4096);
+        Stats stats;
+        tree.build_now(stats);
+        const SparseVoxelOctree cpu(scene, grid, surfaces);
+        EXPECT_EQ(tree.voxel_count(), cpu.voxel_count());
+        EXPECT_NEAR(double(tree.device_bytes()), double(cpu.bytes()), 256);
+        EXPECT_LT(tree.bytes_a_voxel(), surfaces ? 8 : 4);
+        EXPECT_GT(tree.bytes_a_voxel(), surfaces ? 4 : 0.125);
+    }
+}
+
 TEST(GpuVoxels, OfAnEmptySceneAreNone) {
     Scene scene;
     finish_scene(scene);
