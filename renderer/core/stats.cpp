@@ -21,6 +21,8 @@ Counts& Counts::operator+=(const Counts& other) {
     photons_stored += other.photons_stored;
     splats += other.splats;
     splat_contributions += other.splat_contributions;
+    vpls += other.vpls;
+    voxels += other.voxels;
     nan_samples += other.nan_samples;
     infinite_samples += other.infinite_samples;
     return *this;

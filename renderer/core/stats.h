@@ -18,6 +18,8 @@ struct Counts {
     uint64_t photons_stored = 0;
     uint64_t splats = 0;
     uint64_t splat_contributions = 0;  // a splat and a visible point within it
+    uint64_t vpls = 0;                 // virtual point lights
+    uint64_t voxels = 0;               // set, in all trees built
     uint64_t nan_samples = 0;          // dropped
     uint64_t infinite_samples = 0;     // dropped
 

@@ -17,31 +17,37 @@ Bsdf connecting_part(const Bsdf& bsdf, float threshold) {
     return rough.has_non_delta_transmission() ? Bsdf() : rough;
 }
 
+/// The normal that light samples go by; 0 where light comes from both sides.
+vec3 lit_normal_of(const Bsdf& bsdf, const ShadingPoint& at) {
+    return bsdf.has_non_delta_transmission() ? vec3(0) : at.shading.normal;
+}
+
 }  // namespace
 
 void ClampRepayment::repay(const RepaymentScene& shared, const PassSampler& sampler,
-                           std::span<const ClampedPoint> points, float clamp_sq_m2, std::span<Rgb> sums,
+                           std::span<const ClampedPoint> points, float clamp_sq_m2, const LeftOut& left_out,
                            Counts& counts) {
     clamp_sq_m2_ = clamp_sq_m2;
+    left_out_ = left_out;
     start(sampler, points);
     for (uint32_t vertex = 0; !rays_.empty(); ++vertex) {
         hits_.resize(rays_.size());
         shared.eye.intersector.closest_hits(rays_, hits_, Coherence::Incoherent);
         counts.bounce_rays += rays_.size();
         next_rays_.clear(), next_paths_.clear(), shadow_rays_.clear(), lights_.clear();
-        for (size_t i = 0; i < rays_.size(); ++i) scatter(shared, sampler, vertex, i, sums);
+        for (size_t i = 0; i < rays_.size(); ++i) scatter(shared, sampler, vertex, i);
         occluded_.resize(shadow_rays_.size());
         shared.eye.intersector.occluded(shadow_rays_, occluded_, Coherence::Incoherent);
         counts.shadow_rays += shadow_rays_.size();
         for (size_t i = 0; i < lights_.size(); ++i)
-            if (!occluded_[i]) sums[lights_[i].point] += lights_[i].light;
+            if (!occluded_[i]) add(lights_[i].point, lights_[i].narrow, lights_[i].light);
         rays_.swap(next_rays_), paths_.swap(next_paths_);
     }
 }
 
 /// One short ray a point. The throughput makes irradiance of radiance at Lambert points, radiance at others.
 void ClampRepayment::start(const PassSampler& sampler, std::span<const ClampedPoint> points) {
-    const float reach_m = std::sqrt(clamp_sq_m2_);
+    const float reach_m = left_out_.narrow.empty() ? std::sqrt(clamp_sq_m2_) : kInfinity;
     rays_.clear(), paths_.clear();
     for (uint32_t i = 0; i < points.size(); ++i) {
         const ClampedPoint& point = points[i];
@@ -77,9 +83,12 @@ void ClampRepayment::start(const PassSampler& sampler, std::span<const ClampedPo
     }
 }
 
+void ClampRepayment::add(uint32_t point, bool narrow, const Rgb& light) {
+    (narrow ? left_out_.narrow : left_out_.clamped)[point] += light;
+}
+
 /// Adds the light at the end of ray i, and sends the path on.
-void ClampRepayment::scatter(const RepaymentScene& shared, const PassSampler& sampler, uint32_t vertex, size_t i,
-                             std::span<Rgb> sums) {
+void ClampRepayment::scatter(const RepaymentScene& shared, const PassSampler& sampler, uint32_t vertex, size_t i) {
     const Scene& scene = shared.eye.scene;
     Path path = paths_[i];
     const Hit& hit = hits_[i];
@@ -100,10 +109,8 @@ void ClampRepayment::scatter(const RepaymentScene& shared, const PassSampler& sa
                                                            direction, hit.t);
         }
         if (!is_black(radiance))
-            sums[path.point] +=
-                path.throughput * radiance * (path.delta ? 1.0f : power_heuristic(path.pdf_sa, light_pdf));
-    } else if (hit.valid()) {
-        path.throughput *= 1 - std::min(sqr(hit.t) / clamp_sq_m2_, 1.0f);
+            add(path.point, path.narrow,
+                path.throughput * radiance * (path.delta ? 1.0f : power_heuristic(path.pdf_sa, light_pdf)));
     }
     if (!hit.valid() || path.left == 0) return;
     --path.left;
@@ -111,22 +118,52 @@ void ClampRepayment::scatter(const RepaymentScene& shared, const PassSampler& sa
     const ShadingPoint at = make_shading_point(scene, hit, direction);
     if (scene.materials[at.material].unlit) return;
     const Bsdf whole = make_bsdf(scene, at, path.media.outside_ior(scene, at.material, !at.front_side));
-    const Bsdf bsdf = vertex == 0 ? connecting_part(whole, shared.connect_threshold) : whole;
-    if (!bsdf.scatters()) return;
     const vec3 wo = at.shading.to_local(-direction);
     path.position = at.position;
-    path.lit_normal = bsdf.has_non_delta_transmission() ? vec3(0) : at.shading.normal;
-    // Light that the path on from here may meet is found in two ways; a last vertex has light samples alone.
-    const bool goes_on = path.left > 0 || bsdf.has_delta();
-    if (bsdf.has_non_delta()) sample_light(shared, sampler, vertex, path, at, bsdf, wo, goes_on);
-    if (!goes_on) return;
+    if (vertex > 0) {
+        path.lit_normal = lit_normal_of(whole, at);
+        // Light that the path on from here may meet is found in two ways; a last vertex has light samples alone.
+        const bool goes_on = path.left > 0 || whole.has_delta();
+        if (whole.has_non_delta()) sample_light(shared, sampler, vertex, path, at, whole, wo, goes_on ? 1.0f : 0.0f);
+        if (goes_on) leave(sampler, vertex, path, at, whole, wo, 1);
+        return;
+    }
 
+    // What connections leave out: of the part that connects what the clamp took, of the other all.
+    const Bsdf connecting = connecting_part(whole, shared.connect_threshold);
+    const Bsdf narrow = left_out_.narrow.empty() ? Bsdf()
+                        : connecting.scatters()  ? whole.specular_part(shared.connect_threshold)
+                                                 : whole;
+    const float share = left_out_.clamped.empty() ? 0 : 1 - std::min(sqr(hit.t) / clamp_sq_m2_, 1.0f);
+    const float by_clamp = connecting.scatters() ? share * max_component(connecting.albedo()) : 0;
+    const float by_narrow = narrow.scatters() ? max_component(narrow.albedo()) : 0;
+    // One path goes on from here, by one of the two; by a narrow lobe also where only a light is still to be met.
+    const float goes_on_by_clamp = by_clamp > 0 && path.left > 0 ? by_clamp / (by_clamp + by_narrow) : 0.0f;
+    const bool by_clamp_now = sampler.sample_2d(path.key, sample_set(vertex + 1, VertexSet::Lobe)).y < goes_on_by_clamp;
+    if (by_clamp > 0) {
+        Path clamped = path;
+        clamped.throughput *= share;
+        clamped.lit_normal = lit_normal_of(connecting, at);
+        sample_light(shared, sampler, vertex, clamped, at, connecting, wo, goes_on_by_clamp);
+        if (by_clamp_now) leave(sampler, vertex, clamped, at, connecting, wo, goes_on_by_clamp);
+    }
+    if (by_narrow > 0) {
+        path.narrow = true;
+        path.lit_normal = lit_normal_of(narrow, at);
+        if (narrow.has_non_delta()) sample_light(shared, sampler, vertex, path, at, narrow, wo, 1 - goes_on_by_clamp);
+        if (!by_clamp_now) leave(sampler, vertex, path, at, narrow, wo, 1 - goes_on_by_clamp);
+    }
+}
+
+/// Draws the path's next ray by that BSDF; `chance`: for it to have come to that.
+void ClampRepayment::leave(const PassSampler& sampler, uint32_t vertex, Path path, const ShadingPoint& at,
+                           const Bsdf& bsdf, const vec3& wo, float chance) {
     const vec2 choice = sampler.sample_2d(path.key, sample_set(vertex + 1, VertexSet::Lobe));
     const BsdfSample next =
         bsdf.sample(wo, choice.x, sampler.sample_2d(path.key, sample_set(vertex + 1, VertexSet::Direction)));
     if (!next.valid()) return;
-    path.throughput *= next.weight;
-    path.pdf_sa = next.pdf_sa;
+    path.throughput *= next.weight / chance;
+    path.pdf_sa = next.pdf_sa * chance;
     path.delta = next.delta;
     if (next.refraction) path.media.cross(at.material, at.front_side);
     if (vertex >= kRouletteStart) {
@@ -139,9 +176,10 @@ void ClampRepayment::scatter(const RepaymentScene& shared, const PassSampler& sa
     next_paths_.push_back(path);
 }
 
+/// `goes_on`: chance for the path on to be drawn by that BSDF, which may meet the same light.
 void ClampRepayment::sample_light(const RepaymentScene& shared, const PassSampler& sampler, uint32_t vertex,
                                   const Path& path, const ShadingPoint& at, const Bsdf& bsdf, const vec3& wo,
-                                  bool competes) {
+                                  float goes_on) {
     LightSample light;
     const float choice = sampler.sample_2d(path.key, sample_set(vertex, VertexSet::LightChoiceAndRoulette)).x;
     if (!shared.eye.lights.sample(path.position, path.lit_normal, choice,
@@ -149,9 +187,9 @@ void ClampRepayment::sample_light(const RepaymentScene& shared, const PassSample
         return;
     const BsdfValue f = bsdf.evaluate(wo, at.shading.to_local(light.wi));
     if (is_black(f.f_cos)) return;
-    const float weight = light.delta || !competes ? 1.0f : power_heuristic(light.pdf_sa, f.pdf_sa);
+    const float weight = light.delta || !(goes_on > 0) ? 1.0f : power_heuristic(light.pdf_sa, goes_on * f.pdf_sa);
     shadow_rays_.push_back(light.shadow_ray(ray_origin(at, light.wi)));
-    lights_.push_back({path.throughput * f.f_cos * light.radiance_over_pdf * weight, path.point});
+    lights_.push_back({path.throughput * f.f_cos * light.radiance_over_pdf * weight, path.point, path.narrow});
 }
 
 }  // namespace photond

@@ -18,6 +18,8 @@ constexpr std::pair<const char*, uint64_t Counts::*> kCounts[] = {{"camera_rays"
                                                                   {"photons_stored", &Counts::photons_stored},
                                                                   {"splats", &Counts::splats},
                                                                   {"splat_contributions", &Counts::splat_contributions},
+                                                                  {"vpls", &Counts::vpls},
+                                                                  {"voxels", &Counts::voxels},
                                                                   {"nan_samples", &Counts::nan_samples},
                                                                   {"infinite_samples", &Counts::infinite_samples}};
 static_assert(std::size(kCounts) * sizeof(uint64_t) == sizeof(Counts), "a count is missing from the table");

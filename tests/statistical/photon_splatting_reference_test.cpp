@@ -14,6 +14,7 @@
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/convergence.h"
 #include "tests/support/reference_bias.h"
+#include "tests/support/reference_regions.h"
 
 namespace photond {
 namespace {
@@ -23,42 +24,9 @@ using Settings = test::RenderSettingsOf<PhotonSplatting>;
 
 constexpr double kFalseAlarm = 1e-6;  // of all checks of this file together, short and long
 constexpr float kSmall = 0.5f, kLarge = 2;
-constexpr size_t kRegions = 6;
+constexpr size_t kRegions = test::kReferenceRegions;
 constexpr size_t kBiasChecks = 2 * kRegions * 3, kRepayChecks = 3, kSlopeChecks = 2 * 2;
 constexpr double kShare = kFalseAlarm / (2 * (kBiasChecks + kSlopeChecks) + kRepayChecks);
-
-struct Region {
-    const char* name;
-    Mask mask;
-};
-
-/// Regions of the picture: surfaces as wholes, and strips by their distance from the edges of walls and boxes. Chosen
-/// in the reference's pixels; a smaller picture's pixel belongs where all of those it stands for do.
-std::vector<Region> regions_of(const Scene& scene, uint32_t side) {
-    const std::vector<float> positions = test::positions_seen(scene, test::kReferenceSize);
-    const std::vector<float> distances = test::distances_to_edges(scene, positions);
-    const auto where = [&](const auto& belongs) {
-        Mask mask(distances.size());
-        for (size_t i = 0; i < mask.size(); ++i)
-            mask[i] = distances[i] > 0 && belongs(positions[3 * i + 1], distances[i]);
-        return test::reduced_mask(mask, side);
-    };
-    const float floor = scene.bounds.min.y, ceiling = scene.bounds.max.y;
-    constexpr float kNear = 1e-3f;             // [m], of a surface
-    constexpr float kStrips[] = {0.2f, 0.5f};  // [m]
-    return {{"whole picture", {}},
-            {"ceiling", where([&](float y, float) { return y > ceiling - kNear; })},
-            {"floor", where([&](float y, float) { return y < floor + kNear; })},
-            {"within 0.2 m of edges", where([&](float, float d) { return d < kStrips[0]; })},
-            {"0.2 m to 0.5 m from edges", where([&](float, float d) { return d >= kStrips[0] && d < kStrips[1]; })},
-            {"farther from edges", where([&](float, float d) { return d >= kStrips[1]; })}};
-}
-
-/// One bounce of the reference at the picture's size.
-test::Expected one_bounce(uint32_t side) {
-    const std::vector<float> image = test::reduced(test::reference_image("indirect_one_bounce_256.exr"), side);
-    return {image, image};
-}
 
 Settings settings_of(float splat_size_m, uint32_t side, uint32_t photons) {
     Settings settings;
@@ -78,13 +46,12 @@ struct BiasPlan {
 void expect_unbiased(const BiasPlan& plan) {
     constexpr double kAllowed = 3e-3;
     const Scene scene = make_builtin_scene("cornell-box");
-    const std::vector<Region> regions = regions_of(scene, plan.side);
+    const std::vector<test::Region> regions = test::regions_of(scene, plan.side);
     ASSERT_EQ(regions.size(), kRegions);
-    std::vector<Mask> masks;
-    for (const Region& region : regions) masks.push_back(region.mask);
+    const std::vector<Mask> masks = test::masks_of(regions);
     Settings settings = settings_of(plan.splat_size_m, plan.side, 20'000);
     settings.passes = plan.passes;
-    const auto biases = test::relative_biases(scene, settings, plan.films, one_bounce(plan.side), masks, kShare);
+    const auto biases = test::relative_biases(scene, settings, plan.films, test::one_bounce(plan.side), masks, kShare);
     std::printf("splat size %g m, %ux%u, %u films of %u passes\n", double{plan.splat_size_m}, plan.side, plan.side,
                 plan.films, plan.passes);
     for (size_t r = 0; r < kRegions; ++r) {
@@ -115,8 +82,8 @@ TEST(PhotonSplattingReferenceLong, LargeSplatsThatConnectAreUnbiased) {
 TEST(PhotonSplattingReference, WithoutRepaymentStripsAlongEdgesAreDark) {
     constexpr double kNoticed = 0.01;  // relative
     const Scene scene = make_builtin_scene("cornell-box");
-    const std::vector<float> expected = one_bounce(64).indirect;
-    const Mask strip = regions_of(scene, 64)[3].mask;
+    const std::vector<float> expected = test::one_bounce(64).indirect;
+    const Mask strip = test::regions_of(scene, 64)[3].mask;
     Settings settings = settings_of(kLarge, 64, 500);
     settings.passes = 6;
     std::vector<double> taken[3];
@@ -148,7 +115,7 @@ struct SlopePlan {
 /// and last. The reference's own squared noise is subtracted.
 void expect_no_floor(float splat_size_m, const SlopePlan& plan) {
     const Scene scene = make_builtin_scene("cornell-box");
-    const std::vector<float> expected = one_bounce(plan.side).indirect;
+    const std::vector<float> expected = test::one_bounce(plan.side).indirect;
     const double reference_rmse = test::reference_noise_of_mean(Mask(1, 1), plan.side * plan.side);
     const double mean = test::mean_of(expected), relative = 1e6 / (mean * mean);
     std::vector<double> slopes, floors;

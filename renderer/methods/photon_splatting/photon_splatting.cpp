@@ -337,7 +337,8 @@ void PhotonSplatting::light_image(uint32_t pass, Stats& stats, const CancelToken
                                         block.pixel[lane], cluster.most_scatterings});
             }
             mine.repaid.assign(cluster.points, Rgb(0));
-            mine.repayment.repay(shared, sampler, mine.clamped, cluster.clamp_sq_m2(), mine.repaid, mine.counts);
+            mine.repayment.repay(shared, sampler, mine.clamped, cluster.clamp_sq_m2(),
+                                 {.clamped = mine.repaid, .narrow = {}}, mine.counts);
             for (uint32_t i = 0; i < cluster.points; ++i) {
                 Vec3Array& sum = points.blocks[cluster.first_block + i / kLanes].sum;
                 sum.set(i % kLanes, sum.get(i % kLanes) + mine.repaid[i]);

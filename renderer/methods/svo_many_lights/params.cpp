@@ -45,6 +45,9 @@ void SvoManyLightsParams::visit(ParamVisitor& visitor) {
                    "a connection counts as if its squared length were at least that; the lit area over pi times "
                    "vpls when not given; 0: none, and at corners infinite variance"});
     visitor.flag("repay", repay, "what the clamp takes is found by one short ray a pixel");
+    visitor.flag("narrow_lobes", narrow_lobes,
+                 "light that lobes below connect_threshold send to visible points, caustics among it, is path traced "
+                 "by that ray, which has no end then; without, it is left out");
     visitor.field("filter", filter,
                   {"pixels", 0, 17,
                    "side of the geometry-aware box filter over indirect light, which takes out the blocks' pattern and "

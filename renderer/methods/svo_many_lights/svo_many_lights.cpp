@@ -9,7 +9,7 @@
 #include "renderer/methods/camera_importance.h"
 #include "renderer/methods/clamp_repayment.h"
 #include "renderer/methods/svo_many_lights/svo_layers.h"
-#include "renderer/methods/vpl_lighting.h"
+#include "renderer/methods/vpl_choice.h"
 #include "renderer/photons/vpl_tracer.h"
 #include "renderer/voxels/sparse_voxel_octree.h"
 #include "renderer/voxels/voxel_intersector.h"
@@ -66,10 +66,11 @@ struct SvoManyLights::State {
         SpecularWalk walk{GBuffer::kTileSide};
         GBufferSink sink;
         VplLighting lighting;
+        VplChooser::Scratch choice;
         ClampRepayment repayment;
         std::vector<ClampedPoint> clamped;
         std::vector<uint32_t> places;  // of those in the G-buffer
-        std::vector<Rgb> repaid;
+        std::vector<Rgb> repaid, narrow;
         Counts counts;
         WalkSeconds seconds;
         double lit_seconds = 0, repaid_seconds = 0;
@@ -99,14 +100,15 @@ struct SvoManyLights::State {
     std::optional<VoxelIntersector> voxels;
     std::optional<VplTracer> tracer;  // none: nothing is lit
     std::optional<VplShadowMaps> maps;
-    float clamp_sq_m2 = 0;  // B
+    std::unique_ptr<VplChooser> chooser;  // null: interleaved
+    float clamp_sq_m2 = 0;                // B
     ThreadLocal<PerThread> threads;
     std::map<std::string, uint64_t> most_bytes;
 
     GBuffer buffer;
     VplSet set;  // of the pass
     VplSubsets subsets;
-    std::vector<Rgb> sums, repaid, filtered;  // by point
+    std::vector<Rgb> sums, repaid, narrow, filtered;  // by point
     PassImage image;
     bool pass_complete = false;  // image holds a whole pass
 };
@@ -164,8 +166,9 @@ void SvoManyLights::begin(const RenderContext& context, Stats& stats) {
         const StageTimer timer(stats, "svo_build");
         const VoxelGrid grid = make_voxel_grid(scene.bounds, params_.voxel_resolution);
         budget.require("sparse_voxel_octree",
-                       SparseVoxelOctree::estimate_bytes(scene, grid, traces_voxels(params_)).peak_bytes);
+                       SparseVoxelOctree::estimate(scene, grid, traces_voxels(params_)).peak_bytes);
         state.tree.emplace(scene, grid, traces_voxels(params_));
+        stats.counts.voxels += state.tree->voxel_count();
         budget.record("sparse_voxel_octree", state.tree->bytes());
         if (traces_voxels(params_)) state.voxels.emplace(scene, *state.tree);
     } else {
@@ -174,6 +177,10 @@ void SvoManyLights::begin(const RenderContext& context, Stats& stats) {
     const Intersector& further = state.voxels ? static_cast<const Intersector&>(*state.voxels) : *context.intersector;
     state.tracer.emplace(scene, *context.intersector, further, *state.emission, tracing_of(params_));
     budget.record("vpl_tracer", VplTracer::scratch_bytes(tracing_of(params_), most_threads(), workload.lights));
+    if (params_.vpl_choice == VplChoice::Lightcut)
+        state.chooser = std::make_unique<LightcutVpls>(params_.cut_size);
+    else if (params_.vpl_choice == VplChoice::Resampled)
+        state.chooser = std::make_unique<ResampledVpls>(params_.resampled_vpls);
     if (params_.visibility == VplVisibility::ShadowMaps) state.maps.emplace(params_.shadow_resolution);
     const auto lit_area_m2 = [&] { return static_cast<float>(state.tracer->lit_area_m2(context.seed)); };
     state.clamp_sq_m2 = params_.clamp_m2 ? *params_.clamp_m2 : default_clamp_sq_m2(lit_area_m2(), params_.vpls);
@@ -233,12 +240,16 @@ void SvoManyLights::make_lights(uint32_t pass, Stats& stats, const CancelToken& 
     const StageTimer timer(stats, "vpl_generation");
     state.set.assign(state.eye.scene, photons, params_.connect_threshold);
     RandomStream random(state.eye.seed, RandomDomain::Splats, pass, kRotationStream);
-    state.subsets.assign(state.set, state.buffer.layout().tiles(), random.next_bits());
+    stats.counts.vpls += state.set.vpls.size();
+    if (state.chooser)
+        state.chooser->assign(state.set.vpls);
+    else
+        state.subsets.assign(state.set, state.buffer.layout().tiles(), random.next_bits());
     if (state.maps) {
         state.maps->build(state.set.vpls, state.eye.scene, state.eye.intersector, stats);
         state.record("vpl_shadow_maps", state.maps->bytes());
     }
-    state.record("vpls", state.set.bytes() + state.subsets.bytes() +
+    state.record("vpls", state.set.bytes() + state.subsets.bytes() + (state.chooser ? state.chooser->bytes() : 0) +
                              photons.photons.capacity() * sizeof(ReflectedPhoton) +
                              photons.surfaces.capacity() * sizeof(ReflectingSurface));
 }
@@ -248,6 +259,7 @@ void SvoManyLights::light_points(uint32_t pass, Stats& stats, const CancelToken&
     State& state = *state_;
     state.sums.assign(state.sums.size(), Rgb(0));
     state.repaid.assign(repays() ? state.sums.size() : 0, Rgb(0));
+    state.narrow.assign(asks_narrow_lobes() ? state.sums.size() : 0, Rgb(0));
     if (!state.tracer) return;
     const double wall_start = wall_now_seconds();
     const VplPass lighting{.eye = state.eye,
@@ -269,9 +281,13 @@ void SvoManyLights::light_points(uint32_t pass, Stats& stats, const CancelToken&
         const auto first = static_cast<uint32_t>(group) * kPointsAtOnce, end = first + kPointsAtOnce;
         const auto of_group = [&](std::vector<Rgb>& values) { return std::span(values).subspan(first, kPointsAtOnce); };
         ThreadLaps laps;
-        mine.lighting.light(lighting, state.buffer, first, end, of_group(state.sums), mine.counts);
+        if (state.chooser)
+            light_by_choice(*state.chooser, lighting, state.buffer, first, end, of_group(state.sums), mine.lighting,
+                            mine.choice, mine.counts);
+        else
+            mine.lighting.light(lighting, state.buffer, first, end, of_group(state.sums), mine.counts);
         laps.lap(mine.lit_seconds);
-        if (!repays()) return;
+        if (!repays() && !asks_narrow_lobes()) return;
         mine.clamped.clear();
         mine.places.clear();
         for (uint32_t i = first; i < end; ++i) {
@@ -283,9 +299,14 @@ void SvoManyLights::light_points(uint32_t pass, Stats& stats, const CancelToken&
                                     point.kind & GBUFFER_SCATTERINGS});
             mine.places.push_back(i);
         }
-        mine.repaid.assign(mine.clamped.size(), Rgb(0));
-        mine.repayment.repay(repayment, sampler, mine.clamped, state.clamp_sq_m2, mine.repaid, mine.counts);
-        for (size_t i = 0; i < mine.places.size(); ++i) state.repaid[mine.places[i]] = mine.repaid[i];
+        mine.repaid.assign(repays() ? mine.clamped.size() : 0, Rgb(0));
+        mine.narrow.assign(asks_narrow_lobes() ? mine.clamped.size() : 0, Rgb(0));
+        mine.repayment.repay(repayment, sampler, mine.clamped, state.clamp_sq_m2,
+                             {.clamped = mine.repaid, .narrow = mine.narrow}, mine.counts);
+        for (size_t i = 0; i < mine.places.size(); ++i) {
+            if (!mine.repaid.empty()) state.repaid[mine.places[i]] = mine.repaid[i];
+            if (!mine.narrow.empty()) state.narrow[mine.places[i]] = mine.narrow[i];
+        }
         laps.lap(mine.repaid_seconds);
     });
     double lit_seconds = 0, repaid_seconds = 0;
@@ -302,7 +323,6 @@ void SvoManyLights::light_points(uint32_t pass, Stats& stats, const CancelToken&
 void SvoManyLights::merge(Stats& stats) {
     State& state = *state_;
     const SplitLayout& layout = state.buffer.layout();
-    const bool repaid = repays();
     PassImage& image = state.image;
     if (!image.split_indirect.empty() || !image.split_normal.empty()) {
         for (uint32_t pixel = 0; pixel < image.size.pixels(); ++pixel) {
@@ -313,24 +333,31 @@ void SvoManyLights::merge(Stats& stats) {
     }
     if (!image.voxels.empty() && state.tree) show_voxels(state.tree->view(), state.eye, image.voxels);
     if (!image.vpls.empty()) show_vpls(state.set.vpls, state.eye, state.buffer, image.vpls);
+    for (const std::vector<Rgb>* more : {params_.repay ? &state.repaid : nullptr, &state.narrow})
+        if (more && !more->empty())
+            for (size_t i = 0; i < more->size(); ++i) state.sums[i] += (*more)[i];
     std::span<const Rgb> light = state.sums;
     if (params_.filter > 1) {
         const StageTimer timer(stats, "filter");
-        if (repaid && params_.repay)
-            for (size_t i = 0; i < state.sums.size(); ++i) state.sums[i] += state.repaid[i];
         state.filtered.resize(state.sums.size());
         filter_geometry_aware(layout, state.buffer.points(), state.sums,
                               {params_.filter, params_.filter_normal, params_.filter_distance}, state.filtered);
         light = state.filtered;
     }
     const StageTimer timer(stats, "merge");
-    const bool adds_repaid = repaid && params_.repay && params_.filter <= 1;
     parallel_for(layout.points(), 4096, [&](size_t i) {
         const gpu::GBufferPoint& point = state.buffer.points()[i];
         if (point.kind == 0) return;
-        image.indirect[point.pixel] += point.weight * (adds_repaid ? light[i] + state.repaid[i] : light[i]);
-        if (!image.clamped.empty()) image.clamped[point.pixel] = repaid ? point.weight * state.repaid[i] : Rgb(0);
+        image.indirect[point.pixel] += point.weight * light[i];
+        if (!image.clamped.empty())
+            image.clamped[point.pixel] = state.repaid.empty() ? Rgb(0) : point.weight * state.repaid[i];
     });
+}
+
+/// Whether the light by narrow lobes is looked for, and there may be any.
+bool SvoManyLights::asks_narrow_lobes() const {
+    const Needs& needs = state_->eye.scene.needs;
+    return params_.narrow_lobes && (needs.delta || needs.glossy || needs.transmission);
 }
 
 /// Whether short rays find what the clamp takes: it is added, or shown.

@@ -18,16 +18,17 @@ struct SvoManyLightsParams final : MethodParams {
     uint32_t map_resolution = 128;
     VplPlacement placement = VplPlacement::Flux;
     VplBounces bounce_tracing = VplBounces::Rays;
-    VplVisibility visibility = VplVisibility::Svo;
+    VplVisibility visibility = VplVisibility::Rays;
     uint32_t voxel_resolution = 256;
     uint32_t shadow_resolution = 32;
-    VplChoice vpl_choice = VplChoice::Interleaved;
+    VplChoice vpl_choice = VplChoice::Resampled;
     uint32_t interleave = 4;
     uint32_t cut_size = 64;
     uint32_t resampled_vpls = 8;
     float roulette = 0.1f;
     std::optional<float> clamp_m2;
     bool repay = true;
+    bool narrow_lobes = true;
     uint32_t filter = 0;
     float filter_normal = 0.9f;
     float filter_distance = 0.02f;
@@ -60,7 +61,9 @@ struct SvoManyLightsParams final : MethodParams {
 /// (`vpl_choice` resampled, lightcut), by V of `visibility`; connections nearer than sqrt(B) are clamped, and what that
 /// takes is found by one short ray a point (clamp_repayment.h, layer `clamped`). The next pass has other lights, and
 /// other pixels ask them: with `visibility` rays and `repay`, and without `filter`, the mean over the passes is the
-/// light's transport up to `bounces`, but for what comes by narrow lobes of the surfaces lit directly (below).
+/// light's transport up to `bounces`: what narrow lobes (GGX alpha below `connect_threshold`, mirrors, glass) send
+/// towards a visible point, caustics among it, does not connect, and is found by the same short ray, which has no end
+/// then (`narrow_lobes`, where a scene has such).
 ///
 /// Strong where light is smooth: a thousand lights light every pixel, and the octree answers for V without the scene.
 /// Weak: voxels darken within about a voxel of edges and contacts, and leak nothing (conservative voxels); `clamp` = 0
@@ -93,6 +96,7 @@ private:
     void light_points(uint32_t pass, Stats& stats, const CancelToken& cancel);
     void merge(Stats& stats);
     bool repays() const;
+    bool asks_narrow_lobes() const;
 
     const SvoManyLightsParams params_;
     std::unique_ptr<State> state_;
