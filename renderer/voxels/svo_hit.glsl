@@ -69,7 +69,7 @@ vec3 svo_away_from_surface(vec3 position, vec3 along) {
 
 Hit svo_closest_hit(Ray ray) {
     const float kVoxelDiagonal = 1.7321;  // its length
-    const float kLiftedReach = 4.0;       // lifts: how far along the ray the lifted one's hit may be from its own
+    const float kReach = 8.0;  // lifts, voxel diagonals: how far along the ray its plane may be from the voxel
     const float kLeastDistance = 1e-3;    // voxels
     const Hit none = Hit(INFINITY, NO_HIT, 0u, 0.0, 0.0);
     const float size = length(ray.direction), cell_m = svo_constants.grid.cell_m;
@@ -86,9 +86,9 @@ Hit svo_closest_hit(Ray ray) {
     const TriangleCorners corners = world_triangle(place.x, place.y);
     const vec3 n = svo_unit_normal(corners);
     // The voxel is that of the lifted ray, the point that of the ray itself, which meets the plane elsewhere.
-    const float enter = skipped + t, margin = kLiftedReach * length(from - ray.origin);
+    const float enter = skipped + t, margin = kReach * length(from - ray.origin);
     const float nearest = max(enter - margin, kLeastDistance * cell_m);
-    const float farthest = max(enter + margin + kVoxelDiagonal * cell_m, nearest);
+    const float farthest = max(enter + margin + kReach * kVoxelDiagonal * cell_m, nearest);
     const float slope = dot(n, along);
     const float distance =
         slope != 0.0 ? clamp(dot(n, corners.p[0] - ray.origin) / slope, nearest, farthest) : max(enter, nearest);

