@@ -4,15 +4,17 @@ namespace photond {
 
 VplShadowMapsGpu::VplShadowMapsGpu(const gpu::DeviceScene& scene, uint32_t resolution, uint32_t most_lights,
                                    gpu::Buffer& counters)
-    : push_{.resolution = resolution, .count_word = 0, .most_lights = most_lights},
+    : scene_(scene),
+      push_{.resolution = resolution, .count_word = 0, .most_lights = most_lights},
       counters_(counters),
-      reach_(scene.device(), "shadow_maps", device_bytes(resolution, most_lights)),
-      trace_(scene.device(), "renderer/many_lights/vpl_shadow_maps.comp", sizeof(gpu::VplMapPush), &scene.set(),
-             scene.specialization()) {}
+      reach_(scene.device(), "shadow_maps", device_bytes(resolution, most_lights)) {}
 
 void VplShadowMapsGpu::record(gpu::CommandList& commands, gpu::Buffer& vpls, gpu::DeviceWord count) {
     const gpu::Scope scope(commands, "shadow_maps");
-    commands.bind(trace_, {gpu::read_write(counters_), gpu::read(vpls), gpu::read(*count.buffer), gpu::write(reach_)});
+    if (!trace_)
+        trace_.emplace(scene_.device(), "renderer/many_lights/vpl_shadow_maps.comp", sizeof(gpu::VplMapPush),
+                       &scene_.set(), scene_.specialization());
+    commands.bind(*trace_, {gpu::read_write(counters_), gpu::read(vpls), gpu::read(*count.buffer), gpu::write(reach_)});
     gpu::VplMapPush push = push_;
     push.count_word = count.index;
     commands.push(push);

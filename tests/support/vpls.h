@@ -1,6 +1,9 @@
 #pragma once
 // Virtual point lights on the surfaces of a scene, for tests of what is between them.
 
+#include <span>
+#include <vector>
+
 #include "renderer/core/rng.h"
 #include "renderer/many_lights/vpl.h"
 #include "renderer/transport/emission_sampling.h"
@@ -37,6 +40,29 @@ inline std::vector<gpu::Vpl> vpls_on(const Scene& scene, const Intersector& inte
             2);
     }
     return vpls;
+}
+
+/// Share of what light would carry from `vpls` to `points` (whose normals count) that occluded(light, point) answers
+/// wrongly for, as rays say.
+template <class Occluded>
+double wrong_share(const Scene& scene, const Intersector& intersector, std::span<const gpu::Vpl> vpls,
+                   std::span<const gpu::Vpl> points, const Occluded& occluded) {
+    double wrong = 0, all = 0;
+    const float clamp_sq_m2 = sqr(0.05f * scene.bounds.radius());
+    for (size_t light = 0; light < vpls.size(); ++light)
+        for (const gpu::Vpl& point : points) {
+            const vec3 way = point.position - vpls[light].position;
+            const float distance_sq_m2 = glm::dot(way, way);
+            const float cosines = std::max(glm::dot(way, vpls[light].normal), 0.0f) *
+                                  std::max(-glm::dot(way, point.normal), 0.0f) / distance_sq_m2;
+            if (!(cosines > 0)) continue;
+            const double carried = cosines * clamped_falloff(distance_sq_m2, clamp_sq_m2);
+            const vec3 from = offset_ray_origin(vpls[light].position, vpls[light].normal);
+            const vec3 to = offset_ray_origin(point.position, point.normal) - from;
+            if (intersector.occluded(Ray{from, to, 1}) != occluded(light, point.position)) wrong += carried;
+            all += carried;
+        }
+    return wrong / all;
 }
 
 }  // namespace photond::test

@@ -115,7 +115,6 @@ TEST(VplShadowMaps, PlanesDoNotShadowThemselves) {
     }
 }
 
-/// Share of wrong answers between lights and points of a scene, by what the pair would carry.
 double wrong_share(const Scene& scene, uint32_t resolution) {
     MemoryBudget budget;
     Stats stats;
@@ -124,24 +123,8 @@ double wrong_share(const Scene& scene, uint32_t resolution) {
     const std::vector<gpu::Vpl> points = test::vpls_on(scene, *intersector, 2000, 2);
     VplShadowMaps maps(resolution);
     maps.build(vpls, scene, *intersector, stats);
-    double wrong = 0, all = 0;
-    const float nearest_sq_m2 = sqr(0.05f * scene.bounds.radius());
-    for (size_t light = 0; light < vpls.size(); ++light)
-        for (const gpu::Vpl& point : points) {
-            const vec3 way = point.position - vpls[light].position;
-            const float distance_sq_m2 = glm::dot(way, way);
-            const float cosines = std::max(glm::dot(way, vpls[light].normal), 0.0f) *
-                                  std::max(-glm::dot(way, point.normal), 0.0f) / distance_sq_m2;
-            if (!(cosines > 0)) continue;
-            const float carried = cosines / std::max(distance_sq_m2, nearest_sq_m2);
-            const vec3 from = offset_ray_origin(vpls[light].position, vpls[light].normal);
-            const vec3 to = offset_ray_origin(point.position, point.normal) - from;
-            const float length = glm::length(to);
-            const bool occluded = intersector->occluded(Ray{from, to / length, length});
-            wrong += occluded != maps.occluded(light, point.position) ? double{carried} : 0.0;
-            all += double{carried};
-        }
-    return wrong / all;
+    return test::wrong_share(scene, *intersector, vpls, points,
+                             [&](size_t light, const vec3& point) { return maps.occluded(light, point); });
 }
 
 TEST(VplShadowMaps, ErrLessTheFinerTheyAre) {
