@@ -2,12 +2,14 @@
 
 #include <algorithm>
 
+#include "renderer/methods/imperfect_shadow_maps/imperfect_shadow_maps_gpu.h"
 #include "renderer/methods/path_tracing/path_tracing.h"
 #include "renderer/methods/path_tracing/path_tracing_gpu.h"
 #include "renderer/methods/photon_mapping/photon_mapping.h"
 #include "renderer/methods/photon_mapping/photon_mapping_gpu.h"
 #include "renderer/methods/photon_splatting/photon_splatting.h"
 #include "renderer/methods/photon_splatting/photon_splatting_gpu.h"
+#include "renderer/methods/reflective_shadow_maps/reflective_shadow_maps_gpu.h"
 #include "renderer/methods/svo_many_lights/svo_many_lights.h"
 #include "renderer/photons/photon_cloud.h"
 
@@ -15,10 +17,10 @@ namespace photond {
 
 namespace {
 
-/// A row for a method whose class names its parameters `Params`.
+/// What a row says of a method, whose class names its parameters `Params`, wherever it runs.
 template <class M>
-MethodInfo row(std::string_view title, std::string_view family, std::vector<std::string_view> sources,
-               std::vector<std::string_view> devices) {
+MethodInfo described(std::string_view title, std::string_view family, std::vector<std::string_view> sources,
+                     std::vector<std::string_view> devices) {
     MethodInfo info;
     info.name = M::kName;
     info.title = title;
@@ -30,34 +32,44 @@ MethodInfo row(std::string_view title, std::string_view family, std::vector<std:
                               Layer::SplitNormal, Layer::SplitIndirect})
         info.layers.remove(layer);
     info.make_params = +[]() -> std::unique_ptr<MethodParams> { return std::make_unique<typename M::Params>(); };
-    info.make = +[](const MethodParams& params) -> std::unique_ptr<Method> {
-        return std::make_unique<M>(dynamic_cast<const typename M::Params&>(params));
-    };
+    info.make = nullptr;
     info.make_gpu = nullptr;
+    info.estimate_bytes = nullptr;
     info.estimate_bytes_gpu = nullptr;
     info.estimate_device_bytes = nullptr;
     info.check_gpu = +[](const MethodParams&) {};
-    info.estimate_bytes = +[](const MethodParams& params, const Workload& workload) {
-        return M::estimate_bytes(dynamic_cast<const typename M::Params&>(params), workload);
-    };
     info.estimate_artefact_bytes = +[](const MethodParams&, const Workload&) { return uint64_t{0}; };
     return info;
 }
 
-/// The same with a class for the GPU.
-template <class Cpu, class Gpu>
+/// With a class for the CPU.
+template <class M>
+MethodInfo row(std::string_view title, std::string_view family, std::vector<std::string_view> sources,
+               std::vector<std::string_view> devices) {
+    MethodInfo info = described<M>(title, family, std::move(sources), std::move(devices));
+    info.make = +[](const MethodParams& params) -> std::unique_ptr<Method> {
+        return std::make_unique<M>(dynamic_cast<const typename M::Params&>(params));
+    };
+    info.estimate_bytes = +[](const MethodParams& params, const Workload& workload) {
+        return M::estimate_bytes(dynamic_cast<const typename M::Params&>(params), workload);
+    };
+    return info;
+}
+
+/// The same with a class for the GPU; `Named`: the one that names the parameters.
+template <class Named, class Gpu>
 MethodInfo on_gpu(MethodInfo info) {
     info.make_gpu = +[](const MethodParams& params) -> std::unique_ptr<Method> {
-        return std::make_unique<Gpu>(dynamic_cast<const typename Cpu::Params&>(params));
+        return std::make_unique<Gpu>(dynamic_cast<const typename Named::Params&>(params));
     };
-    if constexpr (requires(const typename Cpu::Params& params) { Gpu::check_gpu(params); })
+    if constexpr (requires(const typename Named::Params& params) { Gpu::check_gpu(params); })
         info.check_gpu =
-            +[](const MethodParams& params) { Gpu::check_gpu(dynamic_cast<const typename Cpu::Params&>(params)); };
+            +[](const MethodParams& params) { Gpu::check_gpu(dynamic_cast<const typename Named::Params&>(params)); };
     info.estimate_bytes_gpu = +[](const MethodParams& params, const Workload& workload) {
-        return Gpu::estimate_bytes(dynamic_cast<const typename Cpu::Params&>(params), workload);
+        return Gpu::estimate_bytes(dynamic_cast<const typename Named::Params&>(params), workload);
     };
     info.estimate_device_bytes = +[](const MethodParams& params, const Workload& workload) {
-        return Gpu::estimate_device_bytes(dynamic_cast<const typename Cpu::Params&>(params), workload);
+        return Gpu::estimate_device_bytes(dynamic_cast<const typename Named::Params&>(params), workload);
     };
     return info;
 }
@@ -113,15 +125,29 @@ MethodInfo svo_many_lights_row() {
     return info;
 }
 
+/// Runs on GPUs alone, and tells no caustics apart.
+template <class Gpu>
+MethodInfo gpu_row(std::string_view title, std::vector<std::string_view> sources) {
+    MethodInfo info = on_gpu<Gpu, Gpu>(described<Gpu>(title, "many lights", std::move(sources), {"gpu"}));
+    info.layers.remove(Layer::Caustic);
+    return info;
+}
+
 }  // namespace
 
 std::span<const MethodInfo> all_methods() {
     static const MethodInfo kMethods[] = {
+        gpu_row<ImperfectShadowMapsGpu>(
+            "Imperfect shadow maps",
+            {"Ritschel et al. 2008, Imperfect Shadow Maps for Efficient Computation of Indirect Illumination",
+             "Marroquim et al. 2007, Efficient Point-Based Rendering Using Image Reconstruction"}),
         on_gpu<PathTracing, PathTracingGpu>(row<PathTracing>(
             "Path tracing", "path tracing",
             {"Kajiya 1986, The Rendering Equation", "Veach 1997, Robust Monte Carlo Methods"}, {"cpu", "gpu"})),
         photon_mapping_row(),
         photon_splatting_row(),
+        gpu_row<ReflectiveShadowMapsGpu>("Reflective shadow maps",
+                                         {"Dachsbacher and Stamminger 2005, Reflective Shadow Maps"}),
         svo_many_lights_row(),
     };
     return kMethods;

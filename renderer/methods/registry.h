@@ -32,9 +32,10 @@ struct MethodInfo {
     LayerSet layers;                        // those it can fill
     std::vector<ArtefactInfo> artefacts;
     std::unique_ptr<MethodParams> (*make_params)();
-    std::unique_ptr<Method> (*make)(const MethodParams& params);      // for the CPU
+    std::unique_ptr<Method> (*make)(const MethodParams& params);      // for the CPU; null where `devices` has no "cpu"
     std::unique_ptr<Method> (*make_gpu)(const MethodParams& params);  // null where `devices` has no "gpu"
-    /// Bytes the method itself will record in its budget: all but the film, the scene and its ray structure.
+    /// Bytes the method itself will record in its budget: all but the film, the scene and its ray structure. Null where
+    /// there is no make.
     uint64_t (*estimate_bytes)(const MethodParams& params, const Workload& workload);
     /// Likewise on a GPU: of the host's memory; null where there is no make_gpu.
     uint64_t (*estimate_bytes_gpu)(const MethodParams& params, const Workload& workload);

@@ -37,9 +37,11 @@ std::unique_ptr<Method> make_method(const JobRequest& request, const std::string
         throw Error(ErrorCode::OutOfRange, first, std::move(faults));
     }
     params->check();
-    if (device_kind == "cpu") return info->make(*params);
-    if (!info->make_gpu)
-        throw Error(ErrorCode::Unsupported, "/method/device", request.method.name + " does not run on a GPU");
+    const bool on_cpu = device_kind == "cpu";
+    if (on_cpu ? !info->make : !info->make_gpu)
+        throw Error(ErrorCode::Unsupported, "/method/device",
+                    request.method.name + " does not run on a " + (on_cpu ? "CPU" : "GPU"));
+    if (on_cpu) return info->make(*params);
     info->check_gpu(*params);
     return info->make_gpu(*params);
 }

@@ -96,7 +96,8 @@ std::unique_ptr<Method> make_method(const std::string& name, const json& paramet
                                     const std::string& kernels) {
     const MethodInfo* info = find_method(name);
     if (!info) throw Error(ErrorCode::UnknownName, "there is no method " + name);
-    if (on_gpu && !info->make_gpu) throw Error(ErrorCode::DeviceUnavailable, name + " does not run on a GPU");
+    if (on_gpu ? !info->make_gpu : !info->make)
+        throw Error(ErrorCode::DeviceUnavailable, name + " does not run on a " + (on_gpu ? "GPU" : "CPU"));
     const std::unique_ptr<MethodParams> params = info->make_params();
     std::vector<Fault> faults;
     read_params(*params, parameters, "/parameters", faults);

@@ -1,0 +1,147 @@
+#include "renderer/methods/imperfect_shadow_maps/imperfect_shadow_maps_gpu.h"
+
+#include "protocol/error.h"
+#include "renderer/many_lights/imperfect_shadow_maps.h"
+#include "renderer/methods/first_bounce_gpu.h"
+#include "renderer/methods/vpl_lighting.h"
+#include "renderer/methods/vpl_lighting_gpu.h"
+
+namespace photond {
+
+namespace {
+
+FirstBounceSettings settings_of(const ImperfectShadowMapsParams& params) {
+    return {.bounces = params.bounces,
+            .tracing = {.vpls = params.vpls,
+                        .map_side = params.map_resolution,
+                        .bounces = 1,
+                        .glossy_threshold = params.connect_threshold,
+                        .sampler = params.sampler},
+            .walk = {.split_side = params.interleave,
+                     .max_scatterings = params.bounces + 1,
+                     .glossy_threshold = params.glossy_threshold,
+                     .sampler = params.sampler},
+            .filter = {params.filter, params.filter_normal, params.filter_distance},
+            .clamp_m2 = params.clamp_m2};
+}
+
+}  // namespace
+
+void ImperfectShadowMapsParams::visit(ParamVisitor& visitor) {
+    static constexpr std::string_view kSamplers[] = {"sobol", "random"};
+    visitor.field("vpls", vpls, {"lights", 1, 65536, "virtual point lights, a pass"});
+    visitor.field("bounces", bounces, {"", 0, 254, "greatest number of bounces in the indirect layer; 1 at most"});
+    visitor.field("map_resolution", map_resolution,
+                  {"texels", 8, 1024, "side of the reflective shadow maps, all lights' together; a power of two"});
+    visitor.field("points", points, {"points", 16, 65536, "of the scene, drawn into the depth map of each light"});
+    visitor.field("shadow_resolution", shadow_resolution, {"texels", 4, 128, "along each side of a light's depth map"});
+    visitor.field("interleave", interleave,
+                  {"pixels", 1, 8, "side of the blocks whose pixels share out the lights; a power of two"});
+    visitor.field("clamp", clamp_m2,
+                  {"m^2", 0, 1e18,
+                   "a connection counts as if its squared length were at least that; the lit area over pi times vpls "
+                   "when not given; 0: none, and at corners infinite variance"});
+    visitor.field("filter", filter,
+                  {"pixels", 0, 17,
+                   "side of the geometry-aware box filter over indirect light, which takes out the blocks' pattern and "
+                   "blurs; 0: none"});
+    visitor.field("filter_normal", filter_normal, {"", -1, 1, "filter: least cosine between the normals"});
+    visitor.field("filter_distance", filter_distance,
+                  {"", 0, 1e3, "filter: greatest distance from the pixel's plane, over its depth"});
+    visitor.field("glossy_threshold", glossy_threshold,
+                  {"", 0, 1, "eye paths: lobes with GGX alpha below it are followed, not lit"});
+    visitor.field("connect_threshold", connect_threshold,
+                  {"", 0, 1, "lights: lobes with GGX alpha below it send nothing"});
+    visitor.enumeration("sampler", sampler,
+                        {kSamplers, "numbers of the passes: low-discrepancy (Owen-scrambled Sobol') or independent"});
+}
+
+void ImperfectShadowMapsParams::check() const {
+    if (bounces > 1)
+        throw Error(ErrorCode::Unsupported, "/bounces",
+                    "bounces = " + std::to_string(bounces) + ": imperfect_shadow_maps has 1 at most");
+    for (const auto& [pointer, value] :
+         {std::pair("/map_resolution", map_resolution), std::pair("/interleave", interleave)})
+        if ((value & (value - 1)) != 0)
+            throw Error(ErrorCode::OutOfRange, pointer,
+                        std::string(pointer + 1) + " = " + std::to_string(value) + " is no power of two");
+}
+
+struct ImperfectShadowMapsGpu::State {
+    State(const RenderContext& context, const ImperfectShadowMapsParams& params, Stats& stats)
+        : frame(context, settings_of(params), stats) {
+        if (!frame.lit()) return;
+        const StageTimer timer(stats, "shadow_maps");
+        set.emplace(frame.scene(), params.vpls, params.connect_threshold);
+        maps.emplace(frame.scene(), params.shadow_resolution, params.vpls, frame.counters());
+        imperfect.emplace(frame.scene(), *maps, params.points);
+        lighting.emplace(frame.scene(), frame.buffer(), *set, frame.counters(), frame.seed(),
+                         VplLightingSettings{.visibility = VplVisibility::ShadowMaps,
+                                             .clamp_sq_m2 = frame.clamp_sq_m2(),
+                                             .connect_threshold = params.connect_threshold,
+                                             .map_resolution = params.shadow_resolution});
+        frame.light_by([this](uint32_t pass, std::vector<FirstBounceGpu::Step>& steps) { add_steps(pass, steps); });
+    }
+
+    void add_steps(uint32_t pass, std::vector<FirstBounceGpu::Step>& steps) {
+        steps.push_back(
+            {set->most(), [=, this](gpu::CommandList& commands) {
+                 VplTracerGpu& tracer = frame.tracer();
+                 tracer.record_vpls(commands);
+                 set->record(commands, {tracer.state(), tracer.photons(), tracer.order(), tracer.surfaces()});
+                 lighting->record_constants(commands, pass);
+             }});
+        for (uint32_t piece = 0; piece < imperfect->pieces(); ++piece)
+            steps.push_back(
+                {imperfect->paths_of_piece(), [=, this](gpu::CommandList& commands) {
+                     imperfect->record(commands, set->vpls(), {set->counts(), VPL_COUNT}, frame.seed(), pass, piece);
+                 }});
+        for (uint32_t piece = 0; piece < lighting->pieces(); ++piece)
+            steps.push_back({uint64_t{lighting->points_at_once()} * lighting->lights_at_once(),
+                             [=, this](gpu::CommandList& commands) {
+                                 lighting->record(commands, {VplVisibility::ShadowMaps, nullptr, &*maps}, piece);
+                             }});
+    }
+
+    std::optional<VplSetGpu> set;
+    std::optional<VplShadowMapsGpu> maps;
+    std::optional<ImperfectShadowMaps> imperfect;
+    std::optional<VplLightingGpu> lighting;
+    FirstBounceGpu frame;  // last: its going waits for work that uses the others
+};
+
+ImperfectShadowMapsGpu::ImperfectShadowMapsGpu(const ImperfectShadowMapsParams& params) : params_(params) {}
+ImperfectShadowMapsGpu::~ImperfectShadowMapsGpu() = default;
+
+uint64_t ImperfectShadowMapsGpu::estimate_bytes(const ImperfectShadowMapsParams& params, const Workload& workload) {
+    const FirstBounceSettings settings = settings_of(params);
+    return FirstBounceGpu::estimate_bytes(settings, workload) +
+           (FirstBounceGpu::may_be_lit(settings, workload) ? ImperfectShadowMaps::host_bytes(params.points) : 0);
+}
+
+uint64_t ImperfectShadowMapsGpu::estimate_device_bytes(const ImperfectShadowMapsParams& params,
+                                                       const Workload& workload) {
+    const FirstBounceSettings settings = settings_of(params);
+    const uint64_t bytes = FirstBounceGpu::estimate_device_bytes(settings, workload);
+    if (!FirstBounceGpu::may_be_lit(settings, workload)) return bytes;
+    return bytes + VplSetGpu::device_bytes(params.vpls, workload.needs.only_lambert()) +
+           VplShadowMapsGpu::device_bytes(params.shadow_resolution, params.vpls) +
+           ImperfectShadowMaps::device_bytes(params.shadow_resolution, params.vpls, params.points) +
+           VplLightingGpu::device_bytes();
+}
+
+void ImperfectShadowMapsGpu::begin(const RenderContext& context, Stats& stats) {
+    const uint64_t image_bytes = PassImage::bytes_for(context.view.film_size, context.view.layers);
+    context.budget.require("pass_image", image_bytes);
+    context.budget.require("occluder_points", ImperfectShadowMaps::host_bytes(params_.points));
+    state_ = std::make_unique<State>(context, params_, stats);
+}
+
+void ImperfectShadowMapsGpu::run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) {
+    state_->frame.run_pass(pass, stats, cancel);
+}
+void ImperfectShadowMapsGpu::expect_pass(uint32_t pass) { state_->frame.expect_pass(pass); }
+void ImperfectShadowMapsGpu::settle() { state_->frame.settle(); }
+void ImperfectShadowMapsGpu::resolve(Film& film) { state_->frame.resolve(film); }
+
+}  // namespace photond

@@ -1,0 +1,64 @@
+#pragma once
+#include <memory>
+#include <optional>
+
+#include "renderer/methods/method.h"
+#include "renderer/transport/sobol.h"
+
+namespace photond {
+
+struct ImperfectShadowMapsParams final : MethodParams {
+    uint32_t vpls = 1024;
+    uint32_t bounces = 1;
+    uint32_t map_resolution = 128;
+    uint32_t points = 8192;
+    uint32_t shadow_resolution = 32;
+    uint32_t interleave = 4;
+    std::optional<float> clamp_m2;
+    uint32_t filter = 0;
+    float filter_normal = 0.9f;
+    float filter_distance = 0.02f;
+    float glossy_threshold = 0.05f;
+    float connect_threshold = 0.2f;
+    SamplerKind sampler = SamplerKind::Sobol;
+
+    void visit(ParamVisitor& visitor) override;
+    void check() const override;
+};
+
+/// Imperfect shadow maps, a baseline on GPUs: the lights, points and sums of svo_many_lights, where V is answered by a
+/// small depth map of each light that points are drawn into instead of triangles (many_lights/imperfect_shadow_maps.h).
+///
+/// Fast where triangles are many, as its cost is that of the points. Not exact, ever: shadows of what is thinner than
+/// the points are apart are lost or too wide, none is nearer to a light than that; maps are coarse; what the clamp
+/// takes is not given back. Light that narrow lobes of the surfaces lit directly reflect is not in it. Not implemented:
+/// further bounces, for which the paper has imperfect reflective shadow maps; moving points with geometry.
+///
+/// [Ritschel, Grosch, Kim, Seidel, Dachsbacher, Kautz 2008] Imperfect Shadow Maps for Efficient Computation of Indirect
+/// Illumination. ACM TOG 27(5).
+class ImperfectShadowMapsGpu final : public Method {
+public:
+    static constexpr const char* kName = "imperfect_shadow_maps";
+    using Params = ImperfectShadowMapsParams;
+
+    explicit ImperfectShadowMapsGpu(const ImperfectShadowMapsParams& params);
+    ~ImperfectShadowMapsGpu() override;
+    /// What begin() will record of the host's memory ...
+    static uint64_t estimate_bytes(const ImperfectShadowMapsParams& params, const Workload& workload);
+    /// ... and take of the device's, to a factor of two.
+    static uint64_t estimate_device_bytes(const ImperfectShadowMapsParams& params, const Workload& workload);
+
+    void begin(const RenderContext& context, Stats& stats) override;
+    void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) override;
+    void expect_pass(uint32_t pass) override;
+    void settle() override;
+    void resolve(Film& film) override;
+
+private:
+    struct State;  // imperfect_shadow_maps_gpu.cpp
+
+    const ImperfectShadowMapsParams params_;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace photond

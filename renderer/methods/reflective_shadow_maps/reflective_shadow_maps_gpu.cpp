@@ -1,0 +1,166 @@
+#include "renderer/methods/reflective_shadow_maps/reflective_shadow_maps_gpu.h"
+
+#include "protocol/error.h"
+#include "renderer/core/rng.h"
+#include "renderer/methods/first_bounce_gpu.h"
+#include "renderer/methods/reflective_shadow_maps/rsm_shared.h"
+#include "renderer/methods/vpl_lighting.h"
+#include "renderer/methods/vpl_lighting_gpu.h"
+
+namespace photond {
+
+namespace {
+
+FirstBounceSettings settings_of(const ReflectiveShadowMapsParams& params) {
+    return {.bounces = params.bounces,
+            .tracing = {.vpls = params.samples,
+                        .map_side = params.map_resolution,
+                        .bounces = 1,
+                        .glossy_threshold = params.connect_threshold,
+                        .sampler = params.sampler},
+            .walk = {.split_side = 1,
+                     .max_scatterings = params.bounces + 1,
+                     .glossy_threshold = params.glossy_threshold,
+                     .sampler = params.sampler},
+            .clamp_m2 = params.clamp_m2};
+}
+
+}  // namespace
+
+void ReflectiveShadowMapsParams::visit(ParamVisitor& visitor) {
+    static constexpr std::string_view kPatterns[] = {"flux", "paper"};
+    static constexpr std::string_view kSamplers[] = {"sobol", "random"};
+    visitor.field("samples", samples, {"texels", 1, 65536, "of the lights' maps that light a pixel, a pass"});
+    visitor.field("bounces", bounces, {"", 0, 254, "greatest number of bounces in the indirect layer; 1 at most"});
+    visitor.field("map_resolution", map_resolution,
+                  {"texels", 8, 1024, "side of the reflective shadow maps, all lights' together; a power of two"});
+    visitor.enumeration("pattern", pattern,
+                        {kPatterns,
+                         "which texels light a pixel: for all the same, by flux; or those about the pixel's own place "
+                         "in the map, as in the paper"});
+    visitor.field("sample_radius", sample_radius,
+                  {"", 1e-3, 1, "pattern paper: how far from the pixel's place, over the side of the light's map"});
+    visitor.field("clamp", clamp_m2,
+                  {"m^2", 0, 1e18,
+                   "a texel counts as if its squared distance were at least that; the lit area over pi times samples "
+                   "when not given; 0: none, and at corners infinite variance"});
+    visitor.field("glossy_threshold", glossy_threshold,
+                  {"", 0, 1, "eye paths: lobes with GGX alpha below it are followed, not lit"});
+    visitor.field("connect_threshold", connect_threshold,
+                  {"", 0, 1, "texels: lobes with GGX alpha below it send nothing"});
+    visitor.enumeration("sampler", sampler,
+                        {kSamplers, "numbers of the passes: low-discrepancy (Owen-scrambled Sobol') or independent"});
+}
+
+void ReflectiveShadowMapsParams::check() const {
+    if (bounces > 1)
+        throw Error(ErrorCode::Unsupported, "/bounces",
+                    "bounces = " + std::to_string(bounces) + ": reflective_shadow_maps has 1 at most");
+    if ((map_resolution & (map_resolution - 1)) != 0)
+        throw Error(ErrorCode::OutOfRange, "/map_resolution",
+                    "map_resolution = " + std::to_string(map_resolution) + " is no power of two");
+}
+
+struct ReflectiveShadowMapsGpu::State {
+    State(const RenderContext& context, const ReflectiveShadowMapsParams& p, Stats& stats)
+        : params(p), frame(context, settings_of(p), stats) {
+        if (!frame.lit()) return;
+        const StageTimer timer(stats, "pipelines");
+        if (params.pattern == RsmPattern::Flux) {
+            set.emplace(frame.scene(), params.samples, params.connect_threshold);
+            lighting.emplace(frame.scene(), frame.buffer(), *set, frame.counters(), frame.seed(),
+                             VplLightingSettings{.visibility = VplVisibility::None,
+                                                 .clamp_sq_m2 = frame.clamp_sq_m2(),
+                                                 .connect_threshold = params.connect_threshold});
+        } else {
+            gather.emplace(frame.scene().device(), "renderer/methods/reflective_shadow_maps/rsm_gather.comp",
+                           sizeof(gpu::RsmGatherPush), &frame.scene().set(), frame.scene().specialization());
+        }
+        frame.light_by([this](uint32_t pass, std::vector<FirstBounceGpu::Step>& steps) {
+            params.pattern == RsmPattern::Flux ? add_flux_steps(pass, steps) : add_paper_steps(pass, steps);
+        });
+    }
+
+    void add_flux_steps(uint32_t pass, std::vector<FirstBounceGpu::Step>& steps);
+    void add_paper_steps(uint32_t pass, std::vector<FirstBounceGpu::Step>& steps);
+
+    const ReflectiveShadowMapsParams& params;
+    std::optional<VplSetGpu> set;
+    std::optional<VplLightingGpu> lighting;
+    std::optional<gpu::ComputePipeline> gather;
+    FirstBounceGpu frame;  // last: its going waits for work that uses the others
+};
+
+void ReflectiveShadowMapsGpu::State::add_flux_steps(uint32_t pass, std::vector<FirstBounceGpu::Step>& steps) {
+    steps.push_back({set->most(), [=, this](gpu::CommandList& commands) {
+                         VplTracerGpu& tracer = frame.tracer();
+                         tracer.record_vpls(commands);
+                         set->record(commands, {tracer.state(), tracer.photons(), tracer.order(), tracer.surfaces()});
+                         lighting->record_constants(commands, pass);
+                     }});
+    for (uint32_t piece = 0; piece < lighting->pieces(); ++piece)
+        steps.push_back(
+            {uint64_t{lighting->points_at_once()} * lighting->lights_at_once(), [=, this](gpu::CommandList& commands) {
+                 lighting->record(commands, {VplVisibility::None, nullptr, nullptr}, piece);
+             }});
+}
+
+void ReflectiveShadowMapsGpu::State::add_paper_steps(uint32_t pass, std::vector<FirstBounceGpu::Step>& steps) {
+    constexpr uint32_t kTexelsAPath = 16;  // that cost a device what a path does
+    constexpr uint64_t kKeyStream = 2;
+    const uint32_t key = RandomStream(frame.seed(), RandomDomain::Splats, pass, kKeyStream).next_bits();
+    const uint32_t points = frame.buffer().layout().points();
+    const uint32_t paths = frame.scene().device().paths_per_submit();
+    const uint32_t at_once =
+        std::max(static_cast<uint32_t>(uint64_t{kTexelsAPath} * paths / params.samples / RSM_GROUP), 1u) * RSM_GROUP;
+    for (uint32_t first = 0; first < points; first += at_once)
+        steps.push_back({uint64_t{at_once} * params.samples / kTexelsAPath, [=, this](gpu::CommandList& commands) {
+                             const gpu::Scope scope(commands, "indirect");
+                             DeviceGBuffer& buffer = frame.buffer();
+                             VplTracerGpu& tracer = frame.tracer();
+                             commands.bind(*gather, {gpu::read(buffer.points()), gpu::read(buffer.general()),
+                                                     gpu::read(tracer.texels()), gpu::read(tracer.runs()),
+                                                     gpu::read_write(buffer.sums())});
+                             const uint32_t end = std::min(first + at_once, points);
+                             commands.push(gpu::RsmGatherPush{.first_point = first,
+                                                              .end_point = end,
+                                                              .runs = tracer.run_count(),
+                                                              .samples = params.samples,
+                                                              .key = key,
+                                                              .sample_radius = params.sample_radius,
+                                                              .clamp_sq_m2 = frame.clamp_sq_m2(),
+                                                              .glossy_threshold = params.glossy_threshold});
+                             commands.dispatch_threads(end - first, RSM_GROUP);
+                         }});
+}
+
+ReflectiveShadowMapsGpu::ReflectiveShadowMapsGpu(const ReflectiveShadowMapsParams& params) : params_(params) {}
+ReflectiveShadowMapsGpu::~ReflectiveShadowMapsGpu() = default;
+
+uint64_t ReflectiveShadowMapsGpu::estimate_bytes(const ReflectiveShadowMapsParams& params, const Workload& workload) {
+    return FirstBounceGpu::estimate_bytes(settings_of(params), workload);
+}
+
+uint64_t ReflectiveShadowMapsGpu::estimate_device_bytes(const ReflectiveShadowMapsParams& params,
+                                                        const Workload& workload) {
+    const FirstBounceSettings settings = settings_of(params);
+    const uint64_t bytes = FirstBounceGpu::estimate_device_bytes(settings, workload);
+    if (params.pattern != RsmPattern::Flux || !FirstBounceGpu::may_be_lit(settings, workload)) return bytes;
+    return bytes + VplSetGpu::device_bytes(params.samples, workload.needs.only_lambert()) +
+           VplLightingGpu::device_bytes();
+}
+
+void ReflectiveShadowMapsGpu::begin(const RenderContext& context, Stats& stats) {
+    const uint64_t image_bytes = PassImage::bytes_for(context.view.film_size, context.view.layers);
+    context.budget.require("pass_image", image_bytes);
+    state_ = std::make_unique<State>(context, params_, stats);
+}
+
+void ReflectiveShadowMapsGpu::run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) {
+    state_->frame.run_pass(pass, stats, cancel);
+}
+void ReflectiveShadowMapsGpu::expect_pass(uint32_t pass) { state_->frame.expect_pass(pass); }
+void ReflectiveShadowMapsGpu::settle() { state_->frame.settle(); }
+void ReflectiveShadowMapsGpu::resolve(Film& film) { state_->frame.resolve(film); }
+
+}  // namespace photond

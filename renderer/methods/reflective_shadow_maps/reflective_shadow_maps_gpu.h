@@ -1,0 +1,77 @@
+#pragma once
+#include <memory>
+#include <optional>
+
+#include "renderer/methods/method.h"
+#include "renderer/transport/sobol.h"
+
+namespace photond {
+
+/// Which texels of the lights' maps a pixel asks.
+enum class RsmPattern : uint8_t {
+    Flux,   // all pixels the same, by their flux
+    Paper,  // each pixel those about its own place in the map
+};
+
+struct ReflectiveShadowMapsParams final : MethodParams {
+    uint32_t samples = 400;
+    uint32_t bounces = 1;
+    uint32_t map_resolution = 512;
+    RsmPattern pattern = RsmPattern::Flux;
+    float sample_radius = 0.3f;
+    std::optional<float> clamp_m2;
+    float glossy_threshold = 0.05f;
+    float connect_threshold = 0.2f;
+    SamplerKind sampler = SamplerKind::Sobol;
+
+    void visit(ParamVisitor& visitor) override;
+    void check() const override;
+};
+
+/// Reflective shadow maps, a baseline on GPUs: each texel of the lights' maps is a light that reaches every point, for
+/// visibility is not asked. Too bright by what stands between; in an open scene right.
+///
+/// `flux`: `samples` texels chosen by their flux light all points of a pass, other ones in the next: without `clamp`
+/// the mean over the passes is the transport of one bounce with nothing in its way.
+///
+/// `paper`: each point draws its samples about its own place in each light's map, at distances u `sample_radius` of the
+/// map's side, u uniform, and weighs them by u^2 [Dachsbacher and Stamminger 2005, sec. 4.1]. Their weighted mean,
+/// times the light's texels, is its light: the same as that of all texels where all bring the same, else not, as far
+/// texels are asked seldom and none past the radius. Samples past the map's border are dropped. Each light has samples
+/// in proportion to its texels, at least one by chance. A texel brings Phi / pi cos_o cos_x / max(B, d^2), Phi the flux
+/// it reflects [W]: the paper has vectors that are not unit in both cosines, hence its d^4, and leaves out 1 / pi.
+///
+/// A point's place in a map is what the numbers would be that EmissionSampler sends a ray to it by (photons/
+/// texel_map.h): the direction from a point light or a spot, the place on a directional light's disc; from an area
+/// light, the direction from a triangle's middle: its map is of directions, from anywhere on it. The environment's is
+/// of directions too, each from a random place, so that no point is nearer to one texel than to another: points ask it
+/// all over. With `paper` what is lit reflects as if it were Lambert; light that narrow lobes of it reflect is in
+/// neither. Not implemented: interpolation between sparse pixels (sec. 4.2), further bounces.
+///
+/// [Dachsbacher and Stamminger 2005] Reflective Shadow Maps. I3D.
+class ReflectiveShadowMapsGpu final : public Method {
+public:
+    static constexpr const char* kName = "reflective_shadow_maps";
+    using Params = ReflectiveShadowMapsParams;
+
+    explicit ReflectiveShadowMapsGpu(const ReflectiveShadowMapsParams& params);
+    ~ReflectiveShadowMapsGpu() override;
+    /// What begin() will record of the host's memory ...
+    static uint64_t estimate_bytes(const ReflectiveShadowMapsParams& params, const Workload& workload);
+    /// ... and take of the device's, to a factor of two.
+    static uint64_t estimate_device_bytes(const ReflectiveShadowMapsParams& params, const Workload& workload);
+
+    void begin(const RenderContext& context, Stats& stats) override;
+    void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) override;
+    void expect_pass(uint32_t pass) override;
+    void settle() override;
+    void resolve(Film& film) override;
+
+private:
+    struct State;  // reflective_shadow_maps_gpu.cpp
+
+    const ReflectiveShadowMapsParams params_;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace photond
