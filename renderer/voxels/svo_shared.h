@@ -22,13 +22,15 @@
 
 // How far the ends of a segment are moved before it is held against the voxels, in voxels. Measured by `svo_bench
 // errors`: light wrongly shadowed and light leaked, of the unshadowed sum of G, at 256^3 (128^3): interior 10.0 and 1.5
-// % (13.4, 4.9), dragon and buddha 1.9 and 0.3 % (3.9, 0.6), Sponza 5.5 and 4.1 % (7.3, 5.3). A lift below 1 leaves
-// ends in their own plane's voxels (3/4: dragon and buddha 4.3 %), one above leaks. Longer pull-ins trade shadows for
-// leaks one for one.
-#define SVO_NORMAL_OFFSET \
-    1.0f                  // along the end's unit normal n, times |n.x| + |n.y| + |n.z|: just off its plane's voxels
-#define SVO_PULL_IN 1.5f  // along the segment, after that
-#define SVO_BLIND_PULL_IN 2.0f  // along the segment, where no normals are given
+// % (13.4, 4.9), dragon and buddha 1.9 and 0.3 % (3.9, 0.6), Sponza 5.5 and 4.1 % (7.3, 5.3). Of a lift of 1: less
+// leaves ends in their own plane's voxels (3/4: dragon and buddha 4.3 %), one above leaks. Longer pull-ins trade
+// shadows for leaks one for one.
+//
+// The lift is along the end's unit normal n, times |n.x| + |n.y| + |n.z|: its plane's voxels are no higher than 1 of
+// that, and widened by 1/256. Pull-ins are along the segment, after that; the blind one where no normals are given.
+#define SVO_NORMAL_OFFSET 1.01f
+#define SVO_PULL_IN 1.5f
+#define SVO_BLIND_PULL_IN 2.0f
 
 #ifdef __cplusplus
 #include "renderer/core/geometry.h"
