@@ -77,8 +77,8 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
     std::vector<std::string> measured_layers = vocabulary.radiance_layers;
     measured_layers.insert(measured_layers.begin(), "beauty");
     const json measured_layer = one_of_words(measured_layers);
-    std::vector<std::string> preview_layers = measured_layers;
-    preview_layers.emplace_back("overlap");
+    std::vector<std::string> preview_layers = vocabulary.preview_layers;
+    preview_layers.insert(preview_layers.begin(), "beauty");
     std::vector<std::string> pixel_layers{"beauty", "emitted", "direct", "indirect"};
     pixel_layers.insert(pixel_layers.end(), vocabulary.layers.begin(), vocabulary.layers.end());
     const json image_body{{"image/x-exr", binary()}, {"image/vnd.radiance", binary()}};
@@ -184,8 +184,9 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
         {"get",
          "/v1/jobs/{id}/preview.png",
          "getPreview",
-         "The image, or one layer of radiance, on a display; overlap as a heat map (blue 0, green 200, red 400, white "
-         "600 splats)",
+         "The image, or one layer, on a display: light by exposure and curve, vpls as dots of it; overlap as a heat "
+         "map "
+         "(blue 0, green 200, red 400, white 600 splats), split_normal as (n + 1) / 2",
          {{200, file("image/png")}, {202, nullptr}},
          nullptr,
          {{"layer", one_of_words(preview_layers)},

@@ -6,6 +6,7 @@
 
 #include "protocol/worker_messages.h"
 #include "renderer/core/sha256.h"
+#include "renderer/film/layer_preview.h"
 #include "renderer/methods/registry.h"
 #include "server/clock_text.h"
 #include "server/service_impl.h"
@@ -25,11 +26,11 @@ void check_precision(const std::string& precision) {
         throw Error(ErrorCode::OutOfRange, "/precision", "precision = '" + precision + "' is neither float nor half");
 }
 
-/// Those that a display can show: radiance, and splats over a pixel as a heat map.
-bool has_preview(const std::string& layer) {
-    return layer == "beauty" || std::any_of(kLayers.begin(), kLayers.end(), [&](const LayerInfo& info) {
-               return info.name == layer && (info.radiance() || info.layer == Layer::Overlap);
-           });
+/// Of the beauty or a layer by its name; None where there is no such layer.
+LayerPreview preview_of_name(const std::string& name) {
+    if (name == "beauty") return LayerPreview::Light;
+    const auto info = std::find_if(kLayers.begin(), kLayers.end(), [&](const LayerInfo& l) { return l.name == name; });
+    return info == kLayers.end() ? LayerPreview::None : preview_of(*info);
 }
 
 void write_text(const fs::path& path, const std::string& text) {
@@ -149,18 +150,20 @@ Artefact Service::image(const std::string& id, const std::string& precision) {
 }
 
 Artefact Service::preview(const std::string& id, const std::string& layer, double exposure, const std::string& curve) {
-    if (!has_preview(layer))
-        throw Error(
-            ErrorCode::UnknownName, "/layer",
-            "'" + layer + "' is no layer with a preview: radiance is shown as on a display, overlap as a heat map");
+    const LayerPreview preview = preview_of_name(layer);
+    if (preview == LayerPreview::None)
+        throw Error(ErrorCode::UnknownName, "/layer",
+                    "'" + layer +
+                        "' is no layer with a preview: light is shown as on a display, overlap as a heat map, "
+                        "split_normal as colours, vpls as dots");
     if (!(std::abs(exposure) <= 32))
         throw Error(ErrorCode::OutOfRange, "/exposure",
                     "exposure = " + json(exposure).dump() + " is outside [-32, 32] stops");
     if (curve != "srgb" && curve != "filmic")
         throw Error(ErrorCode::OutOfRange, "/curve", "curve = '" + curve + "' is neither srgb nor filmic");
-    if (layer == layer_info(Layer::Overlap).name && (exposure != 0 || curve != "srgb"))
+    if (!has_exposure(preview) && (exposure != 0 || curve != "srgb"))
         throw Error(ErrorCode::Conflict, exposure != 0 ? "/exposure" : "/curve",
-                    "the heat map of overlap has neither exposure nor tone curve");
+                    "the preview of " + layer + " has neither exposure nor tone curve");
     return impl_->encode(id, "png/" + layer + "/" + curve + "/" + json(exposure).dump(), "image/png",
                          {{"type", "encode_preview"}, {"layer", layer}, {"exposure", exposure}, {"curve", curve}},
                          false);

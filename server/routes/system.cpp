@@ -3,6 +3,7 @@
 #include "protocol/openapi.h"
 #include "protocol/param_json.h"
 #include "renderer/error/metric.h"
+#include "renderer/film/layer_preview.h"
 #include "renderer/methods/registry.h"
 #include "server/routes/front_page.h"
 #include "server/routes/query.h"
@@ -92,6 +93,8 @@ std::string openapi_text(const Service& service) {
     for (const MetricInfo& metric : kMetrics)
         if (metric.needs_reference) vocabulary.image_metrics.emplace_back(metric.name);
     vocabulary.radiance_layers = service.vocabulary().radiance_layers;
+    for (const LayerInfo& info : kLayers)
+        if (preview_of(info) != LayerPreview::None) vocabulary.preview_layers.emplace_back(info.name);
     vocabulary.max_width = service.vocabulary().max_width;
     vocabulary.max_height = service.vocabulary().max_height;
     return openapi_document(vocabulary).dump(2) + "\n";

@@ -9,7 +9,6 @@
 #include "protocol/worker_messages.h"
 #include "renderer/backends/cpu/embree_intersector.h"
 #include "renderer/core/atomic_file.h"
-#include "renderer/error/color_map.h"
 #include "renderer/film/exr_file.h"
 #include "renderer/film/film_file.h"
 #include "renderer/film/png_file.h"
@@ -19,6 +18,7 @@
 #include "server/worker/helper_merge.h"
 #include "server/worker/helper_message.h"
 #include "server/worker/job_runner.h"
+#include "server/worker/preview_image.h"
 #include "server/worker/process_memory.h"
 #include "server/worker/scene_summary.h"
 #include "server/worker/statistics.h"
@@ -147,20 +147,15 @@ json encode_preview(const json& message, const HelperLimits& limits) {
         throw Error(ErrorCode::UnknownName, "/curve", "curve \"" + curve_name + "\" is neither srgb nor filmic");
     const Film film = FilmFile::load(text_of(message, "film"), limits.memory_bytes).film;
     const std::string layer = message.value("layer", "beauty");
-    const auto shown = [&](const std::vector<float>& radiance) {
-        return tone_mapped(radiance, message.value("exposure", 0.0f), *curve);
-    };
+    const float exposure = message.value("exposure", 0.0f);
     std::vector<uint8_t> rgb;
     if (layer == "beauty") {
-        rgb = shown(film.resolve_beauty());
+        rgb = tone_mapped(film.resolve_beauty(), exposure, *curve);
     } else {
         const LayerInfo& info = film_layer(film, layer);
-        if (info.radiance())
-            rgb = shown(film.resolve(info.layer));
-        else if (info.layer == Layer::Overlap)
-            rgb = overlap_heat_map(film.resolve(info.layer));
-        else
+        if (preview_of(info) == LayerPreview::None)
             throw Error(ErrorCode::UnknownName, "/layer", "the layer \"" + layer + "\" has no preview");
+        rgb = preview_image(film, info, exposure, *curve);
     }
     write_png(film.size(), rgb, text_of(message, "out"));
     return json::object();

@@ -21,6 +21,7 @@ json document() {
     vocabulary.metrics = {"rmse", "estimated_relative_mse"};
     vocabulary.image_metrics = {"rmse", "percentiles"};
     vocabulary.radiance_layers = {"emitted", "direct"};
+    vocabulary.preview_layers = {"direct", "vpls"};
     vocabulary.artefacts = {{"photon_map.glb", "model/gltf-binary", "the photon map"}};
     return openapi_document(vocabulary);
 }
@@ -78,6 +79,17 @@ TEST(OpenApi, RequestKnowsMethodsAndLayers) {
     ASSERT_EQ(request["allOf"].size(), 1u);
     EXPECT_EQ(request["allOf"][0]["if"]["properties"]["method"]["properties"]["name"]["const"], "path_tracing");
     EXPECT_EQ(request["allOf"][0]["then"]["properties"]["layers"]["items"]["enum"].dump(), R"(["albedo"])");
+}
+
+TEST(OpenApi, PreviewsKnowTheLayersThatHaveOne) {
+    const json api = document();
+    for (const json& parameter : api["paths"]["/v1/jobs/{id}/preview.png"]["get"]["parameters"]) {
+        if (parameter["name"] == "layer") {
+            EXPECT_EQ(parameter["schema"]["enum"].dump(), R"(["beauty","direct","vpls"])");
+            return;
+        }
+    }
+    FAIL() << "no parameter layer";
 }
 
 TEST(OpenApi, ArtefactsOfMethodsAreServedAndLinked) {

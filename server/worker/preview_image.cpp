@@ -1,0 +1,43 @@
+#include "server/worker/preview_image.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "renderer/error/color_map.h"
+
+namespace photond {
+
+namespace {
+
+std::vector<uint8_t> directions(const std::vector<float>& components) {
+    std::vector<uint8_t> rgb;
+    rgb.reserve(components.size());
+    for (const float n : components)
+        rgb.push_back(static_cast<uint8_t>(std::lround(255 * std::clamp(0.5f * n + 0.5f, 0.0f, 1.0f))));
+    return rgb;
+}
+
+std::vector<float> grey(const std::vector<float>& values) {
+    std::vector<float> rgb;
+    rgb.reserve(3 * values.size());
+    for (const float value : values) rgb.insert(rgb.end(), 3, value);
+    return rgb;
+}
+
+}  // namespace
+
+std::vector<uint8_t> preview_image(const Film& film, const LayerInfo& layer, float exposure_stops, ToneCurve curve) {
+    const std::vector<float> values = film.resolve(layer.layer);
+    switch (preview_of(layer)) {
+        case LayerPreview::Light: return tone_mapped(values, exposure_stops, curve);
+        case LayerPreview::HeatMap: return overlap_heat_map(values);
+        case LayerPreview::Directions: return directions(values);
+        case LayerPreview::Dots: return tone_mapped(grey(values), exposure_stops, curve);
+        case LayerPreview::None: break;
+    }
+    assert(!"the layer has a preview");
+    return {};
+}
+
+}  // namespace photond
