@@ -15,11 +15,11 @@ namespace photond {
 /// masked and blended surfaces are whole (is_voxelised()).
 ///
 /// Rays start and end on surfaces, whose voxels are set. An end in a set voxel is lifted off the plane of that voxel's
-/// triangle by svo_lift(), to the side it lies on; on the plane (to a tenth of a voxel), to the side the ray is on.
-/// Near edges, where another triangle has the voxel, it is the plane of a neighbouring voxel's that it lies on. A ray
-/// that heads for the plane from off it is not moved: the voxel is its hit. Nothing is pulled in along the ray, so that
-/// closed rooms stay closed; on curved surfaces some rays are stopped where they start (of segments that are lifted at
-/// both ends, 7 % of dragon and buddha's unshadowed G at 128^3, 3 % at 256^3: svo_bench errors).
+/// triangle by svo_lift(), to the side it lies on; on the plane (to a hundredth of a voxel), to the side the ray is on.
+/// Near edges, where another triangle has the voxel, the plane is a neighbouring voxel's, where the end lies on that. A
+/// ray that heads for the plane from off it is not moved: the voxel is its hit. Nothing is pulled in along the ray, so
+/// that closed rooms stay closed; on curved surfaces some rays are stopped where they start (of segments that are
+/// lifted at both ends, 7 % of dragon and buddha's unshadowed G at 128^3, 3 % at 256^3: svo_bench errors).
 class VoxelIntersector final : public Intersector {
 public:
     /// Borrows both; the tree has surfaces.
