@@ -27,7 +27,7 @@ uint64_t VplTracerGpu::device_bytes(const VplTracing& tracing, bool weighted, bo
            (std::min(lights, texels) + 1) * sizeof(gpu::TexelRun) + texels * sizeof(gpu::ReflectedPhotonRecord) +
            photons * (sizeof(gpu::ReflectedPhotonRecord) + sizeof(gpu::PhotonOwner) + sizeof(uint32_t)) +
            (lambert ? 1 : photons) * sizeof(gpu::ReflectingSurfaceRecord) +
-           (uint64_t{tracing.vpls} * 5 + 1) * sizeof(uint32_t);
+           (uint64_t{tracing.vpls} * 5 + 1) * sizeof(uint32_t) + tracing.vpls * sizeof(gpu::VplStart);
 }
 
 VplTracerGpu::VplTracerGpu(const gpu::DeviceScene& scene, const EmissionSampler& emission, const VplTracing& tracing,
@@ -50,11 +50,14 @@ VplTracerGpu::VplTracerGpu(const gpu::DeviceScene& scene, const EmissionSampler&
           (scene.scene().needs.only_lambert() ? 1 : most_photons(tracing)) * sizeof(gpu::ReflectingSurfaceRecord)),
       chosen_texels_(device_, "vpls", uint64_t{tracing.vpls} * sizeof(uint32_t)),
       points_(device_, "vpls", uint64_t{tracing.vpls} * sizeof(uint32_t)),
+      starts_(device_, "vpls", tracing.vpls * sizeof(gpu::VplStart)),
       bounces_(std::move(bounces)),
       trace_texels_(device_, "renderer/photons/vpl_texels.comp", sizeof(gpu::VplTexelsPush), &scene.set(),
                     scene.specialization()),
       mix_(device_, "renderer/photons/vpl_mix.comp", sizeof(gpu::VplMixPush)),
       choose_(device_, "renderer/photons/vpl_choose.comp", sizeof(gpu::VplChoosePush)),
+      start_paths_(device_, "renderer/photons/vpl_starts.comp", sizeof(gpu::VplStartsPush), &scene.set(),
+                   scene.specialization()),
       trace_paths_(device_, bounces_.name, sizeof(gpu::VplPathsPush), &scene.set(), scene.specialization()),
       sort_(device_, "renderer/photons/reflected_photon_order.comp", sizeof(uint32_t)),
       sort_paths_(device_, tracing.vpls),
@@ -109,20 +112,24 @@ void VplTracerGpu::record_vpls(gpu::CommandList& commands) {
     commands.dispatch_threads(tracing_.vpls, VPL_GROUP);
     sort_paths_.record(commands, chosen_texels_, points_, {state_, REFLECTION_PATHS}, std::max(2 * map_.levels(), 1u));
 
-    std::vector<gpu::Binding> bindings = {
-        gpu::read_write(counters_), gpu::read_write(state_), gpu::write(photons_), gpu::write(owners_),
-        gpu::write(path_counts_),   gpu::write(surfaces_),   gpu::read(runs_),     gpu::read(chosen_by().sums()),
-        gpu::read(plain_.sums()),   gpu::read(points_)};
+    commands.bind(start_paths_, {gpu::read(runs_), gpu::read(chosen_by().sums()), gpu::read(plain_.sums()),
+                                 gpu::read(points_), gpu::write(starts_)});
+    commands.push(gpu::VplStartsPush{.sequence = VplTracer::texel_numbers(tracing_, *pass_).device_key(),
+                                     .paths = tracing_.vpls,
+                                     .levels = map_.levels(),
+                                     .rotation_x = rotation.x,
+                                     .rotation_y = rotation.y,
+                                     .runs = run_count_});
+    commands.dispatch_threads(tracing_.vpls, VPL_GROUP);
+
+    std::vector<gpu::Binding> bindings = {gpu::read_write(counters_), gpu::read_write(state_),  gpu::write(photons_),
+                                          gpu::write(owners_),        gpu::write(path_counts_), gpu::write(surfaces_),
+                                          gpu::read(starts_)};
     bindings.insert(bindings.end(), bounces_.bindings.begin(), bounces_.bindings.end());
     commands.bind(trace_paths_, bindings);
     commands.push(gpu::VplPathsPush{
-        .texel_sequence = VplTracer::texel_numbers(tracing_, *pass_).device_key(),
         .sequence = VplTracer::path_numbers(tracing_, *pass_).device_key(),
         .paths = tracing_.vpls,
-        .levels = map_.levels(),
-        .rotation_x = rotation.x,
-        .rotation_y = rotation.y,
-        .runs = run_count_,
         .bounces = tracing_.bounces,
         .surface_capacity = static_cast<uint32_t>(surfaces_.bytes() / sizeof(gpu::ReflectingSurfaceRecord)),
         .glossy_threshold = tracing_.glossy_threshold,

@@ -76,8 +76,9 @@ private:
     uint32_t run_count_ = 0;
     gpu::Buffer runs_, texels_, state_, host_state_, photons_, owners_, path_counts_, order_, surfaces_;
     gpu::Buffer chosen_texels_, points_;  // of the paths: a uint each
+    gpu::Buffer starts_;                  // gpu::VplStart
     const VplBounceShader bounces_;
-    gpu::ComputePipeline trace_texels_, mix_, choose_, trace_paths_, sort_;
+    gpu::ComputePipeline trace_texels_, mix_, choose_, start_paths_, trace_paths_, sort_;
     gpu::RadixSort sort_paths_;
     gpu::PrefixSum sum_;
 };

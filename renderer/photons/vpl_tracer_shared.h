@@ -6,6 +6,9 @@
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #endif
 #include "renderer/transport/sobol_shared.h"
+#ifdef __cplusplus
+#include "renderer/core/geometry.h"
+#endif
 
 #define VPL_GROUP 64  // threads
 
@@ -41,22 +44,40 @@ struct VplChoosePush {
     uint rotation_y;
 };
 
-/// Of vpl_paths.glsl.
-struct VplPathsPush {
-    SequenceKey texel_sequence;
-    SequenceKey sequence;  // of what comes after the first ray
+/// The first step of a path, with its share of the power; black: it carries nothing.
+struct VplStart {
+    vec3 origin;
+    vec3 direction;
+    vec3 power_w;
+    float range_m;
+    float reflected_w;  // what its hit reflects: roulette keeps the path's power near that
+    uint point;         // by which it was chosen: its numbers are of that element
+};
+
+/// Of vpl_starts.comp.
+struct VplStartsPush {
+    SequenceKey sequence;  // of the texels
     uint paths;
     uint levels;  // of the map
     uint rotation_x;
     uint rotation_y;
     uint runs;
+    uint unused;  // the compilers differ in whether they would leave room here
+};
+
+/// Of vpl_paths.glsl.
+struct VplPathsPush {
+    SequenceKey sequence;  // of what comes after the first ray
+    uint paths;
     uint bounces;
     uint surface_capacity;
     float glossy_threshold;
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(VplTexelsPush) == 40 && sizeof(VplPathsPush) == 64, "must match the scalar layout of GLSL");
+static_assert(sizeof(VplTexelsPush) == 40 && sizeof(VplStartsPush) == 40 && sizeof(VplPathsPush) == 32 &&
+                  sizeof(VplStart) == 48,
+              "must match the scalar layout of GLSL");
 }  // namespace photond::gpu
 #endif
 

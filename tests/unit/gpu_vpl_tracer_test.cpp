@@ -13,6 +13,8 @@
 #include "renderer/scene/builtin_families.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "renderer/scene/mesh_builder.h"
+#include "renderer/voxels/sparse_voxel_octree_gpu.h"
+#include "renderer/voxels/voxel_intersector.h"
 #include "tests/support/gpu_render.h"
 #include "tests/support/photons.h"
 #include "tests/support/scene_parts.h"
@@ -33,10 +35,11 @@ struct DeviceLights {
 
 /// `halved`: the importance of the map's first half, along its curve, is made 0 in between.
 DeviceLights trace_on_device(const test::SceneOnDevice& where, const EmissionSampler& emission,
-                             const VplTracing& tracing, bool halved = false, uint32_t passes = 1) {
+                             const VplTracing& tracing, bool halved = false, uint32_t passes = 1,
+                             const VplBounceShader& bounces = {}) {
     gpu::Device& device = test::gpu_device();
     gpu::Counters counters(device);
-    VplTracerGpu tracer(where.device_scene, emission, tracing, counters.buffer(), halved);
+    VplTracerGpu tracer(where.device_scene, emission, tracing, counters.buffer(), halved, bounces);
     gpu::CommandList commands(device);
     DeviceLights lights;
     for (uint32_t pass = kPass + 1 - passes; pass <= kPass; ++pass) {  // what passes before left must not matter
@@ -210,6 +213,33 @@ TEST(GpuVplTracer, FollowsAnImportance) {
                                       [&](const ReflectedPhoton& p) { return max_component(p.power_w) > 1.5f * most; });
     EXPECT_GT(strong, 50);
     EXPECT_LT(strong, 250);
+}
+
+// Hits after the first found in a voxel tree, first ones by rays: also the second lights are the CPU's.
+TEST(GpuVplTracer, BouncesByVoxelsAreTheCpus) {
+    const Scene scene = test::turned(make_builtin_scene("cornell-box"));
+    const test::PhotonScene lit(scene);
+    const test::SceneOnDevice where(scene);
+    const VoxelGrid grid = make_voxel_grid(scene.bounds, 64);
+    const SparseVoxelOctree cpu_tree(scene, grid, true);
+    const VoxelIntersector voxels(scene, cpu_tree);
+    SparseVoxelOctreeGpu tree(where.device_scene, grid, true);
+    Stats stats;
+    tree.build_now(stats);
+    const VplTracing tracing{.vpls = 600, .map_side = 32, .bounces = 3};
+    const TracedReflections cpu =
+        VplTracer(scene, *lit.intersector, voxels, lit.emission, tracing).trace(kSeed, kPass, {}, stats, CancelToken{});
+    const DeviceLights gpu =
+        trace_on_device(where, lit.emission, tracing, false, 1,
+                        {.name = "renderer/methods/svo_many_lights/vpl_bounces_voxels.comp",
+                         .bindings = {gpu::read(tree.constants()), gpu::read(tree.nodes()), gpu::read(tree.bricks()),
+                                      gpu::read(tree.surfaces()), gpu::read(tree.first_triangles())}});
+    ASSERT_GT(cpu.photons.size(), 800u);
+    EXPECT_LT(share_alone(cpu, gpu, scene.bounds.radius()), 0.03);
+    // Biased as voxels are, but by voxels: not the rays' own lights, and no other number of them.
+    const TracedReflections by_rays = trace_on_cpu(lit, tracing);
+    EXPECT_GT(share_alone(by_rays, gpu, scene.bounds.radius()), 0.05);
+    EXPECT_NEAR(double(gpu.photons.size()), double(by_rays.photons.size()), 0.05 * double(by_rays.photons.size()));
 }
 
 TEST(GpuVplTracer, NothingWithoutLight) {
