@@ -110,6 +110,31 @@ TEST(VplTracer, FirstLightsAreAllThereAndAlike) {
     }
 }
 
+// Pixels of a block share the lights out by their indices: each 16th light, from any, sees to all of the scene. Squares
+// of how far such a subset's mean place is from that of all, against those of subsets by chance.
+TEST(VplTracer, EveryNthLightIsSpreadAsAllAre) {
+    const PhotonScene lit(make_builtin_scene("cornell-box"));
+    for (const uint32_t stride : {4u, 9u, 16u, 25u}) {
+        double squares = 0, by_chance = 0;
+        for (uint32_t pass = 0; pass < 8; ++pass) {
+            const std::vector<ReflectedPhoton> lights = trace(lit, settings(1'024), 1, pass).photons;
+            dvec3 mean(0), variance(0);
+            for (const ReflectedPhoton& p : lights) mean += dvec3(p.position) / double(lights.size());
+            for (const ReflectedPhoton& p : lights)
+                variance += (dvec3(p.position) - mean) * (dvec3(p.position) - mean) / double(lights.size());
+            for (size_t first = 0; first < stride; ++first) {
+                dvec3 sum(0);
+                double count = 0;
+                for (size_t i = first; i < lights.size(); i += stride) sum += dvec3(lights[i].position), ++count;
+                const dvec3 off = sum / count - mean;
+                squares += glm::dot(off, off);
+                by_chance += (variance.x + variance.y + variance.z) / count;
+            }
+        }
+        EXPECT_LT(squares, 0.5 * by_chance) << stride;
+    }
+}
+
 // Fewer bounces: the same lights without the others.
 TEST(VplTracer, BouncesAreLimited) {
     const PhotonScene lit(mixed_scene());
