@@ -84,10 +84,11 @@ TEST(SvoManyLightsReference, WithoutAClampTheWholeIsUnbiased) {
 /// What the layer `clamped` says is what is missing without `repay`.
 TEST(SvoManyLightsReference, TheClampTakesWhatItsLayerSays) {
     const Scene scene = make_builtin_scene("cornell-box");
-    Settings settings = by_rays(64, 2);
+    Settings settings = by_rays(32, 2);
+    settings.params.vpls = 128;  // few, so that much is clamped
     settings.layers.add(Layer::Clamped);
     std::vector<double> taken[3];
-    for (settings.seed = 1; settings.seed <= 12; ++settings.seed) {
+    for (settings.seed = 1; settings.seed <= 40; ++settings.seed) {
         settings.params.repay = true;
         const std::vector<float> whole = test::render(scene, settings).resolve(Layer::Indirect);
         settings.params.repay = false;
@@ -100,7 +101,7 @@ TEST(SvoManyLightsReference, TheClampTakesWhatItsLayerSays) {
     for (const std::vector<double>& of_channel : taken) {
         const test::Interval interval = test::mean_interval(of_channel, kShare, 1);
         std::printf("the clamp takes %.2f %% +- %.2f %%\n", 100 * interval.mean, 100 * interval.half_width);
-        EXPECT_GT(interval.mean - interval.half_width, 0.002);
+        EXPECT_GT(interval.mean - interval.half_width, 0.01);
     }
 }
 

@@ -345,12 +345,13 @@ void SvoManyLights::merge(Stats& stats) {
         light = state.filtered;
     }
     const StageTimer timer(stats, "merge");
+    std::fill(image.clamped.begin(), image.clamped.end(), Rgb(0));
     parallel_for(layout.points(), 4096, [&](size_t i) {
         const gpu::GBufferPoint& point = state.buffer.points()[i];
         if (point.kind == 0) return;
         image.indirect[point.pixel] += point.weight * light[i];
-        if (!image.clamped.empty())
-            image.clamped[point.pixel] = state.repaid.empty() ? Rgb(0) : point.weight * state.repaid[i];
+        if (!image.clamped.empty() && !state.repaid.empty())
+            image.clamped[point.pixel] = point.weight * state.repaid[i];
     });
 }
 
