@@ -155,10 +155,40 @@ TEST_F(FilmFileTest, ReadsTheVersionsBeforeIdentity) {
     EXPECT_NE(refusal().find("cut short"), std::string::npos);
     write(old_film(1, kPhotonCount));  // a layer that version did not have
     EXPECT_NE(refusal().find("layers"), std::string::npos);
-    write(old_film(4));
-    EXPECT_NE(refusal(ErrorCode::Unsupported).find("reads 1 to 3"), std::string::npos);
+    write(old_film(5));
+    EXPECT_NE(refusal(ErrorCode::Unsupported).find("reads 1 to 4"), std::string::npos);
     write(old_film(0));
     EXPECT_NE(refusal(ErrorCode::Unsupported).find("version 0"), std::string::npos);
+}
+
+/// A film's file with another version, and further layers, in its header.
+std::string relabelled(const std::string& text, uint32_t version, uint32_t extra_layers = 0) {
+    uint32_t layers;
+    std::memcpy(&layers, &text[20], sizeof layers);
+    const std::string head =
+        text.substr(0, 8) + raw(version) + text.substr(12, 8) + raw(layers | extra_layers) + text.substr(24, 24);
+    return head + digest_of(head) + text.substr(80);
+}
+
+// What came with version 4 are layers after the others: files without them are the same but for the number.
+TEST_F(FilmFileTest, ReadsTheVersionBeforeTheLooksAtMethods) {
+    constexpr Layer kNew[] = {Layer::Clamped, Layer::Voxels, Layer::Vpls, Layer::SplitNormal, Layer::SplitIndirect};
+    LayerSet layers = LayerSet::all();
+    for (const Layer layer : kNew) layers.remove(layer);
+    const Film film = film_of_range({9, 5}, layers, 0, 3);
+    FilmFile::save(film, kIdentity, kHistory, path);
+    const std::string now = bytes();
+    write(relabelled(now, 4));
+    EXPECT_EQ(bytes(), now) << "nothing but the version is changed";
+    write(relabelled(now, 3));
+    const SavedFilm loaded = FilmFile::load(path);
+    EXPECT_TRUE(loaded.film == film);
+    EXPECT_EQ(loaded.identity, kIdentity);
+    EXPECT_EQ(loaded.history, kHistory);
+    for (const Layer layer : kNew) {
+        write(relabelled(now, 3, 1u << static_cast<unsigned>(layer)));
+        EXPECT_NE(refusal().find("layers"), std::string::npos) << layer_info(layer).name;
+    }
 }
 
 // --- Damage
