@@ -8,16 +8,19 @@ namespace photond {
 
 namespace {
 
-std::vector<gpu::Specialization> constants_of(const gpu::DeviceScene& scene, const DeviceImage& image, bool adds) {
+std::vector<gpu::Specialization> constants_of(const gpu::DeviceScene& scene, const DeviceImage& image,
+                                              const RepaymentAsks& asks) {
     std::vector<gpu::Specialization> own = image.specialization();
-    own.push_back(gpu::specialize(CLAMP_IS_REPAID_ID, adds));
+    own.push_back(gpu::specialize(CLAMP_IS_ASKED_ID, asks.clamped));
+    own.push_back(gpu::specialize(CLAMP_IS_REPAID_ID, asks.clamped && asks.repaid));
+    own.push_back(gpu::specialize(NARROW_IS_ASKED_ID, asks.narrow));
     return scene.specialization(own);
 }
 
 }  // namespace
 
 ClampRepaymentGpu::ClampRepaymentGpu(const gpu::DeviceScene& scene, DeviceGBuffer& buffer, DeviceImage& image,
-                                     uint64_t seed, SamplerKind sampler, bool adds)
+                                     uint64_t seed, SamplerKind sampler, const RepaymentAsks& asks)
     : buffer_(buffer),
       image_(image),
       seed_(seed),
@@ -26,7 +29,7 @@ ClampRepaymentGpu::ClampRepaymentGpu(const gpu::DeviceScene& scene, DeviceGBuffe
       pieces_((buffer.layout().points() + points_at_once_ - 1) / points_at_once_),
       sampler_(scene.device(), "sampler", sizeof(gpu::PassSamplerData)),
       pipeline_(scene.device(), "renderer/methods/clamp_repayment.comp", sizeof(gpu::PointPush), &scene.set(),
-                constants_of(scene, image, adds)) {}
+                constants_of(scene, image, asks)) {}
 
 void ClampRepaymentGpu::record(gpu::CommandList& commands, gpu::Buffer& constants, uint32_t pass, uint32_t piece) {
     if (piece == 0)

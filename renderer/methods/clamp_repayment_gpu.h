@@ -5,12 +5,19 @@
 
 namespace photond {
 
+/// What is asked for.
+struct RepaymentAsks {
+    bool clamped = true;  // what the clamp takes, for the layer `clamped` where it is kept ...
+    bool repaid = true;   // ... and to be added to the points' sums
+    bool narrow = false;  // what narrow lobes send, which is added
+};
+
 class ClampRepaymentGpu {
 public:
     /// Borrows the points and the image. `adds`: what is found is added to the points' sums; the layer `clamped` gets
     /// it where it is kept.
     ClampRepaymentGpu(const gpu::DeviceScene& scene, DeviceGBuffer& buffer, DeviceImage& image, uint64_t seed,
-                      SamplerKind sampler, bool adds);
+                      SamplerKind sampler, const RepaymentAsks& asks);
     static uint64_t device_bytes() { return sizeof(gpu::PassSamplerData); }
 
     /// A pass is done in that many pieces, 0 ..., each short enough for one submit; scope `repay`. `constants`:

@@ -52,9 +52,11 @@ VplLightingGpu::VplLightingGpu(const gpu::DeviceScene& scene, DeviceGBuffer& buf
       points_at_once_(std::max(scene.device().paths_per_submit() / lights_at_once_ / SPLIT_GROUP, 1u) * SPLIT_GROUP),
       point_pieces_((buffer.layout().points() + points_at_once_ - 1) / points_at_once_),
       light_pieces_((lights_of_tile(lights, buffer) + lights_at_once_ - 1) / lights_at_once_),
-      constants_(scene.device(), "vpl_constants", sizeof(gpu::VplLightingConstants)),
-      light_(scene.device(), VplVisibilityGpu::shader("renderer/methods/vpl_lighting", settings.visibility),
-             sizeof(gpu::VplLightingPush), &scene.set(), scene.specialization()) {}
+      constants_(scene.device(), "vpl_constants", sizeof(gpu::VplLightingConstants)) {
+    if (settings.lights_all)
+        light_.emplace(scene.device(), VplVisibilityGpu::shader("renderer/methods/vpl_lighting", settings.visibility),
+                       static_cast<uint32_t>(sizeof(gpu::VplLightingPush)), &scene.set(), scene.specialization());
+}
 
 uint32_t VplLightingGpu::rotation(uint64_t seed, uint32_t pass, uint32_t tiles) {
     return RandomStream(seed, RandomDomain::Splats, pass, 0).next_bits() % tiles;
@@ -82,7 +84,7 @@ void VplLightingGpu::record(gpu::CommandList& commands, const VplVisibilityGpu& 
                                           gpu::read(lights_.counts()), gpu::read(lights_.vpls()),
                                           gpu::read(lights_.lobes()),  gpu::read_write(buffer_.sums())};
     visibility.append_to(bindings);
-    commands.bind(light_, bindings);
+    commands.bind(*light_, bindings);
     commands.push(gpu::VplLightingPush{first, end, first_light, first_light + lights_at_once_});
     commands.dispatch_threads(end - first, SPLIT_GROUP);
 }

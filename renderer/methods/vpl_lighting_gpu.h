@@ -3,6 +3,7 @@
 // lights are asked by the same random numbers as on the CPU; where nothing is asked (VplVisibility::None), none are
 // dropped by chance.
 
+#include <optional>
 #include <string>
 
 #include "renderer/many_lights/vpl_shadow_maps_gpu.h"
@@ -34,6 +35,7 @@ struct VplLightingSettings {
     float roulette = 0;
     float connect_threshold = 0.2f;
     uint32_t map_resolution = 0;  // of VplVisibility::ShadowMaps
+    bool lights_all = true;       // false: for constants() alone, others light by them
 };
 
 class VplLightingGpu {
@@ -65,7 +67,7 @@ private:
     const VplLightingSettings settings_;
     const uint32_t lights_at_once_, points_at_once_, point_pieces_, light_pieces_;
     gpu::Buffer constants_;
-    gpu::ComputePipeline light_;
+    std::optional<gpu::ComputePipeline> light_;
 };
 
 }  // namespace photond

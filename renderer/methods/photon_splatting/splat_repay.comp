@@ -27,7 +27,9 @@ void main() {
                          is_general(point), clamp_sq_m2(point.splat_radius_m));
         GBufferGeneral of_general;
         if (clamped.general) of_general = general_points[index];
-        sums[index].sum += clamp_repayment(clamped, of_general, constants.glossy_threshold, constants.photon_threshold);
+        const RepaymentSettings settings =
+            RepaymentSettings(true, false, constants.glossy_threshold, constants.photon_threshold);
+        sums[index].sum += clamp_repayment(clamped, of_general, settings).clamped;
         count(COUNTER_BOUNCE_RAYS, repayment_bounce_rays);
         count(COUNTER_SHADOW_RAYS, repayment_shadow_rays);
     }

@@ -1,0 +1,371 @@
+#include "renderer/methods/svo_many_lights/svo_many_lights_gpu.h"
+
+#include "renderer/backends/gpu/device_scene.h"
+#include "renderer/methods/camera_importance_gpu.h"
+#include "renderer/methods/clamp_repayment_gpu.h"
+#include "renderer/methods/gbuffer_merge_gpu.h"
+#include "renderer/methods/piece_queue.h"
+#include "renderer/methods/vpl_choice_gpu.h"
+#include "renderer/methods/vpl_lighting_gpu.h"
+#include "renderer/photons/vpl_tracer_gpu.h"
+
+namespace photond {
+
+namespace {
+
+bool traces_voxels(const SvoManyLightsParams& params) {
+    return params.bounces > 1 && params.bounce_tracing == VplBounces::Voxels;
+}
+
+VplTracing tracing_of(const SvoManyLightsParams& params) {
+    return {.vpls = params.vpls,
+            .map_side = params.map_resolution,
+            .bounces = params.bounces,
+            .glossy_threshold = params.connect_threshold,
+            .sampler = params.sampler};
+}
+
+GBufferWalk walk_of(const SvoManyLightsParams& params) {
+    return {.split_side = params.split_side(),
+            .max_scatterings = params.max_scatterings(),
+            .glossy_threshold = params.glossy_threshold,
+            .sampler = params.sampler};
+}
+
+gpu::GeometryFilter filter_of(const SvoManyLightsParams& params) {
+    return {params.filter, params.filter_normal, params.filter_distance};
+}
+
+uint32_t most_lights(const SvoManyLightsParams& params) { return params.vpls * params.bounces; }
+bool is_interleaved(const SvoManyLightsParams& params) { return params.vpl_choice == VplChoice::Interleaved; }
+VplChoiceSettings choice_of(const SvoManyLightsParams& params) {
+    const bool lightcut = params.vpl_choice == VplChoice::Lightcut;
+    return {lightcut, lightcut ? params.cut_size : params.resampled_vpls};
+}
+/// Whether the light by narrow lobes is looked for, and there may be any.
+bool asks_narrow_lobes(const SvoManyLightsParams& params, const Needs& needs) {
+    return params.narrow_lobes && (needs.delta || needs.glossy || needs.transmission);
+}
+bool has_light_maps(const SvoManyLightsParams& params, const Needs& needs) {
+    return params.direct == DirectShadows::ShadowMaps && needs.punctual_lights;
+}
+bool by_camera(const SvoManyLightsParams& params) { return params.placement == VplPlacement::Camera; }
+
+/// Of the octree where nothing is known of the scene but that it has rooms: surfaces of some times the cube's side, and
+/// what building takes.
+uint64_t tree_bytes(const SvoManyLightsParams& params) {
+    constexpr double kSurface = 8, kBytesABrick = 200;
+    const double side = params.voxel_resolution / double{BRICK_SIDE};
+    return static_cast<uint64_t>(std::min(kSurface * side * side, side * side * side) * kBytesABrick);
+}
+
+VplBounceShader bounces_of(const SvoManyLightsParams& params, SparseVoxelOctreeGpu* tree) {
+    if (!traces_voxels(params)) return {};
+    return {.name = "renderer/methods/svo_many_lights/vpl_bounces_voxels.comp",
+            .bindings = {gpu::read(tree->constants()), gpu::read(tree->nodes()), gpu::read(tree->bricks()),
+                         gpu::read(tree->surfaces()), gpu::read(tree->first_triangles())}};
+}
+
+}  // namespace
+
+/// What lights take: none where a scene has no light, or no bounce is asked for.
+struct SvoLights {
+    SvoLights(const gpu::DeviceScene& scene, const SvoManyLightsParams& params, uint64_t seed, float clamp_sq_m2,
+              EmissionSampler sampler, std::unique_ptr<SparseVoxelOctreeGpu> voxels, DeviceGBuffer& buffer,
+              DeviceImage& image, const RepaymentAsks& asks)
+        : emission(std::move(sampler)),
+          tree(std::move(voxels)),
+          tracer(scene, emission, tracing_of(params), image.counters(), by_camera(params),
+                 bounces_of(params, tree.get())),
+          set(scene, most_lights(params), params.connect_threshold),
+          lighting(scene, buffer, set, image.counters(), seed,
+                   {.visibility = params.visibility,
+                    .clamp_sq_m2 = clamp_sq_m2,
+                    .roulette = params.roulette,
+                    .connect_threshold = params.connect_threshold,
+                    .map_resolution = params.shadow_resolution,
+                    .lights_all = is_interleaved(params)}) {
+        if (params.visibility == VplVisibility::ShadowMaps)
+            maps.emplace(scene, params.shadow_resolution, most_lights(params), image.counters());
+        if (by_camera(params)) importance.emplace(scene, buffer, tree.get(), seed, clamp_sq_m2, tracer.map_texels());
+        if (!is_interleaved(params))
+            choice.emplace(scene, buffer, set, lighting, image.counters(), params.visibility, choice_of(params));
+        if (asks.clamped || asks.narrow) repayment.emplace(scene, buffer, image, seed, params.sampler, asks);
+    }
+
+    VplVisibilityGpu visibility(VplVisibility kind) { return {kind, tree.get(), maps ? &*maps : nullptr}; }
+
+    const EmissionSampler emission;
+    const std::unique_ptr<SparseVoxelOctreeGpu> tree;  // null: nobody asks
+    VplTracerGpu tracer;
+    VplSetGpu set;
+    VplLightingGpu lighting;
+    std::optional<VplShadowMapsGpu> maps;
+    std::optional<CameraImportanceGpu> importance;
+    std::optional<VplChoiceGpu> choice;  // none: interleaved
+    std::optional<ClampRepaymentGpu> repayment;
+};
+
+struct SvoManyLightsGpu::State {
+    State(const RenderContext& context, const SvoManyLightsParams& p, std::unique_ptr<LightDepthMapsGpu> shadows)
+        : params(p),
+          device(context.device_scene->device()),
+          scene(*context.device_scene),
+          seed(context.seed),
+          layers(context.view.layers),
+          light_maps(std::move(shadows)),
+          device_image(device, context.view.film_size, layers),
+          buffer(scene, context.view, seed, walk_of(p), device_image, light_maps.get()),
+          merge(scene, buffer, device_image, layers, filter_of(p)),
+          image(context.view.film_size, layers),
+          queue(device) {
+        if (layers.has(Layer::Voxels)) show_voxels = layer_pipeline("svo_voxels.comp", 0);
+        if (layers.has(Layer::Vpls)) show_vpls = layer_pipeline("svo_vpls.comp", sizeof(gpu::SplitRecord));
+    }
+
+    std::unique_ptr<gpu::ComputePipeline> layer_pipeline(const std::string& name, uint32_t push_bytes) const {
+        return std::make_unique<gpu::ComputePipeline>(device, "renderer/methods/svo_many_lights/" + name, push_bytes,
+                                                      nullptr, device_image.specialization());
+    }
+
+    /// A part of a pass: about as long as that many paths take.
+    struct Step {
+        uint64_t paths;
+        PieceQueue::Record record;
+    };
+    void add_light_steps(uint32_t pass, std::vector<Step>& steps);
+    void add_lighting_steps(uint32_t pass, std::vector<Step>& steps);
+    void record_layers(gpu::CommandList& commands);
+    std::vector<PieceQueue::Record> pieces(uint32_t pass);
+
+    const SvoManyLightsParams& params;
+    gpu::Device& device;
+    const gpu::DeviceScene& scene;
+    const uint64_t seed;
+    const LayerSet layers;
+    const std::unique_ptr<LightDepthMapsGpu> light_maps;  // null: rays tell
+    DeviceImage device_image;
+    DeviceGBuffer buffer;
+    GBufferMergeGpu merge;
+    std::unique_ptr<gpu::ComputePipeline> show_voxels, show_vpls;
+    std::optional<SvoLights> lights;
+    PassImage image;
+    bool pass_complete = false;     // image holds a whole pass
+    std::optional<uint32_t> begun;  // the pass whose first pieces are in the queue
+    PieceQueue queue;               // last: its going waits for work that uses the others
+};
+
+/// The lights of a pass.
+void SvoManyLightsGpu::State::add_light_steps(uint32_t pass, std::vector<Step>& steps) {
+    const uint32_t texels = lights->tracer.map_texels();
+    steps.push_back({texels, [=, this](gpu::CommandList& commands) {
+                         lights->tracer.start(seed, pass);
+                         lights->lighting.record_constants(commands, pass);
+                         lights->tracer.record_map(commands);
+                     }});
+    if (lights->importance) {
+        const uint32_t pieces = lights->importance->pieces();
+        for (uint32_t piece = 0; piece < pieces; ++piece)
+            steps.push_back(
+                {uint64_t{texels} * CAMERA_IMPORTANCE_POINTS / pieces, [=, this](gpu::CommandList& commands) {
+                     lights->importance->record(commands, lights->tracer.texels(), lights->tracer.importance(), pass,
+                                                piece);
+                 }});
+    }
+    steps.push_back(
+        {most_lights(params), [this](gpu::CommandList& commands) {
+             VplTracerGpu& tracer = lights->tracer;
+             tracer.record_vpls(commands);
+             lights->set.record(commands, {tracer.state(), tracer.photons(), tracer.order(), tracer.surfaces()});
+             if (lights->choice) lights->choice->record_lights(commands);
+         }});
+    if (lights->maps)
+        steps.push_back({uint64_t{most_lights(params)} * params.shadow_resolution * params.shadow_resolution,
+                         [this](gpu::CommandList& commands) {
+                             lights->maps->record(commands, lights->set.vpls(), {lights->set.counts(), VPL_COUNT});
+                         }});
+}
+
+/// What the lights bring to the points, and what the clamp takes.
+void SvoManyLightsGpu::State::add_lighting_steps(uint32_t pass, std::vector<Step>& steps) {
+    VplLightingGpu& lighting = lights->lighting;
+    const uint32_t choice_pieces = lights->choice ? lights->choice->pieces() : 0;
+    for (uint32_t piece = 0; piece < choice_pieces; ++piece)
+        steps.push_back({lights->choice->work_of_piece(), [=, this](gpu::CommandList& commands) {
+                             lights->choice->record(commands, lights->visibility(params.visibility), piece);
+                         }});
+    for (uint32_t piece = 0; piece < lighting.pieces() && !lights->choice; ++piece)
+        steps.push_back(
+            {uint64_t{lighting.points_at_once()} * lighting.lights_at_once(), [=, this](gpu::CommandList& commands) {
+                 lights->lighting.record(commands, lights->visibility(params.visibility), piece);
+             }});
+    steps.push_back({0, [this](gpu::CommandList& commands) { record_layers(commands); }});
+    if (!lights->repayment) return;
+    for (uint32_t piece = 0; piece < lights->repayment->pieces(); ++piece)
+        steps.push_back({buffer.layout().points() / lights->repayment->pieces(), [=, this](gpu::CommandList& commands) {
+                             lights->repayment->record(commands, lights->lighting.constants(), pass, piece);
+                         }});
+}
+
+/// Looks at what the pass worked with, before the repayment is among it.
+void SvoManyLightsGpu::State::record_layers(gpu::CommandList& commands) {
+    merge.record_split_layers(commands);
+    if (!lights) return;
+    const uint64_t pixels = buffer.layout().size.pixels();
+    if (show_voxels && lights->tree) {
+        commands.bind(*show_voxels, {gpu::read_write(device_image.layers()), gpu::read(buffer.eye()),
+                                     gpu::read(lights->tree->constants()), gpu::read(lights->tree->nodes()),
+                                     gpu::read(lights->tree->bricks())});
+        commands.dispatch_threads(pixels, SPLIT_GROUP);
+    }
+    if (show_vpls) {
+        commands.bind(*show_vpls,
+                      {gpu::read_write(device_image.layers()), gpu::read(buffer.eye()), gpu::read(buffer.points()),
+                       gpu::read(lights->set.counts()), gpu::read(lights->set.vpls())});
+        commands.push(buffer.split());
+        commands.dispatch_threads(lights->set.most(), VPL_SET_GROUP);
+    }
+}
+
+/// The pass's steps in order, as many at a time as one submit may hold.
+std::vector<PieceQueue::Record> SvoManyLightsGpu::State::pieces(uint32_t pass) {
+    std::vector<Step> steps;
+    steps.push_back({0, [this](gpu::CommandList& commands) { device_image.record_clear(commands); }});
+    for (uint32_t piece = 0; piece < buffer.pieces(); ++piece)
+        steps.push_back({buffer.layout().size.pixels() / buffer.pieces(),
+                         [=, this](gpu::CommandList& commands) { buffer.record(commands, pass, piece); }});
+    if (lights) {
+        add_light_steps(pass, steps);
+        add_lighting_steps(pass, steps);
+    } else {
+        steps.push_back({0, [this](gpu::CommandList& commands) { record_layers(commands); }});
+    }
+    steps.push_back({0, [this](gpu::CommandList& commands) {
+                         merge.record(commands);
+                         device_image.record_readback(commands);
+                     }});
+
+    std::vector<PieceQueue::Record> pieces;
+    const uint64_t most = device.paths_per_submit();
+    for (size_t first = 0, end = 0; first < steps.size(); first = end) {
+        uint64_t paths = steps[first].paths;
+        for (end = first + 1; end < steps.size() && paths + steps[end].paths <= most; ++end) paths += steps[end].paths;
+        const auto of_piece = std::make_shared<std::vector<Step>>(steps.begin() + std::ptrdiff_t(first),
+                                                                  steps.begin() + std::ptrdiff_t(end));
+        pieces.push_back([of_piece](gpu::CommandList& commands) {
+            for (const Step& step : *of_piece) step.record(commands);
+        });
+    }
+    return pieces;
+}
+
+SvoManyLightsGpu::SvoManyLightsGpu(const SvoManyLightsParams& params) : params_(params) {}
+SvoManyLightsGpu::~SvoManyLightsGpu() = default;
+
+uint64_t SvoManyLightsGpu::estimate_bytes(const SvoManyLightsParams& params, const Workload& workload) {
+    return PassImage::bytes_for(workload.film_size, workload.layers) +
+           (params.bounces > 0 ? EmissionSampler::estimate_bytes(workload.lights, workload.environment_size) : 0);
+}
+
+uint64_t SvoManyLightsGpu::estimate_device_bytes(const SvoManyLightsParams& params, const Workload& workload) {
+    const bool lambert = workload.needs.only_lambert();
+    uint64_t bytes = DeviceImage::device_bytes(workload.film_size, workload.layers) +
+                     DeviceImage::host_bytes(workload.film_size, workload.layers) +
+                     DeviceGBuffer::device_bytes(workload.film_size, params.split_side(), workload.needs) +
+                     GBufferMergeGpu::device_bytes(workload.film_size, params.split_side(), filter_of(params));
+    if ((workload.lights == 0 && workload.environment_size.pixels() == 0) || params.bounces == 0) return bytes;
+    bytes += VplTracerGpu::device_bytes(tracing_of(params), by_camera(params), lambert, workload.lights) +
+             VplSetGpu::device_bytes(most_lights(params), lambert) + VplLightingGpu::device_bytes() +
+             ClampRepaymentGpu::device_bytes();
+    if (params.visibility == VplVisibility::ShadowMaps)
+        bytes += VplShadowMapsGpu::device_bytes(params.shadow_resolution, most_lights(params));
+    if (params.needs_voxels()) bytes += tree_bytes(params);
+    if (!is_interleaved(params))
+        bytes += VplChoiceGpu::device_bytes(workload.film_size, most_lights(params), choice_of(params));
+    return bytes;
+}
+
+void SvoManyLightsGpu::begin(const RenderContext& context, Stats& stats) {
+    const Scene& scene = context.scene;
+    const uint64_t image_bytes = PassImage::bytes_for(context.view.film_size, context.view.layers);
+    context.budget.require("pass_image", image_bytes);
+    std::unique_ptr<LightDepthMapsGpu> light_maps;
+    if (has_light_maps(params_, scene.needs))
+        light_maps =
+            std::make_unique<LightDepthMapsGpu>(*context.device_scene, params_.direct_resolution, params_.pcf, stats);
+    {
+        const StageTimer timer(stats, "pipelines");
+        state_ = std::make_unique<State>(context, params_, std::move(light_maps));
+    }
+    State& state = *state_;
+    context.budget.record("pass_image", image_bytes);
+    if (scene.needs.only_lambert())
+        stats.skipped.push_back({"layered shading", "every surface is a plain Lambert reflector", 0});
+    if (!scene.needs.solid_glass) stats.skipped.push_back({"absorption", "no solid refracts", 0});
+
+    const char* nothing = params_.bounces == 0 ? "bounces is 0" : nullptr;
+    std::optional<EmissionSampler> emission;
+    if (!nothing) {
+        emission.emplace(scene);
+        if (!(emission->total_power_w() > 0)) nothing = "the scene has no light";
+    }
+    if (nothing) {
+        stats.skipped.push_back(
+            {"virtual point lights", nothing,
+             VplSetGpu::device_bytes(std::max(most_lights(params_), 1u), scene.needs.only_lambert())});
+        return;
+    }
+    context.budget.record("emission_sampler", emission->bytes());
+    std::unique_ptr<SparseVoxelOctreeGpu> tree;
+    if (params_.needs_voxels()) {
+        tree = std::make_unique<SparseVoxelOctreeGpu>(
+            *context.device_scene, make_voxel_grid(scene.bounds, params_.voxel_resolution), traces_voxels(params_));
+        tree->build_now(stats);
+        stats.counts.voxels += tree->voxel_count();
+    } else {
+        stats.skipped.push_back({"sparse voxel octree", "neither visibility nor bounces ask for it", 0});
+    }
+    float clamp_sq_m2;
+    {
+        const StageTimer timer(stats, "rsm");
+        const auto lit_area_m2 = [&] {
+            const VplTracer tracer(scene, *context.intersector, *context.intersector, *emission, tracing_of(params_));
+            return static_cast<float>(tracer.lit_area_m2(context.seed));
+        };
+        clamp_sq_m2 = params_.clamp_m2 ? *params_.clamp_m2 : default_clamp_sq_m2(lit_area_m2(), params_.vpls);
+    }
+    const RepaymentAsks asks{.clamped = clamp_sq_m2 > 0 && (params_.repay || state.layers.has(Layer::Clamped)),
+                             .repaid = params_.repay,
+                             .narrow = asks_narrow_lobes(params_, scene.needs)};
+    const StageTimer timer(stats, "pipelines");
+    state.lights.emplace(*context.device_scene, params_, context.seed, clamp_sq_m2, std::move(*emission),
+                         std::move(tree), state.buffer, state.device_image, asks);
+}
+
+void SvoManyLightsGpu::run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) {
+    State& state = *state_;
+    state.pass_complete = false;
+    const StageTimer timer(stats, "indirect");
+    if (state.begun != pass) state.queue.start(state.pieces(pass));
+    state.begun.reset();
+    if (!state.queue.finish(stats, cancel) || cancel.cancelled()) return;
+    if (state.lights) {
+        state.lights->tracer.add_to(stats.counts);
+        stats.counts.vpls += state.lights->set.lights_of_pass();
+    }
+    state.device_image.read(state.image, stats.counts, state.scene.scene().origin);
+    state.pass_complete = true;
+}
+
+void SvoManyLightsGpu::expect_pass(uint32_t pass) {
+    state_->queue.start(state_->pieces(pass));
+    state_->begun = pass;
+}
+
+void SvoManyLightsGpu::settle() { state_->device.wait_idle(); }
+
+void SvoManyLightsGpu::resolve(Film& film) {
+    if (state_->pass_complete) film.add_pass(state_->image);
+}
+
+}  // namespace photond
