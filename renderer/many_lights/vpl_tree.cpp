@@ -122,7 +122,7 @@ FloatLanes max_cosine(const FloatLanes& along, const FloatLanes& spread, const F
 
 }  // namespace
 
-FloatLanes vpl_bound(const VplTreeNode& node, const VplReceivers& points, float clamp_sq_m2) {
+[[gnu::flatten]] FloatLanes vpl_bound(const VplTreeNode& node, const VplReceivers& points, float clamp_sq_m2) {
     if (!(node.intensity > 0)) return 0;
     const vec3 centre = 0.5f * (node.low + node.high), half = 0.5f * (node.high - node.low);
     const float radius = std::sqrt(glm::dot(half, half));
