@@ -107,8 +107,10 @@ float vpl_bound(VplTreeNode node, vec3 position, vec3 normal, float clamp_sq_m2)
     const float inverse_nearest = 1.0 / sqrt(nearest_sq);
 
     float cosines = 1.0;
-    if (normal != vec3(0.0))
-        cosines = clamp(max_cosine(dot(normal, d), dot(abs(normal), extent), distance_sq, radius, inverse_nearest), 0.0, 1.0);
+    if (normal != vec3(0.0)) {
+        const float spread = dot(abs(normal), extent);
+        cosines = clamp(max_cosine(dot(normal, d), spread, distance_sq, radius, inverse_nearest), 0.0, 1.0);
+    }
     if (node.cos_cone > -1.0) {
         const float sent =
             max_cosine(-dot(node.axis, d), dot(abs(node.axis), extent), distance_sq, radius, inverse_nearest);
