@@ -8,6 +8,7 @@
 #include "renderer/many_lights/vpl_shadow_maps.h"
 #include "renderer/methods/camera_importance.h"
 #include "renderer/methods/clamp_repayment.h"
+#include "renderer/methods/light_depth_guide.h"
 #include "renderer/methods/svo_many_lights/svo_layers.h"
 #include "renderer/methods/vpl_choice.h"
 #include "renderer/photons/vpl_tracer.h"
@@ -100,8 +101,9 @@ struct SvoManyLights::State {
     std::optional<VoxelIntersector> voxels;
     std::optional<VplTracer> tracer;  // none: nothing is lit
     std::optional<VplShadowMaps> maps;
-    std::unique_ptr<VplChooser> chooser;  // null: interleaved
-    float clamp_sq_m2 = 0;                // B
+    std::optional<LightDepthMaps> light_maps;  // none: direct light by rays alone
+    std::unique_ptr<VplChooser> chooser;       // null: interleaved
+    float clamp_sq_m2 = 0;                     // B
     ThreadLocal<PerThread> threads;
     std::map<std::string, uint64_t> most_bytes;
 
@@ -123,6 +125,10 @@ uint64_t SvoManyLights::estimate_bytes(const SvoManyLightsParams& params, const 
                      LightSampler::estimate_bytes(workload.lights, workload.environment_size) +
                      GBuffer::estimate_bytes(workload.film_size, workload.needs) +
                      values_of_point(params) * workload.film_size.pixels() * sizeof(Rgb);
+    if (params.direct == DirectShadows::ShadowMaps && workload.needs.punctual_lights) {
+        constexpr uint64_t kMaps = 2;  // a spot has one, a point six
+        bytes += kMaps * params.direct_resolution * params.direct_resolution * sizeof(float);
+    }
     if (!lights || params.bounces == 0) return bytes;
     bytes += EmissionSampler::estimate_bytes(workload.lights, workload.environment_size) +
              VplTracer::scratch_bytes(tracing_of(params), workload.threads, workload.lights) +
@@ -149,6 +155,12 @@ void SvoManyLights::begin(const RenderContext& context, Stats& stats) {
     budget.record("pass_image", PassImage::bytes_for(context.view.film_size, context.view.layers));
     budget.record("wavefronts", most_threads() * SpecularWalk::bytes_per_thread(GBuffer::kTileSide));
     budget.record("light_sampler", state.eye.lights.bytes());
+
+    if (params_.direct == DirectShadows::ShadowMaps && scene.needs.punctual_lights) {
+        budget.require("light_depth_maps", LightDepthMaps::bytes_for(scene, params_.direct_resolution));
+        state.light_maps.emplace(scene, *context.intersector, params_.direct_resolution, params_.pcf, stats);
+        budget.record("light_depth_maps", state.light_maps->bytes());
+    }
 
     const char* nothing = params_.bounces == 0       ? "bounces is 0"
                           : state.eye.lights.empty() ? "the scene has no light"
@@ -204,7 +216,9 @@ void SvoManyLights::look_from_eye(uint32_t pass, Stats& stats, const CancelToken
     State& state = *state_;
     const double wall_start = wall_now_seconds();
     const PassSampler sampler(state.eye.sampler, state.eye.seed, RandomDomain::Camera, pass);
-    const WalkSettings settings{.glossy_threshold = params_.glossy_threshold};
+    std::optional<LightDepthGuide> guide;  // which no thread changes
+    if (state.light_maps) guide.emplace(*state.light_maps, pass);
+    const WalkSettings settings{.glossy_threshold = params_.glossy_threshold, .guide = guide ? &*guide : nullptr};
     parallel_over_tiles(state.eye.view.film_size, GBuffer::kTileSide, cancel, [&](const Tile& tile) {
         State::PerThread& mine = state.threads.local();
         mine.sink.start(tile, mine.walk, state.buffer, state.eye.view.camera);
