@@ -76,19 +76,33 @@ std::string on_device(const std::string& method, const std::string& device) {
     return method.substr(0, end) + "@" + device + method.substr(end);
 }
 
-/// When the jobs and the reference end. Frames stay frames: of them only the number can be given.
+/// When the jobs end, and what they are measured against but for frames, see render_frame(). Of frames only the number
+/// can be given.
 void put_ends(CompareOptions& options, const PresetComparison& part) {
     RequestOptions& request = options.request;
-    uint32_t reference_passes = options.reference_passes.value_or(part.reference_passes);
     if (part.frames > 0) {
         const uint32_t frames = request.stop.passes.value_or(part.frames);
         request.stop = {};
-        request.stop.passes = reference_passes = frames;
-    } else if (!request.stop.any()) {
-        request.stop.seconds = part.seconds;
+        request.stop.passes = frames;
+        return;
     }
+    if (!request.stop.any()) request.stop.seconds = part.seconds;
     if (request.reference.empty())
-        request.reference = on_device(part.reference, options.device) + ":" + std::to_string(reference_passes);
+        request.reference = on_device(part.reference, options.device) + ":" +
+                            std::to_string(options.reference_passes.value_or(part.reference_passes));
+}
+
+/// Submits the reference of `comparison`, a body that lacks nothing else; its own body's `reference`.
+json render_frame(Session& session, const json& comparison, const CompareOptions& options,
+                  const PresetComparison& part) {
+    json job = comparison;
+    if (const json seeds = comparison.value("seeds", json()); seeds.is_array() && !seeds.empty())
+        job["seed"] = seeds.front();
+    for (const char* member : {"entries", "metrics", "seeds"}) job.erase(member);
+    job["method"] = MethodCatalogue(session.daemon()).method_from(on_device(part.reference, options.device));
+    const std::string& key = options.request.idempotency_key;
+    const json accepted = submit(session, "/v1/jobs", job, key.empty() ? key : key + "-frame");
+    return "job:" + accepted.at("id").get<std::string>();
 }
 
 std::filesystem::path file_of(const CompareOptions& options, const PresetComparison& part) {
@@ -120,7 +134,6 @@ CompareOptions with_preset(const CompareOptions& given, const PresetComparison& 
     };
     put_first(options.entries, part.entries);
     put_first(options.sweeps, part.sweeps);
-    if (options.seeds.empty()) options.seeds = {part.seed};
     RequestOptions& request = options.request;
     request.width = request.width.value_or(part.width);
     request.height = request.height.value_or(part.height);
@@ -188,6 +201,8 @@ std::vector<const PresetComparison*> with_scenes(Session& session, const Compare
 ExitCode compare_one(Session& session, const CompareOptions& options, const PresetComparison* part) {
     json request = build_request(session, options);
     send_parts(session, request, options.request);
+    if (part && part->frames > 0 && options.request.reference.empty())
+        request["reference"] = render_frame(session, request, options, *part);
     const json accepted = submit(session, "/v1/comparisons", request, options.request.idempotency_key);
     const std::string id = accepted.at("id").get<std::string>();
     if (!options.no_wait) {

@@ -19,7 +19,6 @@ ComparePreset photon_splatting_thesis() {
     PresetComparison comparison{};
     comparison.width = 1600, comparison.height = 900;
     comparison.seconds = 30;
-    comparison.seed = 1;
     comparison.reference = "path_tracing,indirect_bounces=1";
     comparison.reference_passes = 256;
     comparison.metrics = {"indirect:relative_mse", "indirect:fitted_relative_mse", "indirect:rmse",

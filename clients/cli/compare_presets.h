@@ -43,11 +43,11 @@ struct PresetComparison {
     std::string_view file;    // a scene that does not come with the program, looked for in --scene-folder
     std::string_view camera;  // of the file; empty: its first
     uint32_t width, height;   // pixels
-    /// What ends each job: `seconds` on its clock or, where not 0, `frames`, the passes of each job and of the
-    /// reference. Frames are compared as they are: --seconds and --reference-passes do not change them, --passes does.
-    double seconds;
+    double seconds;           // on each job's clock; where `frames` is 0
+    /// Not 0: the passes of each job and of the reference, which then is a job like the others, with their random
+    /// numbers: all have the same rays from the eye, and differ by what their methods differ in. --seconds and
+    /// --reference-passes do not change such frames, --passes does.
     uint32_t frames;
-    uint64_t seed;              // of the jobs; references have 1 and, where it differs, other random numbers
     std::string reference;      // METHOD[,PARAMETER=VALUE...]
     uint32_t reference_passes;  // where `frames` is 0
     std::vector<std::string> metrics;
