@@ -33,7 +33,7 @@ struct Reason {
     const char* row;      // part of the row's name; empty: any
     const char* text;
 };
-constexpr std::array<Reason, 12> kReasons = {
+constexpr std::array<Reason, 14> kReasons = {
     {{"", "", "dynamic range", "light paths start from lights by their power: next to none from the dim one"},
      {"photon_splatting", "weighting=normalised", "",
       "a weighted mean of the photons' colours: it discards how dense they are, so no exposure makes it converge"},
@@ -47,7 +47,10 @@ constexpr std::array<Reason, 12> kReasons = {
      {"photon_mapping", "", "corner", "lookups of the density estimate reach past the edge"},
      {"photon_mapping", "", "facing", "the density estimate loses light within its radius of edges"},
      {"photon_mapping", "", "caustic", "the density estimate smears light within its radius"},
-     {"photon_mapping", "gather=direct", "sphere", "the density estimate takes a curved surface for a flat one"}}};
+     {"photon_mapping", "gather=direct", "sphere", "the density estimate takes a curved surface for a flat one"},
+     {"reflective_shadow_maps", "", "", "nobody asks what stands between, and what the clamp takes is not given back"},
+     {"imperfect_shadow_maps", "", "",
+      "maps of a few texels, by points instead of triangles, and what the clamp takes is not given back"}}};
 
 constexpr uint32_t kManyBounces = 8;  // for answers with all of them, where a number must be named
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <string>
 
+#include "protocol/param_json.h"
 #include "renderer/backends/cpu/embree_intersector.h"
 #include "renderer/backends/gpu/counters.h"
 #include "renderer/many_lights/imperfect_shadow_maps.h"
@@ -194,8 +195,10 @@ TEST(GpuImperfectShadowMaps, DarkScenesAndNoBouncesAreBlack) {
         EXPECT_EQ(test::mean_of_layer(film, Layer::Direct) > 0, scene == &lit);
     }
     ImperfectShadowMapsParams params;
-    params.bounces = 2;
-    EXPECT_THROW(params.check(), Error);
+    std::vector<Fault> faults;
+    read_params(params, {{"bounces", 2}}, "", faults);
+    ASSERT_EQ(faults.size(), 1u) << "one bounce is all it does";
+    EXPECT_EQ(faults[0].pointer, "/bounces");
 }
 
 TEST(GpuImperfectShadowMaps, TakeTheDeviceMemoryTheySay) {

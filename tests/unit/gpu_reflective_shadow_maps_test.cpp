@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "protocol/param_json.h"
 #include "renderer/core/rng.h"
 #include "renderer/methods/reflective_shadow_maps/reflective_shadow_maps_gpu.h"
 #include "renderer/methods/registry.h"
@@ -183,8 +184,10 @@ TEST(GpuRsm, DarkScenesAndNoBouncesAreBlack) {
                                 [](const Skipped& part) { return part.what == "virtual point lights"; }));
     }
     ReflectiveShadowMapsParams params;
-    params.bounces = 2;
-    EXPECT_THROW(params.check(), Error);
+    std::vector<Fault> faults;
+    read_params(params, {{"bounces", 2}}, "", faults);
+    ASSERT_EQ(faults.size(), 1u) << "one bounce is all it does";
+    EXPECT_EQ(faults[0].pointer, "/bounces");
 }
 
 TEST(GpuRsm, TakesTheDeviceMemoryItSays) {

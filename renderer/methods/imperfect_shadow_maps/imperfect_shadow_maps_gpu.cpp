@@ -30,7 +30,8 @@ FirstBounceSettings settings_of(const ImperfectShadowMapsParams& params) {
 void ImperfectShadowMapsParams::visit(ParamVisitor& visitor) {
     static constexpr std::string_view kSamplers[] = {"sobol", "random"};
     visitor.field("vpls", vpls, {"lights", 1, 65536, "virtual point lights, a pass"});
-    visitor.field("bounces", bounces, {"", 0, 254, "greatest number of bounces in the indirect layer; 1 at most"});
+    visitor.field("bounces", bounces,
+                  {"", 0, 1, "greatest number of bounces in the indirect layer; it does no more than one"});
     visitor.field("map_resolution", map_resolution,
                   {"texels", 8, 1024, "side of the reflective shadow maps, all lights' together; a power of two"});
     visitor.field("points", points, {"points", 16, 65536, "of the scene, drawn into the depth map of each light"});
@@ -57,9 +58,6 @@ void ImperfectShadowMapsParams::visit(ParamVisitor& visitor) {
 }
 
 void ImperfectShadowMapsParams::check() const {
-    if (bounces > 1)
-        throw Error(ErrorCode::Unsupported, "/bounces",
-                    "bounces = " + std::to_string(bounces) + ": imperfect_shadow_maps has 1 at most");
     for (const auto& [pointer, value] :
          {std::pair("/map_resolution", map_resolution), std::pair("/interleave", interleave)})
         if ((value & (value - 1)) != 0)

@@ -31,7 +31,8 @@ void ReflectiveShadowMapsParams::visit(ParamVisitor& visitor) {
     static constexpr std::string_view kPatterns[] = {"flux", "paper"};
     static constexpr std::string_view kSamplers[] = {"sobol", "random"};
     visitor.field("samples", samples, {"texels", 1, 65536, "of the lights' maps that light a pixel, a pass"});
-    visitor.field("bounces", bounces, {"", 0, 254, "greatest number of bounces in the indirect layer; 1 at most"});
+    visitor.field("bounces", bounces,
+                  {"", 0, 1, "greatest number of bounces in the indirect layer; it does no more than one"});
     visitor.field("map_resolution", map_resolution,
                   {"texels", 8, 1024, "side of the reflective shadow maps, all lights' together; a power of two"});
     visitor.enumeration("pattern", pattern,
@@ -53,9 +54,6 @@ void ReflectiveShadowMapsParams::visit(ParamVisitor& visitor) {
 }
 
 void ReflectiveShadowMapsParams::check() const {
-    if (bounces > 1)
-        throw Error(ErrorCode::Unsupported, "/bounces",
-                    "bounces = " + std::to_string(bounces) + ": reflective_shadow_maps has 1 at most");
     if ((map_resolution & (map_resolution - 1)) != 0)
         throw Error(ErrorCode::OutOfRange, "/map_resolution",
                     "map_resolution = " + std::to_string(map_resolution) + " is no power of two");
