@@ -51,12 +51,14 @@ bool has_light_maps(const SvoManyLightsParams& params, const Needs& needs) {
 }
 bool by_camera(const SvoManyLightsParams& params) { return params.placement == VplPlacement::Camera; }
 
-/// Of the octree where nothing is known of the scene but that it has rooms: surfaces of some times the cube's side, and
-/// what building takes.
-uint64_t tree_bytes(const SvoManyLightsParams& params) {
-    constexpr double kSurface = 8, kBytesABrick = 200;
+/// Of the octree and what building it takes, where nothing is known of the scene but that it has rooms: walls of some
+/// times the cube's side, and triangles.
+uint64_t tree_bytes(const SvoManyLightsParams& params, uint64_t triangles) {
+    constexpr double kSurface = 6.6, kBytesABrick = 85, kTriangleBytesABrick = 72, kBytesATriangle = 28;
     const double side = params.voxel_resolution / double{BRICK_SIDE};
-    return static_cast<uint64_t>(std::min(kSurface * side * side, side * side * side) * kBytesABrick);
+    const double bricks = std::min(kSurface * side * side, side * side * side);
+    return static_cast<uint64_t>(bricks * (kBytesABrick + (traces_voxels(params) ? kTriangleBytesABrick : 0)) +
+                                 kBytesATriangle * static_cast<double>(triangles));
 }
 
 VplBounceShader bounces_of(const SvoManyLightsParams& params, SparseVoxelOctreeGpu* tree) {
@@ -279,7 +281,7 @@ uint64_t SvoManyLightsGpu::estimate_device_bytes(const SvoManyLightsParams& para
              ClampRepaymentGpu::device_bytes();
     if (params.visibility == VplVisibility::ShadowMaps)
         bytes += VplShadowMapsGpu::device_bytes(params.shadow_resolution, most_lights(params));
-    if (params.needs_voxels()) bytes += tree_bytes(params);
+    if (params.needs_voxels()) bytes += tree_bytes(params, workload.triangles);
     if (!is_interleaved(params))
         bytes += VplChoiceGpu::device_bytes(workload.film_size, most_lights(params), choice_of(params));
     return bytes;
