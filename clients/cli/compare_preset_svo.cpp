@@ -28,6 +28,10 @@ PublishedStages table_5_1(std::vector<double> voxels_ms, std::vector<double> rsm
                 {"VPL generation", {"vpl_generation"}, false, std::move(vpls_ms)},
                 {"direct illumination", {"direct"}, false, std::move(direct_ms)},
                 {"indirect illumination", {"indirect"}, false, std::move(indirect_ms)},
+                {"shadow maps", {"shadow_maps"}, true, {}},
+                {"G-buffer, split", {"g_buffer", "g_buffer_split"}, false, {}},
+                {"merge, filter", {"merge", "filter"}, false, {}},
+                {"readback", {"readback"}, false, {}},
             }};
 }
 

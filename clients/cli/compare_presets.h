@@ -22,12 +22,12 @@ struct PublishedStructures {
     std::vector<PublishedStructure> structures;
 };
 
-/// A stage whose time was published, beside which ours stands.
+/// A stage whose time was published, beside which ours stands, or one of ours that was not.
 struct PublishedStage {
     std::string_view name;                 // as published
     std::vector<std::string_view> stages;  // of statistics.stages, added up
     bool once;                             // ours is done when a job begins, not in every pass
-    std::vector<double> published_ms;      // of each of PublishedStages::rows
+    std::vector<double> published_ms;      // of each of PublishedStages::rows; empty: not published
 };
 
 struct PublishedStages {

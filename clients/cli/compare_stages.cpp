@@ -33,8 +33,6 @@ std::vector<StageTime> stages_of(const json& statistics) {
     return times;
 }
 
-std::string text_of(const std::optional<double>& ms) { return ms ? three_digit_number(*ms) : "-"; }
-
 /// One of PublishedStages::rows as it was measured; no times: it is not there.
 struct MeasuredRow {
     std::vector<StageTime> stages;
@@ -56,20 +54,6 @@ MeasuredRow measured_row(std::span<const RowStatistics> rows, std::string_view n
     return {};
 }
 
-/// Stages of any of `rows` that none of `published` is about.
-std::vector<std::string> other_stages(std::span<const MeasuredRow> rows, const PublishedStages& published) {
-    std::vector<std::string> names;
-    for (const MeasuredRow& row : rows)
-        for (const StageTime& stage : row.stages) {
-            const bool known =
-                std::any_of(published.stages.begin(), published.stages.end(), [&](const PublishedStage& one) {
-                    return std::find(one.stages.begin(), one.stages.end(), stage.name) != one.stages.end();
-                });
-            if (!known && std::find(names.begin(), names.end(), stage.name) == names.end()) names.push_back(stage.name);
-        }
-    return names;
-}
-
 }  // namespace
 
 void print_published_stages(std::ostream& out, std::span<const RowStatistics> rows, const PublishedStages& published) {
@@ -87,20 +71,14 @@ void print_published_stages(std::ostream& out, std::span<const RowStatistics> ro
         std::string names;
         for (const std::string_view name : stage.stages) names += (names.empty() ? "" : " + ") + std::string(name);
         std::vector<std::string> cells{std::string(stage.name) + (stage.once ? ", once" : ""), names};
+        bool known = !stage.published_ms.empty();
         for (size_t i = 0; i < measured.size(); ++i) {
-            cells.push_back(text_of(stage.published_ms.at(i)));
-            cells.push_back(text_of(measured[i].ms(stage.stages, stage.once)));
+            const std::optional<double> ms = measured[i].ms(stage.stages, stage.once);
+            known = known || ms;
+            cells.push_back(stage.published_ms.empty() ? "-" : three_digit_number(stage.published_ms.at(i)));
+            cells.push_back(ms ? three_digit_number(*ms) : "-");
         }
-        table.add_row(std::move(cells));
-    }
-    for (const std::string& name : other_stages(measured, published)) {
-        std::vector<std::string> cells{"-", name};
-        const std::string_view names[] = {name};
-        for (const MeasuredRow& row : measured) {
-            cells.emplace_back("-");
-            cells.push_back(text_of(row.ms(names, false)));
-        }
-        table.add_row(std::move(cells));
+        if (known) table.add_row(std::move(cells));
     }
     table.print(out << '\n', "  ");
 }

@@ -10,8 +10,8 @@
 namespace photond::cli {
 
 /// A line a stage, published and measured milliseconds of each of `published.rows`: a pass's, or a job's where the
-/// stage is done once. On a GPU its own clock counts, where it has timed the stage. Below them what else was timed.
-/// Nothing where none of those rows is there.
+/// stage is done once. On a GPU its own clock counts, where it has timed the stage. A stage that was neither published
+/// nor timed is left out. Nothing where none of those rows is there.
 void print_published_stages(std::ostream& out, std::span<const RowStatistics> rows, const PublishedStages& published);
 
 }  // namespace photond::cli

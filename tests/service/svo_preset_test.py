@@ -132,7 +132,7 @@ class StandInsTest(Case):
                 ("indirect illumination", "indirect", ("19.5", "36.2", "73"))):
             figures = "".join(rf" +{re.escape(ms)} +{number}" for ms in there)
             self.assertRegex(self.output, rf"(?m)^ +{re.escape(stage)} +{stages}{figures}$")
-        self.assertRegex(self.output, rf"(?m)^ +- +merge(?: +- +{number}){{3}}$")
+        self.assertRegex(self.output, rf"(?m)^ +merge, filter +merge \+ filter(?: +- +{number}){{3}}$")
 
 
 class StagesTest(Case):
