@@ -10,7 +10,8 @@ namespace photond {
 
 namespace {
 
-/// Of the surface that the discs of a light have together: they overlap, as what one leaves free another covers.
+/// Of the surface that the discs of a light have together: what one leaves free another covers. Measured from 1 to 3,
+/// by the light wrongly let through or kept: in the Cornell box less is worse, among thin things more.
 constexpr float kCoverage = 2;
 constexpr uint64_t kKeyStream = 1;  // of the pass's random numbers
 constexpr uint32_t kInfinityBits = 0x7f800000u;

@@ -201,13 +201,21 @@ TEST(GpuImperfectShadowMaps, DarkScenesAndNoBouncesAreBlack) {
     EXPECT_EQ(faults[0].pointer, "/bounces");
 }
 
-TEST(GpuImperfectShadowMaps, TakeTheDeviceMemoryTheySay) {
+TEST(GpuImperfectShadowMaps, TakeTheMemoryTheySay) {
     const Scene scene = make_builtin_scene("cornell-box");
     const test::SceneOnDevice where(scene);
     test::RenderSettingsOf<Ism> settings = settings_for(1);
     settings.size = {160, 120};
     settings.params.vpls = 300;
     test::expect_device_bytes_as_estimated(where, settings);
+
+    MemoryBudget budget;
+    Stats stats;
+    Ism method(settings.params);
+    method.begin({scene, &where.intersector, test::view_of(scene, settings), 1, budget, &where.device_scene}, stats);
+    const auto estimate = double(Ism::estimate_bytes(settings.params, test::workload_of(scene, settings)));
+    EXPECT_LE(double(budget.accounted_bytes()), 1.5 * estimate);
+    EXPECT_LE(estimate, 1.5 * double(budget.accounted_bytes()));
 }
 
 }  // namespace

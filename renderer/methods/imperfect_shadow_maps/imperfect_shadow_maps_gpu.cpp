@@ -133,6 +133,8 @@ void ImperfectShadowMapsGpu::begin(const RenderContext& context, Stats& stats) {
     context.budget.require("pass_image", image_bytes);
     context.budget.require("occluder_points", ImperfectShadowMaps::host_bytes(params_.points));
     state_ = std::make_unique<State>(context, params_, stats);
+    if (state_->imperfect)  // on their way to the device
+        context.budget.record("occluder_points", ImperfectShadowMaps::host_bytes(params_.points));
 }
 
 void ImperfectShadowMapsGpu::run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) {
