@@ -12,4 +12,7 @@ float clamped_falloff(float distance_sq, float clamp_sq) {
     return divisor > 0.0 ? 1.0 / divisor : 0.0;
 }
 
+/// Where the shadow ray of a connection ends, over its length (vpl.h).
+const float kConnectionEnd = 1.0 - 1.0 / 262144.0;
+
 #endif

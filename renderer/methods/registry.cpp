@@ -11,6 +11,7 @@
 #include "renderer/methods/photon_splatting/photon_splatting_gpu.h"
 #include "renderer/methods/reflective_shadow_maps/reflective_shadow_maps_gpu.h"
 #include "renderer/methods/svo_many_lights/svo_many_lights.h"
+#include "renderer/methods/svo_many_lights/svo_many_lights_gpu.h"
 #include "renderer/photons/photon_cloud.h"
 
 namespace photond {
@@ -114,11 +115,12 @@ MethodInfo photon_splatting_row() {
 }
 
 MethodInfo svo_many_lights_row() {
-    MethodInfo info = row<SvoManyLights>("Many lights, sparse voxel octree", "many lights",
-                                         {"the thesis papers/svo-many-lights.txt", "Keller 1997, Instant Radiosity",
-                                          "Kollig and Keller 2004, Illumination in the Presence of Weak Singularities",
-                                          "Clarberg et al. 2005, Wavelet Importance Sampling"},
-                                         {"cpu"});
+    MethodInfo info = on_gpu<SvoManyLights, SvoManyLightsGpu>(
+        row<SvoManyLights>("Many lights, sparse voxel octree", "many lights",
+                           {"the thesis papers/svo-many-lights.txt", "Keller 1997, Instant Radiosity",
+                            "Kollig and Keller 2004, Illumination in the Presence of Weak Singularities",
+                            "Clarberg et al. 2005, Wavelet Importance Sampling"},
+                           {"cpu", "gpu"}));
     for (const Layer layer : {Layer::Clamped, Layer::Voxels, Layer::Vpls, Layer::SplitNormal, Layer::SplitIndirect})
         info.layers.add(layer);
     info.layers.remove(Layer::Caustic);

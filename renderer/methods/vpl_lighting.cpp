@@ -124,7 +124,7 @@ void VplLighting::ask(const VplPass& pass, uint32_t vpl, const Rgb& light) {
         const bool front = glm::dot(point_->geometric_normal, d) > 0;
         const vec3 origin =
             offset_ray_origin(point_->position, front ? point_->geometric_normal : -point_->geometric_normal);
-        rays_.push_back({origin, offset_ray_origin(from.position, from.normal) - origin, 1});
+        rays_.push_back({origin, offset_ray_origin(from.position, from.normal) - origin, kConnectionEnd});
     }
     asked_.push_back({vpl, light});
 }

@@ -1,5 +1,6 @@
 #include "renderer/methods/photon_splatting/splat_accumulation.h"
 
+#include "renderer/many_lights/vpl.h"
 #include "renderer/transport/photon_scattering.h"
 
 namespace photond {
@@ -143,7 +144,7 @@ void SplatAccumulator::take(const SplatPass& pass, const Splat& splat, const Rou
         const vec3 position = points.position.get(lane), normal = points.geometric_normal.get(lane);
         const bool front = glm::dot(normal, splat.origin - position) > 0;
         const vec3 from = offset_ray_origin(position, front ? normal : -normal);
-        rays_[pending_.size()] = {from, splat.shadow_target - from, 1};
+        rays_[pending_.size()] = {from, splat.shadow_target - from, kConnectionEnd};
         pending_.push_back({&splat, rough, point, gain});
     }
 }

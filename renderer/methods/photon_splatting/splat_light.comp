@@ -11,6 +11,7 @@
 #include "renderer/backends/gpu/counters.glsl"
 #include "renderer/backends/gpu/invocation.glsl"
 #define DEPTH_MAPS_BINDING 7
+#include "renderer/many_lights/vpl.glsl"
 #include "renderer/methods/photon_splatting/splat_depth_maps.glsl"
 #include "renderer/methods/photon_splatting/splat_gain.glsl"
 #include "renderer/methods/receiver.glsl"
@@ -70,7 +71,7 @@ bool cut_off(uint place, Splat splat, SplatPoint point) {
     const vec3 to = offset_ray_origin(splat.origin, side);
     if (count <= SHAFT_MOST_BLOCKERS) return shaft_cut(place, count, from, to);
     ++shadow_rays;
-    return occluded(Ray(from, to - from, 1.0));
+    return occluded(Ray(from, to - from, kConnectionEnd));
 }
 
 /// The splat's intensity towards a point, `d` from its origin: intensity_towards() of splat_accumulation.cpp.

@@ -38,8 +38,8 @@ void SvoManyLightsParams::visit(ParamVisitor& visitor) {
     visitor.field("resampled_vpls", resampled_vpls, {"lights", 1, 1024, "resampled: asked by a pixel"});
     visitor.field("roulette", roulette,
                   {"", 0, 10,
-                   "interleaved: a light dimmer than that share of the mean is asked by chance, and counts for more; 0 "
-                   "asks all"});
+                   "a light dimmer than that share of the mean of those a pixel looks at is asked by chance, and "
+                   "counts for more; 0 asks all"});
     visitor.field("clamp", clamp_m2,
                   {"m^2", 0, 1e18,
                    "a connection counts as if its squared length were at least that; the lit area over pi times "

@@ -133,7 +133,7 @@ uint64_t SvoManyLights::estimate_bytes(const SvoManyLightsParams& params, const 
     bytes += EmissionSampler::estimate_bytes(workload.lights, workload.environment_size) +
              VplTracer::scratch_bytes(tracing_of(params), workload.threads, workload.lights) +
              VplTracer::result_bytes(tracing_of(params)) + light_bytes(params, workload.needs);
-    if (params.needs_voxels()) bytes += tree_bytes(params);
+    if (params.needs_voxels(workload.layers)) bytes += tree_bytes(params);
     return bytes;
 }
 
@@ -174,7 +174,7 @@ void SvoManyLights::begin(const RenderContext& context, Stats& stats) {
         return;
     }
     budget.record("emission_sampler", state.emission->bytes());
-    if (params_.needs_voxels()) {
+    if (params_.needs_voxels(context.view.layers)) {
         const StageTimer timer(stats, "svo_build");
         const VoxelGrid grid = make_voxel_grid(scene.bounds, params_.voxel_resolution);
         budget.require("sparse_voxel_octree",
@@ -184,7 +184,7 @@ void SvoManyLights::begin(const RenderContext& context, Stats& stats) {
         budget.record("sparse_voxel_octree", state.tree->bytes());
         if (traces_voxels(params_)) state.voxels.emplace(scene, *state.tree);
     } else {
-        stats.skipped.push_back({"sparse voxel octree", "neither visibility nor bounces ask for it", 0});
+        stats.skipped.push_back({"sparse voxel octree", "neither visibility, bounces nor layers ask for it", 0});
     }
     const Intersector& further = state.voxels ? static_cast<const Intersector&>(*state.voxels) : *context.intersector;
     state.tracer.emplace(scene, *context.intersector, further, *state.emission, tracing_of(params_));

@@ -44,8 +44,9 @@ struct SvoManyLightsParams final : MethodParams {
 
     /// Of a path (conventions.md: n vertices make n - 1 bounces).
     uint32_t max_scatterings() const { return bounces + 1; }
-    bool needs_voxels() const {
-        return visibility == VplVisibility::Svo || (bounces > 1 && bounce_tracing == VplBounces::Voxels);
+    bool needs_voxels(const LayerSet& layers) const {
+        return layers.has(Layer::Voxels) || visibility == VplVisibility::Svo ||
+               (bounces > 1 && bounce_tracing == VplBounces::Voxels);
     }
     /// Pixels along a side of the blocks whose pixels share out the lights.
     uint32_t split_side() const { return vpl_choice == VplChoice::Interleaved ? interleave : 1; }

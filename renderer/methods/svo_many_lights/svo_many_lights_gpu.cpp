@@ -281,7 +281,7 @@ uint64_t SvoManyLightsGpu::estimate_device_bytes(const SvoManyLightsParams& para
              ClampRepaymentGpu::device_bytes();
     if (params.visibility == VplVisibility::ShadowMaps)
         bytes += VplShadowMapsGpu::device_bytes(params.shadow_resolution, most_lights(params));
-    if (params.needs_voxels()) bytes += tree_bytes(params, workload.triangles);
+    if (params.needs_voxels(workload.layers)) bytes += tree_bytes(params, workload.triangles);
     if (!is_interleaved(params))
         bytes += VplChoiceGpu::device_bytes(workload.film_size, most_lights(params), choice_of(params));
     return bytes;
@@ -319,13 +319,13 @@ void SvoManyLightsGpu::begin(const RenderContext& context, Stats& stats) {
     }
     context.budget.record("emission_sampler", emission->bytes());
     std::unique_ptr<SparseVoxelOctreeGpu> tree;
-    if (params_.needs_voxels()) {
+    if (params_.needs_voxels(context.view.layers)) {
         tree = std::make_unique<SparseVoxelOctreeGpu>(
             *context.device_scene, make_voxel_grid(scene.bounds, params_.voxel_resolution), traces_voxels(params_));
         tree->build_now(stats);
         stats.counts.voxels += tree->voxel_count();
     } else {
-        stats.skipped.push_back({"sparse voxel octree", "neither visibility nor bounces ask for it", 0});
+        stats.skipped.push_back({"sparse voxel octree", "neither visibility, bounces nor layers ask for it", 0});
     }
     float clamp_sq_m2;
     {
