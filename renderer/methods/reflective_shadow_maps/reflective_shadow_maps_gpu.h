@@ -41,12 +41,13 @@ struct ReflectiveShadowMapsParams final : MethodParams {
 /// in proportion to its texels, at least one by chance. A texel brings Phi / pi cos_o cos_x / max(B, d^2), Phi the flux
 /// it reflects [W]: the paper has vectors that are not unit in both cosines, hence its d^4, and leaves out 1 / pi.
 ///
-/// A point's place in a map is what the numbers would be that EmissionSampler sends a ray to it by (photons/
-/// texel_map.h): the direction from a point light or a spot, the place on a directional light's disc; from an area
-/// light, the direction from a triangle's middle: its map is of directions, from anywhere on it. The environment's is
-/// of directions too, each from a random place, so that no point is nearer to one texel than to another: points ask it
-/// all over. With `paper` what is lit reflects as if it were Lambert; light that narrow lobes of it reflect is in
-/// neither. Not implemented: interpolation between sparse pixels (sec. 4.2), further bounces.
+/// A point's place in a map is what the numbers would be that EmissionSampler sends a ray to it by
+/// (photons/texel_map.h): the direction from a point light or a spot, the place on a directional light's disc; from an
+/// area light, the direction from a triangle's middle: its map is of directions, from anywhere on it, and where it
+/// emits to both sides, what lies on the point's side alone is asked. The environment's is of directions too, each from
+/// a random place, so that no point is nearer to one texel than to another: points ask it all over. With `paper` what
+/// is lit reflects as if it were Lambert; light that narrow lobes of it reflect is in neither. Not implemented:
+/// interpolation between sparse pixels (sec. 4.2), further bounces.
 ///
 /// [Dachsbacher and Stamminger 2005] Reflective Shadow Maps. I3D.
 class ReflectiveShadowMapsGpu final : public Method {

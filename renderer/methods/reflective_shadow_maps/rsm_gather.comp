@@ -42,7 +42,7 @@ vec2 sample_place(RsmProjection at, vec2 u, out float weight) {
     return clamp(place, vec2(0.0), vec2(BELOW_ONE));
 }
 
-/// All texels of a light, as its samples have it.
+/// All texels of a light, those of one side of it where it has two, as its samples have it.
 vec3 light_of_run(TexelRun run, uint first, uint end, GBufferPoint point, Receiver receiver, vec2 rotation) {
     const RsmProjection at = project_to_light(run.light, point.position);
     vec3 sum = vec3(0.0);
@@ -56,7 +56,7 @@ vec3 light_of_run(TexelRun run, uint first, uint end, GBufferPoint point, Receiv
         if (weight > 0.0)
             sum += weight * texel_light(texels[run.first_texel + texel_at_place(place, run.texels)], point, receiver);
     }
-    return weights > 0.0 ? sum * (float(run.texels) / weights) : vec3(0.0);
+    return weights > 0.0 ? sum * ((at.high - at.low) * float(run.texels) / weights) : vec3(0.0);
 }
 
 void main() {
