@@ -19,12 +19,14 @@ struct Variant {
     const char* label;
     const char* settings;  // NAME=VALUE, separated by commas
 };
-constexpr std::array<Variant, 5> kVariants = {
+constexpr std::array<Variant, 7> kVariants = {
     {{"photon_mapping", "photon_mapping, final", "gather=final"},
      {"photon_mapping", "photon_mapping, direct", "gather=direct"},
      {"photon_splatting", "photon_splatting, connect", "weighting=radiometric,estimator=connect"},
      {"photon_splatting", "photon_splatting, kernel", "weighting=radiometric,estimator=kernel"},
-     {"photon_splatting", "photon_splatting, normalised", "weighting=normalised"}}};
+     {"photon_splatting", "photon_splatting, normalised", "weighting=normalised"},
+     {"svo_many_lights", "svo_many_lights, rays", "visibility=rays"},
+     {"svo_many_lights", "svo_many_lights, voxels", "visibility=svo"}}};
 
 /// Why approximations break where they do (design: methods.md). `setting`: of the entry, or of the method's default.
 struct Reason {
@@ -33,7 +35,7 @@ struct Reason {
     const char* row;      // part of the row's name; empty: any
     const char* text;
 };
-constexpr std::array<Reason, 14> kReasons = {
+constexpr std::array<Reason, 16> kReasons = {
     {{"", "", "dynamic range", "light paths start from lights by their power: next to none from the dim one"},
      {"photon_splatting", "weighting=normalised", "",
       "a weighted mean of the photons' colours: it discards how dense they are, so no exposure makes it converge"},
@@ -48,6 +50,10 @@ constexpr std::array<Reason, 14> kReasons = {
      {"photon_mapping", "", "facing", "the density estimate loses light within its radius of edges"},
      {"photon_mapping", "", "caustic", "the density estimate smears light within its radius"},
      {"photon_mapping", "gather=direct", "sphere", "the density estimate takes a curved surface for a flat one"},
+     {"svo_many_lights", "", "furnace", "as many bounces as it was given here, where the answer has all of them"},
+     {"svo_many_lights", "visibility=svo", "thin wall",
+      "where both ends lie within a voxel or two of a wall thinner than one, the voxels they are freed of are the "
+      "wall"},
      {"reflective_shadow_maps", "", "", "nobody asks what stands between, and what the clamp takes is not given back"},
      {"imperfect_shadow_maps", "", "",
       "maps of a few texels, by points instead of triangles, and what the clamp takes is not given back"}}};

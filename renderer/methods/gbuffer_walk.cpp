@@ -1,7 +1,5 @@
 #include "renderer/methods/gbuffer_walk.h"
 
-#include "renderer/core/rng.h"
-
 namespace photond {
 
 GBuffer::GBuffer(Size2 size, uint32_t split_side, uint32_t max_scatterings)
@@ -25,9 +23,11 @@ uint64_t GBuffer::estimate_bytes(Size2 size, const Needs& needs) {
                                  (sizeof(gpu::GBufferPoint) + sizeof(uint32_t) + general));
 }
 
-void GBufferSink::start(const Tile& tile, const SpecularWalk& walk, GBuffer& buffer, const Camera& camera) {
+void GBufferSink::start(const Tile& tile, const SpecularWalk& walk, const PassSampler& sampler, GBuffer& buffer,
+                        const Camera& camera) {
     tile_ = tile;
     walk_ = &walk;
+    sampler_ = &sampler;
     buffer_ = &buffer;
     eye_ = camera.position, forward_ = camera.forward;
     general_ = &buffer.general_[buffer.tile_of(tile.x0, tile.y0)];
@@ -80,8 +80,10 @@ bool GBufferSink::offer(const Offer& offered, uint32_t general) {
     gpu::GBufferPoint& point =
         buffer_->points_[buffer_->layout_.point_of(offered.pixel % width, offered.pixel / width)];
     point.total += offered.share;
-    const float u = to_unit_float(hash32(offered.key + 0x9e3779b9u * (offered.vertex + 1)));
-    if (point.kind != 0 && !(u * point.total < offered.share)) return false;
+    if (point.kind != 0) {  // by a number that the walk leaves over
+        const float u = sampler_->sample_2d(offered.key, sample_set(offered.vertex, VertexSet::Lobe)).y;
+        if (!(u * point.total < offered.share)) return false;
+    }
     const uint32_t most = buffer_->max_scatterings_ - std::min(buffer_->max_scatterings_, offered.scatterings + 1);
     point.position = offered.position;
     point.kind = GBUFFER_POINT | general | std::min(most, GBUFFER_SCATTERINGS);

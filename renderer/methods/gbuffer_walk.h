@@ -44,8 +44,10 @@ private:
 /// in proportion to throughput times the albedo of what waits. One thread's.
 class GBufferSink final : public VisiblePointSink {
 public:
-    /// `tile` has the side kTileSide, but at the border. `walk` is the one that will call take().
-    void start(const Tile& tile, const SpecularWalk& walk, GBuffer& buffer, const Camera& camera);
+    /// `tile` has the side kTileSide, but at the border. `walk` is the one that will call take(),
+    /// by the numbers of `sampler`.
+    void start(const Tile& tile, const SpecularWalk& walk, const PassSampler& sampler, GBuffer& buffer,
+               const Camera& camera);
     void take(std::span<const LambertVisiblePoint> lambert, std::span<const VisiblePoint> others) override;
     /// After the walk: weights make up for the points that were left out.
     void finish();
@@ -62,6 +64,7 @@ private:
 
     Tile tile_{};
     const SpecularWalk* walk_ = nullptr;
+    const PassSampler* sampler_ = nullptr;
     GBuffer* buffer_ = nullptr;
     std::vector<VisiblePoint>* general_ = nullptr;
     vec3 eye_{0}, forward_{0};

@@ -129,6 +129,19 @@ void VplLighting::ask(const VplPass& pass, uint32_t vpl, const Rgb& light) {
     asked_.push_back({vpl, light});
 }
 
+/// Russian roulette over V: by what would come unshadowed alone, which is of size `size` where lights of the point
+/// bring `mean`, so that the mean stays.
+void VplLighting::ask_by_chance(const VplPass& pass, uint32_t vpl, const Rgb& light, float size, float mean) {
+    if (!(size > 0)) return;
+    const float bright = pass.visibility == VplVisibility::None ? 0 : pass.roulette * mean;
+    float chance = 1;
+    if (size < bright) {
+        chance = std::max(size / bright, general_ ? kLeastGeneralChance : 0.0f);
+        if (!(to_unit_float(hash32(key_ + 0x9e3779b9u * vpl)) < chance)) return;
+    }
+    ask(pass, vpl, light / chance);
+}
+
 Rgb VplLighting::trace(const VplPass& pass, Counts& counts) {
     Rgb sum(0);
     if (pass.visibility != VplVisibility::None) counts.shadow_rays += asked_.size();
@@ -172,22 +185,11 @@ void VplLighting::light(const VplPass& pass, const GBuffer& buffer, uint32_t fir
             lit += static_cast<uint32_t>(stdx::popcount(size > 0));
         }
         if (lit == 0) continue;
-        // By what would come unshadowed alone: V is asked for what it may depend on, so the mean stays.
-        const float bright = pass.roulette * total / static_cast<float>(lit);
-        const float least_chance = general_ ? kLeastGeneralChance : 0.0f;
-        for (size_t b = 0; b < blocks.size(); ++b) {
-            for (size_t lane = 0; lane < kLanes; ++lane) {
-                const float size = arriving_[b].size[lane];
-                if (!(size > 0)) continue;
-                const uint32_t vpl = blocks[b].index[lane];
-                float chance = 1;
-                if (size < bright) {
-                    chance = std::max(size / bright, least_chance);
-                    if (!(to_unit_float(hash32(key_ + 0x9e3779b9u * vpl)) < chance)) continue;
-                }
-                ask(pass, vpl, arriving_[b].light.get(lane) * (scale / chance));
-            }
-        }
+        const float mean = total / static_cast<float>(lit);
+        for (size_t b = 0; b < blocks.size(); ++b)
+            for (size_t lane = 0; lane < kLanes; ++lane)
+                ask_by_chance(pass, blocks[b].index[lane], arriving_[b].light.get(lane) * scale,
+                              arriving_[b].size[lane], mean);
         sums[index - first] += trace(pass, counts);
     }
 }
@@ -212,19 +214,12 @@ Rgb VplLighting::light_by(const VplPass& pass, const GBuffer& buffer, uint32_t p
         }
     }
     if (lit == 0) return Rgb(0);
-    const float bright = pass.roulette * total / static_cast<float>(lit);
-    const float least_chance = general_ ? kLeastGeneralChance : 0.0f;
+    const float mean = total / static_cast<float>(lit);
     for (size_t i = 0; i < lights.size(); ++i) {
         const Arriving& from = arriving_[i / kLanes];
         const size_t lane = i % kLanes;
-        const float size = from.size[lane] * lights[i].weight;
-        if (!(size > 0)) continue;
-        float chance = 1;
-        if (size < bright) {
-            chance = std::max(size / bright, least_chance);
-            if (!(to_unit_float(hash32(key_ + 0x9e3779b9u * lights[i].vpl)) < chance)) continue;
-        }
-        ask(pass, lights[i].vpl, from.light.get(lane) * (lights[i].weight / chance));
+        ask_by_chance(pass, lights[i].vpl, from.light.get(lane) * lights[i].weight, from.size[lane] * lights[i].weight,
+                      mean);
     }
     return trace(pass, counts);
 }

@@ -100,6 +100,8 @@ public:
     Rgb trace(const VplPass& pass, Counts& counts);
 
 private:
+    void ask_by_chance(const VplPass& pass, uint32_t vpl, const Rgb& light, float size, float mean);
+
     struct Asked {
         uint32_t vpl;
         Rgb light;

@@ -221,7 +221,7 @@ void SvoManyLights::look_from_eye(uint32_t pass, Stats& stats, const CancelToken
     const WalkSettings settings{.glossy_threshold = params_.glossy_threshold, .guide = guide ? &*guide : nullptr};
     parallel_over_tiles(state.eye.view.film_size, GBuffer::kTileSide, cancel, [&](const Tile& tile) {
         State::PerThread& mine = state.threads.local();
-        mine.sink.start(tile, mine.walk, state.buffer, state.eye.view.camera);
+        mine.sink.start(tile, mine.walk, sampler, state.buffer, state.eye.view.camera);
         mine.walk.trace_tile(state.eye, settings, {sampler, std::span(&sampler, 1)}, tile, state.image, mine.counts,
                              mine.seconds, cancel, mine.sink);
         mine.sink.finish();

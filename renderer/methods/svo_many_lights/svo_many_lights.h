@@ -67,10 +67,12 @@ struct SvoManyLightsParams final : MethodParams {
 /// then (`narrow_lobes`, where a scene has such).
 ///
 /// Strong where light is smooth: a thousand lights light every pixel, and the octree answers for V without the scene.
-/// Weak: voxels darken within about a voxel of edges and contacts, and leak nothing (conservative voxels); `clamp` = 0
-/// makes the variance at corners infinite. Light that a lobe with GGX alpha below `connect_threshold` reflects towards
-/// a visible point (caustics) is not in it. The layer `caustic` is not told apart. Not implemented: participating
-/// media, dispersion, animated geometry (the tree is built once); incremental reuse of lights [Laine et al. 2007].
+/// Weak: voxels darken within about a voxel of edges and contacts, and between thin things (the interior of the
+/// built-in scene by a tenth at 256^3), and leak where both ends are within two voxels of a thin wall; `clamp` = 0
+/// makes the variance at corners infinite; caustics are path traced, so those of small lights are noise, and those of
+/// point lights by mirrors and smooth glass are never met. The layer `caustic` is not told apart. Not implemented:
+/// participating media, dispersion, animated geometry (the tree is built once); incremental reuse of lights [Laine et
+/// al. 2007].
 ///
 /// [Sun 2015] Many-Light Real-Time Global Illumination using Sparse Voxel Octree. Thesis, WPI.
 /// [Keller 1997] Instant Radiosity. SIGGRAPH. [Kollig and Keller 2004] Illumination in the Presence of Weak
