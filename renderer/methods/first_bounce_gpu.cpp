@@ -73,7 +73,7 @@ uint64_t FirstBounceGpu::estimate_device_bytes(const FirstBounceSettings& settin
 
 /// The pass's steps in order, as many at a time as one submit may hold.
 std::vector<PieceQueue::Record> FirstBounceGpu::pieces(uint32_t pass) {
-    std::vector<Step> steps;
+    std::vector<PieceQueue::Step> steps;
     steps.push_back({0, [this](gpu::CommandList& commands) { device_image_.record_clear(commands); }});
     for (uint32_t piece = 0; piece < buffer_.pieces(); ++piece)
         steps.push_back({buffer_.layout().size.pixels() / buffer_.pieces(),
@@ -90,18 +90,7 @@ std::vector<PieceQueue::Record> FirstBounceGpu::pieces(uint32_t pass) {
                          device_image_.record_readback(commands);
                      }});
 
-    std::vector<PieceQueue::Record> pieces;
-    const uint64_t most = device_.paths_per_submit();
-    for (size_t first = 0, end = 0; first < steps.size(); first = end) {
-        uint64_t paths = steps[first].paths;
-        for (end = first + 1; end < steps.size() && paths + steps[end].paths <= most; ++end) paths += steps[end].paths;
-        const auto of_piece = std::make_shared<std::vector<Step>>(steps.begin() + std::ptrdiff_t(first),
-                                                                  steps.begin() + std::ptrdiff_t(end));
-        pieces.push_back([of_piece](gpu::CommandList& commands) {
-            for (const Step& step : *of_piece) step.record(commands);
-        });
-    }
-    return pieces;
+    return PieceQueue::pieces_of(device_, std::move(steps));
 }
 
 void FirstBounceGpu::run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) {

@@ -21,13 +21,8 @@ struct FirstBounceSettings {
 
 class FirstBounceGpu {
 public:
-    /// A part of a pass: about as long as that many paths take.
-    struct Step {
-        uint64_t paths;
-        PieceQueue::Record record;
-    };
     /// Appends what comes between the lights' map and the merge: from tracer() to the sums of buffer().
-    using AddSteps = std::function<void(uint32_t pass, std::vector<Step>& steps)>;
+    using AddSteps = std::function<void(uint32_t pass, std::vector<PieceQueue::Step>& steps)>;
 
     /// A method's begin(). Stages `pipelines`, `rsm`; says what is skipped.
     FirstBounceGpu(const RenderContext& context, const FirstBounceSettings& settings, Stats& stats);

@@ -1,6 +1,22 @@
 #include "renderer/methods/piece_queue.h"
 
+#include <memory>
+
 namespace photond {
+
+std::vector<PieceQueue::Record> PieceQueue::pieces_of(gpu::Device& device, std::vector<Step> steps) {
+    const auto all = std::make_shared<const std::vector<Step>>(std::move(steps));
+    const uint64_t most = device.paths_per_submit();
+    std::vector<Record> pieces;
+    for (size_t first = 0, end = 0; first < all->size(); first = end) {
+        uint64_t paths = (*all)[first].paths;
+        for (end = first + 1; end < all->size() && paths + (*all)[end].paths <= most; ++end) paths += (*all)[end].paths;
+        pieces.push_back([all, first, end](gpu::CommandList& commands) {
+            for (size_t i = first; i < end; ++i) (*all)[i].record(commands);
+        });
+    }
+    return pieces;
+}
 
 void PieceQueue::submit_next() {
     gpu::CommandList& commands = lists_[submitted_ % kWaiting];

@@ -14,6 +14,14 @@ class PieceQueue {
 public:
     using Record = std::function<void(gpu::CommandList& commands)>;
 
+    /// A part of a pass: about as long as that many paths take.
+    struct Step {
+        uint64_t paths;
+        Record record;
+    };
+    /// Steps in their order, as many to a piece as a submit of the device may hold.
+    static std::vector<Record> pieces_of(gpu::Device& device, std::vector<Step> steps);
+
     explicit PieceQueue(gpu::Device& device) : lists_{gpu::CommandList(device), gpu::CommandList(device)} {}
 
     /// Begins these, after what was begun before is done: two of them are submitted.

@@ -11,6 +11,7 @@
 #include "renderer/methods/photon_mapping/photon_mapping.h"
 #include "renderer/methods/photon_splatting/photon_splatting.h"
 #include "renderer/methods/registry.h"
+#include "renderer/methods/svo_many_lights/svo_many_lights.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/hard_scenes.h"
 
@@ -98,6 +99,8 @@ void precomputed(PhotonMappingParams& p) { p.gather_rays = 2, p.precompute_irrad
 void kernel(PhotonSplattingParams& p) { p.estimator = SplatEstimator::Kernel; }
 void blind(PhotonSplattingParams& p) { p.visibility = false; }
 void no_bounces(PhotonSplattingParams& p) { p.bounces = 0; }
+void no_lights(SvoManyLightsParams& p) { p.bounces = 0; }
+void by_voxels(SvoManyLightsParams& p) { p.visibility = VplVisibility::Svo, p.voxel_resolution = 64; }
 
 /// A part of a method, where it is skipped and where it is not.
 struct Part {
@@ -114,7 +117,8 @@ struct Part {
 std::vector<Part> parts() {
     constexpr SetParams kGathered = set_as<PhotonMappingParams, gathered>;
     constexpr SetParams kKernel = set_as<PhotonSplattingParams, kernel>;
-    const std::string_view kTracing = "path_tracing", kMapping = "photon_mapping", kSplatting = "photon_splatting";
+    const std::string_view kTracing = "path_tracing", kMapping = "photon_mapping", kSplatting = "photon_splatting",
+                           kLights = "svo_many_lights";
     const MakeScene box = builtin<kBox>, glass = builtin<kGlass>, glossy = builtin<kGlossy>;
     return {
         {kTracing, "layered shading", box, set_nothing, glossy, set_nothing, {}, {"direct", "indirect"}},
@@ -170,6 +174,26 @@ std::vector<Part> parts() {
          2},
         {kSplatting, "depth maps of beams", box, set_nothing, glass, set_nothing, {}, {"splat_depth"}},
         {kSplatting, "absorption", box, set_nothing, glass, set_nothing, {}, {}},
+        {kLights, "virtual point lights", dark, set_nothing, box, set_nothing, {"vpls"}, {"vpl_generation"}, 3},
+        {kLights,
+         "virtual point lights",
+         box,
+         set_as<SvoManyLightsParams, no_lights>,
+         box,
+         set_nothing,
+         {"vpls"},
+         {"vpl_generation"},
+         0},
+        {kLights,
+         "sparse voxel octree",
+         box,
+         set_nothing,
+         box,
+         set_as<SvoManyLightsParams, by_voxels>,
+         {"sparse_voxel_octree"},
+         {"svo_build"},
+         0},
+        {kLights, "absorption", box, set_nothing, glass, set_nothing, {}, {}},
     };
 }
 

@@ -78,10 +78,10 @@ struct ImperfectShadowMapsGpu::State {
                                              .clamp_sq_m2 = frame.clamp_sq_m2(),
                                              .connect_threshold = params.connect_threshold,
                                              .map_resolution = params.shadow_resolution});
-        frame.light_by([this](uint32_t pass, std::vector<FirstBounceGpu::Step>& steps) { add_steps(pass, steps); });
+        frame.light_by([this](uint32_t pass, std::vector<PieceQueue::Step>& steps) { add_steps(pass, steps); });
     }
 
-    void add_steps(uint32_t pass, std::vector<FirstBounceGpu::Step>& steps) {
+    void add_steps(uint32_t pass, std::vector<PieceQueue::Step>& steps) {
         steps.push_back(
             {set->most(), [=, this](gpu::CommandList& commands) {
                  VplTracerGpu& tracer = frame.tracer();

@@ -74,13 +74,13 @@ struct ReflectiveShadowMapsGpu::State {
             gather.emplace(frame.scene().device(), "renderer/methods/reflective_shadow_maps/rsm_gather.comp",
                            sizeof(gpu::RsmGatherPush), &frame.scene().set(), frame.scene().specialization());
         }
-        frame.light_by([this](uint32_t pass, std::vector<FirstBounceGpu::Step>& steps) {
+        frame.light_by([this](uint32_t pass, std::vector<PieceQueue::Step>& steps) {
             params.pattern == RsmPattern::Flux ? add_flux_steps(pass, steps) : add_paper_steps(pass, steps);
         });
     }
 
-    void add_flux_steps(uint32_t pass, std::vector<FirstBounceGpu::Step>& steps);
-    void add_paper_steps(uint32_t pass, std::vector<FirstBounceGpu::Step>& steps);
+    void add_flux_steps(uint32_t pass, std::vector<PieceQueue::Step>& steps);
+    void add_paper_steps(uint32_t pass, std::vector<PieceQueue::Step>& steps);
 
     const ReflectiveShadowMapsParams& params;
     std::optional<VplSetGpu> set;
@@ -89,7 +89,7 @@ struct ReflectiveShadowMapsGpu::State {
     FirstBounceGpu frame;  // last: its going waits for work that uses the others
 };
 
-void ReflectiveShadowMapsGpu::State::add_flux_steps(uint32_t pass, std::vector<FirstBounceGpu::Step>& steps) {
+void ReflectiveShadowMapsGpu::State::add_flux_steps(uint32_t pass, std::vector<PieceQueue::Step>& steps) {
     steps.push_back({set->most(), [=, this](gpu::CommandList& commands) {
                          VplTracerGpu& tracer = frame.tracer();
                          tracer.record_vpls(commands);
@@ -103,7 +103,7 @@ void ReflectiveShadowMapsGpu::State::add_flux_steps(uint32_t pass, std::vector<F
              }});
 }
 
-void ReflectiveShadowMapsGpu::State::add_paper_steps(uint32_t pass, std::vector<FirstBounceGpu::Step>& steps) {
+void ReflectiveShadowMapsGpu::State::add_paper_steps(uint32_t pass, std::vector<PieceQueue::Step>& steps) {
     constexpr uint32_t kTexelsAPath = 16;  // that cost a device what a path does
     constexpr uint64_t kKeyStream = 2;
     const uint32_t key = RandomStream(frame.seed(), RandomDomain::Splats, pass, kKeyStream).next_bits();

@@ -10,6 +10,7 @@
 #include "renderer/methods/clamp_repayment.h"
 #include "renderer/methods/light_depth_guide.h"
 #include "renderer/methods/svo_many_lights/svo_layers.h"
+#include "renderer/methods/svo_many_lights/svo_settings.h"
 #include "renderer/methods/vpl_choice.h"
 #include "renderer/photons/vpl_tracer.h"
 #include "renderer/voxels/sparse_voxel_octree.h"
@@ -21,18 +22,6 @@ namespace {
 
 constexpr uint32_t kPointsAtOnce = SplitLayout::kGroup;
 constexpr uint64_t kRotationStream = 0;  // of RandomDomain::Splats in a pass
-
-bool traces_voxels(const SvoManyLightsParams& params) {
-    return params.bounces > 1 && params.bounce_tracing == VplBounces::Voxels;
-}
-
-VplTracing tracing_of(const SvoManyLightsParams& params) {
-    return {.vpls = params.vpls,
-            .map_side = params.map_resolution,
-            .bounces = params.bounces,
-            .glossy_threshold = params.connect_threshold,
-            .sampler = params.sampler};
-}
 
 /// Values a point has besides its place: what lights bring it, what is repaid, and what the filter leaves.
 uint64_t values_of_point(const SvoManyLightsParams& params) { return 2 + (params.filter > 0 ? 1 : 0); }
@@ -125,7 +114,7 @@ uint64_t SvoManyLights::estimate_bytes(const SvoManyLightsParams& params, const 
                      LightSampler::estimate_bytes(workload.lights, workload.environment_size) +
                      GBuffer::estimate_bytes(workload.film_size, workload.needs) +
                      values_of_point(params) * workload.film_size.pixels() * sizeof(Rgb);
-    if (params.direct == DirectShadows::ShadowMaps && workload.needs.punctual_lights) {
+    if (has_light_maps(params, workload.needs)) {
         constexpr uint64_t kMaps = 2;  // a spot has one, a point six
         bytes += kMaps * params.direct_resolution * params.direct_resolution * sizeof(float);
     }
@@ -156,7 +145,7 @@ void SvoManyLights::begin(const RenderContext& context, Stats& stats) {
     budget.record("wavefronts", most_threads() * SpecularWalk::bytes_per_thread(GBuffer::kTileSide));
     budget.record("light_sampler", state.eye.lights.bytes());
 
-    if (params_.direct == DirectShadows::ShadowMaps && scene.needs.punctual_lights) {
+    if (has_light_maps(params_, scene.needs)) {
         budget.require("light_depth_maps", LightDepthMaps::bytes_for(scene, params_.direct_resolution));
         state.light_maps.emplace(scene, *context.intersector, params_.direct_resolution, params_.pcf, stats);
         budget.record("light_depth_maps", state.light_maps->bytes());
@@ -184,7 +173,8 @@ void SvoManyLights::begin(const RenderContext& context, Stats& stats) {
         budget.record("sparse_voxel_octree", state.tree->bytes());
         if (traces_voxels(params_)) state.voxels.emplace(scene, *state.tree);
     } else {
-        stats.skipped.push_back({"sparse voxel octree", "neither visibility, bounces nor layers ask for it", 0});
+        stats.skipped.push_back(
+            {"sparse voxel octree", "neither visibility, bounces nor layers ask for it", tree_bytes(params_)});
     }
     const Intersector& further = state.voxels ? static_cast<const Intersector&>(*state.voxels) : *context.intersector;
     state.tracer.emplace(scene, *context.intersector, further, *state.emission, tracing_of(params_));
@@ -273,7 +263,7 @@ void SvoManyLights::light_points(uint32_t pass, Stats& stats, const CancelToken&
     State& state = *state_;
     state.sums.assign(state.sums.size(), Rgb(0));
     state.repaid.assign(repays() ? state.sums.size() : 0, Rgb(0));
-    state.narrow.assign(asks_narrow_lobes() ? state.sums.size() : 0, Rgb(0));
+    state.narrow.assign(asks_narrow_lobes(params_, state.eye.scene.needs) ? state.sums.size() : 0, Rgb(0));
     if (!state.tracer) return;
     const double wall_start = wall_now_seconds();
     const VplPass lighting{.eye = state.eye,
@@ -301,7 +291,7 @@ void SvoManyLights::light_points(uint32_t pass, Stats& stats, const CancelToken&
         else
             mine.lighting.light(lighting, state.buffer, first, end, of_group(state.sums), mine.counts);
         laps.lap(mine.lit_seconds);
-        if (!repays() && !asks_narrow_lobes()) return;
+        if (!repays() && !asks_narrow_lobes(params_, state.eye.scene.needs)) return;
         mine.clamped.clear();
         mine.places.clear();
         for (uint32_t i = first; i < end; ++i) {
@@ -314,7 +304,7 @@ void SvoManyLights::light_points(uint32_t pass, Stats& stats, const CancelToken&
             mine.places.push_back(i);
         }
         mine.repaid.assign(repays() ? mine.clamped.size() : 0, Rgb(0));
-        mine.narrow.assign(asks_narrow_lobes() ? mine.clamped.size() : 0, Rgb(0));
+        mine.narrow.assign(asks_narrow_lobes(params_, state.eye.scene.needs) ? mine.clamped.size() : 0, Rgb(0));
         mine.repayment.repay(repayment, sampler, mine.clamped, state.clamp_sq_m2,
                              {.clamped = mine.repaid, .narrow = mine.narrow}, mine.counts);
         for (size_t i = 0; i < mine.places.size(); ++i) {
@@ -367,12 +357,6 @@ void SvoManyLights::merge(Stats& stats) {
         if (!image.clamped.empty() && !state.repaid.empty())
             image.clamped[point.pixel] = point.weight * state.repaid[i];
     });
-}
-
-/// Whether the light by narrow lobes is looked for, and there may be any.
-bool SvoManyLights::asks_narrow_lobes() const {
-    const Needs& needs = state_->eye.scene.needs;
-    return params_.narrow_lobes && (needs.delta || needs.glossy || needs.transmission);
 }
 
 /// Whether short rays find what the clamp takes: it is added, or shown.

@@ -99,7 +99,6 @@ private:
     void light_points(uint32_t pass, Stats& stats, const CancelToken& cancel);
     void merge(Stats& stats);
     bool repays() const;
-    bool asks_narrow_lobes() const;
 
     const SvoManyLightsParams params_;
     std::unique_ptr<State> state_;

@@ -5,6 +5,7 @@
 #include "renderer/methods/clamp_repayment_gpu.h"
 #include "renderer/methods/gbuffer_merge_gpu.h"
 #include "renderer/methods/piece_queue.h"
+#include "renderer/methods/svo_many_lights/svo_settings.h"
 #include "renderer/methods/vpl_choice_gpu.h"
 #include "renderer/methods/vpl_lighting_gpu.h"
 #include "renderer/photons/vpl_tracer_gpu.h"
@@ -12,18 +13,6 @@
 namespace photond {
 
 namespace {
-
-bool traces_voxels(const SvoManyLightsParams& params) {
-    return params.bounces > 1 && params.bounce_tracing == VplBounces::Voxels;
-}
-
-VplTracing tracing_of(const SvoManyLightsParams& params) {
-    return {.vpls = params.vpls,
-            .map_side = params.map_resolution,
-            .bounces = params.bounces,
-            .glossy_threshold = params.connect_threshold,
-            .sampler = params.sampler};
-}
 
 GBufferWalk walk_of(const SvoManyLightsParams& params) {
     return {.split_side = params.split_side(),
@@ -41,13 +30,6 @@ bool is_interleaved(const SvoManyLightsParams& params) { return params.vpl_choic
 VplChoiceSettings choice_of(const SvoManyLightsParams& params) {
     const bool lightcut = params.vpl_choice == VplChoice::Lightcut;
     return {lightcut, lightcut ? params.cut_size : params.resampled_vpls};
-}
-/// Whether the light by narrow lobes is looked for, and there may be any.
-bool asks_narrow_lobes(const SvoManyLightsParams& params, const Needs& needs) {
-    return params.narrow_lobes && (needs.delta || needs.glossy || needs.transmission);
-}
-bool has_light_maps(const SvoManyLightsParams& params, const Needs& needs) {
-    return params.direct == DirectShadows::ShadowMaps && needs.punctual_lights;
 }
 bool by_camera(const SvoManyLightsParams& params) { return params.placement == VplPlacement::Camera; }
 
@@ -130,13 +112,8 @@ struct SvoManyLightsGpu::State {
                                                       nullptr, device_image.specialization());
     }
 
-    /// A part of a pass: about as long as that many paths take.
-    struct Step {
-        uint64_t paths;
-        PieceQueue::Record record;
-    };
-    void add_light_steps(uint32_t pass, std::vector<Step>& steps);
-    void add_lighting_steps(uint32_t pass, std::vector<Step>& steps);
+    void add_light_steps(uint32_t pass, std::vector<PieceQueue::Step>& steps);
+    void add_lighting_steps(uint32_t pass, std::vector<PieceQueue::Step>& steps);
     void record_layers(gpu::CommandList& commands);
     std::vector<PieceQueue::Record> pieces(uint32_t pass);
 
@@ -158,7 +135,7 @@ struct SvoManyLightsGpu::State {
 };
 
 /// The lights of a pass.
-void SvoManyLightsGpu::State::add_light_steps(uint32_t pass, std::vector<Step>& steps) {
+void SvoManyLightsGpu::State::add_light_steps(uint32_t pass, std::vector<PieceQueue::Step>& steps) {
     const uint32_t texels = lights->tracer.map_texels();
     steps.push_back({texels, [=, this](gpu::CommandList& commands) {
                          lights->tracer.start(seed, pass);
@@ -189,7 +166,7 @@ void SvoManyLightsGpu::State::add_light_steps(uint32_t pass, std::vector<Step>& 
 }
 
 /// What the lights bring to the points, and what the clamp takes.
-void SvoManyLightsGpu::State::add_lighting_steps(uint32_t pass, std::vector<Step>& steps) {
+void SvoManyLightsGpu::State::add_lighting_steps(uint32_t pass, std::vector<PieceQueue::Step>& steps) {
     VplLightingGpu& lighting = lights->lighting;
     const uint32_t choice_pieces = lights->choice ? lights->choice->pieces() : 0;
     for (uint32_t piece = 0; piece < choice_pieces; ++piece)
@@ -231,7 +208,7 @@ void SvoManyLightsGpu::State::record_layers(gpu::CommandList& commands) {
 
 /// The pass's steps in order, as many at a time as one submit may hold.
 std::vector<PieceQueue::Record> SvoManyLightsGpu::State::pieces(uint32_t pass) {
-    std::vector<Step> steps;
+    std::vector<PieceQueue::Step> steps;
     steps.push_back({0, [this](gpu::CommandList& commands) { device_image.record_clear(commands); }});
     for (uint32_t piece = 0; piece < buffer.pieces(); ++piece)
         steps.push_back({buffer.layout().size.pixels() / buffer.pieces(),
@@ -247,18 +224,7 @@ std::vector<PieceQueue::Record> SvoManyLightsGpu::State::pieces(uint32_t pass) {
                          device_image.record_readback(commands);
                      }});
 
-    std::vector<PieceQueue::Record> pieces;
-    const uint64_t most = device.paths_per_submit();
-    for (size_t first = 0, end = 0; first < steps.size(); first = end) {
-        uint64_t paths = steps[first].paths;
-        for (end = first + 1; end < steps.size() && paths + steps[end].paths <= most; ++end) paths += steps[end].paths;
-        const auto of_piece = std::make_shared<std::vector<Step>>(steps.begin() + std::ptrdiff_t(first),
-                                                                  steps.begin() + std::ptrdiff_t(end));
-        pieces.push_back([of_piece](gpu::CommandList& commands) {
-            for (const Step& step : *of_piece) step.record(commands);
-        });
-    }
-    return pieces;
+    return PieceQueue::pieces_of(device, std::move(steps));
 }
 
 SvoManyLightsGpu::SvoManyLightsGpu(const SvoManyLightsParams& params) : params_(params) {}
@@ -325,7 +291,8 @@ void SvoManyLightsGpu::begin(const RenderContext& context, Stats& stats) {
         tree->build_now(stats);
         stats.counts.voxels += tree->voxel_count();
     } else {
-        stats.skipped.push_back({"sparse voxel octree", "neither visibility, bounces nor layers ask for it", 0});
+        stats.skipped.push_back({"sparse voxel octree", "neither visibility, bounces nor layers ask for it",
+                                 tree_bytes(params_, scene.triangle_count)});
     }
     float clamp_sq_m2;
     {

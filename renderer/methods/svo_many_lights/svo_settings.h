@@ -1,0 +1,32 @@
+#pragma once
+// What the parameters of many lights come to, on both devices.
+
+#include "renderer/methods/svo_many_lights/svo_many_lights.h"
+#include "renderer/photons/vpl_tracer.h"
+
+namespace photond {
+
+/// Whether further bounces are found by the voxel tree, which then knows its triangles.
+inline bool traces_voxels(const SvoManyLightsParams& params) {
+    return params.bounces > 1 && params.bounce_tracing == VplBounces::Voxels;
+}
+
+inline VplTracing tracing_of(const SvoManyLightsParams& params) {
+    return {.vpls = params.vpls,
+            .map_side = params.map_resolution,
+            .bounces = params.bounces,
+            .glossy_threshold = params.connect_threshold,
+            .sampler = params.sampler};
+}
+
+/// Whether the light by narrow lobes is looked for, and there may be any.
+inline bool asks_narrow_lobes(const SvoManyLightsParams& params, const Needs& needs) {
+    return params.narrow_lobes && (needs.delta || needs.glossy || needs.transmission);
+}
+
+/// Whether depth maps tell of the shadows of direct light.
+inline bool has_light_maps(const SvoManyLightsParams& params, const Needs& needs) {
+    return params.direct == DirectShadows::ShadowMaps && needs.punctual_lights;
+}
+
+}  // namespace photond
