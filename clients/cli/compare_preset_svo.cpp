@@ -13,7 +13,8 @@ namespace photond::cli {
 namespace {
 
 const std::string kThesis =
-    "svo_many_lights,visibility=svo,vpl_choice=interleaved,interleave=4,filter=8,direct=shadow_maps,repay=false";
+    "svo_many_lights,visibility=svo,vpl_choice=interleaved,interleave=4,filter=8,direct=shadow_maps,repay=false,narrow_"
+    "lobes=false";
 const std::string kThesisInBox = kThesis + ",bounces=1,voxel_resolution=128";
 const std::string kThesisInSponza = kThesis + ",bounces=1,voxel_resolution=256";
 const std::string kOurs = "svo_many_lights,vpls=1024,visibility=rays,vpl_choice=resampled,repay=true";

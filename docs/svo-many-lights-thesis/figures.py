@@ -14,7 +14,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))
 from strips import render, save, shown, side_by_side  # noqa: E402  docs/strips.py
 
-THESIS = "svo_many_lights,visibility=svo,vpl_choice=interleaved,interleave=4,filter=8,direct=shadow_maps,repay=false"
+THESIS = "svo_many_lights,visibility=svo,vpl_choice=interleaved,interleave=4,filter=8,direct=shadow_maps,repay=false,narrow_lobes=false"
 OURS = "svo_many_lights,vpls=1024,visibility=rays,vpl_choice=resampled,repay=true"
 TRUTH = "path_tracing,indirect_bounces=1"
 BOX, SPONZA = "cornell_dragon_buddha.glb", "sponza_crytek.glb"
@@ -34,7 +34,7 @@ def of_sponza(camera, vpls):
 # scene, view, pixels of a panel, layer, (METHOD,PARAMETERS, passes) of each panel
 FIGURES = {
     "figure-5-1": (BOX, [], (256, 256), "indirect",
-                   [(IN_BOX + ",vpls=512", 1), (IN_BOX + ",vpls=2048", 1), (OURS, 1), (OURS, 16), (TRUTH, 256)]),
+                   [(IN_BOX + ",vpls=512", 1), (IN_BOX + ",vpls=2048", 1), (OURS, 1), (OURS, 16), (TRUTH, 128)]),
     "figure-5-2-main": of_sponza("CameraMain", 1024),
     "figure-5-2-alternate": of_sponza("CameraAlternate", 1024),
     "figure-5-2-balcony": of_sponza("CameraBalcony", 1024),

@@ -16,7 +16,7 @@ STAND_INS = {"cornell": "cornell-box-spot", "cornell-frames": "cornell-box-spot"
              "sponza-bounces": "interior"}
 PARTS = [*STAND_INS, "sponza-alternate", "sponza-balcony", "sponza-alcove"]
 THESIS = {"visibility": "svo", "vpl_choice": "interleaved", "interleave": 4, "filter": 8, "direct": "shadow_maps",
-          "repay": False}
+          "repay": False, "narrow_lobes": False}
 CAMERAS = ["CameraMain", "CameraAlternate", "CameraBalcony", "CameraAlcove"]
 
 
