@@ -151,6 +151,7 @@ SparseVoxelOctree::SparseVoxelOctree(const Scene& scene, const VoxelGrid& grid, 
             numbers.push_back(triangles[static_cast<size_t>(std::countr_zero(left))]);
     }
     nodes_ = make_nodes(std::move(codes), constants_.levels);
+    cells_.emplace(constants_, nodes_);
     bricks_.shrink_to_fit();
     if (!surfaces) return;
     constants_.surface_base = static_cast<uint32_t>(bricks_.size());
@@ -161,7 +162,7 @@ SparseVoxelOctree::SparseVoxelOctree(const Scene& scene, const VoxelGrid& grid, 
 
 uint64_t SparseVoxelOctree::bytes() const {
     return nodes_.size() * sizeof(gpu::SvoNode) + bricks_.size() * sizeof(gpu::SvoBrick) +
-           (surfaces_.size() + first_triangles_.size()) * sizeof(uint32_t);
+           (surfaces_.size() + first_triangles_.size()) * sizeof(uint32_t) + cells_->bytes();
 }
 
 SparseVoxelOctree::Estimate SparseVoxelOctree::estimate(const Scene& scene, const VoxelGrid& grid, bool surfaces) {
@@ -188,7 +189,8 @@ SparseVoxelOctree::Estimate SparseVoxelOctree::estimate(const Scene& scene, cons
     const double bricks = std::min({kCurved * area + 1, fragments + 1, side * side * side});
     const double voxels = kVoxelsABrick * bricks, nodes = kNodesABrick * bricks + 8;
     const double bytes = nodes * sizeof(gpu::SvoNode) + bricks * sizeof(gpu::SvoBrick) +
-                         (surfaces ? 4 * (bricks + voxels) : 0) + 4.0 * double(scene.instances.size() + 1);
+                         (surfaces ? 4 * (bricks + voxels) : 0) + 4.0 * double(scene.instances.size() + 1) +
+                         double(SvoCells::estimate_bytes(grid.resolution));
     const double peak = bytes + 2 * fragments * sizeof(Fragment) + 8.0 * double(scene.triangle_count);
     const auto whole = [](double x) { return static_cast<uint64_t>(x); };
     return {whole(fragments), whole(bricks), whole(nodes), whole(voxels), whole(bytes), whole(peak)};

@@ -4,6 +4,7 @@
 //
 // Twin: SparseVoxelOctreeGpu, whose arrays are the same bit for bit.
 
+#include <optional>
 #include <vector>
 
 #include "renderer/voxels/svo_march.h"
@@ -28,7 +29,7 @@ public:
         return estimate(scene, grid, surfaces).bytes;
     }
 
-    SvoView view() const { return {constants_, nodes_, bricks_, surfaces_}; }
+    SvoView view() const { return {constants_, nodes_, bricks_, surfaces_, &*cells_}; }
     const gpu::SvoConstants& constants() const { return constants_; }
     /// Where each instance's triangles begin among the numbers in view().surfaces.
     std::span<const uint32_t> first_triangles() const { return first_triangles_; }
@@ -41,6 +42,7 @@ private:
     std::vector<gpu::SvoBrick> bricks_;
     std::vector<uint32_t> surfaces_;
     std::vector<uint32_t> first_triangles_;
+    std::optional<SvoCells> cells_;
     uint64_t voxel_count_ = 0;
 };
 

@@ -52,7 +52,9 @@ bool svo_walk(vec3 origin, vec3 direction, float t_begin, float t_end, out SvoSe
     const int resolution = int(svo_constants.grid.resolution);
     const float kLeast = 1e-20;
     const vec3 least = vec3(copysign(kLeast, direction.x), copysign(kLeast, direction.y), copysign(kLeast, direction.z));
-    const vec3 inverse = 1.0 / mix(direction, least, lessThan(abs(direction), vec3(kLeast)));
+    const bvec3 tiny = lessThan(abs(direction), vec3(kLeast));
+    if (all(tiny)) return false;
+    const vec3 inverse = 1.0 / mix(direction, least, tiny);
     const bvec3 forward = greaterThan(inverse, vec3(0.0));
     const vec3 to_low = -origin * inverse, to_high = (vec3(resolution) - origin) * inverse;
     const vec3 enter = min(to_low, to_high), leave = max(to_low, to_high);
@@ -145,7 +147,7 @@ uint svo_surface_at(vec3 position) {
 #endif
 
 /// The first set voxel that the ray meets in [0, t_max); nothing is moved. `t`: where it enters it, 0 in the one it
-/// starts in; `surface`: the number of its triangle, where the tree has them. False: none.
+/// starts in; `surface`: the number of its triangle, where the tree has them. False: none, or a direction of 0.
 bool svo_first_voxel(Ray ray, out float t, out uvec3 voxel, out uint surface) {
     t = INFINITY, voxel = uvec3(0u), surface = SVO_NO_DATA;
     SvoSetVoxel set;

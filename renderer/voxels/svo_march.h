@@ -1,14 +1,16 @@
 #pragma once
 // Segments and rays against the set voxels of a tree. GLSL twin: svo_march.glsl.
 //
-// SVO-restart (thesis, Fig. 3.3) down to the bricks, then voxel by voxel through their bits. Departure: where a ray
-// goes on is kept as the whole-numbered voxel it is in, which moves on by one at least along the axis it leaves a box
-// by and never back, so that no epsilon is needed, no voxel on the way is missed, and no walk is longer than 3 *
-// resolution steps, whatever the ray.
+// The device walks by SVO-restart (thesis, Fig. 3.3) down to the bricks, then voxel by voxel through their bits; the
+// CPU, several rays at a time, by free cubes (svo_cells.h), past bricks none of whose set voxels is between where the
+// ray enters and leaves them, and voxel by voxel through the others. Both answer alike but for rounding. Departure:
+// where a ray goes on is kept as the whole-numbered voxel it is in, which moves on by one at least along the axis it
+// leaves a box by and never back, so that no epsilon is needed, no voxel on the way is missed, and no walk is longer
+// than 3 * resolution steps, whatever the ray.
 
 #include <span>
 
-#include "renderer/voxels/svo_shared.h"
+#include "renderer/voxels/svo_cells.h"
 
 namespace photond {
 
@@ -18,6 +20,7 @@ struct SvoView {
     std::span<const gpu::SvoNode> nodes;
     std::span<const gpu::SvoBrick> bricks;
     std::span<const uint32_t> surfaces;  // empty: none
+    const SvoCells* cells = nullptr;     // null: not to be marched through
 
     bool is_set(const uvec3& voxel) const;
     /// The number of the triangle in the voxel that holds a point; ~0 where that is not set, or outside of the grid.
@@ -42,12 +45,19 @@ bool svo_occluded(const SvoView& tree, const vec3& a, const vec3& b);
 bool svo_occluded(const SvoView& tree, const vec3& a, const vec3& normal_a, const vec3& b, const vec3& normal_b,
                   const SvoOffsets& offsets = SvoOffsets());
 
+/// A segment with unit normals of the sides that it leaves to at its ends.
+struct SvoSegment {
+    vec3 a, normal_a, b, normal_b;
+};
+/// The same of many, several at a time; of as many answers.
+void svo_occluded(const SvoView& tree, std::span<const SvoSegment> segments, std::span<uint8_t> occluded);
+
 struct VoxelHit {
     float t = kInfinity;  // where the ray enters the voxel; 0 in the one it starts in
     uvec3 voxel{0};
     uint32_t surface = ~0u;  // the triangle's number; ~0: the tree has no surfaces
 };
-/// The first set voxel that the ray meets in [0, t_max); nothing is moved. False: none.
+/// The first set voxel that the ray meets in [0, t_max); nothing is moved. False: none, or a direction of 0.
 bool svo_first_voxel(const SvoView& tree, const Ray& ray, VoxelHit& hit);
 
 }  // namespace photond

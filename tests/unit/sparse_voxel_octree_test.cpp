@@ -115,6 +115,48 @@ TEST_P(Octree, IsLaidOutAsTheThesisHasIt) {
     EXPECT_EQ(bricks, view.bricks.size());
 }
 
+/// Of cells chosen at random: the cube they may be left by is free, and by one larger it would not be.
+TEST_P(Octree, KnowsTheLargestFreeCubes) {
+    for (const uint32_t resolution : {32u, 512u}) {
+        const SparseVoxelOctree tree = build(scene_named(GetParam()), resolution, false);
+        const SvoCells& cells = *tree.view().cells;
+        EXPECT_EQ(cells.bytes(), SvoCells::estimate_bytes(resolution) + 1);
+        const int n = 1 << cells.bits;
+        EXPECT_EQ(static_cast<uint32_t>(n) << cells.shift, resolution);
+        std::vector<uint8_t> full(cells.plane());
+        for (const uint64_t v : test::list_voxels(tree.view()).voxels) {
+            const uvec3 at =
+                uvec3(v % resolution, v / resolution % resolution, v / resolution / resolution) >> cells.shift;
+            full[at.x | at.y << cells.bits | at.z << 2 * cells.bits] = 1;
+        }
+        RandomStream random(6, RandomDomain::Test, 0, 0);
+        size_t free_cells = 0;
+        for (int i = 0; i < 500; ++i) {
+            const glm::ivec3 cell(test::random_vec3(random) * static_cast<float>(n));
+            const uint32_t octant = random.next_bits() % 8;
+            const auto is_free = [&](int cube) {
+                for (int j = 0; j < cube * cube * cube; ++j) {
+                    glm::ivec3 at(j % cube, j / cube % cube, j / cube / cube);
+                    for (int axis = 0; axis < 3; ++axis)
+                        at[axis] = cell[axis] + (octant >> axis & 1 ? -at[axis] : at[axis]);
+                    if (glm::any(glm::lessThan(at, glm::ivec3(0))) ||
+                        glm::any(glm::greaterThanEqual(at, glm::ivec3(n))))
+                        continue;
+                    const uvec3 place(at);
+                    if (full[place.x | place.y << cells.bits | place.z << 2 * cells.bits]) return false;
+                }
+                return true;
+            };
+            const uvec3 place(cell);
+            const int cube = cells.free_cubes(octant)[place.x | place.y << cells.bits | place.z << 2 * cells.bits];
+            EXPECT_TRUE(is_free(cube));
+            EXPECT_TRUE(cube >= n || !is_free(cube + 1));
+            free_cells += cube > 0;
+        }
+        EXPECT_GT(free_cells, 50u);
+    }
+}
+
 TEST_P(Octree, IsTheSameHoweverManyThreadsBuildIt) {
     const Scene scene = scene_named(GetParam());
     const auto one = test::on_threads(1, [&] { return build(scene, 256); });

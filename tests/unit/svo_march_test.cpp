@@ -121,6 +121,38 @@ TEST(SvoMarch, EndsWhateverItIsGiven) {
     EXPECT_FALSE(svo_occluded(tree.view(), vec3(0.2f), vec3(0, 1, 0), vec3(0.2f), vec3(0, -1, 0)));
 }
 
+/// Several at a time are answered as one by one, but for segments that pass an edge by less than rounding.
+TEST(SvoMarch, AnswersManyAtATime) {
+    for (const uint32_t resolution : {16u, 64u, 512u}) {
+        const Scene scene = test::voxel_medley();
+        const SparseVoxelOctree tree = build(scene, resolution);
+        RandomStream random(5, RandomDomain::Test, 0, 0);
+        const auto point = [&] { return scene.bounds.min + scene.bounds.diagonal() * test::random_vec3(random); };
+        const auto unit = [&] { return glm::normalize(test::random_vec3(random) - 0.5f); };
+        std::vector<SvoSegment> segments;
+        for (int i = 0; i < 10'001; ++i) segments.push_back({point(), unit(), point(), unit()});
+        segments[7].a.y = std::numeric_limits<float>::quiet_NaN();
+        segments[70].b = segments[70].a;
+        segments[700].b = vec3(1e30f);
+        std::vector<uint8_t> occluded(segments.size(), 2);
+        svo_occluded(tree.view(), segments, occluded);
+        size_t met = 0, different = 0;
+        for (size_t i = 0; i < segments.size(); ++i) {
+            const SvoSegment& s = segments[i];
+            ASSERT_LT(occluded[i], 2);
+            met += occluded[i];
+            different += svo_occluded(tree.view(), s.a, s.normal_a, s.b, s.normal_b) != (occluded[i] != 0);
+        }
+        EXPECT_LE(different, segments.size() / 1000);
+        EXPECT_GT(met, segments.size() / 10);
+        EXPECT_LT(met, segments.size() * 9 / 10);
+        uint8_t one = 2;
+        svo_occluded(tree.view(), std::span(segments).subspan(9, 1), std::span(&one, 1));
+        EXPECT_EQ(one, occluded[9]);
+        svo_occluded(tree.view(), std::span<const SvoSegment>(), std::span<uint8_t>());
+    }
+}
+
 /// A box cut in two by a wall of that thickness, turned so that no face lies along voxels.
 Scene divided_box(float thickness_m, bool turned) {
     Scene scene;
