@@ -23,8 +23,8 @@ void offer_point(uint index, uint vertex, uint key, WalkVertex met, inout GBuffe
     point.total += share;
     if (point.kind != 0u && !(sample_2d(key, sample_set(vertex, SET_LOBE)).y * point.total < share)) return;
     point.position = met.surface.position;
-    point.kind = GBUFFER_POINT |
-                 min(eye.max_scatterings - min(eye.max_scatterings, met.scatterings + 1u), GBUFFER_SCATTERINGS);
+    point.kind =
+        GBUFFER_POINT | min(eye.max_scatterings - min(eye.max_scatterings, met.scatterings + 1u), GBUFFER_SCATTERINGS);
     point.normal = met.surface.shading.normal;
     point.depth_m = dot(met.surface.position - eye.camera.position, eye.camera.forward);
     point.geometric_normal = met.surface.geometric_normal;
