@@ -150,14 +150,14 @@ Rgb VplLighting::trace(const VplPass& pass, Counts& counts) {
         pass.eye.intersector.occluded(rays_, occluded_, Coherence::Coherent);
         rays_.clear();
     } else if (pass.visibility == VplVisibility::Svo) {
-        const SvoView tree = pass.tree->view();
-        for (size_t i = 0; i < asked_.size(); ++i) {
-            const Vpl& from = pass.set.vpls[asked_[i].vpl];
+        segments_.clear();
+        for (const Asked& asked : asked_) {
+            const Vpl& from = pass.set.vpls[asked.vpl];
             const bool front = glm::dot(point_->geometric_normal, from.position - point_->position) > 0;
-            occluded_[i] =
-                svo_occluded(tree, point_->position, front ? point_->geometric_normal : -point_->geometric_normal,
-                             from.position, from.normal);
+            segments_.push_back({point_->position, front ? point_->geometric_normal : -point_->geometric_normal,
+                                 from.position, from.normal});
         }
+        svo_occluded(pass.tree->view(), segments_, occluded_);
     } else if (pass.visibility == VplVisibility::ShadowMaps) {
         for (size_t i = 0; i < asked_.size(); ++i) occluded_[i] = pass.maps->occluded(asked_[i].vpl, point_->position);
     }

@@ -10,6 +10,7 @@
 #include "renderer/methods/gbuffer_walk.h"
 #include "renderer/methods/vpl_set.h"
 #include "renderer/transport/bsdf_evaluator.h"
+#include "renderer/voxels/svo_march.h"
 
 namespace photond {
 
@@ -115,6 +116,7 @@ private:
     std::vector<VplBlock> blocks_;  // of light_by()
     std::vector<Asked> asked_;
     std::vector<Ray> rays_;
+    std::vector<SvoSegment> segments_;
     std::vector<uint8_t> occluded_;
 };
 

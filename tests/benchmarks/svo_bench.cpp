@@ -20,7 +20,8 @@
 namespace photond {
 namespace {
 
-constexpr NamedScene kScenes[] = {{"interior", nullptr, {320, 240}},
+constexpr NamedScene kScenes[] = {{"cornell-box", nullptr, {256, 256}},
+                                  {"interior", nullptr, {320, 240}},
                                   {"cornell_dragon_buddha", "cornell_dragon_buddha.glb", {256, 256}},
                                   {"sponza_crytek", "sponza_crytek.glb", {320, 180}}};
 
@@ -165,6 +166,21 @@ void march(benchmark::State& state, const std::vector<Segment>& segments, const 
     state.SetItemsProcessed(state.iterations() * static_cast<int64_t>(segments.size()));
 }
 
+void march_in_lanes(benchmark::State& state, const std::vector<Segment>& segments, const SvoView& tree) {
+    constexpr size_t kAtOnce = 24;
+    std::vector<SvoSegment> asked;
+    for (const Segment& s : segments) asked.push_back({s.a, s.normal_a, s.b, s.normal_b});
+    std::vector<uint8_t> occluded(asked.size());
+    for (auto _ : state) {
+        parallel_for((asked.size() + kAtOnce - 1) / kAtOnce, 32, [&](size_t part) {
+            const size_t first = part * kAtOnce, count = std::min(kAtOnce, asked.size() - first);
+            svo_occluded(tree, std::span(asked).subspan(first, count), std::span(occluded).subspan(first, count));
+        });
+        benchmark::DoNotOptimize(occluded.data());
+    }
+    state.SetItemsProcessed(state.iterations() * static_cast<int64_t>(segments.size()));
+}
+
 void register_scene(const NamedScene& named) {
     const auto scene = std::make_shared<std::optional<Scene>>(open(named));
     if (!*scene) return;
@@ -192,6 +208,11 @@ void register_scene(const NamedScene& named) {
             const SparseVoxelOctree tree(**scene, make_voxel_grid((*scene)->bounds, resolution), false);
             march(state, *segments,
                   [&](const Segment& s) { return svo_occluded(tree.view(), s.a, s.normal_a, s.b, s.normal_b); });
+        })->UseRealTime();
+        // As many lights ask them: some from one point at once.
+        benchmark::RegisterBenchmark((name + "/march_cpu_lanes" + at).c_str(), [=](benchmark::State& state) {
+            const SparseVoxelOctree tree(**scene, make_voxel_grid((*scene)->bounds, resolution), false);
+            march_in_lanes(state, *segments, tree.view());
         })->UseRealTime();
     }
 }
