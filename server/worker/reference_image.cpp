@@ -34,7 +34,8 @@ ReferenceImage reference_of_file(const std::filesystem::path& path, uint64_t lim
     reference.size = image.size;
     reference.layers["beauty"] = std::move(image.layers["beauty"]);
     for (const LayerInfo& info : kLayers)
-        if (const auto layer = image.layers.find(std::string(info.name)); info.radiance() && layer != image.layers.end())
+        if (const auto layer = image.layers.find(std::string(info.name));
+            info.radiance() && layer != image.layers.end())
             reference.layers[layer->first] = std::move(layer->second);
     const auto error = image.layers.find(std::string(layer_info(Layer::StandardError).name));
     if (error != image.layers.end() &&
