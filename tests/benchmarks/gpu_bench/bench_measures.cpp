@@ -90,12 +90,13 @@ json beside_published(const json& published_ms, const StageMs& ms_of) {
     return table;
 }
 
-/// The end of a line on stderr.
+/// The end of a line on stderr: what ours has no time of is left out.
 void print_published(const json& result) {
     if (result.contains("published"))
         for (const auto& [name, row] : result["published"].items())
-            std::cerr << "; " << name << " " << row["ms"].get<double>() << " ms of " << row["published_ms"] << ", x "
-                      << row["published_ms"].get<double>() / row["ms"].get<double>();
+            if (!row["times_as_fast"].is_null())
+                std::cerr << "; " << name << " " << row["ms"].get<double>() << " ms of " << row["published_ms"]
+                          << ", x " << row["times_as_fast"].get<double>();
     std::cerr << std::endl;
 }
 
@@ -127,6 +128,13 @@ PassTimes run_passes(Run& run, uint32_t passes, bool on_gpu) {
         times.add(run.stats);
     }
     return times;
+}
+
+/// The device's, of all stages.
+double gpu_seconds(const Stats& stats) {
+    double seconds = 0;
+    for (const Stage& stage : stats.stages) seconds += stage.gpu_seconds;
+    return seconds;
 }
 
 json reference_json(const Reference& reference, const std::string& layer) {
@@ -186,9 +194,10 @@ json time_to_error(const Entry& entry, Place& place, bool on_gpu) {
         warm_up(compiles, 1);
     }
     Run run(entry.rendering, place, on_gpu);
+    const double gpu_seconds_of_begin = gpu_seconds(run.stats);
     const double least = *std::min_element(wanted.targets.begin(), wanted.targets.end());
     CurveSchedule schedule;
-    std::vector<TimedError> on_clock, of_passes;
+    std::vector<TimedError> on_clock, of_passes, of_gpu;
     json points = json::array();
     while (on_clock.empty() ||
            (run.seconds - run.begin_seconds < wanted.most_seconds && on_clock.back().error > least)) {
@@ -200,18 +209,21 @@ json time_to_error(const Entry& entry, Place& place, bool on_gpu) {
         if (error.empty()) throw Error(ErrorCode::Unsupported, "the reference is black: " + wanted.metric.name());
         on_clock.push_back({run.seconds, error[0]});
         of_passes.push_back({run.seconds - run.begin_seconds, error[0]});
+        if (on_gpu) of_gpu.push_back({gpu_seconds(run.stats) - gpu_seconds_of_begin, error[0]});
         points.push_back({{"seconds", run.seconds}, {"passes", run.film.passes()}, {"error", error[0]}});
     }
+    const auto seconds_to = [](const std::vector<TimedError>& curve, double target) {
+        const std::optional<double> seconds = photond::time_to_error(curve, target);
+        return seconds ? json(*seconds) : json(nullptr);
+    };
     json reached = json::array();
     std::cerr << " ";
     for (const double target : wanted.targets) {
-        const auto seconds = photond::time_to_error(on_clock, target),
-                   passes = photond::time_to_error(of_passes, target);
         reached.push_back({{"target", target},
-                           {"seconds", seconds ? json(*seconds) : json(nullptr)},
-                           {"seconds_of_passes", passes ? json(*passes) : json(nullptr)}});
-        std::cerr << " " << target << ": " << reached.back()["seconds"] << " s, passes "
-                  << reached.back()["seconds_of_passes"] << " s;";
+                           {"seconds", seconds_to(on_clock, target)},
+                           {"seconds_of_passes", seconds_to(of_passes, target)},
+                           {"gpu_seconds_of_passes", seconds_to(of_gpu, target)}});
+        std::cerr << " " << reached.back();
     }
     std::cerr << " in the end " << points.back() << std::endl;
     return {{"metric", wanted.metric.name()},
@@ -227,8 +239,7 @@ namespace {
 json quality_of(const Rendering& setting, const Entry& entry, Place& place, const Reference& reference, bool on_gpu) {
     const Quality& wanted = *entry.quality;
     Run run(setting, place, on_gpu);
-    double begin_ms = 0;
-    for (const Stage& stage : run.stats.stages) begin_ms += 1e3 * stage.gpu_seconds;
+    const double begin_ms = 1e3 * gpu_seconds(run.stats);
     warm_up(run, entry.warm_up_passes);
     const double ms = run_passes(run, kTimedPasses, on_gpu).median_ms();
     const auto passes = static_cast<uint32_t>(std::clamp(wanted.milliseconds / ms, 1.0, double{kMostPasses}));
@@ -256,6 +267,8 @@ json rank_by_quality(const Entry& entry, Place& place, bool on_gpu) {
     const Reference& reference = place.reference(entry.rendering, wanted.reference);
     json rows = json::array();
     for (const Rendering& setting : wanted.settings) {
+        std::cerr << "  (" << rows.size() + 1 << " of " << wanted.settings.size() << ": " << setting.name << ")"
+                  << std::endl;
         try {
             rows.push_back(quality_of(setting, entry, place, reference, on_gpu));
         } catch (const gpu::DeviceLost&) {

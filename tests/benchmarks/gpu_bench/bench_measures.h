@@ -10,7 +10,8 @@ namespace photond::bench {
 /// `published_ms`.
 nlohmann::json time_passes(const Entry& entry, Place& place, bool on_gpu);
 
-/// Seconds on a job's clock, and without what a job does before its first pass. Pipelines have been compiled before.
+/// Seconds on a job's clock, without what a job does before its first pass, and of these the device's alone: where
+/// passes are short, their folding into the film takes the longer. Pipelines have been compiled before.
 nlohmann::json time_to_error(const Entry& entry, Place& place, bool on_gpu);
 
 /// The settings by rising error. One that fails says why.
