@@ -34,7 +34,8 @@ const Parameter& CatalogueMethod::parameter(const std::string& parameter_name) c
 }
 
 bool CatalogueMethod::runs_on(const std::string& device) const {
-    return device.empty() || std::find(devices.begin(), devices.end(), device.substr(0, 3)) != devices.end();
+    const std::string kind = device.empty() ? "cpu" : device.substr(0, 3);
+    return std::find(devices.begin(), devices.end(), kind) != devices.end();
 }
 
 MethodCatalogue::MethodCatalogue(DaemonClient& daemon, std::string device) : device_(std::move(device)) {

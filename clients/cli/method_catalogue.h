@@ -17,7 +17,7 @@ struct CatalogueMethod {
     std::vector<std::string> layers;   // on request
     std::vector<std::string> devices;  // kinds: "cpu", "gpu"
 
-    /// On a device by its id; empty: the daemon's default.
+    /// On a device by its id; empty: the default, a CPU.
     bool runs_on(const std::string& device) const;
 
     /// Throws Failure(Usage) with the nearest name.

@@ -61,7 +61,7 @@ void expect_unbiased(VplChoice choice, const BiasPlan& plan) {
     }
 }
 
-constexpr BiasPlan kShortPlan{64, 24, 1, 0.03, true}, kLongPlan{128, 64, 4, 0.005, false};
+constexpr BiasPlan kShortPlan{64, 24, 1, 0.03, true}, kLongPlan{128, 64, 16, 0.005, false};
 
 TEST(SvoManyLightsReference, InterleavedLightsAreUnbiased) { expect_unbiased(VplChoice::Interleaved, kShortPlan); }
 TEST(SvoManyLightsReference, LightcutsAreUnbiased) { expect_unbiased(VplChoice::Lightcut, kShortPlan); }
