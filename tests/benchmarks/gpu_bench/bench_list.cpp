@@ -53,7 +53,9 @@ public:
         entry.devices = source.value("devices", entry.devices);
         entry.passes = scaled(source.value("passes", 1.0));
         entry.warm_up_passes = scaled(source.value("warm_up_passes", 1.0));
-        entry.published_ms = source.value("published_ms", entry.published_ms);
+        // Of a smaller image they would say nothing.
+        if (scale_ == 1 || source.contains("voxels"))
+            entry.published_ms = source.value("published_ms", entry.published_ms);
         if (source.contains("time_to_error")) entry.time_to_error = time_to_error(source["time_to_error"]);
         if (source.contains("quality")) entry.quality = quality(source["quality"], source);
         if (source.contains("voxels")) entry.voxels = voxels(source["voxels"]);
