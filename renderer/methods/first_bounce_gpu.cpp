@@ -1,5 +1,6 @@
 #include "renderer/methods/first_bounce_gpu.h"
 
+#include "renderer/backends/gpu/device_intersector.h"
 #include "renderer/many_lights/vpl.h"
 
 namespace photond {
@@ -62,7 +63,9 @@ uint64_t FirstBounceGpu::estimate_bytes(const FirstBounceSettings& settings, con
 
 uint64_t FirstBounceGpu::estimate_device_bytes(const FirstBounceSettings& settings, const Workload& workload) {
     const uint32_t side = settings.walk.split_side;
-    return DeviceImage::device_bytes(workload.film_size, workload.layers) +
+    const bool asks_lit_area = may_be_lit(settings, workload) && !settings.clamp_m2;
+    return (asks_lit_area ? gpu::DeviceIntersector::batch_bytes() : 0) +
+           DeviceImage::device_bytes(workload.film_size, workload.layers) +
            DeviceImage::host_bytes(workload.film_size, workload.layers) +
            DeviceGBuffer::device_bytes(workload.film_size, side, workload.needs) +
            GBufferMergeGpu::device_bytes(workload.film_size, side, settings.filter) +

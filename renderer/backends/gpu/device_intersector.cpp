@@ -88,4 +88,6 @@ uint64_t DeviceIntersector::bytes() const {
     return batch_ ? batch_->rays.bytes() + batch_->hits.bytes() : 0;
 }
 
+uint64_t DeviceIntersector::batch_bytes() { return kMostRays * (sizeof(Ray) + sizeof(Hit)); }
+
 }  // namespace photond::gpu

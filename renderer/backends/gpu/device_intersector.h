@@ -23,6 +23,8 @@ public:
 
     /// Its buffers, once there are any; the rays' structure is the scene's.
     uint64_t bytes() const override;
+    /// What they take of the device's memory.
+    static uint64_t batch_bytes();
 
 private:
     struct Batch;

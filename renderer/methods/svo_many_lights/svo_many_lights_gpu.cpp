@@ -1,5 +1,6 @@
 #include "renderer/methods/svo_many_lights/svo_many_lights_gpu.h"
 
+#include "renderer/backends/gpu/device_intersector.h"
 #include "renderer/backends/gpu/device_scene.h"
 #include "renderer/methods/camera_importance_gpu.h"
 #include "renderer/methods/clamp_repayment_gpu.h"
@@ -242,6 +243,7 @@ uint64_t SvoManyLightsGpu::estimate_device_bytes(const SvoManyLightsParams& para
                      DeviceGBuffer::device_bytes(workload.film_size, params.split_side(), workload.needs) +
                      GBufferMergeGpu::device_bytes(workload.film_size, params.split_side(), filter_of(params));
     if ((workload.lights == 0 && workload.environment_size.pixels() == 0) || params.bounces == 0) return bytes;
+    if (!params.clamp_m2) bytes += gpu::DeviceIntersector::batch_bytes();  // the lit area is asked of it
     bytes += VplTracerGpu::device_bytes(tracing_of(params), by_camera(params), lambert, workload.lights) +
              VplSetGpu::device_bytes(most_lights(params), lambert) + VplLightingGpu::device_bytes() +
              ClampRepaymentGpu::device_bytes();
