@@ -150,8 +150,8 @@ class JobTest(GpuCase):
         self.assertIn("gpu", refused.text)
 
     def test_killed_it_goes_on_to_the_same_bits(self):
-        expected = hash_of(self.daemon.run_job(gpu_job(size=64, passes=24)))
-        job_id = self.daemon.submit(gpu_job(size=64, passes=24))["id"]
+        expected = hash_of(self.daemon.run_job(gpu_job(size=64, passes=96)))
+        job_id = self.daemon.submit(gpu_job(size=64, passes=96))["id"]
         wait_until(lambda: self.daemon.job(job_id)["passes_done"] >= 2, "no pass was done")
         os.kill(self.daemon.workers()[GPU["id"]], signal.SIGKILL)
         job = self.daemon.wait_for_job(job_id)
