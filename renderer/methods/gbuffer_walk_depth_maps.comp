@@ -9,11 +9,11 @@
 #include "renderer/gbuffer/light_depth_maps.glsl"
 
 uint light_seen_in_map(vec3 position, vec3 normal, uint source, uint pass_key);
-#define WALK_LIGHT_SEEN(position, normal, source, key) light_seen_in_map(position, normal, source, pass_sampler.pass)
+#define WALK_LIGHT_SEEN(position, normal, source, key) light_seen_in_map(position, normal, source, pixel_key(pass_sampler.pass))
 #include "renderer/methods/gbuffer_walk.glsl"
 
 uint light_seen_in_map(vec3 position, vec3 normal, uint source, uint pass_key) {
     if (!light_depth_known(source)) return LIGHT_SEEN_UNKNOWN;
-    const vec2 u = light_depth_tap_number(position, source, hash32(pass_key));
+    const vec2 u = light_depth_tap_number(position, source, pass_key);
     return light_depth_lit(source, position, normal, u) ? LIGHT_SEEN_WHOLE : LIGHT_SEEN_NOTHING;
 }

@@ -51,7 +51,7 @@ void VplSubsets::assign(const VplSet& set, uint32_t tiles, uint32_t rotation) {
 }
 
 uint32_t VplLighting::key_of(const VplPass& pass, const gpu::GBufferPoint& point) {
-    return hash32(point.pixel ^ hash32(pass.pass ^ hash32(static_cast<uint32_t>(pass.seed))));
+    return hash32(point.pixel ^ hash32(pass.pass ^ hash32(static_cast<uint32_t>(pass.seed ^ pass.seed >> 32))));
 }
 
 void VplLighting::start_point(const VplPass& pass, const GBuffer& buffer, uint32_t point) {

@@ -19,7 +19,7 @@ bool is_general(GBufferPoint point) { return !ONLY_LAMBERT && (point.kind & GBUF
 
 /// Of the point's random numbers in a pass.
 uint point_key(GBufferPoint point, uint64_t seed, uint pass) {
-    return hash32(point.pixel ^ hash32(pass ^ hash32(uint(seed))));
+    return hash32(point.pixel ^ hash32(pass ^ hash32(uint(seed ^ seed >> 32))));
 }
 
 /// The geometric normal on the side that a point is lit from out of `position`.

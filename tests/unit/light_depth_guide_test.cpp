@@ -33,7 +33,7 @@ Direct direct_light(const Scene& scene, const Intersector& intersector, const Li
     for (uint32_t pass = 0; pass < kPasses; ++pass) {
         const PassSampler sampler(SamplerKind::Sobol, 1, RandomDomain::Camera, pass);
         std::optional<LightDepthGuide> guide;
-        if (maps) guide.emplace(*maps, pass);
+        if (maps) guide.emplace(*maps, sampler, pass);
         NoPoints sink;
         WalkSeconds seconds;
         walk.trace_tile(shared, {.guide = guide ? &*guide : nullptr}, {sampler, {&sampler, 1}},

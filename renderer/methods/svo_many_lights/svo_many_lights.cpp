@@ -207,7 +207,7 @@ void SvoManyLights::look_from_eye(uint32_t pass, Stats& stats, const CancelToken
     const double wall_start = wall_now_seconds();
     const PassSampler sampler(state.eye.sampler, state.eye.seed, RandomDomain::Camera, pass);
     std::optional<LightDepthGuide> guide;  // which no thread changes
-    if (state.light_maps) guide.emplace(*state.light_maps, pass);
+    if (state.light_maps) guide.emplace(*state.light_maps, sampler, pass);
     const WalkSettings settings{.glossy_threshold = params_.glossy_threshold, .guide = guide ? &*guide : nullptr};
     parallel_over_tiles(state.eye.view.film_size, GBuffer::kTileSide, cancel, [&](const Tile& tile) {
         State::PerThread& mine = state.threads.local();
@@ -241,14 +241,16 @@ void SvoManyLights::make_lights(uint32_t pass, Stats& stats, const CancelToken& 
     const TracedReflections photons = state.tracer->trace(state.eye.seed, pass, importance, stats, cancel);
     if (cancel.cancelled()) return;
     stats.counts += photons.counts;
-    const StageTimer timer(stats, "vpl_generation");
-    state.set.assign(state.eye.scene, photons, params_.connect_threshold);
-    RandomStream random(state.eye.seed, RandomDomain::Splats, pass, kRotationStream);
+    {
+        const StageTimer timer(stats, "vpl_generation");
+        state.set.assign(state.eye.scene, photons, params_.connect_threshold);
+        RandomStream random(state.eye.seed, RandomDomain::Splats, pass, kRotationStream);
+        if (state.chooser)
+            state.chooser->assign(state.set.vpls);
+        else
+            state.subsets.assign(state.set, state.buffer.layout().tiles(), random.next_bits());
+    }
     stats.counts.vpls += state.set.vpls.size();
-    if (state.chooser)
-        state.chooser->assign(state.set.vpls);
-    else
-        state.subsets.assign(state.set, state.buffer.layout().tiles(), random.next_bits());
     if (state.maps) {
         state.maps->build(state.set.vpls, state.eye.scene, state.eye.intersector, stats);
         state.record("vpl_shadow_maps", state.maps->bytes());
