@@ -1,0 +1,106 @@
+// Requests to the daemon: the token of who looks, and its problems as errors that name every fault.
+
+import { signal } from "@preact/signals";
+
+import type { Fault, ProblemBody } from "./types";
+
+/** The daemon's answer to a request it did not carry out (RFC 9457). */
+export class Problem extends Error {
+  readonly status: number;
+  readonly title: string;
+  readonly faults: Fault[];
+  constructor(body: ProblemBody) {
+    super(body.detail || body.title);
+    this.status = body.status;
+    this.title = body.title;
+    this.faults = body.errors ?? [];
+  }
+}
+
+/** Nobody answered. */
+export class Unreachable extends Error {}
+
+const kTokenKey = "photond.token";
+
+/** True once the daemon has asked for a token that it knows: the shell then shows the sign-in. */
+export const needsToken = signal(false);
+
+export function signIn(token: string): void {
+  sessionStorage.setItem(kTokenKey, token);
+  needsToken.value = false;
+}
+
+export const hasToken = (): boolean => sessionStorage.getItem(kTokenKey) !== null;
+
+function withToken(init: RequestInit): RequestInit {
+  const token = sessionStorage.getItem(kTokenKey);
+  if (!token) return init;
+  const headers = new Headers(init.headers);
+  headers.set("Authorization", `Bearer ${token}`);
+  return { ...init, headers };
+}
+
+async function problemOf(answer: Response): Promise<Problem> {
+  const text = await answer.text();
+  try {
+    return new Problem(JSON.parse(text) as ProblemBody);
+  } catch {
+    return new Problem({ type: "about:blank", title: answer.statusText, status: answer.status, detail: text.slice(0, 300) });
+  }
+}
+
+/** An answer below 400. Throws Problem, or Unreachable where there was none; an abort stays an AbortError. */
+export async function ask(path: string, init: RequestInit = {}): Promise<Response> {
+  let answer: Response;
+  try {
+    answer = await fetch(path, withToken(init));
+  } catch (failure) {
+    if (failure instanceof DOMException && failure.name === "AbortError") throw failure;
+    throw new Unreachable("the daemon does not answer");
+  }
+  if (answer.status === 401) needsToken.value = true;
+  if (answer.status >= 400) throw await problemOf(answer);
+  return answer;
+}
+
+type Query = Record<string, string | number | boolean | null | undefined>;
+
+/** The path with the members of the query that say something. */
+export function withQuery(path: string, query: Query = {}): string {
+  const text = new URLSearchParams();
+  for (const [name, value] of Object.entries(query))
+    if (value !== undefined && value !== null && value !== "") text.set(name, String(value));
+  return text.size ? `${path}?${text}` : path;
+}
+
+export async function getJson<T>(path: string, query: Query = {}, signal?: AbortSignal): Promise<T> {
+  return (await (await ask(withQuery(path, query), signal ? { signal } : {})).json()) as T;
+}
+
+/** Sends JSON and reads JSON. A key makes it safe to send again: the daemon gives the same job for the same key. */
+export async function sendJson<T>(method: "POST" | "PATCH" | "DELETE", path: string, body?: unknown, idempotencyKey?: string): Promise<T> {
+  const headers: Record<string, string> = {};
+  if (body !== undefined) headers["Content-Type"] = "application/json";
+  if (idempotencyKey) headers["Idempotency-Key"] = idempotencyKey;
+  const answer = await ask(path, { method, headers, ...(body === undefined ? {} : { body: JSON.stringify(body) }) });
+  return (await answer.json()) as T;
+}
+
+/** Sends a file and reads JSON. */
+export async function upload<T>(path: string, file: Blob | FormData, mediaType?: string): Promise<T> {
+  const headers: Record<string, string> = mediaType ? { "Content-Type": mediaType } : {};
+  return (await (await ask(path, { method: "POST", headers, body: file })).json()) as T;
+}
+
+/** Saves what is at a path under a name; a plain link could not carry the token. */
+export async function download(path: string, name: string): Promise<void> {
+  saveBlob(await (await ask(path)).blob(), name);
+}
+
+export function saveBlob(blob: Blob, name: string): void {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(blob);
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
+}

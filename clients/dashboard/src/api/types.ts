@@ -1,0 +1,345 @@
+// The shapes of the HTTP API that the dashboard reads and writes (protocol.md; the daemon's /v1/openapi.json has them all).
+// A field that does not apply is null.
+
+export type JobState = "queued" | "running" | "succeeded" | "failed" | "cancelled";
+export type JobRole = "render" | "reference" | "merged";
+export const kJobStates: readonly JobState[] = ["queued", "running", "succeeded", "failed", "cancelled"];
+export const isOver = (state: JobState): boolean => state !== "queued" && state !== "running";
+
+export type Json = null | boolean | number | string | Json[] | { [key: string]: Json };
+export type Parameters = Record<string, Json>;
+/** Error by metric's name ("relative_mse", "indirect:flip_hdr"); null where it cannot be told. */
+export type Metrics = Record<string, number | null>;
+export type Vec3 = [number, number, number];
+
+export interface Page<T> {
+  items: T[];
+  next_cursor: string | null;
+}
+
+export interface LookAt {
+  eye: Vec3;
+  target: Vec3;
+  up?: Vec3;
+  /** Vertical field of view, radians. */
+  yfov?: number;
+}
+
+export interface StopConditions {
+  seconds?: number | null;
+  passes?: number | null;
+  target?: { metric: string; value: number } | null;
+}
+
+export interface MethodChoice {
+  name: string;
+  device?: string;
+  parameters?: Parameters;
+}
+
+/** What names pixels to compare with: a job, an uploaded image, or a method to render it by. */
+export type Reference = string | { method: MethodChoice; stop: StopConditions };
+
+export interface JobRequest {
+  scene: string;
+  camera?: { name?: string; look_at?: LookAt; aperture?: number; focus_distance?: number } | null;
+  image: { width: number; height: number; filter?: string };
+  method: MethodChoice;
+  stop: StopConditions;
+  seed?: number;
+  layers?: string[];
+  metrics?: string[];
+  reference?: Reference | null;
+  priority?: number;
+  labels?: Record<string, string>;
+  environment?: { image: string; scale?: number; rotation?: number } | null;
+  [more: string]: unknown;
+}
+
+export interface CurvePoint {
+  seconds: number;
+  passes: number;
+  photons: number | null;
+  metrics: Metrics;
+}
+
+export interface ErrorNow {
+  metric: string;
+  value: number | null;
+}
+
+export interface Attempt {
+  attempt: number;
+  device: string;
+  started: string;
+  finished: string | null;
+  outcome: string;
+  reason: string | null;
+  passes_done: number | null;
+  device_shared?: boolean;
+  host_shared?: boolean;
+}
+
+export interface Fault {
+  pointer: string;
+  detail: string;
+}
+
+export interface ProblemBody {
+  type: string;
+  title: string;
+  status: number;
+  detail: string;
+  instance?: string;
+  errors?: Fault[];
+}
+
+export interface Stage {
+  name: string;
+  wall_seconds: number;
+  cpu_seconds: number | null;
+  gpu_seconds: number | null;
+}
+
+export interface Statistics {
+  stages: Stage[];
+  counts: { rays: Record<string, number>; [name: string]: number | null | Record<string, number> };
+  rates: Record<string, number | null>;
+  memory: {
+    structures: Record<string, number>;
+    accounted_bytes: number;
+    baseline_resident_bytes: number | null;
+    peak_resident_bytes: number | null;
+    peak_device_bytes: number | null;
+  };
+  needs: Record<string, Json>;
+  skipped: string[];
+  device: string;
+  version: string;
+  host_cores: number;
+  threads: number;
+  seed: number;
+  job_hash: string;
+  pixel_hash: string;
+  nan_count: number;
+  infinity_count: number;
+  device_shared: boolean | null;
+  error: Metrics | null;
+  reference_error: Metrics | null;
+  [more: string]: unknown;
+}
+
+export interface Job {
+  id: string;
+  role: JobRole;
+  comparison: string | null;
+  reference_job: string | null;
+  state: JobState;
+  progress: number;
+  passes_done: number;
+  seconds: number;
+  error_now: ErrorNow | null;
+  created: string;
+  started: string | null;
+  finished: string | null;
+  attempts: Attempt[];
+  request: JobRequest & { method: Required<MethodChoice>; seed: number; priority: number; labels: Record<string, string>; layers: string[] };
+  links: Record<string, string | null>;
+  statistics: Statistics | null;
+  failure: ProblemBody | null;
+  curve: CurvePoint[] | null;
+}
+
+/** A row of `GET /v1/jobs?view=summary`. */
+export interface JobSummary {
+  id: string;
+  role: JobRole;
+  comparison: string | null;
+  state: JobState;
+  progress: number;
+  passes_done: number;
+  seconds: number;
+  error_now: ErrorNow | null;
+  created: string;
+  started: string | null;
+  finished: string | null;
+  scene: string;
+  method: string;
+  device: string;
+  width: number;
+  height: number;
+  priority: number;
+  labels: Record<string, string>;
+  failure: string | null;
+}
+
+export interface JobSummaryPage extends Page<JobSummary> {
+  /** Of all jobs that match the filter. */
+  total: number;
+}
+
+/** The data of an event of `/v1/events`: fields of the job that changed, and its id. */
+export type JobChange = Partial<Omit<Job, "id">> & { id: string; priority?: number };
+
+export interface WorkerStatus {
+  device: string;
+  device_name: string | null;
+  state: string;
+  pid: number | null;
+  job: string | null;
+  restarts: number;
+  resident_bytes: number | null;
+  memory_limit_bytes: number | null;
+}
+
+export interface DaemonStatus {
+  version: string;
+  uptime_seconds: number;
+  ready: boolean;
+  queue: { queued: number; running: number };
+  workers: WorkerStatus[];
+  disk_free_bytes: number;
+  resident_bytes: number | null;
+  event_clients: number;
+  /** Since the daemon started. */
+  totals: {
+    jobs: Record<"succeeded" | "failed" | "cancelled", number>;
+    passes: number;
+    rays: Record<string, number>;
+    photons: number;
+    render_seconds: number;
+    pixels: number;
+  };
+}
+
+export interface Device {
+  id: string;
+  kind: string;
+  name: string;
+  driver: string | null;
+  memory_bytes: number | null;
+  software: boolean;
+  state: "ready" | "busy" | "failed";
+  served?: boolean;
+}
+
+/** JSON Schema of one parameter of a method (protocol/param_json.h writes it). */
+export interface ParameterSchema {
+  type: "number" | "integer" | "boolean" | "string";
+  default?: Json;
+  minimum?: number;
+  maximum?: number;
+  enum?: string[];
+  description?: string;
+  "x-unit"?: string;
+}
+
+export interface Method {
+  name: string;
+  title: string;
+  family: string;
+  devices: string[];
+  sources: string[];
+  mergeable: boolean;
+  deterministic: Record<string, boolean>;
+  parameters: { type: "object"; properties: Record<string, ParameterSchema> };
+  layers?: string[];
+  [more: string]: unknown;
+}
+
+export interface SceneCamera {
+  name: string;
+  yfov: number;
+  look_at: Required<LookAt> | null;
+}
+
+export interface Scene {
+  id: string;
+  name: string;
+  bytes: number;
+  triangles: number;
+  vertices: number;
+  materials: number;
+  textures: number;
+  lights: { area: number; punctual: number; environment: number };
+  cameras: SceneCamera[];
+  default_view: Required<LookAt>;
+  animations: number;
+  bounds: { min: Vec3; max: Vec3 };
+  needs: Record<string, Json>;
+  warnings: string[];
+  builtin: boolean;
+  [more: string]: unknown;
+}
+
+export interface ImageInfo {
+  id: string;
+  media_type: string;
+  width: number;
+  height: number;
+  channels: number | string[];
+  bytes: number;
+  layers: { name: string; channels: number }[];
+}
+
+export interface ComparisonEntry {
+  label: string;
+  method: MethodChoice;
+  sweep?: Record<string, Json[]>;
+}
+
+export interface ComparisonRequest {
+  scene: string;
+  camera?: JobRequest["camera"];
+  image: { width: number; height: number; filter?: string };
+  reference: Reference;
+  entries: ComparisonEntry[];
+  stop: StopConditions;
+  metrics?: string[];
+  seeds?: number[];
+  [more: string]: unknown;
+}
+
+export interface TimeToError {
+  error: number;
+  seconds: number | null;
+  low: number | null;
+  high: number | null;
+}
+
+export interface ErrorAtTime {
+  seconds: number;
+  error: number | null;
+  low: number | null;
+  high: number | null;
+}
+
+export interface ComparisonRow {
+  label: string;
+  parameters: Parameters;
+  time_to_error: Record<string, TimeToError[]>;
+  error_at_time: Record<string, ErrorAtTime[]>;
+  peak_bytes: number | null;
+  efficiency: unknown;
+  pareto: unknown;
+  [more: string]: unknown;
+}
+
+export interface ComparisonJob {
+  id: string;
+  label: string;
+  parameters: Parameters;
+  seed: number;
+  [more: string]: unknown;
+}
+
+export interface Comparison {
+  id: string;
+  state: JobState;
+  progress?: number;
+  created?: string;
+  jobs: ComparisonJob[];
+  table: ComparisonRow[];
+  request: ComparisonRequest;
+  [more: string]: unknown;
+}

@@ -1,0 +1,101 @@
+// What is about every room: where one can go, how the daemon is, dark or light.
+
+import type { ComponentChildren } from "preact";
+import { useLocation } from "preact-iso";
+import { useMemo } from "preact/hooks";
+
+import { needsToken } from "../api/client";
+import { connection, daemonStatus } from "../api/events";
+import { Toasts } from "../ui/toasts";
+import { Keyboard, showKeys, useKeys } from "./keyboard";
+import { SignIn } from "./sign_in";
+import { nextTheme, theme } from "./theme";
+
+const kRooms = [
+  { path: "/", name: "Now", key: "n" },
+  { path: "/jobs", name: "Jobs", key: "j" },
+  { path: "/compare", name: "Compare images", key: "c" },
+  { path: "/studies", name: "Studies", key: "s" },
+  { path: "/scenes", name: "Scenes", key: "e" },
+];
+
+const isHere = (room: string, path: string) => (room === "/" ? path === "/" : path === room || path.startsWith(`${room}/`));
+
+function Health() {
+  const status = daemonStatus.value;
+  const lost = connection.value === "lost";
+  const text = lost
+    ? "The daemon does not answer"
+    : status
+      ? `${status.queue.running} running, ${status.queue.queued} waiting`
+      : "Connecting …";
+  return (
+    <p class={`health ${lost ? "lost" : connection.value}`} role="status">
+      <span class="lamp" aria-hidden="true" />
+      {text}
+    </p>
+  );
+}
+
+function Navigation() {
+  const { path, route } = useLocation();
+  const keys = useMemo(
+    () => [
+      ...kRooms.map((room) => ({ key: `g ${room.key}`, text: `go to ${room.name}`, run: () => route(room.path) })),
+      { key: "N", text: "new comparison", run: () => route("/studies/new") },
+      { key: "R", text: "render an image", run: () => route("/render") },
+    ],
+    [route],
+  );
+  useKeys("Everywhere", keys, [keys]);
+  return (
+    <nav class="rooms" aria-label="Rooms">
+      {kRooms.map((room) => (
+        <a key={room.path} href={room.path} aria-current={isHere(room.path, path) ? "page" : undefined}>
+          {room.name}
+        </a>
+      ))}
+    </nav>
+  );
+}
+
+export function Shell({ children }: { children: ComponentChildren }) {
+  if (needsToken.value)
+    return (
+      <main id="room" class="narrow">
+        <SignIn />
+      </main>
+    );
+  return (
+    <>
+      <a class="skip" href="#room">
+        Skip to the content
+      </a>
+      <header class="bar">
+        <a class="brand" href="/" aria-label="photond, what it does now">
+          <img src="/favicon.svg" width="24" height="24" alt="" />
+          photond
+        </a>
+        <Navigation />
+        <div class="bar-end">
+          <Health />
+          <a class="button" href="/render">
+            Render
+          </a>
+          <a class="button primary" href="/studies/new">
+            Compare methods
+          </a>
+          <button class="quiet" onClick={nextTheme} title="Dark, light, or as the system has it">
+            {theme.value === "system" ? "Auto" : theme.value === "dark" ? "Dark" : "Light"}
+          </button>
+          <button class="quiet" onClick={showKeys} aria-label="Keys" title="Keys (?)">
+            ?
+          </button>
+        </div>
+      </header>
+      <main id="room">{children}</main>
+      <Toasts />
+      <Keyboard />
+    </>
+  );
+}

@@ -1,0 +1,5 @@
+import { Title } from "../app/title";
+
+export function Jobs() {
+  return <Title text="Jobs" />;
+}

@@ -1,0 +1,13 @@
+import "./styles/tokens.css";
+import "./styles/base.css";
+import "./styles/parts.css";
+
+import { render } from "preact";
+
+import { startEvents } from "./api/events";
+import { App } from "./app/app";
+import { applyTheme } from "./app/theme";
+
+applyTheme();
+startEvents();
+render(<App />, document.getElementById("app")!);

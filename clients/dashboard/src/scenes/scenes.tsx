@@ -1,0 +1,5 @@
+import { Title } from "../app/title";
+
+export function Scenes() {
+  return <Title text="Scenes" />;
+}
