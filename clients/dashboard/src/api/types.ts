@@ -223,9 +223,12 @@ export interface Device {
   served?: boolean;
 }
 
+export type ParameterType = "number" | "integer" | "boolean" | "string";
+
 /** JSON Schema of one parameter of a method (protocol/param_json.h writes it). */
 export interface ParameterSchema {
-  type: "number" | "integer" | "boolean" | "string";
+  /** With "null" beside it where it may be left open. */
+  type: ParameterType | (ParameterType | "null")[];
   default?: Json;
   minimum?: number;
   maximum?: number;
@@ -242,7 +245,7 @@ export interface Method {
   sources: string[];
   mergeable: boolean;
   deterministic: Record<string, boolean>;
-  parameters: { type: "object"; properties: Record<string, ParameterSchema> };
+  parameters: { type: "object"; properties: Record<string, ParameterSchema>; "x-order"?: string[] };
   layers?: string[];
   [more: string]: unknown;
 }
