@@ -286,46 +286,94 @@ export interface ImageInfo {
 }
 
 export interface ComparisonEntry {
-  label: string;
+  label?: string;
   method: MethodChoice;
-  sweep?: Record<string, Json[]>;
+  sweep?: Record<string, Json[]> | null;
 }
 
 export interface ComparisonRequest {
   scene: string;
   camera?: JobRequest["camera"];
   image: { width: number; height: number; filter?: string };
-  reference: Reference;
+  reference?: Reference | null;
   entries: ComparisonEntry[];
   stop: StopConditions;
-  metrics?: string[];
-  seeds?: number[];
+  metrics?: string[] | null;
+  seeds?: number[] | null;
+  layers?: string[] | null;
+  environment?: JobRequest["environment"];
   [more: string]: unknown;
 }
 
-export interface TimeToError {
-  error: number;
-  seconds: number | null;
+/** 95 % of the mean over the seeds; null with one seed. */
+export interface Interval {
   low: number | null;
   high: number | null;
 }
 
-export interface ErrorAtTime {
+export interface TimeToError extends Interval {
+  error: number;
+  /** null where not every seed reaches it. */
+  seconds: number | null;
+  reached: number;
+  /** Some seed was there at its first measurement: the time is an upper bound. */
+  at_most: boolean;
+}
+
+export interface ErrorAtTime extends Interval {
   seconds: number;
   error: number | null;
-  low: number | null;
-  high: number | null;
+  reached: number;
 }
 
+export interface FinalError extends Interval {
+  value: number | null;
+  /** The reference's own noise. */
+  reference: number | null;
+  near_reference: boolean;
+}
+
+export interface MeanPoint extends Interval {
+  seconds: number;
+  error: number;
+  min: number;
+  max: number;
+}
+
+export interface Spread {
+  min: number;
+  max: number;
+}
+
+/** The jobs of one entry and one set of swept parameters; they differ by their seed. */
 export interface ComparisonRow {
   label: string;
   parameters: Parameters;
+  jobs: string[];
+  seeds: number;
+  succeeded: number;
+  passes: Spread | null;
+  photons: Spread | null;
+  seconds: Spread | null;
+  error: Record<string, FinalError>;
   time_to_error: Record<string, TimeToError[]>;
   error_at_time: Record<string, ErrorAtTime[]>;
   peak_bytes: number | null;
-  efficiency: unknown;
-  pareto: unknown;
-  [more: string]: unknown;
+  efficiency: number | null;
+  /** At some time no other row has a lower error. */
+  pareto: boolean;
+}
+
+/** Who is first to an error, as the daemon judges it. */
+export interface Verdict {
+  metric: string;
+  error: number;
+  easiest: number;
+  close: boolean;
+  factor: number | null;
+  arrived: { row: number; seconds: number }[];
+  missing: number[];
+  text: string;
 }
 
 export interface ComparisonJob {
@@ -333,16 +381,49 @@ export interface ComparisonJob {
   label: string;
   parameters: Parameters;
   seed: number;
-  [more: string]: unknown;
+  state: JobState;
+  passes_done: number;
+  seconds: number;
 }
 
-export interface Comparison {
+/** As the list has them. */
+export interface ComparisonSummary {
   id: string;
   state: JobState;
-  progress?: number;
-  created?: string;
+  progress: number;
+  created: string;
+  started: string | null;
+  finished: string | null;
+  job_states: Record<JobState, number>;
+  overhead_seconds: number | null;
+  request: ComparisonRequest & { reference: Reference | null; metrics: string[]; seeds: number[] };
+  links: Record<string, string>;
+}
+
+export interface Comparison extends ComparisonSummary {
   jobs: ComparisonJob[];
   table: ComparisonRow[];
-  request: ComparisonRequest;
-  [more: string]: unknown;
+  verdicts: Verdict[];
+  reference: {
+    job: string | null;
+    image: string | null;
+    state: JobState | null;
+    error: Record<string, number> | null;
+    warnings: string[];
+  } | null;
+}
+
+/** `GET /v1/comparisons/{id}/report.json` */
+export interface ComparisonReport extends Comparison {
+  table: (ComparisonRow & { mean_curve: Record<string, MeanPoint[]> })[];
+  curves: { job: string; points: CurvePoint[] }[];
+}
+
+/** `POST /v1/comparisons?dry_run=true` */
+export interface ComparisonEstimate {
+  jobs: number;
+  memory_bytes: number;
+  seconds: number | null;
+  reference_seconds: number | null;
+  entries: { label: string; parameters: Parameters; memory_bytes: number; seconds: number | null }[];
 }
