@@ -170,6 +170,8 @@ export interface JobSummary {
   height: number;
   priority: number;
   labels: Record<string, string>;
+  /** The job, its reference, that must be over before this one begins. */
+  waits_for: string | null;
   failure: string | null;
 }
 

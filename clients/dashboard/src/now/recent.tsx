@@ -1,0 +1,94 @@
+// What has ended lately: pictures of jobs, and the studies with what they found.
+
+import { useEffect } from "preact/hooks";
+
+import type { Comparison, JobSummary, Page } from "../api/types";
+import { errorText, plainName, secondsText, timeText } from "../ui/format";
+import { Picture } from "../ui/picture";
+import { useRemote } from "../ui/remote";
+import { StateMark } from "../ui/state";
+
+const kStudiesShown = 5;
+
+function RecentJob({ row }: { row: JobSummary }) {
+  const error = errorText(row.error_now);
+  return (
+    <li>
+      <a class="now-recent-job" href={`/jobs/${row.id}`}>
+        <Picture
+          path={row.passes_done > 0 ? `/v1/jobs/${row.id}/preview.png?max_size=320` : null}
+          version={`${row.state} ${row.passes_done}`}
+          alt=""
+          ratio={4 / 3}
+          waiting={row.passes_done > 0 ? "" : "no pass, no picture"}
+        />
+        <span class="now-recent-title">
+          <strong>{plainName(row.method)}</strong> <StateMark state={row.state} />
+        </span>
+        <span class="muted small">
+          {row.id} · {row.scene} · {secondsText(row.seconds)}
+          {row.role === "reference" ? " · reference" : ""}
+        </span>
+        <span class={row.failure ? "small now-failure" : "muted small"} title={row.failure ?? undefined}>
+          {row.failure ?? (error || `at ${timeText(row.finished)}`)}
+        </span>
+      </a>
+    </li>
+  );
+}
+
+export function RecentJobs({ recent }: { recent: JobSummary[] }) {
+  if (recent.length === 0) return null;
+  return (
+    <section class="panel" aria-labelledby="now-recent">
+      <h2 id="now-recent">Recently finished</h2>
+      <ul class="now-recent">
+        {recent.map((row) => (
+          <RecentJob key={row.id} row={row} />
+        ))}
+      </ul>
+      <p class="small">
+        <a href="/jobs">All jobs</a>
+      </p>
+    </section>
+  );
+}
+
+function StudyRow({ study }: { study: Comparison }) {
+  return (
+    <li class="now-study">
+      <span>
+        <a href={`/studies/${study.id}`}>{study.id}</a> <StateMark state={study.state} />
+      </span>
+      <span>
+        {study.request.entries.map((entry) => entry.label).join(", ")} <span class="muted">on {study.request.scene}</span>
+      </span>
+      {study.progress !== undefined && (study.state === "running" || study.state === "queued") && (
+        <progress max={1} value={study.progress} aria-label={`Progress of study ${study.id}`} />
+      )}
+    </li>
+  );
+}
+
+/** The newest studies; `round` counts what makes it necessary to look again. */
+export function RecentStudies({ round }: { round: number }) {
+  const { data, failure, reload } = useRemote<Page<Comparison>>(`/v1/comparisons?limit=${kStudiesShown}`);
+  useEffect(() => {
+    if (round > 1) reload();
+  }, [round]);
+  if (failure && !data) return <p class="notice failed">The studies cannot be listed: {failure.message}</p>;
+  if (!data || data.items.length === 0) return null;
+  return (
+    <section class="panel" aria-labelledby="now-studies">
+      <h2 id="now-studies">Studies</h2>
+      <ul class="now-studies">
+        {data.items.map((study) => (
+          <StudyRow key={study.id} study={study} />
+        ))}
+      </ul>
+      <p class="small">
+        <a href="/studies">All studies</a>
+      </p>
+    </section>
+  );
+}

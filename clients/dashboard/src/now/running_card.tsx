@@ -1,0 +1,114 @@
+// One running job: its picture as it becomes, how far it is, and how wrong it still is.
+
+import { useEffect, useMemo, useState } from "preact/hooks";
+
+import { sendJson } from "../api/client";
+import { listen } from "../api/events";
+import type { CurvePoint, Job, JobSummary } from "../api/types";
+import { numberText, percentText, plainName, secondsText, sizeText, stopText } from "../ui/format";
+import { LiveChart } from "../ui/live_chart";
+import { useLivePreview } from "../ui/live_preview";
+import { PictureFrame } from "../ui/picture";
+import { useRemote } from "../ui/remote";
+import { say, sayFailure } from "../ui/toasts";
+import { secondsLeft } from "./lists";
+
+/** The job's curve: as it was when the card appeared, and what events have added. */
+function useCurve(job: Job | null): CurvePoint[] {
+  const [added, setAdded] = useState<CurvePoint[]>([]);
+  const id = job?.id;
+  useEffect(() => {
+    setAdded([]);
+    return listen((event) => {
+      if (event.type === "curve" && event.change.id === id) setAdded((old) => [...old, ...(event.change.curve ?? [])]);
+    });
+  }, [id]);
+  return useMemo(() => {
+    const points = new Map([...(job?.curve ?? []), ...added].map((point) => [point.passes, point]));
+    return [...points.values()].sort((a, b) => a.passes - b.passes);
+  }, [job, added]);
+}
+
+function ErrorSoFar({ row, job }: { row: JobSummary; job: Job | null }) {
+  const curve = useCurve(job);
+  const metric = row.error_now?.metric ?? Object.keys(curve.at(-1)?.metrics ?? {})[0];
+  const points = metric ? curve.filter((point) => (point.metrics[metric] ?? 0) > 0) : [];
+  const x = useMemo(() => points.map((point) => point.seconds), [curve, metric]);
+  const y = useMemo(() => points.map((point) => point.metrics[metric!] ?? null), [curve, metric]);
+  if (!metric)
+    return <p class="muted small now-error">{job && !job.request.reference ? "No reference: its error is not measured." : "No error measured yet."}</p>;
+  const value = row.error_now?.value ?? y.at(-1) ?? null;
+  return (
+    <div class="now-error">
+      <span>
+        <span class="muted">{plainName(metric)}</span> <strong>{numberText(value)}</strong>
+      </span>
+      {points.length > 1 && (
+        <LiveChart
+          label={`${plainName(metric)} against seconds, both logarithmic: from ${numberText(y[0])} to ${numberText(y.at(-1))}`}
+          x={x}
+          y={y}
+          height={44}
+          logarithmic
+        />
+      )}
+    </div>
+  );
+}
+
+export function RunningCard({ row }: { row: JobSummary }) {
+  const path = `/v1/jobs/${row.id}`;
+  const { data: job } = useRemote<Job>(path);
+  const image = useLivePreview(`${path}/preview.png?max_size=320`, row.passes_done);
+  const [cancelling, setCancelling] = useState(false);
+  const left = secondsLeft(row);
+  const cancel = async () => {
+    setCancelling(true);
+    try {
+      await sendJson("DELETE", path);
+      say(`${row.id} stops; what it has rendered stays.`);
+    } catch (failure) {
+      setCancelling(false);
+      sayFailure(failure);
+    }
+  };
+  const titleId = `running-${row.id}`;
+  return (
+    <article class="panel now-card" aria-labelledby={titleId}>
+      <a href={`/jobs/${row.id}`} class="now-card-picture" tabIndex={-1} aria-hidden="true">
+        <PictureFrame image={image} alt="" ratio={row.width / row.height} waiting={row.passes_done ? "" : "before the first pass"} />
+      </a>
+      <div class="now-card-text">
+        <header>
+          <h3 id={titleId}>
+            <a href={`/jobs/${row.id}`}>{plainName(row.method)}</a>
+          </h3>
+          <button class="quiet" disabled={cancelling} onClick={() => void cancel()} aria-label={`Cancel ${row.id}`}>
+            {cancelling ? "Stopping …" : "Cancel"}
+          </button>
+        </header>
+        <p class="muted small">
+          {row.id} · {row.scene} · {sizeText(row)} · {row.device}
+          {row.role === "reference" ? " · a reference, for others to be measured against" : ""}
+          {row.comparison && (
+            <>
+              {" "}
+              · <a href={`/studies/${row.comparison}`}>study {row.comparison}</a>
+            </>
+          )}
+        </p>
+        <progress max={1} value={row.progress} aria-label={`Progress of ${row.id}`} />
+        <p class="now-card-numbers small">
+          <span>
+            {percentText(row.progress)}
+            {left !== null && row.progress < 1 ? `, about ${secondsText(left)} left` : ""}
+          </span>
+          <span class="muted" title={job ? `until ${stopText(job.request.stop)}` : undefined}>
+            {row.passes_done.toLocaleString("en")} {row.passes_done === 1 ? "pass" : "passes"} in {secondsText(row.seconds)}
+          </span>
+        </p>
+        <ErrorSoFar row={row} job={job} />
+      </div>
+    </article>
+  );
+}

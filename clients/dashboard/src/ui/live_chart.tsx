@@ -1,0 +1,100 @@
+// A small chart of one quantity that grows while one looks: uPlot, fetched when the first is shown.
+
+import { useEffect, useRef } from "preact/hooks";
+import type uPlot from "uplot";
+
+import { isDark } from "../app/theme";
+import { seriesLook } from "./palette";
+import "./live_chart.css";
+
+interface Props {
+  /** What the chart shows and what it says now, for who does not see it. */
+  label: string;
+  x: number[];
+  y: (number | null)[];
+  height: number;
+  /** Both axes logarithmic, as errors fall; values of 0 or less are left out. */
+  logarithmic?: boolean;
+  /** Values hold for the time before them. */
+  stepped?: boolean;
+  /** The ends of the x axis; those of the data where not given. */
+  range?: [number, number];
+  /** The series' number in the palette. */
+  look?: number;
+  /** How the axes' numbers are written; without, there are no axes. */
+  axes?: { x: (value: number) => string; y: (value: number) => string };
+}
+
+type Data = [number[], (number | null | undefined)[]];
+
+function dataOf({ x, y, logarithmic }: Props): Data {
+  if (!logarithmic) return [x, y];
+  const kept = x.map((_, index) => index).filter((index) => x[index]! > 0 && (y[index] ?? 0) > 0);
+  return [kept.map((index) => x[index]!), kept.map((index) => y[index])];
+}
+
+function optionsOf(Chart: typeof uPlot, latest: { current: Props }, width: number): uPlot.Options {
+  const props = latest.current;
+  const style = getComputedStyle(document.documentElement);
+  const ink = style.getPropertyValue("--muted").trim();
+  const line = style.getPropertyValue("--line").trim();
+  const { colour } = seriesLook(props.look ?? 0, isDark.peek());
+  const axis = (format: (value: number) => string, extra: Partial<uPlot.Axis>): uPlot.Axis => ({
+    stroke: ink,
+    font: "11px system-ui, sans-serif",
+    grid: { stroke: line, width: 1 },
+    ticks: { show: false },
+    values: (_, splits) => splits.map((split) => (split === null ? null : format(split))),
+    ...extra,
+  });
+  const hidden: uPlot.Axis = { show: false };
+  const series: uPlot.Series = { stroke: colour, width: 1.5, fill: props.logarithmic ? undefined : `${colour}22`, points: { show: false } };
+  if (props.stepped) series.paths = Chart.paths.stepped!({ align: -1 });
+  if (props.logarithmic) series.points = { show: true, size: 3, fill: colour };
+  const distribution = props.logarithmic ? 3 : 1;
+  return {
+    width,
+    height: props.height,
+    legend: { show: false },
+    cursor: { show: false },
+    padding: props.axes ? [8, 8, 0, 0] : [4, 4, 4, 4],
+    scales: {
+      x: { time: false, distr: distribution, ...(props.range ? { range: () => latest.current.range! } : {}) },
+      // Amounts are seen against nothing: the axis begins at 0 and ends well above the greatest.
+      y: { distr: distribution, ...(props.logarithmic ? {} : { range: (_: uPlot, _low: number, high: number) => [0, high > 0 ? high * 1.15 : 1] }) },
+    },
+    axes: props.axes
+      ? [axis(props.axes.x, { size: 22, space: 90 }), axis(props.axes.y, { size: 52, space: 26 })]
+      : [hidden, hidden],
+    series: [{}, series],
+  };
+}
+
+export function LiveChart(props: Props) {
+  const place = useRef<HTMLDivElement>(null);
+  const chart = useRef<uPlot | null>(null);
+  const latest = useRef(props);
+  latest.current = props;
+  const dark = isDark.value;
+  useEffect(() => {
+    let gone = false;
+    let sizes: ResizeObserver | null = null;
+    void import("uplot").then(({ default: Chart }) => {
+      const element = place.current;
+      if (gone || !element) return;
+      chart.current = new Chart(optionsOf(Chart, latest, element.clientWidth || 200), dataOf(latest.current), element);
+      sizes = new ResizeObserver(() => {
+        if (element.clientWidth) chart.current?.setSize({ width: element.clientWidth, height: latest.current.height });
+      });
+      sizes.observe(element);
+    });
+    return () => {
+      gone = true;
+      sizes?.disconnect();
+      chart.current?.destroy();
+      chart.current = null;
+    };
+  }, [dark, props.height]);
+  useEffect(() => chart.current?.setData(dataOf(props)), [props.x, props.y]);
+  return <div ref={place} class="live-chart" role="img" aria-label={props.label} style={{ height: `${props.height}px` }} />;
+}
