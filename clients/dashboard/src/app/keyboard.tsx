@@ -30,6 +30,13 @@ export function useKeys(title: string, keys: Key[], deps: unknown[]): void {
 const isTyping = (target: EventTarget | null) =>
   target instanceof HTMLElement && (target.isContentEditable || /^(INPUT|SELECT|TEXTAREA)$/.test(target.tagName) && !/^(checkbox|radio|button|range)$/.test((target as HTMLInputElement).type));
 
+/** Keys that the control which has the focus answers to itself: Enter presses a button, arrows move a slider. */
+function isItsOwn(event: KeyboardEvent): boolean {
+  if (!(event.target instanceof Element)) return false;
+  if (event.key === "Enter" || event.key === " ") return event.target.closest("button, a[href], summary, input, [role=button]") !== null;
+  return /^(Arrow|Home|End|Page)/.test(event.key) && event.target.closest("input, [role=slider], [role=tablist], [role=listbox]") !== null;
+}
+
 function nameOf(event: KeyboardEvent): string {
   const special = event.shiftKey && event.key.length > 1 ? "Shift+" : "";
   return special + event.key;
@@ -39,7 +46,7 @@ const kSequenceMs = 1500;
 let first = { key: "", at: 0 };
 
 function onKey(event: KeyboardEvent): void {
-  if (event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey || isTyping(event.target)) return;
+  if (event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey || isTyping(event.target) || isItsOwn(event)) return;
   if (document.querySelector("dialog[open]") && event.key !== "?") return;
   if (event.key === "?") {
     helpShown.value = !helpShown.value;
