@@ -146,7 +146,7 @@ json merge_request_schema() {
 }
 
 json measurement_request_schema(const ApiVocabulary& vocabulary) {
-    const json source{{"type", "string"}, {"pattern", "^(job|image):."}, {"maxLength", 256}};
+    const json source = job_or_image();
     json metrics = list_of(metric_name(vocabulary.image_metrics, vocabulary.radiance_layers));
     metrics["minItems"] = 1;
     metrics["maxItems"] = 256;
@@ -325,12 +325,17 @@ json status_schema() {
 }
 
 json image_schema() {
-    return given({{"id", typed("string")},
-                  {"media_type", typed("string")},
-                  {"width", count()},
-                  {"height", count()},
-                  {"channels", count()},
-                  {"bytes", count()}});
+    return given(
+        {{"id", typed("string")},
+         {"media_type", typed("string")},
+         {"width", count()},
+         {"height", count()},
+         {"channels", count()},
+         {"bytes", count()},
+         {"layers",
+          with_text(list_of(given({{"name", typed("string")}, {"channels", in_range(typed("integer"), 1, 3)}})),
+                    "by the names of its channels: R, G, B or Y make the beauty, NAME.R/.G/.B, "
+                    ".X/.Y/.Z, .Y or .Z the layer NAME")}});
 }
 
 json estimate_schema() {

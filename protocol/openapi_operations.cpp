@@ -25,6 +25,7 @@ struct Operation {
 };
 
 json operation_json(const Operation& operation) {
+    std::vector<std::string> required = {};  // of the query
     json parameters = json::array();
     const std::string& path = operation.path;
     for (size_t at = path.find('{'); at != std::string::npos; at = path.find('{', at + 1))
@@ -37,6 +38,10 @@ json operation_json(const Operation& operation) {
     for (const auto& [name, text] : operation.headers)
         parameters.push_back({{"name", name}, {"in", "header"}, {"schema", typed("string")}, {"description", text}});
     json responses{{"default",
+    for (json& parameter : parameters)
+        if (std::find(operation.required.begin(), operation.required.end(), parameter["name"].get<std::string>()) !=
+            operation.required.end())
+            parameter["required"] = true;
                     {{"description", "a failure, see the schema Problem"},
                      {"content", content(kProblemMediaType, schema_ref("Problem"))}}}};
     for (const auto& [status, body] : operation.answers) {
@@ -86,6 +91,7 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
         {"model/gltf-binary", binary()}, {"application/zip", binary()}, {"multipart/form-data", binary()}};
     std::vector<Operation> all{
         {"post",
+    const json source = job_or_image();
          "/v1/scenes",
          "addScene",
          "Upload a scene",
@@ -191,7 +197,10 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
          nullptr,
          {{"layer", one_of_words(preview_layers)},
           {"exposure", in_range(typed("number", "stops"), -32, 32)},
-          {"curve", one_of_words({"srgb", "filmic"})}}},
+          {"curve", one_of_words({"srgb", "filmic"})},
+          {"max_size", with_text(in_range(typed("integer"), 16, 4096),
+                                 "scaled down, never up, so that the longer side is at most this: means in linear "
+                                 "light, before the tone curve")}}},
         {"get",
          "/v1/jobs/{id}/pixels",
          "getPixels",
@@ -293,6 +302,26 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
         {"get", "/metrics", "getMetrics", "Prometheus metrics", {{200, file("text/plain")}}},
         {"get", "/", "frontPage", "A page to look at: queue, running jobs, comparisons", {{200, file("text/html")}}},
         {"get", "/front_page.css", "frontPageStyle", "Of the page", {{200, file("text/css")}}},
+        {"get",
+         "/v1/images/{id}/pixels",
+         "getImagePixels",
+         "Raw little-endian pixels of a layer, row 0 at the top",
+         {{200, file("application/octet-stream")}},
+         nullptr,
+         {{"layer", with_text(word, "of the image's layers; beauty where none is named")}, {"precision", precision}}},
+        {"get",
+         "/v1/flip",
+         "getFlipMap",
+         "The FLIP map of an image against another: raw pixels of one channel, 0 to 1; X-Flip-Mean has its mean",
+         {{200, file("application/octet-stream")}, {202, nullptr}},
+         nullptr,
+         {{"image", source},
+          {"reference", source},
+          {"layer", measured_layer},
+          {"range", one_of_words({"hdr", "ldr"})},
+          {"precision", precision}},
+         {},
+         {"image", "reference"}},
         {"get", "/front_page.js", "frontPageScript", "Of the page", {{200, file("text/javascript")}}},
     };
     for (const ApiVocabulary::Artefact& artefact : vocabulary.artefacts)

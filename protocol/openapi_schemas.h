@@ -35,6 +35,9 @@ inline json list_of(json items) { return {{"type", "array"}, {"items", std::move
 inline json map_of(json values) { return {{"type", "object"}, {"additionalProperties", std::move(values)}}; }
 inline json one_of_words(const std::vector<std::string>& words) { return {{"type", "string"}, {"enum", words}}; }
 
+/// An image somebody has rendered or uploaded.
+inline json job_or_image() { return {{"type", "string"}, {"pattern", "^(job|image):."}, {"maxLength", 256}}; }
+
 /// What the service gives: each property is there, null where it does not apply; more may be added later.
 inline json given(json properties) {
     json required = json::array();

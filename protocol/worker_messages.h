@@ -45,21 +45,27 @@
 //                  or {"request", "builtin": name}
 //   unpack         {"request", "zip": path, "root": dir}            -> {"file": path of the .gltf/.glb inside root}
 //   thumbnail      {"request", "scene": as in render, "out": path}  -> {}
+//   preview_scene  {"request", "scene": as in render, "camera": name|null, "look_at": as a job's, whole|null, "width",
+//                  "height", "passes", "out": path, not synced} -> {} (PNG; the scene stays ready for the next)
 //   bake           {"request", "scene": as in render, "max_bytes", "out": path} -> {"bytes"} (renderer/scene/baked_scene.h)
-//   judge_image    {"request", "path"}                              -> {"width", "height", "channels"}
+//   judge_image    {"request", "path"}  -> {"width", "height", "channels", "layers": [{"name", "channels"}..]}
 //   Below, SOURCE is {"film": path} or {"image": path}.
 //   measure        {"request", "image": SOURCE, "reference": SOURCE, "metrics": [name..]}
 //                  -> {"metrics": {name: value}, "reference_error": {name: value}|null, "notes": [text..]}
 //   encode_difference {"request", "image": SOURCE, "reference": SOURCE, "out"}           -> {} (EXR: x - r, by layer)
 //   encode_flip    {"request", "image": SOURCE, "reference": SOURCE, "layer", "range": "ldr"|"hdr", "out"} -> {"mean"}
+//   encode_flip_map {"request", "image": SOURCE, "reference": SOURCE, "layer", "range", "precision", "out"}
+//                  -> as encode_pixels, of one channel, and "mean"
 //   encode_error_map {"request", "image": SOURCE, "reference": SOURCE, "layer", "out"}   -> {}
 //                  PNG of each pixel's relative error, log scale from 1e-3 (dark) to 10 (bright): comparable everywhere
 //   merge_films    {"request", "films": [path..], "job_request": as in render, "scene_id", "out"}
 //                  -> {"passes_done", "seconds", "statistics": {..}, "pixel_hash"}
 //   encode_exr     {"request", "film", "statistics": {..}|null, "precision": "float"|"half", "out"} -> {"overflowed": n}
 //   encode_preview {"request", "film", "layer": beauty, one of radiance, or overlap, "exposure": stops,
-//                  "curve": "srgb"|"filmic", "out"}                 -> {} (PNG; overlap as a heat map)
-//   encode_pixels  {"request", "film", "layer", "precision", "out"} -> {"width", "height", "channels", "overflowed"}
+//                  "curve": "srgb"|"filmic", "max_size": of the longer side|null, "out"}
+//                  -> {} (PNG; overlap as a heat map)
+//   encode_pixels  {"request", "film" or "image": path, "layer", "precision", "out"}
+//                  -> {"width", "height", "channels", "overflowed"}
 //   stop           {}                                               -> exit 0, no reply
 // clang-format on
 // A worker whose socket closes exits at once. The kernel kills it when the daemon's THREAD that started it ends

@@ -93,7 +93,8 @@ public:
     // --- images
     // -------------------------------------------------------------------------------------------------------
     /// `media_type` image/x-exr or image/vnd.radiance (or another spelling of them, else WrongMediaType); waits for the
-    /// helper. The object: {"id", "media_type", "width", "height", "channels", "bytes"}.
+    /// helper. The object: {"id", "media_type", "width", "height", "channels", "bytes", "layers": [{"name",
+    /// "channels"}]}.
     Added add_image(const std::filesystem::path& spooled, const std::string& media_type);
     nlohmann::json get_image(const std::string& id);
     /// The file as uploaded.
@@ -101,6 +102,8 @@ public:
 
     // --- jobs
     // ---------------------------------------------------------------------------------------------------------
+    /// One of its layers as pixels() gives a job's. UnknownName at /layer where it has none of that name.
+    Artefact image_pixels(const std::string& id, const std::string& layer, const std::string& precision);
     /// For parse_job_request(): methods, layers and limits of this daemon.
     const JobVocabulary& vocabulary() const;
     /// Durable when it returns. `canonical_body` is what an idempotency key is bound to (to_json(request).dump() will
@@ -139,8 +142,13 @@ public:
     // Artefacts; they wait for the helper (and, while the job runs, for the pass at hand) unless they are in the cache.
     // `precision` is "float" or "half", else OutOfRange. NotFound when the job ended without a film.
     Artefact image(const std::string& id, const std::string& precision);
-    /// `exposure` in stops, -32..32; `curve` "srgb" or "filmic".
-    Artefact preview(const std::string& id, const std::string& layer, double exposure, const std::string& curve);
+    struct PreviewWanted {
+        std::string layer = "beauty";
+        double exposure_stops = 0;         // -32..32
+        std::string curve = "srgb";        // or "filmic"
+        std::optional<uint32_t> max_size;  // of the longer side, 16..4096: larger ones are scaled down
+    };
+    Artefact preview(const std::string& id, const PreviewWanted& wanted);
     /// Raw little-endian pixels, row 0 at the top; `layer` empty or "beauty", or a layer's name. Headers
     /// X-Image-Width, X-Image-Height, X-Image-Channels.
     Artefact pixels(const std::string& id, const std::string& layer, const std::string& precision);
@@ -157,6 +165,10 @@ public:
     /// text/csv: seconds, passes, photons and every metric measured; so far while it runs.
     Artefact curve(const std::string& id);
     /// The film itself, in the format of film_file.h.
+    /// The FLIP map of any two, each "job:ID" or "image:ID", as pixels of one channel; X-Flip-Mean beside the headers
+    /// of pixels(). Pending while a job has no film; UnknownName, Conflict for unlike sizes, each with its pointer.
+    Artefact flip_map(const std::string& image, const std::string& reference, const std::string& layer,
+                      const std::string& range, const std::string& precision);
     Artefact film(const std::string& id);
     /// What happened to the job, attempt by attempt; text/plain.
     Artefact log(const std::string& id);

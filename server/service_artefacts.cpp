@@ -18,12 +18,14 @@ using nlohmann::json;
 
 namespace {
 
+constexpr uint32_t kLeastPreviewSide = 16, kGreatestPreviewSide = 4096;
 constexpr auto kSnapshotPatience = std::chrono::seconds(20);   // for the pass at hand; then 202
 constexpr auto kSnapshotAge = std::chrono::milliseconds(500);  // a film younger than this is "so far"
 
-void check_precision(const std::string& precision) {
-    if (precision != "float" && precision != "half")
-        throw Error(ErrorCode::OutOfRange, "/precision", "precision = '" + precision + "' is neither float nor half");
+void require_precision(const std::string& precision) {
+    BodyFaults faults;
+    check_precision(precision, faults);
+    faults.throw_if_any();
 }
 
 /// Of the beauty or a layer by its name; None where there is no such layer.
@@ -57,6 +59,11 @@ Artefact pending() {
 }
 
 }  // namespace
+
+void check_precision(const std::string& precision, BodyFaults& faults) {
+    if (precision != "float" && precision != "half")
+        faults.add(ErrorCode::OutOfRange, "/precision", "precision = '" + precision + "' is neither float nor half");
+}
 
 Artefact Service::Impl::artefact(const std::string& key, const std::string& media_type,
                                  const ArtefactCache::Make& make) {
@@ -130,53 +137,98 @@ Artefact Service::Impl::encode(const std::string& id, const std::string& what, c
         request["film"] = film.path.string();
         request["out"] = path.string();
         if (with_statistics) request["statistics"] = film.statistics;
-        const json result = helper->call(request);
-        std::map<std::string, std::string> headers;
-        const std::pair<const char*, const char*> shown[] = {{"width", "X-Image-Width"},
-                                                             {"height", "X-Image-Height"},
-                                                             {"channels", "X-Image-Channels"},
-                                                             {"overflowed", "X-Image-Overflowed"}};
-        for (const auto& [member, header] : shown)
-            if (const auto found = result.find(member); found != result.end() && found->is_number())
-                headers[header] = found->dump();
-        return headers;
+        return pixel_headers(helper->call(request));
     });
 }
 
+std::map<std::string, std::string> Service::Impl::pixel_headers(const json& result) {
+    std::map<std::string, std::string> headers;
+    const std::pair<const char*, const char*> shown[] = {{"width", "X-Image-Width"},
+                                                         {"height", "X-Image-Height"},
+                                                         {"channels", "X-Image-Channels"},
+                                                         {"overflowed", "X-Image-Overflowed"},
+                                                         {"mean", "X-Flip-Mean"}};
+    for (const auto& [member, header] : shown)
+        if (const auto found = result.find(member); found != result.end() && found->is_number())
+            headers[header] = found->dump();
+    return headers;
+}
+
 Artefact Service::image(const std::string& id, const std::string& precision) {
-    check_precision(precision);
+    require_precision(precision);
     return impl_->encode(id, "exr/" + precision, "image/x-exr", {{"type", "encode_exr"}, {"precision", precision}},
                          true);
 }
 
-Artefact Service::preview(const std::string& id, const std::string& layer, double exposure, const std::string& curve) {
-    const LayerPreview preview = preview_of_name(layer);
+Artefact Service::preview(const std::string& id, const PreviewWanted& wanted) {
+    const LayerPreview preview = preview_of_name(wanted.layer);
+    const double exposure = wanted.exposure_stops;
+    BodyFaults faults;
     if (preview == LayerPreview::None)
-        throw Error(ErrorCode::UnknownName, "/layer",
-                    "'" + layer +
-                        "' is no layer with a preview: light is shown as on a display, overlap as a heat map, "
-                        "split_normal as colours, vpls as dots");
+        faults.add(ErrorCode::UnknownName, "/layer",
+                   "'" + wanted.layer +
+                       "' is no layer with a preview: light is shown as on a display, overlap as a heat map, "
+                       "split_normal as colours, vpls as dots");
     if (!(std::abs(exposure) <= 32))
-        throw Error(ErrorCode::OutOfRange, "/exposure",
-                    "exposure = " + json(exposure).dump() + " is outside [-32, 32] stops");
-    if (curve != "srgb" && curve != "filmic")
-        throw Error(ErrorCode::OutOfRange, "/curve", "curve = '" + curve + "' is neither srgb nor filmic");
-    if (!has_exposure(preview) && (exposure != 0 || curve != "srgb"))
-        throw Error(ErrorCode::Conflict, exposure != 0 ? "/exposure" : "/curve",
-                    "the preview of " + layer + " has neither exposure nor tone curve");
-    return impl_->encode(id, "png/" + layer + "/" + curve + "/" + json(exposure).dump(), "image/png",
-                         {{"type", "encode_preview"}, {"layer", layer}, {"exposure", exposure}, {"curve", curve}},
-                         false);
+        faults.add(ErrorCode::OutOfRange, "/exposure",
+                   "exposure = " + json(exposure).dump() + " is outside [-32, 32] stops");
+    if (wanted.curve != "srgb" && wanted.curve != "filmic")
+        faults.add(ErrorCode::OutOfRange, "/curve", "curve = '" + wanted.curve + "' is neither srgb nor filmic");
+    if (wanted.max_size && (*wanted.max_size < kLeastPreviewSide || *wanted.max_size > kGreatestPreviewSide))
+        faults.add(ErrorCode::OutOfRange, "/max_size",
+                   "max_size = " + std::to_string(*wanted.max_size) + " is outside [" +
+                       std::to_string(kLeastPreviewSide) + ", " + std::to_string(kGreatestPreviewSide) + "]");
+    if (preview != LayerPreview::None && !has_exposure(preview) && (exposure != 0 || wanted.curve != "srgb"))
+        faults.add(ErrorCode::Conflict, exposure != 0 ? "/exposure" : "/curve",
+                   "the preview of " + wanted.layer + " has neither exposure nor tone curve");
+    faults.throw_if_any();
+    const json max_size = wanted.max_size ? json(*wanted.max_size) : json();
+    return impl_->encode(
+        id, "png/" + wanted.layer + "/" + wanted.curve + "/" + json(exposure).dump() + "/" + max_size.dump(),
+        "image/png",
+        {{"type", "encode_preview"},
+         {"layer", wanted.layer},
+         {"exposure", exposure},
+         {"curve", wanted.curve},
+         {"max_size", max_size}},
+        false);
 }
 
 Artefact Service::pixels(const std::string& id, const std::string& layer, const std::string& precision) {
-    check_precision(precision);
+    require_precision(precision);
     const std::string name = layer.empty() ? "beauty" : layer;
     bool known = name == "beauty";
     for (const LayerInfo& info : kLayers) known = known || info.name == name;
     if (!known) throw Error(ErrorCode::UnknownName, "/layer", "'" + name + "' is no layer");
     return impl_->encode(id, "raw/" + name + "/" + precision, "application/octet-stream",
                          {{"type", "encode_pixels"}, {"layer", name}, {"precision", precision}}, false);
+}
+
+Artefact Service::Impl::image_pixels(const std::string& id, const std::string& layer, const std::string& precision) {
+    require_precision(precision);
+    const ImageRow row = require_image(id);
+    const std::string name = layer.empty() ? "beauty" : layer;
+    std::vector<std::string> known;
+    std::string there;
+    for (const json& one : json::parse(row.layers)) {
+        known.push_back(one.at("name").get<std::string>());
+        there += (there.empty() ? "it has " : ", ") + known.back();
+    }
+    if (std::find(known.begin(), known.end(), name) == known.end())
+        throw Error(ErrorCode::UnknownName, "/layer",
+                    "image " + id + " has no layer '" + name + "'; " + (there.empty() ? "it has none" : there));
+    return artefact("image/" + id + "/raw/" + name + "/" + precision, "application/octet-stream",
+                    [&](const fs::path& path) {
+                        return pixel_headers(helper->call({{"type", "encode_pixels"},
+                                                           {"image", (files.images / row.file).string()},
+                                                           {"layer", name},
+                                                           {"precision", precision},
+                                                           {"out", path.string()}}));
+                    });
+}
+
+Artefact Service::image_pixels(const std::string& id, const std::string& layer, const std::string& precision) {
+    return impl_->image_pixels(id, layer, precision);
 }
 
 Artefact Service::Impl::statistics(const std::string& id) {

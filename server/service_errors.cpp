@@ -26,11 +26,21 @@ std::vector<std::string> radiance_layers() {
     return layers;
 }
 
-void check_layer(const std::string& layer) {
+void check_layer(const std::string& layer, BodyFaults& faults) {
     const std::vector<std::string> known = radiance_layers();
     if (std::find(known.begin(), known.end(), layer) == known.end())
-        throw Error(ErrorCode::UnknownName, "/layer",
-                    "'" + layer + "' is no layer of radiance" + did_you_mean(layer, known));
+        faults.add(ErrorCode::UnknownName, "/layer",
+                   "'" + layer + "' is no layer of radiance" + did_you_mean(layer, known));
+}
+
+void check_range(const std::string& range, BodyFaults& faults) {
+    if (range != "ldr" && range != "hdr")
+        faults.add(ErrorCode::OutOfRange, "/range", "range = '" + range + "' is neither ldr nor hdr");
+}
+
+void check_source_name(const std::string& name, const std::string& pointer, BodyFaults& faults) {
+    const bool good = (name.starts_with("job:") && name.size() > 4) || (name.starts_with("image:") && name.size() > 6);
+    if (!good) faults.add(ErrorCode::UnknownName, pointer, "'" + name + "' is neither \"job:ID\" nor \"image:ID\"");
 }
 
 std::string curve_csv(const json& curve) {
@@ -137,8 +147,7 @@ Artefact Service::Impl::encode_error(const std::string& id, const std::string& w
         request["image"] = {{"film", pair.film.path.string()}};
         request["reference"] = pair.reference;
         request["out"] = path.string();
-        helper->call(request);
-        return std::map<std::string, std::string>();
+        return pixel_headers(helper->call(request));
     });
 }
 
@@ -147,15 +156,18 @@ Artefact Service::difference(const std::string& id) {
 }
 
 Artefact Service::flip(const std::string& id, const std::string& layer, const std::string& range) {
-    check_layer(layer);
-    if (range != "ldr" && range != "hdr")
-        throw Error(ErrorCode::OutOfRange, "/range", "range = '" + range + "' is neither ldr nor hdr");
+    BodyFaults faults;
+    check_layer(layer, faults);
+    check_range(range, faults);
+    faults.throw_if_any();
     return impl_->encode_error(id, "flip/" + layer + "/" + range, "image/png",
                                {{"type", "encode_flip"}, {"layer", layer}, {"range", range}});
 }
 
 Artefact Service::error_map(const std::string& id, const std::string& layer) {
-    check_layer(layer);
+    BodyFaults faults;
+    check_layer(layer, faults);
+    faults.throw_if_any();
     return impl_->encode_error(id, "error/" + layer, "image/png", {{"type", "encode_error_map"}, {"layer", layer}});
 }
 
@@ -187,27 +199,65 @@ Artefact Service::film(const std::string& id) {
     return impl_->linked(film.cache_key + "/film", film.path, "application/octet-stream");
 }
 
-Service::Impl::FilmSource Service::Impl::source_named(const std::string& name, const std::string& pointer,
-                                                      json& source) {
-    FilmSource film;
+Service::Impl::NamedSource Service::Impl::source_named(const std::string& name, const std::string& pointer) {
+    NamedSource named;
     if (name.starts_with("image:")) {
         const std::lock_guard lock(mutex);
         const auto image = store.image(name.substr(6));
         if (!image) throw Error(ErrorCode::UnknownName, pointer, "there is no image '" + name.substr(6) + "'");
-        source = {{"image", (files.images / image->file).string()}};
-        return film;
+        named.source = {{"image", (files.images / image->file).string()}};
+        named.key = "image/" + image->id;
+        return named;
     }
     const std::string id = name.substr(4);
     try {
-        film = film_source(id);
+        named.film = film_source(id);
     } catch (const Error& error) {
         if (error.code != ErrorCode::NotFound) throw;
         throw Error(ErrorCode::UnknownName, pointer, error.what());
     }
-    if (film.pending) throw Error(ErrorCode::WrongState, pointer, "job " + id + " has no film yet");
-    pin(film);
-    source = {{"film", film.path.string()}};
-    return film;
+    if (named.film.pending) return named;
+    pin(named.film);
+    named.source = {{"film", named.film.path.string()}};
+    named.key = named.film.cache_key;
+    return named;
+}
+
+Artefact Service::Impl::flip_map(const std::string& image, const std::string& reference, const std::string& layer,
+                                 const std::string& range, const std::string& precision) {
+    BodyFaults faults;
+    const std::pair<const char*, const std::string*> names[] = {{"/image", &image}, {"/reference", &reference}};
+    for (const auto& [pointer, name] : names) {
+        if (name->empty())
+            faults.add(ErrorCode::MissingField, pointer, "must name a job or an image: \"job:ID\" or \"image:ID\"");
+        else
+            check_source_name(*name, pointer, faults);
+    }
+    check_layer(layer, faults);
+    check_range(range, faults);
+    check_precision(precision, faults);
+    faults.throw_if_any();
+    const NamedSource shown = source_named(image, "/image"), against = source_named(reference, "/reference");
+    if (shown.film.pending || against.film.pending) {
+        Artefact pending;
+        pending.pending = true;
+        return pending;
+    }
+    return artefact(shown.key + "/flip-map/" + layer + "/" + range + "/" + precision + "/against/" + against.key,
+                    "application/octet-stream", [&](const fs::path& path) {
+                        return pixel_headers(helper->call({{"type", "encode_flip_map"},
+                                                           {"image", shown.source},
+                                                           {"reference", against.source},
+                                                           {"layer", layer},
+                                                           {"range", range},
+                                                           {"precision", precision},
+                                                           {"out", path.string()}}));
+                    });
+}
+
+Artefact Service::flip_map(const std::string& image, const std::string& reference, const std::string& layer,
+                           const std::string& range, const std::string& precision) {
+    return impl_->flip_map(image, reference, layer, range, precision);
 }
 
 json Service::Impl::measure(const json& body) {
@@ -217,18 +267,20 @@ json Service::Impl::measure(const json& body) {
     const char* const members[2] = {"image", "reference"};
     for (int i = 0; i < 2; ++i) {
         names[i] = reader.string(members[i], kMaxSourceBytes, true);
-        const bool good = names[i] && ((names[i]->starts_with("job:") && names[i]->size() > 4) ||
-                                       (names[i]->starts_with("image:") && names[i]->size() > 6));
-        if (names[i] && !good)
-            faults.add(ErrorCode::UnknownName, reader.at(members[i]),
-                       "'" + *names[i] + "' is neither \"job:ID\" nor \"image:ID\"");
+        if (names[i]) check_source_name(*names[i], reader.at(members[i]), faults);
     }
     const json metrics = read_metrics(reader.member("metrics"), faults);
     reader.finish();
     faults.throw_if_any();
     json order{{"type", "measure"}, {"metrics", metrics}};
-    const FilmSource image = source_named(*names[0], "/image", order["image"]);
-    const FilmSource reference = source_named(*names[1], "/reference", order["reference"]);
+    NamedSource sources[2];
+    for (int i = 0; i < 2; ++i) {
+        const std::string pointer = std::string("/") + members[i];
+        sources[i] = source_named(*names[i], pointer);
+        if (sources[i].film.pending)
+            throw Error(ErrorCode::WrongState, pointer, "job " + names[i]->substr(4) + " has no film yet");
+        order[members[i]] = sources[i].source;
+    }
     json result = helper->call(order);
     return {{"metrics", result.value("metrics", json::object())},
             {"reference_error", result.value("reference_error", json())},

@@ -25,6 +25,7 @@
 #include <thread>
 
 #include "renderer/film/film.h"
+#include "protocol/object_reader.h"
 #include "renderer/methods/method.h"
 #include "server/comparisons/table.h"
 #include "server/queue/job_queue.h"
@@ -147,7 +148,9 @@ struct Service::Impl {
     Artefact baked_scene(const std::string& id_or_name);
     nlohmann::json delete_scene(const std::string& id_or_name);
     Added add_image(const std::filesystem::path& spooled, const std::string& media_type);
-    ImageRow require_image(const std::string& id);
+    /// Without the lock: what was uploaded before layers were noted is looked at again, by the helper.
+    std::optional<ImageRow> find_image(const std::string& id);
+    ImageRow require_image(const std::string& id);  // likewise
     void check_disk(uint64_t bytes) const;
 
     // service_submit.cpp
@@ -357,6 +360,9 @@ struct Service::Impl {
     Artefact statistics(const std::string& id);
     Artefact method_artefact(const std::string& id, const std::string& name);
     Artefact log(const std::string& id);
+    Artefact image_pixels(const std::string& id, const std::string& layer, const std::string& precision);
+    /// What the helper says of pixels, as headers of a reply.
+    static std::map<std::string, std::string> pixel_headers(const nlohmann::json& result);
     Artefact artefact(const std::string& key, const std::string& media_type, const ArtefactCache::Make& make);
     /// A file of the store as it is: no copy, and a download that has begun outlives the job.
     Artefact linked(const std::string& key, const std::filesystem::path& file, const std::string& media_type);
@@ -375,12 +381,19 @@ struct Service::Impl {
     Artefact encode_error(const std::string& id, const std::string& what, const std::string& media_type,
                           nlohmann::json request);
     Artefact curve_file(const std::string& id);
-    /// "job:ID" or "image:ID" as the helper takes it; the film is held as long as the answer lives.
-    FilmSource source_named(const std::string& name, const std::string& pointer, nlohmann::json& source);
+    /// What "job:ID" or "image:ID" names.
+    struct NamedSource {
+        FilmSource film;        // of a job; pending where it has none yet. Held as long as this lives
+        nlohmann::json source;  // as the helper takes it
+        std::string key;        // in the cache
+    };
+    NamedSource source_named(const std::string& name, const std::string& pointer);
     nlohmann::json measure(const nlohmann::json& body);
 
     DeviceList device_list;
     const Options options;  // its devices by id, each once
+    Artefact flip_map(const std::string& image, const std::string& reference, const std::string& layer,
+                      const std::string& range, const std::string& precision);
     DataFiles files;
     Metrics metrics;
     EventHub events;
@@ -418,6 +431,9 @@ nlohmann::json object_or_null(const nlohmann::json& message, const char* member)
 /// A page's limit. Throws OutOfRange outside 1..1000.
 void check_limit(uint32_t limit);
 /// A cursor that is a number; `otherwise` when it is empty. Throws OutOfRange.
+/// A fault for what is neither "float" nor "half".
+void check_precision(const std::string& precision, BodyFaults& faults);
+
 int64_t read_cursor(const std::string& cursor, int64_t otherwise);
 
 }  // namespace photond

@@ -68,8 +68,13 @@ json judged(ErrorCode code, const Ask& ask) {
 }
 
 json image_object(const ImageRow& row) {
-    return {{"id", row.id},         {"media_type", row.media_type}, {"width", row.width},
-            {"height", row.height}, {"channels", row.channels},     {"bytes", row.bytes}};
+    return {{"id", row.id},
+            {"media_type", row.media_type},
+            {"width", row.width},
+            {"height", row.height},
+            {"channels", row.channels},
+            {"bytes", row.bytes},
+            {"layers", row.layers.empty() ? json::array() : json::parse(row.layers)}};
 }
 
 }  // namespace
@@ -293,10 +298,7 @@ Added Service::Impl::add_image(const fs::path& path, const std::string& media_ty
     row.id = hash_file(path).substr(0, kIdDigits);
     row.media_type = extension == ".exr" ? "image/x-exr" : "image/vnd.radiance";
     row.file = row.id + extension;
-    {
-        const std::lock_guard lock(mutex);
-        if (const auto known = store.image(row.id)) return {image_object(*known), false};
-    }
+    if (const auto known = find_image(row.id)) return {image_object(*known), false};
     // The reader is chosen by the name's ending, so that what claims to be one format is not read as another.
     const fs::path named = path.string() + extension;
     fs::rename(path, named);
@@ -307,6 +309,7 @@ Added Service::Impl::add_image(const fs::path& path, const std::string& media_ty
     row.width = found.value("width", int64_t{0});
     row.height = found.value("height", int64_t{0});
     row.channels = found.value("channels", int64_t{0});
+    row.layers = found.value("layers", json::array()).dump(-1, ' ', false, json::error_handler_t::replace);
     row.bytes = static_cast<int64_t>(fs::file_size(named));
     row.created_ms = now_ms();
 
@@ -325,9 +328,22 @@ Added Service::Impl::add_image(const fs::path& path, const std::string& media_ty
     return {image_object(row), true};
 }
 
-ImageRow Service::Impl::require_image(const std::string& id) {
+std::optional<ImageRow> Service::Impl::find_image(const std::string& id) {
+    std::optional<ImageRow> row;
+    {
+        const std::lock_guard lock(mutex);
+        row = store.image(id);
+    }
+    if (!row || !row->layers.empty()) return row;
+    const json found = helper->call({{"type", "judge_image"}, {"path", (files.images / row->file).string()}});
+    row->layers = found.value("layers", json::array()).dump(-1, ' ', false, json::error_handler_t::replace);
     const std::lock_guard lock(mutex);
-    if (const auto row = store.image(id)) return *row;
+    store.set_image_layers(id, row->layers);
+    return row;
+}
+
+ImageRow Service::Impl::require_image(const std::string& id) {
+    if (auto row = find_image(id)) return *std::move(row);
     throw Error(ErrorCode::NotFound, "there is no image '" + id + "'");
 }
 

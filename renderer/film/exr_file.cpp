@@ -166,43 +166,53 @@ void read_rows(OIIO::ImageInput& input, const Take& take) {
     }
 }
 
-/// The beauty and every layer whose channels are those of protocol.md.
-LayeredImage read_layers(OIIO::ImageInput& input, uint64_t limit_bytes) {
+Size2 size_of(const OIIO::ImageSpec& spec) {
+    return {static_cast<uint32_t>(spec.width), static_cast<uint32_t>(spec.height)};
+}
+
+/// The pixels of some of the image's layers, in their order.
+std::vector<std::vector<float>> read_pixels(OIIO::ImageInput& input, std::span<const NamedLayer> layers,
+                                            uint64_t limit_bytes) {
     const OIIO::ImageSpec spec = input.spec();
-    LayeredImage image{{static_cast<uint32_t>(spec.width), static_cast<uint32_t>(spec.height)}, {}};
-    struct Wanted {
-        std::string name;
-        std::vector<size_t> channels;
-    };
-    std::vector<Wanted> wanted;
-    const auto want = [&](const std::string& name, const std::string& prefix,
-                          std::span<const std::string_view> suffixes) {
-        std::vector<size_t> channels;
-        for (const std::string_view suffix : suffixes)
-            for (size_t c = 0; c < spec.channelnames.size(); ++c)
-                if (spec.channelnames[c] == prefix + std::string(suffix)) channels.push_back(c);
-        if (channels.size() == suffixes.size()) wanted.push_back({name, std::move(channels)});
-    };
-    static constexpr std::string_view kBeautyChannels[] = {"R", "G", "B"};
-    want("beauty", "", kBeautyChannels);
-    if (wanted.empty()) bad_image("it has no channels R, G and B");
-    for (const LayerInfo& info : kLayers)
-        want(std::string(info.name), std::string(info.name) + ".", std::span(info.channels).first(info.channel_count));
+    const Size2 size = size_of(spec);
     uint64_t bytes = 0;
-    for (const Wanted& layer : wanted) bytes += image.size.pixels() * layer.channels.size() * sizeof(float);
+    for (const NamedLayer& layer : layers) bytes += size.pixels() * layer.channels.size() * sizeof(float);
     if (bytes > limit_bytes)
         throw Error(ErrorCode::OutOfMemory, "the image takes " + std::to_string(bytes) + " bytes; the limit is " +
                                                 std::to_string(limit_bytes) + " bytes");
-    for (const Wanted& layer : wanted) image.layers[layer.name].resize(image.size.pixels() * layer.channels.size());
-
+    std::vector<std::vector<float>> pixels;
+    for (const NamedLayer& layer : layers) pixels.emplace_back(size.pixels() * layer.channels.size());
     const size_t channel_count = static_cast<size_t>(spec.nchannels);
     read_rows(input, [&](size_t first_row, std::span<const float> rows) {
-        for (const Wanted& layer : wanted) {
-            float* out = image.layers[layer.name].data() + first_row * image.size.width * layer.channels.size();
+        for (size_t i = 0; i < layers.size(); ++i) {
+            const std::vector<size_t>& channels = layers[i].channels;
+            float* out = pixels[i].data() + first_row * size.width * channels.size();
             for (size_t pixel = 0; pixel < rows.size() / channel_count; ++pixel)
-                for (const size_t channel : layer.channels) *out++ = rows[pixel * channel_count + channel];
+                for (const size_t channel : channels) *out++ = rows[pixel * channel_count + channel];
         }
     });
+    return pixels;
+}
+
+/// Whether the layer is one of ours: the beauty, or of kLayers with the channels that protocol.md gives it.
+bool is_known(const NamedLayer& layer, std::span<const std::string> names) {
+    const bool listed = layer.name == "beauty" || std::any_of(kLayers.begin(), kLayers.end(),
+                                                              [&](const LayerInfo& l) { return l.name == layer.name; });
+    if (!listed) return false;
+    const std::vector<std::string> expected = channel_names(layer.name);
+    return std::equal(layer.channels.begin(), layer.channels.end(), expected.begin(), expected.end(),
+                      [&](size_t channel, const std::string& name) { return names[channel] == name; });
+}
+
+/// The beauty and every layer whose channels are those of protocol.md.
+LayeredImage read_layers(OIIO::ImageInput& input, uint64_t limit_bytes) {
+    const OIIO::ImageSpec spec = input.spec();
+    std::vector<NamedLayer> layers = layers_of_channels(spec.channelnames);
+    std::erase_if(layers, [&](const NamedLayer& layer) { return !is_known(layer, spec.channelnames); });
+    if (layers.empty() || layers.front().name != "beauty") bad_image("it has no channels R, G and B");
+    std::vector<std::vector<float>> pixels = read_pixels(input, layers, limit_bytes);
+    LayeredImage image{size_of(spec), {}};
+    for (size_t i = 0; i < layers.size(); ++i) image.layers[layers[i].name] = std::move(pixels[i]);
     return image;
 }
 
@@ -251,12 +261,26 @@ LayeredImage read_image(const std::filesystem::path& path, uint64_t limit_bytes)
     return read_layers(*open_judged(path, false), limit_bytes);
 }
 
+ReadLayer read_image_layer(const std::filesystem::path& path, const std::string& layer, uint64_t limit_bytes) {
+    const std::unique_ptr<OIIO::ImageInput> input = open_judged(path, false);
+    const OIIO::ImageSpec spec = input->spec();
+    const std::vector<NamedLayer> layers = layers_of_channels(spec.channelnames);
+    const auto found = std::find_if(layers.begin(), layers.end(), [&](const NamedLayer& l) { return l.name == layer; });
+    if (found == layers.end()) {
+        std::string there;
+        for (const NamedLayer& other : layers) there += (there.empty() ? "it has " : ", ") + other.name;
+        throw Error(ErrorCode::UnknownName, "/layer",
+                    "the image has no layer \"" + layer + "\"" + (there.empty() ? "" : "; " + there));
+    }
+    std::vector<std::vector<float>> pixels = read_pixels(*input, {&*found, 1}, limit_bytes);
+    return {size_of(spec), static_cast<uint32_t>(found->channels.size()), std::move(pixels.front())};
+}
+
 JudgedImage judge_image(const std::filesystem::path& path) {
     const std::unique_ptr<OIIO::ImageInput> input = open_judged(path, false);
     const OIIO::ImageSpec spec = input->spec();
     read_rows(*input, [](size_t, std::span<const float>) {});
-    return {{static_cast<uint32_t>(spec.width), static_cast<uint32_t>(spec.height)},
-            static_cast<uint32_t>(spec.nchannels)};
+    return {size_of(spec), static_cast<uint32_t>(spec.nchannels), layers_of_channels(spec.channelnames)};
 }
 
 void warm_up_exr() {

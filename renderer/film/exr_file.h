@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "renderer/film/film.h"
+#include "renderer/film/image_layers.h"
 
 namespace photond {
 
@@ -54,9 +55,17 @@ struct LayeredImage {
     std::map<std::string, std::vector<float>> layers;
 };
 
+/// One layer of an image, whatever it is called there.
+struct ReadLayer {
+    Size2 size;
+    uint32_t channels = 0;
+    std::vector<float> pixels;  // interleaved, row 0 at the top
+};
+
 struct JudgedImage {
     Size2 size;
     uint32_t channels = 0;
+    std::vector<NamedLayer> layers;
 };
 
 /// Limits on images that come from outside.
@@ -71,6 +80,11 @@ LayeredImage read_exr(const std::filesystem::path& path);
 /// The same for an EXR or a Radiance HDR image, told apart by their first bytes; an HDR has the beauty only. Also
 /// throws ErrorCode::OutOfMemory, before any pixel memory is taken, when the layers would take more than `limit_bytes`.
 LayeredImage read_image(const std::filesystem::path& path, uint64_t limit_bytes = UINT64_MAX);
+
+/// A layer of an image by its name in layers_of_channels(). Throws ErrorCode::UnknownName, saying which there are,
+/// where it has none of that name; otherwise as read_image().
+ReadLayer read_image_layer(const std::filesystem::path& path, const std::string& layer,
+                           uint64_t limit_bytes = UINT64_MAX);
 
 /// Judges an uploaded EXR or Radiance HDR image: header within the limits above, every pixel decodable. Throws
 /// ErrorCode::BadImage.

@@ -5,26 +5,30 @@
 
 #include <cassert>
 #include <memory>
-#include <vector>
 
 #include "protocol/error.h"
 #include "renderer/core/atomic_file.h"
 
 namespace photond {
 
-void write_png(Size2 size, std::span<const uint8_t> rgb, const std::filesystem::path& path) {
+std::vector<uint8_t> encode_png(Size2 size, std::span<const uint8_t> rgb) {
     assert(rgb.size() == 3 * size.pixels());
     OIIO::ImageSpec spec(static_cast<int>(size.width), static_cast<int>(size.height), 3, OIIO::TypeUInt8);
     spec.attribute("oiio:ColorSpace", "sRGB");
     spec.attribute("png:compressionLevel", 6);
     const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create("png");
     if (!output) throw Error(ErrorCode::Internal, "the image library cannot write PNG: " + OIIO::geterror());
-    // Previews are small: encoded in memory, so that a failed write is ours to name.
     std::vector<unsigned char> bytes;
     OIIO::Filesystem::IOVecOutput memory(bytes);
     if (!output->set_ioproxy(&memory) || !output->open("preview.png", spec) ||
         !output->write_image(OIIO::TypeUInt8, rgb.data()) || !output->close())
         throw Error(ErrorCode::Internal, "cannot encode the PNG: " + output->geterror());
+    return bytes;
+}
+
+void write_png(Size2 size, std::span<const uint8_t> rgb, const std::filesystem::path& path) {
+    // Previews are small: encoded in memory, so that a failed write is ours to name.
+    const std::vector<uint8_t> bytes = encode_png(size, rgb);
     AtomicFile file(path);
     file.write(bytes.data(), bytes.size());
     file.commit();

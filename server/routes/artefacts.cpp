@@ -21,11 +21,13 @@ void add_artefact_routes(std::vector<Route>& routes, Service& service) {
         return service.image(call.path_parameters[0], precision);
     });
     add("preview.png", Lane::Slow, [&service](Call& call, Query& query) {
-        const std::string layer = query.text("layer", "beauty");
-        const double exposure_stops = query.number("exposure", 0);
-        const std::string curve = query.text("curve", "srgb");
+        Service::PreviewWanted wanted;
+        wanted.layer = query.text("layer", wanted.layer);
+        wanted.exposure_stops = query.number("exposure", wanted.exposure_stops);
+        wanted.curve = query.text("curve", wanted.curve);
+        wanted.max_size = query.integer("max_size");
         query.finish();
-        return service.preview(call.path_parameters[0], layer, exposure_stops, curve);
+        return service.preview(call.path_parameters[0], wanted);
     });
     add("pixels", Lane::Slow, [&service](Call& call, Query& query) {
         const std::string layer = query.text("layer");

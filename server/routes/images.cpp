@@ -27,6 +27,23 @@ void add_image_routes(std::vector<Route>& routes, Service& service) {
                           Query(call.query).finish();
                           return json_reply(200, service.measure(parse_strict_json(call.body)));
                       }});
+    routes.push_back(
+        {.method = "GET", .pattern = "/v1/images/{id}/pixels", .lane = Lane::Slow, .handle = [&service](Call& call) {
+             Query query(call.query);
+             const std::string layer = query.text("layer");
+             const std::string precision = query.text("precision", "float");
+             query.finish();
+             return file_reply(call, service.image_pixels(call.path_parameters[0], layer, precision));
+         }});
+    routes.push_back({.method = "GET", .pattern = "/v1/flip", .lane = Lane::Slow, .handle = [&service](Call& call) {
+                          Query query(call.query);
+                          const std::string image = query.text("image"), reference = query.text("reference");
+                          const std::string layer = query.text("layer", "beauty");
+                          const std::string range = query.text("range", "hdr");
+                          const std::string precision = query.text("precision", "float");
+                          query.finish();
+                          return file_reply(call, service.flip_map(image, reference, layer, range, precision));
+                      }});
     routes.push_back({.method = "GET", .pattern = "/v1/images/{id}", .handle = [&service](Call& call) {
                           Query(call.query).finish();
                           return json_reply(200, service.get_image(call.path_parameters[0]));

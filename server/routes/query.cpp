@@ -25,14 +25,16 @@ double Query::number(const std::string& name, double otherwise) {
     return otherwise;
 }
 
-uint32_t Query::integer(const std::string& name, uint32_t otherwise) {
+uint32_t Query::integer(const std::string& name, uint32_t otherwise) { return integer(name).value_or(otherwise); }
+
+std::optional<uint32_t> Query::integer(const std::string& name) {
     const std::string given = text(name);
-    if (given.empty()) return otherwise;
+    if (given.empty()) return std::nullopt;
     uint32_t value = 0;
     const auto [end, error] = std::from_chars(given.data(), given.data() + given.size(), value);
     if (error == std::errc() && end == given.data() + given.size()) return value;
     faults_.push_back({"/" + name, "must be a whole number, got " + value_text(given)});
-    return otherwise;
+    return std::nullopt;
 }
 
 bool Query::flag(const std::string& name) {

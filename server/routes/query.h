@@ -17,6 +17,7 @@ public:
     std::string text(const std::string& name, const std::string& otherwise = "");
     double number(const std::string& name, double otherwise);
     uint32_t integer(const std::string& name, uint32_t otherwise);
+    std::optional<uint32_t> integer(const std::string& name);
     bool flag(const std::string& name);
     /// Throws Error with every fault found, unknown and repeated names among them. Call it before using the values.
     void finish();

@@ -76,6 +76,10 @@ inline constexpr const char* kMigrations[] = {
         comparison INTEGER NOT NULL REFERENCES comparisons (seq) ON DELETE CASCADE) WITHOUT ROWID;
     CREATE INDEX comparison_keys_by_comparison ON comparison_keys (comparison);
     )sql",
+    // 4: layers of uploaded images
+    R"sql(
+    ALTER TABLE images ADD COLUMN layers TEXT NOT NULL DEFAULT '';
+    )sql",
 };
 
 inline constexpr int kSchemaVersion = static_cast<int>(std::size(kMigrations));

@@ -417,6 +417,7 @@ std::optional<SceneRow> Store::scene(const std::string& id) {
     if (!read.step()) return std::nullopt;
     return read_scene(read);
 }
+        .bind(9, image.layers)
 
 std::optional<SceneRow> Store::scene_named(const std::string& name) {
     Statement read = database_.prepare(
@@ -443,8 +444,8 @@ std::vector<std::string> Store::scene_ids() {
 void Store::insert_image(const ImageRow& image) {
     database_
         .prepare(
-            "INSERT INTO images (id, media_type, file, width, height, channels, bytes, created_ms) VALUES (?1, ?2, "
-            "?3, ?4, ?5, ?6, ?7, ?8)")
+            "INSERT INTO images (id, media_type, file, width, height, channels, bytes, created_ms, layers) VALUES (?1, "
+            "?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)")
         .bind(1, image.id)
         .bind(2, image.media_type)
         .bind(3, image.file)
@@ -458,11 +459,15 @@ void Store::insert_image(const ImageRow& image) {
 
 std::optional<ImageRow> Store::image(const std::string& id) {
     Statement read = database_.prepare(
-        "SELECT id, media_type, file, width, height, channels, bytes, created_ms FROM images WHERE id = ?1");
+        "SELECT id, media_type, file, width, height, channels, bytes, created_ms, layers FROM images WHERE id = ?1");
     read.bind(1, id);
     if (!read.step()) return std::nullopt;
-    return ImageRow{read.text(0),    read.text(1),    read.text(2),    read.integer(3),
-                    read.integer(4), read.integer(5), read.integer(6), read.integer(7)};
+    return ImageRow{read.text(0),    read.text(1),    read.text(2),    read.integer(3), read.integer(4),
+                    read.integer(5), read.integer(6), read.integer(7), read.text(8)};
+}
+
+void Store::set_image_layers(const std::string& id, const std::string& layers) {
+    database_.prepare("UPDATE images SET layers = ?2 WHERE id = ?1").bind(1, id).bind(2, layers).run();
 }
 
 std::vector<std::string> Store::image_files() {

@@ -94,6 +94,7 @@ struct SceneRow {
 struct ImageRow {
     std::string id, media_type, file;
     int64_t width = 0, height = 0, channels = 0, bytes = 0, created_ms = 0;
+    std::string layers;  // JSON: [{"name", "channels"}..]; empty where it came before they were noted
 };
 
 struct JobQuery {
@@ -192,6 +193,7 @@ public:
 
     void insert_image(const ImageRow& image);
     std::optional<ImageRow> image(const std::string& id);
+    void set_image_layers(const std::string& id, const std::string& layers);
     std::vector<std::string> image_files();
 
     // --- events

@@ -13,6 +13,7 @@
 #include "renderer/film/png_file.h"
 #include "server/worker/error_statistics.h"
 #include "server/worker/helper_message.h"
+#include "server/worker/raw_pixels.h"
 #include "server/worker/reference_image.h"
 
 namespace photond {
@@ -242,6 +243,20 @@ FlipRange range_in(const json& message) {
     throw Error(ErrorCode::UnknownName, "/range", "range \"" + name + "\" is neither ldr nor hdr");
 }
 
+struct SizedFlipMap {
+    Size2 size;
+    FlipMap map;
+};
+
+SizedFlipMap measure_flip(const json& message, uint64_t memory_bytes) {
+    const FlipRange range = range_in(message);
+    const std::string layer = layer_in(message);
+    const ImagePair pair = load_pair(message, memory_bytes);
+    require_layer(pair, layer, "/layer");
+    return {pair.image.size,
+            Flip(pair.image.size, pair.reference.layers.at(layer), range).measure(pair.image.layers.at(layer))};
+}
+
 /// 0 at kLeastMappedError and below, 1 at kGreatestMappedError and above.
 float on_log_scale(double error) {
     static const double decades = std::log10(kGreatestMappedError / kLeastMappedError);
@@ -276,14 +291,17 @@ json encode_difference(const json& message, uint64_t memory_bytes) {
 }
 
 json encode_flip(const json& message, uint64_t memory_bytes) {
-    const FlipRange range = range_in(message);
-    const std::string layer = layer_in(message);
-    const ImagePair pair = load_pair(message, memory_bytes);
-    require_layer(pair, layer, "/layer");
-    const FlipMap map =
-        Flip(pair.image.size, pair.reference.layers.at(layer), range).measure(pair.image.layers.at(layer));
-    write_png(pair.image.size, color_mapped(map.values), text_of(message, "out"));
-    return {{"mean", map.mean}};
+    const SizedFlipMap flip = measure_flip(message, memory_bytes);
+    write_png(flip.size, color_mapped(flip.map.values), text_of(message, "out"));
+    return {{"mean", flip.map.mean}};
+}
+
+json encode_flip_map(const json& message, uint64_t memory_bytes) {
+    const Precision precision = precision_of(message);
+    const SizedFlipMap flip = measure_flip(message, memory_bytes);
+    json result = write_raw_pixels(flip.size, 1, flip.map.values, precision, text_of(message, "out"));
+    result["mean"] = flip.map.mean;
+    return result;
 }
 
 json encode_error_map(const json& message, uint64_t memory_bytes) {

@@ -19,6 +19,8 @@ nlohmann::json encode_difference(const nlohmann::json& message, uint64_t memory_
 
 /// PNG of the FLIP map of a layer.
 nlohmann::json encode_flip(const nlohmann::json& message, uint64_t memory_bytes);
+/// The same map as raw pixels of one channel, 0 to 1.
+nlohmann::json encode_flip_map(const nlohmann::json& message, uint64_t memory_bytes);
 
 /// PNG of each pixel's relative error (conventions.md, "percentiles") on a fixed logarithmic scale; grey where it is
 /// not defined.

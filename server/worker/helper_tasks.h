@@ -1,8 +1,10 @@
 #pragma once
-// What the helper (photond-worker --device none) does: judge uploads, unpack, thumbnails, bake scenes, encode films.
+// What the helper (photond-worker --device none) does: judge uploads, unpack, picture and bake scenes, encode films.
 // The only place where bytes from outside become scenes and images.
 
 #include <nlohmann/json.hpp>
+
+#include "server/worker/scene_cache.h"
 
 namespace photond {
 
@@ -11,7 +13,9 @@ struct HelperLimits {
     unsigned threads = 1;
 };
 
-/// Answers one request of worker_messages.h with its "reply", whatever happens.
-nlohmann::json run_helper_task(const nlohmann::json& message, const HelperLimits& limits) noexcept;
+/// Answers one request of worker_messages.h with its "reply", whatever happens. The last scene that a picture was made
+/// of stays in `scenes` for the next one where it takes little of the limit. It counts: the other tasks have what it
+/// leaves, those that load scenes have all of it, and so has any task that is short of memory.
+nlohmann::json run_helper_task(const nlohmann::json& message, const HelperLimits& limits, SceneCache& scenes) noexcept;
 
 }  // namespace photond

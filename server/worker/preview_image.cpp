@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "renderer/error/color_map.h"
+#include "renderer/film/box_downscale.h"
 
 namespace photond {
 
@@ -27,13 +28,16 @@ std::vector<float> grey(const std::vector<float>& values) {
 
 }  // namespace
 
-std::vector<uint8_t> preview_image(const Film& film, const LayerInfo& layer, float exposure_stops, ToneCurve curve) {
-    const std::vector<float> values = film.resolve(layer.layer);
-    switch (preview_of(layer)) {
-        case LayerPreview::Light: return tone_mapped(values, exposure_stops, curve);
-        case LayerPreview::HeatMap: return overlap_heat_map(values);
-        case LayerPreview::Directions: return directions(values);
-        case LayerPreview::Dots: return tone_mapped(grey(values), exposure_stops, curve);
+PreviewImage preview_image(const Film& film, const LayerInfo* layer, float exposure_stops, ToneCurve curve,
+                           uint32_t max_side) {
+    const Size2 size = size_within(film.size(), max_side);
+    std::vector<float> values = layer ? film.resolve(layer->layer) : film.resolve_beauty();
+    if (size != film.size()) values = box_downscaled(values, layer ? layer->channel_count : 3, film.size(), size);
+    switch (layer ? preview_of(*layer) : LayerPreview::Light) {
+        case LayerPreview::Light: return {size, tone_mapped(values, exposure_stops, curve)};
+        case LayerPreview::HeatMap: return {size, overlap_heat_map(values)};
+        case LayerPreview::Directions: return {size, directions(values)};
+        case LayerPreview::Dots: return {size, tone_mapped(grey(values), exposure_stops, curve)};
         case LayerPreview::None: break;
     }
     assert(!"the layer has a preview");

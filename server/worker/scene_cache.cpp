@@ -38,6 +38,16 @@ EnvironmentMap read_environment(const std::filesystem::path& path) {
     return decode_environment(encoded, limits);
 }
 
+void light_if_dark(Scene& scene) {
+    const Needs& needs = scene.needs;
+    if (needs.area_lights || needs.punctual_lights || needs.environment || needs.unlit) return;
+    Environment sky;
+    sky.map.size = {2, 1};
+    sky.map.radiance.assign(2, Rgb(1));
+    scene.environment = std::move(sky);
+    scene.needs = find_needs(scene);
+}
+
 uint64_t sum_of(const std::map<std::string, uint64_t>& structures) {
     uint64_t sum = 0;
     for (const auto& [name, bytes] : structures) sum += bytes;
@@ -85,6 +95,7 @@ Scene load_scene(const SceneSource& source, const SceneVariant& variant, Stats& 
     const StageTimer timer(stats, "needs");
     if (variant.solid_glass) make_closed_glass_solid(scene);
     if (scene.environment) scene.needs = find_needs(scene);
+    if (variant.light_if_dark) light_if_dark(scene);
     return scene;
 }
 
@@ -97,7 +108,8 @@ std::string SceneCache::key_of(const SceneSource& source, const SceneVariant& va
                 variant.environment_scale,
                 variant.environment_rotation,
                 variant.solid_glass,
-                variant.time_s}
+                variant.time_s,
+                variant.light_if_dark}
         .dump();
 }
 
@@ -134,6 +146,12 @@ std::shared_ptr<const ReadyScene> SceneCache::get(const SceneSource& source, con
     for (const auto& [name, bytes] : ready->structures) budget.record(name, bytes);
     entries_.push_front({key, ready});
     return ready;
+}
+
+uint64_t SceneCache::bytes() const {
+    uint64_t bytes = 0;
+    for (const Entry& entry : entries_) bytes += entry.ready->bytes();
+    return bytes;
 }
 
 void SceneCache::evict_idle(const std::string& wanted_key) {

@@ -39,6 +39,7 @@ struct SceneVariant {
     double environment_rotation = 0;  // radians about +Y
     bool solid_glass = false;
     double time_s = 0;
+    bool light_if_dark = false;  // a white sky for a scene that brings no light: of pictures to recognise it by
 };
 
 /// A scene and its ray structure, and what each part of them takes.
@@ -75,6 +76,7 @@ public:
     std::shared_ptr<const ReadyScene> get(const SceneSource& source, const SceneVariant& variant, MemoryBudget& budget,
                                           Stats& stats);
     void clear() { entries_.clear(); }
+    uint64_t bytes() const;  // of the host, of all scenes held
 
 private:
     struct Entry {

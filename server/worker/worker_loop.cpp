@@ -24,6 +24,7 @@ constexpr std::chrono::seconds kHeartbeat{1};
 /// Share of the memory limit that scenes of other jobs may keep while they are not used; on top of what the job may
 /// hold.
 constexpr uint64_t kIdleScenesDivisor = 8;
+constexpr int kWarmMilliseconds = 120'000;  // without a request; then the helper lets go of its warm scene
 
 /// Sends a heartbeat each second, from a thread that nothing a render does can delay.
 class Heartbeat {
@@ -139,11 +140,18 @@ int run_helper(MessageChannel& channel, const WorkerOptions& options) {
     warm_up_exr();
     say_hello(channel, options.device);
     const Heartbeat heartbeat(channel);
-    while (const std::optional<json> message = channel.receive(-1)) {
+    SceneCache scenes(0);
+    while (true) {
+        const std::optional<json> message = channel.receive(scenes.bytes() > 0 ? kWarmMilliseconds : -1);
+        if (!message) {
+            if (channel.closed()) std::_Exit(0);
+            scenes.clear();  // nobody turns it any more
+            release_free_memory();
+            continue;
+        }
         if (message->value("type", "") == "stop") return 0;
-        channel.send(run_helper_task(*message, {options.memory_limit_bytes, options.threads}));
+        channel.send(run_helper_task(*message, {options.memory_limit_bytes, options.threads}, scenes));
     }
-    std::_Exit(0);
 }
 
 }  // namespace photond

@@ -1,13 +1,11 @@
 """Previews of the layers that look at a method: each shows the pixels that the job has, exposure where it is light."""
 
-import os
 import struct
-import tempfile
 import unittest
 
 import numpy
-import OpenImageIO as oiio
 
+from image_files import decoded_png
 from photond_daemon import Daemon, small_job
 
 LOOKS = ["clamped", "voxels", "vpls", "split_normal", "split_indirect"]
@@ -46,14 +44,7 @@ class LayerPreviewsTest(unittest.TestCase):
     def preview(self, layer, query=""):
         reply = self.get(f"preview.png?layer={layer}{query}")
         self.assertEqual(reply.status, 200, reply)
-        with tempfile.TemporaryDirectory() as folder:
-            path = os.path.join(folder, "preview.png")
-            with open(path, "wb") as file:
-                file.write(reply.body)
-            image = oiio.ImageInput.open(path)
-            shown = numpy.asarray(image.read_image("uint8")).astype(float)
-            image.close()
-        return shown
+        return decoded_png(reply.body)
 
     def assert_shows(self, shown, expected):
         self.assertLessEqual(numpy.abs(shown - numpy.broadcast_to(expected, shown.shape)).max(), 0.501)

@@ -161,11 +161,15 @@ class OpenApiTest(unittest.TestCase):
         ask("POST", "/v1/images", exr, {"Content-Type": "image/x-exr"})
         ask("GET", f"/v1/images/{image['id']}")
         ask("GET", f"/v1/images/{image['id']}/file")
+        self.assertEqual(ask("GET", f"/v1/images/{image['id']}/pixels").status, 200)
+        flip = f"/v1/flip?reference=image:{image['id']}&image=job:"
+        self.assertEqual(ask("GET", flip + job["id"]).status, 200)
         long_jobs = [ask("POST", "/v1/jobs", json_body={**small_job(), "stop": {"seconds": 3600}}).json["id"]
                      for _ in range(2)]
         ask("GET", "/v1/jobs")
         for name in ("image.exr", "preview.png", "pixels", "statistics.json"):
             self.assertEqual(ask("GET", f"/v1/jobs/{long_jobs[1]}/{name}").status, 202, name)
+        self.assertEqual(ask("GET", flip + long_jobs[1]).status, 202)
         waiting = ask("POST", "/v1/jobs", json_body={**small_job(), "method": photons}).json["id"]
         self.assertEqual(ask("GET", f"/v1/jobs/{waiting}/photon_map.glb").status, 202)
         long_jobs.append(waiting)
@@ -243,6 +247,7 @@ class OpenApiTest(unittest.TestCase):
                 ("POST", "/v1/jobs/none/retry", {}), ("POST", "/v1/jobs/none/extend", {"json_body": {}}),
                 ("POST", "/v1/jobs/merge", {"json_body": {"jobs": ["none"]}}),
                 ("POST", "/v1/metrics", {"json_body": {"image": "none"}}), ("GET", "/v1/jobs?role=x", {}),
+                ("GET", "/v1/flip", {}), ("GET", "/v1/images/none/pixels", {}),
                 ("GET", "/v1/comparisons/C999", {}), ("GET", "/v1/scenes/none/baked", {}),
                 ("GET", "/v1/comparisons/none/report.html", {}), ("DELETE", "/v1/comparisons/none", {}),
                 ("POST", "/v1/comparisons", {"json_body": {}})):

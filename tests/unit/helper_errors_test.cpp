@@ -37,7 +37,8 @@ protected:
     }
     static json ask(json message) {
         message["request"] = 1;
-        return run_helper_task(message, {uint64_t{1} << 30, 2});
+        SceneCache scenes(0);
+        return run_helper_task(message, {uint64_t{1} << 30, 2}, scenes);
     }
     static json result(const json& message) {
         const json reply = ask(message);
@@ -255,8 +256,9 @@ TEST_F(HelperErrors, FaultsNameTheirFieldAndWhatThereIs) {
     EXPECT_TRUE(failure({{"type", "encode_flip"}, {"image", x}, {"reference", r}, {"range", "sdr"}, {"out", out}})
                     .starts_with("unknown_name /range: "));
     EXPECT_FALSE(std::filesystem::exists(file("out")));
+    SceneCache scenes(0);
     const json reply = run_helper_task({{"type", "measure"}, {"image", x}, {"reference", r}, {"metrics", {"rmse"}}},
-                                       {3 * kSize.pixels() * sizeof(float), 1});  // the image fits, not both
+                                       {3 * kSize.pixels() * sizeof(float), 1}, scenes);  // the image fits, not both
     EXPECT_EQ(reply["failure"]["code"], "out_of_memory") << reply;
 }
 

@@ -43,6 +43,7 @@ protected:
         return path;
     }
     json merge(const std::vector<std::string>& films, uint64_t memory_bytes = UINT64_MAX) const {
+        SceneCache scenes(0);
         return run_helper_task({{"type", "merge_films"},
                                 {"request", 1},
                                 {"films", films},
@@ -52,7 +53,7 @@ protected:
                                                                 "stop": {"passes": 16}})")},
                                 {"scene_id", "S1"},
                                 {"out", file("joined")}},
-                               {memory_bytes, 2});
+                               {memory_bytes, 2}, scenes);
     }
     /// What is wrong, and with which film.
     std::string failure(const std::vector<std::string>& films, uint64_t memory_bytes = UINT64_MAX) const {

@@ -31,7 +31,7 @@ Film film_of_all_layers() {
 }
 
 Pixels shown(Layer layer, float exposure = 0) {
-    return preview_image(film_of_all_layers(), layer_info(layer), exposure, ToneCurve::Srgb);
+    return preview_image(film_of_all_layers(), &layer_info(layer), exposure, ToneCurve::Srgb).rgb;
 }
 
 TEST(PreviewImage, LightIsToneMapped) {
@@ -54,6 +54,26 @@ TEST(PreviewImage, VirtualLightsAreWhiteDots) {
 
 TEST(PreviewImage, OverlapIsAHeatMap) { EXPECT_EQ(shown(Layer::Overlap), (Pixels{0, 255, 0, 255, 255, 255})); }
 
+TEST(PreviewImage, SmallerOnesAreMeansOfLightNotOfColours) {
+    Film film({4, 2}, LayerSet::all());
+    PassImage image({4, 2}, LayerSet::all());
+    for (size_t i = 0; i < 8; ++i) {
+        image.hit[i] = 1;
+        image.direct[i] = Rgb(i % 2 == 0 ? 0.0f : 0.5f);
+        image.overlap[i] = i % 2 == 0 ? 0.0f : 400.0f;
+    }
+    film.add_pass(image);
+    const PreviewImage beauty = preview_image(film, nullptr, 0, ToneCurve::Srgb, 2);
+    EXPECT_EQ(beauty.size, (Size2{2, 1}));
+    EXPECT_EQ(beauty.rgb, Pixels(6, 137)) << "0.25 in sRGB; the mean of 0 and of 0.5 in sRGB would be 94";
+    EXPECT_EQ(preview_image(film, &layer_info(Layer::Overlap), 0, ToneCurve::Srgb, 2).rgb,
+              (Pixels{0, 255, 0, 0, 255, 0}))
+        << "200 splats";
+    EXPECT_EQ(preview_image(film, nullptr, 0, ToneCurve::Srgb, 16).rgb,
+              preview_image(film, nullptr, 0, ToneCurve::Srgb).rgb)
+        << "never scaled up";
+}
+
 TEST(PreviewImage, ExposureIsOfWhatIsLight) {
     for (const LayerInfo& info : kLayers) {
         const LayerPreview preview = preview_of(info);
@@ -72,6 +92,7 @@ TEST(PreviewImage, TheHelperEncodesEachThatThereIs) {
     FilmFile::save(film_of_all_layers(), {"scene", "settings", "cpu"}, "", film);
     for (const LayerInfo& info : kLayers) {
         std::filesystem::remove(png);
+        SceneCache scenes(0);
         const nlohmann::json reply = run_helper_task({{"type", "encode_preview"},
                                                       {"request", 1},
                                                       {"film", film},
@@ -79,7 +100,7 @@ TEST(PreviewImage, TheHelperEncodesEachThatThereIs) {
                                                       {"exposure", 0},
                                                       {"curve", "srgb"},
                                                       {"out", png}},
-                                                     {UINT64_MAX, 2});
+                                                     {UINT64_MAX, 2}, scenes);
         const bool has_one = preview_of(info) != LayerPreview::None;
         EXPECT_EQ(reply["failure"].is_null(), has_one) << info.name << ": " << reply;
         EXPECT_EQ(std::filesystem::exists(png), has_one) << info.name;
