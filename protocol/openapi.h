@@ -20,6 +20,7 @@ struct ApiVocabulary {
     std::vector<std::string> metrics;          // that are one number: for targets and curves
     std::vector<std::string> image_metrics;    // of two images
     std::vector<std::string> radiance_layers;  // that can be measured
+    std::vector<std::string> pages;            // patterns of the paths where the dashboard is shown
     std::vector<std::string> preview_layers;   // that a display can show, besides the beauty
     struct Artefact {
         std::string name;  // "photon_map.glb"

@@ -1,5 +1,7 @@
 #include "protocol/openapi_operations.h"
 
+#include <cctype>
+
 #include "protocol/error.h"
 #include "protocol/openapi_schemas.h"
 #include "protocol/problem.h"
@@ -25,7 +27,6 @@ struct Operation {
 };
 
 json operation_json(const Operation& operation) {
-    std::vector<std::string> required = {};  // of the query
     json parameters = json::array();
     const std::string& path = operation.path;
     for (size_t at = path.find('{'); at != std::string::npos; at = path.find('{', at + 1))
@@ -38,10 +39,6 @@ json operation_json(const Operation& operation) {
     for (const auto& [name, text] : operation.headers)
         parameters.push_back({{"name", name}, {"in", "header"}, {"schema", typed("string")}, {"description", text}});
     json responses{{"default",
-    for (json& parameter : parameters)
-        if (std::find(operation.required.begin(), operation.required.end(), parameter["name"].get<std::string>()) !=
-            operation.required.end())
-            parameter["required"] = true;
                     {{"description", "a failure, see the schema Problem"},
                      {"content", content(kProblemMediaType, schema_ref("Problem"))}}}};
     for (const auto& [status, body] : operation.answers) {
@@ -91,7 +88,6 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
         {"model/gltf-binary", binary()}, {"application/zip", binary()}, {"multipart/form-data", binary()}};
     std::vector<Operation> all{
         {"post",
-    const json source = job_or_image();
          "/v1/scenes",
          "addScene",
          "Upload a scene",
@@ -197,10 +193,7 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
          nullptr,
          {{"layer", one_of_words(preview_layers)},
           {"exposure", in_range(typed("number", "stops"), -32, 32)},
-          {"curve", one_of_words({"srgb", "filmic"})},
-          {"max_size", with_text(in_range(typed("integer"), 16, 4096),
-                                 "scaled down, never up, so that the longer side is at most this: means in linear "
-                                 "light, before the tone curve")}}},
+          {"curve", one_of_words({"srgb", "filmic"})}}},
         {"get",
          "/v1/jobs/{id}/pixels",
          "getPixels",
@@ -300,29 +293,12 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
         {"get", "/healthz", "isAlive", "Is it alive", {{200, object("Health")}}},
         {"get", "/readyz", "isReady", "Has every worker answered", {{200, object("Health")}}},
         {"get", "/metrics", "getMetrics", "Prometheus metrics", {{200, file("text/plain")}}},
-        {"get", "/", "frontPage", "A page to look at: queue, running jobs, comparisons", {{200, file("text/html")}}},
-        {"get", "/front_page.css", "frontPageStyle", "Of the page", {{200, file("text/css")}}},
+        {"get", "/favicon.svg", "getDashboardIcon", "Of the dashboard", {{200, file("image/svg+xml")}}},
         {"get",
-         "/v1/images/{id}/pixels",
-         "getImagePixels",
-         "Raw little-endian pixels of a layer, row 0 at the top",
-         {{200, file("application/octet-stream")}},
-         nullptr,
-         {{"layer", with_text(word, "of the image's layers; beauty where none is named")}, {"precision", precision}}},
-        {"get",
-         "/v1/flip",
-         "getFlipMap",
-         "The FLIP map of an image against another: raw pixels of one channel, 0 to 1; X-Flip-Mean has its mean",
-         {{200, file("application/octet-stream")}, {202, nullptr}},
-         nullptr,
-         {{"image", source},
-          {"reference", source},
-          {"layer", measured_layer},
-          {"range", one_of_words({"hdr", "ldr"})},
-          {"precision", precision}},
-         {},
-         {"image", "reference"}},
-        {"get", "/front_page.js", "frontPageScript", "Of the page", {{200, file("text/javascript")}}},
+         "/assets/{file}",
+         "getDashboardFile",
+         "A file of the dashboard, under a name that says its contents",
+         {{200, file("text/javascript")}}},
     };
     for (const ApiVocabulary::Artefact& artefact : vocabulary.artefacts)
         all.push_back({"get",
@@ -330,6 +306,14 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
                        operation_id(artefact.name),
                        "The " + artefact.text + " that the method kept",
                        {{200, content(artefact.media_type, binary())}, {202, nullptr}}});
+    for (const std::string& page : vocabulary.pages) {
+        std::string id = "showDashboard";  // "/jobs/{id}": showDashboardJobsId
+        for (size_t i = 0; i < page.size(); ++i)
+            if (std::isalpha(static_cast<unsigned char>(page[i])))
+                id += std::isalpha(static_cast<unsigned char>(page[i - 1])) ? page[i]
+                                                                            : static_cast<char>(std::toupper(page[i]));
+        all.push_back({"get", page, id, "The dashboard, a page to look at", {{200, file("text/html")}}});
+    }
     return all;
 }
 

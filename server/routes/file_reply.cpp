@@ -8,15 +8,6 @@
 namespace photond::http {
 namespace {
 
-// Strong comparison of one validator with a list such as `"a", "b"` or `*`. Weak ones never match strongly, but
-// If-None-Match compares weakly (RFC 9110, 13.1.2): the W/ is passed over there.
-bool lists_etag(std::string_view header, const std::string& quoted_etag, bool weak) {
-    if (header.find_first_not_of(" \t*") == std::string_view::npos) return header.find('*') != std::string_view::npos;
-    for (size_t at = header.find(quoted_etag); at != std::string_view::npos; at = header.find(quoted_etag, at + 1))
-        if (weak || at < 2 || header.substr(at - 2, 2) != "W/") return true;
-    return false;
-}
-
 std::optional<uint64_t> decimal(std::string_view text) {
     uint64_t value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -25,6 +16,13 @@ std::optional<uint64_t> decimal(std::string_view text) {
 }
 
 }  // namespace
+
+bool lists_etag(std::string_view header, const std::string& quoted_etag, bool weak) {
+    if (header.find_first_not_of(" \t*") == std::string_view::npos) return header.find('*') != std::string_view::npos;
+    for (size_t at = header.find(quoted_etag); at != std::string_view::npos; at = header.find(quoted_etag, at + 1))
+        if (weak || at < 2 || header.substr(at - 2, 2) != "W/") return true;
+    return false;
+}
 
 ByteRange parse_range(const std::string& header, uint64_t bytes) {
     const ByteRange whole{ByteRange::Kind::Whole, 0, bytes};

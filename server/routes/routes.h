@@ -15,5 +15,6 @@ void add_artefact_routes(std::vector<Route>& routes, Service& service);
 void add_comparison_routes(std::vector<Route>& routes, Service& service);
 void add_image_routes(std::vector<Route>& routes, Service& service);
 void add_system_routes(std::vector<Route>& routes, Service& service);
+void add_dashboard_routes(std::vector<Route>& routes);
 
 }  // namespace photond::http

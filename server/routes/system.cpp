@@ -5,7 +5,7 @@
 #include "renderer/error/metric.h"
 #include "renderer/film/layer_preview.h"
 #include "renderer/methods/registry.h"
-#include "server/routes/front_page.h"
+#include "server/routes/dashboard.h"
 #include "server/routes/query.h"
 #include "server/routes/routes.h"
 
@@ -95,6 +95,7 @@ std::string openapi_text(const Service& service) {
     vocabulary.radiance_layers = service.vocabulary().radiance_layers;
     for (const LayerInfo& info : kLayers)
         if (preview_of(info) != LayerPreview::None) vocabulary.preview_layers.emplace_back(info.name);
+    vocabulary.pages.assign(std::begin(kDashboardPages), std::end(kDashboardPages));
     vocabulary.max_width = service.vocabulary().max_width;
     vocabulary.max_height = service.vocabulary().max_height;
     return openapi_document(vocabulary).dump(2) + "\n";
@@ -134,19 +135,6 @@ void add_system_routes(std::vector<Route>& routes, Service& service) {
     });
     ready.open = true;
     ready.lane = Lane::Instant;
-    // Pages are open: what they show they ask for with the token of who looks.
-    const auto page = [&get](const char* path, const char* text, const char* media_type) {
-        get(path, [text, media_type](Call&) {
-            Reply reply = text_reply(200, text, media_type);
-            // Previews arrive by fetch(), which can carry a token, and are shown as blobs.
-            reply.headers["Content-Security-Policy"] =
-                "default-src 'self'; img-src 'self' blob:; base-uri 'none'; form-action 'self'; frame-ancestors 'none'";
-            return reply;
-        }).open = true;
-    };
-    page("/", kFrontPageHtml, "text/html; charset=utf-8");
-    page("/front_page.css", kFrontPageCss, "text/css; charset=utf-8");
-    page("/front_page.js", kFrontPageJs, "text/javascript; charset=utf-8");
 }
 
 }  // namespace photond::http

@@ -133,7 +133,7 @@ class OpenApiTest(unittest.TestCase):
     def test_every_answer_is_announced(self):
         ask = self.ask
         binary = {"Content-Type": "model/gltf-binary"}
-        for path in ("/healthz", "/readyz", "/metrics", "/", "/front_page.css", "/front_page.js", "/v1/status",
+        for path in ("/healthz", "/readyz", "/metrics", "/", "/jobs/none", "/favicon.svg", "/v1/status",
                      "/v1/openapi.json", "/v1/methods", "/v1/methods/path_tracing", "/v1/devices", "/v1/scenes?limit=1000",
                      "/v1/jobs"):
             self.assertEqual(ask("GET", path).status, 200, path)
