@@ -1,5 +1,6 @@
 #include "protocol/openapi_operations.h"
 
+#include <algorithm>
 #include <cctype>
 
 #include "protocol/error.h"
@@ -24,6 +25,7 @@ struct Operation {
     json body = nullptr;                        // content taken
     std::vector<std::pair<const char*, json>> query = {};
     std::vector<std::pair<const char*, const char*>> headers = {};
+    std::vector<std::string> required = {};  // of the query
 };
 
 json operation_json(const Operation& operation) {
@@ -36,6 +38,10 @@ json operation_json(const Operation& operation) {
                               {"schema", typed("string")}});
     for (const auto& [name, schema] : operation.query)
         parameters.push_back({{"name", name}, {"in", "query"}, {"schema", schema}});
+    for (json& parameter : parameters)
+        if (std::find(operation.required.begin(), operation.required.end(), parameter["name"].get<std::string>()) !=
+            operation.required.end())
+            parameter["required"] = true;
     for (const auto& [name, text] : operation.headers)
         parameters.push_back({{"name", name}, {"in", "header"}, {"schema", typed("string")}, {"description", text}});
     json responses{{"default",
@@ -74,7 +80,9 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
     const std::vector<std::pair<const char*, json>> page{{"limit", limit}, {"cursor", word}};
     const json precision = one_of_words({"float", "half"});
     const json flag = typed("boolean");
-    const json state = one_of_words({"queued", "running", "succeeded", "failed", "cancelled"});
+    json states = typed("string", "one or more, commas between them");
+    constexpr const char* kState = "(queued|running|succeeded|failed|cancelled)";
+    states["pattern"] = std::string("^") + kState + "(," + kState + ")*$";
     const json role = one_of_words({"render", "reference", "merged"});
     std::vector<std::string> measured_layers = vocabulary.radiance_layers;
     measured_layers.insert(measured_layers.begin(), "beauty");
@@ -83,6 +91,7 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
     preview_layers.insert(preview_layers.begin(), "beauty");
     std::vector<std::string> pixel_layers{"beauty", "emitted", "direct", "indirect"};
     pixel_layers.insert(pixel_layers.end(), vocabulary.layers.begin(), vocabulary.layers.end());
+    const json source = job_or_image();
     const json image_body{{"image/x-exr", binary()}, {"image/vnd.radiance", binary()}};
     const json scene_body{
         {"model/gltf-binary", binary()}, {"application/zip", binary()}, {"multipart/form-data", binary()}};
@@ -127,16 +136,19 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
         {"get",
          "/v1/jobs",
          "listJobs",
-         "Jobs, newest first",
-         {{200, object("JobPage")}},
+         "Jobs, newest first; as summaries, with how many there are, quick for any page of any filter",
+         {{200, content(kJson, {{"anyOf", {schema_ref("JobPage"), schema_ref("JobSummaryPage")}}})}},
          nullptr,
-         {{"state", state},
-          {"label", word},
+         {{"view", with_text(one_of_words({"full", "summary"}), "full where not given")},
+          {"state", states},
+          {"label", with_text(word, "KEY or KEY=VALUE")},
           {"scene", word},
           {"method", word},
+          {"device", with_text(word, "cpu, gpu:0, ..")},
           {"role", role},
           {"limit", limit},
-          {"cursor", word}}},
+          {"cursor", word},
+          {"offset", count("jobs to skip after the cursor")}}},
         {"get", "/v1/jobs/{id}", "getJob", "One job", {{200, object("Job")}}},
         {"delete",
          "/v1/jobs/{id}",
@@ -193,7 +205,10 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
          nullptr,
          {{"layer", one_of_words(preview_layers)},
           {"exposure", in_range(typed("number", "stops"), -32, 32)},
-          {"curve", one_of_words({"srgb", "filmic"})}}},
+          {"curve", one_of_words({"srgb", "filmic"})},
+          {"max_size", with_text(in_range(typed("integer"), 16, 4096),
+                                 "scaled down, never up, so that the longer side is at most this: means in linear "
+                                 "light, before the tone curve")}}},
         {"get",
          "/v1/jobs/{id}/pixels",
          "getPixels",
@@ -287,6 +302,26 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
          {{200, object("Measurement")}},
          object("MeasurementRequest")},
         {"get", "/v1/images/{id}", "getUploadedImage", "One image", {{200, object("Image")}}},
+        {"get",
+         "/v1/images/{id}/pixels",
+         "getImagePixels",
+         "Raw little-endian pixels of a layer, row 0 at the top",
+         {{200, file("application/octet-stream")}},
+         nullptr,
+         {{"layer", with_text(word, "of the image's layers; beauty where none is named")}, {"precision", precision}}},
+        {"get",
+         "/v1/flip",
+         "getFlipMap",
+         "The FLIP map of an image against another: raw pixels of one channel, 0 to 1; X-Flip-Mean has its mean",
+         {{200, file("application/octet-stream")}, {202, nullptr}},
+         nullptr,
+         {{"image", source},
+          {"reference", source},
+          {"layer", measured_layer},
+          {"range", one_of_words({"hdr", "ldr"})},
+          {"precision", precision}},
+         {},
+         {"image", "reference"}},
         {"get", "/v1/images/{id}/file", "getImageFile", "The image as uploaded", {{200, file("image/x-exr")}}},
         {"get", "/v1/status", "getStatus", "The daemon, its queue and workers", {{200, object("Status")}}},
         {"get", "/v1/openapi.json", "getOpenApi", "This document", {{200, content(kJson, typed("object"))}}},
