@@ -1,22 +1,18 @@
 """photonctl against a real daemon, as a person and as a script use it; and through a proxy that breaks connections, to
 hold it to what it promises about repeats."""
 
-import http.server
 import json
 import re
 import signal
-import socket
 import struct
 import subprocess
-import threading
 import time
 import unittest
-import urllib.error
-import urllib.request
 import zipfile
 
 import OpenImageIO as oiio
 
+from bad_weather import BadWeather
 from photond_daemon import BIN, Daemon
 from photonctl_case import (CANCELLED, INTERRUPTED, LOCAL_FILE, OK, REFUSED, SMALL, TIMED_OUT, UNREACHABLE, USAGE, Case, cli,
                             json_lines)
@@ -374,81 +370,10 @@ class Tokens(Case):
             self.run_for(USAGE, "methods", "--token-file", folder / "none", PHOTOND_URL=url)
 
 
-class BadWeather(http.server.ThreadingHTTPServer):
-    """A proxy before the daemon. `faults`: list of (method, path's pattern, what), each used once, what being a status
-    ("503", with Retry-After), "drop" (carried out, answer lost), "cut" (the first event, then the end) or "gone" (404)."""
-
-    def __init__(self, faults):
-        super().__init__(("127.0.0.1", 0), Forwarder)
-        self.faults = list(faults)
-        self.lock = threading.Lock()
-        self.seen = []  # (method, path, headers)
-
-    def fault_for(self, method, path):
-        with self.lock:
-            for fault in self.faults:
-                if fault[0] == method and re.search(fault[1], path):
-                    self.faults.remove(fault)
-                    return fault[2]
-        return None
-
-    def __enter__(self):
-        threading.Thread(target=self.serve_forever, daemon=True).start()
-        return self
-
-    def __exit__(self, *_):
-        self.shutdown()
-        self.server_close()
-
-
-class Forwarder(http.server.BaseHTTPRequestHandler):
-    protocol_version = "HTTP/1.0"  # one request a connection
-
-    def log_message(self, *_):
-        pass
-
-    def forward(self):
-        body = self.rfile.read(int(self.headers.get("Content-Length", 0)))
-        self.server.seen.append((self.command, self.path, dict(self.headers)))
-        fault = self.server.fault_for(self.command, self.path)
-        if fault in ("503", "429", "404"):
-            self.send_response(int(fault))
-            self.send_header("Retry-After", "1")
-            self.end_headers()
-            return
-        headers = {k: v for k, v in self.headers.items() if k not in ("Host", "Connection")}
-        upstream = urllib.request.Request(cli.url() + self.path, data=body or None, headers=headers, method=self.command)
-        try:
-            reply = urllib.request.urlopen(upstream, timeout=60)
-        except urllib.error.HTTPError as refusal:
-            reply = refusal
-        with reply:
-            if fault == "drop":
-                reply.read()
-                self.connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
-                self.close_connection = True
-                self.connection.shutdown(socket.SHUT_RDWR)
-                return
-            self.send_response(reply.status)
-            for name, value in reply.headers.items():
-                if name.lower() not in ("connection", "transfer-encoding", "date", "server"):
-                    self.send_header(name, value)
-            self.end_headers()
-            while piece := reply.read1(65536):
-                try:
-                    self.wfile.write(piece)
-                except OSError:
-                    return
-                if fault == "cut" and b"data:" in piece:
-                    return
-
-    do_GET = do_POST = do_DELETE = forward
-
-
 class Weather(Case):
     def through(self, faults, code, *arguments):
-        with BadWeather(faults) as proxy:
-            result = self.run_for(code, *arguments, PHOTOND_URL=f"http://127.0.0.1:{proxy.server_port}")
+        with BadWeather(cli.url(), faults) as proxy:
+            result = self.run_for(code, *arguments, PHOTOND_URL=proxy.url)
             self.assertEqual(proxy.faults, [], "not every fault was met")
             return result, proxy.seen
 

@@ -1,0 +1,38 @@
+"""Client of photond, a global-illumination render service. The standard library is enough; numpy makes arrays of images,
+matplotlib plots.
+
+    import photond
+
+    client = photond.Client()                                  # PHOTOND_URL, PHOTOND_TOKEN
+    job = client.render("cornell-box", "photon_mapping", passes=16, layers=["caustic"])
+    job.image(layer="caustic")                                 # ndarray, height x width x 3
+    job.save("caustic.exr")
+
+    print(client.methods["photon_mapping"])                    # its parameters, with units, ranges and defaults
+    comparison = client.compare("cornell-box", ["path_tracing", "photon_mapping"], seconds=5,
+                                reference="path_tracing:1024", seeds=[1, 2, 3])
+    print(comparison)                                          # who reaches which error, and what it took
+    comparison.plot()                                          # error over time, with bands over the seeds
+"""
+
+from ._version import __version__
+from .client import Client, Estimate
+from .comparison import Comparison
+from .curves import Curve, MeanCurve
+from .errors import (BadFile, BadRequest, Busy, ComparisonFailed, Denied, Fault, Invalid, JobCancelled, JobFailed,
+                     MissingPackage, NoSpace, NotFound, NothingYet, PhotondError, ProtocolError, Refused, ServerFault,
+                     TimedOut, TooLarge, Unavailable, Unreachable, WrongState)
+from .job import Event, Job
+from .methods import Method, Methods, Parameter, UnknownName
+from .pixels import Pixels
+from .plots import plot_curves
+from .requests import entry, look_at, reference
+from .scene import Scene, UploadedImage
+
+__all__ = [
+    "BadFile", "BadRequest", "Busy", "Client", "Comparison", "ComparisonFailed", "Curve", "Denied", "Estimate", "Event",
+    "Fault", "Invalid", "Job", "JobCancelled", "JobFailed", "MeanCurve", "Method", "Methods", "MissingPackage", "NoSpace",
+    "NotFound", "NothingYet", "Parameter", "PhotondError", "Pixels", "ProtocolError", "Refused", "Scene", "ServerFault",
+    "TimedOut", "TooLarge", "Unavailable", "UnknownName", "Unreachable", "UploadedImage", "WrongState", "__version__",
+    "entry", "look_at", "plot_curves", "reference",
+]

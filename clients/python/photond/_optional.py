@@ -1,0 +1,15 @@
+"""Packages that only add to this one, imported where they are needed."""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+from .errors import MissingPackage
+
+
+def needed(package: str, for_what: str) -> Any:
+    try:
+        return importlib.import_module(package)
+    except ImportError as error:
+        raise MissingPackage(f"{for_what} needs {package.partition('.')[0]}, which is not installed") from error

@@ -1,0 +1,366 @@
+"""The way in."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import os
+import ssl
+from typing import (TYPE_CHECKING, Any, Callable, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence,
+                    TypeVar, Union, cast)
+
+from . import requests
+from ._events import EventParser
+from ._files import OutputFile, Path, image_upload, scene_upload
+from ._http import Body, ConnectionLost, Query, Reply, Stream, Transport, json_body, resource_path
+from ._text import human_bytes, human_seconds
+from .comparison import Comparison
+from .errors import NothingYet, ProtocolError
+from .job import SILENCE_SECONDS, STREAM_TRIES, Event, Job, parsed
+from .methods import Methods
+from .requests import ComparisonSubmission, ImageLike, Submission, image_name, random_key
+from .scene import Scene, UploadedImage
+from .shapes import Device, JobSummary, Json, Measurement, Status
+
+if TYPE_CHECKING:
+    from typing_extensions import Concatenate, ParamSpec
+
+    P = ParamSpec("P")
+R = TypeVar("R")
+S = TypeVar("S")
+
+DEFAULT_URL = "http://127.0.0.1:8080"
+MOST_ITEMS = 1000  # the greatest `limit` of a page
+
+
+class Estimate(NamedTuple):
+    """What a job or comparison would take. `seconds` is None while the daemon has rendered nothing with the method."""
+
+    memory_bytes: int
+    device_memory_bytes: Optional[int]
+    seconds: Optional[float]
+    data: Json
+
+    def __str__(self) -> str:
+        device = f", and {human_bytes(self.device_memory_bytes)} of the GPU's" if self.device_memory_bytes else ""
+        time = "not known" if self.seconds is None else human_seconds(self.seconds)
+        return f"memory {human_bytes(self.memory_bytes)}{device}; time {time}"
+
+
+def _takes(build: "Callable[Concatenate[Client, P], S]"
+           ) -> "Callable[[Callable[[Client, S], R]], Callable[Concatenate[Client, P], R]]":
+    """Makes a method of what takes a submission: its arguments are those that build it."""
+
+    def decorate(take: "Callable[[Client, S], R]") -> "Callable[Concatenate[Client, P], R]":
+        @functools.wraps(take)
+        def method(client: "Client", /, *arguments: "P.args", **named: "P.kwargs") -> R:
+            return take(client, build(client, *arguments, **named))
+
+        parameters = list(inspect.signature(build).parameters.values())
+        parameters[0] = parameters[0].replace(name="self", annotation=inspect.Parameter.empty)
+        returns = inspect.signature(take).return_annotation
+        method.__signature__ = inspect.Signature(parameters, return_annotation=returns)  # type: ignore[attr-defined]
+        method.__doc__ = f"{inspect.getdoc(take)}\n\n{inspect.getdoc(build)}"
+        return method
+
+    return decorate
+
+
+class Client:
+    """A daemon to talk to. It may be used by several threads at once.
+
+    url, token    default: PHOTOND_URL and PHOTOND_TOKEN, as photonctl has them; else http://127.0.0.1:8080 and none
+    token_file    read the token from there
+    retry_seconds how long failures that may pass are repeated: 429 and 503 after the Retry-After they name, lost
+                  connections where repeating is harmless (submissions carry an Idempotency-Key), refused ones once the
+                  daemon has been spoken to; 0: never
+    tls           for https; default: the system's certificates
+
+    >>> client.status()["ready"]
+    True
+    >>> sorted(client.methods)[:2]
+    ['imperfect_shadow_maps', 'path_tracing']
+    """
+
+    def __init__(self, url: Optional[str] = None, token: Optional[str] = None, *, token_file: Optional[Path] = None,
+                 retry_seconds: float = 30, connect_timeout: float = 10, stall_timeout: float = 180,
+                 tls: Optional[ssl.SSLContext] = None) -> None:
+        if token_file is not None:
+            with open(token_file, encoding="utf-8") as file:
+                words = file.read().split()
+            if not words:
+                raise ValueError(f"there is no token in {token_file}")
+            token = words[0]
+        if token is None:
+            token = os.environ.get("PHOTOND_TOKEN", "")
+        self._transport = Transport(url or os.environ.get("PHOTOND_URL") or DEFAULT_URL, token, retry_seconds,
+                                    connect_timeout, stall_timeout, tls)
+        self.methods = Methods(self)
+
+    @property
+    def url(self) -> str:
+        return self._transport.url
+
+    def close(self) -> None:
+        """Closes kept connections; the client opens new ones when it is used again."""
+        self._transport.close()
+
+    def __enter__(self) -> "Client":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        return f"<Client {self.url}>"
+
+    # --- the wire: for routes that have no method of their own ----------------------------------------------------------
+    def get(self, path: str, query: Optional[Query] = None) -> Json:
+        """The JSON at a path, as client.get("/v1/openapi.json")."""
+        return cast(Json, self._transport.ask("GET", path, query=query).json())
+
+    def send(self, method: str, path: str, body: Any = None, *, query: Optional[Query] = None,
+             headers: Optional[Mapping[str, str]] = None, safe: bool = True) -> Json:
+        """JSON there and back. Not `safe`: not repeated where it may have been carried out."""
+        sent: Optional[Body] = None if body is None else json_body(body)
+        return cast(Json, self._transport.ask(method, path, query=query, body=sent, headers=headers, safe=safe).json())
+
+    def reply(self, path: str, query: Optional[Query] = None) -> Reply:
+        """A file with its headers. Raises NothingYet for 202."""
+        reply = self._transport.ask("GET", path, query=query)
+        if reply.status == 202:
+            raise NothingYet(f"there is nothing at {path} yet: no pass is done")
+        return reply
+
+    def download(self, path: str, file: Optional[Path] = None, query: Optional[Query] = None) -> bytes:
+        """A file; saved whole or not at all where `file` is given, else returned. Raises NothingYet for 202."""
+        if file is None:
+            return self.reply(path, query).body
+        with OutputFile(file) as output:
+            reply = self._transport.ask("GET", path, query=query, sink=output)
+            if reply.status == 202:
+                raise NothingYet(f"there is nothing to save as {file} yet: no pass is done")
+            output.publish()
+        return b""
+
+    def items(self, path: str, query: Optional[Query] = None, limit: Optional[int] = None) -> Iterator[Json]:
+        """What a list holds, over as many pages as that takes."""
+        left = limit
+        cursor: Optional[str] = None
+        while left is None or left > 0:
+            page = MOST_ITEMS if left is None else min(MOST_ITEMS, left)
+            reply = self.get(path, {**(query or {}), "limit": page, "cursor": cursor})
+            yield from reply["items"]
+            cursor = reply.get("next_cursor")
+            if not cursor:
+                return
+            if left is not None:
+                left -= len(reply["items"])
+
+    def event_stream(self, path: str, headers: Mapping[str, str], silence_timeout: float) -> Optional[Stream]:
+        return self._transport.stream(path, headers, silence_timeout)
+
+    # --- the daemon -----------------------------------------------------------------------------------------------------
+    def status(self) -> Status:
+        """Version, uptime, queue, workers."""
+        return cast(Status, self.get("/v1/status"))
+
+    def devices(self) -> List[Device]:
+        return cast(List[Device], self.get("/v1/devices")["items"])
+
+    def metrics_text(self) -> str:
+        """The daemon's own figures, as Prometheus reads them."""
+        return self.download("/metrics").decode()
+
+    def events(self) -> Iterator[Event]:
+        """What happens to all jobs from now on, without end; a broken stream is taken up where it broke. Raises
+        Unreachable when the daemon is gone for longer than is retried."""
+        parser = EventParser()
+        fruitless = 0
+        while True:
+            headers = {"Last-Event-ID": parser.last_event_id} if parser.last_event_id else {}
+            parser.reconnect()
+            fruitless += 1
+            try:
+                stream = self.event_stream("/v1/events", headers, SILENCE_SECONDS)
+                if stream is None:
+                    self.get("/v1/status")  # raises where the daemon refuses this client
+                    if fruitless >= STREAM_TRIES:
+                        raise ProtocolError("the daemon gives no event stream")
+                else:
+                    try:
+                        while True:
+                            data = stream.read(SILENCE_SECONDS)
+                            if not data:
+                                break
+                            for server_event in parser.feed(data):
+                                fruitless = 0
+                                event = parsed(server_event)
+                                if event is not None:
+                                    yield event
+                    finally:
+                        stream.close()
+            except ConnectionLost:
+                pass
+            self.get("/v1/status")  # waits for one that starts anew
+
+    # --- scenes and images ----------------------------------------------------------------------------------------------
+    def scenes(self, *, family: Optional[str] = None) -> List[Scene]:
+        """Newest first; or the built-in scenes of a family, hard-cases or photon-splatting."""
+        return [Scene(self, item) for item in self.items("/v1/scenes", {"family": family})]
+
+    def scene(self, name: str) -> Scene:
+        """By name or id."""
+        return Scene(self, self.get(resource_path("scenes", name)))
+
+    def upload_scene(self, path: Path, *, name: Optional[str] = None) -> Scene:
+        """.glb, .zip, .gltf (with every file it refers to), or a folder that holds one. The same bytes give the same scene.
+
+        >>> client.upload_scene(triangle_gltf, name="triangle").triangles  # a .gltf and its .bin
+        1
+        """
+        body = scene_upload(path)
+        return Scene(self, self._transport.ask("POST", "/v1/scenes", query={"name": name or body.name}, body=body).json())
+
+    def upload_image(self, path: Path) -> UploadedImage:
+        """.exr or .hdr."""
+        return UploadedImage(self, self._transport.ask("POST", "/v1/images", body=image_upload(path)).json())
+
+    def image(self, id: str) -> UploadedImage:
+        return UploadedImage(self, self.get(resource_path("images", id)))
+
+    def measure(self, image: ImageLike, reference: ImageLike, metrics: Optional[Sequence[str]] = None) -> Measurement:
+        """Errors of an image against another: a Job, an UploadedImage, a path, "job:J17" or "image:ID".
+
+        >>> coarse = client.render("cornell-box", width=16, height=16, passes=1)
+        >>> fine = client.render("cornell-box", width=16, height=16, passes=64, seed=2)
+        >>> 0 < client.measure(coarse, fine, ["relative_mse"])["metrics"]["relative_mse"] < 10
+        True
+        """
+        body: Json = {"image": image_name(self, image), "reference": image_name(self, reference)}
+        if metrics is not None:
+            body["metrics"] = list(metrics)
+        return cast(Measurement, self.send("POST", "/v1/metrics", body))
+
+    # --- jobs -----------------------------------------------------------------------------------------------------------
+    @_takes(requests.job_request)
+    def submit(self, submission: Submission) -> Job:
+        """Queues a render and returns at once; `.wait()` follows it.
+
+        >>> job = client.submit("cornell-box", client.methods["photon_mapping"](gather="direct"), width=16, height=16,
+        ...                     passes=2, labels={"study": "first"})
+        >>> job.wait().state
+        'succeeded'
+        """
+        return self._submit(submission)
+
+    @_takes(requests.job_request)
+    def render(self, submission: Submission) -> Job:
+        """Queues a render and waits for it. Raises JobFailed or JobCancelled; Ctrl-C leaves it running."""
+        return self._submit(submission).wait()
+
+    @_takes(requests.job_request)
+    def estimate(self, submission: Submission) -> Estimate:
+        """Memory and time a job would take; nothing is queued, though files it needs are sent.
+
+        >>> client.estimate("cornell-box", width=64, height=64, passes=16).memory_bytes > 2**20
+        True
+        """
+        return _estimate(self.send("POST", "/v1/jobs", submission.body, query={"dry_run": True}))
+
+    @_takes(requests.job_request)
+    def job_request(self, submission: Submission) -> Json:
+        """The body that `submit` would send, to look at or to keep; files it needs are sent."""
+        return cast(Json, submission.body)
+
+    def submit_request(self, body: Mapping[str, Any], *, idempotency_key: Optional[str] = None) -> Job:
+        """Queues a job by its JSON, as another job's `request` or a file has it."""
+        return self._submit(Submission(cast(Any, dict(body)), idempotency_key or random_key()))
+
+    def _submit(self, submission: Submission) -> Job:
+        return Job(self, self.send("POST", "/v1/jobs", submission.body,
+                                   headers={"Idempotency-Key": submission.idempotency_key}))
+
+    def job(self, id: str) -> Job:
+        return Job(self, self.get(resource_path("jobs", id)))
+
+    def jobs(self, *, state: Union[None, str, Sequence[str]] = None, label: Optional[str] = None,
+             scene: Optional[str] = None, method: Optional[str] = None, device: Optional[str] = None,
+             role: Optional[str] = None, limit: Optional[int] = None) -> Iterator[Job]:
+        """Newest first, page by page as they are taken. `label` is "key=value"; `role` is render, reference or merged.
+
+        >>> job = client.render("furnace", width=8, height=8, passes=1, labels={"study": "listed"})
+        >>> [found.id for found in client.jobs(label="study=listed", state="succeeded")] == [job.id]
+        True
+        """
+        query = _job_query(state, label, scene, method, device, role)
+        return (Job(self, item) for item in self.items("/v1/jobs", query, limit))
+
+    def job_summaries(self, *, state: Union[None, str, Sequence[str]] = None, label: Optional[str] = None,
+                      scene: Optional[str] = None, method: Optional[str] = None, device: Optional[str] = None,
+                      role: Optional[str] = None, limit: Optional[int] = None) -> Iterator[JobSummary]:
+        """As `jobs`, but light rows: quick over a hundred thousand jobs."""
+        query: Query = {**_job_query(state, label, scene, method, device, role), "view": "summary"}
+        return (cast(JobSummary, item) for item in self.items("/v1/jobs", query, limit))
+
+    def count_jobs(self, *, state: Union[None, str, Sequence[str]] = None, label: Optional[str] = None,
+                   scene: Optional[str] = None, method: Optional[str] = None, device: Optional[str] = None,
+                   role: Optional[str] = None) -> int:
+        query: Query = {**_job_query(state, label, scene, method, device, role), "view": "summary", "limit": 1}
+        return int(self.get("/v1/jobs", query)["total"])
+
+    def merge(self, jobs: Iterable[Union[str, Job]], *, idempotency_key: Optional[str] = None) -> Job:
+        """One job of all the passes of several that differ in their passes only (`first_pass`): the same bits as one job
+        with all.
+
+        >>> parts = [client.render("cornell-box", width=16, height=16, passes=2, first_pass=first) for first in (0, 2)]
+        >>> whole = client.render("cornell-box", width=16, height=16, passes=4)
+        >>> client.merge(parts).wait().statistics["pixel_hash"] == whole.statistics["pixel_hash"]
+        True
+        """
+        body = {"jobs": [job.id if isinstance(job, Job) else job for job in jobs]}
+        return Job(self, self.send("POST", "/v1/jobs/merge", body,
+                                   headers={"Idempotency-Key": idempotency_key or random_key()}))
+
+    # --- comparisons ----------------------------------------------------------------------------------------------------
+    @_takes(requests.comparison_request)
+    def submit_comparison(self, submission: ComparisonSubmission) -> Comparison:
+        """Queues a comparison and all its jobs and returns at once; `.wait()` follows it."""
+        return self._submit_comparison(submission)
+
+    @_takes(requests.comparison_request)
+    def compare(self, submission: ComparisonSubmission) -> Comparison:
+        """Which method reaches which error first: renders with each, one job at a time on a device, and measures. Raises
+        ComparisonFailed; Ctrl-C leaves it running."""
+        return self._submit_comparison(submission).wait()
+
+    @_takes(requests.comparison_request)
+    def estimate_comparison(self, submission: ComparisonSubmission) -> Estimate:
+        """What it would take; `data` has it entry by entry. Nothing is queued, though files it needs are sent."""
+        return _estimate(self.send("POST", "/v1/comparisons", submission.body, query={"dry_run": True}))
+
+    @_takes(requests.comparison_request)
+    def comparison_request(self, submission: ComparisonSubmission) -> Json:
+        """The body that `submit_comparison` would send; files it needs are sent."""
+        return cast(Json, submission.body)
+
+    def _submit_comparison(self, submission: ComparisonSubmission) -> Comparison:
+        return Comparison(self, self.send("POST", "/v1/comparisons", submission.body,
+                                          headers={"Idempotency-Key": submission.idempotency_key}))
+
+    def comparison(self, id: str) -> Comparison:
+        return Comparison(self, self.get(resource_path("comparisons", id)))
+
+    def comparisons(self, *, limit: Optional[int] = None) -> Iterator[Comparison]:
+        """Newest first."""
+        return (Comparison(self, item) for item in self.items("/v1/comparisons", None, limit))
+
+
+def _estimate(data: Json) -> Estimate:
+    return Estimate(data["memory_bytes"], data.get("device_memory_bytes"), data["seconds"], data)
+
+
+def _job_query(state: Union[None, str, Sequence[str]], label: Optional[str], scene: Optional[str], method: Optional[str],
+               device: Optional[str], role: Optional[str]) -> Dict[str, Optional[str]]:
+    states = state if state is None or isinstance(state, str) else ",".join(state)
+    return {"state": states, "label": label, "scene": scene, "method": method, "device": device, "role": role}

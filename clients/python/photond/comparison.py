@@ -1,0 +1,236 @@
+"""Comparisons: speed against error, method by method."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, cast
+
+from ._files import Path
+from ._text import TextTable, human_bytes, human_number, human_seconds, row_name
+from .curves import Curve, MeanCurve, mean_curve, time_to_error
+from .errors import ComparisonFailed, TimedOut
+from .job import OVER, Job
+from .plots import plot_curves
+from .scene import _Resource
+from .shapes import Json, TableRow
+
+if TYPE_CHECKING:
+    from .client import Client
+
+POLL_SECONDS = 0.3
+LONGEST_POLL_SECONDS = 1.0
+
+
+class Comparison(_Resource):
+    """A set of jobs that run one at a time on a device, so that their clocks are fair. Printed, or shown in a notebook, it
+    is its table.
+
+    >>> comparison = client.compare("furnace", ["path_tracing", photond.entry("photon_mapping", "photons")], width=16,
+    ...                             height=16, passes=4, reference="path_tracing:16", seeds=[1, 2])
+    >>> comparison.state, len(comparison.jobs)
+    ('succeeded', 4)
+    >>> [row["label"] for row in comparison.table]
+    ['path_tracing', 'photons']
+    >>> curve = comparison.curves("relative_mse")[0]
+    >>> curve.label, curve.seed, curve.passes
+    ('path_tracing', 1, [1, 2, 4])
+    >>> [mean.name for mean in comparison.mean_curves()]
+    ['path_tracing', 'photons']
+    """
+
+    kind = "comparisons"
+
+    def __init__(self, client: "Client", data: Json) -> None:
+        super().__init__(client, data)
+        self._report: Optional[Json] = None
+
+    # --- what is known of it ------------------------------------------------------------------------------------------
+    @property
+    def state(self) -> str:
+        """queued, running, succeeded, failed or cancelled."""
+        return str(self.data["state"])
+
+    @property
+    def is_over(self) -> bool:
+        return self.state in OVER
+
+    @property
+    def progress(self) -> float:
+        return float(self.data["progress"])
+
+    @property
+    def request(self) -> Json:
+        return cast(Json, self.data["request"])
+
+    @property
+    def metrics(self) -> List[str]:
+        """Those of the tables; the first decides the Pareto front."""
+        return list(self.request.get("metrics") or [])
+
+    def _whole(self) -> Json:
+        """One from a list comes without its jobs and its table."""
+        if "table" not in self.data:
+            self.refresh()
+        return self.data
+
+    @property
+    def table(self) -> List[TableRow]:
+        """Its rows as the daemon has them: error at the end, time to errors, error at times, memory, efficiency."""
+        return cast(List[TableRow], self._whole()["table"])
+
+    @property
+    def job_ids(self) -> List[str]:
+        return [job["id"] for job in self._whole()["jobs"]]
+
+    @property
+    def jobs(self) -> List[Job]:
+        """Asked of the daemon one by one."""
+        return [self._client.job(id) for id in self.job_ids]
+
+    @property
+    def reference(self) -> Optional[Json]:
+        """The job or image all is measured against, its state, and its own noise (`error`)."""
+        return cast(Optional[Json], self._whole()["reference"])
+
+    def refresh(self) -> "Comparison":
+        self.data = self._client.get(self._path())
+        return self
+
+    # --- following and changing it --------------------------------------------------------------------------------------
+    def wait(self, timeout: Optional[float] = None, *, check: bool = True, cancel_on_interrupt: bool = False,
+             on_change: Optional[Callable[["Comparison"], object]] = None) -> "Comparison":
+        """Until all its jobs are over. Raises TimedOut after `timeout` seconds (it goes on), and with `check`
+        ComparisonFailed where not all succeeded."""
+        deadline = None if timeout is None else time.monotonic() + timeout
+        pause = POLL_SECONDS
+        try:
+            while True:
+                before = self.data
+                self.refresh()
+                if on_change is not None and self.data != before:
+                    on_change(self)
+                if self.is_over:
+                    break
+                left = pause if deadline is None else min(pause, deadline - time.monotonic())
+                if left <= 0:
+                    raise TimedOut(f"comparison {self.id} is {self.state} after {timeout:g} s; it goes on")
+                time.sleep(left)
+                pause = min(pause * 1.1, LONGEST_POLL_SECONDS)
+        except KeyboardInterrupt:
+            if cancel_on_interrupt:
+                self.cancel()
+            raise
+        if check and self.state != "succeeded":
+            raise ComparisonFailed(self, self._failure_text())
+        return self
+
+    def _failure_text(self) -> str:
+        lines = [f"comparison {self.id} {'was cancelled' if self.state == 'cancelled' else 'failed'}"]
+        for row in self._whole()["jobs"]:
+            if row["state"] == "failed":
+                problem = self._client.job(row["id"]).failure or {}
+                lines.append(f"  {row_name(row['label'], row['parameters'])}, seed {row['seed']} ({row['id']}): "
+                             f"{problem.get('detail') or 'failed'}")
+        return "\n".join(lines)
+
+    def cancel(self) -> "Comparison":
+        """Ends the jobs it still has; what was rendered stays."""
+        self.data = self._client.send("DELETE", self._path())
+        return self
+
+    def purge(self) -> None:
+        """Removes it with its jobs and their files."""
+        self._client.send("DELETE", self._path(), query={"purge": True})
+
+    # --- curves -------------------------------------------------------------------------------------------------------
+    def report(self) -> Json:
+        """`report.json`: the comparison and every curve, so far or final."""
+        if self._report is None or not self.is_over:
+            self._report = self._client.get(self._path("/report.json"))
+        return self._report
+
+    def _metric(self, metric: Optional[str]) -> str:
+        if metric is not None:
+            return metric
+        if not self.metrics:
+            raise ValueError("which metric? the comparison has none of its own")
+        return self.metrics[0]
+
+    def curves(self, metric: Optional[str] = None) -> List[Curve]:
+        """Error over time of every job; default: by the first of its metrics."""
+        metric = self._metric(metric)
+        report = self.report()
+        points_of: Dict[str, List[Json]] = {curve["job"]: curve["points"] for curve in report["curves"]}
+        curves = []
+        for job in report["jobs"]:
+            points = [point for point in points_of.get(job["id"], [])
+                      if ((point["metrics"] or {}).get(metric) or 0) > 0 and point["seconds"] > 0]
+            curves.append(Curve(job["label"], job["parameters"], job["seed"], job["id"],
+                                [point["seconds"] for point in points], [point["passes"] for point in points],
+                                [point["metrics"][metric] for point in points]))
+        return curves
+
+    def mean_curves(self, metric: Optional[str] = None) -> List[MeanCurve]:
+        """One for each row, over its seeds, where all their curves overlap; rows with no point are left out."""
+        rows: Dict[str, List[Curve]] = {}
+        for curve in self.curves(metric):
+            rows.setdefault(curve.name, []).append(curve)
+        means = [mean_curve(curves) for curves in rows.values()]
+        return [mean for mean in means if mean is not None]
+
+    def plot(self, metric: Optional[str] = None, *, ax: Any = None) -> Any:
+        """Error over time on log axes with bands over the seeds, by matplotlib; returns its Axes."""
+        metric = self._metric(metric)
+        noise = ((self.reference or {}).get("error") or {}).get(metric)
+        return plot_curves(self.mean_curves(metric), metric, ax=ax, reference_noise=noise)
+
+    # --- tables -------------------------------------------------------------------------------------------------------
+    def rows(self, metric: Optional[str] = None) -> List[Json]:
+        """The table by one metric, flat: a dictionary a row, fit for pandas and csv."""
+        metric = self._metric(metric)
+        rows: List[Json] = []
+        for row in self.table:
+            end: Any = row["error"].get(metric) or {}
+            rows.append({
+                "name": row_name(row["label"], row["parameters"]), "label": row["label"], **row["parameters"],
+                "seeds": row["seeds"], "passes": (row["passes"] or {}).get("min"), "seconds": (row["seconds"] or {}).get("max"),
+                "error": end.get("value"), "low": end.get("low"), "high": end.get("high"),
+                "reference_noise": end.get("reference"), "near_reference": end.get("near_reference"),
+                "peak_bytes": row["peak_bytes"], "efficiency": row["efficiency"], "pareto": row["pareto"]})
+        return rows
+
+    def time_to_error(self, error: float, metric: Optional[str] = None) -> Dict[str, Optional[float]]:
+        """Seconds until each row's mean curve stays at or below `error`; None where it does not."""
+        return {mean.name: time_to_error(mean, error) for mean in self.mean_curves(metric)}
+
+    def _text_table(self, metric: str) -> TextTable:
+        table = TextTable(["", ">passes", ">time", f">{metric}", ">95 %", ">peak memory", "pareto"])
+        for row in self.rows(metric):
+            spread = "" if row["low"] is None else f"{human_number(row['low'])} to {human_number(row['high'])}"
+            error = human_number(row["error"]) + (" (near the reference's noise)" if row["near_reference"] else "")
+            table.add([row["name"], human_number(row["passes"]), human_seconds(row["seconds"]), error, spread,
+                       human_bytes(row["peak_bytes"]), "*" if row["pareto"] else ""])
+        return table
+
+    def table_text(self, metric: Optional[str] = None) -> str:
+        return str(self._text_table(self._metric(metric)))
+
+    def save_report(self, path: Path) -> None:
+        """The daemon's own report, by what the path ends with: .html (one page that stands alone), .csv (every point of
+        every curve) or .json."""
+        suffix = str(path).rpartition(".")[2].lower()
+        if suffix not in ("html", "csv", "json"):
+            raise ValueError(f"cannot tell what to save as {path}: name it .html, .csv or .json")
+        self.download(f"report.{suffix}", path)
+
+    def __str__(self) -> str:
+        head = repr(self)
+        return f"{head}\n{self.table_text()}" if self.metrics else head
+
+    def __repr__(self) -> str:
+        image = self.request["image"]
+        return (f"<Comparison {self.id} {self.state}: {self.request['scene']}, {image['width']} x {image['height']}, "
+                f"{len(self.request['entries'])} entries>")
+
+    def _repr_html_(self) -> Optional[str]:
+        return self._text_table(self._metric(None)).html(repr(self)[1:-1]) if self.metrics else None

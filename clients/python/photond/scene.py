@@ -1,0 +1,138 @@
+"""Scenes and uploaded images."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Dict, List, Optional, cast
+
+from ._files import Path
+from ._http import resource_path
+from ._text import human_bytes, human_number
+from .pixels import Pixels
+from .shapes import Json
+
+if TYPE_CHECKING:
+    import numpy
+    import numpy.typing
+
+    from .client import Client
+
+
+class _Resource:
+    """An object of the daemon's and the path it is at."""
+
+    kind = ""
+
+    def __init__(self, client: "Client", data: Json) -> None:
+        self._client = client
+        #: The whole object as the daemon sent it last.
+        self.data = data
+
+    @property
+    def id(self) -> str:
+        return str(self.data["id"])
+
+    def _path(self, below: str = "") -> str:
+        return resource_path(self.kind, self.id) + below
+
+    def download(self, name: str, path: Optional[Path] = None, **query: Any) -> bytes:
+        """A file below this resource, as `curve.csv` of a job; saved under `path` where one is given, else returned.
+        Raises NothingYet where there is nothing to be had so far."""
+        return self._client.download(self._path("/" + name), path, query)
+
+    def _pixels(self, layer: str, precision: str) -> Pixels:
+        reply = self._client.reply(self._path("/pixels"), {"layer": layer, "precision": precision})
+        return Pixels.from_reply(reply.headers, reply.body, precision)
+
+
+class Scene(_Resource):
+    """A scene the daemon holds; shown in a notebook, its thumbnail.
+
+    >>> scene = client.scene("cornell-box")
+    >>> scene
+    <Scene cornell-box: 32 triangles, cameras camera>
+    >>> scene.bounds["max"]
+    [2.78, 5.488, 0.0]
+    >>> scene.thumbnail()[:4]
+    b'\\x89PNG'
+    """
+
+    kind = "scenes"
+
+    @property
+    def name(self) -> str:
+        return str(self.data.get("name") or self.id)
+
+    @property
+    def cameras(self) -> List[str]:
+        return [camera["name"] for camera in self.data["cameras"]]
+
+    @property
+    def triangles(self) -> Optional[int]:
+        return cast(Optional[int], self.data["triangles"])
+
+    @property
+    def bounds(self) -> Optional[Dict[str, List[float]]]:
+        """`min` and `max`, metres."""
+        return cast(Optional[Dict[str, List[float]]], self.data["bounds"])
+
+    @property
+    def warnings(self) -> List[str]:
+        """What the loader could not take as it is."""
+        return cast(List[str], self.data["warnings"])
+
+    @property
+    def builtin(self) -> bool:
+        return bool(self.data["builtin"])
+
+    def refresh(self) -> "Scene":
+        self.data = self._client.get(self._path())
+        return self
+
+    def thumbnail(self) -> bytes:
+        """A small PNG."""
+        return self.download("thumbnail.png")
+
+    def delete(self) -> None:
+        """Raises WrongState while a job uses it."""
+        self._client.send("DELETE", self._path())
+
+    def __repr__(self) -> str:
+        cameras = f", cameras {', '.join(self.cameras)}" if self.cameras else ""
+        return f"<Scene {self.name}: {human_number(self.triangles)} triangles{cameras}>"
+
+    def _repr_png_(self) -> bytes:
+        return self.thumbnail()
+
+
+class UploadedImage(_Resource):
+    """An EXR or HDR image the daemon holds, to measure against or to light scenes with."""
+
+    kind = "images"
+
+    @property
+    def width(self) -> int:
+        return int(self.data["width"])
+
+    @property
+    def height(self) -> int:
+        return int(self.data["height"])
+
+    @property
+    def layers(self) -> List[str]:
+        """Names that `pixels` takes; empty where the daemon is too old to say."""
+        return [layer["name"] for layer in self.data.get("layers", [])]
+
+    def pixels(self, layer: str = "beauty", *, precision: str = "float") -> Pixels:
+        return self._pixels(layer, precision)
+
+    def array(self, layer: str = "beauty", *, precision: str = "float"
+              ) -> "numpy.typing.NDArray[numpy.floating[Any]]":
+        """height x width x channels, float32; the top row first."""
+        return self.pixels(layer, precision=precision).array()
+
+    def save(self, path: Path) -> None:
+        """The file as it was uploaded."""
+        self.download("file", path)
+
+    def __repr__(self) -> str:
+        return f"<UploadedImage {self.id}: {self.width} x {self.height}, {human_bytes(self.data['bytes'])}>"

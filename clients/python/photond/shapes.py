@@ -1,0 +1,261 @@
+"""The JSON objects of the wire, as types. They say what the daemon of this version sends; a newer one may send more
+fields, which stay in the dictionaries untouched. `GET /v1/openapi.json` is the whole truth."""
+
+from __future__ import annotations
+
+from typing import Any, Dict, List, Mapping, Optional, Sequence, TypedDict, Union
+
+Json = Dict[str, Any]
+
+
+class FaultShape(TypedDict):
+    pointer: str
+    detail: str
+
+
+class Problem(TypedDict, total=False):
+    """RFC 9457, application/problem+json."""
+
+    type: str
+    title: str
+    status: int
+    code: str
+    detail: str
+    instance: Optional[str]
+    errors: List[FaultShape]
+
+
+# --- what is asked for --------------------------------------------------------------------------------------------------
+
+
+class Target(TypedDict):
+    metric: str
+    value: float
+
+
+class Stop(TypedDict, total=False):
+    """The first one met ends the job."""
+
+    seconds: float
+    passes: int
+    target: Target
+
+
+class JobMethod(TypedDict, total=False):
+    name: str
+    device: str
+    parameters: Mapping[str, Any]
+
+
+class MadeReference(TypedDict):
+    """A reference rendered once, from the job's own scene and view, and kept by the daemon."""
+
+    method: JobMethod
+    stop: Stop
+
+
+class LookAt(TypedDict, total=False):
+    eye: Sequence[float]
+    target: Sequence[float]
+    up: Sequence[float]
+    yfov: float
+
+
+class Camera(TypedDict, total=False):
+    """One of the scene's by `name`, or `look_at`."""
+
+    name: str
+    look_at: LookAt
+    aperture: float
+    focus_distance: float
+
+
+class ImageRequest(TypedDict, total=False):
+    width: int
+    height: int
+    filter: str
+
+
+class Environment(TypedDict, total=False):
+    image: str
+    scale: float
+    rotation: float
+
+
+class _Rendered(TypedDict, total=False):
+    scene: str
+    camera: Camera
+    image: ImageRequest
+    stop: Stop
+    layers: List[str]
+    reference: Union[str, MadeReference]
+    metrics: List[str]
+    priority: int
+    labels: Dict[str, str]
+    environment: Environment
+    glass: str
+    time: float
+
+
+class JobRequest(_Rendered, total=False):
+    method: JobMethod
+    first_pass: int
+    seed: int
+
+
+class Entry(TypedDict, total=False):
+    """One row of a comparison, or as many as its sweep has combinations."""
+
+    label: str
+    method: JobMethod
+    sweep: Mapping[str, Sequence[Any]]
+
+
+class ComparisonRequest(_Rendered, total=False):
+    entries: List[Entry]
+    seeds: List[int]
+
+
+# --- what is answered ---------------------------------------------------------------------------------------------------
+
+
+class CurvePoint(TypedDict):
+    seconds: float
+    passes: int
+    photons: Optional[int]
+    metrics: Optional[Dict[str, Optional[float]]]
+
+
+class ErrorNow(TypedDict):
+    metric: str
+    value: Optional[float]
+
+
+class Stage(TypedDict):
+    name: str
+    wall_seconds: Optional[float]
+    cpu_seconds: Optional[float]
+    gpu_seconds: Optional[float]
+
+
+class Statistics(TypedDict, total=False):
+    stages: List[Stage]
+    counts: Json
+    rates: Dict[str, Optional[float]]
+    memory: Json
+    needs: Optional[Json]
+    skipped: List[Json]
+    device: Json
+    version: str
+    host_cores: Optional[int]
+    threads: Optional[int]
+    seed: int
+    job_hash: Optional[str]
+    pixel_hash: Optional[str]
+    nan_count: int
+    infinity_count: int
+    device_shared: Optional[bool]
+    host_shared: Optional[bool]
+    pass_ranges: List[List[int]]
+    resumed_passes: int
+    settings_hash: Optional[str]
+    error: Optional[Json]
+    reference_error: Optional[Json]
+    reference: Optional[Json]
+    estimate: Optional[Json]
+
+
+class JobSummary(TypedDict, total=False):
+    """A light row of `GET /v1/jobs?view=summary`."""
+
+    id: str
+    role: str
+    comparison: Optional[str]
+    state: str
+    progress: float
+    passes_done: int
+    seconds: float
+    error_now: Optional[ErrorNow]
+    created: str
+    started: Optional[str]
+    finished: Optional[str]
+    scene: str
+    method: str
+    device: str
+    width: int
+    height: int
+    priority: int
+    labels: Dict[str, str]
+    failure: Optional[str]
+
+
+class TimeToError(TypedDict):
+    error: float
+    seconds: Optional[float]
+    low: Optional[float]
+    high: Optional[float]
+    reached: int
+
+
+class ErrorAtTime(TypedDict):
+    seconds: float
+    error: Optional[float]
+    low: Optional[float]
+    high: Optional[float]
+    reached: int
+
+
+class FinalError(TypedDict):
+    value: Optional[float]
+    low: Optional[float]
+    high: Optional[float]
+    reference: Optional[float]
+    near_reference: bool
+
+
+class TableRow(TypedDict):
+    """A label and one combination of its sweep, over all seeds. Intervals are of 95 %."""
+
+    label: str
+    parameters: Json
+    jobs: List[str]
+    seeds: int
+    succeeded: int
+    passes: Optional[Dict[str, int]]
+    photons: Optional[Dict[str, int]]
+    seconds: Optional[Dict[str, float]]
+    error: Dict[str, FinalError]
+    time_to_error: Dict[str, List[TimeToError]]
+    error_at_time: Dict[str, List[ErrorAtTime]]
+    peak_bytes: Optional[int]
+    efficiency: Optional[float]
+    pareto: bool
+
+
+class Measurement(TypedDict):
+    metrics: Json
+    reference_error: Optional[Json]
+    notes: List[str]
+
+
+class Device(TypedDict, total=False):
+    id: str
+    kind: str
+    name: Optional[str]
+    driver: Optional[str]
+    memory_bytes: Optional[int]
+    software: Optional[bool]
+    state: str
+    served: bool
+    lacks: List[str]
+    limits: Optional[Json]
+
+
+class Status(TypedDict, total=False):
+    version: str
+    uptime_seconds: float
+    ready: bool
+    queue: Dict[str, int]
+    workers: List[Json]
+    disk_free_bytes: Optional[int]
+    totals: Json

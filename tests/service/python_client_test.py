@@ -1,0 +1,516 @@
+"""The Python client as its users have it: its own examples (doctests, README), then what they do not show, against a real
+daemon."""
+
+import contextlib
+import doctest
+import importlib
+import io
+import os
+import pathlib
+import pkgutil
+import re
+import subprocess
+import sys
+import threading
+import unittest
+import unittest.mock
+
+import numpy
+import OpenImageIO as oiio
+
+import tiny_scene
+from photond_daemon import BIN, Daemon
+from python_client_case import PACKAGE, SMALL, Case, fixture, gltf_folder, photond, url_of
+
+setUpModule, tearDownModule = fixture.start, fixture.stop
+
+
+def exr_layer(path, names):
+    """height x width x channels of an EXR's channels of these names."""
+    file = oiio.ImageInput.open(str(path))
+    pixels, channels = file.read_image(oiio.FLOAT), list(file.spec().channelnames)
+    file.close()
+    return pixels[:, :, [channels.index(name) for name in names]]
+
+
+class Examples(Case):
+    def test_doctests(self):
+        names = {"client": self.client, "photond": photond, "folder": self.folder, "entry": photond.entry,
+                 "triangle_gltf": gltf_folder(self.folder / "doctest")}
+        tried = 0
+        for module in pkgutil.iter_modules(photond.__path__, "photond."):
+            with self.subTest(module=module.name):
+                loaded = importlib.import_module(module.name)
+                report = io.StringIO()
+                with contextlib.redirect_stdout(report):
+                    result = doctest.testmod(loaded, extraglobs=names)
+                self.assertEqual(result.failed, 0, report.getvalue())
+                tried += result.attempted
+        self.assertGreater(tried, 60)  # they were found
+
+    def test_the_lines_of_the_readme_run_as_they_stand(self):
+        blocks = re.findall(r"```python\n(.*?)```", (PACKAGE / "README.md").read_text(), re.DOTALL)
+        self.assertGreater(len(blocks), 3)
+        place = self.folder / "readme"
+        place.mkdir()
+        (place / "room.glb").write_bytes(tiny_scene.glb(77))
+        self.client.render("cornell-box", **SMALL).save(place / "fine.exr")
+        script = place / "readme.py"
+        script.write_text("\n".join(blocks))
+        result = subprocess.run([sys.executable, script.name], cwd=place, capture_output=True, text=True, timeout=300,
+                                env={**os.environ, "PHOTOND_URL": url_of(self.daemon), "PYTHONPATH": str(PACKAGE),
+                                     "MPLBACKEND": "agg"})
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        self.assertTrue((place / "error.svg").read_text().startswith("<?xml"))
+
+
+class Scenes(Case):
+    def test_every_form_of_a_scene_can_be_uploaded(self):
+        gltf = gltf_folder(self.folder / "forms")
+        (self.folder / "forms.zip").write_bytes(tiny_scene.zipped(tiny_scene.gltf_files(1)))
+        (self.folder / "forms.glb").write_bytes(tiny_scene.glb(2))
+        for path in (gltf, gltf.parent, str(self.folder / "forms.zip"), self.folder / "forms.glb"):
+            with self.subTest(path=str(path)):
+                scene = self.client.upload_scene(path, name=f"form {pathlib.Path(path).name}")
+                self.assertEqual((scene.triangles, scene.cameras), (1, ["front"]))
+                self.assertEqual(scene.data, self.client.scene(scene.id).data)
+                self.assertIn(scene.id, [listed.id for listed in self.client.scenes()])
+                self.assertEqual(scene._repr_png_(), scene.thumbnail())
+
+    def test_a_path_given_as_a_scene_is_uploaded_once(self):
+        (self.folder / "path.glb").write_bytes(tiny_scene.glb(3))
+        job = self.client.render(self.folder / "path.glb", **SMALL)
+        again = self.client.render(str(self.folder / "path.glb"), **SMALL)
+        self.assertEqual(job.request["scene"], again.request["scene"])
+        self.assertEqual(job.statistics["pixel_hash"], again.statistics["pixel_hash"])
+
+    def test_deleting(self):
+        (self.folder / "gone.glb").write_bytes(tiny_scene.glb(4))
+        scene = self.client.upload_scene(self.folder / "gone.glb")
+        scene.delete()
+        with self.assertRaises(photond.NotFound):
+            self.client.scene(scene.id)
+
+    def test_what_cannot_be_sent_is_named_before_anything_is(self):
+        def bad(name, content, words):
+            path = self.folder / name
+            path.parent.mkdir(exist_ok=True)
+            path.write_text(content)
+            with self.subTest(name=name), self.assertRaises(photond.BadFile) as raised:
+                self.client.upload_scene(path)
+            for word in words:
+                self.assertIn(word, str(raised.exception))
+
+        lacking = '{"buffers": [{"uri": "a.bin"}, {"uri": "../b.bin"}], "images": [{"uri": "/c.png"}]}'
+        bad("bad/lacking.gltf", lacking, ["a.bin: no such file", "../b.bin: lies outside", "/c.png: lies outside"])
+        bad("bad/broken.gltf", "{", ["not a JSON object"])
+        bad("bad/scene.obj", "", [".glb"])
+        with self.assertRaisesRegex(photond.BadFile, "holds 2 files"):
+            self.client.upload_scene(self.folder / "bad")
+        with self.assertRaisesRegex(photond.BadFile, "no such file"):
+            self.client.upload_scene(self.folder / "not there.glb")
+
+    def test_a_scene_the_daemon_finds_faults_in(self):
+        (self.folder / "broken.glb").write_bytes(b"this is no scene")
+        with self.assertRaises(photond.Invalid) as raised:
+            self.client.upload_scene(self.folder / "broken.glb")
+        self.assertEqual((raised.exception.status, raised.exception.code), (422, "bad_scene"))
+
+
+class Images(Case):
+    def test_layers_are_those_of_the_exr(self):
+        job = self.client.render("cornell-box", width=40, height=24, passes=2, layers=["albedo", "normal", "depth"])
+        path = job.save(self.folder / "layers.exr")
+        for layer, channels in {"beauty": "R G B", "indirect": "indirect.R indirect.G indirect.B",
+                                "albedo": "albedo.R albedo.G albedo.B", "normal": "normal.X normal.Y normal.Z",
+                                "depth": "depth.Z"}.items():
+            with self.subTest(layer=layer):
+                image, expected = job.image(layer), exr_layer(path, channels.split())
+                self.assertEqual(image.dtype, numpy.float32)
+                numpy.testing.assert_array_equal(image.reshape(expected.shape), expected)
+                self.assertTrue(image.any())
+        image = job.image()
+        image[:] = 0  # it is the caller's own
+        half = job.image(precision="half")
+        self.assertEqual(half.dtype, numpy.float16)
+        numpy.testing.assert_allclose(half, job.image(), rtol=1e-3, atol=1e-6)
+
+    def test_without_numpy_pixels_are_there_and_arrays_say_what_is_missing(self):
+        job = self.client.render("furnace", **SMALL)
+        pixels = job.pixels()
+        numpy.testing.assert_array_equal(pixels.at(23, 15), job.image()[15, 23])
+        with self.assertRaises(IndexError):
+            pixels.at(24, 0)
+        with unittest.mock.patch.dict(sys.modules, {"numpy": None}):
+            with self.assertRaisesRegex(photond.MissingPackage, "numpy"):
+                job.image()
+
+    def test_files(self):
+        job = self.client.render("cornell-box", **SMALL, reference="path_tracing:8")
+        self.assertEqual(job.save(self.folder / "a.png").read_bytes(), job._repr_png_())
+        self.assertEqual(job.exr(), job.save(self.folder / "a.exr").read_bytes())
+        self.assertLess(len(job.exr(precision="half")), len(job.exr()))
+        self.assertEqual(job.difference()[:4], b"\x76\x2f\x31\x01")
+        for png in (job.flip(), job.error_map(), job.preview(layer="indirect", exposure=1, curve="filmic")):
+            self.assertEqual(png[:4], b"\x89PNG")
+        self.assertIn("curve.csv", job.data["links"]["curve"])
+        self.assertTrue(job.download("curve.csv").startswith(b"seconds,"))
+        self.assertIn("succeeded after 2 passes", job.log())
+        with self.assertRaisesRegex(ValueError, "a.jpg"):
+            job.save(self.folder / "a.jpg")
+        self.assertEqual([file.name for file in self.folder.iterdir() if ".part" in file.name], [])
+
+    def test_nothing_is_written_where_there_is_nothing(self):
+        first, waiting = self.long_job(), self.long_job()
+        with self.assertRaises(photond.NothingYet):
+            waiting.save(self.folder / "waiting.exr")
+        with self.assertRaises(photond.NothingYet):
+            waiting.image()
+        self.assertIsNone(waiting._repr_png_())
+        self.assertEqual(list(self.folder.glob("waiting*")), [])
+        first.cancel()
+
+    def test_uploaded_images_measure_and_light(self):
+        job = self.client.render("cornell-box", **SMALL)
+        path = job.save(self.folder / "upload.exr")
+        image = self.client.upload_image(path)
+        self.assertEqual((image.width, image.height), (24, 16))
+        self.assertEqual(image.data, self.client.image(image.id).data)
+        image.save(self.folder / "back.exr")
+        self.assertEqual((self.folder / "back.exr").read_bytes(), path.read_bytes())
+        for same in (image, path, f"image:{image.id}", job, job.id):
+            self.assertEqual(self.client.measure(job, same, ["rmse"])["metrics"]["rmse"], 0)
+        lit = self.client.render("cornell-box", **SMALL, environment={"image": path, "scale": 2})
+        self.assertEqual(lit.request["environment"]["image"], f"image:{image.id}")
+        with self.assertRaises(photond.BadFile):
+            self.client.upload_image(self.folder / "picture.jpg")
+
+
+class Jobs(Case):
+    def test_what_is_asked_for_is_what_the_daemon_understands(self):
+        camera = photond.look_at([2.7, 2.7, 8], [2.7, 2.7, 0], up=[0, 1, 0], yfov=0.6, aperture=0.01, focus_distance=8)
+        job = self.client.submit(
+            self.client.scene("cornell-box"), {"name": "photon_mapping", "parameters": {"photons": 500}}, device="cpu",
+            parameters={"gather": "direct"}, **SMALL, filter="gaussian", seconds=20, target=("relative_mse", 1e-9),
+            first_pass=3, seed=7, layers=["albedo"], camera=camera, glass="solid", reference="path_tracing:4",
+            metrics=["indirect:rmse"], priority=5, labels={"asked": "1"})
+        asked = job.request
+        self.assertEqual(asked["method"]["parameters"]["photons"], 500)
+        self.assertEqual(asked["method"]["parameters"]["gather"], "direct")
+        self.assertEqual(asked["stop"], {"seconds": 20, "passes": 2, "target": {"metric": "relative_mse", "value": 1e-9}})
+        self.assertEqual((asked["first_pass"], asked["seed"], asked["glass"], asked["priority"]), (3, 7, "solid", 5))
+        self.assertEqual((asked["layers"], asked["metrics"], job.labels), (["albedo"], ["indirect:rmse"], {"asked": "1"}))
+        self.assertEqual(asked["camera"]["look_at"]["eye"], [2.7, 2.7, 8])
+        self.assertEqual(asked["camera"]["aperture"], 0.01)
+        self.assertEqual(asked["image"], {"width": 24, "height": 16, "filter": "gaussian"})
+        job.wait()
+        self.assertGreater(job.errors["relative_mse"], 0)
+        self.assertEqual([point["passes"] for point in job.curve], [1, 2])
+        # What the daemon understood is a request again, and gives the same bits.
+        again = self.client.submit_request(job.request).wait()
+        self.assertEqual(again.statistics["pixel_hash"], job.statistics["pixel_hash"])
+
+    def test_every_fault_comes_with_its_place(self):
+        with self.assertRaises(photond.Invalid) as raised:
+            self.client.submit_request({"scene": "cornell-box", "image": {"width": 0, "height": 8, "filtr": "box"},
+                                        "method": {"name": "path_tracing"}, "stop": {"passes": 1}})
+        refused = raised.exception
+        pointers = [fault.pointer for fault in refused.faults]
+        self.assertEqual(sorted(pointers), ["/image/filtr", "/image/width"])
+        for fault in refused.faults:
+            self.assertIn(f"{fault.pointer}: {fault.detail}", str(refused))
+        self.assertIn("422", str(refused))
+        self.assertIsInstance(refused, (photond.Refused, ValueError))
+        with self.assertRaises(TypeError):
+            self.client.submit("cornell-box", layers="albedo", **SMALL)
+        with self.assertRaises(TypeError):
+            self.client.submit("cornell-box", withd=8)
+        with self.assertRaises(photond.NotFound) as raised:
+            self.client.job("J99999999")
+        self.assertEqual(raised.exception.code, "not_found")
+
+    def test_events_tell_how_a_job_comes_to_its_end(self):
+        job = self.client.submit("cornell-box", width=32, height=32, seconds=1, reference="path_tracing:2")
+        seen = list(job.events())
+        states = [event.changes["state"] for event in seen if "state" in event.changes]
+        self.assertIn(states[0], ("queued", "running"))
+        self.assertEqual(states[-1], "succeeded")
+        self.assertTrue(all(event.job == job.id for event in seen))
+        ids = [event.id for event in seen if event.id is not None]
+        self.assertEqual(ids, sorted(ids))
+        points = [point["passes"] for event in seen if event.kind == "curve" for point in event.changes["curve"]]
+        self.assertTrue(points)
+        passes = [point["passes"] for point in job.curve]
+        self.assertEqual(passes, sorted(set(passes)))
+        self.assertLessEqual(set(points), set(passes))
+        self.assertEqual(job.data, self.daemon.job(job.id))
+
+    def test_a_curve_grows_point_by_point_while_a_job_runs(self):
+        job = self.client.submit("cornell-box", width=32, height=32, seconds=1.5, reference="path_tracing:2")
+        grown = []
+        job.wait(on_event=lambda job, event: grown.append(len(job.curve)))
+        self.assertEqual(grown, sorted(grown))
+        self.assertGreater(len(set(grown)), 2)
+
+    def test_a_timeout_leaves_the_job_running(self):
+        job = self.long_job()
+        with self.assertRaises(photond.TimedOut) as raised:
+            job.wait(timeout=0.5)
+        self.assertIsInstance(raised.exception, TimeoutError)
+        self.assertIn(job.id, str(raised.exception))
+        self.assertEqual(job.refresh().state, "running")
+
+    def test_cancel_retry_priority_purge(self):
+        first, job = self.long_job(), self.long_job(labels={"changed": "1"})
+        self.assertEqual([listed.id for listed in self.client.jobs(label="changed=1", scene="cornell-box")], [job.id])
+        with self.assertRaises(photond.WrongState):
+            job.retry()
+        with self.assertRaises(photond.JobCancelled):
+            job.cancel().wait()
+        self.assertEqual(job.wait(check=False).state, "cancelled")
+        self.assertIn(job.retry().state, ("queued", "running"))
+        job.cancel().wait(check=False)
+        job.purge()
+        with self.assertRaises(photond.NotFound):
+            job.refresh()
+        first.cancel()
+
+    def test_ctrl_c_cancels_only_where_asked_to(self):
+        def interrupt(job, event):
+            raise KeyboardInterrupt
+
+        job = self.long_job()
+        with self.assertRaises(KeyboardInterrupt):
+            job.wait(on_event=interrupt)
+        self.assertIn(job.refresh().state, ("queued", "running"))
+        with self.assertRaises(KeyboardInterrupt):
+            job.wait(on_event=interrupt, cancel_on_interrupt=True)
+        self.assertEqual(job.wait(check=False).state, "cancelled")
+
+    def test_a_failed_job_says_why(self):
+        with self.assertRaises(photond.Invalid) as raised:
+            self.client.render("cornell-box", width=20000, height=20000, passes=1)
+        self.assertIn(raised.exception.code, ("out_of_memory", "out_of_range"))
+        with Daemon("--max-job-seconds", 0.5) as strict:
+            strict.wait_ready()
+            with self.assertRaises(photond.JobFailed) as raised:
+                photond.Client(url_of(strict)).render("cornell-box", width=32, height=32, seconds=60)
+        failed = raised.exception
+        self.assertEqual((failed.job.state, failed.code), ("failed", "timed_out"))
+        self.assertIn(failed.job.id, str(failed))
+        self.assertIn(failed.problem["detail"], str(failed))
+
+    def test_lists_are_taken_page_by_page(self):
+        for _ in range(3):
+            self.client.render("furnace", width=4, height=4, passes=1, labels={"paged": "1"})
+        with unittest.mock.patch("photond.client.MOST_ITEMS", 2):
+            listed = [job.id for job in self.client.jobs(label="paged=1")]
+            self.assertEqual(len(set(listed)), 3)
+            self.assertEqual([job.id for job in self.client.jobs(label="paged=1", limit=2)], listed[:2])
+
+    def test_the_whole_daemons_events(self):
+        events, found = self.client.events(), []
+
+        def listen():
+            for event in events:
+                if event.changes.get("state") == "succeeded":
+                    found.append(event.job)
+                    return
+
+        listener = threading.Thread(target=listen)
+        listener.start()
+        done = [self.client.render("furnace", **SMALL).id]
+        while listener.is_alive():  # it may have begun to listen after that one
+            done.append(self.client.render("furnace", **SMALL).id)
+            listener.join(0.2)
+        self.assertIn(found[0], done)
+
+    def test_threads_share_a_client(self):
+        jobs = [self.client.submit("furnace", width=8, height=8, passes=1, seed=i) for i in range(6)]
+        threads = [threading.Thread(target=job.wait) for job in jobs]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join(60)
+        self.assertEqual({job.state for job in jobs}, {"succeeded"})
+
+
+class Comparisons(Case):
+    @classmethod
+    def setUpClass(cls):
+        cls.comparison = fixture.client.compare(
+            "cornell-box", [photond.entry("path_tracing", "paths"),
+                            photond.entry("photon_mapping", "map", parameters={"gather": "direct"},
+                                          sweep={"photons": [500, 2000]})],
+            width=24, height=24, passes=8, reference="path_tracing:64", seeds=[1, 2, 3],
+            metrics=["relative_mse", "indirect:relative_mse"])
+
+    def test_curves_are_those_of_the_jobs(self):
+        curves = self.comparison.curves()
+        self.assertEqual(len(curves), 9)
+        for curve in curves:
+            job = self.client.job(curve.job)
+            self.assertEqual(curve.passes, [point["passes"] for point in job.curve])
+            self.assertEqual(curve.errors, [point["metrics"]["relative_mse"] for point in job.curve])
+            self.assertEqual(job.request["seed"], curve.seed)
+        self.assertEqual([curve.name for curve in curves[3:6]], ["map, photons 500"] * 3)
+
+    def test_means_over_seeds_are_the_daemons(self):
+        """Where the daemon's table has an error at a time, the mean curve passes by, interval and all."""
+        compared = 0
+        for metric in self.comparison.metrics:
+            for row, mean in zip(self.comparison.table, self.comparison.mean_curves(metric)):
+                curves = [curve for curve in self.comparison.curves(metric) if curve.name == mean.name]
+                for point in row["error_at_time"][metric]:
+                    if point["error"] is None:
+                        continue
+                    errors = [photond.curves.error_at_time(curve, point["seconds"]) for curve in curves]
+                    for ours, theirs in zip(photond.curves.log_mean(errors), (point["error"], point["low"], point["high"])):
+                        self.assertAlmostEqual(ours / theirs, 1, places=5)
+                    compared += 1
+                for point in row["time_to_error"][metric]:
+                    times = [photond.curves.time_to_error(curve, point["error"]) for curve in curves]
+                    self.assertEqual(sum(time is not None for time in times), point["reached"])
+                    if point["seconds"] is not None:
+                        self.assertAlmostEqual(photond.curves.log_mean(times)[0] / point["seconds"], 1, places=5)
+        self.assertGreater(compared, 0)
+
+    def test_tables(self):
+        rows = self.comparison.rows("indirect:relative_mse")
+        self.assertEqual([row["name"] for row in rows], ["paths", "map, photons 500", "map, photons 2000"])
+        self.assertEqual([row["passes"] for row in rows], [8, 8, 8])
+        for row in rows:
+            self.assertLess(row["low"], row["error"])
+            self.assertLess(row["error"], row["high"])
+            self.assertGreater(row["peak_bytes"], 0)
+        self.assertIn("map, photons 2000", str(self.comparison))
+        html = self.comparison._repr_html_()
+        self.assertEqual(html.count("<tr>"), 4)
+        reached = self.comparison.time_to_error(1e9)
+        self.assertTrue(all(seconds > 0 for seconds in reached.values()))
+        self.assertEqual(set(self.comparison.time_to_error(1e-9).values()), {None})
+
+    def test_a_plot(self):
+        import matplotlib
+        matplotlib.use("agg")
+        axes = self.comparison.plot()
+        self.assertEqual((axes.get_xscale(), axes.get_yscale(), axes.get_ylabel()), ("log", "log", "relative_mse"))
+        means = self.comparison.mean_curves()
+        for line, mean in zip(axes.get_lines(), means):
+            self.assertEqual((line.get_label(), list(line.get_xdata()), list(line.get_ydata())),
+                             (mean.name, mean.seconds, mean.errors))
+        self.assertEqual(len(axes.collections), 3)  # bands
+        self.assertEqual(len(axes.get_lines()), 4)  # and the reference's noise
+        axes.figure.savefig(self.folder / "plot.svg")
+        with unittest.mock.patch.dict(sys.modules, {"matplotlib.pyplot": None}):
+            with self.assertRaisesRegex(photond.MissingPackage, "matplotlib"):
+                self.comparison.plot()
+
+    def test_reports(self):
+        for name, begins in (("report.html", b"<!doctype html>"), ("report.csv", b"label,"), ("report.json", b"{")):
+            self.comparison.save_report(self.folder / name)
+            self.assertTrue((self.folder / name).read_bytes().lower().startswith(begins), name)
+        with self.assertRaisesRegex(ValueError, "report.pdf"):
+            self.comparison.save_report("report.pdf")
+
+    def test_one_from_the_list_gets_its_table_when_it_is_asked_for(self):
+        listed = next(found for found in self.client.comparisons() if found.id == self.comparison.id)
+        self.assertNotIn("table", listed.data)
+        self.assertEqual(listed.table, self.comparison.table)
+        self.assertEqual([job.id for job in listed.jobs], self.comparison.job_ids)
+
+    def test_a_comparison_that_is_cancelled(self):
+        comparison = self.client.submit_comparison("cornell-box", ["path_tracing"], width=32, height=32, seconds=60,
+                                                   reference="path_tracing:2")
+        with self.assertRaises(photond.TimedOut):
+            comparison.wait(timeout=0.3)
+        comparison.cancel()
+        with self.assertRaisesRegex(photond.ComparisonFailed, comparison.id):
+            comparison.wait()
+        comparison.purge()
+        with self.assertRaises(photond.NotFound):
+            comparison.refresh()
+
+
+class Help(Case):
+    def test_a_method_shows_what_the_daemon_declares(self):
+        declared = self.daemon.request("GET", "/v1/methods/photon_mapping").json
+        method = self.client.methods["photon_mapping"]
+        page = str(method)
+        for name, schema in declared["parameters"]["properties"].items():
+            self.assertIn(name, page)
+            self.assertIn(schema["description"], page)
+            self.assertIn(method.parameters[name].range_text, page)
+            self.assertIn(schema.get("x-unit", ""), method._repr_html_())
+        self.assertEqual(list(method.parameters), declared["parameters"]["x-order"])
+        self.assertIn("photon_mapping", str(self.client.methods))
+        self.assertEqual(set(self.client.methods), {m["name"] for m in self.daemon.request("GET", "/v1/methods").json["items"]})
+
+    def test_help_has_the_arguments(self):
+        import inspect
+        arguments = inspect.signature(photond.Client.render).parameters
+        self.assertIn("passes", arguments)
+        self.assertIn("first one met ends the job", photond.Client.render.__doc__)
+
+
+class Doors(Case):
+    def test_a_token_comes_from_the_environment_an_argument_or_a_file(self):
+        made = subprocess.run([str(BIN / "photond"), "--new-token", "tester:write"], capture_output=True, text=True, check=True)
+        token = re.search(r"[^\s:]{40,}", made.stdout)[0]
+        tokens = self.folder / "tokens"
+        tokens.write_text(re.search(r"tester write sha256:\w+", made.stdout)[0] + "\n")
+        tokens.chmod(0o600)
+        (self.folder / "token").write_text(token + "\n")
+        (self.folder / "empty").write_text("\n")
+        with Daemon("--tokens", tokens) as guarded:
+            guarded.wait_ready()
+            url = url_of(guarded)
+            with self.assertRaises(photond.Denied) as raised:
+                photond.Client(url).status()
+            self.assertEqual(raised.exception.status, 401)
+            with self.assertRaises(photond.Denied):
+                photond.Client(url, "wrong").status()
+            photond.Client(url, token).status()
+            photond.Client(url, token_file=self.folder / "token").status()
+            with unittest.mock.patch.dict(os.environ, {"PHOTOND_URL": url, "PHOTOND_TOKEN": token}):
+                client = photond.Client()
+                self.assertEqual(client.url, url)
+                self.assertEqual(client.render("furnace", **SMALL).state, "succeeded")  # events want the token too
+            with self.assertRaisesRegex(ValueError, "no token"):
+                photond.Client(url, token_file=self.folder / "empty")
+
+    def test_addresses_that_are_none(self):
+        for url in ("127.0.0.1:8080", "ftp://here", "http://", "http://here:port", "http://here/?a=b"):
+            with self.subTest(url=url), self.assertRaises(ValueError):
+                photond.Client(url)
+
+    def test_what_answers_is_no_daemon(self):
+        import http.server
+
+        class Other(http.server.BaseHTTPRequestHandler):
+            def do_GET(self):
+                self.send_response(200 if self.path == "/v1/status" else 500)
+                self.end_headers()
+                self.wfile.write(b"<html>")
+
+            def log_message(self, *_):
+                pass
+
+        with http.server.ThreadingHTTPServer(("127.0.0.1", 0), Other) as server:
+            threading.Thread(target=server.serve_forever, daemon=True).start()
+            client = photond.Client(f"http://127.0.0.1:{server.server_port}/")
+            with self.assertRaisesRegex(photond.ProtocolError, "photond daemon"):
+                client.status()
+            with self.assertRaises(photond.ServerFault):
+                client.devices()
+            server.shutdown()
+
+    def test_devices_and_figures(self):
+        self.assertEqual(self.client.devices(), self.daemon.request("GET", "/v1/devices").json["items"])
+        self.assertIn("# HELP", self.client.metrics_text())
+        estimate = self.client.estimate("cornell-box", width=64, height=64, passes=4)
+        self.assertRegex(str(estimate), r"^memory [\d.]+ MiB; time ")
+
+
+if __name__ == "__main__":
+    unittest.main()
