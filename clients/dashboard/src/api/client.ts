@@ -32,20 +32,22 @@ export function signIn(token: string): void {
 
 export const hasToken = (): boolean => sessionStorage.getItem(kTokenKey) !== null;
 
-function withToken(init: RequestInit): RequestInit {
+const authorization = (): Record<string, string> => {
   const token = sessionStorage.getItem(kTokenKey);
-  if (!token) return init;
+  return token ? { Authorization: `Bearer ${token}` } : {};
+};
+
+function withToken(init: RequestInit): RequestInit {
   const headers = new Headers(init.headers);
-  headers.set("Authorization", `Bearer ${token}`);
+  for (const [name, value] of Object.entries(authorization())) headers.set(name, value);
   return { ...init, headers };
 }
 
-async function problemOf(answer: Response): Promise<Problem> {
-  const text = await answer.text();
+function problemIn(text: string, status: number, statusText: string): Problem {
   try {
     return new Problem(JSON.parse(text) as ProblemBody);
   } catch {
-    return new Problem({ type: "about:blank", title: answer.statusText, status: answer.status, detail: text.slice(0, 300) });
+    return new Problem({ type: "about:blank", title: statusText, status, detail: text.slice(0, 300) });
   }
 }
 
@@ -59,7 +61,7 @@ export async function ask(path: string, init: RequestInit = {}): Promise<Respons
     throw new Unreachable("the daemon does not answer");
   }
   if (answer.status === 401) needsToken.value = true;
-  if (answer.status >= 400) throw await problemOf(answer);
+  if (answer.status >= 400) throw problemIn(await answer.text(), answer.status, answer.statusText);
   return answer;
 }
 
@@ -90,6 +92,30 @@ export async function sendJson<T>(method: "POST" | "PATCH" | "DELETE", path: str
 export async function upload<T>(path: string, file: Blob | FormData, mediaType?: string): Promise<T> {
   const headers: Record<string, string> = mediaType ? { "Content-Type": mediaType } : {};
   return (await (await ask(path, { method: "POST", headers, body: file })).json()) as T;
+}
+
+/**
+ * Sends a file and reads JSON and the status, telling the share of it that is sent. By XMLHttpRequest, since fetch() does
+ * not tell how much of a body has gone.
+ */
+export function uploadTelling<T>(path: string, file: Blob | FormData, mediaType: string | null, tell: (share: number) => void, stop: AbortSignal): Promise<{ status: number; body: T }> {
+  return new Promise((resolve, reject) => {
+    const request = new XMLHttpRequest();
+    request.open("POST", path);
+    for (const [name, value] of Object.entries(authorization())) request.setRequestHeader(name, value);
+    if (mediaType) request.setRequestHeader("Content-Type", mediaType);
+    request.upload.onprogress = (event) => event.lengthComputable && tell(event.loaded / event.total);
+    request.upload.onload = () => tell(1);
+    request.onerror = () => reject(new Unreachable("the daemon does not answer, or has ended the connection"));
+    request.onabort = () => reject(new DOMException("stopped", "AbortError"));
+    request.onload = () => {
+      if (request.status === 401) needsToken.value = true;
+      if (request.status >= 400) return reject(problemIn(request.responseText, request.status, request.statusText));
+      resolve({ status: request.status, body: JSON.parse(request.responseText) as T });
+    };
+    stop.addEventListener("abort", () => request.abort());
+    request.send(file);
+  });
 }
 
 /** Saves what is at a path under a name; a plain link could not carry the token. */

@@ -254,26 +254,39 @@ export interface Method {
 
 export interface SceneCamera {
   name: string;
-  yfov: number;
+  /** Radians; null for an orthographic one. */
+  yfov: number | null;
   look_at: Required<LookAt> | null;
 }
 
+/** What a hard case's image must be. */
+export interface KnownAnswer {
+  case: string;
+  strains: string;
+  text: string;
+  [more: string]: unknown;
+}
+
+/** Figures are null where a scene could not be judged. */
 export interface Scene {
   id: string;
   name: string;
-  bytes: number;
-  triangles: number;
-  vertices: number;
-  materials: number;
-  textures: number;
-  lights: { area: number; punctual: number; environment: number };
+  bytes: number | null;
+  /** About what it takes in a worker. */
+  memory_bytes: number | null;
+  triangles: number | null;
+  vertices: number | null;
+  materials: number | null;
+  textures: number | null;
+  lights: { area: number; punctual: number; environment: boolean } | null;
   cameras: SceneCamera[];
   default_view: Required<LookAt>;
-  animations: number;
-  bounds: { min: Vec3; max: Vec3 };
-  needs: Record<string, Json>;
+  animations: number | null;
+  bounds: { min: Vec3; max: Vec3 } | null;
+  needs: Record<string, boolean> | null;
   warnings: string[];
   builtin: boolean;
+  known_answer: KnownAnswer | null;
   [more: string]: unknown;
 }
 
