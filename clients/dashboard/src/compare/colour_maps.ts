@@ -1,0 +1,131 @@
+// Colours for values, made as the daemon makes them for error.png and flip.png (renderer/error/color_map.cpp): paths
+// through cylindrical CIELAB whose lightness rises evenly, so that they read without colour vision too.
+
+type Triple = [number, number, number];
+
+/** Linear Rec.709 from X/Xn, Y/Yn, Z/Zn of its white D65, from the standard's chromaticities. */
+const kRgbFromXyz = ((): Triple[] => {
+  const x = [0.64, 0.3, 0.15, 0.3127];
+  const y = [0.33, 0.6, 0.06, 0.329];
+  const xyz = [x.map((value, i) => value / y[i]!), [1, 1, 1, 1], x.map((value, i) => (1 - value - y[i]!) / y[i]!)];
+  const primaries = xyz.map((row) => row.slice(0, 3) as Triple);
+  const white = xyz.map((row) => row[3]!);
+  const shares = inverse(primaries).map((row) => row.reduce((sum, value, i) => sum + value * white[i]!, 0));
+  return inverse(primaries.map((row, i) => row.map((value, j) => (value * shares[j]!) / white[i]!) as Triple));
+})();
+
+function inverse(m: Triple[]): Triple[] {
+  const cofactor = (i: number, j: number) => {
+    const [i1, i2, j1, j2] = [(i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3];
+    return m[i1]![j1]! * m[i2]![j2]! - m[i1]![j2]! * m[i2]![j1]!;
+  };
+  const determinant = m[0]![0] * cofactor(0, 0) + m[0]![1] * cofactor(0, 1) + m[0]![2] * cofactor(0, 2);
+  return [0, 1, 2].map((j) => [0, 1, 2].map((i) => cofactor(i, j) / determinant) as Triple);
+}
+
+interface Lch {
+  lightness: number;
+  chroma: number;
+  /** Degrees: about 320 purple, 40 red, 65 orange, 100 yellow, 220 cyan, 285 blue. */
+  hue: number;
+}
+
+function linearRgb({ lightness, chroma, hue }: Lch): Triple {
+  const angle = (hue * Math.PI) / 180;
+  const fy = (lightness + 16) / 116;
+  const xyz = [fy + (chroma * Math.cos(angle)) / 500, fy, fy - (chroma * Math.sin(angle)) / 200].map((f) =>
+    f > 6 / 29 ? f ** 3 : 3 * (6 / 29) ** 2 * (f - 4 / 29),
+  );
+  return kRgbFromXyz.map((row) => row[0] * xyz[0]! + row[1] * xyz[1]! + row[2] * xyz[2]!) as Triple;
+}
+
+const displayable = (rgb: Triple) => rgb.every((value) => value >= 0 && value <= 1);
+
+/** The colour, or with less chroma if no display shows it: lightness and hue stay. */
+function nearestDisplayable(colour: Lch): Triple {
+  const rgb = linearRgb(colour);
+  if (displayable(rgb)) return rgb;
+  let inside = 0;
+  let outside = colour.chroma;
+  for (let step = 0; step < 30; ++step) {
+    const chroma = 0.5 * (inside + outside);
+    if (displayable(linearRgb({ ...colour, chroma }))) inside = chroma;
+    else outside = chroma;
+  }
+  return linearRgb({ ...colour, chroma: inside });
+}
+
+export const srgbEncode = (linear: number): number => (linear <= 0.0031308 ? 12.92 * linear : 1.055 * linear ** (1 / 2.4) - 0.055);
+
+/** Cubic curve through values at even steps over [0, 1] (Catmull and Rom; level beyond the ends). */
+function curveThrough(values: number[], t: number): number {
+  const place = t * (values.length - 1);
+  const i = Math.min(Math.floor(place), values.length - 2);
+  const u = place - i;
+  const p0 = values[Math.max(i - 1, 0)]!;
+  const p1 = values[i]!;
+  const p2 = values[i + 1]!;
+  const p3 = values[Math.min(i + 2, values.length - 1)]!;
+  return p1 + 0.5 * u * (p2 - p0 + u * (2 * p0 - 5 * p1 + 4 * p2 - p3 + u * (3 * (p1 - p2) + p3 - p0)));
+}
+
+/** RGBA of `size` entries over [0, 1]. */
+function mapOf(size: number, colourAt: (t: number) => Lch): Uint8Array {
+  const map = new Uint8Array(4 * size);
+  for (let i = 0; i < size; ++i) {
+    const rgb = nearestDisplayable(colourAt(i / (size - 1)));
+    rgb.forEach((value, k) => (map[4 * i + k] = Math.round(255 * srgbEncode(Math.min(1, Math.max(0, value))))));
+    map[4 * i + 3] = 255;
+  }
+  return map;
+}
+
+export interface ColourMap {
+  /** RGBA entries at even steps over the scale. */
+  rgba: Uint8Array;
+  /** Whether colours between two entries are mixed; otherwise the nearest is taken. */
+  mixed: boolean;
+}
+
+const kChroma = [0, 36, 49, 59, 74, 78, 66, 46, 12];
+
+export type MapName = "magnitude" | "signed" | "heat";
+
+const makers: Record<MapName, () => ColourMap> = {
+  // Dark to bright over purple, red, orange and yellow; entry for entry the daemon's.
+  magnitude: () => ({
+    rgba: mapOf(256, (t) => ({ lightness: 2 + 96 * t, chroma: curveThrough(kChroma, t), hue: 285 + 178 * t ** 0.8 })),
+    mixed: false,
+  }),
+  // Black in the middle: blue to pale cyan below, red to pale yellow above, of equal lightness on both sides.
+  signed: () => ({
+    rgba: mapOf(513, (t) => {
+      const side = 2 * t - 1;
+      const size = Math.abs(side);
+      return { lightness: 2 + 92 * size, chroma: curveThrough([0, 48, 66, 70, 60, 30], size), hue: side < 0 ? 288 - 78 * size : 30 + 70 * size };
+    }),
+    mixed: false,
+  }),
+  // Splats over a pixel, by the colours of the photon-splatting thesis: blue 0, green 200, red 400, white 600.
+  heat: () => ({ rgba: new Uint8Array([0, 0, 255, 255, 0, 255, 0, 255, 255, 0, 0, 255, 255, 255, 255, 255]), mixed: true }),
+};
+
+const made = new Map<MapName, ColourMap>();
+
+export function colourMap(name: MapName): ColourMap {
+  let map = made.get(name);
+  if (!map) made.set(name, (map = makers[name]()));
+  return map;
+}
+
+/** The colour at a place in [0, 1]: red, green and blue, 0 to 255. */
+export function colourAt({ rgba, mixed }: ColourMap, place: number): Triple {
+  const last = rgba.length / 4 - 1;
+  const t = Math.min(1, Math.max(0, place)) * last;
+  const below = mixed ? Math.min(Math.floor(t), last - 1) : Math.round(t);
+  const share = mixed ? t - below : 0;
+  return [0, 1, 2].map((k) => {
+    const first = rgba[4 * below + k]!;
+    return share === 0 ? first : Math.round((1 - share) * first + share * rgba[4 * (below + 1) + k]!);
+  }) as Triple;
+}

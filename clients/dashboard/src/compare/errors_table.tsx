@@ -1,0 +1,175 @@
+// Each image's errors against the reference, as the daemon measures them.
+
+import { useEffect, useState } from "preact/hooks";
+
+import { sendJson } from "../api/client";
+import type { Json } from "../api/types";
+import { numberText } from "../ui/format";
+import { sameSize, type Desk } from "./desk";
+import { kRadianceLayers } from "./paint";
+
+const kQuick = ["relative_mse", "rmse", "smape", "relative_bias"];
+const kFlip = "flip_hdr";
+const kNames: Record<string, string> = { relative_mse: "Relative MSE", rmse: "RMSE", smape: "SMAPE", relative_bias: "Relative bias, R G B", flip_hdr: "HDR-FLIP" };
+
+interface Measured {
+  metrics: Record<string, Json>;
+  notes: string[];
+}
+type Result = Measured | { failure: Error };
+
+/** What has been measured: the same for the same pixels. */
+const known = new Map<string, Result>();
+
+interface Order {
+  key: string;
+  image: string;
+  reference: string;
+  layer: string;
+  metrics: string[];
+}
+
+async function measure({ image, reference, layer, metrics }: Order): Promise<Result> {
+  const prefix = layer === "beauty" ? "" : `${layer}:`;
+  try {
+    const measured = await sendJson<Measured>("POST", "/v1/metrics", { image, reference, metrics: metrics.map((name) => prefix + name) });
+    return { ...measured, metrics: Object.fromEntries(Object.entries(measured.metrics).map(([name, value]) => [name.slice(prefix.length), value])) };
+  } catch (failure) {
+    return { failure: failure as Error };
+  }
+}
+
+/** The orders' results as they come, one after another: pixels that are looked at must not wait behind them. */
+function useMeasured(orders: Order[]): ReadonlyMap<string, Result> {
+  const [, setRound] = useState(0);
+  const wanted = orders.map((order) => order.key).join(" ");
+  useEffect(() => {
+    let stopped = false;
+    void (async () => {
+      for (const order of orders) {
+        if (stopped) return;
+        if (known.has(order.key)) continue;
+        const result = await measure(order);
+        if (stopped && "failure" in result) return;
+        known.set(order.key, result);
+        if (!stopped) setRound((round) => round + 1);
+      }
+    })();
+    return () => {
+      stopped = true;
+      for (const [key, result] of known) if ("failure" in result) known.delete(key); // asked for again when one looks again
+    };
+  }, [wanted]);
+  return known;
+}
+
+function cellText(value: Json | undefined): string {
+  if (Array.isArray(value)) return value.map((one) => numberText(one as number | null, 2).replace("-", "−")).join("  ");
+  return typeof value === "number" ? numberText(value) : "–";
+}
+
+export function ErrorsTable({ desk }: { desk: Desk }) {
+  const [withFlip, setWithFlip] = useState(false);
+  const images = desk.part("images").value;
+  const layer = desk.part("layer").value;
+  const reference = images[desk.reference.value];
+  const sources = desk.sources.value;
+  const against = reference === undefined ? undefined : sources.get(reference);
+  const isMeasured = kRadianceLayers.includes(layer);
+  const rows = images.flatMap((name, index) => {
+    const source = sources.get(name);
+    return source?.size && index !== desk.reference.value ? [{ name, index, source }] : [];
+  });
+  const orderOf = (name: string, version: number, metrics: string[]): Order => ({
+    key: [name, version, reference, against?.version ?? 0, layer, metrics.join()].join("|"),
+    image: name,
+    reference: reference ?? "",
+    layer,
+    metrics,
+  });
+  const measurable = (source: (typeof rows)[number]["source"]) =>
+    isMeasured && against?.size && sameSize(source.size, against.size) && source.layers.includes(layer) && against.layers.includes(layer);
+  const orders = rows.flatMap(({ name, source }) => (measurable(source) ? [orderOf(name, source.version, kQuick)] : []));
+  if (withFlip) orders.push(...rows.flatMap(({ name, source }) => (measurable(source) ? [orderOf(name, source.version, [kFlip])] : [])));
+  const results = useMeasured(orders);
+  if (images.length < 2) return null;
+
+  const columns = [...kQuick, kFlip];
+  const table = rows.map(({ name, index, source }) => {
+    const quick = results.get(orderOf(name, source.version, kQuick).key);
+    const flip = results.get(orderOf(name, source.version, [kFlip]).key);
+    const shownFlip = desk.part("error").value === kFlip ? desk.flipEntry(index)?.flipMean : null;
+    const values: Record<string, Json | undefined> = {
+      ...(quick && "metrics" in quick ? quick.metrics : {}),
+      ...(flip && "metrics" in flip ? flip.metrics : {}),
+    };
+    if (values[kFlip] === undefined && typeof shownFlip === "number") values[kFlip] = shownFlip;
+    const failure = quick && "failure" in quick ? quick.failure : flip && "failure" in flip ? flip.failure : null;
+    const notes = quick && "metrics" in quick ? quick.notes : [];
+    return { name, index, source, values, failure, notes, busy: measurable(source) && !quick };
+  });
+  const least = (metric: string): number => {
+    const numbers = table.map((row) => row.values[metric]).filter((value): value is number => typeof value === "number");
+    return numbers.length > 1 ? Math.min(...numbers) : NaN;
+  };
+  const notes = [...new Set(table.flatMap((row) => row.notes))];
+  return (
+    <section class="panel" aria-labelledby="compare-errors">
+      <h2 id="compare-errors">Errors against image {desk.reference.value + 1}</h2>
+      {!isMeasured ? (
+        <p class="muted">Layers of light are measured; {layer} is none.</p>
+      ) : (
+        <>
+          <div class="scroll-x" tabIndex={0} role="region" aria-label="Errors of the images">
+            <table>
+              <thead>
+                <tr>
+                  <th scope="col">Image</th>
+                  {columns.map((metric) => (
+                    <th key={metric} scope="col" class="number">
+                      {kNames[metric]}
+                    </th>
+                  ))}
+                </tr>
+              </thead>
+              <tbody>
+                {table.map(({ name, index, source, values, failure, busy }) => (
+                  <tr key={name}>
+                    <th scope="row">
+                      {index + 1} {source.title}
+                    </th>
+                    {failure || !measurable(source) ? (
+                      <td colSpan={columns.length} class={failure ? "fault" : "muted"}>
+                        {failure?.message ?? (sameSize(source.size, against?.size ?? null) ? `one of the two has no layer ${layer}` : "of another size than the reference")}
+                      </td>
+                    ) : (
+                      columns.map((metric) => (
+                        <td key={metric} class="number mono">
+                          {busy && metric !== kFlip ? "…" : cellText(values[metric])}
+                          {values[metric] === least(metric) && <b title="the least"> ★</b>}
+                        </td>
+                      ))
+                    )}
+                  </tr>
+                ))}
+              </tbody>
+            </table>
+          </div>
+          <div class="row compare-below">
+            <button disabled={withFlip} onClick={() => setWithFlip(true)}>
+              Measure FLIP too
+            </button>
+            <span class="hint">★ the least of its column. Of whole images, in full precision.</span>
+          </div>
+          {notes.length > 0 && (
+            <ul class="hint">
+              {notes.map((note) => (
+                <li key={note}>{note}</li>
+              ))}
+            </ul>
+          )}
+        </>
+      )}
+    </section>
+  );
+}

@@ -1,0 +1,68 @@
+// The images by their numbers: which is shown, which is the reference, and what each is.
+
+import type { Desk } from "./desk";
+import { withoutImage } from "./look";
+
+export function ImageList({ desk, onAdd }: { desk: Desk; onAdd: () => void }) {
+  const images = desk.part("images").value;
+  const two = images.length > 1 && ["wipe", "side"].includes(desk.part("mode").value);
+  const shown = desk.part("shown").value;
+  const reference = desk.reference.value;
+  return (
+    <section class="panel" aria-labelledby="compare-images">
+      <h2 id="compare-images">Images</h2>
+      <ol class="compare-images">
+        {images.map((name, index) => {
+          const source = desk.sources.value.get(name);
+          const entry = desk.entry(index);
+          const statistics = entry?.image?.statistics;
+          const title = source?.title ?? name;
+          return (
+            <li key={name} class={index === shown ? "shown" : undefined}>
+              <button class="compare-show" aria-pressed={index === shown} onClick={() => desk.change({ shown: index })} title={`Show it (${index + 1})`}>
+                {index + 1}
+              </button>
+              <div>
+                <span class="compare-title">{source?.job ? <a href={`/jobs/${source.job.id}`}>{title}</a> : title}</span>
+                <span class="small muted">{source?.failure ? <span class="fault">{source.failure.message}</span> : (source?.detail ?? "…")}</span>
+                {statistics && statistics.nans + statistics.infinities > 0 && (
+                  <span class="small fault">
+                    {[statistics.nans && `${statistics.nans} pixels with NaN`, statistics.infinities && `${statistics.infinities} with ∞`].filter(Boolean).join(", ")}
+                  </span>
+                )}
+                {entry?.image && entry.image.overflowed > 0 && (
+                  <span class="small fault">{entry.image.overflowed} values are beyond half precision: choose full</span>
+                )}
+                <span class="row">
+                  <label class="small">
+                    <input type="radio" name="compare-reference" checked={index === reference} onChange={() => desk.change({ reference: name })} /> reference
+                  </label>
+                  {two && (
+                    <label class="small">
+                      <input type="radio" name="compare-beside" checked={index === desk.beside.value} onChange={() => desk.change({ beside: index })} /> on the right
+                    </label>
+                  )}
+                </span>
+              </div>
+              <button class="quiet" aria-label={`Take ${title} away`} title="Take it away" onClick={() => (desk.look.value = withoutImage(desk.look.peek(), index))}>
+                ✕
+              </button>
+            </li>
+          );
+        })}
+      </ol>
+      {desk.sizesDiffer.value && <p class="notice small">The images are of different sizes. They lie with their upper left corners together; there are error maps only of those with the reference's size.</p>}
+      <div class="row">
+        <button onClick={onAdd}>Add images …</button>
+        <button class="quiet" onClick={() => desk.refreshAll()} title="Ask the daemon for the newest pixels">
+          Refresh
+        </button>
+        {desk.running.value && (
+          <label class="small">
+            <input type="checkbox" checked={desk.live.value} onChange={(event) => (desk.live.value = event.currentTarget.checked)} /> follow running jobs
+          </label>
+        )}
+      </div>
+    </section>
+  );
+}
