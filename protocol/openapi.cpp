@@ -310,6 +310,29 @@ json job_schema(const ApiVocabulary& vocabulary) {
                   {"curve", or_null(list_of(curve_point))}});
 }
 
+/// What a list shows of a job.
+json job_summary_schema(const json& job) {
+    json properties{{"scene", typed("string", "as the request names it")},
+                    {"method", typed("string")},
+                    {"device", typed("string")},
+                    {"width", count()},
+                    {"height", count()},
+                    {"priority", in_range(typed("integer", "higher first"), -100, 100)},
+                    {"labels", map_of(typed("string"))},
+                    {"failure", nullable("string", "what went wrong")}};
+    for (const char* key : {"id", "role", "comparison", "state", "progress", "passes_done", "seconds", "error_now",
+                            "created", "started", "finished"})
+        properties[key] = job.at("properties").at(key);
+    return given(std::move(properties));
+}
+
+json job_summary_page() {
+    json page = page_of("JobSummary");
+    page["properties"]["total"] = count("jobs that the filter lets through, on whatever page");
+    page["required"].push_back("total");
+    return page;
+}
+
 json status_schema() {
     return given({{"version", typed("string")},
                   {"uptime_seconds", typed("number")},
@@ -359,11 +382,13 @@ json openapi_document(const ApiVocabulary& vocabulary) {
                  {"Device", device_schema()},
                  {"Statistics", statistics_schema()},
                  {"Job", job_schema(vocabulary)},
+                 {"JobSummary", job_summary_schema(job_schema(vocabulary))},
                  {"Estimate", estimate_schema()},
                  {"Status", status_schema()},
                  {"Image", image_schema()},
                  {"Health", given({{"status", typed("string")}})},
                  {"JobPage", page_of("Job")},
+                 {"JobSummaryPage", job_summary_page()},
                  {"MethodPage", page_of("Method")},
                  {"DevicePage", page_of("Device")}};
     schemas.update(scene_schemas());

@@ -28,23 +28,34 @@ struct SceneUpload {
     std::string name;            // empty: named after its id
 };
 
+/// A quick picture of a scene, to choose a view by.
+struct ScenePreview {
+    std::string camera;             // one of the scene's; empty: look_at, or else the scene's default view
+    std::optional<LookAt> look_at;  // from wherever
+    uint32_t width = 320, height = 240;
+    uint32_t passes = 4;
+};
+
 /// The whole object, and whether it is new (201) or was there already (200).
 struct Added {
     nlohmann::json object;
     bool created = false;
 };
 
-/// A page of a list: {"items": [...], "next_cursor": null}.
+/// A page of a list: {"items": [...], "next_cursor": null}; of jobs' summaries also "total".
 using Page = nlohmann::json;
 
 struct JobFilter {
-    std::string state;  // empty: any; else one of the five states, or OutOfRange
-    std::string label;  // "key" or "key=value"
-    std::string scene;  // id or name
+    std::string view = "full";  // or "summary": what is read and sent fast, however long the jobs' curves
+    std::string state;          // empty: any; else some of the five states, commas between them, or OutOfRange
+    std::string label;          // "key" or "key=value"
+    std::string scene;          // id or name
     std::string method;
+    std::string device;    // as in the job's attempts: "cpu", "gpu:0"
     std::string role;      // empty: any; else one of the three roles, or OutOfRange
     uint32_t limit = 100;  // 1..1000, else OutOfRange
     std::string cursor;    // from next_cursor; empty: the newest
+    uint32_t offset = 0;   // jobs to skip from there
 };
 
 /// A file to send. `pending` means 202, empty, Retry-After: 1 (nothing rendered yet); the other fields are then empty.

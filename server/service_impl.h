@@ -6,7 +6,8 @@
 //   service_scenes.cpp     scenes and images
 //   service_submit.cpp     a request judged, and its job written
 //   service_references.cpp what jobs are measured against, and waiting for it
-//   service_jobs.cpp       get, list, cancel, purge, retry, extend
+//   service_jobs.cpp       get, cancel, purge, retry, extend
+//   service_job_lists.cpp  lists of jobs
 //   service_merge.cpp      jobs joined into one
 //   service_comparisons.cpp  comparisons and their jobs
 //   service_reports.cpp    what can be downloaded of a comparison
@@ -96,7 +97,6 @@ struct Outbox {
 /// A job that has been judged and waits to be written.
 struct PreparedJob {
     JobRow row;  // seq 0
-    std::vector<std::pair<std::string, std::string>> labels;
     uint64_t disk_bytes = 0;  // that it will leave
     /// The job that makes what it is measured against, where nobody has asked for that before.
     std::optional<JobRow> reference;
@@ -169,7 +169,7 @@ struct Service::Impl {
     /// Unavailable when stopping, QueueFull, NoSpace.
     void check_room(std::span<const PreparedJob> jobs) const;
     void check_room(size_t jobs, uint64_t disk_bytes) const;
-    /// Inside the caller's transaction: writes the job with its labels, log and event, and before it its reference
+    /// Inside the caller's transaction: writes the job with its log and event, and before it its reference
     /// unless one of that content is there by now.
     void insert_job(PreparedJob& job, Insertion& inserted);
     /// After the commit: tells the events, queues the jobs and has them begin.
@@ -220,7 +220,6 @@ struct Service::Impl {
 
     // service_jobs.cpp
     nlohmann::json get_job(const std::string& id);
-    Page list_jobs(const JobFilter& filter);
     Cancelled cancel_job(const std::string& id, bool purge);
     nlohmann::json retry_job(const std::string& id);
     /// `body`: {"stop": ...}; the conditions count from the film's first pass.
@@ -235,6 +234,10 @@ struct Service::Impl {
     /// The film of an attempt (empty: none) and whatever artefacts lie beside it.
     void remove_film(const std::string& film) const;
     void remove_parts(const std::string& film) const;  // what a killed worker was writing for it
+
+    // service_job_lists.cpp
+    Page list_jobs(const JobFilter& filter);           // takes the lock
+    nlohmann::json job_summary(const JobSummary& row);  // under the lock
 
     // service_merge.cpp
     nlohmann::json merge_jobs(const nlohmann::json& body, const std::optional<std::string>& key);  // waits

@@ -1,4 +1,4 @@
-// Jobs as clients see them: looked at, listed, cancelled, retried, extended, purged.
+// Jobs as clients see them: looked at, cancelled, retried, extended, purged.
 
 #include <spdlog/spdlog.h>
 
@@ -108,43 +108,6 @@ json Service::Impl::job_object(const JobRow& row) const {
 json Service::Impl::get_job(const std::string& id) {
     const std::lock_guard lock(mutex);
     return job_object(require_job(id));
-}
-
-Page Service::Impl::list_jobs(const JobFilter& filter) {
-    check_limit(filter.limit);
-    JobQuery query;
-    query.limit = filter.limit;
-    query.before = read_cursor(filter.cursor, INT64_MAX);
-    if (!filter.state.empty()) {
-        query.state = job_state_named(filter.state);
-        if (!query.state)
-            throw Error(ErrorCode::OutOfRange, "/state",
-                        "'" + filter.state + "' is none of queued, running, succeeded, failed, cancelled");
-    }
-    if (!filter.label.empty()) {
-        const size_t equals = filter.label.find('=');
-        query.label_key = filter.label.substr(0, equals);
-        if (equals != std::string::npos) query.label_value = filter.label.substr(equals + 1);
-        if (query.label_key.empty()) throw Error(ErrorCode::OutOfRange, "/label", "a label is KEY or KEY=VALUE");
-    }
-    if (!filter.role.empty()) {
-        query.role = job_role_named(filter.role);
-        if (!query.role)
-            throw Error(ErrorCode::OutOfRange, "/role", "'" + filter.role + "' is none of render, reference, merged");
-    }
-    query.method = filter.method;
-    json items = json::array();
-    json next;
-    const std::lock_guard lock(mutex);
-    if (!filter.scene.empty()) {
-        // A scene that has been deleted is still found by its id.
-        const auto scene = find_scene(filter.scene);
-        query.scene = scene ? scene->id : filter.scene;
-    }
-    const std::vector<JobRow> rows = store.jobs(query);
-    for (const JobRow& row : rows) items.push_back(job_object(row));
-    if (rows.size() == filter.limit) next = std::to_string(rows.back().seq);
-    return {{"items", std::move(items)}, {"next_cursor", std::move(next)}};
 }
 
 Service::Cancelled Service::Impl::cancel_job(const std::string& id, bool remove) {

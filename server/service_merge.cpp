@@ -170,8 +170,6 @@ json Service::Impl::add_merged(JobRow row, const fs::path& film, const std::vect
                                const std::optional<std::string>& key, const std::string& body_sha256) {
     std::string parts;
     for (const std::string& id : ids) parts += (parts.empty() ? "" : ", ") + id;
-    const JobRequest request = parse_job_request(json::parse(row.request), vocabulary);
-    const std::vector<std::pair<std::string, std::string>> labels(request.labels.begin(), request.labels.end());
     const std::lock_guard lock(mutex);
     if (key)
         if (const auto known = job_of_key(*key, body_sha256)) {  // said twice at the same time
@@ -184,7 +182,7 @@ json Service::Impl::add_merged(JobRow row, const fs::path& film, const std::vect
     Outbox outbox;
     try {
         auto transaction = store.transaction();
-        store.insert_job(row, labels);
+        store.insert_job(row);
         if (key) store.insert_key(*key, body_sha256, row.seq, row.created_ms);
         store.append_log(row.seq, row.created_ms, "merged from " + parts);
         put_event(outbox, "state", row.seq, state_data(row));

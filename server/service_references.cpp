@@ -154,7 +154,7 @@ std::optional<JobRow> Service::Impl::usable_reference(const std::string& content
 
 int64_t Service::Impl::insert_reference(JobRow reference, Insertion& inserted) {
     if (const auto found = usable_reference(reference.content)) return found->seq;
-    store.insert_job(reference, {});
+    store.insert_job(reference);
     store.append_log(reference.seq, reference.created_ms, "queued for " + reference.device + ", to be a reference");
     put_event(inserted.outbox, "state", reference.seq, state_data(reference));
     inserted.rows.push_back(reference);

@@ -158,7 +158,6 @@ PreparedJob Service::Impl::prepare_job(const JobRequest& request) {
     job.row.request = to_json(request).dump();
     job.row.created_ms = now_ms();
     if (request.reference && !request.reference->job.empty()) job.row.reference_job = job_seq(request.reference->job);
-    job.labels.assign(request.labels.begin(), request.labels.end());
     job.disk_bytes = estimate_disk_bytes(request, scene);
     job.reference = missing_reference(request, scene, job.row.reference_job);
     if (job.reference) job.reference_disk_bytes = estimate_disk_bytes(reference_request(request), scene);
@@ -168,7 +167,7 @@ PreparedJob Service::Impl::prepare_job(const JobRequest& request) {
 void Service::Impl::insert_job(PreparedJob& job, Insertion& inserted) {
     if (job.reference) job.row.reference_job = insert_reference(*job.reference, inserted);
     if (job.row.reference_job) raise_reference(*job.row.reference_job, job.row.priority, inserted);
-    store.insert_job(job.row, job.labels);
+    store.insert_job(job.row);
     store.append_log(job.row.seq, job.row.created_ms, "queued for " + job.row.device + waiting_text(job.row));
     put_event(inserted.outbox, "state", job.row.seq, state_data(job.row));
     inserted.rows.push_back(job.row);

@@ -29,13 +29,16 @@ Reply submit(Service& service, Call& call) {
 Reply list(Service& service, Call& call) {
     Query query(call.query);
     JobFilter filter;
+    filter.view = query.text("view", "full");
     filter.state = query.text("state");
     filter.label = query.text("label");
     filter.scene = query.text("scene");
     filter.method = query.text("method");
+    filter.device = query.text("device");
     filter.role = query.text("role");
     filter.limit = query.integer("limit", 100);
     filter.cursor = query.text("cursor");
+    filter.offset = query.integer("offset", 0);
     query.finish();
     return json_reply(200, service.list_jobs(filter));
 }

@@ -80,6 +80,32 @@ inline constexpr const char* kMigrations[] = {
     R"sql(
     ALTER TABLE images ADD COLUMN layers TEXT NOT NULL DEFAULT '';
     )sql",
+    // 5: what lists of jobs are filtered by and show, apart from all that makes a job's row long. The view is the one
+    // place that says what that is; triggers keep it. Labels are JSON whose brace is a comma (store/job_lists.cpp).
+    R"sql(
+    CREATE VIEW jobs_summarized AS SELECT
+        seq, state, role, device, method, scene, ',' || substr(json_extract(request, '$.labels'), 2) AS labels,
+        priority, comparison, created_ms, started_ms, finished_ms, progress, passes_done, seconds, error_now,
+        json_extract(request, '$.scene') AS scene_name,
+        json_extract(request, '$.image.width') AS width, json_extract(request, '$.image.height') AS height,
+        CASE failure WHEN '' THEN NULL ELSE json_extract(failure, '$.detail') END AS failure
+        FROM jobs;
+    CREATE TABLE job_summaries (
+        seq INTEGER PRIMARY KEY REFERENCES jobs (seq) ON DELETE CASCADE,
+        state INTEGER NOT NULL, role INTEGER NOT NULL, device TEXT NOT NULL, method TEXT NOT NULL, scene TEXT NOT NULL,
+        labels TEXT, priority INTEGER NOT NULL, comparison INTEGER, created_ms INTEGER NOT NULL, started_ms INTEGER,
+        finished_ms INTEGER, progress REAL NOT NULL, passes_done INTEGER NOT NULL, seconds REAL NOT NULL,
+        error_now TEXT NOT NULL, scene_name TEXT, width INTEGER, height INTEGER, failure TEXT);
+    INSERT INTO job_summaries SELECT * FROM jobs_summarized;
+    CREATE INDEX job_summaries_filters ON job_summaries (seq, state, role, device, method, scene, labels);
+    CREATE TRIGGER job_inserted AFTER INSERT ON jobs BEGIN
+        INSERT INTO job_summaries SELECT * FROM jobs_summarized WHERE seq = new.seq;
+    END;
+    CREATE TRIGGER job_updated AFTER UPDATE ON jobs BEGIN
+        INSERT OR REPLACE INTO job_summaries SELECT * FROM jobs_summarized WHERE seq = new.seq;
+    END;
+    DROP TABLE labels;
+    )sql",
 };
 
 inline constexpr int kSchemaVersion = static_cast<int>(std::size(kMigrations));

@@ -146,32 +146,29 @@ int64_t comparison_seq(std::string_view id) { return numbered_id('C', id); }
 
 Store::Store(const std::filesystem::path& file) : database_(file, kMigrations, kSchemaVersion) {}
 
-void Store::insert_job(JobRow& job, const std::vector<std::pair<std::string, std::string>>& labels) {
+void Store::insert_job(JobRow& job) {
     static const std::string kInsert = "INSERT INTO jobs (" +
                                        joined([](int i) { return std::string(kJobColumns[i]); }) + ") VALUES (" +
                                        joined([](int i) { return "?" + std::to_string(i + 1); }) + ")";
+    ++jobs_version_;
     Statement insert = database_.prepare(kInsert);
     bind_job(insert, job);
     insert.run();
     job.seq = database_.last_insert_id();
-    for (const auto& [key, value] : labels)
-        database_.prepare("INSERT INTO labels (key, value, job) VALUES (?1, ?2, ?3)")
-            .bind(1, key)
-            .bind(2, value)
-            .bind(3, job.seq)
-            .run();
 }
 
 void Store::update_job(const JobRow& job) {
     static const std::string kUpdate = "UPDATE jobs SET " +
                                        joined([](int i) { return kJobColumns[i] + (" = ?" + std::to_string(i + 1)); }) +
                                        " WHERE seq = ?" + std::to_string(kJobColumnCount + 1);
+    ++jobs_version_;
     Statement update = database_.prepare(kUpdate);
     bind_job(update, job);
     update.bind(kJobColumnCount + 1, job.seq).run();
 }
 
 void Store::delete_job(int64_t seq) {
+    ++jobs_version_;
     database_.prepare("DELETE FROM events WHERE job = ?1").bind(1, seq).run();
     database_.prepare("DELETE FROM jobs WHERE seq = ?1").bind(1, seq).run();
 }
@@ -181,30 +178,6 @@ std::optional<JobRow> Store::job(int64_t seq) {
     read.bind(1, seq);
     if (!read.step()) return std::nullopt;
     return read_job(read);
-}
-
-std::vector<JobRow> Store::jobs(const JobQuery& query) {
-    // One text for each set of filters in use, so that each gets its own plan and index.
-    std::string sql = select_jobs() + " WHERE seq < ?1";
-    if (query.state) sql += " AND state = ?3";
-    if (query.role) sql += " AND role = ?8";
-    if (!query.scene.empty()) sql += " AND scene = ?4";
-    if (!query.method.empty()) sql += " AND method = ?5";
-    if (!query.label_key.empty()) {
-        sql += " AND seq IN (SELECT job FROM labels WHERE key = ?6";
-        if (query.label_value) sql += " AND value = ?7";
-        sql += ")";
-    }
-    sql += " ORDER BY seq DESC LIMIT ?2";
-    Statement read = database_.prepare(sql);
-    read.bind(1, query.before).bind(2, static_cast<int64_t>(query.limit));
-    if (query.state) read.bind(3, static_cast<int64_t>(*query.state));
-    if (query.role) read.bind(8, static_cast<int64_t>(*query.role));
-    if (!query.scene.empty()) read.bind(4, query.scene);
-    if (!query.method.empty()) read.bind(5, query.method);
-    if (!query.label_key.empty()) read.bind(6, query.label_key);
-    if (query.label_value) read.bind(7, *query.label_value);
-    return read_jobs(read);
 }
 
 std::vector<JobRow> Store::running_jobs() {
@@ -243,12 +216,6 @@ std::vector<JobRow> Store::unfinished_jobs_measured_against(int64_t seq) {
 int64_t Store::unfinished_jobs_of_scene(const std::string& scene) {
     Statement read = database_.prepare("SELECT count(*) FROM jobs WHERE scene = ?1 AND state IN (0, 1)");
     read.bind(1, scene);
-    return read.step() ? read.integer(0) : 0;
-}
-
-int64_t Store::count_jobs(JobState state) {
-    Statement read = database_.prepare("SELECT count(*) FROM jobs WHERE state = ?1");
-    read.bind(1, static_cast<int64_t>(state));
     return read.step() ? read.integer(0) : 0;
 }
 
@@ -417,7 +384,6 @@ std::optional<SceneRow> Store::scene(const std::string& id) {
     if (!read.step()) return std::nullopt;
     return read_scene(read);
 }
-        .bind(9, image.layers)
 
 std::optional<SceneRow> Store::scene_named(const std::string& name) {
     Statement read = database_.prepare(
@@ -454,6 +420,7 @@ void Store::insert_image(const ImageRow& image) {
         .bind(6, image.channels)
         .bind(7, image.bytes)
         .bind(8, image.created_ms)
+        .bind(9, image.layers)
         .run();
 }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -97,13 +98,34 @@ struct ImageRow {
     std::string layers;  // JSON: [{"name", "channels"}..]; empty where it came before they were noted
 };
 
+/// Of a job what a list shows: nothing of it is long.
+struct JobSummary {
+    int64_t seq = 0;
+    JobState state = JobState::Queued;
+    JobRole role = JobRole::Render;
+    std::string device, method;
+    std::string scene;   // as the request names it
+    std::string labels;  // JSON object
+    int priority = 0;
+    std::optional<int64_t> comparison;
+    int64_t created_ms = 0;
+    std::optional<int64_t> started_ms, finished_ms;
+    double progress = 0;
+    int64_t passes_done = 0;
+    double seconds = 0;
+    std::string error_now;  // as in JobRow
+    int64_t width = 0, height = 0;
+    std::string failure;  // what went wrong, as text; empty: nothing
+};
+
 struct JobQuery {
-    std::optional<JobState> state;
+    std::vector<JobState> states;  // empty: any
     std::optional<JobRole> role;
     std::string label_key;
     std::optional<std::string> label_value;
-    std::string scene, method;   // empty: any
-    int64_t before = INT64_MAX;  // seq of the last row of the page before
+    std::string scene, method, device;  // empty: any
+    int64_t before = INT64_MAX;         // seq of the last row of the page before
+    uint32_t offset = 0;                // rows to skip from there
     uint32_t limit = 100;
 };
 
@@ -124,12 +146,15 @@ public:
     // --- jobs
     // ---------------------------------------------------------------------------------------------------------
     /// Fills in seq.
-    void insert_job(JobRow& job, const std::vector<std::pair<std::string, std::string>>& labels);
+    void insert_job(JobRow& job);
     void update_job(const JobRow& job);
     void delete_job(int64_t seq);
     std::optional<JobRow> job(int64_t seq);
-    /// Newest first.
+    /// A page, newest first. Not inside a transaction that changes jobs: what was read there would outlive its end.
     std::vector<JobRow> jobs(const JobQuery& query);
+    std::vector<JobSummary> job_summaries(const JobQuery& query);
+    /// How many there are in all, wherever the page begins.
+    int64_t count_jobs(const JobQuery& query);
     std::vector<JobRow> running_jobs();
     /// Over, and asked to be removed.
     std::vector<JobRow> jobs_to_purge();
@@ -139,7 +164,6 @@ public:
     /// Jobs that are measured against that one and are not over.
     std::vector<JobRow> unfinished_jobs_measured_against(int64_t seq);
     int64_t unfinished_jobs_of_scene(const std::string& scene);
-    int64_t count_jobs(JobState state);
     std::vector<std::string> films();
     /// Film and artefacts (JSON) of every job that has any.
     std::vector<std::pair<std::string, std::string>> artefacts();
@@ -211,7 +235,20 @@ public:
     std::string integrity();
 
 private:
+    /// Numbers of all jobs that pass a filter, newest first.
+    struct JobList {
+        std::string filter;
+        uint64_t version;  // jobs_version_ when it was read
+        std::vector<int64_t> seqs;
+    };
+
+    /// Valid until the next call.
+    const std::vector<int64_t>& filtered_jobs(const JobQuery& query);
+    std::span<const int64_t> listed_jobs(const JobQuery& query);  // those of a page
+
     Database database_;
+    uint64_t jobs_version_ = 0;       // rises with every change of a job
+    std::vector<JobList> job_lists_;  // the latest asked for first
 };
 
 std::string job_id(int64_t seq);

@@ -1,0 +1,142 @@
+// Lists of jobs. However long jobs' rows are, a list looks for its jobs in one narrow index that holds every filter,
+// and shows what is beside it (schema.h, step 5). What it found it keeps while no job changes, so that whoever leafs or
+// jumps through a long list has its pages and its total at once.
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "server/store/store.h"
+
+namespace photond {
+
+namespace {
+
+using nlohmann::json;
+
+constexpr size_t kListsKept = 8;  // of different filters; a number for each job of each
+
+std::string quoted(const std::string& text) { return json(text).dump(-1, ' ', false, json::error_handler_t::replace); }
+
+/// What the labels' text holds where there is such a label, and nowhere else. They are JSON whose opening brace is a
+/// comma, so that every key follows `,"`; within a string that cannot stand, for there a quotation mark has a backslash
+/// before it. Nor can a longer value be taken for this one, which ends with its own.
+std::string label_text(const JobQuery& query) {
+    std::string text = "," + quoted(query.label_key) + ":";
+    if (query.label_value) text += quoted(*query.label_value);
+    return text;
+}
+
+int64_t states_mask(const JobQuery& query) {
+    int64_t mask = 0;
+    for (const JobState state : query.states) mask |= int64_t{1} << static_cast<int>(state);
+    return mask;
+}
+
+/// One text for each set of filters in use; what costs least to judge comes first.
+std::string filter_sql(const JobQuery& query) {
+    std::string sql = "SELECT seq FROM job_summaries INDEXED BY job_summaries_filters WHERE 1";
+    if (!query.states.empty()) sql += " AND (?1 >> state) & 1";
+    if (query.role) sql += " AND role = ?2";
+    if (!query.device.empty()) sql += " AND device = ?3";
+    if (!query.method.empty()) sql += " AND method = ?4";
+    if (!query.scene.empty()) sql += " AND scene = ?5";
+    if (!query.label_key.empty()) sql += " AND instr(labels, ?6)";
+    return sql + " ORDER BY seq DESC";
+}
+
+/// The same for queries that the same jobs pass, on whatever page.
+std::string filter_key(const JobQuery& query) {
+    const json key{states_mask(query), query.role ? static_cast<int>(*query.role) : -1, query.device, query.method,
+                   query.scene,        query.label_key.empty() ? "" : label_text(query)};
+    return key.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+std::optional<int64_t> optional_integer(const Statement& row, int column) {
+    if (row.is_null(column)) return std::nullopt;
+    return row.integer(column);
+}
+
+JobSummary read_summary(const Statement& row) {
+    JobSummary job;
+    job.seq = row.integer(0);
+    job.state = static_cast<JobState>(row.integer(1));
+    job.role = static_cast<JobRole>(row.integer(2));
+    job.device = row.text(3);
+    job.method = row.text(4);
+    job.labels = row.text(5);
+    if (job.labels.empty())
+        job.labels = "{}";
+    else
+        job.labels.front() = '{';
+    job.priority = static_cast<int>(row.integer(6));
+    job.comparison = optional_integer(row, 7);
+    job.created_ms = row.integer(8);
+    job.started_ms = optional_integer(row, 9);
+    job.finished_ms = optional_integer(row, 10);
+    job.progress = row.real(11);
+    job.passes_done = row.integer(12);
+    job.seconds = row.real(13);
+    job.error_now = row.text(14);
+    job.scene = row.text(15);
+    job.width = row.integer(16);
+    job.height = row.integer(17);
+    job.failure = row.text(18);
+    return job;
+}
+
+}  // namespace
+
+const std::vector<int64_t>& Store::filtered_jobs(const JobQuery& query) {
+    const std::string key = filter_key(query);
+    std::erase_if(job_lists_, [this](const JobList& list) { return list.version != jobs_version_; });
+    const auto known =
+        std::find_if(job_lists_.begin(), job_lists_.end(), [&](const JobList& list) { return list.filter == key; });
+    if (known != job_lists_.end()) {
+        std::rotate(job_lists_.begin(), known, known + 1);
+        return job_lists_.front().seqs;
+    }
+    Statement read = database_.prepare(filter_sql(query));
+    if (!query.states.empty()) read.bind(1, states_mask(query));
+    if (query.role) read.bind(2, static_cast<int64_t>(*query.role));
+    if (!query.device.empty()) read.bind(3, query.device);
+    if (!query.method.empty()) read.bind(4, query.method);
+    if (!query.scene.empty()) read.bind(5, query.scene);
+    if (!query.label_key.empty()) read.bind(6, label_text(query));
+    JobList list{key, jobs_version_, {}};
+    while (read.step()) list.seqs.push_back(read.integer(0));
+    if (job_lists_.size() == kListsKept) job_lists_.pop_back();
+    job_lists_.insert(job_lists_.begin(), std::move(list));
+    return job_lists_.front().seqs;
+}
+
+std::span<const int64_t> Store::listed_jobs(const JobQuery& query) {
+    const std::span<const int64_t> all = filtered_jobs(query);
+    const auto from = std::upper_bound(all.begin(), all.end(), query.before, std::greater<>());
+    const auto page = all.subspan(static_cast<size_t>(from - all.begin()));
+    if (query.offset >= page.size()) return {};
+    return page.subspan(query.offset, std::min<size_t>(query.limit, page.size() - query.offset));
+}
+
+std::vector<JobRow> Store::jobs(const JobQuery& query) {
+    std::vector<JobRow> rows;
+    for (const int64_t seq : listed_jobs(query))
+        if (auto row = job(seq)) rows.push_back(*std::move(row));
+    return rows;
+}
+
+std::vector<JobSummary> Store::job_summaries(const JobQuery& query) {
+    std::vector<JobSummary> rows;
+    for (const int64_t seq : listed_jobs(query)) {
+        Statement read = database_.prepare(
+            "SELECT seq, state, role, device, method, labels, priority, comparison, created_ms, started_ms, "
+            "finished_ms, progress, passes_done, seconds, error_now, scene_name, width, height, failure "
+            "FROM job_summaries WHERE seq = ?1");
+        read.bind(1, seq);
+        if (read.step()) rows.push_back(read_summary(read));
+    }
+    return rows;
+}
+
+int64_t Store::count_jobs(const JobQuery& query) { return static_cast<int64_t>(filtered_jobs(query).size()); }
+
+}  // namespace photond
