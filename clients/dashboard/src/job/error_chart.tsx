@@ -1,0 +1,142 @@
+// Error against time, on two logarithmic axes, growing while the job runs. The metrics are chosen; the target is a line.
+
+import "uplot/dist/uPlot.min.css";
+
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+import type uPlot from "uplot";
+
+import type { CurvePoint, StopConditions } from "../api/types";
+import { isDark } from "../app/theme";
+import { countText, numberText, plainName, secondsText } from "../ui/format";
+import { seriesLook } from "../ui/palette";
+
+interface Props {
+  curve: CurvePoint[];
+  target: StopConditions["target"];
+  against: "seconds" | "passes";
+  metrics: string[];
+  /** All there are, so that a metric keeps its colour whichever are shown. */
+  all: string[];
+}
+
+const kHeight = 300;
+
+const usable = (value: number | null | undefined): number | null => (typeof value === "number" && value > 0 && Number.isFinite(value) ? value : null);
+
+function dataOf({ curve, metrics, against, target }: Props): uPlot.AlignedData {
+  const points = curve.filter((point) => point[against] > 0 && metrics.some((metric) => usable(point.metrics[metric]) !== null));
+  const line = target && metrics.includes(target.metric) ? [points.map(() => target.value)] : [];
+  return [points.map((point) => point[against]), ...metrics.map((metric) => points.map((point) => usable(point.metrics[metric]))), ...line];
+}
+
+/** The powers of ten about the values, so that a short curve has an axis too. */
+function decades(low: number, high: number): [number, number] {
+  if (!(low > 0) || !(high > 0)) return [0.1, 1];
+  const [from, to] = [10 ** Math.floor(Math.log10(low)), 10 ** Math.ceil(Math.log10(high))];
+  return from === to ? [from, to * 10] : [from, to];
+}
+
+function optionsOf(props: Props, width: number): uPlot.Options {
+  const style = getComputedStyle(document.documentElement);
+  const colour = (name: string) => style.getPropertyValue(name).trim();
+  const axis: uPlot.Axis = {
+    stroke: colour("--muted"),
+    font: "12px system-ui, sans-serif",
+    labelFont: "12px system-ui, sans-serif",
+    grid: { stroke: colour("--line"), width: 1 },
+    ticks: { stroke: colour("--line"), width: 1 },
+  };
+  const xText = (value: number) => (props.against === "seconds" ? secondsText(value) : countText(value));
+  const written = (text: (value: number) => string) => (_: uPlot, values: number[]) =>
+    values.map((value) => (value !== null && Math.abs(Math.log10(value) % 1) < 1e-9 ? text(value) : ""));
+  return {
+    width,
+    height: kHeight,
+    legend: { live: true },
+    cursor: { drag: { x: false, y: false } },
+    scales: {
+      x: { time: false, distr: 3, range: (_, low, high) => (low === high ? [low / 2, high * 2] : [low, high]) },
+      y: { distr: 3, range: (_, low, high) => decades(low, high) },
+    },
+    axes: [
+      { ...axis, label: props.against === "seconds" ? "render time" : "passes", labelSize: 20, size: 34, values: (_, values) => values.map((value) => (value === null ? "" : xText(value))), space: 70 },
+      { ...axis, size: 64, values: written((value) => numberText(value)) },
+    ],
+    series: [
+      { label: props.against === "seconds" ? "time" : "passes", value: (_, value) => (value === null ? "–" : xText(value)) },
+      ...props.metrics.map((metric): uPlot.Series => {
+        const look = seriesLook(props.all.indexOf(metric), isDark.peek());
+        return {
+          label: plainName(metric),
+          stroke: look.colour,
+          dash: look.dash,
+          width: 2,
+          spanGaps: true,
+          points: { show: true, size: 5 },
+          value: (_, value) => numberText(value),
+        };
+      }),
+      ...(props.target && props.metrics.includes(props.target.metric)
+        ? [{ label: "target", stroke: colour("--muted"), dash: [4, 4], width: 1.5, points: { show: false }, value: (_: uPlot, value: number) => numberText(value) } satisfies uPlot.Series]
+        : []),
+    ],
+  };
+}
+
+function Chart(props: Props) {
+  const place = useRef<HTMLDivElement>(null);
+  const chart = useRef<uPlot | null>(null);
+  const latest = useRef(props);
+  latest.current = props;
+  const dark = isDark.value;
+  useEffect(() => {
+    let gone = false;
+    const watcher = new ResizeObserver(() => chart.current?.setSize({ width: place.current!.clientWidth, height: kHeight }));
+    void import("uplot").then(({ default: UPlot }) => {
+      if (gone || !place.current) return;
+      chart.current = new UPlot(optionsOf(latest.current, place.current.clientWidth), dataOf(latest.current), place.current);
+      watcher.observe(place.current);
+    });
+    return () => {
+      gone = true;
+      watcher.disconnect();
+      chart.current?.destroy();
+      chart.current = null;
+    };
+  }, [props.metrics.join(), props.against, props.target?.value, dark]);
+  useEffect(() => chart.current?.setData(dataOf(props)), [props.curve]);
+  const last = props.curve.at(-1);
+  const now = last ? props.metrics.map((metric) => `${plainName(metric)} ${numberText(last.metrics[metric])}`).join(", ") : "";
+  return <div ref={place} class="job-chart" role="img" aria-label={`Error against ${props.against}; at the end ${now}`} />;
+}
+
+export function ErrorCurve({ curve, target, running }: { curve: CurvePoint[] | null; target: StopConditions["target"]; running: boolean }) {
+  const all = useMemo(() => [...new Set((curve ?? []).flatMap((point) => Object.keys(point.metrics)))].sort(), [curve]);
+  const measured = all.filter((metric) => curve!.some((point) => usable(point.metrics[metric]) !== null));
+  const [chosen, setChosen] = useState<string[] | null>(null);
+  const [against, setAgainst] = useState<"seconds" | "passes">("seconds");
+  const first = target && measured.includes(target.metric) ? target.metric : measured.includes("relative_mse") ? "relative_mse" : measured[0];
+  const shown = (chosen ?? (first ? [first] : [])).filter((metric) => measured.includes(metric));
+  if (measured.length === 0)
+    return <p class="muted">{running ? "The first points come after the second pass." : "Nothing was measured: an error needs two passes at least, or a reference."}</p>;
+  const toggle = (metric: string) => setChosen(shown.includes(metric) ? shown.filter((other) => other !== metric) : [...shown, metric]);
+  return (
+    <>
+      <div class="row job-metrics" role="group" aria-label="Metrics">
+        {measured.map((metric) => (
+          <button key={metric} class="small" aria-pressed={shown.includes(metric)} onClick={() => toggle(metric)}>
+            {plainName(metric)}
+          </button>
+        ))}
+        <label class="row small job-against">
+          against
+          <select value={against} onChange={(event) => setAgainst(event.currentTarget.value as "seconds" | "passes")}>
+            <option value="seconds">render time</option>
+            <option value="passes">passes</option>
+          </select>
+        </label>
+      </div>
+      {shown.length > 0 ? <Chart curve={curve!} target={target} against={against} metrics={shown} all={measured} /> : <p class="muted">Choose a metric.</p>}
+    </>
+  );
+}
