@@ -5,34 +5,35 @@ import { useEffect, useRef } from "preact/hooks";
 import type { Desk } from "./desk";
 import { cropAbout, cropWithin, kMaxCrops, kMaxCropSide, type Crop } from "./crops";
 import { kMaxCropZoom } from "./look";
+import { enlarged } from "./present";
 import { NumberBox } from "./toolbar";
 
 export const kCropLetters = "ABCDEF";
 
-/** Pixels of a crop of an image as it is shown; null where there is none. */
-export function cropPixels(desk: Desk, index: number, crop: Crop, zoom: number): ImageData | null {
+/** A crop of an image as it is shown; null where there is none. */
+export function cropPicture(desk: Desk, index: number, crop: Crop, zoom: number): HTMLCanvasElement | null {
   const picture = desk.shown.peek()[index]?.picture;
-  const gl = desk.gl.peek();
-  if (!picture || !gl || gl.isLost) return null;
+  const developer = desk.developer.peek();
+  if (!picture || !developer) return null;
   const { image } = picture;
   // What lies outside of a smaller image is not there.
   if (crop.x + crop.width > image.width || crop.y + crop.height > image.height) return null;
-  return gl.crop(picture, crop, zoom);
+  return enlarged(developer, picture, crop, zoom);
 }
 
 function CropPicture({ desk, index, crop }: { desk: Desk; index: number; crop: Crop }) {
   const canvas = useRef<HTMLCanvasElement>(null);
   const zoom = desk.part("cropZoom").value;
   const shown = desk.shown.value[index];
-  const gl = desk.gl.value;
+  const developer = desk.developer.value;
   const density = desk.density.value;
   useEffect(() => {
-    const pixels = gl && cropPixels(desk, index, crop, zoom);
+    const picture = developer && cropPicture(desk, index, crop, zoom);
     const context = canvas.current!.getContext("2d")!;
     canvas.current!.width = crop.width * zoom;
     canvas.current!.height = crop.height * zoom;
-    if (pixels) context.putImageData(pixels, 0, 0);
-  }, [gl, shown?.picture, crop.x, crop.y, crop.width, crop.height, zoom]);
+    if (picture) context.drawImage(picture, 0, 0);
+  }, [developer, shown?.picture, crop.x, crop.y, crop.width, crop.height, zoom]);
   const title = desk.sources.value.get(desk.part("images").value[index]!)?.title ?? "";
   return (
     <figure class="compare-crop">

@@ -4,7 +4,7 @@ import { computed, effect, signal, type ReadonlySignal } from "@preact/signals";
 
 import { listen, type StreamEvent } from "../api/events";
 import { isOver, type Job } from "../api/types";
-import type { GlView, Picture } from "./gl_view";
+import type { Developer, Picture } from "./gl_develop";
 import { besideOf, kStart, type Look } from "./look";
 import { kRadianceLayers, paintOf, type Ground, type Paint } from "./paint";
 import { PixelStore, type Entry, type Wanted } from "./pixel_store";
@@ -42,7 +42,7 @@ export class Desk {
   readonly cropping = signal(false);
   /** Whether jobs that run are looked at again as they go on. */
   readonly live = signal(true);
-  readonly gl = signal<GlView | null>(null);
+  readonly developer = signal<Developer | null>(null);
   private parts = new Map<keyof Look, ReadonlySignal<unknown>>();
   private lastLook = new Map<string, number>();
   private timers = new Map<string, ReturnType<typeof setTimeout>>();
@@ -64,7 +64,7 @@ export class Desk {
     this.stops = [
       effect(() => this.askForSources(this.part("images").value)),
       effect(() => this.store.want(this.wanted.value)),
-      effect(() => this.gl.value?.retain(this.held.value)),
+      effect(() => this.developer.value?.retain(this.held.value)),
       listen((event) => this.hear(event)),
     ];
     return () => {
@@ -266,7 +266,7 @@ export class Desk {
       if (entry?.failure) return { picture: null, busy: false, note: entry.failure.message };
       return entry?.waiting ? { picture: null, busy: false, note: "Nothing is rendered yet" } : { picture: null, busy: true, note: null };
     }
-    const tooLarge = this.gl.value?.whyNot(image) ?? null;
+    const tooLarge = this.developer.value?.whyNot(image) ?? null;
     if (tooLarge) return { picture: null, busy: false, note: tooLarge };
     const error = this.part("error").value;
     const reference = this.reference.value;

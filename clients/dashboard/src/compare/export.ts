@@ -2,7 +2,7 @@
 
 import { saveBlob } from "../api/client";
 import { barPaint, barTitle, paintBar } from "./colour_bar";
-import { cropPixels, kCropLetters } from "./crop_strip";
+import { cropPicture, kCropLetters } from "./crop_strip";
 import type { Desk } from "./desk";
 import { ticksOf } from "./paint";
 import { drawNow } from "./stage";
@@ -51,7 +51,7 @@ const needsScale = (desk: Desk): boolean => barPaint(desk).colours !== "tone";
 export async function saveView(desk: Desk, canvas: HTMLCanvasElement): Promise<void> {
   const scale = needsScale(desk) ? kBarHeight : 0;
   const context = page(canvas.width, canvas.height + scale);
-  drawNow(desk, canvas); // read in the same task as it is drawn in: afterwards the browser may have emptied it
+  drawNow(desk, canvas);
   context.drawImage(canvas, 0, 0);
   if (scale) drawScale(context, desk, canvas.height);
   await save(context, "photond-view.png");
@@ -74,8 +74,8 @@ export async function saveCrops(desk: Desk): Promise<void> {
   crops.forEach((crop, row) => {
     context.fillText(kCropLetters[row]!, kMargin, top);
     images.forEach((_, index) => {
-      const pixels = cropPixels(desk, index, crop, cropZoom);
-      if (pixels) context.putImageData(pixels, left + index * (widest + kMargin), top);
+      const picture = cropPicture(desk, index, crop, cropZoom);
+      if (picture) context.drawImage(picture, left + index * (widest + kMargin), top);
     });
     top += heights[row]!;
   });

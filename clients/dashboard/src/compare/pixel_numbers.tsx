@@ -3,7 +3,7 @@
 import { useEffect, useRef } from "preact/hooks";
 
 import type { Desk } from "./desk";
-import type { Picture } from "./gl_view";
+import type { Picture } from "./gl_develop";
 import { relativeError, signedError } from "./paint";
 import { pixelAt } from "./pixels";
 import { imagePoint, panePoint } from "./view";

@@ -25,7 +25,11 @@ export interface PixelStatistics {
   /** Pixels that hold one. */
   nans: number;
   infinities: number;
+  /** The first of the pixels that hold an infinite value, by their numbers in the order of rows. */
+  infinite: { index: number; negative: boolean }[];
 }
+
+const kListed = 100_000;
 
 /** Reads a value by its index in `data`. */
 export function reader(data: Uint16Array | Float32Array): (index: number) => number {
@@ -50,9 +54,10 @@ export function statisticsOf(data: Uint16Array | Float32Array, channels: number)
   let high = -Infinity;
   let nans = 0;
   let infinities = 0;
+  const infinite: PixelStatistics["infinite"] = [];
   for (let first = 0; first < data.length; first += channels) {
     let hasNan = false;
-    let hasInfinity = false;
+    let infinity = 0;
     for (let i = first; i < first + channels; ++i) {
       const value = values ? values[data[i]!]! : data[i]!;
       if (Number.isFinite(value)) {
@@ -61,12 +66,15 @@ export function statisticsOf(data: Uint16Array | Float32Array, channels: number)
         if (value < low) low = value;
         if (value > high) high = value;
       } else if (value !== value) hasNan = true;
-      else hasInfinity = true;
+      else if (infinity <= 0) infinity = value;
     }
     if (hasNan) ++nans;
-    if (hasInfinity) ++infinities;
+    if (infinity === 0) continue;
+    ++infinities;
+    if (!hasNan && infinite.length < kListed) infinite.push({ index: first / channels, negative: infinity < 0 });
   }
-  return count ? { mean: sum / count, low, high, nans, infinities } : { mean: null, low: null, high: null, nans, infinities };
+  const found = { nans, infinities, infinite };
+  return count ? { mean: sum / count, low, high, ...found } : { mean: null, low: null, high: null, ...found };
 }
 
 export function pixelImage(width: number, height: number, channels: number, data: Uint16Array | Float32Array, overflowed = 0): PixelImage {

@@ -1,6 +1,5 @@
-// The two steps of a picture. Developing makes display colours of values, once for an image and a way to show it: a
-// texel of the result is a pixel of the image or, below a zoom of 1, the mean over the area of a device pixel.
-// Presenting puts developed pictures on the canvas, which is all that flipping, wiping and panning do.
+// Display colours of values: a pixel of the result is one of the image or, below a zoom of 1, the mean over the area of
+// a device pixel.
 
 export const kWholeCanvas = `#version 300 es
 void main() {
@@ -13,8 +12,8 @@ export const kColours = { tone: 0, straight: 1, map: 2, log: 3 } as const;
 export const kCurve = { srgb: 0, filmic: 1, linear: 2 } as const;
 export const kChannel = { rgb: 0, r: 1, g: 2, b: 3, luminance: 4 } as const;
 
-// Alpha tells pixels that have no colour of their own: 0 a NaN, 1/3 infinity, 2/3 negative infinity. Whether a value is
-// finite is read from its bits, for compilers may take it that all numbers are.
+// NaN is magenta, infinity cyan, negative infinity dark cyan. Whether a value is finite is read from its bits, for
+// compilers may take it that all numbers are.
 export const kDevelop = `#version 300 es
 precision highp float;
 precision highp int;
@@ -22,6 +21,8 @@ precision highp sampler2D;
 uniform sampler2D uImage, uReference, uMap;
 uniform ivec2 uSize;    // of the images
 uniform ivec2 uOrigin;  // the first pixel shown
+uniform vec2 uTile;     // the first pixel of the result that is drawn, of a result too large to be drawn at once
+uniform float uHeight;  // of what is drawn: row 0 is its uppermost
 uniform vec2 uStep;     // pixels of the image to one of the result
 uniform bool uGrey;     // one channel only
 uniform int uQuantity, uColours, uCurve, uChannel;
@@ -100,7 +101,7 @@ vec3 toned(vec3 light) {
 }
 
 void main() {
-  vec2 target = floor(gl_FragCoord.xy);
+  vec2 target = uTile + floor(vec2(gl_FragCoord.x, uHeight - gl_FragCoord.y));
   vec2 from = target * uStep, to = (target + 1.0) * uStep;
   ivec2 first = ivec2(from), last = min(ivec2(ceil(to)), uSize - uOrigin) - 1;
   vec3 sum = vec3(0.0);
@@ -116,7 +117,7 @@ void main() {
   }
   // One NaN below a pixel shows, however many pixels are averaged with it.
   if (marks != 0) {
-    colour = vec4(0.0, 0.0, 0.0, (marks & 1) != 0 ? 0.0 : (marks & 2) != 0 ? 1.0 / 3.0 : 2.0 / 3.0);
+    colour = (marks & 1) != 0 ? vec4(1.0, 0.0, 1.0, 1.0) : (marks & 2) != 0 ? vec4(0.0, 1.0, 1.0, 1.0) : vec4(0.0, 0.4, 0.45, 1.0);
     return;
   }
   vec3 value = sum / weight;
@@ -124,29 +125,4 @@ void main() {
   else if (uColours == 1) colour = vec4(clamp((value - uLow) / (uHigh - uLow), 0.0, 1.0), 1.0);
   else if (uColours == 2) colour = vec4(mapped((value.r - uLow) / (uHigh - uLow)), 1.0);
   else colour = vec4(mapped(value.r <= uLow ? 0.0 : log(value.r / uLow) / log(uHigh / uLow)), 1.0);
-}`;
-
-// Stripes of infinity lean to the right, those of negative infinity to the left; a NaN is magenta alone.
-export const kPresent = `#version 300 es
-precision highp float;
-precision highp int;
-uniform lowp sampler2D uPicture;
-uniform vec2 uPlace;    // of the picture's corner, from the canvas's upper left
-uniform float uHeight;  // of the canvas; 0: rows go downwards as they do in the picture
-uniform float uPerPixel;  // pixels of the picture to one of the canvas
-uniform ivec2 uLast;
-out vec4 colour;
-void main() {
-  vec2 at = vec2(gl_FragCoord.x, uHeight > 0.0 ? uHeight - gl_FragCoord.y : gl_FragCoord.y);
-  lowp vec4 developed = texelFetch(uPicture, min(ivec2((at - uPlace) * uPerPixel), uLast), 0);
-  if (developed.a > 0.9) {
-    colour = vec4(developed.rgb, 1.0);
-    return;
-  }
-  if (developed.a < 0.1) {
-    colour = vec4(1.0, 0.0, 1.0, 1.0);
-    return;
-  }
-  float along = developed.a < 0.5 ? at.x + at.y : at.x - at.y;
-  colour = mod(floor(along), 6.0) < 3.0 ? vec4(0.0, 1.0, 1.0, 1.0) : vec4(0.0, 0.3, 0.35, 1.0);
 }`;

@@ -6,8 +6,9 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import { isDark } from "../app/theme";
 import { cropBetween, kMaxCrops } from "./crops";
 import type { Desk, Pane } from "./desk";
-import { GlView, type Piece } from "./gl_view";
+import { Developer } from "./gl_develop";
 import { Overlay } from "./overlay";
+import { present, type Piece } from "./present";
 import { imagePoint, panned, zoomedAt, type Point } from "./view";
 
 const kClickPixels = 4;
@@ -21,15 +22,11 @@ function piecesOf(desk: Desk): Piece[] {
   });
 }
 
-function colourBehind(element: HTMLElement): [number, number, number] {
-  const [red = 0, green = 0, blue = 0] = (getComputedStyle(element).backgroundColor.match(/[\d.]+/g) ?? []).map(Number);
-  return [red / 255, green / 255, blue / 255];
-}
-
-/** Draws at once, so that the canvas can be read in the same task. */
+/** Draws at once, so that the canvas is as what it shows. */
 export function drawNow(desk: Desk, canvas: HTMLCanvasElement): void {
-  const gl = desk.gl.peek();
-  if (gl && !gl.isLost) gl.draw(colourBehind(canvas), piecesOf(desk));
+  const developer = desk.developer.peek();
+  const context = canvas.getContext("2d", { alpha: false });
+  if (developer && context) present(context, developer, getComputedStyle(canvas).backgroundColor, piecesOf(desk));
 }
 
 /** What a place of the stage is of: the pane, and the place of its image. Device pixels. */
@@ -65,20 +62,15 @@ export function Stage({ desk, canvasRef }: { desk: Desk; canvasRef: { current: H
 
   useEffect(() => {
     const element = canvas.current!;
-    const view = GlView.on(element);
-    if (!view) return setMissing(true);
-    desk.gl.value = view;
-    const gone = (event: Event) => {
-      event.preventDefault(); // or it would not come back
-      setLost(true);
-    };
-    const back = () => {
-      view.begin();
-      setLost(false);
-      drawNow(desk, element);
-    };
-    element.addEventListener("webglcontextlost", gone);
-    element.addEventListener("webglcontextrestored", back);
+    const developer = Developer.make(
+      () => setLost(true),
+      () => {
+        setLost(false);
+        drawNow(desk, element);
+      },
+    );
+    if (!developer) return setMissing(true);
+    desk.developer.value = developer;
     let frame = 0;
     const stopDrawing = effect(() => {
       piecesOf(desk);
@@ -108,9 +100,8 @@ export function Stage({ desk, canvasRef }: { desk: Desk; canvasRef: { current: H
       stopDrawing();
       cancelAnimationFrame(frame);
       sizes.disconnect();
-      element.removeEventListener("webglcontextlost", gone);
-      element.removeEventListener("webglcontextrestored", back);
-      desk.gl.value = null;
+      desk.developer.value = null;
+      developer.close();
     };
   }, [desk]);
 

@@ -10,7 +10,7 @@ import { channelNames, isLight, kRadianceLayers, layerKind, rangeOf, spanOf } fr
 import { clamp, nextZoom, zoomedAt } from "./view";
 
 export const kModeNames: Record<Mode, string> = { single: "One", wipe: "Wipe", side: "Side by side", grid: "All" };
-const kErrorNames: Record<ErrorKind, string> = { none: "None: the image itself", signed: "Signed", relative: "Relative", flip_hdr: "FLIP (HDR)", flip_ldr: "FLIP (LDR)" };
+const kErrorNames: Record<ErrorKind, string> = { none: "None", signed: "Signed", relative: "Relative", flip_hdr: "FLIP (HDR)", flip_ldr: "FLIP (LDR)" };
 const kCurveNames: Record<Curve, string> = { srgb: "sRGB", filmic: "Filmic", linear: "Linear" };
 export const kExposureStep = 0.5;
 const kExposureReach = 10;
@@ -82,8 +82,12 @@ function Modes({ desk }: { desk: Desk }) {
         </button>
       ))}
       {several && mode === "wipe" && (
-        <button class="quiet" onClick={() => desk.change({ wipeAcross: !desk.look.peek().wipeAcross })} title="Turn the wipe (h)">
-          {desk.part("wipeAcross").value ? "⬍ Up and down" : "⬌ Left and right"}
+        <button
+          aria-label={desk.part("wipeAcross").value ? "Wipe from left to right instead" : "Wipe from top to bottom instead"}
+          title="Turn the wipe (h)"
+          onClick={() => desk.change({ wipeAcross: !desk.look.peek().wipeAcross })}
+        >
+          {desk.part("wipeAcross").value ? "⬍" : "⬌"}
         </button>
       )}
     </div>
