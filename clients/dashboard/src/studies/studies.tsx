@@ -1,5 +1,142 @@
+// The list of comparisons, newest first.
+
+import "./studies.css";
+
+import { useEffect, useState } from "preact/hooks";
+
+import { getJson } from "../api/client";
+import { listen } from "../api/events";
+import { isOver, type ComparisonSummary, type Page } from "../api/types";
 import { Title } from "../app/title";
+import { percentText, plainName, sizeText, stopText, timeText } from "../ui/format";
+import { useRemote } from "../ui/remote";
+import { StateMark } from "../ui/state";
+import { sayFailure } from "../ui/toasts";
+
+const kPageSize = 50;
+const kSoonMs = 300;
+
+function Row({ study }: { study: ComparisonSummary }) {
+  const { request } = study;
+  const jobs = Object.values(study.job_states).reduce((sum, count) => sum + count, 0);
+  return (
+    <tr>
+      <td>
+        <a href={`/studies/${study.id}`}>{study.id}</a>
+      </td>
+      <td>
+        <a class="studies-name" href={`/studies/${study.id}`}>
+          {request.entries.map((entry) => entry.label ?? plainName(entry.method.name)).join(", ")}
+        </a>
+        <small class="muted">
+          {request.scene} · {sizeText(request.image)}
+        </small>
+      </td>
+      <td>
+        <StateMark state={study.state} />
+        {!isOver(study.state) && (
+          <small class="studies-progress">
+            <progress value={study.progress} max={1} aria-label={`Progress of ${study.id}`} /> {percentText(study.progress)}
+          </small>
+        )}
+      </td>
+      <td>{stopText(request.stop)}</td>
+      <td class="number">{request.seeds.length}</td>
+      <td class="number">{jobs}</td>
+      <td>{timeText(study.created)}</td>
+    </tr>
+  );
+}
+
+function Empty() {
+  return (
+    <div class="panel empty">
+      <p>Nothing has been compared yet. A comparison renders one scene by several methods and tells who is first to which error.</p>
+      <a class="button primary" href="/studies/new">
+        Compare methods
+      </a>
+    </div>
+  );
+}
 
 export function Studies() {
-  return <Title text="Studies" />;
+  const first = useRemote<Page<ComparisonSummary>>(`/v1/comparisons?limit=${kPageSize}`);
+  const [older, setOlder] = useState<{ items: ComparisonSummary[]; next: string | null } | null>(null);
+  useEffect(() => {
+    let timer = 0;
+    const stop = listen((event) => {
+      const told = event.type === "gap" || ((event.type === "state" || event.type === "progress") && event.change.id);
+      if (told && !timer)
+        timer = window.setTimeout(
+          () => {
+            timer = 0;
+            first.reload();
+          },
+          event.type === "state" ? kSoonMs : 2000,
+        );
+    });
+    return () => {
+      clearTimeout(timer);
+      stop();
+    };
+  }, [first.reload]);
+  const next = older ? older.next : (first.data?.next_cursor ?? null);
+  const more = () =>
+    getJson<Page<ComparisonSummary>>("/v1/comparisons", { limit: kPageSize, cursor: next }).then(
+      (page) => setOlder((old) => ({ items: [...(old?.items ?? []), ...page.items], next: page.next_cursor })),
+      sayFailure,
+    );
+  const newest = first.data?.items ?? [];
+  const known = new Set(newest.map((study) => study.id));
+  const items = [...newest, ...(older?.items ?? []).filter((study) => !known.has(study.id))];
+  return (
+    <>
+      <Title text="Studies">
+        <a class="button" href="/studies/hard-cases">
+          Hard cases
+        </a>
+        <a class="button primary" href="/studies/new">
+          New comparison
+        </a>
+      </Title>
+      {first.failure && (
+        <p class="notice failed">
+          {first.failure.message} <button onClick={first.reload}>Try again</button>
+        </p>
+      )}
+      {!first.data && first.loading && (
+        <p class="empty" role="status">
+          Reading the list …
+        </p>
+      )}
+      {first.data && items.length === 0 && <Empty />}
+      {items.length > 0 && (
+        <div class="panel scroll-x" tabIndex={0} role="group" aria-label="Comparisons">
+          <table>
+            <thead>
+              <tr>
+                <th scope="col">Study</th>
+                <th scope="col">Entries and scene</th>
+                <th scope="col">State</th>
+                <th scope="col">Each job ends at</th>
+                <th scope="col" class="number">Seeds</th>
+                <th scope="col" class="number">Jobs</th>
+                <th scope="col">Asked for</th>
+              </tr>
+            </thead>
+            <tbody>
+              {items.map((study) => (
+                <Row key={study.id} study={study} />
+              ))}
+            </tbody>
+          </table>
+          {next && (
+            <p class="studies-more">
+              <button onClick={() => void more()}>Older ones</button>
+            </p>
+          )}
+        </div>
+      )}
+    </>
+  );
 }

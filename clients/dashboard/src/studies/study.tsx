@@ -1,5 +1,298 @@
+// One comparison: who is better, by how much, and everything that was measured.
+
+import "./study.css";
+
+import { useLocation, useRoute } from "preact-iso";
+import { useEffect, useMemo, useRef } from "preact/hooks";
+
+import { download, Problem, sendJson } from "../api/client";
+import { isOver, type Comparison, type ComparisonReport } from "../api/types";
 import { Title } from "../app/title";
+import { useQuery } from "../app/url_state";
+import { percentText, stopText } from "../ui/format";
+import { StateMark } from "../ui/state";
+import { sayFailure } from "../ui/toasts";
+import { ErrorFigure, Swatch } from "./error_figure";
+import { figuresTable } from "./figures_table";
+import { headline, mainVerdict } from "./headline";
+import { useLiveStudy, type LiveStudy } from "./live_study";
+import { BestByTime, MemoryFigure } from "./memory_figure";
+import { defaultBand, frontWithMemory, idealSlope, rowName, seriesOf, type Band } from "./series";
+import { Strips, type PictureKind } from "./strips";
+import { JobsOfStudy, Repetition } from "./study_jobs";
+import { CostTable, FiguresView } from "./tables_view";
+
+const kBands: Record<Band, string> = { range: "lowest to highest seed", interval: "95 % interval of the mean", none: "none" };
+
+const capitalised = (text: string): string => text[0]!.toUpperCase() + text.slice(1);
+
+export const studyTitle = (request: Comparison["request"]): string =>
+  `${request.scene}: ${request.entries.map((entry) => entry.label ?? entry.method.name).join(", ")}`;
+
+function VerdictPanel({ report, metric }: { report: ComparisonReport; metric: string }) {
+  const verdicts = report.verdicts.filter((verdict) => verdict.metric === metric);
+  const found = headline(verdicts, report.table);
+  const main = mainVerdict(verdicts, found?.row ?? null);
+  const over = isOver(report.state);
+  if (!found || !main)
+    return (
+      <section class="panel study-verdict" aria-label="Verdict">
+        <h2>{over ? "Nothing to judge" : "No verdict yet"}</h2>
+        <p class="muted">
+          {!over
+            ? report.reference?.state && !isOver(report.reference.state)
+              ? "The reference is rendered first; then every entry in turn."
+              : "It is there as soon as two entries have been measured."
+            : report.table.length < 2
+              ? "There is one entry, and nothing to compare it with."
+              : `No entry reached an error of ${metric} with every seed.`}
+        </p>
+      </section>
+    );
+  const others = verdicts.filter((verdict) => verdict !== main);
+  return (
+    <section class="panel study-verdict" aria-label="Verdict">
+      <h2>
+        {found.row !== null && <Swatch row={found.row} />} {found.text}
+        {over ? "" : ", so far"}.
+      </h2>
+      <p>{capitalised(main.text)}.</p>
+      {others.length > 0 && (
+        <details>
+          <summary>At other errors</summary>
+          <ul>
+            {others.map((verdict) => (
+              <li key={verdict.error}>{capitalised(verdict.text)}.</li>
+            ))}
+          </ul>
+        </details>
+      )}
+      {report.request.seeds.length === 1 && (
+        <p class="muted small">One seed: how much chance has to do with it is not known. Repeat it with three seeds or more to have intervals.</p>
+      )}
+    </section>
+  );
+}
+
+function Progress({ report }: { report: ComparisonReport }) {
+  if (isOver(report.state)) {
+    if (report.state === "succeeded") return null;
+    return (
+      <p class="notice failed" role="status">
+        The comparison {report.state === "failed" ? "failed in part" : "was cancelled"}: {report.job_states.succeeded} of {report.jobs.length} jobs succeeded.
+        What follows is of those.
+      </p>
+    );
+  }
+  const done = report.job_states.succeeded;
+  return (
+    <div class="panel row" role="status">
+      <StateMark state={report.state} />
+      <span>
+        {done} of {report.jobs.length} jobs done
+      </span>
+      <span class="study-fill">
+        <progress value={report.progress} max={1} aria-label="Progress of the comparison" />
+      </span>
+      <span>{percentText(report.progress)}</span>
+    </div>
+  );
+}
+
+function Actions({ study, report }: { study: LiveStudy; report: ComparisonReport }) {
+  const { route } = useLocation();
+  const menu = useRef<HTMLDetailsElement>(null);
+  const get = (kind: string) => {
+    menu.current!.open = false;
+    download(`/v1/comparisons/${report.id}/report.${kind}`, `${report.id}.${kind}`).catch(sayFailure);
+  };
+  const cancel = () =>
+    sendJson("DELETE", `/v1/comparisons/${report.id}`).then(study.reload, sayFailure);
+  const remove = () => {
+    if (!window.confirm(`Remove ${report.id}, its jobs and their images? This cannot be undone.`)) return;
+    sendJson("DELETE", `/v1/comparisons/${report.id}?purge=true`).then(() => route("/studies"), sayFailure);
+  };
+  return (
+    <>
+      {isOver(report.state) ? (
+        <button class="quiet" onClick={remove}>
+          Remove
+        </button>
+      ) : (
+        <button class="danger" onClick={() => void cancel()}>
+          Cancel
+        </button>
+      )}
+      <details class="study-downloads" ref={menu}>
+        <summary class="button">Download</summary>
+        <div>
+          <button onClick={() => get("html")}>Report, one page (.html)</button>
+          <button onClick={() => get("csv")}>Every curve (.csv)</button>
+          <button onClick={() => get("json")}>Everything (.json)</button>
+        </div>
+      </details>
+      <a class="button" href={`/studies/new?from=${report.id}`}>
+        Repeat or change it
+      </a>
+    </>
+  );
+}
+
+function useHidden(): [Set<number>, (hidden: Set<number>) => void] {
+  const [query, change] = useQuery();
+  const hidden = useMemo(() => new Set((query.hide ?? "").split(",").filter(Boolean).map(Number)), [query.hide]);
+  return [hidden, (next) => change({ hide: [...next].sort((a, b) => a - b).join(",") || null })];
+}
+
+function Body({ study, report }: { study: LiveStudy; report: ComparisonReport }) {
+  const [query, change] = useQuery();
+  const metrics = report.request.metrics;
+  const metric = metrics.includes(query.metric ?? "") ? query.metric! : metrics[0]!;
+  const seeds = report.request.seeds.length;
+  const band = query.band && query.band in kBands ? (query.band as Band) : defaultBand(seeds);
+  const [hidden, setHidden] = useHidden();
+  const series = useMemo(() => seriesOf(report, metric, band), [report, metric, band]);
+  const withMemory = useMemo(() => frontWithMemory(series, report.table), [series]);
+  const noise = report.table.map((row) => row.error[metric]?.reference).find((value) => value) ?? null;
+  const kind: PictureKind = query.picture === "error" || query.picture === "flip" ? query.picture : "image";
+  const exposure = Number(query.ev) || 0;
+  const name = `${report.id} ${report.request.scene}`;
+  return (
+    <div class="stack study-body">
+      <Progress report={report} />
+      <VerdictPanel report={report} metric={metric} />
+      {report.reference?.warnings.map((warning) => (
+        <p key={warning} class="notice">
+          {capitalised(warning)}.
+        </p>
+      ))}
+      <section class="panel stack study-tight" aria-labelledby="study-curves">
+        <div class="row study-controls">
+          <h2 id="study-curves" class="study-fill">
+            Error against time
+          </h2>
+          {metrics.length > 1 && (
+            <label class="study-inline">
+              Error
+              <select value={metric} onChange={(event) => change({ metric: event.currentTarget.value === metrics[0] ? null : event.currentTarget.value })}>
+                {metrics.map((other) => (
+                  <option key={other}>{other}</option>
+                ))}
+              </select>
+            </label>
+          )}
+          {seeds > 1 && (
+            <label class="study-inline">
+              Bands
+              <select value={band} onChange={(event) => change({ band: event.currentTarget.value === defaultBand(seeds) ? null : event.currentTarget.value })}>
+                {Object.entries(kBands).map(([value, text]) => (
+                  <option key={value} value={value}>
+                    {text}
+                  </option>
+                ))}
+              </select>
+            </label>
+          )}
+          {report.table.length > 1 && (
+            <label class="study-inline">
+              <input type="checkbox" checked={query.front !== "off"} onChange={(event) => change({ front: event.currentTarget.checked ? null : "off" })} />
+              Pareto front
+            </label>
+          )}
+        </div>
+        <ErrorFigure
+          title={`${name} ${metric}`}
+          metric={metric}
+          series={series}
+          hidden={hidden}
+          onHidden={setHidden}
+          noise={noise}
+          showFront={query.front !== "off" && report.table.length > 1}
+        />
+        <p class="muted small">
+          Lines: {seeds > 1 ? "the mean of the logarithms over the seeds" : "the one seed"}. Slopes: least squares over the last decade of time
+          {idealSlope(metric) !== null && `; ${idealSlope(metric)} is noise alone, which halves as samples grow ${idealSlope(metric) === -1 ? "twofold" : "fourfold"}`}.
+          {report.table.length > 1 && " The pale line beneath them is the Pareto front: the lowest error at each time."}
+        </p>
+      </section>
+      <section class="panel stack study-tight" aria-labelledby="study-times">
+        <h2 id="study-times">Time to reach {metric}</h2>
+        <FiguresView table={figuresTable("time_to_error", report.table, metric)} study={report.id} scene={report.request.scene} />
+      </section>
+      <Strips report={report} jobs={study.jobs} metric={metric} at={query.strip} kind={kind} exposure={exposure} change={change} />
+      <section class="panel stack study-tight" aria-labelledby="study-errors">
+        <h2 id="study-errors">{metric} after a time</h2>
+        <FiguresView table={figuresTable("error_at_time", report.table, metric)} study={report.id} scene={report.request.scene} />
+      </section>
+      <div class="study-wide-panels">
+        <section class="panel stack study-tight" aria-labelledby="study-memory">
+          <h2 id="study-memory">Memory against error</h2>
+          <MemoryFigure title={`${name} memory ${metric}`} metric={metric} rows={report.table} hidden={hidden} />
+        </section>
+        <section class="panel stack study-tight" aria-labelledby="study-front">
+          <h2 id="study-front">Who has the lowest error when</h2>
+          <BestByTime series={series} withMemory={withMemory} />
+        </section>
+      </div>
+      <section class="panel stack study-tight" aria-labelledby="study-cost">
+        <h2 id="study-cost">What it cost</h2>
+        <CostTable rows={report.table} metrics={metrics} withMemory={withMemory} study={report.id} />
+      </section>
+      <section class="panel stack study-tight" aria-labelledby="study-jobs">
+        <h2 id="study-jobs">Jobs</h2>
+        <JobsOfStudy report={report} jobs={study.jobs} metric={metric} />
+      </section>
+      <section class="panel stack study-tight" aria-labelledby="study-repeat">
+        <h2 id="study-repeat">To repeat it</h2>
+        <Repetition report={report} />
+      </section>
+    </div>
+  );
+}
 
 export function Study() {
-  return <Title text="Study" />;
+  const id = useRoute().params.id!;
+  const study = useLiveStudy(id);
+  const report = study.data;
+  const wasOver = useRef<boolean | null>(null);
+  const over = report ? isOver(report.state) : null;
+  // Who looks away while it runs sees from the tab that it is done.
+  useEffect(() => {
+    if (over && wasOver.current === false) document.title = `✓ ${document.title}`;
+    wasOver.current = over;
+  }, [over]);
+  if (!report)
+    return (
+      <>
+        <Title text={`Study ${id}`} />
+        {study.failure ? (
+          <div class="panel">
+            <p class="notice failed">{study.failure.message}</p>
+            {study.failure instanceof Problem && study.failure.status === 404 ? (
+              <a href="/studies">All studies</a>
+            ) : (
+              <button onClick={study.reload}>Try again</button>
+            )}
+          </div>
+        ) : (
+          <p class="empty" role="status">
+            Reading {id} …
+          </p>
+        )}
+      </>
+    );
+  const { image, seeds, stop } = report.request;
+  return (
+    <>
+      <Title text={studyTitle(report.request)}>
+        <Actions study={study} report={report} />
+      </Title>
+      <p class="muted">
+        {report.id}, <StateMark state={report.state} /> · {report.table.map(rowName).length} entries · {image.width} × {image.height} · {stopText(stop)} each ·{" "}
+        {seeds.length === 1 ? "1 seed" : `${seeds.length} seeds`} · {report.jobs.length} jobs
+      </p>
+      {study.failure && <p class="notice failed">What is shown may be old: {study.failure.message}</p>}
+      <Body study={study} report={report} />
+    </>
+  );
 }

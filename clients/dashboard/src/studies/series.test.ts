@@ -1,0 +1,68 @@
+import { describe, expect, it } from "vitest";
+
+import type { ComparisonRow, MeanPoint } from "../api/types";
+import { bestByTime, errorAt, fittedSlope, frontWithMemory, idealSlope, logTicks, rowName, type Series } from "./series";
+
+const point = (seconds: number, error: number): MeanPoint => ({ seconds, error, low: null, high: null, min: error, max: error });
+const power = (scale: number, exponent: number, times = [0.1, 0.2, 0.4, 0.8, 1.6, 3.2]) => times.map((time) => point(time, scale * time ** exponent));
+const series = (row: number, points: MeanPoint[]): Series => ({ row, name: `row ${row}`, points, band: null, slope: null });
+
+describe("slopes", () => {
+  it("are the exponent of a power law", () => {
+    expect(fittedSlope(power(0.3, -1))).toBeCloseTo(-1, 10);
+    expect(fittedSlope(power(7, -0.5))).toBeCloseTo(-0.5, 10);
+  });
+  it("leave out what comes before the last decade", () => {
+    const start = [point(0.001, 100), point(0.01, 100)];
+    expect(fittedSlope([...start, ...power(0.3, -1, [1, 2, 4, 10])])).toBeCloseTo(-1, 10);
+  });
+  it("are not told of two points or of one time", () => {
+    expect(fittedSlope(power(1, -1, [1, 2]))).toBeNull();
+    expect(fittedSlope([point(1, 1), point(1, 2), point(1, 3)])).toBeNull();
+    expect(fittedSlope([])).toBeNull();
+  });
+  it("have an ideal for errors that are means of squares and their roots", () => {
+    expect(["relative_mse", "indirect:relative_mse", "rmse", "flip_hdr", "smape"].map(idealSlope)).toEqual([-1, -1, -0.5, null, null]);
+  });
+});
+
+describe("curves", () => {
+  it("are straight in log-log between their points, and nothing outside", () => {
+    const points = [point(1, 1), point(100, 0.01)];
+    expect(errorAt(points, 10)).toBeCloseTo(0.1, 12);
+    expect(errorAt(points, 100)).toBe(0.01);
+    expect(errorAt(points, 0.5)).toBeNull();
+    expect(errorAt(points, 101)).toBeNull();
+  });
+  it("take turns at being lowest, from where they cross", () => {
+    const quick = series(0, [point(0.1, 1), point(10, 0.1)]);
+    const steep = series(1, [point(0.1, 10), point(10, 0.001)]);
+    const found = bestByTime([quick, steep]);
+    expect(found.map((stretch) => stretch.row)).toEqual([0, 1]);
+    // 10^(-1/2 x - 1/2) and 10^(-2 x - 1) meet at x = -1/3.
+    expect(found[0]!.to).toBeCloseTo(10 ** (-1 / 3), 6);
+    expect(found[1]!.to).toBe(10);
+  });
+  it("keep their last value once they have ended", () => {
+    const short = series(0, [point(0.1, 1), point(1, 0.001)]);
+    const long = series(1, [point(0.1, 2), point(10, 0.1)]);
+    expect(bestByTime([short, long])).toEqual([{ row: 0, from: 0.1, to: 10 }]);
+  });
+  it("are on the front with memory when nobody as small is as good", () => {
+    const rows = [100, 10, 200].map((peak_bytes) => ({ peak_bytes }) as ComparisonRow);
+    const all = [series(0, power(1, -1)), series(1, power(3, -1)), series(2, power(2, -1))];
+    expect(frontWithMemory(all, rows)).toEqual([0, 1]);
+    rows[1]!.peak_bytes = null;
+    expect(frontWithMemory(all, rows)).toEqual([0]);
+  });
+});
+
+describe("words and ticks", () => {
+  it("names a row by its label and what was swept", () => {
+    expect(rowName({ label: "a", parameters: { photons: 5000, filter: "cone" } })).toBe("a, photons 5000, filter cone");
+  });
+  it("has powers of ten, and 1-2-5 on a short axis", () => {
+    expect(logTicks(0.011, 0.9)).toEqual([0.02, 0.05, 0.1, 0.2, 0.5]);
+    expect(logTicks(0.001, 10)).toEqual([0.001, 0.01, 0.1, 1, 10]);
+  });
+});
