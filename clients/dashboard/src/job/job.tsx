@@ -237,7 +237,12 @@ function Loaded({ job, reload, stale }: { job: Job; reload: () => void; stale: b
       </div>
       <Failure job={job} />
       <div class="job-top">
-        <PicturePanel job={job} />
+        <div class="stack">
+          <PicturePanel job={job} />
+          <Panel title="State over time">
+            <Life job={job} />
+          </Panel>
+        </div>
         <div class="stack">
           <Panel title="Facts">
             <Facts job={job} />
@@ -248,9 +253,6 @@ function Loaded({ job, reload, stale }: { job: Job; reload: () => void; stale: b
           </Panel>
         </div>
       </div>
-      <Panel title="State over time">
-        <Life job={job} />
-      </Panel>
       <div class="job-halves">
         <div class="stack">
           {statistics ? (

@@ -152,28 +152,42 @@ export function Counts({ statistics }: { statistics: Statistics }) {
   );
 }
 
+type Measured = [name: string, value: number | null, own: number | null | undefined];
+
+/** Metrics that are one number; of those that are several, each. */
+function measuredOf(error: Record<string, unknown>, own: Record<string, unknown> | null, prefix = ""): Measured[] {
+  return Object.entries(error).flatMap(([name, value]): Measured[] => {
+    if (value === null || typeof value === "number") return [[prefix + plainName(name), value, own?.[name] as number | null | undefined]];
+    return typeof value === "object" ? measuredOf(value as Record<string, unknown>, null, `${prefix}${plainName(name)} `) : [];
+  });
+}
+
 /** The errors against the reference at the end, with what of them is the reference's own noise. */
 export function Errors({ statistics }: { statistics: Statistics }) {
   const { error, reference_error: own } = statistics;
   if (!error) return null;
+  const rows = measuredOf(error, own);
   return (
-    <table class="job-table">
-      <thead>
-        <tr>
-          <th>Metric</th>
-          <th class="number">Error</th>
-          {own && <th class="number">Of the reference itself</th>}
-        </tr>
-      </thead>
-      <tbody>
-        {Object.entries(error).map(([metric, value]) => (
-          <tr key={metric}>
-            <td>{plainName(metric)}</td>
-            <td class="number">{value === null ? kNone : numberText(value)}</td>
-            {own && <td class="number">{numberText(own[metric])}</td>}
+    <details class="job-errors">
+      <summary>All that was measured at the end</summary>
+      <table class="job-table">
+        <thead>
+          <tr>
+            <th>Metric</th>
+            <th class="number">Value</th>
+            {own && <th class="number">Of the reference itself</th>}
           </tr>
-        ))}
-      </tbody>
-    </table>
+        </thead>
+        <tbody>
+          {rows.map(([metric, value, ofReference]) => (
+            <tr key={metric}>
+              <td>{metric}</td>
+              <td class="number">{value === null ? kNone : numberText(value)}</td>
+              {own && <td class="number">{numberText(ofReference)}</td>}
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </details>
   );
 }

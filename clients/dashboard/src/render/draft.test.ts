@@ -1,0 +1,49 @@
+import { describe, expect, it } from "vitest";
+
+import { cameraChoice, faultsWithin, kFirstRequest, labelsOf, labelsText, newKey, parseRequest, requestOfQuery, withInner, withMember } from "./draft";
+
+describe("a request being written", () => {
+  it("starts with what the address asks for", () => {
+    expect(requestOfQuery({}, null)).toEqual(kFirstRequest);
+    expect(requestOfQuery({ scene: "keyhole", method: "photon_mapping", width: "64", height: "x" }, { name: "side" })).toEqual({
+      scene: "keyhole", camera: { name: "side" }, image: { width: 64, height: 512 }, method: { name: "photon_mapping" }, stop: { passes: 64 },
+    });
+  });
+  it("leaves out what says nothing", () => {
+    const named = withMember(kFirstRequest, "labels", { a: "b" });
+    expect(named.labels).toEqual({ a: "b" });
+    expect(withMember(named, "labels", {})).toEqual(kFirstRequest);
+    const lens = withInner(kFirstRequest, "camera", { name: "side", aperture: 0.1 });
+    expect(lens.camera).toEqual({ name: "side", aperture: 0.1 });
+    expect(withInner(lens, "camera", { aperture: null, name: null })).toEqual(kFirstRequest);
+  });
+  it("places faults at the part they belong to", () => {
+    const faults = [
+      { pointer: "/method/parameters/photons", detail: "a" },
+      { pointer: "/methods", detail: "b" },
+      { pointer: "/method", detail: "c" },
+    ];
+    expect(faultsWithin(faults, "/method")).toEqual([{ pointer: "/parameters/photons", detail: "a" }, { pointer: "", detail: "c" }]);
+  });
+  it("is read from text, and says what it lacks", () => {
+    expect(parseRequest(JSON.stringify(kFirstRequest)).request).toEqual(kFirstRequest);
+    expect(parseRequest("{").fault).toContain("no JSON");
+    expect(parseRequest("[]").fault).toContain("object");
+    expect(parseRequest('{"scene":"x","image":{},"method":[],"stop":{}}').fault).toContain("method");
+    expect(parseRequest('{"image":{},"method":{},"stop":{}}').fault).toContain("scene");
+  });
+  it("has labels a line each", () => {
+    expect(labelsOf(" study = x=1 \n\nalone")).toEqual({ study: "x=1", alone: "" });
+    expect(labelsText({ study: "x", b: "" })).toBe("study=x\nb=");
+  });
+  it("knows its camera", () => {
+    const cameras = [{ name: "front", yfov: 1, look_at: null }];
+    expect(cameraChoice(kFirstRequest, cameras)).toBe("front");
+    expect(cameraChoice({ ...kFirstRequest, camera: { look_at: { eye: [0, 0, 1], target: [0, 0, 0] } } }, cameras)).toBe("own");
+    expect(cameraChoice({ ...kFirstRequest, camera: { name: "side" } }, cameras)).toBe("side");
+  });
+  it("is submitted under a key of its own", () => {
+    expect(newKey()).toMatch(/^dashboard-[0-9a-f]{32}$/);
+    expect(newKey()).not.toBe(newKey());
+  });
+});
