@@ -27,16 +27,18 @@ export function ImageList({ desk, onAdd }: { desk: Desk; onAdd: () => void }) {
                 <span class="small muted">{source?.failure ? <span class="fault">{source.failure.message}</span> : (source?.detail ?? "…")}</span>
                 {statistics && statistics.nans + statistics.infinities > 0 && (
                   <span class="small fault">
-                    {[statistics.nans && `${statistics.nans} pixels with NaN`, statistics.infinities && `${statistics.infinities} with ∞`].filter(Boolean).join(", ")}
+                    {`Pixels that are not finite: ${[statistics.nans && `${statistics.nans} NaN`, statistics.infinities && `${statistics.infinities} ∞`].filter(Boolean).join(", ")}`}
                   </span>
                 )}
                 {entry?.image && entry.image.overflowed > 0 && (
-                  <span class="small fault">{entry.image.overflowed} values are beyond half precision: choose full</span>
+                  <span class="small fault">Values beyond half precision: {entry.image.overflowed}. Choose full precision to see them.</span>
                 )}
                 <span class="row">
-                  <label class="small">
-                    <input type="radio" name="compare-reference" checked={index === reference} onChange={() => desk.change({ reference: name })} /> reference
-                  </label>
+                  {images.length > 1 && (
+                    <label class="small">
+                      <input type="radio" name="compare-reference" checked={index === reference} onChange={() => desk.change({ reference: name })} /> reference
+                    </label>
+                  )}
                   {two && (
                     <label class="small">
                       <input type="radio" name="compare-beside" checked={index === desk.beside.value} onChange={() => desk.change({ beside: index })} /> on the right

@@ -8,12 +8,13 @@ import { plainName, secondsText, sizeText, timeText } from "../ui/format";
 import { Picture } from "../ui/picture";
 import { useRemote } from "../ui/remote";
 import { kMaxImages, sourceOfText } from "./look";
+import { passesText } from "./sources";
 import { kAccepted } from "./uploads";
 
 const kJobs = 60;
 
 export const jobText = (job: JobSummary): string => `${job.id} ${plainName(job.method)}`;
-export const jobFacts = (job: JobSummary): string => `${job.state === "succeeded" ? "" : `${job.state}, `}${job.passes_done} passes, ${secondsText(job.seconds)}`;
+export const jobFacts = (job: JobSummary): string => `${job.state === "succeeded" ? "" : `${job.state}, `}${passesText(job.passes_done)}, ${secondsText(job.seconds)}`;
 
 /** The newest jobs that may have pixels. */
 export const useNewestJobs = (scene = "") =>

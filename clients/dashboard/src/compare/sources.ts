@@ -50,9 +50,11 @@ export const unknownSource = (name: string): Source => ({
   version: 0,
 });
 
+export const passesText = (passes: number): string => (passes === 1 ? "1 pass" : `${passes.toLocaleString("en")} passes`);
+
 /** What tells a job from others of the same scene, in a line. */
 export function jobDetail(job: Job): string {
-  const parts = [`${job.passes_done} passes`, secondsText(job.seconds), sizeText(job.request.image)];
+  const parts = [passesText(job.passes_done), secondsText(job.seconds), sizeText(job.request.image)];
   return `${isOver(job.state) ? "" : `${job.state}, `}${parts.join(", ")}`;
 }
 
