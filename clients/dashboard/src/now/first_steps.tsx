@@ -19,12 +19,22 @@ const kSteps = [
   },
   {
     href: "/scenes",
-    picture: "interior",
+    picture: null,
     title: "Bring your own scene",
     text: "Drop a glTF file, orbit about it until you like the view, and render it from there.",
     brief: "Bring a scene",
   },
 ];
+
+/** A file on its way into a frame. */
+const Dropping = () => (
+  <svg class="now-dropping" viewBox="0 0 160 120" aria-hidden="true" fill="none" stroke="currentColor" stroke-width="2.5" stroke-linejoin="round">
+    <rect x="14" y="12" width="132" height="96" rx="6" stroke-dasharray="7 6" opacity="0.5" />
+    <path d="M62 30h26l14 14v46H62z" />
+    <path d="M88 30v14h14" />
+    <path d="M82 52v24m-9-9 9 9 9-9" stroke-linecap="round" />
+  </svg>
+);
 
 export function FirstSteps() {
   return (
@@ -37,7 +47,7 @@ export function FirstSteps() {
         {kSteps.map((step) => (
           <li key={step.href}>
             <a class="panel now-step" href={step.href}>
-              <Picture path={`/v1/scenes/${step.picture}/thumbnail.png`} alt="" ratio={4 / 3} />
+              {step.picture ? <Picture path={`/v1/scenes/${step.picture}/thumbnail.png`} alt="" ratio={4 / 3} /> : <Dropping />}
               <strong>{step.title}</strong>
               <span>{step.text}</span>
             </a>

@@ -5,7 +5,7 @@ import { useCallback, useEffect, useRef, useState } from "preact/hooks";
 
 import { getJson } from "../api/client";
 import { connection, listen } from "../api/events";
-import type { JobState, JobSummaryPage } from "../api/types";
+import type { JobSummaryPage } from "../api/types";
 import { afterChange, type Lists } from "./lists";
 
 export const kQueueShown = 8;
@@ -13,12 +13,11 @@ export const kRecentShown = 12;
 const kBetweenMs = 1000;
 
 async function readLists(signal: AbortSignal): Promise<Lists> {
-  const page = (states: JobState[], order: string, limit: number) =>
-    getJson<JobSummaryPage>("/v1/jobs", { view: "summary", state: states.join(), order, limit }, signal);
+  const page = (query: Record<string, string | number>) => getJson<JobSummaryPage>("/v1/jobs", { view: "summary", ...query }, signal);
   const [running, queue, recent] = await Promise.all([
-    page(["running"], "newest", 100),
-    page(["queued"], "queue", kQueueShown),
-    page(["succeeded", "failed", "cancelled"], "finished", kRecentShown),
+    page({ state: "running" }),
+    page({ order: "queue", limit: kQueueShown }),
+    page({ order: "ended", limit: kRecentShown }),
   ]);
   return {
     running: running.items.reverse(),

@@ -2,7 +2,8 @@
 
 import { useEffect } from "preact/hooks";
 
-import type { Comparison, JobSummary, Page } from "../api/types";
+import type { Comparison, ComparisonSummary, JobSummary, Page } from "../api/types";
+import { headline } from "../studies/headline";
 import { errorText, plainName, secondsText, timeText } from "../ui/format";
 import { Picture } from "../ui/picture";
 import { useRemote } from "../ui/remote";
@@ -54,25 +55,33 @@ export function RecentJobs({ recent }: { recent: JobSummary[] }) {
   );
 }
 
-function StudyRow({ study }: { study: Comparison }) {
+/** What a study that is over has come to. */
+function Finding({ id }: { id: string }) {
+  const { data: study } = useRemote<Comparison>(`/v1/comparisons/${id}`);
+  const found = study && headline(study.verdicts, study.table);
+  return found ? <strong class="now-finding">{found.text}</strong> : null;
+}
+
+function StudyRow({ study }: { study: ComparisonSummary }) {
   return (
     <li class="now-study">
       <span>
         <a href={`/studies/${study.id}`}>{study.id}</a> <StateMark state={study.state} />
       </span>
       <span>
-        {study.request.entries.map((entry) => entry.label).join(", ")} <span class="muted">on {study.request.scene}</span>
+        {study.request.entries.map((entry) => entry.label ?? plainName(entry.method.name)).join(", ")} <span class="muted">on {study.request.scene}</span>
       </span>
       {study.progress !== undefined && (study.state === "running" || study.state === "queued") && (
         <progress max={1} value={study.progress} aria-label={`Progress of study ${study.id}`} />
       )}
+      {study.state === "succeeded" && <Finding id={study.id} />}
     </li>
   );
 }
 
 /** The newest studies; `round` counts what makes it necessary to look again. */
 export function RecentStudies({ round }: { round: number }) {
-  const { data, failure, reload } = useRemote<Page<Comparison>>(`/v1/comparisons?limit=${kStudiesShown}`);
+  const { data, failure, reload } = useRemote<Page<ComparisonSummary>>(`/v1/comparisons?limit=${kStudiesShown}`);
   useEffect(() => {
     if (round > 1) reload();
   }, [round]);

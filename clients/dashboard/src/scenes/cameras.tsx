@@ -10,7 +10,7 @@ const degrees = (radians: number | null) => (radians === null ? "orthographic" :
 /** The scene's own cameras, to begin from. */
 export function Cameras({ scene, view, onChoose }: { scene: Scene; view: View; onChoose: (name: string) => void }) {
   return (
-    <section class="panel scene-below" aria-labelledby="scene-cameras">
+    <section class="panel" aria-labelledby="scene-cameras">
       <h2 id="scene-cameras">Cameras</h2>
       {scene.cameras.length === 0 ? (
         <p class="muted">The file has none; the view above is framed on the whole scene.</p>

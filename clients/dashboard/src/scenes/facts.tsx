@@ -31,7 +31,7 @@ function Fact({ name, children }: { name: string; children: ComponentChildren })
 export function SceneFacts({ scene }: { scene: Scene }) {
   const needs = needsOf(scene.needs);
   return (
-    <div class="stack">
+    <>
       {scene.warnings.length > 0 && (
         <section class="notice" aria-labelledby="scene-warnings">
           <h2 id="scene-warnings">Warnings</h2>
@@ -81,6 +81,6 @@ export function SceneFacts({ scene }: { scene: Scene }) {
           </ul>
         </section>
       )}
-    </div>
+    </>
   );
 }

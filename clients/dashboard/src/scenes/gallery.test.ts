@@ -22,8 +22,8 @@ describe("the gallery", () => {
     expect(ordered(scenes, "listed")).toBe(scenes);
   });
   it("tells what is in a scene", () => {
-    expect(factsText(scenes[0]!)).toBe("32 triangles · 2 glowing triangles · 1 material");
-    expect(factsText(scene("x", { triangles: 1, lights: { area: 0, punctual: 1, environment: true } }))).toBe("1 triangle · 1 lamp, sky · 1 material");
+    expect(factsText(scenes[0]!)).toBe("32 triangles, 1 material, area lights");
+    expect(factsText(scene("x", { triangles: 1, lights: { area: 0, punctual: 1, environment: true } }))).toBe("1 triangle, 1 material, 1 lamp and a sky");
     expect(factsText(scene("x", { lights: { area: 0, punctual: 0, environment: false } }))).toContain("no light");
   });
 });

@@ -26,18 +26,11 @@ export function ordered(scenes: Scene[], order: Order): Scene[] {
 
 const counted = (count: number, one: string, many = `${one}s`) => `${count.toLocaleString("en")} ${count === 1 ? one : many}`;
 
-/** "32 triangles · 1 light · 4 materials" */
+/** "32 triangles, 4 materials, area lights" */
 export function factsText(scene: Scene): string {
-  const facts = [counted(scene.triangles ?? 0, "triangle")];
-  if (scene.lights) {
-    const lamps = scene.lights.punctual;
-    const parts = [
-      ...(scene.lights.area > 0 ? [counted(scene.lights.area, "glowing triangle")] : []),
-      ...(lamps > 0 ? [counted(lamps, "lamp")] : []),
-      ...(scene.lights.environment ? ["sky"] : []),
-    ];
-    facts.push(parts.join(", ") || "no light");
-  }
-  facts.push(counted(scene.materials ?? 0, "material"));
-  return facts.join(" · ");
+  const { lights } = scene;
+  const lit = lights
+    ? [...(lights.area > 0 ? ["area lights"] : []), ...(lights.punctual > 0 ? [counted(lights.punctual, "lamp")] : []), ...(lights.environment ? ["a sky"] : [])]
+    : [];
+  return [counted(scene.triangles ?? 0, "triangle"), counted(scene.materials ?? 0, "material"), lit.join(" and ") || "no light"].join(", ");
 }

@@ -81,45 +81,45 @@ function Room({ scene }: { scene: Scene }) {
     say("The camera is copied, as a job's “camera” takes it.");
   };
   return (
-    <>
-      <div class="scene-room">
-        <section class="panel" aria-label="View">
-          <div class="scene-tools">
-            <div class="row" role="group" aria-label="What a drag does">
-              {Object.entries(kDrags).map(([value, text]) => (
-                <button key={value} aria-pressed={drag === value} onClick={() => change({ drag: value === "orbit" ? null : value })}>
-                  {text}
-                </button>
-              ))}
-            </div>
-            <div class="row">
-              {scene.bounds && <button onClick={() => show({ orbit: framed(orbit, scene.bounds!, kAspect) })}>Show all</button>}
-              <button onClick={() => show(homeOf(scene))}>Reset</button>
-              <button onClick={() => void copy()} title="As JSON, for a job's camera">
-                Copy camera
+    <div class="scene-room">
+      <section class="panel" aria-label="View">
+        <div class="scene-tools">
+          <div class="row" role="group" aria-label="What a drag does">
+            {Object.entries(kDrags).map(([value, text]) => (
+              <button key={value} aria-pressed={drag === value} onClick={() => change({ drag: value === "orbit" ? null : value })}>
+                {text}
               </button>
-            </div>
+            ))}
           </div>
-          {known ? (
-            <Stage scene={scene.id} view={view} orbit={orbit} radius={radiusOf(scene.bounds)} drag={drag} onMove={move} onHome={() => show(homeOf(scene))} />
-          ) : (
-            <p class="notice failed">
-              The scene has no camera {"camera" in view && `“${view.camera}”`}. <button onClick={() => show(homeOf(scene))}>Show its own view</button>
-            </p>
-          )}
-          <div class="row scene-go">
-            <a class="button primary" href={withQuery("/render", { scene: scene.id, ...members })}>
-              Render from here
-            </a>
-            <a class="button" href={withQuery("/studies/new", { scene: scene.id, ...members })}>
-              Compare methods here
-            </a>
+          <div class="row">
+            {scene.bounds && <button onClick={() => show({ orbit: framed(orbit, scene.bounds!, kAspect) })}>Show all</button>}
+            <button onClick={() => show(homeOf(scene))}>Reset</button>
+            <button onClick={() => void copy()} title="As JSON, for a job's camera">
+              Copy camera
+            </button>
           </div>
-        </section>
+        </div>
+        {known ? (
+          <Stage scene={scene.id} view={view} orbit={orbit} radius={radiusOf(scene.bounds)} drag={drag} onMove={move} onHome={() => show(homeOf(scene))} />
+        ) : (
+          <p class="notice failed">
+            The scene has no camera {"camera" in view && `“${view.camera}”`}. <button onClick={() => show(homeOf(scene))}>Show its own view</button>
+          </p>
+        )}
+        <div class="row scene-go">
+          <a class="button primary" href={withQuery("/render", { scene: scene.id, ...members })}>
+            Render from here
+          </a>
+          <a class="button" href={withQuery("/studies/new", { scene: scene.id, ...members })}>
+            Compare methods here
+          </a>
+        </div>
+      </section>
+      <div class="stack">
+        <Cameras scene={scene} view={view} onChoose={(name) => show({ camera: name })} />
         <SceneFacts scene={scene} />
       </div>
-      <Cameras scene={scene} view={view} onChoose={(name) => show({ camera: name })} />
-    </>
+    </div>
   );
 }
 

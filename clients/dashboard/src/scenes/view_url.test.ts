@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 
 import { orbitOf } from "./orbit";
-import { jobCameraOf, membersOf, viewIn } from "./view_url";
+import { cameraIn, membersOf, viewIn } from "./view_url";
 
 describe("views in addresses", () => {
   it("come back as they were written", () => {
@@ -23,8 +23,9 @@ describe("views in addresses", () => {
     expect(membersOf(viewIn({ eye: "0,0,5", target: "0,0,0", yfov: "7" })!).yfov).toBe("0.69");
   });
   it("are what a job's camera is", () => {
-    expect(jobCameraOf({ camera: "front" })).toEqual({ name: "front" });
-    expect(jobCameraOf(viewIn({ eye: "0,0,5", target: "0,0,0", yfov: "1" })!)).toEqual({
+    expect(cameraIn({ camera: "front" })).toEqual({ name: "front" });
+    expect(cameraIn({ scene: "cornell-box" })).toBeNull();
+    expect(cameraIn({ eye: "0,0,5", target: "0,0,0", yfov: "1" })).toEqual({
       look_at: { eye: [0, 0, 5], target: [0, 0, 0], up: [0, 1, 0], yfov: 1 },
     });
   });

@@ -36,3 +36,9 @@ export function jobCameraOf(view: View): { name: string } | { look_at: LookAt } 
   const { eye, target, up, yfov } = lookAtOf(view.orbit);
   return { look_at: { eye: shortVector(eye), target: shortVector(target), up, yfov: shortNumber(yfov) } };
 }
+
+/** The camera that an address of a form asks for, as a job takes it; null where it names none. */
+export function cameraIn(query: Record<string, string>): ReturnType<typeof jobCameraOf> | null {
+  const view = viewIn(query);
+  return view && jobCameraOf(view);
+}
