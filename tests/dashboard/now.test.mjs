@@ -1,0 +1,113 @@
+// The start page: what a newcomer sees first, and what the daemon does now, kept by one event stream.
+
+import assert from "node:assert/strict";
+import { mkdtempSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { after, test } from "node:test";
+
+import { axeClean, expectNoComplaints, openPage, shoot, smallJob, startDaemon } from "./support.mjs";
+
+const data = mkdtempSync(join(tmpdir(), "photond-now-"));
+after(() => rmSync(data, { recursive: true, force: true }));
+let daemon = await startDaemon({ data, arguments: ["--threads", "1"] });
+
+const longJob = (more = {}) => smallJob({ stop: { seconds: 600 }, ...more });
+const card = (page, id) => page.locator(".now-card", { hasText: id });
+const queueIds = (page) => page.locator(".now-queue-row a:first-child").allInnerTexts();
+const waitForQueue = (page, ids) =>
+  page.waitForFunction((wanted) => [...document.querySelectorAll(".now-queue-what > a")].map((link) => link.textContent).join() === wanted, ids.join());
+const cancel = (id) => daemon.json("DELETE", `/v1/jobs/${id}`);
+
+test("who has rendered nothing yet is told what this is and where to begin", async () => {
+  const page = await openPage(daemon);
+  await page.getByRole("heading", { name: "Where to begin" }).waitFor();
+  await page.getByText("photond renders scenes by many methods").waitFor();
+  const steps = page.locator(".now-steps a");
+  assert.deepEqual(
+    (await steps.all()).length && (await Promise.all((await steps.all()).map((step) => step.getAttribute("href")))),
+    ["/studies/new?scene=cornell-box", "/render?scene=cornell-box-glass", "/scenes"],
+  );
+  await page.locator(".now-steps img").nth(2).waitFor();
+  await page.getByText("reads scenes, makes pictures, measures errors").waitFor();
+  await shoot(page, "now-empty", { fullPage: true });
+  await axeClean(page);
+  await page.setViewportSize({ width: 390, height: 844 });
+  assert.equal(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), true);
+  await shoot(page, "now-empty-narrow", { fullPage: true });
+  await steps.nth(2).click();
+  await page.getByRole("heading", { level: 1, name: "Scenes" }).waitFor();
+});
+
+test("running jobs, the queue and what has ended are shown as they change, without being asked for", async () => {
+  const done = await daemon.run(smallJob());
+  const running = await daemon.submit(longJob({ reference: `job:${done.id}` }));
+  const page = await openPage(daemon);
+  const shown = card(page, running.id);
+  await shown.locator("img").waitFor();
+  await shown.getByText("relative mse").waitFor();
+  await shown.locator("canvas").waitFor();
+  assert.equal(await page.locator(".now-first").count(), 0);
+  await page.getByRole("navigation", { name: "What to do" }).waitFor();
+  const passes = async () => Number(/([\d,]+) passes in/.exec(await shown.innerText())[1].replaceAll(",", ""));
+  const before = await passes();
+  const picture = await shown.locator("img").getAttribute("src");
+  await page.waitForFunction((src) => document.querySelector(".now-card img")?.getAttribute("src") !== src, picture);
+  assert.ok((await passes()) > before);
+  await page.locator(".now-worker", { hasText: "rendering" }).getByRole("link", { name: running.id }).waitFor();
+  assert.ok((await page.locator(".now-worker meter").first().getAttribute("aria-label")).includes("of its limit"));
+  await page.locator(".now-chart", { hasText: /Passes\s+[1-9]/ }).waitFor();
+  await page.locator(".now-recent-job", { hasText: done.id }).locator("img").waitFor();
+
+  // Sent by somebody else: they come by themselves, and in the order in which they will run.
+  const first = await daemon.submit(longJob());
+  const second = await daemon.submit(longJob({ reference: { method: { name: "path_tracing" }, stop: { passes: 3 } } }));
+  const reference = second.reference_job;
+  await page.locator(".now-queue-row", { hasText: second.id }).getByText("waits for its reference").waitFor();
+  await waitForQueue(page, [first.id, reference, second.id]);
+  await shoot(page, "now-busy", { fullPage: true });
+  await axeClean(page);
+  const later = await daemon.submit(longJob());
+  await waitForQueue(page, [first.id, reference, second.id, later.id]);
+  await page.getByRole("button", { name: `${later.id} sooner` }).click();
+  await waitForQueue(page, [later.id, first.id, reference, second.id]);
+  assert.equal((await daemon.get(`/v1/jobs/${later.id}`)).request.priority, 10);
+
+  // While nothing begins or ends, the page asks for pictures alone.
+  const asked = [];
+  page.on("request", (request) => asked.push(new URL(request.url()).pathname));
+  await page.waitForTimeout(3000);
+  assert.deepEqual(asked.filter((path) => !path.endsWith("/preview.png")), []);
+  assert.ok(asked.length <= 2, `${asked.length} pictures in 3 s`);
+
+  await page.getByRole("button", { name: `Cancel ${running.id}` }).click();
+  await card(page, later.id).waitFor();
+  await page.locator(".now-recent-job", { hasText: running.id }).getByText("cancelled").waitFor();
+  await waitForQueue(page, [first.id, reference, second.id]);
+  for (const id of [second.id, reference, first.id, later.id]) await cancel(id);
+  await page.getByText("Nothing is rendered at the moment.").waitFor();
+  await page.getByText("Nothing waits.").waitFor();
+  assert.deepEqual(await queueIds(page), []);
+  await page.setViewportSize({ width: 390, height: 844 });
+  assert.equal(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), true);
+  await shoot(page, "now-narrow", { fullPage: true });
+  expectNoComplaints(page);
+});
+
+test("a daemon that is gone is said to be, and the page goes on by itself when it is back", async () => {
+  const job = await daemon.submit(longJob());
+  const page = await openPage(daemon, "/", { expected: /ERR_CONNECTION|ERR_INCOMPLETE|ERR_EMPTY|ERR_SOCKET|ERR_NETWORK/ });
+  await card(page, job.id).locator("img").waitFor();
+  await daemon.stop("SIGKILL");
+  await page.getByText("The daemon does not answer. What is shown is the last it said").waitFor();
+  await card(page, job.id).waitFor();
+  await axeClean(page);
+  daemon = await startDaemon({ data, listen: new URL(daemon.url).host, arguments: ["--threads", "1"] });
+  await page.getByText("What is shown is the last it said").waitFor({ state: "detached" });
+  await card(page, job.id).waitFor();
+  const ended = await daemon.submit(smallJob({ priority: 10 }));
+  await page.locator(".now-queue-row", { hasText: ended.id }).waitFor();
+  await cancel(job.id);
+  await page.locator(".now-recent-job", { hasText: ended.id }).getByText("succeeded").waitFor();
+  expectNoComplaints(page);
+});

@@ -1,0 +1,170 @@
+// Scenes: found, brought, looked at from anywhere, deleted.
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+import { axeClean, expectNoComplaints, openPage, shoot, smallJob, startDaemon } from "./support.mjs";
+import { tinyGlb, tinyGltf } from "./tiny_glb.mjs";
+
+const daemon = await startDaemon({ arguments: ["--threads", "1"] });
+
+const cards = (page) => page.locator(".scenes-card:not(.scenes-waits) strong").allInnerTexts();
+const listed = (page, count) => page.waitForFunction((wanted) => document.querySelectorAll(".scenes-card:not(.scenes-waits)").length === wanted, count);
+const query = (page) => Object.fromEntries(new URL(page.url()).searchParams);
+const took = (page) => page.locator("[data-testid=took]");
+const numbers = (text) => text.split(",").map(Number);
+
+/** Drops files on the page as a desktop would. */
+async function drop(page, files) {
+  const transfer = await page.evaluateHandle((list) => {
+    const data = new DataTransfer();
+    for (const { name, bytes } of list) data.items.add(new File([Uint8Array.from(bytes)], name));
+    return data;
+  }, files.map(({ name, content }) => ({ name, bytes: [...content] })));
+  await page.dispatchEvent("main", "dragenter", { dataTransfer: transfer });
+  await page.locator(".scenes-drop").waitFor();
+  await page.dispatchEvent("main", "drop", { dataTransfer: transfer });
+  await page.locator(".scenes-drop").waitFor({ state: "detached" });
+}
+
+test("the gallery shows what there is, and its address says what is looked for", async () => {
+  const page = await openPage(daemon, "/scenes");
+  await listed(page, 8);
+  assert.deepEqual((await cards(page)).slice(0, 2), ["cornell-box", "cornell-box-spot"]);
+  const first = page.locator(".scenes-card img").first();
+  await first.waitFor();
+  assert.equal(await first.evaluate((image) => image.complete && image.naturalWidth), 256);
+  await shoot(page, "scenes");
+  await axeClean(page);
+
+  await page.keyboard.press("/");
+  await page.keyboard.type("box gl");
+  await listed(page, 2);
+  await page.getByLabel("Order").selectOption("triangles");
+  assert.deepEqual(await cards(page), ["cornell-box-glass", "cornell-box-glossy"]);
+  assert.deepEqual(query(page), { q: "box gl", sort: "triangles" });
+  await page.reload();
+  await listed(page, 2);
+  assert.deepEqual(await cards(page), ["cornell-box-glass", "cornell-box-glossy"]);
+  assert.equal(await page.getByLabel("Search").inputValue(), "box gl");
+
+  await page.getByLabel("Search").fill("no such");
+  await page.getByText("No scene has “no such” in its name.").waitFor();
+  await page.getByRole("link", { name: "Photon splatting's figures" }).click();
+  await listed(page, 3);
+  await page.getByRole("link", { name: "photon-splatting/plate" }).click();
+  await page.getByRole("heading", { level: 1, name: "photon-splatting/plate" }).waitFor();
+  assert.equal(new URL(page.url()).pathname, "/scenes/photon-splatting%2Fplate");
+  // The daemon itself serves the page for a name with a slash.
+  await page.reload();
+  await page.getByRole("heading", { level: 1, name: "photon-splatting/plate" }).waitFor();
+  expectNoComplaints(page);
+});
+
+test("scenes are brought by a drop or by choice, and what is wrong with one is said", async () => {
+  const page = await openPage(daemon, "/scenes", { expected: /status of 4/ });
+  await listed(page, 8);
+  await drop(page, [{ name: "squares.glb", content: tinyGlb() }]);
+  await page.getByText("squares is here.").waitFor();
+  await listed(page, 9);
+  assert.equal((await cards(page))[0], "squares");
+
+  // The same bytes again are the same scene.
+  await drop(page, [{ name: "squares again.glb", content: tinyGlb() }]);
+  await page.getByText("was here already").waitFor();
+
+  await page.locator('input[type="file"]').first().setInputFiles(tinyGltf("loose", { asset: { version: "2.0", generator: "loose" } }).map(({ name, content }) => ({ name, mimeType: "application/octet-stream", buffer: content })));
+  await page.getByText("loose is here.").waitFor();
+  await listed(page, 10);
+
+  const broken = tinyGlb({ meshes: [{ primitives: [{ attributes: { POSITION: 7 } }] }, { primitives: [{ attributes: { POSITION: 0 }, indices: 9 }] }] });
+  await drop(page, [{ name: "broken.glb", content: broken }]);
+  const faults = page.locator(".scenes-upload.failed", { hasText: "broken" });
+  await faults.waitFor();
+  assert.match(await faults.innerText(), /\/meshes\/0\/primitives\/0/);
+  await drop(page, [{ name: "notes.txt", content: Buffer.from("?") }]);
+  await page.getByText("notes.txt is not a scene").waitFor();
+  await shoot(page, "scenes-uploads");
+  await axeClean(page);
+});
+
+test("a scene is looked at from anywhere, and its address brings the view back", async () => {
+  const page = await openPage(daemon, "/scenes/cornell-box");
+  const stage = page.getByRole("application", { name: "View of the scene" });
+  const image = stage.locator("img");
+  await image.waitFor();
+  await page.getByText(/512 × 384, 16 passes in/).waitFor();
+  const exact = await image.getAttribute("src");
+  await page.locator(".scene-cameras img").waitFor();
+  await shoot(page, "scene");
+  await axeClean(page);
+
+  const box = await stage.boundingBox();
+  const middle = { x: box.x + box.width / 2, y: box.y + box.height / 2 };
+  await page.mouse.move(middle.x, middle.y);
+  await page.mouse.down();
+  for (let step = 1; step <= 10; ++step) await page.mouse.move(middle.x + 6 * step, middle.y + 3 * step);
+  await page.mouse.up();
+  await page.waitForFunction(() => new URLSearchParams(location.search).has("eye"));
+  const orbited = query(page);
+  assert.equal(orbited.camera, undefined);
+  await page.waitForFunction((before) => document.querySelector(".scene-picture img")?.getAttribute("src") !== before, exact);
+
+  const distance = ({ eye, target }) => Math.hypot(...numbers(eye).map((value, k) => value - numbers(target)[k]));
+  await page.mouse.wheel(0, -300);
+  await page.waitForFunction((before) => new URLSearchParams(location.search).get("eye") !== before, orbited.eye);
+  const nearer = query(page);
+  assert.equal(nearer.target, orbited.target);
+  assert.ok(Math.abs(distance(nearer) / distance(orbited) - 1.1 ** -3) < 1e-3);
+
+  await stage.focus();
+  await page.keyboard.press("Shift+ArrowLeft");
+  await page.waitForFunction((before) => new URLSearchParams(location.search).get("target") !== before, nearer.target);
+  const panned = query(page);
+  assert.ok(Math.abs(distance(panned) - distance(nearer)) < 1e-3);
+
+  await page.getByText(/512 × 384, 16 passes in/).waitFor();
+  const link = new URL(await page.getByRole("link", { name: "Render from here" }).getAttribute("href"), page.url());
+  assert.deepEqual(Object.fromEntries(link.searchParams), { scene: "cornell-box", ...panned });
+  await page.getByRole("button", { name: "Copy camera" }).click();
+  const { look_at } = JSON.parse(await page.evaluate(() => navigator.clipboard.readText()));
+  assert.deepEqual(look_at.eye, numbers(panned.eye));
+  // A job takes what was copied.
+  const job = await daemon.run(smallJob({ camera: { look_at }, image: { width: 16, height: 16 }, stop: { passes: 1 } }));
+  assert.deepEqual(job.request.camera.look_at.target, numbers(panned.target));
+
+  await page.reload();
+  await image.waitFor();
+  assert.deepEqual(query(page), panned);
+  await page.getByRole("button", { name: /^camera/ }).click();
+  await page.waitForFunction(() => new URLSearchParams(location.search).get("camera") === "camera");
+  assert.equal(await page.getByRole("button", { name: /^camera/ }).getAttribute("aria-pressed"), "true");
+  await page.goBack();
+  await page.waitForFunction((eye) => new URLSearchParams(location.search).get("eye") === eye, panned.eye);
+  assert.equal(await page.getByRole("button", { name: /^camera/ }).getAttribute("aria-pressed"), "false");
+  expectNoComplaints(page);
+});
+
+test("a scene is deleted once nothing needs it, and an unknown one is said to be none", async () => {
+  const { id } = (await daemon.get("/v1/scenes")).items.find(({ name }) => name === "squares");
+  const job = await daemon.submit(smallJob({ scene: id, stop: { seconds: 600 } }));
+  const page = await openPage(daemon, `/scenes/${id}`, { expected: /status of 4/, width: 390, height: 844 });
+  await page.getByText(/16 passes in/).waitFor();
+  await page.getByText("The file has none").waitFor();
+  assert.equal(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), true);
+  await shoot(page, "scene-narrow", { fullPage: true });
+
+  await page.getByRole("button", { name: "Delete …" }).click();
+  await page.getByRole("button", { name: "Delete", exact: true }).click();
+  await page.getByRole("link", { name: "Show those jobs" }).waitFor();
+  await axeClean(page);
+  await daemon.json("DELETE", `/v1/jobs/${job.id}`);
+  await daemon.finished(job.id);
+  await page.getByRole("button", { name: "Delete", exact: true }).click();
+  await page.waitForURL("**/scenes");
+  await page.getByText("squares is deleted.").waitFor();
+
+  await page.goto(`${daemon.url}/scenes/no-such-scene`);
+  await page.getByRole("heading", { name: "No such scene" }).waitFor();
+  expectNoComplaints(page);
+});
