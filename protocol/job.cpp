@@ -56,6 +56,8 @@ double length_of_cross(const std::array<double, 3>& a, const std::array<double, 
     return std::hypot(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]);
 }
 
+}  // namespace
+
 LookAt read_look_at(const json& source, const std::string& pointer, BodyFaults& faults) {
     ObjectReader reader(source, pointer, faults);
     LookAt look_at;
@@ -83,6 +85,8 @@ LookAt read_look_at(const json& source, const std::string& pointer, BodyFaults& 
         faults.add(ErrorCode::Conflict, pointer + "/up", "must not be zero nor parallel to the direction of view");
     return look_at;
 }
+
+namespace {
 
 JobCamera read_camera(const json& source, const std::string& pointer, BodyFaults& faults) {
     ObjectReader reader(source, pointer, faults);

@@ -102,6 +102,9 @@ struct JobVocabulary {
     std::function<std::vector<std::string>(const std::string& method)> layers_of;
 };
 
+/// "look_at" of a camera. Faults are added; what is at fault has its default.
+LookAt read_look_at(const nlohmann::json& source, const std::string& pointer, BodyFaults& faults);
+
 /// Reads a body. Throws photond::Error with all faults, each with its JSON pointer and, for a misspelt name, the
 /// nearest known one.
 JobRequest parse_job_request(const nlohmann::json& body, const JobVocabulary& vocabulary);

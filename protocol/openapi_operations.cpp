@@ -92,6 +92,7 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
     std::vector<std::string> pixel_layers{"beauty", "emitted", "direct", "indirect"};
     pixel_layers.insert(pixel_layers.end(), vocabulary.layers.begin(), vocabulary.layers.end());
     const json source = job_or_image();
+    const json point{{"type", "string"}, {"pattern", "^[^,]+,[^,]+,[^,]+$"}, {"description", "x,y,z in metres"}};
     const json image_body{{"image/x-exr", binary()}, {"image/vnd.radiance", binary()}};
     const json scene_body{
         {"model/gltf-binary", binary()}, {"application/zip", binary()}, {"multipart/form-data", binary()}};
@@ -117,6 +118,20 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
         {"get", "/v1/scenes/{scene}", "getScene", "One scene, by id or name", {{200, object("Scene")}}},
         {"delete", "/v1/scenes/{scene}", "deleteScene", "Remove a scene", {{200, object("Scene")}}},
         {"get", "/v1/scenes/{scene}/thumbnail.png", "getThumbnail", "A small picture", {{200, file("image/png")}}},
+        {"get",
+         "/v1/scenes/{scene}/preview.png",
+         "getScenePreview",
+         "A quick picture by one of its cameras, or from eye to target; the scene stays ready for the next one",
+         {{200, file("image/png")}},
+         nullptr,
+         {{"camera", with_text(word, "by name; without it and without an eye the default view")},
+          {"eye", point},
+          {"target", point},
+          {"up", point},
+          {"yfov", typed("number", "radians")},
+          {"width", in_range(typed("integer"), 16, 512)},
+          {"height", in_range(typed("integer"), 16, 512)},
+          {"passes", in_range(typed("integer"), 1, 16)}}},
         {"get",
          "/v1/scenes/{scene}/baked",
          "getBakedScene",

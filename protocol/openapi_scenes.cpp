@@ -49,6 +49,9 @@ json scene_page_schema() {
 json scene_schema() {
     json corner = list_of(typed("number"));
     corner["minItems"] = corner["maxItems"] = 3;
+    const json view = with_text(
+        given({{"eye", corner}, {"target", corner}, {"up", corner}, {"yfov", typed("number", "radians")}}),
+        "as a job's camera.look_at takes it; the target lies as deep in the view as the middle of the bounds");
     return given(
         {{"id", typed("string")},
          {"name", nullable("string")},
@@ -60,7 +63,12 @@ json scene_schema() {
          {"materials", nullable("integer")},
          {"textures", nullable("integer")},
          {"lights", or_null(given({{"area", count()}, {"punctual", count()}, {"environment", typed("boolean")}}))},
-         {"cameras", list_of(given({{"name", typed("string")}, {"yfov", nullable("number", "radians")}}))},
+         {"cameras",
+          list_of(
+              given({{"name", typed("string")}, {"yfov", nullable("number", "radians")}, {"look_at", or_null(view)}}))},
+         {"default_view", with_text(or_null(view),
+                                    "of a job that names no camera: the first one's, or one framed on "
+                                    "the bounds; null only in lists, for scenes of an earlier version")},
          {"animations", nullable("integer")},
          {"bounds", or_null(given({{"min", corner}, {"max", corner}}))},
          {"needs", or_null(map_of(typed("boolean")))},

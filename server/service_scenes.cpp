@@ -1,8 +1,10 @@
 // Scenes and images: spooled by the routes, judged by the helper, moved into place, and only then named by a row.
 
 #include <algorithm>
+#include <fstream>
 
 #include "protocol/nearest_name.h"
+#include "protocol/param_json.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "server/clock_text.h"
 #include "server/known_answer.h"
@@ -118,6 +120,8 @@ json Service::Impl::scene_object(const SceneRow& row) const {
     json object = json::parse(row.summary);
     object.emplace("acceleration_bytes", nullptr);
     object.emplace("photon_yield", nullptr);  // scenes uploaded before it was measured
+    object.emplace("default_view", nullptr);  // likewise; get_scene() has it noted
+    for (json& camera : object["cameras"]) camera.emplace("look_at", nullptr);
     object["id"] = row.id;
     object["name"] = row.name;
     object["builtin"] = false;
@@ -231,8 +235,18 @@ Page Service::Impl::list_scenes(const std::string& family, uint32_t limit, const
 }
 
 json Service::Impl::get_scene(const std::string& id_or_name) {
-    const SceneRef scene = require_scene(id_or_name);
-    return scene.builtin ? builtin_object(scene.id) : scene_object(*scene.row);
+    SceneRef scene = require_scene(id_or_name);
+    if (scene.builtin) return builtin_object(scene.id);
+    json object = scene_object(*scene.row);
+    if (!object["default_view"].is_null()) return object;
+    const json order = scene_order(scene);
+    json summary = helper->call(
+        {{"type", "judge_scene"}, {"root", order["root"]}, {"file", order["file"]}, {"name", scene.row->name}});
+    summary["bytes"] = object["bytes"];
+    scene.row->summary = summary.dump(-1, ' ', false, json::error_handler_t::replace);
+    const std::lock_guard lock(mutex);
+    store.set_scene_summary(scene.id, scene.row->summary);
+    return scene_object(*scene.row);
 }
 
 Artefact Service::Impl::thumbnail(const std::string& id_or_name) {
@@ -241,6 +255,32 @@ Artefact Service::Impl::thumbnail(const std::string& id_or_name) {
         helper->call({{"type", "thumbnail"}, {"scene", scene_order(scene)}, {"out", path.string()}});
         return std::map<std::string, std::string>();
     });
+}
+
+std::string Service::scene_preview(const std::string& id_or_name, const ScenePreview& wanted) {
+    const Impl::SceneRef scene = impl_->require_scene(id_or_name);
+    if (!wanted.camera.empty()) {
+        const json object = impl_->get_scene(id_or_name);
+        std::vector<std::string> names;
+        for (const json& camera : object.at("cameras")) names.push_back(camera.at("name").get<std::string>());
+        if (std::find(names.begin(), names.end(), wanted.camera) == names.end())
+            throw Error(ErrorCode::UnknownName, "/camera",
+                        "the scene has no camera '" + wanted.camera + "'" + did_you_mean(wanted.camera, names));
+    }
+    json look_at;
+    if (const auto& view = wanted.look_at)
+        look_at = {{"eye", view->eye}, {"target", view->target}, {"up", view->up}, {"yfov", view->yfov}};
+    const Spooled out{impl_->files.fresh_spool_path()};
+    impl_->helper->call({{"type", "preview_scene"},
+                         {"scene", impl_->scene_order(scene)},
+                         {"camera", wanted.camera.empty() ? json() : json(wanted.camera)},
+                         {"look_at", look_at},
+                         {"width", wanted.width},
+                         {"height", wanted.height},
+                         {"passes", wanted.passes},
+                         {"out", out.path.string()}});
+    std::ifstream file(out.path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
 Artefact Service::Impl::baked_scene(const std::string& id_or_name) {

@@ -11,11 +11,11 @@
 
 namespace photond {
 
-std::vector<uint8_t> encode_png(Size2 size, std::span<const uint8_t> rgb) {
+std::vector<uint8_t> encode_png(Size2 size, std::span<const uint8_t> rgb, int compression) {
     assert(rgb.size() == 3 * size.pixels());
     OIIO::ImageSpec spec(static_cast<int>(size.width), static_cast<int>(size.height), 3, OIIO::TypeUInt8);
     spec.attribute("oiio:ColorSpace", "sRGB");
-    spec.attribute("png:compressionLevel", 6);
+    spec.attribute("png:compressionLevel", compression);
     const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create("png");
     if (!output) throw Error(ErrorCode::Internal, "the image library cannot write PNG: " + OIIO::geterror());
     std::vector<unsigned char> bytes;

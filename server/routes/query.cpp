@@ -8,6 +8,16 @@
 #include "protocol/strict_json.h"
 
 namespace photond::http {
+namespace {
+
+std::optional<double> number_in(std::string_view text) {
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error == std::errc() && end == text.data() + text.size() && std::isfinite(value)) return value;
+    return std::nullopt;
+}
+
+}  // namespace
 
 std::string Query::text(const std::string& name, const std::string& otherwise) {
     known_.push_back(name);
@@ -15,14 +25,28 @@ std::string Query::text(const std::string& name, const std::string& otherwise) {
     return found == values_.end() ? otherwise : found->second;
 }
 
-double Query::number(const std::string& name, double otherwise) {
+double Query::number(const std::string& name, double otherwise) { return number(name).value_or(otherwise); }
+
+std::optional<double> Query::number(const std::string& name) {
     const std::string given = text(name);
-    if (given.empty()) return otherwise;
-    double value = 0;
-    const auto [end, error] = std::from_chars(given.data(), given.data() + given.size(), value);
-    if (error == std::errc() && end == given.data() + given.size() && std::isfinite(value)) return value;
-    faults_.push_back({"/" + name, "must be a number, got " + value_text(given)});
-    return otherwise;
+    if (given.empty()) return std::nullopt;
+    const std::optional<double> value = number_in(given);
+    if (!value) faults_.push_back({"/" + name, "must be a number, got " + value_text(given)});
+    return value;
+}
+
+std::optional<std::array<double, 3>> Query::point(const std::string& name) {
+    const std::string given = text(name);
+    if (given.empty()) return std::nullopt;
+    const size_t first = given.find(','), second = given.find(',', first + 1);
+    if (first != std::string::npos && second != std::string::npos) {
+        const auto x = number_in(std::string_view(given).substr(0, first));
+        const auto y = number_in(std::string_view(given).substr(first + 1, second - first - 1));
+        const auto z = number_in(std::string_view(given).substr(second + 1));
+        if (x && y && z) return std::array{*x, *y, *z};
+    }
+    faults_.push_back({"/" + name, "must be three numbers with commas between them, got " + value_text(given)});
+    return std::nullopt;
 }
 
 uint32_t Query::integer(const std::string& name, uint32_t otherwise) { return integer(name).value_or(otherwise); }

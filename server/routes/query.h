@@ -1,6 +1,7 @@
 #pragma once
 // A request's query, read as strictly as a body.
 
+#include <array>
 #include <map>
 #include <optional>
 #include <string>
@@ -16,6 +17,9 @@ public:
 
     std::string text(const std::string& name, const std::string& otherwise = "");
     double number(const std::string& name, double otherwise);
+    std::optional<double> number(const std::string& name);
+    /// "x,y,z".
+    std::optional<std::array<double, 3>> point(const std::string& name);
     uint32_t integer(const std::string& name, uint32_t otherwise);
     std::optional<uint32_t> integer(const std::string& name);
     bool flag(const std::string& name);

@@ -1,5 +1,6 @@
 #include <filesystem>
 
+#include "protocol/object_reader.h"
 #include "server/routes/file_reply.h"
 #include "server/routes/multipart.h"
 #include "server/routes/query.h"
@@ -47,6 +48,47 @@ Reply list_scenes(Service& service, Call& call) {
     return json_reply(200, service.list_scenes(family, limit, cursor));
 }
 
+constexpr uint32_t kLeastSide = 16, kGreatestSide = 512, kMostPasses = 16;
+
+ScenePreview read_scene_preview(Query& query) {
+    ScenePreview wanted;
+    wanted.camera = query.text("camera");
+    nlohmann::json look_at = nlohmann::json::object();
+    for (const char* member : {"eye", "target", "up"})
+        if (const auto point = query.point(member)) look_at[member] = *point;
+    if (const auto yfov = query.number("yfov")) look_at["yfov"] = *yfov;
+    wanted.width = query.integer("width", wanted.width);
+    wanted.height = query.integer("height", wanted.height);
+    wanted.passes = query.integer("passes", wanted.passes);
+    query.finish();
+
+    BodyFaults faults;
+    if (!look_at.empty()) wanted.look_at = read_look_at(look_at, "", faults);
+    if (!look_at.empty() && !wanted.camera.empty())
+        faults.add(ErrorCode::Conflict, "/camera", "a view is a camera or an eye and its target, not both");
+    const auto check = [&](const char* name, uint32_t value, uint32_t least, uint32_t most) {
+        if (value < least || value > most)
+            faults.add(ErrorCode::OutOfRange, std::string("/") + name,
+                       std::string(name) + " = " + std::to_string(value) + " is outside [" + std::to_string(least) +
+                           ", " + std::to_string(most) + "]");
+    };
+    check("width", wanted.width, kLeastSide, kGreatestSide);
+    check("height", wanted.height, kLeastSide, kGreatestSide);
+    check("passes", wanted.passes, 1, kMostPasses);
+    faults.throw_if_any();
+    return wanted;
+}
+
+Reply scene_preview(Service& service, Call& call) {
+    Query query(call.query);
+    const ScenePreview wanted = read_scene_preview(query);
+    Reply reply;
+    reply.body = service.scene_preview(call.path_parameters[0], wanted);
+    reply.media_type = "image/png";
+    reply.headers["Cache-Control"] = "no-store";
+    return reply;
+}
+
 }  // namespace
 
 void add_scene_routes(std::vector<Route>& routes, Service& service) {
@@ -74,6 +116,10 @@ void add_scene_routes(std::vector<Route>& routes, Service& service) {
                           Query(call.query).finish();
                           return file_reply(call, service.thumbnail(call.path_parameters[0]));
                       }});
+    routes.push_back({.method = "GET",
+                      .pattern = "/v1/scenes/{scene}/preview.png",
+                      .lane = Lane::Slow,
+                      .handle = [&service](Call& call) { return scene_preview(service, call); }});
     routes.push_back(
         {.method = "GET", .pattern = "/v1/scenes/{scene}/baked", .lane = Lane::Slow, .handle = [&service](Call& call) {
              Query(call.query).finish();

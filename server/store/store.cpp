@@ -374,6 +374,10 @@ void Store::insert_scene(SceneRow& scene) {
     scene.seq = database_.last_insert_id();
 }
 
+void Store::set_scene_summary(const std::string& id, const std::string& summary) {
+    database_.prepare("UPDATE scenes SET summary = ?2 WHERE id = ?1").bind(1, id).bind(2, summary).run();
+}
+
 void Store::delete_scene(const std::string& id) {
     database_.prepare("DELETE FROM scenes WHERE id = ?1").bind(1, id).run();
 }

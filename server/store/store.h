@@ -208,6 +208,7 @@ public:
     // --- scenes and images
     // --------------------------------------------------------------------------------------------
     void insert_scene(SceneRow& scene);
+    void set_scene_summary(const std::string& id, const std::string& summary);
     void delete_scene(const std::string& id);
     std::optional<SceneRow> scene(const std::string& id);
     /// The newest of that name.

@@ -20,6 +20,7 @@ namespace {
 constexpr uint32_t kThumbnailWidth = 256, kThumbnailHeight = 192, kThumbnailPasses = 32;
 constexpr double kMostSeconds = 1;  // of rendering: other tasks wait meanwhile
 constexpr uint32_t kBounces = 3;
+constexpr int kQuickCompression = 1;
 constexpr uint32_t kExposureTile = 8;  // pixels: over as many the eye averages a noisy image, to judge its exposure
 
 JobRequest picture_request(Size2 size, uint32_t passes) {
@@ -81,7 +82,7 @@ json preview_scene(const json& message, uint64_t memory_bytes, SceneCache& scene
                                          message.at("passes").get<uint32_t>());
     request.camera = camera_in(message);
     const PreviewImage picture = draw(message, request, memory_bytes, scenes);
-    const std::vector<uint8_t> png = encode_png(picture.size, picture.rgb);
+    const std::vector<uint8_t> png = encode_png(picture.size, picture.rgb, kQuickCompression);
     // Nobody keeps it: what a power cut leaves of it does not matter, and waiting for the disk would be felt.
     std::ofstream out(text_of(message, "out"), std::ios::binary);
     out.write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));

@@ -1,6 +1,7 @@
 #include "server/worker/scene_summary.h"
 
 #include <charconv>
+#include <cmath>
 
 #include "renderer/backends/cpu/embree_intersector.h"
 #include "server/worker/photon_yield.h"
@@ -27,13 +28,28 @@ json in_file_coordinates(const Scene& scene, const vec3& p) {
     return point;
 }
 
+/// The camera as a job's "look_at". An orthographic one becomes the perspective that shows as much at the target.
+json look_at_of(const Scene& scene, const Camera& camera) {
+    const float radius = scene.bounds.empty() ? 0 : static_cast<float>(scene.bounds.radius());
+    float distance = scene.bounds.empty() ? 0 : glm::dot(vec3(scene.bounds.centre()) - camera.position, camera.forward);
+    // The middle is at the eye, or behind it: any distance will do that is of the scene's own size.
+    if (!(distance > 1e-3f * radius)) distance = radius > 0 ? radius : 1;
+    json up = json::array();
+    for (int k = 0; k < 3; ++k) up.push_back(shortest(camera.up[k]));
+    return {{"eye", in_file_coordinates(scene, camera.position)},
+            {"target", in_file_coordinates(scene, camera.position + distance * camera.forward)},
+            {"up", up},
+            {"yfov", shortest(camera.orthographic ? 2 * std::atan(camera.ymag / distance) : camera.yfov)}};
+}
+
 }  // namespace
 
 json scene_summary(const Scene& scene, const std::string& name, bool builtin) {
     json cameras = json::array();
     for (const Camera& camera : scene.cameras)
-        cameras.push_back(
-            {{"name", camera.name}, {"yfov", camera.orthographic ? json(nullptr) : json(shortest(camera.yfov))}});
+        cameras.push_back({{"name", camera.name},
+                           {"yfov", camera.orthographic ? json(nullptr) : json(shortest(camera.yfov))},
+                           {"look_at", look_at_of(scene, camera)}});
     json bounds = nullptr;
     if (!scene.bounds.empty())
         bounds = {{"min", in_file_coordinates(scene, scene.bounds.min)},
@@ -61,6 +77,7 @@ json scene_summary(const Scene& scene, const std::string& name, bool builtin) {
               {"punctual", scene.punctual_lights.size()},
               {"environment", scene.environment.has_value()}}},
             {"cameras", cameras},
+            {"default_view", look_at_of(scene, find_camera(scene, ""))},
             {"animations", scene.animation_count},
             {"bounds", bounds},
             {"needs", needs},

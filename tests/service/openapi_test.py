@@ -142,6 +142,7 @@ class OpenApiTest(unittest.TestCase):
         ask("GET", f"/v1/scenes/{scene['id']}")
         ask("GET", f"/v1/scenes/{scene['id']}/thumbnail.png")
         self.assertEqual(ask("GET", f"/v1/scenes/{scene['id']}/baked").status, 200)
+        self.assertEqual(ask("GET", f"/v1/scenes/{scene['id']}/preview.png").status, 200)
         for builtin in [item for item in ask("GET", "/v1/scenes?limit=1000").json["items"] if item["builtin"]]:
             ask("GET", f"/v1/scenes/{builtin['id']}")
         self.assertEqual(ask("POST", "/v1/jobs?dry_run=true", json_body=small_job(scene=scene["id"])).status, 200)

@@ -30,7 +30,19 @@ def triangle(seed=0):
 
 
 def glb(seed=0):
-    document, binary = triangle(seed)
+    return packed(*triangle(seed))
+
+
+def dark_glb():
+    """The triangle without light and without a camera."""
+    document, binary = triangle()
+    document["materials"] = [{"pbrMetallicRoughness": {"baseColorFactor": [0.8, 0.2, 0.2, 1]}, "doubleSided": True}]
+    document["scenes"], document["nodes"] = [{"nodes": [0]}], document["nodes"][:1]
+    del document["cameras"]
+    return packed(document, binary)
+
+
+def packed(document, binary):
     text = json.dumps(document).encode()
     text += b" " * (-len(text) % 4)
     binary += bytes(-len(binary) % 4)

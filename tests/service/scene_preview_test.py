@@ -1,0 +1,188 @@
+"""Quick pictures of a scene by any camera: the right view, soon once the scene is warm, and no more memory than that."""
+
+import os
+import sqlite3
+import statistics
+import tempfile
+import time
+import unittest
+
+import numpy
+
+import tiny_scene
+from image_files import decoded_png
+from photond_daemon import Daemon, small_job
+
+
+def view_query(view):
+    points = "&".join(f"{name}={','.join(map(repr, view[name]))}" for name in ("eye", "target", "up"))
+    return f"?{points}&yfov={view['yfov']!r}"
+
+
+class ScenePreviewTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.daemon = Daemon()
+        cls.daemon.wait_ready()
+        reply = cls.daemon.request("POST", "/v1/scenes?name=tiny", tiny_scene.glb(),
+                                   {"Content-Type": "model/gltf-binary"})
+        assert reply.status == 201, reply
+        reply = cls.daemon.request("POST", "/v1/scenes?name=dark", tiny_scene.dark_glb(),
+                                   {"Content-Type": "model/gltf-binary"})
+        assert reply.status == 201, reply
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.daemon.close()
+
+    def scene(self, name):
+        return self.daemon.request("GET", f"/v1/scenes/{name}").json
+
+    def get(self, scene, query=""):
+        return self.daemon.request("GET", f"/v1/scenes/{scene}/preview.png{query}")
+
+    def picture(self, scene, query=""):
+        reply = self.get(scene, query)
+        self.assertEqual(reply.status, 200, reply)
+        self.assertEqual(reply.headers["content-type"], "image/png")
+        self.assertEqual(reply.headers["cache-control"], "no-store")
+        return decoded_png(reply.body)
+
+    def test_every_scene_says_where_an_orbit_begins(self):
+        names = [item["name"] for item in self.daemon.request("GET", "/v1/scenes?limit=1000").json["items"]]
+        self.assertIn("tiny", names)
+        for name in names:
+            with self.subTest(name):
+                scene = self.scene(name)
+                view = scene["default_view"]
+                if scene["cameras"]:
+                    self.assertEqual(view, scene["cameras"][0]["look_at"])
+                for one in [view] + [camera["look_at"] for camera in scene["cameras"]]:
+                    self.assertEqual(sorted(one), ["eye", "target", "up", "yfov"])
+                    self.assertGreater(numpy.linalg.norm(numpy.subtract(one["target"], one["eye"])), 0)
+                    job = small_job(name, camera={"look_at": one})
+                    self.assertEqual(self.daemon.request("POST", "/v1/jobs?dry_run=true", json_body=job).status, 200)
+
+    def test_the_target_is_as_deep_as_the_middle_of_the_bounds(self):
+        scene = self.scene("cornell-box")
+        view, bounds = scene["cameras"][0]["look_at"], scene["bounds"]
+        axis = numpy.subtract(view["target"], view["eye"])
+        middle = numpy.add(bounds["min"], bounds["max"]) / 2
+        distance = numpy.linalg.norm(axis)
+        self.assertAlmostEqual(distance, numpy.dot(middle - view["eye"], axis / distance), 4)
+        self.assertEqual(view["yfov"], scene["cameras"][0]["yfov"])
+        # Its camera is at the middle: any depth but none.
+        self.assertGreater(numpy.linalg.norm(numpy.subtract(*(self.scene("furnace")["default_view"][k]
+                                                              for k in ("target", "eye")))), 0.1)
+
+    def test_a_view_shows_what_its_camera_shows(self):
+        self.assertEqual(self.picture("cornell-box", "?passes=1").shape, (240, 320, 3))
+        small = "&width=96&height=72&passes=16"  # within the time there is for a picture on a busy machine too
+        camera = self.picture("cornell-box", "?camera=camera" + small)
+        self.assertEqual(self.get("cornell-box", "?camera=camera" + small).body,
+                         self.get("cornell-box", "?" + small[1:]).body)
+        view = self.scene("cornell-box")["default_view"]
+        same = self.picture("cornell-box", view_query(view) + small)
+        self.assertLess(numpy.abs(camera - same).mean(), 1)
+        # Its left wall is red and its right wall green.
+        left, right = camera[30:42, 14:18].mean((0, 1)), camera[30:42, -18:-14].mean((0, 1))
+        self.assertGreater(left[0], 1.5 * left[1])
+        self.assertGreater(right[1], 1.5 * right[0])
+        turned = {**view, "up": [-x for x in view["up"]]}
+        upside_down = self.picture("cornell-box", view_query(turned) + small)
+        self.assertLess(numpy.abs(camera[::-1, ::-1] - upside_down).mean(), 0.5 * numpy.abs(camera - upside_down).mean())
+
+    def test_a_scene_without_light_has_a_white_sky(self):
+        dark = self.scene("dark")
+        self.assertEqual(dark["lights"], {"area": 0, "punctual": 0, "environment": False})
+        picture = self.picture("dark", "?width=65&height=65&passes=16")
+        red, sky = picture[38:46, 20:28].mean((0, 1)), picture[0].mean(0)
+        self.assertGreater(red[0], 2 * red[1])
+        self.assertGreater(sky.min(), 100)
+        thumbnail = self.daemon.request("GET", "/v1/scenes/dark/thumbnail.png")
+        self.assertGreater(decoded_png(thumbnail.body)[0].min(), 100)
+
+    def test_a_scene_without_cameras_has_a_framed_view(self):
+        dark = self.scene("dark")
+        self.assertEqual(dark["cameras"], [])
+        view = dark["default_view"]
+        self.assertTrue(numpy.allclose(view["target"], [0.5, 0.5, 0], atol=1e-5), view)
+        same = self.picture("dark", view_query(view) + "&passes=16")
+        self.assertLess(numpy.abs(same - self.picture("dark", "?passes=16")).mean(), 1)
+
+    def test_sizes(self):
+        self.assertEqual(self.picture("cornell-box", "?width=16&height=100&passes=1").shape, (100, 16, 3))
+        self.assertEqual(self.picture("tiny", "?width=512&height=512&passes=1").shape, (512, 512, 3))
+
+    def test_bad_requests_name_every_fault(self):
+        for query, pointers in (("?camera=camra", ["/camera"]), ("?width=15&height=513&passes=17",
+                                                                 ["/width", "/height", "/passes"]),
+                                ("?passes=0", ["/passes"]), ("?eye=1,2&target=0,0,0", ["/eye"]),
+                                ("?eye=1,2,x&up=1,2,3,4&yfov=wide", ["/eye", "/up", "/yfov"]),
+                                ("?eye=1,2,3", ["/target"]), ("?up=0,1,0", ["/eye", "/target"]),
+                                ("?eye=1,2,3&target=1,2,3", ["/target"]),
+                                ("?eye=0,0,3&target=0,0,0&up=0,0,1", ["/up"]),
+                                ("?eye=0,0,3&target=0,0,0&yfov=4", ["/yfov"]),
+                                ("?camera=camera&eye=0,0,3&target=0,0,0", ["/camera"]), ("?pases=2", ["/pases"])):
+            with self.subTest(query):
+                reply = self.get("cornell-box", query)
+                self.assertEqual(reply.status, 422, reply)
+                self.assertEqual([error["pointer"] for error in reply.json["errors"]], pointers, reply)
+        self.assertEqual(self.get("none").status, 404)
+
+    def test_a_warm_scene_is_shown_soon_and_takes_one_scenes_memory(self):
+        view = self.scene("interior")["default_view"]
+
+        def seconds(x):
+            begun = time.monotonic()
+            moved = {**view, "eye": [view["eye"][0] + x, *view["eye"][1:]]}
+            self.assertEqual(self.get("interior", view_query(moved) + "&passes=1&width=64&height=48").status, 200)
+            return time.monotonic() - begun
+
+        def load(scene):
+            begun = time.monotonic()
+            self.assertEqual(self.get(scene, "?passes=1&width=64&height=48").status, 200)
+            return time.monotonic() - begun
+
+        cold = []
+        for _ in range(3):  # each takes the other's place
+            load("cornell-box")
+            cold.append(load("interior"))
+        warm = [seconds(0.01 * k) for k in range(9)]
+        self.assertLess(statistics.median(warm), 0.5 * min(cold), (warm, cold))
+
+    def test_nothing_is_left_on_the_disk(self):
+        def files():
+            return sum(len(names) for _, _, names in os.walk(self.daemon.data_dir))
+        self.get("tiny")
+        before = files()
+        for k in range(3):
+            self.picture("tiny", f"?width={64 + k}")
+        self.assertEqual(files(), before)
+
+
+class OldScenes(unittest.TestCase):
+    def test_scenes_of_an_earlier_version_are_looked_at_again(self):
+        with tempfile.TemporaryDirectory() as data:
+            with Daemon(data_dir=data) as daemon:
+                daemon.wait_ready()
+                scene = daemon.request("POST", "/v1/scenes?name=tiny", tiny_scene.glb(),
+                                       {"Content-Type": "model/gltf-binary"}).json
+            [database] = [file for file in os.listdir(data) if file.endswith((".db", ".sqlite", ".sqlite3"))]
+            store = sqlite3.connect(os.path.join(data, database))
+            with store:
+                store.execute("UPDATE scenes SET summary = json_remove(summary, '$.default_view')")
+            store.close()
+            with Daemon(data_dir=data) as daemon:
+                daemon.wait_ready()
+                [listed] = [item for item in daemon.request("GET", "/v1/scenes").json["items"]
+                            if item["id"] == scene["id"]]
+                self.assertIsNone(listed["default_view"])
+                self.assertEqual(daemon.request("GET", f"/v1/scenes/{scene['id']}").json, scene)
+                [listed] = [item for item in daemon.request("GET", "/v1/scenes").json["items"]
+                            if item["id"] == scene["id"]]
+                self.assertEqual(listed, scene)
+
+
+if __name__ == "__main__":
+    unittest.main()
