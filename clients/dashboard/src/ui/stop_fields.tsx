@@ -75,7 +75,7 @@ export function StopFields({ value, onChange, metrics, faults, idPrefix, pointer
           <Amount id={`${idPrefix}-seconds`} value={value.seconds} unit="s" faults={at("/seconds")} onValue={(seconds) => set("seconds", seconds)} />
         </div>
         <div class="field">
-          <label for={`${idPrefix}-target`}>or when the error is at most</label>
+          <label for={`${idPrefix}-target`}>or at an error of at most</label>
           <Amount id={`${idPrefix}-target`} value={target?.value} unit="" faults={targetFaults} onValue={(amount) => setTarget(amount === null ? null : { metric, value: amount })} />
         </div>
         <div class="field">
