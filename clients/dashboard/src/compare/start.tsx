@@ -40,7 +40,7 @@ export function Start({ onPick, onFiles }: { onPick: () => void; onFiles: (files
                 <header class="row">
                   <h3>{group.scene}</h3>
                   <span class="muted small">{sizeText(group)}</span>
-                  <a class="button" href={`/compare?images=${group.jobs.map((job) => `job:${job.id}`).join(",")}`} aria-label={`Compare ${group.jobs.length} images of ${group.scene}, ${sizeText(group)}`}>
+                  <a class="button" href={`/compare?images=${group.jobs.map((job) => `job:${job.id}`).join(",")}`} aria-label={`Compare these ${group.jobs.length} images of ${group.scene}, ${sizeText(group)}`}>
                     Compare these {group.jobs.length}
                   </a>
                 </header>

@@ -68,16 +68,16 @@ export function useImage(path: string | null, version: string | number = 0): Blo
     if (shownPath.current !== path) replace(null, null);
     shownPath.current = path;
     if (path === null) return;
-    ask(path, { signal: stop.signal }).then(
-      async (answer) => {
-        if (answer.status === 202) return;
-        const blob = await answer.blob();
-        if (!stop.signal.aborted) replace(URL.createObjectURL(blob), null);
-      },
-      (failure: Error) => {
-        if (!stop.signal.aborted) replace(null, failure);
-      },
-    );
+    ask(path, { signal: stop.signal })
+      .then((answer) => (answer.status === 202 ? null : answer.blob()))
+      .then(
+        (blob) => {
+          if (blob && !stop.signal.aborted) replace(URL.createObjectURL(blob), null);
+        },
+        (failure: Error) => {
+          if (!stop.signal.aborted) replace(null, failure);
+        },
+      );
     return () => stop.abort();
   }, [path, version]);
   useEffect(
