@@ -358,7 +358,10 @@ class Helper(WorkerTest):
     def test_judges_images(self):
         self.result("encode_exr", film=self.film, statistics=None, precision="half", out=self.path("a.exr"))
         answer = self.result("judge_image", path=self.path("a.exr"))
+        layers = {layer["name"]: layer["channels"] for layer in answer.pop("layers")}
         self.assertEqual(answer, {"width": 48, "height": 32, "channels": 22})
+        self.assertEqual(sum(layers.values()), 22)
+        self.assertEqual({"beauty", "direct", "indirect", "emitted"} - set(layers), set())
         for data in (b"", b"\x89PNG\r\n\x1a\n", self.read("a.exr")[:500]):
             self.assertEqual(self.failure("judge_image", path=self.write("bad/i.exr", data))["code"], "bad_image")
 
