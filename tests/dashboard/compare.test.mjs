@@ -422,8 +422,12 @@ test("images of other sizes and layers, faulty links and missing jobs say what i
 });
 
 test("images are added from the newest jobs and by id", async () => {
-  const page = await openPage(daemon, `/compare?images=${all[0]}`);
+  const page = await openPage(daemon, `/compare?images=${all[2]}`);
   await settled(page);
+  await page.getByRole("button", { name: `Add the reference ${reference.id}` }).click();
+  await addressSays(page, "images", `${all[2]},${all[0]}`);
+  await addressSays(page, "reference", all[0]);
+  await page.getByRole("button", { name: /^Take .*photon/ }).click();
   await page.getByRole("button", { name: "Add images …" }).first().click();
   const dialog = page.getByRole("dialog", { name: "Add images" });
   await dialog.getByLabel("Of the newest jobs").fill("photon 48");

@@ -9,7 +9,7 @@ import { besideOf, kStart, type Look } from "./look";
 import { kRadianceLayers, paintOf, type Ground, type Paint } from "./paint";
 import { PixelStore, type Entry, type Wanted } from "./pixel_store";
 import { fetchFlip, fetchLayer, type PixelImage } from "./pixels";
-import { fetchSource, layerChoices, sourceOfJob, unknownSource, usualReference, type Source } from "./sources";
+import { fetchSource, layerChoices, referenceOf, sourceOfJob, unknownSource, usualReference, type Source } from "./sources";
 import { fitted, gridOf, type Box, type Point, type Size, type View } from "./view";
 
 export interface Pane {
@@ -151,6 +151,12 @@ export class Desk {
     const images = this.part("images").value;
     const chosen = this.part("reference").value;
     return chosen && images.includes(chosen) ? images.indexOf(chosen) : usualReference(images, this.sources.value);
+  });
+  /** What images here were measured against and that is not here itself. */
+  readonly referencesElsewhere = computed(() => {
+    const images = this.part("images").value;
+    const jobs = images.flatMap((name) => this.sources.value.get(name)?.job ?? []);
+    return [...new Set(jobs.flatMap((job) => referenceOf(job) ?? []))].filter((name) => !images.includes(name));
   });
   readonly beside = computed(() => besideOf(this.look.value, this.reference.value));
   readonly layers = computed(() => layerChoices(this.part("images").value, this.sources.value));

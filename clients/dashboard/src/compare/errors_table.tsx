@@ -105,14 +105,14 @@ export function ErrorsTable({ desk }: { desk: Desk }) {
     };
     if (values[kFlip] === undefined && typeof shownFlip === "number") values[kFlip] = shownFlip;
     const failure = quick && "failure" in quick ? quick.failure : flip && "failure" in flip ? flip.failure : null;
-    const notes = quick && "metrics" in quick ? quick.notes : [];
+    const notes = quick && "metrics" in quick ? quick.notes.map((note) => `Image ${index + 1}: ${note}`) : [];
     return { name, index, source, values, failure, notes, busy: measurable(source) && !quick };
   });
   const least = (metric: string): number => {
     const numbers = table.map((row) => row.values[metric]).filter((value): value is number => typeof value === "number");
     return numbers.length > 1 ? Math.min(...numbers) : NaN;
   };
-  const notes = [...new Set(table.flatMap((row) => row.notes))];
+  const notes = table.flatMap((row) => row.notes);
   return (
     <section class="panel" aria-labelledby="compare-errors">
       <h2 id="compare-errors">Errors against image {desk.reference.value + 1}</h2>

@@ -1,7 +1,8 @@
 // The images by their numbers: which is shown, which is the reference, and what each is.
 
 import type { Desk } from "./desk";
-import { withoutImage } from "./look";
+import { kMaxImages, withImages, withoutImage } from "./look";
+import { unknownSource } from "./sources";
 
 export function ImageList({ desk, onAdd }: { desk: Desk; onAdd: () => void }) {
   const images = desk.part("images").value;
@@ -56,6 +57,16 @@ export function ImageList({ desk, onAdd }: { desk: Desk; onAdd: () => void }) {
       {desk.sizesDiffer.value && <p class="notice small">The images are of different sizes. They lie with their upper left corners together; there are error maps only of those with the reference's size.</p>}
       <div class="row">
         <button onClick={onAdd}>Add images …</button>
+        {desk.referencesElsewhere.value.map((name) => (
+          <button
+            key={name}
+            disabled={images.length >= kMaxImages}
+            onClick={() => (desk.look.value = { ...withImages(desk.look.peek(), [name]), reference: name })}
+            title="What the images here were measured against while they were rendered"
+          >
+            Add the reference {unknownSource(name).title}
+          </button>
+        ))}
         <button class="quiet" onClick={() => desk.refreshAll()} title="Ask the daemon for the newest pixels">
           Refresh
         </button>

@@ -68,7 +68,7 @@ export const kStart: Look = {
   wipe: 0.5,
   wipeAcross: false,
   crops: [],
-  cropZoom: 3,
+  cropZoom: 4,
   pixel: null,
   precision: "half",
 };

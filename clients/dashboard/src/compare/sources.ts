@@ -83,10 +83,16 @@ export async function fetchSource(name: string, signal: AbortSignal): Promise<So
   };
 }
 
+/** The source that a job is measured against while it renders. */
+export function referenceOf(job: Job): string | null {
+  if (job.reference_job) return `job:${job.reference_job}`;
+  return typeof job.request.reference === "string" ? job.request.reference : null;
+}
+
 /** Which image the others are measured against where nobody has said: the one that their jobs are, or the first. */
 export function usualReference(images: string[], sources: ReadonlyMap<string, Source>): number {
   const jobs = images.map((name) => sources.get(name)?.job ?? null);
-  const named = images.findIndex((name) => jobs.some((job) => job?.reference_job && name === `job:${job.reference_job}`));
+  const named = images.findIndex((name) => jobs.some((job) => job && referenceOf(job) === name));
   if (named >= 0) return named;
   return Math.max(0, jobs.findIndex((job) => job?.role === "reference"));
 }
