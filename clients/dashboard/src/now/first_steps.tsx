@@ -4,7 +4,7 @@ import { Picture } from "../ui/picture";
 
 const kSteps = [
   {
-    href: "/studies/new?scene=cornell-box",
+    href: "/studies/new?scene=cornell-box&preset=paths-photons",
     picture: "cornell-box",
     title: "Compare two methods",
     text: "Render the Cornell box by two methods in the same time, and see which of them is closer to the truth.",

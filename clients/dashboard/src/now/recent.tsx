@@ -58,7 +58,7 @@ export function RecentJobs({ recent }: { recent: JobSummary[] }) {
 /** What a study that is over has come to. */
 function Finding({ id }: { id: string }) {
   const { data: study } = useRemote<Comparison>(`/v1/comparisons/${id}`);
-  const found = study && headline(study.verdicts, study.table);
+  const found = study && headline(study.verdicts.filter((verdict) => verdict.metric === study.request.metrics[0]), study.table);
   return found ? <strong class="now-finding">{found.text}</strong> : null;
 }
 

@@ -6,8 +6,8 @@ function Row({ upload }: { upload: Upload }) {
   const { id, name, bytes, sent, scene, failure } = upload;
   if (failure !== undefined)
     return (
-      <li class="notice failed scenes-upload" role="alert">
-        <div>
+      <li class="notice failed scenes-upload">
+        <div role="alert">
           {name && <strong>{name}: </strong>}
           {failure}
           {upload.faults && upload.faults.length > 0 && (
@@ -27,8 +27,8 @@ function Row({ upload }: { upload: Upload }) {
     );
   if (scene)
     return (
-      <li class="notice good scenes-upload" role="status">
-        <div>
+      <li class="notice good scenes-upload">
+        <div role="status">
           <strong>{scene.name}</strong> {upload.known ? "was here already, byte for byte." : "is here."} <a href={scenePage(scene)}>Open it</a>
           {scene.warnings.length > 0 && ` – ${scene.warnings.length === 1 ? "1 warning" : `${scene.warnings.length} warnings`}`}
         </div>
