@@ -98,7 +98,7 @@ function Summary({ request, estimated, sending, onGo, onReset }: SummaryProps) {
   const blocked = !asking && failure !== null;
   const text = JSON.stringify(request, null, 2);
   return (
-    <aside class="panel new-study-summary" aria-labelledby="new-study-estimate">
+    <section class="panel new-study-summary" aria-labelledby="new-study-estimate">
       <h2 id="new-study-estimate">What it will take</h2>
       <div aria-live="polite" class={asking ? "new-study-asking" : undefined}>
         {estimate ? (
@@ -167,7 +167,7 @@ function Summary({ request, estimated, sending, onGo, onReset }: SummaryProps) {
       <button class="quiet" onClick={onReset}>
         Begin anew
       </button>
-    </aside>
+    </section>
   );
 }
 

@@ -6,7 +6,7 @@ import { areaY, axisX, axisY, dot, frame, gridX, gridY, line, plot, ruleY, text 
 import { bytesText, numberText, secondsText } from "../ui/format";
 import { seriesLook } from "../ui/palette";
 import { memoryFront, type MemoryPoint } from "./memory";
-import { bestByTime, errorAt, logTicks, type Series } from "./series";
+import { bestByTime, byteTicks, errorAt, logTicks, type Series } from "./series";
 
 /** Fixed, for Plot writes a style element with it, which the page's policy permits by its hash. */
 export const kPlotClass = "study-plot";
@@ -45,6 +45,7 @@ function logDomain(values: number[]): [number, number] {
 interface AxisInput {
   x: [number, number];
   y: [number, number];
+  xTicks: number[];
   xText: (value: number) => string;
   yText: (value: number) => string;
   xLabel: string;
@@ -52,7 +53,8 @@ interface AxisInput {
 }
 
 function frameAndAxes(inks: Inks, axis: AxisInput) {
-  const [xTicks, yTicks] = [logTicks(...axis.x), logTicks(...axis.y)];
+  const { xTicks } = axis;
+  const yTicks = logTicks(...axis.y);
   return [
     gridX(xTicks, { stroke: inks.grid, strokeOpacity: 1 }),
     gridY(yTicks, { stroke: inks.grid, strokeOpacity: 1 }),
@@ -117,7 +119,7 @@ export function errorTimePlot(input: ErrorTimeInput, look: PlotLook) {
     x: { type: "log", domain: x, clamp: true },
     y: { type: "log", domain: y, clamp: true },
     marks: [
-      ...frameAndAxes(inks, { x, y, xText: secondsText, yText: (value) => numberText(value), xLabel: "render time", yLabel: input.metric }),
+      ...frameAndAxes(inks, { x, y, xTicks: logTicks(...x), xText: secondsText, yText: (value) => numberText(value), xLabel: "render time", yLabel: input.metric }),
       front.length > 1 ? line(front, { x: "seconds", y: "error", z: "part", stroke: inks.front, strokeWidth: 11, strokeLinecap: "round", strokeLinejoin: "round" }) : null,
       ...shown.map((one) =>
         one.band
@@ -153,7 +155,8 @@ export function memoryPlot(metric: string, points: MemoryPoint[], look: PlotLook
   if (points.length === 0) return null;
   const x = logDomain(points.map((point) => point.bytes));
   const y = logDomain(points.map((point) => point.error));
-  const wide: [number, number] = [x[0] / 1.1, x[1] * 1.1];
+  // Room for the names, and for a power of two at least on either side.
+  const wide: [number, number] = [x[0] / 1.6, x[1] * 1.6];
   const front = memoryFront(points);
   const drawn = plot({
     className: kPlotClass,
@@ -165,7 +168,7 @@ export function memoryPlot(metric: string, points: MemoryPoint[], look: PlotLook
     x: { type: "log", domain: wide },
     y: { type: "log", domain: y },
     marks: [
-      ...frameAndAxes(inks, { x: wide, y, xText: bytesText, yText: (value) => numberText(value), xLabel: "peak memory", yLabel: `${metric} at the end` }),
+      ...frameAndAxes(inks, { x: wide, y, xTicks: byteTicks(...wide), xText: bytesText, yText: (value) => numberText(value), xLabel: "peak memory", yLabel: `${metric} at the end` }),
       front.length > 1 ? line(front, { x: "bytes", y: "error", curve: "step-after", stroke: inks.front, strokeWidth: 5, strokeLinejoin: "round" }) : null,
       ...points.map((point) => {
         const { colour, symbol } = seriesLook(point.row, look.dark);

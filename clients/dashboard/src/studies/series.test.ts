@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 
 import type { ComparisonRow, MeanPoint } from "../api/types";
-import { bestByTime, errorAt, fittedSlope, frontWithMemory, idealSlope, logTicks, rowName, type Series } from "./series";
+import { bestByTime, byteTicks, errorAt, fittedSlope, frontWithMemory, idealSlope, logTicks, rowName, type Series } from "./series";
 
 const point = (seconds: number, error: number): MeanPoint => ({ seconds, error, low: null, high: null, min: error, max: error });
 const power = (scale: number, exponent: number, times = [0.1, 0.2, 0.4, 0.8, 1.6, 3.2]) => times.map((time) => point(time, scale * time ** exponent));
@@ -64,5 +64,8 @@ describe("words and ticks", () => {
   it("has powers of ten, and 1-2-5 on a short axis", () => {
     expect(logTicks(0.011, 0.9)).toEqual([0.02, 0.05, 0.1, 0.2, 0.5]);
     expect(logTicks(0.001, 10)).toEqual([0.001, 0.01, 0.1, 1, 10]);
+    expect(byteTicks(7 * 2 ** 20, 40 * 2 ** 20)).toEqual([8 * 2 ** 20, 16 * 2 ** 20, 32 * 2 ** 20]);
+    expect(byteTicks(1, 2 ** 40).length).toBeLessThan(10);
+    expect(byteTicks(5, 7)).toEqual([]);
   });
 });

@@ -145,6 +145,13 @@ export function frontWithMemory(series: Series[], rows: ComparisonRow[]): number
     .map((one) => one.row);
 }
 
+/** Ticks of a logarithmic axis of bytes: powers of two, no more than eight or so. */
+export function byteTicks(low: number, high: number): number[] {
+  const [first, last] = [Math.ceil(Math.log2(low)), Math.floor(Math.log2(high))];
+  const every = Math.max(1, Math.ceil((last - first + 1) / 8));
+  return Array.from({ length: Math.max(0, Math.floor((last - first) / every) + 1) }, (_, i) => 2 ** (first + i * every));
+}
+
 /** Ticks of a logarithmic axis: powers of ten, or 1-2-5 where the span is short. */
 export function logTicks(low: number, high: number): number[] {
   const decades = Math.log10(high / low);

@@ -161,11 +161,16 @@ function Body({ study, report }: { study: LiveStudy; report: ComparisonReport })
     <div class="stack study-body">
       <Progress report={report} />
       <VerdictPanel report={report} metric={metric} />
-      {report.reference?.warnings.map((warning) => (
-        <p key={warning} class="notice">
-          {capitalised(warning)}.
-        </p>
-      ))}
+      {report.reference && report.reference.warnings.length > 0 && (
+        <div class="notice">
+          Errors near the reference's own noise are partly the reference's:
+          <ul>
+            {report.reference.warnings.map((warning) => (
+              <li key={warning}>{warning}</li>
+            ))}
+          </ul>
+        </div>
+      )}
       <section class="panel stack study-tight" aria-labelledby="study-curves">
         <div class="row study-controls">
           <h2 id="study-curves" class="study-fill">
