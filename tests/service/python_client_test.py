@@ -84,6 +84,14 @@ class Scenes(Case):
         self.assertEqual(job.request["scene"], again.request["scene"])
         self.assertEqual(job.statistics["pixel_hash"], again.statistics["pixel_hash"])
 
+    def test_views(self):
+        scene = self.client.scene("cornell-box")
+        view = scene.default_view
+        self.assertEqual(scene.preview(), scene.preview({"look_at": view}))
+        self.assertEqual(scene.preview("camera", width=64, height=32, passes=2)[16:24], b"\0\0\0\x40\0\0\0\x20")
+        with self.assertRaises(photond.Invalid):
+            scene.preview("camera", width=4096)
+
     def test_deleting(self):
         (self.folder / "gone.glb").write_bytes(tiny_scene.glb(4))
         scene = self.client.upload_scene(self.folder / "gone.glb")
@@ -151,6 +159,7 @@ class Images(Case):
         self.assertEqual(job.exr(), job.save(self.folder / "a.exr").read_bytes())
         self.assertLess(len(job.exr(precision="half")), len(job.exr()))
         self.assertEqual(job.difference()[:4], b"\x76\x2f\x31\x01")
+        self.assertEqual(job.preview(max_size=16)[16:24], b"\0\0\0\x10\0\0\0\x0b")
         for png in (job.flip(), job.error_map(), job.preview(layer="indirect", exposure=1, curve="filmic")):
             self.assertEqual(png[:4], b"\x89PNG")
         self.assertIn("curve.csv", job.data["links"]["curve"])
@@ -176,6 +185,8 @@ class Images(Case):
         image = self.client.upload_image(path)
         self.assertEqual((image.width, image.height), (24, 16))
         self.assertEqual(image.data, self.client.image(image.id).data)
+        self.assertEqual(sorted(image.layers), ["beauty", "direct", "emitted", "indirect"])
+        numpy.testing.assert_array_equal(image.array("indirect"), job.image("indirect"))
         image.save(self.folder / "back.exr")
         self.assertEqual((self.folder / "back.exr").read_bytes(), path.read_bytes())
         for same in (image, path, f"image:{image.id}", job, job.id):
@@ -275,6 +286,16 @@ class Jobs(Case):
             job.refresh()
         first.cancel()
 
+    def test_light_rows_and_counts(self):
+        jobs = [self.client.render("furnace", width=8, height=4, passes=1, labels={"light": "1"}) for _ in range(3)]
+        rows = list(self.client.job_summaries(label="light=1", state=["succeeded", "failed"], device="cpu"))
+        self.assertEqual([row["id"] for row in rows], [job.id for job in reversed(jobs)])
+        self.assertEqual((rows[0]["scene"], rows[0]["method"], rows[0]["width"], rows[0]["labels"]),
+                         ("furnace", "path_tracing", 8, {"light": "1"}))
+        self.assertEqual(self.client.count_jobs(label="light=1"), 3)
+        self.assertEqual(self.client.count_jobs(label="light=1", state="failed"), 0)
+        self.assertEqual(len(list(self.client.job_summaries(label="light=1", limit=2))), 2)
+
     def test_ctrl_c_cancels_only_where_asked_to(self):
         def interrupt(job, event):
             raise KeyboardInterrupt
@@ -355,24 +376,38 @@ class Comparisons(Case):
             self.assertEqual(job.request["seed"], curve.seed)
         self.assertEqual([curve.name for curve in curves[3:6]], ["map, photons 500"] * 3)
 
-    def test_means_over_seeds_are_the_daemons(self):
-        """Where the daemon's table has an error at a time, the mean curve passes by, interval and all."""
+    def test_means_over_seeds_lie_between_the_seeds(self):
+        for metric in self.comparison.metrics:
+            means = self.comparison.mean_curves(metric)
+            self.assertEqual([mean.name for mean in means], [row["name"] for row in self.comparison.rows(metric)])
+            for mean in means:
+                curves = [curve for curve in self.comparison.curves(metric) if curve.name == mean.name]
+                self.assertEqual(mean.seconds, sorted(mean.seconds))
+                begin, end = max(curve.seconds[0] for curve in curves), min(curve.seconds[-1] for curve in curves)
+                if begin <= end:
+                    self.assertEqual((mean.seconds[0], mean.seconds[-1]), (begin, end))
+                else:  # on a machine so busy that the seeds share no time
+                    self.assertEqual(len(mean.seconds), 1)
+                for error, low, high in zip(mean.errors, mean.low, mean.high):
+                    self.assertLess(low, error)
+                    self.assertLess(error, high)
+                self.assertLessEqual(min(min(curve.errors) for curve in curves), min(mean.errors))
+
+    def test_times_to_errors_are_the_daemons(self):
+        """A curve read here and there: the table's times are means over the seeds of what one curve gives."""
         compared = 0
         for metric in self.comparison.metrics:
-            for row, mean in zip(self.comparison.table, self.comparison.mean_curves(metric)):
-                curves = [curve for curve in self.comparison.curves(metric) if curve.name == mean.name]
-                for point in row["error_at_time"][metric]:
-                    if point["error"] is None:
-                        continue
-                    errors = [photond.curves.error_at_time(curve, point["seconds"]) for curve in curves]
-                    for ours, theirs in zip(photond.curves.log_mean(errors), (point["error"], point["low"], point["high"])):
-                        self.assertAlmostEqual(ours / theirs, 1, places=5)
-                    compared += 1
+            for row in self.comparison.table:
+                name = photond.MeanCurve(row["label"], row["parameters"], [], [], None, None).name
+                curves = [curve for curve in self.comparison.curves(metric) if curve.name == name]
                 for point in row["time_to_error"][metric]:
                     times = [photond.curves.time_to_error(curve, point["error"]) for curve in curves]
-                    self.assertEqual(sum(time is not None for time in times), point["reached"])
+                    reached = [time for time in times if time is not None]
+                    self.assertEqual(len(reached), point["reached"])
                     if point["seconds"] is not None:
-                        self.assertAlmostEqual(photond.curves.log_mean(times)[0] / point["seconds"], 1, places=5)
+                        mean = numpy.exp(numpy.mean(numpy.log(reached)))
+                        self.assertAlmostEqual(mean / point["seconds"], 1, places=5)
+                        compared += 1
         self.assertGreater(compared, 0)
 
     def test_tables(self):
@@ -384,6 +419,8 @@ class Comparisons(Case):
             self.assertLess(row["error"], row["high"])
             self.assertGreater(row["peak_bytes"], 0)
         self.assertIn("map, photons 2000", str(self.comparison))
+        self.assertTrue(self.comparison.verdicts)
+        self.assertIn(self.comparison.verdicts[0], str(self.comparison))
         html = self.comparison._repr_html_()
         self.assertEqual(html.count("<tr>"), 4)
         reached = self.comparison.time_to_error(1e9)

@@ -24,15 +24,15 @@ from .errors import (BadFile, BadRequest, Busy, ComparisonFailed, Denied, Fault,
                      TimedOut, TooLarge, Unavailable, Unreachable, WrongState)
 from .job import Event, Job
 from .methods import Method, Methods, Parameter, UnknownName
-from .pixels import Pixels
+from .pixels import FlipMap, Pixels
 from .plots import plot_curves
 from .requests import entry, look_at, reference
 from .scene import Scene, UploadedImage
 
 __all__ = [
-    "BadFile", "BadRequest", "Busy", "Client", "Comparison", "ComparisonFailed", "Curve", "Denied", "Estimate", "Event",
-    "Fault", "Invalid", "Job", "JobCancelled", "JobFailed", "MeanCurve", "Method", "Methods", "MissingPackage", "NoSpace",
-    "NotFound", "NothingYet", "Parameter", "PhotondError", "Pixels", "ProtocolError", "Refused", "Scene", "ServerFault",
-    "TimedOut", "TooLarge", "Unavailable", "UnknownName", "Unreachable", "UploadedImage", "WrongState", "__version__",
-    "entry", "look_at", "plot_curves", "reference",
+    "BadFile", "BadRequest", "Busy", "Client", "Comparison", "ComparisonFailed", "Curve", "Denied", "entry",
+    "Estimate", "Event", "Fault", "FlipMap", "Invalid", "Job", "JobCancelled", "JobFailed", "look_at", "MeanCurve",
+    "Method", "Methods", "MissingPackage", "NoSpace", "NotFound", "NothingYet", "Parameter", "PhotondError",
+    "Pixels", "plot_curves", "ProtocolError", "reference", "Refused", "Scene", "ServerFault", "TimedOut",
+    "TooLarge", "Unavailable", "UnknownName", "Unreachable", "UploadedImage", "__version__", "WrongState",
 ]

@@ -18,6 +18,7 @@ from .comparison import Comparison
 from .errors import NothingYet, ProtocolError
 from .job import SILENCE_SECONDS, STREAM_TRIES, Event, Job, parsed
 from .methods import Methods
+from .pixels import FlipMap, Pixels
 from .requests import ComparisonSubmission, ImageLike, Submission, image_name, random_key
 from .scene import Scene, UploadedImage
 from .shapes import Device, JobSummary, Json, Measurement, Status
@@ -92,7 +93,7 @@ class Client:
                 raise ValueError(f"there is no token in {token_file}")
             token = words[0]
         if token is None:
-            token = os.environ.get("PHOTOND_TOKEN", "")
+            token = os.environ.get("PHOTOND_TOKEN", "").strip()
         self._transport = Transport(url or os.environ.get("PHOTOND_URL") or DEFAULT_URL, token, retry_seconds,
                                     connect_timeout, stall_timeout, tls)
         self.methods = Methods(self)
@@ -173,8 +174,9 @@ class Client:
         return self.download("/metrics").decode()
 
     def events(self) -> Iterator[Event]:
-        """What happens to all jobs from now on, without end; a broken stream is taken up where it broke. Raises
-        Unreachable when the daemon is gone for longer than is retried."""
+        """What happens to all jobs from now on, without end; a broken stream is taken up where it broke. Events of kind
+        `status` are of the daemon, their `changes` what `status()` gives. Raises Unreachable when the daemon is gone for
+        longer than is retried."""
         parser = EventParser()
         fruitless = 0
         while True:
@@ -241,6 +243,20 @@ class Client:
         if metrics is not None:
             body["metrics"] = list(metrics)
         return cast(Measurement, self.send("POST", "/v1/metrics", body))
+
+    def flip_map(self, image: ImageLike, reference: ImageLike, *, layer: str = "beauty", range: str = "hdr",
+                 precision: str = "float") -> FlipMap:
+        """The FLIP map of an image against another, each as `measure` takes them; `range` is hdr or ldr.
+
+        >>> coarse = client.render("cornell-box", width=16, height=16, passes=1)
+        >>> fine = client.render("cornell-box", width=16, height=16, passes=64, seed=2)
+        >>> map = client.flip_map(coarse, fine)
+        >>> bool(abs(map.pixels.array().mean() - map.mean) < 1e-4), client.flip_map(fine, fine).mean
+        (True, 0.0)
+        """
+        reply = self.reply("/v1/flip", {"image": image_name(self, image), "reference": image_name(self, reference),
+                                        "layer": layer, "range": range, "precision": precision})
+        return FlipMap(Pixels.from_reply(reply.headers, reply.body, precision), float(reply.headers["x-flip-mean"]))
 
     # --- jobs -----------------------------------------------------------------------------------------------------------
     @_takes(requests.job_request)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, cast
 
 from ._files import Path
 from ._text import TextTable, human_bytes, human_number, human_seconds, row_name
-from .curves import Curve, MeanCurve, mean_curve, time_to_error
+from .curves import Curve, MeanCurve, time_to_error
 from .errors import ComparisonFailed, TimedOut
 from .job import OVER, Job
 from .plots import plot_curves
@@ -92,6 +92,11 @@ class Comparison(_Resource):
         """The job or image all is measured against, its state, and its own noise (`error`)."""
         return cast(Optional[Json], self._whole()["reference"])
 
+    @property
+    def verdicts(self) -> List[str]:
+        """Who reaches which error first, as sentences, for each metric by falling error."""
+        return [verdict["text"] for verdict in self._whole().get("verdicts") or []]
+
     def refresh(self) -> "Comparison":
         self.data = self._client.get(self._path())
         return self
@@ -171,12 +176,19 @@ class Comparison(_Resource):
         return curves
 
     def mean_curves(self, metric: Optional[str] = None) -> List[MeanCurve]:
-        """One for each row, over its seeds, where all their curves overlap; rows with no point are left out."""
-        rows: Dict[str, List[Curve]] = {}
-        for curve in self.curves(metric):
-            rows.setdefault(curve.name, []).append(curve)
-        means = [mean_curve(curves) for curves in rows.values()]
-        return [mean for mean in means if mean is not None]
+        """One for each row, over its seeds, as the daemon's reports have them; rows with no point are left out."""
+        metric = self._metric(metric)
+        means = []
+        for row in self.report()["table"]:
+            points = row["mean_curve"].get(metric) or []
+            if not points:
+                continue
+            spread = all(point["low"] is not None for point in points)
+            means.append(MeanCurve(row["label"], row["parameters"], [point["seconds"] for point in points],
+                                   [point["error"] for point in points],
+                                   [point["low"] for point in points] if spread else None,
+                                   [point["high"] for point in points] if spread else None))
+        return means
 
     def plot(self, metric: Optional[str] = None, *, ax: Any = None) -> Any:
         """Error over time on log axes with bands over the seeds, by matplotlib; returns its Axes."""
@@ -186,17 +198,18 @@ class Comparison(_Resource):
 
     # --- tables -------------------------------------------------------------------------------------------------------
     def rows(self, metric: Optional[str] = None) -> List[Json]:
-        """The table by one metric, flat: a dictionary a row, fit for pandas and csv."""
+        """The table by one metric: a dictionary a row, fit for `pandas.json_normalize`."""
         metric = self._metric(metric)
         rows: List[Json] = []
         for row in self.table:
             end: Any = row["error"].get(metric) or {}
             rows.append({
-                "name": row_name(row["label"], row["parameters"]), "label": row["label"], **row["parameters"],
-                "seeds": row["seeds"], "passes": (row["passes"] or {}).get("min"), "seconds": (row["seconds"] or {}).get("max"),
-                "error": end.get("value"), "low": end.get("low"), "high": end.get("high"),
-                "reference_noise": end.get("reference"), "near_reference": end.get("near_reference"),
-                "peak_bytes": row["peak_bytes"], "efficiency": row["efficiency"], "pareto": row["pareto"]})
+                "name": row_name(row["label"], row["parameters"]), "label": row["label"], "parameters": row["parameters"],
+                "seeds": row["seeds"], "passes": (row["passes"] or {}).get("min"),
+                "seconds": (row["seconds"] or {}).get("max"), "error": end.get("value"), "low": end.get("low"),
+                "high": end.get("high"), "reference_noise": end.get("reference"),
+                "near_reference": end.get("near_reference"), "peak_bytes": row["peak_bytes"],
+                "efficiency": row["efficiency"], "pareto": row["pareto"]})
         return rows
 
     def time_to_error(self, error: float, metric: Optional[str] = None) -> Dict[str, Optional[float]]:
@@ -204,12 +217,14 @@ class Comparison(_Resource):
         return {mean.name: time_to_error(mean, error) for mean in self.mean_curves(metric)}
 
     def _text_table(self, metric: str) -> TextTable:
-        table = TextTable(["", ">passes", ">time", f">{metric}", ">95 %", ">peak memory", "pareto"])
+        table = TextTable(["", ">passes", ">time", f">{metric}", ">peak memory", ""])
         for row in self.rows(metric):
-            spread = "" if row["low"] is None else f"{human_number(row['low'])} to {human_number(row['high'])}"
-            error = human_number(row["error"]) + (" (near the reference's noise)" if row["near_reference"] else "")
-            table.add([row["name"], human_number(row["passes"]), human_seconds(row["seconds"]), error, spread,
-                       human_bytes(row["peak_bytes"]), "*" if row["pareto"] else ""])
+            error = human_number(row["error"])
+            if row["low"] is not None:
+                error += f" ({human_number(row['low'])} to {human_number(row['high'])})"
+            remarks = ["Pareto"] * bool(row["pareto"]) + ["near the reference's noise"] * bool(row["near_reference"])
+            table.add([row["name"], human_number(row["passes"]), human_seconds(row["seconds"]), error,
+                       human_bytes(row["peak_bytes"]), ", ".join(remarks)])
         return table
 
     def table_text(self, metric: Optional[str] = None) -> str:
@@ -224,8 +239,9 @@ class Comparison(_Resource):
         self.download(f"report.{suffix}", path)
 
     def __str__(self) -> str:
-        head = repr(self)
-        return f"{head}\n{self.table_text()}" if self.metrics else head
+        if not self.metrics:
+            return repr(self)
+        return "\n".join([repr(self), self.table_text(), *self.verdicts])
 
     def __repr__(self) -> str:
         image = self.request["image"]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Mapping, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Mapping, Optional
 
 from ._text import TextTable, human_number
 from .errors import PhotondError
@@ -176,6 +176,3 @@ class Methods(Mapping[str, Method]):
 
     def _repr_html_(self) -> str:
         return self._table().html()
-
-
-__all__: Tuple[str, ...] = ("Method", "Methods", "Parameter", "UnknownName")

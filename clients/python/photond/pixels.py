@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import struct
-import sys
-from typing import TYPE_CHECKING, Any, Mapping, Tuple
+from typing import TYPE_CHECKING, Any, Mapping, NamedTuple, Tuple
 
 from ._optional import needed
 from .errors import ProtocolError
@@ -63,7 +62,14 @@ class Pixels:
         shape = (self.height, self.width) + ((self.channels,) if self.channels > 1 else ())
         array = numpy.frombuffer(self.data, dtype).reshape(shape)
         # A copy: one that can be written to, and in the machine's own byte order.
-        return array.astype(dtype.newbyteorder("=") if sys.byteorder == "big" else dtype)  # type: ignore[no-any-return]
+        return array.astype(dtype.newbyteorder("="))  # type: ignore[no-any-return]
 
     def __repr__(self) -> str:
         return f"<Pixels {self.width} x {self.height} x {self.channels} {self.precision}>"
+
+
+class FlipMap(NamedTuple):
+    """How different two images look, pixel by pixel, 0 to 1."""
+
+    pixels: Pixels
+    mean: float

@@ -154,7 +154,8 @@ def _scene_of(client: "Client", scene: SceneLike) -> str:
 
 def _environment_of(client: "Client", value: Union[ImageLike, Mapping[str, Any]]) -> Environment:
     if isinstance(value, Mapping):
-        return cast(Environment, {**value, "image": image_name(client, value["image"])} if "image" in value else dict(value))
+        named = {"image": image_name(client, value["image"])} if "image" in value else {}
+        return cast(Environment, {**value, **named})
     return {"image": image_name(client, value)}
 
 

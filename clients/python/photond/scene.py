@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Dict, List, Optional, cast
+from typing import TYPE_CHECKING, Any, Dict, List, Optional, Union, cast
 
 from ._files import Path
 from ._http import resource_path
 from ._text import human_bytes, human_number
 from .pixels import Pixels
-from .shapes import Json
+from .shapes import Camera, Json, LookAt
 
 if TYPE_CHECKING:
     import numpy
@@ -91,6 +91,29 @@ class Scene(_Resource):
     def thumbnail(self) -> bytes:
         """A small PNG."""
         return self.download("thumbnail.png")
+
+    @property
+    def default_view(self) -> LookAt:
+        """What a job that names no camera sees: eye, target, up, yfov."""
+        if not self.data.get("default_view"):
+            self.refresh()
+        return cast(LookAt, self.data["default_view"])
+
+    def preview(self, camera: Union[None, str, Camera] = None, *, width: Optional[int] = None,
+                height: Optional[int] = None, passes: Optional[int] = None) -> bytes:
+        """A quick PNG by one of its cameras or by `look_at(...)`, at most 512 pixels a side and 16 passes; the daemon keeps
+        the scene ready for the next one.
+
+        >>> client.scene("cornell-box").preview(photond.look_at([2.8, 2.7, 8], [2.8, 2.7, 0]), width=32, height=32)[:4]
+        b'\\x89PNG'
+        """
+        query: Dict[str, Any] = {"width": width, "height": height, "passes": passes}
+        if isinstance(camera, str):
+            query["camera"] = camera
+        elif camera is not None:
+            for name, value in camera.get("look_at", {}).items():
+                query[name] = ",".join(map(repr, value)) if isinstance(value, (list, tuple)) else value
+        return self.download("preview.png", **query)
 
     def delete(self) -> None:
         """Raises WrongState while a job uses it."""

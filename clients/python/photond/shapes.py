@@ -195,6 +195,7 @@ class TimeToError(TypedDict):
     low: Optional[float]
     high: Optional[float]
     reached: int
+    at_most: bool
 
 
 class ErrorAtTime(TypedDict):
