@@ -496,6 +496,29 @@ test("without WebGL2 the room says so", async () => {
   await axeClean(page);
 });
 
+test("a graphics unit that is taken away comes back with the pictures", async () => {
+  const page = await openPage(daemon, "/compare");
+  await page.addInitScript(() => {
+    const get = HTMLCanvasElement.prototype.getContext;
+    HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
+      const context = get.call(this, kind, ...more);
+      if (kind === "webgl2") window.taken ??= context.getExtension("WEBGL_lose_context");
+      return context;
+    };
+  });
+  await page.goto(daemon.url + addressOf({ ...oneToOne, show: "2" }));
+  await settled(page);
+  await page.evaluate(() => window.taken.loseContext());
+  const lost = page.getByText("The graphics unit has been taken away from the page.");
+  await lost.waitFor();
+  await page.keyboard.press("x"); // a picture that is not developed yet
+  await page.evaluate(() => window.taken.restoreContext());
+  await lost.waitFor({ state: "detached" });
+  await settled(page);
+  assert.ok(differences(await painted(page, kSide), await pictureAt(page, `/v1/jobs/${noisy.id}/preview.png?exposure=0.5`)).greatest <= 1);
+  expectNoComplaints(page);
+});
+
 // Frame times are printed, not judged: they are the machine's and its load's as much as the page's.
 test("flip, wipe and pan of a 1920 x 1080 pair: frame times", async (context) => {
   const size = { image: { width: 1920, height: 1080 }, stop: { passes: 1 } };
