@@ -319,6 +319,7 @@ json job_summary_schema(const json& job) {
                     {"height", count()},
                     {"priority", in_range(typed("integer", "higher first"), -100, 100)},
                     {"labels", map_of(typed("string"))},
+                    {"waits_for", nullable("string", "the job, its reference, that must be over before it begins")},
                     {"failure", nullable("string", "what went wrong")}};
     for (const char* key : {"id", "role", "comparison", "state", "progress", "passes_done", "seconds", "error_now",
                             "created", "started", "finished"})

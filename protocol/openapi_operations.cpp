@@ -155,6 +155,9 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
          {{200, content(kJson, {{"anyOf", {schema_ref("JobPage"), schema_ref("JobSummaryPage")}}})}},
          nullptr,
          {{"view", with_text(one_of_words({"full", "summary"}), "full where not given")},
+          {"order", with_text(one_of_words({"newest", "queue", "ended"}),
+                              "newest where not given; queue: waiting jobs as they will run; ended: those that are "
+                              "over, the last first; pages of these two go by offset")},
           {"state", states},
           {"label", with_text(word, "KEY or KEY=VALUE")},
           {"scene", word},

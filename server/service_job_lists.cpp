@@ -36,6 +36,14 @@ JobQuery query_of(const JobFilter& filter) {
     if (filter.view != "full" && filter.view != "summary")
         throw Error(ErrorCode::OutOfRange, "/view", "'" + filter.view + "' is none of full, summary");
     JobQuery query;
+    if (filter.order == "queue")
+        query.order = JobOrder::Queue;
+    else if (filter.order == "ended")
+        query.order = JobOrder::Ended;
+    else if (filter.order != "newest")
+        throw Error(ErrorCode::OutOfRange, "/order", "'" + filter.order + "' is none of newest, queue, ended");
+    if (query.order != JobOrder::Newest && !filter.cursor.empty())
+        throw Error(ErrorCode::OutOfRange, "/cursor", "a cursor goes with order=newest alone; use offset");
     query.limit = filter.limit;
     query.offset = filter.offset;
     query.before = read_cursor(filter.cursor, INT64_MAX);
@@ -82,6 +90,8 @@ json summary_json(const JobSummary& row) {
 
 json Service::Impl::job_summary(const JobSummary& row) {
     json object = summary_json(row);
+    const auto awaited = row.state == JobState::Queued ? queue.waits_for(row.seq) : std::nullopt;
+    object["waits_for"] = awaited ? json(job_id(*awaited)) : json();
     if (row.state != JobState::Running) return object;
     if (const RunningAttempt* attempt = running_attempt(row.seq)) {
         object["progress"] = attempt->progress;
@@ -107,7 +117,7 @@ Page Service::Impl::list_jobs(const JobFilter& filter) {
         for (const JobSummary& row : store.job_summaries(query)) items.push_back(job_summary(row)), last = row.seq;
     else
         for (const JobRow& row : store.jobs(query)) items.push_back(job_object(row)), last = row.seq;
-    const bool whole = items.size() == filter.limit;  // there may be more
+    const bool whole = items.size() == filter.limit && query.order == JobOrder::Newest;  // there may be more
     Page page{{"items", std::move(items)}, {"next_cursor", whole ? json(std::to_string(last)) : json()}};
     if (summaries) page["total"] = store.count_jobs(query);
     return page;

@@ -40,6 +40,12 @@ bool JobQueue::remove(int64_t seq) {
     return true;
 }
 
+std::optional<int64_t> JobQueue::waits_for(int64_t seq) const {
+    const auto held = held_.find(seq);
+    if (held == held_.end()) return std::nullopt;
+    return held->second.until;
+}
+
 std::optional<int64_t> JobQueue::front(const std::string& device) const {
     const auto found = queues_.find(device);
     if (found == queues_.end() || found->second.empty()) return std::nullopt;

@@ -23,6 +23,8 @@ public:
     std::vector<int64_t> release(int64_t until);
     /// From the queue, or from among those held. False when it was not there.
     bool remove(int64_t seq);
+    /// The job that one is held for.
+    std::optional<int64_t> waits_for(int64_t seq) const;
     /// The next one for a device, which stays in the queue.
     std::optional<int64_t> front(const std::string& device) const;
     /// Those held included.

@@ -36,6 +36,7 @@ Reply list(Service& service, Call& call) {
     filter.method = query.text("method");
     filter.device = query.text("device");
     filter.role = query.text("role");
+    filter.order = query.text("order", "newest");
     filter.limit = query.integer("limit", 100);
     filter.cursor = query.text("cursor");
     filter.offset = query.integer("offset", 0);

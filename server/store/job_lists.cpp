@@ -34,20 +34,35 @@ int64_t states_mask(const JobQuery& query) {
 
 /// One text for each set of filters in use; what costs least to judge comes first.
 std::string filter_sql(const JobQuery& query) {
-    std::string sql = "SELECT seq FROM job_summaries INDEXED BY job_summaries_filters WHERE 1";
+    // Each order has an index that gives it; those of the later two hold no other job (schema.h, step 6).
+    const auto [from, order] = [&]() -> std::pair<const char*, const char*> {
+        switch (query.order) {
+            case JobOrder::Newest: break;
+            case JobOrder::Queue: return {"job_summaries_waiting WHERE state = 0", "priority DESC, seq"};
+            case JobOrder::Ended:
+                return {"job_summaries_ended WHERE finished_ms IS NOT NULL", "finished_ms DESC, seq DESC"};
+        }
+        return {"job_summaries_filters WHERE 1", "seq DESC"};
+    }();
+    std::string sql = std::string("SELECT seq FROM job_summaries INDEXED BY ") + from;
     if (!query.states.empty()) sql += " AND (?1 >> state) & 1";
     if (query.role) sql += " AND role = ?2";
     if (!query.device.empty()) sql += " AND device = ?3";
     if (!query.method.empty()) sql += " AND method = ?4";
     if (!query.scene.empty()) sql += " AND scene = ?5";
     if (!query.label_key.empty()) sql += " AND instr(labels, ?6)";
-    return sql + " ORDER BY seq DESC";
+    return sql + " ORDER BY " + order;
 }
 
-/// The same for queries that the same jobs pass, on whatever page.
+/// The same for queries that the same jobs pass in the same order, on whatever page.
 std::string filter_key(const JobQuery& query) {
-    const json key{states_mask(query), query.role ? static_cast<int>(*query.role) : -1, query.device, query.method,
-                   query.scene,        query.label_key.empty() ? "" : label_text(query)};
+    const json key{static_cast<int>(query.order),
+                   states_mask(query),
+                   query.role ? static_cast<int>(*query.role) : -1,
+                   query.device,
+                   query.method,
+                   query.scene,
+                   query.label_key.empty() ? "" : label_text(query)};
     return key.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
@@ -111,7 +126,9 @@ const std::vector<int64_t>& Store::filtered_jobs(const JobQuery& query) {
 
 std::span<const int64_t> Store::listed_jobs(const JobQuery& query) {
     const std::span<const int64_t> all = filtered_jobs(query);
-    const auto from = std::upper_bound(all.begin(), all.end(), query.before, std::greater<>());
+    const auto from = query.order == JobOrder::Newest
+                          ? std::upper_bound(all.begin(), all.end(), query.before, std::greater<>())
+                          : all.begin();
     const auto page = all.subspan(static_cast<size_t>(from - all.begin()));
     if (query.offset >= page.size()) return {};
     return page.subspan(query.offset, std::min<size_t>(query.limit, page.size() - query.offset));

@@ -106,6 +106,11 @@ inline constexpr const char* kMigrations[] = {
     END;
     DROP TABLE labels;
     )sql",
+    // 6: orders of lists beside the newest first
+    R"sql(
+    CREATE INDEX job_summaries_waiting ON job_summaries (priority DESC, seq) WHERE state = 0;
+    CREATE INDEX job_summaries_ended ON job_summaries (finished_ms DESC, seq DESC) WHERE finished_ms IS NOT NULL;
+    )sql",
 };
 
 inline constexpr int kSchemaVersion = static_cast<int>(std::size(kMigrations));

@@ -118,7 +118,12 @@ struct JobSummary {
     std::string failure;  // what went wrong, as text; empty: nothing
 };
 
+/// Newest: last submitted first; Queue: of waiting jobs as they will run; Ended: of those that are over, the last
+/// first.
+enum class JobOrder : uint8_t { Newest, Queue, Ended };
+
 struct JobQuery {
+    JobOrder order = JobOrder::Newest;
     std::vector<JobState> states;  // empty: any
     std::optional<JobRole> role;
     std::string label_key;

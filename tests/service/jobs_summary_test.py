@@ -21,7 +21,7 @@ def expected_summary(job):
     return {**{key: job[key] for key in SHARED}, "scene": request["scene"], "method": request["method"]["name"],
             "device": job["attempts"][-1]["device"], "width": request["image"]["width"],
             "height": request["image"]["height"], "priority": request["priority"], "labels": request["labels"],
-            "failure": job["failure"] and job["failure"]["detail"]}
+            "waits_for": None, "failure": job["failure"] and job["failure"]["detail"]}
 
 
 class Lists(unittest.TestCase):
@@ -72,11 +72,33 @@ class SummaryTest(Lists):
         self.assertEqual((summary["state"], summary["finished"]), ("running", None))
         self.assertGreater(summary["seconds"], 0)
 
+    def test_waiting_jobs_are_listed_as_they_will_run(self):
+        endless = self.daemon.submit(small_job(size=16, passes=ENDLESS, priority=100))["id"]
+        reference = {"method": {"name": "path_tracing"}, "stop": {"passes": 3}}
+        plain = self.daemon.submit(small_job(labels={"study": "order"}))["id"]
+        measured = self.daemon.submit(small_job(labels={"study": "order"}, reference=reference))
+        urgent = self.daemon.submit(small_job(labels={"study": "order"}, priority=9))["id"]
+        awaited = measured["reference_job"]
+        queue = self.page("view=summary&order=queue")
+        self.assertEqual([job["id"] for job in queue["items"]], [urgent, plain, awaited, measured["id"]])
+        self.assertEqual([job["waits_for"] for job in queue["items"]], [None, None, None, awaited])
+        self.assertEqual(queue["total"], 4)
+        self.assertEqual(self.ids("order=queue&offset=1&limit=2"), [plain, awaited])
+        self.assertEqual(self.ids("order=queue&label=study%3Dorder"), [urgent, plain, measured["id"]])
+        self.daemon.request("DELETE", f"/v1/jobs/{endless}")
+        for job in (urgent, plain, measured["id"]):
+            self.daemon.wait_for_job(job)
+        self.assertEqual(self.page("view=summary&order=queue"), {"items": [], "next_cursor": None, "total": 0})
+        ended = self.page("view=summary&order=ended&limit=5")
+        self.assertEqual([job["id"] for job in ended["items"]], [measured["id"], awaited, plain, urgent, endless])
+        self.assertIsNone(ended["next_cursor"])
+
     def test_bad_queries_are_refused_with_the_place(self):
         for query, pointer in (("view=short", "/view"), ("state=queued,", "/state"), ("state=queued,done", "/state"),
                                ("state=,", "/state"), ("offset=-1", "/offset"), ("offset=1.5", "/offset"),
                                ("offset=x", "/offset"), ("limit=0", "/limit"), ("role=x", "/role"),
-                               ("label=%3Dx", "/label"), ("view=summary&offzet=1", "/offzet")):
+                               ("label=%3Dx", "/label"), ("order=x", "/order"),
+                               ("order=ended&cursor=5", "/cursor"), ("view=summary&offzet=1", "/offzet")):
             with self.subTest(query=query):
                 problem = self.page(query, 422)
                 self.assertEqual(problem["errors"][0]["pointer"], pointer, problem)
@@ -122,6 +144,14 @@ class HistoryTest(Lists):
                     ("succeeded", "keyhole", "photon_mapping"))
         for query in ("device=gpu%3A0", "method=none", "scene=none", "label=none", "label=study%3Dno", "role=merged"):
             self.assertEqual((self.ids(query), self.page("view=summary&" + query)["total"]), ([], 0), query)
+
+    def test_those_that_ended_last_come_first(self):
+        ended = sorted(self.all, key=lambda job: (job["finished"], int(job["id"][1:])), reverse=True)
+        page = self.page("view=summary&order=ended&limit=1000")
+        self.assertEqual(([job["id"] for job in page["items"]], page["total"]), ([job["id"] for job in ended], 300))
+        self.assertEqual(self.ids("order=ended&state=failed&offset=2&limit=3"),
+                         [job["id"] for job in ended if job["state"] == "failed"][2:5])
+        self.assertEqual(self.ids("order=queue"), [])
 
     def test_places(self):
         ids = [job["id"] for job in self.all]

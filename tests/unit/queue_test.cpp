@@ -51,6 +51,8 @@ TEST(JobQueue, SomeWaitForTheEndOfAnother) {
     queue.hold(3, 9, "gpu:0", 1);
     queue.hold(4, 9, "cpu", 2);
     EXPECT_EQ(queue.size(), 4u) << "those that wait count";
+    EXPECT_EQ(queue.waits_for(3), 1);
+    EXPECT_FALSE(queue.waits_for(1));
     queue.push(2, 7, "cpu");  // held already: nothing happens
     EXPECT_EQ(queue.front("cpu"), 1) << "whatever the priority of those held";
     EXPECT_FALSE(queue.front("gpu:0"));
@@ -58,6 +60,7 @@ TEST(JobQueue, SomeWaitForTheEndOfAnother) {
     EXPECT_EQ(queue.release(1), (std::vector<int64_t>{2, 3}));
     EXPECT_EQ(queue.front("cpu"), 2);
     EXPECT_EQ(queue.front("gpu:0"), 3);
+    EXPECT_FALSE(queue.waits_for(3)) << "no more";
     EXPECT_TRUE(queue.release(1).empty()) << "once";
     EXPECT_TRUE(queue.remove(4)) << "one that is held can be cancelled";
     EXPECT_TRUE(queue.release(2).empty());
