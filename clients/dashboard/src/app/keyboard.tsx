@@ -1,7 +1,7 @@
 // Keys: a room says which it has while it is shown, and "?" lists all that work now.
 
 import { signal } from "@preact/signals";
-import { useEffect } from "preact/hooks";
+import { useEffect, useLayoutEffect } from "preact/hooks";
 
 import { Dialog } from "../ui/dialog";
 
@@ -18,7 +18,8 @@ const helpShown = signal(false);
 
 /** The keys of a room while it is shown. `deps` as for useEffect. */
 export function useKeys(title: string, keys: Key[], deps: unknown[]): void {
-  useEffect(() => {
+  // With the drawing and not after it: the next key may be pressed before that, and is meant for what it will show.
+  useLayoutEffect(() => {
     const group = { title, keys };
     active.value = [...active.peek(), group];
     return () => {

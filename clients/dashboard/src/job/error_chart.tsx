@@ -36,6 +36,15 @@ function decades(low: number, high: number): [number, number] {
   return from === to ? [from, to * 10] : [from, to];
 }
 
+/** Decades are labelled; where there are few, 2 and 5 of each too. */
+function labelled(_: uPlot, splits: number[]): (number | null)[] {
+  const few = splits.length > 0 && splits.at(-1)! / splits[0]! < 30;
+  return splits.map((split) => {
+    const digit = Math.round(split / 10 ** Math.floor(Math.log10(split) + 1e-9));
+    return digit === 1 || digit === 10 || (few && (digit === 2 || digit === 5)) ? split : null;
+  });
+}
+
 function optionsOf(props: Props, width: number): uPlot.Options {
   const style = getComputedStyle(document.documentElement);
   const colour = (name: string) => style.getPropertyValue(name).trim();
@@ -47,8 +56,7 @@ function optionsOf(props: Props, width: number): uPlot.Options {
     ticks: { stroke: colour("--line"), width: 1 },
   };
   const xText = (value: number) => (props.against === "seconds" ? secondsText(value) : countText(value));
-  const written = (text: (value: number) => string) => (_: uPlot, values: number[]) =>
-    values.map((value) => (value !== null && Math.abs(Math.log10(value) % 1) < 1e-9 ? text(value) : ""));
+  const written = (text: (value: number) => string) => (_: uPlot, values: (number | null)[]) => values.map((value) => (value === null ? "" : text(value)));
   return {
     width,
     height: kHeight,
@@ -59,8 +67,8 @@ function optionsOf(props: Props, width: number): uPlot.Options {
       y: { distr: 3, range: (_, low, high) => decades(low, high) },
     },
     axes: [
-      { ...axis, label: props.against === "seconds" ? "render time" : "passes", labelSize: 20, size: 34, values: (_, values) => values.map((value) => (value === null ? "" : xText(value))), space: 70 },
-      { ...axis, size: 64, values: written((value) => numberText(value)) },
+      { ...axis, label: props.against === "seconds" ? "render time" : "passes", labelSize: 20, size: 34, filter: labelled, values: written(xText), space: 70 },
+      { ...axis, size: 64, filter: labelled, values: written((value) => numberText(value)) },
     ],
     series: [
       { label: props.against === "seconds" ? "time" : "passes", value: (_, value) => (value === null ? "–" : xText(value)) },

@@ -58,7 +58,20 @@ async function neighbourOf(id: string, step: 1 | -1): Promise<string | null> {
 
 export function JobPage() {
   const { id = "" } = useRoute().params;
+  const { route } = useLocation();
   const { data: job, failure, reload } = useJob(id);
+  const go = (step: 1 | -1) =>
+    void neighbourOf(id, step).then((other) => (other ? route(`/jobs/${other}`) : say(step > 0 ? "There is no newer job." : "There is no older job.")));
+  // Of the address alone, so that one can leaf through jobs faster than they load.
+  useKeys(
+    "Job",
+    [
+      { key: "]", text: "newer or older job", run: () => go(1) },
+      { key: "[", text: "newer or older job", run: () => go(-1) },
+      { key: "u", text: "up to all jobs", run: () => route("/jobs") },
+    ],
+    [id],
+  );
   if (failure && !job)
     return (
       <>
@@ -83,7 +96,7 @@ export function JobPage() {
         </p>
       </>
     );
-  return <Loaded key={job.id} job={job} reload={reload} stale={failure !== null} />;
+  return <Loaded key={job.id} job={job} reload={reload} stale={failure !== null} go={go} />;
 }
 
 function Facts({ job }: { job: Job }) {
@@ -179,19 +192,14 @@ function Panel({ title, children }: { title: string; children: preact.ComponentC
   );
 }
 
-function Loaded({ job, reload, stale }: { job: Job; reload: () => void; stale: boolean }) {
+function Loaded({ job, reload, stale, go }: { job: Job; reload: () => void; stale: boolean; go: (step: 1 | -1) => void }) {
   const { route } = useLocation();
   const methods = useRemote<Page<Method>>("/v1/methods").data?.items ?? [];
   const [asked, ask] = useState<Asked>(null);
   const over = isOver(job.state);
-  const go = (step: 1 | -1) =>
-    void neighbourOf(job.id, step).then((id) => (id ? route(`/jobs/${id}`) : say(step > 0 ? "There is no newer job." : "There is no older job.")));
   useKeys(
-    "Job",
+    "This job",
     [
-      { key: "]", text: "newer or older job", run: () => go(1) },
-      { key: "[", text: "newer or older job", run: () => go(-1) },
-      { key: "u", text: "up to all jobs", run: () => route("/jobs") },
       { key: "e", text: "clone and edit", run: () => route(`/render?from=${job.id}`) },
       { key: "c", text: "cancel", run: () => (over ? say(`${job.id} is over.`) : doNow(job, { kind: "cancel" }, "cancelled; what it rendered stays", reload)) },
       {

@@ -1,0 +1,149 @@
+// The form of a render: from nothing, from another job, and from its JSON.
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+import { axeClean, openPage, shoot, smallJob, startDaemon } from "./support.mjs";
+
+const daemon = await startDaemon();
+const page = await openPage(daemon, "/render", { expected: /status of 422/ });
+const estimate = page.locator(".render-estimate");
+const json = () => page.getByLabel("The request as JSON");
+const submitted = async () => {
+  await page.getByRole("button", { name: "Render", exact: true }).click();
+  await page.waitForURL(/\/jobs\/J\d+$/);
+  return daemon.finished(page.url().split("/").at(-1));
+};
+
+test("a newcomer renders an image, seeing before what it takes", async () => {
+  await estimate.getByText(/MiB|KiB/).waitFor();
+  await page.locator(".render-thumbnail img").waitFor();
+  await shoot(page, "render", { fullPage: true });
+  await axeClean(page);
+  await page.getByLabel("Width").fill("48");
+  await page.getByLabel("Height").fill("32");
+  await page.getByLabel("After", { exact: true }).fill("2");
+  const job = await submitted();
+  assert.equal(job.state, "succeeded");
+  assert.deepEqual(job.request.image, { width: 48, height: 32, filter: "box" });
+  assert.equal(job.request.stop.passes, 2);
+});
+
+test("every parameter of every method is in a group that says what it is about", async () => {
+  await page.goto(`${daemon.url}/render`);
+  const methods = (await daemon.get("/v1/methods")).items;
+  for (const method of methods) {
+    const option = page.locator(`#render-method-method option[value=${method.name}]`);
+    await option.waitFor({ state: "attached" });
+    if (await option.evaluate((element) => element.disabled)) {
+      assert.deepEqual(method.devices, ["gpu"]); // which this daemon does not serve
+      continue;
+    }
+    await page.locator("#render-method-method").selectOption(method.name);
+    for (const name of Object.keys(method.parameters.properties)) await page.locator(`#render-method-${name}`).waitFor({ state: "attached" });
+    assert.equal(await page.locator(".method-form-group summary").filter({ hasText: "Other" }).count(), 0, `${method.name} has parameters nobody has sorted`);
+  }
+});
+
+test("parameters are checked at once in the daemon's words, and reset", async () => {
+  await page.goto(`${daemon.url}/render?method=photon_mapping`);
+  const photons = page.locator("#render-method-photons");
+  await photons.fill("0");
+  await page.locator("#render-method-photons-hint").getByText("0 is outside [1, 1e+09] photons").waitFor();
+  await page.locator(".render-faults").getByText("photons: 0 is outside [1, 1e+09] photons").waitFor();
+  await photons.fill("5000");
+  await page.getByText("1 changed").first().waitFor();
+  await page.locator(".render-json summary").click();
+  assert.deepEqual(JSON.parse(await json().inputValue()).method, { name: "photon_mapping", parameters: { photons: 5000 } });
+  await page.getByRole("button", { name: "Reset photons" }).click();
+  assert.deepEqual(JSON.parse(await json().inputValue()).method, { name: "photon_mapping" });
+  assert.equal(await photons.inputValue(), "");
+});
+
+test("every fault the daemon finds stands at its field", async () => {
+  await page.goto(`${daemon.url}/render`);
+  await page.getByLabel("Width").fill("wide");
+  await page.getByLabel("After", { exact: true }).fill("");
+  await page.locator("#render-width-about").getByText('must be a whole number, got "wide"').waitFor();
+  await page.getByText("at least one of seconds, passes and target is required").first().waitFor();
+  await page.getByRole("group", { name: "Sizes" }).getByRole("button", { name: "256 × 256" }).click();
+  await page.getByLabel("or at an error of at most").fill("0.01");
+  await page.locator(".render-more summary").click();
+  await page.getByLabel("Labels").fill("=x");
+  await page.locator("#render-labels-about").getByText(/a label's key has 1 to/).waitFor();
+  await shoot(page, "render-faults");
+  await axeClean(page);
+  await page.locator(".render-faults").getByRole("button").first().click();
+  assert.equal(await page.evaluate(() => document.activeElement.id), "render-labels");
+  await page.getByLabel("Labels").fill("study=x");
+  await estimate.getByText(/MiB|KiB/).waitFor();
+  // What was changed is there after the page was loaded again, and is given up when one starts over.
+  await page.reload();
+  await page.getByLabel("Width").waitFor();
+  assert.equal(await page.getByLabel("Width").inputValue(), "256");
+  await page.getByRole("button", { name: "Start over" }).click();
+  assert.equal(await page.getByLabel("Width").inputValue(), "512");
+  assert.equal(await page.getByRole("button", { name: "Start over" }).count(), 0);
+});
+
+test("a job is cloned and changed: what is sent is what is shown", async () => {
+  const first = await daemon.run(
+    smallJob({
+      camera: { look_at: { eye: [0, 2, 8], target: [0, 2, 0], up: [0, 1, 0], yfov: 0.8 }, aperture: 0.05 },
+      method: { name: "photon_splatting", parameters: { photons: 300 } },
+      stop: { passes: 3, seconds: 50 },
+      reference: { method: { name: "path_tracing" }, stop: { passes: 4 } },
+      metrics: ["flip_ldr"],
+      layers: ["depth"],
+      labels: { a: "b=c" },
+      seed: 7,
+    }),
+  );
+  await page.goto(`${daemon.url}/render?from=${first.id}`);
+  await page.locator(".render-json summary").click();
+  assert.equal(await page.locator("#render-method-photons").inputValue(), "300");
+  await page.locator("#render-seed").waitFor({ state: "attached" });
+  const same = await submitted();
+  assert.deepEqual(same.request, first.request);
+  assert.equal(same.statistics.pixel_hash, first.statistics.pixel_hash);
+  await page.goto(`${daemon.url}/render?from=${first.id}`);
+  await page.locator(".render-more summary").click();
+  await page.getByLabel("Seed").fill("8");
+  await page.getByLabel("flip hdr").check();
+  await page.locator("#render-eye-x").fill("0.5");
+  const other = await submitted();
+  assert.deepEqual(other.request, { ...first.request, seed: 8, metrics: ["flip_ldr", "flip_hdr"], camera: { ...first.request.camera, look_at: { ...first.request.camera.look_at, eye: [0.5, 2, 8] } } });
+});
+
+test("a view of the scene's page, and a scene by its name, are what the form starts with", async () => {
+  await page.goto(`${daemon.url}/render?scene=keyhole&eye=0,1,4&target=0,1,0&yfov=0.6`);
+  await page.locator(".render-json summary").click();
+  const request = JSON.parse(await json().inputValue());
+  assert.equal(request.scene, "keyhole");
+  assert.deepEqual(request.camera.look_at.target.map(Math.round), [0, 1, 0]);
+  assert.equal(await page.getByLabel("Camera").inputValue(), "own");
+});
+
+test("the JSON is another face of the form", async () => {
+  await page.goto(`${daemon.url}/render`);
+  await page.locator(".render-json summary").click();
+  const text = JSON.stringify({ ...smallJob(), image: { width: 40, height: 30 }, method: { name: "photon_mapping", parameters: { gather: "direct", photons: 500 } } }, null, 2);
+  await json().fill("{ not yet");
+  await page.getByText(/This is no JSON/).waitFor();
+  await json().fill(text);
+  assert.equal(await page.getByLabel("Width").inputValue(), "40");
+  assert.equal(await page.locator("#render-method-gather").inputValue(), "direct");
+  await json().press("Control+Enter");
+  await page.waitForURL(/\/jobs\/J\d+$/);
+  const job = await daemon.finished(page.url().split("/").at(-1));
+  assert.equal(job.request.method.parameters.photons, 500);
+});
+
+test("fits a telephone", async () => {
+  await page.setViewportSize({ width: 390, height: 844 });
+  await page.goto(`${daemon.url}/render`);
+  await estimate.getByText(/MiB|KiB/).waitFor();
+  assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= 390, "the page scrolls sideways");
+  await shoot(page, "render-narrow", { fullPage: true });
+  await axeClean(page);
+});
