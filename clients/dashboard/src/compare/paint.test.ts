@@ -51,6 +51,9 @@ describe("scales", () => {
     expect(placeOf(relative, 1e-9)).toBe(0);
     expect(ticksOf(paintOf(kStart, light, "signed")).map((tick) => tick.text)).toEqual(["−0.2", "−0.1", "0", "+0.1", "+0.2"]);
     expect(ticksOf(paintOf({ ...kStart, exposure: 1 }, light, "none")).at(-1)).toEqual({ place: 1, text: "0.5" });
+    expect(scaleTitle(paintOf(kStart, light, "signed"), "signed", "beauty", 3)).toBe("Image − reference, luminance");
+    const normals = paintOf({ ...kStart, error: "signed" }, { ...light, layer: "normal" }, "signed");
+    expect(scaleTitle(normals, "signed", "normal", 3)).toBe("Image − reference, x"); // directions have no luminance
     expect(scaleTitle(relative, "relative", "beauty", 3)).toBe("Relative error");
   });
 });

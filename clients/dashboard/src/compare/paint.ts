@@ -77,6 +77,10 @@ export function rangeOf(look: Look, ground: Ground): [number, number] {
 /** Whether the layer's brightness is a matter of exposure and curve. */
 export const isLight = (layer: string, channels: number): boolean => layerKind(layer, channels) === "light";
 
+/** What one number says of three: light by its luminance, anything else by its first component. */
+const oneChannel = (channel: Channel, kind: LayerKind): Channel =>
+  kind === "light" ? (channel === "rgb" ? "luminance" : channel) : channel === "rgb" || channel === "luminance" ? "r" : channel;
+
 export function paintOf(look: Look, ground: Ground, error: ErrorKind): Paint {
   const kind = layerKind(ground.layer, ground.channels);
   const [low, high] = rangeOf(look, ground);
@@ -93,7 +97,7 @@ export function paintOf(look: Look, ground: Ground, error: ErrorKind): Paint {
   };
   if (error === "signed") {
     const span = spanOf(look, ground);
-    return { ...paint, quantity: "signed", channel: paint.channel === "rgb" ? "luminance" : paint.channel, colours: "map", map: "signed", low: -span, high: span };
+    return { ...paint, quantity: "signed", channel: oneChannel(paint.channel, kind), colours: "map", map: "signed", low: -span, high: span };
   }
   if (error === "relative") return { ...paint, quantity: "relative", colours: "log", low: kRelativeLow, high: kRelativeHigh };
   if (error !== "none") return { ...paint, channel: "r", colours: "map", low: 0, high: 1 };
@@ -168,7 +172,8 @@ export const whiteOf = (paint: Paint): number => (paint.curve === "filmic" ? kFi
 
 /** What the numbers are of. */
 export function scaleTitle(paint: Paint, error: ErrorKind, layer: string, channels: number): string {
-  const of = paint.channel === "luminance" ? " of luminance" : paint.channel === "rgb" || channels === 1 ? "" : ` of ${paint.channel.toUpperCase()}`;
+  const name = channelNames(layerKind(layer, channels), channels)["rgb".indexOf(paint.channel)];
+  const of = paint.channel === "luminance" ? ", luminance" : paint.channel === "rgb" || channels === 1 ? "" : `, ${name}`;
   switch (error) {
     case "signed": return `Image − reference${of}`;
     case "relative": return `Relative error${of}`;
