@@ -137,6 +137,10 @@ json job_request_schema(const ApiVocabulary& vocabulary) {
 
 json extension_schema() { return taken({{"stop", schema_ref("Stop")}}, {"stop"}); }
 
+json job_change_schema() {
+    return taken({{"priority", in_range(typed("integer", "higher first"), -100, 100)}}, {"priority"});
+}
+
 json merge_request_schema() {
     json jobs = list_of(typed("string"));
     jobs["minItems"] = 1;
@@ -376,6 +380,7 @@ json openapi_document(const ApiVocabulary& vocabulary) {
                  {"JobMethod", job_method_schema(vocabulary)},
                  {"Stop", stop_schema(vocabulary)},
                  {"Extension", extension_schema()},
+                 {"JobChange", job_change_schema()},
                  {"MergeRequest", merge_request_schema()},
                  {"MeasurementRequest", measurement_request_schema(vocabulary)},
                  {"Measurement", measurement_schema()},

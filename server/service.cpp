@@ -306,6 +306,7 @@ json Service::get_job(const std::string& id) { return impl_->get_job(id); }
 Page Service::list_jobs(const JobFilter& filter) { return impl_->list_jobs(filter); }
 Service::Cancelled Service::cancel_job(const std::string& id) { return impl_->cancel_job(id, false); }
 Service::Cancelled Service::purge_job(const std::string& id) { return impl_->cancel_job(id, true); }
+json Service::change_job(const std::string& id, const json& body) { return impl_->change_job(id, body); }
 json Service::retry_job(const std::string& id) { return impl_->retry_job(id); }
 json Service::extend_job(const std::string& id, const json& body) { return impl_->extend_job(id, body); }
 json Service::merge_jobs(const json& body, const std::optional<std::string>& idempotency_key) {

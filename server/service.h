@@ -144,6 +144,9 @@ public:
     Cancelled cancel_job(const std::string& id);
     /// Removes the job and its files; a running one is cancelled first and removed when its worker has let go of it.
     Cancelled purge_job(const std::string& id);
+    /// `body`: {"priority": -100..100}. A job that waits moves in the queue, one that runs keeps it for its next
+    /// attempt; WrongState for one that is over. Durable when it returns.
+    nlohmann::json change_job(const std::string& id, const nlohmann::json& body);
     nlohmann::json retry_job(const std::string& id);
     /// More passes on the film of a succeeded or cancelled job: `body` is {"stop": ...}, counted from the film's first
     /// pass, so that saying it twice does no harm. WrongState in other states, Conflict at /stop when the film meets

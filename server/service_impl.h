@@ -221,6 +221,7 @@ struct Service::Impl {
     // service_jobs.cpp
     nlohmann::json get_job(const std::string& id);
     Cancelled cancel_job(const std::string& id, bool purge);
+    nlohmann::json change_job(const std::string& id, const nlohmann::json& body);
     nlohmann::json retry_job(const std::string& id);
     /// `body`: {"stop": ...}; the conditions count from the film's first pass.
     nlohmann::json extend_job(const std::string& id, const nlohmann::json& body);

@@ -66,7 +66,8 @@ json Service::Impl::job_object(const JobRow& row) const {
             error_now = slot->running->error_now;
             curve = slot->running->curve.empty() ? json() : slot->running->curve;
         }
-    const json request = json::parse(row.request);
+    json request = json::parse(row.request);
+    request["priority"] = row.priority;  // which may have been changed since
     const std::string self = "/v1/jobs/" + job_id(row.seq);
     const bool has_film = passes_done > 0;
     const bool measurable = has_film && !request.value("reference", json()).is_null();
@@ -98,7 +99,7 @@ json Service::Impl::job_object(const JobRow& row) const {
             {"started", time_or_null(row.started_ms)},
             {"finished", time_or_null(row.finished_ms)},
             {"attempts", json::parse(row.attempts)},
-            {"request", request},
+            {"request", std::move(request)},
             {"links", links},
             {"statistics", parsed_or_null(row.statistics)},
             {"failure", parsed_or_null(row.failure)},
@@ -163,6 +164,43 @@ void Service::Impl::remove_film(const std::string& film) const {
     remove_quietly(files.films / film);
     for (const ArtefactInfo& artefact : all_artefacts())
         remove_quietly(artefact_path(files.films / film, artefact.name));
+}
+
+json Service::Impl::change_job(const std::string& id, const json& body) {
+    BodyFaults faults;
+    ObjectReader reader(body, "", faults);
+    const auto priority = reader.integer("priority", -100, 100, true);
+    reader.finish();
+    faults.throw_if_any();
+    const std::lock_guard lock(mutex);
+    JobRow row = require_job(id);
+    if (is_over(row.state))
+        throw Error(ErrorCode::WrongState, "job " + id + " is " + std::string(job_state_name(row.state)) +
+                                               "; only one that is queued or running has a priority to change");
+    if (row.priority == *priority) return job_object(row);
+    const std::string line =
+        "priority changed from " + std::to_string(row.priority) + " to " + std::to_string(*priority) + " on request";
+    row.priority = static_cast<int>(*priority);
+    JobRow shown = row;
+    if (const RunningAttempt* attempt = running_attempt(row.seq)) {  // further than its row says
+        shown.passes_done = attempt->passes_done;
+        shown.progress = attempt->progress;
+        shown.seconds = attempt->seconds;
+        shown.error_now = text_of(attempt->error_now);
+    }
+    Insertion changed;
+    {
+        auto transaction = store.transaction();
+        if (row.reference_job) raise_reference(*row.reference_job, row.priority, changed);
+        store.update_job(row);
+        store.append_log(row.seq, now_ms(), line);
+        put_event(changed.outbox, "state", row.seq, state_data(shown));
+        transaction.commit();
+    }
+    changed.rows.push_back(row);
+    json object = job_object(row);
+    accept(std::move(changed));
+    return object;
 }
 
 json Service::Impl::retry_job(const std::string& id) {

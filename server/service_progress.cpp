@@ -40,6 +40,7 @@ json object_or_null(const json& message, const char* member) {
 std::string Service::Impl::state_data(const JobRow& row) {
     const json data = {{"id", job_id(row.seq)},
                        {"state", job_state_name(row.state)},
+                       {"priority", row.priority},
                        {"progress", row.progress},
                        {"passes_done", row.passes_done},
                        {"seconds", row.seconds},

@@ -167,6 +167,7 @@ void Service::Impl::raise_reference(int64_t seq, int priority, Insertion& insert
     row->priority = priority;
     store.update_job(*row);
     store.append_log(seq, now_ms(), "priority raised to " + std::to_string(priority) + ": a job needs it");
+    put_event(inserted.outbox, "state", seq, state_data(*row));
     inserted.rows.push_back(*std::move(row));
 }
 

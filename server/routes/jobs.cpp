@@ -72,6 +72,7 @@ std::string state_now(const nlohmann::json& job, uint64_t id) {
     for (const char* key :
          {"id", "state", "progress", "passes_done", "seconds", "error_now", "started", "finished", "failure"})
         data[key] = job.contains(key) ? job.at(key) : nlohmann::json(nullptr);
+    data["priority"] = job.at("request").at("priority");
     return "event: state\nid: " + std::to_string(id) +
            "\ndata: " + data.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n\n";
 }
@@ -114,6 +115,11 @@ void add_job_routes(std::vector<Route>& routes, Service& service) {
     routes.push_back({.method = "DELETE", .pattern = "/v1/jobs/{id}", .handle = [&service](Call& call) {
                           return remove(service, call);
                       }});
+    routes.push_back(
+        {.method = "PATCH", .pattern = "/v1/jobs/{id}", .body = BodyKind::Json, .handle = [&service](Call& call) {
+             Query(call.query).finish();
+             return json_reply(200, service.change_job(call.path_parameters[0], parse_strict_json(call.body)));
+         }});
     routes.push_back({.method = "POST", .pattern = "/v1/jobs/{id}/retry", .handle = [&service](Call& call) {
                           Query(call.query).finish();
                           return job_reply(202, service.retry_job(call.path_parameters[0]));

@@ -168,6 +168,8 @@ class OpenApiTest(unittest.TestCase):
         long_jobs = [ask("POST", "/v1/jobs", json_body={**small_job(), "stop": {"seconds": 3600}}).json["id"]
                      for _ in range(2)]
         ask("GET", "/v1/jobs")
+        self.assertEqual(len(ask("GET", "/v1/jobs?view=summary&state=queued,running").json["items"]), 2)
+        self.assertEqual(ask("PATCH", f"/v1/jobs/{long_jobs[1]}", json_body={"priority": 5}).status, 200)
         for name in ("image.exr", "preview.png", "pixels", "statistics.json"):
             self.assertEqual(ask("GET", f"/v1/jobs/{long_jobs[1]}/{name}").status, 202, name)
         self.assertEqual(ask("GET", flip + long_jobs[1]).status, 202)

@@ -69,6 +69,24 @@ TEST(JobQueue, SomeWaitForTheEndOfAnother) {
     EXPECT_EQ(queue.front("cpu"), 2);
 }
 
+TEST(JobQueue, AJobWhosePriorityChangedIsPutInAgain) {
+    JobQueue queue;
+    for (int64_t seq = 1; seq <= 3; ++seq) queue.push(seq, 0, "cpu");
+    queue.hold(4, 0, "cpu", 9);
+    queue.remove(3);
+    queue.push(3, 5, "cpu");
+    EXPECT_EQ(queue.front("cpu"), 3);
+    queue.remove(3);
+    queue.push(3, -5, "cpu");
+    EXPECT_EQ(queue.front("cpu"), 1) << "among equals the older first";
+    queue.remove(4);
+    queue.hold(4, 7, "cpu", 9);
+    EXPECT_EQ(queue.front("cpu"), 1) << "one that waits for another stays beside the queue";
+    EXPECT_EQ(queue.release(9), (std::vector<int64_t>{4}));
+    EXPECT_EQ(queue.front("cpu"), 4) << "and comes into it with its new priority";
+    EXPECT_EQ(queue.size(), 4u);
+}
+
 TEST(RetryPolicy, FollowsTheProtocol) {
     // Lost through no fault of its own: at most two further attempts.
     EXPECT_FALSE(failure_after(AttemptEnd::Lost, 1, 0));
