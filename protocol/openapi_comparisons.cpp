@@ -113,6 +113,22 @@ json comparison_schema() {
     return schema;
 }
 
+json estimate_schema() {
+    const json seconds = nullable("number", "of all its seeds; null where it cannot be told");
+    return given(
+        {{"jobs", count("its reference not among them")},
+         {"memory_bytes", count("what the largest job will hold, the reference's among them")},
+         {"seconds", nullable("number",
+                              "of rendering once the reference is there: on each device one job after another, on all "
+                              "at the same time; null where it cannot be told")},
+         {"reference_seconds", nullable("number", "of the reference that is still to be made; 0: none is")},
+         {"entries", with_text(list_of(given({{"label", typed("string")},
+                                              {"parameters", typed("object", "those the sweep gave")},
+                                              {"memory_bytes", count()},
+                                              {"seconds", seconds}})),
+                               "rows of the table to come, in its order")}});
+}
+
 json report_schema(const json& comparison) {
     json schema = comparison;
     schema["properties"]["curves"] =
@@ -132,6 +148,7 @@ json comparison_schemas(const json& job_request) {
     return {{"ComparisonRequest", request_schema(job_request)},
             {"Comparison", comparison},
             {"ComparisonSummary", summary_schema()},
+            {"ComparisonEstimate", estimate_schema()},
             {"ComparisonPage", page_of("ComparisonSummary")},
             {"ComparisonReport", report_schema(comparison)}};
 }

@@ -198,6 +198,10 @@ public:
     /// Durable, with all its jobs, when it returns; all of them are accepted or none. Throws as submit_job() does.
     nlohmann::json submit_comparison(const ComparisonRequest& request,
                                      const std::optional<std::string>& idempotency_key);
+    /// What submit_comparison() would queue, after all its checks: {"jobs", "memory_bytes", "seconds",
+    /// "reference_seconds", "entries": [{"label", "parameters", "memory_bytes", "seconds"}]}; seconds are null where
+    /// they cannot be told. Waits for the helper the first time a built-in scene is asked about.
+    nlohmann::json estimate_comparison(const ComparisonRequest& request);
     nlohmann::json get_comparison(const std::string& id);
     /// Without jobs and tables.
     Page list_comparisons(uint32_t limit, const std::string& cursor);

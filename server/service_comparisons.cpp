@@ -229,6 +229,16 @@ Service::Impl::Compared Service::Impl::read_comparison(const std::string& id) {
 
 json Service::Impl::get_comparison(const std::string& id) { return judge(read_comparison(id)).object; }
 
+std::vector<PreparedJob> Service::Impl::prepare_jobs(const ComparisonRequest& request) {
+    std::vector<PreparedJob> jobs;
+    for (const PlannedJob& planned : request.jobs) try {
+            jobs.push_back(prepare_job(planned.request));
+        } catch (const Error& error) {
+            throw placed(error, planned);
+        }
+    return jobs;
+}
+
 json Service::Impl::submit_comparison(const ComparisonRequest& request, const std::optional<std::string>& key) {
     const std::string body = request.echo.dump();
     const std::string body_sha256 = key ? sha256_hex(body.data(), body.size()) : "";
@@ -247,12 +257,7 @@ json Service::Impl::submit_comparison(const ComparisonRequest& request, const st
     ComparisonRow row;
     row.created_ms = now_ms();
     row.request = body;
-    std::vector<PreparedJob> jobs;
-    for (const PlannedJob& planned : request.jobs) try {
-            jobs.push_back(prepare_job(planned.request));
-        } catch (const Error& error) {
-            throw placed(error, planned);
-        }
+    std::vector<PreparedJob> jobs = prepare_jobs(request);
     row.scene = jobs.front().row.scene;
     check_room(jobs);
     Insertion inserted;

@@ -58,23 +58,29 @@ uint64_t ask_method(const JobRequest& request, const Workload& workload,
 
 /// How long a pass of the request would take, going by an earlier job: what that spent on photons, by their number; all
 /// else by the number of pixels.
-std::optional<double> seconds_of_a_pass(const JobRequest& request, const JobRow& row, const json& before) {
-    const double pixels = before["image"].value("width", 0.0) * before["image"].value("height", 0.0);
-    const auto passes = static_cast<double>(row.passes_done);
-    if (pixels * passes <= 0) return std::nullopt;
-    double photon_seconds = 0;
+std::optional<double> seconds_of_a_pass(const JobRequest& request, const EarlierJob& before) {
+    if (before.pixels * before.passes <= 0) return std::nullopt;
+    double more_photons = 1;
+    if (before.photon_seconds > 0) {
+        const double then = before.parameters.value("photons", 0.0);
+        if (then > 0) more_photons = request.method.parameters.value("photons", then) / then;
+    }
+    const double more_pixels = static_cast<double>(request.width) * request.height / before.pixels;
+    return (before.photon_seconds * more_photons + (before.seconds - before.photon_seconds) * more_pixels) /
+           before.passes;
+}
+
+EarlierJob earlier_job(const JobRow& row) {
+    const json request = json::parse(row.request);
+    const json& image = request["image"];
+    EarlierJob job{row.scene, request["method"]["parameters"], image.value("width", 0.0) * image.value("height", 0.0),
+                   row.seconds, static_cast<double>(row.passes_done)};
     const json statistics = row.statistics.empty() ? json::object() : json::parse(row.statistics);
     for (const json& stage : statistics.value("stages", json::array()))
         if (stage.value("name", "") == "photon_tracing" || stage.value("name", "") == "photon_map_build")
-            photon_seconds += stage.value("wall_seconds", 0.0);
-    photon_seconds = std::min(photon_seconds, row.seconds);
-    double more_photons = 1;
-    if (photon_seconds > 0) {
-        const double then = before["method"]["parameters"].value("photons", 0.0);
-        if (then > 0) more_photons = request.method.parameters.value("photons", then) / then;
-    }
-    return (photon_seconds * more_photons + (row.seconds - photon_seconds) * request.width * request.height / pixels) /
-           passes;
+            job.photon_seconds += stage.value("wall_seconds", 0.0);
+    job.photon_seconds = std::min(job.photon_seconds, job.seconds);
+    return job;
 }
 
 }  // namespace
@@ -140,37 +146,42 @@ uint64_t Service::Impl::estimate_disk_bytes(const JobRequest& request, const Sce
     return 2 * film_bytes(request) + ask_method(request, workload, &MethodInfo::estimate_artefact_bytes);
 }
 
+std::optional<double> Service::Impl::estimate_seconds(const JobRequest& request, const SceneRef& scene,
+                                                      EarlierJobs& earlier) {
+    if (!request.stop.passes) return request.stop.seconds;
+    const std::string device = device_of(request.method);
+    const auto [known, unread] = earlier.try_emplace({request.method.name, device});
+    if (unread)
+        for (const JobRow& row : store.latest_succeeded(request.method.name, kEarlierJobs))
+            if (row.device == device) known->second.push_back(earlier_job(row));
+    // From what the method took before: in this scene if it was ever rendered, with these parameters if they ever
+    // were asked for; of several such jobs the newest.
+    std::optional<double> a_pass;
+    int most_alike = -1;
+    for (const EarlierJob& before : known->second) {
+        const int alike = 2 * (before.scene == scene.id) + (before.parameters == request.method.parameters);
+        if (alike <= most_alike) continue;
+        const auto as_then = seconds_of_a_pass(request, before);
+        if (!as_then) continue;
+        a_pass = as_then;
+        most_alike = alike;
+    }
+    if (!a_pass) return request.stop.seconds;
+    const double estimate = *a_pass * *request.stop.passes;
+    return request.stop.seconds ? std::min(estimate, *request.stop.seconds) : estimate;
+}
+
 json Service::Impl::estimate_job(const JobRequest& request) {
     // Waits for the helper when nobody has asked for this scene yet.
     if (is_builtin_scene(request.scene)) builtin_object(request.scene);
     const std::lock_guard lock(mutex);
     const SceneRef scene = check_request(request);
-    json seconds = request.stop.seconds ? json(*request.stop.seconds) : json();
-    if (request.stop.passes) {
-        // From what the method took before: in this scene if it was ever rendered, with these parameters if they ever
-        // were asked for; of several such jobs the newest.
-        std::optional<double> a_pass;
-        int most_alike = -1;
-        for (const JobRow& row : store.latest_succeeded(request.method.name, kEarlierJobs)) {
-            if (row.device != device_of(request.method)) continue;
-            const json before = json::parse(row.request);
-            const int alike =
-                2 * (row.scene == scene.id) + (before["method"]["parameters"] == request.method.parameters);
-            if (alike <= most_alike) continue;
-            const auto as_then = seconds_of_a_pass(request, row, before);
-            if (!as_then) continue;
-            a_pass = as_then;
-            most_alike = alike;
-        }
-        if (a_pass) {
-            const double estimate = *a_pass * *request.stop.passes;
-            seconds = request.stop.seconds ? std::min(estimate, *request.stop.seconds) : estimate;
-        }
-    }
+    EarlierJobs earlier;
+    const auto seconds = estimate_seconds(request, scene, earlier);
     const auto on_device = estimate_device_bytes(request, scene);
     return {{"memory_bytes", estimate_memory_bytes(request, scene)},
             {"device_memory_bytes", on_device ? json(*on_device) : json()},
-            {"seconds", std::move(seconds)}};
+            {"seconds", seconds ? json(*seconds) : json()}};
 }
 
 }  // namespace photond

@@ -10,6 +10,7 @@
 //   service_job_lists.cpp  lists of jobs
 //   service_merge.cpp      jobs joined into one
 //   service_comparisons.cpp  comparisons and their jobs
+//   service_comparison_estimate.cpp  what a comparison will take
 //   service_reports.cpp    what can be downloaded of a comparison
 //   service_estimate.cpp   what a job will take
 //   service_attempts.cpp   from the queue to a worker and back: attempts, results, losses
@@ -102,6 +103,16 @@ struct PreparedJob {
     std::optional<JobRow> reference;
     uint64_t reference_disk_bytes = 0;
 };
+
+/// Of a job that succeeded, what tells how long another will take.
+struct EarlierJob {
+    std::string scene;
+    nlohmann::json parameters;
+    double pixels = 0, seconds = 0, passes = 0;
+    double photon_seconds = 0;  // of its seconds, those that its photons took
+};
+/// By method and device; read from the store once for all that is estimated together.
+using EarlierJobs = std::map<std::pair<std::string, std::string>, std::vector<EarlierJob>>;
 
 /// Jobs written in a transaction that is not committed yet.
 struct Insertion {
@@ -268,11 +279,13 @@ struct Service::Impl {
     };
     nlohmann::json submit_comparison(const ComparisonRequest& request,
                                      const std::optional<std::string>& key);  // takes the lock
-    nlohmann::json get_comparison(const std::string& id);                     // takes the lock
-    Page list_comparisons(uint32_t limit, const std::string& cursor);         // takes the lock
-    Cancelled cancel_comparison(const std::string& id, bool purge);           // takes the lock
-    Compared read_comparison(const std::string& id);                          // takes the lock
-    static Judged judge(const Compared& compared);                            // without the lock
+    /// Its jobs, judged; faults are at their places in the comparison's body.
+    std::vector<PreparedJob> prepare_jobs(const ComparisonRequest& request);
+    nlohmann::json get_comparison(const std::string& id);              // takes the lock
+    Page list_comparisons(uint32_t limit, const std::string& cursor);  // takes the lock
+    Cancelled cancel_comparison(const std::string& id, bool purge);    // takes the lock
+    Compared read_comparison(const std::string& id);                   // takes the lock
+    static Judged judge(const Compared& compared);                     // without the lock
     ComparisonRow require_comparison(const std::string& id);
     JobProgress progress_now(JobProgress job) const;
     ComparisonState comparison_state(const ComparisonRow& row);
@@ -287,6 +300,9 @@ struct Service::Impl {
     /// WrongState: a job of a comparison is not removed by itself.
     void check_not_compared(const JobRow& row);
 
+    // service_comparison_estimate.cpp
+    nlohmann::json estimate_comparison(const ComparisonRequest& request);  // takes the lock; may wait for the helper
+
     // service_reports.cpp; without the lock
     Artefact comparison_json(const std::string& id);
     Artefact comparison_csv(const std::string& id);
@@ -296,6 +312,8 @@ struct Service::Impl {
 
     // service_estimate.cpp
     nlohmann::json estimate_job(const JobRequest& request);  // takes the lock; may wait for the helper
+    /// Of rendering; nothing where it stops by passes and the method has rendered none here. Under the lock.
+    std::optional<double> estimate_seconds(const JobRequest& request, const SceneRef& scene, EarlierJobs& earlier);
     /// What the worker's budget will hold, to a few percent; under the lock.
     uint64_t estimate_memory_bytes(const JobRequest& request, const SceneRef& scene);
     /// What it will take of a GPU's memory, its scene included; nothing on the CPU.

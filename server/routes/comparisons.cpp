@@ -10,9 +10,13 @@ namespace photond::http {
 namespace {
 
 Reply submit(Service& service, Call& call) {
-    Query(call.query).finish();
+    Query query(call.query);
+    const bool dry_run = query.flag("dry_run");
+    query.finish();
     const ComparisonRequest request = parse_comparison_request(parse_strict_json(call.body), service.vocabulary());
-    const nlohmann::json comparison = service.submit_comparison(request, idempotency_key(call));
+    const std::optional<std::string> key = idempotency_key(call);
+    if (dry_run) return json_reply(200, service.estimate_comparison(request));
+    const nlohmann::json comparison = service.submit_comparison(request, key);
     Reply reply = json_reply(202, comparison);
     reply.headers["Location"] = "/v1/comparisons/" + comparison.at("id").get<std::string>();
     return reply;

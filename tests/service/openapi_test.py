@@ -197,6 +197,7 @@ class OpenApiTest(unittest.TestCase):
 
     def ask_about_comparisons(self):
         ask = self.ask
+        self.assertEqual(ask("POST", "/v1/comparisons?dry_run=true", json_body=COMPARISON).status, 200)
         compared = ask("POST", "/v1/comparisons", json_body=COMPARISON).json
         while ask("GET", f"/v1/comparisons/{compared['id']}").json["state"] != "succeeded":
             time.sleep(0.05)
@@ -248,6 +249,8 @@ class OpenApiTest(unittest.TestCase):
                 ("POST", "/v1/scenes", {"body": b"no", "headers": {"Content-Type": "model/gltf-binary"}}),
                 ("POST", "/v1/images", {"body": b"no", "headers": {"Content-Type": "image/x-exr"}}),
                 ("POST", "/v1/jobs/none/retry", {}), ("POST", "/v1/jobs/none/extend", {"json_body": {}}),
+                ("PATCH", "/v1/jobs/none", {"json_body": {"priority": 1}}), ("PATCH", "/v1/jobs/none", {"json_body": {}}),
+                ("POST", "/v1/comparisons?dry_run=true", {"json_body": {}}), ("GET", "/v1/jobs?view=x", {}),
                 ("POST", "/v1/jobs/merge", {"json_body": {"jobs": ["none"]}}),
                 ("POST", "/v1/metrics", {"json_body": {"image": "none"}}), ("GET", "/v1/jobs?role=x", {}),
                 ("GET", "/v1/flip", {}), ("GET", "/v1/images/none/pixels", {}),
