@@ -339,6 +339,15 @@ json job_summary_page() {
 }
 
 json status_schema() {
+    const json totals = with_text(
+        given({{"jobs", given({{"succeeded", count()}, {"failed", count()}, {"cancelled", count()}})},
+               {"passes", count("rendered, those of jobs that are running included")},
+               {"pixels", count("of those passes: width times height of each")},
+               {"render_seconds", typed("number", "on the jobs' clocks, those of jobs that are running included")},
+               {"rays", map_of(count("traced by attempts that have ended and said so; what runs, was lost or failed "
+                                     "is not known"))},
+               {"photons", count("emitted, likewise")}}),
+        "since the daemon started");
     return given({{"version", typed("string")},
                   {"uptime_seconds", typed("number")},
                   {"ready", typed("boolean")},
@@ -348,8 +357,13 @@ json status_schema() {
                                              {"pid", nullable("integer")},
                                              {"job", nullable("string")},
                                              {"restarts", count()},
-                                             {"resident_bytes", nullable("integer")}}))},
-                  {"disk_free_bytes", nullable("integer")}});
+                                             {"resident_bytes", nullable("integer")},
+                                             {"memory_limit_bytes", nullable("integer", "its jobs may hold")},
+                                             {"device_name", nullable("string")}}))},
+                  {"disk_free_bytes", nullable("integer")},
+                  {"resident_bytes", nullable("integer", "of the daemon itself")},
+                  {"event_clients", count("event streams open")},
+                  {"totals", totals}});
 }
 
 json image_schema() {

@@ -207,7 +207,7 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
         {"get",
          "/v1/events",
          "allEvents",
-         "Server-sent events of all jobs",
+         "Server-sent events of all jobs; and `status`, the daemon's (schema Status), at first and then once a second",
          {{200, file("text/event-stream")}},
          nullptr,
          {},

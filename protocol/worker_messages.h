@@ -20,6 +20,7 @@
 //              after "snapshot" (its path), every "save_seconds" (the order's "film") and before stopping (likewise)
 //   finished   {"job", "attempt", "state": "succeeded"|"cancelled"|"failed", "passes_done", "seconds",
 //               "film": path|null, "statistics": {..}|null,
+//               "rendered": {"passes", "seconds", "rays": {kind: n}, "photons"} by this attempt alone; null where it failed,
 //               "curve": [point..]|null, "error_now": as above,
 //               "artefacts": [name..], "failure": {"code", "detail", "errors": [{"pointer","detail"}]}|null, "log": [line..],
 //               "stopping": true when the job ended because of "stop"}

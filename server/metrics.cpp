@@ -95,6 +95,8 @@ void Metrics::http_request(const std::string& route, int status, double seconds)
 
 void Metrics::event_clients(int delta) { families_->event_clients.Increment(delta); }
 
+int64_t Metrics::event_clients() const { return static_cast<int64_t>(families_->event_clients.Value()); }
+
 void Metrics::job_ended(const std::string& state, const std::string& method, const std::string& device,
                         double render_seconds, const nlohmann::json& statistics) {
     families_->jobs.Add({{"state", state}, {"method", method}, {"device", device}}).Increment();

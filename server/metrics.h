@@ -18,6 +18,7 @@ public:
     // The routes' side. `route` is the pattern ("/v1/jobs/{id}"), never the path.
     void http_request(const std::string& route, int status, double seconds);
     void event_clients(int delta);
+    int64_t event_clients() const;
 
     // The service's side.
     void job_ended(const std::string& state, const std::string& method, const std::string& device,

@@ -1,6 +1,7 @@
 #include "server/service.h"
 
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <charconv>
 #include <nlohmann/json.hpp>
@@ -239,25 +240,48 @@ Page Service::Impl::devices() {
 json Service::Impl::status() {
     json workers = json::array();
     const std::lock_guard lock(mutex);
-    const auto describe = [](const std::string& device, const char* state, pid_t pid, json job, uint64_t restarts,
-                             uint64_t resident) {
-        return json{{"device", device},      {"state", state},       {"pid", pid < 0 ? json() : json(pid)},
-                    {"job", std::move(job)}, {"restarts", restarts}, {"resident_bytes", resident}};
+    const auto name_of = [](const Slot& slot) {  // known once it has answered
+        return slot.device_object.is_object() ? slot.device_object.value("name", json()) : json();
+    };
+    const auto describe = [this](const std::string& device, json name, const char* state, pid_t pid, json job,
+                                 uint64_t restarts, uint64_t resident) {
+        return json{{"device", device},
+                    {"device_name", std::move(name)},
+                    {"state", state},
+                    {"pid", pid < 0 ? json() : json(pid)},
+                    {"job", std::move(job)},
+                    {"restarts", restarts},
+                    {"resident_bytes", resident},
+                    {"memory_limit_bytes", options.memory_limit_bytes}};
     };
     for (const auto& slot : slots)
-        workers.push_back(describe(slot->device,
+        workers.push_back(describe(slot->device, name_of(*slot),
                                    slot->running    ? "busy"
                                    : slot->answered ? "ready"
                                                     : "failed",
                                    slot->process->pid(), slot->running ? json(job_id(slot->running->seq)) : json(),
                                    slot->restarts, slot->process->resident_bytes()));
-    workers.push_back(describe("none", helper->ready() ? "ready" : "failed", helper->pid(), nullptr, helper->restarts(),
-                               helper->resident_bytes()));
+    workers.push_back(describe("none", nullptr, helper->ready() ? "ready" : "failed", helper->pid(), nullptr,
+                               helper->restarts(), helper->resident_bytes()));
     const double uptime = std::chrono::duration<double>(SteadyClock::now() - begun).count();
     const int64_t running = std::count_if(slots.begin(), slots.end(), [](const auto& slot) { return slot->running; });
-    return {{"version", PHOTOND_VERSION},    {"uptime_seconds", uptime},
-            {"ready", ready.load()},         {"queue", {{"queued", queue.size()}, {"running", running}}},
-            {"workers", std::move(workers)}, {"disk_free_bytes", files.free_bytes()}};
+    return {{"version", PHOTOND_VERSION},
+            {"uptime_seconds", uptime},
+            {"ready", ready.load()},
+            {"queue", {{"queued", queue.size()}, {"running", running}}},
+            {"workers", std::move(workers)},
+            {"disk_free_bytes", files.free_bytes()},
+            {"totals", totals_now()},
+            {"resident_bytes", resident_bytes_of(getpid())},
+            {"event_clients", metrics.event_clients()}};
+}
+
+json Service::Impl::totals_now() const {
+    Totals now = totals;
+    for (const auto& slot : slots)
+        if (slot->running) now.add(*slot->running);
+    return {{"jobs", now.jobs}, {"passes", now.passes},  {"pixels", now.pixels}, {"render_seconds", now.render_seconds},
+            {"rays", now.rays}, {"photons", now.photons}};
 }
 
 std::string Service::Impl::metrics_text() {

@@ -116,11 +116,11 @@ public:
     nlohmann::json get_image(const std::string& id);
     /// The file as uploaded.
     Artefact image_file(const std::string& id);
+    /// One of its layers as pixels() gives a job's. UnknownName at /layer where it has none of that name.
+    Artefact image_pixels(const std::string& id, const std::string& layer, const std::string& precision);
 
     // --- jobs
     // ---------------------------------------------------------------------------------------------------------
-    /// One of its layers as pixels() gives a job's. UnknownName at /layer where it has none of that name.
-    Artefact image_pixels(const std::string& id, const std::string& layer, const std::string& precision);
     /// For parse_job_request(): methods, layers and limits of this daemon.
     const JobVocabulary& vocabulary() const;
     /// Durable when it returns. `canonical_body` is what an idempotency key is bound to (to_json(request).dump() will
@@ -182,13 +182,13 @@ public:
     Artefact difference(const std::string& id);
     Artefact flip(const std::string& id, const std::string& layer, const std::string& range);
     Artefact error_map(const std::string& id, const std::string& layer);
-    /// text/csv: seconds, passes, photons and every metric measured; so far while it runs.
-    Artefact curve(const std::string& id);
-    /// The film itself, in the format of film_file.h.
     /// The FLIP map of any two, each "job:ID" or "image:ID", as pixels of one channel; X-Flip-Mean beside the headers
     /// of pixels(). Pending while a job has no film; UnknownName, Conflict for unlike sizes, each with its pointer.
     Artefact flip_map(const std::string& image, const std::string& reference, const std::string& layer,
                       const std::string& range, const std::string& precision);
+    /// text/csv: seconds, passes, photons and every metric measured; so far while it runs.
+    Artefact curve(const std::string& id);
+    /// The film itself, in the format of film_file.h.
     Artefact film(const std::string& id);
     /// What happened to the job, attempt by attempt; text/plain.
     Artefact log(const std::string& id);
@@ -221,8 +221,9 @@ public:
     /// The CPU and all GPUs of the machine; what "served" says is what jobs can be rendered on. Waits for the process
     /// that lists them the first time.
     Page devices();
-    /// {"version", "uptime_seconds", "ready", "queue": {"queued", "running"}, "workers": [{"device", "state", "pid",
-    /// "job", "restarts", "resident_bytes"}], "disk_free_bytes"}.
+    /// {"version", "uptime_seconds", "ready", "queue": {"queued", "running"}, "workers": [{"device", "device_name",
+    /// "state", "pid", "job", "restarts", "resident_bytes", "memory_limit_bytes"}], "disk_free_bytes",
+    /// "resident_bytes", "event_clients", "totals": {"jobs", "passes", "pixels", "render_seconds", "rays", "photons"}}.
     nlohmann::json status();
     /// The store is open and every worker and the helper have answered. Takes no lock.
     bool ready() const;

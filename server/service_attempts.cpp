@@ -63,7 +63,27 @@ std::string problem_of(int64_t seq, ErrorCode code, const std::string& detail, c
 
 }  // namespace
 
+void Totals::add(const RunningAttempt& attempt) {
+    // One whose film could not be gone on with has begun anew, and may not have come as far again.
+    const int64_t rendered = std::max<int64_t>(0, attempt.passes_done - attempt.passes_before);
+    passes += rendered;
+    pixels += rendered * attempt.pixels;
+    render_seconds += std::max(0.0, attempt.seconds - attempt.seconds_before);
+}
+
+void Totals::add(const RunningAttempt& attempt, const json& rendered) {
+    if (!rendered.is_object()) return add(attempt);
+    const int64_t count = rendered.value("passes", int64_t{0});
+    passes += count;
+    pixels += count * attempt.pixels;
+    render_seconds += rendered.value("seconds", 0.0);
+    photons += rendered.value("photons", uint64_t{0});
+    const json traced = rendered.value("rays", json::object());
+    for (const auto& [kind, number] : traced.items()) rays[kind] += number.get<uint64_t>();
+}
+
 void Service::Impl::ended(const JobRow& row) {
+    ++totals.jobs[std::string(job_state_name(row.state))];
     metrics.job_ended(std::string(job_state_name(row.state)), row.method, row.device, row.seconds,
                       row.statistics.empty() ? json() : json::parse(row.statistics));
     attempt_changed.notify_all();
@@ -148,9 +168,10 @@ void Service::Impl::begin_attempt(Slot& slot, JobRow row) {
     attempt.seq = row.seq;
     attempt.attempt = row.attempt;
     attempt.film = job_id(row.seq) + "-" + std::to_string(row.attempt) + ".film";
-    attempt.passes_done = row.passes_done;
+    attempt.pixels = request["image"].value("width", int64_t{0}) * request["image"].value("height", int64_t{0});
+    attempt.passes_done = attempt.passes_before = row.passes_done;
     attempt.progress = row.progress;
-    attempt.seconds = row.seconds;
+    attempt.seconds = attempt.seconds_before = row.seconds;
     if (!row.error_now.empty()) attempt.error_now = json::parse(row.error_now);
     if (!row.curve.empty()) attempt.curve = json::parse(row.curve);
     attempt.begun = SteadyClock::now();
@@ -334,6 +355,7 @@ void Service::Impl::record_result(const RunningAttempt& attempt, const json& mes
                     store.append_log(row.seq, now_ms(), lines[i].get<std::string>().substr(0, kMaxLogLineBytes));
         },
         attempt.unpublished);
+    totals.add(attempt, message.value("rendered", json()));
     if (old_film != row.film) remove_film(old_film);
     artefacts.forget("job/" + std::to_string(row.seq) + "/");
     if (row.state == JobState::Queued) return enqueue(row);
@@ -382,6 +404,7 @@ void Service::Impl::record_loss(const RunningAttempt& attempt, const ProcessExit
                  "attempt " + std::to_string(row.attempt) + " " + outcome + ": " + reason +
                      (row.state == JobState::Queued ? "; queued again" : ""),
                  {}, attempt.unpublished);
+    totals.add(attempt);
     // What the dead attempt had written nobody names, nor what it was writing.
     if (attempt.film != row.film) remove_film(attempt.film);
     remove_parts(attempt.film);

@@ -26,8 +26,8 @@
 #include <span>
 #include <thread>
 
-#include "renderer/film/film.h"
 #include "protocol/object_reader.h"
+#include "renderer/film/film.h"
 #include "renderer/methods/method.h"
 #include "server/comparisons/table.h"
 #include "server/queue/job_queue.h"
@@ -56,7 +56,10 @@ struct Snapshot {
 struct RunningAttempt {
     int64_t seq = 0;
     int64_t attempt = 0;
-    std::string film;  // file name it will write
+    int64_t pixels = 0;  // of a pass
+    int64_t passes_before = 0;
+    double seconds_before = 0;  // those of the film it goes on from
+    std::string film;           // file name it will write
     int64_t passes_done = 0;
     double progress = 0;
     double seconds = 0;
@@ -78,6 +81,20 @@ struct RunningAttempt {
     std::function<void()> unsettled;
 };
 
+/// What has been rendered since the daemon started, as far as it is known.
+struct Totals {
+    std::map<std::string, uint64_t> jobs{{"succeeded", 0}, {"failed", 0}, {"cancelled", 0}};
+    std::map<std::string, uint64_t> rays{{"camera", 0}, {"bounce", 0}, {"shadow", 0}, {"photon", 0}};
+    uint64_t photons = 0;
+    int64_t passes = 0;
+    int64_t pixels = 0;  // of all passes
+    double render_seconds = 0;
+
+    void add(const RunningAttempt& attempt);
+    /// An attempt that has ended; `rendered` as in "finished", null where that was not said.
+    void add(const RunningAttempt& attempt, const nlohmann::json& rendered);
+};
+
 struct Slot {
     std::string device;
     std::unique_ptr<WorkerProcess> process;
@@ -97,7 +114,7 @@ struct Outbox {
 
 /// A job that has been judged and waits to be written.
 struct PreparedJob {
-    JobRow row;  // seq 0
+    JobRow row;               // seq 0
     uint64_t disk_bytes = 0;  // that it will leave
     /// The job that makes what it is measured against, where nobody has asked for that before.
     std::optional<JobRow> reference;
@@ -139,6 +156,8 @@ struct Service::Impl {
     Page devices();  // takes the lock; may wait for the process that lists them
     nlohmann::json status();
     std::string metrics_text();
+    /// Those of attempts that are running included.
+    nlohmann::json totals_now() const;  // under the lock
 
     // service_scenes.cpp
     struct SceneRef {
@@ -248,7 +267,7 @@ struct Service::Impl {
     void remove_parts(const std::string& film) const;  // what a killed worker was writing for it
 
     // service_job_lists.cpp
-    Page list_jobs(const JobFilter& filter);           // takes the lock
+    Page list_jobs(const JobFilter& filter);            // takes the lock
     nlohmann::json job_summary(const JobSummary& row);  // under the lock
 
     // service_merge.cpp
@@ -379,12 +398,12 @@ struct Service::Impl {
     void pin(FilmSource& film);
     Artefact encode(const std::string& id, const std::string& what, const std::string& media_type,
                     nlohmann::json request, bool with_statistics);
-    Artefact statistics(const std::string& id);
-    Artefact method_artefact(const std::string& id, const std::string& name);
-    Artefact log(const std::string& id);
     Artefact image_pixels(const std::string& id, const std::string& layer, const std::string& precision);
     /// What the helper says of pixels, as headers of a reply.
     static std::map<std::string, std::string> pixel_headers(const nlohmann::json& result);
+    Artefact statistics(const std::string& id);
+    Artefact method_artefact(const std::string& id, const std::string& name);
+    Artefact log(const std::string& id);
     Artefact artefact(const std::string& key, const std::string& media_type, const ArtefactCache::Make& make);
     /// A file of the store as it is: no copy, and a download that has begun outlives the job.
     Artefact linked(const std::string& key, const std::filesystem::path& file, const std::string& media_type);
@@ -411,11 +430,11 @@ struct Service::Impl {
     };
     NamedSource source_named(const std::string& name, const std::string& pointer);
     nlohmann::json measure(const nlohmann::json& body);
+    Artefact flip_map(const std::string& image, const std::string& reference, const std::string& layer,
+                      const std::string& range, const std::string& precision);
 
     DeviceList device_list;
     const Options options;  // its devices by id, each once
-    Artefact flip_map(const std::string& image, const std::string& reference, const std::string& layer,
-                      const std::string& range, const std::string& precision);
     DataFiles files;
     Metrics metrics;
     EventHub events;
@@ -429,6 +448,7 @@ struct Service::Impl {
     Store store;
     JobQueue queue;
     std::vector<std::unique_ptr<Slot>> slots;
+    Totals totals;
     bool stopping = false;
     uint64_t event_ids_until = 1;
 
@@ -450,12 +470,12 @@ std::string text_of(const nlohmann::json& value);
 /// A message's member where it is an object, else null.
 nlohmann::json object_or_null(const nlohmann::json& message, const char* member);
 
-/// A page's limit. Throws OutOfRange outside 1..1000.
-void check_limit(uint32_t limit);
-/// A cursor that is a number; `otherwise` when it is empty. Throws OutOfRange.
 /// A fault for what is neither "float" nor "half".
 void check_precision(const std::string& precision, BodyFaults& faults);
 
+/// A page's limit. Throws OutOfRange outside 1..1000.
+void check_limit(uint32_t limit);
+/// A cursor that is a number; `otherwise` when it is empty. Throws OutOfRange.
 int64_t read_cursor(const std::string& cursor, int64_t otherwise);
 
 }  // namespace photond

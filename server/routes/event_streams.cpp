@@ -1,5 +1,6 @@
 #include "server/routes/event_streams.h"
 
+#include <spdlog/spdlog.h>
 #include <sys/epoll.h>
 #include <sys/eventfd.h>
 #include <sys/socket.h>
@@ -14,13 +15,18 @@ namespace {
 
 constexpr auto kHeartbeat = std::chrono::seconds(15);  // keeps proxies from closing a quiet stream
 constexpr auto kStall = std::chrono::seconds(30);      // a reader that takes nothing for so long is dropped
-constexpr size_t kMaxBacklog = 256 << 10;              // bytes; a reader further behind is dropped, and may resume
-constexpr size_t kPage = 256;                          // events at once for one that catches up
+constexpr auto kTick = std::chrono::seconds(1);
+constexpr size_t kMaxBacklog = 256 << 10;  // bytes; a reader further behind is dropped, and may resume
+constexpr size_t kPage = 256;              // events at once for one that catches up
 
 }  // namespace
 
 std::string event_text(const Event& event) {
     return "event: " + event.type + "\nid: " + std::to_string(event.id) + "\ndata: " + event.data + "\n\n";
+}
+
+std::string status_event_text(const nlohmann::json& status) {
+    return "event: status\ndata: " + status.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n\n";
 }
 
 struct EventStreams::Stream {
@@ -31,11 +37,14 @@ struct EventStreams::Stream {
     std::string out;
     bool waits_to_write = false;
     Clock::time_point last_sent = Clock::now();
+    Clock::time_point last_status = Clock::now();  // it begins with one
 };
 
-EventStreams::EventStreams(EventHub& events, std::function<void(int)> clients_changed)
+EventStreams::EventStreams(EventHub& events, std::function<void(int)> clients_changed,
+                           std::function<nlohmann::json()> status)
     : events_(events),
       clients_changed_(std::move(clients_changed)),
+      status_(std::move(status)),
       epoll_(epoll_create1(EPOLL_CLOEXEC)),
       wake_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
     if (!epoll_ || !wake_) throw std::system_error(errno, std::generic_category(), "epoll");
@@ -74,7 +83,7 @@ void EventStreams::stop() {
 
 void EventStreams::run() {
     std::array<epoll_event, 256> ready{};
-    auto next_tick = Clock::now() + std::chrono::seconds(1);
+    auto next_tick = Clock::now() + kTick;
     while (!stopping_) {
         const int n = epoll_wait(epoll_.get(), ready.data(), static_cast<int>(ready.size()), 1000);
         bool news = false;
@@ -106,8 +115,9 @@ void EventStreams::run() {
         take_inbox();
         if (news) spread_new_events();
         if (Clock::now() >= next_tick) {
-            next_tick = Clock::now() + std::chrono::seconds(1);
+            next_tick = Clock::now() + kTick;
             tick();
+            spread_status();
         }
     }
 }
@@ -213,6 +223,29 @@ void EventStreams::tick() {
     for (const int socket : quiet) {
         Stream& stream = *streams_[socket];
         stream.out = ": still here\n\n";
+        flush(stream);
+    }
+}
+
+// To those that have taken all they were sent: for one that lags, the next one will do.
+void EventStreams::spread_status() {
+    const auto now = Clock::now();
+    std::vector<int> due;
+    for (const auto& [socket, stream] : streams_)
+        if (stream->job.empty() && stream->live && stream->out.empty() && now - stream->last_status >= kTick)
+            due.push_back(socket);
+    if (due.empty()) return;
+    std::string text;
+    try {
+        text = status_event_text(status_());
+    } catch (const std::exception& error) {  // the events themselves go on
+        spdlog::warn("the status cannot be told: {}", error.what());
+        return;
+    }
+    for (const int socket : due) {
+        Stream& stream = *streams_[socket];
+        stream.last_status = now;
+        stream.out = text;
         flush(stream);
     }
 }

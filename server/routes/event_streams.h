@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
 #include <unordered_map>
@@ -18,11 +19,14 @@ namespace photond::http {
 
 /// One event as it stands on the wire.
 std::string event_text(const Event& event);
+/// The daemon's status as an event. It has no id: it is of the moment, and nothing to resume by.
+std::string status_event_text(const nlohmann::json& status);
 
 class EventStreams {
 public:
-    /// `clients_changed(+1 or -1)` for the metrics.
-    EventStreams(EventHub& events, std::function<void(int)> clients_changed);
+    /// `clients_changed(+1 or -1)` for the metrics. `status` is asked once a second while somebody listens to the
+    /// whole daemon.
+    EventStreams(EventHub& events, std::function<void(int)> clients_changed, std::function<nlohmann::json()> status);
     ~EventStreams();
     EventStreams(const EventStreams&) = delete;
     EventStreams& operator=(const EventStreams&) = delete;
@@ -42,10 +46,12 @@ private:
     void catch_up(Stream& stream);
     void flush(Stream& stream);
     void tick();
+    void spread_status();
     void drop(int socket);
 
     EventHub& events_;
     const std::function<void(int)> clients_changed_;
+    const std::function<nlohmann::json()> status_;
     FileDescriptor epoll_, wake_;
     std::unordered_map<int, std::unique_ptr<Stream>> streams_;
     uint64_t spread_ = 0;  // every event up to this id has been given to the streams that were up to date

@@ -74,7 +74,9 @@ struct HttpServer::Impl {
         : service(borrowed),
           routes(all_routes(service)),
           judge(judge_settings(service), routes, tokens),
-          streams(service.events(), [this](int delta) { service.metrics().event_clients(delta); }),
+          streams(
+              service.events(), [this](int delta) { service.metrics().event_clients(delta); },
+              [this] { return service.status(); }),
           hub(hub_settings(service.options()), callbacks()),
           quick(kQuickThreads, kMaxWaitingQuick, [this](auto connection) { hub.answered(std::move(connection)); }),
           slow(kSlowThreads, kMaxWaitingSlow, [this](auto connection) { hub.answered(std::move(connection)); }) {}

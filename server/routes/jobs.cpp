@@ -3,6 +3,7 @@
 #include <charconv>
 
 #include "protocol/strict_json.h"
+#include "server/routes/event_streams.h"
 #include "server/routes/idempotency.h"
 #include "server/routes/query.h"
 #include "server/routes/routes.h"
@@ -94,8 +95,8 @@ Reply all_events(Service& service, Call& call) {
     Query(call.query).finish();
     const EventHub& events = service.events();
     Reply reply;
-    reply.events =
-        EventSubscription{"", resume_after(call, events).value_or(events.last_id()), "retry: 1000\n\n: listening\n\n"};
+    reply.events = EventSubscription{"", resume_after(call, events).value_or(events.last_id()),
+                                     "retry: 1000\n\n: listening\n\n" + status_event_text(service.status())};
     return reply;
 }
 

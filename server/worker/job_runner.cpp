@@ -64,6 +64,7 @@ void JobRunner::run(const json& order, JobControl& control) noexcept {
            {"seconds", report.seconds},
            {"film", report.film},
            {"statistics", report.statistics},
+           {"rendered", report.rendered},
            {"curve", report.curve},
            {"error_now", report.error_now},
            {"artefacts", report.artefacts},

@@ -154,6 +154,7 @@ std::optional<Film> RenderJob::film_to_go_on_with() {
                          request.first_pass);
         FilmHistory before = FilmHistory::parse(saved.history);
         stats_.counts += before.counts;
+        counts_before_ = before.counts;
         add_stages(stats_.stages, before.stages);
         skipped_before_ = std::move(before.skipped);
         seconds_before_ = before.seconds;
@@ -233,6 +234,15 @@ void RenderJob::finish(const PassLoop::Result& result) {
         statistics_json({stats_, film, budget_, ready_->scene.needs, device_, order_.request, order_.source.id,
                          result.render_seconds, order_.threads, baseline_bytes_, peak_bytes,
                          saver_->identity().settings, resumed_passes_, &errors, on_device});
+    const Counts &all = stats_.counts, &before = counts_before_;
+    report_.rendered = {{"passes", film.passes() - resumed_passes_},
+                        {"seconds", result.render_seconds - seconds_before_},
+                        {"rays",
+                         {{"camera", all.camera_rays - before.camera_rays},
+                          {"bounce", all.bounce_rays - before.bounce_rays},
+                          {"shadow", all.shadow_rays - before.shadow_rays},
+                          {"photon", all.photon_rays - before.photon_rays}}},
+                        {"photons", all.photons_emitted - before.photons_emitted}};
     report_.state = result.cancelled ? "cancelled" : "succeeded";
     log("%s after %u passes, %.3f s of rendering on %u threads", report_.state.c_str(), film.passes(),
         result.render_seconds, order_.threads);

@@ -48,6 +48,7 @@ struct JobReport {
     double seconds = 0;
     nlohmann::json film = nullptr;
     nlohmann::json statistics = nullptr;
+    nlohmann::json rendered = nullptr;  // by this attempt alone
     nlohmann::json curve = nullptr;
     nlohmann::json error_now = nullptr;
     nlohmann::json artefacts = nlohmann::json::array();
@@ -109,6 +110,7 @@ private:
     std::optional<FilmSaver> saver_;
     double seconds_before_ = 0;    // of the film that this job goes on with
     uint32_t resumed_passes_ = 0;  // likewise
+    Counts counts_before_;         // likewise
     bool met_before_ = false;      // its target, likewise
     std::vector<Skipped> skipped_before_;
     double last_progress_ = 0;

@@ -35,6 +35,14 @@ constexpr std::chrono::seconds kLeastStartTime{30};
 
 milliseconds seconds_to_ms(double seconds) { return milliseconds(static_cast<int64_t>(seconds * 1000)); }
 
+/// Signals that a program brings on itself; others come from outside.
+bool is_own_fault(int signal) {
+    return signal == SIGSEGV || signal == SIGABRT || signal == SIGBUS || signal == SIGFPE || signal == SIGILL ||
+           signal == SIGTRAP || signal == SIGSYS || signal == SIGXCPU || signal == SIGPIPE || signal == SIGALRM;
+}
+
+}  // namespace
+
 uint64_t resident_bytes_of(pid_t pid) {
     char path[64];
     std::snprintf(path, sizeof path, "/proc/%d/statm", static_cast<int>(pid));
@@ -45,14 +53,6 @@ uint64_t resident_bytes_of(pid_t pid) {
     std::fclose(file);
     return read == 2 ? resident * static_cast<uint64_t>(sysconf(_SC_PAGESIZE)) : 0;
 }
-
-/// Signals that a program brings on itself; others come from outside.
-bool is_own_fault(int signal) {
-    return signal == SIGSEGV || signal == SIGABRT || signal == SIGBUS || signal == SIGFPE || signal == SIGILL ||
-           signal == SIGTRAP || signal == SIGSYS || signal == SIGXCPU || signal == SIGPIPE || signal == SIGALRM;
-}
-
-}  // namespace
 
 std::string_view exit_cause_name(ExitCause cause) {
     constexpr std::string_view kNames[] = {"crashed",  "lost",        "hung",   "out_of_memory",

@@ -48,6 +48,9 @@ struct ProcessExit {
 };
 std::string_view exit_cause_name(ExitCause cause);
 
+/// Of a process of this machine, in physical memory; 0: there is none.
+uint64_t resident_bytes_of(pid_t pid);
+
 class WorkerProcess {
 public:
     /// All are called from the process's own supervising thread, one at a time, without any lock of this class.

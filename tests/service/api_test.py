@@ -48,10 +48,12 @@ class EventStream:
 
 
 def until_over(stream):
-    """All events up to the first that says the job is over."""
+    """All events of jobs up to the first that says the job is over."""
     events = []
     while True:
         event = stream.next()
+        if event["event"] == "status":  # the daemon's, between those of jobs
+            continue
         events.append((int(event["id"]), event["event"], json.loads(event["data"])))
         if events[-1][2].get("state") in ("succeeded", "failed", "cancelled"):
             return events
