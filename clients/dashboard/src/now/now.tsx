@@ -12,7 +12,7 @@ import { Workers } from "./workers";
 import "./now.css";
 
 export function Now() {
-  const { lists, failure, round, reload } = useNowData();
+  const { lists, failure, reload } = useNowData();
   const lost = connection.value === "lost";
   const isNew = lists !== null && lists.total === 0;
   return (
@@ -54,7 +54,7 @@ export function Now() {
             <Workers />
           </div>
           <div class="stack">
-            <RecentStudies round={round} />
+            {lists && <RecentStudies jobs={[...lists.running, ...lists.queue, ...lists.recent]} />}
             <Throughput />
           </div>
         </div>

@@ -31,15 +31,12 @@ async function readLists(signal: AbortSignal): Promise<Lists> {
 export interface NowData {
   lists: Lists | null;
   failure: Error | null;
-  /** Counts the readings, for what else is to be read when jobs have come or gone. */
-  round: number;
   reload: () => void;
 }
 
 export function useNowData(): NowData {
   const [lists, setLists] = useState<Lists | null>(null);
   const [failure, setFailure] = useState<Error | null>(null);
-  const [round, setRound] = useState(0);
   const reader = useRef<() => void>(() => {});
   useEffect(() => {
     const stop = new AbortController();
@@ -57,7 +54,6 @@ export function useNowData(): NowData {
       try {
         hold(await readLists(stop.signal));
         setFailure(null);
-        setRound((old) => old + 1);
       } catch (reason) {
         if (stop.signal.aborted) return;
         setFailure(reason as Error);
@@ -93,5 +89,5 @@ export function useNowData(): NowData {
       unwatch();
     };
   }, []);
-  return { lists, failure, round, reload: useCallback(() => reader.current(), []) };
+  return { lists, failure, reload: useCallback(() => reader.current(), []) };
 }

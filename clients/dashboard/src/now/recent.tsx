@@ -1,10 +1,10 @@
 // What has ended lately: pictures of jobs, and the studies with what they found.
 
-import { useEffect } from "preact/hooks";
+import { useEffect, useRef } from "preact/hooks";
 
 import type { Comparison, ComparisonSummary, JobSummary, Page } from "../api/types";
 import { headline } from "../studies/headline";
-import { errorText, plainName, secondsText, timeText } from "../ui/format";
+import { numberText, plainName, secondsText, timeText } from "../ui/format";
 import { Picture } from "../ui/picture";
 import { useRemote } from "../ui/remote";
 import { StateMark } from "../ui/state";
@@ -12,7 +12,7 @@ import { StateMark } from "../ui/state";
 const kStudiesShown = 5;
 
 function RecentJob({ row }: { row: JobSummary }) {
-  const error = errorText(row.error_now);
+  const error = row.error_now && row.error_now.value !== null ? `${numberText(row.error_now.value)} ${plainName(row.error_now.metric)}` : "";
   return (
     <li>
       <a class="now-recent-job" href={`/jobs/${row.id}`}>
@@ -79,12 +79,16 @@ function StudyRow({ study }: { study: ComparisonSummary }) {
   );
 }
 
-/** The newest studies; `round` counts what makes it necessary to look again. */
-export function RecentStudies({ round }: { round: number }) {
+/** The newest studies, asked for again when the jobs of one have changed. */
+export function RecentStudies({ jobs }: { jobs: JobSummary[] }) {
   const { data, failure, reload } = useRemote<Page<ComparisonSummary>>(`/v1/comparisons?limit=${kStudiesShown}`);
+  const states = jobs.flatMap((job) => (job.comparison ? [`${job.id} ${job.state}`] : [])).join();
+  const read = useRef(states);
   useEffect(() => {
-    if (round > 1) reload();
-  }, [round]);
+    if (states === read.current) return;
+    read.current = states;
+    reload();
+  }, [states]);
   if (failure && !data) return <p class="notice failed">The studies cannot be listed: {failure.message}</p>;
   if (!data || data.items.length === 0) return null;
   return (

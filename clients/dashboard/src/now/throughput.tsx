@@ -8,6 +8,7 @@ import { samples } from "./history";
 import { type Quantity, rates, type Sample } from "./rates";
 
 const kShownSeconds = 300;
+const kLeastSeconds = 60;
 
 interface Shown {
   quantity: Quantity;
@@ -20,14 +21,15 @@ interface Shown {
 
 const kShown: Shown[] = [
   { quantity: "passes", name: "Passes", unit: "a second", windowSeconds: 5, perSeconds: 1 },
-  { quantity: "rays", name: "Rays", unit: "a second", windowSeconds: 5, perSeconds: 1 },
-  { quantity: "photons", name: "Photons", unit: "a second", windowSeconds: 5, perSeconds: 1 },
+  // These are known when a job ends, so a minute is looked back on.
+  { quantity: "rays", name: "Rays", unit: "a second, as jobs end", windowSeconds: 60, perSeconds: 1 },
+  { quantity: "photons", name: "Photons", unit: "a second, as jobs end", windowSeconds: 60, perSeconds: 1 },
   { quantity: "jobs", name: "Jobs", unit: "a minute", windowSeconds: 60, perSeconds: 60 },
 ];
 
 const agoText = (seconds: number) => (seconds === 0 ? "now" : `−${secondsText(-seconds)}`);
 
-function Chart({ name, unit, x, y, write, look }: { name: string; unit: string; x: number[]; y: (number | null)[]; write: (value: number | null) => string; look: number }) {
+function Chart({ name, unit, x, y, write, look, binary = false }: { name: string; unit: string; x: number[]; y: (number | null)[]; write: (value: number | null) => string; look: number; binary?: boolean }) {
   const now = y.at(-1) ?? null;
   const text = `${write(now)} ${unit}`.trim();
   return (
@@ -40,8 +42,9 @@ function Chart({ name, unit, x, y, write, look }: { name: string; unit: string; 
         x={x}
         y={y}
         height={92}
-        range={[-kShownSeconds, 0]}
+        range={[Math.max(-kShownSeconds, Math.min(-kLeastSeconds, x[0] ?? 0)), 0]}
         look={look}
+        binary={binary}
         axes={{ x: agoText, y: (value) => (value === 0 ? "0" : write(value)) }}
       />
     </figure>
@@ -72,7 +75,7 @@ export function Throughput() {
           {kShown.map((shown, index) => (
             <RateChart key={shown.quantity} shown={shown} x={x} all={all} look={index} />
           ))}
-          <Chart name="Memory" unit="held by all processes" x={x} y={memory} write={bytesText} look={4} />
+          <Chart name="Memory" unit="held by all processes" x={x} y={memory} write={bytesText} look={4} binary />
         </div>
       )}
     </section>

@@ -35,7 +35,7 @@ function Worker({ worker, device }: { worker: WorkerStatus; device: Device | und
         <span class="muted small">
           {helper
             ? "reads scenes, makes pictures, measures errors"
-            : `${worker.device}${device ? ` · ${device.software ? "software" : "hardware"}` : ""}`}
+            : `${worker.device}${device && device.kind !== "cpu" ? ` · ${device.software ? "software" : "hardware"}` : ""}`}
         </span>
       </span>
       <span class={`now-worker-state ${worker.state}`}>

@@ -23,7 +23,11 @@ interface Props {
   look?: number;
   /** How the axes' numbers are written; without, there are no axes. */
   axes?: { x: (value: number) => string; y: (value: number) => string };
+  /** The y axis is marked in powers of two, as bytes are counted. */
+  binary?: boolean;
 }
+
+const kPowersOfTwo = Array.from({ length: 50 }, (_, power) => 2 ** power);
 
 type Data = [number[], (number | null | undefined)[]];
 
@@ -57,14 +61,14 @@ function optionsOf(Chart: typeof uPlot, latest: { current: Props }, width: numbe
     height: props.height,
     legend: { show: false },
     cursor: { show: false },
-    padding: props.axes ? [8, 8, 0, 0] : [4, 4, 4, 4],
+    padding: props.axes ? [8, 14, 0, 0] : [4, 4, 4, 4],
     scales: {
       x: { time: false, distr: distribution, ...(props.range ? { range: () => latest.current.range! } : {}) },
       // Amounts are seen against nothing: the axis begins at 0 and ends well above the greatest.
       y: { distr: distribution, ...(props.logarithmic ? {} : { range: (_: uPlot, _low: number, high: number) => [0, high > 0 ? high * 1.15 : 1] }) },
     },
     axes: props.axes
-      ? [axis(props.axes.x, { size: 22, space: 90 }), axis(props.axes.y, { size: 52, space: 26 })]
+      ? [axis(props.axes.x, { size: 22, space: 90 }), axis(props.axes.y, { size: 58, space: 26, ...(props.binary ? { incrs: kPowersOfTwo } : {}) })]
       : [hidden, hidden],
     series: [{}, series],
   };
