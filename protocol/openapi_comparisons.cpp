@@ -65,7 +65,10 @@ json row_schema() {
          {"seconds", spread},
          {"error", map_of(mean("value", {{"reference", nullable("number", "the reference's own noise")},
                                          {"near_reference", typed("boolean", "within 3 times of that")}}))},
-         {"time_to_error", map_of(list_of(mean("seconds", {{"error", typed("number")}, {"reached", count("seeds")}})))},
+         {"time_to_error",
+          map_of(list_of(mean("seconds", {{"error", typed("number")},
+                                          {"reached", count("seeds")},
+                                          {"at_most", typed("boolean", "the time is an upper bound")}})))},
          {"error_at_time", map_of(list_of(mean("error", {{"seconds", typed("number")}, {"reached", count("seeds")}})))},
          {"peak_bytes", nullable("integer", "the largest of the seeds', beside the idle process")},
          {"efficiency", nullable("number", "1 / (mse x seconds), mean over the seeds")},
@@ -91,6 +94,18 @@ json summary_schema() {
                                    {"report_html", typed("string")}})}});
 }
 
+json verdict_schema() {
+    return given({{"metric", typed("string")},
+                  {"error", typed("number", "the smallest level of which it is true")},
+                  {"easiest", typed("number", "the largest")},
+                  {"close", typed("boolean", "the two quickest cannot be told apart")},
+                  {"factor", nullable("number", "the second's time over the first's")},
+                  {"arrived", with_text(list_of(given({{"row", count()}, {"seconds", typed("number")}})),
+                                        "rows of the table that reach it with every seed, quickest first")},
+                  {"missing", with_text(list_of(count()), "rows that do not")},
+                  {"text", typed("string", "the same as a sentence")}});
+}
+
 json comparison_schema() {
     json schema = summary_schema();
     const auto add = [&schema](const char* key, json member) {
@@ -105,6 +120,7 @@ json comparison_schema() {
                                {"passes_done", count()},
                                {"seconds", typed("number")}})));
     add("table", list_of(row_schema()));
+    add("verdicts", with_text(list_of(verdict_schema()), "who is first, for each metric by falling error"));
     add("reference", or_null(given({{"job", nullable("string")},
                                     {"image", nullable("string")},
                                     {"state", {{"type", {"string", "null"}}}},
@@ -138,6 +154,13 @@ json report_schema(const json& comparison) {
                                                  {"photons", nullable("integer")},
                                                  {"metrics", map_of(nullable("number"))}}))}}));
     schema["required"].push_back("curves");
+    json& row = schema["properties"]["table"]["items"];
+    row["properties"]["mean_curve"] =
+        with_text(map_of(list_of(mean("error", {{"seconds", typed("number")},
+                                                {"min", typed("number", "of the seeds")},
+                                                {"max", typed("number", "of the seeds")}}))),
+                  "over the seeds where all their curves overlap, by metric");
+    row["required"].push_back("mean_curve");
     return schema;
 }
 

@@ -11,6 +11,7 @@
 #include "server/clock_text.h"
 #include "server/comparisons/measured_job.h"
 #include "server/comparisons/report_text.h"
+#include "server/comparisons/verdict.h"
 #include "server/service_impl.h"
 
 namespace photond {
@@ -218,6 +219,7 @@ Service::Impl::Judged Service::Impl::judge(const Compared& compared) {
     const json& request = object["request"];
     judged.table = make_table(judged.jobs, request.at("metrics").get<std::vector<std::string>>(), wishes_of(request));
     object["table"] = to_json(judged.table);
+    object["verdicts"] = verdicts_json(judged.table);
     object["reference"] = reference_json(compared.row, state.reference, judged.jobs, judged.table);
     return judged;
 }

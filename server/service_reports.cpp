@@ -154,6 +154,8 @@ Artefact Service::Impl::comparison_json(const std::string& id) {
     json curves = json::array();
     for (const MeasuredJob& job : judged.jobs) curves.push_back({{"job", job.id}, {"points", curve_json(job)}});
     judged.object["curves"] = std::move(curves);
+    for (size_t r = 0; r < judged.table.rows.size(); ++r)
+        judged.object["table"][r]["mean_curve"] = mean_curves_json(judged.table.rows[r]);
     const std::string text = judged.object.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
     return text_artefact(cache_prefix(judged.object, "json"), text, "application/json");
 }

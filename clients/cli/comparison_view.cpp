@@ -181,72 +181,6 @@ void print_noise(std::ostream& out, const json& rows, const std::vector<std::str
     }
 }
 
-struct Arrival {
-    std::string name;
-    Figure seconds;
-};
-
-/// Rows that reach `error`, quickest first; the names of those that do not are added to `missing`.
-std::vector<Arrival> arrivals_at(const json& table, const std::string& metric, double error,
-                                 std::vector<std::string>& missing) {
-    std::vector<Arrival> arrivals;
-    for (const json& row : table) {
-        const std::string name = comparison_row_name(row);
-        if (const auto seconds = figure_at(row, kTimeToError, metric, error))
-            arrivals.push_back({name, *seconds});
-        else
-            missing.push_back(name);
-    }
-    std::stable_sort(arrivals.begin(), arrivals.end(),
-                     [](const Arrival& a, const Arrival& b) { return a.seconds.value < b.seconds.value; });
-    return arrivals;
-}
-
-bool overlap(const Figure& a, const Figure& b) {
-    return a.low && a.high && b.low && b.high && *a.high >= *b.low && *b.high >= *a.low;
-}
-
-/// Who reaches an error first, or which two are too close to call.
-struct Outcome {
-    double error = 0;
-    std::vector<Arrival> arrivals;     // quickest first
-    std::vector<std::string> missing;  // rows that do not reach it
-    bool close = false;                // the intervals of the two quickest overlap
-
-    /// Whether it says the same of another error: an easier one needs no sentence of its own.
-    bool same_leader(const Outcome& other) const {
-        return close == other.close && arrivals.front().name == other.arrivals.front().name &&
-               (!close || arrivals[1].name == other.arrivals[1].name);
-    }
-};
-
-Outcome outcome_at(const json& table, const std::string& metric, double error) {
-    Outcome outcome;
-    outcome.error = error;
-    outcome.arrivals = arrivals_at(table, metric, error, outcome.missing);
-    outcome.close = outcome.arrivals.size() > 1 && overlap(outcome.arrivals[0].seconds, outcome.arrivals[1].seconds);
-    return outcome;
-}
-
-/// `easiest`: the largest error in a row of which the same is true.
-std::string sentence_of(const Outcome& outcome, const std::string& metric, double easiest) {
-    const std::vector<Arrival>& arrivals = outcome.arrivals;
-    const std::string goal = metric + " " + three_digit_number(outcome.error);
-    const auto named = [](const Arrival& arrival) {
-        return arrival.name + ": " + human_seconds(arrival.seconds.value);
-    };
-    std::string others;
-    const auto add = [&others](const std::string& text) { others += (others.empty() ? "" : "; ") + text; };
-    for (size_t i = outcome.close ? 2 : 1; i < arrivals.size(); ++i) add(named(arrivals[i]));
-    for (const std::string& name : outcome.missing) add(name + ": not in its time");
-    std::string sentence =
-        outcome.close
-            ? "too close to call at " + goal + ": " + named(arrivals[0]) + "; " + named(arrivals[1])
-            : arrivals[0].name + " reaches " + goal + " first, after " + human_seconds(arrivals[0].seconds.value);
-    if (!others.empty()) sentence += " (" + others + ")";
-    return sentence + (easiest > outcome.error ? ", and likewise from " + three_digit_number(easiest) + " on" : "");
-}
-
 }  // namespace
 
 std::string comparison_row_name(const json& row) {
@@ -275,20 +209,7 @@ void print_comparison_tables(std::ostream& out, const json& comparison) {
 
 std::vector<std::string> verdicts(const json& comparison) {
     std::vector<std::string> sentences;
-    const json table = member(comparison, "table");
-    if (!table.is_array() || table.size() < 2) return sentences;
-    for (const std::string& metric : metrics_of(comparison)) {
-        const std::set<double> errors = places(table, kTimeToError, metric);
-        std::vector<Outcome> outcomes;  // the largest error first
-        for (auto error = errors.rbegin(); error != errors.rend(); ++error)
-            outcomes.push_back(outcome_at(table, metric, *error));
-        for (size_t begin = 0; begin < outcomes.size();) {
-            size_t last = begin;
-            while (last + 1 < outcomes.size() && outcomes[last + 1].same_leader(outcomes[begin])) ++last;
-            sentences.push_back(sentence_of(outcomes[last], metric, outcomes[begin].error));
-            begin = last + 1;
-        }
-    }
+    for (const json& verdict : member(comparison, "verdicts")) sentences.push_back(plain_text(member(verdict, "text")));
     return sentences;
 }
 

@@ -16,9 +16,7 @@ std::string comparison_row_name(const nlohmann::json& row);
 /// noise. `comparison`: protocol.md, "Shapes".
 void print_comparison_tables(std::ostream& out, const nlohmann::json& comparison);
 
-/// Who is first, by falling error: "photon mapping reaches relative_mse 0.01 first, after 1.20 s (path tracing: 4.50
-/// s)". Errors one after the other with the same outcome share a sentence, that of the smallest. Where the intervals of
-/// the two quickest overlap it says so instead of naming a winner.
+/// Who is first, for each metric by falling error, in the daemon's sentences.
 std::vector<std::string> verdicts(const nlohmann::json& comparison);
 
 }  // namespace photond::cli

@@ -9,6 +9,7 @@
 #include "server/comparisons/report_page.h"
 #include "server/comparisons/report_tables.h"
 #include "server/comparisons/report_text.h"
+#include "server/comparisons/verdict.h"
 
 namespace photond {
 namespace {
@@ -94,16 +95,12 @@ std::string reference_warnings(const Report& report) {
     return html.empty() ? "" : "<ul class=\"first warning\">" + html + "</ul>\n";
 }
 
-std::string verdicts(const Report& report) {
+std::string verdict_section(const Report& report) {
     std::string html;
-    for (const std::string& metric : report.table.metrics) {
-        const std::vector<std::string> lines = first_to_reach(report.table, metric);
-        if (lines.empty()) continue;
-        html += "<h3>" + escaped(metric) + "</h3><ul class=\"first\">";
-        for (const std::string& line : lines) html += "<li>" + line + "</li>";
-        html += "</ul>\n";
-    }
+    for (const Verdict& verdict : verdicts(report.table))
+        html += "<li>" + escaped(verdict_text(report.table, verdict)) + "</li>";
     if (html.empty()) return "";
+    html = "<ul class=\"first\">" + html + "</ul>\n";
     const bool one_seed = report.comparison.at("request")["seeds"].size() == 1;
     return heading("Who reaches which error first") + html +
            (one_seed ? paragraph("One seed: the spread of these times is not known. More seeds give intervals.", "soft")
@@ -312,7 +309,7 @@ std::string report_html(const Report& report) {
     std::string html = "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" + title +
                        "</title><meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<style>" +
                        kReportCss + styles_of_series(report.table.rows.size()) + "</style></head><body>\n";
-    html += header(report) + state_note(report) + verdicts(report) + reference_warnings(report);
+    html += header(report) + state_note(report) + verdict_section(report) + reference_warnings(report);
     for (const std::string& metric : report.table.metrics) html += metric_section(report.table, metric);
     html += heading("What it cost") + cost_table(report.table) + structures_table(report) + stages_table(report);
     html += pictures(report) + repetition(report);

@@ -36,7 +36,4 @@ std::string report_html(const Report& report);
 /// The Content-Security-Policy that permits the page's own style and script, its data images and nothing else.
 std::string report_content_security_policy(const std::string& page);
 
-/// Of one metric, level by level: which row reaches an error first, as text with names escaped.
-std::vector<std::string> first_to_reach(const ComparisonTable& table, const std::string& metric);
-
 }  // namespace photond

@@ -70,12 +70,6 @@ std::string figures_table(const ComparisonTable& table, const Figures& figures, 
     return html + "</tbody></table></div>";
 }
 
-/// Where a row is at or below an error from its first point on: its time is an upper bound.
-bool begins_below(const TableRow& row, const std::string& metric, double error) {
-    const std::vector<MeanPoint>& curve = row.mean_curve.at(metric);
-    return !curve.empty() && curve.front().error.mean <= error;
-}
-
 std::string spread_text(const Spread& spread, std::string (*written)(double)) {
     return spread.min == spread.max ? written(spread.min) : written(spread.min) + " – " + written(spread.max);
 }
@@ -114,9 +108,7 @@ std::string time_to_error_table(const ComparisonTable& table, const std::string&
         return table.rows[r].time_to_error.at(metric)[c].seconds;
     };
     figures.reached = [&](size_t r, size_t c) { return table.rows[r].time_to_error.at(metric)[c].reached; };
-    figures.at_most = [&](size_t r, size_t c) {
-        return begins_below(table.rows[r], metric, table.rows[r].time_to_error.at(metric)[c].error);
-    };
+    figures.at_most = [&](size_t r, size_t c) { return table.rows[r].time_to_error.at(metric)[c].at_most; };
     return figures_table(table, figures,
                          "Time to reach an error of ... and stay there; small: 95 % interval over the seeds; – : not "
                          "reached by every seed; ≤ : below it from the first measurement on.");
@@ -155,37 +147,6 @@ std::string cost_table(const ComparisonTable& table) {
                 "</td></tr>";
     }
     return html + "</tbody></table></div>";
-}
-
-std::vector<std::string> first_to_reach(const ComparisonTable& table, const std::string& metric) {
-    std::vector<std::string> lines;
-    if (table.rows.size() < 2) return lines;
-    const size_t levels = table.rows.front().time_to_error.at(metric).size();
-    for (size_t level = 0; level < levels; ++level) {
-        const auto at = [&](size_t r) -> const TimeToError& { return table.rows[r].time_to_error.at(metric)[level]; };
-        std::vector<size_t> order;
-        for (size_t r = 0; r < table.rows.size(); ++r)
-            if (at(r).seconds) order.push_back(r);
-        if (order.empty()) continue;
-        std::sort(order.begin(), order.end(),
-                  [&](size_t a, size_t b) { return at(a).seconds->mean < at(b).seconds->mean; });
-        const LogMean& first = *at(order[0]).seconds;
-        std::string line = short_number(at(order[0]).error) + ": <b>" + name_of(table.rows[order[0]]) + "</b> after " +
-                           (begins_below(table.rows[order[0]], metric, at(order[0]).error) ? "at most " : "") +
-                           short_seconds(first.mean);
-        if (const std::string spread = interval(first, short_seconds); !spread.empty()) line += " (" + spread + ")";
-        if (order.size() == 1) {
-            line += "; no other row reaches it with every seed";
-        } else {
-            const LogMean& second = *at(order[1]).seconds;
-            line += ", " + short_number(second.mean / first.mean) + " times sooner than " +
-                    name_of(table.rows[order[1]]) + " (" + short_seconds(second.mean) + ")";
-            if (first.high && second.low && *first.high >= *second.low)
-                line += "; their intervals overlap, more seeds would tell them apart";
-        }
-        lines.push_back(line);
-    }
-    return lines;
 }
 
 }  // namespace photond

@@ -90,9 +90,13 @@ std::vector<TimeToError> times_to_errors(const Curves& curves, const RowRange& r
     std::vector<TimeToError> found;
     for (const double error : levels) {
         std::vector<double> seconds;
+        bool at_most = false;
         for (size_t i = row.begin; i < row.end; ++i)
-            if (const auto time = time_to_error(curves[i], error)) seconds.push_back(*time);
-        found.push_back({error, mean_of_all(seconds, row.end - row.begin), seconds.size()});
+            if (const auto time = time_to_error(curves[i], error)) {
+                seconds.push_back(*time);
+                at_most = at_most || *time == curves[i].front().seconds;
+            }
+        found.push_back({error, mean_of_all(seconds, row.end - row.begin), seconds.size(), at_most});
     }
     return found;
 }
@@ -108,6 +112,12 @@ std::vector<ErrorAtTime> errors_at_times(const Curves& curves, const RowRange& r
     return found;
 }
 
+/// Of at least one.
+Spread spread_of(const std::vector<double>& values) {
+    const auto [min, max] = std::minmax_element(values.begin(), values.end());
+    return {*min, *max};
+}
+
 /// The mean of the seeds' last points.
 MeanPoint mean_end(const Curves& curves, const RowRange& row) {
     std::vector<double> seconds, errors;
@@ -116,7 +126,7 @@ MeanPoint mean_end(const Curves& curves, const RowRange& row) {
             seconds.push_back(curves[i].back().seconds);
             errors.push_back(curves[i].back().error);
         }
-    return {log_mean(seconds)->mean, *log_mean(errors)};
+    return {log_mean(seconds)->mean, *log_mean(errors), spread_of(errors)};
 }
 
 std::vector<MeanPoint> mean_curve(const Curves& curves, const RowRange& row) {
@@ -139,7 +149,7 @@ std::vector<MeanPoint> mean_curve(const Curves& curves, const RowRange& row) {
         std::vector<double> errors;
         for (size_t i = row.begin; i < row.end; ++i)
             if (const auto error = error_at_time(curves[i], time)) errors.push_back(*error);
-        if (const auto mean = log_mean(errors)) points.push_back({time, *mean});
+        if (const auto mean = log_mean(errors)) points.push_back({time, *mean, spread_of(errors)});
     }
     return points;
 }
@@ -265,7 +275,7 @@ json row_json(const TableRow& row) {
     for (const auto& [metric, levels] : row.time_to_error) {
         json& list = time_to_error[metric] = json::array();
         for (const TimeToError& level : levels) {
-            json item{{"error", level.error}, {"reached", level.reached}};
+            json item{{"error", level.error}, {"reached", level.reached}, {"at_most", level.at_most}};
             put_mean(item, "seconds", level.seconds);
             list.push_back(std::move(item));
         }
@@ -320,6 +330,19 @@ json to_json(const ComparisonTable& table) {
     json rows = json::array();
     for (const TableRow& row : table.rows) rows.push_back(row_json(row));
     return rows;
+}
+
+json mean_curves_json(const TableRow& row) {
+    json curves = json::object();
+    for (const auto& [metric, points] : row.mean_curve) {
+        json& list = curves[metric] = json::array();
+        for (const MeanPoint& point : points) {
+            json item{{"seconds", point.seconds}, {"min", point.seeds.min}, {"max", point.seeds.max}};
+            put_mean(item, "error", point.error);
+            list.push_back(std::move(item));
+        }
+    }
+    return curves;
 }
 
 std::string row_name(const std::string& label, const json& parameters) {

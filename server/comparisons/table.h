@@ -35,6 +35,7 @@ struct TimeToError {
     double error = 0;
     std::optional<LogMean> seconds;  // where every seed reached it, for good
     size_t reached = 0;              // seeds that did
+    bool at_most = false;            // some seed was there at its first point: the time is an upper bound
 };
 
 struct ErrorAtTime {
@@ -50,13 +51,14 @@ struct FinalError {
     bool near_reference = false;
 };
 
+struct Spread {
+    double min = 0, max = 0;
+};
+
 struct MeanPoint {
     double seconds = 0;
     LogMean error;
-};
-
-struct Spread {
-    double min = 0, max = 0;
+    Spread seeds;  // from the lowest to the highest of the seeds' errors
 };
 
 /// The jobs of one label and one set of parameters; they differ by their seed.
@@ -94,6 +96,8 @@ ComparisonTable make_table(std::span<const MeasuredJob> jobs, const std::vector<
 
 /// Array of rows as protocol.md has them.
 nlohmann::json to_json(const ComparisonTable& table);
+/// {metric: [{"seconds", "error", "low", "high", "min", "max"}]} of a row's mean curves.
+nlohmann::json mean_curves_json(const TableRow& row);
 
 /// "photon mapping, photons 5000": the label and what the sweep gave.
 std::string row_name(const std::string& label, const nlohmann::json& parameters);

@@ -11,6 +11,7 @@
 #include "server/comparisons/exposure.h"
 #include "server/comparisons/plot.h"
 #include "server/comparisons/report_text.h"
+#include "server/comparisons/verdict.h"
 #include "tests/support/temporary_folder.h"
 
 namespace photond {
@@ -92,18 +93,30 @@ TEST(ReportHtml, SaysWhoIsFirst) {
     // 1 / t and 2 / t with two seeds each, a tenth apart.
     const std::vector<MeasuredJob> jobs{job("a", 1, 1), job("a", 2, 1.1), job("b", 1, 2), job("b", 2, 2.2)};
     const ComparisonTable table = make_table(jobs, {"relative_mse"});
-    const std::vector<std::string> lines = first_to_reach(table, "relative_mse");
-    ASSERT_FALSE(lines.empty());
-    bool found = false;
-    for (const std::string& line : lines)
-        if (line.starts_with("0.2: ")) {
-            found = true;
-            EXPECT_TRUE(line.starts_with("0.2: <b>a</b> after 5.24 s")) << line;
-            EXPECT_NE(line.find("2 times sooner than b (10.5 s)"), std::string::npos) << line;
-        }
-    EXPECT_TRUE(found);
-    EXPECT_NE(lines.back().find("no other row reaches it"), std::string::npos) << lines.back();
-    EXPECT_TRUE(first_to_reach(make_table(std::vector{jobs[0]}, {"relative_mse"}), "relative_mse").empty());
+    const std::vector<Verdict> found = verdicts(table);
+    // With two seeds a tenth apart the intervals are wide: nobody is first until b is not there at all.
+    ASSERT_EQ(found.size(), 2u);
+    EXPECT_TRUE(found[0].close);
+    EXPECT_DOUBLE_EQ(found[0].error, 0.2);
+    EXPECT_EQ(verdict_text(table, found[0]),
+              "too close to call at relative_mse 0.2: a (5.24 s) and b (10.5 s); likewise from 2 on");
+    EXPECT_FALSE(found[1].close);
+    EXPECT_EQ(verdict_text(table, found[1]), "a reaches relative_mse 0.1 first, after 10.5 s; not in its time: b");
+    EXPECT_TRUE(verdicts(make_table(std::vector{jobs[0]}, {"relative_mse"})).empty());
+}
+
+TEST(ReportHtml, SaysHowMuchSooner) {
+    const ComparisonTable table =
+        make_table(std::vector{job("a", 1, 1), job("b", 1, 3), job("c", 1, 3.1)}, {"relative_mse"});
+    const json found = verdicts_json(table);
+    ASSERT_EQ(found.size(), 2u) << found.dump(1);
+    EXPECT_EQ(found[0]["text"],
+              "a reaches relative_mse 0.2 first, after 5 s: 3 times sooner than b (15 s); then c (15.5 s); likewise "
+              "from 5 on");
+    EXPECT_NEAR(found[0]["factor"].get<double>(), 3, 1e-9);
+    EXPECT_EQ(found[0]["arrived"][2]["row"], 2);
+    EXPECT_EQ(found[1]["text"], "a reaches relative_mse 0.1 first, after 10 s; not in its time: b, c");
+    EXPECT_TRUE(found[1]["factor"].is_null());
 }
 
 TEST(ReportHtml, MarksWhatIsUnfinished) {

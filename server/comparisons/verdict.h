@@ -1,0 +1,36 @@
+#pragma once
+// Who is first: what the time-to-error tables come to, in plain sentences.
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "server/comparisons/table.h"
+
+namespace photond {
+
+/// Which rows reach an error of a metric, and in what order.
+struct Verdict {
+    std::string metric;
+    double error = 0;             // the smallest of the table's levels of which it is true
+    double easiest = 0;           // the largest
+    std::vector<size_t> arrived;  // rows that reach `error` with every seed, quickest first; never empty
+    std::vector<size_t> missing;  // those that do not
+    /// The two quickest cannot be told apart: their intervals overlap, or both were there before the first measurement.
+    bool close = false;
+    double seconds(const ComparisonTable& table, size_t row) const { return time(table, row).seconds->mean; }
+    const TimeToError& time(const ComparisonTable& table, size_t row) const;
+};
+
+/// For each metric by falling error; levels after each other with the same outcome share a verdict, that of the
+/// smallest. Empty for a table of one row, which nothing can be said of.
+std::vector<Verdict> verdicts(const ComparisonTable& table);
+
+/// "photon mapping reaches relative_mse 0.01 first, after 1.2 s: 3.75 times sooner than path tracing (4.5 s)".
+std::string verdict_text(const ComparisonTable& table, const Verdict& verdict);
+
+/// [{"metric", "error", "easiest", "close", "factor", "arrived": [{"row", "seconds"}], "missing": [row], "text"}]; a
+/// row is its index in the table, the factor the second's time over the first's.
+nlohmann::json verdicts_json(const ComparisonTable& table);
+
+}  // namespace photond
