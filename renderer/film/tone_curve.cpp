@@ -9,8 +9,8 @@ namespace photond {
 
 namespace {
 
-/// Fit to the ACES reference and output transforms, with the fit's own exposure left out (times 0.6), so that middle
-/// grey keeps its place. [Narkowicz 2016] ACES Filmic Tone Mapping Curve.
+/// Fit to the ACES reference and output transforms, with the exposure the fit leaves out (times 0.6): middle grey,
+/// 0.18, comes out as 0.14. [Narkowicz 2016] ACES Filmic Tone Mapping Curve.
 float filmic(float x) {
     x *= 0.6f;
     if (x > 1e4f) return 1.0f;  // the ratio's limit is 2.51/2.43; avoids infinity / infinity
