@@ -1,0 +1,49 @@
+// The newcomer's walk: from the start page, without documentation, the Cornell box by two methods, and which is better.
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+import { axeClean, expectNoComplaints, openPage, shoot, startDaemon } from "./support.mjs";
+
+const daemon = await startDaemon();
+
+test("a newcomer compares two methods on the Cornell box and is told which is better", async () => {
+  const page = await openPage(daemon);
+  await page.getByRole("link", { name: /Compare two methods/ }).click();
+
+  await page.getByRole("heading", { level: 1, name: "New comparison" }).waitFor();
+  await page.locator(".new-study-entry").nth(1).waitFor();
+  assert.deepEqual(await page.locator(".new-study-entry h3").allInnerTexts(), ["1. path tracing", "2. photon mapping"]);
+  assert.equal(await page.locator('input[name="scene"]:checked').inputValue(), "cornell-box");
+  await page.locator(".new-study-total").waitFor();
+  await shoot(page, "first-visit-form");
+  // All is filled in for one press. The test has less time than a person: it asks for smaller pictures, and sooner.
+  await page.getByLabel("Width").fill("64");
+  await page.getByLabel("Height").fill("64");
+  await page.getByRole("spinbutton", { name: /^Time/ }).fill("2");
+  await page.getByRole("button", { name: "Compare", exact: true }).click();
+
+  // No reload, no other page: what comes of it comes here.
+  await page.waitForURL(/\/studies\/C\d+/);
+  const verdict = page.getByRole("region", { name: "Verdict" });
+  await verdict.getByRole("heading", { name: /is better here\.$|depends on the error you need|Too close to call|is ahead at first/ }).waitFor({ timeout: 60_000 });
+  await verdict.getByText(/^(Path tracing|Photon mapping).*relative_mse/).first().waitFor();
+  await shoot(page, "first-visit-verdict", { fullPage: true });
+  await axeClean(page);
+
+  // The words are the figures': what the daemon's own table says.
+  const id = new URL(page.url()).pathname.split("/").at(-1);
+  const study = await daemon.get(`/v1/comparisons/${id}`);
+  const last = study.verdicts.filter(({ metric }) => metric === "relative_mse").at(-1);
+  const heading = await verdict.getByRole("heading").innerText();
+  if (!last.close && !/depends/.test(heading)) assert.ok(heading.toLowerCase().includes(study.table[last.arrived[0].row].label.toLowerCase()), heading);
+
+  // Back at the start page, it has become what was found.
+  await page.getByRole("link", { name: "Now", exact: true }).click();
+  await page.locator(".now-study", { hasText: id }).locator(".now-finding").waitFor();
+  assert.equal(await page.locator(".now-first").count(), 0);
+  assert.equal(await page.locator(".now-recent-job").count(), 3);
+  await page.locator(".now-recent-job img").nth(2).waitFor();
+  await shoot(page, "first-visit-now", { fullPage: true });
+  expectNoComplaints(page);
+});
