@@ -10,6 +10,7 @@ import { getJson, Problem, sendJson } from "../api/client";
 import type { Comparison, ComparisonEstimate, ComparisonRequest, Device, Fault, Method, Page, Scene } from "../api/types";
 import { Title } from "../app/title";
 import { useQuery } from "../app/url_state";
+import { cameraIn } from "../scenes/view_url";
 import { bytesText, secondsText } from "../ui/format";
 import { useRemote } from "../ui/remote";
 import { say, sayFailure } from "../ui/toasts";
@@ -69,10 +70,13 @@ function usePlan(): [Plan | null, (change: (plan: Plan) => Plan) => void, string
       );
       return;
     }
+    if (plan) return; // it has been edited, and the address no longer says where it came from
     const stored = readPlan(sessionStorage.getItem(kStoredPlan));
     const begun = stored ?? defaultPlan();
     const preset = kPresets.find((other) => other.id === query.preset);
-    setPlan({ ...begun, scene: query.scene ?? begun.scene, ...(preset ? { entries: preset.entries() } : {}) });
+    // A link that names a scene says where it is seen from too, or leaves that to the scene.
+    const more = query.scene ? { ...begun.more, camera: cameraIn(query) ?? undefined } : begun.more;
+    setPlan({ ...begun, scene: query.scene ?? begun.scene, more, ...(preset ? { entries: preset.entries() } : {}) });
   }, [query.from]);
   useEffect(() => {
     if (plan) sessionStorage.setItem(kStoredPlan, JSON.stringify(plan));
@@ -80,7 +84,7 @@ function usePlan(): [Plan | null, (change: (plan: Plan) => Plan) => void, string
   const change = (edit: (plan: Plan) => Plan) => {
     setPlan((old) => old && edit(old));
     // What is edited is no longer what the link said; the session has it from here on.
-    if (query.from || query.preset || query.scene) changeQuery({ from: null, preset: null, scene: null });
+    if (query.from || query.preset || query.scene) changeQuery({ from: null, preset: null, scene: null, camera: null, eye: null, target: null, yfov: null });
   };
   return [plan, change, failure];
 }
@@ -104,13 +108,15 @@ function Summary({ request, estimated, sending, onGo, onReset }: SummaryProps) {
         {estimate ? (
           <>
             <p class="new-study-total">
-              {estimate.seconds === null ? "Time not known yet" : `About ${secondsText(estimate.seconds + (estimate.reference_seconds ?? 0))}`}
+              {estimate.seconds === null
+                ? "Time not known yet"
+                : `About ${secondsText(estimate.seconds + (estimate.reference_seconds ?? 0))}${estimate.reference_seconds === null ? " and the reference" : ""}`}
             </p>
             <dl class="facts">
               <dt>Jobs</dt>
               <dd>{estimate.jobs}</dd>
               <dt>Rendering</dt>
-              <dd>{estimate.seconds === null ? "not known: no such job has been rendered here before" : secondsText(estimate.seconds)}</dd>
+              <dd>{estimate.seconds === null ? "not known: nothing like it has been rendered here" : secondsText(estimate.seconds)}</dd>
               <dt>Reference</dt>
               <dd>
                 {request.reference === null

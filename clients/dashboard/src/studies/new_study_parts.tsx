@@ -102,9 +102,17 @@ export function ScenePanel({ plan, set, scenes, faults }: SceneProps) {
           </label>
         )}
         {scenes.map((scene) => (
-          <SceneCard key={scene.id} scene={scene} chosen={isChosen(scene)} onChoose={() => set({ scene: scene.id })} />
+          <SceneCard key={scene.id} scene={scene} chosen={isChosen(scene)} onChoose={() => set({ scene: scene.id, more: { ...plan.more, camera: undefined } })} />
         ))}
       </div>
+      {plan.more.camera != null && (
+        <p class="small new-study-view">
+          Seen from a view of its own.{" "}
+          <button class="quiet" onClick={() => set({ more: { ...plan.more, camera: undefined } })}>
+            Use the scene's camera
+          </button>
+        </p>
+      )}
       <Faults faults={faults} at="/scene" />
       <div class="row new-study-size">
         <div class="row" role="group" aria-label="Usual sizes">

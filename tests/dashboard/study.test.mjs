@@ -1,0 +1,152 @@
+// One comparison on its page: live while it runs, then the verdict, figures, tables and what is saved of them.
+
+import assert from "node:assert/strict";
+import { readFile } from "node:fs/promises";
+import { test } from "node:test";
+
+import { axeClean, expectNoComplaints, openPage, shoot, startDaemon } from "./support.mjs";
+
+const daemon = await startDaemon();
+const request = (more = {}) => ({
+  scene: "cornell-box",
+  image: { width: 48, height: 48 },
+  reference: { method: { name: "path_tracing" }, stop: { passes: 256 } },
+  entries: [
+    { label: "paths", method: { name: "path_tracing" } },
+    { label: "photons & rays", method: { name: "photon_mapping", parameters: { gather: "direct" } }, sweep: { photons: [500, 2000] } },
+  ],
+  stop: { seconds: 0.8 },
+  metrics: ["relative_mse", "rmse"],
+  seeds: [1, 2],
+  ...more,
+});
+const compare = (more) => daemon.json("POST", "/v1/comparisons", request(more));
+const page = await openPage(daemon, "/studies");
+let study;
+
+const saved = async (press) => {
+  const [file] = await Promise.all([page.waitForEvent("download"), press()]);
+  return readFile(await file.path(), "utf8");
+};
+const section = (name) => page.locator("section").filter({ has: page.getByRole("heading", { name, exact: true, level: 2 }) });
+const curves = () => page.locator(".study-plot-holder").first().locator("path");
+/** A figure is drawn a moment after what it is drawn of. */
+const seen = async (what, wanted) => {
+  for (let tries = 0; (await what()) !== wanted; ++tries) {
+    assert.ok(tries < 200, `${await what()} rather than ${wanted}`);
+    await page.waitForTimeout(50);
+  }
+};
+
+test("the list is empty, then follows what runs", async () => {
+  await page.getByText("Nothing has been compared yet.").waitFor();
+  await axeClean(page);
+  study = await compare();
+  await page.getByRole("link", { name: "paths, photons & rays" }).click();
+  await page.waitForURL(`**/studies/${study.id}`);
+});
+
+test("a study is followed to its verdict without a reload", async () => {
+  await page.getByRole("status").filter({ hasText: "jobs done" }).waitFor();
+  await page.locator(".room-title + p .state.succeeded").waitFor({ timeout: 40_000 });
+  const report = await daemon.get(`/v1/comparisons/${study.id}/report.json`);
+  const verdict = page.getByRole("region", { name: "Verdict" });
+  await verdict.getByRole("heading", { name: /is better here|too close to call|It depends/i }).waitFor();
+  const said = report.verdicts.filter((one) => one.metric === "relative_mse").map((one) => one.text.slice(1));
+  const text = await verdict.textContent();
+  assert.ok(said.length > 0 && said.every((one) => text.includes(one)), `${text}\n${said.join("\n")}`);
+  await page.locator(".study-strip").scrollIntoViewIfNeeded();
+  await seen(() => page.locator(".study-strip img").count(), 4);
+  await shoot(page, "study", { fullPage: true });
+  await axeClean(page);
+});
+
+test("the tables say what the daemon says", async () => {
+  const report = await daemon.get(`/v1/comparisons/${study.id}/report.json`);
+  const table = section("Time to reach relative_mse");
+  const levels = report.table[0].time_to_error.relative_mse;
+  assert.equal(await table.locator("thead th").count(), levels.length + 1);
+  const marked = await table.locator("td.study-best").count();
+  const reachable = levels.filter((_, i) => report.table.some((row) => row.time_to_error.relative_mse[i].seconds !== null)).length;
+  assert.ok(marked >= reachable && reachable > 0);
+  const csv = await saved(() => table.getByRole("button", { name: "CSV" }).click());
+  const lines = csv.trim().split("\r\n");
+  assert.equal(lines.length, 1 + 3 * levels.length);
+  const first = report.table[0].time_to_error.relative_mse[0];
+  assert.ok(lines[1].startsWith(`paths,relative_mse,${first.error},${first.seconds ?? ""},`), lines[1]);
+  assert.ok(csv.includes('"photons & rays, photons 500",'));
+  await table.getByRole("button", { name: "LaTeX" }).click();
+  const latex = await table.getByLabel("LaTeX table").textContent();
+  for (const part of ["\\toprule", "\\bottomrule", "photons \\& rays, photons 500 &", "time to a relative\\_mse of", `\\begin{tabular}{l${"r".repeat(levels.length)}}`]) assert.ok(latex.includes(part), `${part}\n${latex}`);
+});
+
+test("entries are switched and the metric chosen in the address", async () => {
+  const before = await curves().count();
+  await page.getByRole("button", { name: /^photons & rays, photons 500/ }).click();
+  await page.waitForURL(/hide=1/);
+  await seen(() => curves().count().then((count) => count < before), true);
+  await page.getByRole("combobox", { name: "Error" }).selectOption("rmse");
+  await page.waitForURL(/metric=rmse/);
+  await page.reload();
+  await section("Time to reach rmse").waitFor();
+  assert.equal(await page.getByRole("button", { name: /^photons & rays, photons 500/ }).getAttribute("aria-pressed"), "false");
+  await page.getByRole("button", { name: /^photons & rays, photons 500/ }).click();
+});
+
+test("curves are read by keyboard", async () => {
+  await page.locator(".study-plot-holder svg").first().waitFor();
+  await page.getByLabel(/against time. Left and right arrows/).focus();
+  await page.keyboard.press("ArrowRight");
+  await page.locator(".study-readout b").waitFor();
+  const first = await page.locator(".study-readout b").textContent();
+  await page.keyboard.press("ArrowRight");
+  await seen(() => page.locator(".study-readout b").textContent().then((text) => text !== first), true);
+});
+
+test("a figure is saved as an SVG that needs nothing else", async () => {
+  const svg = await saved(() => page.getByRole("button", { name: "Save SVG" }).first().click());
+  assert.match(svg, /^<\?xml/);
+  for (const part of ['font-family="Liberation Sans', "photons &amp; rays, photons 2000", 'fill="#ffffff"', "<title>"]) assert.ok(svg.includes(part), part);
+  for (const part of ["<style", "class=", "var(--", "currentColor\" stroke=\"currentColor"]) assert.ok(!svg.includes(part), part);
+  const parsed = await page.evaluate((text) => new DOMParser().parseFromString(text, "image/svg+xml").querySelectorAll("parsererror").length, svg);
+  assert.equal(parsed, 0);
+});
+
+test("pictures: maps of the error, and all entries at one time when asked for", async () => {
+  const pictures = section("Pictures");
+  await pictures.getByRole("button", { name: "FLIP" }).click();
+  await page.waitForURL(/picture=flip/);
+  await seen(() => pictures.locator("img").count(), 3);
+  await pictures.getByText("what all are compared with").waitFor();
+  await pictures.getByRole("button", { name: "Images" }).click();
+  const times = await pictures.getByRole("combobox", { name: "At" }).locator("optgroup[label='Equal time'] option").evaluateAll((options) => options.map((option) => option.value));
+  await pictures.getByRole("combobox", { name: "At" }).selectOption(times[0]);
+  await pictures.getByRole("button", { name: "Render 3 pictures" }).click();
+  await seen(() => pictures.locator("img").count(), 4);
+  const jobs = (await daemon.get("/v1/jobs?view=summary&label=entry")).items;
+  assert.equal(jobs.length, 3);
+  await page.reload();
+  await section("Pictures").scrollIntoViewIfNeeded();
+  await seen(() => section("Pictures").locator("img").count(), 4); // found again by their labels
+  assert.equal(await section("Pictures").getByRole("button", { name: /^Render/ }).count(), 0);
+  const link = await section("Pictures").getByRole("link", { name: "Compare them closely" }).getAttribute("href");
+  assert.equal(link.split("job:").length - 1, 4);
+});
+
+test("nothing is wider than a phone", async () => {
+  await page.setViewportSize({ width: 390, height: 844 });
+  await seen(() => page.evaluate(() => document.documentElement.scrollWidth <= 390), true);
+  await shoot(page, "study-phone", { fullPage: true });
+  await page.setViewportSize({ width: 1440, height: 900 });
+});
+
+test("what runs is cancelled, and a study that is not there is said to be none", async () => {
+  const long = await compare({ stop: { seconds: 60 }, entries: [{ method: { name: "path_tracing" } }], seeds: [9] });
+  await page.goto(`${daemon.url}/studies/${long.id}`);
+  await page.getByRole("button", { name: "Cancel", exact: true }).click();
+  await page.getByText("The comparison was cancelled").waitFor();
+  expectNoComplaints(page);
+  const lost = await openPage(daemon, "/studies/C999", { expected: /404/ });
+  await lost.getByText("there is no comparison 'C999'").waitFor();
+  await axeClean(lost);
+});
