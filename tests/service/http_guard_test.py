@@ -364,7 +364,7 @@ class GuardTest(unittest.TestCase):
             self.assertEqual(reply.status, 404, path)
             self.assertEqual(reply.json["code"], "not_found")
         for method, path, allow in (("PUT", "/v1/jobs", "GET, HEAD, POST"), ("POST", "/healthz", "GET, HEAD"),
-                                    ("PATCH", "/v1/jobs/x", "DELETE, GET, HEAD"), ("GET", "/v1/jobs/x/retry", "POST"),
+                                    ("PUT", "/v1/jobs/x", "DELETE, GET, HEAD, PATCH"), ("GET", "/v1/jobs/x/retry", "POST"),
                                     ("TRACE", "/", "GET, HEAD")):
             reply = self.daemon.request(method, path)
             self.assertEqual((reply.status, reply.headers["allow"]), (405, allow))

@@ -8,7 +8,7 @@ The daemon must not be running meanwhile: its store has one owner. What is writt
 with every default filled in, attempts, statistics, curves, failures, log lines; films alone are missing, as after a job
 that left none. The same count gives the same history.
 
-or by hand: PHOTOND_BIN=... python3 many_jobs.py DATA_DIR COUNT
+Or by hand: PHOTOND_BIN=... python3 many_jobs.py DATA_DIR COUNT
 """
 
 import datetime
