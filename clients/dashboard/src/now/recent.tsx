@@ -66,10 +66,11 @@ function StudyRow({ study }: { study: ComparisonSummary }) {
   return (
     <li class="now-study">
       <span>
-        <a href={`/studies/${study.id}`}>{study.id}</a> <StateMark state={study.state} />
+        <a href={`/studies/${study.id}`}>{study.request.entries.map((entry) => entry.label ?? plainName(entry.method.name)).join(", ")}</a>{" "}
+        <span class="muted">on {study.request.scene}</span>
       </span>
-      <span>
-        {study.request.entries.map((entry) => entry.label ?? plainName(entry.method.name)).join(", ")} <span class="muted">on {study.request.scene}</span>
+      <span class="small">
+        <StateMark state={study.state} /> <span class="muted">{study.id}</span>
       </span>
       {study.progress !== undefined && (study.state === "running" || study.state === "queued") && (
         <progress max={1} value={study.progress} aria-label={`Progress of study ${study.id}`} />
