@@ -10,6 +10,8 @@ export default defineConfig({
     target: "es2022",
     modulePreload: { polyfill: false }, // which would be an inline script, and the page's policy allows none
     assetsInlineLimit: 0,
+    minify: "terser", // a thirtieth smaller than esbuild makes it
+    terserOptions: { compress: { passes: 3, unsafe_arrows: true }, format: { comments: false } },
     reportCompressedSize: false,
   },
   esbuild: { jsx: "automatic", jsxImportSource: "preact", legalComments: "none" },
