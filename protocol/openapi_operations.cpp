@@ -357,7 +357,7 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
          "/assets/{file}",
          "getDashboardFile",
          "A file of the dashboard, under a name that says its contents",
-         {{200, file("text/javascript")}}},
+         {{200, {{"text/javascript", {{"schema", binary()}}}, {"text/css", {{"schema", binary()}}}}}}},
     };
     for (const ApiVocabulary::Artefact& artefact : vocabulary.artefacts)
         all.push_back({"get",

@@ -133,10 +133,16 @@ class OpenApiTest(unittest.TestCase):
     def test_every_answer_is_announced(self):
         ask = self.ask
         binary = {"Content-Type": "model/gltf-binary"}
-        for path in ("/healthz", "/readyz", "/metrics", "/", "/jobs/none", "/favicon.svg", "/v1/status",
+        for path in ("/healthz", "/readyz", "/metrics", "/favicon.svg", "/v1/status",
                      "/v1/openapi.json", "/v1/methods", "/v1/methods/path_tracing", "/v1/devices", "/v1/scenes?limit=1000",
                      "/v1/jobs"):
             self.assertEqual(ask("GET", path).status, 200, path)
+        page = ask("GET", "/")
+        for kind in ("js", "css"):
+            self.assertEqual(ask("GET", re.search(rf"/assets/[\w.-]+\.{kind}", page.text).group()).status, 200, kind)
+        for path in self.api.document["paths"]:  # wherever one goes in it, the dashboard is one page
+            if self.api.document["paths"][path].get("get", {}).get("operationId", "").startswith("showDashboard"):
+                self.assertEqual(ask("GET", re.sub(r"\{\w+\}", "none", path)).body, page.body, path)
         scene = ask("POST", "/v1/scenes?name=x", tiny_scene.glb(), binary).json
         ask("POST", "/v1/scenes", tiny_scene.glb(), binary)
         ask("GET", f"/v1/scenes/{scene['id']}")

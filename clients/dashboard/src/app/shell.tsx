@@ -94,6 +94,12 @@ export function Shell({ children }: { children: ComponentChildren }) {
         </div>
       </header>
       <main id="room">{children}</main>
+      <footer class="about">
+        photond {daemonStatus.value?.version} · everything here is there{" "}
+        <a href="/v1/openapi.json" target="_blank">
+          by HTTP too
+        </a>
+      </footer>
       <Toasts />
       <Keyboard />
     </>
