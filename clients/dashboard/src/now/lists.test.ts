@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 
 import type { JobSummary } from "../api/types";
-import { afterChange, type Lists, secondsLeft } from "./lists";
+import { afterChange, type Lists } from "./lists";
 
 const row = (id: string, members: Partial<JobSummary> = {}): JobSummary => ({
   id,
@@ -72,9 +72,3 @@ describe("lists kept by events", () => {
   });
 });
 
-describe("time left", () => {
-  it("goes by the time taken so far", () => {
-    expect(secondsLeft({ progress: 0.25, seconds: 2 })).toBe(6);
-    expect(secondsLeft({ progress: 0, seconds: 2 })).toBeNull();
-  });
-});

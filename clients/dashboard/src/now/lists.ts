@@ -50,9 +50,3 @@ export function afterChange(lists: Lists, change: JobChange): { lists: Lists; st
   else if (isOver(row.state)) next.recent = [row, ...next.recent];
   return { lists: next, stale: true };
 }
-
-/** Seconds until the job is over, by how far it has come in the time it took; null where nothing can be told. */
-export function secondsLeft(job: { progress: number; seconds: number }): number | null {
-  if (!(job.progress > 0) || !(job.seconds > 0)) return null;
-  return (job.seconds * (1 - job.progress)) / job.progress;
-}

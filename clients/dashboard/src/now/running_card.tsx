@@ -5,13 +5,13 @@ import { useEffect, useMemo, useState } from "preact/hooks";
 import { sendJson } from "../api/client";
 import { listen } from "../api/events";
 import type { CurvePoint, Job, JobSummary } from "../api/types";
-import { numberText, percentText, plainName, secondsText, sizeText, stopText } from "../ui/format";
+import { numberText, plainName, sizeText, stopText } from "../ui/format";
 import { LiveChart } from "../ui/live_chart";
 import { useLivePreview } from "../ui/live_preview";
 import { PictureFrame } from "../ui/picture";
+import { passesText, progressText } from "../ui/progress";
 import { useRemote } from "../ui/remote";
 import { say, sayFailure } from "../ui/toasts";
-import { secondsLeft } from "./lists";
 
 /** The job's curve: as it was when the card appeared, and what events have added. */
 function useCurve(job: Job | null): CurvePoint[] {
@@ -61,7 +61,6 @@ export function RunningCard({ row }: { row: JobSummary }) {
   const { data: job } = useRemote<Job>(path);
   const image = useLivePreview(`${path}/preview.png?max_size=320`, row.passes_done);
   const [cancelling, setCancelling] = useState(false);
-  const left = secondsLeft(row);
   const cancel = async () => {
     setCancelling(true);
     try {
@@ -99,12 +98,9 @@ export function RunningCard({ row }: { row: JobSummary }) {
         </p>
         <progress max={1} value={row.progress} aria-label={`Progress of ${row.id}`} />
         <p class="now-card-numbers small">
-          <span>
-            {percentText(row.progress)}
-            {left !== null && row.progress < 1 ? `, about ${secondsText(left)} left` : ""}
-          </span>
+          <span>{progressText(row)}</span>
           <span class="muted" title={job ? `until ${stopText(job.request.stop)}` : undefined}>
-            {row.passes_done.toLocaleString("en")} {row.passes_done === 1 ? "pass" : "passes"} in {secondsText(row.seconds)}
+            {passesText(row.passes_done, row.seconds)}
           </span>
         </p>
         <ErrorSoFar row={row} job={job} />

@@ -7,6 +7,7 @@ import { countText, plainName } from "../ui/format";
 import { MethodForm } from "../ui/method_form";
 import { fieldsOf, rangeText } from "../ui/parameter_form";
 import { Picture } from "../ui/picture";
+import { kMetricTexts } from "./metric_texts";
 import { entryOf, faultsUnder, kPresets, pointerToken, valuesOf, type EntryPlan, type Plan, type SweepPlan } from "./plan";
 
 type Set = (members: Partial<Plan>) => void;
@@ -321,21 +322,12 @@ export function EntriesPanel({ plan, change, methods, devices, labels, faults }:
 
 // -- budget, metrics, seeds ---------------------------------------------------------------------------------------------
 
-const kMetrics: [string, string][] = [
-  ["relative_mse", "squared error over the square of the reference; the usual measure of noise"],
-  ["flip_hdr", "how different it looks, 0 to 1 (HDR-FLIP)"],
-  ["rmse", "root of the mean squared difference"],
-  ["smape", "difference over the sum, robust against bright pixels"],
-  ["rmse_8bit", "at 8-bit sRGB, as papers of that time have it"],
-  ["estimated_relative_mse", "estimated from the passes; needs no reference"],
-];
-
 export function BudgetPanel({ plan, set, faults }: { plan: Plan; set: Set; faults: Fault[] }) {
   const { stop } = plan;
-  const named = new Set(kMetrics.map(([name]) => name));
+  const named = new Set(kMetricTexts.map(([name]) => name));
   const others = plan.metrics.filter((metric) => !named.has(metric));
   const setMetric = (name: string, on: boolean) =>
-    set({ metrics: on ? [...kMetrics.map(([other]) => other).filter((other) => other === name || plan.metrics.includes(other)), ...others] : plan.metrics.filter((other) => other !== name) });
+    set({ metrics: on ? [...kMetricTexts.map(([other]) => other).filter((other) => other === name || plan.metrics.includes(other)), ...others] : plan.metrics.filter((other) => other !== name) });
   return (
     <section class="panel stack" aria-labelledby="new-study-budget">
       <h2 id="new-study-budget">How long, and how it is measured</h2>
@@ -356,7 +348,7 @@ export function BudgetPanel({ plan, set, faults }: { plan: Plan; set: Set; fault
       <fieldset class="new-study-fieldset">
         <legend>Errors measured; the first is the one to judge by</legend>
         <div class="new-study-metrics">
-          {kMetrics.map(([name, text]) => (
+          {kMetricTexts.map(([name, text]) => (
             <label key={name}>
               <input type="checkbox" checked={plan.metrics.includes(name)} onChange={(event) => setMetric(name, event.currentTarget.checked)} />
               <span>

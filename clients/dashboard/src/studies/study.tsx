@@ -17,9 +17,11 @@ import { figuresTable } from "./figures_table";
 import { headline, mainVerdict } from "./headline";
 import { useLiveStudy, type LiveStudy } from "./live_study";
 import { BestByTime, MemoryFigure } from "./memory_figure";
+import { metricText } from "./metric_texts";
 import { defaultBand, frontWithMemory, idealSlope, rowName, seriesOf, type Band } from "./series";
 import { Strips, type PictureKind } from "./strips";
 import { JobsOfStudy, Repetition } from "./study_jobs";
+import { StudyNow } from "./study_now";
 import { CostTable, FiguresView } from "./tables_view";
 
 const kBands: Record<Band, string> = { range: "lowest to highest seed", interval: "95 % interval of the mean", none: "none" };
@@ -57,6 +59,11 @@ function VerdictPanel({ report, metric }: { report: ComparisonReport; metric: st
         {over ? "" : ", so far"}.
       </h2>
       <p>{capitalised(main.text)}.</p>
+      {metricText(metric) && (
+        <p class="muted small">
+          {metric}: {metricText(metric)}.
+        </p>
+      )}
       {others.length > 0 && (
         <details>
           <summary>At other errors</summary>
@@ -160,6 +167,7 @@ function Body({ study, report }: { study: LiveStudy; report: ComparisonReport })
   return (
     <div class="stack study-body">
       <Progress report={report} />
+      <StudyNow report={report} jobs={study.jobs} />
       <VerdictPanel report={report} metric={metric} />
       {report.reference && report.reference.warnings.length > 0 && (
         <div class="notice">
