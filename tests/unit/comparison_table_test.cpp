@@ -88,7 +88,9 @@ TEST(ComparisonTable, WhatNotEverySeedReachedIsNull) {
         throw std::runtime_error("not found");
     };
     const json level = find(rows[0]["time_to_error"]["relative_mse"], "error", 0.05);
-    EXPECT_EQ(level, json::parse(R"({"error": 0.05, "reached": 1, "seconds": null, "low": null, "high": null})"));
+    EXPECT_EQ(
+        level,
+        json::parse(R"({"error": 0.05, "at_most": false, "reached": 1, "seconds": null, "low": null, "high": null})"));
     EXPECT_TRUE(find(rows[1]["time_to_error"]["relative_mse"], "error", 0.05)["seconds"].is_number());
     EXPECT_TRUE(find(rows[0]["time_to_error"]["relative_mse"], "error", 0.1)["seconds"].is_number());
     const json time = find(rows[0]["error_at_time"]["relative_mse"], "seconds", 2);
@@ -105,6 +107,10 @@ TEST(ComparisonTable, LevelsAreRoundUsefulAndFew) {
     for (const ErrorAtTime& time : table.rows[0].error_at_time.at("relative_mse")) times.push_back(time.seconds);
     EXPECT_EQ(errors, (std::vector<double>{1, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001}));
     EXPECT_EQ(times, (std::vector<double>{0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100}));
+    // The first point is at 0.1 s and has the error 1: when it was reached before is not known; of what came later it
+    // is.
+    for (const TimeToError& level : table.rows[0].time_to_error.at("relative_mse"))
+        EXPECT_EQ(level.at_most, level.error == 1) << level.error;
     // Six decades: the hard end stays, twelve levels, and what was asked for.
     const std::vector<MeasuredJob> deep{power_law("a", 1, 1e-2, 2)};
     const ComparisonTable wished = make_table(deep, {"relative_mse"}, {{{"relative_mse", 0.003}}, 30.0});
