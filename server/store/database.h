@@ -41,6 +41,7 @@ public:
 
     bool is_null(int column) const;
     int64_t integer(int column) const;
+    std::optional<int64_t> optional_integer(int column) const;  // nothing for NULL
     double real(int column) const;
     std::string text(int column) const;
 

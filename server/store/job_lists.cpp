@@ -66,11 +66,6 @@ std::string filter_key(const JobQuery& query) {
     return key.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
-std::optional<int64_t> optional_integer(const Statement& row, int column) {
-    if (row.is_null(column)) return std::nullopt;
-    return row.integer(column);
-}
-
 JobSummary read_summary(const Statement& row) {
     JobSummary job;
     job.seq = row.integer(0);
@@ -84,10 +79,10 @@ JobSummary read_summary(const Statement& row) {
     else
         job.labels.front() = '{';
     job.priority = static_cast<int>(row.integer(6));
-    job.comparison = optional_integer(row, 7);
+    job.comparison = row.optional_integer(7);
     job.created_ms = row.integer(8);
-    job.started_ms = optional_integer(row, 9);
-    job.finished_ms = optional_integer(row, 10);
+    job.started_ms = row.optional_integer(9);
+    job.finished_ms = row.optional_integer(10);
     job.progress = row.real(11);
     job.passes_done = row.integer(12);
     job.seconds = row.real(13);

@@ -32,11 +32,6 @@ const std::string& select_jobs() {
     return kSelect;
 }
 
-std::optional<int64_t> optional_integer(const Statement& row, int column) {
-    if (row.is_null(column)) return std::nullopt;
-    return row.integer(column);
-}
-
 /// Reads a row of select_jobs().
 JobRow read_job(const Statement& row) {
     JobRow job;
@@ -48,8 +43,8 @@ JobRow read_job(const Statement& row) {
     job.scene = row.text(5);
     job.request = row.text(6);
     job.created_ms = row.integer(7);
-    job.started_ms = optional_integer(row, 8);
-    job.finished_ms = optional_integer(row, 9);
+    job.started_ms = row.optional_integer(8);
+    job.finished_ms = row.optional_integer(9);
     job.attempt = row.integer(10);
     job.crashes = static_cast<int>(row.integer(11));
     job.losses = static_cast<int>(row.integer(12));
@@ -66,8 +61,8 @@ JobRow read_job(const Statement& row) {
     job.artefacts = row.text(23);
     job.role = static_cast<JobRole>(row.integer(24));
     job.content = row.text(25);
-    job.reference_job = optional_integer(row, 26);
-    job.comparison = optional_integer(row, 27);
+    job.reference_job = row.optional_integer(26);
+    job.comparison = row.optional_integer(27);
     job.curve = row.text(28);
     job.error_now = row.text(29);
     return job;
@@ -196,7 +191,7 @@ std::vector<QueuedJob> Store::queued_jobs() {
         "< 2 WHERE j.state = 0");
     std::vector<QueuedJob> jobs;
     while (read.step())
-        jobs.push_back({read.integer(0), static_cast<int>(read.integer(1)), read.text(2), optional_integer(read, 3)});
+        jobs.push_back({read.integer(0), static_cast<int>(read.integer(1)), read.text(2), read.optional_integer(3)});
     return jobs;
 }
 
@@ -342,7 +337,7 @@ std::vector<JobProgress> Store::comparison_progress(int64_t seq) {
     std::vector<JobProgress> jobs;
     while (read.step())
         jobs.push_back({read.integer(0), static_cast<JobState>(read.integer(1)), read.text(2), read.real(3),
-                        read.real(4), optional_integer(read, 5), optional_integer(read, 6), optional_integer(read, 7)});
+                        read.real(4), read.optional_integer(5), read.optional_integer(6), read.optional_integer(7)});
     return jobs;
 }
 

@@ -9,9 +9,9 @@ from ._files import Path
 from ._text import TextTable, human_bytes, human_number, human_seconds, row_name
 from .curves import Curve, MeanCurve, time_to_error
 from .errors import ComparisonFailed, TimedOut
-from .job import OVER, Job
+from .job import Job
 from .plots import plot_curves
-from .scene import _Resource
+from .work import Work
 from .shapes import Json, TableRow
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ POLL_SECONDS = 0.3
 LONGEST_POLL_SECONDS = 1.0
 
 
-class Comparison(_Resource):
+class Comparison(Work):
     """A set of jobs that run one at a time on a device, so that their clocks are fair. Printed, or shown in a notebook, it
     is its table.
 
@@ -45,23 +45,6 @@ class Comparison(_Resource):
         self._report: Optional[Json] = None
 
     # --- what is known of it ------------------------------------------------------------------------------------------
-    @property
-    def state(self) -> str:
-        """queued, running, succeeded, failed or cancelled."""
-        return str(self.data["state"])
-
-    @property
-    def is_over(self) -> bool:
-        return self.state in OVER
-
-    @property
-    def progress(self) -> float:
-        return float(self.data["progress"])
-
-    @property
-    def request(self) -> Json:
-        return cast(Json, self.data["request"])
-
     @property
     def metrics(self) -> List[str]:
         """Those of the tables; the first decides the Pareto front."""

@@ -13,16 +13,14 @@ from ._http import ConnectionLost
 from ._text import human_number, human_seconds
 from .errors import JobCancelled, JobFailed, NothingYet, TimedOut
 from .pixels import Pixels
-from .scene import _Resource
 from .shapes import CurvePoint, Json, Stop
+from .work import OVER, Work
 
 if TYPE_CHECKING:
     import numpy
     import numpy.typing
 
     from .client import Client
-
-OVER = ("succeeded", "failed", "cancelled")
 
 SILENCE_SECONDS = 45.0  # a few of the stream's heartbeats
 POLL_SECONDS = 0.5
@@ -62,7 +60,7 @@ def parsed(event: ServerEvent) -> Optional[Event]:
     return Event(event.kind, int(event.id) if event.id.isdigit() else None, changes)
 
 
-class Job(_Resource):
+class Job(Work):
     """One render job. Its properties say what the daemon told last; `refresh` and `wait` ask anew. Shown in a notebook,
     it is its image so far.
 
@@ -84,19 +82,6 @@ class Job(_Resource):
 
     # --- what is known of it ------------------------------------------------------------------------------------------
     @property
-    def state(self) -> str:
-        """queued, running, succeeded, failed or cancelled."""
-        return str(self.data["state"])
-
-    @property
-    def is_over(self) -> bool:
-        return self.state in OVER
-
-    @property
-    def progress(self) -> float:
-        return float(self.data["progress"])
-
-    @property
     def passes_done(self) -> int:
         return int(self.data["passes_done"])
 
@@ -104,11 +89,6 @@ class Job(_Resource):
     def seconds(self) -> float:
         """Of rendering, so far."""
         return float(self.data["seconds"])
-
-    @property
-    def request(self) -> Json:
-        """As the daemon understood it, every default filled in."""
-        return cast(Json, self.data["request"])
 
     @property
     def labels(self) -> Dict[str, str]:

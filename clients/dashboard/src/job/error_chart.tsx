@@ -2,13 +2,14 @@
 
 import "uplot/dist/uPlot.min.css";
 
-import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+import { useMemo, useState } from "preact/hooks";
 import type uPlot from "uplot";
 
 import type { CurvePoint, StopConditions } from "../api/types";
 import { isDark } from "../app/theme";
 import { countText, numberText, plainName, secondsText } from "../ui/format";
 import { seriesLook } from "../ui/palette";
+import { useUPlot } from "../ui/uplot_place";
 
 interface Props {
   curve: CurvePoint[];
@@ -92,27 +93,8 @@ function optionsOf(props: Props, width: number): uPlot.Options {
 }
 
 function Chart(props: Props) {
-  const place = useRef<HTMLDivElement>(null);
-  const chart = useRef<uPlot | null>(null);
-  const latest = useRef(props);
-  latest.current = props;
-  const dark = isDark.value;
-  useEffect(() => {
-    let gone = false;
-    const watcher = new ResizeObserver(() => chart.current?.setSize({ width: place.current!.clientWidth, height: kHeight }));
-    void import("uplot").then(({ default: UPlot }) => {
-      if (gone || !place.current) return;
-      chart.current = new UPlot(optionsOf(latest.current, place.current.clientWidth), dataOf(latest.current), place.current);
-      watcher.observe(place.current);
-    });
-    return () => {
-      gone = true;
-      watcher.disconnect();
-      chart.current?.destroy();
-      chart.current = null;
-    };
-  }, [props.metrics.join(), props.against, props.target?.value, dark]);
-  useEffect(() => chart.current?.setData(dataOf(props)), [props.curve]);
+  const remake = [props.metrics.join(), props.against, props.target?.value];
+  const place = useUPlot((_, width) => optionsOf(props, width), () => dataOf(props), remake, [props.curve]);
   const last = props.curve.at(-1);
   const now = last ? props.metrics.map((metric) => `${plainName(metric)} ${numberText(last.metrics[metric])}`).join(", ") : "";
   return <div ref={place} class="job-chart" role="img" aria-label={`Error against ${props.against}; at the end ${now}`} />;

@@ -1,10 +1,11 @@
-// A small chart of one quantity that grows while one looks: uPlot, fetched when the first is shown.
+// A small chart of one quantity that grows while one looks.
 
-import { useEffect, useRef } from "preact/hooks";
+import { useRef } from "preact/hooks";
 import type uPlot from "uplot";
 
 import { isDark } from "../app/theme";
 import { seriesLook } from "./palette";
+import { useUPlot } from "./uplot_place";
 import "./live_chart.css";
 
 interface Props {
@@ -29,9 +30,7 @@ interface Props {
 
 const kPowersOfTwo = Array.from({ length: 50 }, (_, power) => 2 ** power);
 
-type Data = [number[], (number | null | undefined)[]];
-
-function dataOf({ x, y, logarithmic }: Props): Data {
+function dataOf({ x, y, logarithmic }: Props): uPlot.AlignedData {
   if (!logarithmic) return [x, y];
   const kept = x.map((_, index) => index).filter((index) => x[index]! > 0 && (y[index] ?? 0) > 0);
   return [kept.map((index) => x[index]!), kept.map((index) => y[index])];
@@ -75,30 +74,8 @@ function optionsOf(Chart: typeof uPlot, latest: { current: Props }, width: numbe
 }
 
 export function LiveChart(props: Props) {
-  const place = useRef<HTMLDivElement>(null);
-  const chart = useRef<uPlot | null>(null);
   const latest = useRef(props);
   latest.current = props;
-  const dark = isDark.value;
-  useEffect(() => {
-    let gone = false;
-    let sizes: ResizeObserver | null = null;
-    void import("uplot").then(({ default: Chart }) => {
-      const element = place.current;
-      if (gone || !element) return;
-      chart.current = new Chart(optionsOf(Chart, latest, element.clientWidth || 200), dataOf(latest.current), element);
-      sizes = new ResizeObserver(() => {
-        if (element.clientWidth) chart.current?.setSize({ width: element.clientWidth, height: latest.current.height });
-      });
-      sizes.observe(element);
-    });
-    return () => {
-      gone = true;
-      sizes?.disconnect();
-      chart.current?.destroy();
-      chart.current = null;
-    };
-  }, [dark, props.height]);
-  useEffect(() => chart.current?.setData(dataOf(props)), [props.x, props.y]);
+  const place = useUPlot((Chart, width) => optionsOf(Chart, latest, width), () => dataOf(props), [props.height], [props.x, props.y]);
   return <div ref={place} class="live-chart" role="img" aria-label={props.label} style={{ height: `${props.height}px` }} />;
 }
