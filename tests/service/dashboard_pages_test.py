@@ -32,8 +32,8 @@ class DashboardPagesTest(unittest.TestCase):
             path = waiting.pop()
             found[path] = self.daemon.request("GET", path)
             self.assertEqual(found[path].status, 200, path)
-            named = re.findall(r"assets/([\w-]+\.(?:js|css))", found[path].text)
-            named += re.findall(r"[\"']\./([\w-]+\.(?:js|css))[\"']", found[path].text)
+            named = re.findall(r"assets/([\w.-]+\.(?:js|css))", found[path].text)
+            named += re.findall(r"[\"'`]\./([\w.-]+\.(?:js|css))[\"'`]", found[path].text)
             waiting |= {"/assets/" + name for name in named} - set(found)
         return found
 
