@@ -15,7 +15,8 @@ import { bytesText, secondsText } from "../ui/format";
 import { useRemote } from "../ui/remote";
 import { say, sayFailure } from "../ui/toasts";
 import { BudgetPanel, EntriesPanel, FaultList, ReferencePanel, ScenePanel } from "./new_study_parts";
-import { defaultPlan, faultsUnder, kPresets, labelsOf, planOf, readPlan, requestOf, type Plan } from "./plan";
+import { kManyBounces, unequalBounces, withBounces } from "./bounces";
+import { defaultPlan, faultsUnder, kPresets, labelsOf, type Plan, planOf, readPlan, requestOf, withPreset } from "./plan";
 import { rowName } from "./series";
 
 const kStoredPlan = "photond.comparison";
@@ -76,7 +77,8 @@ function usePlan(): [Plan | null, (change: (plan: Plan) => Plan) => void, string
     const preset = kPresets.find((other) => other.id === query.preset);
     // A link that names a scene says where it is seen from too, or leaves that to the scene.
     const more = query.scene ? { ...begun.more, camera: cameraIn(query) ?? undefined } : begun.more;
-    setPlan({ ...begun, scene: query.scene ?? begun.scene, more, ...(preset ? { entries: preset.entries() } : {}) });
+    const next = { ...begun, scene: query.scene ?? begun.scene, more };
+    setPlan(preset ? withPreset(next, preset) : next);
   }, [query.from]);
   useEffect(() => {
     if (plan) sessionStorage.setItem(kStoredPlan, JSON.stringify(plan));
@@ -91,13 +93,16 @@ function usePlan(): [Plan | null, (change: (plan: Plan) => Plan) => void, string
 
 interface SummaryProps {
   request: ComparisonRequest;
+  /** What makes it unfair, and how that is mended. */
+  unequal: string[];
+  onEqual: () => void;
   estimated: Estimated;
   sending: boolean;
   onGo: () => void;
   onReset: () => void;
 }
 
-function Summary({ request, estimated, sending, onGo, onReset }: SummaryProps) {
+function Summary({ request, unequal, onEqual, estimated, sending, onGo, onReset }: SummaryProps) {
   const { estimate, faults, failure, asking } = estimated;
   const blocked = !asking && failure !== null;
   const text = JSON.stringify(request, null, 2);
@@ -160,6 +165,14 @@ function Summary({ request, estimated, sending, onGo, onReset }: SummaryProps) {
           <p class="muted">Asking the daemon …</p>
         )}
       </div>
+      {unequal.length > 0 && (
+        <div class="notice">
+          {unequal.join(" ")} What is missing stays as error.
+          <p>
+            <button onClick={onEqual}>Give all {kManyBounces} bounces</button>
+          </p>
+        </div>
+      )}
       <button class="primary new-study-go" disabled={sending || blocked} onClick={onGo}>
         {sending ? "Sending …" : "Compare"}
       </button>
@@ -250,6 +263,14 @@ export function NewStudy() {
         </div>
         <Summary
           request={request}
+          unequal={unequalBounces(request, known)}
+          onEqual={() =>
+            change((old) => ({
+              ...old,
+              entries: old.entries.map((entry) => ({ ...entry, method: withBounces(entry.method, kManyBounces, known) })),
+              reference: old.reference.kind === "render" ? { ...old.reference, method: withBounces(old.reference.method, kManyBounces, known) } : old.reference,
+            }))
+          }
           estimated={{ ...estimated, faults }}
           sending={sending}
           onGo={() => void go()}

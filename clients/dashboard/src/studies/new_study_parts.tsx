@@ -8,7 +8,7 @@ import { MethodForm } from "../ui/method_form";
 import { fieldsOf, rangeText } from "../ui/parameter_form";
 import { Picture } from "../ui/picture";
 import { kMetricTexts } from "./metric_texts";
-import { entryOf, faultsUnder, kPresets, pointerToken, valuesOf, type EntryPlan, type Plan, type SweepPlan } from "./plan";
+import { entryOf, faultsUnder, kPresets, pointerToken, valuesOf, type EntryPlan, type Plan, type SweepPlan, withPreset } from "./plan";
 
 type Set = (members: Partial<Plan>) => void;
 
@@ -283,7 +283,7 @@ export function EntriesPanel({ plan, change, methods, devices, labels, faults }:
       <h2 id="new-study-entries">What is compared</h2>
       <div class="new-study-presets" role="group" aria-label="Common comparisons">
         {kPresets.map((preset) => (
-          <button key={preset.id} onClick={() => edit(() => preset.entries())}>
+          <button key={preset.id} onClick={() => change((plan) => withPreset(plan, preset))}>
             <b>{preset.name}</b>
             <small class="muted">{preset.text}</small>
           </button>

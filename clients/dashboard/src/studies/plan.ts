@@ -3,6 +3,7 @@
 
 import type { ComparisonRequest, Fault, Json, Method, MethodChoice, Reference, StopConditions } from "../api/types";
 import { valueOfText } from "../ui/parameter_form";
+import { kManyBounces } from "./bounces";
 
 export interface SweepPlan {
   parameter: string;
@@ -126,6 +127,8 @@ export interface Preset {
   name: string;
   text: string;
   entries: () => EntryPlan[];
+  /** What renders the reference; path tracing without end of bounces where nothing is said. */
+  reference?: MethodChoice;
 }
 
 const cpu = (name: string, parameters = {}): MethodChoice => ({ name, device: "cpu", parameters });
@@ -134,8 +137,13 @@ export const kPresets: Preset[] = [
   {
     id: "three-methods",
     name: "Three methods",
-    text: "Path tracing, photon mapping and photon splatting, each as it comes",
-    entries: () => [entryOf(cpu("path_tracing")), entryOf(cpu("photon_mapping")), entryOf(cpu("photon_splatting"))],
+    text: `Path tracing, photon mapping and photon splatting, ${kManyBounces} bounces of indirect light each`,
+    entries: () => [
+      entryOf(cpu("path_tracing", { indirect_bounces: kManyBounces })),
+      entryOf(cpu("photon_mapping", { indirect_bounces: kManyBounces })),
+      entryOf(cpu("photon_splatting", { bounces: kManyBounces })),
+    ],
+    reference: cpu("path_tracing", { indirect_bounces: kManyBounces }),
   },
   {
     id: "paths-photons",
@@ -157,19 +165,30 @@ export const kPresets: Preset[] = [
   },
 ];
 
+/** The plan with a preset's entries, and the reference that goes with them where one is to be rendered. */
+export function withPreset(plan: Plan, preset: Preset): Plan {
+  const { reference } = plan;
+  const method = preset.reference ?? cpu("path_tracing");
+  return { ...plan, entries: preset.entries(), reference: reference.kind === "render" ? { ...reference, method } : reference };
+}
+
 export const kDefaultScene = "cornell-box";
 
-export const defaultPlan = (scene = kDefaultScene): Plan => ({
-  scene,
-  width: 256,
-  height: 256,
-  entries: kPresets[0]!.entries(),
-  stop: { seconds: 10 },
-  reference: { kind: "render", method: cpu("path_tracing"), passes: kReferencePasses },
-  metrics: ["relative_mse", "flip_hdr"],
-  seeds: "1",
-  more: {},
-});
+export const defaultPlan = (scene = kDefaultScene): Plan =>
+  withPreset(
+    {
+      scene,
+      width: 256,
+      height: 256,
+      entries: [],
+      stop: { seconds: 10 },
+      reference: { kind: "render", method: cpu("path_tracing"), passes: kReferencePasses },
+      metrics: ["relative_mse", "flip_hdr"],
+      seeds: "1",
+      more: {},
+    },
+    kPresets[0]!,
+  );
 
 // -- the session --------------------------------------------------------------------------------------------------------
 

@@ -12,6 +12,7 @@ import { useQuery } from "../app/url_state";
 import { percentText, stopText } from "../ui/format";
 import { StateMark } from "../ui/state";
 import { sayFailure } from "../ui/toasts";
+import { unequalBounces } from "./bounces";
 import { ErrorFigure, Swatch } from "./error_figure";
 import { figuresTable } from "./figures_table";
 import { headline, mainVerdict } from "./headline";
@@ -156,6 +157,7 @@ function Body({ study, report }: { study: LiveStudy; report: ComparisonReport })
   const metrics = report.request.metrics;
   const metric = metrics.includes(query.metric ?? "") ? query.metric! : metrics[0]!;
   const seeds = report.request.seeds.length;
+  const unequal = unequalBounces(report.request);
   const band = query.band && query.band in kBands ? (query.band as Band) : defaultBand(seeds);
   const [hidden, setHidden] = useHidden();
   const series = useMemo(() => seriesOf(report, metric, band), [report, metric, band]);
@@ -169,6 +171,7 @@ function Body({ study, report }: { study: LiveStudy; report: ComparisonReport })
       <Progress report={report} />
       <StudyNow report={report} jobs={study.jobs} />
       <VerdictPanel report={report} metric={metric} />
+      {unequal.length > 0 && <p class="notice">{unequal.join(" ")} What is missing stays as error, however long it renders.</p>}
       {report.reference && report.reference.warnings.length > 0 && (
         <div class="notice">
           Errors near the reference's own noise are partly the reference's:
