@@ -20,7 +20,7 @@ test("a newcomer compares two methods on the Cornell box and is told which is be
   // All is filled in for one press. The test has less time than a person: it asks for smaller pictures, and sooner.
   await page.getByLabel("Width").fill("64");
   await page.getByLabel("Height").fill("64");
-  await page.getByRole("spinbutton", { name: /^Time/ }).fill("2");
+  await page.getByRole("spinbutton", { name: /^Time/ }).fill("1");
   await page.getByRole("button", { name: "Compare", exact: true }).click();
 
   // No reload, no other page: what comes of it comes here.
