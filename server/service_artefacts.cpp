@@ -9,6 +9,7 @@
 #include "renderer/film/layer_preview.h"
 #include "renderer/methods/registry.h"
 #include "server/clock_text.h"
+#include "server/row_text.h"
 #include "server/service_impl.h"
 
 namespace photond {
@@ -107,8 +108,7 @@ Service::Impl::FilmSource Service::Impl::film_source(const std::string& id) {
         const std::string prefix = "job/" + std::to_string(row.seq) + "/";
         if (row.state != JobState::Running) {
             if (!row.film.empty())
-                return {false, files.films / row.film, prefix + row.film,
-                        row.statistics.empty() ? json() : json::parse(row.statistics), nullptr};
+                return {false, files.films / row.film, prefix + row.film, parsed_or_null(row.statistics), nullptr};
             if (row.state == JobState::Queued) return {true, {}, {}, nullptr, nullptr};
             throw Error(ErrorCode::NotFound, "job " + id + " " + std::string(job_state_name(row.state)) +
                                                  " before its first pass was done: it has no film");

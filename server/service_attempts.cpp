@@ -10,6 +10,7 @@
 #include "protocol/worker_messages.h"
 #include "renderer/methods/registry.h"
 #include "server/clock_text.h"
+#include "server/row_text.h"
 #include "server/service_impl.h"
 
 namespace photond {
@@ -85,7 +86,7 @@ void Totals::add(const RunningAttempt& attempt, const json& rendered) {
 void Service::Impl::ended(const JobRow& row) {
     ++totals.jobs[std::string(job_state_name(row.state))];
     metrics.job_ended(std::string(job_state_name(row.state)), row.method, row.device, row.seconds,
-                      row.statistics.empty() ? json() : json::parse(row.statistics));
+                      parsed_or_null(row.statistics));
     attempt_changed.notify_all();
     release_waiting(row);
 }

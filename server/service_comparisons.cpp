@@ -12,6 +12,7 @@
 #include "server/comparisons/measured_job.h"
 #include "server/comparisons/report_text.h"
 #include "server/comparisons/verdict.h"
+#include "server/row_text.h"
 #include "server/service_impl.h"
 
 namespace photond {
@@ -19,8 +20,6 @@ namespace photond {
 using nlohmann::json;
 
 namespace {
-
-json parsed_or_null(const std::string& text) { return text.empty() ? json() : json::parse(text); }
 
 /// Faults of a planned job, at the place of the comparison's body that they come from.
 Error placed(const Error& error, const PlannedJob& job) {

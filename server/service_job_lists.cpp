@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "server/clock_text.h"
+#include "server/row_text.h"
 #include "server/service_impl.h"
 
 namespace photond {
@@ -10,9 +11,6 @@ namespace photond {
 using nlohmann::json;
 
 namespace {
-
-json parsed_or_null(const std::string& text) { return text.empty() ? json() : json::parse(text); }
-json time_or_null(const std::optional<int64_t>& ms) { return ms ? json(rfc3339(*ms)) : json(); }
 
 /// "queued,running".
 std::vector<JobState> states_named(const std::string& list) {

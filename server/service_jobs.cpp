@@ -10,6 +10,7 @@
 #include "renderer/core/atomic_file.h"
 #include "renderer/methods/registry.h"
 #include "server/clock_text.h"
+#include "server/row_text.h"
 #include "server/service_impl.h"
 
 namespace photond {
@@ -17,9 +18,6 @@ namespace photond {
 using nlohmann::json;
 
 namespace {
-
-json parsed_or_null(const std::string& text) { return text.empty() ? json() : json::parse(text); }
-json time_or_null(const std::optional<int64_t>& ms) { return ms ? json(rfc3339(*ms)) : json(); }
 
 /// What of its stop conditions a job has done, where that can be told before the end.
 double progress_towards(const StopConditions& stop, const JobRow& row) {

@@ -7,6 +7,7 @@
 
 #include "protocol/worker_messages.h"
 #include "server/clock_text.h"
+#include "server/row_text.h"
 #include "server/service_impl.h"
 
 namespace photond {
@@ -18,12 +19,9 @@ namespace {
 
 constexpr size_t kMaxCurvePoints = 10'000;  // a worker gone astray; a curve has some sixty
 
-json time_or_null(const std::optional<int64_t>& ms) { return ms ? json(rfc3339(*ms)) : json(); }
-
 std::string curve_data(int64_t seq, const json& points, const std::string& error_now) {
-    return json{
-        {"id", job_id(seq)}, {"curve", points}, {"error_now", error_now.empty() ? json() : json::parse(error_now)}}
-        .dump(-1, ' ', false, json::error_handler_t::replace);
+    return json{{"id", job_id(seq)}, {"curve", points}, {"error_now", parsed_or_null(error_now)}}.dump(
+        -1, ' ', false, json::error_handler_t::replace);
 }
 
 }  // namespace
@@ -44,12 +42,12 @@ std::string Service::Impl::state_data(const JobRow& row) {
                        {"progress", row.progress},
                        {"passes_done", row.passes_done},
                        {"seconds", row.seconds},
-                       {"error_now", row.error_now.empty() ? json() : json::parse(row.error_now)},
+                       {"error_now", parsed_or_null(row.error_now)},
                        {"started", time_or_null(row.started_ms)},
                        {"finished", time_or_null(row.finished_ms)},
                        {"attempts", json::parse(row.attempts)},
-                       {"failure", row.failure.empty() ? json() : json::parse(row.failure)},
-                       {"statistics", row.statistics.empty() ? json() : json::parse(row.statistics)}};
+                       {"failure", parsed_or_null(row.failure)},
+                       {"statistics", parsed_or_null(row.statistics)}};
     return data.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 

@@ -7,6 +7,7 @@
 #include "server/comparisons/exposure.h"
 #include "server/comparisons/report_csv.h"
 #include "server/comparisons/report_html.h"
+#include "server/row_text.h"
 #include "server/service_impl.h"
 
 namespace photond {
@@ -137,8 +138,7 @@ Artefact Service::Impl::comparison_html(const std::string& id) {
         report.comparison = judged.object;
         report.table = judged.table;
         report.version = PHOTOND_VERSION;
-        for (const auto& [planned, row] : compared.jobs)
-            report.statistics.push_back(row.statistics.empty() ? json() : json::parse(row.statistics));
+        for (const auto& [planned, row] : compared.jobs) report.statistics.push_back(parsed_or_null(row.statistics));
         add_pictures(report, judged);
         const std::string page = report_html(report);
         std::ofstream out(path, std::ios::binary);

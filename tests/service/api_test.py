@@ -12,7 +12,7 @@ import unittest
 import urllib.parse
 
 import tiny_scene
-from photond_daemon import BIN, Daemon, small_job
+from photond_daemon import BIN, Daemon, DaemonTestCase, small_job
 
 
 class EventStream:
@@ -59,16 +59,7 @@ def until_over(stream):
             return events
 
 
-class ApiTest(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.daemon = Daemon()
-        cls.daemon.wait_ready()
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.daemon.close()
-
+class ApiTest(DaemonTestCase):
     def request(self, *arguments, **options):
         return self.daemon.request(*arguments, **options)
 

@@ -9,22 +9,13 @@ import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
-from photond_daemon import BIN, Daemon  # noqa: E402
+from photond_daemon import BIN, Daemon, DaemonTestCase  # noqa: E402
 
 PAGES = ("/", "/jobs", "/jobs/J17", "/render", "/compare", "/studies", "/studies/new", "/scenes", "/scenes/cornell-box",
          "/scenes/hard-case%2Fcorner-90")
 
 
-class DashboardPagesTest(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.daemon = Daemon()
-        cls.daemon.wait_ready()
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.daemon.close()
-
+class DashboardPagesTest(DaemonTestCase):
     def files(self):
         """Every file below /assets that the page and its files name."""
         found, waiting = {}, set(re.findall(r"/assets/[\w.-]+", self.daemon.request("GET", "/").text))

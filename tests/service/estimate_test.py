@@ -6,7 +6,7 @@ import time
 import unittest
 
 import malformed_gltf
-from photond_daemon import Daemon, small_job
+from photond_daemon import Daemon, DaemonTestCase, small_job
 
 ALL_LAYERS = ["caustic", "albedo", "normal", "position", "depth", "standard_error"]
 # reliability.md, gate 12: within 1.5 of the measured. What the structures hold is counted by byte and varies by nothing
@@ -18,16 +18,7 @@ RESIDENT_FROM_BYTES = 32 << 20
 SCENES = ("cornell-box", "cornell-box-glass", "cornell-box-glossy", "furnace", "caustic-ring", "keyhole", "interior")
 
 
-class EstimateTest(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.daemon = Daemon()
-        cls.daemon.wait_ready()
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.daemon.close()
-
+class EstimateTest(DaemonTestCase):
     def estimate(self, body, **options):
         reply = self.daemon.request("POST", "/v1/jobs?dry_run=true", json_body=body, **options)
         self.assertEqual(reply.status, 200, reply)

@@ -2,21 +2,12 @@
 
 import unittest
 
-from photond_daemon import Daemon, small_job
+from photond_daemon import DaemonTestCase, small_job
 
 METHODS = ("imperfect_shadow_maps", "reflective_shadow_maps")
 
 
-class GpuOnlyMethodsTest(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.daemon = Daemon()
-        cls.daemon.wait_ready()
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.daemon.close()
-
+class GpuOnlyMethodsTest(DaemonTestCase):
     def test_they_describe_themselves(self):
         methods = {method["name"]: method for method in self.daemon.request("GET", "/v1/methods").json["items"]}
         for name in METHODS:

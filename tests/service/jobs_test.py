@@ -7,20 +7,13 @@ import time
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
-from photond_daemon import Daemon, small_job  # noqa: E402
+from photond_daemon import DaemonTestCase, small_job  # noqa: E402
 
 ENDLESS = 100_000_000  # passes: over long after the test
 
 
-class JobsTest(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.daemon = Daemon("--max-queue", 5)
-        cls.daemon.wait_ready()
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.daemon.close()
+class JobsTest(DaemonTestCase):
+    daemon_arguments = ("--max-queue", 5)
 
     def tearDown(self):
         for state in ("queued", "running"):

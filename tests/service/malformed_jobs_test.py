@@ -9,7 +9,7 @@ import os
 import random
 import unittest
 
-from photond_daemon import Daemon, small_job
+from photond_daemon import DaemonTestCase, small_job
 
 GENERATED = int(os.environ.get("PHOTOND_GENERATED_JOBS", "4000"))
 
@@ -193,16 +193,7 @@ class Poster:
         return response.status, response.getheader("Content-Type"), response.read()
 
 
-class MalformedJobsTest(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.daemon = Daemon()
-        cls.daemon.wait_ready()
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.daemon.close()
-
+class MalformedJobsTest(DaemonTestCase):
     def setUp(self):
         self.poster = Poster(self.daemon)
         self.addCleanup(self.poster.connection.close)

@@ -8,7 +8,7 @@ import subprocess
 import tempfile
 import unittest
 
-from photond_daemon import BIN, Daemon, small_job
+from photond_daemon import BIN, Daemon, DaemonTestCase, small_job
 
 # What a dry run says against what is counted (reliability.md, gate 12: within 1.5). How many photons a scene stores is known
 # from a few paths only, traced when the scene is judged.
@@ -31,16 +31,7 @@ def take_apart(glb):
     return json.loads(glb[20:20 + json_bytes]), glb[28 + json_bytes:]
 
 
-class PhotonMappingTest(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.daemon = Daemon()
-        cls.daemon.wait_ready()
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.daemon.close()
-
+class PhotonMappingTest(DaemonTestCase):
     def finished(self, body, daemon=None):
         daemon = daemon or self.daemon
         job = daemon.wait_for_job(daemon.submit(body)["id"])

@@ -4,7 +4,7 @@ refused."""
 import struct
 import unittest
 
-from photond_daemon import Daemon, small_job
+from photond_daemon import DaemonTestCase, small_job
 
 
 def splat_job(scene="cornell-box", size=24, passes=2, layers=(), **parameters):
@@ -13,16 +13,7 @@ def splat_job(scene="cornell-box", size=24, passes=2, layers=(), **parameters):
     return job
 
 
-class PhotonSplattingTest(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.daemon = Daemon()
-        cls.daemon.wait_ready()
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.daemon.close()
-
+class PhotonSplattingTest(DaemonTestCase):
     def finished(self, body):
         job = self.daemon.wait_for_job(self.daemon.submit(body)["id"])
         self.assertEqual(job["state"], "succeeded", job)

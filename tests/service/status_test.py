@@ -7,7 +7,7 @@ import time
 import unittest
 
 from api_test import EventStream
-from photond_daemon import Daemon, small_job
+from photond_daemon import Daemon, DaemonTestCase, small_job
 
 ENDLESS = 100_000_000  # passes: over long after the test
 MEMORY_LIMIT = 3 << 30
@@ -81,16 +81,7 @@ class StatusTest(unittest.TestCase):
         self.assertEqual(self.status()["totals"]["jobs"], {"succeeded": 0, "failed": 0, "cancelled": 1})
 
 
-class StatusEventsTest(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.daemon = Daemon()
-        cls.daemon.wait_ready()
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.daemon.close()
-
+class StatusEventsTest(DaemonTestCase):
     def test_the_stream_of_the_whole_daemon_tells_it_every_second(self):
         with EventStream(self.daemon, "/v1/events") as stream:
             told = []

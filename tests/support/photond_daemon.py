@@ -21,6 +21,7 @@ import subprocess
 import tempfile
 import threading
 import time
+import unittest
 
 BIN = pathlib.Path(os.environ.get("PHOTOND_BIN", pathlib.Path(__file__).resolve().parents[2] / "build" / "bin"))
 LISTENING = re.compile(r"^photond listening on http://(\S+):(\d+)\s*$")
@@ -202,6 +203,21 @@ class Daemon:
         if reply.status not in (200, 201):
             raise AssertionError(f"scene not accepted: {reply!r}")
         return reply.json
+
+
+class DaemonTestCase(unittest.TestCase):
+    """Tests that share one ready daemon, self.daemon, started with `daemon_arguments`."""
+
+    daemon_arguments = ()
+
+    @classmethod
+    def setUpClass(cls):
+        cls.daemon = Daemon(*cls.daemon_arguments)
+        cls.daemon.wait_ready()
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.daemon.close()
 
 
 def small_job(scene="cornell-box", size=32, passes=1, method="path_tracing", **more):

@@ -25,7 +25,8 @@ export const daemonStatus = signal<DaemonStatus | null>(null);
 const listeners = new Set<Listener>();
 let lastId = "";
 let current: AbortController | null = null;
-let everConnected = false;
+/** Whether something may have been told while nobody listened, and nothing says where to go on from. */
+let missed = false;
 
 /** Calls back with every event from now on; returns how to stop. */
 export function listen(listener: Listener): () => void {
@@ -38,7 +39,10 @@ function tell(event: StreamEvent): void {
 }
 
 function take(message: EventSourceMessage): void {
-  if (message.id !== undefined) lastId = message.id;
+  if (message.id !== undefined) {
+    lastId = message.id;
+    missed = false;
+  }
   const data: unknown = JSON.parse(message.data);
   switch (message.event) {
     case "status":
@@ -59,9 +63,9 @@ async function readStream(stop: AbortController): Promise<void> {
     headers: lastId ? { "Last-Event-ID": lastId } : {},
     cache: "no-store",
   });
-  if (everConnected && !lastId) tell({ type: "gap" });
-  everConnected = true;
   connection.value = "live";
+  if (missed) tell({ type: "gap" });
+  missed = !lastId; // a stream that ends before its first event with a number
   const parser = createParser({ onEvent: take });
   const text = answer.body!.pipeThrough(new TextDecoderStream()).getReader();
   for (;;) {
@@ -80,8 +84,8 @@ async function follow(): Promise<void> {
     } catch {
       if (stop.signal.aborted) break;
       connection.value = "lost";
-      // A daemon with another store knows nothing of our number; it starts with what happens now.
-      tell({ type: "gap" });
+      // It may come back with another store, which knows nothing of our number and starts with what happens then.
+      missed = true;
     }
     await new Promise((done) => setTimeout(done, kRetryMs));
   }

@@ -129,19 +129,25 @@ export interface Statistics {
   [more: string]: unknown;
 }
 
-export interface Job {
+/** What a job and its row in a list have in common. */
+export interface JobProgress {
   id: string;
   role: JobRole;
   comparison: string | null;
-  reference_job: string | null;
   state: JobState;
+  /** 0..1 */
   progress: number;
   passes_done: number;
+  /** Of rendering. */
   seconds: number;
   error_now: ErrorNow | null;
   created: string;
   started: string | null;
   finished: string | null;
+}
+
+export interface Job extends JobProgress {
+  reference_job: string | null;
   attempts: Attempt[];
   request: JobRequest & { method: Required<MethodChoice>; seed: number; priority: number; labels: Record<string, string>; layers: string[] };
   links: Record<string, string | null>;
@@ -151,18 +157,7 @@ export interface Job {
 }
 
 /** A row of `GET /v1/jobs?view=summary`. */
-export interface JobSummary {
-  id: string;
-  role: JobRole;
-  comparison: string | null;
-  state: JobState;
-  progress: number;
-  passes_done: number;
-  seconds: number;
-  error_now: ErrorNow | null;
-  created: string;
-  started: string | null;
-  finished: string | null;
+export interface JobSummary extends JobProgress {
   scene: string;
   method: string;
   device: string;

@@ -154,11 +154,15 @@ export function Counts({ statistics }: { statistics: Statistics }) {
 
 type Measured = [name: string, value: number | null, own: number | null | undefined];
 
+/** What the numbers of a metric that has several are (renderer/error/metric.h): one a channel, or percentiles. */
+const kParts: Record<number, string[]> = { 3: ["R", "G", "B"], 4: ["50 %", "90 %", "99 %", "greatest"] };
+
 /** Metrics that are one number; of those that are several, each. */
 function measuredOf(error: Record<string, unknown>, own: Record<string, unknown> | null, prefix = ""): Measured[] {
   return Object.entries(error).flatMap(([name, value]): Measured[] => {
     if (value === null || typeof value === "number") return [[prefix + plainName(name), value, own?.[name] as number | null | undefined]];
-    return typeof value === "object" ? measuredOf(value as Record<string, unknown>, null, `${prefix}${plainName(name)} `) : [];
+    const parts = Array.isArray(value) ? Object.fromEntries(value.map((part: unknown, i) => [kParts[value.length]?.[i] ?? String(i + 1), part])) : value;
+    return typeof parts === "object" ? measuredOf(parts as Record<string, unknown>, null, `${prefix}${plainName(name)} `) : [];
   });
 }
 

@@ -1,6 +1,6 @@
 // Numbers as people read them.
 
-import type { ErrorNow, JobSummary, StopConditions } from "../api/types";
+import type { ErrorNow, StopConditions } from "../api/types";
 
 export const kNone = "–";
 
@@ -61,8 +61,6 @@ export const errorText = (error: ErrorNow | null | undefined): string =>
   error && error.value !== null ? `${error.metric} ${numberText(error.value)}` : "";
 
 export const sizeText = (image: { width: number; height: number }): string => `${image.width} × ${image.height}`;
-
-export const sizeOf = (job: JobSummary): string => sizeText(job);
 
 /** "14:02:11" today, "3 Nov 14:02" before. */
 export function timeText(time: string | null, now = new Date()): string {

@@ -1,0 +1,22 @@
+#pragma once
+// Rows of the store as JSON: what is empty or absent there is null here.
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "server/clock_text.h"
+
+namespace photond {
+
+/// Null for empty text; else the text is JSON that the service itself wrote.
+inline nlohmann::json parsed_or_null(const std::string& text) {
+    return text.empty() ? nlohmann::json() : nlohmann::json::parse(text);
+}
+
+/// RFC 3339, or null.
+inline nlohmann::json time_or_null(const std::optional<int64_t>& ms) {
+    return ms ? nlohmann::json(rfc3339(*ms)) : nlohmann::json();
+}
+
+}  // namespace photond
