@@ -18,7 +18,7 @@ using nlohmann::json;
 
 namespace {
 
-constexpr std::chrono::milliseconds kPollEvery{300};
+constexpr std::chrono::milliseconds kPollComparisonEvery{300};
 
 /// Asks again and again; of its jobs, and of the reference they wait for, only the one that runs.
 class ComparisonFollower {
@@ -33,7 +33,7 @@ public:
             json comparison = daemon_.get(path_);
             listener(comparison, progress_of(comparison));
             if (is_over(comparison)) return comparison;
-            if (!daemon_.interrupt().sleep(kPollEvery)) throw interrupted(daemon_.interrupt().cause());
+            if (!daemon_.interrupt().sleep(kPollComparisonEvery)) throw interrupted(daemon_.interrupt().cause());
         }
     }
 

@@ -6,6 +6,7 @@
 #include <ostream>
 #include <set>
 
+#include "clients/cli/json_member.h"
 #include "clients/cli/text_table.h"
 #include "clients/cli/units.h"
 
@@ -17,10 +18,6 @@ namespace {
 
 constexpr size_t kMostRowsAcross = 4;  // more are written down the page
 constexpr size_t kMostColumns = 6;     // of places then
-
-json member(const json& object, const char* key) {
-    return object.is_object() && object.contains(key) ? object[key] : json();
-}
 
 /// A figure with its interval; empty where the row has none.
 struct Figure {

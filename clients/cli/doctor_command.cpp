@@ -27,17 +27,17 @@ using Clock = std::chrono::steady_clock;
 constexpr double kLowDiskBytes = 2.0 * 1024 * 1024 * 1024;
 constexpr double kSlowAnswerSeconds = 0.1;  // the daemon answers in a few milliseconds even while it renders
 
-enum class Verdict : uint8_t { Ok, Warn, Fail };
+enum class Outcome : uint8_t { Ok, Warn, Fail };
 
 struct Check {
     std::string name;
-    Verdict verdict;
+    Outcome outcome;
     std::string found;
     std::string fix;  // empty when ok
 };
 
-const char* verdict_word(Verdict verdict) {
-    return verdict == Verdict::Ok ? "ok" : verdict == Verdict::Warn ? "warn" : "fail";
+const char* outcome_word(Outcome outcome) {
+    return outcome == Outcome::Ok ? "ok" : outcome == Outcome::Warn ? "warn" : "fail";
 }
 
 class Doctor {
@@ -62,8 +62,8 @@ public:
     bool reached() const { return reached_; }
 
 private:
-    void add(const std::string& name, Verdict verdict, const std::string& found, const std::string& fix = "") {
-        checks_.push_back({name, verdict, found, fix});
+    void add(const std::string& name, Outcome outcome, const std::string& found, const std::string& fix = "") {
+        checks_.push_back({name, outcome, found, fix});
     }
 
     /// Runs one question; a refusal or an answer of the wrong shape is a failed check, not the end.
@@ -73,9 +73,9 @@ private:
             question();
         } catch (const Failure& failure) {
             if (failure.code == ExitCode::Interrupted) throw;
-            add(name, Verdict::Fail, failure.what(), failure.hint.empty() ? fix : failure.hint);
+            add(name, Outcome::Fail, failure.what(), failure.hint.empty() ? fix : failure.hint);
         } catch (const json::exception& error) {
-            add(name, Verdict::Fail, std::string("not what the protocol says: ") + error.what(), fix);
+            add(name, Outcome::Fail, std::string("not what the protocol says: ") + error.what(), fix);
         }
     }
 
@@ -92,7 +92,7 @@ private:
         for (const char* program : {"photond", "photond-worker"}) {
             const fs::path file = folder / program;
             if (access(file.c_str(), X_OK) != 0) {
-                add(program, Verdict::Warn, "not in " + folder.string(),
+                add(program, Outcome::Warn, "not in " + folder.string(),
                     "build it: deploy/quickstart --build-only (not needed for a daemon that is installed elsewhere)");
                 continue;
             }
@@ -112,12 +112,12 @@ private:
                 missing += (missing.empty() ? "" : ", ") + name.substr(begin, name.find_last_not_of(' ') + 1 - begin);
             }
             if (!missing.empty())
-                add(program, Verdict::Fail, "libraries missing: " + missing,
+                add(program, Outcome::Fail, "libraries missing: " + missing,
                     "install them: deploy/quickstart --build-only");
             else if (found == 0)
-                add(program, Verdict::Warn, "its libraries could not be listed (ldd)");
+                add(program, Outcome::Warn, "its libraries could not be listed (ldd)");
             else
-                add(program, Verdict::Ok, "all " + std::to_string(found) + " libraries found");
+                add(program, Outcome::Ok, "all " + std::to_string(found) + " libraries found");
         }
     }
 
@@ -153,13 +153,13 @@ private:
         std::error_code error;
         const fs::space_info space = fs::space(".", error);
         if (error)
-            return add("disk here", Verdict::Fail, error.message(),
+            return add("disk here", Outcome::Fail, error.message(),
                        "images are saved in the current folder: change to another");
         const auto available = static_cast<double>(space.available);
         if (access(".", W_OK) != 0)
-            add("disk here", Verdict::Warn, "the current folder cannot be written to", "give -o a path elsewhere");
+            add("disk here", Outcome::Warn, "the current folder cannot be written to", "give -o a path elsewhere");
         else
-            add("disk here", available < kLowDiskBytes ? Verdict::Warn : Verdict::Ok, human_bytes(available) + " free",
+            add("disk here", available < kLowDiskBytes ? Outcome::Warn : Outcome::Ok, human_bytes(available) + " free",
                 available < kLowDiskBytes ? "images are saved here: free some space" : "");
     }
 
@@ -176,13 +176,13 @@ private:
         } catch (const Failure& failure) {
             if (failure.code == ExitCode::Interrupted) throw;
             reached_ = failure.code == ExitCode::Refused;
-            add("daemon", Verdict::Fail, failure.what(), failure.hint);
+            add("daemon", Outcome::Fail, failure.what(), failure.hint);
             return false;
         }
         reached_ = true;
         std::nth_element(spans.begin(), spans.begin() + 2, spans.end());
         const bool slow = spans[2] > kSlowAnswerSeconds;
-        add("daemon", slow ? Verdict::Warn : Verdict::Ok,
+        add("daemon", slow ? Outcome::Warn : Outcome::Ok,
             session_.server.url + " answers in " + human_seconds(spans[2]) + " (median of 5)",
             slow ? "the network, or a machine short of memory or processor time, is in the way" : "");
         return true;
@@ -192,10 +192,10 @@ private:
         try {
             session_.daemon().get("/v1/status");
             authorised_ = true;
-            add("access", Verdict::Ok, session_.server.token.empty() ? "no token needed" : "the token is accepted");
+            add("access", Outcome::Ok, session_.server.token.empty() ? "no token needed" : "the token is accepted");
         } catch (const Failure& failure) {
             if (failure.code == ExitCode::Interrupted) throw;
-            add("access", Verdict::Fail, failure.what(),
+            add("access", Outcome::Fail, failure.what(),
                 "set PHOTOND_TOKEN or --token-file to a token of the daemon's --tokens file");
         }
     }
@@ -205,7 +205,7 @@ private:
             HttpRequest request;
             request.path = "/readyz";
             session_.daemon().ask(request, Repeat::Safely);
-            add("ready", Verdict::Ok, "store open, every worker answered");
+            add("ready", Outcome::Ok, "store open, every worker answered");
         });
     }
 
@@ -214,7 +214,7 @@ private:
             const json status = session_.daemon().get("/v1/status");
             const std::string version = status.at("version").get<std::string>();
             const bool same = version == PHOTOND_VERSION;
-            add("version", same ? Verdict::Ok : Verdict::Warn,
+            add("version", same ? Outcome::Ok : Outcome::Warn,
                 same ? "both " + version : "daemon " + printable(version) + ", photonctl " PHOTOND_VERSION,
                 same ? "" : "install the same version on both sides");
             check_daemon_disk(status);
@@ -227,19 +227,19 @@ private:
         if (status.contains("disk") && status["disk"].is_object()) free = status["disk"].value("free_bytes", json());
         if (!free.is_number()) return;
         const bool low = free.get<double>() < kLowDiskBytes;
-        add("daemon's disk", low ? Verdict::Warn : Verdict::Ok, human_bytes(free.get<double>()) + " free",
+        add("daemon's disk", low ? Outcome::Warn : Outcome::Ok, human_bytes(free.get<double>()) + " free",
             low ? "free some space: remove old jobs (photonctl jobs cancel --purge) and scenes" : "");
     }
 
     void check_devices() {
         guarded("devices", "see the daemon's log", [&] {
             const json devices = session_.daemon().get("/v1/devices").at("items");
-            if (devices.empty()) add("devices", Verdict::Fail, "none", "start the daemon with --devices cpu");
+            if (devices.empty()) add("devices", Outcome::Fail, "none", "start the daemon with --devices cpu");
             for (const json& device : devices) {
                 if (!device.value("served", true)) continue;
                 const std::string state = device.at("state").get<std::string>();
                 const bool failed = state == "failed";
-                add("device " + plain_text(device.at("id")), failed ? Verdict::Fail : Verdict::Ok,
+                add("device " + plain_text(device.at("id")), failed ? Outcome::Fail : Outcome::Ok,
                     plain_text(device.value("name", json())) + ", " + printable(state),
                     failed ? "its worker does not stay up: see the daemon's log" : "");
             }
@@ -251,7 +251,7 @@ private:
             std::string names;
             const json methods = session_.daemon().get("/v1/methods").at("items");
             for (const json& method : methods) names += (names.empty() ? "" : ", ") + plain_text(method.at("name"));
-            add("methods", names.empty() ? Verdict::Fail : Verdict::Ok, names.empty() ? "none" : names,
+            add("methods", names.empty() ? Outcome::Fail : Outcome::Ok, names.empty() ? "none" : names,
                 names.empty() ? "install the daemon anew" : "");
         });
     }
@@ -272,7 +272,7 @@ private:
             const json job = wait_for_job(session_, id, {}, false);
             if (exit_code_of(job) != ExitCode::Ok) {
                 remark_failure(session_, job);
-                return add("render", Verdict::Fail, id + " " + plain_text(job.value("state", json())),
+                return add("render", Outcome::Fail, id + " " + plain_text(job.value("state", json())),
                            "photonctl jobs show " + id);
             }
             HttpRequest image;
@@ -280,7 +280,7 @@ private:
             const HttpReply exr = session_.daemon().ask(image, Repeat::Safely);
             // OpenEXR's magic number: a file that is none would be a defect of the service.
             const bool is_exr = exr.status == 200 && exr.body.starts_with("\x76\x2f\x31\x01");
-            add("render", is_exr ? Verdict::Ok : Verdict::Fail,
+            add("render", is_exr ? Outcome::Ok : Outcome::Fail,
                 is_exr
                     ? "a 64 x 64 image in " +
                           human_seconds(std::chrono::duration<double>(Clock::now() - begun).count()) + ", start to EXR"
@@ -304,8 +304,8 @@ ExitCode run_doctor(Session& session, bool renders) {
     size_t name_columns = 0;
     for (const Check& check : checks) name_columns = std::max(name_columns, display_width(check.name));
     for (const Check& check : checks) {
-        failed = failed || check.verdict == Verdict::Fail;
-        const std::string word = verdict_word(check.verdict);
+        failed = failed || check.outcome == Outcome::Fail;
+        const std::string word = outcome_word(check.outcome);
         if (session.json_output) {
             session.print_json({{"check", check.name},
                                 {"state", word},

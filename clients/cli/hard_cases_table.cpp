@@ -112,13 +112,6 @@ RegionSamples samples_of(const PlannedCheck& planned, const Renderings& renderin
     return samples;
 }
 
-Radiance mean_of(const std::vector<Radiance>& values) {
-    Radiance mean{};
-    for (const Radiance& value : values)
-        for (size_t c = 0; c < kChannels; ++c) mean[c] += value[c] / static_cast<double>(values.size());
-    return mean;
-}
-
 std::string percent(double relative) {
     const std::string digits = three_digit_number(100 * relative);
     return (relative > 0 ? "+" : "") + digits + " %";

@@ -56,14 +56,14 @@ MeanOfDifferences mean_of_differences(const RegionSamples& samples, size_t chann
     return found;
 }
 
+}  // namespace
+
 Radiance mean_of(const std::vector<Radiance>& values) {
     Radiance mean{};
     for (const Radiance& value : values)
         for (size_t c = 0; c < kChannels; ++c) mean[c] += value[c] / static_cast<double>(values.size());
     return mean;
 }
-
-}  // namespace
 
 std::optional<Relation> relation_from(std::string_view wire_name) {
     for (const RelationName& row : kRelations)

@@ -32,6 +32,9 @@ bool has_interval(Relation relation);
 inline constexpr double kTableFalseAlarm = 1e-6;
 constexpr size_t kChannels = 3;
 
+/// Of each channel; not a number without values.
+Radiance mean_of(const std::vector<Radiance>& values);
+
 /// Chance of each of `comparisons` independent ones such that all together raise a false alarm with `false_alarm`
 /// [Sidak 1967, Rectangular confidence regions for the means of multivariate normal distributions].
 double shared_false_alarm(double false_alarm, size_t comparisons);

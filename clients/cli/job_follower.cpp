@@ -10,9 +10,9 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::chrono::seconds kConnectLimit{10};
+constexpr std::chrono::seconds kStreamConnectLimit{10};
 constexpr std::chrono::seconds kSilenceLimit{45};  // a few of the stream's heartbeats
-constexpr std::chrono::milliseconds kPollEvery{500};
+constexpr std::chrono::milliseconds kPollJobEvery{500};
 constexpr int kStreamTries = 3;  // without one event between them; then polling
 
 class Follower {
@@ -28,7 +28,7 @@ public:
             const bool streams = fruitless < kStreamTries && stream();
             if (daemon_.interrupt().cause() != Interrupt::Cause::None) throw interrupted(daemon_.interrupt().cause());
             fruitless = streams && events_ > before ? 0 : fruitless + 1;
-            if (!is_over(job_) && !daemon_.interrupt().sleep(kPollEvery))
+            if (!is_over(job_) && !daemon_.interrupt().sleep(kPollJobEvery))
                 throw interrupted(daemon_.interrupt().cause());
             refresh();  // the whole object, with its statistics when it is over; the last word over any event
         }
@@ -46,7 +46,7 @@ private:
 
     /// One connection to the event stream, until the job is over or the connection is. False: there is no stream.
     bool stream() {
-        HttpClient http(daemon_.options().url, kConnectLimit, kSilenceLimit);
+        HttpClient http(daemon_.options().url, kStreamConnectLimit, kSilenceLimit);
         const Interrupt::Stopper stopper(daemon_.interrupt(), [&http] { http.stop(); });
         HttpRequest request;
         request.path = path_ + "/events";

@@ -4,6 +4,7 @@
 #include <ostream>
 #include <string>
 
+#include "clients/cli/json_member.h"
 #include "clients/cli/text_table.h"
 #include "clients/cli/units.h"
 
@@ -12,10 +13,6 @@ namespace photond::cli {
 namespace {
 
 using nlohmann::json;
-
-json member(const json& object, const char* key) {
-    return object.is_object() && object.contains(key) ? object[key] : json();
-}
 
 std::string seconds_cell(const json& value) { return value.is_number() ? human_seconds(value.get<double>()) : "-"; }
 

@@ -9,7 +9,7 @@
 namespace photond::http {
 namespace {
 
-Reply submit(Service& service, Call& call) {
+Reply submit_comparison(Service& service, Call& call) {
     Query query(call.query);
     const bool dry_run = query.flag("dry_run");
     query.finish();
@@ -22,7 +22,7 @@ Reply submit(Service& service, Call& call) {
     return reply;
 }
 
-Reply list(Service& service, Call& call) {
+Reply list_comparisons(Service& service, Call& call) {
     Query query(call.query);
     const uint32_t limit = query.integer("limit", 100);
     const std::string cursor = query.text("cursor");
@@ -30,7 +30,7 @@ Reply list(Service& service, Call& call) {
     return json_reply(200, service.list_comparisons(limit, cursor));
 }
 
-Reply remove(Service& service, Call& call) {
+Reply remove_comparison(Service& service, Call& call) {
     Query query(call.query);
     const bool purge = query.flag("purge");
     query.finish();
@@ -48,13 +48,13 @@ void add_comparison_routes(std::vector<Route>& routes, Service& service) {
         routes.push_back(
             {.method = method, .pattern = pattern, .body = body, .lane = Lane::Slow, .handle = std::move(handle)});
     };
-    add("POST", "/v1/comparisons", BodyKind::Json, [&service](Call& call) { return submit(service, call); });
-    add("GET", "/v1/comparisons", BodyKind::None, [&service](Call& call) { return list(service, call); });
+    add("POST", "/v1/comparisons", BodyKind::Json, [&service](Call& call) { return submit_comparison(service, call); });
+    add("GET", "/v1/comparisons", BodyKind::None, [&service](Call& call) { return list_comparisons(service, call); });
     add("GET", "/v1/comparisons/{id}", BodyKind::None, [&service](Call& call) {
         Query(call.query).finish();
         return json_reply(200, service.get_comparison(call.path_parameters[0]));
     });
-    add("DELETE", "/v1/comparisons/{id}", BodyKind::None, [&service](Call& call) { return remove(service, call); });
+    add("DELETE", "/v1/comparisons/{id}", BodyKind::None, [&service](Call& call) { return remove_comparison(service, call); });
     const auto add_report = [&](const char* pattern, Artefact (Service::*report)(const std::string&)) {
         add("GET", pattern, BodyKind::None, [&service, report](Call& call) {
             Query(call.query).finish();

@@ -17,7 +17,7 @@ Reply job_reply(int status, const nlohmann::json& job) {
     return reply;
 }
 
-Reply submit(Service& service, Call& call) {
+Reply submit_job(Service& service, Call& call) {
     Query query(call.query);
     const bool dry_run = query.flag("dry_run");
     query.finish();
@@ -27,7 +27,7 @@ Reply submit(Service& service, Call& call) {
     return job_reply(202, service.submit_job(request, key, to_json(request).dump()));
 }
 
-Reply list(Service& service, Call& call) {
+Reply list_jobs(Service& service, Call& call) {
     Query query(call.query);
     JobFilter filter;
     filter.view = query.text("view", "full");
@@ -45,7 +45,7 @@ Reply list(Service& service, Call& call) {
     return json_reply(200, service.list_jobs(filter));
 }
 
-Reply remove(Service& service, Call& call) {
+Reply remove_job(Service& service, Call& call) {
     Query query(call.query);
     const bool purge = query.flag("purge");
     query.finish();
@@ -105,16 +105,16 @@ Reply all_events(Service& service, Call& call) {
 void add_job_routes(std::vector<Route>& routes, Service& service) {
     routes.push_back(
         {.method = "POST", .pattern = "/v1/jobs", .body = BodyKind::Json, .handle = [&service](Call& call) {
-             return submit(service, call);
+             return submit_job(service, call);
          }});
     routes.push_back(
-        {.method = "GET", .pattern = "/v1/jobs", .handle = [&service](Call& call) { return list(service, call); }});
+        {.method = "GET", .pattern = "/v1/jobs", .handle = [&service](Call& call) { return list_jobs(service, call); }});
     routes.push_back({.method = "GET", .pattern = "/v1/jobs/{id}", .handle = [&service](Call& call) {
                           Query(call.query).finish();
                           return json_reply(200, service.get_job(call.path_parameters[0]));
                       }});
     routes.push_back({.method = "DELETE", .pattern = "/v1/jobs/{id}", .handle = [&service](Call& call) {
-                          return remove(service, call);
+                          return remove_job(service, call);
                       }});
     routes.push_back(
         {.method = "PATCH", .pattern = "/v1/jobs/{id}", .body = BodyKind::Json, .handle = [&service](Call& call) {

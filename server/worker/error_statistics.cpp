@@ -16,12 +16,6 @@ constexpr double kNoiseMargin = 3;
 
 json number_or_null(const std::optional<double>& value) { return value ? json(*value) : json(nullptr); }
 
-json channels_json(const std::array<std::optional<double>, 3>& values) {
-    json channels = json::array();
-    for (const std::optional<double>& value : values) channels.push_back(number_or_null(value));
-    return channels;
-}
-
 std::string shown(double value) {
     char text[32];
     std::snprintf(text, sizeof text, "%.4g", value);
@@ -119,6 +113,12 @@ json estimate_json(ResolvedFilm& film, FilmErrors& errors) {
 }
 
 }  // namespace
+
+json channels_json(const std::array<std::optional<double>, 3>& values) {
+    json channels = json::array();
+    for (const std::optional<double>& value : values) channels.push_back(number_or_null(value));
+    return channels;
+}
 
 std::vector<std::string> noise_warnings(const json& error, const json& reference_error) {
     std::vector<std::string> warnings;

@@ -1,8 +1,10 @@
 #pragma once
 // What a job's statistics say of its error (protocol.md, "Shapes"; conventions.md, "Error").
 
+#include <array>
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +27,9 @@ ErrorStatistics error_statistics(ResolvedFilm& film, FilmErrors& errors, const M
 
 /// The one noise that every reference is tried with (with_own_noise()): figures can be repeated.
 inline constexpr uint64_t kReferenceNoiseSeed = 1;
+
+/// Three numbers, R, G and B; null for a channel that has no value.
+nlohmann::json channels_json(const std::array<std::optional<double>, 3>& values);
 
 /// A sentence for each metric that says little of the image: its value is less than three times the reference's own.
 std::vector<std::string> noise_warnings(const nlohmann::json& error, const nlohmann::json& reference_error);

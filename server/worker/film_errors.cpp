@@ -8,8 +8,6 @@ namespace photond {
 
 namespace {
 
-std::string text_of(Size2 size) { return std::to_string(size.width) + " x " + std::to_string(size.height); }
-
 const LayerInfo& info_of(const std::string& layer) {
     return *std::find_if(kLayers.begin(), kLayers.end(), [&](const LayerInfo& info) { return info.name == layer; });
 }
@@ -17,6 +15,8 @@ const LayerInfo& info_of(const std::string& layer) {
 bool has_variance(Layer layer) { return layer == Layer::Direct || layer == Layer::Indirect; }
 
 }  // namespace
+
+std::string size_text(Size2 size) { return std::to_string(size.width) + " x " + std::to_string(size.height); }
 
 const std::vector<float>& ResolvedFilm::pixels(const std::string& layer) {
     const auto [found, is_new] = pixels_.try_emplace(layer);
@@ -46,7 +46,7 @@ FilmErrors::FilmErrors(Size2 size, std::optional<ReferenceImage> reference, cons
     reference_passes_ = reference->passes;
     if (reference->size != size)
         throw Error(ErrorCode::Conflict, "/reference",
-                    "the reference is " + text_of(reference->size) + " pixels, the image " + text_of(size));
+                    "the reference is " + size_text(reference->size) + " pixels, the image " + size_text(size));
     for (auto& [layer, state] : states_) {
         const auto pixels = reference->layers.find(layer);
         if (pixels == reference->layers.end())

@@ -17,6 +17,9 @@
 
 namespace photond {
 
+/// "640 x 360".
+std::string size_text(Size2 size);
+
 /// The layers of a film at one moment, resolved when first asked for. Borrows the film.
 class ResolvedFilm {
 public:

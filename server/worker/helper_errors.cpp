@@ -62,8 +62,6 @@ ReferenceImage load_source(const json& message, const char* key, uint64_t memory
     }
 }
 
-std::string size_text(Size2 size) { return std::to_string(size.width) + " x " + std::to_string(size.height); }
-
 ImagePair load_pair(const json& message, uint64_t memory_bytes) {
     ImagePair pair;
     pair.image = load_source(message, "image", memory_bytes);
@@ -112,12 +110,6 @@ std::vector<WantedMetric> wanted_metrics(const json& message) {
         wanted.push_back({metric_named(names[i].get<std::string>(), pointer), pointer});
     }
     return wanted;
-}
-
-json channels_json(const std::array<std::optional<double>, 3>& values) {
-    json channels = json::array();
-    for (const std::optional<double>& value : values) channels.push_back(value ? json(*value) : json(nullptr));
-    return channels;
 }
 
 /// A metric's value as the wire has it; null with a reason.
