@@ -16,7 +16,7 @@
 // sign known, it made estimates 20 to 30 % too low at 64 passes (32x32 pixels), the side that matters.
 // Measured, mean of 8 seeds, estimated over true relative_mse at 64, 128, 256 passes: cornell-box 0.97, 1.00, 1.25;
 // cornell-box-spot 0.94, 0.92, 1.29; s^2 / n itself is up to twice too large there. Where paths are rare it is far too
-// low, like s^2 itself: tests/statistical/error_estimate_test.cpp lists the scenes.
+// low, like s^2 itself: tests/statistical/error/error_estimate_test.cpp lists the scenes.
 //
 // Bias is not in it: photon mapping's images differ from the truth by more than is said here. A method whose pixels
 // share photons has few independent values, and its f is as noisy.

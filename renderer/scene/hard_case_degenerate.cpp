@@ -82,7 +82,7 @@ HardCase scene_case(const char* name, const char* row, const char* strains, cons
 HardCase tested_elsewhere(const char* name, const char* row, const char* strains, const char* text) {
     return {.name = std::string(kPrefix) + name,
             .answer = {.row = row, .strains = strains, .text = text},
-            .test = "unit_hard_limits_test"};
+            .test = "unit_worker HardLimits"};
 }
 
 }  // namespace

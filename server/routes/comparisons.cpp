@@ -54,7 +54,8 @@ void add_comparison_routes(std::vector<Route>& routes, Service& service) {
         Query(call.query).finish();
         return json_reply(200, service.get_comparison(call.path_parameters[0]));
     });
-    add("DELETE", "/v1/comparisons/{id}", BodyKind::None, [&service](Call& call) { return remove_comparison(service, call); });
+    add("DELETE", "/v1/comparisons/{id}", BodyKind::None,
+        [&service](Call& call) { return remove_comparison(service, call); });
     const auto add_report = [&](const char* pattern, Artefact (Service::*report)(const std::string&)) {
         add("GET", pattern, BodyKind::None, [&service, report](Call& call) {
             Query(call.query).finish();

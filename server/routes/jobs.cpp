@@ -107,8 +107,9 @@ void add_job_routes(std::vector<Route>& routes, Service& service) {
         {.method = "POST", .pattern = "/v1/jobs", .body = BodyKind::Json, .handle = [&service](Call& call) {
              return submit_job(service, call);
          }});
-    routes.push_back(
-        {.method = "GET", .pattern = "/v1/jobs", .handle = [&service](Call& call) { return list_jobs(service, call); }});
+    routes.push_back({.method = "GET", .pattern = "/v1/jobs", .handle = [&service](Call& call) {
+                          return list_jobs(service, call);
+                      }});
     routes.push_back({.method = "GET", .pattern = "/v1/jobs/{id}", .handle = [&service](Call& call) {
                           Query(call.query).finish();
                           return json_reply(200, service.get_job(call.path_parameters[0]));

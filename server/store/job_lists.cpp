@@ -19,8 +19,8 @@ std::string quoted(const std::string& text) { return json(text).dump(-1, ' ', fa
 
 /// What the labels' text holds where there is such a label, and nowhere else. They are JSON whose opening brace is a
 /// comma, so that every key follows `,"`; within a string that cannot stand, for there a quotation mark has a backslash
-/// before it, unless the string ends with that comma: only a key that is nothing but a comma can be seen where it is not.
-/// Nor can a longer value be taken for this one, which ends with its own.
+/// before it, unless the string ends with that comma: only a key that is nothing but a comma can be seen where it is
+/// not. Nor can a longer value be taken for this one, which ends with its own.
 std::string label_text(const JobQuery& query) {
     std::string text = "," + quoted(query.label_key) + ":";
     if (query.label_value) text += quoted(*query.label_value);

@@ -9,7 +9,8 @@ import { axeClean, expectNoComplaints, openPage, shoot, smallJob, startDaemon } 
 
 const kJobs = Number(process.env.PHOTOND_MANY_JOBS ?? 4000);
 const daemon = await startDaemon({ data: historyOf(kJobs) });
-const page = await openPage(daemon, "/jobs", { expected: /ERR_CONNECTION_REFUSED|ERR_INCOMPLETE_CHUNKED|ERR_EMPTY_RESPONSE|ERR_CONNECTION_RESET|status of 409/ });
+// Made-up jobs have no films, so there is no picture of them when one is opened for long enough.
+const page = await openPage(daemon, "/jobs", { expected: /ERR_CONNECTION_REFUSED|ERR_INCOMPLETE_CHUNKED|ERR_EMPTY_RESPONSE|ERR_CONNECTION_RESET|status of 409|status of 404.*preview\.png/ });
 
 const grid = page.getByRole("grid");
 const rowOf = (id) => grid.getByRole("row").filter({ has: page.getByRole("link", { name: id, exact: true }) });
@@ -18,6 +19,8 @@ const matching = (count) => page.waitForFunction((wanted) => document.querySelec
 const loaded = () => page.waitForFunction(() => document.querySelectorAll(".jobs-space .jobs-row").length > 0 && !document.querySelector(".jobs-row.waits"));
 const shownIds = () => page.$$eval(".jobs-space .jobs-row .jobs-job a", (links) => links.map((link) => link.textContent));
 const activeId = () => page.evaluate(() => document.getElementById(document.querySelector("[role=grid]").getAttribute("aria-activedescendant"))?.querySelector("a")?.textContent);
+/** The active row is drawn a frame after the key that made it active. */
+const becomesActive = (id) => page.waitForFunction((wanted) => document.getElementById(document.querySelector("[role=grid]").getAttribute("aria-activedescendant"))?.querySelector("a")?.textContent === wanted, id);
 async function go(path) {
   await page.goto(daemon.url + path);
   await loaded();
@@ -34,7 +37,7 @@ test("is usable within a second over a long history", async () => {
   console.log(`# ${kJobs} jobs: usable after ${times.map((time) => time.toFixed(0)).join(", ")} ms`);
   assert.equal(await total(), kJobs);
   assert.ok(Math.min(...times) < 1000, `usable after ${times} ms`);
-  assert.equal(await activeId(), `J${kJobs}`);
+  await becomesActive(`J${kJobs}`);
 });
 
 test("scrolls by fetching what is looked at, and draws little meanwhile", async () => {
@@ -62,7 +65,7 @@ test("scrolls by fetching what is looked at, and draws little meanwhile", async 
   assert.ok(frames.wheel.median < 50, `a frame takes ${frames.wheel.median} ms`);
   await grid.press("End");
   await loaded();
-  assert.equal(await activeId(), "J1");
+  await becomesActive("J1");
   const last = rowOf("J1");
   assert.equal(await last.getAttribute("aria-rowindex"), String(kJobs + 1));
 });
@@ -73,7 +76,7 @@ test("is read and picked by keys", async () => {
   await page.keyboard.press("j");
   await page.keyboard.press("ArrowDown");
   await page.keyboard.press("k");
-  assert.equal(await activeId(), `J${kJobs - 1}`);
+  await becomesActive(`J${kJobs - 1}`);
   await page.keyboard.press("x");
   await page.keyboard.press("Shift+ArrowDown");
   await page.keyboard.press("Shift+ArrowDown");
@@ -104,7 +107,7 @@ test("opens a job and comes back to the place", async () => {
   await loaded();
   await page.waitForFunction((wanted) => document.querySelector(`.jobs-job a[href="/jobs/${wanted}"]`), id);
   assert.deepEqual((await shownIds()).slice(10, 20), before.slice(10, 20));
-  assert.equal(await activeId(), id);
+  await becomesActive(id);
 });
 
 test("is filtered by words, with suggestions, and by its address", async () => {

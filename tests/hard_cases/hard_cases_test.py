@@ -1,7 +1,7 @@
 """photonctl hard-cases: every method on the hard cases, against a daemon of its own.
 
 The short form takes a handful of cases and sees that nothing happens that must never happen; the long class takes all.
-What decides is tested by numbers in tests/unit/hard_cases_verdict_test.cpp.
+What decides is tested by numbers in tests/unit/cli/hard_cases_verdict_test.cpp.
 """
 
 import html.parser

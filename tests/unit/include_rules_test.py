@@ -62,7 +62,8 @@ LIBRARIES = [
     ("nlohmann/*", ["protocol/*", "server/*", "clients/*", "renderer/scene/gltf*"]),
     ("openssl/evp.h", ["renderer/core/sha256.cpp"]),
     ("openssl/*", ["server/auth.cpp"]),
-    ("tbb/*", ["renderer/core/*", "server/worker/*"]),  # the worker sets the number of threads
+    # The worker sets the number of threads.
+    ("tbb/*", ["renderer/core/*", "server/worker/*", "renderer/precompiled.h"]),
     ("glm/*", ["renderer/*"]),
     ("vulkan/*", ["renderer/backends/gpu/*"]),
     ("volk.h", ["renderer/backends/gpu/*"]),

@@ -1,7 +1,7 @@
 // The device's samplers of lights: what the host's have to pass.
 
-#include "tests/statistical/emission_sampling_checks.h"
-#include "tests/statistical/light_sampling_checks.h"
+#include "tests/statistical/transport/emission_sampling_checks.h"
+#include "tests/statistical/transport/light_sampling_checks.h"
 #include "tests/support/device_light_samples.h"
 
 namespace photond::test {

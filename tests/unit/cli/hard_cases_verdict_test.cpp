@@ -238,9 +238,9 @@ TEST(HardCaseScenes, AreReadAsTheProtocolSays) {
     EXPECT_EQ(one.not_applicable.at("photon_splatting"), "no media");
 
     nlohmann::json below = wire_case();
-    below["known_answer"]["test"] = "unit_film_test";
+    below["known_answer"]["test"] = "unit_film";
     below["name"] = nullptr;
-    EXPECT_EQ(hard_case_from(below).test, "unit_film_test");
+    EXPECT_EQ(hard_case_from(below).test, "unit_film");
     EXPECT_TRUE(hard_case_from(below).scene.empty());
 
     nlohmann::json wrong = wire_case();

@@ -1,6 +1,6 @@
 // The host's sampler of lights: light_sampling_checks.h.
 
-#include "tests/statistical/light_sampling_checks.h"
+#include "tests/statistical/transport/light_sampling_checks.h"
 
 namespace photond::test {
 namespace {

@@ -1,6 +1,6 @@
 // The host's sampler of light paths' first step: emission_sampling_checks.h.
 
-#include "tests/statistical/emission_sampling_checks.h"
+#include "tests/statistical/transport/emission_sampling_checks.h"
 
 namespace photond::test {
 namespace {

@@ -1,0 +1,127 @@
+#!/usr/bin/python3
+"""What a run of the tests cost, beside what it may cost (tests/budget.txt).
+
+  test_costs.py calibrate                   prints how many processor seconds a fixed piece of work takes here and now
+  test_costs.py report FOLDER BUDGET --build SECONDS --calibration SECONDS ... [--enforce]
+        prints processor seconds by program beside their budget, and the twenty dearest cases; FOLDER is where the tests
+        wrote them (PHOTOND_TEST_TIMES). --enforce: exit status 1 where a program took more than 1.5 times its share.
+  test_costs.py budget FOLDER --build SECONDS --calibration SECONDS ...
+        prints a budget of what this run took
+
+A budget's figures are of the machine that its line `calibration` was measured on; they are scaled by this run's. Both are
+taken on all processors at once, as the tests are.
+"""
+
+import argparse
+import collections
+import multiprocessing
+import os
+import pathlib
+import re
+import statistics
+import sys
+import time
+
+ALLOWED = 1.5
+LEAST_SHARE = 4.0  # processor seconds: below that a program is mostly its own start
+
+
+def fixed_work(_):
+    began = time.process_time()
+    numbers, state = {}, 1
+    for step in range(1_500_000):
+        state = state * 1103515245 + 12345 & 0x7FFFFFFF
+        numbers[state & 0xFFFF] = step
+    return time.process_time() - began
+
+
+def calibrate():
+    with multiprocessing.Pool(os.cpu_count()) as pool:
+        return statistics.median(pool.map(fixed_work, range(3 * os.cpu_count())))
+
+
+def program_of(entry):
+    """Shards are one program."""
+    return re.sub(r"\.\d+$", "", entry)
+
+
+def totals_in(folder):
+    totals = collections.Counter()
+    for file in folder.glob("*.total"):
+        totals[program_of(file.name[:-len(".total")])] += float(file.read_text())
+    return totals
+
+
+def cases_in(folder):
+    cases = []
+    for file in folder.glob("*.cases"):
+        program = file.name.split(".")[0]
+        for line in file.read_text().splitlines():
+            seconds, name = line.split("\t", 1)
+            cases.append((float(seconds), f"{program} {name}"))
+    return sorted(cases, reverse=True)
+
+
+def read_budget(file):
+    rows = [line.split() for line in file.read_text().splitlines() if line and not line.startswith("#")]
+    return {name: float(seconds) for name, seconds in rows}
+
+
+def report(asked):
+    spent = totals_in(asked.folder)
+    budget = read_budget(asked.budget)
+    scale = statistics.mean(asked.calibration) / budget["calibration"]
+    print(f"Processor seconds; the budget is scaled by {scale:.2f}, this machine's speed just now.\n")
+    print(f"{'program':44}{'took':>9}{'budget':>9}")
+    over = []
+
+    def row(name, seconds):
+        share = max(budget.get(name, 0.0), LEAST_SHARE) * scale
+        excess = seconds > ALLOWED * share
+        if excess:
+            over.append(f"{name} took {seconds:.1f} processor seconds, more than {ALLOWED} times its {share:.1f}")
+        print(f"{name:44}{seconds:9.1f}{share:9.1f}" + ("  <-- over" if excess else ""))
+
+    for name, seconds in spent.most_common():
+        row(name, seconds)
+    tests = sum(spent.values())
+    print()
+    if asked.build is not None:
+        row("build", asked.build)
+    row("tests", tests)
+    if asked.build is not None:
+        row("total", tests + asked.build)
+    print("\nThe twenty dearest cases:")
+    for seconds, name in cases_in(asked.folder)[:20]:
+        print(f"{seconds:9.1f}  {name}")
+    for line in over:
+        print(("budget: " if asked.enforce else "warning: ") + line + " (tests/budget.txt)", file=sys.stderr)
+    return 1 if over and asked.enforce else 0
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    commands = parser.add_subparsers(dest="command", required=True)
+    commands.add_parser("calibrate")
+    for name in ("report", "budget"):
+        command = commands.add_parser(name)
+        command.add_argument("folder", type=pathlib.Path)
+        if name == "report":
+            command.add_argument("budget", type=pathlib.Path)
+            command.add_argument("--enforce", action="store_true")
+        command.add_argument("--build", type=float)
+        command.add_argument("--calibration", type=float, nargs="+", required=True)
+    asked = parser.parse_args()
+    if asked.command == "calibrate":
+        print(f"{calibrate():.3f}")
+    elif asked.command == "report":
+        sys.exit(report(asked))
+    else:
+        spent = totals_in(asked.folder)
+        rows = {"calibration": statistics.mean(asked.calibration), "build": asked.build, "tests": sum(spent.values()),
+                "total": sum(spent.values()) + asked.build, **dict(spent.most_common())}
+        print("\n".join(f"{name} {seconds:.3f}" if name == "calibration" else f"{name} {seconds:.1f}"
+                        for name, seconds in rows.items()))
+
+
+main()
