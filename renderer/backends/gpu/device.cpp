@@ -92,6 +92,7 @@ Device::~Device() {
 
 void Device::close() noexcept {
     if (!handle_) return;
+    pipelines_.clear();
     vk_.vkDestroyPipelineCache(handle_, pipeline_cache_, nullptr);
     vk_.vkDestroySemaphore(handle_, timeline_, nullptr);
     memory_.reset();

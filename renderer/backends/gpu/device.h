@@ -7,6 +7,7 @@
 #include <span>
 
 #include "renderer/backends/gpu/device_list.h"
+#include "renderer/backends/gpu/kept_pipelines.h"
 #include "renderer/backends/gpu/memory.h"
 
 namespace photond::gpu {
@@ -36,6 +37,7 @@ public:
     const VolkDeviceTable& vk() const { return vk_; }
     uint32_t queue_family() const { return queue_family_; }
     VkPipelineCache pipeline_cache() const { return pipeline_cache_; }
+    KeptPipelines& pipelines() { return pipelines_; }
     Memory& memory() { return *memory_; }
     uint64_t memory_limit_bytes() const { return memory_limit_bytes_; }
 
@@ -79,6 +81,7 @@ private:
     std::filesystem::path cache_file_;
     VkPipelineCache pipeline_cache_ = VK_NULL_HANDLE;
     size_t saved_cache_bytes_ = 0;
+    KeptPipelines pipelines_{*this};
     std::unique_ptr<Memory> memory_;
     uint64_t memory_limit_bytes_;
 };

@@ -128,6 +128,17 @@ PipelineLayout::~PipelineLayout() {
     device_.vk().vkDestroyDescriptorSetLayout(device_.handle(), set_layout_, nullptr);
 }
 
+std::string PipelineLayout::key() const {
+    return " push " + std::to_string(push_bytes_) + " scene " + (scene_ ? std::to_string(scene_->buffers()) : "none");
+}
+
+std::string key_of(std::span<const Specialization> constants) {
+    std::string key;
+    for (const Specialization& constant : constants)
+        key += " " + std::to_string(constant.id) + "=" + std::to_string(constant.value);
+    return key;
+}
+
 ShaderStage::ShaderStage(Device& device, VkShaderStageFlagBits stage, const Shader& shader,
                          std::span<const Specialization> constants)
     : device_(device) {
@@ -152,18 +163,21 @@ ShaderStage::~ShaderStage() { device_.vk().vkDestroyShaderModule(device_.handle(
 
 ComputePipeline::ComputePipeline(Device& device, std::string_view source, uint32_t push_bytes, const BufferSet* scene,
                                  std::span<const Specialization> constants)
-    : device_(device),
-      shader_(find_shader(source)),
-      layout_(device, std::initializer_list<const Shader*>{&shader_}, push_bytes, scene) {
+    : shader_(find_shader(source)),
+      layout_(device, std::initializer_list<const Shader*>{&shader_}, push_bytes, scene),
+      handle_(device.pipelines().get(std::string(source) + layout_.key() + key_of(constants),
+                                     [&] { return compile(device, constants); })) {}
+
+VkPipeline ComputePipeline::compile(Device& device, std::span<const Specialization> constants) const {
     const ShaderStage stage(device, VK_SHADER_STAGE_COMPUTE_BIT, shader_, constants);
     VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
     info.stage = stage.info();
     info.layout = layout_.handle();
-    check(device.vk().vkCreateComputePipelines(device.handle(), device.pipeline_cache(), 1, &info, nullptr, &handle_),
-          "compiling " + std::string(source));
-    device.set_name(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<uint64_t>(handle_), std::string(source));
+    VkPipeline pipeline;
+    check(device.vk().vkCreateComputePipelines(device.handle(), device.pipeline_cache(), 1, &info, nullptr, &pipeline),
+          "compiling " + std::string(source()));
+    device.set_name(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<uint64_t>(pipeline), std::string(source()));
+    return pipeline;
 }
-
-ComputePipeline::~ComputePipeline() { device_.vk().vkDestroyPipeline(device_.handle(), handle_, nullptr); }
 
 }  // namespace photond::gpu

@@ -51,6 +51,8 @@ public:
     PipelineLayout& operator=(const PipelineLayout&) = delete;
 
     VkPipelineLayout handle() const { return handle_; }
+    /// What it is made of beside the shaders, as text: layouts of the same shaders with the same text are compatible.
+    std::string key() const;
     std::span<const ShaderBuffer> buffers() const { return buffers_; }
     uint32_t push_bytes() const { return push_bytes_; }
     const BufferSet* scene() const { return scene_; }
@@ -73,20 +75,23 @@ public:
     ComputePipeline(Device& device, std::string_view source, uint32_t push_bytes, const BufferSet* scene,
                     std::initializer_list<Specialization> constants)
         : ComputePipeline(device, source, push_bytes, scene, std::span(constants.begin(), constants.size())) {}
-    ~ComputePipeline();
     ComputePipeline(const ComputePipeline&) = delete;
     ComputePipeline& operator=(const ComputePipeline&) = delete;
 
-    VkPipeline handle() const { return handle_; }
+    VkPipeline handle() const { return handle_.get(); }
     const PipelineLayout& layout() const { return layout_; }
     std::string_view source() const { return shader_.source; }
 
 private:
-    Device& device_;
+    VkPipeline compile(Device& device, std::span<const Specialization> constants) const;
+
     const Shader& shader_;
     const PipelineLayout layout_;
-    VkPipeline handle_ = VK_NULL_HANDLE;
+    SharedPipeline handle_;
 };
+
+/// Constants as text, for the key of a pipeline.
+std::string key_of(std::span<const Specialization> constants);
 
 /// A shader stage with its constants, for those who make pipelines. Owns the module; lives while they are made.
 class ShaderStage {

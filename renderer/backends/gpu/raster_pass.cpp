@@ -23,11 +23,16 @@ RasterPipeline::RasterPipeline(Device& device, std::string_view vertex, std::str
       fragment_(find_shader(fragment)),
       options_(options),
       layout_(device, std::initializer_list<const Shader*>{&vertex_, &fragment_}, push_bytes, scene),
-      handle_(compile(constants)) {
-    device.set_name(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<uint64_t>(handle_), std::string(fragment));
-}
+      handle_(device.pipelines().get(key(constants), [&] { return compile(constants); })) {}
 
-RasterPipeline::~RasterPipeline() { device_.vk().vkDestroyPipeline(device_.handle(), handle_, nullptr); }
+std::string RasterPipeline::key(std::span<const Specialization> constants) const {
+    std::string key = std::string(vertex_.source) + " " + std::string(fragment_.source) + layout_.key() +
+                      key_of(constants) + " topology " + std::to_string(options_.topology) + " depth " +
+                      std::to_string(options_.depth) + std::to_string(options_.depth_write);
+    for (const RasterTarget& target : options_.colors)
+        key += " " + std::to_string(target.format) + "/" + std::to_string(static_cast<int>(target.blend));
+    return key;
+}
 
 void RasterPipeline::check_formats() const {
     const auto need = [&](VkFormat format, VkFormatFeatureFlags feature, const char* doing) {
@@ -107,6 +112,7 @@ VkPipeline RasterPipeline::compile(std::span<const Specialization> constants) co
     check(device_.vk().vkCreateGraphicsPipelines(device_.handle(), device_.pipeline_cache(), 1, &info, nullptr,
                                                  &pipeline),
           "compiling " + std::string(source()));
+    device_.set_name(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<uint64_t>(pipeline), std::string(source()));
     return pipeline;
 }
 

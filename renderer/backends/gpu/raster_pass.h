@@ -35,24 +35,24 @@ public:
     RasterPipeline(Device& device, std::string_view vertex, std::string_view fragment, uint32_t push_bytes,
                    const RasterOptions& options, const BufferSet* scene = nullptr,
                    std::span<const Specialization> constants = {});
-    ~RasterPipeline();
     RasterPipeline(const RasterPipeline&) = delete;
     RasterPipeline& operator=(const RasterPipeline&) = delete;
 
-    VkPipeline handle() const { return handle_; }
+    VkPipeline handle() const { return handle_.get(); }
     const PipelineLayout& layout() const { return layout_; }
     const RasterOptions& options() const { return options_; }
     std::string_view source() const { return fragment_.source; }
 
 private:
     void check_formats() const;
+    std::string key(std::span<const Specialization> constants) const;
     VkPipeline compile(std::span<const Specialization> constants) const;
 
     Device& device_;
     const Shader &vertex_, &fragment_;
     const RasterOptions options_;
     const PipelineLayout layout_;
-    const VkPipeline handle_;
+    const SharedPipeline handle_;
 };
 
 /// One layer of an image as a pass draws into it: what is there stays, or becomes one value.

@@ -250,6 +250,34 @@ TEST(GpuDevice, CompiledPipelinesAreKeptInTheirFile) {
     EXPECT_GE(std::filesystem::file_size(cached.pipeline_cache), filled);
 }
 
+TEST(GpuDevice, APipelineIsCompiledOnceForAllThatAskForTheSame) {
+    gpu::Device device(options());
+    const auto shift = [&](std::initializer_list<gpu::Specialization> constants) {
+        return gpu::ComputePipeline(device, kShift, sizeof(uint32_t), nullptr, constants).handle();
+    };
+    const VkPipeline first = shift({{7, 1}});  // constants that the shader does not have are no part of it
+    EXPECT_EQ(shift({{7, 1}}), first) << "nobody used it in between";
+    EXPECT_NE(shift({{7, 2}}), first);
+    EXPECT_NE(shift({}), first);
+    EXPECT_EQ(shift({{7, 1}}), first);
+}
+
+TEST(GpuDevice, PipelinesUsedLongestAgoAreLetGo) {
+    gpu::Device device(options());
+    gpu::KeptPipelines kept(device);
+    size_t compiled = 0;
+    const auto get = [&](size_t key) {
+        const size_t before = compiled;
+        kept.get(std::to_string(key), [&]() -> VkPipeline { return ++compiled, VK_NULL_HANDLE; });
+        return compiled > before;
+    };
+    for (size_t key = 0; key < gpu::KeptPipelines::kMost; ++key) EXPECT_TRUE(get(key));
+    EXPECT_FALSE(get(0)) << "all are kept";
+    EXPECT_TRUE(get(gpu::KeptPipelines::kMost)) << "one too many";
+    EXPECT_FALSE(get(0)) << "asked for since";
+    EXPECT_TRUE(get(1)) << "the one used longest ago";
+}
+
 TEST(GpuDevice, ListsThatAreDroppedLeaveNothingUndone) {
     gpu::Device& device = test::gpu_device();
     const gpu::ComputePipeline shift(device, kShift, sizeof(uint32_t));
