@@ -161,4 +161,22 @@ std::vector<double> replicates(size_t count, const Estimate& estimate) {
     return values;
 }
 
+/// mean_interval() of estimate(1), estimate(2), ... that stops as soon as it is no wider than `half_width` to either
+/// side: looked at after 4, 6, 9, 13 ... replicates, after `most` (4 or more) at the latest. Every look has an equal
+/// part of the check's false-alarm rate (Bonferroni), so that choosing when to stop does not raise it.
+template <class Estimate>
+Interval interval_when_narrow(double half_width, size_t most, double false_alarm, size_t checks,
+                              const Estimate& estimate) {
+    std::vector<size_t> looks;
+    for (size_t count = 4; count < most; count += count / 2) looks.push_back(count);
+    looks.push_back(most);
+    const double share = share_of_false_alarm(false_alarm, checks) / static_cast<double>(looks.size());
+    std::vector<double> values;
+    for (const size_t look : looks) {
+        while (values.size() < look) values.push_back(estimate(static_cast<uint64_t>(values.size() + 1)));
+        if (const Interval found = mean_interval(values, share, 1); found.half_width <= half_width) return found;
+    }
+    return mean_interval(values, share, 1);
+}
+
 }  // namespace photond::test

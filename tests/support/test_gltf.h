@@ -1,6 +1,7 @@
 #pragma once
 // A small glTF file put together by a test: binary data by accessor, everything else as JSON text.
 
+#include <algorithm>
 #include <cstring>
 #include <fstream>
 #include <map>
@@ -114,6 +115,11 @@ private:
     std::vector<std::string> views_, accessors_;
     std::vector<uint8_t> binary_;
 };
+
+/// Whether one of the scene's warnings says this among other things.
+inline bool has_warning(const Scene& scene, const std::string& part) {
+    return std::ranges::any_of(scene.warnings, [&](const std::string& w) { return w.find(part) != w.npos; });
+}
 
 /// A PNG (8 bits, RGBA, stored without compression) of these texels, row by row from the top.
 std::vector<uint8_t> make_png(Size2 size, const std::vector<u8vec4>& texels);

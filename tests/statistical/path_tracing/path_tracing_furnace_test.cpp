@@ -20,7 +20,8 @@ constexpr size_t kChecks = 24;
 /// `measure(seed)` must have the mean `exact`, and vary so little that `must_detect` (relative) would be noticed.
 template <class Measure>
 void expect_mean(double exact, double must_detect, const Measure& measure) {
-    const test::Interval measured = test::mean_interval(test::replicates(16, measure), kFalseAlarm, kChecks);
+    const test::Interval measured =
+        test::interval_when_narrow(0.5 * must_detect * exact, 16, kFalseAlarm, kChecks, measure);
     EXPECT_LE(std::abs(measured.mean - exact), std::max(measured.half_width, 2e-6 * exact))
         << "measured " << measured.mean << ", exact " << exact;
     EXPECT_LE(2 * measured.half_width, must_detect * exact) << "too noisy to notice a defect";
@@ -142,7 +143,7 @@ TEST(Furnace, RoughMetalReflectsNoMoreThanArrives) {
         metal.roughness = roughness;
         const Scene scene = ball_in_the_open(metal, true);
         const auto measure = [&](uint64_t seed) { return mean_beauty(scene, seed, 8); };
-        const test::Interval measured = test::mean_interval(test::replicates(16, measure), kFalseAlarm, kChecks);
+        const test::Interval measured = test::interval_when_narrow(0.02, 16, kFalseAlarm, kChecks, measure);
         EXPECT_LE(measured.mean - measured.half_width, 1.0) << "roughness " << roughness;
         // At alpha 1 and normal incidence single scattering keeps 1 - ln 2 = 0.307 (D = 1/pi, G = 2c/(1 + c)).
         EXPECT_GE(measured.mean, 0.3) << "roughness " << roughness;

@@ -37,5 +37,33 @@ TEST(Statistics, IntervalsHoldTheTrueMeanAsOftenAsTheySay) {
     EXPECT_NEAR(rate.mean(), 0.05, 0.02);
 }
 
+TEST(Statistics, StoppingWhenTheIntervalIsNarrowRaisesNoFalseAlarms) {
+    // Looked at up to six times at 5 % each without a share, the mean would be outside in some 15 %.
+    RunningMean rate, used;
+    for (uint64_t trial = 0; trial < 4000; ++trial) {
+        RandomStream random(1, RandomDomain::Test, 1, trial);
+        size_t drawn = 0;
+        const Interval interval = interval_when_narrow(0.4, 24, 0.05, 1, [&](uint64_t) {
+            ++drawn;
+            double sum = 0;
+            for (int i = 0; i < 12; ++i) sum += random.next();
+            return sum - 6;  // nearly normal, of variance 1
+        });
+        rate.add(std::fabs(interval.mean) > interval.half_width ? 1 : 0);
+        used.add(static_cast<double>(drawn));
+    }
+    EXPECT_LE(rate.mean(), 0.05 + 0.017);  // five standard deviations of 4000 trials: fails by chance in 3e-7
+    EXPECT_GT(rate.mean(), 0) << "a test that cannot fail";
+
+    RandomStream random(1, RandomDomain::Test, 2, 0);
+    size_t drawn = 0;
+    const Interval narrow = interval_when_narrow(0.4, 24, 0.05, 1, [&](uint64_t) {
+        ++drawn;
+        return 1e-3 * random.next();
+    });
+    EXPECT_EQ(drawn, 4U) << "what is known well enough is not asked again";
+    EXPECT_LE(narrow.half_width, 0.4);
+}
+
 }  // namespace
 }  // namespace photond::test

@@ -44,10 +44,6 @@ double signed_volume(const Scene& scene) {
     return sum;
 }
 
-bool has_warning(const Scene& scene, const std::string& part) {
-    return std::ranges::any_of(scene.warnings, [&](const std::string& w) { return w.find(part) != w.npos; });
-}
-
 Error load_error(const TestGltf& file, const LoadLimits& limits = {}) {
     try {
         file.load(limits);

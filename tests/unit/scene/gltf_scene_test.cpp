@@ -23,10 +23,6 @@ std::string base64(const std::vector<uint8_t>& bytes) {
     return text;
 }
 
-bool has_warning(const Scene& scene, const std::string& part) {
-    return std::ranges::any_of(scene.warnings, [&](const std::string& w) { return w.find(part) != w.npos; });
-}
-
 /// One triangle with coordinates, material 0, and an image of four texels with textures 0 (image as it is) and 1
 /// (nearest, clamped).
 class TexturedTriangle : public TestGltf {

@@ -132,16 +132,16 @@ TEST_P(Octree, KnowsTheLargestFreeCubes) {
             const glm::ivec3 cell(test::random_vec3(random) * static_cast<float>(n));
             const uint32_t octant = random.next_bits() % 8;
             const auto is_free = [&](int cube) {
-                for (int j = 0; j < cube * cube * cube; ++j) {
-                    glm::ivec3 at(j % cube, j / cube % cube, j / cube / cube);
-                    for (int axis = 0; axis < 3; ++axis)
-                        at[axis] = cell[axis] + (octant >> axis & 1 ? -at[axis] : at[axis]);
-                    if (glm::any(glm::lessThan(at, glm::ivec3(0))) ||
-                        glm::any(glm::greaterThanEqual(at, glm::ivec3(n))))
-                        continue;
-                    const uvec3 place(at);
-                    if (full[place.x | place.y << cells.bits | place.z << 2 * cells.bits]) return false;
+                int first[3], last[3];  // what of the cube lies within the grid
+                for (int axis = 0; axis < 3; ++axis) {
+                    const bool down = octant >> axis & 1;
+                    first[axis] = std::max(0, down ? cell[axis] - cube + 1 : cell[axis]);
+                    last[axis] = std::min(n - 1, down ? cell[axis] : cell[axis] + cube - 1);
                 }
+                for (int z = first[2]; z <= last[2]; ++z)
+                    for (int y = first[1]; y <= last[1]; ++y)
+                        for (int x = first[0]; x <= last[0]; ++x)
+                            if (full[static_cast<size_t>(x | y << cells.bits | z << 2 * cells.bits)]) return false;
                 return true;
             };
             const uvec3 place(cell);

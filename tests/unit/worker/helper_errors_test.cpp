@@ -24,7 +24,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr Size2 kSize{13, 9};
+constexpr Size2 kPictureSize{13, 9};
 
 class HelperErrors : public testing::Test {
     const TemporaryFolder folder_;
@@ -127,13 +127,14 @@ TEST_F(HelperErrors, FiguresOfOneChangedValueAreThoseWorkedOutByHand) {
 }
 
 TEST_F(HelperErrors, AnyMetricOfAnyLayerIsTheMeters) {
-    const std::vector<float> x = random_pixels(kSize, 1), r = random_pixels(kSize, 2);
-    const std::vector<float> x_indirect = random_pixels(kSize, 3), r_indirect = random_pixels(kSize, 4);
+    const std::vector<float> x = random_pixels(kPictureSize, 1), r = random_pixels(kPictureSize, 2);
+    const std::vector<float> x_indirect = random_pixels(kPictureSize, 3), r_indirect = random_pixels(kPictureSize, 4);
     json names = every_metric();
     for (const json& name : every_metric()) names.push_back("indirect:" + name.get<std::string>());
-    const json values = measure(image("x.exr", kSize, {{"beauty", x}, {"indirect", x_indirect}}),
-                                image("r.exr", kSize, {{"beauty", r}, {"indirect", r_indirect}}), names)["metrics"];
-    const ErrorMeter beauty_meter(kSize, r), indirect_meter(kSize, r_indirect);
+    const json values =
+        measure(image("x.exr", kPictureSize, {{"beauty", x}, {"indirect", x_indirect}}),
+                image("r.exr", kPictureSize, {{"beauty", r}, {"indirect", r_indirect}}), names)["metrics"];
+    const ErrorMeter beauty_meter(kPictureSize, r), indirect_meter(kPictureSize, r_indirect);
     for (const MetricInfo& info : kMetrics) {
         if (!info.needs_reference) continue;
         for (const bool indirect : {false, true}) {
@@ -227,8 +228,9 @@ TEST_F(HelperErrors, ARadianceImageIsAReference) {
 }
 
 TEST_F(HelperErrors, FaultsNameTheirFieldAndWhatThereIs) {
-    const json x = beauty("x.exr", kSize, random_pixels(kSize, 1));
-    const json r = image("r.exr", kSize, {{"beauty", random_pixels(kSize, 2)}, {"indirect", random_pixels(kSize, 2)}});
+    const json x = beauty("x.exr", kPictureSize, random_pixels(kPictureSize, 1));
+    const json r = image("r.exr", kPictureSize,
+                         {{"beauty", random_pixels(kPictureSize, 2)}, {"indirect", random_pixels(kPictureSize, 2)}});
     const json small = beauty("s.exr", {2, 2}, std::vector<float>(12, 1.0f));
     std::ofstream(file("bad.exr")) << "no image";
     const auto said = [&](const json& image, const json& reference, const json& metrics) {
@@ -257,21 +259,22 @@ TEST_F(HelperErrors, FaultsNameTheirFieldAndWhatThereIs) {
                     .starts_with("unknown_name /range: "));
     EXPECT_FALSE(std::filesystem::exists(file("out")));
     SceneCache scenes(0);
-    const json reply = run_helper_task({{"type", "measure"}, {"image", x}, {"reference", r}, {"metrics", {"rmse"}}},
-                                       {3 * kSize.pixels() * sizeof(float), 1}, scenes);  // the image fits, not both
+    const json reply =
+        run_helper_task({{"type", "measure"}, {"image", x}, {"reference", r}, {"metrics", {"rmse"}}},
+                        {3 * kPictureSize.pixels() * sizeof(float), 1}, scenes);  // the image fits, not both
     EXPECT_EQ(reply["failure"]["code"], "out_of_memory") << reply;
 }
 
 TEST_F(HelperErrors, TheDifferenceIsThatOfEveryLayerOfBothBitForBit) {
-    const Film a = test::film_of(kSize, LayerSet(), {0, 1});
-    const std::vector<float> r = random_pixels(kSize, 1), r_direct = random_pixels(kSize, 2);
+    const Film a = test::film_of(kPictureSize, LayerSet(), {0, 1});
+    const std::vector<float> r = random_pixels(kPictureSize, 1), r_direct = random_pixels(kPictureSize, 2);
     json message{{"type", "encode_difference"},
                  {"image", film("a.film", a)},
-                 {"reference", image("r.exr", kSize, {{"beauty", r}, {"direct", r_direct}, {"caustic", r}})},
+                 {"reference", image("r.exr", kPictureSize, {{"beauty", r}, {"direct", r_direct}, {"caustic", r}})},
                  {"out", file("d.exr")}};
     EXPECT_EQ(result(message), json::object());
     const LayeredImage difference = read_exr(file("d.exr"));
-    EXPECT_EQ(difference.size, kSize);
+    EXPECT_EQ(difference.size, kPictureSize);
     ASSERT_EQ(difference.layers.size(), 2u);
     const std::vector<float> x = a.resolve_beauty(), x_direct = a.resolve(Layer::Direct);
     for (size_t i = 0; i < r.size(); ++i) {

@@ -17,7 +17,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr Size2 kSize{11, 7};
+constexpr Size2 kFilmSize{11, 7};
 const FilmIdentity kIdentity{"S1", "settings", "cpu class"};
 
 FilmHistory history_of(uint32_t passes) {
@@ -38,7 +38,7 @@ protected:
 
     std::string part(uint32_t first, uint32_t end, const FilmIdentity& identity = kIdentity) const {
         const std::string path = file(std::to_string(first) + "_" + std::to_string(end));
-        FilmFile::save(test::film_of_range(kSize, LayerSet::all(), first, end), identity,
+        FilmFile::save(test::film_of_range(kFilmSize, LayerSet::all(), first, end), identity,
                        history_of(end - first).text(), path);
         return path;
     }
@@ -67,7 +67,7 @@ protected:
 };
 
 TEST_F(HelperMerge, PartsInAnyOrderAreTheWholeAndTheirCostsAddUp) {
-    const Film whole = test::film_of_range(kSize, LayerSet::all(), 0, 16);
+    const Film whole = test::film_of_range(kFilmSize, LayerSet::all(), 0, 16);
     for (const std::vector<std::string>& films : {std::vector{part(0, 16)}, std::vector{part(9, 16), part(0, 9)},
                                                   std::vector{part(5, 6), part(6, 16), part(2, 5), part(0, 2)}}) {
         const json reply = merge(films);
@@ -118,7 +118,7 @@ TEST_F(HelperMerge, AFilmThatDoesNotBelongIsNamed) {
     expect(failure({first, first}), "conflict /films/1: ", "pass 0 ");
     expect(failure({first, file("none")}), "internal /films/1: ", "cannot be opened");
     expect(failure({}), "missing_field /films: ", "films");
-    const uint64_t one_film = Film::bytes_for(kSize, LayerSet::all());
+    const uint64_t one_film = Film::bytes_for(kFilmSize, LayerSet::all());
     expect(failure({first, part(4, 8)}, 2 * one_film - 1), "out_of_memory /films/1: ", "limit");
     EXPECT_TRUE(merge({first, part(4, 8)}, 2 * one_film)["failure"].is_null());
     std::filesystem::remove(file("joined"));
