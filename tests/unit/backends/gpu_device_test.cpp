@@ -262,7 +262,7 @@ TEST(GpuDevice, APipelineIsCompiledOnceForAllThatAskForTheSame) {
     EXPECT_EQ(shift({{7, 1}}), first);
 }
 
-TEST(GpuDevice, PipelinesUsedLongestAgoAreLetGo) {
+TEST(GpuDevice, TheOldestPipelinesAreLetGo) {
     gpu::Device device(options());
     gpu::KeptPipelines kept(device);
     size_t compiled = 0;
