@@ -115,13 +115,16 @@ class StatusEventsTest(DaemonTestCase):
         self.assertIn("progress", kinds)
 
     def test_who_listens_is_counted(self):
-        before = self.daemon.request("GET", "/v1/status").json["event_clients"]
-        with EventStream(self.daemon, "/v1/events") as one, EventStream(self.daemon, "/v1/events") as two:
-            one.next(), two.next()
+        def wait_for_clients(count):
             deadline = time.monotonic() + 30
-            while self.daemon.request("GET", "/v1/status").json["event_clients"] < before + 2:
+            while self.daemon.request("GET", "/v1/status").json["event_clients"] != count:
                 self.assertLess(time.monotonic(), deadline)
                 time.sleep(0.02)
+
+        wait_for_clients(0)  # that the streams of other tests are gone is noticed a little later
+        with EventStream(self.daemon, "/v1/events") as one, EventStream(self.daemon, "/v1/events") as two:
+            one.next(), two.next()
+            wait_for_clients(2)
 
 
 if __name__ == "__main__":
