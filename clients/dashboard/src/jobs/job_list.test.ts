@@ -77,6 +77,25 @@ describe("a list of many jobs", () => {
     expect(list.row(817)!.id).toBe(read);
   });
 
+  it("believes an event rather than an answer that was asked for before it", async () => {
+    const source = daemon(300);
+    const list = listOf(source);
+    // The first page, asked for; the daemon's answer is of before the events.
+    list.look(0, 40);
+    list.patch({ id: "J299", state: "cancelled" });
+    await settle();
+    expect(list.row(1)!.state).toBe("cancelled");
+    const refreshed = list.refresh();
+    list.patch({ id: "J298", state: "running" });
+    list.patch({ id: "J298", state: "failed" });
+    await refreshed;
+    expect(list.row(2)!.state).toBe("failed");
+    // What is asked for afterwards is newer than they are.
+    source.jobs[2] = job(298, "queued");
+    await list.refresh();
+    expect([1, 2].map((place) => list.row(place)!.state)).toEqual(["succeeded", "queued"]);
+  });
+
   it("moves up when jobs above go", async () => {
     const source = daemon(1000);
     const list = listOf(source);

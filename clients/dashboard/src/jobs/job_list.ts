@@ -10,6 +10,7 @@ export const kPageRows = 100;
 const kPagesKept = 60;
 const kRequestsAtOnce = 2;
 const kLargestPage = 1000;
+const kChangesKept = 1000;
 
 export type FetchPage = (offset: number, limit: number, signal: AbortSignal) => Promise<JobSummaryPage>;
 
@@ -45,6 +46,9 @@ export class JobList {
   private last = kPageRows - 1;
   private stop = new AbortController();
   private refreshing: Promise<void> | null = null;
+  /** What events told last, and how many they told: an answer that was on its way meanwhile may be older. */
+  private recent: JobChange[] = [];
+  private told = 0;
 
   constructor(private readonly fetchPage: FetchPage) {}
 
@@ -71,6 +75,9 @@ export class JobList {
 
   /** Changes the row of a job; false where it is not held. */
   patch(change: JobChange): boolean {
+    this.recent.push(change);
+    ++this.told;
+    if (this.recent.length > 2 * kChangesKept) this.recent = this.recent.slice(-kChangesKept);
     const place = this.places.get(change.id);
     const row = place === undefined ? undefined : this.rows.get(place);
     if (row === undefined) return false;
@@ -119,13 +126,14 @@ export class JobList {
 
   private async load(page: number): Promise<void> {
     const stop = this.stop;
+    const told = this.told;
     this.asked.add(page);
     try {
       const answer = await this.fetchPage(page * kPageRows, kPageRows, stop.signal);
       if (stop.signal.aborted) return;
       this.asked.delete(page);
       const drifted = this.total !== null && answer.total !== this.total;
-      this.put(page * kPageRows, answer.items);
+      this.put(page * kPageRows, answer.items, told);
       this.fresh.add(page);
       this.total ??= answer.total;
       this.forgetFar();
@@ -155,20 +163,22 @@ export class JobList {
     try {
       let offset = Math.max(0, this.first - kPageRows / 2);
       const limit = Math.min(kLargestPage, this.last - this.first + 1 + kPageRows);
+      let told = this.told;
       let answer = await this.fetchPage(offset, limit, stop.signal);
       const at = () => answer.items.findIndex((job) => job.id === anchor?.id);
       const grown = answer.total - (this.total ?? answer.total);
       if (anchor && at() < 0 && grown !== 0) {
         const guess = Math.max(0, offset + grown);
+        const then = this.told;
         const second = await this.fetchPage(guess, limit, stop.signal);
-        if (second.items.some((job) => job.id === anchor.id)) [answer, offset] = [second, guess];
+        if (second.items.some((job) => job.id === anchor.id)) [answer, offset, told] = [second, guess, then];
       }
       if (stop.signal.aborted) return;
       const delta = anchor && at() >= 0 ? offset + at() - anchor.place : 0;
       this.shift(delta);
       this.total = answer.total;
       this.fresh.clear();
-      this.put(offset, answer.items);
+      this.put(offset, answer.items, told);
       const end = offset + answer.items.length;
       for (let page = Math.ceil(offset / kPageRows); (page + 1) * kPageRows <= end || (end === answer.total && page * kPageRows < end); ++page)
         this.fresh.add(page);
@@ -212,8 +222,11 @@ export class JobList {
     this.fresh.delete(Math.floor(place / kPageRows));
   }
 
-  private put(offset: number, items: JobSummary[]): void {
-    items.forEach((job, index) => {
+  /** Holds rows that were asked for when events had told of `told` changes; what they told since is newer. */
+  private put(offset: number, items: JobSummary[], told: number): void {
+    const since = told < this.told ? this.recent.slice(told - this.told) : [];
+    items.forEach((asked, index) => {
+      const job = since.filter(({ id }) => id === asked.id).reduce(withChange, asked);
       const place = offset + index;
       const before = this.places.get(job.id);
       if (before !== undefined && before !== place) this.drop(before);
