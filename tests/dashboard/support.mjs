@@ -14,7 +14,7 @@ import { mkdirSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { dirname, join, resolve } from "node:path";
-import { after } from "node:test";
+import { after, afterEach, beforeEach } from "node:test";
 import { fileURLToPath } from "node:url";
 
 import { chromium } from "playwright-core";
@@ -41,6 +41,16 @@ const kChromiumArguments = [
 const closing = [];
 after(async () => {
   for (const close of closing.reverse()) await close();
+});
+
+/** Contexts of pages that the test which runs has opened: they end with it, for a page goes on drawing. */
+let ofTest = null;
+beforeEach(() => {
+  ofTest = [];
+});
+afterEach(async () => {
+  for (const context of ofTest) await context.close();
+  ofTest = null;
 });
 
 // --- the daemon
@@ -144,12 +154,13 @@ export function browser() {
 }
 
 /**
- * A page of the dashboard. What the browser complains of (an exception, a console error, a violated content security
+ * A page of the dashboard, closed with the test that opens it, else with the file. What the browser complains of (an exception, a console error, a violated content security
  * policy, a file that is not there) is in page.complaints, and axeClean() and expectNoComplaints() fail by it. `expected`: a pattern of
  * complaints that belong to the test, such as of requests that are to be refused.
  */
 export async function openPage(daemon, path = "/", { width = 1440, height = 900, theme = "light", expected = null } = {}) {
   const context = await (await browser()).newContext({ viewport: { width, height }, colorScheme: theme, reducedMotion: "reduce", acceptDownloads: true });
+  ofTest?.push(context);
   await context.grantPermissions(["clipboard-read", "clipboard-write"], { origin: daemon.url });
   const page = await context.newPage();
   page.setDefaultTimeout(20_000);

@@ -19,7 +19,7 @@
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/convergence.h"
 
-namespace photond {
+namespace photond::convergence_test {
 namespace {
 
 constexpr uint32_t kFirst = 16, kLast = 1024;
@@ -76,4 +76,4 @@ TEST(Convergence, PathTracingFallsAsOneOverPasses) { expect_convergence({{16, 16
 TEST(ConvergenceLong, PathTracingFallsAsOneOverPasses) { expect_convergence({{48, 48}, 65536, 48}); }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::convergence_test

@@ -18,7 +18,7 @@
 #include "tests/support/render.h"
 #include "tests/support/statistics.h"
 
-namespace photond {
+namespace photond::error_estimate_test {
 namespace {
 
 constexpr Size2 kSize{32, 32};
@@ -270,4 +270,4 @@ TEST(ErrorEstimate, OwnNoiseHasItsExpectedRelativeMse) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::error_estimate_test

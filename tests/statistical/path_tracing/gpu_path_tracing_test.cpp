@@ -9,7 +9,7 @@
 #include "tests/support/gpu_render.h"
 #include "tests/support/scene_parts.h"
 
-namespace photond {
+namespace photond::gpu_path_tracing_test {
 namespace {
 
 template <class M>
@@ -50,4 +50,4 @@ INSTANTIATE_TEST_SUITE_P(BuiltinScenes, GpuAgreement,
                          [](const auto& info) { return test::test_name(info.param, info.index); });
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::gpu_path_tracing_test

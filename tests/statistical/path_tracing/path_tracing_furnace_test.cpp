@@ -9,7 +9,7 @@
 #include "tests/support/scene_parts.h"
 #include "tests/support/statistics.h"
 
-namespace photond {
+namespace photond::path_tracing_furnace_test {
 namespace {
 
 using test::lambert;
@@ -152,4 +152,4 @@ TEST(Furnace, RoughMetalReflectsNoMoreThanArrives) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::path_tracing_furnace_test

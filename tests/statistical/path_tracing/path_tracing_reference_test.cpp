@@ -12,7 +12,7 @@
 #include "tests/support/render.h"
 #include "tests/support/statistics.h"
 
-namespace photond {
+namespace photond::path_tracing_reference_test {
 namespace {
 
 constexpr Size2 kSize{256, 256};
@@ -118,4 +118,4 @@ TEST(PathTracingReference, AgreesWithAnIndependentRenderer) { compare_with_refer
 TEST(PathTracingReferenceLong, AgreesWithAnIndependentRenderer) { compare_with_reference(1024, true); }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::path_tracing_reference_test

@@ -8,7 +8,7 @@
 #include "tests/support/gpu_render.h"
 #include "tests/support/scene_parts.h"
 
-namespace photond {
+namespace photond::gpu_photon_mapping_test {
 namespace {
 
 struct Choice {
@@ -67,4 +67,4 @@ INSTANTIATE_TEST_SUITE_P(LongChoices, GpuPhotonMappingImages,
                          name_of<testing::TestParamInfo<Choice>>);
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::gpu_photon_mapping_test

@@ -10,7 +10,7 @@
 #include "tests/support/render.h"
 #include "tests/support/statistics.h"
 
-namespace photond {
+namespace photond::photon_mapping_caustic_test {
 namespace {
 
 constexpr Size2 kSize{96, 96};
@@ -82,4 +82,4 @@ TEST(PhotonMappingCaustic, AgreesWithPathTracing) { compare(16, 64, 1, 0.01, 0.2
 TEST(PhotonMappingCausticLong, AgreesWithPathTracing) { compare(32, 512, 16, 0.01, 0.03); }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::photon_mapping_caustic_test

@@ -11,7 +11,7 @@
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/reference_bias.h"
 
-namespace photond {
+namespace photond::photon_mapping_reference_test {
 namespace {
 
 constexpr Size2 kSize = test::kReferenceSize;
@@ -91,4 +91,4 @@ TEST(PhotonMappingReference, DirectVisualisationFarFromEdges) { direct_visualisa
 TEST(PhotonMappingReferenceLong, DirectVisualisationFarFromEdges) { direct_visualisation(kLongDirect); }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::photon_mapping_reference_test

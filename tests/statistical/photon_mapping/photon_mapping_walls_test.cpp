@@ -8,7 +8,7 @@
 #include "tests/support/render.h"
 #include "tests/support/scene_parts.h"
 
-namespace photond {
+namespace photond::photon_mapping_walls_test {
 namespace {
 
 using test::lambert;
@@ -85,4 +85,4 @@ TEST(ThinWall, LightsTheTunnelsFloorBehindItNoFartherThanTheRadius) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::photon_mapping_walls_test

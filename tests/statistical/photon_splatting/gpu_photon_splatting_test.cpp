@@ -9,7 +9,7 @@
 #include "tests/support/gpu_render.h"
 #include "tests/support/scene_parts.h"
 
-namespace photond {
+namespace photond::gpu_photon_splatting_test {
 namespace {
 
 struct Case {
@@ -85,4 +85,4 @@ INSTANTIATE_TEST_SUITE_P(LongCases, GpuSplattingAgreement,
                          name_of<testing::TestParamInfo<Case>>);
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::gpu_photon_splatting_test

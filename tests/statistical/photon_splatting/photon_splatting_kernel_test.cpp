@@ -11,7 +11,7 @@
 #include "tests/support/render.h"
 #include "tests/support/statistics.h"
 
-namespace photond {
+namespace photond::photon_splatting_kernel_test {
 namespace {
 
 using test::Mask;
@@ -160,4 +160,4 @@ TEST(PhotonSplattingKernel, NormalisedSplatsKeepAFloor) { expect_floor({5000, 6,
 TEST(PhotonSplattingKernelLong, NormalisedSplatsKeepAFloor) { expect_floor({20'000, 16, 8}); }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::photon_splatting_kernel_test

@@ -16,7 +16,7 @@
 #include "tests/support/reference_bias.h"
 #include "tests/support/reference_regions.h"
 
-namespace photond {
+namespace photond::photon_splatting_reference_test {
 namespace {
 
 using test::Mask;
@@ -154,4 +154,4 @@ TEST(PhotonSplattingReferenceLong, ErrorOfSmallSplatsFallsWithoutAFloor) { expec
 TEST(PhotonSplattingReferenceLong, ErrorOfLargeSplatsFallsWithoutAFloor) { expect_no_floor(kLarge, kLongSlope); }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::photon_splatting_reference_test

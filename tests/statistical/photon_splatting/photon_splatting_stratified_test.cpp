@@ -8,7 +8,7 @@
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/reference_bias.h"
 
-namespace photond {
+namespace photond::photon_splatting_stratified_test {
 namespace {
 
 using test::Mask;
@@ -88,4 +88,4 @@ TEST(PhotonSplattingStratified, TheThesisRepresentativesAreBiased) { print_biase
 TEST(PhotonSplattingStratifiedLong, TheThesisRepresentativesAreBiased) { print_biased({48, 12, 0, true}); }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::photon_splatting_stratified_test

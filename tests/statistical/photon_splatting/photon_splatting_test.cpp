@@ -12,7 +12,7 @@
 #include "tests/support/scene_parts.h"
 #include "tests/support/statistics.h"
 
-namespace photond {
+namespace photond::photon_splatting_test {
 namespace {
 
 using Settings = test::RenderSettingsOf<PhotonSplatting>;
@@ -124,4 +124,4 @@ TEST(LongPhotonSplattingReference, EveryWayAgreesWithPathTracing) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::photon_splatting_test

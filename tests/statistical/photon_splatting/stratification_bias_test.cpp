@@ -9,7 +9,7 @@
 #include "renderer/methods/photon_splatting/stratification.h"
 #include "tests/support/statistics.h"
 
-namespace photond {
+namespace photond::stratification_bias_test {
 namespace {
 
 using test::RunningMean;
@@ -146,4 +146,4 @@ TEST(StratificationBias, PhotonsAreChosenAsOftenAsTheyShould) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::stratification_bias_test

@@ -8,7 +8,7 @@
 #include "renderer/core/rng.h"
 #include "tests/support/statistics.h"
 
-namespace photond {
+namespace photond::gather_distribution_test {
 namespace {
 
 constexpr double kFalseAlarm = 1e-6;
@@ -116,4 +116,4 @@ TEST(GatherDistribution, PhotonsOfTheOtherSideAndOfLongerPathsDoNotCount) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::gather_distribution_test

@@ -16,7 +16,7 @@
 #include "renderer/photons/radiance_estimate.h"
 #include "tests/support/statistics.h"
 
-namespace photond {
+namespace photond::photon_density_test {
 namespace {
 
 using test::Interval;
@@ -199,4 +199,4 @@ TEST(Plane, ATiltedShadingNormalSeesItsShareOfUniformLight) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::photon_density_test

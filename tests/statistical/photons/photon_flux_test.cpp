@@ -11,7 +11,7 @@
 #include "tests/support/photons.h"
 #include "tests/support/statistics.h"
 
-namespace photond {
+namespace photond::photon_flux_test {
 namespace {
 
 using test::photon_tracing;
@@ -258,4 +258,4 @@ TEST(PhotonFlux, DoesNotDependOnTheGuide) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::photon_flux_test

@@ -12,7 +12,7 @@
 #include "tests/support/photons.h"
 #include "tests/support/statistics.h"
 
-namespace photond {
+namespace photond::reflected_flux_test {
 namespace {
 
 using test::photon_tracing;
@@ -303,4 +303,4 @@ TEST(ReflectedFlux, DoesNotDependOnTheInjection) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::reflected_flux_test

@@ -13,7 +13,7 @@
 #include "tests/support/photons.h"
 #include "tests/support/statistics.h"
 
-namespace photond {
+namespace photond::vpl_flux_test {
 namespace {
 
 using test::PhotonScene;
@@ -196,4 +196,4 @@ TEST(VplFlux, OfOneLightAmongManyIsItsOwn) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::vpl_flux_test

@@ -12,7 +12,7 @@
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/reference_regions.h"
 
-namespace photond {
+namespace photond::svo_many_lights_reference_test {
 namespace {
 
 using test::Mask;
@@ -134,4 +134,4 @@ TEST(SvoManyLightsReference, VoxelsTakeLessTheFinerTheyAre) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::svo_many_lights_reference_test

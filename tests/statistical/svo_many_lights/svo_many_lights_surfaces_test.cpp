@@ -9,7 +9,7 @@
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/block_test.h"
 
-namespace photond {
+namespace photond::svo_many_lights_surfaces_test {
 namespace {
 
 struct Case {
@@ -58,4 +58,4 @@ INSTANTIATE_TEST_SUITE_P(Scenes, SvoManyLightsSurfaces,
                                          Case{"interior", 2, 120, 24, 0.3, [](SvoManyLightsParams&) {}}));
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::svo_many_lights_surfaces_test

@@ -7,7 +7,7 @@
 #include "tests/support/many_vpls.h"
 #include "tests/support/statistics.h"
 
-namespace photond {
+namespace photond::vpl_choice_test {
 namespace {
 
 using test::exact_irradiance;
@@ -209,4 +209,4 @@ TEST(VplChoice, NoiseFallsWell) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::vpl_choice_test

@@ -4,7 +4,7 @@
 #include "renderer/transport/bsdf_albedo_table.h"
 #include "tests/support/bsdf_energy_checks.h"
 
-namespace photond {
+namespace photond::bsdf_energy_test {
 namespace {
 
 using namespace test;
@@ -54,4 +54,4 @@ TEST(BsdfEnergy, TableOfAlbedosCoversTheTruth) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::bsdf_energy_test

@@ -3,7 +3,7 @@
 
 #include "tests/support/bsdf_sampling_checks.h"
 
-namespace photond {
+namespace photond::bsdf_sampling_test {
 namespace {
 
 using namespace test;
@@ -29,4 +29,4 @@ TEST(BsdfSampling, DeltaLobesAreChosenAsOftenAsTheySay) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::bsdf_sampling_test

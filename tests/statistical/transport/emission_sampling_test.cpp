@@ -2,7 +2,7 @@
 
 #include "tests/statistical/transport/emission_sampling_checks.h"
 
-namespace photond::test {
+namespace photond::test::emission_sampling_test {
 namespace {
 
 INSTANTIATE_TYPED_TEST_SUITE_P(Host, EmissionFlux, HostEmission);
@@ -18,4 +18,4 @@ TEST(EmissionSampler, EstimatesItsBytes) {
 }
 
 }  // namespace
-}  // namespace photond::test
+}  // namespace photond::test::emission_sampling_test

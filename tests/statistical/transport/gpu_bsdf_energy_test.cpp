@@ -5,7 +5,7 @@
 #include "tests/support/bsdf_reciprocity_checks.h"
 #include "tests/support/gpu_bsdf.h"
 
-namespace photond {
+namespace photond::gpu_bsdf_energy_test {
 namespace {
 
 using namespace test;
@@ -27,4 +27,4 @@ TEST(GpuBsdfReciprocity, ReflectionIsSymmetricAndRefractionScalesWithTheIndex) {
 TEST(GpuBsdf, NothingIsNanFromMirrorToMattAndGrazing) { expect_no_nan(GpuBsdfs()); }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::gpu_bsdf_energy_test

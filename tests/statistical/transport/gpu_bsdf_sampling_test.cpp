@@ -4,7 +4,7 @@
 #include "tests/support/bsdf_sampling_checks.h"
 #include "tests/support/gpu_bsdf.h"
 
-namespace photond {
+namespace photond::gpu_bsdf_sampling_test {
 namespace {
 
 using namespace test;
@@ -29,4 +29,4 @@ TEST(GpuBsdfSampling, DeltaLobesAreChosenAsOftenAsTheySay) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::gpu_bsdf_sampling_test

@@ -4,7 +4,7 @@
 #include "tests/statistical/transport/light_sampling_checks.h"
 #include "tests/support/device_light_samples.h"
 
-namespace photond::test {
+namespace photond::test::gpu_lights_test {
 namespace {
 
 INSTANTIATE_TYPED_TEST_SUITE_P(Device, LightSamplingDensity, DeviceLights);
@@ -14,4 +14,4 @@ INSTANTIATE_TYPED_TEST_SUITE_P(Device, EmissionDirections, DeviceEmission);
 INSTANTIATE_TYPED_TEST_SUITE_P(Device, EmissionAgreement, DeviceEmission);
 
 }  // namespace
-}  // namespace photond::test
+}  // namespace photond::test::gpu_lights_test

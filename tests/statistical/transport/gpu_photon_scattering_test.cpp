@@ -4,7 +4,7 @@
 #include "tests/support/gpu_photon_scattering.h"
 #include "tests/support/photon_scattering_checks.h"
 
-namespace photond {
+namespace photond::gpu_photon_scattering_test {
 namespace {
 
 using namespace test;
@@ -32,4 +32,4 @@ TEST(GpuPhotonScattering, CarriesWhatTheEyeFinds) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::gpu_photon_scattering_test

@@ -2,11 +2,11 @@
 
 #include "tests/statistical/transport/light_sampling_checks.h"
 
-namespace photond::test {
+namespace photond::test::light_sampling_test {
 namespace {
 
 INSTANTIATE_TYPED_TEST_SUITE_P(Host, LightSamplingDensity, HostLights);
 INSTANTIATE_TYPED_TEST_SUITE_P(Host, LightSamplingEstimate, HostLights);
 
 }  // namespace
-}  // namespace photond::test
+}  // namespace photond::test::light_sampling_test

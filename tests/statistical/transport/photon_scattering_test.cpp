@@ -14,7 +14,7 @@
 #include "tests/support/photon_scattering_checks.h"
 #include "tests/support/statistics.h"
 
-namespace photond {
+namespace photond::photon_scattering_test {
 namespace {
 
 using namespace test;
@@ -372,4 +372,4 @@ TEST(PhotonScattering, BetweenTwoPatchesLightAndEyeAgree) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::photon_scattering_test

@@ -15,7 +15,7 @@
 #include "renderer/scene/scene.h"
 #include "tests/support/gpu_twin.h"
 
-namespace photond {
+namespace photond::gpu_bvh_test {
 namespace {
 
 using namespace test;
@@ -382,4 +382,4 @@ TEST(GpuBvh, IsTheSameEachTimeAndSmall) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::gpu_bvh_test

@@ -11,7 +11,7 @@
 #include "tests/support/gpu_twin.h"
 #include "tests/support/temporary_folder.h"
 
-namespace photond {
+namespace photond::gpu_device_test {
 namespace {
 
 using gpu::Buffer;
@@ -363,4 +363,4 @@ TEST(GpuDevice, SetsThatDoNotFitAreRefused) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::gpu_device_test

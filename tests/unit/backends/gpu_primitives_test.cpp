@@ -10,7 +10,7 @@
 #include "renderer/backends/gpu/radix_sort.h"
 #include "tests/support/gpu_twin.h"
 
-namespace photond::gpu {
+namespace photond::gpu::gpu_primitives_test {
 namespace {
 
 using Words = std::vector<uint32_t>;
@@ -212,4 +212,4 @@ TEST(GpuPrimitivesMemory, CapacitiesNoDispatchCanTakeAreRefused) {
 }
 
 }  // namespace
-}  // namespace photond::gpu
+}  // namespace photond::gpu::gpu_primitives_test

@@ -9,7 +9,7 @@
 #include "renderer/core/geometry.h"
 #include "tests/support/gpu_twin.h"
 
-namespace photond::gpu {
+namespace photond::gpu::gpu_raster_test {
 namespace {
 
 constexpr uint32_t kSide = 8;  // of the images
@@ -312,4 +312,4 @@ TEST_F(GpuRaster, PassesThatDoNotFitAreRefused) {
 }
 
 }  // namespace
-}  // namespace photond::gpu
+}  // namespace photond::gpu::gpu_raster_test

@@ -16,7 +16,7 @@
 #include "renderer/transport/emission.h"
 #include "tests/support/gpu_twin.h"
 
-namespace photond {
+namespace photond::gpu_scene_test {
 namespace {
 
 using namespace test;
@@ -411,4 +411,4 @@ TEST(GpuScene, LargeTexturesArriveWhole) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::gpu_scene_test

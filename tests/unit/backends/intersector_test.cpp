@@ -10,7 +10,7 @@
 #include "renderer/core/rng.h"
 #include "renderer/scene/scene.h"
 
-namespace photond {
+namespace photond::intersector_test {
 namespace {
 
 /// Random triangles in the unit cube; `spread` is their size.
@@ -299,4 +299,4 @@ TEST(Intersector, CountsItsBytesAndKeepsToTheBudget) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::intersector_test

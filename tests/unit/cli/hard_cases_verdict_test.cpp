@@ -13,7 +13,7 @@
 #include "clients/cli/hard_cases_scenes.h"
 #include "tests/support/statistics.h"
 
-namespace photond::cli {
+namespace photond::cli::hard_cases_verdict_test {
 namespace {
 
 /// Seeds that scatter about `truth` times (1 + bias), by `noise` of it.
@@ -263,4 +263,4 @@ TEST(HardCaseScenes, AreChosenByNameOrRow) {
 }
 
 }  // namespace
-}  // namespace photond::cli
+}  // namespace photond::cli::hard_cases_verdict_test

@@ -6,7 +6,7 @@
 
 #include "renderer/core/rng.h"
 
-namespace photond::test {
+namespace photond::test::block_test_test {
 namespace {
 
 constexpr size_t kBlocks = 4;
@@ -65,4 +65,4 @@ TEST(BlockTest, LetsRoundingPassWhereNothingVaries) {
 }
 
 }  // namespace
-}  // namespace photond::test
+}  // namespace photond::test::block_test_test

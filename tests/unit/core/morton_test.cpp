@@ -6,7 +6,7 @@
 
 #include "renderer/core/rng.h"
 
-namespace photond {
+namespace photond::morton_test {
 namespace {
 
 /// Bit i of x, y and z at bits 3 i, 3 i + 1 and 3 i + 2.
@@ -43,4 +43,4 @@ TEST(Morton, PointsOutsideCountAsOnTheBorder) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::morton_test

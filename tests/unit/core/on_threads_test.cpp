@@ -9,7 +9,7 @@
 #include "renderer/core/parallel.h"
 #include "tests/support/threads.h"
 
-namespace photond {
+namespace photond::on_threads_test {
 namespace {
 
 /// Greatest number of tasks at work at once, of `tasks` that wait for each other as long as `patience`.
@@ -38,4 +38,4 @@ TEST(OnThreads, WorkRunsOnAsManyAlsoAfterASingleOne) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::on_threads_test

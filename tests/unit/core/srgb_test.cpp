@@ -10,7 +10,7 @@
 
 #include "renderer/core/srgb_lanes.h"
 
-namespace photond {
+namespace photond::srgb_test {
 namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
@@ -55,4 +55,4 @@ TEST(SrgbLanes, ClampsAndTakesNanAsBlack) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::srgb_test

@@ -6,7 +6,7 @@
 
 #include "renderer/core/rng.h"
 
-namespace photond::test {
+namespace photond::test::statistics_test {
 namespace {
 
 TEST(Statistics, QuantilesMatchTables) {
@@ -66,4 +66,4 @@ TEST(Statistics, StoppingWhenTheIntervalIsNarrowRaisesNoFalseAlarms) {
 }
 
 }  // namespace
-}  // namespace photond::test
+}  // namespace photond::test::statistics_test

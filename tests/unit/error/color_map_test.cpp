@@ -7,7 +7,7 @@
 
 #include "renderer/core/srgb.h"
 
-namespace photond {
+namespace photond::color_map_test {
 namespace {
 
 /// CIELAB lightness of an 8-bit sRGB colour.
@@ -77,4 +77,4 @@ TEST(OverlapHeatMap, HasTheColoursOfTheThesis) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::color_map_test

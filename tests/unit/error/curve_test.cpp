@@ -9,7 +9,7 @@
 
 #include "tests/support/statistics.h"
 
-namespace photond {
+namespace photond::curve_test {
 namespace {
 
 TEST(CurveSchedule, MarksPowersOfTwoAndDoublingTimes) {
@@ -170,4 +170,4 @@ TEST(LogLogSlope, IsThePowerAndTheLeastSquares) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::curve_test

@@ -15,7 +15,7 @@
 #include "renderer/core/rng.h"
 #include "tests/support/threads.h"
 
-namespace photond {
+namespace photond::error_meter_test {
 namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
@@ -456,4 +456,4 @@ TEST(BiasStandardError, WorkedByHand) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::error_meter_test

@@ -10,7 +10,7 @@
 #include "renderer/error/aces_tone_curve.h"
 #include "tests/support/direct_flip.h"
 
-namespace photond {
+namespace photond::flip_color_test {
 namespace {
 
 using test::direct_flip::Color;
@@ -154,4 +154,4 @@ TEST(LaneMath, ErrorsAreBelowTheStatedOnes) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::flip_color_test

@@ -8,7 +8,7 @@
 #include "renderer/error/flip_features.h"
 #include "tests/support/direct_flip.h"
 
-namespace photond {
+namespace photond::flip_filters_test {
 namespace {
 
 constexpr double kPixelsPerDegree = kFlipPixelsPerDegree;
@@ -180,4 +180,4 @@ TEST(FlipFeatures, ARowDoesNotDependOnWhereTheScanBegan) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::flip_filters_test

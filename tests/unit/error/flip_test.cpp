@@ -12,7 +12,7 @@
 #include "tests/support/direct_flip.h"
 #include "tests/support/threads.h"
 
-namespace photond {
+namespace photond::flip_test {
 namespace {
 
 namespace direct = test::direct_flip;
@@ -237,4 +237,4 @@ TEST(FlipPool, ByHand) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::flip_test

@@ -8,7 +8,7 @@
 
 #include "renderer/core/rng.h"
 
-namespace photond {
+namespace photond::box_downscale_test {
 namespace {
 
 std::vector<float> noise(Size2 size, uint32_t channels) {
@@ -62,4 +62,4 @@ TEST(BoxDownscale, ConstantsAndMeansStay) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::box_downscale_test

@@ -15,7 +15,7 @@
 #include "renderer/core/rng.h"
 #include "renderer/film/png_file.h"
 
-namespace photond {
+namespace photond::exr_file_test {
 namespace {
 
 class ExrFile : public testing::Test {
@@ -213,4 +213,4 @@ TEST_F(ExrFile, APngHasNoDateAndTheSameBytes) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::exr_file_test

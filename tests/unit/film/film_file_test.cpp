@@ -14,7 +14,7 @@
 #include "tests/support/random_film.h"
 #include "tests/support/temporary_folder.h"
 
-namespace photond {
+namespace photond::film_file_test {
 namespace {
 
 using test::film_of;
@@ -292,4 +292,4 @@ TEST(FilmIdentity, AnEmptyOneIsLikeNothing) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::film_file_test

@@ -15,7 +15,7 @@
 #include "tests/support/render.h"
 #include "tests/support/threads.h"
 
-namespace photond {
+namespace photond::film_merge_test {
 namespace {
 
 using test::film_of_range;
@@ -234,4 +234,4 @@ TEST(FilmMerge, UnlikeFilmsAreRefusedAndNothingChanges) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::film_merge_test

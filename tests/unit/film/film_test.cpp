@@ -13,7 +13,7 @@
 #include "tests/support/random_film.h"
 #include "tests/support/threads.h"
 
-namespace photond {
+namespace photond::film_test {
 namespace {
 
 LayerSet all_layers() { return LayerSet::all(); }
@@ -212,4 +212,4 @@ TEST(Film, StandardErrorIsUnknownBeforeTheSecondPass) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::film_test

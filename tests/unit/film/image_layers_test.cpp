@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace photond {
+namespace photond::image_layers_test {
 namespace {
 
 using Names = std::vector<std::string>;
@@ -61,4 +61,4 @@ TEST(ImageLayers, NoTwoHaveOneName) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::image_layers_test

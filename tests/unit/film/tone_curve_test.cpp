@@ -6,7 +6,7 @@
 
 #include "renderer/core/srgb.h"
 
-namespace photond {
+namespace photond::tone_curve_test {
 namespace {
 
 TEST(ToneCurve, ScalesByStopsAndClips) {
@@ -52,4 +52,4 @@ TEST(ToneCurve, Names) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::tone_curve_test

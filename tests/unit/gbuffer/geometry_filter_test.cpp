@@ -10,7 +10,7 @@
 #include "tests/support/gbuffer_parts.h"
 #include "tests/support/threads.h"
 
-namespace photond {
+namespace photond::geometry_filter_test {
 namespace {
 
 using test::SplitImage;
@@ -178,4 +178,4 @@ TEST(GeometryFilter, IsTheSameForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::geometry_filter_test

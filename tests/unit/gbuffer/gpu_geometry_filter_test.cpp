@@ -7,7 +7,7 @@
 #include "tests/support/gbuffer_parts.h"
 #include "tests/support/gpu_twin.h"
 
-namespace photond {
+namespace photond::gpu_geometry_filter_test {
 namespace {
 
 struct Settings {
@@ -36,4 +36,4 @@ TEST(GpuGeometryFilter, IsTheHosts) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::gpu_geometry_filter_test

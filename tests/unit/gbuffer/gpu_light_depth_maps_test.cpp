@@ -11,7 +11,7 @@
 #include "tests/support/gpu_twin.h"
 #include "tests/support/lit_rooms.h"
 
-namespace photond {
+namespace photond::gpu_light_depth_maps_test {
 namespace {
 
 constexpr uint32_t kResolution = 48, kPcf = 3;
@@ -103,4 +103,4 @@ TEST(GpuLightDepthMapsWithoutLights, HoldNothing) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::gpu_light_depth_maps_test

@@ -9,7 +9,7 @@
 #include "renderer/core/rng.h"
 #include "tests/support/threads.h"
 
-namespace photond {
+namespace photond::indirect_blur_test {
 namespace {
 
 std::vector<Rgb> random_image(Size2 size, uint64_t seed) {
@@ -216,4 +216,4 @@ TEST(IndirectBlur, IsTheSameForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::indirect_blur_test

@@ -7,7 +7,7 @@
 #include "tests/support/lit_rooms.h"
 #include "tests/support/render.h"
 
-namespace photond {
+namespace photond::light_depth_guide_test {
 namespace {
 
 class NoPoints final : public VisiblePointSink {
@@ -90,4 +90,4 @@ TEST(LightDepthGuide, DirectLightIsThatOfShadowRaysButForTheMapsErrors) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::light_depth_guide_test

@@ -12,7 +12,7 @@
 #include "tests/support/lit_rooms.h"
 #include "tests/support/threads.h"
 
-namespace photond {
+namespace photond::light_depth_maps_test {
 namespace {
 
 /// A scene with its maps.
@@ -309,4 +309,4 @@ TEST(LightDepthMaps, MoreTexelsThanNumbersAreRefused) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::light_depth_maps_test

@@ -18,7 +18,7 @@
 #include "tests/support/open_scene.h"
 #include "tests/support/vpls.h"
 
-namespace photond {
+namespace photond::gpu_imperfect_shadow_maps_test {
 namespace {
 
 /// Of some lights of a scene, on the host.
@@ -220,4 +220,4 @@ TEST(GpuImperfectShadowMaps, TakeTheMemoryTheySay) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::gpu_imperfect_shadow_maps_test

@@ -10,7 +10,7 @@
 #include "tests/support/gpu_twin.h"
 #include "tests/support/vpls.h"
 
-namespace photond {
+namespace photond::gpu_vpl_shadow_maps_test {
 namespace {
 
 struct Question {
@@ -88,4 +88,4 @@ INSTANTIATE_TEST_SUITE_P(Scenes, GpuVplShadowMaps,
                          [](const auto& of) { return "Maps" + std::to_string(of.index); });
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::gpu_vpl_shadow_maps_test

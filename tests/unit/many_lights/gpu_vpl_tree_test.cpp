@@ -7,7 +7,7 @@
 #include "tests/support/gpu_twin.h"
 #include "tests/support/many_vpls.h"
 
-namespace photond {
+namespace photond::gpu_vpl_tree_test {
 namespace {
 
 using test::gpu_device;
@@ -110,4 +110,4 @@ TEST(GpuVplTree, BoundsAreTheHosts) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::gpu_vpl_tree_test

@@ -13,7 +13,7 @@
 #include "tests/support/scene_parts.h"
 #include "tests/support/vpls.h"
 
-namespace photond {
+namespace photond::vpl_shadow_maps_test {
 namespace {
 
 /// Over the floor y = 0 a plate in y = 1, both seen by a light at the origin that looks up.
@@ -157,4 +157,4 @@ TEST(VplShadowMaps, TakeTheMemoryTheySayAndNoneForNoLights) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::vpl_shadow_maps_test

@@ -8,7 +8,7 @@
 #include "renderer/photons/photon.h"
 #include "tests/support/many_vpls.h"
 
-namespace photond {
+namespace photond::vpl_tree_test {
 namespace {
 
 namespace stdx = std::experimental;
@@ -185,4 +185,4 @@ TEST(VplTree, AHundredThousandLights) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::vpl_tree_test

@@ -15,7 +15,7 @@
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/hard_scenes.h"
 
-namespace photond {
+namespace photond::needs_of_methods_test {
 namespace {
 
 using SetParams = void (*)(MethodParams&);
@@ -247,4 +247,4 @@ TEST(NeedsOfMethods, AllThatIsSkippedAnywhereIsInTheTable) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::needs_of_methods_test

@@ -17,7 +17,7 @@
 #include "tests/support/statistics.h"
 #include "tests/support/threads.h"
 
-namespace photond {
+namespace photond::specular_walk_test {
 namespace {
 
 /// A visible point of either kind.
@@ -376,4 +376,4 @@ TEST(SpecularWalk, DirectLightIsThatOfPathTracing) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::specular_walk_test

@@ -7,7 +7,7 @@
 #include "tests/support/gpu_render.h"
 #include "tests/support/scene_parts.h"
 
-namespace photond {
+namespace photond::gpu_path_tracing_test {
 namespace {
 
 LayerSet all_layers() {
@@ -142,4 +142,4 @@ TEST(GpuPathTracing, TakesTheMemoryItSays) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::gpu_path_tracing_test

@@ -14,7 +14,7 @@
 #include "tests/support/scene_parts.h"
 #include "tests/support/threads.h"
 
-namespace photond {
+namespace photond::path_tracing_test {
 namespace {
 
 LayerSet all_layers() {
@@ -229,4 +229,4 @@ TEST(PixelFilter, OffsetsFollowTheFilter) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::path_tracing_test

@@ -15,7 +15,7 @@
 #include "tests/support/photons.h"
 #include "tests/support/scene_parts.h"
 
-namespace photond {
+namespace photond::gpu_photon_mapping_test {
 namespace {
 
 /// The pass's photons as the device appends them.
@@ -400,4 +400,4 @@ TEST(GpuPhotonMapping, RefusesWhatOnlyTheCpuHas) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::gpu_photon_mapping_test

@@ -12,7 +12,7 @@
 #include "tests/support/statistics.h"
 #include "tests/support/threads.h"
 
-namespace photond {
+namespace photond::photon_mapping_test {
 namespace {
 
 using Settings = test::RenderSettingsOf<PhotonMapping>;
@@ -380,4 +380,4 @@ TEST(PhotonMapping, StaysFiniteWhereThereIsNothingToWorkWith) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::photon_mapping_test

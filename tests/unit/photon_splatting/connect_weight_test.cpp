@@ -14,7 +14,7 @@
 #include "renderer/transport/sampling.h"
 #include "tests/support/statistics.h"
 
-namespace photond {
+namespace photond::connect_weight_test {
 namespace {
 
 constexpr double kPiD = 3.14159265358979323846;
@@ -307,4 +307,4 @@ TEST(ConnectWeight, BeamsLightTheirPartOfTheRayAlone) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::connect_weight_test

@@ -11,7 +11,7 @@
 #include "tests/support/hard_scenes.h"
 #include "tests/support/scene_parts.h"
 
-namespace photond {
+namespace photond::gpu_photon_splatting_test {
 namespace {
 
 constexpr uint64_t kSeed = 5;
@@ -236,4 +236,4 @@ TEST(GpuPhotonSplatting, MakesRoomForMorePhotonsThanExpected) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::gpu_photon_splatting_test

@@ -11,7 +11,7 @@
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/gpu_twin.h"
 
-namespace photond {
+namespace photond::gpu_splat_depth_test {
 namespace {
 
 constexpr const char* kTraced = "renderer/methods/photon_splatting/splat_depth.comp";
@@ -146,4 +146,4 @@ TEST(GpuSplatDepth, IsChosenWhereTrianglesAreFewerThanRays) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::gpu_splat_depth_test

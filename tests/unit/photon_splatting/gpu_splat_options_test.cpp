@@ -8,7 +8,7 @@
 #include "tests/support/scene_parts.h"
 #include "tests/support/statistics.h"
 
-namespace photond {
+namespace photond::gpu_splat_options_test {
 namespace {
 
 using Change = std::function<void(PhotonSplattingParams&)>;
@@ -136,4 +136,4 @@ TEST(GpuSplatBlur, IsTheCpus) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::gpu_splat_options_test

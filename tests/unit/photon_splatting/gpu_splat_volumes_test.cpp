@@ -7,7 +7,7 @@
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/gpu_render.h"
 
-namespace photond {
+namespace photond::gpu_splat_volumes_test {
 namespace {
 
 using Beams = PhotonSplattingGpu::Beams;
@@ -83,4 +83,4 @@ TEST(GpuSplatVolumes, WhereTheyCannotBeDrawnClustersAreTaken) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::gpu_splat_volumes_test

@@ -9,7 +9,7 @@
 
 #include "tests/support/gpu_twin.h"
 
-namespace photond {
+namespace photond::gpu_stratification_test {
 namespace {
 
 constexpr uint64_t kSeed = 4;
@@ -169,4 +169,4 @@ TEST(GpuStratification, ItsMemoryIsWhatItSays) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::gpu_stratification_test

@@ -11,7 +11,7 @@
 #include "tests/support/render.h"
 #include "tests/support/threads.h"
 
-namespace photond {
+namespace photond::photon_splatting_test {
 namespace {
 
 using Params = PhotonSplattingParams;
@@ -436,4 +436,4 @@ TEST(PhotonSplatting, RefusesWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::photon_splatting_test

@@ -9,7 +9,7 @@
 #include "renderer/scene/mesh_builder.h"
 #include "tests/support/scene_parts.h"
 
-namespace photond {
+namespace photond::splat_depth_maps_test {
 namespace {
 
 /// Surfaces put together, and the maps of splats among them.
@@ -288,4 +288,4 @@ TEST(SplatDepthMaps, TexelsHoldWhatSingleRaysMeet) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::splat_depth_maps_test

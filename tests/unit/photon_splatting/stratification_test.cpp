@@ -14,7 +14,7 @@
 #include "tests/support/photons.h"
 #include "tests/support/threads.h"
 
-namespace photond {
+namespace photond::stratification_test {
 namespace {
 
 ReflectedPhoton photon_at(const vec3& position, const Rgb& power_w = Rgb(1), const vec3& direction = {0, 0, 1}) {
@@ -382,4 +382,4 @@ TEST(Stratification, AMillionPhotonsOfTheCornellBoxTakeLessThan24Megabytes) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::stratification_test

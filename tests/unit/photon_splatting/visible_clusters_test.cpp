@@ -9,7 +9,7 @@
 #include "renderer/core/rng.h"
 #include "renderer/transport/sampling.h"
 
-namespace photond {
+namespace photond::visible_clusters_test {
 namespace {
 
 constexpr uint32_t kMaxScatterings = 6;
@@ -340,4 +340,4 @@ TEST(VisibleClusters, ManyInOnePlaceMakeATree) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::visible_clusters_test

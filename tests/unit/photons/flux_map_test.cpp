@@ -14,7 +14,7 @@
 #include "renderer/scene/mesh_builder.h"
 #include "tests/support/statistics.h"
 
-namespace photond {
+namespace photond::flux_map_test {
 namespace {
 
 constexpr double kFalseAlarm = 1e-6;
@@ -289,4 +289,4 @@ TEST(TexelMap, HasRoomForAnyNumberOfLights) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::flux_map_test

@@ -19,7 +19,7 @@
 #include "tests/support/photons.h"
 #include "tests/support/scene_parts.h"
 
-namespace photond {
+namespace photond::gpu_vpl_tracer_test {
 namespace {
 
 constexpr uint64_t kSeed = 5;
@@ -296,4 +296,4 @@ TEST(GpuVplTracer, TakesTheMemoryItSays) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::gpu_vpl_tracer_test

@@ -10,7 +10,7 @@
 #include "renderer/core/rng.h"
 #include "tests/support/threads.h"
 
-namespace photond {
+namespace photond::hash_grid_test {
 namespace {
 
 using Found = std::pair<uint32_t, float>;  // index of the given points, squared distance
@@ -157,4 +157,4 @@ TEST(HashGrid, TheSameForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::hash_grid_test

@@ -12,7 +12,7 @@
 #include "renderer/core/rng.h"
 #include "tests/support/threads.h"
 
-namespace photond {
+namespace photond::kd_tree_test {
 namespace {
 
 constexpr uint32_t kSeed = 42;
@@ -282,4 +282,4 @@ TEST(KdTree, SameTreeForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::kd_tree_test

@@ -9,7 +9,7 @@
 
 #include "protocol/error.h"
 
-namespace photond {
+namespace photond::kernel_test {
 namespace {
 
 std::vector<Kernel> kernels() {
@@ -121,4 +121,4 @@ TEST(Kernel, ACutConeIsRefused) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::kernel_test

@@ -14,7 +14,7 @@
 #include "renderer/scene/gltf_loader.h"
 #include "tests/support/temporary_folder.h"
 
-namespace photond {
+namespace photond::photon_cloud_test {
 namespace {
 
 using nlohmann::json;
@@ -191,4 +191,4 @@ TEST_F(PhotonCloud, AFolderThatIsNotThereIsAnError) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::photon_cloud_test

@@ -9,7 +9,7 @@
 #include "renderer/core/rng.h"
 #include "tests/support/threads.h"
 
-namespace photond {
+namespace photond::photon_map_test {
 namespace {
 
 constexpr PhotonSearch kNearest{.kind = PhotonSearch::Kind::Nearest, .nearest = 20, .radius_m = 0.2f};
@@ -134,4 +134,4 @@ TEST(PhotonMap, TheSameForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::photon_map_test

@@ -9,7 +9,7 @@
 #include "renderer/scene/mesh_builder.h"
 #include "renderer/transport/light_sampling.h"
 
-namespace photond {
+namespace photond::photon_options_test {
 namespace {
 
 std::vector<Photon> scattered_photons(size_t count) {
@@ -124,4 +124,4 @@ TEST(ShadowPhotons, AgreeWithShadowRaysAwayFromBorders) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::photon_options_test

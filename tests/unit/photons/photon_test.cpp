@@ -7,7 +7,7 @@
 #include "renderer/core/rng.h"
 #include "renderer/transport/sampling.h"
 
-namespace photond {
+namespace photond::photon_test {
 namespace {
 
 const vec3 kAxes[] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
@@ -85,4 +85,4 @@ TEST(PhotonPayload, KeepsEveryFieldApart) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::photon_test

@@ -12,7 +12,7 @@
 #include "tests/support/photons.h"
 #include "tests/support/threads.h"
 
-namespace photond {
+namespace photond::photon_tracer_test {
 namespace {
 
 using test::photon_tracing;
@@ -244,4 +244,4 @@ TEST(PhotonTracer, LanesAndSinglePathsScatterAlike) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::photon_tracer_test

@@ -18,7 +18,7 @@
 #include "tests/support/statistics.h"
 #include "tests/support/threads.h"
 
-namespace photond {
+namespace photond::projection_map_test {
 namespace {
 
 using test::add;
@@ -340,4 +340,4 @@ TEST(ProjectionMap, KnowsTheRangeOfLights) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::projection_map_test

@@ -11,7 +11,7 @@
 #include "renderer/photons/surface_boundary.h"
 #include "renderer/scene/mesh_builder.h"
 
-namespace photond {
+namespace photond::radiance_estimate_test {
 namespace {
 
 const vec3 kUp(0, 0, 1);
@@ -281,4 +281,4 @@ TEST(RadianceEstimate, CoincidentPhotonsAndExtremeRadiiStayFinite) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::radiance_estimate_test

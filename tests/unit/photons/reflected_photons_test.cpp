@@ -13,7 +13,7 @@
 #include "tests/support/photons.h"
 #include "tests/support/threads.h"
 
-namespace photond {
+namespace photond::reflected_photons_test {
 namespace {
 
 using test::photon_tracing;
@@ -371,4 +371,4 @@ TEST(ReflectiveShadowMaps, WeakLightsTakeTurns) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::reflected_photons_test

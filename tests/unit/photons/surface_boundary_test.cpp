@@ -14,7 +14,7 @@
 #include "renderer/transport/sampling.h"
 #include "tests/support/statistics.h"
 
-namespace photond {
+namespace photond::surface_boundary_test {
 namespace {
 
 const std::vector<Kernel> kKernels = {Kernel(KernelShape::Constant), Kernel(KernelShape::Cone, 1.0f),
@@ -453,4 +453,4 @@ TEST(BoundaryTree, VisitsEveryEdgeThatALoopOverAllFinds) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::surface_boundary_test

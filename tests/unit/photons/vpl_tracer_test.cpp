@@ -15,7 +15,7 @@
 #include "tests/support/photons.h"
 #include "tests/support/threads.h"
 
-namespace photond {
+namespace photond::vpl_tracer_test {
 namespace {
 
 using test::PhotonScene;
@@ -314,4 +314,4 @@ TEST(VplTracer, LitAreaIsAboutWhatIsLit) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::vpl_tracer_test

@@ -8,7 +8,7 @@
 
 #include "protocol/error.h"
 
-namespace photond {
+namespace photond::comparison_request_test {
 namespace {
 
 using nlohmann::json;
@@ -233,4 +233,4 @@ TEST(ComparisonRequest, HasAtMostAThousandJobs) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::comparison_request_test

@@ -6,7 +6,7 @@
 
 #include "protocol/error.h"
 
-namespace photond {
+namespace photond::job_request_test {
 namespace {
 
 using nlohmann::json;
@@ -294,4 +294,4 @@ TEST(JobRequest, AnswersOfBoundedSize) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::job_request_test

@@ -7,7 +7,7 @@
 
 #include "protocol/error.h"
 
-namespace photond {
+namespace photond::openapi_test {
 namespace {
 
 using nlohmann::json;
@@ -107,4 +107,4 @@ TEST(OpenApi, ArtefactsOfMethodsAreServedAndLinked) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::openapi_test

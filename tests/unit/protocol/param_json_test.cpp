@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-namespace photond {
+namespace photond::param_json_test {
 namespace {
 
 enum class Kind : uint8_t { First, Second };
@@ -119,4 +119,4 @@ TEST(ParamJson, ShortestDouble) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::param_json_test

@@ -5,7 +5,7 @@
 #include "protocol/error.h"
 #include "protocol/problem.h"
 
-namespace photond {
+namespace photond::strict_json_test {
 namespace {
 
 Error error_of(const std::string& text, const JsonLimits& limits = {}) {
@@ -73,4 +73,4 @@ TEST(Problem, CanAlwaysBeWritten) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::strict_json_test

@@ -10,7 +10,7 @@
 #include <set>
 #include <thread>
 
-namespace photond {
+namespace photond::worker_messages_test {
 namespace {
 
 using nlohmann::json;
@@ -111,4 +111,4 @@ TEST(FailureJson, KeepsCodeAndFaults) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::worker_messages_test

@@ -12,7 +12,7 @@
 #include "renderer/transport/emission_sampling.h"
 #include "tests/support/open_scene.h"
 
-namespace photond {
+namespace photond::gpu_reflective_shadow_maps_test {
 namespace {
 
 using Rsm = ReflectiveShadowMapsGpu;
@@ -209,4 +209,4 @@ TEST(GpuRsm, IsInTheListOfMethodsForGpusAlone) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::gpu_reflective_shadow_maps_test

@@ -35,7 +35,7 @@ void* counted_allocation(size_t bytes) {
 [[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
 [[gnu::noinline]] void operator delete(void* memory, size_t) noexcept { std::free(memory); }
 
-namespace photond {
+namespace photond::baked_scene_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -413,4 +413,4 @@ TEST_F(BakedScene, WhatCannotBeWrittenLeavesNothing) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::baked_scene_test

@@ -14,7 +14,7 @@
 #include "protocol/error.h"
 #include "renderer/scene/mesh_builder.h"
 
-namespace photond {
+namespace photond::builtin_scenes_test {
 namespace {
 
 using Triangle = std::array<std::array<float, 3>, 3>;
@@ -230,4 +230,4 @@ TEST(MeshBuilder, ClosedShapesAreClosedAndHoldTheirVolume) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::builtin_scenes_test

@@ -7,7 +7,7 @@
 #include "protocol/error.h"
 #include "renderer/core/rng.h"
 
-namespace photond {
+namespace photond::camera_test {
 namespace {
 
 constexpr Size2 kFilm{200, 100};
@@ -125,4 +125,4 @@ TEST(LookAt, RefusesWhatDefinesNoView) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::camera_test

@@ -11,7 +11,7 @@
 #include "renderer/scene/gltf_mesh.h"
 #include "tests/support/test_gltf.h"
 
-namespace photond {
+namespace photond::gltf_geometry_test {
 namespace {
 
 const std::vector<float> kSquare = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
@@ -467,4 +467,4 @@ TEST(GltfGeometry, TooManyTrianglesAreRefusedBeforeTheyAreRead) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::gltf_geometry_test

@@ -16,7 +16,7 @@
 #include "renderer/scene/texture_decode.h"
 #include "tests/support/temporary_folder.h"
 
-namespace photond {
+namespace photond::gltf_malformed_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -220,4 +220,4 @@ TEST(MalformedGltf, NothingOutsideTheBundleIsRead) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::gltf_malformed_test

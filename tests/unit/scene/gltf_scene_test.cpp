@@ -9,7 +9,7 @@
 #include "protocol/error.h"
 #include "tests/support/test_gltf.h"
 
-namespace photond {
+namespace photond::gltf_scene_test {
 namespace {
 
 std::string base64(const std::vector<uint8_t>& bytes) {
@@ -358,4 +358,4 @@ TEST(GltfScene, TheReferenceBoxIsWhatItsDescriptionSays) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::gltf_scene_test

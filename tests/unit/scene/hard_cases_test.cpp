@@ -14,7 +14,7 @@
 #include "tests/support/render.h"
 #include "tests/support/statistics.h"
 
-namespace photond {
+namespace photond::hard_cases_test {
 namespace {
 
 using Relation = KnownCheck::Relation;
@@ -267,4 +267,4 @@ TEST(HardCases, PathTracingSeesOneRoomInAllItsGuises) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::hard_cases_test

@@ -9,7 +9,7 @@
 #include "renderer/scene/mesh_builder.h"
 #include "renderer/transport/emission.h"
 
-namespace photond {
+namespace photond::scene_test {
 namespace {
 
 uint32_t add_material(Scene& scene, const Material& material) {
@@ -273,4 +273,4 @@ TEST(NearestName, FindsTypingMistakes) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::scene_test

@@ -10,7 +10,7 @@
 #include "protocol/error.h"
 #include "tests/support/test_gltf.h"
 
-namespace photond {
+namespace photond::texture_test {
 namespace {
 
 Texture random_texture(Size2 size, Wrap wrap_s, Wrap wrap_t) {
@@ -197,4 +197,4 @@ TEST(EnvironmentDecode, WhatIsNoRadianceIsRefused) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::texture_test

@@ -10,7 +10,7 @@
 
 #include "protocol/error.h"
 
-namespace photond {
+namespace photond::auth_test {
 namespace {
 
 class TokenFile : public testing::Test {
@@ -59,4 +59,4 @@ TEST_F(TokenFile, RefusesWhatItDoesNotUnderstand) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::auth_test

@@ -14,7 +14,7 @@
 #include "server/comparisons/verdict.h"
 #include "tests/support/temporary_folder.h"
 
-namespace photond {
+namespace photond::comparison_report_test {
 namespace {
 
 using nlohmann::json;
@@ -173,4 +173,4 @@ TEST(Exposure, BringsTheLogAverageToMiddleGrey) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::comparison_report_test

@@ -11,7 +11,7 @@
 #include "server/comparisons/pareto.h"
 #include "server/comparisons/report_csv.h"
 
-namespace photond {
+namespace photond::comparison_table_test {
 namespace {
 
 using nlohmann::json;
@@ -204,4 +204,4 @@ TEST(ReportCsv, HasALineForEachPointAndQuotesLabels) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::comparison_table_test

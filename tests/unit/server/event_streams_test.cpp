@@ -8,7 +8,7 @@
 
 #include <chrono>
 
-namespace photond::http {
+namespace photond::http::event_streams_test {
 namespace {
 
 using std::chrono::steady_clock;
@@ -103,4 +103,4 @@ TEST(EventStreams, CountTheirClients) {
 }
 
 }  // namespace
-}  // namespace photond::http
+}  // namespace photond::http::event_streams_test

@@ -5,7 +5,7 @@
 #include <poll.h>
 #include <unistd.h>
 
-namespace photond {
+namespace photond::events_test {
 namespace {
 
 void publish(EventHub& hub, const std::string& job) { hub.publish({hub.next_id(), "state", job, "{}"}); }
@@ -72,4 +72,4 @@ TEST(EventHub, WakesItsReader) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::events_test

@@ -12,7 +12,7 @@
 #include "server/routes/rate_limiter.h"
 #include "server/routes/request_head.h"
 
-namespace photond::http {
+namespace photond::http::http_guard_parts_test {
 namespace {
 
 std::string code_of(const std::function<void()>& action) {
@@ -202,4 +202,4 @@ TEST_F(Multipart, RefusesMalformedBodies) {
 }
 
 }  // namespace
-}  // namespace photond::http
+}  // namespace photond::http::http_guard_parts_test

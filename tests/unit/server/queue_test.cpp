@@ -8,7 +8,7 @@
 #include "server/queue/job_queue.h"
 #include "server/queue/retry_policy.h"
 
-namespace photond {
+namespace photond::queue_test {
 namespace {
 
 TEST(JobQueue, HigherPriorityFirstThenFirstComeFirstServed) {
@@ -105,4 +105,4 @@ TEST(RetryPolicy, FollowsTheProtocol) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::queue_test

@@ -16,7 +16,7 @@
 #include "server/store/data_files.h"
 #include "server/store/schema.h"
 
-namespace photond {
+namespace photond::store_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -476,4 +476,4 @@ TEST(StoreLong, AHundredThousandJobs) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::store_test

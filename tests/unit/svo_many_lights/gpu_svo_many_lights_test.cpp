@@ -10,7 +10,7 @@
 #include "tests/support/hard_scenes.h"
 #include "tests/support/scene_parts.h"
 
-namespace photond {
+namespace photond::gpu_svo_many_lights_test {
 namespace {
 
 template <class M>
@@ -186,4 +186,4 @@ TEST(GpuSvoManyLightsHardScenes, AreAsOnTheCpu) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::gpu_svo_many_lights_test

@@ -8,7 +8,7 @@
 #include "tests/support/gpu_render.h"
 #include "tests/support/scene_parts.h"
 
-namespace photond {
+namespace photond::gpu_vpl_choice_test {
 namespace {
 
 template <class M>
@@ -83,4 +83,4 @@ INSTANTIATE_TEST_SUITE_P(Choices, GpuVplChoice, testing::Values(VplChoice::Light
                          [](const auto& info) { return info.param == VplChoice::Lightcut ? "Lightcut" : "Resampled"; });
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::gpu_vpl_choice_test

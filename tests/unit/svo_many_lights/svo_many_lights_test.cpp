@@ -11,7 +11,7 @@
 #include "tests/support/render.h"
 #include "tests/support/threads.h"
 
-namespace photond {
+namespace photond::svo_many_lights_test {
 namespace {
 
 using Params = SvoManyLightsParams;
@@ -283,4 +283,4 @@ TEST(SplitLayout, EachPixelHasOnePlace) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::svo_many_lights_test

@@ -7,7 +7,7 @@
 #include "renderer/core/rng.h"
 #include "tests/support/bsdf_quadrature.h"
 
-namespace photond {
+namespace photond::bsdf_evaluator_test {
 namespace {
 
 vec3 random_direction(RandomStream& random, float least_cos) {
@@ -83,4 +83,4 @@ TEST(BsdfEvaluator, IsBlackWhereNothingIsScattered) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::bsdf_evaluator_test

@@ -6,7 +6,7 @@
 #include "tests/support/random_materials.h"
 #include "tests/support/statistics.h"
 
-namespace photond {
+namespace photond::bsdf_parts_test {
 namespace {
 
 using namespace test;
@@ -171,4 +171,4 @@ TEST(BsdfParts, AreDrawnWithTheDensitiesTheyState) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::bsdf_parts_test

@@ -9,7 +9,7 @@
 #include "protocol/error.h"
 #include "renderer/core/rng.h"
 
-namespace photond {
+namespace photond::discrete_distribution_test {
 namespace {
 
 constexpr uint32_t kSteps = 1u << 24;
@@ -95,4 +95,4 @@ TEST(DiscreteDistribution, EstimatesItsBytes) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::discrete_distribution_test

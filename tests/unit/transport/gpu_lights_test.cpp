@@ -13,7 +13,7 @@
 #include "tests/support/device_light_samples.h"
 #include "tests/support/scene_parts.h"
 
-namespace photond::test {
+namespace photond::test::gpu_lights_test {
 namespace {
 
 // --- scenes ------------------------------------------------------------------------------------------------------
@@ -187,8 +187,6 @@ constexpr size_t kQueries = 20'000;
 // Choices at whose border a number lies within rounding: a few units of 2^-24 for each of the tree's levels.
 constexpr size_t kChosenOtherwise = 4;
 
-}  // namespace
-
 class GpuLights : public testing::TestWithParam<LitScene> {};
 
 TEST_P(GpuLights, DirectLightIsSampledAlike) {
@@ -297,4 +295,5 @@ TEST(GpuLightTables, AnglesAreGoodToAFewUnits) {
     EXPECT_LT(sines, 3 * 0x1p-24);  // of 1: three
 }
 
-}  // namespace photond::test
+}  // namespace
+}  // namespace photond::test::gpu_lights_test

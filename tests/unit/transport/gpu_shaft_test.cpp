@@ -7,7 +7,7 @@
 #include "renderer/transport/surface.h"
 #include "tests/support/gpu_render.h"
 
-namespace photond {
+namespace photond::gpu_shaft_test {
 namespace {
 
 constexpr uint32_t kMostBlockers = 8;  // SHAFT_MOST_BLOCKERS of shaft.comp
@@ -118,4 +118,4 @@ INSTANTIATE_TEST_SUITE_P(BuiltinScenes, GpuShafts,
                          testing::Values("cornell-box", "photon-splatting/chairs", "interior"));
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::gpu_shaft_test

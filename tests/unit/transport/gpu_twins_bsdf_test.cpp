@@ -5,7 +5,7 @@
 #include "tests/support/gpu_bsdf.h"
 #include "tests/support/random_materials.h"
 
-namespace photond {
+namespace photond::gpu_twins_bsdf_test {
 namespace {
 
 using namespace test;
@@ -121,4 +121,4 @@ TEST(GpuTwinsBsdf, TraitsAreThoseOfTheCpu) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::gpu_twins_bsdf_test

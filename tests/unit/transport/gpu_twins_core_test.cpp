@@ -5,7 +5,7 @@
 #include "renderer/core/rng.h"
 #include "tests/support/gpu_twin.h"
 
-namespace photond {
+namespace photond::gpu_twins_core_test {
 namespace {
 
 using namespace test;
@@ -45,4 +45,4 @@ TEST(GpuTwinsCore, RandomStreamsAreTheSameNumbers) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::gpu_twins_core_test

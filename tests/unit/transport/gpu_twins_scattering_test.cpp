@@ -8,7 +8,7 @@
 #include "tests/support/gpu_photon_scattering.h"
 #include "tests/support/random_materials.h"
 
-namespace photond {
+namespace photond::gpu_twins_scattering_test {
 namespace {
 
 using namespace test;
@@ -126,4 +126,4 @@ TEST(GpuTwinsScattering, StacksOfMediaAreThoseOfTheCpu) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::gpu_twins_scattering_test

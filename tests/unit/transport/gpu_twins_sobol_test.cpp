@@ -6,7 +6,7 @@
 #include "renderer/transport/sobol.h"
 #include "tests/support/gpu_twin.h"
 
-namespace photond {
+namespace photond::gpu_twins_sobol_test {
 namespace {
 
 using namespace test;
@@ -47,4 +47,4 @@ TEST(GpuTwinsSobol, SamplersAreTheSameNumbers) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::gpu_twins_sobol_test

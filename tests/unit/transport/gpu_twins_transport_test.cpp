@@ -10,7 +10,7 @@
 #include "renderer/transport/sampling.h"
 #include "tests/support/gpu_twin.h"
 
-namespace photond {
+namespace photond::gpu_twins_transport_test {
 namespace {
 
 using namespace test;
@@ -81,4 +81,4 @@ TEST(GpuTwinsTransport, FunctionsAreThoseOfTheCpu) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::gpu_twins_transport_test

@@ -9,7 +9,7 @@
 #include "renderer/transport/fresnel.h"
 #include "tests/support/bsdf_reciprocity_checks.h"
 
-namespace photond {
+namespace photond::microfacet_test {
 namespace {
 
 using namespace test;
@@ -146,4 +146,4 @@ TEST(Bsdf, GeometryDecidesTheSide) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::microfacet_test

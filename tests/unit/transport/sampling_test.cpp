@@ -11,7 +11,7 @@
 #include "renderer/transport/mis.h"
 #include "tests/support/statistics.h"
 
-namespace photond {
+namespace photond::sampling_test {
 namespace {
 
 // A million points into 16 x 16 cells of equal probability: 1 % of the points moved from one half of the square to the
@@ -81,4 +81,4 @@ TEST(Mis, AreaDensityBecomesSolidAngleDensity) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::sampling_test

@@ -16,7 +16,7 @@
 #include "renderer/transport/surface.h"
 #include "tests/support/scene_parts.h"
 
-namespace photond {
+namespace photond::shaft_visibility_test {
 namespace {
 
 struct SurfacePoint {
@@ -333,4 +333,4 @@ TEST(ShaftVisibility, WhateverIsNearAboveIsFound) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::shaft_visibility_test

@@ -10,7 +10,7 @@
 
 #include "tests/support/statistics.h"
 
-namespace photond {
+namespace photond::sobol_test {
 namespace {
 
 constexpr uint64_t kSeed = 42;
@@ -255,4 +255,4 @@ TEST(SequenceSampler, CoordinatesAreUniformAndIndependentOverSeeds) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::sobol_test

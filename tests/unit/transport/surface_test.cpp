@@ -7,7 +7,7 @@
 #include "renderer/core/rng.h"
 #include "renderer/transport/bsdf.h"
 
-namespace photond {
+namespace photond::surface_test {
 namespace {
 
 /// One triangle in the xy plane, counter-clockwise seen from +z, its texture coordinates as a picture lying in it: u to
@@ -220,4 +220,4 @@ TEST(MakeBsdf, MaterialsBecomeTheirLobes) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::surface_test

@@ -8,7 +8,7 @@
 #include "tests/support/gpu_render.h"
 #include "tests/support/voxels.h"
 
-namespace photond {
+namespace photond::gpu_svo_march_test {
 namespace {
 
 struct Question {
@@ -134,4 +134,4 @@ TEST_P(GpuSvo, HitsWhatTheCpuHits) {
 INSTANTIATE_TEST_SUITE_P(Scenes, GpuSvo, testing::Values("medley", "cornell-box", "photon-splatting/chairs"));
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::gpu_svo_march_test

@@ -11,7 +11,7 @@
 #include "tests/support/gpu_twin.h"
 #include "tests/support/voxels.h"
 
-namespace photond {
+namespace photond::gpu_voxels_test {
 namespace {
 
 Scene scene_named(const std::string& name) {
@@ -132,4 +132,4 @@ TEST(GpuVoxels, OfAnEmptySceneAreNone) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::gpu_voxels_test

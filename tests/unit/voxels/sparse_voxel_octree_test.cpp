@@ -11,7 +11,7 @@
 #include "tests/support/threads.h"
 #include "tests/support/voxels.h"
 
-namespace photond {
+namespace photond::sparse_voxel_octree_test {
 namespace {
 
 using test::VoxelList;
@@ -242,4 +242,4 @@ TEST(SparseVoxelOctree, OfAFurnishedRoomAt512TakesLessThanHalfOfWhatIsAllowedAVo
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::sparse_voxel_octree_test

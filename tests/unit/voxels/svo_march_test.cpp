@@ -10,7 +10,7 @@
 #include "renderer/voxels/sparse_voxel_octree.h"
 #include "tests/support/voxels.h"
 
-namespace photond {
+namespace photond::svo_march_test {
 namespace {
 
 SparseVoxelOctree build(const Scene& scene, uint32_t resolution) {
@@ -212,4 +212,4 @@ TEST(SvoMarch, SparesTheSurfacesItsEndsLieOn) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::svo_march_test

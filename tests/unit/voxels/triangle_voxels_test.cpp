@@ -9,7 +9,7 @@
 
 #include "renderer/core/rng.h"
 
-namespace photond {
+namespace photond::triangle_voxels_test {
 namespace {
 
 constexpr int kBricks = 8;  // 32 voxels along an edge
@@ -165,4 +165,4 @@ TEST(VoxelGrid, StandsForNothingAndForAPointToo) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::triangle_voxels_test

@@ -9,7 +9,7 @@
 #include "renderer/transport/sampling.h"
 #include "tests/support/voxels.h"
 
-namespace photond {
+namespace photond::voxel_intersector_test {
 namespace {
 
 struct Both {
@@ -154,4 +154,4 @@ TEST(VoxelIntersector, AnswersBatchesAsSingleRaysAndEndsThemAtTheirEnd) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::voxel_intersector_test

@@ -14,7 +14,7 @@
 #include "server/worker/off_the_clock.h"
 #include "tests/support/temporary_folder.h"
 
-namespace photond {
+namespace photond::error_follower_test {
 namespace {
 
 constexpr Size2 kSize{16, 8};
@@ -306,4 +306,4 @@ TEST(FilmSaverTest, SavesAtMostTwoPercentOfTheTime) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::error_follower_test

@@ -16,7 +16,7 @@
 #include "tests/support/scene_parts.h"
 #include "tests/support/test_gltf.h"
 
-namespace photond {
+namespace photond::hard_limits_test {
 namespace {
 
 constexpr uint32_t kMillion = 1u << 20;
@@ -148,4 +148,4 @@ TEST(HardLimits, TimeIsRefusedWhileAnimationIsNotBuilt) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::hard_limits_test

@@ -19,7 +19,7 @@
 #include "tests/support/random_film.h"
 #include "tests/support/temporary_folder.h"
 
-namespace photond {
+namespace photond::helper_errors_test {
 namespace {
 
 using nlohmann::json;
@@ -332,4 +332,4 @@ TEST_F(HelperErrors, TheErrorMapsScaleIsFixed) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::helper_errors_test

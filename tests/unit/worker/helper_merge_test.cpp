@@ -12,7 +12,7 @@
 #include "tests/support/random_film.h"
 #include "tests/support/temporary_folder.h"
 
-namespace photond {
+namespace photond::helper_merge_test {
 namespace {
 
 using nlohmann::json;
@@ -131,4 +131,4 @@ TEST_F(HelperMerge, AFilmThatDoesNotBelongIsNamed) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::helper_merge_test

@@ -7,7 +7,7 @@
 #include "server/worker/helper_tasks.h"
 #include "tests/support/temporary_folder.h"
 
-namespace photond {
+namespace photond::helper_warm_scene_test {
 namespace {
 
 using nlohmann::json;
@@ -65,4 +65,4 @@ TEST_F(HelperWarmScene, IsNotKeptWhereItTakesMuchOfTheLimit) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::helper_warm_scene_test

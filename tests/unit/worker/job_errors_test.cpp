@@ -10,7 +10,7 @@
 #include "tests/support/job_runs.h"
 #include "tests/support/temporary_folder.h"
 
-namespace photond {
+namespace photond::job_errors_test {
 namespace {
 
 using nlohmann::json;
@@ -344,4 +344,4 @@ TEST(FilmIdentityTest, IsOfWhatDecidesThePixels) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::job_errors_test

@@ -19,7 +19,7 @@
 #include "server/worker/statistics.h"
 #include "tests/support/job_runs.h"
 
-namespace photond {
+namespace photond::job_runner_test {
 namespace {
 
 using nlohmann::json;
@@ -462,4 +462,4 @@ TEST(Statistics, TheJobHashIsOfWhatMakesThePixels) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::job_runner_test

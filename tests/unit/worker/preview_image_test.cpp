@@ -8,7 +8,7 @@
 #include "server/worker/helper_tasks.h"
 #include "tests/support/temporary_folder.h"
 
-namespace photond {
+namespace photond::preview_image_test {
 namespace {
 
 using Pixels = std::vector<uint8_t>;
@@ -111,4 +111,4 @@ TEST(PreviewImage, TheHelperEncodesEachThatThereIs) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::preview_image_test

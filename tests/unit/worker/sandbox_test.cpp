@@ -21,7 +21,7 @@
 
 #include "protocol/error.h"
 
-namespace photond {
+namespace photond::sandbox_test {
 namespace {
 
 constexpr uint64_t kFileBytes = 1 << 20;
@@ -226,4 +226,4 @@ TEST(Sandbox, AParentThatIsGoneAlreadyIsNoticed) {
 }
 
 }  // namespace
-}  // namespace photond
+}  // namespace photond::sandbox_test
