@@ -1,29 +1,13 @@
 #include "renderer/film/png_file.h"
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
-
-#include <cassert>
-#include <memory>
-
-#include "protocol/error.h"
 #include "renderer/core/atomic_file.h"
+#include "renderer/core/image_module.h"
 
 namespace photond {
 
 std::vector<uint8_t> encode_png(Size2 size, std::span<const uint8_t> rgb, int compression) {
-    assert(rgb.size() == 3 * size.pixels());
-    OIIO::ImageSpec spec(static_cast<int>(size.width), static_cast<int>(size.height), 3, OIIO::TypeUInt8);
-    spec.attribute("oiio:ColorSpace", "sRGB");
-    spec.attribute("png:compressionLevel", compression);
-    const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create("png");
-    if (!output) throw Error(ErrorCode::Internal, "the image library cannot write PNG: " + OIIO::geterror());
-    std::vector<unsigned char> bytes;
-    OIIO::Filesystem::IOVecOutput memory(bytes);
-    if (!output->set_ioproxy(&memory) || !output->open("preview.png", spec) ||
-        !output->write_image(OIIO::TypeUInt8, rgb.data()) || !output->close())
-        throw Error(ErrorCode::Internal, "cannot encode the PNG: " + output->geterror());
-    return bytes;
+    static const auto encode = image_function<decltype(encode_png)>("photond_encode_png");
+    return encode(size, rgb, compression);
 }
 
 void write_png(Size2 size, std::span<const uint8_t> rgb, const std::filesystem::path& path) {

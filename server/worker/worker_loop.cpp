@@ -7,6 +7,7 @@
 #include <condition_variable>
 #include <memory>
 #include <thread>
+#include <utility>
 
 #include "renderer/core/parallel.h"
 #include "renderer/film/exr_file.h"
@@ -24,7 +25,8 @@ constexpr std::chrono::seconds kHeartbeat{1};
 /// Share of the memory limit that scenes of other jobs may keep while they are not used; on top of what the job may
 /// hold.
 constexpr uint64_t kIdleScenesDivisor = 8;
-constexpr int kWarmMilliseconds = 120'000;  // without a request; then the helper lets go of its warm scene
+constexpr int kSettledMilliseconds = 1'000;  // without a request; then the helper loads the image library for the first
+constexpr int kWarmMilliseconds = 120'000;   // without a request; then the helper lets go of its warm scene
 
 /// Sends a heartbeat each second, from a thread that nothing a render does can delay.
 class Heartbeat {
@@ -137,19 +139,26 @@ int list_devices(MessageChannel& channel) {
 
 int run_helper(MessageChannel& channel, const WorkerOptions& options) {
     start_threads();
-    warm_up_exr();
     say_hello(channel, options.device);
     const Heartbeat heartbeat(channel);
     SceneCache scenes(0);
+    bool warm = false;
     while (true) {
-        const std::optional<json> message = channel.receive(scenes.bytes() > 0 ? kWarmMilliseconds : -1);
+        const std::optional<json> message = channel.receive(!warm                ? kSettledMilliseconds
+                                                            : scenes.bytes() > 0 ? kWarmMilliseconds
+                                                                                 : -1);
         if (!message) {
             if (channel.closed()) std::_Exit(0);
+            if (!std::exchange(warm, true)) {
+                warm_up_exr();
+                continue;
+            }
             scenes.clear();  // nobody turns it any more
             release_free_memory();
             continue;
         }
         if (message->value("type", "") == "stop") return 0;
+        warm = true;
         channel.send(run_helper_task(*message, {options.memory_limit_bytes, options.threads}, scenes));
     }
 }

@@ -1,0 +1,28 @@
+// The module with the image library: found beside the program, and a fault of it is named.
+
+#include "renderer/core/image_module.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "protocol/error.h"
+
+namespace photond::image_module_test {
+namespace {
+
+TEST(ImageModule, HasWhatIsAskedForAndSaysWhatItHasNot) {
+    void* const encode = find_image_function("photond_encode_png");
+    EXPECT_NE(encode, nullptr);
+    EXPECT_EQ(find_image_function("photond_encode_png"), encode);
+    try {
+        find_image_function("photond_encode_jpeg");
+        FAIL() << "it has no such function";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code, ErrorCode::Internal);
+        EXPECT_NE(std::string(error.what()).find("photond_encode_jpeg"), std::string::npos) << error.what();
+    }
+}
+
+}  // namespace
+}  // namespace photond::image_module_test
