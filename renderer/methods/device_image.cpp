@@ -52,7 +52,7 @@ std::vector<gpu::Specialization> DeviceImage::specialization() const {
             gpu::specialize(PLANE_SPLIT_NORMAL_ID, plane_of(Layer::SplitNormal)),
             gpu::specialize(PLANE_SPLIT_INDIRECT_ID, plane_of(Layer::SplitIndirect)),
             gpu::specialize(PLANE_HIT_ID, hit_plane()),
-            gpu::specialize(FILM_PIXELS_ID, static_cast<uint32_t>(size_.pixels()))};
+            gpu::specialize(PLANES_ID, planes(kept_))};
 }
 
 void DeviceImage::record_clear(gpu::CommandList& commands) {

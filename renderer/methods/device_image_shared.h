@@ -3,7 +3,8 @@
 #ifndef PHOTOND_DEVICE_IMAGE_SHARED_H
 #define PHOTOND_DEVICE_IMAGE_SHARED_H
 
-// Specialisation constants: the first plane of a layer (three for colours and vectors), NO_PLANE where it is not kept.
+// Specialisation constants: the first plane of a layer (three for colours and vectors), NO_PLANE where it is not kept; and
+// how many planes there are.
 #define PLANE_CAUSTIC_ID 32
 #define PLANE_ALBEDO_ID 33
 #define PLANE_NORMAL_ID 34
@@ -12,7 +13,7 @@
 #define PLANE_PHOTON_COUNT_ID 37
 #define PLANE_OVERLAP_ID 38
 #define PLANE_HIT_ID 39
-#define FILM_PIXELS_ID 40
+#define PLANES_ID 40
 #define PLANE_CLAMPED_ID 70
 #define PLANE_VOXELS_ID 71
 #define PLANE_VPLS_ID 72

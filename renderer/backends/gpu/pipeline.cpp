@@ -132,10 +132,12 @@ std::string PipelineLayout::key() const {
     return " push " + std::to_string(push_bytes_) + " scene " + (scene_ ? std::to_string(scene_->buffers()) : "none");
 }
 
-std::string key_of(std::span<const Specialization> constants) {
-    std::string key;
+std::string key_of(const Shader& shader, std::span<const Specialization> constants) {
+    const std::vector<uint32_t> declared = constants_of(shader.words);
+    std::string key = " " + std::string(shader.source);
     for (const Specialization& constant : constants)
-        key += " " + std::to_string(constant.id) + "=" + std::to_string(constant.value);
+        if (std::binary_search(declared.begin(), declared.end(), constant.id))
+            key += " " + std::to_string(constant.id) + "=" + std::to_string(constant.value);
     return key;
 }
 
@@ -165,7 +167,7 @@ ComputePipeline::ComputePipeline(Device& device, std::string_view source, uint32
                                  std::span<const Specialization> constants)
     : shader_(find_shader(source)),
       layout_(device, std::initializer_list<const Shader*>{&shader_}, push_bytes, scene),
-      handle_(device.pipelines().get(std::string(source) + layout_.key() + key_of(constants),
+      handle_(device.pipelines().get(layout_.key() + key_of(shader_, constants),
                                      [&] { return compile(device, constants); })) {}
 
 VkPipeline ComputePipeline::compile(Device& device, std::span<const Specialization> constants) const {

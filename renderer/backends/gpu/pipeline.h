@@ -90,8 +90,8 @@ private:
     SharedPipeline handle_;
 };
 
-/// Constants as text, for the key of a pipeline.
-std::string key_of(std::span<const Specialization> constants);
+/// The constants that the shader declares as text, for the key of a pipeline: others make no difference to it.
+std::string key_of(const Shader& shader, std::span<const Specialization> constants);
 
 /// A shader stage with its constants, for those who make pipelines. Owns the module; lives while they are made.
 class ShaderStage {

@@ -26,9 +26,9 @@ RasterPipeline::RasterPipeline(Device& device, std::string_view vertex, std::str
       handle_(device.pipelines().get(key(constants), [&] { return compile(constants); })) {}
 
 std::string RasterPipeline::key(std::span<const Specialization> constants) const {
-    std::string key = std::string(vertex_.source) + " " + std::string(fragment_.source) + layout_.key() +
-                      key_of(constants) + " topology " + std::to_string(options_.topology) + " depth " +
-                      std::to_string(options_.depth) + std::to_string(options_.depth_write);
+    std::string key = layout_.key() + key_of(vertex_, constants) + key_of(fragment_, constants) + " topology " +
+                      std::to_string(options_.topology) + " depth " + std::to_string(options_.depth) +
+                      std::to_string(options_.depth_write);
     for (const RasterTarget& target : options_.colors)
         key += " " + std::to_string(target.format) + "/" + std::to_string(static_cast<int>(target.blend));
     return key;

@@ -16,9 +16,9 @@ std::map<std::string_view, const Shader*>& registry() {
     return shaders;
 }
 
-/// The few instructions of SPIR-V that say what a shader's buffers are. [SPIR-V 1.6, sec. 3.42]
+/// The few instructions of SPIR-V that say what a shader's buffers and constants are. [SPIR-V 1.6, sec. 3.42]
 enum Opcode : uint16_t { kOpTypePointer = 32, kOpVariable = 59, kOpDecorate = 71, kOpMemberDecorate = 72 };
-enum Decoration : uint32_t { kNonWritable = 24, kBinding = 33, kDescriptorSet = 34 };
+enum Decoration : uint32_t { kSpecId = 1, kNonWritable = 24, kBinding = 33, kDescriptorSet = 34 };
 constexpr uint32_t kStorageBuffer = 12;
 
 struct Declarations {
@@ -30,6 +30,7 @@ struct Declarations {
     std::map<uint32_t, Variable> variables;  // storage buffers, by id
     std::set<uint32_t> read_only_types;      // structures with a member that is not writable
     std::map<uint32_t, uint32_t> pointee;    // of pointer types
+    std::set<uint32_t> constants;            // ids of specialisation constants
 };
 
 Declarations read(std::span<const uint32_t> words) {
@@ -43,6 +44,7 @@ Declarations read(std::span<const uint32_t> words) {
         const std::span<const uint32_t> op = words.subspan(i, length);
         switch (op[0] & 0xffffu) {
             case kOpDecorate:
+                if (op[2] == kSpecId) found.constants.insert(op[3]);
                 if (op[2] == kDescriptorSet) sets[op[1]] = op[3];
                 if (op[2] == kBinding) bindings[op[1]] = op[3];
                 if (op[2] == kNonWritable) read_only.insert(op[1]);
@@ -78,6 +80,11 @@ std::vector<ShaderBuffer> buffers_of(std::span<const uint32_t> words) {
         if (variable.set == 0) buffers.push_back({variable.binding, variable.read_only});
     std::sort(buffers.begin(), buffers.end(), [](const auto& a, const auto& b) { return a.binding < b.binding; });
     return buffers;
+}
+
+std::vector<uint32_t> constants_of(std::span<const uint32_t> words) {
+    const Declarations found = read(words);
+    return {found.constants.begin(), found.constants.end()};
 }
 
 bool uses_scene(std::span<const uint32_t> words) {

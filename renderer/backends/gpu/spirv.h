@@ -26,6 +26,8 @@ struct ShaderBuffer {
 };
 /// Those of set 0, by binding.
 std::vector<ShaderBuffer> buffers_of(std::span<const uint32_t> words);
+/// The ids of the specialisation constants that the shader declares, rising.
+std::vector<uint32_t> constants_of(std::span<const uint32_t> words);
 /// Whether the shader reads the scene, which is descriptor set 1.
 bool uses_scene(std::span<const uint32_t> words);
 

@@ -13,7 +13,7 @@
 #include "renderer/scene/camera_projection.glsl"
 
 layout(constant_id = PLANE_VPLS_ID) const uint PLANE_VPLS = NO_PLANE;
-layout(constant_id = FILM_PIXELS_ID) const uint FILM_PIXELS = 1;
+layout(constant_id = PLANES_ID) const uint PLANES = 1;
 
 layout(local_size_x = VPL_SET_GROUP) in;
 layout(push_constant, scalar) uniform Push { SplitRecord split; };
@@ -35,7 +35,7 @@ void main() {
     const uint x = uint(film.x), y = uint(film.y), point = split_point_of(split, x, y);
     const float depth_m = dot(position - eye.camera.position, eye.camera.forward);
     if (points[point].kind == 0u || !(abs(depth_m - points[point].depth_m) <= SAME_DEPTH * points[point].depth_m)) return;
-    const uint word = PLANE_VPLS * FILM_PIXELS + y * eye.width + x;
+    const uint word = PLANE_VPLS * (uint(layer_words.length()) / PLANES) + y * eye.width + x;
     uint seen = layer_words[word], expected;
     do {
         expected = seen;

@@ -8,6 +8,8 @@
 #include <numeric>
 
 #include "renderer/backends/gpu/command_list.h"
+#include "renderer/backends/gpu/group_sum.h"
+
 #include "tests/support/gpu_twin.h"
 #include "tests/support/temporary_folder.h"
 
@@ -252,14 +254,17 @@ TEST(GpuDevice, CompiledPipelinesAreKeptInTheirFile) {
 
 TEST(GpuDevice, APipelineIsCompiledOnceForAllThatAskForTheSame) {
     gpu::Device device(options());
-    const auto shift = [&](std::initializer_list<gpu::Specialization> constants) {
-        return gpu::ComputePipeline(device, kShift, sizeof(uint32_t), nullptr, constants).handle();
+    const auto reduce = [&](std::initializer_list<gpu::Specialization> constants) {
+        return gpu::ComputePipeline(device, "renderer/backends/gpu/prefix_sum_reduce.comp", 32, nullptr, constants)
+            .handle();
     };
-    const VkPipeline first = shift({{7, 1}});  // constants that the shader does not have are no part of it
-    EXPECT_EQ(shift({{7, 1}}), first) << "nobody used it in between";
-    EXPECT_NE(shift({{7, 2}}), first);
-    EXPECT_NE(shift({}), first);
-    EXPECT_EQ(shift({{7, 1}}), first);
+    const gpu::Specialization group{GROUP_SIZE_CONSTANT, 64}, other_group{GROUP_SIZE_CONSTANT, 128};
+    const VkPipeline first = reduce({group});
+    EXPECT_EQ(reduce({group}), first) << "nobody used it in between";
+    EXPECT_EQ(reduce({group, {7, 1}}), first) << "the shader has no such constant";
+    EXPECT_NE(reduce({other_group}), first);
+    EXPECT_NE(reduce({}), first);
+    EXPECT_EQ(reduce({group}), first);
 }
 
 TEST(GpuDevice, TheOldestPipelinesAreLetGo) {

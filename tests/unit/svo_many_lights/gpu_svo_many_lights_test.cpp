@@ -26,6 +26,10 @@ test::RenderSettingsOf<M> settings_for(uint32_t passes, VplVisibility visibility
     settings.params.vpl_choice = VplChoice::Interleaved;
     settings.params.interleave = 1;
     settings.params.roulette = 0;
+    // The same for all: pipelines are compiled for a set of layers.
+    for (const Layer layer : {Layer::Albedo, Layer::Normal, Layer::Depth, Layer::Clamped, Layer::Voxels, Layer::Vpls,
+                              Layer::SplitNormal, Layer::SplitIndirect})
+        settings.layers.add(layer);
     return settings;
 }
 
@@ -45,9 +49,6 @@ TEST_P(GpuSvoManyLights, FollowsTheCpu) {
     const Scene scene = test::turned(make_builtin_scene(of.scene));
     auto cpu_settings = settings_for<SvoManyLights>(2, of.visibility);
     auto gpu_settings = settings_for<SvoManyLightsGpu>(2, of.visibility);
-    for (const Layer layer : {Layer::Albedo, Layer::Normal, Layer::Depth, Layer::Clamped, Layer::Voxels, Layer::Vpls,
-                              Layer::SplitNormal, Layer::SplitIndirect})
-        cpu_settings.layers.add(layer), gpu_settings.layers.add(layer);
     of.change(cpu_settings.params), of.change(gpu_settings.params);
     Stats cpu_stats, gpu_stats;
     const Film cpu = test::render(scene, cpu_settings, &cpu_stats);
