@@ -3,8 +3,8 @@
 #ifndef PHOTOND_DEVICE_IMAGE_SHARED_H
 #define PHOTOND_DEVICE_IMAGE_SHARED_H
 
-// Specialisation constants: the first plane of a layer (three for colours and vectors), NO_PLANE where it is not kept; and
-// how many planes there are.
+// Specialisation constants: the first plane of a layer (three for colours and vectors), NO_PLANE where it is not kept;
+// and how many planes there are.
 #define PLANE_CAUSTIC_ID 32
 #define PLANE_ALBEDO_ID 33
 #define PLANE_NORMAL_ID 34
