@@ -20,7 +20,7 @@ namespace photond {
 inline constexpr float kSameSurface = 0.5f;
 
 /// Three floats each of kLanes things. Plain arrays, as threads fill them side by side.
-struct Vec3Array {
+struct Vec3Block {
     std::array<std::array<float, kLanes>, 3> axis{};
 
     void set(size_t lane, const vec3& v) { axis[0][lane] = v.x, axis[1][lane] = v.y, axis[2][lane] = v.z; }
@@ -32,7 +32,7 @@ struct Vec3Array {
 
 /// kLanes of the edges. Normals are zero where there is none.
 struct alignas(sizeof(FloatLanes)) EdgeBlock {
-    Vec3Array a, ab, normal, other_normal;  // ab: from a to b
+    Vec3Block a, ab, normal, other_normal;  // ab: from a to b
     std::array<float, kLanes> continues_at_m{};
 };
 
@@ -65,8 +65,8 @@ private:
     static constexpr size_t kMostDepth = 16;
     /// The boxes of a node's children: of their edges, and of both normals of each.
     struct alignas(sizeof(FloatLanes)) Node {
-        Vec3Array centre, half;  // half sizes; minus infinity where there is no child
-        Vec3Array normal_centre, normal_half;
+        Vec3Block centre, half;  // half sizes; minus infinity where there is no child
+        Vec3Block normal_centre, normal_half;
     };
 
     // All ways down are equally long; nodes and leaves are full, but for the last of each level. Of level 0 the one
