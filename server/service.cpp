@@ -21,6 +21,7 @@ namespace {
 
 constexpr size_t kEventsKept = 20'000;  // in the store, for Last-Event-ID
 constexpr uint64_t kEventIdsAhead = 10'000;
+constexpr std::chrono::seconds kPrewarmDelay{5};
 constexpr uint64_t kDriverBytes = 1ull << 30;  // of a GPU's driver and its compiler, in a worker's own memory
 
 uint64_t milliseconds_until(SteadyClock::time_point begun) {
@@ -167,6 +168,10 @@ void Service::Impl::start_processes() {
     }
     if (!caches.empty()) DataFiles::sweep(files.pipeline_cache, caches);  // what a killed worker left half written
     prewarm = std::thread([this] {
+        // Half a second of processor time, which a first job would miss.
+        std::unique_lock lock(mutex);
+        if (attempt_changed.wait_for(lock, kPrewarmDelay, [this] { return stopping; })) return;
+        lock.unlock();
         try {
             for (const std::string_view name : builtin_scene_names()) builtin_object(std::string(name));
         } catch (const std::exception& error) {

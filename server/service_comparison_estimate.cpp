@@ -4,7 +4,6 @@
 #include <map>
 #include <set>
 
-#include "renderer/scene/builtin_scenes.h"
 #include "server/service_impl.h"
 
 namespace photond {
@@ -39,7 +38,7 @@ struct Row {
 
 json Service::Impl::estimate_comparison(const ComparisonRequest& request) {
     const std::string& scene_name = request.jobs.front().request.scene;
-    if (is_builtin_scene(scene_name)) builtin_object(scene_name);
+    know_scene(scene_name);
     const std::lock_guard lock(mutex);
     const std::vector<PreparedJob> prepared = prepare_jobs(request);
     check_room(prepared);

@@ -244,6 +244,7 @@ json Service::Impl::submit_comparison(const ComparisonRequest& request, const st
     const std::string body = request.echo.dump();
     const std::string body_sha256 = key ? sha256_hex(body.data(), body.size()) : "";
     if (key) check_idempotency_key(*key);
+    know_scene(request.jobs.front().request.scene);
     std::unique_lock lock(mutex);
     if (key)
         if (const auto known = store.comparison_key(*key)) {

@@ -7,7 +7,6 @@
 #include "protocol/param_json.h"
 #include "renderer/error/estimate.h"
 #include "renderer/methods/registry.h"
-#include "renderer/scene/builtin_scenes.h"
 #include "server/service_impl.h"
 
 namespace photond {
@@ -172,8 +171,7 @@ std::optional<double> Service::Impl::estimate_seconds(const JobRequest& request,
 }
 
 json Service::Impl::estimate_job(const JobRequest& request) {
-    // Waits for the helper when nobody has asked for this scene yet.
-    if (is_builtin_scene(request.scene)) builtin_object(request.scene);
+    know_scene(request.scene);
     const std::lock_guard lock(mutex);
     const SceneRef scene = check_request(request);
     EarlierJobs earlier;

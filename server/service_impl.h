@@ -168,6 +168,9 @@ struct Service::Impl {
     std::optional<SceneRef> find_scene(const std::string& id_or_name);  // under the lock
     SceneRef require_scene(const std::string& id_or_name);              // takes the lock
     nlohmann::json builtin_object(const std::string& name);             // without the lock: may wait
+    /// Has it judged if it is a built-in one, so that a job of it is estimated by what it is; without the lock. Where
+    /// the helper cannot, the job is estimated without.
+    void know_scene(const std::string& id_or_name);
     nlohmann::json scene_object(const SceneRow& row) const;
     nlohmann::json scene_order(const SceneRef& scene) const;  // "scene" of a render order
     Added add_scene(SceneUpload upload);

@@ -1,5 +1,7 @@
 // Scenes and images: spooled by the routes, judged by the helper, moved into place, and only then named by a row.
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <fstream>
 
@@ -114,6 +116,15 @@ json Service::Impl::builtin_object(const std::string& name) {
     object["known_answer"] = known_answer_of(name);
     const std::lock_guard lock(builtin_mutex);
     return builtin_summaries.insert_or_assign(name, std::move(object)).first->second;
+}
+
+void Service::Impl::know_scene(const std::string& id_or_name) {
+    if (!is_builtin_scene(id_or_name)) return;
+    try {
+        builtin_object(id_or_name);
+    } catch (const Error& error) {
+        spdlog::warn("{} is not judged yet: {}", id_or_name, error.what());
+    }
 }
 
 json Service::Impl::scene_object(const SceneRow& row) const {

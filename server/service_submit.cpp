@@ -186,6 +186,7 @@ json Service::Impl::submit_job(const JobRequest& request, const std::optional<st
                                const std::string& canonical_body) {
     const std::string body_sha256 = key ? sha256_hex(canonical_body.data(), canonical_body.size()) : "";
     if (key) check_idempotency_key(*key);
+    know_scene(request.scene);
     const std::lock_guard lock(mutex);
     if (key)
         if (const auto known = job_of_key(*key, body_sha256)) return job_object(*known);
