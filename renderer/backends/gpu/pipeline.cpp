@@ -1,7 +1,6 @@
 #include "renderer/backends/gpu/pipeline.h"
 
 #include <algorithm>
-#include <bit>
 
 namespace photond::gpu {
 
@@ -78,8 +77,6 @@ void BufferSet::destroy() noexcept {
     device_.vk().vkDestroyDescriptorSetLayout(device_.handle(), layout_, nullptr);
 }
 
-Specialization specialize(uint32_t id, float value) { return {id, std::bit_cast<uint32_t>(value)}; }
-
 PipelineLayout::PipelineLayout(Device& device, std::span<const Shader* const> shaders, uint32_t push_bytes,
                                const BufferSet* scene)
     : device_(device), push_bytes_(push_bytes), scene_(scene) {
@@ -144,19 +141,13 @@ std::string key_of(const Shader& shader, std::span<const Specialization> constan
 ShaderStage::ShaderStage(Device& device, VkShaderStageFlagBits stage, const Shader& shader,
                          std::span<const Specialization> constants)
     : device_(device) {
-    for (const Specialization& constant : constants) {
-        entries_.push_back({constant.id, static_cast<uint32_t>(values_.size() * sizeof(uint32_t)), sizeof(uint32_t)});
-        values_.push_back(constant.value);
-    }
-    specialization_ = {static_cast<uint32_t>(entries_.size()), entries_.data(), values_.size() * sizeof(uint32_t),
-                       values_.data()};
+    const std::vector<uint32_t> words = specialized(shader, constants);
     VkShaderModuleCreateInfo module{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
-    module.codeSize = shader.words.size_bytes();
-    module.pCode = shader.words.data();
+    module.codeSize = words.size() * sizeof(uint32_t);
+    module.pCode = words.data();
     info_.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
     info_.stage = stage;
     info_.pName = "main";
-    info_.pSpecializationInfo = &specialization_;
     check(device.vk().vkCreateShaderModule(device.handle(), &module, nullptr, &info_.module),
           "loading " + std::string(shader.source));
 }

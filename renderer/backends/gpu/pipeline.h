@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "renderer/backends/gpu/buffer.h"
+#include "renderer/backends/gpu/shader_specialization.h"
 #include "renderer/backends/gpu/spirv.h"
 
 namespace photond::gpu {
@@ -32,15 +33,6 @@ private:
     VkDescriptorPool pool_ = VK_NULL_HANDLE;
     VkDescriptorSet set_ = VK_NULL_HANDLE;
 };
-
-/// Values for `layout(constant_id = i)`: 4 bytes each.
-struct Specialization {
-    uint32_t id;
-    uint32_t value;
-};
-inline Specialization specialize(uint32_t id, bool value) { return {id, value ? 1u : 0u}; }
-inline Specialization specialize(uint32_t id, uint32_t value) { return {id, value}; }
-Specialization specialize(uint32_t id, float value);
 
 /// What a shader's interface is: its buffers of set 0, and whether it reads the scene.
 class PipelineLayout {
@@ -105,9 +97,6 @@ public:
 
 private:
     Device& device_;
-    std::vector<VkSpecializationMapEntry> entries_;
-    std::vector<uint32_t> values_;
-    VkSpecializationInfo specialization_{};
     VkPipelineShaderStageCreateInfo info_{};
 };
 

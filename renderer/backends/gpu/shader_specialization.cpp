@@ -1,0 +1,38 @@
+#include "renderer/backends/gpu/shader_specialization.h"
+
+#include <spirv-tools/optimizer.hpp>
+
+#include <string>
+#include <unordered_map>
+
+#include "protocol/error.h"
+
+namespace photond::gpu {
+
+std::vector<uint32_t> specialized(const Shader& shader, std::span<const Specialization> constants) {
+    std::unordered_map<uint32_t, std::vector<uint32_t>> values;
+    for (const Specialization& constant : constants) values[constant.id] = {constant.value};
+    spvtools::Optimizer optimizer(SPV_ENV_VULKAN_1_3);
+    std::string said;
+    optimizer.SetMessageConsumer(
+        [&](spv_message_level_t, const char*, const spv_position_t&, const char* text) { said += text; });
+    optimizer.RegisterPass(spvtools::CreateSetSpecConstantDefaultValuePass(values))
+        .RegisterPass(spvtools::CreateFreezeSpecConstantValuePass())
+        .RegisterPass(spvtools::CreateFoldSpecConstantOpAndCompositePass())
+        .RegisterPass(spvtools::CreateDeadBranchElimPass())
+        .RegisterPass(spvtools::CreateEliminateDeadFunctionsPass())
+        // "NEEDS_A && b" is a branch whose outcome is stored and read again.
+        .RegisterPass(spvtools::CreateLocalSingleBlockLoadStoreElimPass())
+        .RegisterPass(spvtools::CreateLocalSingleStoreElimPass())
+        .RegisterPass(spvtools::CreateCCPPass())
+        .RegisterPass(spvtools::CreateDeadBranchElimPass())
+        .RegisterPass(spvtools::CreateEliminateDeadFunctionsPass());
+    spvtools::OptimizerOptions options;
+    options.set_run_validator(false);  // the build's compiler wrote them; the validation layers look at what comes out
+    std::vector<uint32_t> words;
+    if (!optimizer.Run(shader.words.data(), shader.words.size(), &words, options))
+        throw Error(ErrorCode::Internal, std::string(shader.source) + " cannot be specialised: " + said);
+    return words;
+}
+
+}  // namespace photond::gpu
