@@ -14,7 +14,6 @@
 
 #include "protocol/error.h"
 #include "renderer/core/atomic_file.h"
-#include "renderer/core/image_module.h"
 #include "renderer/core/parallel.h"
 #include "renderer/film/exr_file.h"
 
@@ -275,5 +274,14 @@ void photond_warm_up_exr() {
 }
 
 }  // extern "C"
+
+// By these types exr_file.cpp calls them.
+[[maybe_unused]] constexpr decltype(&photond_write_exr) kWriteExr = &write_exr;
+[[maybe_unused]] constexpr decltype(&photond_to_half) kToHalf = &to_half;
+[[maybe_unused]] constexpr decltype(&photond_read_exr) kReadExr = &read_exr;
+[[maybe_unused]] constexpr decltype(&photond_read_image) kReadImage = &read_image;
+[[maybe_unused]] constexpr decltype(&photond_read_image_layer) kReadImageLayer = &read_image_layer;
+[[maybe_unused]] constexpr decltype(&photond_judge_image) kJudgeImage = &judge_image;
+[[maybe_unused]] constexpr decltype(&photond_warm_up_exr) kWarmUpExr = &warm_up_exr;
 
 }  // namespace photond

@@ -26,4 +26,6 @@ extern "C" std::vector<uint8_t> photond_encode_png(Size2 size, std::span<const u
     return bytes;
 }
 
+[[maybe_unused]] constexpr decltype(&photond_encode_png) kEncodePng = &encode_png;  // as png_file.cpp calls it
+
 }  // namespace photond

@@ -130,4 +130,8 @@ extern "C" EnvironmentMap photond_decode_environment(std::span<const uint8_t> en
     return map;
 }
 
+// By these types texture_decode.cpp calls them.
+[[maybe_unused]] constexpr decltype(&photond_decode_texture) kDecodeTexture = &decode_texture;
+[[maybe_unused]] constexpr decltype(&photond_decode_environment) kDecodeEnvironment = &decode_environment;
+
 }  // namespace photond

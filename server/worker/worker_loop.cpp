@@ -9,6 +9,7 @@
 #include <thread>
 #include <utility>
 
+#include "protocol/error.h"
 #include "renderer/core/parallel.h"
 #include "renderer/film/exr_file.h"
 #include "server/worker/helper_tasks.h"
@@ -94,6 +95,15 @@ private:
 /// The GPU is lost, and with it this process' way to it. The daemon starts another.
 [[noreturn]] void end_without_gpu() { std::_Exit(kDeviceLostStatus); }
 
+/// Loads the image library. A helper without it still answers: an image is refused by the same error.
+void warm_up_images() {
+    try {
+        warm_up_exr();
+    } catch (const Error& error) {
+        spdlog::error("{}", error.what());
+    }
+}
+
 }  // namespace
 
 int run_render_worker(MessageChannel& channel, const WorkerOptions& options) {
@@ -150,7 +160,7 @@ int run_helper(MessageChannel& channel, const WorkerOptions& options) {
         if (!message) {
             if (channel.closed()) std::_Exit(0);
             if (!std::exchange(warm, true)) {
-                warm_up_exr();
+                warm_up_images();
                 continue;
             }
             scenes.clear();  // nobody turns it any more

@@ -21,8 +21,8 @@ inline Specialization specialize(uint32_t id, float value) { return {id, std::bi
 
 /// The shader's words with the constants at these values, those it does not declare passed over, and without what
 /// cannot be reached then; its buffers stay. A driver copies every function into each of its callers before it looks at
-/// constants: a shader that reads no texture is a third as long this way, and lavapipe compiles it in half the time.
-/// Throws ErrorCode::Internal where the words are no SPIR-V.
+/// constants: of a path tracer's instructions a third is left this way where all is diffuse. Throws ErrorCode::Internal
+/// where the words are no SPIR-V.
 std::vector<uint32_t> specialized(const Shader& shader, std::span<const Specialization> constants);
 
 }  // namespace photond::gpu
