@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "renderer/methods/eye_constants.h"
+#include "renderer/scene/scene.h"
 
 namespace photond {
 

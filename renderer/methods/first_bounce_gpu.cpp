@@ -2,6 +2,7 @@
 
 #include "renderer/backends/gpu/device_intersector.h"
 #include "renderer/many_lights/vpl.h"
+#include "renderer/scene/scene.h"
 
 namespace photond {
 

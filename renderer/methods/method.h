@@ -16,10 +16,11 @@
 #include "renderer/film/film.h"
 #include "renderer/scene/camera.h"
 #include "renderer/scene/intersector.h"
-#include "renderer/scene/scene.h"
+#include "renderer/scene/needs.h"
 
 namespace photond {
 
+struct Scene;
 namespace gpu {
 class DeviceScene;
 }

@@ -1,5 +1,7 @@
 #include "renderer/methods/vpl_set_gpu.h"
 
+#include "renderer/scene/scene.h"
+
 namespace photond {
 
 VplSetGpu::VplSetGpu(const gpu::DeviceScene& scene, uint32_t most, float connect_threshold)

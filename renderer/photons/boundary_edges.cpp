@@ -8,6 +8,7 @@
 
 #include "renderer/core/parallel.h"
 #include "renderer/core/rng.h"
+#include "renderer/scene/scene.h"
 
 namespace photond {
 

@@ -3,9 +3,11 @@
 
 #include <vector>
 
-#include "renderer/scene/scene.h"
+#include "renderer/core/geometry.h"
 
 namespace photond {
+
+struct Scene;
 
 /// A half-edge of one triangle, or the edge between two across which a surface bends.
 struct BoundaryEdge {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "renderer/scene/scene.h"
+
 namespace photond {
 
 namespace {

@@ -21,9 +21,10 @@
 
 #include "renderer/core/memory_budget.h"
 #include "renderer/photons/kernel.h"
-#include "renderer/scene/scene.h"
 
 namespace photond {
+
+struct Scene;
 
 class SurfaceBoundary {
 public:

@@ -2,6 +2,8 @@
 
 #include <bit>
 
+#include "renderer/scene/scene.h"
+
 namespace photond {
 
 namespace {

@@ -8,6 +8,7 @@
 
 #include "protocol/error.h"
 #include "renderer/core/atomic_file.h"
+#include "renderer/scene/scene.h"
 
 namespace photond {
 

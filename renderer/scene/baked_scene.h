@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <filesystem>
 
-#include "renderer/scene/scene.h"
-
 namespace photond {
+
+struct Scene;
 
 /// Bytes of the file that write_baked_scene() makes.
 uint64_t baked_scene_bytes(const Scene& scene);

@@ -2,9 +2,9 @@
 #include <span>
 #include <string_view>
 
-#include "renderer/scene/scene.h"
-
 namespace photond {
+
+struct Scene;
 
 /// Names of the scenes made in code (protocol.md, "Built-in scenes"), each with a camera named "camera".
 std::span<const std::string_view> builtin_scene_names();

@@ -6,9 +6,11 @@
 #include <span>
 #include <vector>
 
-#include "renderer/scene/scene.h"
+#include "renderer/scene/texture.h"
 
 namespace photond {
+
+struct Scene;
 
 /// Limits against files that ask for more than they are worth.
 struct LoadLimits {

@@ -11,9 +11,11 @@
 #include <string_view>
 #include <vector>
 
-#include "renderer/scene/scene.h"
+#include "renderer/core/geometry.h"
 
 namespace photond {
+
+struct Scene;
 
 /// What a layer's mean radiance over a region of the image must be.
 struct KnownCheck {

@@ -5,6 +5,8 @@
 #include <map>
 #include <numeric>
 
+#include "renderer/scene/scene.h"
+
 namespace photond {
 
 namespace {

@@ -1,7 +1,9 @@
 #pragma once
-#include "renderer/scene/scene.h"
+#include <cstdint>
 
 namespace photond {
+
+struct Scene;
 
 /// Makes every transmissive mesh whose surface is closed a solid that refracts and absorbs (a job's "glass": "solid").
 /// Open ones stay thin sheets. Closed: after welding corners at equal positions, each edge is run through as often in

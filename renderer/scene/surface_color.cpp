@@ -1,5 +1,7 @@
 #include "renderer/scene/surface_color.h"
 
+#include "renderer/scene/scene.h"
+
 namespace photond {
 
 namespace {

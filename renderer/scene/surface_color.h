@@ -2,9 +2,13 @@
 // Material colours that vary over a surface and are needed before any BSDF is: emission and coverage, textures
 // included. transport/emission.h is what paths use; finding a scene's lights needs the same numbers earlier.
 
-#include "renderer/scene/scene.h"
+#include "renderer/core/rgb.h"
 
 namespace photond {
+
+struct Scene;
+struct Mesh;
+struct TextureRef;
 
 /// Texture coordinates of a reference at barycentrics (u, v) of a triangle, transform applied; (0, 0) where the mesh
 /// has none in that set.

@@ -1,5 +1,6 @@
 #include "renderer/scene/triangle_lights.h"
 
+#include "renderer/scene/scene.h"
 #include "renderer/scene/surface_color.h"
 
 namespace photond {

@@ -1,9 +1,11 @@
 #pragma once
 #include <vector>
 
-#include "renderer/scene/scene.h"
+#include "renderer/scene/light.h"
 
 namespace photond {
+
+struct Scene;
 
 /// Every triangle of every instance that sends out light: emissive, not unlit, of positive area and mean radiance. In
 /// the order of instances, then triangles. Called by finish_scene().

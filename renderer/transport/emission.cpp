@@ -1,5 +1,6 @@
 #include "renderer/transport/emission.h"
 
+#include "renderer/scene/scene.h"
 #include "renderer/scene/surface_color.h"
 
 namespace photond {

@@ -2,9 +2,11 @@
 // What a surface sends out by itself. The one place that knows, for paths that hit a light and for the sampler of
 // lights.
 
-#include "renderer/scene/scene.h"
+#include "renderer/core/rgb.h"
 
 namespace photond {
+
+struct Scene;
 
 /// A point of a triangle: p = (1-u-v) p0 + u p1 + v p2.
 struct SurfacePoint {

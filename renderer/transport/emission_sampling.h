@@ -7,10 +7,13 @@
 #include <memory>
 #include <span>
 
-#include "renderer/scene/scene.h"
+#include "renderer/core/geometry.h"
+#include "renderer/core/rgb.h"
 #include "renderer/transport/punctual.h"  // range_window()
 
 namespace photond {
+
+struct Scene;
 
 class DiscreteDistribution;
 struct LightTriangle;

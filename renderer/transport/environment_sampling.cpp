@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cassert>
 
+#include "renderer/scene/scene.h"
+
 namespace photond {
 
 namespace {

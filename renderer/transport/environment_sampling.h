@@ -4,9 +4,11 @@
 #include <span>
 #include <vector>
 
-#include "renderer/scene/scene.h"
+#include "renderer/core/rgb.h"
 
 namespace photond {
+
+struct Environment;
 
 /// Directions drawn with a density that is constant over each texel's solid angle and follows the mean radiance there.
 /// Immutable and thread-safe; borrows the environment.

@@ -5,10 +5,12 @@
 #include <span>
 #include <vector>
 
-#include "renderer/scene/scene.h"
+#include "renderer/core/rgb.h"
 #include "renderer/transport/light_tables_shared.h"
 
 namespace photond {
+
+struct Scene;
 
 /// What scene_bindings.h calls EMITTERS to ENVIRONMENT, and LIGHT_CONSTANTS. Arrays a scene has no use for are empty.
 struct LightTables {

@@ -1,5 +1,7 @@
 #include "renderer/transport/light_triangle.h"
 
+#include "renderer/scene/scene.h"
+
 namespace photond {
 
 LightTriangle make_light_triangle(const Scene& scene, const TriangleLight& light) {

@@ -1,9 +1,12 @@
 #pragma once
 // A triangle that emits, as samplers of lights want it.
 
-#include "renderer/scene/scene.h"
+#include "renderer/core/geometry.h"
 
 namespace photond {
+
+struct Scene;
+struct TriangleLight;
 
 struct LightTriangle {
     vec3 corner;        // world space [m]: points are corner + s edge1 + t edge2, s + t <= 1

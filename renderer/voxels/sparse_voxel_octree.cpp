@@ -6,6 +6,7 @@
 #include "renderer/core/morton.h"
 #include "renderer/core/parallel.h"
 #include "renderer/core/parallel_sort.h"
+#include "renderer/scene/scene.h"
 #include "renderer/voxels/triangle_voxels.h"
 
 namespace photond {

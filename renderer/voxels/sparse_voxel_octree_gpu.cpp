@@ -1,5 +1,6 @@
 #include "renderer/voxels/sparse_voxel_octree_gpu.h"
 
+#include "renderer/scene/scene.h"
 #include "renderer/voxels/sparse_voxel_octree.h"
 
 namespace photond {

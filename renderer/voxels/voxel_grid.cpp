@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "protocol/error.h"
+#include "renderer/scene/scene.h"
 
 namespace photond {
 

@@ -7,10 +7,13 @@
 
 #include <array>
 
-#include "renderer/scene/scene.h"
+#include "renderer/core/geometry.h"
+#include "renderer/scene/material.h"
 #include "renderer/voxels/svo_shared.h"
 
 namespace photond {
+
+struct Scene;
 
 using gpu::VoxelGrid;
 

@@ -2,6 +2,7 @@
 // Rays answered by a voxel tree: for photons and bounces that are traced through it. GLSL twin: svo_hit.glsl.
 
 #include "renderer/scene/intersector.h"
+#include "renderer/scene/scene.h"
 #include "renderer/voxels/sparse_voxel_octree.h"
 
 namespace photond {

@@ -9,6 +9,7 @@
 #include "renderer/backends/cpu/embree_intersector.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "renderer/scene/gltf_loader.h"
+#include "renderer/scene/scene.h"
 #include "renderer/scene/texture_decode.h"
 
 namespace photond {

@@ -11,6 +11,7 @@
 #include "renderer/backends/gpu/bvh.h"
 #include "renderer/backends/gpu/scene_bindings.h"
 #include "renderer/core/rng.h"
+#include "renderer/scene/scene.h"
 #include "renderer/transport/sampling.h"
 #include "tests/benchmarks/bench_scenes.h"
 #include "tests/support/gpu_twin.h"

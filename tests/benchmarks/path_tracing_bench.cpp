@@ -21,6 +21,7 @@
 #include "renderer/film/exr_file.h"
 #include "renderer/methods/path_tracing/path_tracing.h"
 #include "renderer/scene/builtin_scenes.h"
+#include "renderer/scene/scene.h"
 #include "tests/benchmarks/bare_embree.h"
 #include "tests/benchmarks/bench_scenes.h"
 #include "tests/benchmarks/recording_intersector.h"

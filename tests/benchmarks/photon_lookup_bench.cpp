@@ -26,6 +26,7 @@
 #include "renderer/photons/kd_tree.h"
 #include "renderer/photons/photon_tracer.h"
 #include "renderer/scene/builtin_scenes.h"
+#include "renderer/scene/scene.h"
 #include "renderer/transport/surface.h"
 
 namespace photond {

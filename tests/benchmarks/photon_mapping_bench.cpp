@@ -20,6 +20,7 @@
 #include "renderer/error/error_meter.h"
 #include "renderer/methods/path_tracing/path_tracing.h"
 #include "renderer/methods/photon_mapping/photon_mapping.h"
+#include "renderer/scene/scene.h"
 #include "tests/benchmarks/bench_scenes.h"
 #include "tests/benchmarks/timed_render.h"
 

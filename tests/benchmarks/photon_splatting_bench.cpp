@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "renderer/methods/photon_splatting/photon_splatting.h"
+#include "renderer/scene/scene.h"
 #include "tests/benchmarks/bench_scenes.h"
 #include "tests/benchmarks/timed_render.h"
 #include "tests/support/threads.h"

@@ -20,6 +20,7 @@
 #include <cstring>
 
 #include "renderer/photons/photon_tracer.h"
+#include "renderer/scene/scene.h"
 #include "tests/benchmarks/bare_embree.h"
 #include "tests/benchmarks/bench_scenes.h"
 #include "tests/benchmarks/recording_intersector.h"

@@ -10,6 +10,7 @@
 
 #include "renderer/core/parallel.h"
 #include "renderer/core/rng.h"
+#include "renderer/scene/scene.h"
 #include "renderer/transport/sampling.h"
 #include "renderer/transport/surface.h"
 #include "renderer/voxels/sparse_voxel_octree.h"

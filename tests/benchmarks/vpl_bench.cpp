@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "renderer/photons/vpl_tracer.h"
+#include "renderer/scene/scene.h"
 #include "tests/benchmarks/bench_scenes.h"
 
 namespace photond {

@@ -4,6 +4,7 @@
 #include "renderer/backends/cpu/embree_intersector.h"
 #include "renderer/core/thread_local.h"
 #include "renderer/methods/path_tracing/path_tracing.h"
+#include "renderer/scene/scene.h"
 
 namespace photond::test {
 

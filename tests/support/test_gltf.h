@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "renderer/scene/scene.h"
 #include "renderer/scene/texture_decode.h"
 #include "tests/support/temporary_folder.h"
 

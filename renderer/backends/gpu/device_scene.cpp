@@ -5,6 +5,7 @@
 #include "renderer/backends/gpu/bvh.h"
 #include "renderer/backends/gpu/scene_shared.h"
 #include "renderer/core/srgb.h"
+#include "renderer/scene/scene.h"
 #include "renderer/transport/bsdf_albedo_table.h"
 #include "renderer/transport/light_tables.h"
 #include "renderer/transport/sobol.h"

@@ -8,7 +8,10 @@
 #include "renderer/backends/gpu/pipeline.h"
 #include "renderer/backends/gpu/scene_bindings.h"
 #include "renderer/core/stats.h"
-#include "renderer/scene/scene.h"
+
+namespace photond {
+struct Scene;
+}
 
 namespace photond::gpu {
 

@@ -6,6 +6,7 @@
 #include "renderer/methods/eye_constants.h"
 #include "renderer/methods/path_tracing/path_tracing_shared.h"
 #include "renderer/methods/path_tracing/path_wavefront_gpu.h"
+#include "renderer/scene/scene.h"
 
 namespace photond {
 

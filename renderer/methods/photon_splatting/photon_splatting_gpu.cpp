@@ -12,6 +12,7 @@
 #include "renderer/methods/photon_splatting/stratification_gpu.h"
 #include "renderer/methods/piece_queue.h"
 #include "renderer/photons/reflected_photons_gpu.h"
+#include "renderer/scene/scene.h"
 
 namespace photond {
 

@@ -5,6 +5,7 @@
 #include "renderer/backends/gpu/bvh.h"
 #include "renderer/methods/photon_splatting/splat_depth_shared.h"
 #include "renderer/methods/photon_splatting/splat_shared.h"
+#include "renderer/scene/scene.h"
 
 namespace photond {
 

@@ -4,6 +4,7 @@
 
 #include "renderer/backends/gpu/device_scene.h"
 #include "renderer/backends/gpu/raster_pass.h"
+#include "renderer/scene/needs.h"
 
 namespace photond {
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "renderer/scene/scene.h"
 #include "renderer/scene/surface_area.h"
 
 namespace photond {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "renderer/scene/scene.h"
+
 namespace photond {
 
 namespace {

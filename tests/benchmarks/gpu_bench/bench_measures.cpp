@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "renderer/error/curve.h"
+#include "renderer/scene/scene.h"
 #include "renderer/voxels/sparse_voxel_octree_gpu.h"
 
 namespace photond::bench {

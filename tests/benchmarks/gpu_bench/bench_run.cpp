@@ -8,6 +8,7 @@
 #include "renderer/methods/registry.h"
 #include "renderer/scene/baked_scene.h"
 #include "renderer/scene/builtin_scenes.h"
+#include "renderer/scene/scene.h"
 
 namespace photond::bench {
 

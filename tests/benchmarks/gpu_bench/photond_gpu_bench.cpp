@@ -12,6 +12,7 @@
 #include <fstream>
 #include <iostream>
 
+#include "renderer/scene/scene.h"
 #include "tests/benchmarks/gpu_bench/bench_measures.h"
 
 namespace photond::bench {

@@ -17,6 +17,7 @@
 
 #include "renderer/error/error_meter.h"
 #include "renderer/scene/builtin_scenes.h"
+#include "renderer/scene/scene.h"
 #include "tests/support/convergence.h"
 
 namespace photond::convergence_test {

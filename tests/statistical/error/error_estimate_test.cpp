@@ -15,6 +15,7 @@
 #include "renderer/error/error_meter.h"
 #include "renderer/error/estimate.h"
 #include "renderer/scene/builtin_scenes.h"
+#include "renderer/scene/scene.h"
 #include "tests/support/render.h"
 #include "tests/support/statistics.h"
 

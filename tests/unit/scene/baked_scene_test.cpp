@@ -14,6 +14,7 @@
 
 #include "protocol/error.h"
 #include "renderer/scene/builtin_scenes.h"
+#include "renderer/scene/scene.h"
 #include "tests/support/test_gltf.h"
 
 namespace {

@@ -9,6 +9,7 @@
 
 #include "protocol/error.h"
 #include "renderer/scene/gltf_mesh.h"
+#include "renderer/scene/scene.h"
 #include "tests/support/test_gltf.h"
 
 namespace photond::gltf_geometry_test {

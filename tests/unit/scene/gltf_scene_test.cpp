@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "protocol/error.h"
+#include "renderer/scene/scene.h"
 #include "tests/support/test_gltf.h"
 
 namespace photond::gltf_scene_test {
