@@ -5,6 +5,7 @@
 #include "protocol/error.h"
 #include "protocol/param_json.h"
 #include "renderer/methods/registry.h"
+#include "renderer/scene/scene.h"
 
 namespace photond {
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "renderer/backends/cpu/embree_intersector.h"
+#include "renderer/scene/scene.h"
 #include "server/worker/photon_yield.h"
 
 namespace photond {

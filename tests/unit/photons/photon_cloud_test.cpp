@@ -12,6 +12,7 @@
 #include "protocol/error.h"
 #include "renderer/core/rng.h"
 #include "renderer/scene/gltf_loader.h"
+#include "renderer/scene/scene.h"
 #include "tests/support/temporary_folder.h"
 
 namespace photond::photon_cloud_test {
