@@ -311,7 +311,6 @@ uint64_t Service::Impl::reserve_event_ids(uint64_t at_least) {
 Service::Service(Options options) : impl_(std::make_unique<Impl>(std::move(options))) {}
 Service::~Service() = default;
 
-std::filesystem::path Service::spool_dir() const { return impl_->files.spool; }
 std::filesystem::path Service::make_spool_path() { return impl_->files.fresh_spool_path(); }
 void Service::check_disk(uint64_t bytes) const { impl_->check_disk(bytes); }
 Added Service::add_scene(SceneUpload upload) { return impl_->add_scene(std::move(upload)); }

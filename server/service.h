@@ -20,7 +20,7 @@
 
 namespace photond {
 
-/// An uploaded scene the routes have spooled below Service::spool_dir().
+/// An uploaded scene the routes have spooled at a Service::make_spool_path().
 struct SceneUpload {
     enum class Kind : uint8_t { Glb, Zip, Directory };  // Directory: a .gltf or .glb and its files, by relative path
     Kind kind = Kind::Glb;
@@ -84,9 +84,8 @@ public:
 
     // --- scenes
     // -------------------------------------------------------------------------------------------------------
-    /// Where uploads are spooled: a folder on the store's own file system, emptied at start. make_spool_path() gives a
-    /// fresh name in it. Call check_disk() before spooling: NoSpace when `bytes` more would go below the reserve.
-    std::filesystem::path spool_dir() const;
+    /// A fresh name in the folder where uploads are spooled, which is on the store's own file system and emptied at
+    /// start. Call check_disk() before spooling: NoSpace when `bytes` more would go below the reserve.
     std::filesystem::path make_spool_path();
     void check_disk(uint64_t bytes) const;
 

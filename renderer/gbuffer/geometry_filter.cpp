@@ -57,9 +57,6 @@ struct Vectors {
 struct Image {
     explicit Image(Size2 size)
         : position(size, kNowhere), normal(size, 0), plane(size, 0), irradiance(size, 0), most_m(size, 0) {}
-    static uint64_t bytes(Size2 size) {
-        return 13 * (uint64_t{size.width} + 2 * kMargin) * size.height * sizeof(float);
-    }
 
     void set(size_t x, size_t y, const gpu::GBufferPoint& point, const vec3& arriving, float distance_relative) {
         if (!is_filtered(point)) return;
@@ -129,7 +126,5 @@ void filter_geometry_aware(const SplitLayout& layout, std::span<const gpu::GBuff
         }
     });
 }
-
-uint64_t geometry_filter_bytes(Size2 size) { return Image::bytes(size); }
 
 }  // namespace photond

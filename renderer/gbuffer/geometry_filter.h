@@ -25,7 +25,5 @@ using gpu::GeometryFilter;
 /// Parallel over rows; the same for any number of threads.
 void filter_geometry_aware(const SplitLayout& layout, std::span<const gpu::GBufferPoint> points,
                            std::span<const vec3> irradiance, const GeometryFilter& settings, std::span<vec3> filtered);
-/// What it takes for a while.
-uint64_t geometry_filter_bytes(Size2 size);
 
 }  // namespace photond

@@ -138,14 +138,6 @@ PhotonTracer::PhotonTracer(const Scene& scene, const Intersector& intersector, c
 PhotonTracer::~PhotonTracer() = default;
 
 uint64_t PhotonTracer::scratch_bytes(size_t threads) { return threads * PhotonWavefront::bytes_per_thread(); }
-uint64_t PhotonTracer::reflection_scratch_bytes(size_t threads, uint64_t lights, PhotonInjection injection) {
-    return threads * PhotonWavefront::reflection_bytes_per_thread() +
-           (injection == PhotonInjection::ReflectiveShadowMap ? ReflectiveShadowMaps::bytes_for(lights) : 0);
-}
-uint64_t PhotonTracer::reflection_bytes(uint64_t photons, uint64_t surfaces) {
-    // PhotonsInOrder asks for a quarter more at most, and has both the old and the new room while it moves.
-    return (photons * sizeof(ReflectedPhoton) + surfaces * sizeof(ReflectingSurface)) * 9 / 4;
-}
 
 TracedPhotons PhotonTracer::trace(uint64_t seed, uint32_t pass, const CancelToken& cancel) const {
     const PhotonTracing& tracing = shared_->tracing;

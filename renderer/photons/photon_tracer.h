@@ -77,13 +77,8 @@ public:
     /// whatever the kind. Russian roulette keeps the photons' powers alike.
     TracedReflections trace_reflected(uint64_t seed, uint32_t pass, const CancelToken& cancel) const;
 
-    /// Bytes of scratch all threads together take in trace() ...
+    /// Bytes of scratch all threads together take in trace().
     static uint64_t scratch_bytes(size_t threads);
-    /// ... and in trace_reflected(); `lights` with power, triangles one by one.
-    static uint64_t reflection_scratch_bytes(size_t threads, uint64_t lights, PhotonInjection injection);
-    /// Bytes of TracedReflections with so many in it, at most. A path leaves at most two photons and one surface at a
-    /// scattering, and one photon and no surface where all surfaces are plain Lambert reflectors.
-    static uint64_t reflection_bytes(uint64_t photons, uint64_t surfaces);
 
 private:
     struct Shared;

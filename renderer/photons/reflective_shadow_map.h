@@ -31,7 +31,6 @@ public:
     };
 
     uint64_t bytes() const { return (grids_.capacity() + weak_.capacity()) * sizeof(Grid); }
-    static uint64_t bytes_for(uint64_t lights) { return 3 * lights * sizeof(Grid); }
 
 private:
     friend class ReflectiveShadowMapPass;

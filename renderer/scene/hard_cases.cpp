@@ -19,8 +19,6 @@ std::vector<HardCase> make_hard_cases() {
 
 }  // namespace
 
-std::span<const std::string_view> relation_names() { return kRelationNames; }
-
 std::string_view relation_name(KnownCheck::Relation relation) { return kRelationNames[static_cast<size_t>(relation)]; }
 
 std::span<const HardCase> hard_cases() {

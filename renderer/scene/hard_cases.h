@@ -39,8 +39,6 @@ struct KnownCheck {
 
 /// Name of a relation on the wire.
 std::string_view relation_name(KnownCheck::Relation relation);
-/// All of them, in the order of the enumeration.
-std::span<const std::string_view> relation_names();
 
 struct KnownAnswer {
     std::string row;      // of the table of hard cases; several scenes make one

@@ -192,9 +192,4 @@ private:
 /// in another solid), whichever side is looked at.
 Bsdf make_bsdf(const Scene& scene, const ShadingPoint& point, float outside_ior = 1.0f);
 
-/// The same for scenes with Needs::only_lambert().
-inline Bsdf make_plain_bsdf(const Scene& scene, const ShadingPoint& point) {
-    return Bsdf::lambert(point.shading.to_local(point.geometric_normal), scene.materials[point.material].base_color);
-}
-
 }  // namespace photond
