@@ -19,7 +19,7 @@ const kThumbnail = 160;
 function viewsOf(job: Job): { name: string; title: string; text: string }[] {
   const views = [{ name: "image", title: "Image", text: "" }];
   if (job.links.flip) views.push({ name: "flip", title: "FLIP", text: "Differences a viewer would see when flipping between it and its reference; brighter is worse." });
-  if (job.links.error_map) views.push({ name: "error", title: "Signed error", text: "The image less its reference: where it is too bright, and where too dark." });
+  if (job.links.error_map) views.push({ name: "error", title: "Relative error", text: "How far each pixel is from its reference, relative to it and on a logarithmic scale; brighter is worse. Too bright and too dark look alike." });
   if (referenceJob(job)) views.push({ name: "reference", title: "Reference", text: "What it is measured against." });
   return views;
 }
