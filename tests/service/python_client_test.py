@@ -324,7 +324,7 @@ class Jobs(Case):
     def test_lists_are_taken_page_by_page(self):
         for _ in range(3):
             self.client.render("furnace", width=4, height=4, passes=1, labels={"paged": "1"})
-        with unittest.mock.patch("photond.client.MOST_ITEMS", 2):
+        with unittest.mock.patch("photond._daemon.MOST_ITEMS", 2):
             listed = [job.id for job in self.client.jobs(label="paged=1")]
             self.assertEqual(len(set(listed)), 3)
             self.assertEqual([job.id for job in self.client.jobs(label="paged=1", limit=2)], listed[:2])

@@ -142,6 +142,33 @@ def violations(root):
     return found
 
 
+def python_imports(folder):
+    """Module -> the modules of the same package that it imports, those for type checkers alone among them."""
+    imports = {}
+    for file in sorted(folder.glob("*.py")):
+        found = re.findall(r"^\s*from \.(\w*) import (.+)", file.read_text(), re.MULTILINE)
+        imports[file.stem] = {module or name.strip() for module, names in found for name in names.split(",")}
+    return imports
+
+
+def circle_in(imports):
+    """What is left when modules are taken away whose own imports are all gone: empty where there is no circle."""
+    left = {module: set(others) & imports.keys() for module, others in imports.items()}
+    while gone := {module for module, others in left.items() if not others}:
+        left = {module: others - gone for module, others in left.items() if module not in gone}
+    return sorted(left)
+
+
+class PythonPackage(unittest.TestCase):
+    def test_no_module_imports_what_imports_it(self):
+        imports = python_imports(SOURCE / "clients/python/photond")
+        self.assertGreater(sum(map(len, imports.values())), 50)
+        self.assertEqual(circle_in(imports), [])
+
+    def test_a_circle_would_be_found(self):
+        self.assertEqual(circle_in({"a": {"b"}, "b": {"c"}, "c": {"b"}, "d": set()}), ["a", "b", "c"])
+
+
 class IncludeRules(unittest.TestCase):
     def test_every_include_keeps_to_the_table(self):
         self.assertEqual(violations(SOURCE), [])

@@ -17,12 +17,11 @@ matplotlib plots.
 
 from ._version import __version__
 from .client import Client, Estimate
-from .comparison import Comparison
+from .comparison import Comparison, ComparisonFailed
 from .curves import Curve, MeanCurve
-from .errors import (BadFile, BadRequest, Busy, ComparisonFailed, Denied, Fault, Invalid, JobCancelled, JobFailed,
-                     MissingPackage, NoSpace, NotFound, NothingYet, PhotondError, ProtocolError, Refused, ServerFault,
-                     TimedOut, TooLarge, Unavailable, Unreachable, WrongState)
-from .job import Event, Job
+from .errors import (BadFile, BadRequest, Busy, Denied, Fault, Invalid, MissingPackage, NoSpace, NotFound, NothingYet, PhotondError,
+                     ProtocolError, Refused, ServerFault, TimedOut, TooLarge, Unavailable, Unreachable, WrongState)
+from .job import Event, Job, JobCancelled, JobFailed
 from .methods import Method, Methods, Parameter, UnknownName
 from .pixels import FlipMap, Pixels
 from .plots import plot_curves

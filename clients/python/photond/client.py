@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import functools
 import inspect
-import os
 import ssl
 from typing import (TYPE_CHECKING, Any, Callable, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence,
                     TypeVar, Union, cast)
 
 from . import requests
+from ._daemon import Daemon
 from ._events import EventParser
-from ._files import OutputFile, Path, image_upload, scene_upload
-from ._http import Body, ConnectionLost, Query, Reply, Stream, Transport, json_body, resource_path
+from ._files import Path
+from ._http import ConnectionLost, Query
 from ._text import human_bytes, human_seconds
 from .comparison import Comparison
-from .errors import NothingYet, ProtocolError
+from .errors import ProtocolError
 from .job import SILENCE_SECONDS, STREAM_TRIES, Event, Job, parsed
 from .methods import Methods
 from .pixels import FlipMap, Pixels
@@ -29,9 +29,6 @@ if TYPE_CHECKING:
     P = ParamSpec("P")
 R = TypeVar("R")
 S = TypeVar("S")
-
-DEFAULT_URL = "http://127.0.0.1:8080"
-MOST_ITEMS = 1000  # the greatest `limit` of a page
 
 
 class Estimate(NamedTuple):
@@ -67,7 +64,7 @@ def _takes(build: "Callable[Concatenate[Client, P], S]"
     return decorate
 
 
-class Client:
+class Client(Daemon):
     """A daemon to talk to. It may be used by several threads at once.
 
     url, token    default: PHOTOND_URL and PHOTOND_TOKEN, as photonctl has them; else http://127.0.0.1:8080 and none
@@ -86,25 +83,9 @@ class Client:
     def __init__(self, url: Optional[str] = None, token: Optional[str] = None, *, token_file: Optional[Path] = None,
                  retry_seconds: float = 30, connect_timeout: float = 10, stall_timeout: float = 180,
                  tls: Optional[ssl.SSLContext] = None) -> None:
-        if token_file is not None:
-            with open(token_file, encoding="utf-8") as file:
-                words = file.read().split()
-            if not words:
-                raise ValueError(f"there is no token in {token_file}")
-            token = words[0]
-        if token is None:
-            token = os.environ.get("PHOTOND_TOKEN", "").strip()
-        self._transport = Transport(url or os.environ.get("PHOTOND_URL") or DEFAULT_URL, token, retry_seconds,
-                                    connect_timeout, stall_timeout, tls)
+        super().__init__(url, token, token_file=token_file, retry_seconds=retry_seconds,
+                         connect_timeout=connect_timeout, stall_timeout=stall_timeout, tls=tls)
         self.methods = Methods(self)
-
-    @property
-    def url(self) -> str:
-        return self._transport.url
-
-    def close(self) -> None:
-        """Closes kept connections; the client opens new ones when it is used again."""
-        self._transport.close()
 
     def __enter__(self) -> "Client":
         return self
@@ -114,52 +95,6 @@ class Client:
 
     def __repr__(self) -> str:
         return f"<Client {self.url}>"
-
-    # --- the wire: for routes that have no method of their own ----------------------------------------------------------
-    def get(self, path: str, query: Optional[Query] = None) -> Json:
-        """The JSON at a path, as client.get("/v1/openapi.json")."""
-        return cast(Json, self._transport.ask("GET", path, query=query).json())
-
-    def send(self, method: str, path: str, body: Any = None, *, query: Optional[Query] = None,
-             headers: Optional[Mapping[str, str]] = None, safe: bool = True) -> Json:
-        """JSON there and back. Not `safe`: not repeated where it may have been carried out."""
-        sent: Optional[Body] = None if body is None else json_body(body)
-        return cast(Json, self._transport.ask(method, path, query=query, body=sent, headers=headers, safe=safe).json())
-
-    def reply(self, path: str, query: Optional[Query] = None) -> Reply:
-        """A file with its headers. Raises NothingYet for 202."""
-        reply = self._transport.ask("GET", path, query=query)
-        if reply.status == 202:
-            raise NothingYet(f"there is nothing at {path} yet: no pass is done")
-        return reply
-
-    def download(self, path: str, file: Optional[Path] = None, query: Optional[Query] = None) -> bytes:
-        """A file; saved whole or not at all where `file` is given, else returned. Raises NothingYet for 202."""
-        if file is None:
-            return self.reply(path, query).body
-        with OutputFile(file) as output:
-            reply = self._transport.ask("GET", path, query=query, sink=output)
-            if reply.status == 202:
-                raise NothingYet(f"there is nothing to save as {file} yet: no pass is done")
-            output.publish()
-        return b""
-
-    def items(self, path: str, query: Optional[Query] = None, limit: Optional[int] = None) -> Iterator[Json]:
-        """What a list holds, over as many pages as that takes."""
-        left = limit
-        cursor: Optional[str] = None
-        while left is None or left > 0:
-            page = MOST_ITEMS if left is None else min(MOST_ITEMS, left)
-            reply = self.get(path, {**(query or {}), "limit": page, "cursor": cursor})
-            yield from reply["items"]
-            cursor = reply.get("next_cursor")
-            if not cursor:
-                return
-            if left is not None:
-                left -= len(reply["items"])
-
-    def event_stream(self, path: str, headers: Mapping[str, str], silence_timeout: float) -> Optional[Stream]:
-        return self._transport.stream(path, headers, silence_timeout)
 
     # --- the daemon -----------------------------------------------------------------------------------------------------
     def status(self) -> Status:
@@ -213,7 +148,7 @@ class Client:
 
     def scene(self, name: str) -> Scene:
         """By name or id."""
-        return Scene(self, self.get(resource_path("scenes", name)))
+        return Scene.fetch(self, name)
 
     def upload_scene(self, path: Path, *, name: Optional[str] = None) -> Scene:
         """.glb, .zip, .gltf (with every file it refers to), or a folder that holds one. The same bytes give the same scene.
@@ -221,15 +156,14 @@ class Client:
         >>> client.upload_scene(triangle_gltf, name="triangle").triangles  # a .gltf and its .bin
         1
         """
-        body = scene_upload(path)
-        return Scene(self, self._transport.ask("POST", "/v1/scenes", query={"name": name or body.name}, body=body).json())
+        return Scene.upload(self, path, name)
 
     def upload_image(self, path: Path) -> UploadedImage:
         """.exr or .hdr."""
-        return UploadedImage(self, self._transport.ask("POST", "/v1/images", body=image_upload(path)).json())
+        return UploadedImage.upload(self, path)
 
     def image(self, id: str) -> UploadedImage:
-        return UploadedImage(self, self.get(resource_path("images", id)))
+        return UploadedImage.fetch(self, id)
 
     def measure(self, image: ImageLike, reference: ImageLike, metrics: Optional[Sequence[str]] = None) -> Measurement:
         """Errors of an image against another: a Job, an UploadedImage, a path, "job:J17" or "image:ID".
@@ -298,7 +232,7 @@ class Client:
                                    headers={"Idempotency-Key": submission.idempotency_key}))
 
     def job(self, id: str) -> Job:
-        return Job(self, self.get(resource_path("jobs", id)))
+        return Job.fetch(self, id)
 
     def jobs(self, *, state: Union[None, str, Sequence[str]] = None, label: Optional[str] = None,
              scene: Optional[str] = None, method: Optional[str] = None, device: Optional[str] = None,
@@ -365,7 +299,7 @@ class Client:
                                           headers={"Idempotency-Key": submission.idempotency_key}))
 
     def comparison(self, id: str) -> Comparison:
-        return Comparison(self, self.get(resource_path("comparisons", id)))
+        return Comparison.fetch(self, id)
 
     def comparisons(self, *, limit: Optional[int] = None) -> Iterator[Comparison]:
         """Newest first."""

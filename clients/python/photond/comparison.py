@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, cast
+from typing import Any, Callable, Dict, List, Optional, cast
 
+from ._daemon import Daemon
 from ._files import Path
 from ._text import TextTable, human_bytes, human_number, human_seconds, row_name
 from .curves import Curve, MeanCurve, time_to_error
-from .errors import ComparisonFailed, TimedOut
+from .errors import PhotondError, TimedOut
 from .job import Job
 from .plots import plot_curves
 from .work import Work
 from .shapes import Json, TableRow
-
-if TYPE_CHECKING:
-    from .client import Client
 
 POLL_SECONDS = 0.3
 LONGEST_POLL_SECONDS = 1.0
@@ -40,7 +38,7 @@ class Comparison(Work):
 
     kind = "comparisons"
 
-    def __init__(self, client: "Client", data: Json) -> None:
+    def __init__(self, client: Daemon, data: Json) -> None:
         super().__init__(client, data)
         self._report: Optional[Json] = None
 
@@ -68,7 +66,7 @@ class Comparison(Work):
     @property
     def jobs(self) -> List[Job]:
         """Asked of the daemon one by one."""
-        return [self._client.job(id) for id in self.job_ids]
+        return [Job.fetch(self._client, id) for id in self.job_ids]
 
     @property
     def reference(self) -> Optional[Json]:
@@ -116,7 +114,7 @@ class Comparison(Work):
         lines = [f"comparison {self.id} {'was cancelled' if self.state == 'cancelled' else 'failed'}"]
         for row in self._whole()["jobs"]:
             if row["state"] == "failed":
-                problem = self._client.job(row["id"]).failure or {}
+                problem = Job.fetch(self._client, row["id"]).failure or {}
                 lines.append(f"  {row_name(row['label'], row['parameters'])}, seed {row['seed']} ({row['id']}): "
                              f"{problem.get('detail') or 'failed'}")
         return "\n".join(lines)
@@ -233,3 +231,11 @@ class Comparison(Work):
 
     def _repr_html_(self) -> Optional[str]:
         return self._text_table(self._metric(None)).html(repr(self)[1:-1]) if self.metrics else None
+
+
+class ComparisonFailed(PhotondError):
+    """`comparison` ended with failed or cancelled jobs; the others' results are there."""
+
+    def __init__(self, comparison: Comparison, message: str) -> None:
+        self.comparison = comparison
+        super().__init__(message)

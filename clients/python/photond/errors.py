@@ -13,13 +13,9 @@ What the daemon refuses carries its problem document with every fault and the pl
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Dict, Mapping, NamedTuple, Optional, Tuple, Type, cast
+from typing import Any, Dict, Mapping, NamedTuple, Optional, Tuple, Type, cast
 
 from .shapes import Problem
-
-if TYPE_CHECKING:
-    from .comparison import Comparison
-    from .job import Job
 
 
 class Fault(NamedTuple):
@@ -60,7 +56,7 @@ class MissingPackage(PhotondError, ImportError):
     """An optional package is needed for this and not installed."""
 
 
-class _WithProblem(PhotondError):
+class WithProblem(PhotondError):
     def __init__(self, message: str, problem: Mapping[str, Any]) -> None:
         self.problem = cast(Problem, dict(problem))
         errors = problem.get("errors")
@@ -92,7 +88,7 @@ class _WithProblem(PhotondError):
         return str(self.problem.get("detail", ""))
 
 
-class Refused(_WithProblem):
+class Refused(WithProblem):
     """The daemon refused a request. `status`, `code`, `title`, `detail`, `faults`; `problem` is the whole document."""
 
     def __init__(self, problem: Mapping[str, Any], status: int, asked: str) -> None:
@@ -156,29 +152,3 @@ def refusal(problem: Mapping[str, Any], status: int, asked: str) -> Refused:
     """The exception for an answer that is no 2xx; `asked` as "POST /v1/jobs"."""
     kind = _KINDS.get(status, ServerFault if status >= 500 else Refused)
     return kind(problem, status, asked)
-
-
-class JobFailed(_WithProblem):
-    """`job` came to its end without success. `problem` and `faults` say why."""
-
-    def __init__(self, job: "Job", problem: Optional[Mapping[str, Any]]) -> None:
-        self.job = job
-        problem = problem or {}
-        why = str(problem.get("detail") or problem.get("title") or "no reason was given")
-        super().__init__(f"job {job.id} failed: {why}", problem)
-
-
-class JobCancelled(PhotondError):
-    """`job` was cancelled; what it rendered stays."""
-
-    def __init__(self, job: "Job") -> None:
-        self.job = job
-        super().__init__(f"job {job.id} was cancelled after {job.passes_done} passes")
-
-
-class ComparisonFailed(PhotondError):
-    """`comparison` ended with failed or cancelled jobs; the others' results are there."""
-
-    def __init__(self, comparison: "Comparison", message: str) -> None:
-        self.comparison = comparison
-        super().__init__(message)

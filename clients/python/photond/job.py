@@ -7,20 +7,19 @@ import pathlib
 import time
 from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, List, Mapping, Optional, cast
 
+from ._daemon import Daemon
 from ._events import EventParser, ServerEvent
 from ._files import Path
 from ._http import ConnectionLost
 from ._text import human_number, human_seconds
-from .errors import JobCancelled, JobFailed, NothingYet, TimedOut
+from .errors import NothingYet, PhotondError, TimedOut, WithProblem
 from .pixels import Pixels
 from .shapes import CurvePoint, Json, Stop
-from .work import OVER, Work
+from .work import OVER, Work, stop_of
 
 if TYPE_CHECKING:
     import numpy
     import numpy.typing
-
-    from .client import Client
 
 SILENCE_SECONDS = 45.0  # a few of the stream's heartbeats
 POLL_SECONDS = 0.5
@@ -179,8 +178,6 @@ class Job(Work):
         >>> job.extend(passes=4).wait().statistics["pixel_hash"] == whole.statistics["pixel_hash"]
         True
         """
-        from .requests import stop_of
-
         stop = stop_of(passes, seconds, target)
         if not stop:
             raise ValueError("until when? passes, seconds or target is needed; they count from the first pass")
@@ -276,7 +273,7 @@ class Job(Work):
 class _Follower:
     """One run of `Job.events`."""
 
-    def __init__(self, client: "Client", job: Job, timeout: Optional[float]) -> None:
+    def __init__(self, client: Daemon, job: Job, timeout: Optional[float]) -> None:
         self._client = client
         self._job = job
         self._timeout = timeout
@@ -353,3 +350,21 @@ class _Follower:
             last = curve[-1]["passes"] if curve else -1
             data["curve"] = curve + [point for point in changes.get("curve") or [] if point["passes"] > last]
         self._job.data = data
+
+
+class JobFailed(WithProblem):
+    """`job` came to its end without success. `problem` and `faults` say why."""
+
+    def __init__(self, job: Job, problem: Optional[Mapping[str, Any]]) -> None:
+        self.job = job
+        problem = problem or {}
+        why = str(problem.get("detail") or problem.get("title") or "no reason was given")
+        super().__init__(f"job {job.id} failed: {why}", problem)
+
+
+class JobCancelled(PhotondError):
+    """`job` was cancelled; what it rendered stays."""
+
+    def __init__(self, job: Job) -> None:
+        self.job = job
+        super().__init__(f"job {job.id} was cancelled after {job.passes_done} passes")

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import difflib
-from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Mapping, Optional
+from typing import Any, Dict, Iterator, List, Mapping, Optional
 
+from ._daemon import Daemon
 from ._text import TextTable, human_number
 from .errors import PhotondError
 from .shapes import JobMethod, Json
-
-if TYPE_CHECKING:
-    from .client import Client
 
 
 class UnknownName(PhotondError, KeyError):
@@ -137,7 +135,7 @@ class Methods(Mapping[str, Method]):
     photond.methods.UnknownName: the daemon has no method 'path_trcing'; did you mean 'path_tracing'?
     """
 
-    def __init__(self, client: "Client") -> None:
+    def __init__(self, client: Daemon) -> None:
         self._client = client
         self._known: Optional[Dict[str, Method]] = None
 

@@ -4,23 +4,20 @@ from __future__ import annotations
 
 import os
 import uuid
-from typing import TYPE_CHECKING, Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union, cast
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union, cast
 
+from ._daemon import Daemon
 from ._files import IMAGE_SUFFIXES, looks_like_scene_path
 from .job import Job
 from .methods import Method
 from .scene import Scene, UploadedImage
-from .shapes import (Camera, ComparisonRequest, Entry, Environment, JobMethod, JobRequest, LookAt, MadeReference, Stop,
-                     Target)
-
-if TYPE_CHECKING:
-    from .client import Client
+from .shapes import Camera, ComparisonRequest, Entry, Environment, JobMethod, JobRequest, LookAt, MadeReference, Stop
+from .work import TargetLike, stop_of
 
 SceneLike = Union[str, "os.PathLike[str]", Scene]
 ImageLike = Union[str, "os.PathLike[str]", Job, UploadedImage]
 MethodLike = Union[str, Method, JobMethod]
 ReferenceLike = Union[ImageLike, MadeReference]
-TargetLike = Union[Target, Tuple[str, float]]
 EntryLike = Union[str, Method, Entry]
 
 DEFAULT_PASSES = 64
@@ -110,31 +107,18 @@ def method_of(method: MethodLike, device: Optional[str], parameters: Optional[Ma
     return body
 
 
-def stop_of(passes: Optional[int], seconds: Optional[float], target: Optional[TargetLike]) -> Stop:
-    stop: Stop = {}
-    if passes is not None:
-        stop["passes"] = passes
-    if seconds is not None:
-        stop["seconds"] = seconds
-    if isinstance(target, tuple):
-        stop["target"] = {"metric": target[0], "value": target[1]}
-    elif target is not None:
-        stop["target"] = target
-    return stop
-
-
-def image_name(client: "Client", image: ImageLike) -> str:
+def image_name(client: Daemon, image: ImageLike) -> str:
     """As the daemon names it: "job:J17" or "image:ID"; a path is uploaded, a bare name is a job's."""
     if isinstance(image, Job):
         return f"job:{image.id}"
     if isinstance(image, UploadedImage):
         return f"image:{image.id}"
     if not isinstance(image, str) or image.lower().endswith(tuple(IMAGE_SUFFIXES)):
-        return f"image:{client.upload_image(image).id}"
+        return f"image:{UploadedImage.upload(client, image).id}"
     return image if image.startswith(("job:", "image:")) else f"job:{image}"
 
 
-def _reference_of(client: "Client", value: ReferenceLike) -> Union[str, MadeReference]:
+def _reference_of(client: Daemon, value: ReferenceLike) -> Union[str, MadeReference]:
     if isinstance(value, Mapping):
         return cast(MadeReference, value)
     if isinstance(value, str) and not value.startswith(("job:", "image:")):
@@ -144,22 +128,22 @@ def _reference_of(client: "Client", value: ReferenceLike) -> Union[str, MadeRefe
     return image_name(client, value)
 
 
-def _scene_of(client: "Client", scene: SceneLike) -> str:
+def _scene_of(client: Daemon, scene: SceneLike) -> str:
     if isinstance(scene, Scene):
         return scene.id
     if isinstance(scene, str) and not looks_like_scene_path(scene):
         return scene
-    return client.upload_scene(scene).id
+    return Scene.upload(client, scene).id
 
 
-def _environment_of(client: "Client", value: Union[ImageLike, Mapping[str, Any]]) -> Environment:
+def _environment_of(client: Daemon, value: Union[ImageLike, Mapping[str, Any]]) -> Environment:
     if isinstance(value, Mapping):
         named = {"image": image_name(client, value["image"])} if "image" in value else {}
         return cast(Environment, {**value, **named})
     return {"image": image_name(client, value)}
 
 
-def _rendered(client: "Client", scene: SceneLike, width: int, height: int, filter: Optional[str], stop: Stop,
+def _rendered(client: Daemon, scene: SceneLike, width: int, height: int, filter: Optional[str], stop: Stop,
               layers: Optional[Sequence[str]], camera: Union[None, str, Camera],
               environment: Union[None, ImageLike, Mapping[str, Any]], glass: Optional[str], time: Optional[float],
               reference: Optional[ReferenceLike], metrics: Optional[Sequence[str]], priority: Optional[int],
@@ -194,7 +178,7 @@ def _names(key: str, names: Sequence[str]) -> List[str]:
 # --- whole bodies -------------------------------------------------------------------------------------------------------
 
 
-def job_request(client: "Client", scene: SceneLike, method: MethodLike = "path_tracing", *,
+def job_request(client: Daemon, scene: SceneLike, method: MethodLike = "path_tracing", *,
                 device: Optional[str] = None, parameters: Optional[Mapping[str, Any]] = None, width: int = 512,
                 height: int = 512, filter: Optional[str] = None, passes: Optional[int] = None,
                 seconds: Optional[float] = None, target: Optional[TargetLike] = None, first_pass: Optional[int] = None,
@@ -226,7 +210,7 @@ def job_request(client: "Client", scene: SceneLike, method: MethodLike = "path_t
     return Submission(cast(JobRequest, body), idempotency_key or random_key())
 
 
-def comparison_request(client: "Client", scene: SceneLike, entries: Sequence[EntryLike], *, width: int = 512,
+def comparison_request(client: Daemon, scene: SceneLike, entries: Sequence[EntryLike], *, width: int = 512,
                        height: int = 512, filter: Optional[str] = None, passes: Optional[int] = None,
                        seconds: Optional[float] = None, target: Optional[TargetLike] = None,
                        seeds: Optional[Sequence[int]] = None, layers: Optional[Sequence[str]] = None,

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Dict, List, Optional, Union, cast
+from typing import TYPE_CHECKING, Any, Dict, List, Optional, Type, TypeVar, Union, cast
 
-from ._files import Path
+from ._daemon import Daemon
+from ._files import Path, image_upload, scene_upload
 from ._http import resource_path
 from ._text import human_bytes, human_number
 from .pixels import Pixels
@@ -14,18 +15,22 @@ if TYPE_CHECKING:
     import numpy
     import numpy.typing
 
-    from .client import Client
+R = TypeVar("R", bound="Resource")
 
 
-class _Resource:
+class Resource:
     """An object of the daemon's and the path it is at."""
 
     kind = ""
 
-    def __init__(self, client: "Client", data: Json) -> None:
+    def __init__(self, client: Daemon, data: Json) -> None:
         self._client = client
         #: The whole object as the daemon sent it last.
         self.data = data
+
+    @classmethod
+    def fetch(cls: Type[R], client: Daemon, id: str) -> R:
+        return cls(client, client.get(resource_path(cls.kind, id)))
 
     @property
     def id(self) -> str:
@@ -44,7 +49,7 @@ class _Resource:
         return Pixels.from_reply(reply.headers, reply.body, precision)
 
 
-class Scene(_Resource):
+class Scene(Resource):
     """A scene the daemon holds; shown in a notebook, its thumbnail.
 
     >>> scene = client.scene("cornell-box")
@@ -57,6 +62,12 @@ class Scene(_Resource):
     """
 
     kind = "scenes"
+
+    @classmethod
+    def upload(cls, client: Daemon, path: Path, name: Optional[str] = None) -> "Scene":
+        """As Client.upload_scene()."""
+        body = scene_upload(path)
+        return cls(client, client.send_file("/v1/scenes", body, {"name": name or body.name}))
 
     @property
     def name(self) -> str:
@@ -127,10 +138,15 @@ class Scene(_Resource):
         return self.thumbnail()
 
 
-class UploadedImage(_Resource):
+class UploadedImage(Resource):
     """An EXR or HDR image the daemon holds, to measure against or to light scenes with."""
 
     kind = "images"
+
+    @classmethod
+    def upload(cls, client: Daemon, path: Path) -> "UploadedImage":
+        """As Client.upload_image()."""
+        return cls(client, client.send_file("/v1/images", image_upload(path)))
 
     @property
     def width(self) -> int:
