@@ -28,7 +28,7 @@
 
 #include "protocol/object_reader.h"
 #include "renderer/film/film.h"
-#include "renderer/methods/method.h"
+#include "renderer/frame/render_context.h"
 #include "server/comparisons/table.h"
 #include "server/queue/job_queue.h"
 #include "server/queue/retry_policy.h"

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "renderer/methods/method.h"
+#include "renderer/frame/method.h"
 
 namespace photond {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "protocol/job.h"
-#include "renderer/methods/method.h"
+#include "renderer/frame/method.h"
 
 namespace photond {
 

@@ -6,7 +6,7 @@
 
 #include "protocol/job.h"
 #include "renderer/core/cancel.h"
-#include "renderer/methods/method.h"
+#include "renderer/frame/method.h"
 
 namespace photond {
 

@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "renderer/methods/method.h"
+#include "renderer/frame/render_context.h"
 
 namespace photond {
 

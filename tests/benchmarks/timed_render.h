@@ -1,7 +1,7 @@
 #pragma once
 // Renders within a benchmark, with the seconds that a job's clock would count.
 
-#include "renderer/methods/method.h"
+#include "renderer/frame/method.h"
 
 namespace photond {
 

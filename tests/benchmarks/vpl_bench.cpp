@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-#include "renderer/photons/vpl_tracer.h"
+#include "renderer/many_lights/vpl_tracer.h"
 #include "renderer/scene/scene.h"
 #include "tests/benchmarks/bench_scenes.h"
 

@@ -16,33 +16,42 @@ SUFFIXES = {".h", ".cpp"} | SHADERS
 
 # What of protocol/ the renderer may see; each of these headers includes the standard library only (checked below).
 PLAIN_PROTOCOL = ["protocol/error.h", "protocol/nearest_name.h", "protocol/param_info.h"]
-BLOCKS = ["renderer/photons/*", "renderer/gbuffer/*", "renderer/many_lights/*", "renderer/voxels/*"]
-BELOW_METHODS = ["renderer/core/*", "renderer/scene/*", "renderer/film/*", "renderer/error/*", "renderer/transport/*",
-                 "renderer/backends/*", *BLOCKS]
+
+# From the ground up: a folder sees those of the storeys below its own, and itself.
+STOREYS = [
+    ["core"],
+    ["scene", "film", "error"],
+    ["transport"],
+    ["backends/gpu"],
+    ["photons", "voxels", "frame"],
+    ["eye"],
+    ["gbuffer"],
+    ["many_lights"],
+]
+
+
+def below(storey):
+    """The folders of the storeys below one."""
+    return [f"renderer/{folder}/*" for folders in STOREYS[:storey] for folder in folders]
+
+
+BELOW_METHODS = [*below(len(STOREYS)), "renderer/backends/*"]
 
 # Files (the first pattern that fits counts) -> what of our own they may include, besides files of their own pattern's
 # folder. `{room}` stands for the folder a method lives in: no room sees another.
 MAY_INCLUDE = [
     ("protocol/*", ["protocol/*"]),
-    ("renderer/core/*", ["renderer/core/*", *PLAIN_PROTOCOL]),
-    ("renderer/scene/*", ["renderer/scene/*", "renderer/core/*", *PLAIN_PROTOCOL]),
-    ("renderer/film/*", ["renderer/film/*", "renderer/core/*", *PLAIN_PROTOCOL]),
-    ("renderer/error/*", ["renderer/error/*", "renderer/core/*", *PLAIN_PROTOCOL]),
-    ("renderer/transport/*", ["renderer/transport/*", "renderer/scene/*", "renderer/core/*", *PLAIN_PROTOCOL]),
-    # One scene upload: lights and tables among it, which transport makes.
-    ("renderer/backends/gpu/*", ["renderer/backends/gpu/*", "renderer/transport/*", "renderer/scene/*",
-                                 "renderer/core/*", *PLAIN_PROTOCOL]),
+    # One scene upload for all devices' shaders: lights and tables among it, which transport makes.
+    *((f"renderer/{folder}/*", [f"renderer/{folder}/*", *below(storey), *PLAIN_PROTOCOL])
+      for storey, folders in enumerate(STOREYS) for folder in folders),
     ("renderer/backends/{room}/*", ["renderer/backends/{room}/*", "renderer/scene/*", "renderer/core/*",
                                     *PLAIN_PROTOCOL]),
-    *((block, [block, "renderer/transport/*", "renderer/scene/*", "renderer/core/*", "renderer/backends/gpu/*",
-               *PLAIN_PROTOCOL]) for block in BLOCKS),
     ("renderer/methods/registry.cpp", ["renderer/methods/*", *BELOW_METHODS, *PLAIN_PROTOCOL]),  # the one list of rooms
-    ("renderer/methods/{room}/*", ["renderer/methods/{room}/*", "renderer/methods/{file}", *BELOW_METHODS,
-                                   *PLAIN_PROTOCOL]),
-    ("renderer/methods/{file}", ["renderer/methods/{file}", *BELOW_METHODS, *PLAIN_PROTOCOL]),
+    ("renderer/methods/registry.h", ["renderer/frame/method.h", *below(3), *PLAIN_PROTOCOL]),
+    ("renderer/methods/{room}/*", ["renderer/methods/{room}/*", *BELOW_METHODS, *PLAIN_PROTOCOL]),
     # The daemon never renders: of the renderer it knows what it needs to judge a request and to name files.
-    ("server/worker/*", ["server/*", "protocol/*", "renderer/methods/{file}", *BELOW_METHODS]),
-    ("server/*", ["server/*", "protocol/*", "renderer/methods/registry.h", "renderer/methods/method.h",
+    ("server/worker/*", ["server/*", "protocol/*", "renderer/methods/registry.h", *BELOW_METHODS]),
+    ("server/*", ["server/*", "protocol/*", "renderer/methods/registry.h", "renderer/frame/render_context.h",
                   "renderer/core/*", "renderer/film/*.h", "renderer/error/*.h", "renderer/scene/*.h"]),
     ("clients/{room}/*", ["clients/{room}/*", "protocol/*"]),
 ]
@@ -208,7 +217,7 @@ PLANTED = [
     ("renderer/film/a.h", '"renderer/scene/b.h"', False),
     ("renderer/error/a.h", '"renderer/film/b.h"', False),
     ("renderer/transport/a.h", '"renderer/scene/b.h"', True),
-    ("renderer/transport/a.h", '"renderer/methods/method.h"', False),
+    ("renderer/transport/a.h", '"renderer/frame/method.h"', False),
     ("renderer/transport/a.h", '"renderer/backends/cpu/b.h"', False),
     ("renderer/transport/a.h", "<nanoflann.hpp>", False),
     ("renderer/backends/cpu/a.cpp", "<embree3/rtcore.h>", True),
@@ -231,20 +240,33 @@ PLANTED = [
     ("renderer/photons/a.h", '"renderer/many_lights/b.h"', False),
     ("renderer/gbuffer/a.h", '"renderer/backends/cpu/b.h"', False),
     ("renderer/many_lights/a.h", '"renderer/backends/gpu/b.h"', True),
-    ("renderer/many_lights/a.h", '"renderer/photons/b.h"', False),
-    ("renderer/voxels/a.h", '"renderer/methods/method.h"', False),
+    ("renderer/photons/a.h", '"renderer/voxels/b.h"', False),
+    ("renderer/frame/a.h", '"renderer/photons/b.h"', False),
+    ("renderer/frame/a.h", '"renderer/backends/gpu/b.h"', True),
+    ("renderer/eye/a.h", '"renderer/gbuffer/b.h"', False),
+    ("renderer/eye/a.h", '"renderer/frame/b.h"', True),
+    ("renderer/gbuffer/a.h", '"renderer/many_lights/b.h"', False),
+    ("renderer/gbuffer/a.h", '"renderer/eye/b.h"', True),
+    ("renderer/many_lights/a.h", '"renderer/photons/b.h"', True),
+    ("renderer/many_lights/a.h", '"renderer/methods/registry.h"', False),
+    ("renderer/voxels/a.h", '"renderer/frame/method.h"', False),
     ("renderer/methods/one/a.h", '"renderer/methods/two/b.h"', False),
     ("renderer/methods/one/a.h", '"renderer/methods/one/b.h"', True),
-    ("renderer/methods/one/a.h", '"renderer/methods/method.h"', True),
+    ("renderer/methods/one/a.h", '"renderer/frame/method.h"', True),
     ("renderer/methods/one/a.h", '"renderer/film/b.h"', True),
+    ("renderer/methods/one/a.h", '"renderer/methods/registry.h"', False),
+    ("renderer/methods/registry.h", '"renderer/methods/one/b.h"', False),
+    ("renderer/methods/registry.h", '"renderer/photons/b.h"', False),
+    ("renderer/methods/stray.h", '"renderer/core/b.h"', False),
     ("renderer/methods/one/a.h", '"protocol/job.h"', False),
     ("renderer/methods/one/a.h", "<embree3/rtcore.h>", False),
     ("renderer/methods/one/a.h", "<tbb/parallel_for.h>", False),
-    ("renderer/methods/method.h", '"renderer/methods/one/b.h"', False),
+    ("renderer/frame/method.h", '"renderer/methods/one/b.h"', False),
     ("renderer/methods/registry.cpp", '"renderer/methods/one/b.h"', True),
     ("renderer/methods/registry.cpp", '"server/b.h"', False),
     ("server/a.cpp", '"renderer/methods/one/b.h"', False),
     ("server/a.cpp", '"renderer/methods/registry.h"', True),
+    ("server/a.cpp", '"renderer/frame/piece_queue.h"', False),
     ("server/a.cpp", '"renderer/transport/b.h"', False),
     ("server/a.cpp", '"clients/cli/b.h"', False),
     ("server/a.cpp", "<httplib.h>", False),

@@ -1,10 +1,10 @@
 #include "renderer/methods/imperfect_shadow_maps/imperfect_shadow_maps_gpu.h"
 
 #include "protocol/error.h"
+#include "renderer/many_lights/first_bounce_gpu.h"
 #include "renderer/many_lights/imperfect_shadow_maps.h"
-#include "renderer/methods/first_bounce_gpu.h"
-#include "renderer/methods/vpl_lighting.h"
-#include "renderer/methods/vpl_lighting_gpu.h"
+#include "renderer/many_lights/vpl_lighting.h"
+#include "renderer/many_lights/vpl_lighting_gpu.h"
 
 namespace photond {
 

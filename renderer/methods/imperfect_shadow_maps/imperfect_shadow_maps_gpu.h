@@ -2,7 +2,7 @@
 #include <memory>
 #include <optional>
 
-#include "renderer/methods/method.h"
+#include "renderer/frame/method.h"
 #include "renderer/transport/sobol.h"
 
 namespace photond {

@@ -1,6 +1,6 @@
 // Shading of any hit, one by one.
 
-#include "renderer/methods/eye_vertex.h"
+#include "renderer/eye/eye_vertex.h"
 #include "renderer/methods/path_tracing/wavefront.h"
 #include "renderer/transport/bsdf.h"
 #include "renderer/transport/hit_prefetch.h"

@@ -1,7 +1,7 @@
 // Shading of hits on plain Lambert reflectors: what general_shading.cpp does, for as many paths at once as the machine
 // has lanes. Textures and the choice of a point on a light are left to one at a time.
 
-#include "renderer/methods/eye_contributions.h"
+#include "renderer/eye/eye_contributions.h"
 #include "renderer/methods/path_tracing/wavefront.h"
 #include "renderer/transport/hit_prefetch.h"
 #include "renderer/transport/lambert_lanes.h"

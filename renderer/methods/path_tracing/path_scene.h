@@ -1,7 +1,7 @@
 #pragma once
 // What all tiles and passes of one path-traced render share.
 
-#include "renderer/methods/eye_scene.h"
+#include "renderer/eye/eye_scene.h"
 #include "renderer/methods/path_tracing/path_tracing.h"
 
 namespace photond {

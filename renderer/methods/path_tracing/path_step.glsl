@@ -3,7 +3,7 @@
 #ifndef PHOTOND_PATH_STEP_GLSL
 #define PHOTOND_PATH_STEP_GLSL
 
-#include "renderer/methods/eye_vertex.glsl"
+#include "renderer/eye/eye_vertex.glsl"
 
 /// A light sample that waits for its shadow ray; `wanted`: there is one.
 struct PendingLight {

@@ -1,7 +1,7 @@
 #pragma once
 #include <optional>
 
-#include "renderer/methods/method.h"
+#include "renderer/frame/method.h"
 #include "renderer/transport/sobol.h"
 
 namespace photond {

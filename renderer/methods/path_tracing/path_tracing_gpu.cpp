@@ -1,9 +1,9 @@
 #include "renderer/methods/path_tracing/path_tracing_gpu.h"
 
 #include "renderer/backends/gpu/device_scene.h"
-#include "renderer/methods/device_image.h"
-#include "renderer/methods/device_passes.h"
-#include "renderer/methods/eye_constants.h"
+#include "renderer/eye/eye_constants.h"
+#include "renderer/frame/device_image.h"
+#include "renderer/frame/device_passes.h"
 #include "renderer/methods/path_tracing/path_tracing_shared.h"
 #include "renderer/methods/path_tracing/path_wavefront_gpu.h"
 #include "renderer/scene/scene.h"

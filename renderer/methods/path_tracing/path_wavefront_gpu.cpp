@@ -1,6 +1,6 @@
 #include "renderer/methods/path_tracing/path_wavefront_gpu.h"
 
-#include "renderer/methods/eye_shared.h"
+#include "renderer/eye/eye_shared.h"
 #include "renderer/methods/path_tracing/path_tracing_shared.h"
 #include "renderer/scene/intersector.h"
 

@@ -4,7 +4,7 @@
 
 #include "renderer/backends/gpu/command_list.h"
 #include "renderer/backends/gpu/device_scene.h"
-#include "renderer/methods/device_image.h"
+#include "renderer/frame/device_image.h"
 
 namespace photond {
 

@@ -1,6 +1,6 @@
 #include "renderer/methods/path_tracing/wavefront.h"
 
-#include "renderer/methods/eye_contributions.h"
+#include "renderer/eye/eye_contributions.h"
 #include "renderer/transport/hit_prefetch.h"
 
 namespace photond {

@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "renderer/methods/eye_path.h"
+#include "renderer/eye/eye_path.h"
+#include "renderer/eye/tiles.h"
 #include "renderer/methods/path_tracing/path_scene.h"
-#include "renderer/methods/tiles.h"
 
 namespace photond {
 

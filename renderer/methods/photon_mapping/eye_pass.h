@@ -4,8 +4,8 @@
 
 #include <vector>
 
+#include "renderer/eye/specular_walk.h"
 #include "renderer/methods/photon_mapping/final_gather.h"
-#include "renderer/methods/specular_walk.h"
 
 namespace photond {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "renderer/core/morton.h"
-#include "renderer/methods/eye_contributions.h"
+#include "renderer/eye/eye_contributions.h"
 #include "renderer/transport/hit_prefetch.h"
 
 namespace photond {

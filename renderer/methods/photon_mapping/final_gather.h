@@ -15,9 +15,9 @@
 
 #include "renderer/core/cancel.h"
 #include "renderer/core/stats.h"
+#include "renderer/eye/visible_point.h"
 #include "renderer/methods/photon_mapping/photon_lookup.h"
 #include "renderer/methods/photon_mapping/split_samplers.h"
-#include "renderer/methods/visible_point.h"
 #include "renderer/photons/gather_distribution.h"
 
 namespace photond {

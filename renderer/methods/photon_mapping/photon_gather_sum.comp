@@ -7,8 +7,8 @@
 #define EYE_BINDING 1
 #define SAMPLER_BINDING 2
 #include "renderer/backends/gpu/invocation.glsl"
-#include "renderer/methods/device_image.glsl"
-#include "renderer/methods/eye_scene.glsl"
+#include "renderer/frame/device_image.glsl"
+#include "renderer/eye/eye_scene.glsl"
 #include "renderer/methods/photon_mapping/photon_mapping_shared.h"
 
 layout(local_size_x = EYE_TILE * EYE_TILE) in;

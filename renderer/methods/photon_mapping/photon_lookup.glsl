@@ -4,7 +4,7 @@
 #define PHOTOND_PHOTON_LOOKUP_GLSL
 
 #include "renderer/methods/photon_mapping/split_samplers.glsl"
-#include "renderer/methods/specular_walk.glsl"
+#include "renderer/eye/specular_walk.glsl"
 
 layout(constant_id = FINAL_GATHER_ID) const bool FINAL_GATHER = false;
 layout(constant_id = GLOBAL_MAP_ID) const bool GLOBAL_MAP = true;

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "renderer/methods/eye_scene.h"
+#include "renderer/eye/eye_scene.h"
 #include "renderer/methods/photon_mapping/photon_mapping.h"
 #include "renderer/photons/precomputed_irradiance.h"
 #include "renderer/photons/shadow_photons.h"

@@ -16,7 +16,7 @@
 #define MAP_POWERS_BINDING 8
 #define NEAREST_GROUP (EYE_TILE * EYE_TILE)
 #include "renderer/backends/gpu/invocation.glsl"
-#include "renderer/methods/eye_shared.h"
+#include "renderer/eye/eye_shared.h"
 #include "renderer/methods/photon_mapping/photon_lookup.glsl"
 
 layout(local_size_x = EYE_TILE * EYE_TILE) in;

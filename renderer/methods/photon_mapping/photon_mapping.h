@@ -1,7 +1,7 @@
 #pragma once
 #include <optional>
 
-#include "renderer/methods/method.h"
+#include "renderer/frame/method.h"
 #include "renderer/photons/photon_map.h"
 #include "renderer/photons/radiance_estimate.h"
 #include "renderer/transport/sobol.h"

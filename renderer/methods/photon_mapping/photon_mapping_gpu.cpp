@@ -6,9 +6,9 @@
 #include <numbers>
 
 #include "protocol/error.h"
-#include "renderer/methods/device_image.h"
-#include "renderer/methods/device_passes.h"
-#include "renderer/methods/eye_constants.h"
+#include "renderer/eye/eye_constants.h"
+#include "renderer/frame/device_image.h"
+#include "renderer/frame/device_passes.h"
 #include "renderer/methods/photon_mapping/photon_mapping_shared.h"
 #include "renderer/methods/photon_mapping/photon_plan.h"
 #include "renderer/photons/hash_grid_gpu.h"

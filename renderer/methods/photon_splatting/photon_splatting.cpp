@@ -3,11 +3,11 @@
 #include <map>
 
 #include "renderer/core/thread_local.h"
+#include "renderer/eye/specular_walk.h"
 #include "renderer/gbuffer/indirect_blur.h"
-#include "renderer/methods/clamp_repayment.h"
+#include "renderer/many_lights/clamp_repayment.h"
 #include "renderer/methods/photon_splatting/splat_accumulation.h"
 #include "renderer/methods/photon_splatting/splat_sizes.h"
-#include "renderer/methods/specular_walk.h"
 
 namespace photond {
 

@@ -1,7 +1,7 @@
 #pragma once
 #include <optional>
 
-#include "renderer/methods/method.h"
+#include "renderer/frame/method.h"
 #include "renderer/photons/kernel.h"
 #include "renderer/photons/photon_tracer.h"
 #include "renderer/transport/sobol.h"
@@ -67,7 +67,7 @@ struct PhotonSplattingParams final : MethodParams {
 /// Photon splatting: photons light the visible points about their rays, by splats gathered in an image.
 ///
 /// Each pass looks at the scene along one eye path a pixel: direct light at each vertex, specular parts followed,
-/// visible points x left where a rough part waits (methods/specular_walk.h). `photons` light paths leave a photon at
+/// visible points x left where a rough part waits (eye/specular_walk.h). `photons` light paths leave a photon at
 /// each scattering y up to `bounces`, with power after reflection and a direction w drawn there; `stratify` keeps some
 /// for each voxel. What a photon brings to x (derivations.md; u the distance of x from the photon's ray, K the filter,
 /// of unit integral over the plane across it):

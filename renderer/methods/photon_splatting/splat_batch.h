@@ -9,12 +9,12 @@
 
 #include "renderer/core/cancel.h"
 #include "renderer/core/stats.h"
+#include "renderer/many_lights/vpl_set.h"
 #include "renderer/methods/photon_splatting/splat.h"
 #include "renderer/methods/photon_splatting/splat_depth_maps.h"
 #include "renderer/methods/photon_splatting/splat_settings.h"
 #include "renderer/methods/photon_splatting/stratification.h"
 #include "renderer/methods/photon_splatting/visible_clusters.h"
-#include "renderer/methods/vpl_set.h"
 
 namespace photond {
 

@@ -6,10 +6,10 @@
 
 #define IMAGE_BINDING 0
 #include "renderer/backends/gpu/invocation.glsl"
-#include "renderer/methods/device_image.glsl"
-#include "renderer/methods/eye_shared.h"
+#include "renderer/frame/device_image.glsl"
+#include "renderer/eye/eye_shared.h"
 #include "renderer/methods/photon_splatting/splat_shared.h"
-#include "renderer/methods/receiver.glsl"
+#include "renderer/gbuffer/receiver.glsl"
 
 layout(constant_id = SPLAT_NORMALISED_ID) const bool SPLAT_NORMALISED = false;
 layout(constant_id = SPLAT_EDGES_ID) const bool SPLAT_EDGES = false;

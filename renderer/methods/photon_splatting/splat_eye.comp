@@ -10,7 +10,7 @@
 #define EYE_BINDING 2
 #define SAMPLER_BINDING 3
 #include "renderer/backends/gpu/invocation.glsl"
-#include "renderer/methods/specular_walk.glsl"
+#include "renderer/eye/specular_walk.glsl"
 
 layout(set = 0, binding = 4, scalar) readonly buffer Constants { SplatConstants constants; };
 layout(set = 0, binding = 5, scalar) buffer Sizes { uint counts[SPLAT_COUNTS]; };

@@ -14,7 +14,7 @@
 #include "renderer/many_lights/vpl.glsl"
 #include "renderer/methods/photon_splatting/splat_depth_maps.glsl"
 #include "renderer/methods/photon_splatting/splat_gain.glsl"
-#include "renderer/methods/receiver.glsl"
+#include "renderer/gbuffer/receiver.glsl"
 #include "renderer/photons/photon.glsl"
 #include "renderer/photons/reflected_photon_shared.h"
 #include "renderer/transport/photon_scattering.glsl"

@@ -8,7 +8,7 @@
 #define EYE_BINDING 2
 #define SAMPLER_BINDING 3
 #include "renderer/backends/gpu/invocation.glsl"
-#include "renderer/methods/clamp_repayment.glsl"
+#include "renderer/many_lights/clamp_repayment.glsl"
 #include "renderer/methods/photon_splatting/splat_gain.glsl"
 
 layout(local_size_x = SPLAT_GROUP) in;

@@ -3,7 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 
-#include "renderer/methods/eye_shared.h"
+#include "renderer/eye/eye_shared.h"
 #define DEPTH_MAPS_BINDING 5
 #include "renderer/methods/photon_splatting/splat_depth_maps.glsl"
 #include "renderer/methods/photon_splatting/splat_gain.glsl"

@@ -6,7 +6,7 @@
 #extension GL_EXT_scalar_block_layout : require
 
 #include "renderer/core/geometry.glsl"
-#include "renderer/methods/eye_shared.h"
+#include "renderer/eye/eye_shared.h"
 #include "renderer/methods/photon_splatting/splat_shared.h"
 
 layout(push_constant, scalar) uniform Push { SplatClusterPush push; };

@@ -4,7 +4,7 @@
 
 #include "renderer/backends/gpu/device_scene.h"
 #include "renderer/backends/gpu/raster_pass.h"
-#include "renderer/methods/method.h"
+#include "renderer/frame/render_context.h"
 
 namespace photond {
 

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "renderer/core/lanes.h"
-#include "renderer/methods/specular_walk.h"
-#include "renderer/methods/visible_point.h"
+#include "renderer/eye/specular_walk.h"
+#include "renderer/eye/visible_point.h"
 #include "renderer/transport/lambert_lanes.h"
 #include "renderer/transport/shaft_visibility.h"
 

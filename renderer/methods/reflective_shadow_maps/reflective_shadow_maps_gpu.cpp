@@ -2,10 +2,10 @@
 
 #include "protocol/error.h"
 #include "renderer/core/rng.h"
-#include "renderer/methods/first_bounce_gpu.h"
+#include "renderer/many_lights/first_bounce_gpu.h"
+#include "renderer/many_lights/vpl_lighting.h"
+#include "renderer/many_lights/vpl_lighting_gpu.h"
 #include "renderer/methods/reflective_shadow_maps/rsm_shared.h"
-#include "renderer/methods/vpl_lighting.h"
-#include "renderer/methods/vpl_lighting_gpu.h"
 
 namespace photond {
 
@@ -114,7 +114,7 @@ void ReflectiveShadowMapsGpu::State::add_paper_steps(uint32_t pass, std::vector<
     for (uint32_t first = 0; first < points; first += at_once)
         steps.push_back({uint64_t{at_once} * params.samples / kTexelsAPath, [=, this](gpu::CommandList& commands) {
                              const gpu::Scope scope(commands, "indirect");
-                             DeviceGBuffer& buffer = frame.buffer();
+                             GBufferGpu& buffer = frame.buffer();
                              VplTracerGpu& tracer = frame.tracer();
                              commands.bind(*gather, {gpu::read(buffer.points()), gpu::read(buffer.general()),
                                                      gpu::read(tracer.texels()), gpu::read(tracer.runs()),

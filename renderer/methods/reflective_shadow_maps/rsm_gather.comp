@@ -7,7 +7,7 @@
 #include "renderer/backends/gpu/invocation.glsl"
 #include "renderer/methods/reflective_shadow_maps/rsm_projection.glsl"
 #include "renderer/methods/reflective_shadow_maps/rsm_shared.h"
-#include "renderer/methods/vpl_lighting.glsl"
+#include "renderer/many_lights/vpl_lighting.glsl"
 #include "renderer/photons/reflected_photon_shared.h"
 #include "renderer/photons/texel_map.glsl"
 

@@ -4,9 +4,9 @@
 
 #include <span>
 
+#include "renderer/eye/eye_scene.h"
+#include "renderer/gbuffer/gbuffer.h"
 #include "renderer/many_lights/vpl.h"
-#include "renderer/methods/eye_scene.h"
-#include "renderer/methods/gbuffer_walk.h"
 #include "renderer/voxels/svo_march.h"
 
 namespace photond {

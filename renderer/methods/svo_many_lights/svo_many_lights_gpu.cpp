@@ -2,14 +2,14 @@
 
 #include "renderer/backends/gpu/device_intersector.h"
 #include "renderer/backends/gpu/device_scene.h"
-#include "renderer/methods/camera_importance_gpu.h"
-#include "renderer/methods/clamp_repayment_gpu.h"
-#include "renderer/methods/gbuffer_merge_gpu.h"
-#include "renderer/methods/piece_queue.h"
+#include "renderer/frame/piece_queue.h"
+#include "renderer/gbuffer/gbuffer_merge_gpu.h"
+#include "renderer/many_lights/camera_importance_gpu.h"
+#include "renderer/many_lights/clamp_repayment_gpu.h"
+#include "renderer/many_lights/vpl_choice_gpu.h"
+#include "renderer/many_lights/vpl_lighting_gpu.h"
+#include "renderer/many_lights/vpl_tracer_gpu.h"
 #include "renderer/methods/svo_many_lights/svo_settings.h"
-#include "renderer/methods/vpl_choice_gpu.h"
-#include "renderer/methods/vpl_lighting_gpu.h"
-#include "renderer/photons/vpl_tracer_gpu.h"
 
 namespace photond {
 
@@ -56,7 +56,7 @@ VplBounceShader bounces_of(const SvoManyLightsParams& params, SparseVoxelOctreeG
 /// What lights take: none where a scene has no light, or no bounce is asked for.
 struct SvoLights {
     SvoLights(const gpu::DeviceScene& scene, const SvoManyLightsParams& params, uint64_t seed, float clamp_sq_m2,
-              EmissionSampler sampler, std::unique_ptr<SparseVoxelOctreeGpu> voxels, DeviceGBuffer& buffer,
+              EmissionSampler sampler, std::unique_ptr<SparseVoxelOctreeGpu> voxels, GBufferGpu& buffer,
               DeviceImage& image, const RepaymentAsks& asks)
         : emission(std::move(sampler)),
           tree(std::move(voxels)),
@@ -125,7 +125,7 @@ struct SvoManyLightsGpu::State {
     const LayerSet layers;
     const std::unique_ptr<LightDepthMapsGpu> light_maps;  // null: rays tell
     DeviceImage device_image;
-    DeviceGBuffer buffer;
+    GBufferGpu buffer;
     GBufferMergeGpu merge;
     std::unique_ptr<gpu::ComputePipeline> show_voxels, show_vpls;
     std::optional<SvoLights> lights;
@@ -240,7 +240,7 @@ uint64_t SvoManyLightsGpu::estimate_device_bytes(const SvoManyLightsParams& para
     const bool lambert = workload.needs.only_lambert();
     uint64_t bytes = DeviceImage::device_bytes(workload.film_size, workload.layers) +
                      DeviceImage::host_bytes(workload.film_size, workload.layers) +
-                     DeviceGBuffer::device_bytes(workload.film_size, params.split_side(), workload.needs) +
+                     GBufferGpu::device_bytes(workload.film_size, params.split_side(), workload.needs) +
                      GBufferMergeGpu::device_bytes(workload.film_size, params.split_side(), filter_of(params));
     if ((workload.lights == 0 && workload.environment_size.pixels() == 0) || params.bounces == 0) return bytes;
     if (!params.clamp_m2) bytes += gpu::DeviceIntersector::batch_bytes();  // the lit area is asked of it

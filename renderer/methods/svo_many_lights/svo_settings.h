@@ -1,8 +1,8 @@
 #pragma once
 // What the parameters of many lights come to, on both devices.
 
+#include "renderer/many_lights/vpl_tracer.h"
 #include "renderer/methods/svo_many_lights/svo_many_lights.h"
-#include "renderer/photons/vpl_tracer.h"
 
 namespace photond {
 

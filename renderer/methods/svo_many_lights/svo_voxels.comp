@@ -9,9 +9,9 @@
 #define SVO_BRICKS_BINDING 4
 #include "renderer/backends/gpu/invocation.glsl"
 #include "renderer/core/rng.glsl"
-#include "renderer/methods/device_gbuffer_shared.h"
-#include "renderer/methods/device_image.glsl"
-#include "renderer/methods/eye_shared.h"
+#include "renderer/gbuffer/gbuffer_walk_shared.h"
+#include "renderer/frame/device_image.glsl"
+#include "renderer/eye/eye_shared.h"
 #include "renderer/scene/camera.glsl"
 #include "renderer/voxels/svo_march.glsl"
 

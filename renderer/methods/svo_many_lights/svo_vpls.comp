@@ -7,9 +7,9 @@
 #include "renderer/backends/gpu/invocation.glsl"
 #include "renderer/gbuffer/gbuffer_shared.h"
 #include "renderer/gbuffer/split_buffer.glsl"
-#include "renderer/methods/device_image_shared.h"
-#include "renderer/methods/eye_shared.h"
-#include "renderer/methods/vpl_set_shared.h"
+#include "renderer/frame/device_image_shared.h"
+#include "renderer/eye/eye_shared.h"
+#include "renderer/many_lights/vpl_set_shared.h"
 #include "renderer/scene/camera_projection.glsl"
 
 layout(constant_id = PLANE_VPLS_ID) const uint PLANE_VPLS = NO_PLANE;

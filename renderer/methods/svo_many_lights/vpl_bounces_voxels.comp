@@ -3,7 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 
-#include "renderer/photons/vpl_tracer_shared.h"
+#include "renderer/many_lights/vpl_tracer_shared.h"
 #define SVO_CONSTANTS_BINDING VPL_BOUNCE_BINDING
 #define SVO_NODES_BINDING VPL_BOUNCE_BINDING + 1
 #define SVO_BRICKS_BINDING VPL_BOUNCE_BINDING + 2
@@ -12,4 +12,4 @@
 #include "renderer/voxels/svo_hit.glsl"
 
 #define PHOTON_LATER_HIT svo_closest_hit
-#include "renderer/photons/vpl_paths.glsl"
+#include "renderer/many_lights/vpl_paths.glsl"

@@ -7,7 +7,7 @@
 
 #include "renderer/backends/gpu/device_intersector.h"
 #include "renderer/error/error_meter.h"
-#include "renderer/methods/method.h"
+#include "renderer/frame/method.h"
 #include "renderer/scene/scene.h"
 #include "tests/benchmarks/gpu_bench/bench_list.h"
 

@@ -6,7 +6,7 @@
 
 #include <functional>
 
-#include "renderer/photons/vpl_tracer.h"
+#include "renderer/many_lights/vpl_tracer.h"
 #include "renderer/scene/builtin_families.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "renderer/scene/mesh_builder.h"

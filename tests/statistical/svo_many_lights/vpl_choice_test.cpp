@@ -1,6 +1,6 @@
 // Choosing lights keeps the sum over all of them, whoever answers for V; by how much the noise falls for it.
 
-#include "renderer/methods/vpl_choice.h"
+#include "renderer/many_lights/vpl_choice.h"
 
 #include <gtest/gtest.h>
 

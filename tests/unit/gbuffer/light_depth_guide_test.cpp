@@ -1,6 +1,6 @@
 // Direct light by the lights' depth maps against direct light by shadow rays, as the walk from the eye finds it.
 
-#include "renderer/methods/light_depth_guide.h"
+#include "renderer/gbuffer/light_depth_guide.h"
 
 #include <gtest/gtest.h>
 

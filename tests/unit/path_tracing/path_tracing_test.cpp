@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "protocol/error.h"
-#include "renderer/methods/pixel_filter.h"
+#include "renderer/eye/pixel_filter.h"
 #include "renderer/methods/registry.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "renderer/scene/mesh_builder.h"

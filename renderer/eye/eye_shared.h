@@ -1,0 +1,33 @@
+// What paths from the eye share on the device (eye_scene.glsl), for both compilers. CPU twins: scene/camera.h,
+// eye/pixel_filter.h, eye/eye_scene.h.
+#ifndef PHOTOND_EYE_SHARED_H
+#define PHOTOND_EYE_SHARED_H
+
+#define EYE_TILE 8          // pixels along a side of the tile that a group of threads takes
+#define FILTER_BINS 256     // PixelFilterSampler::kBins
+#define FILTER_RADIUS 1.5f  // PixelFilterSampler::kRadius [pixels]
+
+#include "renderer/scene/camera_shared.h"
+
+#ifdef __cplusplus
+namespace photond::gpu {
+using uint = uint32_t;
+#endif
+
+struct EyeConstants {
+    CameraConstants camera;
+    uint width;  // pixels
+    uint height;
+    uint smooth_filter;    // 0: box
+    uint max_scatterings;  // EyeScene::max_scatterings
+    uint roulette_start;   // surface interactions after which roulette may end a path
+    float filter_cdf[FILTER_BINS + 1];
+};
+
+#ifdef __cplusplus
+static_assert(sizeof(EyeConstants) == sizeof(CameraConstants) + 5 * 4 + 4 * (FILTER_BINS + 1),
+              "must match the scalar layout of GLSL");
+}  // namespace photond::gpu
+#endif
+
+#endif

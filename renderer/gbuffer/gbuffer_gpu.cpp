@@ -1,0 +1,78 @@
+#include "renderer/gbuffer/gbuffer_gpu.h"
+
+#include <algorithm>
+
+#include "renderer/eye/eye_constants.h"
+#include "renderer/scene/scene.h"
+
+namespace photond {
+
+namespace {
+
+constexpr uint32_t kTilePixels = EYE_TILE * EYE_TILE;
+constexpr uint32_t kRouletteStart = 4;  // of paths through specular parts, as SpecularWalk's
+
+uint32_t tile_count(Size2 size) {
+    return (size.width + EYE_TILE - 1) / EYE_TILE * ((size.height + EYE_TILE - 1) / EYE_TILE);
+}
+
+}  // namespace
+
+GBufferGpu::GBufferGpu(const gpu::DeviceScene& scene, const View& view, uint64_t seed, const GBufferWalk& walk,
+                       DeviceImage& image, LightDepthMapsGpu* shadows)
+    : device_(scene.device()),
+      image_(image),
+      shadows_(shadows),
+      walk_(walk),
+      layout_(view.film_size, walk.split_side),
+      seed_(seed),
+      tiles_(tile_count(view.film_size)),
+      tiles_a_piece_(std::max(device_.paths_per_submit() / kTilePixels, 1u)),
+      pieces_((tiles_ + tiles_a_piece_ - 1) / tiles_a_piece_),
+      eye_(device_, "eye", sizeof(gpu::EyeConstants)),
+      sampler_(device_, "sampler", sizeof(gpu::PassSamplerData)),
+      points_(device_, "g_buffer", uint64_t{layout_.points()} * sizeof(gpu::GBufferPoint)),
+      general_(device_, "g_buffer",
+               (scene.scene().needs.only_lambert() ? 1 : uint64_t{layout_.points()}) * sizeof(gpu::GBufferGeneral)),
+      sums_(device_, "g_buffer", uint64_t{layout_.points()} * sizeof(vec3)),
+      pipeline_(device_,
+                shadows ? "renderer/gbuffer/gbuffer_walk_depth_maps.comp" : "renderer/gbuffer/gbuffer_walk.comp",
+                sizeof(gpu::GBufferWalkPush), &scene.set(), scene.specialization(image.specialization())) {
+    const gpu::EyeConstants eye = make_eye_constants(view, walk.max_scatterings, kRouletteStart);
+    gpu::upload(device_, eye_, std::as_bytes(std::span(&eye, 1)));
+    // Padding holds no points: the walk never comes there.
+    gpu::CommandList commands(device_);
+    commands.fill(points_, 0);
+    commands.submit();
+    commands.wait();
+}
+
+uint64_t GBufferGpu::device_bytes(Size2 size, uint32_t split_side, const Needs& needs) {
+    const uint64_t points = SplitLayout(size, split_side).points();
+    return points * (sizeof(gpu::GBufferPoint) + sizeof(vec3)) +
+           (needs.only_lambert() ? 1 : points) * sizeof(gpu::GBufferGeneral) + sizeof(gpu::EyeConstants) +
+           sizeof(gpu::PassSamplerData);
+}
+
+void GBufferGpu::record(gpu::CommandList& commands, uint32_t pass, uint32_t piece) {
+    if (piece == 0) {
+        commands.update(sampler_, PassSampler(walk_.sampler, seed_, RandomDomain::Camera, pass).device_data());
+        commands.fill(sums_, 0);
+    }
+    const uint32_t first = piece * tiles_a_piece_, end = std::min(first + tiles_a_piece_, tiles_);
+    const gpu::Scope scope(commands, "direct");
+    std::vector<gpu::Binding> bindings = {gpu::read_write(image_.layers()),
+                                          gpu::read_write(image_.counters()),
+                                          gpu::read(eye_),
+                                          gpu::read(sampler_),
+                                          gpu::write(points_),
+                                          gpu::write(general_)};
+    if (shadows_)
+        for (gpu::Buffer* of_maps : {&shadows_->constants(), &shadows_->maps(), &shadows_->depths()})
+            bindings.push_back(gpu::read(*of_maps));
+    commands.bind(pipeline_, bindings);
+    commands.push(gpu::GBufferWalkPush{split(), first, end, walk_.glossy_threshold});
+    commands.dispatch_threads(uint64_t{end - first} * kTilePixels, kTilePixels);
+}
+
+}  // namespace photond

@@ -1,0 +1,195 @@
+#include "renderer/many_lights/clamp_repayment.h"
+
+#include "renderer/transport/emission.h"
+#include "renderer/transport/mis.h"
+#include "renderer/transport/sampling.h"
+
+namespace photond {
+
+namespace {
+
+constexpr uint32_t kRouletteStart = 4;
+constexpr float kMostSurvival = 0.98f;
+
+/// The part of a BSDF whose photons connect: rough, and reflecting alone (photon_tracer.h).
+Bsdf connecting_part(const Bsdf& bsdf, float threshold) {
+    const Bsdf rough = bsdf.rough_part(threshold);
+    return rough.has_non_delta_transmission() ? Bsdf() : rough;
+}
+
+/// The normal that light samples go by; 0 where light comes from both sides.
+vec3 lit_normal_of(const Bsdf& bsdf, const ShadingPoint& at) {
+    return bsdf.has_non_delta_transmission() ? vec3(0) : at.shading.normal;
+}
+
+}  // namespace
+
+void ClampRepayment::repay(const RepaymentScene& shared, const PassSampler& sampler,
+                           std::span<const ClampedPoint> points, float clamp_sq_m2, const LeftOut& left_out,
+                           Counts& counts) {
+    clamp_sq_m2_ = clamp_sq_m2;
+    left_out_ = left_out;
+    start(sampler, points);
+    for (uint32_t vertex = 0; !rays_.empty(); ++vertex) {
+        hits_.resize(rays_.size());
+        shared.eye.intersector.closest_hits(rays_, hits_, Coherence::Incoherent);
+        counts.bounce_rays += rays_.size();
+        next_rays_.clear(), next_paths_.clear(), shadow_rays_.clear(), lights_.clear();
+        for (size_t i = 0; i < rays_.size(); ++i) scatter(shared, sampler, vertex, i);
+        occluded_.resize(shadow_rays_.size());
+        shared.eye.intersector.occluded(shadow_rays_, occluded_, Coherence::Incoherent);
+        counts.shadow_rays += shadow_rays_.size();
+        for (size_t i = 0; i < lights_.size(); ++i)
+            if (!occluded_[i]) add(lights_[i].point, lights_[i].narrow, lights_[i].light);
+        rays_.swap(next_rays_), paths_.swap(next_paths_);
+    }
+}
+
+/// One short ray a point. The throughput makes irradiance of radiance at Lambert points, radiance at others.
+void ClampRepayment::start(const PassSampler& sampler, std::span<const ClampedPoint> points) {
+    const float reach_m = left_out_.narrow.empty() ? std::sqrt(clamp_sq_m2_) : kInfinity;
+    rays_.clear(), paths_.clear();
+    for (uint32_t i = 0; i < points.size(); ++i) {
+        const ClampedPoint& point = points[i];
+        if (point.most_scatterings == 0) continue;
+        const vec3& position = point.position;
+        const vec3& geometric = point.geometric_normal;
+        const VisiblePoint* general = point.general;
+        const uint32_t key = hash32(sampler.pixel_key(point.pixel) + point.most_scatterings);
+        vec2 u = sampler.sample_2d(key, sample_set(0, VertexSet::Direction));
+        const bool both_sides = general && general->rough.has_non_delta_transmission();
+        bool below = false;
+        if (both_sides) {
+            below = u.x >= 0.5f;
+            u.x = 2 * u.x - (below ? 1.0f : 0.0f);
+        }
+        const Frame frame(general ? general->surface.shading.normal : point.normal);
+        vec3 local = sample_cosine_hemisphere(u);
+        if (below) local.z = -local.z;
+        const vec3 w = frame.to_world(local);
+        const bool front = glm::dot(geometric, w) > 0;
+        if (!both_sides && !front) continue;
+        Path path{.throughput = Rgb(kPi), .point = i, .key = key, .left = point.most_scatterings, .media = {}};
+        if (general) {
+            const vec3 wi = general->surface.shading.to_local(w);
+            const float pdf = std::fabs(local.z) * kInvPi * (both_sides ? 0.5f : 1.0f);
+            path.throughput = general->rough.f_cos(general->wo, wi) / pdf;
+            path.media = general->media;
+            if (is_black(path.throughput)) continue;
+        }
+        path.position = position;
+        paths_.push_back(path);
+        rays_.push_back({offset_ray_origin(position, front ? geometric : -geometric), w, reach_m});
+    }
+}
+
+void ClampRepayment::add(uint32_t point, bool narrow, const Rgb& light) {
+    (narrow ? left_out_.narrow : left_out_.clamped)[point] += light;
+}
+
+/// Adds the light at the end of ray i, and sends the path on.
+void ClampRepayment::scatter(const RepaymentScene& shared, const PassSampler& sampler, uint32_t vertex, size_t i) {
+    const Scene& scene = shared.eye.scene;
+    Path path = paths_[i];
+    const Hit& hit = hits_[i];
+    const vec3& direction = rays_[i].direction;
+    if (hit.valid()) path.throughput *= shared.eye.absorption.transmittance(path.media, hit.t);
+    if (vertex > 0) {  // light met by the path on from y
+        Rgb radiance(0);
+        float light_pdf = 0;
+        if (!hit.valid()) {
+            if (!scene.environment) return;
+            radiance = shared.eye.lights.environment_radiance(direction);
+            if (!path.delta) light_pdf = shared.eye.lights.pdf_environment(path.position, path.lit_normal, direction);
+        } else {
+            const ShadingPoint met = make_shading_point(scene, hit, direction);
+            radiance = emitted_radiance(scene, {hit.instance, hit.triangle, hit.u, hit.v}, met.front_side);
+            if (!path.delta && !is_black(radiance))
+                light_pdf = shared.eye.lights.pdf_triangle(path.position, path.lit_normal, hit.instance, hit.triangle,
+                                                           direction, hit.t);
+        }
+        if (!is_black(radiance))
+            add(path.point, path.narrow,
+                path.throughput * radiance * (path.delta ? 1.0f : power_heuristic(path.pdf_sa, light_pdf)));
+    }
+    if (!hit.valid() || path.left == 0) return;
+    --path.left;
+
+    const ShadingPoint at = make_shading_point(scene, hit, direction);
+    if (scene.materials[at.material].unlit) return;
+    const Bsdf whole = make_bsdf(scene, at, path.media.outside_ior(scene, at.material, !at.front_side));
+    const vec3 wo = at.shading.to_local(-direction);
+    path.position = at.position;
+    if (vertex > 0) {
+        path.lit_normal = lit_normal_of(whole, at);
+        // Light that the path on from here may meet is found in two ways; a last vertex has light samples alone.
+        const bool goes_on = path.left > 0 || whole.has_delta();
+        if (whole.has_non_delta()) sample_light(shared, sampler, vertex, path, at, whole, wo, goes_on ? 1.0f : 0.0f);
+        if (goes_on) leave(sampler, vertex, path, at, whole, wo, 1);
+        return;
+    }
+
+    // What connections leave out: of the part that connects what the clamp took, of the other all.
+    const Bsdf connecting = connecting_part(whole, shared.connect_threshold);
+    const Bsdf narrow = left_out_.narrow.empty() ? Bsdf()
+                        : connecting.scatters()  ? whole.specular_part(shared.connect_threshold)
+                                                 : whole;
+    const float share = left_out_.clamped.empty() ? 0 : 1 - std::min(sqr(hit.t) / clamp_sq_m2_, 1.0f);
+    const float by_clamp = connecting.scatters() ? share * max_component(connecting.albedo()) : 0;
+    const float by_narrow = narrow.scatters() ? max_component(narrow.albedo()) : 0;
+    // One path goes on from here, by one of the two; by a narrow lobe also where only a light is still to be met.
+    const float goes_on_by_clamp = by_clamp > 0 && path.left > 0 ? by_clamp / (by_clamp + by_narrow) : 0.0f;
+    const bool by_clamp_now = sampler.sample_2d(path.key, sample_set(vertex + 1, VertexSet::Lobe)).y < goes_on_by_clamp;
+    if (by_clamp > 0) {
+        Path clamped = path;
+        clamped.throughput *= share;
+        clamped.lit_normal = lit_normal_of(connecting, at);
+        sample_light(shared, sampler, vertex, clamped, at, connecting, wo, goes_on_by_clamp);
+        if (by_clamp_now) leave(sampler, vertex, clamped, at, connecting, wo, goes_on_by_clamp);
+    }
+    if (by_narrow > 0) {
+        path.narrow = true;
+        path.lit_normal = lit_normal_of(narrow, at);
+        if (narrow.has_non_delta()) sample_light(shared, sampler, vertex, path, at, narrow, wo, 1 - goes_on_by_clamp);
+        if (!by_clamp_now) leave(sampler, vertex, path, at, narrow, wo, 1 - goes_on_by_clamp);
+    }
+}
+
+/// Draws the path's next ray by that BSDF; `chance`: for it to have come to that.
+void ClampRepayment::leave(const PassSampler& sampler, uint32_t vertex, Path path, const ShadingPoint& at,
+                           const Bsdf& bsdf, const vec3& wo, float chance) {
+    const vec2 choice = sampler.sample_2d(path.key, sample_set(vertex + 1, VertexSet::Lobe));
+    const BsdfSample next =
+        bsdf.sample(wo, choice.x, sampler.sample_2d(path.key, sample_set(vertex + 1, VertexSet::Direction)));
+    if (!next.valid()) return;
+    path.throughput *= next.weight / chance;
+    path.pdf_sa = next.pdf_sa * chance;
+    path.delta = next.delta;
+    if (next.refraction) path.media.cross(at.material, at.front_side);
+    if (vertex >= kRouletteStart) {
+        const float survival = std::min(max_component(path.throughput) * kInvPi, kMostSurvival);
+        if (!(choice.y < survival)) return;
+        path.throughput /= survival;
+    }
+    const vec3 w = at.shading.to_world(next.wi);
+    next_rays_.push_back({ray_origin(at, w), w, kInfinity});
+    next_paths_.push_back(path);
+}
+
+/// `goes_on`: chance for the path on to be drawn by that BSDF, which may meet the same light.
+void ClampRepayment::sample_light(const RepaymentScene& shared, const PassSampler& sampler, uint32_t vertex,
+                                  const Path& path, const ShadingPoint& at, const Bsdf& bsdf, const vec3& wo,
+                                  float goes_on) {
+    LightSample light;
+    const float choice = sampler.sample_2d(path.key, sample_set(vertex, VertexSet::LightChoiceAndRoulette)).x;
+    if (!shared.eye.lights.sample(path.position, path.lit_normal, choice,
+                                  sampler.sample_2d(path.key, sample_set(vertex, VertexSet::LightPoint)), light))
+        return;
+    const BsdfValue f = bsdf.evaluate(wo, at.shading.to_local(light.wi));
+    if (is_black(f.f_cos)) return;
+    const float weight = light.delta || !(goes_on > 0) ? 1.0f : power_heuristic(light.pdf_sa, goes_on * f.pdf_sa);
+    shadow_rays_.push_back(light.shadow_ray(ray_origin(at, light.wi)));
+    lights_.push_back({path.throughput * f.f_cos * light.radiance_over_pdf * weight, path.point, path.narrow});
+}
+
+}  // namespace photond

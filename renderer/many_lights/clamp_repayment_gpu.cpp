@@ -1,0 +1,47 @@
+#include "renderer/many_lights/clamp_repayment_gpu.h"
+
+#include <algorithm>
+
+#include "renderer/many_lights/vpl_lighting_shared.h"
+
+namespace photond {
+
+namespace {
+
+std::vector<gpu::Specialization> constants_of(const gpu::DeviceScene& scene, const DeviceImage& image,
+                                              const RepaymentAsks& asks) {
+    std::vector<gpu::Specialization> own = image.specialization();
+    own.push_back(gpu::specialize(CLAMP_IS_ASKED_ID, asks.clamped));
+    own.push_back(gpu::specialize(CLAMP_IS_REPAID_ID, asks.clamped && asks.repaid));
+    own.push_back(gpu::specialize(NARROW_IS_ASKED_ID, asks.narrow));
+    return scene.specialization(own);
+}
+
+}  // namespace
+
+ClampRepaymentGpu::ClampRepaymentGpu(const gpu::DeviceScene& scene, GBufferGpu& buffer, DeviceImage& image,
+                                     uint64_t seed, SamplerKind sampler, const RepaymentAsks& asks)
+    : buffer_(buffer),
+      image_(image),
+      seed_(seed),
+      sampler_kind_(sampler),
+      points_at_once_(std::max(scene.device().paths_per_submit() / SPLIT_GROUP, 1u) * SPLIT_GROUP),
+      pieces_((buffer.layout().points() + points_at_once_ - 1) / points_at_once_),
+      sampler_(scene.device(), "sampler", sizeof(gpu::PassSamplerData)),
+      pipeline_(scene.device(), "renderer/many_lights/clamp_repayment.comp", sizeof(gpu::PointPush), &scene.set(),
+                constants_of(scene, image, asks)) {}
+
+void ClampRepaymentGpu::record(gpu::CommandList& commands, gpu::Buffer& constants, uint32_t pass, uint32_t piece) {
+    if (piece == 0)
+        commands.update(sampler_, PassSampler(sampler_kind_, seed_, RandomDomain::Splats, pass).device_data());
+    const uint32_t first = piece * points_at_once_, end = std::min(first + points_at_once_, buffer_.layout().points());
+    const gpu::Scope scope(commands, "repay");
+    commands.bind(pipeline_,
+                  {gpu::read_write(image_.layers()), gpu::read_write(image_.counters()), gpu::read(buffer_.eye()),
+                   gpu::read(sampler_), gpu::read(constants), gpu::read(buffer_.points()), gpu::read(buffer_.general()),
+                   gpu::read_write(buffer_.sums())});
+    commands.push(gpu::PointPush{first, end});
+    commands.dispatch_threads(end - first, SPLIT_GROUP);
+}
+
+}  // namespace photond

@@ -1,0 +1,108 @@
+#include "renderer/many_lights/vpl_choice_gpu.h"
+
+#include <algorithm>
+
+#include "protocol/error.h"
+
+namespace photond {
+
+namespace {
+
+constexpr uint64_t kMostChosenBytes = 64u << 20;  // more points are chosen for piece by piece
+
+/// Lights or nodes that a point looks at while it chooses, about.
+uint64_t looked_at(uint32_t most_lights, const VplChoiceSettings& settings) {
+    constexpr uint64_t kNodesALight = 4;
+    return settings.lightcut ? kNodesALight * settings.lights : uint64_t{most_lights} + settings.lights;
+}
+
+/// Points that there is room for.
+uint64_t roomy_points(uint64_t points, const VplChoiceSettings& settings) {
+    const uint64_t most = std::min(kMostChosenBytes / (settings.lights * sizeof(gpu::ChosenVplRecord)), points);
+    return std::max<uint64_t>(most / SPLIT_GROUP, 1) * SPLIT_GROUP;
+}
+
+uint32_t points_of_piece(const gpu::Device& device, uint64_t points, uint32_t most_lights,
+                         const VplChoiceSettings& settings) {
+    const uint64_t by_time = device.paths_per_submit() / looked_at(most_lights, settings);
+    const uint64_t most = std::min(by_time, roomy_points(points, settings));
+    return static_cast<uint32_t>(std::max<uint64_t>(most / SPLIT_GROUP, 1) * SPLIT_GROUP);
+}
+
+/// Nodes of a cut that a thread keeps, where subgroups have at least so many threads.
+constexpr uint32_t kLeastSubgroup = 4;
+uint32_t nodes_a_thread(const VplChoiceSettings& settings) {
+    return settings.lightcut ? (settings.lights + kLeastSubgroup - 1) / kLeastSubgroup : 0;
+}
+
+}  // namespace
+
+VplChoiceGpu::VplChoiceGpu(const gpu::DeviceScene& scene, GBufferGpu& buffer, VplSetGpu& lights,
+                           VplLightingGpu& lighting, gpu::Buffer& counters, VplVisibility visibility,
+                           const VplChoiceSettings& settings)
+    : settings_(settings),
+      buffer_(buffer),
+      lights_(lights),
+      lighting_(lighting),
+      counters_(counters),
+      points_at_once_(points_of_piece(scene.device(), buffer.layout().points(), lights.most(), settings)),
+      pieces_((buffer.layout().points() + points_at_once_ - 1) / points_at_once_),
+      chosen_(scene.device(), "vpl_choice",
+              roomy_points(buffer.layout().points(), settings) * settings.lights * sizeof(gpu::ChosenVplRecord)),
+      chosen_counts_(scene.device(), "vpl_choice", roomy_points(buffer.layout().points(), settings) * sizeof(uint32_t)),
+      cuts_(scene.device(), "vpl_choice",
+            roomy_points(buffer.layout().points(), settings) * nodes_a_thread(settings) * sizeof(gpu::CutNode)),
+      choose_(scene.device(),
+              settings.lightcut ? "renderer/many_lights/vpl_choice_cut.comp"
+                                : "renderer/many_lights/vpl_choice_resampled.comp",
+              sizeof(gpu::VplChoicePush), &scene.set(), scene.specialization()),
+      light_(scene.device(), VplVisibilityGpu::shader("renderer/many_lights/vpl_choice_light", visibility),
+             sizeof(gpu::VplChoicePush), &scene.set(), scene.specialization()) {
+    if (settings.lightcut && scene.device().limits().subgroup_size < kLeastSubgroup)
+        throw Error(ErrorCode::Unsupported, "/vpl_choice",
+                    "lightcut needs subgroups of 4 threads, of which this device has " +
+                        std::to_string(scene.device().limits().subgroup_size));
+    if (settings.lightcut) tree_.emplace(scene.device(), lights.most());
+}
+
+uint64_t VplChoiceGpu::device_bytes(Size2 film_size, uint32_t most_lights, const VplChoiceSettings& settings) {
+    const uint64_t a_point = settings.lights * sizeof(gpu::ChosenVplRecord) + sizeof(uint32_t) +
+                             nodes_a_thread(settings) * sizeof(gpu::CutNode);
+    return roomy_points(SplitLayout(film_size, 1).points(), settings) * a_point +
+           (settings.lightcut ? VplTreeGpu::device_bytes(most_lights) : 0);
+}
+
+uint64_t VplChoiceGpu::work_of_piece() const { return points_at_once_ * looked_at(lights_.most(), settings_); }
+
+void VplChoiceGpu::record_lights(gpu::CommandList& commands) {
+    if (tree_) tree_->record(commands, lights_.vpls(), {lights_.counts(), VPL_COUNT});
+}
+
+void VplChoiceGpu::record(gpu::CommandList& commands, const VplVisibilityGpu& visibility, uint32_t piece) {
+    const uint32_t first = piece * points_at_once_;
+    const uint32_t end = std::min(first + points_at_once_, buffer_.layout().points());
+    const gpu::VplChoicePush push{first, end, points_at_once_, settings_.lights};
+    const gpu::Scope scope(commands, "indirect");
+    if (tree_)
+        commands.bind(choose_, {gpu::read(lighting_.constants()), gpu::read(buffer_.points()),
+                                gpu::read(lights_.counts()), gpu::write(chosen_), gpu::write(chosen_counts_),
+                                gpu::read(tree_->nodes()), gpu::read_write(cuts_)});
+    else
+        commands.bind(choose_,
+                      {gpu::read(lighting_.constants()), gpu::read(buffer_.points()), gpu::read(lights_.counts()),
+                       gpu::read(lights_.vpls()), gpu::write(chosen_), gpu::write(chosen_counts_)});
+    commands.push(push);
+    commands.dispatch_threads(end - first, SPLIT_GROUP);
+
+    std::vector<gpu::Binding> bindings = {gpu::read_write(counters_),      gpu::read(lighting_.constants()),
+                                          gpu::read(buffer_.points()),     gpu::read(buffer_.general()),
+                                          gpu::read(lights_.vpls()),       gpu::read(lights_.lobes()),
+                                          gpu::read_write(buffer_.sums()), gpu::read(chosen_),
+                                          gpu::read(chosen_counts_)};
+    visibility.append_to(bindings);
+    commands.bind(light_, bindings);
+    commands.push(push);
+    commands.dispatch_threads(end - first, SPLIT_GROUP);
+}
+
+}  // namespace photond

@@ -1,0 +1,93 @@
+#include "renderer/many_lights/vpl_lighting_gpu.h"
+
+#include <algorithm>
+
+#include "renderer/core/rng.h"
+#include "renderer/many_lights/vpl_lighting.h"
+
+namespace photond {
+
+namespace {
+
+static_assert(VPL_VISIBILITY_SVO == static_cast<uint32_t>(VplVisibility::Svo) &&
+              VPL_VISIBILITY_RAYS == static_cast<uint32_t>(VplVisibility::Rays) &&
+              VPL_VISIBILITY_MAPS == static_cast<uint32_t>(VplVisibility::ShadowMaps) &&
+              VPL_VISIBILITY_NONE == static_cast<uint32_t>(VplVisibility::None));
+
+/// Lights that a point goes through at a time: the mean that roulette goes by is theirs.
+constexpr uint32_t kLightsAtOnce = 4096;
+
+/// At most.
+uint32_t lights_of_tile(const VplSetGpu& lights, const GBufferGpu& buffer) {
+    return (lights.most() + buffer.layout().tiles() - 1) / buffer.layout().tiles();
+}
+
+}  // namespace
+
+std::string VplVisibilityGpu::shader(const std::string& stem, VplVisibility kind) {
+    switch (kind) {
+        case VplVisibility::Svo: return stem + "_svo.comp";
+        case VplVisibility::Rays: return stem + "_rays.comp";
+        case VplVisibility::ShadowMaps: return stem + "_maps.comp";
+        case VplVisibility::None: break;
+    }
+    return stem + "_none.comp";
+}
+
+void VplVisibilityGpu::append_to(std::vector<gpu::Binding>& bindings) const {
+    if (kind == VplVisibility::Svo)
+        for (gpu::Buffer* buffer : {&tree->constants(), &tree->nodes(), &tree->bricks()})
+            bindings.push_back(gpu::read(*buffer));
+    if (kind == VplVisibility::ShadowMaps) bindings.push_back(gpu::read(maps->reach()));
+}
+
+VplLightingGpu::VplLightingGpu(const gpu::DeviceScene& scene, GBufferGpu& buffer, VplSetGpu& lights,
+                               gpu::Buffer& counters, uint64_t seed, const VplLightingSettings& settings)
+    : buffer_(buffer),
+      lights_(lights),
+      counters_(counters),
+      seed_(seed),
+      settings_(settings),
+      lights_at_once_(std::min(lights_of_tile(lights, buffer), kLightsAtOnce)),
+      points_at_once_(std::max(scene.device().paths_per_submit() / lights_at_once_ / SPLIT_GROUP, 1u) * SPLIT_GROUP),
+      point_pieces_((buffer.layout().points() + points_at_once_ - 1) / points_at_once_),
+      light_pieces_((lights_of_tile(lights, buffer) + lights_at_once_ - 1) / lights_at_once_),
+      constants_(scene.device(), "vpl_constants", sizeof(gpu::VplLightingConstants)) {
+    if (settings.lights_all)
+        light_.emplace(scene.device(),
+                       VplVisibilityGpu::shader("renderer/many_lights/vpl_lighting", settings.visibility),
+                       static_cast<uint32_t>(sizeof(gpu::VplLightingPush)), &scene.set(), scene.specialization());
+}
+
+uint32_t VplLightingGpu::rotation(uint64_t seed, uint32_t pass, uint32_t tiles) {
+    return RandomStream(seed, RandomDomain::Splats, pass, 0).next_bits() % tiles;
+}
+
+void VplLightingGpu::record_constants(gpu::CommandList& commands, uint32_t pass) {
+    commands.update(constants_, gpu::VplLightingConstants{.seed = seed_,
+                                                          .pass = pass,
+                                                          .rotation = rotation(seed_, pass, buffer_.layout().tiles()),
+                                                          .split = buffer_.split(),
+                                                          .clamp_sq_m2 = settings_.clamp_sq_m2,
+                                                          .roulette = settings_.roulette,
+                                                          .glossy_threshold = buffer_.glossy_threshold(),
+                                                          .connect_threshold = settings_.connect_threshold,
+                                                          .map_resolution = settings_.map_resolution});
+}
+
+void VplLightingGpu::record(gpu::CommandList& commands, const VplVisibilityGpu& visibility, uint32_t piece) {
+    const uint32_t first = piece % point_pieces_ * points_at_once_;
+    const uint32_t first_light = piece / point_pieces_ * lights_at_once_;
+    const uint32_t end = std::min(first + points_at_once_, buffer_.layout().points());
+    const gpu::Scope scope(commands, "indirect");
+    std::vector<gpu::Binding> bindings = {gpu::read_write(counters_),  gpu::read(constants_),
+                                          gpu::read(buffer_.points()), gpu::read(buffer_.general()),
+                                          gpu::read(lights_.counts()), gpu::read(lights_.vpls()),
+                                          gpu::read(lights_.lobes()),  gpu::read_write(buffer_.sums())};
+    visibility.append_to(bindings);
+    commands.bind(*light_, bindings);
+    commands.push(gpu::VplLightingPush{first, end, first_light, first_light + lights_at_once_});
+    commands.dispatch_threads(end - first, SPLIT_GROUP);
+}
+
+}  // namespace photond

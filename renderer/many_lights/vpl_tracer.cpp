@@ -1,0 +1,269 @@
+#include "renderer/many_lights/vpl_tracer.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "renderer/core/parallel.h"
+#include "renderer/core/thread_local.h"
+#include "renderer/many_lights/flux_map.h"
+#include "renderer/photons/photon_wavefront.h"
+#include "renderer/scene/surface_area.h"
+
+namespace photond {
+
+namespace {
+
+constexpr uint32_t kPathsAtOnce = 256;  // of a batch: a pass has few
+
+PhotonTracing photon_tracing(const VplTracing& tracing) {
+    PhotonTracing photons;
+    photons.photons = tracing.vpls;
+    photons.most_scatterings = tracing.bounces;
+    photons.glossy_threshold = tracing.glossy_threshold;
+    photons.sampler = tracing.sampler;
+    photons.beams = false;
+    return photons;
+}
+
+/// What is seen by one pass's map.
+struct TexelPass {
+    TexelPass(const TexelMap& lights, const VplTracing& tracing, uint64_t seed, uint32_t pass)
+        : map(lights, seed, pass), numbers(VplTracer::texel_numbers(tracing, map)) {}
+
+    const TexelMapPass map;
+    const SequenceSampler numbers;
+};
+
+/// What a batch of paths left, and whose it is.
+struct PathLights {
+    std::vector<ReflectedPhoton> photons;
+    std::vector<uint32_t> paths;
+    std::vector<ReflectingSurface> surfaces;
+    Counts counts;
+};
+
+/// Cells of a grid over the scene that surfaces pass through, by the axis they face most.
+class LitCells {
+public:
+    LitCells(const Bounds3& bounds, uint32_t resolution)
+        : bounds_(bounds),
+          resolution_(resolution),
+          cell_m_(glm::max(bounds.diagonal(), vec3(1e-6f * max_component(bounds.diagonal()))) /
+                  static_cast<float>(resolution)) {}
+
+    void add(const vec3& position, const vec3& normal) {
+        const vec3 facing = glm::abs(normal);
+        const int axis = facing.x > facing.y ? (facing.x > facing.z ? 0 : 2) : (facing.y > facing.z ? 1 : 2);
+        const uvec3 cell(glm::clamp((position - bounds_.min) / cell_m_, 0.0f, static_cast<float>(resolution_ - 1)));
+        // Over the area of the cell's side a plane passes through 1 + its slopes cells of the column on the average.
+        const vec3 rises = facing / cell_m_;
+        const float columns = (rises.x + rises.y + rises.z) / rises[axis];
+        const float side_m2 = cell_m_.x * cell_m_.y * cell_m_.z / cell_m_[axis];
+        cells_.push_back({((cell.z * resolution_ + cell.y) * resolution_ + cell.x) * 6 +
+                              2 * static_cast<uint32_t>(axis) + uint32_t{normal[axis] < 0},
+                          side_m2 / (facing[axis] * columns)});
+    }
+    /// Keeps one of each.
+    void merge() {
+        const auto by_key = [](const Cell& a, const Cell& b) {
+            return std::pair(a.key, a.area_m2) < std::pair(b.key, b.area_m2);
+        };
+        std::sort(cells_.begin(), cells_.end(), by_key);
+        const auto same = [](const Cell& a, const Cell& b) { return a.key == b.key; };
+        cells_.erase(std::unique(cells_.begin(), cells_.end(), same), cells_.end());
+    }
+    size_t count() const { return cells_.size(); }
+    double area_m2() const {
+        double area = 0;
+        for (const Cell& cell : cells_) area += double{cell.area_m2};
+        return area;
+    }
+
+private:
+    struct Cell {
+        uint32_t key;
+        float area_m2;
+    };
+    const Bounds3 bounds_;
+    const uint32_t resolution_;
+    const vec3 cell_m_;
+    std::vector<Cell> cells_;
+};
+
+}  // namespace
+
+struct VplTracer::Shared : PhotonTracingScene {
+    Shared(const Scene& lit_scene, const Intersector& first, const Intersector& later, const EmissionSampler& lights,
+           const VplTracing& vpl_tracing)
+        : PhotonTracingScene(lit_scene, first, later, lights, photon_tracing(vpl_tracing)),
+          vpls(vpl_tracing),
+          map(lights, vpl_tracing.map_side) {}
+
+    /// visit(texels seen, first texel of their run), in parallel.
+    template <class Visit>
+    Counts see_texels(const TexelPass& pass, const CancelToken& cancel, const Visit& visit);
+    std::vector<ChosenStart> choose(const FluxMap& worth, const FluxMap& flux, const uvec2& rotation) const;
+    TracedReflections trace_paths(const TexelPass& pass, std::span<const ChosenStart> starts,
+                                  const CancelToken& cancel);
+
+    const VplTracing vpls;
+    const TexelMap map;
+    ThreadLocal<PhotonWavefront> wavefronts;
+};
+
+template <class Visit>
+Counts VplTracer::Shared::see_texels(const TexelPass& pass, const CancelToken& cancel, const Visit& visit) {
+    constexpr uint32_t kRun = SequenceSampler::kRun;
+    std::vector<Counts> counts((pass.map.texels() + kRun - 1) / kRun);
+    parallel_for(counts.size(), 1, [&](size_t i) {
+        if (cancel.cancelled()) return;
+        const auto first = static_cast<uint32_t>(i) * kRun;
+        const PhotonBatch batch{
+            .run = i, .first = 0, .last = std::min(kRun, pass.map.texels() - first), .map = &pass.map};
+        visit(wavefronts.local().see(*this, pass.numbers, batch, counts[i]), first);
+    });
+    Counts sum;
+    for (const Counts& of_run : counts) sum += of_run;
+    return sum;
+}
+
+std::vector<ChosenStart> VplTracer::Shared::choose(const FluxMap& worth, const FluxMap& flux,
+                                                   const uvec2& rotation) const {
+    std::vector<ChosenStart> starts(vpls.vpls);
+    parallel_for(starts.size(), kPathsAtOnce, [&](size_t i) {
+        const Texel texel = worth.choose(rotated_halton_point(static_cast<uint32_t>(i), rotation));
+        starts[i] = {texel.index, 1 / (static_cast<float>(vpls.vpls) * texel.probability), flux.worth()[texel.index]};
+    });
+    return starts;
+}
+
+TracedReflections VplTracer::Shared::trace_paths(const TexelPass& pass, std::span<const ChosenStart> starts,
+                                                 const CancelToken& cancel) {
+    constexpr uint32_t kRun = SequenceSampler::kRun;
+    static_assert(kRun % kPathsAtOnce == 0);
+    const SequenceSampler numbers = path_numbers(vpls, pass.map);
+    const ChosenStarts chosen{pass.map, pass.numbers, starts};
+    const auto paths = static_cast<uint32_t>(starts.size());
+    std::vector<PathLights> batches((paths + kPathsAtOnce - 1) / kPathsAtOnce);
+    parallel_for(batches.size(), 1, [&](size_t i) {
+        if (cancel.cancelled()) return;
+        const uint32_t first = static_cast<uint32_t>(i) * kPathsAtOnce, last = std::min(first + kPathsAtOnce, paths);
+        const uint32_t run = first / kRun, start = run * kRun;
+        PathLights& mine = batches[i];
+        const ReflectedBatch left = wavefronts.local().trace_reflected(
+            *this, numbers, {.run = run, .first = first - start, .last = last - start, .chosen = &chosen}, mine.counts);
+        mine.photons.assign(left.photons.begin(), left.photons.end());
+        mine.surfaces.assign(left.surfaces.begin(), left.surfaces.end());
+        for (const uint32_t element : left.elements) mine.paths.push_back(start + element);
+    });
+
+    // Paths along the map's curve; a batch has each one's photons by their scatterings.
+    struct Place {
+        uint32_t texel, path;
+        uint32_t batch, photon;
+    };
+    std::vector<Place> places;
+    TracedReflections traced;
+    for (uint32_t b = 0; b < batches.size(); ++b) {
+        traced.counts += batches[b].counts;
+        for (uint32_t k = 0; k < batches[b].photons.size(); ++k) {
+            const uint32_t path = batches[b].paths[k];
+            places.push_back({starts[path].texel, path, b, k});
+        }
+    }
+    std::stable_sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
+        return std::pair(a.texel, a.path) < std::pair(b.texel, b.path);
+    });
+    traced.photons.reserve(places.size());
+    for (const Place& place : places) {
+        const PathLights& batch = batches[place.batch];
+        ReflectedPhoton& photon = traced.photons.emplace_back(batch.photons[place.photon]);
+        if (photon.surface == ReflectedPhoton::kNoSurface) continue;
+        traced.surfaces.push_back(batch.surfaces[photon.surface]);
+        photon.surface = static_cast<uint32_t>(traced.surfaces.size() - 1);
+    }
+    return traced;
+}
+
+VplTracer::VplTracer(const Scene& scene, const Intersector& intersector, const Intersector& bounce_intersector,
+                     const EmissionSampler& emission, const VplTracing& tracing)
+    : shared_(std::make_unique<Shared>(scene, intersector, bounce_intersector, emission, tracing)) {}
+VplTracer::~VplTracer() = default;
+
+TracedReflections VplTracer::trace(uint64_t seed, uint32_t pass, const TexelImportance& importance, Stats& stats,
+                                   const CancelToken& cancel) const {
+    const VplTracing& tracing = shared_->vpls;
+    TracedReflections traced;
+    traced.paths = traced.counts.photons_emitted = tracing.vpls;
+    if (tracing.bounces == 0) return traced;
+    const TexelPass texels(shared_->map, tracing, seed, pass);
+    FluxMap flux(shared_->map.levels());
+    FluxMap weighted(importance ? shared_->map.levels() : 0);
+    Counts of_texels;
+    {
+        const StageTimer timer(stats, "rsm");
+        of_texels = shared_->see_texels(texels, cancel, [&](std::span<const SeenTexel> seen, uint32_t first) {
+            for (const SeenTexel& texel : seen) {
+                flux.worth()[first + texel.element] = texel.flux_w;
+                if (importance) weighted.worth()[first + texel.element] = texel.flux_w * importance(texel.photon);
+            }
+        });
+    }
+    const StageTimer timer(stats, "vpl_generation");
+    flux.sum();
+    if (importance) {
+        weighted.sum();
+        const float plain = kPlainFluxShare / flux.total(), rest = (1 - kPlainFluxShare) / weighted.total();
+        if (weighted.total() > 0)
+            for (uint32_t i = 0; i < flux.texels(); ++i)
+                weighted.worth()[i] = plain * flux.worth()[i] + rest * weighted.worth()[i];
+        else
+            std::ranges::copy(flux.worth(), weighted.worth().begin());
+        weighted.sum();
+    }
+    if (flux.total() > 0 && !cancel.cancelled()) {
+        const std::vector<ChosenStart> starts =
+            shared_->choose(importance ? weighted : flux, flux, texels.map.rotation());
+        traced = shared_->trace_paths(texels, starts, cancel);
+        traced.paths = traced.counts.photons_emitted;
+    }
+    traced.counts += of_texels;
+    return traced;
+}
+
+double VplTracer::lit_area_m2(uint64_t seed) const {
+    // Of the reference's domain: its numbers are no pass's.
+    const TexelPass texels(shared_->map, shared_->vpls, reference_seed(seed), 0);
+    std::vector<std::vector<SeenTexel>> runs(texels.map.texels() / SequenceSampler::kRun + 1);
+    shared_->see_texels(texels, CancelToken{}, [&](std::span<const SeenTexel> seen, uint32_t first) {
+        for (const SeenTexel& texel : seen)
+            if (!is_black(texel.photon.power_w)) runs[first / SequenceSampler::kRun].push_back(texel);
+    });
+    size_t hits = 0;
+    for (const std::vector<SeenTexel>& run : runs) hits += run.size();
+    if (hits == 0) return 0;
+    // Cells so wide that hardly any are lit without being hit.
+    constexpr size_t kHitsOfCell = 8;
+    double area_m2 = 0;
+    for (uint32_t resolution = 64; resolution > 0; resolution /= 2) {
+        LitCells cells(shared_->scene.bounds, resolution);
+        for (const std::vector<SeenTexel>& run : runs)
+            for (const SeenTexel& texel : run) cells.add(texel.photon.position, texel.photon.normal);
+        cells.merge();
+        area_m2 = cells.area_m2();
+        if (cells.count() * kHitsOfCell <= hits) break;
+    }
+    return std::min(area_m2, surface_area_m2(shared_->scene));
+}
+
+uint64_t VplTracer::scratch_bytes(const VplTracing& tracing, size_t threads, uint64_t lights) {
+    const auto levels = static_cast<uint32_t>(std::countr_zero(tracing.map_side));
+    return threads * PhotonWavefront::texel_bytes_per_thread() + TexelMap::bytes_for(lights) +
+           2 * FluxMap::values(levels) * sizeof(float) + tracing.vpls * sizeof(ChosenStart);
+}
+uint64_t VplTracer::result_bytes(const VplTracing& tracing) {
+    // Twice: in the batches, and in the order they come back in.
+    return 2 * uint64_t{tracing.vpls} * tracing.bounces * (sizeof(ReflectedPhoton) + sizeof(ReflectingSurface) + 16);
+}
+
+}  // namespace photond

@@ -1,0 +1,86 @@
+#pragma once
+// VplTracer::trace() on a device: the same texels, the same choice, the same paths.
+
+#include <optional>
+
+#include "renderer/backends/gpu/device_scene.h"
+#include "renderer/backends/gpu/prefix_sum.h"
+#include "renderer/backends/gpu/radix_sort.h"
+#include "renderer/many_lights/flux_map_gpu.h"
+#include "renderer/many_lights/vpl_tracer.h"
+#include "renderer/many_lights/vpl_tracer_shared.h"
+#include "renderer/photons/reflected_photon_shared.h"
+#include "renderer/photons/texel_map.h"
+
+namespace photond {
+
+/// How light paths find their hits after the first.
+struct VplBounceShader {
+    /// A shader that defines `Hit bounce_hit(Ray ray)` and includes vpl_paths.glsl; bindings of its own in set 0 start
+    /// at VPL_BOUNCE_BINDING (vpl_tracer_shared.h).
+    std::string name = "renderer/many_lights/vpl_paths.comp";
+    std::vector<gpu::Binding> bindings;  // those
+};
+
+/// One pass's lights at a time, without anything read back: the commands of a pass follow one another. Borrows the
+/// scene, the emission and the counters (backends/gpu/counters.h), which it adds to.
+///
+/// Light i of the pass, in VplTracer's order, is photons()[order()[i]]; i below the word REFLECTION_PHOTONS of state().
+/// There is room for as many as there can be.
+class VplTracerGpu {
+public:
+    /// `weighted`: importance() is changed between record_map() and record_vpls(), as VplTracer::trace()'s `importance`
+    /// does.
+    VplTracerGpu(const gpu::DeviceScene& scene, const EmissionSampler& emission, const VplTracing& tracing,
+                 gpu::Buffer& counters, bool weighted, VplBounceShader bounces = {});
+    /// On the device. `lambert`: every surface is a plain Lambert reflector.
+    static uint64_t device_bytes(const VplTracing& tracing, bool weighted, bool lambert, uint64_t lights);
+
+    /// Says which pass is recorded next: a pure function of (scene, settings, seed, pass).
+    void start(uint64_t seed, uint32_t pass);
+    /// Traces the texels, stage `rsm`. Leaves texels() and importance(), both in the map's order.
+    void record_map(gpu::CommandList& commands);
+    /// The rest, stage `vpl_generation`.
+    void record_vpls(gpu::CommandList& commands);
+
+    uint32_t most_lights() const { return tracing_.vpls * tracing_.bounces; }
+
+    gpu::Buffer& photons() { return photons_; }    // ReflectedPhotonRecord
+    gpu::Buffer& order() { return order_; }        // uint
+    gpu::Buffer& surfaces() { return surfaces_; }  // ReflectingSurfaceRecord, by the photons' `surface`
+    gpu::Buffer& state() { return state_; }        // words, REFLECTION_PHOTONS ...
+
+    /// Of the pass's map: what each texel saw, a ReflectedPhotonRecord (TexelImportance says what of it counts); power
+    /// 0 where it met nothing ...
+    gpu::Buffer& texels() { return texels_; }
+    uint32_t map_texels() const { return plain_.texels(); }
+    /// ... what it is worth, a float each [W]; may be multiplied by anything not negative where `weighted` ...
+    gpu::Buffer& importance() { return weighted_ ? weighted_->sums() : plain_.sums(); }
+    /// ... and whose they are: TexelRun (texel_map_shared.h), by their first texels.
+    gpu::Buffer& runs() { return runs_; }
+    uint32_t run_count() const { return run_count_; }
+
+    /// Samples that were no numbers, once the pass has been waited for.
+    void add_to(Counts& counts) const;
+
+private:
+    FluxMapGpu& chosen_by() { return weighted_ ? *weighted_ : plain_; }
+
+    gpu::Device& device_;
+    const VplTracing tracing_;
+    gpu::Buffer& counters_;
+    TexelMap map_;
+    std::optional<TexelMapPass> pass_;
+    FluxMapGpu plain_;                    // by the texels' flux
+    std::optional<FluxMapGpu> weighted_;  // by the importance too
+    uint32_t run_count_ = 0;
+    gpu::Buffer runs_, texels_, state_, host_state_, photons_, owners_, path_counts_, order_, surfaces_;
+    gpu::Buffer chosen_texels_, points_;  // of the paths: a uint each
+    gpu::Buffer starts_;                  // gpu::VplStart
+    const VplBounceShader bounces_;
+    gpu::ComputePipeline trace_texels_, mix_, choose_, start_paths_, trace_paths_, sort_;
+    gpu::RadixSort sort_paths_;
+    gpu::PrefixSum sum_;
+};
+
+}  // namespace photond

@@ -1,8 +1,0 @@
-#version 460
-// Points lit by the lights chosen for them, V by a depth map a light: vpl_choice_light.glsl.
-#extension GL_GOOGLE_include_directive : require
-#extension GL_EXT_scalar_block_layout : require
-
-#include "renderer/methods/vpl_choice_bindings.glsl"
-#include "renderer/methods/vpl_visibility_maps.glsl"
-#include "renderer/methods/vpl_choice_light.glsl"

@@ -1,6 +1,0 @@
-#version 460
-// The light paths of virtual point lights, all of whose hits are found by rays.
-#extension GL_GOOGLE_include_directive : require
-#extension GL_EXT_scalar_block_layout : require
-
-#include "renderer/photons/vpl_paths.glsl"
