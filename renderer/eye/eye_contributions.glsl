@@ -66,7 +66,4 @@ void store_light(uint pixel, PathLight light) {
     if (layer_kept(PLANE_ALBEDO)) store_rgb(PLANE_ALBEDO, pixel, light.albedo);
 }
 
-/// No path outlives roulette for ever, however white the scene.
-const float kMaxSurvival = 0.98;
-
 #endif

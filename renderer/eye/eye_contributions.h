@@ -63,7 +63,4 @@ inline void store_first_hit(PassImage& image, const EyeScene& shared, uint32_t p
         image.depth[pixel] = glm::dot(position - shared.view.camera.position, shared.view.camera.forward);
 }
 
-/// No path outlives roulette for ever, however white the scene.
-inline constexpr float kMaxSurvival = 0.98f;
-
 }  // namespace photond

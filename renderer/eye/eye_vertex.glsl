@@ -4,6 +4,7 @@
 
 #include "renderer/eye/eye_contributions.glsl"
 #include "renderer/transport/bsdf_material.glsl"
+#include "renderer/transport/roulette_shared.h"
 
 struct EyeVertex {
     ShadingPoint surface;
@@ -66,7 +67,7 @@ bool leave_surface(inout EyePath path, ShadingPoint surface, BsdfSample next, bo
     const float hope = max_component(path.throughput) * path.eta_scale;
     if (!(hope > 0.0)) return false;
     if (with_roulette) {
-        const float survival = min(hope, kMaxSurvival);
+        const float survival = min(hope, ROULETTE_MOST_SURVIVAL);
         if (roulette >= survival) return false;
         path.throughput /= survival;
     }

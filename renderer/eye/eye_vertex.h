@@ -3,6 +3,7 @@
 
 #include "renderer/eye/eye_contributions.h"
 #include "renderer/transport/bsdf.h"
+#include "renderer/transport/roulette_shared.h"
 
 namespace photond {
 
@@ -66,7 +67,7 @@ inline bool leave_surface(EyePath& path, const ShadingPoint& surface, const Bsdf
     const float hope = max_component(path.throughput) * path.eta_scale;
     if (!(hope > 0)) return false;
     if (with_roulette) {
-        const float survival = std::min(hope, kMaxSurvival);
+        const float survival = std::min(hope, ROULETTE_MOST_SURVIVAL);
         if (roulette >= survival) return false;
         path.throughput /= survival;
     }

@@ -6,13 +6,11 @@
 #include "renderer/eye/eye_contributions.h"
 #include "renderer/eye/eye_vertex.h"
 #include "renderer/transport/hit_prefetch.h"
+#include "renderer/transport/roulette_shared.h"
 
 namespace photond {
 
 namespace {
-
-/// Vertices after which Russian roulette may end a path through specular parts.
-constexpr uint32_t kRouletteStart = 4;
 
 /// Shadow rays of a batch: as many light samples as a vertex may have fit in, and one of each of a tile's paths.
 size_t shadow_batch(size_t paths) { return std::max<size_t>(SpecularWalk::kMostLightSamples, paths); }
@@ -199,7 +197,7 @@ bool SpecularWalk::shade_vertex(const Pass& pass, uint32_t i) {
                            path.media, keys_[i], vertex_, path.lit_normal});
 
     const bool on = leave_surface(path, surface, specular.sample(wo, lobe_.x[i], {direction_.x[i], direction_.y[i]}),
-                                  vertex_ + 1 >= kRouletteStart, roulette_.y[i], pass.image, next_rays_[next_count_]);
+                                  vertex_ + 1 >= ROULETTE_START, roulette_.y[i], pass.image, next_rays_[next_count_]);
     path.pdf_sa /= static_cast<float>(decided.light_samples);
     return on;
 }

@@ -4,13 +4,13 @@
 
 #include "renderer/eye/eye_constants.h"
 #include "renderer/scene/scene.h"
+#include "renderer/transport/roulette_shared.h"
 
 namespace photond {
 
 namespace {
 
 constexpr uint32_t kTilePixels = EYE_TILE * EYE_TILE;
-constexpr uint32_t kRouletteStart = 4;  // of paths through specular parts, as SpecularWalk's
 
 uint32_t tile_count(Size2 size) {
     return (size.width + EYE_TILE - 1) / EYE_TILE * ((size.height + EYE_TILE - 1) / EYE_TILE);
@@ -38,7 +38,7 @@ GBufferGpu::GBufferGpu(const gpu::DeviceScene& scene, const View& view, uint64_t
       pipeline_(device_,
                 shadows ? "renderer/gbuffer/gbuffer_walk_depth_maps.comp" : "renderer/gbuffer/gbuffer_walk.comp",
                 sizeof(gpu::GBufferWalkPush), &scene.set(), scene.specialization(image.specialization())) {
-    const gpu::EyeConstants eye = make_eye_constants(view, walk.max_scatterings, kRouletteStart);
+    const gpu::EyeConstants eye = make_eye_constants(view, walk.max_scatterings, ROULETTE_START);
     gpu::upload(device_, eye_, std::as_bytes(std::span(&eye, 1)));
     // Padding holds no points: the walk never comes there.
     gpu::CommandList commands(device_);

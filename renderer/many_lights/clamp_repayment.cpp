@@ -2,14 +2,12 @@
 
 #include "renderer/transport/emission.h"
 #include "renderer/transport/mis.h"
+#include "renderer/transport/roulette_shared.h"
 #include "renderer/transport/sampling.h"
 
 namespace photond {
 
 namespace {
-
-constexpr uint32_t kRouletteStart = 4;
-constexpr float kMostSurvival = 0.98f;
 
 /// The part of a BSDF whose photons connect: rough, and reflecting alone (photon_tracer.h).
 Bsdf connecting_part(const Bsdf& bsdf, float threshold) {
@@ -166,8 +164,8 @@ void ClampRepayment::leave(const PassSampler& sampler, uint32_t vertex, Path pat
     path.pdf_sa = next.pdf_sa * chance;
     path.delta = next.delta;
     if (next.refraction) path.media.cross(at.material, at.front_side);
-    if (vertex >= kRouletteStart) {
-        const float survival = std::min(max_component(path.throughput) * kInvPi, kMostSurvival);
+    if (vertex >= ROULETTE_START) {
+        const float survival = std::min(max_component(path.throughput) * kInvPi, ROULETTE_MOST_SURVIVAL);
         if (!(choice.y < survival)) return;
         path.throughput /= survival;
     }

@@ -6,6 +6,7 @@
 
 #include "renderer/eye/eye_contributions.glsl"
 #include "renderer/gbuffer/receiver.glsl"
+#include "renderer/transport/roulette_shared.h"
 
 /// ClampedPoint of clamp_repayment.h.
 struct ClampedPoint {
@@ -32,7 +33,6 @@ struct LeftOut {
     vec3 narrow;
 };
 
-const uint REPAYMENT_ROULETTE_START = 4;  // kRouletteStart
 
 uint repayment_bounce_rays = 0, repayment_shadow_rays = 0;
 
@@ -136,8 +136,8 @@ bool leave_repayment(uint vertex, ShadingPoint at, Bsdf bsdf, vec3 wo, float cha
     path.pdf_sa = next.pdf_sa * chance;
     path.delta = next.delta;
     if (next.refraction) medium_stack_cross(path.media, at.material, at.front_side);
-    if (vertex >= REPAYMENT_ROULETTE_START) {
-        const float survival = min(max_component(path.throughput) * INV_PI, kMaxSurvival);
+    if (vertex >= ROULETTE_START) {
+        const float survival = min(max_component(path.throughput) * INV_PI, ROULETTE_MOST_SURVIVAL);
         if (!(choice.y < survival)) return false;
         path.throughput /= survival;
     }

@@ -32,7 +32,7 @@ float see(uint texel, out ReflectedPhotonRecord photon) {
     Hit hit;
     PhotonVertex vertex;
     if (!follow_photon(path, start.ray, start.range_m, hit) ||
-        !part_hit(path, hit, start.ray.direction, push.glossy_threshold, vertex))
+        !part_hit(path, hit, start.ray.direction, push.connect_threshold, vertex))
         return 0.0;
     const bool plain = is_plain_lambert(vertex.point.material);
     const bool stays = plain || (bsdf_scatters(vertex.rough) && !bsdf_has_non_delta_transmission(vertex.rough));

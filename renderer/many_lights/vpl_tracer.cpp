@@ -19,7 +19,7 @@ PhotonTracing photon_tracing(const VplTracing& tracing) {
     PhotonTracing photons;
     photons.photons = tracing.vpls;
     photons.most_scatterings = tracing.bounces;
-    photons.glossy_threshold = tracing.glossy_threshold;
+    photons.glossy_threshold = tracing.connect_threshold;
     photons.sampler = tracing.sampler;
     photons.beams = false;
     return photons;

@@ -22,7 +22,7 @@ struct VplTracing {
     uint32_t map_side = 128;  // texels, a power of two up to 1024; all lights share the map
     uint32_t bounces = 1;     // most scatterings that leave light
     /// Alpha: narrower lobes leave no light. Like all that transmits they only send paths on.
-    float glossy_threshold = 0.2f;
+    float connect_threshold = 0.2f;
     SamplerKind sampler = SamplerKind::Sobol;
 };
 

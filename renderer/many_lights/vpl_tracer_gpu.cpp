@@ -91,7 +91,7 @@ void VplTracerGpu::record_map(gpu::CommandList& commands) {
         .used_texels = pass_->texels(),
         .runs = run_count_,
         .bounces = tracing_.bounces,
-        .glossy_threshold = tracing_.glossy_threshold,
+        .connect_threshold = tracing_.connect_threshold,
     });
     commands.dispatch_threads(map_.texels(), VPL_GROUP);
     if (weighted_) commands.copy(plain_.sums(), 0, weighted_->sums(), 0, uint64_t{map_.texels()} * sizeof(float));
@@ -134,7 +134,7 @@ void VplTracerGpu::record_vpls(gpu::CommandList& commands) {
         .paths = tracing_.vpls,
         .bounces = tracing_.bounces,
         .surface_capacity = static_cast<uint32_t>(surfaces_.bytes() / sizeof(gpu::ReflectingSurfaceRecord)),
-        .glossy_threshold = tracing_.glossy_threshold,
+        .connect_threshold = tracing_.connect_threshold,
     });
     commands.dispatch_threads(tracing_.vpls, VPL_GROUP);
 

@@ -26,7 +26,7 @@ struct VplTexelsPush {
     uint used_texels;  // those that belong to a light
     uint runs;
     uint bounces;
-    float glossy_threshold;
+    float connect_threshold;
     uint unused;  // the compilers differ in whether they would leave room here
 };
 
@@ -71,7 +71,7 @@ struct VplPathsPush {
     uint paths;
     uint bounces;
     uint surface_capacity;
-    float glossy_threshold;
+    float connect_threshold;
 };
 
 #ifdef __cplusplus

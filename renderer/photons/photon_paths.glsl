@@ -15,6 +15,7 @@
 #include "renderer/transport/bsdf_material.glsl"
 #include "renderer/transport/emission_sampling.glsl"
 #include "renderer/transport/photon_scattering.glsl"
+#include "renderer/transport/roulette_shared.h"
 #include "renderer/transport/sobol.glsl"
 #ifdef GUIDE_WORDS_BINDING
 #include "renderer/photons/projection_map.glsl"
@@ -43,9 +44,6 @@ struct PhotonNumbers {
     vec2 direction;
     vec2 choice;  // roulette, and lobe
 };
-
-/// No path outlives roulette for ever, however white the scene.
-const float MOST_SURVIVAL = 0.98;
 
 // What this thread found of powers that are not finite.
 uint photon_nan_samples = 0, photon_infinite_samples = 0;
@@ -150,7 +148,7 @@ bool scatter_parted(PhotonVertex vertex, PhotonNumbers numbers, bool by_rough, i
     const float rough_hope = max_component(rough_w) * path.reference_inverse;
     const float hope = specular_hope + rough_hope;
     if (!(hope > 0.0)) return false;
-    const float share = min(1.0, MOST_SURVIVAL / hope);  // of the hope that is granted
+    const float share = min(1.0, ROULETTE_MOST_SURVIVAL / hope);  // of the hope that is granted
     const float roulette = numbers.choice.x;
     if (roulette >= hope * share) return false;
     is_rough = roulette >= specular_hope * share;

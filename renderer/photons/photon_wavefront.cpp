@@ -2,6 +2,7 @@
 
 #include "renderer/photons/projection_map.h"
 #include "renderer/transport/hit_prefetch.h"
+#include "renderer/transport/roulette_shared.h"
 
 namespace photond {
 
@@ -281,7 +282,7 @@ void PhotonWavefront::shade_lambert(const PhotonTracingScene& shared, uint32_t s
             store(path, group.position.get(lane), group.geometric_normal.get(lane), -rays_[i].direction, scatterings);
         if (!scatters || group.scattered[lane] == 0) return;
         const float hope = kept.hope * group.correction[lane];
-        const float survival = std::min(hope, kMostSurvival);
+        const float survival = std::min(hope, ROULETTE_MOST_SURVIVAL);
         if (!(choice_.x[kept.place] < survival)) {
             if (std::isnan(hope)) ++counts.nan_samples;
             return;
@@ -362,7 +363,7 @@ PhotonWavefront::PartedScattering PhotonWavefront::scatter_parted(const PartedHi
     const float rough_hope = max_component(rough_w) * path.reference_inverse;
     const float hope = specular_hope + rough_hope;
     if (!(hope > 0)) return {};
-    const float share = std::min(1.0f, kMostSurvival / hope);  // of the hope that is granted
+    const float share = std::min(1.0f, ROULETTE_MOST_SURVIVAL / hope);  // of the hope that is granted
     const float roulette = choice_.x[place];
     if (roulette >= hope * share) return {};
     const bool is_rough = roulette >= specular_hope * share;

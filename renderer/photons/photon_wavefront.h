@@ -10,6 +10,7 @@
 #include "renderer/photons/texel_map.h"
 #include "renderer/transport/lambert_lanes.h"
 #include "renderer/transport/photon_scattering.h"
+#include "renderer/transport/roulette_shared.h"
 
 namespace photond {
 
@@ -107,9 +108,6 @@ struct SeenTexel {
     float flux_w;
 };
 
-/// No path outlives roulette for ever, however white the scene.
-inline constexpr float kMostSurvival = 0.98f;
-
 /// Bsdf::albedo() is a mean over all directions, which falls short at grazing ones and near a lobe. A photon of the
 /// rough part is kept with at least this share of the probability that all of its power would give it, so that what
 /// falls short costs at most so many times the power. Any probability above 0 is unbiased.
@@ -190,7 +188,9 @@ private:
                      Counts& counts);
     EmissionSample start_at_texel(const ChosenStarts& chosen, const ChosenStart& start) const;
     /// No path outlives roulette for ever; chosen ones have had theirs when they come to their first hit.
-    float most_survival(uint32_t scatterings) const { return chosen_ && scatterings == 0 ? 1.0f : kMostSurvival; }
+    float most_survival(uint32_t scatterings) const {
+        return chosen_ && scatterings == 0 ? 1.0f : ROULETTE_MOST_SURVIVAL;
+    }
     void find_hits(const PhotonTracingScene& shared, uint32_t scatterings, Counts& counts);
     void advance();
     void sort_hits(const PhotonTracingScene& shared, uint32_t scatterings);

@@ -8,6 +8,7 @@
 #include "renderer/backends/gpu/counters.glsl"
 #include "renderer/backends/gpu/invocation.glsl"
 #include "renderer/photons/reflected_photons.glsl"
+#include "renderer/transport/roulette_shared.h"
 
 layout(local_size_x = REFLECTION_GROUP) in;
 layout(push_constant, scalar) uniform Push { ReflectionPush push; };
@@ -39,7 +40,7 @@ void trace_path(uint number) {
     PhotonPath path;
     uint rays = 0;
     if (carries && start_photon_path(start, push.share, path))
-        rays = follow_reflections(number, push.sequence, element, MOST_SURVIVAL, start, path);
+        rays = follow_reflections(number, push.sequence, element, ROULETTE_MOST_SURVIVAL, start, path);
     count(COUNTER_PHOTON_RAYS, rays);
     count(COUNTER_PHOTONS_EMITTED, 1);
     count(COUNTER_PHOTONS_STORED, kept);

@@ -9,6 +9,7 @@
 #include "renderer/photons/photon.glsl"
 #include "renderer/photons/photon_paths.glsl"
 #include "renderer/photons/reflected_photon_shared.h"
+#include "renderer/transport/roulette_shared.h"
 
 layout(set = 0, binding = 1, scalar) buffer State { uint state[REFLECTION_STATE_WORDS]; };
 layout(set = 0, binding = 2, scalar) writeonly buffer Photons { ReflectedPhotonRecord photons[]; };
@@ -159,7 +160,7 @@ uint follow_reflections(uint number, SequenceKey sequence, uint64_t element, flo
                 part_hit(path, hit, arriving.direction, reflection.glossy_threshold, vertex);
         if (!alive) break;
         const PhotonNumbers numbers = photon_numbers(sequence, element, path.scatterings);
-        const float most_survival = path.scatterings == 0 ? first_survival : MOST_SURVIVAL;
+        const float most_survival = path.scatterings == 0 ? first_survival : ROULETTE_MOST_SURVIVAL;
         if (is_plain_lambert(vertex.point.material))
             alive = reflect_lambert(number, vertex, numbers, most_survival, goes_on, path, ray);
         else

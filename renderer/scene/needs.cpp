@@ -1,5 +1,6 @@
 #include "renderer/scene/needs.h"
 
+#include "renderer/scene/delta_shared.h"
 #include "renderer/scene/scene.h"
 
 namespace photond {
@@ -22,9 +23,6 @@ ChannelRange channel_range(const Scene& scene, const TextureRef& reference, int 
     }
     return {static_cast<float>(least) / 255, static_cast<float>(greatest) / 255};
 }
-
-/// Below this roughness GGX's alpha = roughness^2 counts as a delta lobe (conventions.md, "Materials").
-constexpr float kDeltaRoughness = 0.01f;
 
 /// What one material adds. Textures are looked through, so that a map which never leads below the delta limit, or never
 /// away from full coverage, asks for nothing.
@@ -51,12 +49,10 @@ void add_material_needs(const Scene& scene, const Material& material, bool verte
         dielectric && material.transmission > 0 && channel_range(scene, material.transmission_texture, 0).max > 0;
 
     if (metal || dielectric_lobe || transmits) {
-        // Rough glass of nearly the index around it bends too little to be told from a delta (bsdf.cpp).
-        constexpr float kDeltaRefraction = 1e-5f;
         const bool hardly_bends =
-            transmits && material.solid && sqr(least_roughness) * std::fabs(material.ior - 1) < kDeltaRefraction;
-        needs.delta |= least_roughness < kDeltaRoughness || hardly_bends;
-        needs.glossy |= most_roughness >= kDeltaRoughness;
+            transmits && material.solid && sqr(least_roughness) * std::fabs(material.ior - 1) < DELTA_REFRACTION;
+        needs.delta |= least_roughness < DELTA_ROUGHNESS || hardly_bends;
+        needs.glossy |= most_roughness >= DELTA_ROUGHNESS;
     }
     needs.transmission |= transmits;
     needs.solid_glass |= transmits && material.solid;

@@ -11,10 +11,6 @@ namespace photond {
 
 namespace {
 
-/// Rough refraction bends by about alpha |eta - 1|: below this its half-vectors are lost in float's rounding, and the
-/// lobe is ten times narrower than the narrowest that is not delta.
-constexpr float kDeltaRefraction = 1e-5f;
-
 Rgb schlick(const Rgb& f0, float f90, float cos_theta) { return f0 + (Rgb(f90) - f0) * schlick_weight(cos_theta); }
 
 /// Whether a direction leaves to the far side of both the shading and the geometric surface.
@@ -30,7 +26,7 @@ Bsdf Bsdf::layered(const Parameters& p) {
     bsdf.kind_ = Kind::Layered;
     bsdf.geometric_normal_ = p.geometric_normal;
     Layers& layers = bsdf.layers_;
-    layers.specular_delta = p.roughness < kDeltaRoughness;
+    layers.specular_delta = p.roughness < DELTA_ROUGHNESS;
     layers.table_row = AlbedoTable::row(p.roughness);
     layers.alpha = sqr(p.roughness);
     layers.coat_f0 = glm::min(normal_reflectance(p.ior) * p.specular_color, Rgb(1)) * p.specular;
@@ -58,7 +54,7 @@ Bsdf Bsdf::layered(const Parameters& p) {
         for (int i = 0; i < 3; ++i) bsdf.diffuse_[i] = passed[i] > 2e-3f ? base[i] / passed[i] : 0.0f;
     }
 
-    layers.glass_delta = layers.specular_delta || layers.alpha * std::fabs(layers.eta - 1.0f) < kDeltaRefraction;
+    layers.glass_delta = layers.specular_delta || layers.alpha * std::fabs(layers.eta - 1.0f) < DELTA_REFRACTION;
     bsdf.classify_lobes();
     return bsdf;
 }

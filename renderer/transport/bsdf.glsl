@@ -5,6 +5,7 @@
 
 #include "renderer/backends/gpu/scene.glsl"
 #include "renderer/core/geometry.glsl"
+#include "renderer/scene/delta_shared.h"
 #include "renderer/transport/bsdf_albedo_table.glsl"
 #include "renderer/transport/fresnel.glsl"
 #include "renderer/transport/microfacet.glsl"
@@ -13,11 +14,6 @@
 // TransportMode.
 #define TRANSPORT_RADIANCE 0u
 #define TRANSPORT_IMPORTANCE 1u
-
-/// Smoother GGX lobes are delta: alpha = roughness^2 below 1e-4 (conventions.md).
-const float DELTA_ROUGHNESS = 0.01;
-/// Rough refraction bends by about alpha |eta - 1|: below this it is delta (bsdf.cpp).
-const float DELTA_REFRACTION = 1e-5;
 
 /// f(wo, wi) |cos(wi)| [sr^-1], and the density [sr^-1] with which bsdf_sample(wo) finds wi. Delta lobes are not in
 /// either.

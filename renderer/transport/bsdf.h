@@ -14,7 +14,7 @@
 //   glass         a solid's interface: exact Fresnel, reflection and refraction [Walter et al. 2007].
 //   thin sheet    what the coat does not reflect goes straight through (rough: scattered about straight through, with
 //                 the specular lobe mirrored), tinted by the base colour.
-// Lobes with a roughness below kDeltaRoughness are delta: only sample() finds them.
+// Lobes with a roughness below DELTA_ROUGHNESS are delta: only sample() finds them.
 // Every lobe reflects only to the geometric eye side, and transmits only to the other.
 //
 // [Kelemen and Szirmay-Kalos 2001] A Microfacet Based Coupled Specular-Matte BRDF Model with Importance Sampling.
@@ -23,6 +23,7 @@
 // [Heitz 2018] Sampling the GGX Distribution of Visible Normals. JCGT 7(4).
 
 #include "renderer/core/rgb.h"
+#include "renderer/scene/delta_shared.h"
 #include "renderer/transport/sampling.h"
 #include "renderer/transport/surface.h"
 
@@ -31,9 +32,6 @@ namespace photond {
 /// What flows from light to eye while the path is built: radiance (paths that start at the eye) is compressed by
 /// refraction, importance (paths that start at a light) is not. [Veach 1997, sec. 5.2]
 enum class TransportMode : uint8_t { Radiance, Importance };
-
-/// Smoother GGX lobes are delta: alpha = roughness^2 below 1e-4 (conventions.md).
-inline constexpr float kDeltaRoughness = 0.01f;
 
 /// f(wo, wi) |cos(wi)| [sr^-1], and the density [sr^-1] with which sample(wo) finds wi. Delta lobes are not in either.
 struct BsdfValue {

@@ -32,7 +32,7 @@ dvec3 directional_albedo(const Bsdfs& bsdfs, const Bsdf::Parameters& p, double c
     const Bsdf bsdf = Bsdf::layered(p);
     const dvec3 wo = direction_at(std::min(cos_theta, 0.99999), 0.1);
     // A coat that is a mirror leaves the diffuse lobe, smooth in the coordinates of a wide one.
-    const double alpha = p.roughness < kDeltaRoughness ? 1.0 : sqr(p.roughness);
+    const double alpha = p.roughness < DELTA_ROUGHNESS ? 1.0 : sqr(p.roughness);
     const ScatteringMap map{HalfVectorMap(alpha), wo, static_cast<double>(p.eta)};
     const CellGrid grid{3, 1, 160};
     dvec3 sum(0);
@@ -131,7 +131,7 @@ void expect_one_bounce_of_ggx_is_its_albedo(const Bsdfs& bsdfs, double false_ala
     const double z = two_sided_z(share_of_false_alarm(false_alarm, roughnesses.size() * cosines.size()));
     uint64_t stream = 0;
     for (const float roughness : roughnesses) {
-        if (roughness < kDeltaRoughness) continue;
+        if (roughness < DELTA_ROUGHNESS) continue;
         for (const double cos_theta : cosines) {
             const double cosine = std::min(cos_theta, 0.99999), f0 = 0.6;
             const double exact = textbook_albedo(sqr(roughness), f0, 1, cosine);

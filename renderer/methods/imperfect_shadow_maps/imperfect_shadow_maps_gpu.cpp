@@ -15,7 +15,7 @@ FirstBounceSettings settings_of(const ImperfectShadowMapsParams& params) {
             .tracing = {.vpls = params.vpls,
                         .map_side = params.map_resolution,
                         .bounces = 1,
-                        .glossy_threshold = params.connect_threshold,
+                        .connect_threshold = params.connect_threshold,
                         .sampler = params.sampler},
             .walk = {.split_side = params.interleave,
                      .max_scatterings = params.bounces + 1,

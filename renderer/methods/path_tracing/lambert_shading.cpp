@@ -5,6 +5,7 @@
 #include "renderer/methods/path_tracing/wavefront.h"
 #include "renderer/transport/hit_prefetch.h"
 #include "renderer/transport/lambert_lanes.h"
+#include "renderer/transport/roulette_shared.h"
 
 namespace photond {
 
@@ -25,7 +26,7 @@ void Wavefront::shade_lambert(const PathTracingScene& shared, uint32_t vertex, P
             group.roulette[lane] = roulette ? choice_.y[i] : 0.0f;
         }
         group.find_surface();
-        group.scatter(roulette, kMaxSurvival);
+        group.scatter(roulette, ROULETTE_MOST_SURVIVAL);
 
         for (size_t lane = 0; lane < lanes; ++lane) {
             const uint32_t i = lambert_[first + lane];

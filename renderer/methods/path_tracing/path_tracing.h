@@ -2,6 +2,7 @@
 #include <optional>
 
 #include "renderer/frame/method.h"
+#include "renderer/transport/roulette_shared.h"
 #include "renderer/transport/sobol.h"
 
 namespace photond {
@@ -9,7 +10,7 @@ namespace photond {
 struct PathTracingParams final : MethodParams {
     std::optional<uint32_t> indirect_bounces;
     SamplerKind sampler = SamplerKind::Sobol;
-    uint32_t roulette_start = 4;
+    uint32_t roulette_start = ROULETTE_START;
 
     void visit(ParamVisitor& visitor) override {
         static constexpr std::string_view kSamplers[] = {"sobol", "random"};

@@ -5,6 +5,7 @@
 #include "renderer/core/morton.h"
 #include "renderer/eye/eye_contributions.h"
 #include "renderer/transport/hit_prefetch.h"
+#include "renderer/transport/roulette_shared.h"
 
 namespace photond {
 
@@ -244,7 +245,7 @@ FinalGather::GatherPath* FinalGather::follow(const GatherPath& path, const Shadi
         next.media.cross(surface.material, surface.front_side);
     }
     if (roulette != kCertain) {
-        const float survival = std::min(max_component(next.throughput) * next.eta_scale, kMaxSurvival);
+        const float survival = std::min(max_component(next.throughput) * next.eta_scale, ROULETTE_MOST_SURVIVAL);
         if (!(roulette < survival)) return nullptr;
         next.throughput /= survival;
     }

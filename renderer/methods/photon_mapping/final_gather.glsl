@@ -5,6 +5,7 @@
 #define PHOTOND_FINAL_GATHER_GLSL
 
 #include "renderer/methods/photon_mapping/photon_lookup.glsl"
+#include "renderer/transport/roulette_shared.h"
 
 /// The direct light of a vertex, of which a ray that meets a light there is a sample.
 struct SampledLight {
@@ -72,7 +73,7 @@ bool follow_gathered(inout GatherPath path, ShadingPoint surface, BsdfSample nex
         medium_stack_cross(path.media, surface.material, surface.front_side);
     }
     if (roulette >= 0.0) {
-        const float survival = min(max_component(path.throughput) * path.eta_scale, kMaxSurvival);
+        const float survival = min(max_component(path.throughput) * path.eta_scale, ROULETTE_MOST_SURVIVAL);
         if (!(roulette < survival)) return false;
         path.throughput /= survival;
     }

@@ -13,13 +13,13 @@
 #include "renderer/methods/photon_mapping/photon_plan.h"
 #include "renderer/photons/hash_grid_gpu.h"
 #include "renderer/photons/projection_map.h"
+#include "renderer/transport/roulette_shared.h"
 
 namespace photond {
 
 namespace {
 
 constexpr uint32_t kTilePixels = EYE_TILE * EYE_TILE;
-constexpr uint32_t kWalkRouletteStart = 4;  // as specular_walk.cpp's
 constexpr std::array kKinds{PhotonMapKind::Global, PhotonMapKind::Caustic};
 constexpr size_t kMaps = kKinds.size();
 
@@ -116,8 +116,7 @@ struct PhotonMappingGpu::State {
           hash_grid(device),
           image(size, context.view.layers) {
         for (uint32_t i = 0; i < DevicePasses::kSlots; ++i) slots.emplace_back(device, context.view, params);
-        const gpu::EyeConstants constants =
-            make_eye_constants(context.view, params.max_scatterings(), kWalkRouletteStart);
+        const gpu::EyeConstants constants = make_eye_constants(context.view, params.max_scatterings(), ROULETTE_START);
         gpu::upload(device, eye, std::as_bytes(std::span(&constants, 1)));
     }
 

@@ -13,6 +13,7 @@
 #include "renderer/methods/photon_splatting/stratification_gpu.h"
 #include "renderer/photons/reflected_photons_gpu.h"
 #include "renderer/scene/scene.h"
+#include "renderer/transport/roulette_shared.h"
 
 namespace photond {
 
@@ -20,7 +21,6 @@ namespace {
 
 constexpr uint32_t kTilePixels = EYE_TILE * EYE_TILE;
 static_assert(kTilePixels == SPLAT_GROUP);
-constexpr uint32_t kRouletteStart = 4;  // of paths through specular parts, as SpecularWalk's
 constexpr uint32_t kBatchSplats = 1u << 16;
 constexpr uint64_t kDepthBytes = 256ull << 20;  // of one batch's depth maps
 
@@ -102,7 +102,7 @@ struct PhotonSplattingGpu::State {
           device_image(device, size, context.view.layers),
           image(size, context.view.layers),
           queue(device) {
-        const gpu::EyeConstants of_eye = make_eye_constants(context.view, p.max_scatterings(), kRouletteStart);
+        const gpu::EyeConstants of_eye = make_eye_constants(context.view, p.max_scatterings(), ROULETTE_START);
         gpu::upload(device, eye, std::as_bytes(std::span(&of_eye, 1)));
         make_room(expected_points(size, scene.needs), expected_clusters(size, scene.needs));
         std::vector<gpu::Specialization> fixed = device_image.specialization();

@@ -16,7 +16,7 @@ FirstBounceSettings settings_of(const ReflectiveShadowMapsParams& params) {
             .tracing = {.vpls = params.samples,
                         .map_side = params.map_resolution,
                         .bounces = 1,
-                        .glossy_threshold = params.connect_threshold,
+                        .connect_threshold = params.connect_threshold,
                         .sampler = params.sampler},
             .walk = {.split_side = 1,
                      .max_scatterings = params.bounces + 1,

@@ -56,9 +56,9 @@ struct SvoManyLightsParams final : MethodParams {
 /// pixels ask a share of them each. The thesis papers/svo-many-lights.txt, stage for stage (methods.md), and past it.
 ///
 /// A pass: each light's reflective shadow map is traced, a Halton set is warped by the flux of its texels, and the
-/// light paths chosen so leave `vpls` lights at their first surfaces and, with `bounces`, at further ones (photons/
-/// vpl_tracer.h). From the eye, specular parts are followed to one visible point a pixel, with direct light on the way
-/// (gbuffer.h). A point asks the lights of its place in an n x n block (`interleave`), all of them
+/// light paths chosen so leave `vpls` lights at their first surfaces and, with `bounces`, at further ones
+/// (many_lights/vpl_tracer.h). From the eye, specular parts are followed to one visible point a pixel, with direct
+/// light on the way (gbuffer.h). A point asks the lights of its place in an n x n block (`interleave`), all of them
 /// (`vpl_choice` resampled, lightcut), by V of `visibility`; connections nearer than sqrt(B) are clamped, and what that
 /// takes is found by one short ray a point (clamp_repayment.h, layer `clamped`). The next pass has other lights, and
 /// other pixels ask them: with `visibility` rays and `repay`, and without `filter`, the mean over the passes is the

@@ -15,7 +15,7 @@ inline VplTracing tracing_of(const SvoManyLightsParams& params) {
     return {.vpls = params.vpls,
             .map_side = params.map_resolution,
             .bounces = params.bounces,
-            .glossy_threshold = params.connect_threshold,
+            .connect_threshold = params.connect_threshold,
             .sampler = params.sampler};
 }
 

@@ -73,7 +73,7 @@ void expect_the_photons_flux(const Scene& scene, uint32_t bounces, double must_d
     };
     PhotonTracing photons = test::photon_tracing(PhotonMapKind::Global, 20'000);
     photons.most_scatterings = bounces;
-    photons.glossy_threshold = VplTracing{}.glossy_threshold;
+    photons.glossy_threshold = VplTracing{}.connect_threshold;
     std::vector<TracedReflections> all, vpls;
     for (uint64_t seed = 1; seed <= kReplicates; ++seed) {
         all.push_back(lit.trace_reflected(photons, seed + 1000));
