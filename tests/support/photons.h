@@ -3,6 +3,7 @@
 
 #include "renderer/backends/cpu/embree_intersector.h"
 #include "renderer/photons/photon_tracer.h"
+#include "renderer/scene/scene.h"
 
 namespace photond::test {
 

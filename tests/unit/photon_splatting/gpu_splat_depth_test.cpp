@@ -9,6 +9,7 @@
 #include "renderer/methods/photon_splatting/splat_depth_atlas.h"
 #include "renderer/methods/photon_splatting/splat_shared.h"
 #include "renderer/scene/builtin_scenes.h"
+#include "renderer/scene/scene.h"
 #include "tests/support/gpu_twin.h"
 
 namespace photond::gpu_splat_depth_test {

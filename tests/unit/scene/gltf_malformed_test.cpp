@@ -13,6 +13,7 @@
 #include <sstream>
 
 #include "protocol/error.h"
+#include "renderer/scene/scene.h"
 #include "renderer/scene/texture_decode.h"
 #include "tests/support/temporary_folder.h"
 
