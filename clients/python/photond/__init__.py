@@ -19,8 +19,9 @@ from ._version import __version__
 from .client import Client, Estimate
 from .comparison import Comparison, ComparisonFailed
 from .curves import Curve, MeanCurve
-from .errors import (BadFile, BadRequest, Busy, Denied, Fault, Invalid, MissingPackage, NoSpace, NotFound, NothingYet, PhotondError,
-                     ProtocolError, Refused, ServerFault, TimedOut, TooLarge, Unavailable, Unreachable, WrongState)
+from .errors import (BadFile, BadRequest, Busy, Denied, Fault, Invalid, MissingPackage, NoSpace, NotFound, NothingYet,
+                     PhotondError, ProtocolError, Refused, ServerFault, TimedOut, TooLarge, Unavailable, Unreachable,
+                     WrongState)
 from .job import Event, Job, JobCancelled, JobFailed
 from .methods import Method, Methods, Parameter, UnknownName
 from .pixels import FlipMap, Pixels

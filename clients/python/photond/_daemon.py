@@ -16,7 +16,7 @@ MOST_ITEMS = 1000  # the greatest `limit` of a page
 
 
 class Daemon:
-    """The base of Client, which has the routes."""
+    """The base of Client, which has the routes and says what the arguments mean."""
 
     def __init__(self, url: Optional[str] = None, token: Optional[str] = None, *, token_file: Optional[Path] = None,
                  retry_seconds: float = 30, connect_timeout: float = 10, stall_timeout: float = 180,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import inspect
-import ssl
 from typing import (TYPE_CHECKING, Any, Callable, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence,
                     TypeVar, Union, cast)
 
@@ -80,12 +79,10 @@ class Client(Daemon):
     ['imperfect_shadow_maps', 'path_tracing']
     """
 
-    def __init__(self, url: Optional[str] = None, token: Optional[str] = None, *, token_file: Optional[Path] = None,
-                 retry_seconds: float = 30, connect_timeout: float = 10, stall_timeout: float = 180,
-                 tls: Optional[ssl.SSLContext] = None) -> None:
-        super().__init__(url, token, token_file=token_file, retry_seconds=retry_seconds,
-                         connect_timeout=connect_timeout, stall_timeout=stall_timeout, tls=tls)
-        self.methods = Methods(self)
+    @functools.cached_property
+    def methods(self) -> Methods:
+        """What the daemon renders with, by name."""
+        return Methods(self)
 
     def __enter__(self) -> "Client":
         return self

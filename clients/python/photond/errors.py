@@ -1,4 +1,4 @@
-"""What can go wrong, one class a kind. All are `PhotondError`.
+"""What can go wrong, one class a kind. All are `PhotondError`. What tells of a job or a comparison lies beside that.
 
 What the daemon refuses carries its problem document with every fault and the place of each:
 

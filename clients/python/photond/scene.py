@@ -30,6 +30,7 @@ class Resource:
 
     @classmethod
     def fetch(cls: Type[R], client: Daemon, id: str) -> R:
+        """The one of that id, as the daemon has it now. Raises NotFound."""
         return cls(client, client.get(resource_path(cls.kind, id)))
 
     @property
