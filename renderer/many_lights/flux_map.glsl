@@ -1,4 +1,4 @@
-// GLSL twin of photons/flux_map.h: choice among texels by a pyramid of sums, with the same whole numbers.
+// GLSL twin of many_lights/flux_map.h: choice among texels by a pyramid of sums, with the same whole numbers.
 //
 // Define FLUX_SUMS_BINDING (of set 0) before to choose: the texels' worth, then the sums, level above level.
 #ifndef PHOTOND_FLUX_MAP_GLSL

@@ -1,6 +1,6 @@
 #version 460
-// Points lit by the lights that were chosen for them, a thread a point. CPU twin VplLighting::light_by(). Compiled once for
-// each way to answer V (vpl_visibility.glsl).
+// Points lit by the lights that were chosen for them, a thread a point. CPU twin VplLighting::light_by(). Compiled once
+// for each way to answer V (vpl_visibility.glsl).
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 

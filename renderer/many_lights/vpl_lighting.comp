@@ -1,6 +1,6 @@
 #version 460
-// Points lit by virtual point lights: the lights of its tile's subset, summed over by a point, a thread a point. CPU twin
-// VplLighting::light(). Compiled once for each way to answer V (vpl_visibility.glsl).
+// Points lit by virtual point lights: the lights of its tile's subset, summed over by a point, a thread a point. CPU
+// twin VplLighting::light(). Compiled once for each way to answer V (vpl_visibility.glsl).
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 

@@ -8,4 +8,6 @@
 #include "renderer/many_lights/vpl_visibility_maps.glsl"
 #elif defined(VARIANT_svo)
 #include "renderer/many_lights/vpl_visibility_svo.glsl"
+#else
+#error "no variant: a row of CMakeLists.txt names those of this shader"
 #endif

@@ -22,7 +22,7 @@ STOREYS = [
     ["core"],
     ["scene", "film", "error"],
     ["transport"],
-    ["backends/gpu"],
+    ["backends/gpu"],  # one scene upload for all shaders: lights and tables among it, which transport makes
     ["photons", "voxels", "frame"],
     ["eye"],
     ["gbuffer"],
@@ -41,13 +41,12 @@ BELOW_METHODS = [*below(len(STOREYS)), "renderer/backends/*"]
 # folder. `{room}` stands for the folder a method lives in: no room sees another.
 MAY_INCLUDE = [
     ("protocol/*", ["protocol/*"]),
-    # One scene upload for all devices' shaders: lights and tables among it, which transport makes.
     *((f"renderer/{folder}/*", [f"renderer/{folder}/*", *below(storey), *PLAIN_PROTOCOL])
       for storey, folders in enumerate(STOREYS) for folder in folders),
     ("renderer/backends/{room}/*", ["renderer/backends/{room}/*", "renderer/scene/*", "renderer/core/*",
                                     *PLAIN_PROTOCOL]),
     ("renderer/methods/registry.cpp", ["renderer/methods/*", *BELOW_METHODS, *PLAIN_PROTOCOL]),  # the one list of rooms
-    ("renderer/methods/registry.h", ["renderer/frame/method.h", *below(3), *PLAIN_PROTOCOL]),
+    ("renderer/methods/registry.h", ["renderer/frame/method.h", *below(3), *PLAIN_PROTOCOL]),  # up to transport
     ("renderer/methods/{room}/*", ["renderer/methods/{room}/*", *BELOW_METHODS, *PLAIN_PROTOCOL]),
     # The daemon never renders: of the renderer it knows what it needs to judge a request and to name files.
     ("server/worker/*", ["server/*", "protocol/*", "renderer/methods/registry.h", *BELOW_METHODS]),
