@@ -228,11 +228,13 @@ void read_metrics(ObjectReader& body, const JobVocabulary& vocabulary, JobReques
 }
 
 /// A metric of a layer that the image would not hold.
-void check_metric_layers(const JobRequest& request, BodyFaults& faults) {
+void check_metric_layers(const JobRequest& request, const JobVocabulary& vocabulary, BodyFaults& faults) {
     const auto check = [&](const std::string& metric, const std::string& pointer) {
         const std::string layer = layer_of_metric(metric);
-        const bool always = layer == "beauty" || layer == "emitted" || layer == "direct" || layer == "indirect";
-        if (!always && std::find(request.layers.begin(), request.layers.end(), layer) == request.layers.end())
+        const auto is_in = [&](const std::vector<std::string>& layers) {
+            return std::find(layers.begin(), layers.end(), layer) != layers.end();
+        };
+        if (layer != "beauty" && !is_in(vocabulary.always_layers) && !is_in(request.layers))
             faults.add(ErrorCode::Conflict, pointer,
                        value_text(metric) + " needs the layer \"" + layer + "\": add it to layers");
     };
@@ -387,7 +389,7 @@ JobRequest parse_job_request(const json& body, const JobVocabulary& vocabulary) 
         faults.add(ErrorCode::Unsupported, reader.at("time"), "unsupported: animation is not built yet");
     read_metrics(reader, vocabulary, request);
     reader.finish();
-    check_metric_layers(request, faults);
+    check_metric_layers(request, vocabulary, faults);
     faults.throw_if_any();
     return request;
 }

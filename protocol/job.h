@@ -89,6 +89,7 @@ struct JobRequest {
 /// What the reader needs to know of the rest of the program: known names and how to check method parameters.
 struct JobVocabulary {
     std::vector<std::string> method_names;
+    std::vector<std::string> always_layers;      // of every image, besides the beauty
     std::vector<std::string> layer_names;        // on request, of any method
     std::vector<std::string> metric_names;       // that are one number: for targets and curves
     std::vector<std::string> estimated_metrics;  // those of them that need no reference

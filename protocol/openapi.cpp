@@ -167,10 +167,21 @@ json measurement_schema() {
                   {"notes", list_of(typed("string"))}});
 }
 
+json hard_cases_schema() {
+    const json settings = typed("object", "parameters with the words they are set to");
+    return given({{"variants", with_text(list_of(given({{"label", typed("string")}, {"parameters", settings}})),
+                                         "settings with a column of their own; none: the method as it is by default")},
+                  {"limits", with_text(list_of(given({{"parameters", settings},
+                                                      {"row", typed("string", "part of the case's row")},
+                                                      {"text", typed("string")}})),
+                                       "why the method misses an answer by its nature; the first that fits")}});
+}
+
 json method_schema() {
     return given(
         {{"name", typed("string")},
          {"title", typed("string")},
+         {"line", typed("string", "what it does, where it is good and where it is not")},
          {"family", typed("string")},
          {"devices", list_of(one_of_words({"cpu", "gpu"}))},
          {"sources", list_of(typed("string"))},
@@ -181,7 +192,32 @@ json method_schema() {
                                       {"media_type", typed("string")},
                                       {"parameter", typed("string", "the flag that asks for it")},
                                       {"description", typed("string")}}))},
-         {"parameters", typed("object", "a JSON Schema (2020-12); x-unit and x-order beside the standard words")}});
+         {"hard_cases", hard_cases_schema()},
+         {"parameters", typed("object",
+                              "a JSON Schema (2020-12); x-unit, x-order, x-group and x-groups (titles of what a "
+                              "form shows together) beside the standard words")}});
+}
+
+json layer_schema() {
+    return given(
+        {{"name", typed("string")},
+         {"channels", typed("string", "suffixes of the EXR's channels, a letter each")},
+         {"always", typed("boolean", "every image has it; the others are asked for")},
+         {"measured", typed("boolean", "it is a part of the light: errors of it can be measured")},
+         {"preview", with_text(or_null(one_of_words({"light", "heat_map", "directions", "dots"})),
+                               "how /preview.png shows it; null: not at all, it is numbers to look at closely")},
+         {"exposure", typed("boolean", "exposure and tone curve change its preview")},
+         {"unit", typed("string", "SI; empty for plain numbers")},
+         {"description", typed("string")}});
+}
+
+json metric_schema() {
+    return given({{"name", typed("string")},
+                  {"values", typed("integer", "1: a number, which may be a target; 3: one a channel; 4: percentiles")},
+                  {"needs_reference", typed("boolean", "else it is estimated from the passes")},
+                  {"on_request", typed("boolean", "measured only where a job's `metrics` name it")},
+                  {"description", typed("string", "how it is defined")},
+                  {"line", with_text(nullable("string"), "what the usual ones are, for who does not know them")}});
 }
 
 json device_schema() {
@@ -399,6 +435,8 @@ json openapi_document(const ApiVocabulary& vocabulary) {
                  {"MeasurementRequest", measurement_request_schema(vocabulary)},
                  {"Measurement", measurement_schema()},
                  {"Method", method_schema()},
+                 {"Layer", layer_schema()},
+                 {"Metric", metric_schema()},
                  {"Device", device_schema()},
                  {"Statistics", statistics_schema()},
                  {"Job", job_schema(vocabulary)},
@@ -410,6 +448,8 @@ json openapi_document(const ApiVocabulary& vocabulary) {
                  {"JobPage", page_of("Job")},
                  {"JobSummaryPage", job_summary_page()},
                  {"MethodPage", page_of("Method")},
+                 {"LayerPage", page_of("Layer")},
+                 {"MetricPage", page_of("Metric")},
                  {"DevicePage", page_of("Device")}};
     schemas.update(scene_schemas());
     schemas.update(comparison_schemas(schemas["JobRequest"]));

@@ -16,6 +16,7 @@ struct ApiVocabulary {
         std::vector<std::string> layers;  // on request, those it can fill
     };
     std::vector<Method> methods;
+    std::vector<std::string> always_layers;    // of every image, besides the beauty
     std::vector<std::string> layers;           // on request, of any method
     std::vector<std::string> metrics;          // that are one number: for targets and curves
     std::vector<std::string> image_metrics;    // of two images

@@ -89,7 +89,8 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
     const json measured_layer = one_of_words(measured_layers);
     std::vector<std::string> preview_layers = vocabulary.preview_layers;
     preview_layers.insert(preview_layers.begin(), "beauty");
-    std::vector<std::string> pixel_layers{"beauty", "emitted", "direct", "indirect"};
+    std::vector<std::string> pixel_layers{"beauty"};
+    pixel_layers.insert(pixel_layers.end(), vocabulary.always_layers.begin(), vocabulary.always_layers.end());
     pixel_layers.insert(pixel_layers.end(), vocabulary.layers.begin(), vocabulary.layers.end());
     const json source = job_or_image();
     const json point{{"type", "string"}, {"pattern", "^[^,]+,[^,]+,[^,]+$"}, {"description", "x,y,z in metres"}};
@@ -139,6 +140,14 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
          {{200, file("application/octet-stream")}}},
         {"get", "/v1/methods", "listMethods", "Methods, by name", {{200, object("MethodPage")}}, nullptr, page},
         {"get", "/v1/methods/{name}", "getMethod", "One method", {{200, object("Method")}}},
+        {"get",
+         "/v1/layers",
+         "listLayers",
+         "Layers that an image may have",
+         {{200, object("LayerPage")}},
+         nullptr,
+         page},
+        {"get", "/v1/metrics", "listMetrics", "Error measures", {{200, object("MetricPage")}}, nullptr, page},
         {"get", "/v1/devices", "listDevices", "Devices", {{200, object("DevicePage")}}},
         {"post",
          "/v1/jobs",

@@ -2,6 +2,7 @@
 // How a method's parameters are declared: once, with unit, range and meaning. Readers (strict JSON parse, echo, JSON
 // Schema) are visitors over the declaration. No JSON here, so that the renderer may include it.
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -9,7 +10,25 @@
 
 namespace photond {
 
+/// What a parameter is about. Forms show a group together, in this order; the first is what one changes first.
+enum class ParamGroup : uint8_t {
+    Light,
+    LightMaps,
+    Gathering,
+    DensityEstimate,
+    Stratification,
+    Splats,
+    Visibility,
+    NoiseAndBias,
+    Filter,
+    Files,
+};
+inline constexpr std::array<std::string_view, 10> kParamGroupTitles = {
+    "Light",  "Light sources' maps", "Gathering",      "Density estimate", "Stratification",
+    "Splats", "Shadows and voxels",  "Noise and bias", "Filter",           "Files"};
+
 struct ParamInfo {
+    ParamGroup group;
     std::string_view unit;  // SI unit or "" for a plain number
     double min = 0;         // least accepted value
     double max = 0;         // greatest accepted value
@@ -18,7 +37,13 @@ struct ParamInfo {
 
 /// A parameter that is one of a fixed list of words; `value` is an index into `words`.
 struct ParamChoice {
+    ParamGroup group;
     std::span<const std::string_view> words;
+    std::string_view text;
+};
+
+struct ParamFlag {
+    ParamGroup group;
     std::string_view text;
 };
 
@@ -31,7 +56,7 @@ public:
     /// An empty value means "not given": null in the echo, absent from the schema's defaults.
     virtual void field(std::string_view key, std::optional<float>& value, const ParamInfo& info) = 0;
     virtual void field(std::string_view key, std::optional<uint32_t>& value, const ParamInfo& info) = 0;
-    virtual void flag(std::string_view key, bool& value, std::string_view text) = 0;
+    virtual void flag(std::string_view key, bool& value, const ParamFlag& info) = 0;
     virtual void choice(std::string_view key, uint32_t& value, const ParamChoice& choice) = 0;
 
     /// An enum whose values are 0, 1, 2 ... in the order of `words`.

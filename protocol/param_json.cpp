@@ -37,7 +37,7 @@ public:
     void field(std::string_view key, std::optional<uint32_t>& value, const ParamInfo& info) override {
         optional_number(key, value, info);
     }
-    void flag(std::string_view key, bool& value, std::string_view) override {
+    void flag(std::string_view key, bool& value, const ParamFlag&) override {
         const json* given = find(key);
         if (given == nullptr) return;
         if (!given->is_boolean()) return fault(key, "must be true or false, got " + value_text(*given));
@@ -130,7 +130,7 @@ public:
     void field(std::string_view key, std::optional<uint32_t>& value, const ParamInfo&) override {
         put(key, value ? json(*value) : json(nullptr));
     }
-    void flag(std::string_view key, bool& value, std::string_view) override { put(key, value); }
+    void flag(std::string_view key, bool& value, const ParamFlag&) override { put(key, value); }
     void choice(std::string_view key, uint32_t& value, const ParamChoice& choices) override {
         put(key, choices.words[value]);
     }
@@ -158,20 +158,28 @@ public:
     void field(std::string_view key, std::optional<uint32_t>& value, const ParamInfo& info) override {
         number(key, {"integer", "null"}, value ? json(*value) : json(nullptr), info);
     }
-    void flag(std::string_view key, bool& value, std::string_view text) override {
-        put(key, {{"type", "boolean"}, {"default", value}, {"description", text}, {"x-unit", ""}});
+    void flag(std::string_view key, bool& value, const ParamFlag& info) override {
+        put(key, info.group, {{"type", "boolean"}, {"default", value}, {"description", info.text}, {"x-unit", ""}});
     }
     void choice(std::string_view key, uint32_t& value, const ParamChoice& choices) override {
         json words = json::array();
         for (const std::string_view word : choices.words) words.push_back(word);
-        put(key, {{"type", "string"},
-                  {"enum", words},
-                  {"default", choices.words[value]},
-                  {"description", choices.text},
-                  {"x-unit", ""}});
+        put(key, choices.group,
+            {{"type", "string"},
+             {"enum", words},
+             {"default", choices.words[value]},
+             {"description", choices.text},
+             {"x-unit", ""}});
     }
     json take() {
-        return {{"type", "object"}, {"properties", properties_}, {"additionalProperties", false}, {"x-order", order_}};
+        json groups = json::array();
+        for (size_t i = 0; i < kParamGroupTitles.size(); ++i)
+            if (used_groups_[i]) groups.push_back(kParamGroupTitles[i]);
+        return {{"type", "object"},
+                {"properties", properties_},
+                {"additionalProperties", false},
+                {"x-order", order_},
+                {"x-groups", groups}};
     }
 
 private:
@@ -180,19 +188,24 @@ private:
         const auto bound = [whole](double x) {
             return whole && std::abs(x) < 9e15 ? json(static_cast<int64_t>(x)) : json(x);
         };
-        put(key, {{"type", std::move(type)},
-                  {"default", std::move(value)},
-                  {"minimum", bound(info.min)},
-                  {"maximum", bound(info.max)},
-                  {"description", info.text},
-                  {"x-unit", info.unit}});
+        put(key, info.group,
+            {{"type", std::move(type)},
+             {"default", std::move(value)},
+             {"minimum", bound(info.min)},
+             {"maximum", bound(info.max)},
+             {"description", info.text},
+             {"x-unit", info.unit}});
     }
-    void put(std::string_view key, json schema) {
+    void put(std::string_view key, ParamGroup group, json schema) {
+        const auto index = static_cast<size_t>(group);
+        used_groups_[index] = true;
+        schema["x-group"] = kParamGroupTitles[index];
         properties_[std::string(key)] = std::move(schema);
         order_.push_back(key);
     }
     json properties_ = json::object();
     json order_ = json::array();  // as declared: the order of forms and help
+    std::array<bool, kParamGroupTitles.size()> used_groups_{};
 };
 
 }  // namespace

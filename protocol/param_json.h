@@ -16,7 +16,8 @@ void read_params(MethodParams& params, const nlohmann::json& source, const std::
                  std::vector<Fault>& faults);
 /// Every parameter with its value now. read_params() of it gives the same values, bit by bit.
 nlohmann::json params_to_json(MethodParams& params);
-/// JSON Schema (2020-12) of the parameters, from a struct that holds the defaults.
+/// JSON Schema (2020-12) of the parameters, from a struct that holds the defaults. Beside what the standard knows:
+/// `x-order`, the names as declared, and `x-groups`, the titles of the groups; of a parameter `x-unit` and `x-group`.
 nlohmann::json params_schema(MethodParams& defaults);
 
 /// The shortest decimal that reads back as the same float, as a double: 0.1f gives 0.1, not 0.10000000149.

@@ -9,7 +9,7 @@ JobVocabulary job_vocabulary() {
     JobVocabulary vocabulary;
     for (const MethodInfo& method : all_methods()) vocabulary.method_names.emplace_back(method.name);
     for (const LayerInfo& info : kLayers) {
-        if (!LayerSet().has(info.layer)) vocabulary.layer_names.emplace_back(info.name);
+        (LayerSet().has(info.layer) ? vocabulary.always_layers : vocabulary.layer_names).emplace_back(info.name);
         if (info.radiance()) vocabulary.radiance_layers.emplace_back(info.name);
     }
     for (const MetricInfo& metric : kMetrics) {
@@ -23,7 +23,10 @@ JobVocabulary job_vocabulary() {
     };
     vocabulary.devices_of = [](const std::string& method) {
         std::vector<std::string> kinds;
-        if (const MethodInfo* info = find_method(method)) kinds.assign(info->devices.begin(), info->devices.end());
+        if (const MethodInfo* info = find_method(method)) {
+            const std::vector<std::string_view> devices = info->devices();
+            kinds.assign(devices.begin(), devices.end());
+        }
         return kinds;
     };
     vocabulary.layers_of = [](const std::string& method) {

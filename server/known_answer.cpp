@@ -1,5 +1,7 @@
 #include "server/known_answer.h"
 
+#include "renderer/methods/registry.h"
+
 namespace photond {
 
 using nlohmann::json;
@@ -22,10 +24,15 @@ json check_object(const KnownCheck& check) {
 json answer_object(const KnownAnswer& answer) {
     json checks = json::array();
     for (const KnownCheck& check : answer.checks) checks.push_back(check_object(check));
+    json not_applicable = json::object();
+    for (const MethodInfo& method : all_methods())
+        for (const CaseRefusal& refusal : method.refusals)
+            if (answer.row.find(refusal.row) != std::string::npos)
+                not_applicable[std::string(method.name)] = refusal.text;
     return {{"case", answer.row},           {"strains", answer.strains},
             {"text", answer.text},          {"checks", std::move(checks)},
             {"passes", answer.passes},      {"width", answer.size.width},
-            {"height", answer.size.height}, {"not_applicable", answer.not_applicable}};
+            {"height", answer.size.height}, {"not_applicable", std::move(not_applicable)}};
 }
 
 }  // namespace

@@ -6,7 +6,6 @@
 
 #include "protocol/worker_messages.h"
 #include "renderer/core/sha256.h"
-#include "renderer/film/layer_preview.h"
 #include "renderer/methods/registry.h"
 #include "server/clock_text.h"
 #include "server/row_text.h"
@@ -32,8 +31,8 @@ void require_precision(const std::string& precision) {
 /// Of the beauty or a layer by its name; None where there is no such layer.
 LayerPreview preview_of_name(const std::string& name) {
     if (name == "beauty") return LayerPreview::Light;
-    const auto info = std::find_if(kLayers.begin(), kLayers.end(), [&](const LayerInfo& l) { return l.name == name; });
-    return info == kLayers.end() ? LayerPreview::None : preview_of(*info);
+    const LayerInfo* info = find_layer(name);
+    return info ? info->preview : LayerPreview::None;
 }
 
 void write_text(const fs::path& path, const std::string& text) {
@@ -164,11 +163,13 @@ Artefact Service::preview(const std::string& id, const PreviewWanted& wanted) {
     const LayerPreview preview = preview_of_name(wanted.layer);
     const double exposure = wanted.exposure_stops;
     BodyFaults faults;
-    if (preview == LayerPreview::None)
+    if (preview == LayerPreview::None) {
+        std::string shown = "beauty";
+        for (const LayerInfo& info : kLayers)
+            if (info.preview != LayerPreview::None) shown.append(", ").append(info.name);
         faults.add(ErrorCode::UnknownName, "/layer",
-                   "'" + wanted.layer +
-                       "' is no layer with a preview: light is shown as on a display, overlap as a heat map, "
-                       "split_normal as colours, vpls as dots");
+                   "'" + wanted.layer + "' is no layer with a preview; those are " + shown);
+    }
     if (!(std::abs(exposure) <= 32))
         faults.add(ErrorCode::OutOfRange, "/exposure",
                    "exposure = " + json(exposure).dump() + " is outside [-32, 32] stops");
@@ -197,9 +198,8 @@ Artefact Service::preview(const std::string& id, const PreviewWanted& wanted) {
 Artefact Service::pixels(const std::string& id, const std::string& layer, const std::string& precision) {
     require_precision(precision);
     const std::string name = layer.empty() ? "beauty" : layer;
-    bool known = name == "beauty";
-    for (const LayerInfo& info : kLayers) known = known || info.name == name;
-    if (!known) throw Error(ErrorCode::UnknownName, "/layer", "'" + name + "' is no layer");
+    if (name != "beauty" && !find_layer(name))
+        throw Error(ErrorCode::UnknownName, "/layer", "'" + name + "' is no layer");
     return impl_->encode(id, "raw/" + name + "/" + precision, "application/octet-stream",
                          {{"type", "encode_pixels"}, {"layer", name}, {"precision", precision}}, false);
 }

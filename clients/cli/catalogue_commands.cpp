@@ -31,6 +31,7 @@ std::string true_members(const json& object) {
 void print_method(const Session& session, const json& method) {
     const std::string name = plain_text(method.value("name", json()));
     std::cout << session.bold(name) << ": " << plain_text(method.value("title", json())) << '\n';
+    if (const json line = method.value("line", json()); line.is_string()) std::cout << "  " << plain_text(line) << '\n';
     TextTable facts({{""}, {""}});
     facts.add_row({"family", plain_text(method.value("family", json()))});
     facts.add_row({"devices", words_of(method.value("devices", json()))});

@@ -21,8 +21,9 @@ struct EntryOptions {
 
 struct TableEntry {
     std::string label;
-    nlohmann::json method;             // the wire's: name, and device and parameters where they are given
-    std::optional<Parameter> bounces;  // indirect_bounces, or bounces; none: the method has neither
+    nlohmann::json method;               // the wire's: name, and device and parameters where they are given
+    std::optional<Parameter> bounces;    // indirect_bounces, or bounces; none: the method has neither
+    std::vector<CatalogueLimit> limits;  // its method's
 };
 
 /// Every method of the daemon with its default parameters; in place of those with variants worth a column of their own,

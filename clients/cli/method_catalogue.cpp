@@ -41,9 +41,18 @@ bool CatalogueMethod::runs_on(const std::string& device) const {
 MethodCatalogue::MethodCatalogue(DaemonClient& daemon, std::string device) : device_(std::move(device)) {
     const json items = daemon.get("/v1/methods").at("items");
     for (const json& item : items) {
-        CatalogueMethod method{item.value("name", ""), parameters_of(item), {}, {}};
+        CatalogueMethod method;
+        method.name = item.value("name", "");
+        method.parameters = parameters_of(item);
         for (const json& layer : item.value("layers", json::array())) method.layers.push_back(plain_text(layer));
         for (const json& kind : item.value("devices", json::array())) method.devices.push_back(plain_text(kind));
+        const json hard_cases = item.value("hard_cases", json::object());
+        for (const json& variant : hard_cases.value("variants", json::array()))
+            method.variants.push_back(
+                {printable(variant.value("label", "")), variant.value("parameters", json::object())});
+        for (const json& limit : hard_cases.value("limits", json::array()))
+            method.limits.push_back({limit.value("parameters", json::object()), limit.value("row", ""),
+                                     printable(limit.value("text", ""))});
         methods_.push_back(std::move(method));
     }
 }

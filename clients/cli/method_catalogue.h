@@ -11,11 +11,26 @@
 
 namespace photond::cli {
 
+/// Settings that have a column of their own where methods are judged by scenes with known answers.
+struct CatalogueVariant {
+    std::string label;          // after the method's name
+    nlohmann::json parameters;  // the wire's
+};
+
+/// Why a method misses a known answer by its nature.
+struct CatalogueLimit {
+    nlohmann::json parameters;  // with these settings
+    std::string row;            // part of the case's row; empty: any
+    std::string text;
+};
+
 struct CatalogueMethod {
     std::string name;
     std::vector<Parameter> parameters;
     std::vector<std::string> layers;   // on request
     std::vector<std::string> devices;  // kinds: "cpu", "gpu"
+    std::vector<CatalogueVariant> variants;
+    std::vector<CatalogueLimit> limits;
 
     /// On a device by its id; empty: the default, a CPU.
     bool runs_on(const std::string& device) const;

@@ -33,24 +33,30 @@ struct MetricInfo {
     bool needs_reference;  // else it is estimated from the passes
     bool costly;           // not one sweep over the pixels: measured when asked for by name
     std::string_view text;
+    std::string_view line = "";  // of the usual ones, for who does not know them
 };
 
 inline constexpr std::array<MetricInfo, 14> kMetrics{{
-    {Metric::RelativeMse, "relative_mse", 1, true, false, "mean of (x - r)^2 / (r^2 + 0.01 m^2), m the mean of r"},
-    {Metric::Rmse, "rmse", 1, true, false, "root of the mean squared difference"},
+    {Metric::RelativeMse, "relative_mse", 1, true, false, "mean of (x - r)^2 / (r^2 + 0.01 m^2), m the mean of r",
+     "squared error over the square of the reference; the usual measure of noise"},
+    {Metric::Rmse, "rmse", 1, true, false, "root of the mean squared difference",
+     "root of the mean squared difference"},
     {Metric::Mae, "mae", 1, true, false, "mean absolute difference"},
-    {Metric::Smape, "smape", 1, true, false, "mean of 2 |x - r| / (|x| + |r| + 0.1 m)"},
-    {Metric::Rmse8bit, "rmse_8bit", 1, true, false, "RMS difference per channel at 8-bit sRGB, the three added"},
+    {Metric::Smape, "smape", 1, true, false, "mean of 2 |x - r| / (|x| + |r| + 0.1 m)",
+     "difference over the sum, robust against bright pixels"},
+    {Metric::Rmse8bit, "rmse_8bit", 1, true, false, "RMS difference per channel at 8-bit sRGB, the three added",
+     "at 8-bit sRGB, as papers of that time have it"},
     {Metric::FittedRmse, "fitted_rmse", 1, true, false, "rmse after the exposure (a factor on x) that makes it least"},
     {Metric::FittedRelativeMse, "fitted_relative_mse", 1, true, false,
      "relative_mse after the exposure that makes it least"},
     {Metric::FlipLdr, "flip_ldr", 1, true, true, "mean LDR-FLIP, 0 to 1"},
-    {Metric::FlipHdr, "flip_hdr", 1, true, true, "mean HDR-FLIP, 0 to 1"},
+    {Metric::FlipHdr, "flip_hdr", 1, true, true, "mean HDR-FLIP, 0 to 1", "how different it looks, 0 to 1 (HDR-FLIP)"},
     {Metric::Bias, "bias", 3, true, false, "mean of x - r, by channel"},
     {Metric::RelativeBias, "relative_bias", 3, true, false, "bias over the channel's mean of r"},
     {Metric::Percentiles, "percentiles", 4, true, true, "50, 90, 99 and 100 % of the pixels' relative error"},
     {Metric::FireflyCount, "firefly_count", 1, true, true, "pixels over 100 times their neighbourhood's median"},
-    {Metric::EstimatedRelativeMse, "estimated_relative_mse", 1, false, false, "relative_mse expected from the passes"},
+    {Metric::EstimatedRelativeMse, "estimated_relative_mse", 1, false, false, "relative_mse expected from the passes",
+     "estimated from the passes; needs no reference"},
 }};
 constexpr const MetricInfo& metric_info(Metric metric) { return kMetrics[static_cast<size_t>(metric)]; }
 inline constexpr std::array<size_t, 4> kPercentiles{50, 90, 99, 100};

@@ -21,11 +21,10 @@ std::vector<ImageLayer> resolve_all(const Film& film) {
 
 std::vector<std::string> channel_names(std::string_view layer) {
     if (layer == "beauty") return {"R", "G", "B"};
-    const auto info = std::find_if(kLayers.begin(), kLayers.end(), [&](const LayerInfo& l) { return l.name == layer; });
-    assert(info != kLayers.end());
+    const LayerInfo* info = find_layer(layer);
+    assert(info);
     std::vector<std::string> names;
-    for (uint32_t k = 0; k < info->channel_count; ++k)
-        names.push_back(std::string(layer) + "." + std::string(info->channels[k]));
+    for (const char channel : info->channels) names.push_back(std::string(layer) + "." + channel);
     return names;
 }
 

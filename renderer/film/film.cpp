@@ -125,14 +125,15 @@ PassImage::PassImage(Size2 image_size, LayerSet layer_set) : size(image_size), l
 uint64_t PassImage::bytes_for(Size2 size, LayerSet layers) {
     uint64_t bytes_a_pixel = layers.needs_hits() ? 1 : 0;
     for (const LayerInfo& info : kLayers)
-        if (layers.has_in_passes(info.layer)) bytes_a_pixel += info.channel_count * sizeof(float);
+        if (layers.has_in_passes(info.layer)) bytes_a_pixel += info.channel_count() * sizeof(float);
     return bytes_a_pixel * size.pixels();
 }
 
 Film::Film(Size2 size, LayerSet layers, uint32_t first_pass) : size_(size), layers_(layers), next_pass_(first_pass) {
     const size_t n = size.pixels();
     for (const LayerInfo& info : kLayers)
-        if (layers.has_in_passes(info.layer)) sums_[static_cast<size_t>(info.layer)].assign(n * info.channel_count, 0);
+        if (layers.has_in_passes(info.layer))
+            sums_[static_cast<size_t>(info.layer)].assign(n * info.channel_count(), 0);
     squares_beauty_.assign(3 * n, 0), squares_direct_.assign(3 * n, 0), squares_indirect_.assign(3 * n, 0);
     if (layers.needs_hits()) hits_.assign(n, 0);
 }
@@ -140,7 +141,7 @@ Film::Film(Size2 size, LayerSet layers, uint32_t first_pass) : size_(size), laye
 uint64_t Film::bytes_for(Size2 size, LayerSet layers) {
     uint64_t bytes_a_pixel = 9 * sizeof(FixedSquares) + (layers.needs_hits() ? sizeof(uint32_t) : 0);
     for (const LayerInfo& info : kLayers)
-        if (layers.has_in_passes(info.layer)) bytes_a_pixel += info.channel_count * sizeof(FixedSum);
+        if (layers.has_in_passes(info.layer)) bytes_a_pixel += info.channel_count() * sizeof(FixedSum);
     return bytes_a_pixel * size.pixels();
 }
 
@@ -243,7 +244,7 @@ void Film::merge(const Film& other) {
 std::vector<float> Film::resolve(Layer layer) const {
     assert(layers_.has(layer));
     const LayerInfo& info = layer_info(layer);
-    const size_t count = size_.pixels() * info.channel_count;
+    const size_t count = size_.pixels() * info.channel_count();
     if (layer == Layer::StandardError) {
         if (passes_ < 2) return std::vector<float>(count, std::numeric_limits<float>::infinity());
         return per_channel(count, [&](size_t i) {
@@ -252,7 +253,7 @@ std::vector<float> Film::resolve(Layer layer) const {
     }
     const std::vector<FixedSum>& sums = sums_[static_cast<size_t>(layer)];
     return per_channel(count, [&](size_t i) {
-        const uint32_t samples = info.mean == LayerMean::Hits ? hits_[i / info.channel_count] : passes_;
+        const uint32_t samples = info.mean == LayerMean::Hits ? hits_[i / info.channel_count()] : passes_;
         return samples ? to_double(sums[i]) / samples : 0.0;
     });
 }

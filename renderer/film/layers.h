@@ -35,61 +35,75 @@ enum class LayerMean : uint8_t {
     Passes,    // a look at a method's structures: mean over the passes
 };
 
+/// How a display shows a layer: what previews of a job can be asked for.
+enum class LayerPreview : uint8_t {
+    None,        // numbers to look at closely
+    Light,       // by exposure and tone curve, as the beauty
+    HeatMap,     // splats over a pixel: blue 0, green 200, red 400, white 600
+    Directions,  // (n + 1) / 2 as display values
+    Dots,        // what a pass puts on a pixel, as grey light: 1 is white
+};
+/// Whether exposure and tone curve mean anything to it.
+constexpr bool has_exposure(LayerPreview preview) {
+    return preview == LayerPreview::Light || preview == LayerPreview::Dots;
+}
+
+/// Who has something to put into a layer.
+enum class LayerFilledBy : uint8_t {
+    All,   // every method, but those whose row says otherwise
+    Some,  // methods whose row says so
+};
+
 struct LayerInfo {
     Layer layer;
-    std::string_view name;                     // the wire's and the EXR's
-    std::array<std::string_view, 3> channels;  // EXR channel suffixes; single-valued layers use the first only
-    uint32_t channel_count;
+    std::string_view name;      // the wire's and the EXR's
+    std::string_view channels;  // the EXR's suffixes, a letter each: "RGB", "XYZ", "Y", "Z"
     LayerMean mean;
+    LayerPreview preview;
+    LayerFilledBy filled_by;
+    std::string_view unit;  // SI; empty for plain numbers
     std::string_view text;
 
     constexpr bool radiance() const { return mean == LayerMean::Radiance; }
+    constexpr uint32_t channel_count() const { return static_cast<uint32_t>(channels.size()); }
 };
 
-inline constexpr std::array<LayerInfo, kLayerCount> kLayers{{
-    {Layer::Emitted,
-     "emitted",
-     {"R", "G", "B"},
-     3,
-     LayerMean::Radiance,
-     "lights seen directly, in mirrors and through glass"},
-    {Layer::Direct, "direct", {"R", "G", "B"}, 3, LayerMean::Radiance, "light scattered once"},
-    {Layer::Indirect,
-     "indirect",
-     {"R", "G", "B"},
-     3,
-     LayerMean::Radiance,
-     "light scattered twice or more, caustics included"},
-    {Layer::Caustic,
-     "caustic",
-     {"R", "G", "B"},
-     3,
-     LayerMean::Radiance,
-     "the part of indirect that came by delta scatterings only"},
-    {Layer::Albedo, "albedo", {"R", "G", "B"}, 3, LayerMean::Hits, "reflectance of the first non-delta surface"},
-    {Layer::Normal, "normal", {"X", "Y", "Z"}, 3, LayerMean::Hits, "world-space shading normal facing the eye"},
-    {Layer::Position, "position", {"X", "Y", "Z"}, 3, LayerMean::Hits, "world-space position [m]"},
-    {Layer::Depth, "depth", {"Z", "", ""}, 1, LayerMean::Hits, "distance along the camera's forward axis [m]"},
-    {Layer::StandardError,
-     "standard_error",
-     {"R", "G", "B"},
-     3,
-     LayerMean::Hits,
-     "standard error of beauty from the passes"},
-    {Layer::PhotonCount,
-     "photon_count",
-     {"Y", "", ""},
-     1,
-     LayerMean::Hits,
-     "photons that a pass used in its estimates"},
-    {Layer::Overlap, "overlap", {"Y", "", ""}, 1, LayerMean::Hits, "splats that lie over the pixel in a pass"},
-    {Layer::Clamped, "clamped", {"R", "G", "B"}, 3, LayerMean::Radiance, "light that the clamp of connections takes"},
-    {Layer::Voxels, "voxels", {"R", "G", "B"}, 3, LayerMean::Passes, "the first voxel on the pixel's ray, shaded"},
-    {Layer::Vpls, "vpls", {"Y", "", ""}, 1, LayerMean::Passes, "virtual point lights of a pass that the pixel shows"},
-    {Layer::SplitNormal, "split_normal", {"X", "Y", "Z"}, 3, LayerMean::Passes, "normals as the split G-buffer lies"},
-    {Layer::SplitIndirect, "split_indirect", {"R", "G", "B"}, 3, LayerMean::Passes, "irradiance before the merge"},
-}};
+inline constexpr std::array<LayerInfo, kLayerCount> kLayers = [] {
+    using enum Layer;
+    using enum LayerMean;
+    using enum LayerFilledBy;
+    using P = LayerPreview;
+    constexpr std::string_view kRadiance = "W m^-2 sr^-1";
+    return std::array<LayerInfo, kLayerCount>{{
+        {Emitted, "emitted", "RGB", Radiance, P::Light, All, kRadiance,
+         "lights seen directly, in mirrors and through glass"},
+        {Direct, "direct", "RGB", Radiance, P::Light, All, kRadiance, "light scattered once"},
+        {Indirect, "indirect", "RGB", Radiance, P::Light, All, kRadiance,
+         "light scattered twice or more, caustics included"},
+        {Caustic, "caustic", "RGB", Radiance, P::Light, All, kRadiance,
+         "the part of indirect that came by delta scatterings only"},
+        {Albedo, "albedo", "RGB", Hits, P::None, All, "", "reflectance of the first non-delta surface"},
+        {Normal, "normal", "XYZ", Hits, P::None, All, "", "world-space shading normal facing the eye"},
+        {Position, "position", "XYZ", Hits, P::None, All, "m", "world-space position [m]"},
+        {Depth, "depth", "Z", Hits, P::None, All, "m", "distance along the camera's forward axis [m]"},
+        {StandardError, "standard_error", "RGB", Hits, P::None, All, kRadiance,
+         "standard error of beauty from the passes"},
+        {PhotonCount, "photon_count", "Y", Hits, P::None, Some, "", "photons that a pass used in its estimates"},
+        {Overlap, "overlap", "Y", Hits, P::HeatMap, Some, "", "splats that lie over the pixel in a pass"},
+        {Clamped, "clamped", "RGB", Radiance, P::Light, Some, kRadiance, "light that the clamp of connections takes"},
+        {Voxels, "voxels", "RGB", Passes, P::Light, Some, "", "the first voxel on the pixel's ray, shaded"},
+        {Vpls, "vpls", "Y", Passes, P::Dots, Some, "", "virtual point lights of a pass that the pixel shows"},
+        {SplitNormal, "split_normal", "XYZ", Passes, P::Directions, Some, "", "normals as the split G-buffer lies"},
+        {SplitIndirect, "split_indirect", "RGB", Passes, P::Light, Some, "W m^-2", "irradiance before the merge"},
+    }};
+}();
 constexpr const LayerInfo& layer_info(Layer layer) { return kLayers[static_cast<size_t>(layer)]; }
+/// nullptr where there is no layer of that name; the beauty is none.
+constexpr const LayerInfo* find_layer(std::string_view name) {
+    for (const LayerInfo& info : kLayers)
+        if (info.name == name) return &info;
+    return nullptr;
+}
 
 /// A set of layers. Emitted, direct and indirect are always in it.
 class LayerSet {

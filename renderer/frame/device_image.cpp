@@ -9,7 +9,7 @@ namespace photond {
 uint32_t DeviceImage::planes(LayerSet layers) {
     uint32_t planes = layers.needs_hits() ? 1 : 0;
     for (const LayerInfo& info : kLayers)
-        if (layers.has_in_passes(info.layer)) planes += info.channel_count;
+        if (layers.has_in_passes(info.layer)) planes += info.channel_count();
     return planes;
 }
 
@@ -29,7 +29,7 @@ uint32_t DeviceImage::plane_of(Layer layer) const {
     uint32_t plane = 0;
     for (const LayerInfo& info : kLayers) {
         if (info.layer == layer) break;
-        if (kept_.has_in_passes(info.layer)) plane += info.channel_count;
+        if (kept_.has_in_passes(info.layer)) plane += info.channel_count();
     }
     return plane;
 }

@@ -4,7 +4,6 @@
 
 #include <array>
 #include <functional>
-#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -47,7 +46,6 @@ struct KnownAnswer {
     std::vector<KnownCheck> checks;
     uint32_t passes = 64;  // suggested, with the size: enough for an error of about a percent by path tracing
     Size2 size{32, 32};
-    std::map<std::string, std::string> not_applicable = {};  // method: why
 };
 
 struct HardCase {

@@ -8,10 +8,6 @@ namespace photond {
 
 namespace {
 
-const LayerInfo& info_of(const std::string& layer) {
-    return *std::find_if(kLayers.begin(), kLayers.end(), [&](const LayerInfo& info) { return info.name == layer; });
-}
-
 bool has_variance(Layer layer) { return layer == Layer::Direct || layer == Layer::Indirect; }
 
 }  // namespace
@@ -20,7 +16,7 @@ std::string size_text(Size2 size) { return std::to_string(size.width) + " x " + 
 
 const std::vector<float>& ResolvedFilm::pixels(const std::string& layer) {
     const auto [found, is_new] = pixels_.try_emplace(layer);
-    if (is_new) found->second = layer == "beauty" ? film_.resolve_beauty() : film_.resolve(info_of(layer).layer);
+    if (is_new) found->second = layer == "beauty" ? film_.resolve_beauty() : film_.resolve(find_layer(layer)->layer);
     return found->second;
 }
 
@@ -28,8 +24,8 @@ const std::vector<float>& ResolvedFilm::pass_variance(const std::string& layer) 
     const auto [found, is_new] = pass_variance_.try_emplace(layer);
     if (is_new && layer == "beauty")
         found->second = film_.pass_variance_beauty();
-    else if (is_new && has_variance(info_of(layer).layer))
-        found->second = film_.pass_variance(info_of(layer).layer);
+    else if (is_new && has_variance(find_layer(layer)->layer))
+        found->second = film_.pass_variance(find_layer(layer)->layer);
     return found->second;
 }
 

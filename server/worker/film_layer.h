@@ -1,7 +1,6 @@
 #pragma once
 // A layer of a film by its name, as requests of the helper name it.
 
-#include <algorithm>
 #include <string>
 
 #include "protocol/error.h"
@@ -11,8 +10,8 @@ namespace photond {
 
 /// Throws ErrorCode::UnknownName where the film has no layer of that name.
 inline const LayerInfo& film_layer(const Film& film, const std::string& name) {
-    const auto info = std::find_if(kLayers.begin(), kLayers.end(), [&](const LayerInfo& l) { return l.name == name; });
-    if (info == kLayers.end() || !film.layers().has(info->layer))
+    const LayerInfo* info = find_layer(name);
+    if (!info || !film.layers().has(info->layer))
         throw Error(ErrorCode::UnknownName, "/layer", "the film has no layer \"" + name + "\"");
     return *info;
 }

@@ -93,7 +93,7 @@ json encode_preview(const json& message, const HelperLimits& limits) {
     const LayerInfo* info = nullptr;
     if (layer != "beauty") {
         info = &film_layer(film, layer);
-        if (preview_of(*info) == LayerPreview::None)
+        if (info->preview == LayerPreview::None)
             throw Error(ErrorCode::UnknownName, "/layer", "the layer \"" + layer + "\" has no preview");
     }
     const PreviewImage shown =

@@ -32,8 +32,8 @@ PreviewImage preview_image(const Film& film, const LayerInfo* layer, float expos
                            uint32_t max_side) {
     const Size2 size = size_within(film.size(), max_side);
     std::vector<float> values = layer ? film.resolve(layer->layer) : film.resolve_beauty();
-    if (size != film.size()) values = box_downscaled(values, layer ? layer->channel_count : 3, film.size(), size);
-    switch (layer ? preview_of(*layer) : LayerPreview::Light) {
+    if (size != film.size()) values = box_downscaled(values, layer ? layer->channel_count() : 3, film.size(), size);
+    switch (layer ? layer->preview : LayerPreview::Light) {
         case LayerPreview::Light: return {size, tone_mapped(values, exposure_stops, curve)};
         case LayerPreview::HeatMap: return {size, overlap_heat_map(values)};
         case LayerPreview::Directions: return {size, directions(values)};

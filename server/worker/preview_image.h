@@ -2,7 +2,6 @@
 #include <vector>
 
 #include "renderer/film/film.h"
-#include "renderer/film/layer_preview.h"
 #include "renderer/film/tone_curve.h"
 
 namespace photond {

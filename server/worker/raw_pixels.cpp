@@ -22,7 +22,7 @@ constexpr size_t kHalvesAtOnce = 1 << 20;  // so that no second copy of a large 
 ReadLayer layer_of_film(const Film& film, const std::string& name) {
     if (name == "beauty") return {film.size(), 3, film.resolve_beauty()};
     const LayerInfo& info = film_layer(film, name);
-    return {film.size(), info.channel_count, film.resolve(info.layer)};
+    return {film.size(), info.channel_count(), film.resolve(info.layer)};
 }
 
 }  // namespace

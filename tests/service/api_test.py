@@ -148,11 +148,39 @@ class ApiTest(DaemonTestCase):
         method = self.request("GET", "/v1/methods/path_tracing").json
         self.assertEqual(method, page["items"][names.index("path_tracing")])
         for name, schema in method["parameters"]["properties"].items():
-            self.assertLessEqual({"type", "default", "description", "x-unit"}, set(schema), name)
+            self.assertLessEqual({"type", "default", "description", "x-unit", "x-group"}, set(schema), name)
+            self.assertIn(schema["x-group"], method["parameters"]["x-groups"], name)
+        self.assertIn("Unbiased", method["line"])
+        splatting = self.request("GET", "/v1/methods/photon_splatting").json
+        self.assertIn({"label": "normalised", "parameters": {"weighting": "normalised"}},
+                      splatting["hard_cases"]["variants"])
+        self.assertIn("thin wall", [limit["row"] for limit in splatting["hard_cases"]["limits"]])
         reply = self.request("GET", "/v1/methods/path_tracin")
         self.assert_problem(reply, 404, "not_found")
         self.assertIn('did you mean "path_tracing"', reply.json["detail"])
         self.assert_problem(self.request("GET", "/v1/methods?limit=0"), 422, "out_of_range")
+
+    def test_layers_and_metrics_describe_themselves(self):
+        layers = {layer["name"]: layer for layer in self.request("GET", "/v1/layers").json["items"]}
+        self.assertEqual([name for name, layer in layers.items() if layer["always"]],
+                         ["beauty", "emitted", "direct", "indirect"])
+        self.assertEqual((layers["depth"]["channels"], layers["depth"]["unit"], layers["depth"]["preview"]),
+                         ("Z", "m", None))
+        self.assertEqual((layers["overlap"]["preview"], layers["overlap"]["exposure"]), ("heat_map", False))
+        for method in self.request("GET", "/v1/methods").json["items"]:
+            self.assertLessEqual(set(method["layers"]), set(layers))
+        metrics = {metric["name"]: metric for metric in self.request("GET", "/v1/metrics").json["items"]}
+        self.assertEqual([name for name, metric in metrics.items() if not metric["needs_reference"]],
+                         ["estimated_relative_mse"])
+        self.assertEqual([metrics[name]["values"] for name in ("rmse", "bias", "percentiles")], [1, 3, 4])
+        self.assertTrue(metrics["flip_hdr"]["on_request"] and metrics["flip_hdr"]["line"])
+        names, cursor = [], ""
+        while cursor is not None:
+            page = self.request("GET", f"/v1/layers?limit=3&cursor={cursor}").json
+            names += [layer["name"] for layer in page["items"]]
+            cursor = page["next_cursor"]
+        self.assertEqual(names, list(layers))
+        self.assert_problem(self.request("GET", "/v1/layers?cursor=none"), 422, "out_of_range")
 
     def test_the_daemon_describes_itself(self):
         self.assertEqual(self.request("GET", "/v1/devices").json["items"][0]["id"], "cpu")

@@ -134,8 +134,8 @@ class OpenApiTest(unittest.TestCase):
         ask = self.ask
         binary = {"Content-Type": "model/gltf-binary"}
         for path in ("/healthz", "/readyz", "/metrics", "/favicon.svg", "/v1/status",
-                     "/v1/openapi.json", "/v1/methods", "/v1/methods/path_tracing", "/v1/devices", "/v1/scenes?limit=1000",
-                     "/v1/jobs"):
+                     "/v1/openapi.json", "/v1/methods", "/v1/methods/path_tracing", "/v1/devices", "/v1/layers",
+                     "/v1/metrics", "/v1/scenes?limit=1000", "/v1/jobs"):
             self.assertEqual(ask("GET", path).status, 200, path)
         page = ask("GET", "/")
         for kind in ("js", "css"):

@@ -5,9 +5,11 @@ import "./styles/parts.css";
 import { render } from "preact";
 
 import { startEvents } from "./api/events";
+import { startVocabulary } from "./api/vocabulary";
 import { App } from "./app/app";
 import { applyTheme } from "./app/theme";
 
 applyTheme();
 startEvents();
+await startVocabulary();
 render(<App />, document.getElementById("app")!);

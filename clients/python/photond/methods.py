@@ -35,6 +35,8 @@ class Parameter:
         self.kind: str = next((kind for kind in kinds if kind != "null"), "string")
         self.nullable = "null" in kinds
         self.unit: str = schema.get("x-unit", "")
+        #: Title of the group that forms show it in.
+        self.group: str = schema.get("x-group", "")
         self.default: Any = schema.get("default")
         self.minimum: Optional[float] = schema.get("minimum")
         self.maximum: Optional[float] = schema.get("maximum")
@@ -79,6 +81,8 @@ class Method:
         self.data = data
         self.name: str = data["name"]
         self.title: str = data["title"]
+        #: What it does, where it is good and where it is not.
+        self.line: str = data.get("line", "")
         self.family: str = data["family"]
         #: Kinds it runs on: cpu, gpu.
         self.devices: List[str] = data["devices"]
@@ -111,7 +115,7 @@ class Method:
         return table
 
     def __str__(self) -> str:
-        lines = [f"{self.title} ({self.name}): {self.family}", f"devices: {', '.join(self.devices)}"]
+        lines = [f"{self.title} ({self.name}): {self.family}", *([self.line] if self.line else []), f"devices: {', '.join(self.devices)}"]
         if self.layers:
             lines.append(f"layers on request: {', '.join(self.layers)}")
         lines += self.sources

@@ -1,4 +1,6 @@
 #include "renderer/methods/imperfect_shadow_maps/imperfect_shadow_maps_gpu.h"
+#include "renderer/frame/common_params.h"
+#include "renderer/many_lights/vpl_params.h"
 
 #include "protocol/error.h"
 #include "renderer/many_lights/first_bounce_gpu.h"
@@ -28,41 +30,27 @@ FirstBounceSettings settings_of(const ImperfectShadowMapsParams& params) {
 }  // namespace
 
 void ImperfectShadowMapsParams::visit(ParamVisitor& visitor) {
-    static constexpr std::string_view kSamplers[] = {"sobol", "random"};
-    visitor.field("vpls", vpls, {"lights", 1, 65536, "virtual point lights, a pass"});
+    using enum ParamGroup;
+    visitor.field("vpls", vpls, {Light, "lights", 1, 65536, "virtual point lights, a pass"});
     visitor.field("bounces", bounces,
-                  {"", 0, 1, "greatest number of bounces in the indirect layer; it does no more than one"});
-    visitor.field("map_resolution", map_resolution,
-                  {"texels", 8, 1024, "side of the reflective shadow maps, all lights' together; a power of two"});
-    visitor.field("points", points, {"points", 16, 65536, "of the scene, drawn into the depth map of each light"});
-    visitor.field("shadow_resolution", shadow_resolution, {"texels", 4, 128, "along each side of a light's depth map"});
+                  {Light, "", 0, 1, "greatest number of bounces in the indirect layer; it does no more than one"});
+    visit_map_resolution(visitor, map_resolution);
+    visitor.field("points", points,
+                  {Light, "points", 16, 65536, "of the scene, drawn into the depth map of each light"});
+    visitor.field("shadow_resolution", shadow_resolution,
+                  {Visibility, "texels", 4, 128, "along each side of a light's depth map"});
     visitor.field("interleave", interleave,
-                  {"pixels", 1, 8, "side of the blocks whose pixels share out the lights; a power of two"});
-    visitor.field("clamp", clamp_m2,
-                  {"m^2", 0, 1e18,
-                   "a connection counts as if its squared length were at least that; the lit area over pi times vpls "
-                   "when not given; 0: none, and at corners infinite variance"});
-    visitor.field("filter", filter,
-                  {"pixels", 0, 17,
-                   "side of the geometry-aware box filter over indirect light, which takes out the blocks' pattern and "
-                   "blurs; 0: none"});
-    visitor.field("filter_normal", filter_normal, {"", -1, 1, "filter: least cosine between the normals"});
-    visitor.field("filter_distance", filter_distance,
-                  {"", 0, 1e3, "filter: greatest distance from the pixel's plane, over its depth"});
-    visitor.field("glossy_threshold", glossy_threshold,
-                  {"", 0, 1, "eye paths: lobes with GGX alpha below it are followed, not lit"});
-    visitor.field("connect_threshold", connect_threshold,
-                  {"", 0, 1, "lights: lobes with GGX alpha below it send nothing"});
-    visitor.enumeration("sampler", sampler,
-                        {kSamplers, "numbers of the passes: low-discrepancy (Owen-scrambled Sobol') or independent"});
+                  {Gathering, "pixels", 1, 8, "side of the blocks whose pixels share out the lights; a power of two"});
+    visit_vpl_clamp(visitor, clamp_m2);
+    visit_geometry_filter(visitor, filter, filter_normal, filter_distance);
+    visit_lit_glossy_threshold(visitor, glossy_threshold);
+    visit_vpl_connect_threshold(visitor, connect_threshold);
+    visit_sampler(visitor, sampler);
 }
 
 void ImperfectShadowMapsParams::check() const {
-    for (const auto& [pointer, value] :
-         {std::pair("/map_resolution", map_resolution), std::pair("/interleave", interleave)})
-        if ((value & (value - 1)) != 0)
-            throw Error(ErrorCode::OutOfRange, pointer,
-                        std::string(pointer + 1) + " = " + std::to_string(value) + " is no power of two");
+    require_power_of_two("/map_resolution", map_resolution);
+    require_power_of_two("/interleave", interleave);
 }
 
 struct ImperfectShadowMapsGpu::State {

@@ -12,17 +12,7 @@ struct PathTracingParams final : MethodParams {
     SamplerKind sampler = SamplerKind::Sobol;
     uint32_t roulette_start = ROULETTE_START;
 
-    void visit(ParamVisitor& visitor) override {
-        static constexpr std::string_view kSamplers[] = {"sobol", "random"};
-        visitor.field("indirect_bounces", indirect_bounces,
-                      {"", 0, 1e6, "greatest number of bounces in the indirect layer; unlimited when not given"});
-        visitor.enumeration(
-            "sampler", sampler,
-            {kSamplers, "numbers of the passes: low-discrepancy (Owen-scrambled Sobol') or independent"});
-        visitor.field("roulette_start", roulette_start,
-                      {"", 1, 1e6, "surface interactions after which Russian roulette may end a path"});
-    }
-
+    void visit(ParamVisitor& visitor) override;
     /// Greatest number of scattering vertices of a path (conventions.md: n vertices make n - 1 bounces).
     uint32_t max_scatterings() const { return indirect_bounces ? *indirect_bounces + 1 : UINT32_MAX; }
 };

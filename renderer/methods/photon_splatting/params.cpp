@@ -1,9 +1,11 @@
 #include "protocol/error.h"
+#include "renderer/frame/common_params.h"
 #include "renderer/methods/photon_splatting/photon_splatting.h"
 
 namespace photond {
 
 void PhotonSplattingParams::visit(ParamVisitor& visitor) {
+    using enum ParamGroup;
     static constexpr std::string_view kInjections[] = {"paths", "reflective_shadow_map"};
     static constexpr std::string_view kRepresentatives[] = {"random", "by_power", "closest_to_mean",
                                                             "dominant_direction"};
@@ -11,70 +13,78 @@ void PhotonSplattingParams::visit(ParamVisitor& visitor) {
     static constexpr std::string_view kWeightings[] = {"normalised", "radiometric"};
     static constexpr std::string_view kEstimators[] = {"connect", "kernel"};
     static constexpr std::string_view kBlurs[] = {"none", "3", "5", "7", "9"};
-    static constexpr std::string_view kSamplers[] = {"sobol", "random"};
 
-    visitor.field("photons", photons, {"photons", 1, 1e9, "light paths a pass"});
-    visitor.field("bounces", bounces, {"", 0, 254, "greatest number of bounces in the indirect layer"});
+    visitor.field("photons", photons, {Light, "photons", 1, 1e9, "light paths a pass"});
+    visitor.field("bounces", bounces, {Light, "", 0, 254, "greatest number of bounces in the indirect layer"});
     visitor.enumeration("injection", injection,
-                        {kInjections,
+                        {Light, kInjections,
                          "light paths from the lights, or a jittered reflective shadow map of each light, which knows "
                          "one bounce only"});
     visitor.field("rays_per_photon", rays_per_photon,
-                  {"rays", 1, 1024, "splats of a photon, in stratified directions"});
-    visitor.flag("stratify", stratify, "splat the photons of a voxel as few");
+                  {Light, "rays", 1, 1024, "splats of a photon, in stratified directions"});
+    visitor.flag("stratify", stratify, {Stratification, "splat the photons of a voxel as few"});
     visitor.field("grid_cells", grid_cells,
-                  {"cells", 1, 1024, "stratification: voxels along the longest side of the scene"});
+                  {Stratification, "cells", 1, 1024, "stratification: voxels along the longest side of the scene"});
     visitor.field("minimum_photons", minimum_photons,
-                  {"photons", 1, 1e6,
+                  {Stratification, "photons", 1, 1e6,
                    "stratification: a block of 2x2x2 cells of which one holds fewer, but some, becomes one cell; from "
                    "2 on a lone photon joins all about it, and the noise is that of few splats"});
-    visitor.field("splats_per_cell", splats_per_cell, {"splats", 1, 1024, "stratification: splats of a cell"});
+    visitor.field("splats_per_cell", splats_per_cell,
+                  {Stratification, "splats", 1, 1024, "stratification: splats of a cell"});
     visitor.enumeration("representative", representative,
-                        {kRepresentatives,
+                        {Stratification, kRepresentatives,
                          "stratification: which photons splat for their cell; the last two are biased, as in the "
                          "thesis"});
     visitor.field(
         "splat_size", splat_size_m,
-        {"m", 1e-9, 1e9, "side of a splat; its radius is half of that; of beams beside connections a quarter"});
+        {Light, "m", 1e-9, 1e9, "side of a splat; its radius is half of that; of beams beside connections a quarter"});
     visitor.field(
         "splat_size_relative", splat_size_relative,
-        {"", 1e-9, 1e3, "the same, over the radius of the scene's bounding sphere; 0.2 when neither is given"});
+        {Light, "", 1e-9, 1e3, "the same, over the radius of the scene's bounding sphere; 0.2 when neither is given"});
     visitor.flag("adaptive_size", adaptive_size,
-                 "connect: splats are smaller where light is dense and larger where it is rare, by a pilot's photons; "
-                 "exact in the mean like any size");
-    visitor.enumeration("filter", filter, {kFilters, "weight of a splat across its axis, radial"});
+                 {Splats,
+                  "connect: splats are smaller where light is dense and larger where it is rare, by a pilot's photons; "
+                  "exact in the mean like any size"});
+    visitor.enumeration("filter", filter, {Splats, kFilters, "weight of a splat across its axis, radial"});
     visitor.enumeration("weighting", weighting,
-                        {kWeightings, "normalised: the thesis' colour over weight; radiometric: watts"});
+                        {Splats, kWeightings, "normalised: the thesis' colour over weight; radiometric: watts"});
     visitor.enumeration("estimator", estimator,
-                        {kEstimators,
+                        {Splats, kEstimators,
                          "radiometric: photons connect with the points their rays pass by (no kernel bias), or light "
                          "along their rays (consistent with shrink)"});
-    visitor.field("step_back", step_back_m,
-                  {"m", 0, 1e9, "a beam begins that far before the hit of its ray; ten splat radii when not given"});
+    visitor.field(
+        "step_back", step_back_m,
+        {Splats, "m", 0, 1e9, "a beam begins that far before the hit of its ray; ten splat radii when not given"});
     visitor.field("splat_depth", splat_depth_m,
-                  {"m", 1e-9, 1e9, "how far a beam lights from there; step_back and ten radii when not given"});
+                  {Splats, "m", 1e-9, 1e9, "how far a beam lights from there; step_back and ten radii when not given"});
     visitor.field("shadow_resolution", shadow_resolution,
-                  {"texels", 4, 64, "beams: depth map texels along each side of a splat"});
-    visitor.flag("visibility", visibility, "shadow rays of connections, depth maps of beams; without, light leaks");
+                  {Splats, "texels", 4, 64, "beams: depth map texels along each side of a splat"});
+    visitor.flag("visibility", visibility,
+                 {Light, "shadow rays of connections, depth maps of beams; without, light leaks"});
     visitor.flag(
         "shrink", shrink,
-        "radiometric beams become narrower from pass to pass, so that their blur vanishes; connections have none");
-    visitor.field("alpha", alpha, {"", 0.01, 0.99, "share of the noise kept: shrinking is faster the lower it is"});
+        {Splats,
+         "radiometric beams become narrower from pass to pass, so that their blur vanishes; connections have none"});
+    visitor.field("alpha", alpha,
+                  {Splats, "", 0.01, 0.99, "share of the noise kept: shrinking is faster the lower it is"});
     visitor.flag("repay", repay,
-                 "connect: what the clamp within a splat's radius of the photon takes is made up for by one short ray "
-                 "a visible point");
-    visitor.enumeration("blur", blur, {kBlurs, "Gaussian blur of each pass's indirect layer, pixels across"});
-    visitor.flag("blur_edges", blur_edges, "the blur stops where normal or depth change");
-    visitor.field("ambient", ambient,
-                  {"W m^-2 sr^-1", 0, 1e9, "radiance from everywhere for visible points that no splat reached"});
-    visitor.field("indirect_exposure", indirect_exposure,
-                  {"", 0, 1e9, "factor on the indirect layer; of normalised weighting, whose scale is arbitrary"});
+                 {NoiseAndBias,
+                  "connect: what the clamp within a splat's radius of the photon takes is made up for by one short ray "
+                  "a visible point"});
+    visitor.enumeration("blur", blur, {Filter, kBlurs, "Gaussian blur of each pass's indirect layer, pixels across"});
+    visitor.flag("blur_edges", blur_edges, {Filter, "the blur stops where normal or depth change"});
+    visitor.field(
+        "ambient", ambient,
+        {Filter, "W m^-2 sr^-1", 0, 1e9, "radiance from everywhere for visible points that no splat reached"});
+    visitor.field(
+        "indirect_exposure", indirect_exposure,
+        {Filter, "", 0, 1e9, "factor on the indirect layer; of normalised weighting, whose scale is arbitrary"});
     visitor.field("glossy_threshold", glossy_threshold,
-                  {"", 0, 1, "eye paths: lobes with GGX alpha below it are followed, not splatted on"});
+                  {NoiseAndBias, "", 0, 1, "eye paths: lobes with GGX alpha below it are followed, not splatted on"});
     visitor.field("connect_threshold", connect_threshold,
-                  {"", 0, 1, "photons: lobes with GGX alpha below it light along their direction, not by connection"});
-    visitor.enumeration("sampler", sampler,
-                        {kSamplers, "numbers of the passes: low-discrepancy (Owen-scrambled Sobol') or independent"});
+                  {NoiseAndBias, "", 0, 1,
+                   "photons: lobes with GGX alpha below it light along their direction, not by connection"});
+    visit_sampler(visitor, sampler);
 }
 
 void PhotonSplattingParams::check() const {

@@ -1,4 +1,6 @@
 #include "renderer/methods/reflective_shadow_maps/reflective_shadow_maps_gpu.h"
+#include "renderer/frame/common_params.h"
+#include "renderer/many_lights/vpl_params.h"
 
 #include "protocol/error.h"
 #include "renderer/core/rng.h"
@@ -28,36 +30,30 @@ FirstBounceSettings settings_of(const ReflectiveShadowMapsParams& params) {
 }  // namespace
 
 void ReflectiveShadowMapsParams::visit(ParamVisitor& visitor) {
+    using enum ParamGroup;
     static constexpr std::string_view kPatterns[] = {"flux", "paper"};
-    static constexpr std::string_view kSamplers[] = {"sobol", "random"};
-    visitor.field("samples", samples, {"texels", 1, 65536, "of the lights' maps that light a pixel, a pass"});
+    visitor.field("samples", samples, {Light, "texels", 1, 65536, "of the lights' maps that light a pixel, a pass"});
     visitor.field("bounces", bounces,
-                  {"", 0, 1, "greatest number of bounces in the indirect layer; it does no more than one"});
-    visitor.field("map_resolution", map_resolution,
-                  {"texels", 8, 1024, "side of the reflective shadow maps, all lights' together; a power of two"});
+                  {Light, "", 0, 1, "greatest number of bounces in the indirect layer; it does no more than one"});
+    visit_map_resolution(visitor, map_resolution);
     visitor.enumeration("pattern", pattern,
-                        {kPatterns,
+                        {Light, kPatterns,
                          "which texels light a pixel: for all the same, by flux; or those about the pixel's own place "
                          "in the map, as in the paper"});
-    visitor.field("sample_radius", sample_radius,
-                  {"", 1e-3, 1, "pattern paper: how far from the pixel's place, over the side of the light's map"});
+    visitor.field(
+        "sample_radius", sample_radius,
+        {LightMaps, "", 1e-3, 1, "pattern paper: how far from the pixel's place, over the side of the light's map"});
     visitor.field("clamp", clamp_m2,
-                  {"m^2", 0, 1e18,
+                  {NoiseAndBias, "m^2", 0, 1e18,
                    "a texel counts as if its squared distance were at least that; the lit area over pi times samples "
                    "when not given; 0: none, and at corners infinite variance"});
-    visitor.field("glossy_threshold", glossy_threshold,
-                  {"", 0, 1, "eye paths: lobes with GGX alpha below it are followed, not lit"});
+    visit_lit_glossy_threshold(visitor, glossy_threshold);
     visitor.field("connect_threshold", connect_threshold,
-                  {"", 0, 1, "texels: lobes with GGX alpha below it send nothing"});
-    visitor.enumeration("sampler", sampler,
-                        {kSamplers, "numbers of the passes: low-discrepancy (Owen-scrambled Sobol') or independent"});
+                  {NoiseAndBias, "", 0, 1, "texels: lobes with GGX alpha below it send nothing"});
+    visit_sampler(visitor, sampler);
 }
 
-void ReflectiveShadowMapsParams::check() const {
-    if ((map_resolution & (map_resolution - 1)) != 0)
-        throw Error(ErrorCode::OutOfRange, "/map_resolution",
-                    "map_resolution = " + std::to_string(map_resolution) + " is no power of two");
-}
+void ReflectiveShadowMapsParams::check() const { require_power_of_two("/map_resolution", map_resolution); }
 
 struct ReflectiveShadowMapsGpu::State {
     State(const RenderContext& context, const ReflectiveShadowMapsParams& p, Stats& stats)

@@ -18,15 +18,17 @@ struct TinyParams final : MethodParams {
     uint32_t photons = 1000;
     float radius = 0.05f;
     void visit(ParamVisitor& visitor) override {
-        visitor.field("bounces", bounces, {"", 0, 1024, "bounces"});
-        visitor.field("photons", photons, {"", 1, 1e9, "photons"});
-        visitor.field("radius", radius, {"m", 1e-3, 10, "radius"});
+        using enum ParamGroup;
+        visitor.field("bounces", bounces, {Light, "", 0, 1024, "bounces"});
+        visitor.field("photons", photons, {Light, "", 1, 1e9, "photons"});
+        visitor.field("radius", radius, {Light, "m", 1e-3, 10, "radius"});
     }
 };
 
 JobVocabulary vocabulary() {
     JobVocabulary known;
     known.method_names = {"path_tracing", "photon_mapping"};
+    known.always_layers = {"emitted", "direct", "indirect"};
     known.layer_names = {"caustic", "albedo", "photon_count"};
     known.metric_names = {"relative_mse", "rmse", "flip_hdr", "estimated_relative_mse"};
     known.estimated_metrics = {"estimated_relative_mse"};

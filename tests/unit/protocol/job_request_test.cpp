@@ -15,14 +15,16 @@ struct TinyParams final : MethodParams {
     uint32_t bounces = 8;
     float radius = 0.05f;
     void visit(ParamVisitor& visitor) override {
-        visitor.field("bounces", bounces, {"", 0, 1024, "bounces"});
-        visitor.field("radius", radius, {"m", 1e-3, 10, "radius"});
+        using enum ParamGroup;
+        visitor.field("bounces", bounces, {Light, "", 0, 1024, "bounces"});
+        visitor.field("radius", radius, {Light, "m", 1e-3, 10, "radius"});
     }
 };
 
 JobVocabulary vocabulary() {
     JobVocabulary known;
     known.method_names = {"path_tracing", "photon_mapping"};
+    known.always_layers = {"emitted", "direct", "indirect"};
     known.layer_names = {"caustic", "albedo", "normal", "position", "depth", "standard_error", "photon_count"};
     known.metric_names = {"relative_mse", "rmse", "estimated_relative_mse"};
     known.estimated_metrics = {"estimated_relative_mse"};

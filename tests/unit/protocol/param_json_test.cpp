@@ -21,12 +21,13 @@ struct SampleParams final : MethodParams {
     Kind kind = Kind::Second;
 
     void visit(ParamVisitor& visitor) override {
-        visitor.field("radius", radius, {"m", 1e-6, 1e3, "gather radius"});
-        visitor.field("photons", photons, {"photons", 1, 1e9, "photons a pass"});
-        visitor.field("clamp", clamp, {"", 0, 3e38, "limit"});
-        visitor.field("bounces", bounces, {"", 0, 64, "bounces"});
-        visitor.flag("fast", fast, "be fast");
-        visitor.enumeration("kind", kind, {kKinds, "which"});
+        using enum ParamGroup;
+        visitor.field("radius", radius, {Light, "m", 1e-6, 1e3, "gather radius"});
+        visitor.field("photons", photons, {Light, "photons", 1, 1e9, "photons a pass"});
+        visitor.field("clamp", clamp, {Light, "", 0, 3e38, "limit"});
+        visitor.field("bounces", bounces, {Light, "", 0, 64, "bounces"});
+        visitor.flag("fast", fast, {Filter, "be fast"});
+        visitor.enumeration("kind", kind, {Light, kKinds, "which"});
     }
     void check() const override {
         if (clamp && bounces && *bounces == 0) throw Error(ErrorCode::Conflict, "/clamp", "clamp needs bounces");
@@ -110,6 +111,8 @@ TEST(ParamJson, SchemaSaysWhatTheReaderHolds) {
     EXPECT_EQ(properties["kind"]["enum"].dump(), R"(["first","second"])");
     EXPECT_EQ(properties["kind"]["default"], "second");
     EXPECT_EQ(schema["x-order"].size(), 6u);
+    EXPECT_EQ(schema["x-groups"].dump(), R"(["Light","Filter"])");
+    EXPECT_EQ(properties["fast"]["x-group"], "Filter");
 }
 
 TEST(ParamJson, ShortestDouble) {

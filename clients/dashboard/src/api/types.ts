@@ -232,19 +232,52 @@ export interface ParameterSchema {
   enum?: string[];
   description?: string;
   "x-unit"?: string;
+  /** The title of the group that a form shows it in. */
+  "x-group"?: string;
 }
 
 export interface Method {
   name: string;
   title: string;
+  /** What it does, where it is good and where it is not. */
+  line?: string;
   family: string;
   devices: string[];
   sources: string[];
   mergeable: boolean;
   deterministic: Record<string, boolean>;
-  parameters: { type: "object"; properties: Record<string, ParameterSchema>; "x-order"?: string[] };
+  parameters: { type: "object"; properties: Record<string, ParameterSchema>; "x-order"?: string[]; "x-groups"?: string[] };
   layers?: string[];
   [more: string]: unknown;
+}
+
+/** A row of `GET /v1/layers`. */
+export interface Layer {
+  name: string;
+  /** "RGB", "XYZ", "Y", "Z" */
+  channels: string;
+  always: boolean;
+  measured: boolean;
+  /** How /preview.png shows it; null: it is numbers to look at closely. */
+  preview: "light" | "heat_map" | "directions" | "dots" | null;
+  /** Exposure and tone curve change its preview. */
+  exposure: boolean;
+  /** Empty for plain numbers. */
+  unit: string;
+  description: string;
+}
+
+/** A row of `GET /v1/metrics`. */
+export interface Metric {
+  name: string;
+  /** 1: a number; 3: one a channel; 4: percentiles. */
+  values: number;
+  needs_reference: boolean;
+  /** Measured only where a job names it. */
+  on_request: boolean;
+  description: string;
+  /** What the usual ones are, in plain words; null of the others. */
+  line: string | null;
 }
 
 export interface SceneCamera {

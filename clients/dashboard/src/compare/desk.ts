@@ -4,9 +4,10 @@ import { computed, effect, signal, type ReadonlySignal } from "@preact/signals";
 
 import { listen, type StreamEvent } from "../api/events";
 import { isOver, type Job } from "../api/types";
+import { isMeasured } from "../api/vocabulary";
 import type { Developer, Picture } from "./gl_develop";
 import { besideOf, kStart, type Look } from "./look";
-import { kRadianceLayers, paintOf, type Ground, type Paint } from "./paint";
+import { paintOf, type Ground, type Paint } from "./paint";
 import { PixelStore, type Entry, type Wanted } from "./pixel_store";
 import { fetchFlip, fetchLayer, type PixelImage } from "./pixels";
 import { fetchSource, layerChoices, referenceOf, sourceOfJob, unknownSource, usualReference, type Source } from "./sources";
@@ -183,7 +184,7 @@ export class Desk {
       fetch: (signal) => fetchLayer(source.name, layer, precision, signal),
     }));
     const reference = ready.find((source) => source.name === against);
-    if (!reference || !error.startsWith("flip") || !kRadianceLayers.includes(layer)) return wanted;
+    if (!reference || !error.startsWith("flip") || !isMeasured(layer)) return wanted;
     for (const source of ready)
       if (source !== reference && sameSize(source.size, reference.size))
         wanted.push({
@@ -237,7 +238,7 @@ export class Desk {
     if (!reference) return "the reference is not there yet";
     if (!sameSize(image, reference)) return `no error map: the reference has ${reference.width} × ${reference.height} pixels, this image ${image.width} × ${image.height}`;
     if (image.channels !== reference.channels) return `no error map: the reference has ${reference.channels} channels, this image ${image.channels}`;
-    if (this.part("error").value.startsWith("flip") && !kRadianceLayers.includes(layer)) return `no FLIP: ${layer} is no layer of light`;
+    if (this.part("error").value.startsWith("flip") && !isMeasured(layer)) return `no FLIP: ${layer} is no layer of light`;
     return null;
   }
 

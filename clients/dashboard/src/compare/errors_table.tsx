@@ -4,9 +4,9 @@ import { useEffect, useState } from "preact/hooks";
 
 import { sendJson } from "../api/client";
 import type { Json } from "../api/types";
+import { isMeasured } from "../api/vocabulary";
 import { numberText } from "../ui/format";
 import { sameSize, type Desk } from "./desk";
-import { kRadianceLayers } from "./paint";
 
 const kQuick = ["relative_mse", "rmse", "smape", "relative_bias"];
 const kFlip = "flip_hdr";
@@ -75,7 +75,7 @@ export function ErrorsTable({ desk }: { desk: Desk }) {
   const reference = images[desk.reference.value];
   const sources = desk.sources.value;
   const against = reference === undefined ? undefined : sources.get(reference);
-  const isMeasured = kRadianceLayers.includes(layer);
+  const measured = isMeasured(layer);
   const rows = images.flatMap((name, index) => {
     const source = sources.get(name);
     return source?.size && index !== desk.reference.value ? [{ name, index, source }] : [];
@@ -88,7 +88,7 @@ export function ErrorsTable({ desk }: { desk: Desk }) {
     metrics,
   });
   const measurable = (source: (typeof rows)[number]["source"]) =>
-    isMeasured && against?.size && sameSize(source.size, against.size) && source.layers.includes(layer) && against.layers.includes(layer);
+    measured && against?.size && sameSize(source.size, against.size) && source.layers.includes(layer) && against.layers.includes(layer);
   const orders = rows.flatMap(({ name, source }) => (measurable(source) ? [orderOf(name, source.version, kQuick)] : []));
   if (withFlip) orders.push(...rows.flatMap(({ name, source }) => (measurable(source) ? [orderOf(name, source.version, [kFlip])] : [])));
   const results = useMeasured(orders);
@@ -116,7 +116,7 @@ export function ErrorsTable({ desk }: { desk: Desk }) {
   return (
     <section class="panel" aria-labelledby="compare-errors">
       <h2 id="compare-errors">Errors against image {desk.reference.value + 1}</h2>
-      {!isMeasured ? (
+      {!measured ? (
         <p class="muted">Layers of light are measured; {layer} is none.</p>
       ) : (
         <>

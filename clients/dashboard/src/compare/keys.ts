@@ -1,10 +1,10 @@
 // What can be done by keys.
 
+import { isMeasured } from "../api/vocabulary";
 import type { Key } from "../app/keyboard";
 import { addCrop } from "./crop_strip";
 import type { Desk } from "./desk";
 import { kChannels, kCurves, kErrors, kMaxImages, type Look } from "./look";
-import { kRadianceLayers } from "./paint";
 import { toggleCursor } from "./readout";
 import { kExposureStep, zoomBy, zoomTo } from "./toolbar";
 import { clamp, panned, showing } from "./view";
@@ -31,7 +31,7 @@ export function compareKeys(desk: Desk): Key[] {
   };
   const cycle = <Name extends "channel" | "curve">(name: Name, values: readonly Look[Name][], by: number) =>
     desk.change({ [name]: after(values, look()[name], by) } as unknown as Partial<Look>);
-  const errors = () => kErrors.filter((kind) => !kind.startsWith("flip") || kRadianceLayers.includes(look().layer));
+  const errors = () => kErrors.filter((kind) => !kind.startsWith("flip") || isMeasured(look().layer));
   const layers = () => desk.layers.peek().map((layer) => layer.name);
 
   function move(dx: number, dy: number, far: boolean): void {

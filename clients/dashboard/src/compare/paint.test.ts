@@ -1,7 +1,11 @@
 import { describe, expect, it } from "vitest";
 
+import { layers } from "../api/vocabulary";
+import { someLayers } from "../api/vocabulary.test_data";
 import { kStart } from "./look";
 import { filmic, kFilmicWhite, paintOf, placeOf, rangeOf, relativeError, roundScale, scaleTitle, signedError, ticksOf, toned, type Ground } from "./paint";
+
+layers.value = someLayers;
 
 const light: Ground = { layer: "beauty", channels: 3, referenceMean: 0.3, low: 0, high: 9 };
 const depth: Ground = { layer: "depth", channels: 1, referenceMean: 3, low: 2, high: 5 };

@@ -1,21 +1,20 @@
 // How values become colours: which quantity of an image is shown, on which scale, by which colours. The shader
 // (shaders.ts), the colour bar and the table of values go by it.
 
+import { layerNamed } from "../api/vocabulary";
 import { numberText } from "../ui/format";
 import { srgbEncode, type MapName } from "./colour_maps";
 import type { Channel, Curve, ErrorKind, Look } from "./look";
 
 export type LayerKind = "light" | "directions" | "positions" | "splats" | "value";
 
-/** What a layer holds, which the display goes by (renderer/film/layer_preview.h). */
-export function layerKind(layer: string, channels: number): LayerKind {
-  if (channels === 1) return layer === "overlap" ? "splats" : layer === "beauty" ? "light" : "value";
-  if (layer === "normal" || layer === "split_normal") return "directions";
-  return layer === "position" ? "positions" : "light";
+/** What a layer holds, which the display goes by. */
+export function layerKind(name: string, channels: number): LayerKind {
+  const layer = layerNamed(name);
+  if (channels === 1) return layer?.preview === "heat_map" ? "splats" : layer?.measured ? "light" : "value";
+  if (layer?.channels === "XYZ") return layer.unit ? "positions" : "directions";
+  return "light";
 }
-
-/** Layers that are parts of the light: the daemon measures them, and FLIP is of them only. */
-export const kRadianceLayers: readonly string[] = ["beauty", "emitted", "direct", "indirect", "caustic", "clamped"];
 
 export const channelNames = (kind: LayerKind, channels: number): string[] =>
   channels === 1 ? ["value"] : kind === "directions" || kind === "positions" ? ["x", "y", "z"] : ["R", "G", "B"];
@@ -185,5 +184,6 @@ export function scaleTitle(paint: Paint, error: ErrorKind, layer: string, channe
   if (kind === "light") return `Radiance${of}`;
   if (kind === "splats") return "Splats over a pixel";
   if (kind === "directions") return "Component of the direction";
-  return layer === "depth" || layer === "position" ? `${layer} [m]` : layer.replaceAll("_", " ");
+  const unit = layerNamed(layer)?.unit;
+  return layer.replaceAll("_", " ") + (unit ? ` [${unit}]` : "");
 }

@@ -1,7 +1,11 @@
 import { describe, expect, it } from "vitest";
 
 import type { Job } from "../api/types";
+import { layers } from "../api/vocabulary";
+import { someLayers } from "../api/vocabulary.test_data";
 import { layerChoices, sourceOfJob, unknownSource, usualReference, type Source } from "./sources";
+
+layers.value = someLayers;
 
 const job = (id: string, more: Partial<Job> = {}, request: Record<string, unknown> = {}): Source =>
   sourceOfJob({

@@ -2,6 +2,7 @@
 
 import { getJson } from "../api/client";
 import { isOver, type ImageInfo, type Job } from "../api/types";
+import { alwaysLayers } from "../api/vocabulary";
 import { plainName, secondsText, sizeText } from "../ui/format";
 import { pathOfSource } from "./pixels";
 
@@ -17,9 +18,6 @@ export interface Source {
   /** Rises when there is something newer to be seen. */
   version: number;
 }
-
-/** A job has these whatever it was asked for. */
-const kAlways = ["beauty", "emitted", "direct", "indirect"];
 
 const kNamesKey = "photond.image-names";
 
@@ -65,7 +63,7 @@ export function sourceOfJob(job: Job, version = 0): Source {
     title: `${job.id} ${plainName(job.request.method.name)}${label ? `, ${label}` : ""}${job.role === "reference" ? " (reference)" : ""}`,
     detail: jobDetail(job),
     size: { width: job.request.image.width, height: job.request.image.height },
-    layers: [...new Set([...kAlways, ...(job.request.layers ?? [])])],
+    layers: [...new Set([...alwaysLayers(), ...(job.request.layers ?? [])])],
     job,
     failure: null,
     version,

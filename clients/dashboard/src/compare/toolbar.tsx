@@ -3,10 +3,11 @@
 import type { ComponentChildren } from "preact";
 import { useEffect, useState } from "preact/hooks";
 
+import { isMeasured } from "../api/vocabulary";
 import { numberText, percentText } from "../ui/format";
 import type { Desk } from "./desk";
 import { kChannels, kCurves, kErrors, kModes, type Channel, type Curve, type ErrorKind, type Look, type Mode } from "./look";
-import { channelNames, isLight, kRadianceLayers, layerKind, rangeOf, spanOf } from "./paint";
+import { channelNames, isLight, layerKind, rangeOf, spanOf } from "./paint";
 import { clamp, nextZoom, zoomedAt } from "./view";
 
 export const kModeNames: Record<Mode, string> = { single: "One", wipe: "Wipe", side: "Side by side", grid: "All" };
@@ -189,7 +190,7 @@ export function Toolbar({ desk }: { desk: Desk }) {
   const light = isLight(ground.layer, ground.channels);
   const channels = kChannels.filter((channel) => channel !== "luminance" || light);
   // A kind that the layer has not is still listed while it is chosen: the panes say why they have none.
-  const errors = kErrors.filter((kind) => !kind.startsWith("flip") || kRadianceLayers.includes(ground.layer) || kind === error);
+  const errors = kErrors.filter((kind) => !kind.startsWith("flip") || isMeasured(ground.layer) || kind === error);
   return (
     <div class="compare-tools" role="group" aria-label="Display">
       <Group>

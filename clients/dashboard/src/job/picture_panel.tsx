@@ -2,16 +2,15 @@
 
 import type { Job } from "../api/types";
 import { isOver } from "../api/types";
-import { useQuery } from "../app/url_state";
 import { withQuery } from "../api/client";
+import { alwaysLayers, layerNamed } from "../api/vocabulary";
+import { useQuery } from "../app/url_state";
 import { plainName, sizeText } from "../ui/format";
 import { useLivePreview } from "../ui/live_preview";
 import { Picture, PictureFrame } from "../ui/picture";
 
-const kAlwaysThere = ["beauty", "direct", "indirect", "emitted"];
-/** Layers on request that the daemon draws as pictures, and whether an exposure means anything to them. The others are numbers to look at closely. */
-const kDrawn = new Map([["caustic", true], ["clamped", true], ["voxels", true], ["split_indirect", true], ["vpls", true], ["overlap", false], ["split_normal", false]]);
-const hasExposure = (layer: string): boolean => kDrawn.get(layer) ?? true;
+const isDrawn = (layer: string): boolean => layerNamed(layer)?.preview != null;
+const hasExposure = (layer: string): boolean => layerNamed(layer)?.exposure ?? true;
 const kLargest = 1280;
 const kThumbnail = 160;
 
@@ -53,8 +52,8 @@ export function PicturePanel({ job }: { job: Job }) {
   const [query, setQuery] = useQuery();
   const views = viewsOf(job);
   const view = views.find(({ name }) => name === query.show) ?? views[0]!;
-  const layers = [...kAlwaysThere, ...job.request.layers.filter((name) => kDrawn.has(name))];
-  const others = job.request.layers.filter((name) => !kDrawn.has(name));
+  const layers = [...alwaysLayers(), ...job.request.layers.filter(isDrawn)];
+  const others = job.request.layers.filter((name) => !isDrawn(name));
   const layer = layers.includes(query.layer ?? "") ? query.layer! : "beauty";
   const exposure = Number(query.exposure ?? 0) || 0;
   const reference = referenceJob(job);

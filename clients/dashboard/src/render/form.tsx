@@ -1,6 +1,7 @@
 // The form of a whole request, part by part.
 
 import type { Device, Fault, JobRequest, LookAt, Method, MethodChoice, Reference, Scene, StopConditions, Vec3 } from "../api/types";
+import { metrics, targetMetrics } from "../api/vocabulary";
 import { numberText, plainName } from "../ui/format";
 import { MethodForm } from "../ui/method_form";
 import { Picture } from "../ui/picture";
@@ -23,12 +24,8 @@ interface Props {
 }
 
 const kSizes: [number, number][] = [[256, 256], [512, 512], [1024, 1024], [1280, 720], [1920, 1080]];
-/** Metrics a target may name with a reference; those that cost little are always measured. */
-const kMetrics = ["relative_mse", "rmse", "mae", "smape", "rmse_8bit", "fitted_relative_mse", "fitted_rmse", "flip_ldr", "flip_hdr"];
-const kDearMetrics = ["flip_ldr", "flip_hdr"];
-const kEstimated = "estimated_relative_mse";
-
-export const metricsFor = (request: JobRequest): string[] => (request.reference ? [...kMetrics, kEstimated] : [kEstimated]);
+/** Those that a job has to name. */
+const metricsOnRequest = (): string[] => metrics.value.filter(({ values, on_request }) => values === 1 && on_request).map(({ name }) => name);
 
 function Panel({ title, note, children }: { title: string; note?: string; children: preact.ComponentChildren }) {
   const id = `render-${title.toLowerCase().replaceAll(/\W+/g, "-")}`;
@@ -172,7 +169,7 @@ function ReferencePart({ request, change, faults, known }: Props) {
     const changed = withMember(request, "reference", next);
     // Without a reference neither metrics nor targets by them mean anything.
     if (next) return change(changed);
-    const target = request.stop.target && request.stop.target.metric !== kEstimated ? null : request.stop.target;
+    const target = request.stop.target && !targetMetrics(false).includes(request.stop.target.metric) ? null : request.stop.target;
     const { target: _, ...stop } = request.stop;
     change(withMember({ ...changed, stop: target ? { ...stop, target } : stop }, "metrics", null));
   };
@@ -218,13 +215,13 @@ function ReferencePart({ request, change, faults, known }: Props) {
             faults={faultsWithin(faults, "/reference/method")}
             idPrefix="render-reference-method"
           />
-          <StopFields value={made.stop} onChange={(stop) => set({ ...made, stop })} metrics={[kEstimated]} faults={faults} idPrefix="render-reference-stop" pointer="/reference/stop" />
+          <StopFields value={made.stop} onChange={(stop) => set({ ...made, stop })} metrics={targetMetrics(false)} faults={faults} idPrefix="render-reference-stop" pointer="/reference/stop" />
         </div>
       )}
       {reference && (
         <Ticks
           legend="Measured besides what costs little"
-          words={kDearMetrics}
+          words={metricsOnRequest()}
           chosen={request.metrics ?? []}
           onChosen={(metrics) => change(withMember(request, "metrics", metrics))}
           faults={faultsBelow(faults, "/metrics")}
@@ -357,7 +354,7 @@ export function RequestForm(props: Props) {
         />
       </Panel>
       <Panel title="When it ends" note="the first that is met">
-        <StopFields value={request.stop} onChange={(stop) => change({ ...request, stop })} metrics={metricsFor(request)} faults={faults} idPrefix="render-stop" />
+        <StopFields value={request.stop} onChange={(stop) => change({ ...request, stop })} metrics={targetMetrics(Boolean(request.reference))} faults={faults} idPrefix="render-stop" />
       </Panel>
       <ReferencePart {...props} />
       {(method?.layers?.length ?? 0) > 0 && (

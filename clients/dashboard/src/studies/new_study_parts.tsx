@@ -7,7 +7,7 @@ import { countText, plainName } from "../ui/format";
 import { MethodForm } from "../ui/method_form";
 import { fieldsOf, rangeText } from "../ui/parameter_form";
 import { Picture } from "../ui/picture";
-import { kMetricTexts } from "./metric_texts";
+import { usualMetrics } from "./metric_texts";
 import { entryOf, faultsUnder, kPresets, pointerToken, valuesOf, type EntryPlan, type Plan, type SweepPlan, withPreset } from "./plan";
 
 type Set = (members: Partial<Plan>) => void;
@@ -324,10 +324,11 @@ export function EntriesPanel({ plan, change, methods, devices, labels, faults }:
 
 export function BudgetPanel({ plan, set, faults }: { plan: Plan; set: Set; faults: Fault[] }) {
   const { stop } = plan;
-  const named = new Set(kMetricTexts.map(([name]) => name));
+  const usual = usualMetrics();
+  const named = new Set(usual.map(({ name }) => name));
   const others = plan.metrics.filter((metric) => !named.has(metric));
   const setMetric = (name: string, on: boolean) =>
-    set({ metrics: on ? [...kMetricTexts.map(([other]) => other).filter((other) => other === name || plan.metrics.includes(other)), ...others] : plan.metrics.filter((other) => other !== name) });
+    set({ metrics: on ? [...usual.map(({ name: other }) => other).filter((other) => other === name || plan.metrics.includes(other)), ...others] : plan.metrics.filter((other) => other !== name) });
   return (
     <section class="panel stack" aria-labelledby="new-study-budget">
       <h2 id="new-study-budget">How long, and how it is measured</h2>
@@ -348,13 +349,13 @@ export function BudgetPanel({ plan, set, faults }: { plan: Plan; set: Set; fault
       <fieldset class="new-study-fieldset">
         <legend>Errors measured; the first is the one to judge by</legend>
         <div class="new-study-metrics">
-          {kMetricTexts.map(([name, text]) => (
+          {usual.map(({ name, line }) => (
             <label key={name}>
               <input type="checkbox" checked={plan.metrics.includes(name)} onChange={(event) => setMetric(name, event.currentTarget.checked)} />
               <span>
                 {name}
                 {plan.metrics[0] === name && <span class="new-study-first"> first</span>}
-                <small class="muted">{text}</small>
+                <small class="muted">{line}</small>
               </span>
             </label>
           ))}

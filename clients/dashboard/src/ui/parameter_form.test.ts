@@ -27,23 +27,24 @@ const method: Method = {
   parameters: {
     type: "object",
     properties: {
-      gather: { type: "string", enum: ["direct", "final"], default: "final" },
-      photons: { type: "integer", default: 200000, minimum: 1, maximum: 1e9, "x-unit": "photons" },
-      radius: { type: ["number", "null"], default: null, minimum: 1e-9, maximum: 1e9, "x-unit": "m" },
-      soft_disc: { type: "boolean", default: false },
+      gather: { type: "string", enum: ["direct", "final"], default: "final", "x-group": "Light" },
+      photons: { type: "integer", default: 200000, minimum: 1, maximum: 1e9, "x-unit": "photons", "x-group": "Light" },
+      radius: { type: ["number", "null"], default: null, minimum: 1e-9, maximum: 1e9, "x-unit": "m", "x-group": "Density" },
+      soft_disc: { type: "boolean", default: false, "x-group": "Density" },
       brand_new: { type: "number", default: 0.5, minimum: 0, maximum: 1, "x-unit": "" },
     },
-    "x-order": ["photons", "gather", "radius", "soft_disc", "brand_new"],
+    "x-order": ["radius", "photons", "gather", "soft_disc", "brand_new"],
+    "x-groups": ["Light", "Splats", "Density"],
   },
 };
-const [photons, gather, radius, softDisc] = fieldsOf(method) as [never, never, never, never];
+const [radius, photons, gather, softDisc] = fieldsOf(method) as [never, never, never, never];
 
 describe("fields made from a schema", () => {
   it("come as declared, with their types", () => {
     expect(fieldsOf(method).map(({ name, type, optional }) => [name, type, optional])).toEqual([
+      ["radius", "number", true],
       ["photons", "integer", false],
       ["gather", "string", false],
-      ["radius", "number", true],
       ["soft_disc", "boolean", false],
       ["brand_new", "number", false],
     ]);
@@ -52,10 +53,10 @@ describe("fields made from a schema", () => {
     expect(rangeText(photons)).toBe("1 to 1e9 photons");
     expect([photons, gather, radius, softDisc].map(defaultText)).toEqual(["200000", "final", "not given", "no"]);
   });
-  it("are in groups, the unsorted last", () => {
+  it("are in the groups of the schema, in its order, the unsorted last", () => {
     expect(groupsOf(method).map(({ title, fields }) => [title, fields.map((field) => field.name)])).toEqual([
       ["Light", ["photons", "gather"]],
-      ["Density estimate", ["radius", "soft_disc"]],
+      ["Density", ["radius", "soft_disc"]],
       ["Other", ["brand_new"]],
     ]);
   });

@@ -125,55 +125,22 @@ export interface Group {
   fields: Field[];
 }
 
-const kLight = "Light";
 const kOther = "Other";
-// By name, for methods share names; "METHOD.NAME" where one means another thing. The first group is what one changes
-// first, and the only one that is open from the start.
-const kGroups: [string, string][] = [
-  [
-    kLight,
-    "photons caustic_photons vpls samples points bounces indirect_bounces injection placement rays_per_photon gather gather_rays " +
-      "splat_size splat_size_relative vpl_choice visibility pattern",
-  ],
-  ["Light sources' maps", "map_resolution bounce_tracing projection_maps direct direct_resolution pcf sample_radius"],
-  ["Gathering", "light_samples gather_sampling precompute_irradiance shadow_photons interleave cut_size resampled_vpls roulette"],
-  [
-    "Density estimate",
-    "search nearest_photons caustic_nearest_photons radius radius_relative kernel cone_k disc_thickness soft_disc boundary",
-  ],
-  ["Stratification", "stratify grid_cells minimum_photons splats_per_cell representative"],
-  [
-    "Splats",
-    "adaptive_size photon_splatting.filter weighting estimator step_back splat_depth shrink alpha photon_splatting.shadow_resolution",
-  ],
-  ["Shadows and voxels", "voxel_resolution shadow_resolution"],
-  ["Noise and bias", "clamp repay narrow_lobes roulette_start sampler glossy_threshold connect_threshold"],
-  ["Filter", "filter filter_normal filter_distance blur blur_edges ambient indirect_exposure"],
-  ["Files", "keep_photon_map"],
-];
-const kGroupOf = new Map(kGroups.flatMap(([title, names]) => names.split(" ").map((name) => [name, title] as const)));
 
-/** The fields in groups, none of them empty; those that nobody has sorted yet come last. */
+/** The fields in groups, none of them empty, in the daemon's order: the first is what one changes first. */
 export function groupsOf(method: Method): Group[] {
-  const groups = new Map<string, Field[]>([...kGroups.map(([title]) => [title, []] as [string, Field[]]), [kOther, []]]);
-  for (const field of fieldsOf(method))
-    groups.get(kGroupOf.get(`${method.name}.${field.name}`) ?? kGroupOf.get(field.name) ?? kOther)!.push(field);
+  const groups = new Map<string, Field[]>((method.parameters["x-groups"] ?? []).map((title) => [title, []]));
+  for (const field of fieldsOf(method)) {
+    const title = field.schema["x-group"] ?? kOther;
+    groups.set(title, [...(groups.get(title) ?? []), field]);
+  }
   return [...groups].filter(([, fields]) => fields.length > 0).map(([title, fields]) => ({ title, fields }));
 }
 
 // -- methods and devices -----------------------------------------------------------------------------------------------
 
-const kLines: Record<string, string> = {
-  path_tracing: "Follows light backwards from the eye. Unbiased, the measure for the others; caustics are noisy for long.",
-  photon_mapping: "Stores light paths' hits and gathers them. Good at caustics and in rooms lit indirectly; slightly blurred.",
-  photon_splatting: "Light paths connect to all that is visible near them. First pictures soon, with little memory.",
-  svo_many_lights: "Bounced light as many small lights, shadows by voxels. Very fast on diffuse scenes; corners lose some light.",
-  imperfect_shadow_maps: "Many small lights with coarse shadow maps. For real time, one bounce, approximate shadows.",
-  reflective_shadow_maps: "One bounce without shadows of its own. The fastest and the least exact.",
-};
-
-/** One line on a method for who does not know it; its first source where nobody has written one. */
-export const lineOn = (method: Method): string => kLines[method.name] ?? method.sources[0] ?? method.family;
+/** One line on a method for who does not know it. */
+export const lineOn = (method: Method): string => method.line ?? method.sources[0] ?? method.family;
 
 /** The devices of this daemon that a method runs on. */
 export const devicesOf = (method: Method, devices: Device[]): Device[] =>

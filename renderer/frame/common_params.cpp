@@ -1,0 +1,24 @@
+#include "renderer/frame/common_params.h"
+
+#include <string>
+
+#include "protocol/error.h"
+#include "protocol/param_info.h"
+#include "renderer/transport/sobol.h"
+
+namespace photond {
+
+void visit_sampler(ParamVisitor& visitor, SamplerKind& sampler) {
+    static constexpr std::string_view kSamplers[] = {"sobol", "random"};
+    visitor.enumeration("sampler", sampler,
+                        {ParamGroup::NoiseAndBias, kSamplers,
+                         "numbers of the passes: low-discrepancy (Owen-scrambled Sobol') or independent"});
+}
+
+void require_power_of_two(const char* pointer, uint32_t value) {
+    if ((value & (value - 1)) != 0)
+        throw Error(ErrorCode::OutOfRange, pointer,
+                    std::string(pointer + 1) + " = " + std::to_string(value) + " is no power of two");
+}
+
+}  // namespace photond

@@ -1,0 +1,42 @@
+#include "renderer/many_lights/vpl_params.h"
+
+#include "protocol/param_info.h"
+
+namespace photond {
+
+void visit_map_resolution(ParamVisitor& visitor, uint32_t& resolution) {
+    visitor.field("map_resolution", resolution,
+                  {ParamGroup::LightMaps, "texels", 8, 1024,
+                   "side of the reflective shadow maps, all lights' together; a power of two"});
+}
+
+void visit_vpl_clamp(ParamVisitor& visitor, std::optional<float>& clamp_m2) {
+    visitor.field("clamp", clamp_m2,
+                  {ParamGroup::NoiseAndBias, "m^2", 0, 1e18,
+                   "a connection counts as if its squared length were at least that; the lit area over pi times vpls "
+                   "when not given; 0: none, and at corners infinite variance"});
+}
+
+void visit_geometry_filter(ParamVisitor& visitor, uint32_t& side, float& normal, float& distance) {
+    using enum ParamGroup;
+    visitor.field("filter", side,
+                  {Filter, "pixels", 0, 17,
+                   "side of the geometry-aware box filter over indirect light, which takes out the blocks' pattern and "
+                   "blurs; 0: none"});
+    visitor.field("filter_normal", normal, {Filter, "", -1, 1, "filter: least cosine between the normals"});
+    visitor.field("filter_distance", distance,
+                  {Filter, "", 0, 1e3, "filter: greatest distance from the pixel's plane, over its depth"});
+}
+
+void visit_lit_glossy_threshold(ParamVisitor& visitor, float& threshold) {
+    visitor.field(
+        "glossy_threshold", threshold,
+        {ParamGroup::NoiseAndBias, "", 0, 1, "eye paths: lobes with GGX alpha below it are followed, not lit"});
+}
+
+void visit_vpl_connect_threshold(ParamVisitor& visitor, float& threshold) {
+    visitor.field("connect_threshold", threshold,
+                  {ParamGroup::NoiseAndBias, "", 0, 1, "lights: lobes with GGX alpha below it send nothing"});
+}
+
+}  // namespace photond

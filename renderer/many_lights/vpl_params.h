@@ -1,0 +1,22 @@
+#pragma once
+// Parameters that methods have in common whose indirect light is the first bounce's lights, declared once.
+
+#include <cstdint>
+#include <optional>
+
+namespace photond {
+
+class ParamVisitor;
+
+/// `map_resolution`
+void visit_map_resolution(ParamVisitor& visitor, uint32_t& resolution);
+/// `clamp`, of connections to virtual point lights
+void visit_vpl_clamp(ParamVisitor& visitor, std::optional<float>& clamp_m2);
+/// `filter`, `filter_normal` and `filter_distance` (gbuffer/geometry_filter.h)
+void visit_geometry_filter(ParamVisitor& visitor, uint32_t& side, float& normal, float& distance);
+/// `glossy_threshold`, of paths from the eye to points that lights light
+void visit_lit_glossy_threshold(ParamVisitor& visitor, float& threshold);
+/// `connect_threshold`, of virtual point lights
+void visit_vpl_connect_threshold(ParamVisitor& visitor, float& threshold);
+
+}  // namespace photond

@@ -1,0 +1,25 @@
+// What the house asks of this method.
+
+#include "renderer/frame/method_row.h"
+#include "renderer/methods/imperfect_shadow_maps/imperfect_shadow_maps_gpu.h"
+
+namespace photond {
+
+MethodInfo imperfect_shadow_maps_row();
+
+MethodInfo imperfect_shadow_maps_row() {
+    MethodInfo info = row_of_classes<void, ImperfectShadowMapsGpu>();
+    info.title = "Imperfect shadow maps";
+    info.line = "Many small lights with coarse shadow maps. For real time, one bounce, approximate shadows.";
+    info.family = "many lights";
+    info.sources = {
+        {"Ritschel et al.", 2008, "Imperfect Shadow Maps for Efficient Computation of Indirect Illumination"},
+        {"Marroquim et al.", 2007, "Efficient Point-Based Rendering Using Image Reconstruction"}};
+    info.layers.remove(Layer::Caustic);
+    info.limits = {
+        kStartsByPower,
+        {{}, "", "maps of a few texels, by points instead of triangles, and what the clamp takes is not given back"}};
+    return info;
+}
+
+}  // namespace photond
