@@ -159,7 +159,7 @@ PassRanges read_ranges(Reader& reader, const std::filesystem::path& path) {
     const std::string bytes = read_text(reader, path, kMaxRanges * sizeof(PassRanges::Range));
     if (bytes.size() % sizeof(PassRanges::Range) != 0) damaged(path, "its ranges are not whole");
     std::vector<PassRanges::Range> ranges(bytes.size() / sizeof(PassRanges::Range));
-    std::memcpy(ranges.data(), bytes.data(), ranges.size() * sizeof(PassRanges::Range));
+    if (!ranges.empty()) std::memcpy(ranges.data(), bytes.data(), ranges.size() * sizeof(PassRanges::Range));
     return PassRanges(std::move(ranges));
 }
 

@@ -8,9 +8,11 @@
 #include "renderer/backends/gpu/instance.h"
 #include "renderer/backends/gpu/scene_bindings.h"
 
-/// What the validation layers keep of an instance that lives as long as the process is theirs.
+/// What the validation layers and lavapipe keep of an instance that lives as long as the process is theirs.
 extern "C" const char* __lsan_default_suppressions();
-extern "C" const char* __lsan_default_suppressions() { return "leak:libVkLayer_khronos_validation.so\n"; }
+extern "C" const char* __lsan_default_suppressions() {
+    return "leak:libVkLayer_khronos_validation.so\nleak:libvulkan_lvp.so\n";
+}
 
 namespace photond {
 
