@@ -1,7 +1,9 @@
 #include "protocol/openapi_operations.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
+#include <iterator>
 
 #include "protocol/error.h"
 #include "protocol/openapi_schemas.h"
@@ -71,40 +73,34 @@ std::string operation_id(const std::string& artefact) {
     return id;
 }
 
-std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
-    const char* kJson = "application/json";
-    const auto object = [&](const char* name) { return content(kJson, schema_ref(name)); };
-    const auto file = [&](const char* media_type) { return content(media_type, binary()); };
-    const json limit = in_range(typed("integer"), 1, 1000);
-    const json word = typed("string");
-    const std::vector<std::pair<const char*, json>> page{{"limit", limit}, {"cursor", word}};
-    const json precision = one_of_words({"float", "half"});
-    const json flag = typed("boolean");
-    json states = typed("string", "one or more, commas between them");
-    constexpr const char* kState = "(queued|running|succeeded|failed|cancelled)";
-    states["pattern"] = std::string("^") + kState + "(," + kState + ")*$";
-    const json role = one_of_words({"render", "reference", "merged"});
-    std::vector<std::string> measured_layers = vocabulary.radiance_layers;
-    measured_layers.insert(measured_layers.begin(), "beauty");
-    const json measured_layer = one_of_words(measured_layers);
-    std::vector<std::string> preview_layers = vocabulary.preview_layers;
-    preview_layers.insert(preview_layers.begin(), "beauty");
-    std::vector<std::string> pixel_layers{"beauty"};
-    pixel_layers.insert(pixel_layers.end(), vocabulary.always_layers.begin(), vocabulary.always_layers.end());
-    pixel_layers.insert(pixel_layers.end(), vocabulary.layers.begin(), vocabulary.layers.end());
-    const json source = job_or_image();
+constexpr const char* kJson = "application/json";
+
+json object(const char* name) { return content(kJson, schema_ref(name)); }
+json file(const char* media_type) { return content(media_type, binary()); }
+json word() { return typed("string"); }
+json flag(const char* text) { return with_text(typed("boolean"), text); }
+json precision() { return one_of_words({"float", "half"}); }
+json page_size() { return in_range(typed("integer"), 1, 1000); }
+std::vector<std::pair<const char*, json>> page() { return {{"limit", page_size()}, {"cursor", word()}}; }
+
+json one_of_beauty_and(std::vector<std::string> layers) {
+    layers.insert(layers.begin(), "beauty");
+    return one_of_words(layers);
+}
+json measured_layer(const ApiVocabulary& vocabulary) { return one_of_beauty_and(vocabulary.radiance_layers); }
+
+std::vector<Operation> scene_operations() {
     const json point{{"type", "string"}, {"pattern", "^[^,]+,[^,]+,[^,]+$"}, {"description", "x,y,z in metres"}};
-    const json image_body{{"image/x-exr", binary()}, {"image/vnd.radiance", binary()}};
     const json scene_body{
         {"model/gltf-binary", binary()}, {"application/zip", binary()}, {"multipart/form-data", binary()}};
-    std::vector<Operation> all{
+    return {
         {"post",
          "/v1/scenes",
          "addScene",
          "Upload a scene",
          {{201, object("Scene")}, {200, object("Scene")}},
          scene_body,
-         {{"name", word}},
+         {{"name", word()}},
          {{"X-Scene-Name", "the scene's name, where the query gives none"}}},
         {"get",
          "/v1/scenes",
@@ -114,8 +110,8 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
          nullptr,
          {{"family",
            with_text(one_of_words({"hard-cases", "photon-splatting"}), "built-in scenes that are listed only so")},
-          {"limit", limit},
-          {"cursor", word}}},
+          {"limit", page_size()},
+          {"cursor", word()}}},
         {"get", "/v1/scenes/{scene}", "getScene", "One scene, by id or name", {{200, object("Scene")}}},
         {"delete", "/v1/scenes/{scene}", "deleteScene", "Remove a scene", {{200, object("Scene")}}},
         {"get", "/v1/scenes/{scene}/thumbnail.png", "getThumbnail", "A small picture", {{200, file("image/png")}}},
@@ -125,7 +121,7 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
          "A quick picture by one of its cameras, or from eye to target; the scene stays ready for the next one",
          {{200, file("image/png")}},
          nullptr,
-         {{"camera", with_text(word, "by name; without it and without an eye the default view")},
+         {{"camera", with_text(word(), "by name; without it and without an eye the default view")},
           {"eye", point},
           {"target", point},
           {"up", point},
@@ -138,7 +134,12 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
          "getBakedScene",
          "Geometry, materials, lights, cameras and decoded textures in one file, as photond-gpu-bench reads them",
          {{200, file("application/octet-stream")}}},
-        {"get", "/v1/methods", "listMethods", "Methods, by name", {{200, object("MethodPage")}}, nullptr, page},
+    };
+}
+
+std::vector<Operation> catalogue_operations() {
+    return {
+        {"get", "/v1/methods", "listMethods", "Methods, by name", {{200, object("MethodPage")}}, nullptr, page()},
         {"get", "/v1/methods/{name}", "getMethod", "One method", {{200, object("Method")}}},
         {"get",
          "/v1/layers",
@@ -146,16 +147,25 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
          "Layers that an image may have",
          {{200, object("LayerPage")}},
          nullptr,
-         page},
-        {"get", "/v1/metrics", "listMetrics", "Error measures", {{200, object("MetricPage")}}, nullptr, page},
+         page()},
+        {"get", "/v1/metrics", "listMetrics", "Error measures", {{200, object("MetricPage")}}, nullptr, page()},
         {"get", "/v1/devices", "listDevices", "Devices", {{200, object("DevicePage")}}},
+    };
+}
+
+std::vector<Operation> job_operations() {
+    json states = typed("string", "one or more, commas between them");
+    constexpr const char* kState = "(queued|running|succeeded|failed|cancelled)";
+    states["pattern"] = std::string("^") + kState + "(," + kState + ")*$";
+    const json role = one_of_words({"render", "reference", "merged"});
+    return {
         {"post",
          "/v1/jobs",
          "submitJob",
          "Queue a render job",
          {{202, object("Job")}, {200, object("Estimate")}},
          object("JobRequest"),
-         {{"dry_run", with_text(flag, "only estimate: 200, nothing is queued")}},
+         {{"dry_run", flag("only estimate: 200, nothing is queued")}},
          {{"Idempotency-Key", "the same key and body give the same job"}}},
         {"get",
          "/v1/jobs",
@@ -168,13 +178,13 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
                               "newest where not given; queue: waiting jobs as they will run; ended: those that are "
                               "over, the last first; pages of these two go by offset")},
           {"state", states},
-          {"label", with_text(word, "KEY or KEY=VALUE")},
-          {"scene", word},
-          {"method", word},
-          {"device", with_text(word, "cpu, gpu:0, ..")},
+          {"label", with_text(word(), "KEY or KEY=VALUE")},
+          {"scene", word()},
+          {"method", word()},
+          {"device", with_text(word(), "cpu, gpu:0, ..")},
           {"role", role},
-          {"limit", limit},
-          {"cursor", word},
+          {"limit", page_size()},
+          {"cursor", word()},
           {"offset", count("jobs to skip after the cursor")}}},
         {"get", "/v1/jobs/{id}", "getJob", "One job", {{200, object("Job")}}},
         {"delete",
@@ -183,7 +193,7 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
          "Cancel, or remove with its files",
          {{200, object("Job")}, {202, object("Job")}},
          nullptr,
-         {{"purge", flag}}},
+         {{"purge", flag("remove it with its files")}}},
         {"patch",
          "/v1/jobs/{id}",
          "changeJob",
@@ -221,13 +231,20 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
          nullptr,
          {},
          {{"Last-Event-ID", "resume after this event"}}},
+    };
+}
+
+std::vector<Operation> job_output_operations(const ApiVocabulary& vocabulary) {
+    std::vector<std::string> pixel_layers = vocabulary.always_layers;
+    pixel_layers.insert(pixel_layers.end(), vocabulary.layers.begin(), vocabulary.layers.end());
+    std::vector<Operation> all{
         {"get",
          "/v1/jobs/{id}/image.exr",
          "getImage",
          "The film, so far or final",
          {{200, file("image/x-exr")}, {202, nullptr}},
          nullptr,
-         {{"precision", precision}}},
+         {{"precision", precision()}}},
         {"get",
          "/v1/jobs/{id}/preview.png",
          "getPreview",
@@ -236,7 +253,7 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
          "(blue 0, green 200, red 400, white 600 splats), split_normal as (n + 1) / 2",
          {{200, file("image/png")}, {202, nullptr}},
          nullptr,
-         {{"layer", one_of_words(preview_layers)},
+         {{"layer", one_of_beauty_and(vocabulary.preview_layers)},
           {"exposure", in_range(typed("number", "stops"), -32, 32)},
           {"curve", one_of_words({"srgb", "filmic"})},
           {"max_size", with_text(in_range(typed("integer"), 16, 4096),
@@ -248,7 +265,7 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
          "Raw little-endian pixels, row 0 at the top",
          {{200, file("application/octet-stream")}, {202, nullptr}},
          nullptr,
-         {{"layer", one_of_words(pixel_layers)}, {"precision", precision}}},
+         {{"layer", one_of_beauty_and(pixel_layers)}, {"precision", precision()}}},
         {"get",
          "/v1/jobs/{id}/statistics.json",
          "getStatistics",
@@ -270,27 +287,39 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
          "The FLIP map against its reference",
          {{200, file("image/png")}, {202, nullptr}},
          nullptr,
-         {{"layer", measured_layer}, {"range", one_of_words({"hdr", "ldr"})}}},
+         {{"layer", measured_layer(vocabulary)}, {"range", one_of_words({"hdr", "ldr"})}}},
         {"get",
          "/v1/jobs/{id}/error.png",
          "getErrorMap",
          "Each pixel's relative error, on one scale for all jobs",
          {{200, file("image/png")}, {202, nullptr}},
          nullptr,
-         {{"layer", measured_layer}}},
+         {{"layer", measured_layer(vocabulary)}}},
         {"get",
          "/v1/jobs/{id}/film",
          "getFilm",
          "The film itself: exact sums, to be merged or gone on with",
          {{200, file("application/octet-stream")}, {202, nullptr}}},
         {"get", "/v1/jobs/{id}/log.txt", "getLog", "What happened to the job", {{200, file("text/plain")}}},
+    };
+    for (const ApiVocabulary::Artefact& artefact : vocabulary.artefacts)
+        all.push_back({"get",
+                       "/v1/jobs/{id}/" + artefact.name,
+                       operation_id(artefact.name),
+                       "The " + artefact.text + " that the method kept",
+                       {{200, content(artefact.media_type, binary())}, {202, nullptr}}});
+    return all;
+}
+
+std::vector<Operation> comparison_operations() {
+    return {
         {"post",
          "/v1/comparisons",
          "submitComparison",
          "Queue a comparison and all its jobs",
          {{202, object("Comparison")}, {200, object("ComparisonEstimate")}},
          object("ComparisonRequest"),
-         {{"dry_run", with_text(flag, "only estimate, after all checks: 200, nothing is queued")}},
+         {{"dry_run", flag("only estimate, after all checks: 200, nothing is queued")}},
          {{"Idempotency-Key", "the same key and body give the same comparison"}}},
         {"get",
          "/v1/comparisons",
@@ -298,7 +327,7 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
          "Comparisons without their jobs and tables, newest first",
          {{200, object("ComparisonPage")}},
          nullptr,
-         page},
+         page()},
         {"get", "/v1/comparisons/{id}", "getComparison", "One comparison", {{200, object("Comparison")}}},
         {"delete",
          "/v1/comparisons/{id}",
@@ -306,7 +335,7 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
          "Cancel its jobs, or remove it with them and their files",
          {{200, object("Comparison")}, {202, object("Comparison")}},
          nullptr,
-         {{"purge", flag}}},
+         {{"purge", flag("remove it with its files")}}},
         {"get",
          "/v1/comparisons/{id}/report.json",
          "getComparisonReport",
@@ -322,6 +351,13 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
          "getComparisonPage",
          "A page that needs nothing beside itself: plots, tables, images, and how to repeat it",
          {{200, file("text/html")}}},
+    };
+}
+
+std::vector<Operation> image_operations(const ApiVocabulary& vocabulary) {
+    const json source = job_or_image();
+    const json image_body{{"image/x-exr", binary()}, {"image/vnd.radiance", binary()}};
+    return {
         {"post",
          "/v1/images",
          "addImage",
@@ -341,7 +377,8 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
          "Raw little-endian pixels of a layer, row 0 at the top",
          {{200, file("application/octet-stream")}},
          nullptr,
-         {{"layer", with_text(word, "of the image's layers; beauty where none is named")}, {"precision", precision}}},
+         {{"layer", with_text(word(), "of the image's layers; beauty where none is named")},
+          {"precision", precision()}}},
         {"get",
          "/v1/flip",
          "getFlipMap",
@@ -350,12 +387,17 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
          nullptr,
          {{"image", source},
           {"reference", source},
-          {"layer", measured_layer},
+          {"layer", measured_layer(vocabulary)},
           {"range", one_of_words({"hdr", "ldr"})},
-          {"precision", precision}},
+          {"precision", precision()}},
          {},
          {"image", "reference"}},
         {"get", "/v1/images/{id}/file", "getImageFile", "The image as uploaded", {{200, file("image/x-exr")}}},
+    };
+}
+
+std::vector<Operation> daemon_operations(const ApiVocabulary& vocabulary) {
+    std::vector<Operation> all{
         {"get", "/v1/status", "getStatus", "The daemon, its queue and workers", {{200, object("Status")}}},
         {"get", "/v1/openapi.json", "getOpenApi", "This document", {{200, content(kJson, typed("object"))}}},
         {"get", "/healthz", "isAlive", "Is it alive", {{200, object("Health")}}},
@@ -368,20 +410,24 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
          "A file of the dashboard, under a name that says its contents",
          {{200, {{"text/javascript", {{"schema", binary()}}}, {"text/css", {{"schema", binary()}}}}}}},
     };
-    for (const ApiVocabulary::Artefact& artefact : vocabulary.artefacts)
-        all.push_back({"get",
-                       "/v1/jobs/{id}/" + artefact.name,
-                       operation_id(artefact.name),
-                       "The " + artefact.text + " that the method kept",
-                       {{200, content(artefact.media_type, binary())}, {202, nullptr}}});
-    for (const std::string& page : vocabulary.pages) {
+    for (const std::string& pattern : vocabulary.pages) {
         std::string id = "showDashboard";  // "/jobs/{id}": showDashboardJobsId
-        for (size_t i = 0; i < page.size(); ++i)
-            if (std::isalpha(static_cast<unsigned char>(page[i])))
-                id += std::isalpha(static_cast<unsigned char>(page[i - 1])) ? page[i]
-                                                                            : static_cast<char>(std::toupper(page[i]));
-        all.push_back({"get", page, id, "The dashboard, a page to look at", {{200, file("text/html")}}});
+        for (size_t i = 0; i < pattern.size(); ++i)
+            if (std::isalpha(static_cast<unsigned char>(pattern[i])))
+                id += std::isalpha(static_cast<unsigned char>(pattern[i - 1]))
+                          ? pattern[i]
+                          : static_cast<char>(std::toupper(pattern[i]));
+        all.push_back({"get", pattern, id, "The dashboard, a page to look at", {{200, file("text/html")}}});
     }
+    return all;
+}
+
+std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
+    std::vector<Operation> all;
+    for (std::vector<Operation>& some :
+         std::array{scene_operations(), catalogue_operations(), job_operations(), job_output_operations(vocabulary),
+                    comparison_operations(), image_operations(vocabulary), daemon_operations(vocabulary)})
+        all.insert(all.end(), std::move_iterator(some.begin()), std::move_iterator(some.end()));
     return all;
 }
 

@@ -279,68 +279,88 @@ json Service::Impl::kept_artefacts(const JobRow& row, const json& message) const
     return kept;
 }
 
+namespace {
+
+/// What a film that the attempt left says of the job.
+void take_film(JobRow& row, const RunningAttempt& attempt, const json& message) {
+    row.film = attempt.film;
+    row.passes_done = message.value("passes_done", int64_t{0});
+    row.seconds = message.value("seconds", 0.0);
+    row.progress = std::max(row.progress, attempt.progress);
+    const json points = message.value("curve", json());
+    row.curve = text_of(points.is_array() ? points : attempt.curve);
+    row.error_now = text_of(object_or_null(message, "error_now"));
+}
+
+void take_statistics(JobRow& row, const RunningAttempt& attempt, json statistics) {
+    // Of what an earlier attempt left, its record tells.
+    const json before = json::parse(row.attempts);
+    const auto was_shared = [&](const char* what, bool now) {
+        for (const json& earlier : before)
+            now = now || (earlier.value("passes_done", 0) > 0 && earlier.value(what, false));
+        return now;
+    };
+    statistics["device_shared"] = was_shared("device_shared", attempt.device_shared);
+    statistics["host_shared"] = was_shared("host_shared", attempt.host_shared);
+    row.statistics = statistics.dump(-1, ' ', false, json::error_handler_t::replace);
+    const json hash = statistics.value("pixel_hash", json());
+    row.pixel_hash = hash.is_string() ? hash.get<std::string>() : "";
+}
+
+/// How an attempt ended, as its record says it.
+struct AttemptOutcome {
+    std::string name;
+    json reason = nullptr;
+};
+
+/// The job's state after it.
+AttemptOutcome take_end(JobRow& row, const RunningAttempt& attempt, const json& message, bool has_film,
+                        const Limits& limits) {
+    const std::string state = message.value("state", "");
+    if (state == "succeeded" && has_film) {
+        row.state = JobState::Succeeded;
+        row.progress = 1;
+        return {state};
+    }
+    if (state == "cancelled" && attempt.deadline_passed) {
+        const std::string reason = "passed the limit of " + std::to_string(limits.max_job_seconds) + " s";
+        row.state = JobState::Failed;
+        row.failure = problem_of(row.seq, ErrorCode::TimedOut, "the job " + reason);
+        return {"timed_out", reason};
+    }
+    if (state == "cancelled" && message.value("stopping", false) && !row.cancel_requested) {
+        // The daemon is stopping: its film so far stays with it, and it waits for the next start.
+        row.state = JobState::Queued;
+        row.finished_ms.reset();
+        row.statistics.clear();
+        return {"stopped", "the daemon was stopped"};
+    }
+    if (state == "cancelled") {
+        row.state = JobState::Cancelled;
+        return {state};
+    }
+    const Error failure = state == "succeeded" ? Error(ErrorCode::Internal, "the worker left no film")
+                                               : error_from_failure(message.value("failure", json()));
+    row.state = JobState::Failed;
+    row.failure = problem_of(row.seq, failure.code, failure.what(), failure.faults);
+    return {"failed", failure.what()};
+}
+
+}  // namespace
+
 void Service::Impl::record_result(const RunningAttempt& attempt, const json& message, const std::string& device) {
     auto found = store.job(attempt.seq);
     if (!found || found->state != JobState::Running || found->attempt != attempt.attempt) return;
     JobRow row = *std::move(found);
     const std::string old_film = row.film;
-    const std::string state = message.value("state", "");
     const json film = message.value("film", json());
     const bool has_film = film.is_string() && fs::path(film.get<std::string>()) == files.films / attempt.film &&
                           fs::is_regular_file(files.films / attempt.film);
-    if (has_film) {  // else what was saved last stays, and the row says what that holds
-        row.film = attempt.film;
-        row.passes_done = message.value("passes_done", int64_t{0});
-        row.seconds = message.value("seconds", 0.0);
-        row.progress = std::max(row.progress, attempt.progress);
-        const json points = message.value("curve", json());
-        row.curve = text_of(points.is_array() ? points : attempt.curve);
-        row.error_now = text_of(object_or_null(message, "error_now"));
-    }
+    if (has_film) take_film(row, attempt, message);  // else what was saved last stays, and the row says what that holds
     row.finished_ms = now_ms();
-    json statistics = message.value("statistics", json());
-    if (statistics.is_object()) {
-        // Of what an earlier attempt left, its record tells.
-        const json before = json::parse(row.attempts);
-        const auto was_shared = [&](const char* what, bool now) {
-            for (const json& earlier : before)
-                now = now || (earlier.value("passes_done", 0) > 0 && earlier.value(what, false));
-            return now;
-        };
-        statistics["device_shared"] = was_shared("device_shared", attempt.device_shared);
-        statistics["host_shared"] = was_shared("host_shared", attempt.host_shared);
-        row.statistics = statistics.dump(-1, ' ', false, json::error_handler_t::replace);
-        const json hash = statistics.value("pixel_hash", json());
-        row.pixel_hash = hash.is_string() ? hash.get<std::string>() : "";
-    }
-
-    std::string outcome = state;
-    json reason;
-    if (state == "succeeded" && has_film) {
-        row.state = JobState::Succeeded;
-        row.progress = 1;
-    } else if (state == "cancelled" && attempt.deadline_passed) {
-        row.state = JobState::Failed;
-        outcome = "timed_out";
-        reason = "passed the limit of " + std::to_string(options.limits.max_job_seconds) + " s";
-        row.failure = problem_of(row.seq, ErrorCode::TimedOut, "the job " + reason.get<std::string>());
-    } else if (state == "cancelled" && message.value("stopping", false) && !row.cancel_requested) {
-        // The daemon is stopping: its film so far stays with it, and it waits for the next start.
-        row.state = JobState::Queued;
-        row.finished_ms.reset();
-        row.statistics.clear();
-        outcome = "stopped";
-        reason = "the daemon was stopped";
-    } else if (state == "cancelled") {
-        row.state = JobState::Cancelled;
-    } else {
-        row.state = JobState::Failed;
-        outcome = "failed";
-        const Error failure = state == "succeeded" ? Error(ErrorCode::Internal, "the worker left no film")
-                                                   : error_from_failure(message.value("failure", json()));
-        reason = failure.what();
-        row.failure = problem_of(row.seq, failure.code, failure.what(), failure.faults);
-    }
+    if (json statistics = message.value("statistics", json()); statistics.is_object())
+        take_statistics(row, attempt, std::move(statistics));
+    const auto [outcome, reason] = take_end(row, attempt, message, has_film, options.limits);
     row.artefacts = is_over(row.state) && has_film ? kept_artefacts(row, message).dump() : "[]";
     const int64_t reached = message.value("passes_done", int64_t{0});
     close_attempt(row, attempt, outcome, reason, reached);
