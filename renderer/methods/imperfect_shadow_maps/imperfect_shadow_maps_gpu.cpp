@@ -1,6 +1,5 @@
 #include "renderer/methods/imperfect_shadow_maps/imperfect_shadow_maps_gpu.h"
 #include "renderer/frame/common_params.h"
-#include "renderer/many_lights/vpl_params.h"
 
 #include "protocol/error.h"
 #include "renderer/many_lights/first_bounce_gpu.h"
@@ -28,25 +27,6 @@ FirstBounceSettings settings_of(const ImperfectShadowMapsParams& params) {
 }
 
 }  // namespace
-
-void ImperfectShadowMapsParams::visit(ParamVisitor& visitor) {
-    using enum ParamGroup;
-    visitor.field("vpls", vpls, {Light, "lights", 1, 65536, "virtual point lights, a pass"});
-    visitor.field("bounces", bounces,
-                  {Light, "", 0, 1, "greatest number of bounces in the indirect layer; it does no more than one"});
-    visit_map_resolution(visitor, map_resolution);
-    visitor.field("points", points,
-                  {Light, "points", 16, 65536, "of the scene, drawn into the depth map of each light"});
-    visitor.field("shadow_resolution", shadow_resolution,
-                  {Visibility, "texels", 4, 128, "along each side of a light's depth map"});
-    visitor.field("interleave", interleave,
-                  {Gathering, "pixels", 1, 8, "side of the blocks whose pixels share out the lights; a power of two"});
-    visit_vpl_clamp(visitor, clamp_m2);
-    visit_geometry_filter(visitor, filter, filter_normal, filter_distance);
-    visit_lit_glossy_threshold(visitor, glossy_threshold);
-    visit_vpl_connect_threshold(visitor, connect_threshold);
-    visit_sampler(visitor, sampler);
-}
 
 void ImperfectShadowMapsParams::check() const {
     require_power_of_two("/map_resolution", map_resolution);

@@ -1,30 +1,10 @@
 #pragma once
 #include <memory>
-#include <optional>
 
 #include "renderer/frame/method.h"
-#include "renderer/transport/sobol.h"
+#include "renderer/methods/imperfect_shadow_maps/params.h"
 
 namespace photond {
-
-struct ImperfectShadowMapsParams final : MethodParams {
-    uint32_t vpls = 1024;
-    uint32_t bounces = 1;
-    uint32_t map_resolution = 128;
-    uint32_t points = 8192;
-    uint32_t shadow_resolution = 32;
-    uint32_t interleave = 4;
-    std::optional<float> clamp_m2;
-    uint32_t filter = 0;
-    float filter_normal = 0.9f;
-    float filter_distance = 0.02f;
-    float glossy_threshold = 0.05f;
-    float connect_threshold = 0.2f;
-    SamplerKind sampler = SamplerKind::Sobol;
-
-    void visit(ParamVisitor& visitor) override;
-    void check() const override;
-};
 
 /// Imperfect shadow maps, a baseline on GPUs: the lights, points and sums of svo_many_lights, where V is answered by a
 /// small depth map of each light that points are drawn into instead of triangles (many_lights/imperfect_shadow_maps.h).

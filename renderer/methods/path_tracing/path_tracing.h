@@ -1,21 +1,8 @@
 #pragma once
-#include <optional>
-
 #include "renderer/frame/method.h"
-#include "renderer/transport/roulette_shared.h"
-#include "renderer/transport/sobol.h"
+#include "renderer/methods/path_tracing/params.h"
 
 namespace photond {
-
-struct PathTracingParams final : MethodParams {
-    std::optional<uint32_t> indirect_bounces;
-    SamplerKind sampler = SamplerKind::Sobol;
-    uint32_t roulette_start = ROULETTE_START;
-
-    void visit(ParamVisitor& visitor) override;
-    /// Greatest number of scattering vertices of a path (conventions.md: n vertices make n - 1 bounces).
-    uint32_t max_scatterings() const { return indirect_bounces ? *indirect_bounces + 1 : UINT32_MAX; }
-};
 
 /// Path tracing: the reference that every other method is judged by.
 ///

@@ -1,55 +1,8 @@
 #pragma once
-#include <optional>
-
 #include "renderer/frame/method.h"
-#include "renderer/photons/photon_map.h"
-#include "renderer/photons/radiance_estimate.h"
-#include "renderer/transport/sobol.h"
+#include "renderer/methods/photon_mapping/params.h"
 
 namespace photond {
-
-enum class Gather : uint8_t { Direct, Final };
-enum class GatherSampling : uint8_t { Bsdf, Photons };
-enum class DiscBoundary : uint8_t { None, Clip };
-
-struct PhotonMappingParams final : MethodParams {
-    uint32_t photons = 200'000;
-    std::optional<uint32_t> caustic_photons;
-    std::optional<uint32_t> indirect_bounces;
-    Gather gather = Gather::Final;
-    uint32_t gather_rays = 64;
-    std::optional<uint32_t> light_samples;
-    GatherSampling gather_sampling = GatherSampling::Bsdf;
-    bool precompute_irradiance = false;
-    bool shadow_photons = false;
-    PhotonSearch::Kind search = PhotonSearch::Kind::Nearest;
-    uint32_t nearest_photons = 50;
-    std::optional<uint32_t> caustic_nearest_photons;
-    std::optional<float> radius_m;
-    std::optional<float> radius_relative;
-    KernelShape kernel = KernelShape::Constant;
-    float cone_k = 1.1f;
-    std::optional<float> disc_thickness_m;
-    bool soft_disc = false;
-    DiscBoundary boundary = DiscBoundary::None;
-    bool projection_maps = true;
-    float glossy_threshold = 0.05f;
-    SamplerKind sampler = SamplerKind::Sobol;
-    bool keep_photon_map = false;
-
-    void visit(ParamVisitor& visitor) override;
-    /// `radius` and `radius_relative` exclude each other.
-    void check() const override;
-
-    /// Greatest number of scattering vertices of a path (conventions.md: n vertices make n - 1 bounces).
-    uint32_t max_scatterings() const { return indirect_bounces ? *indirect_bounces + 1 : UINT32_MAX; }
-    /// Light samples of a vertex the eye sees directly.
-    uint32_t most_light_samples() const;
-    /// Of the maps, for a scene whose bounding sphere has that radius.
-    float search_radius_m(float scene_radius_m) const;
-    /// Of the search among shadow photons: the radius where one is given, else that of a fixed search.
-    float shadow_radius_m(float scene_radius_m) const;
-};
 
 /// Photon mapping: Jensen's two maps, as the slides and the thesis have them.
 ///

@@ -1,32 +1,10 @@
 #pragma once
 #include <memory>
-#include <optional>
 
 #include "renderer/frame/method.h"
-#include "renderer/transport/sobol.h"
+#include "renderer/methods/reflective_shadow_maps/params.h"
 
 namespace photond {
-
-/// Which texels of the lights' maps a pixel asks.
-enum class RsmPattern : uint8_t {
-    Flux,   // all pixels the same, by their flux
-    Paper,  // each pixel those about its own place in the map
-};
-
-struct ReflectiveShadowMapsParams final : MethodParams {
-    uint32_t samples = 400;
-    uint32_t bounces = 1;
-    uint32_t map_resolution = 512;
-    RsmPattern pattern = RsmPattern::Flux;
-    float sample_radius = 0.3f;
-    std::optional<float> clamp_m2;
-    float glossy_threshold = 0.05f;
-    float connect_threshold = 0.2f;
-    SamplerKind sampler = SamplerKind::Sobol;
-
-    void visit(ParamVisitor& visitor) override;
-    void check() const override;
-};
 
 /// Reflective shadow maps, a baseline on GPUs: each texel of the lights' maps is a light that reaches every point, for
 /// visibility is not asked. Too bright by what stands between; in an open scene right.

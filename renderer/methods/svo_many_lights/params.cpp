@@ -1,63 +1,8 @@
-#include "protocol/error.h"
+#include "renderer/methods/svo_many_lights/params.h"
+
 #include "renderer/frame/common_params.h"
-#include "renderer/many_lights/vpl_params.h"
-#include "renderer/methods/svo_many_lights/svo_many_lights.h"
 
 namespace photond {
-
-void SvoManyLightsParams::visit(ParamVisitor& visitor) {
-    using enum ParamGroup;
-    static constexpr std::string_view kPlacements[] = {"flux", "camera"};
-    static constexpr std::string_view kBounceTracings[] = {"voxels", "rays"};
-    static constexpr std::string_view kVisibilities[] = {"svo", "rays", "shadow_maps", "none"};
-    static constexpr std::string_view kChoices[] = {"interleaved", "lightcut", "resampled"};
-    static constexpr std::string_view kDirect[] = {"rays", "shadow_maps"};
-
-    visitor.field("vpls", vpls, {Light, "lights", 1, 1e6, "virtual point lights of the first bounce, a pass"});
-    visitor.field("bounces", bounces, {Light, "", 0, 254, "greatest number of bounces in the indirect layer"});
-    visit_map_resolution(visitor, map_resolution);
-    visitor.enumeration("placement", placement,
-                        {Light, kPlacements, "lights go where flux is, or where what they bring to the picture is"});
-    visitor.enumeration("bounce_tracing", bounce_tracing,
-                        {LightMaps, kBounceTracings,
-                         "who finds the surfaces of further bounces: the voxels, which are off by about one, or rays"});
-    visitor.enumeration("visibility", visibility,
-                        {Light, kVisibilities,
-                         "who answers whether a light is seen: the voxels between, the scene, a depth map of each "
-                         "light, or nobody: all are"});
-    visitor.field("voxel_resolution", voxel_resolution,
-                  {Visibility, "voxels", 16, 1024, "along each side of the scene's cube; a power of two"});
-    visitor.field("shadow_resolution", shadow_resolution,
-                  {Visibility, "texels", 4, 128, "visibility shadow_maps: along each side of a light's depth map"});
-    visitor.enumeration("vpl_choice", vpl_choice,
-                        {Light, kChoices,
-                         "which lights a pixel asks: those of its place in a block of pixels; some for each of its cut "
-                         "through a tree of all; or some of all, drawn by what they would bring unshadowed"});
-    visitor.field("interleave", interleave,
-                  {Gathering, "pixels", 1, 8, "interleaved: side of the blocks whose pixels share out the lights"});
-    visitor.field("cut_size", cut_size, {Gathering, "lights", 1, 1024, "lightcut: asked by a pixel"});
-    visitor.field("resampled_vpls", resampled_vpls, {Gathering, "lights", 1, 1024, "resampled: asked by a pixel"});
-    visitor.field("roulette", roulette,
-                  {Gathering, "", 0, 10,
-                   "a light dimmer than that share of the mean of those a pixel looks at is asked by chance, and "
-                   "counts for more; 0 asks all"});
-    visit_vpl_clamp(visitor, clamp_m2);
-    visitor.flag("repay", repay, {NoiseAndBias, "what the clamp takes is found by one short ray a pixel"});
-    visitor.flag("narrow_lobes", narrow_lobes,
-                 {NoiseAndBias,
-                  "light that lobes below connect_threshold send to visible points, caustics among it, is path traced "
-                  "by that ray, which has no end then; without, it is left out"});
-    visit_geometry_filter(visitor, filter, filter_normal, filter_distance);
-    visitor.enumeration("direct", direct,
-                        {LightMaps, kDirect,
-                         "shadows of point, spot and directional lights: by rays, or by shadow maps with "
-                         "percentage-closer filtering; other lights' always by rays"});
-    visitor.field("direct_resolution", direct_resolution, {LightMaps, "texels", 16, 8192, "side of those shadow maps"});
-    visitor.field("pcf", pcf, {LightMaps, "texels", 1, 15, "side of the percentage-closer filter"});
-    visit_lit_glossy_threshold(visitor, glossy_threshold);
-    visit_vpl_connect_threshold(visitor, connect_threshold);
-    visit_sampler(visitor, sampler);
-}
 
 void SvoManyLightsParams::check() const {
     require_power_of_two("/map_resolution", map_resolution);

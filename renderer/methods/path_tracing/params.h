@@ -1,0 +1,32 @@
+#pragma once
+// The parameters of path tracing: each is a field here, and a line of visit().
+
+#include <optional>
+
+#include "protocol/param_info.h"
+#include "renderer/frame/common_params.h"
+#include "renderer/transport/roulette_shared.h"
+#include "renderer/transport/sobol.h"
+
+namespace photond {
+
+struct PathTracingParams final : MethodParams {
+    std::optional<uint32_t> indirect_bounces;
+    SamplerKind sampler = SamplerKind::Sobol;
+    uint32_t roulette_start = ROULETTE_START;
+
+    void visit(ParamVisitor& visitor) override;
+    /// Greatest number of scattering vertices of a path (conventions.md: n vertices make n - 1 bounces).
+    uint32_t max_scatterings() const { return indirect_bounces ? *indirect_bounces + 1 : UINT32_MAX; }
+};
+
+inline void PathTracingParams::visit(ParamVisitor& visitor) {
+    using enum ParamGroup;
+    visitor.field("indirect_bounces", indirect_bounces,
+                  {Light, "", 0, 1e6, "greatest number of bounces in the indirect layer; unlimited when not given"});
+    visit_sampler(visitor, sampler);
+    visitor.field("roulette_start", roulette_start,
+                  {NoiseAndBias, "", 1, 1e6, "surface interactions after which Russian roulette may end a path"});
+}
+
+}  // namespace photond
