@@ -17,57 +17,43 @@ size_t shadow_batch(size_t paths) { return std::max<size_t>(SpecularWalk::kMostL
 
 }  // namespace
 
-SpecularWalk::SpecularWalk(uint32_t tile_side) {
-    const size_t paths = size_t{tile_side} * tile_side;
-    for (auto* rays : {&rays_, &next_rays_}) rays->resize(paths);
-    for (auto* states : {&paths_, &next_paths_}) states->resize(paths);
-    for (auto* keys : {&keys_, &next_keys_}) keys->resize(paths);
-    hits_.resize(paths);
-    for (auto* order : {&lambert_, &general_}) order->reserve(paths);
-    lambert_points_.reserve(paths);
-    points_.reserve(paths);
-    for (Numbers* numbers : {&light_point_, &light_choice_, &roulette_, &direction_, &lobe_})
-        numbers->x.resize(paths), numbers->y.resize(paths);
-    shadow_rays_.resize(shadow_batch(paths));
-    pending_.resize(shadow_batch(paths));
-    occluded_.resize(shadow_batch(paths));
+SpecularWalk::SpecularWalk(uint32_t tile_side)
+    : batch_(size_t{tile_side} * tile_side),
+      light_point_(batch_.room()),
+      light_choice_(batch_.room()),
+      roulette_(batch_.room()),
+      direction_(batch_.room()),
+      lobe_(batch_.room()),
+      shadows_(shadow_batch(batch_.room())) {
+    lambert_points_.reserve(batch_.room());
+    points_.reserve(batch_.room());
 }
 
 uint64_t SpecularWalk::bytes_per_thread(uint32_t tile_side) {
     const size_t paths = size_t{tile_side} * tile_side;
-    return paths * (2 * sizeof(Ray) + sizeof(Hit) + 2 * sizeof(EyePath) + 4 * sizeof(uint32_t) +
-                    sizeof(LambertVisiblePoint) + sizeof(VisiblePoint) + 10 * sizeof(float)) +
-           shadow_batch(paths) * (sizeof(Ray) + sizeof(PendingLight) + sizeof(uint8_t));
+    return EyeBatch::bytes_for(paths) +
+           paths * (sizeof(LambertVisiblePoint) + sizeof(VisiblePoint) + 10 * sizeof(float)) +
+           ShadowBatch<WaitingLight>::bytes_for(shadow_batch(paths));
 }
 
 void SpecularWalk::trace_tile(const EyeScene& shared, const WalkSettings& settings, const WalkSamplers& samplers,
-                              const Tile& tile, PassImage& image, Counts& counts, WalkSeconds& seconds,
+                              const Tile& tile, PassImage& image, Counts& counts, EyeSeconds& seconds,
                               const CancelToken& cancel, VisiblePointSink& sink) {
     const Pass pass{shared, settings, samplers, image, counts};
     ThreadLaps laps;
-    count_ = tile.pixels();
-    assert(count_ <= paths_.size() && "the tile is no larger than was said");
-    start_eye_paths(shared, samplers.path, tile, {rays_.data(), count_}, {paths_.data(), count_},
-                    {keys_.data(), count_});
-    for (size_t i = 0; i < count_; ++i) clear_pixel(image, paths_[i].pixel);
+    batch_.start(shared, samplers.path, tile, image);
 
-    for (vertex_ = 0; count_ > 0 && !cancel.cancelled(); ++vertex_) {
-        shared.intersector.closest_hits({rays_.data(), count_}, {hits_.data(), count_},
-                                        vertex_ == 0 ? Coherence::Coherent : Coherence::Incoherent);
-        (vertex_ == 0 ? counts.camera_rays : counts.bounce_rays) += count_;
+    for (vertex_ = 0; batch_.count > 0 && !cancel.cancelled(); ++vertex_) {
+        batch_.trace_rays(shared, vertex_, counts);
         if (vertex_ == 0) laps.lap(seconds.camera);
 
-        sort_hits(pass);
+        batch_.sort_hits(shared, image);
         draw_numbers(pass);
-        next_count_ = 0;
         lambert_points_.clear();
         points_.clear();
         shade_lambert(pass);
         shade_general(pass);
-        next_paths_.swap(paths_);
-        next_rays_.swap(rays_);
-        next_keys_.swap(keys_);
-        count_ = next_count_;
+        batch_.advance();
         trace_shadow_rays(pass);
         laps.lap(vertex_ == 0 ? seconds.direct : seconds.indirect);
 
@@ -77,43 +63,22 @@ void SpecularWalk::trace_tile(const EyeScene& shared, const WalkSettings& settin
     }
 }
 
-/// Ends the paths that met nothing, takes what solids on the way absorbed, and tells the others apart.
-void SpecularWalk::sort_hits(const Pass& pass) {
-    const EyeScene& shared = pass.shared;
-    lambert_.clear();
-    general_.clear();
-    for (uint32_t i = 0; i < count_; ++i) {
-        const Hit& hit = hits_[i];
-        EyePath& path = paths_[i];
-        path.throughput *= shared.absorption.transmittance(path.media, hit.t);
-        if (!hit.valid()) {
-            add_environment(pass.image, shared, path, rays_[i].direction);
-            continue;
-        }
-        prefetch_index(shared.scene, hit);
-        (shared.shading[hit.instance].lambert ? lambert_ : general_).push_back(i);
-    }
-}
-
 void SpecularWalk::draw_numbers(const Pass& pass) {
-    const std::span<const uint32_t> keys(keys_.data(), count_);
-    const auto draw = [&](const PassSampler& sampler, VertexSet set, Numbers& numbers) {
-        sampler.sample_2d(keys, sample_set(vertex_, set), {numbers.x.data(), count_}, {numbers.y.data(), count_});
-    };
+    const std::span<const uint32_t> keys = batch_.keys_under_way();
     const WalkSamplers& samplers = pass.samplers;
-    draw(samplers.light_samples[0], VertexSet::LightPoint, light_point_);
-    draw(samplers.light_samples[0], VertexSet::LightChoiceAndRoulette, light_choice_);
-    if (general_.empty()) return;
-    draw(samplers.path, VertexSet::LightChoiceAndRoulette, roulette_);
-    draw(samplers.path, VertexSet::Direction, direction_);
-    draw(samplers.path, VertexSet::Lobe, lobe_);
+    light_point_.draw(samplers.light_samples[0], sample_set(vertex_, VertexSet::LightPoint), keys);
+    light_choice_.draw(samplers.light_samples[0], sample_set(vertex_, VertexSet::LightChoiceAndRoulette), keys);
+    if (batch_.general.empty()) return;
+    roulette_.draw(samplers.path, sample_set(vertex_, VertexSet::LightChoiceAndRoulette), keys);
+    direction_.draw(samplers.path, sample_set(vertex_, VertexSet::Direction), keys);
+    lobe_.draw(samplers.path, sample_set(vertex_, VertexSet::Lobe), keys);
 }
 
 WalkVertex SpecularWalk::decide(const Pass& pass, const EyePath& path, bool waits) {
     WalkVertex decided;
     if (pass.settings.guide) decided = pass.settings.guide->decide(path.throughput, path.eta_scale, waits);
     assert(decided.light_samples > 0 && decided.light_samples <= pass.samplers.light_samples.size());
-    if (shadow_count_ + decided.light_samples > shadow_rays_.size()) trace_shadow_rays(pass);
+    if (!shadows_.has_room_for(decided.light_samples)) trace_shadow_rays(pass);
     return decided;
 }
 
@@ -123,7 +88,7 @@ bool SpecularWalk::draw_light(const Pass& pass, const LitPoint& point, uint32_t 
     vec2 on_light(light_point_.x[point.index], light_point_.y[point.index]);
     if (sample > 0) {
         const PassSampler& sampler = pass.samplers.light_samples[sample];
-        const uint32_t key = keys_[point.index];
+        const uint32_t key = batch_.keys[point.index];
         choice = sampler.sample_2d(key, sample_set(vertex_, VertexSet::LightChoiceAndRoulette)).x;
         on_light = sampler.sample_2d(key, sample_set(vertex_, VertexSet::LightPoint));
     }
@@ -143,17 +108,15 @@ void SpecularWalk::add_light(const Pass& pass, LitPoint& point, const LightSampl
             (point.indirect ? pass.image.indirect : pass.image.direct)[point.pixel] += radiance;
             break;
         case LightSeen::Nothing: break;
-        case LightSeen::Unknown:
-            shadow_rays_[shadow_count_] = light.shadow_ray(origin);
-            pending_[shadow_count_++] = {radiance, point.pixel, point.indirect};
+        case LightSeen::Unknown: shadows_.add(light.shadow_ray(origin), {radiance, point.pixel, point.indirect}); break;
     }
 }
 
 void SpecularWalk::shade_general(const Pass& pass) {
-    for (size_t k = 0; k < general_.size(); ++k) {
-        prefetch_ahead(pass.shared.scene, hits_, general_, k);
-        const uint32_t i = general_[k];
-        if (shade_vertex(pass, i)) next_keys_[next_count_++] = keys_[i];
+    for (size_t k = 0; k < batch_.general.size(); ++k) {
+        prefetch_ahead(pass.shared.scene, batch_.hits, batch_.general, k);
+        const uint32_t i = batch_.general[k];
+        if (shade_vertex(pass, i)) batch_.keep_next(batch_.keys[i]);
     }
 }
 
@@ -161,11 +124,11 @@ void SpecularWalk::shade_general(const Pass& pass) {
 /// and follows its specular part. False: the path ends, and what stands in the place of the next path does not count.
 bool SpecularWalk::shade_vertex(const Pass& pass, uint32_t i) {
     const EyeScene& shared = pass.shared;
-    EyePath& path = next_paths_[next_count_];
-    path = paths_[i];
+    EyePath& path = batch_.next_path();
+    path = batch_.paths[i];
     // Only specular parts are followed: their density is what the path's pdf_sa says, and light samples are weighed by.
     EyeVertex met;
-    if (!meet_surface(shared, path, vertex_, hits_[i], rays_[i], pass.image, met)) return false;
+    if (!meet_surface(shared, path, vertex_, batch_.hits[i], batch_.rays[i], pass.image, met)) return false;
     const auto& [surface, bsdf, wo] = met;
     const float threshold = pass.settings.glossy_threshold;
     const Bsdf specular = bsdf.specular_part(threshold), rough = bsdf.rough_part(threshold);
@@ -194,24 +157,16 @@ bool SpecularWalk::shade_vertex(const Pass& pass, uint32_t i) {
     }
     if (waits)
         points_.push_back({surface, rough, wo, path.throughput, path.eta_scale, path.pixel, path.scatterings,
-                           path.media, keys_[i], vertex_, path.lit_normal});
+                           path.media, batch_.keys[i], vertex_, path.lit_normal});
 
     const bool on = leave_surface(path, surface, specular.sample(wo, lobe_.x[i], {direction_.x[i], direction_.y[i]}),
-                                  vertex_ + 1 >= ROULETTE_START, roulette_.y[i], pass.image, next_rays_[next_count_]);
+                                  vertex_ + 1 >= ROULETTE_START, roulette_.y[i], pass.image, batch_.next_ray());
     path.pdf_sa /= static_cast<float>(decided.light_samples);
     return on;
 }
 
 void SpecularWalk::trace_shadow_rays(const Pass& pass) {
-    pass.shared.intersector.occluded({shadow_rays_.data(), shadow_count_}, {occluded_.data(), shadow_count_},
-                                     vertex_ == 0 ? Coherence::Coherent : Coherence::Incoherent);
-    pass.counts.shadow_rays += shadow_count_;
-    for (size_t i = 0; i < shadow_count_; ++i) {
-        if (occluded_[i]) continue;
-        const PendingLight& light = pending_[i];
-        (light.indirect ? pass.image.indirect : pass.image.direct)[light.pixel] += light.radiance;
-    }
-    shadow_count_ = 0;
+    add_unshadowed(shadows_, pass.shared, vertex_, pass.image, pass.counts);
 }
 
 }  // namespace photond

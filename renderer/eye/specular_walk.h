@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "renderer/eye/tiles.h"
+#include "renderer/eye/eye_batch.h"
 #include "renderer/eye/visible_point.h"
 #include "renderer/transport/lambert_lanes.h"
 #include "renderer/transport/light_seen.h"
@@ -55,14 +55,6 @@ struct WalkSamplers {
     std::span<const PassSampler> light_samples;  // of a vertex: one each; without a guide the first is used
 };
 
-/// CPU seconds of the thread, by part of the work.
-struct WalkSeconds {
-    double camera = 0;    // camera rays and their first hits
-    double direct = 0;    // first vertices: their shading and shadow rays
-    double indirect = 0;  // further vertices
-    double points = 0;    // VisiblePointSink::take()
-};
-
 /// Scratch of one thread; reused from tile to tile.
 class SpecularWalk {
 public:
@@ -78,25 +70,16 @@ public:
     /// `counts` and `seconds` is added. A visible point is left where f_d scatters and one more scattering, before it,
     /// is within EyeScene::max_scatterings. Cancelled: the pixels are unfinished.
     void trace_tile(const EyeScene& shared, const WalkSettings& settings, const WalkSamplers& samplers,
-                    const Tile& tile, PassImage& image, Counts& counts, WalkSeconds& seconds, const CancelToken& cancel,
+                    const Tile& tile, PassImage& image, Counts& counts, EyeSeconds& seconds, const CancelToken& cancel,
                     VisiblePointSink& sink);
 
     /// The path that ends at the point, and its key of the sampler. Within VisiblePointSink::take() alone.
-    const EyePath& path(const LambertVisiblePoint& point) const { return next_paths_[point.path]; }
-    uint32_t path_key(const LambertVisiblePoint& point) const { return next_keys_[point.path]; }
+    const EyePath& path(const LambertVisiblePoint& point) const { return batch_.former_path(point.path); }
+    uint32_t path_key(const LambertVisiblePoint& point) const { return batch_.former_key(point.path); }
     /// Number of the vertex whose points are being handed over; 0 is the first.
     uint32_t vertex() const { return vertex_; }
 
 private:
-    /// A light sample that waits for its shadow ray.
-    struct PendingLight {
-        Rgb radiance;
-        uint32_t pixel;
-        bool indirect;
-    };
-    struct Numbers {
-        std::vector<float> x, y;
-    };
     /// What every step needs.
     struct Pass {
         const EyeScene& shared;
@@ -118,7 +101,6 @@ private:
         LightSeen seen = LightSeen::Unknown;
     };
 
-    void sort_hits(const Pass& pass);
     void draw_numbers(const Pass& pass);
     void shade_lambert(const Pass& pass);
     void light_lambert(const Pass& pass, const LambertGroup& group, size_t lane, uint32_t i, const Rgb& weight);
@@ -131,22 +113,11 @@ private:
     void trace_shadow_rays(const Pass& pass);
 
     uint32_t vertex_ = 0;
-    // These hold a tile's paths; how many count is said here.
-    size_t count_ = 0;  // of the paths under way
-    size_t next_count_ = 0;
-    std::vector<Ray> rays_, next_rays_;
-    std::vector<EyePath> paths_, next_paths_;
-    std::vector<uint32_t> keys_, next_keys_;  // of the sampler
-    std::vector<Hit> hits_;
-    std::vector<uint32_t> lambert_, general_;          // paths by how their hits are shaded
+    EyeBatch batch_;
     std::vector<LambertVisiblePoint> lambert_points_;  // of this vertex
     std::vector<VisiblePoint> points_;
-    Numbers light_point_, light_choice_, roulette_, direction_, lobe_;
-    // These hold a batch of shadow rays.
-    size_t shadow_count_ = 0;
-    std::vector<Ray> shadow_rays_;
-    std::vector<PendingLight> pending_;
-    std::vector<uint8_t> occluded_;
+    PathNumbers light_point_, light_choice_, roulette_, direction_, lobe_;
+    ShadowBatch<WaitingLight> shadows_;
 };
 
 }  // namespace photond

@@ -5,7 +5,6 @@
 
 #include "renderer/eye/eye_contributions.h"
 #include "renderer/eye/specular_walk.h"
-#include "renderer/transport/hit_prefetch.h"
 #include "renderer/transport/lambert_lanes.h"
 #include "renderer/transport/punctual.h"
 
@@ -61,44 +60,37 @@ private:
 
 void SpecularWalk::shade_lambert(const Pass& pass) {
     const EyeScene& shared = pass.shared;
-    const Scene& scene = shared.scene;
     std::optional<OnlyLight> only_light;
-    if (!pass.settings.guide && OnlyLight::fits(scene)) only_light.emplace(scene.punctual_lights[0]);
+    if (!pass.settings.guide && OnlyLight::fits(shared.scene)) only_light.emplace(shared.scene.punctual_lights[0]);
     LambertGroup group;
     alignas(kLaneAlignment) LaneFloats lit;
-    for (size_t first = 0; first < lambert_.size(); first += kLanes) {
-        const size_t lanes = std::min(kLanes, lambert_.size() - first);
-        for (size_t lane = 0; lane < kLanes; ++lane) {  // lanes past the end repeat the last path and are not read
-            const size_t place = std::min(first + lane, lambert_.size() - 1);
-            prefetch_ahead(scene, hits_, lambert_, place);
-            const uint32_t i = lambert_[place];
-            group.gather(lane, scene, shared.shading[hits_[i].instance].varies, hits_[i], rays_[i],
-                         paths_[i].throughput, paths_[i].eta_scale);
-        }
+    for (size_t first = 0; first < batch_.lambert.size(); first += kLanes) {
+        const size_t lanes = batch_.gather_lambert(shared, first, group, [](size_t, uint32_t) {});
         group.find_surface();
         if (only_light) only_light->illuminate(group, lit);
 
         for (size_t lane = 0; lane < lanes; ++lane) {
-            const uint32_t i = lambert_[first + lane];
-            const EyePath& path = paths_[i];
+            const uint32_t i = batch_.lambert[first + lane];
+            const EyePath& path = batch_.paths[i];
             const vec3 normal = group.normal.get(lane);
             const Rgb reflectance = group.reflectance.get(lane);
             if (vertex_ == 0) store_first_hit(pass.image, shared, path.pixel, group.position.get(lane), normal);
-            if (shared.shading[hits_[i].instance].emits)
-                add_emission(pass.image, shared, path, hits_[i], group.front[lane] != 0, rays_[i].direction);
+            if (shared.shading[batch_.hits[i].instance].emits)
+                add_emission(pass.image, shared, path, batch_.hits[i], group.front[lane] != 0,
+                             batch_.rays[i].direction);
             if (path.scatterings >= shared.max_scatterings) continue;
             const bool camera_walk = path.scatterings == 0;
             if (camera_walk && !pass.image.albedo.empty() && is_black(pass.image.albedo[path.pixel]))
                 pass.image.albedo[path.pixel] = reflectance;
             // Nothing is scattered to an eye below the horizon of the normal that shades.
-            if (is_black(reflectance) || !(glm::dot(normal, rays_[i].direction) < 0)) continue;
+            if (is_black(reflectance) || !(glm::dot(normal, batch_.rays[i].direction) < 0)) continue;
 
             const Rgb weight = path.throughput * reflectance;
             if (!only_light) {
                 light_lambert(pass, group, lane, i, weight);
             } else if (lit[lane] > 0) {
-                shadow_rays_[shadow_count_] = only_light->shadow_ray(group.start.get(lane));
-                pending_[shadow_count_++] = {lit[lane] * weight * only_light->intensity(), path.pixel, !camera_walk};
+                shadows_.add(only_light->shadow_ray(group.start.get(lane)),
+                             {lit[lane] * weight * only_light->intensity(), path.pixel, !camera_walk});
             }
             if (path.scatterings + 2 <= shared.max_scatterings)
                 lambert_points_.push_back({group.position.get(lane), group.geometric_normal.get(lane), normal, weight,
@@ -111,7 +103,7 @@ void SpecularWalk::shade_lambert(const Pass& pass) {
 /// followed.
 void SpecularWalk::light_lambert(const Pass& pass, const LambertGroup& group, size_t lane, uint32_t i,
                                  const Rgb& weight) {
-    const EyePath& path = paths_[i];
+    const EyePath& path = batch_.paths[i];
     const WalkVertex decided = decide(pass, path, path.scatterings + 2 <= pass.shared.max_scatterings);
     const auto samples = static_cast<float>(decided.light_samples), rays = static_cast<float>(decided.competing_rays);
     const vec3 normal = group.normal.get(lane);

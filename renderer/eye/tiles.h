@@ -57,6 +57,30 @@ private:
     double then_;
 };
 
+/// CPU seconds of threads, by part of the paths (conventions.md, "Paths, layers, bounces").
+struct EyeSeconds {
+    double camera = 0;    // camera rays and their first hits
+    double direct = 0;    // first vertices: their shading and shadow rays
+    double indirect = 0;  // further vertices
+    double points = 0;    // what a method does with visible points (VisiblePointSink::take())
+
+    EyeSeconds& operator+=(const EyeSeconds& other) {
+        camera += other.camera, direct += other.direct, indirect += other.indirect, points += other.points;
+        return *this;
+    }
+};
+
+/// What all threads did since the last call: their `counts` are added to the statistics, their `seconds` returned.
+template <class Threads>
+EyeSeconds take_work(Threads& threads, Stats& stats) {
+    EyeSeconds seconds;
+    for (auto& thread : threads) {
+        stats.counts += std::exchange(thread.counts, {});
+        seconds += std::exchange(thread.seconds, {});
+    }
+    return seconds;
+}
+
 /// Books stages that alternate tile by tile on every thread: each gets the share of the wall time that it has of the
 /// CPU seconds.
 void add_interleaved_stages(Stats& stats, double wall_seconds,

@@ -28,25 +28,23 @@ void ClampRepayment::repay(const RepaymentScene& shared, const PassSampler& samp
     clamp_sq_m2_ = clamp_sq_m2;
     left_out_ = left_out;
     start(sampler, points);
-    for (uint32_t vertex = 0; !rays_.empty(); ++vertex) {
-        hits_.resize(rays_.size());
-        shared.eye.intersector.closest_hits(rays_, hits_, Coherence::Incoherent);
-        counts.bounce_rays += rays_.size();
-        next_rays_.clear(), next_paths_.clear(), shadow_rays_.clear(), lights_.clear();
-        for (size_t i = 0; i < rays_.size(); ++i) scatter(shared, sampler, vertex, i);
-        occluded_.resize(shadow_rays_.size());
-        shared.eye.intersector.occluded(shadow_rays_, occluded_, Coherence::Incoherent);
-        counts.shadow_rays += shadow_rays_.size();
-        for (size_t i = 0; i < lights_.size(); ++i)
-            if (!occluded_[i]) add(lights_[i].point, lights_[i].narrow, lights_[i].light);
-        rays_.swap(next_rays_), paths_.swap(next_paths_);
+    for (uint32_t vertex = 0; batch_.count > 0; ++vertex) {
+        batch_.find_hits(shared.eye.intersector, Coherence::Incoherent);
+        counts.bounce_rays += batch_.count;
+        for (size_t i = 0; i < batch_.count; ++i) scatter(shared, sampler, vertex, i);
+        counts.shadow_rays += shadows_.trace(shared.eye.intersector, Coherence::Incoherent,
+                                             [&](const Light& light) { add(light.point, light.narrow, light.light); });
+        batch_.advance();
     }
 }
 
 /// One short ray a point. The throughput makes irradiance of radiance at Lambert points, radiance at others.
 void ClampRepayment::start(const PassSampler& sampler, std::span<const ClampedPoint> points) {
     const float reach_m = left_out_.narrow.empty() ? std::sqrt(clamp_sq_m2_) : kInfinity;
-    rays_.clear(), paths_.clear();
+    // Each path goes on as one at the most, and the first vertex draws light samples of two parts.
+    batch_.make_room(points.size());
+    shadows_.make_room(2 * points.size());
+    batch_.count = 0;
     for (uint32_t i = 0; i < points.size(); ++i) {
         const ClampedPoint& point = points[i];
         if (point.most_scatterings == 0) continue;
@@ -67,7 +65,7 @@ void ClampRepayment::start(const PassSampler& sampler, std::span<const ClampedPo
         const vec3 w = frame.to_world(local);
         const bool front = glm::dot(geometric, w) > 0;
         if (!both_sides && !front) continue;
-        Path path{.throughput = Rgb(kPi), .point = i, .key = key, .left = point.most_scatterings, .media = {}};
+        Path path{.throughput = Rgb(kPi), .point = i, .left = point.most_scatterings, .media = {}};
         if (general) {
             const vec3 wi = general->surface.shading.to_local(w);
             const float pdf = std::fabs(local.z) * kInvPi * (both_sides ? 0.5f : 1.0f);
@@ -76,8 +74,9 @@ void ClampRepayment::start(const PassSampler& sampler, std::span<const ClampedPo
             if (is_black(path.throughput)) continue;
         }
         path.position = position;
-        paths_.push_back(path);
-        rays_.push_back({offset_ray_origin(position, front ? geometric : -geometric), w, reach_m});
+        batch_.paths[batch_.count] = path;
+        batch_.keys[batch_.count] = key;
+        batch_.rays[batch_.count++] = {offset_ray_origin(position, front ? geometric : -geometric), w, reach_m};
     }
 }
 
@@ -88,9 +87,10 @@ void ClampRepayment::add(uint32_t point, bool narrow, const Rgb& light) {
 /// Adds the light at the end of ray i, and sends the path on.
 void ClampRepayment::scatter(const RepaymentScene& shared, const PassSampler& sampler, uint32_t vertex, size_t i) {
     const Scene& scene = shared.eye.scene;
-    Path path = paths_[i];
-    const Hit& hit = hits_[i];
-    const vec3& direction = rays_[i].direction;
+    Path path = batch_.paths[i];
+    const uint32_t key = batch_.keys[i];
+    const Hit& hit = batch_.hits[i];
+    const vec3& direction = batch_.rays[i].direction;
     if (hit.valid()) path.throughput *= shared.eye.absorption.transmittance(path.media, hit.t);
     if (vertex > 0) {  // light met by the path on from y
         Rgb radiance(0);
@@ -122,8 +122,9 @@ void ClampRepayment::scatter(const RepaymentScene& shared, const PassSampler& sa
         path.lit_normal = lit_normal_of(whole, at);
         // Light that the path on from here may meet is found in two ways; a last vertex has light samples alone.
         const bool goes_on = path.left > 0 || whole.has_delta();
-        if (whole.has_non_delta()) sample_light(shared, sampler, vertex, path, at, whole, wo, goes_on ? 1.0f : 0.0f);
-        if (goes_on) leave(sampler, vertex, path, at, whole, wo, 1);
+        if (whole.has_non_delta())
+            sample_light(shared, sampler, key, vertex, path, at, whole, wo, goes_on ? 1.0f : 0.0f);
+        if (goes_on) leave(sampler, key, vertex, path, at, whole, wo, 1);
         return;
     }
 
@@ -137,57 +138,60 @@ void ClampRepayment::scatter(const RepaymentScene& shared, const PassSampler& sa
     const float by_narrow = narrow.scatters() ? max_component(narrow.albedo()) : 0;
     // One path goes on from here, by one of the two; by a narrow lobe also where only a light is still to be met.
     const float goes_on_by_clamp = by_clamp > 0 && path.left > 0 ? by_clamp / (by_clamp + by_narrow) : 0.0f;
-    const bool by_clamp_now = sampler.sample_2d(path.key, sample_set(vertex + 1, VertexSet::Lobe)).y < goes_on_by_clamp;
+    const bool by_clamp_now = sampler.sample_2d(key, sample_set(vertex + 1, VertexSet::Lobe)).y < goes_on_by_clamp;
     if (by_clamp > 0) {
         Path clamped = path;
         clamped.throughput *= share;
         clamped.lit_normal = lit_normal_of(connecting, at);
-        sample_light(shared, sampler, vertex, clamped, at, connecting, wo, goes_on_by_clamp);
-        if (by_clamp_now) leave(sampler, vertex, clamped, at, connecting, wo, goes_on_by_clamp);
+        sample_light(shared, sampler, key, vertex, clamped, at, connecting, wo, goes_on_by_clamp);
+        if (by_clamp_now) leave(sampler, key, vertex, clamped, at, connecting, wo, goes_on_by_clamp);
     }
     if (by_narrow > 0) {
         path.narrow = true;
         path.lit_normal = lit_normal_of(narrow, at);
-        if (narrow.has_non_delta()) sample_light(shared, sampler, vertex, path, at, narrow, wo, 1 - goes_on_by_clamp);
-        if (!by_clamp_now) leave(sampler, vertex, path, at, narrow, wo, 1 - goes_on_by_clamp);
+        if (narrow.has_non_delta())
+            sample_light(shared, sampler, key, vertex, path, at, narrow, wo, 1 - goes_on_by_clamp);
+        if (!by_clamp_now) leave(sampler, key, vertex, path, at, narrow, wo, 1 - goes_on_by_clamp);
     }
 }
 
 /// Draws the path's next ray by that BSDF; `chance`: for it to have come to that.
-void ClampRepayment::leave(const PassSampler& sampler, uint32_t vertex, Path path, const ShadingPoint& at,
-                           const Bsdf& bsdf, const vec3& wo, float chance) {
-    const vec2 choice = sampler.sample_2d(path.key, sample_set(vertex + 1, VertexSet::Lobe));
+void ClampRepayment::leave(const PassSampler& sampler, uint32_t key, uint32_t vertex, const Path& path,
+                           const ShadingPoint& at, const Bsdf& bsdf, const vec3& wo, float chance) {
+    const vec2 choice = sampler.sample_2d(key, sample_set(vertex + 1, VertexSet::Lobe));
     const BsdfSample next =
-        bsdf.sample(wo, choice.x, sampler.sample_2d(path.key, sample_set(vertex + 1, VertexSet::Direction)));
+        bsdf.sample(wo, choice.x, sampler.sample_2d(key, sample_set(vertex + 1, VertexSet::Direction)));
     if (!next.valid()) return;
-    path.throughput *= next.weight / chance;
-    path.pdf_sa = next.pdf_sa * chance;
-    path.delta = next.delta;
-    if (next.refraction) path.media.cross(at.material, at.front_side);
+    Path& on = batch_.next_path();
+    on = path;
+    on.throughput *= next.weight / chance;
+    on.pdf_sa = next.pdf_sa * chance;
+    on.delta = next.delta;
+    if (next.refraction) on.media.cross(at.material, at.front_side);
     if (vertex >= ROULETTE_START) {
-        const float survival = std::min(max_component(path.throughput) * kInvPi, ROULETTE_MOST_SURVIVAL);
+        const float survival = std::min(max_component(on.throughput) * kInvPi, ROULETTE_MOST_SURVIVAL);
         if (!(choice.y < survival)) return;
-        path.throughput /= survival;
+        on.throughput /= survival;
     }
     const vec3 w = at.shading.to_world(next.wi);
-    next_rays_.push_back({ray_origin(at, w), w, kInfinity});
-    next_paths_.push_back(path);
+    batch_.next_ray() = {ray_origin(at, w), w, kInfinity};
+    batch_.keep_next(key);
 }
 
 /// `goes_on`: chance for the path on to be drawn by that BSDF, which may meet the same light.
-void ClampRepayment::sample_light(const RepaymentScene& shared, const PassSampler& sampler, uint32_t vertex,
-                                  const Path& path, const ShadingPoint& at, const Bsdf& bsdf, const vec3& wo,
-                                  float goes_on) {
+void ClampRepayment::sample_light(const RepaymentScene& shared, const PassSampler& sampler, uint32_t key,
+                                  uint32_t vertex, const Path& path, const ShadingPoint& at, const Bsdf& bsdf,
+                                  const vec3& wo, float goes_on) {
     LightSample light;
-    const float choice = sampler.sample_2d(path.key, sample_set(vertex, VertexSet::LightChoiceAndRoulette)).x;
+    const float choice = sampler.sample_2d(key, sample_set(vertex, VertexSet::LightChoiceAndRoulette)).x;
     if (!shared.eye.lights.sample(path.position, path.lit_normal, choice,
-                                  sampler.sample_2d(path.key, sample_set(vertex, VertexSet::LightPoint)), light))
+                                  sampler.sample_2d(key, sample_set(vertex, VertexSet::LightPoint)), light))
         return;
     const BsdfValue f = bsdf.evaluate(wo, at.shading.to_local(light.wi));
     if (is_black(f.f_cos)) return;
     const float weight = light.delta || !(goes_on > 0) ? 1.0f : power_heuristic(light.pdf_sa, goes_on * f.pdf_sa);
-    shadow_rays_.push_back(light.shadow_ray(ray_origin(at, light.wi)));
-    lights_.push_back({path.throughput * f.f_cos * light.radiance_over_pdf * weight, path.point, path.narrow});
+    shadows_.add(light.shadow_ray(ray_origin(at, light.wi)),
+                 {path.throughput * f.f_cos * light.radiance_over_pdf * weight, path.point, path.narrow});
 }
 
 }  // namespace photond

@@ -16,6 +16,7 @@
 
 #include "renderer/eye/eye_scene.h"
 #include "renderer/eye/visible_point.h"
+#include "renderer/transport/path_batch.h"
 
 namespace photond {
 
@@ -53,7 +54,6 @@ private:
     struct Path {
         Rgb throughput;  // radiance at the end becomes what is added to the point's sum
         uint32_t point;
-        uint32_t key;
         float pdf_sa = 0;  // of the direction, against light samples
         bool delta = false;
         bool narrow = false;  // for LeftOut::narrow
@@ -69,19 +69,16 @@ private:
 
     void start(const PassSampler& sampler, std::span<const ClampedPoint> points);
     void scatter(const RepaymentScene& shared, const PassSampler& sampler, uint32_t vertex, size_t i);
-    void leave(const PassSampler& sampler, uint32_t vertex, Path path, const ShadingPoint& at, const Bsdf& bsdf,
-               const vec3& wo, float chance);
-    void sample_light(const RepaymentScene& shared, const PassSampler& sampler, uint32_t vertex, const Path& path,
-                      const ShadingPoint& at, const Bsdf& bsdf, const vec3& wo, float goes_on);
+    void leave(const PassSampler& sampler, uint32_t key, uint32_t vertex, const Path& path, const ShadingPoint& at,
+               const Bsdf& bsdf, const vec3& wo, float chance);
+    void sample_light(const RepaymentScene& shared, const PassSampler& sampler, uint32_t key, uint32_t vertex,
+                      const Path& path, const ShadingPoint& at, const Bsdf& bsdf, const vec3& wo, float goes_on);
     void add(uint32_t point, bool narrow, const Rgb& light);
 
     LeftOut left_out_;
     float clamp_sq_m2_ = 0;  // B
-    std::vector<Ray> rays_, next_rays_, shadow_rays_;
-    std::vector<Hit> hits_;
-    std::vector<Path> paths_, next_paths_;
-    std::vector<Light> lights_;
-    std::vector<uint8_t> occluded_;
+    PathBatch<Path> batch_;
+    ShadowBatch<Light> shadows_;
 };
 
 }  // namespace photond

@@ -6,7 +6,8 @@
 #include "renderer/core/parallel.h"
 #include "renderer/core/thread_local.h"
 #include "renderer/many_lights/flux_map.h"
-#include "renderer/photons/photon_wavefront.h"
+#include "renderer/photons/photon_reflections.h"
+#include "renderer/photons/seen_texels.h"
 #include "renderer/scene/surface_area.h"
 
 namespace photond {
@@ -108,7 +109,13 @@ struct VplTracer::Shared : PhotonTracingScene {
 
     const VplTracing vpls;
     const TexelMap map;
-    ThreadLocal<PhotonWavefront> wavefronts;
+    /// Of one thread.
+    struct Scratch {
+        PhotonWavefront wavefront;
+        SeenTexels texels;
+        PhotonReflections reflections;
+    };
+    ThreadLocal<Scratch> threads;
 };
 
 template <class Visit>
@@ -120,7 +127,8 @@ Counts VplTracer::Shared::see_texels(const TexelPass& pass, const CancelToken& c
         const auto first = static_cast<uint32_t>(i) * kRun;
         const PhotonBatch batch{
             .run = i, .first = 0, .last = std::min(kRun, pass.map.texels() - first), .map = &pass.map};
-        visit(wavefronts.local().see(*this, pass.numbers, batch, counts[i]), first);
+        Scratch& mine = threads.local();
+        visit(mine.texels.see(mine.wavefront, *this, pass.numbers, batch, counts[i]), first);
     });
     Counts sum;
     for (const Counts& of_run : counts) sum += of_run;
@@ -150,8 +158,10 @@ TracedReflections VplTracer::Shared::trace_paths(const TexelPass& pass, std::spa
         const uint32_t first = static_cast<uint32_t>(i) * kPathsAtOnce, last = std::min(first + kPathsAtOnce, paths);
         const uint32_t run = first / kRun, start = run * kRun;
         PathLights& mine = batches[i];
-        const ReflectedBatch left = wavefronts.local().trace_reflected(
-            *this, numbers, {.run = run, .first = first - start, .last = last - start, .chosen = &chosen}, mine.counts);
+        Scratch& scratch = threads.local();
+        const ReflectedBatch left = scratch.reflections.trace(
+            scratch.wavefront, *this, numbers,
+            {.run = run, .first = first - start, .last = last - start, .chosen = &chosen}, mine.counts);
         mine.photons.assign(left.photons.begin(), left.photons.end());
         mine.surfaces.assign(left.surfaces.begin(), left.surfaces.end());
         for (const uint32_t element : left.elements) mine.paths.push_back(start + element);
@@ -258,8 +268,10 @@ double VplTracer::lit_area_m2(uint64_t seed) const {
 
 uint64_t VplTracer::scratch_bytes(const VplTracing& tracing, size_t threads, uint64_t lights) {
     const auto levels = static_cast<uint32_t>(std::countr_zero(tracing.map_side));
-    return threads * PhotonWavefront::texel_bytes_per_thread() + TexelMap::bytes_for(lights) +
-           2 * FluxMap::values(levels) * sizeof(float) + tracing.vpls * sizeof(ChosenStart);
+    return threads * (PhotonWavefront::bytes_per_thread() + PhotonReflections::bytes_per_thread() +
+                      SeenTexels::bytes_per_thread()) +
+           TexelMap::bytes_for(lights) + 2 * FluxMap::values(levels) * sizeof(float) +
+           tracing.vpls * sizeof(ChosenStart);
 }
 uint64_t VplTracer::result_bytes(const VplTracing& tracing) {
     // Twice: in the batches, and in the order they come back in.

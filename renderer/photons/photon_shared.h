@@ -6,7 +6,7 @@
 #define PHOTON_MAP_CAUSTIC 1
 #define PHOTON_MOST_SCATTERINGS 255u  // PhotonPayload::kMostScatterings
 
-// What of a path's sets of numbers its emission uses: sample_set(EmissionSet) of photon_wavefront.h.
+// What of a path's sets of numbers its emission uses: sample_set(EmissionSet) of photon_tracing_scene.h.
 #define PHOTON_SET_DIRECTION 0u
 #define PHOTON_SET_POSITION 1u
 #define PHOTON_SET_LIGHT 3u

@@ -6,7 +6,8 @@
 
 #include "renderer/core/parallel.h"
 #include "renderer/core/thread_local.h"
-#include "renderer/photons/photon_wavefront.h"
+#include "renderer/photons/photon_arrivals.h"
+#include "renderer/photons/photon_reflections.h"
 
 namespace photond {
 
@@ -102,6 +103,13 @@ struct Batches {
 }  // namespace
 
 struct PhotonTracer::Shared : PhotonTracingScene {
+    /// Of one thread: a tracer's own, as much as it is used for.
+    struct Scratch {
+        PhotonWavefront wavefront;
+        PhotonArrivals arrivals;
+        PhotonReflections reflections;
+    };
+
     Shared(const Scene& scene, const Intersector& intersector, const EmissionSampler& emission,
            const PhotonTracing& tracing)
         : PhotonTracingScene(scene, intersector, emission, tracing) {
@@ -116,20 +124,20 @@ struct PhotonTracer::Shared : PhotonTracingScene {
         const uint64_t first = uint64_t{pass} * tracing.photons;
         return {first, first + tracing.photons};
     }
-    /// trace(wavefront, place of the batch), in parallel. Threads take batches in their order, so that few wait for an
+    /// trace(scratch, place of the batch), in parallel. Threads take batches in their order, so that few wait for an
     /// earlier one to be kept.
     template <class Trace>
     void for_each_batch(const Batches& batches, const CancelToken& cancel, const Trace& trace) {
         const size_t count = batches.count();
         std::atomic<size_t> next{0};
         parallel_for(std::min(count, most_threads()), 1, [&](size_t) {
-            PhotonWavefront& wavefront = wavefronts.local();
-            for (size_t i = next++; i < count && !cancel.cancelled(); i = next++) trace(wavefront, i);
+            Scratch& mine = threads.local();
+            for (size_t i = next++; i < count && !cancel.cancelled(); i = next++) trace(mine, i);
         });
     }
 
     std::optional<ReflectiveShadowMaps> maps;
-    ThreadLocal<PhotonWavefront> wavefronts;
+    ThreadLocal<Scratch> threads;
 };
 
 PhotonTracer::PhotonTracer(const Scene& scene, const Intersector& intersector, const EmissionSampler& emission,
@@ -137,7 +145,9 @@ PhotonTracer::PhotonTracer(const Scene& scene, const Intersector& intersector, c
     : shared_(std::make_unique<Shared>(scene, intersector, emission, tracing)) {}
 PhotonTracer::~PhotonTracer() = default;
 
-uint64_t PhotonTracer::scratch_bytes(size_t threads) { return threads * PhotonWavefront::bytes_per_thread(); }
+uint64_t PhotonTracer::scratch_bytes(size_t threads) {
+    return threads * (PhotonWavefront::bytes_per_thread() + PhotonArrivals::bytes_per_thread());
+}
 
 TracedPhotons PhotonTracer::trace(uint64_t seed, uint32_t pass, const CancelToken& cancel) const {
     const PhotonTracing& tracing = shared_->tracing;
@@ -149,9 +159,10 @@ TracedPhotons PhotonTracer::trace(uint64_t seed, uint32_t pass, const CancelToke
     const SequenceSampler sampler = shared_->sampler(seed);
     const Batches batches = shared_->batches(pass);
     PhotonsInOrder<Photon> in_order(batches.count());
-    shared_->for_each_batch(batches, cancel, [&](PhotonWavefront& wavefront, size_t i) {
+    shared_->for_each_batch(batches, cancel, [&](Shared::Scratch& mine, size_t i) {
         PhotonCounts counts;
-        const std::span<const Photon> photons = wavefront.trace(*shared_, sampler, batches[i], counts);
+        const std::span<const Photon> photons =
+            mine.arrivals.trace(mine.wavefront, *shared_, sampler, batches[i], counts);
         in_order.keep(i, photons, {}, counts);
     });
     traced.photons = in_order.take_photons();
@@ -173,9 +184,10 @@ TracedReflections PhotonTracer::trace_reflected(uint64_t seed, uint32_t pass, co
     const SequenceSampler sampler = shared_->sampler(texels ? texels->seed() : seed);
     const Batches batches = texels ? Batches{0, texels->texels(), &*texels} : shared_->batches(pass);
     PhotonsInOrder<ReflectedPhoton> in_order(batches.count());
-    shared_->for_each_batch(batches, cancel, [&](PhotonWavefront& wavefront, size_t i) {
+    shared_->for_each_batch(batches, cancel, [&](Shared::Scratch& mine, size_t i) {
         PhotonCounts counts;
-        const ReflectedBatch reflected = wavefront.trace_reflected(*shared_, sampler, batches[i], counts.counts);
+        const ReflectedBatch reflected =
+            mine.reflections.trace(mine.wavefront, *shared_, sampler, batches[i], counts.counts);
         in_order.keep(i, reflected.photons, reflected.surfaces, counts);
     });
     traced.photons = in_order.take_photons();

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "renderer/photons/photon_wavefront.h"
+#include "renderer/photons/photon_tracing_scene.h"
 #include "renderer/photons/projection_map.h"
 #include "renderer/photons/projection_map_shared.h"
 

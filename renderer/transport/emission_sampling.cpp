@@ -4,6 +4,7 @@
 
 #include "renderer/transport/discrete_distribution.h"
 #include "renderer/transport/emission.h"
+#include "renderer/transport/emission_sampling_shared.h"
 #include "renderer/transport/environment_sampling.h"
 #include "renderer/transport/lambert_lanes.h"
 #include "renderer/transport/light_sampling.h"
@@ -13,9 +14,6 @@
 namespace photond {
 
 namespace {
-
-// Photons from outside start this many radii before the scene's centre, so that nothing lies behind them.
-constexpr float kStartInRadii = 1.01f;
 
 vec3 sample_sphere(const vec2& u) {
     const float z = 1 - 2 * u.x;
@@ -55,7 +53,7 @@ struct EmissionSampler::Lights {
     Ray ray_from_outside(const vec3& direction, const vec2& u) const {
         const vec2 place = radius_m * sample_unit_disk(u);
         const Frame frame(direction);
-        const vec3 start(place.x, place.y, -kStartInRadii * radius_m);
+        const vec3 start(place.x, place.y, -EMISSION_START_IN_RADII * radius_m);
         return {centre + frame.to_world(start), direction, kInfinity};
     }
 
@@ -194,7 +192,8 @@ void EmissionSampler::Lights::sample_directional(const EmissionNumbers& numbers,
             direction.set(lane, scene.punctual_lights[punctual_of(mine[std::min(lane, mine.size() - 1)])].direction);
         // As ray_from_outside().
         const auto [x, y] = unit_disk(gather(numbers.position_x, mine), gather(numbers.position_y, mine));
-        start.store(broadcast(centre) + radius_m * to_world(direction.load(), {x, y, FloatLanes(-kStartInRadii)}));
+        start.store(broadcast(centre) +
+                    radius_m * to_world(direction.load(), {x, y, FloatLanes(-EMISSION_START_IN_RADII)}));
         for (size_t lane = 0; lane < mine.size(); ++lane) {
             EmissionSample& sample = samples[mine[lane]];
             const uint32_t index = punctual_of(mine[lane]);
@@ -230,6 +229,13 @@ EmissionSampler::EmissionSampler(const Scene& scene) {
 
 EmissionSampler::~EmissionSampler() = default;
 EmissionSampler::EmissionSampler(EmissionSampler&&) noexcept = default;
+EmissionSampler& EmissionSampler::operator=(EmissionSampler&&) noexcept = default;
+
+std::optional<EmissionSampler> emission_of(const Scene& scene) {
+    EmissionSampler sampler(scene);
+    if (!(sampler.total_power_w() > 0)) return std::nullopt;
+    return sampler;
+}
 
 bool EmissionSampler::sample(float u_light, const vec2& u_position, const vec2& u_direction,
                              EmissionSample& out) const {

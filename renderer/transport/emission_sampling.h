@@ -5,6 +5,7 @@
 // sphere's radius that faces their direction.
 
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "renderer/core/geometry.h"
@@ -38,6 +39,7 @@ public:
     explicit EmissionSampler(const Scene& scene);
     ~EmissionSampler();
     EmissionSampler(EmissionSampler&&) noexcept;
+    EmissionSampler& operator=(EmissionSampler&&) noexcept;
 
     /// Draws a light by its power, then a point and a direction. All numbers uniform in [0, 1). False when the sample
     /// carries nothing (a black texel, a masked one): a light path without light, which counts as emitted.
@@ -77,5 +79,8 @@ private:
     struct Lights;
     std::unique_ptr<const Lights> lights_;
 };
+
+/// Of a scene's lights; none where the scene has no light.
+std::optional<EmissionSampler> emission_of(const Scene& scene);
 
 }  // namespace photond

@@ -8,21 +8,21 @@
 namespace photond {
 
 void Wavefront::shade_general(const PathTracingScene& shared, uint32_t vertex, PassImage& image) {
-    for (size_t k = 0; k < general_.size(); ++k) {
-        prefetch_ahead(shared.scene, hits_, general_, k);
-        const uint32_t i = general_[k];
-        if (shade_vertex(shared, vertex, i, image)) next_keys_[next_count_++] = keys_[i];
+    for (size_t k = 0; k < batch_.general.size(); ++k) {
+        prefetch_ahead(shared.scene, batch_.hits, batch_.general, k);
+        const uint32_t i = batch_.general[k];
+        if (shade_vertex(shared, vertex, i, image)) batch_.keep_next(batch_.keys[i]);
     }
 }
 
 /// Adds what path i finds at the end of its ray, draws a light sample there and the next ray. False: the path ends, and
 /// what stands in the place of the next path does not count.
 bool Wavefront::shade_vertex(const PathTracingScene& shared, uint32_t vertex, uint32_t i, PassImage& image) {
-    EyePath& path = next_paths_[next_count_];
-    path = paths_[i];
+    EyePath& path = batch_.next_path();
+    path = batch_.paths[i];
     const bool camera_walk = path.scatterings == 0;
     EyeVertex met;
-    if (!meet_surface(shared, path, vertex, hits_[i], rays_[i], image, met)) return false;
+    if (!meet_surface(shared, path, vertex, batch_.hits[i], batch_.rays[i], image, met)) return false;
     const auto& [point, bsdf, wo] = met;
 
     LightSample light;
@@ -31,14 +31,13 @@ bool Wavefront::shade_vertex(const PathTracingScene& shared, uint32_t vertex, ui
         const BsdfValue f = bsdf.evaluate(wo, point.shading.to_local(light.wi));
         if (!is_black(f.f_cos)) {
             const float weight = light.delta ? 1.0f : power_heuristic(light.pdf_sa, f.pdf_sa);
-            shadow_rays_[shadow_count_] = light.shadow_ray(ray_origin(point, light.wi));
-            pending_[shadow_count_++] = {weight * path.throughput * f.f_cos * light.radiance_over_pdf, path.pixel,
-                                         !camera_walk};
+            shadows_.add(light.shadow_ray(ray_origin(point, light.wi)),
+                         {weight * path.throughput * f.f_cos * light.radiance_over_pdf, path.pixel, !camera_walk});
         }
     }
 
     return leave_surface(path, point, bsdf.sample(wo, lobe_.x[i], {direction_.x[i], direction_.y[i]}),
-                         vertex + 1 >= shared.roulette_start, choice_.y[i], image, next_rays_[next_count_]);
+                         vertex + 1 >= shared.roulette_start, choice_.y[i], image, batch_.next_ray());
 }
 
 }  // namespace photond

@@ -3,40 +3,32 @@
 
 #include "renderer/eye/eye_contributions.h"
 #include "renderer/methods/path_tracing/wavefront.h"
-#include "renderer/transport/hit_prefetch.h"
 #include "renderer/transport/lambert_lanes.h"
 #include "renderer/transport/roulette_shared.h"
 
 namespace photond {
 
 void Wavefront::shade_lambert(const PathTracingScene& shared, uint32_t vertex, PassImage& image) {
-    const Scene& scene = shared.scene;
     const bool roulette = vertex + 1 >= shared.roulette_start;
     LambertGroup group;
-    for (size_t first = 0; first < lambert_.size(); first += kLanes) {
-        const size_t lanes = std::min(kLanes, lambert_.size() - first);
-        for (size_t lane = 0; lane < kLanes; ++lane) {  // lanes past the end repeat the last path and are not read
-            const size_t place = std::min(first + lane, lambert_.size() - 1);
-            prefetch_ahead(scene, hits_, lambert_, place);
-            const uint32_t i = lambert_[place];
-            group.gather(lane, scene, shared.shading[hits_[i].instance].varies, hits_[i], rays_[i],
-                         paths_[i].throughput, paths_[i].eta_scale);
+    for (size_t first = 0; first < batch_.lambert.size(); first += kLanes) {
+        const size_t lanes = batch_.gather_lambert(shared, first, group, [&](size_t lane, uint32_t i) {
             group.sample_x[lane] = direction_.x[i];
             group.sample_y[lane] = direction_.y[i];
             group.roulette[lane] = roulette ? choice_.y[i] : 0.0f;
-        }
+        });
         group.find_surface();
         group.scatter(roulette, ROULETTE_MOST_SURVIVAL);
 
         for (size_t lane = 0; lane < lanes; ++lane) {
-            const uint32_t i = lambert_[first + lane];
-            const EyePath& path = paths_[i];
-            const Hit& hit = hits_[i];
+            const uint32_t i = batch_.lambert[first + lane];
+            const EyePath& path = batch_.paths[i];
+            const Hit& hit = batch_.hits[i];
             const vec3 position = group.position.get(lane), normal = group.normal.get(lane);
             const Rgb reflectance = group.reflectance.get(lane);
             if (vertex == 0) store_first_hit(image, shared, path.pixel, position, normal);
             if (shared.shading[hit.instance].emits)
-                add_emission(image, shared, path, hit, group.front[lane] != 0, rays_[i].direction);
+                add_emission(image, shared, path, hit, group.front[lane] != 0, batch_.rays[i].direction);
             if (path.scatterings >= shared.max_scatterings || is_black(reflectance)) continue;
             const bool camera_walk = path.scatterings == 0;
             if (camera_walk && !image.albedo.empty() && is_black(image.albedo[path.pixel]))
@@ -49,14 +41,13 @@ void Wavefront::shade_lambert(const PathTracingScene& shared, uint32_t vertex, P
                 if (cos_light > 0 && glm::dot(group.geometric_normal.get(lane), light.wi) > 0) {
                     const float pdf_sa = cos_light * kInvPi;
                     const float weight = light.delta ? 1.0f : power_heuristic(light.pdf_sa, pdf_sa);
-                    shadow_rays_[shadow_count_] = light.shadow_ray(start);
-                    pending_[shadow_count_++] = {
-                        (weight * pdf_sa) * path.throughput * reflectance * light.radiance_over_pdf, path.pixel,
-                        !camera_walk};
+                    shadows_.add(light.shadow_ray(start),
+                                 {(weight * pdf_sa) * path.throughput * reflectance * light.radiance_over_pdf,
+                                  path.pixel, !camera_walk});
                 }
             }
             if (group.scattered[lane] == 0) continue;
-            EyePath& next = next_paths_[next_count_];
+            EyePath& next = batch_.next_path();
             next = path;
             next.throughput *= reflectance * group.survival_inverse[lane];
             next.pdf_sa = group.cos_next[lane] * kInvPi;
@@ -65,8 +56,8 @@ void Wavefront::shade_lambert(const PathTracingScene& shared, uint32_t vertex, P
             next.delta = false;
             next.caustic = camera_walk;
             ++next.scatterings;
-            next_rays_[next_count_] = {start, group.next_direction.get(lane), kInfinity};
-            next_keys_[next_count_++] = keys_[i];
+            batch_.next_ray() = {start, group.next_direction.get(lane), kInfinity};
+            batch_.keep_next(batch_.keys[i]);
         }
     }
 }

@@ -9,7 +9,7 @@ struct PathTracing::Scratch {
     struct PerThread {
         Wavefront wavefront;
         Counts counts;
-        PathSeconds seconds;
+        EyeSeconds seconds;
     };
     ThreadLocal<PerThread> threads;
 };
@@ -51,15 +51,7 @@ void PathTracing::run_pass(uint32_t pass, Stats& stats, const CancelToken& cance
         mine.wavefront.trace_tile(*scene_, sampler, tile, image_, mine.counts, mine.seconds);
     });
 
-    PathSeconds cpu;
-    for (Scratch::PerThread& thread : scratch_->threads) {
-        stats.counts += thread.counts;
-        cpu.camera += thread.seconds.camera;
-        cpu.direct += thread.seconds.direct;
-        cpu.indirect += thread.seconds.indirect;
-        thread.counts = {};
-        thread.seconds = {};
-    }
+    const EyeSeconds cpu = take_work(scratch_->threads, stats);
     add_interleaved_stages(stats, wall_now_seconds() - wall_start,
                            {{"g_buffer", cpu.camera}, {"direct", cpu.direct}, {"indirect", cpu.indirect}});
     pass_complete_ = !cancel.cancelled();

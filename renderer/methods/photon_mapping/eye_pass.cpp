@@ -105,7 +105,7 @@ uint64_t EyePass::bytes_per_thread() {
 }
 
 void EyePass::trace_tile(const PhotonMappingScene& shared, const PassMaps& maps, const PassSamplers& samplers,
-                         const Tile& tile, PassImage& image, Counts& counts, WalkSeconds& seconds,
+                         const Tile& tile, PassImage& image, Counts& counts, EyeSeconds& seconds,
                          const CancelToken& cancel) {
     Guide guide(shared, maps, neighbours_);
     Lookups lookups(*this, shared, maps, samplers.gather, image, counts, cancel);

@@ -21,8 +21,7 @@ public:
     /// Renders the tile's pixels of one pass into `image` and adds what it did to `counts` and `seconds`, of which
     /// `points` are lookups and gather rays. Cancelled: the pixels are unfinished.
     void trace_tile(const PhotonMappingScene& shared, const PassMaps& maps, const PassSamplers& samplers,
-                    const Tile& tile, PassImage& image, Counts& counts, WalkSeconds& seconds,
-                    const CancelToken& cancel);
+                    const Tile& tile, PassImage& image, Counts& counts, EyeSeconds& seconds, const CancelToken& cancel);
 
 private:
     class Guide;

@@ -16,28 +16,14 @@ constexpr float kCertain = -1;
 
 }  // namespace
 
-FinalGather::FinalGather()
-    : rays_(kPaths),
-      next_rays_(kPaths),
-      paths_(kPaths),
-      next_paths_(kPaths),
-      hits_(kPaths),
-      shadow_rays_(kPaths),
-      pending_(kPaths),
-      occluded_(kPaths),
-      keys_(kRays),
-      direction_x_(kRays),
-      direction_y_(kRays),
-      lobe_x_(kRays),
-      lobe_y_(kRays) {
+FinalGather::FinalGather() : keys_(kRays), direction_x_(kRays), direction_y_(kRays), lobe_x_(kRays), lobe_y_(kRays) {
     order_.reserve(kPaths);
     indices_.reserve(kPaths);
 }
 
 uint64_t FinalGather::bytes_per_thread() {
-    return kPaths * (3 * sizeof(Ray) + 2 * sizeof(GatherPath) + sizeof(Hit) + sizeof(uint64_t) + sizeof(uint32_t) +
-                     sizeof(PendingLight) + sizeof(uint8_t)) +
-           kRays * (sizeof(uint32_t) + 4 * sizeof(float));
+    return PathBatch<GatherPath>::bytes_for(kPaths) + ShadowBatch<WaitingRadiance>::bytes_for(kPaths) +
+           kPaths * (sizeof(uint64_t) + sizeof(uint32_t)) + kRays * (sizeof(uint32_t) + 4 * sizeof(float));
 }
 
 void FinalGather::gather(const PhotonMappingScene& shared, const PassMaps& maps, const SplitSamplers& samplers,
@@ -55,20 +41,18 @@ void FinalGather::gather(const PhotonMappingScene& shared, const PassMaps& maps,
 void FinalGather::gather_batch(const PhotonMappingScene& shared, const PassMaps& maps, const SplitSamplers& samplers,
                                std::span<const GatherPoint> points, PassImage& image, Counts& counts) {
     start_rays(shared, maps, samplers, points);
-    for (uint32_t vertex = 1; count_ > 0; ++vertex) {
-        shared.intersector.closest_hits({rays_.data(), count_}, {hits_.data(), count_}, Coherence::Incoherent);
-        counts.bounce_rays += count_;
+    for (uint32_t vertex = 1; batch_.count > 0; ++vertex) {
+        batch_.find_hits(shared.intersector, Coherence::Incoherent);
+        counts.bounce_rays += batch_.count;
         sort_hits(shared, points, image);
-        next_count_ = 0;
-        shadow_count_ = 0;
         for (size_t k = 0; k < indices_.size(); ++k) {
-            prefetch_ahead(shared.scene, hits_, indices_, k);
-            shade(shared, maps, samplers, points[paths_[indices_[k]].point], vertex, indices_[k], image);
+            prefetch_ahead(shared.scene, batch_.hits, indices_, k);
+            shade(shared, maps, samplers, points[batch_.paths[indices_[k]].point], vertex, indices_[k], image);
         }
-        next_rays_.swap(rays_);
-        next_paths_.swap(paths_);
-        count_ = next_count_;
-        trace_shadow_rays(shared, image, counts);
+        batch_.advance();
+        counts.shadow_rays +=
+            shadows_.trace(shared.intersector, Coherence::Incoherent,
+                           [&](const WaitingRadiance& light) { image.indirect[light.pixel] += light.radiance; });
     }
 }
 
@@ -81,7 +65,7 @@ void FinalGather::start_rays(const PhotonMappingScene& shared, const PassMaps& m
             distributions_.emplace_back(maps.global, point.surface, shared.photon_scatterings(point.scatterings + 1),
                                         neighbours_);
     const bool lights = samples_lights(shared.params);
-    count_ = 0;
+    batch_.count = 0;
     uint32_t most_rays = 0;
     for (const GatherPoint& point : points) most_rays = std::max(most_rays, point.rays);
     for (uint32_t ray = 0; ray < most_rays; ++ray) {
@@ -111,11 +95,10 @@ void FinalGather::start_rays(const PhotonMappingScene& shared, const PassMaps& m
                 next = point.rough.sample(point.wo, lobe_x_[k], u);
             }
             if (!next.valid() || is_black(next.weight)) continue;
-            GatherPath& path = paths_[count_];
+            GatherPath& path = batch_.paths[batch_.count];
             path.throughput = next.weight;
             path.eta_scale = next.refraction ? sqr(next.eta) : 1.0f;
             path.point = p;
-            path.ray = ray;
             path.scatterings = point.scatterings + 1;
             path.lights_only = false;
             path.light = {
@@ -124,7 +107,8 @@ void FinalGather::start_rays(const PhotonMappingScene& shared, const PassMaps& m
             path.media = point.media;
             if (next.refraction) path.media.cross(point.surface.material, point.surface.front_side);
             const vec3 wi = point.surface.shading.to_world(next.wi);
-            rays_[count_++] = {ray_origin(point.surface, wi), wi, kInfinity};
+            batch_.keys[batch_.count] = ray;
+            batch_.rays[batch_.count++] = {ray_origin(point.surface, wi), wi, kInfinity};
         }
     }
 }
@@ -133,15 +117,15 @@ void FinalGather::start_rays(const PhotonMappingScene& shared, const PassMaps& m
 void FinalGather::sort_hits(const PhotonMappingScene& shared, std::span<const GatherPoint> points, PassImage& image) {
     order_.clear();
     indices_.clear();
-    for (uint32_t i = 0; i < count_; ++i) {
-        const Hit& hit = hits_[i];
+    for (uint32_t i = 0; i < batch_.count; ++i) {
+        const Hit& hit = batch_.hits[i];
         if (hit.valid()) {
             prefetch_index(shared.scene, hit);
-            const vec3 position = rays_[i].origin + hit.t * rays_[i].direction;
+            const vec3 position = batch_.rays[i].origin + hit.t * batch_.rays[i].direction;
             order_.push_back(uint64_t{morton_code(shared.scene.bounds, position)} << 32 | i);
-        } else if (shared.scene.environment && paths_[i].light.pdf_sa > 0) {
-            const vec3& wi = rays_[i].direction;
-            const GatherPath& path = paths_[i];
+        } else if (shared.scene.environment && batch_.paths[i].light.pdf_sa > 0) {
+            const vec3& wi = batch_.rays[i].direction;
+            const GatherPath& path = batch_.paths[i];
             const float light_pdf = shared.lights.pdf_environment(path.light.position, path.light.lit_normal, wi);
             add_direct(image, points[path.point], path,
                        shared.absorption.transmittance(path.media, kInfinity) * shared.lights.environment_radiance(wi),
@@ -163,9 +147,9 @@ void FinalGather::add_direct(PassImage& image, const GatherPoint& origin, const 
 void FinalGather::shade(const PhotonMappingScene& shared, const PassMaps& maps, const SplitSamplers& samplers,
                         const GatherPoint& origin, uint32_t vertex, uint32_t i, PassImage& image) {
     const Scene& scene = shared.scene;
-    GatherPath path = paths_[i];
-    const Hit& hit = hits_[i];
-    const Ray& ray = rays_[i];
+    GatherPath path = batch_.paths[i];
+    const Hit& hit = batch_.hits[i];
+    const Ray& ray = batch_.rays[i];
     const ShadingPoint surface = make_shading_point(scene, hit, ray.direction);
     if (scene.materials[surface.material].unlit) return;
     path.throughput *= shared.absorption.transmittance(path.media, hit.t);
@@ -181,7 +165,8 @@ void FinalGather::shade(const PhotonMappingScene& shared, const PassMaps& maps, 
     const Bsdf bsdf = make_bsdf(scene, surface, path.media.outside_ior(scene, surface.material, !surface.front_side));
     const Bsdf rough = bsdf.is_lambert() ? bsdf : bsdf.rough_part(shared.params.glossy_threshold);
     const vec3 wo = surface.shading.to_local(-ray.direction);
-    const PassSampler& sampler = samplers[path.ray];
+    const uint32_t number = batch_.keys[i];
+    const PassSampler& sampler = samplers[number];
     const vec2 direction = sampler.sample_2d(origin.key, sample_set(vertex, VertexSet::Direction));
     const Rgb to_pixel = origin.throughput * path.throughput * (1 / static_cast<float>(origin.rays));
 
@@ -201,8 +186,8 @@ void FinalGather::shade(const PhotonMappingScene& shared, const PassMaps& maps, 
                     case LightSeen::Whole: image.indirect[origin.pixel] += radiance; break;
                     case LightSeen::Nothing: break;
                     case LightSeen::Unknown:
-                        shadow_rays_[shadow_count_] = light.shadow_ray(ray_origin(surface, light.wi));
-                        pending_[shadow_count_++] = {radiance, origin.pixel};
+                        shadows_.add(light.shadow_ray(ray_origin(surface, light.wi)), {radiance, origin.pixel});
+                        break;
                 }
             }
         }
@@ -215,7 +200,7 @@ void FinalGather::shade(const PhotonMappingScene& shared, const PassMaps& maps, 
         if (goes_on) global = {};
         if (goes_on || looks_for_lights) {
             const BsdfSample next = rough.sample(wo, choice.y, direction);
-            if (GatherPath* const followed = follow(path, surface, next, kCertain)) {
+            if (GatherPath* const followed = follow(path, number, surface, next, kCertain)) {
                 followed->lights_only = !goes_on;
                 followed->light = {surface.position, lit_normal, looks_for_lights ? next.pdf_sa : 0.0f};
             }
@@ -230,12 +215,12 @@ void FinalGather::shade(const PhotonMappingScene& shared, const PassMaps& maps, 
     if (!specular.scatters()) return;
     // Many rays are averaged: roulette may end each from the start.
     const vec2 lobe = sampler.sample_2d(origin.key, sample_set(vertex, VertexSet::Lobe));
-    follow(path, surface, specular.sample(wo, lobe.x, direction), lobe.y);
+    follow(path, number, surface, specular.sample(wo, lobe.x, direction), lobe.y);
 }
 
 /// Goes on as sampled, unless Russian roulette with the number `roulette` ends the path; kCertain: it does not. Lights
 /// that it meets do not count, unless the path returned is told so; null where it ended.
-FinalGather::GatherPath* FinalGather::follow(const GatherPath& path, const ShadingPoint& surface,
+FinalGather::GatherPath* FinalGather::follow(const GatherPath& path, uint32_t ray, const ShadingPoint& surface,
                                              const BsdfSample& sample, float roulette) {
     if (!sample.valid()) return nullptr;
     GatherPath next = path;
@@ -252,17 +237,11 @@ FinalGather::GatherPath* FinalGather::follow(const GatherPath& path, const Shadi
     next.light = {};
     ++next.scatterings;
     const vec3 wi = surface.shading.to_world(sample.wi);
-    next_rays_[next_count_] = {ray_origin(surface, wi), wi, kInfinity};
-    next_paths_[next_count_] = next;
-    return &next_paths_[next_count_++];
-}
-
-void FinalGather::trace_shadow_rays(const PhotonMappingScene& shared, PassImage& image, Counts& counts) {
-    shared.intersector.occluded({shadow_rays_.data(), shadow_count_}, {occluded_.data(), shadow_count_},
-                                Coherence::Incoherent);
-    counts.shadow_rays += shadow_count_;
-    for (size_t i = 0; i < shadow_count_; ++i)
-        if (!occluded_[i]) image.indirect[pending_[i].pixel] += pending_[i].radiance;
+    GatherPath& followed = batch_.next_path();
+    followed = next;
+    batch_.next_ray() = {ray_origin(surface, wi), wi, kInfinity};
+    batch_.keep_next(ray);
+    return &followed;
 }
 
 }  // namespace photond

@@ -19,6 +19,7 @@
 #include "renderer/methods/photon_mapping/photon_lookup.h"
 #include "renderer/methods/photon_mapping/split_samplers.h"
 #include "renderer/photons/gather_distribution.h"
+#include "renderer/transport/path_batch.h"
 
 namespace photond {
 
@@ -62,15 +63,14 @@ private:
         Rgb throughput;   // since the point
         float eta_scale;  // since the point, as in EyePath
         uint32_t point;   // index in the batch
-        uint32_t ray;     // index among the point's, that of its sampler
         uint32_t scatterings;
         bool lights_only;  // what it meets scatters nothing
         SampledLight light;
         MediumStack media;
     };
 
-    /// A light sample that waits for its shadow ray.
-    struct PendingLight {
+    /// Radiance of a light sample, for the indirect layer.
+    struct WaitingRadiance {
         Rgb radiance;
         uint32_t pixel;
     };
@@ -82,25 +82,18 @@ private:
     void sort_hits(const PhotonMappingScene& shared, std::span<const GatherPoint> points, PassImage& image);
     void shade(const PhotonMappingScene& shared, const PassMaps& maps, const SplitSamplers& samplers,
                const GatherPoint& origin, uint32_t vertex, uint32_t i, PassImage& image);
-    GatherPath* follow(const GatherPath& path, const ShadingPoint& surface, const BsdfSample& sample, float roulette);
+    GatherPath* follow(const GatherPath& path, uint32_t ray, const ShadingPoint& surface, const BsdfSample& sample,
+                       float roulette);
     static void add_direct(PassImage& image, const GatherPoint& origin, const GatherPath& path, const Rgb& radiance,
                            float light_pdf);
-    void trace_shadow_rays(const PhotonMappingScene& shared, PassImage& image, Counts& counts);
 
     // A ray's path may part at its first end, into one by the specular and one by the rough part, and each end may send
     // one more ray to look for lights. These hold kPaths; how many count is said here.
     static constexpr size_t kPaths = 4 * size_t{kRays};
-    size_t count_ = 0;  // of the rays under way
-    size_t next_count_ = 0;
-    size_t shadow_count_ = 0;
-    std::vector<Ray> rays_, next_rays_;
-    std::vector<GatherPath> paths_, next_paths_;
-    std::vector<Hit> hits_;
-    std::vector<uint64_t> order_;  // place on the Morton curve, then index
+    PathBatch<GatherPath> batch_{kPaths};  // keys: a ray's index among its point's, that of its sampler
+    std::vector<uint64_t> order_;          // place on the Morton curve, then index
     std::vector<uint32_t> indices_;
-    std::vector<Ray> shadow_rays_;
-    std::vector<PendingLight> pending_;
-    std::vector<uint8_t> occluded_;
+    ShadowBatch<WaitingRadiance> shadows_{kPaths};
     // These hold kRays.
     std::vector<uint32_t> keys_;
     std::vector<float> direction_x_, direction_y_, lobe_x_, lobe_y_;

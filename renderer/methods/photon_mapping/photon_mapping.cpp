@@ -42,7 +42,7 @@ struct PhotonMapping::State {
     struct PerThread {
         EyePass eye;
         Counts counts;
-        WalkSeconds seconds;
+        EyeSeconds seconds;
     };
 
     State(const RenderContext& context, const PhotonMappingParams& params)
@@ -261,16 +261,7 @@ void PhotonMapping::look_from_eye(uint32_t pass, Stats& stats, const CancelToken
         mine.eye.trace_tile(shared, state.maps, samplers, tile, state.image, mine.counts, mine.seconds, cancel);
     });
 
-    WalkSeconds cpu;
-    for (State::PerThread& thread : state.threads) {
-        stats.counts += thread.counts;
-        cpu.camera += thread.seconds.camera;
-        cpu.direct += thread.seconds.direct;
-        cpu.indirect += thread.seconds.indirect;
-        cpu.points += thread.seconds.points;
-        thread.counts = {};
-        thread.seconds = {};
-    }
+    const EyeSeconds cpu = take_work(state.threads, stats);
     add_interleaved_stages(
         stats, wall_now_seconds() - wall_start,
         {{"g_buffer", cpu.camera}, {"direct", cpu.direct}, {"indirect", cpu.indirect}, {"gather", cpu.points}});

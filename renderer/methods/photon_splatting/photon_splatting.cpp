@@ -61,7 +61,7 @@ struct PhotonSplatting::State {
         std::vector<ClampedPoint> clamped;
         std::vector<Rgb> repaid;
         Counts counts;
-        WalkSeconds seconds;
+        EyeSeconds seconds;
         double splat_seconds = 0, repay_seconds = 0;
     };
 
@@ -157,11 +157,8 @@ void PhotonSplatting::begin(const RenderContext& context, Stats& stats) {
                                                      : nullptr;
     if (!nothing) {
         const StageTimer timer(stats, "photon_emission");
-        state.emission.emplace(scene);
-        if (!(state.emission->total_power_w() > 0)) {
-            state.emission.reset();
-            nothing = "the scene has no light";
-        }
+        state.emission = emission_of(scene);
+        if (!state.emission) nothing = "the scene has no light";
     }
     const uint64_t shaft_bytes = ShaftVisibility::estimate_bytes(scene.triangle_count);
     if (nothing) {
@@ -251,16 +248,7 @@ void PhotonSplatting::look_from_eye(uint32_t pass, Stats& stats, const CancelTok
     state.clusters.build(std::move(clusters), state.eye.scene.bounds);
     state.record("visible_points", bytes + state.clusters.bytes());
 
-    WalkSeconds cpu;
-    for (State::PerThread& thread : state.threads) {
-        stats.counts += thread.counts;
-        cpu.camera += thread.seconds.camera;
-        cpu.direct += thread.seconds.direct;
-        cpu.indirect += thread.seconds.indirect;
-        cpu.points += thread.seconds.points;
-        thread.counts = {};
-        thread.seconds = {};
-    }
+    const EyeSeconds cpu = take_work(state.threads, stats);
     add_interleaved_stages(stats, wall_now_seconds() - wall_start,
                            {{"g_buffer", cpu.camera + cpu.points}, {"direct", cpu.direct}, {"indirect", cpu.indirect}});
 }

@@ -62,7 +62,7 @@ struct SvoManyLights::State {
         std::vector<uint32_t> places;  // of those in the G-buffer
         std::vector<Rgb> repaid, narrow;
         Counts counts;
-        WalkSeconds seconds;
+        EyeSeconds seconds;
         double lit_seconds = 0, repaid_seconds = 0;
     };
 
@@ -155,8 +155,8 @@ void SvoManyLights::begin(const RenderContext& context, Stats& stats) {
                           : state.eye.lights.empty() ? "the scene has no light"
                                                      : nullptr;
     if (!nothing) {
-        state.emission.emplace(scene);
-        if (!(state.emission->total_power_w() > 0)) nothing = "the scene has no light";
+        state.emission = emission_of(scene);
+        if (!state.emission) nothing = "the scene has no light";
     }
     if (nothing) {
         stats.skipped.push_back({"virtual point lights", nothing, light_bytes(params_, scene.needs)});
@@ -218,13 +218,7 @@ void SvoManyLights::look_from_eye(uint32_t pass, Stats& stats, const CancelToken
     });
     if (cancel.cancelled()) return;
     state.record("g_buffer", state.buffer.bytes());
-    WalkSeconds cpu;
-    for (State::PerThread& thread : state.threads) {
-        cpu.camera += thread.seconds.camera, cpu.direct += thread.seconds.direct;
-        cpu.indirect += thread.seconds.indirect, cpu.points += thread.seconds.points;
-        thread.seconds = {};
-    }
-    state.take_counts(stats);
+    const EyeSeconds cpu = take_work(state.threads, stats);
     add_interleaved_stages(
         stats, wall_now_seconds() - wall_start,
         {{"g_buffer", cpu.camera}, {"g_buffer_split", cpu.points}, {"direct", cpu.direct + cpu.indirect}});

@@ -104,7 +104,7 @@ Walked walk(const Scene& scene, const WalkOptions& options) {
             Collector collector(mine, result.points, mutex);
             DefaultGuide guide;
             Counts counts;
-            WalkSeconds seconds;
+            EyeSeconds seconds;
             mine.trace_tile(shared, {options.glossy_threshold, options.guided ? &guide : nullptr},
                             {sampler, {&sampler, 1}}, tile, image, counts, seconds, CancelToken{}, collector);
             const std::lock_guard lock(mutex);

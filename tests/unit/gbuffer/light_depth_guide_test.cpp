@@ -35,7 +35,7 @@ Direct direct_light(const Scene& scene, const Intersector& intersector, const Li
         std::optional<LightDepthGuide> guide;
         if (maps) guide.emplace(*maps, sampler, pass);
         NoPoints sink;
-        WalkSeconds seconds;
+        EyeSeconds seconds;
         walk.trace_tile(shared, {.guide = guide ? &*guide : nullptr}, {sampler, {&sampler, 1}},
                         Tile{0, 0, kSize.width, kSize.height}, image, direct.counts, seconds, CancelToken{}, sink);
         for (size_t i = 0; i < direct.sums.size(); ++i) direct.sums[i] += image.direct[i / 3][int(i % 3)];
