@@ -25,9 +25,7 @@ struct EyePath {
 };
 
 // Two-dimensional sets of random numbers, as sample_set() of eye_scene.h numbers them.
-const uint SET_FILM = 4, SET_LENS = 14;
-const uint SET_LIGHT_POINT = 0, SET_LIGHT_CHOICE_AND_ROULETTE = 1, SET_DIRECTION = 2, SET_LOBE = 3;
-const uint kFirstVertices[16] = uint[](5, 2, 0, 8, 1, 7, 3, 12, 6, 11, 9, 15, 10, 16, 13, 17);
+const uint kFirstVertices[16] = uint[](SETS_OF_FIRST_VERTICES);
 uint sample_set(uint vertex, uint kind) { return vertex < 4 ? kFirstVertices[4 * vertex + kind] : 2 + 4 * vertex + kind; }
 
 /// PixelFilterSampler: the inverse of the smooth filter's distribution.

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "renderer/eye/eye_shared.h"
 #include "renderer/eye/pixel_filter.h"
 #include "renderer/frame/render_context.h"
 #include "renderer/transport/lambert_lanes.h"
@@ -54,16 +55,19 @@ struct EyeScene {
     std::vector<Shading> shading;  // by instance
 };
 
-/// Two-dimensional sets of random numbers: two for the camera, then four for each vertex, the camera's included. The
-/// first ones, which are distributed best (sobol.h), go where most of the variance comes from: the first bounce's
-/// direction and light, roulette, then the rest of the first vertices.
-enum class CameraSet : uint32_t { Film, Lens };
-enum class VertexSet : uint32_t { LightPoint, LightChoiceAndRoulette, Direction, Lobe };
-constexpr uint32_t sample_set(CameraSet set) { return set == CameraSet::Film ? 4 : 14; }
+/// Two-dimensional sets of random numbers (eye_shared.h).
+enum class CameraSet : uint32_t { Film = SET_FILM, Lens = SET_LENS };
+enum class VertexSet : uint32_t {
+    LightPoint = SET_LIGHT_POINT,
+    LightChoiceAndRoulette = SET_LIGHT_CHOICE_AND_ROULETTE,
+    Direction = SET_DIRECTION,
+    Lobe = SET_LOBE,
+};
+constexpr uint32_t sample_set(CameraSet set) { return static_cast<uint32_t>(set); }
 constexpr uint32_t sample_set(uint32_t vertex, VertexSet set) {
-    constexpr uint32_t kFirstVertices[4][4] = {{5, 2, 0, 8}, {1, 7, 3, 12}, {6, 11, 9, 15}, {10, 16, 13, 17}};
+    constexpr uint32_t kFirstVertices[] = {SETS_OF_FIRST_VERTICES};
     const auto kind = static_cast<uint32_t>(set);
-    return vertex < 4 ? kFirstVertices[vertex][kind] : 2 + 4 * vertex + kind;
+    return vertex < 4 ? kFirstVertices[4 * vertex + kind] : 2 + 4 * vertex + kind;
 }
 
 }  // namespace photond

@@ -7,6 +7,19 @@
 #define FILTER_BINS 256     // PixelFilterSampler::kBins
 #define FILTER_RADIUS 1.5f  // PixelFilterSampler::kRadius [pixels]
 
+// Two-dimensional sets of random numbers: two for the camera, then four for each vertex, the camera's included. The
+// first ones, which are distributed best (sobol.h), go where most of the variance comes from: the first bounce's
+// direction and light, roulette, then the rest of the first vertices.
+#define SET_FILM 4u
+#define SET_LENS 14u
+// Of a vertex.
+#define SET_LIGHT_POINT 0u
+#define SET_LIGHT_CHOICE_AND_ROULETTE 1u
+#define SET_DIRECTION 2u
+#define SET_LOBE 3u
+// Of four vertices, those four of each.
+#define SETS_OF_FIRST_VERTICES 5, 2, 0, 8, 1, 7, 3, 12, 6, 11, 9, 15, 10, 16, 13, 17
+
 #include "renderer/scene/camera_shared.h"
 
 #ifdef __cplusplus

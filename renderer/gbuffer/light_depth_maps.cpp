@@ -185,9 +185,11 @@ LightSeen LightDepthMaps::seen(uint32_t source, const vec3& position, const vec3
     const Ray ray = texel_ray(map, layout_.constants.resolution, tap.texel);
     const vec3 to_point = position - ray.origin;
     const float along = glm::dot(to_point, ray.direction);
-    const float across = glm::length(to_point - along * ray.direction), farthest = along + kMostSlope * across;
+    const float across = glm::length(to_point - along * ray.direction),
+                farthest = along + LIGHT_DEPTH_MOST_SLOPE * across;
     const float plane = glm::dot(to_point, normal) / glm::dot(ray.direction, normal);
-    const float limit = (plane > 0 && plane < farthest ? plane : farthest) - tap.width_m - kConcaveSlope * across;
+    const float limit =
+        (plane > 0 && plane < farthest ? plane : farthest) - tap.width_m - LIGHT_DEPTH_CONCAVE_SLOPE * across;
     return depths_m_[map.first_texel + tap.texel] >= limit ? LightSeen::Whole : LightSeen::Nothing;
 }
 

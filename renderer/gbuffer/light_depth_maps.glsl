@@ -14,8 +14,6 @@ layout(set = 0, binding = LIGHT_DEPTH_MAPS_BINDING, scalar) readonly buffer Ligh
 };
 layout(set = 0, binding = LIGHT_DEPTHS_BINDING, scalar) readonly buffer LightDepths { float light_depths_m[]; };
 
-const float LIGHT_DEPTH_MOST_SLOPE = 6.0, LIGHT_DEPTH_CONCAVE_SLOPE = 2.0;  // of LightDepthMaps
-
 /// Where in a map: texels from its corner, and the face of a cube.
 struct LightDepthPlace {
     vec2 texel;

@@ -10,14 +10,14 @@
 //
 // Bias. What a texel's ray met is compared with where the same ray meets the point's tangent plane, so that a plane
 // shadows itself nowhere, however light grazes it and however wide the filter is: the slope's part of the bias is
-// exact. What lies nearer than that by at most a texel's width at the point, and kConcaveSlope times the distance from
-// the point to the ray, is tolerated, for surfaces that are not plane: where two faces meet at a right angle and light
-// falls between them, depths differ from the plane's by tan a + 1 / tan a >= 2 times that distance. Planes are taken to
-// rise by kMostSlope times it at most, so that what lies beyond their horizon is no occluder. Lit falsely: what lies
-// behind an occluder by less than is tolerated, along the ray. Dark falsely: concave edges that light grazes or that
-// are sharper, within half the filter's width. And either where some of the filter's texels meet an occluder and some
-// do not, which is what the filter is for. With kConcaveSlope = 2 both are about equally frequent; with 0 there is
-// twice as much false shadow as false light.
+// exact. What lies nearer than that by at most a texel's width at the point, and LIGHT_DEPTH_CONCAVE_SLOPE times the
+// distance from the point to the ray, is tolerated, for surfaces that are not plane: where two faces meet at a right
+// angle and light falls between them, depths differ from the plane's by tan a + 1 / tan a >= 2 times that distance.
+// Planes are taken to rise by LIGHT_DEPTH_MOST_SLOPE times it at most, so that what lies beyond their horizon is no
+// occluder. Lit falsely: what lies behind an occluder by less than is tolerated, along the ray. Dark falsely: concave
+// edges that light grazes or that are sharper, within half the filter's width. And either where some of the filter's
+// texels meet an occluder and some do not, which is what the filter is for. With LIGHT_DEPTH_CONCAVE_SLOPE = 2 both are
+// about equally frequent; with 0 there is twice as much false shadow as false light.
 //
 // [Reeves et al. 1987] Rendering Antialiased Shadows with Depth Maps. SIGGRAPH.
 
@@ -46,8 +46,6 @@ public:
     static constexpr uint32_t kLeastResolution = 8, kMostResolution = 8192;
     static constexpr uint32_t kMostPcf = 32;
     // Depth over distance across.
-    static constexpr float kMostSlope = 6;  // 80.5 degrees of incidence
-    static constexpr float kConcaveSlope = 2;
 
     /// Traces the maps, in parallel: stage `shadow_maps`, counts.shadow_rays. `resolution` texels along each side of a
     /// map or face; `pcf` texels along the side of the filter, 0 for none. Does not keep what it is given.

@@ -9,6 +9,10 @@
 #define LIGHT_DEPTH_CONE 1u      // one perspective map about an axis
 #define LIGHT_DEPTH_PARALLEL 2u  // orthographic
 
+// Depth over distance across (light_depth_maps.h).
+#define LIGHT_DEPTH_MOST_SLOPE 6.0f  // 80.5 degrees of incidence
+#define LIGHT_DEPTH_CONCAVE_SLOPE 2.0f
+
 #ifdef __cplusplus
 #include "renderer/core/geometry.h"
 

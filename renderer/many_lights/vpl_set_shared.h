@@ -6,6 +6,8 @@
 
 #define VPL_SET_GROUP 64  // threads
 
+#define VPL_SHOWN_DEPTH 0.01f  // a pixel shows a light whose depth differs from its own by that share at the most
+
 // Words of the pass's counts.
 #define VPL_COUNT 0  // virtual point lights
 #define VPL_COUNT_WORDS 4

@@ -34,7 +34,7 @@ float cos_of_column(float column) {
     return std::max(sqr(sqr(column / static_cast<float>(AlbedoTable::kColumns - 1))), 1e-9f);
 }
 float alpha_of_row(float row) {
-    const float least = std::sqrt(AlbedoTable::kLeastRoughness);
+    const float least = std::sqrt(DELTA_ROUGHNESS);
     const float root = least + (1.0f - least) * row / static_cast<float>(AlbedoTable::kRows - 1);
     return sqr(sqr(root));
 }

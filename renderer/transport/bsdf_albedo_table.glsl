@@ -4,19 +4,16 @@
 
 #include "renderer/backends/gpu/scene_bindings.h"
 #include "renderer/core/geometry.glsl"
-
-const uint ALBEDO_TABLE_ROWS = 48;
-const uint ALBEDO_TABLE_COLUMNS = 96;
-const float ALBEDO_TABLE_LEAST_ROUGHNESS = 0.01;
-const float ALBEDO_TABLE_MIRROR_ROW = -1.0;
+#include "renderer/scene/delta_shared.h"
+#include "renderer/transport/bsdf_albedo_table_shared.h"
 
 /// AlbedoTable::device_data(): (A, B) row by row, then the rows' means.
 layout(set = SCENE_SET, binding = TABLES_BINDING, scalar) readonly buffer Tables { vec2 albedo_table[]; };
 
-/// A roughness in [0, 1] as the row the lookups want; below ALBEDO_TABLE_LEAST_ROUGHNESS it stands for a mirror.
+/// A roughness in [0, 1] as the row the lookups want; below DELTA_ROUGHNESS it stands for a mirror.
 float albedo_table_row(float roughness) {
-    const float least = sqrt(ALBEDO_TABLE_LEAST_ROUGHNESS);
-    return roughness < ALBEDO_TABLE_LEAST_ROUGHNESS
+    const float least = sqrt(DELTA_ROUGHNESS);
+    return roughness < DELTA_ROUGHNESS
                ? ALBEDO_TABLE_MIRROR_ROW
                : (sqrt(roughness) - least) / (1.0 - least) * float(ALBEDO_TABLE_ROWS - 1);
 }

@@ -11,6 +11,8 @@
 
 #include "renderer/core/geometry.h"
 #include "renderer/core/lanes.h"
+#include "renderer/scene/delta_shared.h"
+#include "renderer/transport/bsdf_albedo_table_shared.h"
 
 namespace photond {
 
@@ -18,18 +20,16 @@ namespace photond {
 /// so that a base under a coat may have all that the table leaves.
 class AlbedoTable {
 public:
-    static constexpr size_t kRows = 48;     // sqrt(roughness), evenly from that of the smoothest rough lobe to 1
-    static constexpr size_t kColumns = 96;  // cos^(1/4), evenly from 0 to 1: lobes change where cos is about alpha
-    static constexpr float kLeastRoughness = 0.01f;
+    static constexpr size_t kRows = ALBEDO_TABLE_ROWS, kColumns = ALBEDO_TABLE_COLUMNS;
 
     /// The table; made on first use (about 30 ms).
     static const AlbedoTable& get();
 
-    /// A roughness in [0, 1] as the row the lookups want; below kLeastRoughness it stands for a mirror.
+    /// A roughness in [0, 1] as the row the lookups want; below DELTA_ROUGHNESS it stands for a mirror.
     static float row(float roughness) {
-        const float least = std::sqrt(kLeastRoughness);
-        return roughness < kLeastRoughness
-                   ? kMirrorRow
+        const float least = std::sqrt(DELTA_ROUGHNESS);
+        return roughness < DELTA_ROUGHNESS
+                   ? ALBEDO_TABLE_MIRROR_ROW
                    : (std::sqrt(roughness) - least) / (1.0f - least) * static_cast<float>(kRows - 1);
     }
 
@@ -82,8 +82,6 @@ public:
     std::vector<vec2> device_data() const;
 
 private:
-    static constexpr float kMirrorRow = -1.0f;
-
     struct Cell {
         size_t index;
         float fraction;

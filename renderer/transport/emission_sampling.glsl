@@ -7,6 +7,7 @@
 #include "renderer/core/geometry.glsl"
 #include "renderer/transport/discrete_distribution.glsl"
 #include "renderer/transport/emission.glsl"
+#include "renderer/transport/emission_sampling_shared.h"
 #include "renderer/transport/environment_sampling.glsl"
 #include "renderer/transport/light_triangle.glsl"
 #include "renderer/transport/punctual.glsl"
@@ -23,9 +24,6 @@ struct EmissionSample {
     float range_m;  // point and spot lights: what their `range` leaves at distance d is range_window()
 };
 
-// Photons from outside start this many radii before the scene's centre, so that nothing lies behind them.
-const float START_IN_RADII = 1.01;
-
 vec3 sample_sphere(vec2 u) {
     const float z = 1.0 - 2.0 * u.x;
     const float r = 2.0 * sqrt(max(0.0, u.x * (1.0 - u.x)));
@@ -39,7 +37,7 @@ Ray ray_from_outside(vec3 direction, vec2 u) {
     const float radius_m = light_constants.radius_m;
     const vec2 place = radius_m * sample_unit_disk(u);
     const Frame frame = make_frame(direction);
-    const vec3 start = vec3(place, -START_IN_RADII * radius_m);
+    const vec3 start = vec3(place, -EMISSION_START_IN_RADII * radius_m);
     return Ray(light_constants.centre + to_world(frame, start), direction, INFINITY);
 }
 

@@ -5,6 +5,7 @@
 #include "renderer/transport/emission.h"
 #include "renderer/transport/emitter.h"
 #include "renderer/transport/environment_sampling.h"
+#include "renderer/transport/light_sampling_shared.h"
 #include "renderer/transport/light_tree.h"
 #include "renderer/transport/light_triangle.h"
 #include "renderer/transport/punctual.h"
@@ -95,13 +96,6 @@ Rgb punctual_irradiance(const PunctualLight& light, const vec3& wo, float distan
     return light.intensity * factor;
 }
 
-// Emitters that look larger than this [sr] are drawn from uniformly in solid angle, smaller ones uniformly by area.
-// Measured on the Cornell box's light: the exact map costs 240 ns instead of 35 and takes the relative variance of the
-// unoccluded estimate from 0.68 to 0.03 at 0.3 sr, but from 0.04 to 0.004 at 0.05 sr, which visibility drowns: a whole
-// image gains 2 % of its error for 20 % of its speed with the limit at 0.08.
-constexpr float kSphericalFrom = 0.3f;
-constexpr float kSphericalTo = 6.0f;  // nearly a hemisphere: the map loses its digits
-
 /// Solid angles of the one or two triangles of an emitter seen from p; {0, 0} where it is drawn by area.
 struct SeenFrom {
     vec3 a, b, c, d;  // unit directions to corner, corner + edge1, corner + edge2, and the parallelogram's fourth
@@ -124,8 +118,8 @@ SeenFrom see_near(const Emitter& e, const vec3& p) {
     }
     const float omega = seen.omega();
     constexpr float kLeast = 1e-3f;  // of each half, for sample_spherical_triangle()
-    const bool fits = omega >= kSphericalFrom && seen.omega1 > kLeast && seen.omega1 < kSphericalTo &&
-                      (!two || (seen.omega2 > kLeast && seen.omega2 < kSphericalTo));
+    const bool fits = omega >= LIGHT_SPHERICAL_FROM && seen.omega1 > kLeast && seen.omega1 < LIGHT_SPHERICAL_TO &&
+                      (!two || (seen.omega2 > kLeast && seen.omega2 < LIGHT_SPHERICAL_TO));
     if (!fits) seen.omega1 = seen.omega2 = 0;
     return seen;
 }
@@ -134,7 +128,7 @@ inline SeenFrom see(const Emitter& e, const vec3& p) {
     const float centre = e.shape == Emitter::Shape::Parallelogram ? 0.5f : 1.0f / 3;
     const vec3 to_centre = e.corner - p + centre * (e.edge1 + e.edge2);
     // The solid angle is at most about area / distance^2 for a small emitter; twice the threshold covers the rest.
-    if (2 * e.area_m2 < kSphericalFrom * glm::dot(to_centre, to_centre)) return {};
+    if (2 * e.area_m2 < LIGHT_SPHERICAL_FROM * glm::dot(to_centre, to_centre)) return {};
     return see_near(e, p);
 }
 

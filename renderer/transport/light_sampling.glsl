@@ -6,6 +6,7 @@
 #include "renderer/core/geometry.glsl"
 #include "renderer/transport/emission.glsl"
 #include "renderer/transport/environment_sampling.glsl"
+#include "renderer/transport/light_sampling_shared.h"
 #include "renderer/transport/light_tree.glsl"
 #include "renderer/transport/light_triangle.glsl"
 #include "renderer/transport/punctual.glsl"
@@ -38,10 +39,6 @@ vec3 punctual_irradiance(PunctualLightRecord light, vec3 wo, float distance) {
     return light.intensity * factor;
 }
 
-// Emitters that look larger than this [sr] are drawn from uniformly in solid angle, smaller ones uniformly by area.
-const float SPHERICAL_FROM = 0.3;
-const float SPHERICAL_TO = 6.0;  // nearly a hemisphere: the map loses its digits
-
 /// Solid angles of the one or two triangles of an emitter seen from p; {0, 0} where it is drawn by area.
 struct SeenFrom {
     vec3 a, b, c, d;  // unit directions to corner, corner + edge1, corner + edge2, and the parallelogram's fourth
@@ -57,7 +54,7 @@ SeenFrom see(EmitterRecord e, vec3 p) {
     const vec3 to_centre = corner + centre * (e.edge1 + e.edge2);
     SeenFrom seen = SeenFrom(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), 0.0, 0.0);
     // The solid angle is at most about area / distance^2 for a small emitter; twice the threshold covers the rest.
-    if (2.0 * e.area_m2 < SPHERICAL_FROM * dot(to_centre, to_centre)) return seen;
+    if (2.0 * e.area_m2 < LIGHT_SPHERICAL_FROM * dot(to_centre, to_centre)) return seen;
     seen.a = normalize(corner);
     seen.b = normalize(corner + e.edge1);
     seen.c = normalize(corner + e.edge2);
@@ -68,8 +65,8 @@ SeenFrom see(EmitterRecord e, vec3 p) {
     }
     const float omega = seen_omega(seen);
     const float kLeast = 1e-3;  // of each half, for sample_spherical_triangle()
-    const bool fits = omega >= SPHERICAL_FROM && seen.omega1 > kLeast && seen.omega1 < SPHERICAL_TO &&
-                      (!two || (seen.omega2 > kLeast && seen.omega2 < SPHERICAL_TO));
+    const bool fits = omega >= LIGHT_SPHERICAL_FROM && seen.omega1 > kLeast && seen.omega1 < LIGHT_SPHERICAL_TO &&
+                      (!two || (seen.omega2 > kLeast && seen.omega2 < LIGHT_SPHERICAL_TO));
     if (!fits) seen.omega1 = seen.omega2 = 0.0;
     return seen;
 }

@@ -3,17 +3,12 @@
 #include <algorithm>
 
 #include "renderer/transport/fresnel.h"
+#include "renderer/transport/photon_scattering_shared.h"
 #include "renderer/transport/sampling.h"
 
 namespace photond {
 
 namespace {
-
-/// Share of the directions that are drawn about the geometric normal, of lobes that are no delta. Power grows by its
-/// inverse at most where the shading frame's draws do not reach.
-constexpr float kGeometricShare = 0.125f;
-/// The same where light that the surface reflects or refracts like a mirror leaves below the smooth normal's plane.
-constexpr float kGeometricShareBelow = 0.5f;
 
 /// Whether eyes may see two frames. Flat meshes with normals of their own differ by rounding alone.
 bool leans(const ShadingPoint& point) {
@@ -82,8 +77,8 @@ PhotonScattering scatter_leaning(const ShadingPoint& point, const Bsdf& bsdf, co
     const bool one_frame = point.shading.normal == point.geometric_normal;
     float geometric_share = 0;
     if (!one_frame)
-        geometric_share = leaves_below(point, bsdf, wi) ? kGeometricShareBelow
-                          : bsdf.has_non_delta()        ? kGeometricShare
+        geometric_share = leaves_below(point, bsdf, wi) ? GEOMETRIC_SHARE_BELOW
+                          : bsdf.has_non_delta()        ? GEOMETRIC_SHARE
                                                         : 0.0f;
     const FramedBsdf shading{point, bsdf, point.shading};
     const FramedBsdf geometric{point, bsdf, Frame(point.geometric_normal)};

@@ -5,6 +5,7 @@
 
 #include "renderer/transport/bsdf.glsl"
 #include "renderer/transport/medium_stack.glsl"
+#include "renderer/transport/photon_scattering_shared.h"
 #include "renderer/transport/surface.glsl"
 
 struct PhotonScattering {
@@ -16,11 +17,6 @@ struct PhotonScattering {
 const PhotonScattering NO_PHOTON_SCATTERING = PhotonScattering(vec3(0.0), vec3(0.0), false, false);
 
 bool photon_scattering_valid(PhotonScattering scattering) { return !is_black(scattering.weight); }
-
-/// Share of the directions that are drawn about the geometric normal, of lobes that are no delta ...
-const float GEOMETRIC_SHARE = 0.125;
-/// ... and where light that the surface reflects or refracts like a mirror leaves below the smooth normal's plane.
-const float GEOMETRIC_SHARE_BELOW = 0.5;
 
 /// Whether eyes may see two frames. Flat meshes with normals of their own differ by rounding alone.
 bool leans(ShadingPoint point) {

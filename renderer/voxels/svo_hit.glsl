@@ -26,8 +26,6 @@ vec3 svo_unit_normal(TriangleCorners c) {
     return size > 0.0 ? n / size : vec3(0.0);
 }
 
-const float SVO_ON_PLANE = 0.01;  // voxels: what rounding may leave
-
 float svo_plane_of(uint number, vec3 position, out vec3 normal) {
     const uvec2 place = svo_triangle(number, svo_constants.instance_count);
     const TriangleCorners corners = world_triangle(place.x, place.y);

@@ -7,6 +7,7 @@
 
 // Sub-units along a voxel: positions are rounded to multiples of 1/256 voxel, and compared exactly from there on.
 #define VOXEL_UNITS 256
+#define VOXEL_WIDEN 1  // sub-units to either side of a box that a triangle is held against
 #define VOXEL_LEAST_RESOLUTION 16
 #define VOXEL_MOST_RESOLUTION 1024
 #define BRICK_SIDE 4  // voxels; a brick's 64 are one mask of two words
@@ -29,6 +30,7 @@
 // The lift is along the end's unit normal n, times |n.x| + |n.y| + |n.z|: its plane's voxels are no higher than 1 of
 // that, and widened by 1/256. Pull-ins are along the segment, after that; the blind one where no normals are given.
 #define SVO_NORMAL_OFFSET 1.01f
+#define SVO_ON_PLANE 0.01f  // voxels beside a triangle's plane that rounding may leave a point
 #define SVO_PULL_IN 1.5f
 #define SVO_BLIND_PULL_IN 2.0f
 

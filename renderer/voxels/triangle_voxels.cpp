@@ -7,11 +7,10 @@ namespace photond {
 namespace {
 
 constexpr int32_t kVoxel = VOXEL_UNITS, kBrick = BRICK_SIDE * VOXEL_UNITS;
-constexpr int32_t kWiden = 1;  // sub-units to either side of a box
 
 /// Coordinates of the first and the last box of that size whose widened extent touches [low, high].
-int32_t first_box(int32_t low, uint32_t size) { return (low - kWiden - 1) >> std::countr_zero(size); }
-int32_t last_box(int32_t high, uint32_t size) { return (high + kWiden) >> std::countr_zero(size); }
+int32_t first_box(int32_t low, uint32_t size) { return (low - VOXEL_WIDEN - 1) >> std::countr_zero(size); }
+int32_t last_box(int32_t high, uint32_t size) { return (high + VOXEL_WIDEN) >> std::countr_zero(size); }
 
 int64_t floor_div(int64_t a, int64_t b) {  // b > 0
     const int64_t quotient = a / b;
@@ -74,8 +73,8 @@ BrickRange TriangleVoxels::column(uint32_t index, glm::ivec3& brick) const {
     brick[axis_] = 0;
     brick[u] = first_brick_[u] + static_cast<int32_t>(index % row);
     brick[v] = first_brick_[v] + static_cast<int32_t>(index / row);
-    constexpr int32_t kSide = kBrick + 2 * kWiden;
-    const glm::ivec2 low(brick[u] * kBrick - kWiden, brick[v] * kBrick - kWiden);
+    constexpr int32_t kSide = kBrick + 2 * VOXEL_WIDEN;
+    const glm::ivec2 low(brick[u] * kBrick - VOXEL_WIDEN, brick[v] * kBrick - VOXEL_WIDEN);
     if (!square_may_touch(u, v, low, kSide)) return {};
 
     BrickRange range{first_brick_[axis_], end_brick_[axis_]};
@@ -97,11 +96,11 @@ BrickRange TriangleVoxels::column(uint32_t index, glm::ivec3& brick) const {
 
 uint32_t TriangleVoxels::square_mask(int u, int v, const glm::ivec3& brick) const {
     const auto shadow = [&](size_t i) { return glm::ivec2(p_[i % 3][u], p_[i % 3][v]); };
-    const glm::ivec2 corner(brick[u] * kBrick - kWiden, brick[v] * kBrick - kWiden);
+    const glm::ivec2 corner(brick[u] * kBrick - VOXEL_WIDEN, brick[v] * kBrick - VOXEL_WIDEN);
     uint32_t mask = 0xffff;
     for (size_t k = 0; k < 3; ++k) {
         EdgeSpan edge(shadow(k), shadow(k + 1), shadow(k + 2));
-        edge.hold_against_corners(kVoxel + 2 * kWiden);
+        edge.hold_against_corners(kVoxel + 2 * VOXEL_WIDEN);
         const int64_t first = edge.nu * corner.x + edge.nv * corner.y;
         uint32_t within = 0;
         for (int bit = 0; bit < 16; ++bit) {
@@ -134,12 +133,12 @@ uint64_t TriangleVoxels::brick_mask(const glm::ivec3& brick) const {
     }
     if (normal_[0] == 0 && normal_[1] == 0 && normal_[2] == 0) return mask;
 
-    constexpr int64_t kSide = kVoxel + 2 * kWiden;
+    constexpr int64_t kSide = kVoxel + 2 * VOXEL_WIDEN;
     int64_t low = offset_, high = offset_, first = 0;
     for (int i = 0; i < 3; ++i) {
         const int64_t n = normal_[static_cast<size_t>(i)];
         (n > 0 ? low : high) -= kSide * n;
-        first += n * (int64_t{brick[i]} * kBrick - kWiden);
+        first += n * (int64_t{brick[i]} * kBrick - VOXEL_WIDEN);
     }
     for (uint64_t left = mask; left != 0; left &= left - 1) {
         const int bit = std::countr_zero(left);

@@ -6,7 +6,6 @@
 
 #include "renderer/voxels/voxel_grid.glsl"
 
-const int VOXEL_WIDEN = 1;  // sub-units to either side of a box
 const int VOXEL_SIZE_LOG2 = 8, BRICK_SIZE_LOG2 = 10;
 const int VOXEL_SIZE = 1 << VOXEL_SIZE_LOG2, BRICK_SIZE = 1 << BRICK_SIZE_LOG2;
 

@@ -3,12 +3,12 @@
 #include <algorithm>
 
 #include "renderer/core/parallel.h"
+#include "renderer/voxels/svo_shared.h"
 
 namespace photond {
 
 namespace {
 
-constexpr float kOnPlane = 0.01f;          // voxels: what rounding may leave
 constexpr float kVoxelDiagonal = 1.7321f;  // its length
 constexpr float kReach = 8;  // lifts, voxel diagonals: how far along the ray its plane may be from the voxel
 constexpr float kLeastDistance = 1e-3f;  // voxels
@@ -63,7 +63,7 @@ bool VoxelIntersector::plane_at(const vec3& position, vec3& normal, float& heigh
         const uint32_t number = tree_.view().surface_at(beside);
         if (number == ~0u || number == own) continue;
         const float distance = plane_of(number, n);
-        if (!(std::fabs(distance) <= kOnPlane * cell_m) || !(std::fabs(distance) < std::fabs(height))) continue;
+        if (!(std::fabs(distance) <= SVO_ON_PLANE * cell_m) || !(std::fabs(distance) < std::fabs(height))) continue;
         normal = n, height = distance;
     }
     return true;
@@ -74,7 +74,7 @@ vec3 VoxelIntersector::away_from_surface(const vec3& position, const vec3& along
     float height;
     if (!plane_at(position, n, height)) return position;
     const float slope = glm::dot(n, along);
-    const bool off = std::fabs(height) > kOnPlane * tree_.constants().grid.cell_m;
+    const bool off = std::fabs(height) > SVO_ON_PLANE * tree_.constants().grid.cell_m;
     if (off && height * slope < 0) return position;
     return svo_lift(tree_.view(), position, slope < 0 ? -n : n);
 }

@@ -17,8 +17,6 @@ layout(local_size_x = SPLAT_GROUP) in;
 #include "renderer/backends/gpu/invocation.glsl"
 layout(push_constant, scalar) uniform Push { SplatClusterPush push; };
 
-const float OFF_PLANE = 1e-6;  // that points on a plane may lie beside it, over their coordinates
-
 shared vec3 low[SPLAT_GROUP], high[SPLAT_GROUP];
 shared vec4 mean_and_radius[SPLAT_GROUP];
 shared uint most_scatterings;
@@ -63,7 +61,7 @@ void main() {
     const vec3 box_low = low[0], box_high = high[0], mean = mean_and_radius[0].xyz / float(cluster.points);
     const float scale = max_component(max(abs(box_low), abs(box_high)) + (box_high - box_low));
     if (!alike(point.geometric_normal, normal) || !alike(point.normal, normal) ||
-        abs(dot(point.position - mean, normal)) > OFF_PLANE * scale)
+        abs(dot(point.position - mean, normal)) > SPLAT_OFF_PLANE * scale)
         atomicOr(uneven, 1u);
     atomicMax(most_scatterings, point.kind & ~POINT_GENERAL);
     barrier();

@@ -15,8 +15,6 @@ layout(set = 0, binding = 1, scalar) readonly buffer Constants { SplatConstants 
 layout(set = 0, binding = 2, scalar) readonly buffer Splats { Splat splats[]; };
 layout(set = 0, binding = 3, scalar) writeonly buffer DepthMaps { float farthest_m[]; };
 
-const float MOST_SLOPE = 6.0;  // kMostSlope
-
 shared float depth_m[MOST_DEPTH_TEXELS * MOST_DEPTH_TEXELS];
 
 /// What a line of the map goes on by beyond its end.
@@ -49,9 +47,9 @@ void trace_map(uint index, Splat splat) {
     }
     barrier();
     // Rows, then columns: no side is longer than the group.
-    if (gl_LocalInvocationIndex < side) greatest_of_three(gl_LocalInvocationIndex * side, 1, side, MOST_SLOPE * texel_m);
+    if (gl_LocalInvocationIndex < side) greatest_of_three(gl_LocalInvocationIndex * side, 1, side, SPLAT_MOST_SLOPE * texel_m);
     barrier();
-    if (gl_LocalInvocationIndex < side) greatest_of_three(gl_LocalInvocationIndex, side, side, MOST_SLOPE * texel_m);
+    if (gl_LocalInvocationIndex < side) greatest_of_three(gl_LocalInvocationIndex, side, side, SPLAT_MOST_SLOPE * texel_m);
     barrier();
     for (uint texel = gl_LocalInvocationIndex; texel < texels; texel += SPLAT_GROUP)
         farthest_m[index * texels + texel] = depth_m[texel] + texel_m;

@@ -14,8 +14,6 @@ layout(set = 0, binding = 1, scalar) readonly buffer Splats { Splat splats[]; };
 layout(set = 0, binding = 2, scalar) readonly buffer Atlas { float atlas[]; };  // over the frusta's depths
 layout(set = 0, binding = 3, scalar) writeonly buffer DepthMaps { float farthest_m[]; };
 
-const float MOST_SLOPE = 6.0;  // kMostSlope
-
 /// A line of numbers about a place: the one there, and its neighbours where they are on the line.
 struct Three {
     float before;
@@ -47,7 +45,7 @@ void main() {
     const uint first = ((tile / push.columns * side + row) * push.columns + tile % push.columns) * side;
     const Splat splat = splats[index];
     const float depth = max(splat.far_m - splat.near_m, 1e-6 * splat.radius), texel_m = 2.0 * splat.radius / float(side);
-    const float most_step = MOST_SLOPE * texel_m;
+    const float most_step = SPLAT_MOST_SLOPE * texel_m;
     Three rows;
     rows.here = greatest_of_row(first, column, side, depth, most_step);
     rows.before = row > 0 ? greatest_of_row(first - width, column, side, depth, most_step) : 0.0;

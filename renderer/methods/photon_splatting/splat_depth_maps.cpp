@@ -2,6 +2,8 @@
 
 #include <cassert>
 
+#include "renderer/methods/photon_splatting/splat_shared.h"
+
 namespace photond {
 
 namespace {
@@ -67,9 +69,9 @@ void SplatDepthMaps::spread(const SplatFrustum& frustum, float* farthest_m) cons
     const float texel_m = 2 * frustum.half_side_m / static_cast<float>(resolution_);
     for (size_t i = 0; i < hits_.size(); ++i) farthest_m[i] = std::min(hits_[i].t, frustum.depth_m);
     for (size_t k = 0; k < resolution_; ++k)
-        greatest_of_three(farthest_m + k * resolution_, resolution_, 1, kMostSlope * texel_m);
+        greatest_of_three(farthest_m + k * resolution_, resolution_, 1, SPLAT_MOST_SLOPE * texel_m);
     for (size_t k = 0; k < resolution_; ++k)
-        greatest_of_three(farthest_m + k, resolution_, resolution_, kMostSlope * texel_m);
+        greatest_of_three(farthest_m + k, resolution_, resolution_, SPLAT_MOST_SLOPE * texel_m);
     for (size_t i = 0; i < hits_.size(); ++i) farthest_m[i] += texel_m;
 }
 

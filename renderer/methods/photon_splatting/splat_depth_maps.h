@@ -22,7 +22,7 @@ struct SplatFrustum {
 /// near plane may lie behind or within what stands beside the ray (corners), and as a texel's centre stands for all of
 /// it, a depth counts as reached when it is so for any texel of the 3x3 about it, to within a texel's width: borderline
 /// cases are lit (thesis 3.3). A plane that rays meet is thus lit all over, however they graze it; beyond the map's
-/// border its depth goes on as it does between the two texels before, for slopes up to kMostSlope.
+/// border its depth goes on as it does between the two texels before, for slopes up to SPLAT_MOST_SLOPE.
 ///
 /// Lit falsely: what lies behind an occluder, less than a texel and a half from its edge, or less than a texel's width
 /// behind its face. Dark falsely: what rays from behind a surface beside the near plane come to through that surface,
@@ -30,7 +30,6 @@ struct SplatFrustum {
 class SplatDepthMaps {
 public:
     static constexpr uint32_t kLeastResolution = 4, kMostResolution = 64;
-    static constexpr float kMostSlope = 6;  // depth over distance across: 80.5 degrees of incidence
 
     /// `resolution` texels along each side, 4 to 64.
     explicit SplatDepthMaps(uint32_t resolution);

@@ -7,10 +7,8 @@
 #include "renderer/methods/photon_splatting/splat_shared.h"
 #include "renderer/photons/kernel.glsl"
 
-/// The share of a splat's radius within which connections are clamped, and repaid by short rays
-/// (VisibleCluster::clamp_sq_m2()).
-const float CLAMP_SHARE = 0.16;
-float clamp_sq_m2(float splat_radius_m) { return sqr(CLAMP_SHARE * splat_radius_m); }
+/// Twin of VisibleCluster::clamp_sq_m2().
+float clamp_sq_m2(float splat_radius_m) { return sqr(SPLAT_CLAMP_SHARE * splat_radius_m); }
 
 bool is_general(SplatPoint point) { return !ONLY_LAMBERT && (point.kind & POINT_GENERAL) != 0u; }
 

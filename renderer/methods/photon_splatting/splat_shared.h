@@ -9,6 +9,10 @@
 #define SPLAT_GROUP 64  // threads of a group that lights a cluster, and most points of one: a tile of EYE_TILE squared
 #define MOST_DEPTH_TEXELS 64  // SplatDepthMaps::kMostResolution
 
+#define SPLAT_MOST_SLOPE 6.0f    // of depth maps, depth over distance across: 80.5 degrees of incidence
+#define SPLAT_OFF_PLANE 1e-6f    // that points on a plane may lie beside it, over their coordinates
+#define SPLAT_CLAMP_SHARE 0.16f  // of a splat's radius: connections are clamped within it, and repaid by short rays
+
 // Specialisation constants of the shaders here, after those of device_image_shared.h.
 #define SPLAT_HAS_CONNECTIONS_ID 48
 #define SPLAT_HAS_BEAMS_ID 49

@@ -9,7 +9,6 @@ namespace photond {
 namespace {
 
 constexpr uint32_t kBlockSide = 16;  // pixels
-constexpr float kOffPlane = 1e-6f;   // that points on a plane may lie beside it, over their coordinates
 constexpr float kNowhere = 1e18f;    // coordinates no splat reaches, whose squares are finite
 
 const vec3& position_of(const LambertVisiblePoint& point) { return point.position; }
@@ -43,7 +42,7 @@ ShaftTarget target_of(std::span<const ShaftTarget> children) {
     for (const ShaftTarget& child : children) {
         const float scale = max_component(glm::abs(child.centre) + box.diagonal());
         flat &= alike(child.normal, normal) &&
-                std::fabs(glm::dot(child.centre - children[0].centre, normal)) <= kOffPlane * scale;
+                std::fabs(glm::dot(child.centre - children[0].centre, normal)) <= SPLAT_OFF_PLANE * scale;
         sum += dvec3(child.centre);
     }
     const vec3 centre = flat ? vec3(sum / static_cast<double>(children.size())) : box.centre();
@@ -148,7 +147,7 @@ void ClusterBuilder::add_cluster(std::span<const Point> points, std::span<uint32
         radius_sq = std::max(radius_sq, glm::dot(from_centre, from_centre));
         off_plane = std::max(off_plane, std::fabs(glm::dot(from_centre, normal)));
     }
-    flat &= off_plane <= kOffPlane * max_component(glm::abs(centre) + box.diagonal());
+    flat &= off_plane <= SPLAT_OFF_PLANE * max_component(glm::abs(centre) + box.diagonal());
     cluster.target = {centre, glm::max(box.max - centre, centre - box.min), std::sqrt(radius_sq) * 1.0001f,
                       flat ? normal : vec3(0)};
     cluster.most_scatterings = max_scatterings_ - std::min(max_scatterings_, most_before + 1);

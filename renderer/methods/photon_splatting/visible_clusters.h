@@ -12,6 +12,7 @@
 #include "renderer/core/lanes.h"
 #include "renderer/eye/specular_walk.h"
 #include "renderer/eye/visible_point.h"
+#include "renderer/methods/photon_splatting/splat_shared.h"
 #include "renderer/transport/lambert_lanes.h"
 #include "renderer/transport/shaft_visibility.h"
 
@@ -53,7 +54,7 @@ struct VisibleCluster {
     bool flat() const { return target.flat(); }
     /// B of connections to these points (connect_weight.h) [m^2]: what comes from nearer is found by short rays. At a
     /// sixth of the radius the noise of those, one a pixel, is about as small as that of the splats.
-    float clamp_sq_m2() const { return sqr(0.16f * splat_radius_m); }
+    float clamp_sq_m2() const { return sqr(SPLAT_CLAMP_SHARE * splat_radius_m); }
     uint32_t blocks() const { return (points + uint32_t{kLanes} - 1) / uint32_t{kLanes}; }
 };
 

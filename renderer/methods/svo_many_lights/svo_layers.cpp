@@ -2,13 +2,12 @@
 
 #include "renderer/core/parallel.h"
 #include "renderer/core/rng.h"
+#include "renderer/many_lights/vpl_set_shared.h"
 #include "renderer/scene/camera_projection.h"
 
 namespace photond {
 
 namespace {
-
-constexpr float kSameDepth = 0.01f;  // of the pixel's
 
 /// Of a brick: bright, and told apart from its neighbours.
 Rgb brick_color(const uvec3& voxel) {
@@ -50,7 +49,7 @@ void show_vpls(std::span<const Vpl> vpls, const EyeScene& eye, const GBuffer& bu
         const auto x = static_cast<uint32_t>(film->x), y = static_cast<uint32_t>(film->y);
         const gpu::GBufferPoint& shown = buffer.points()[buffer.layout().point_of(x, y)];
         const float depth_m = glm::dot(vpl.position - eye.view.camera.position, eye.view.camera.forward);
-        if (shown.kind != 0 && std::fabs(depth_m - shown.depth_m) <= kSameDepth * shown.depth_m)
+        if (shown.kind != 0 && std::fabs(depth_m - shown.depth_m) <= VPL_SHOWN_DEPTH * shown.depth_m)
             layer[size_t{y} * size.width + x] += 1;
     }
 }

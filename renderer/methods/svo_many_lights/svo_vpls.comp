@@ -23,8 +23,6 @@ layout(set = 0, binding = 2, scalar) readonly buffer Points { GBufferPoint point
 layout(set = 0, binding = 3, scalar) readonly buffer Counts { uint counts[VPL_COUNT_WORDS]; };
 layout(set = 0, binding = 4, scalar) readonly buffer Vpls { Vpl vpls[]; };
 
-const float SAME_DEPTH = 0.01;  // kSameDepth: of the pixel's
-
 void main() {
     const uint light = flat_index();
     if (light >= counts[VPL_COUNT]) return;
@@ -34,7 +32,7 @@ void main() {
     if (!(film.x < float(eye.width) && film.y < float(eye.height))) return;
     const uint x = uint(film.x), y = uint(film.y), point = split_point_of(split, x, y);
     const float depth_m = dot(position - eye.camera.position, eye.camera.forward);
-    if (points[point].kind == 0u || !(abs(depth_m - points[point].depth_m) <= SAME_DEPTH * points[point].depth_m)) return;
+    if (points[point].kind == 0u || !(abs(depth_m - points[point].depth_m) <= VPL_SHOWN_DEPTH * points[point].depth_m)) return;
     const uint word = PLANE_VPLS * (uint(layer_words.length()) / PLANES) + y * eye.width + x;
     uint seen = layer_words[word], expected;
     do {
