@@ -1,11 +1,15 @@
 """Who may include whom: the table of the architecture, checked on every #include of protocol/, renderer/, server/ and
 clients/. Each row is also proved to bite: a planted violation of it must be found, and a permitted include must not be.
+
+    include_rules_test.py --draw folders   # Graphviz's text of the renderer's folders and who includes whom
+    include_rules_test.py --draw files     # of its files
 """
 
 import fnmatch
 import os
 import pathlib
 import re
+import sys
 import tempfile
 import unittest
 
@@ -166,6 +170,41 @@ def circle_in(imports):
     while gone := {module for module, others in left.items() if not others}:
         left = {module: others - gone for module, others in left.items() if module not in gone}
     return sorted(left)
+
+
+def includes_by_file(root, trees=TREES):
+    """File -> those of our own that it includes."""
+    return {file.relative_to(root).as_posix(): {ours for ours, _, _ in INCLUDE.findall(file.read_text()) if ours}
+            for tree in trees for file in sorted((root / tree).rglob("*")) if file.suffix in SUFFIXES}
+
+
+def includes_by_folder(by_file):
+    """Folder -> the others that its C++ files include: shaders see the device's, which is a storey above some."""
+    folders = {}
+    for file, others in by_file.items():
+        folder = os.path.dirname(file)
+        mine = folders.setdefault(folder, set())
+        if pathlib.PurePosixPath(file).suffix not in SHADERS:
+            mine |= {os.path.dirname(other) for other in others} - {folder}
+    return folders
+
+
+def drawing(graph):
+    arrows = (f'  "{one}" -> "{other}";' for one, others in sorted(graph.items()) for other in sorted(others))
+    return "\n".join(["digraph includes {", "  rankdir=BT;", *arrows, "}"])
+
+
+class Circles(unittest.TestCase):
+    def test_no_file_includes_what_includes_it(self):
+        by_file = includes_by_file(SOURCE)
+        self.assertGreater(sum(map(len, by_file.values())), 2000)
+        self.assertEqual(circle_in(by_file), [])
+
+    def test_no_folder_of_the_renderer_includes_what_includes_it(self):
+        by_folder = includes_by_folder(includes_by_file(SOURCE, ["renderer"]))
+        by_folder.pop("renderer", None)  # precompiled.h, which the build alone includes
+        self.assertGreater(len(by_folder), 15)
+        self.assertEqual(circle_in(by_folder), [])
 
 
 class PythonPackage(unittest.TestCase):
@@ -330,4 +369,8 @@ class PlantedIncludes(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    if sys.argv[1:2] == ["--draw"]:
+        files = includes_by_file(SOURCE, ["renderer"])
+        print(drawing(files if sys.argv[2:] == ["files"] else includes_by_folder(files)))
+    else:
+        unittest.main()
