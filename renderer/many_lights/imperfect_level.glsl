@@ -5,7 +5,7 @@
 
 layout(local_size_x = IMPERFECT_GROUP) in;
 layout(push_constant, scalar) uniform Push { ImperfectLevelPush push; };
-layout(set = 0, binding = 0, scalar) readonly buffer Count { uint count_words[]; };
+layout(set = 0, binding = 0, scalar) readonly buffer Counts { uint counts[]; };
 
 /// Distances that differ by more, as a share, are of different surfaces.
 const float SAME_SURFACE = 0.2;
@@ -14,5 +14,5 @@ const float SAME_SURFACE = 0.2;
 bool level_texel(uint side, out uint light, out uvec2 at) {
     light = flat_index() / (side * side);
     at = uvec2(flat_index() % side, flat_index() / side % side);
-    return light < min(count_words[push.count_word], push.most_lights);
+    return light < min(counts[push.count_word], push.most_lights);
 }

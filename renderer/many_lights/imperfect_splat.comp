@@ -12,7 +12,7 @@
 layout(local_size_x = IMPERFECT_GROUP) in;
 layout(push_constant, scalar) uniform Push { ImperfectSplatPush push; };
 layout(set = 0, binding = 0, scalar) readonly buffer Vpls { Vpl vpls[]; };
-layout(set = 0, binding = 1, scalar) readonly buffer Count { uint count_words[]; };
+layout(set = 0, binding = 1, scalar) readonly buffer Counts { uint counts[]; };
 layout(set = 0, binding = 2, scalar) readonly buffer Points { OccluderPoint points[]; };
 layout(set = 0, binding = 3, scalar) buffer Maps { uint reach_m[]; };  // bits of floats above 0 compare as these do
 
@@ -46,7 +46,7 @@ void splat(uint light, vec3 centre, vec3 normal) {
 
 void main() {
     const uint light = push.first_light + flat_index() / push.points, point = flat_index() % push.points;
-    if (light >= min(count_words[push.count_word], push.end_light)) return;
+    if (light >= min(counts[push.count_word], push.end_light)) return;
     const uint chosen = hash32(push.key ^ hash32(light * push.points + point)) % IMPERFECT_CHOICE;
     const OccluderPoint occluder = points[point * IMPERFECT_CHOICE + chosen];
     if (occluder.normal == vec3(0.0)) return;

@@ -13,13 +13,13 @@
 layout(local_size_x = VPL_MAP_GROUP) in;
 layout(push_constant, scalar) uniform Push { VplMapPush push; };
 layout(set = 0, binding = 1, scalar) readonly buffer Vpls { Vpl vpls[]; };
-layout(set = 0, binding = 2, scalar) readonly buffer Count { uint count_words[]; };
+layout(set = 0, binding = 2, scalar) readonly buffer Counts { uint counts[]; };
 layout(set = 0, binding = 3, scalar) writeonly buffer Maps { float reach_m[]; };
 
 void main() {
     const uint texels = push.resolution * push.resolution;
     const uint light = flat_index() / texels, texel = flat_index() % texels;
-    if (light >= min(count_words[push.count_word], push.most_lights)) return;
+    if (light >= min(counts[push.count_word], push.most_lights)) return;
     const Frame axes = make_frame(vpls[light].normal);
     const vec3 direction = to_world(axes, vpl_map_texel_direction(texel, push.resolution));
     const Hit hit = closest_hit(Ray(offset_ray_origin(vpls[light].position, axes.normal), direction, INFINITY));
