@@ -24,6 +24,34 @@ VkDescriptorSetLayout make_set_layout(Device& device, std::span<const uint32_t> 
     return layout;
 }
 
+/// The buffers of set 0 that the stages of one pipeline have together, by binding.
+std::vector<ShaderBuffer> buffers_of_all(std::span<const Shader* const> shaders) {
+    std::vector<ShaderBuffer> all;
+    for (const Shader* shader : shaders) {
+        const std::string source(shader->source);
+        for (const ShaderBuffer& buffer : buffers_of(shader->words)) {
+            if (buffer.name.empty())
+                throw Error(ErrorCode::Internal, source + ", binding " + std::to_string(buffer.binding) +
+                                                     ": the buffer has no name; its block has several members, or "
+                                                     "its names were stripped");
+            const auto same = std::find_if(all.begin(), all.end(), [&](const ShaderBuffer& other) {
+                return other.binding == buffer.binding || other.name == buffer.name;
+            });
+            if (same == all.end())
+                all.push_back(buffer);
+            else if (same->binding == buffer.binding && same->name == buffer.name)
+                same->read_only &= buffer.read_only;
+            else
+                throw Error(ErrorCode::Internal, source + ": the buffer " + std::string(buffer.name) + " at binding " +
+                                                     std::to_string(buffer.binding) + " is " + std::string(same->name) +
+                                                     " at binding " + std::to_string(same->binding) +
+                                                     " elsewhere in the pipeline");
+        }
+    }
+    std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.binding < b.binding; });
+    return all;
+}
+
 }  // namespace
 
 BufferSet::BufferSet(Device& device, const std::string& name, std::span<Buffer* const> buffers)
@@ -79,21 +107,10 @@ void BufferSet::destroy() noexcept {
 
 PipelineLayout::PipelineLayout(Device& device, std::span<const Shader* const> shaders, uint32_t push_bytes,
                                const BufferSet* scene)
-    : device_(device), push_bytes_(push_bytes), scene_(scene) {
+    : device_(device), buffers_(buffers_of_all(shaders)), push_bytes_(push_bytes), scene_(scene) {
     const std::string name(shaders.front()->source);
-    bool reads_scene = false;
-    for (const Shader* shader : shaders) {
-        reads_scene |= uses_scene(shader->words);
-        for (const ShaderBuffer& buffer : buffers_of(shader->words)) {
-            const auto same = std::find_if(buffers_.begin(), buffers_.end(),
-                                           [&](const ShaderBuffer& b) { return b.binding == buffer.binding; });
-            if (same == buffers_.end())
-                buffers_.push_back(buffer);
-            else
-                same->read_only &= buffer.read_only;
-        }
-    }
-    std::sort(buffers_.begin(), buffers_.end(), [](const auto& a, const auto& b) { return a.binding < b.binding; });
+    const bool reads_scene =
+        std::any_of(shaders.begin(), shaders.end(), [](const Shader* shader) { return uses_scene(shader->words); });
     if (reads_scene && !scene) throw Error(ErrorCode::Internal, name + " reads the scene, which was not given");
     if (push_bytes > device.limits().push_constants || push_bytes % 4 != 0)
         throw Error(ErrorCode::Internal, name + " has " + std::to_string(push_bytes) +

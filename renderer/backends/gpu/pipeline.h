@@ -37,6 +37,8 @@ private:
 /// What a shader's interface is: its buffers of set 0, and whether it reads the scene.
 class PipelineLayout {
 public:
+    /// Throws ErrorCode::Internal where shaders and arguments do not fit, and where the shaders do not give each buffer
+    /// one name of its own.
     PipelineLayout(Device& device, std::span<const Shader* const> shaders, uint32_t push_bytes, const BufferSet* scene);
     ~PipelineLayout();
     PipelineLayout(const PipelineLayout&) = delete;

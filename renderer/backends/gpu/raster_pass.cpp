@@ -47,8 +47,8 @@ void RasterPipeline::check_formats() const {
     if (options_.depth) need(VK_FORMAT_D32_SFLOAT, VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT, "draw into");
     for (const ShaderBuffer& buffer : buffers_of(vertex_.words))
         if (!buffer.read_only)
-            throw Error(ErrorCode::Internal, std::string(vertex_.source) + ", binding " +
-                                                 std::to_string(buffer.binding) + ": vertex shaders only read");
+            throw Error(ErrorCode::Internal, std::string(vertex_.source) + ", buffer " + std::string(buffer.name) +
+                                                 ": vertex shaders only read");
 }
 
 VkPipeline RasterPipeline::compile(std::span<const Specialization> constants) const {

@@ -28,10 +28,11 @@ struct RasterOptions {
 /// Compiled vertex and fragment shaders. Front and back faces are drawn; clip space is Vulkan's: y down, z in 0..w.
 class RasterPipeline {
 public:
-    /// `vertex`, `fragment`: as in find_shader(); their buffers of set 0 are numbered together. `push_bytes`, `scene`,
-    /// `constants`: as in ComputePipeline, for both shaders. Throws ErrorCode::Unsupported, naming the format, where
-    /// the device cannot blend or draw what the options say; ErrorCode::Internal where shaders and arguments do not
-    /// fit, and for a vertex shader with a buffer that it does not declare readonly.
+    /// `vertex`, `fragment`: as in find_shader(); their buffers of set 0 are numbered and named together, so that what
+    /// both have is at one binding under one name. `push_bytes`, `scene`, `constants`: as in ComputePipeline, for both
+    /// shaders. Throws ErrorCode::Unsupported, naming the format, where the device cannot blend or draw what the
+    /// options say; ErrorCode::Internal where shaders and arguments do not fit, and for a vertex shader with a buffer
+    /// that it does not declare readonly.
     RasterPipeline(Device& device, std::string_view vertex, std::string_view fragment, uint32_t push_bytes,
                    const RasterOptions& options, const BufferSet* scene = nullptr,
                    std::span<const Specialization> constants = {});

@@ -1,6 +1,7 @@
 #include "renderer/backends/gpu/spirv.h"
 
 #include <algorithm>
+#include <bit>
 #include <map>
 #include <set>
 #include <string>
@@ -17,7 +18,14 @@ std::map<std::string_view, const Shader*>& registry() {
 }
 
 /// The few instructions of SPIR-V that say what a shader's buffers and constants are. [SPIR-V 1.6, sec. 3.42]
-enum Opcode : uint16_t { kOpTypePointer = 32, kOpVariable = 59, kOpDecorate = 71, kOpMemberDecorate = 72 };
+enum Opcode : uint16_t {
+    kOpMemberName = 6,
+    kOpTypeStruct = 30,
+    kOpTypePointer = 32,
+    kOpVariable = 59,
+    kOpDecorate = 71,
+    kOpMemberDecorate = 72
+};
 enum Decoration : uint32_t { kSpecId = 1, kNonWritable = 24, kBinding = 33, kDescriptorSet = 34 };
 constexpr uint32_t kStorageBuffer = 12;
 
@@ -27,11 +35,19 @@ struct Declarations {
         uint32_t set = 0, binding = 0;
         bool read_only = false;
     };
-    std::map<uint32_t, Variable> variables;  // storage buffers, by id
-    std::set<uint32_t> read_only_types;      // structures with a member that is not writable
-    std::map<uint32_t, uint32_t> pointee;    // of pointer types
-    std::set<uint32_t> constants;            // ids of specialisation constants
+    std::map<uint32_t, Variable> variables;             // storage buffers, by id
+    std::set<uint32_t> read_only_types;                 // structures with a member that is not writable
+    std::map<uint32_t, uint32_t> pointee;               // of pointer types
+    std::map<uint32_t, std::string_view> only_members;  // their names, by id of the structures with one member
+    std::set<uint32_t> constants;                       // ids of specialisation constants
 };
+
+/// A literal string: its bytes lie in the words from the lowest up, and a zero ends it. [SPIR-V 1.6, sec. 2.2.1]
+std::string_view text_of(std::span<const uint32_t> words) {
+    static_assert(std::endian::native == std::endian::little);
+    const std::string_view all(reinterpret_cast<const char*>(words.data()), words.size_bytes());
+    return all.substr(0, all.find('\0'));
+}
 
 Declarations read(std::span<const uint32_t> words) {
     Declarations found;
@@ -43,6 +59,12 @@ Declarations read(std::span<const uint32_t> words) {
         if (length == 0 || i + length > words.size()) throw Error(ErrorCode::Internal, "a shader's SPIR-V is cut off");
         const std::span<const uint32_t> op = words.subspan(i, length);
         switch (op[0] & 0xffffu) {
+            case kOpMemberName:
+                if (op[2] == 0) found.only_members[op[1]] = text_of(op.subspan(3));
+                break;
+            case kOpTypeStruct:  // after all names
+                if (length != 3) found.only_members.erase(op[1]);
+                break;
             case kOpDecorate:
                 if (op[2] == kSpecId) found.constants.insert(op[3]);
                 if (op[2] == kDescriptorSet) sets[op[1]] = op[3];
@@ -75,9 +97,14 @@ void add_shaders(std::span<const Shader> shaders) {
 }
 
 std::vector<ShaderBuffer> buffers_of(std::span<const uint32_t> words) {
+    const Declarations found = read(words);
     std::vector<ShaderBuffer> buffers;
-    for (const auto& [id, variable] : read(words).variables)
-        if (variable.set == 0) buffers.push_back({variable.binding, variable.read_only});
+    for (const auto& [id, variable] : found.variables) {
+        if (variable.set != 0) continue;
+        const auto name = found.only_members.find(found.pointee.at(variable.type));
+        buffers.push_back({name == found.only_members.end() ? std::string_view() : name->second, variable.binding,
+                           variable.read_only});
+    }
     std::sort(buffers.begin(), buffers.end(), [](const auto& a, const auto& b) { return a.binding < b.binding; });
     return buffers;
 }

@@ -20,7 +20,12 @@ void add_shaders(std::span<const Shader> shaders);
 const Shader& find_shader(std::string_view source);
 
 /// A storage buffer of descriptor set 0, as the shader declares it.
+///
+/// Its name is that of its block's only member, which is what the shader's code calls it: that of
+/// `readonly buffer Keys { uint keys[]; }` is "keys". No block has an instance name, so GLSL itself sees to it that no
+/// two members of a shader have one name. The block's own name says nothing.
 struct ShaderBuffer {
+    std::string_view name;  // views the shader's words; empty where the block has several members or was stripped
     uint32_t binding;
     bool read_only;  // declared readonly
 };
