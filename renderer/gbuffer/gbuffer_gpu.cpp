@@ -61,15 +61,16 @@ void GBufferGpu::record(gpu::CommandList& commands, uint32_t pass, uint32_t piec
     }
     const uint32_t first = piece * tiles_a_piece_, end = std::min(first + tiles_a_piece_, tiles_);
     const gpu::Scope scope(commands, "direct");
-    std::vector<gpu::Binding> bindings = {gpu::read_write(image_.layers()),
-                                          gpu::read_write(image_.counters()),
-                                          gpu::read(eye_),
-                                          gpu::read(sampler_),
-                                          gpu::write(points_),
-                                          gpu::write(general_)};
+    std::vector<gpu::Binding> bindings = {gpu::read_write("device_layers", image_.layers()),
+                                          gpu::read_write("device_counters", image_.counters()),
+                                          gpu::read("eye", eye_),
+                                          gpu::read("pass_sampler", sampler_),
+                                          gpu::write("points", points_),
+                                          gpu::write("general_points", general_)};
     if (shadows_)
-        for (gpu::Buffer* of_maps : {&shadows_->constants(), &shadows_->maps(), &shadows_->depths()})
-            bindings.push_back(gpu::read(*of_maps));
+        bindings.insert(bindings.end(), {gpu::read("light_depth_constants", shadows_->constants()),
+                                         gpu::read("light_depth_maps", shadows_->maps()),
+                                         gpu::read("light_depths_m", shadows_->depths())});
     commands.bind(pipeline_, bindings);
     commands.push(gpu::GBufferWalkPush{split(), first, end, walk_.glossy_threshold});
     commands.dispatch_threads(uint64_t{end - first} * kTilePixels, kTilePixels);

@@ -30,8 +30,8 @@ uint64_t GBufferMergeGpu::device_bytes(Size2 size, uint32_t split_side, const gp
 
 void GBufferMergeGpu::record_split_layers(gpu::CommandList& commands) {
     if (!split_layers_) return;
-    commands.bind(*split_layers_,
-                  {gpu::read_write(image_.layers()), gpu::read(buffer_.points()), gpu::read(buffer_.sums())});
+    commands.bind(*split_layers_, {gpu::read_write("device_layers", image_.layers()),
+                                   gpu::read("points", buffer_.points()), gpu::read("sums", buffer_.sums())});
     commands.push(buffer_.split());
     commands.dispatch_threads(buffer_.layout().size.pixels(), SPLIT_GROUP);
 }
@@ -39,13 +39,14 @@ void GBufferMergeGpu::record_split_layers(gpu::CommandList& commands) {
 void GBufferMergeGpu::record(gpu::CommandList& commands) {
     if (filter_) {
         const gpu::Scope scope(commands, "filter");
-        commands.bind(*filter_, {gpu::read(buffer_.points()), gpu::read(buffer_.sums()), gpu::write(filtered_)});
+        commands.bind(*filter_, {gpu::read("points", buffer_.points()), gpu::read("sums", buffer_.sums()),
+                                 gpu::write("filtered", filtered_)});
         commands.push(gpu::GBufferFilterPush{buffer_.split(), filter_settings_});
         commands.dispatch_threads(buffer_.layout().points(), SPLIT_GROUP);
     }
     const gpu::Scope scope(commands, "merge");
-    commands.bind(merge_, {gpu::read_write(image_.layers()), gpu::read(buffer_.points()),
-                           gpu::read(filter_ ? filtered_ : buffer_.sums())});
+    commands.bind(merge_, {gpu::read_write("device_layers", image_.layers()), gpu::read("points", buffer_.points()),
+                           gpu::read("sums", filter_ ? filtered_ : buffer_.sums())});
     commands.push(buffer_.split());
     commands.dispatch_threads(buffer_.layout().size.pixels(), SPLIT_GROUP);
 }

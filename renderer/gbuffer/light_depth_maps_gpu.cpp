@@ -30,7 +30,8 @@ LightDepthMapsGpu::LightDepthMapsGpu(const gpu::DeviceScene& scene, uint32_t res
         if (first > 0) commands.reset();
         {
             const gpu::Scope scope(commands, kStructure);
-            commands.bind(trace, {gpu::read(constants_), gpu::read(maps_), gpu::write(depths_)});
+            commands.bind(
+                trace, {gpu::read("constants", constants_), gpu::read("maps", maps_), gpu::write("depths_m", depths_)});
             commands.push(gpu::LightDepthPush{static_cast<uint32_t>(first), end});
             commands.dispatch_threads(end - first, LIGHT_DEPTH_GROUP);
         }

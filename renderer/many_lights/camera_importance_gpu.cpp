@@ -24,9 +24,11 @@ void CameraImportanceGpu::record(gpu::CommandList& commands, gpu::Buffer& texels
     const uint32_t first = piece * texels_at_once_, end = std::min(first + texels_at_once_, texels_);
     const gpu::Scope scope(commands, "rsm");
     gpu::Buffer& unread = buffer_.eye();
-    commands.bind(pipeline_, {gpu::read(buffer_.points()), gpu::read(texels), gpu::read_write(importance),
-                              gpu::read(tree_ ? tree_->constants() : unread),
-                              gpu::read(tree_ ? tree_->nodes() : unread), gpu::read(tree_ ? tree_->bricks() : unread)});
+    commands.bind(pipeline_, {gpu::read("points", buffer_.points()), gpu::read("texels", texels),
+                              gpu::read_write("importance", importance),
+                              gpu::read("svo_constants", tree_ ? tree_->constants() : unread),
+                              gpu::read("svo_nodes", tree_ ? tree_->nodes() : unread),
+                              gpu::read("svo_bricks", tree_ ? tree_->bricks() : unread)});
     commands.push(gpu::CameraImportancePush{.seed = seed_,
                                             .pass = pass,
                                             .points = buffer_.layout().points(),

@@ -36,10 +36,11 @@ void ClampRepaymentGpu::record(gpu::CommandList& commands, gpu::Buffer& constant
         commands.update(sampler_, PassSampler(sampler_kind_, seed_, RandomDomain::Splats, pass).device_data());
     const uint32_t first = piece * points_at_once_, end = std::min(first + points_at_once_, buffer_.layout().points());
     const gpu::Scope scope(commands, "repay");
-    commands.bind(pipeline_,
-                  {gpu::read_write(image_.layers()), gpu::read_write(image_.counters()), gpu::read(buffer_.eye()),
-                   gpu::read(sampler_), gpu::read(constants), gpu::read(buffer_.points()), gpu::read(buffer_.general()),
-                   gpu::read_write(buffer_.sums())});
+    commands.bind(pipeline_, {gpu::read_write("device_layers", image_.layers()),
+                              gpu::read_write("device_counters", image_.counters()), gpu::read("eye", buffer_.eye()),
+                              gpu::read("pass_sampler", sampler_), gpu::read("constants", constants),
+                              gpu::read("points", buffer_.points()), gpu::read("general_points", buffer_.general()),
+                              gpu::read_write("sums", buffer_.sums())});
     commands.push(gpu::PointPush{first, end});
     commands.dispatch_threads(end - first, SPLIT_GROUP);
 }

@@ -13,7 +13,7 @@ uint64_t FluxMapGpu::device_bytes(uint32_t levels) { return FluxMap::values(leve
 
 void FluxMapGpu::record_sum(gpu::CommandList& commands) {
     for (uint32_t level = 0; level < levels_; level += FLUX_MAP_GROUP_LEVELS) {
-        commands.bind(sum_, {gpu::read_write(sums_)});
+        commands.bind(sum_, {gpu::read_write("sums", sums_)});
         commands.push(gpu::FluxLevelsPush{level, levels_});
         commands.dispatch_threads(uint64_t{1} << 2 * (levels_ - level - 1), FLUX_MAP_GROUP);
     }

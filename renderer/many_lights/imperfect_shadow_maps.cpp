@@ -57,8 +57,8 @@ void ImperfectShadowMaps::record(gpu::CommandList& commands, gpu::Buffer& vpls, 
     if (piece == 0) commands.fill(maps_.reach(), kInfinityBits);
     if (!occluders_) return;
     const uint32_t first = piece * lights_at_once_, end = std::min(first + lights_at_once_, maps_.most_lights());
-    commands.bind(splat_,
-                  {gpu::read(vpls), gpu::read(*count.buffer), gpu::read(occluders_), gpu::read_write(maps_.reach())});
+    commands.bind(splat_, {gpu::read("vpls", vpls), gpu::read("counts", *count.buffer), gpu::read("points", occluders_),
+                           gpu::read_write("reach_m", maps_.reach())});
     commands.push(gpu::ImperfectSplatPush{.resolution = maps_.resolution(),
                                           .count_word = count.index,
                                           .first_light = first,
@@ -83,10 +83,12 @@ void ImperfectShadowMaps::record_levels(gpu::CommandList& commands, gpu::DeviceW
     const auto buffer = [&](uint32_t at) -> gpu::Buffer& { return at == 0 ? maps_.reach() : levels_[at - 1]; };
     for (uint32_t coarse = 1; coarse <= kLevels; ++coarse)
         level(pull_, coarse, side_of(maps_.resolution(), coarse),
-              {gpu::read(*count.buffer), gpu::read(buffer(coarse - 1)), gpu::write(buffer(coarse))});
+              {gpu::read("counts", *count.buffer), gpu::read("fine_m", buffer(coarse - 1)),
+               gpu::write("coarse_m", buffer(coarse))});
     for (uint32_t coarse = kLevels; coarse > 0; --coarse)
         level(push_, coarse, side_of(maps_.resolution(), coarse - 1),
-              {gpu::read(*count.buffer), gpu::read(buffer(coarse)), gpu::read_write(buffer(coarse - 1))});
+              {gpu::read("counts", *count.buffer), gpu::read("coarse_m", buffer(coarse)),
+               gpu::read_write("fine_m", buffer(coarse - 1))});
 }
 
 }  // namespace photond

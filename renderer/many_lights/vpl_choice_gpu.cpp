@@ -84,21 +84,26 @@ void VplChoiceGpu::record(gpu::CommandList& commands, const VplVisibilityGpu& vi
     const gpu::VplChoicePush push{first, end, points_at_once_, settings_.lights};
     const gpu::Scope scope(commands, "indirect");
     if (tree_)
-        commands.bind(choose_, {gpu::read(lighting_.constants()), gpu::read(buffer_.points()),
-                                gpu::read(lights_.counts()), gpu::write(chosen_), gpu::write(chosen_counts_),
-                                gpu::read(tree_->nodes()), gpu::read_write(cuts_)});
+        commands.bind(choose_, {gpu::read("constants", lighting_.constants()), gpu::read("points", buffer_.points()),
+                                gpu::read("counts", lights_.counts()), gpu::write("chosen", chosen_),
+                                gpu::write("chosen_counts", chosen_counts_), gpu::read("tree", tree_->nodes()),
+                                gpu::read_write("cuts", cuts_)});
     else
-        commands.bind(choose_,
-                      {gpu::read(lighting_.constants()), gpu::read(buffer_.points()), gpu::read(lights_.counts()),
-                       gpu::read(lights_.vpls()), gpu::write(chosen_), gpu::write(chosen_counts_)});
+        commands.bind(choose_, {gpu::read("constants", lighting_.constants()), gpu::read("points", buffer_.points()),
+                                gpu::read("counts", lights_.counts()), gpu::read("vpls", lights_.vpls()),
+                                gpu::write("chosen", chosen_), gpu::write("chosen_counts", chosen_counts_)});
     commands.push(push);
     commands.dispatch_threads(end - first, SPLIT_GROUP);
 
-    std::vector<gpu::Binding> bindings = {gpu::read_write(counters_),      gpu::read(lighting_.constants()),
-                                          gpu::read(buffer_.points()),     gpu::read(buffer_.general()),
-                                          gpu::read(lights_.vpls()),       gpu::read(lights_.lobes()),
-                                          gpu::read_write(buffer_.sums()), gpu::read(chosen_),
-                                          gpu::read(chosen_counts_)};
+    std::vector<gpu::Binding> bindings = {gpu::read_write("device_counters", counters_),
+                                          gpu::read("constants", lighting_.constants()),
+                                          gpu::read("points", buffer_.points()),
+                                          gpu::read("general_points", buffer_.general()),
+                                          gpu::read("vpls", lights_.vpls()),
+                                          gpu::read("vpl_lobes", lights_.lobes()),
+                                          gpu::read_write("sums", buffer_.sums()),
+                                          gpu::read("chosen", chosen_),
+                                          gpu::read("chosen_counts", chosen_counts_)};
     visibility.append_to(bindings);
     commands.bind(light_, bindings);
     commands.push(push);

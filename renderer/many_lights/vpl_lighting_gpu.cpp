@@ -36,9 +36,10 @@ std::string VplVisibilityGpu::shader(const std::string& stem, VplVisibility kind
 
 void VplVisibilityGpu::append_to(std::vector<gpu::Binding>& bindings) const {
     if (kind == VplVisibility::Svo)
-        for (gpu::Buffer* buffer : {&tree->constants(), &tree->nodes(), &tree->bricks()})
-            bindings.push_back(gpu::read(*buffer));
-    if (kind == VplVisibility::ShadowMaps) bindings.push_back(gpu::read(maps->reach()));
+        bindings.insert(bindings.end(),
+                        {gpu::read("svo_constants", tree->constants()), gpu::read("svo_nodes", tree->nodes()),
+                         gpu::read("svo_bricks", tree->bricks())});
+    if (kind == VplVisibility::ShadowMaps) bindings.push_back(gpu::read("vpl_map_reach_m", maps->reach()));
 }
 
 VplLightingGpu::VplLightingGpu(const gpu::DeviceScene& scene, GBufferGpu& buffer, VplSetGpu& lights,
@@ -80,10 +81,11 @@ void VplLightingGpu::record(gpu::CommandList& commands, const VplVisibilityGpu& 
     const uint32_t first_light = piece / point_pieces_ * lights_at_once_;
     const uint32_t end = std::min(first + points_at_once_, buffer_.layout().points());
     const gpu::Scope scope(commands, "indirect");
-    std::vector<gpu::Binding> bindings = {gpu::read_write(counters_),  gpu::read(constants_),
-                                          gpu::read(buffer_.points()), gpu::read(buffer_.general()),
-                                          gpu::read(lights_.counts()), gpu::read(lights_.vpls()),
-                                          gpu::read(lights_.lobes()),  gpu::read_write(buffer_.sums())};
+    std::vector<gpu::Binding> bindings = {
+        gpu::read_write("device_counters", counters_), gpu::read("constants", constants_),
+        gpu::read("points", buffer_.points()),         gpu::read("general_points", buffer_.general()),
+        gpu::read("counts", lights_.counts()),         gpu::read("vpls", lights_.vpls()),
+        gpu::read("vpl_lobes", lights_.lobes()),       gpu::read_write("sums", buffer_.sums())};
     visibility.append_to(bindings);
     commands.bind(*light_, bindings);
     commands.push(gpu::VplLightingPush{first, end, first_light, first_light + lights_at_once_});

@@ -25,7 +25,7 @@ struct VplVisibilityGpu {
 
     /// `stem`: "renderer/many_lights/vpl_lighting". `kind`: of it alone.
     static std::string shader(const std::string& stem, VplVisibility kind);
-    /// Appends what the shader binds last.
+    /// Appends what the shader of this kind binds beside the others.
     void append_to(std::vector<gpu::Binding>& bindings) const;
 };
 

@@ -21,8 +21,9 @@ uint64_t VplSetGpu::device_bytes(uint32_t most, bool lambert) {
 
 void VplSetGpu::record(gpu::CommandList& commands, const Photons& photons) {
     const gpu::Scope scope(commands, "vpl_generation");
-    commands.bind(gather_, {gpu::read(photons.state), gpu::read(photons.photons), gpu::read(photons.order),
-                            gpu::read(photons.surfaces), gpu::write(vpls_), gpu::write(lobes_), gpu::write(counts_)});
+    commands.bind(gather_, {gpu::read("state", photons.state), gpu::read("photons", photons.photons),
+                            gpu::read("order", photons.order), gpu::read("surfaces", photons.surfaces),
+                            gpu::write("vpls", vpls_), gpu::write("lobes", lobes_), gpu::write("counts", counts_)});
     commands.push(gpu::VplGatherPush{most_, connect_threshold_});
     commands.dispatch_threads(most_, VPL_SET_GROUP);
     commands.copy(counts_, 0, host_counts_, 0, counts_.bytes());

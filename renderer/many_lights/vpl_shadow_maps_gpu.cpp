@@ -14,7 +14,8 @@ void VplShadowMapsGpu::record(gpu::CommandList& commands, gpu::Buffer& vpls, gpu
     if (!trace_)
         trace_.emplace(scene_.device(), "renderer/many_lights/vpl_shadow_maps.comp", sizeof(gpu::VplMapPush),
                        &scene_.set(), scene_.specialization());
-    commands.bind(*trace_, {gpu::read_write(counters_), gpu::read(vpls), gpu::read(*count.buffer), gpu::write(reach_)});
+    commands.bind(*trace_, {gpu::read_write("device_counters", counters_), gpu::read("vpls", vpls),
+                            gpu::read("counts", *count.buffer), gpu::write("reach_m", reach_)});
     gpu::VplMapPush push = push_;
     push.count_word = count.index;
     commands.push(push);

@@ -83,8 +83,9 @@ void VplTracerGpu::record_map(gpu::CommandList& commands) {
     for (uint64_t at = 0; at < chosen.size(); at += kMostUpdate)
         commands.update(runs_, chosen.subspan(at, std::min(kMostUpdate, chosen.size() - at)), first + at);
 
-    commands.bind(trace_texels_, {gpu::read_write(counters_), gpu::read_write(state_), gpu::write(texels_),
-                                  gpu::write(plain_.sums()), gpu::read(runs_)});
+    commands.bind(trace_texels_,
+                  {gpu::read_write("device_counters", counters_), gpu::read_write("state", state_),
+                   gpu::write("texels", texels_), gpu::write("flux_w", plain_.sums()), gpu::read("texel_runs", runs_)});
     commands.push(gpu::VplTexelsPush{
         .sequence = VplTracer::texel_numbers(tracing_, *pass_).device_key(),
         .texels = map_.texels(),
@@ -102,20 +103,22 @@ void VplTracerGpu::record_vpls(gpu::CommandList& commands) {
     plain_.record_sum(commands);
     if (weighted_) {
         weighted_->record_sum(commands);
-        commands.bind(mix_, {gpu::read(plain_.sums()), gpu::read_write(weighted_->sums())});
+        commands.bind(mix_, {gpu::read("flux", plain_.sums()), gpu::read_write("weighted", weighted_->sums())});
         commands.push(gpu::VplMixPush{map_.levels(), kPlainFluxShare});
         commands.dispatch_threads(map_.texels(), VPL_GROUP);
         weighted_->record_sum(commands);
     }
 
     const uvec2 rotation = pass_->rotation();
-    commands.bind(choose_, {gpu::read(chosen_by().sums()), gpu::write(chosen_texels_), gpu::write(points_)});
+    commands.bind(choose_, {gpu::read("flux_sums", chosen_by().sums()), gpu::write("texel_of_path", chosen_texels_),
+                            gpu::write("points", points_)});
     commands.push(gpu::VplChoosePush{tracing_.vpls, map_.levels(), rotation.x, rotation.y});
     commands.dispatch_threads(tracing_.vpls, VPL_GROUP);
     sort_paths_.record(commands, chosen_texels_, points_, {state_, REFLECTION_PATHS}, std::max(2 * map_.levels(), 1u));
 
-    commands.bind(start_paths_, {gpu::read(runs_), gpu::read(chosen_by().sums()), gpu::read(plain_.sums()),
-                                 gpu::read(points_), gpu::write(starts_)});
+    commands.bind(start_paths_,
+                  {gpu::read("texel_runs", runs_), gpu::read("flux_sums", chosen_by().sums()),
+                   gpu::read("flux_w", plain_.sums()), gpu::read("points", points_), gpu::write("starts", starts_)});
     commands.push(gpu::VplStartsPush{.sequence = VplTracer::texel_numbers(tracing_, *pass_).device_key(),
                                      .paths = tracing_.vpls,
                                      .levels = map_.levels(),
@@ -124,9 +127,13 @@ void VplTracerGpu::record_vpls(gpu::CommandList& commands) {
                                      .runs = run_count_});
     commands.dispatch_threads(tracing_.vpls, VPL_GROUP);
 
-    std::vector<gpu::Binding> bindings = {gpu::read_write(counters_), gpu::read_write(state_),  gpu::write(photons_),
-                                          gpu::write(owners_),        gpu::write(path_counts_), gpu::write(surfaces_),
-                                          gpu::read(starts_)};
+    std::vector<gpu::Binding> bindings = {gpu::read_write("device_counters", counters_),
+                                          gpu::read_write("state", state_),
+                                          gpu::write("photons", photons_),
+                                          gpu::write("owners", owners_),
+                                          gpu::write("photons_of_path", path_counts_),
+                                          gpu::write("surfaces", surfaces_),
+                                          gpu::read("starts", starts_)};
     bindings.insert(bindings.end(), bounces_.bindings.begin(), bounces_.bindings.end());
     commands.bind(trace_paths_, bindings);
     commands.push(gpu::VplPathsPush{
@@ -139,7 +146,8 @@ void VplTracerGpu::record_vpls(gpu::CommandList& commands) {
     commands.dispatch_threads(tracing_.vpls, VPL_GROUP);
 
     sum_.record(commands, path_counts_, path_counts_, {state_, REFLECTION_PATHS}, {state_, REFLECTION_ORDERED});
-    commands.bind(sort_, {gpu::read(state_), gpu::read(owners_), gpu::read(path_counts_), gpu::write(order_)});
+    commands.bind(sort_, {gpu::read("state", state_), gpu::read("owners", owners_),
+                          gpu::read("first_of_path", path_counts_), gpu::write("order", order_)});
     commands.push(most_lights());
     commands.dispatch_threads(most_lights(), REFLECTION_GROUP);
     commands.copy(state_, 0, host_state_, 0, state_.bytes());

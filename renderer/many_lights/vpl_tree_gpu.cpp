@@ -28,17 +28,18 @@ void VplTreeGpu::record(gpu::CommandList& commands, gpu::Buffer& vpls, gpu::Devi
     const uint32_t nothing = ~0u;
     commands.update(state_, std::array<uint32_t, VPL_TREE_STATE_WORDS>{nothing, nothing, nothing, 0, 0, 0});
     gpu::VplTreePush push{.most = most_, .count_word = count.index, .level = 0};
-    commands.bind(box_, {gpu::read(*count.buffer), gpu::read(vpls), gpu::read_write(state_)});
+    commands.bind(box_,
+                  {gpu::read("counts", *count.buffer), gpu::read("vpls", vpls), gpu::read_write("state", state_)});
     commands.push(push);
     commands.dispatch_threads(most_, VPL_TREE_GROUP);
-    commands.bind(find_keys_, {gpu::read(*count.buffer), gpu::read(vpls), gpu::read(state_), gpu::write(keys_),
-                               gpu::write(lights_)});
+    commands.bind(find_keys_, {gpu::read("counts", *count.buffer), gpu::read("vpls", vpls), gpu::read("state", state_),
+                               gpu::write("keys", keys_), gpu::write("lights", lights_)});
     commands.push(push);
     commands.dispatch_threads(most_, VPL_TREE_GROUP);
     sort_.record(commands, keys_, lights_, count, VPL_KEY_BITS);
     for (uint32_t left = std::bit_ceil(most_);; left >>= VPL_TREE_GROUP_LEVELS) {
-        commands.bind(make_nodes_,
-                      {gpu::read(*count.buffer), gpu::read(vpls), gpu::read(lights_), gpu::read_write(nodes_)});
+        commands.bind(make_nodes_, {gpu::read("counts", *count.buffer), gpu::read("vpls", vpls),
+                                    gpu::read("lights", lights_), gpu::read_write("nodes", nodes_)});
         commands.push(push);
         commands.dispatch_threads(left, VPL_TREE_GROUP);
         push.level += VPL_TREE_GROUP_LEVELS;

@@ -58,16 +58,18 @@ void HashGridGpu::record(gpu::CommandList& commands, const gpu::HashGridConstant
                          uint32_t paths, UnsortedPhotons& photons, GridPhotons& to) {
     const gpu::DeviceWord count(tracer_state, PHOTONS_STORED_WORD);
     photons.sort.record(commands, photons.paths, photons.order, count, bits_of(paths));
-    commands.bind(keys_, {gpu::read(tracer_state), gpu::read(photons.order), gpu::read(photons.places),
-                          gpu::write(photons.paths)});
+    commands.bind(keys_, {gpu::read("count", tracer_state), gpu::read("order", photons.order),
+                          gpu::read("places", photons.places), gpu::write("keys", photons.paths)});
     commands.push(grid);
     commands.dispatch_threads(grid.capacity, HASH_GRID_GROUP);
     photons.sort.record(commands, photons.paths, photons.order, count, bits_of(grid.slots));
-    commands.bind(starts_, {gpu::read(tracer_state), gpu::read(photons.paths), gpu::write(to.starts)});
+    commands.bind(
+        starts_, {gpu::read("count", tracer_state), gpu::read("keys", photons.paths), gpu::write("starts", to.starts)});
     commands.push(grid);
     commands.dispatch_threads(uint64_t{grid.slots} + 1, HASH_GRID_GROUP);
-    commands.bind(order_, {gpu::read(tracer_state), gpu::read(photons.order), gpu::read(photons.places),
-                           gpu::read(photons.powers), gpu::write(to.places), gpu::write(to.powers)});
+    commands.bind(order_, {gpu::read("count", tracer_state), gpu::read("order", photons.order),
+                           gpu::read("places", photons.places), gpu::read("powers", photons.powers),
+                           gpu::write("map_places", to.places), gpu::write("map_powers", to.powers)});
     commands.push(grid);
     commands.dispatch_threads(grid.capacity, HASH_GRID_GROUP);
 }

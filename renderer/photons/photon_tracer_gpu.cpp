@@ -70,9 +70,10 @@ void PhotonTracerGpu::record_paths(gpu::CommandList& commands, uint64_t seed, ui
     const SequenceSampler sampler(tracing_.sampler, seed, RandomDomain::Photons, static_cast<uint32_t>(tracing_.kind));
     const uint32_t threads = std::min(end - first, kMostThreads);
     commands.fill(state_, 0, NEXT_PATH_WORD * sizeof(uint32_t), sizeof(uint32_t));
-    commands.bind(pipeline_, {gpu::read_write(state_), gpu::write(photons.places), gpu::write(photons.powers),
-                              gpu::write(photons.paths), gpu::write(photons.order), gpu::read(stores_),
-                              gpu::read(guide_words_), gpu::read(guide_cdf_)});
+    commands.bind(pipeline_, {gpu::read_write("state", state_), gpu::write("places", photons.places),
+                              gpu::write("powers", photons.powers), gpu::write("paths", photons.paths),
+                              gpu::write("order", photons.order), gpu::read("instance_stores", stores_),
+                              gpu::read("guide_words", guide_words_), gpu::read("guide_cdf", guide_cdf_)});
     commands.push(gpu::PhotonTracingPush{.sequence = sampler.device_key(),
                                          .first_element = uint64_t{pass} * tracing_.photons,
                                          .first_path = first,

@@ -103,8 +103,10 @@ void ReflectedPhotonsGpu::record_start(gpu::CommandList& commands) {
 
 void ReflectedPhotonsGpu::record_paths(gpu::CommandList& commands, uint32_t first, uint32_t end) {
     const gpu::Scope scope(commands, "photon_tracing");
-    commands.bind(trace_, {gpu::read_write(counters_), gpu::read_write(state_), gpu::write(photons_),
-                           gpu::write(owners_), gpu::write(path_counts_), gpu::write(surfaces_), gpu::read(grids_)});
+    commands.bind(trace_, {gpu::read_write("device_counters", counters_), gpu::read_write("state", state_),
+                           gpu::write("photons", photons_), gpu::write("owners", owners_),
+                           gpu::write("photons_of_path", path_counts_), gpu::write("surfaces", surfaces_),
+                           gpu::read("grids", grids_)});
     gpu::ReflectionPush push = push_;
     push.first_path = first;
     push.end_path = end;
@@ -116,7 +118,8 @@ void ReflectedPhotonsGpu::record_order(gpu::CommandList& commands) {
     {
         const gpu::Scope scope(commands, "photon_tracing");
         sum_.record(commands, path_counts_, path_counts_, {state_, REFLECTION_PATHS}, {state_, REFLECTION_ORDERED});
-        commands.bind(sort_, {gpu::read(state_), gpu::read(owners_), gpu::read(path_counts_), gpu::write(order_)});
+        commands.bind(sort_, {gpu::read("state", state_), gpu::read("owners", owners_),
+                              gpu::read("first_of_path", path_counts_), gpu::write("order", order_)});
         commands.push(photon_capacity_);
         commands.dispatch_threads(photon_capacity_, REFLECTION_GROUP);
     }

@@ -111,31 +111,35 @@ void SparseVoxelOctreeGpu::record_voxelise(gpu::CommandList& commands) {
     std::array<uint32_t, SVO_STATE_WORDS> words{};
     words[SVO_STATE_TRIANGLES] = host_constants_.triangle_count;
     commands.update(state_, words);
-    commands.bind(count_columns_, {gpu::read(constants_buffer_), gpu::read(first_triangles_), gpu::read_write(state_),
-                                   gpu::write(columns_)});
+    commands.bind(count_columns_,
+                  {gpu::read("constants", constants_buffer_), gpu::read("svo_first_triangles", first_triangles_),
+                   gpu::read_write("state", state_), gpu::write("columns", columns_)});
     commands.dispatch_threads(host_constants_.triangle_count, SVO_GROUP);
     column_sum_.record(commands, columns_, columns_, {state_, SVO_STATE_TRIANGLES}, {state_, SVO_STATE_COLUMNS});
     column_tiles_.record(commands, {state_, SVO_STATE_COLUMNS});
     commands.bind(make_fragments_,
-                  {gpu::read(column_tiles_.state()), gpu::read(constants_buffer_), gpu::read(first_triangles_),
-                   gpu::read(columns_), gpu::read_write(state_), gpu::write(fragments_)});
+                  {gpu::read("tiles_state", column_tiles_.state()), gpu::read("constants", constants_buffer_),
+                   gpu::read("svo_first_triangles", first_triangles_), gpu::read("first_columns", columns_),
+                   gpu::read_write("state", state_), gpu::write("fragments", fragments_)});
     commands.push(push(0));
     column_tiles_.dispatch(commands);
 }
 
 void SparseVoxelOctreeGpu::record_level(gpu::CommandList& commands, uint32_t level) {
-    commands.bind(flag_, {gpu::read(fragment_tiles_->state()), gpu::read(fragments_), gpu::read_write(nodes_)});
+    commands.bind(flag_, {gpu::read("tiles_state", fragment_tiles_->state()), gpu::read("fragments", fragments_),
+                          gpu::read_write("nodes", nodes_)});
     commands.push(push(level));
     fragment_tiles_->dispatch(commands);
     node_tiles_->record(commands, {state_, SVO_STATE_LEVEL_NODES});
-    commands.bind(rank_, {gpu::read(node_tiles_->state()), gpu::read(nodes_), gpu::read(state_), gpu::write(ranks_)});
+    commands.bind(rank_, {gpu::read("tiles_state", node_tiles_->state()), gpu::read("nodes", nodes_),
+                          gpu::read("state", state_), gpu::write("ranks", ranks_)});
     node_tiles_->dispatch(commands);
     rank_sum_->record(commands, ranks_, ranks_, {state_, SVO_STATE_LEVEL_NODES}, {state_, SVO_STATE_LEVEL_FLAGGED});
-    commands.bind(allocate_,
-                  {gpu::read(node_tiles_->state()), gpu::read(state_), gpu::read(ranks_), gpu::read_write(nodes_)});
+    commands.bind(allocate_, {gpu::read("tiles_state", node_tiles_->state()), gpu::read("state", state_),
+                              gpu::read("ranks", ranks_), gpu::read_write("nodes", nodes_)});
     commands.push(push(level));
     node_tiles_->dispatch(commands);
-    commands.bind(next_, {gpu::read_write(state_)});
+    commands.bind(next_, {gpu::read_write("state", state_)});
     commands.push(push(level));
     commands.dispatch(1);
 }
@@ -144,12 +148,14 @@ void SparseVoxelOctreeGpu::record_surfaces(gpu::CommandList& commands) {
     gpu::Buffer& counts = with_surfaces_ ? surfaces_ : ranks_;
     if (with_surfaces_) commands.fill(surfaces_, ~0u);
     node_tiles_->record(commands, {state_, SVO_STATE_BRICKS});
-    commands.bind(count_voxels_, {gpu::read(node_tiles_->state()), gpu::read(bricks_), gpu::write(counts)});
+    commands.bind(count_voxels_, {gpu::read("tiles_state", node_tiles_->state()), gpu::read("bricks", bricks_),
+                                  gpu::write("counts", counts)});
     node_tiles_->dispatch(commands);
     rank_sum_->record(commands, counts, counts, {state_, SVO_STATE_BRICKS}, {state_, SVO_STATE_VOXELS});
     if (!with_surfaces_) return;
-    commands.bind(fill_surfaces_, {gpu::read(fragment_tiles_->state()), gpu::read(fragments_), gpu::read(nodes_),
-                                   gpu::read(bricks_), gpu::read_write(surfaces_)});
+    commands.bind(fill_surfaces_,
+                  {gpu::read("tiles_state", fragment_tiles_->state()), gpu::read("fragments", fragments_),
+                   gpu::read("nodes", nodes_), gpu::read("bricks", bricks_), gpu::read_write("surfaces", surfaces_)});
     commands.push(push(host_constants_.levels));
     fragment_tiles_->dispatch(commands);
 }
@@ -159,13 +165,14 @@ void SparseVoxelOctreeGpu::record_build(gpu::CommandList& commands) {
     {
         const gpu::Scope scope(commands, "svo_build");
         commands.fill(bricks_, 0);
-        commands.bind(begin_, {gpu::read_write(state_), gpu::read_write(nodes_)});
+        commands.bind(begin_, {gpu::read_write("state", state_), gpu::read_write("nodes", nodes_)});
         commands.push(push(1));
         commands.dispatch(1);
         fragment_tiles_->record(commands, {state_, SVO_STATE_FRAGMENTS});
         for (uint32_t level = 1; level <= host_constants_.levels; ++level) record_level(commands, level);
-        commands.bind(fill_masks_, {gpu::read(fragment_tiles_->state()), gpu::read(fragments_), gpu::read(nodes_),
-                                    gpu::read_write(bricks_)});
+        commands.bind(fill_masks_,
+                      {gpu::read("tiles_state", fragment_tiles_->state()), gpu::read("fragments", fragments_),
+                       gpu::read("nodes", nodes_), gpu::read_write("bricks", bricks_)});
         commands.push(push(host_constants_.levels));
         fragment_tiles_->dispatch(commands);
         record_surfaces(commands);

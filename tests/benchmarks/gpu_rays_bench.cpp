@@ -85,7 +85,7 @@ void measure(const Scene& scene, const char* name, Size2 size) {
         std::vector<double> seconds, processor;
         for (int run = 0; run < kRuns; ++run) {
             gpu::CommandList commands(device);
-            commands.bind(pipeline, {gpu::read(rays), gpu::write(answers)});
+            commands.bind(pipeline, {gpu::read("rays", rays), gpu::write("answers", answers)});
             commands.push(static_cast<uint32_t>(set.rays.size()));
             commands.begin_scope(set.name);
             commands.dispatch_threads(set.rays.size(), 64);

@@ -26,7 +26,7 @@ public:
             float shadow_t_max;
         };
         static_assert(sizeof(Answer) == 72 && sizeof(LightQuery) == 36, "must match light_samples.comp");
-        const auto answers = samples_.run<Answer>(queries.size(), {queries});
+        const auto answers = samples_.run<Answer>(queries.size(), {{"queries", queries}});
         std::vector<std::optional<LightSample>> samples;
         samples.reserve(answers.size());
         for (size_t i = 0; i < answers.size(); ++i) {
@@ -45,7 +45,7 @@ public:
     }
     std::vector<LightPdfs> pdfs(const std::vector<LightPdfQuery>& queries) const {
         static_assert(sizeof(LightPdfQuery) == 48 && sizeof(LightPdfs) == 20, "must match light_pdfs.comp");
-        return pdfs_.run<LightPdfs>(queries.size(), {queries});
+        return pdfs_.run<LightPdfs>(queries.size(), {{"queries", queries}});
     }
 
 private:
@@ -74,7 +74,7 @@ public:
         static_assert(sizeof(Answer) == 52 && sizeof(EmissionQuery) == 28, "must match emission_samples.comp");
         std::vector<std::optional<EmissionSample>> samples;
         samples.reserve(queries.size());
-        for (const Answer& a : samples_.run<Answer>(queries.size(), {queries}))
+        for (const Answer& a : samples_.run<Answer>(queries.size(), {{"queries", queries}}))
             samples.push_back(a.lit == 0
                                   ? std::nullopt
                                   : std::optional(EmissionSample{

@@ -54,11 +54,12 @@ GpuBsdfs::GpuBsdfs()
       traits_("tests/gpu/bsdf_traits.comp", &tables_.set()) {}
 
 std::vector<BsdfValue> GpuBsdfs::evaluate(std::span<const BsdfCase> cases, std::span<const BsdfQuery> queries) const {
-    return evaluate_.run<BsdfValue>(queries.size(), {records_of(cases), queries});
+    return evaluate_.run<BsdfValue>(queries.size(), {{"cases", records_of(cases)}, {"queries", queries}});
 }
 
 std::vector<BsdfSample> GpuBsdfs::sample(std::span<const BsdfCase> cases, std::span<const BsdfQuery> queries) const {
-    const auto records = sample_.run<SampleRecord>(queries.size(), {records_of(cases), queries});
+    const auto records =
+        sample_.run<SampleRecord>(queries.size(), {{"cases", records_of(cases)}, {"queries", queries}});
     std::vector<BsdfSample> samples;
     samples.reserve(records.size());
     for (const SampleRecord& r : records)
@@ -67,7 +68,7 @@ std::vector<BsdfSample> GpuBsdfs::sample(std::span<const BsdfCase> cases, std::s
 }
 
 std::vector<BsdfTraits> GpuBsdfs::traits(std::span<const BsdfCase> cases) const {
-    return traits_.run<BsdfTraits>(cases.size(), {records_of(cases)});
+    return traits_.run<BsdfTraits>(cases.size(), {{"cases", records_of(cases)}});
 }
 
 }  // namespace photond::test

@@ -43,7 +43,7 @@ public:
         static_assert(sizeof(Place) == 32 && sizeof(Answer) == 44 && sizeof(ScatteringQuery) == 36);
         const std::vector place{Place{hit, outside_ior, part, kThreshold}};
         std::vector<ScatteringAnswer> answers;
-        for (const Answer& a : twin_.run<Answer>(queries.size(), {place, queries}))
+        for (const Answer& a : twin_.run<Answer>(queries.size(), {{"place", place}, {"queries", queries}}))
             answers.push_back({{a.direction, a.weight, a.delta != 0, a.refraction != 0}, a.density});
         return answers;
     }

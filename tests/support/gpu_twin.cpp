@@ -83,9 +83,11 @@ void Twin::run_bytes(size_t count, std::span<const TwinInput> inputs, std::span<
     std::vector<gpu::Binding> bindings;
     buffers.reserve(inputs.size() + 1);
     for (const TwinInput& input : inputs)
-        bindings.push_back(gpu::read(buffers.emplace_back(gpu::make_buffer(device, "test input", input.bytes))));
+        bindings.push_back(
+            gpu::read(input.name, buffers.emplace_back(gpu::make_buffer(device, "test input", input.bytes))));
     gpu::Buffer& output = buffers.emplace_back(device, "test output", std::max<size_t>(out.size(), 4));
-    bindings.push_back(gpu::write(output));
+    for (const gpu::ShaderBuffer& buffer : pipeline_.layout().buffers())
+        if (!buffer.read_only) bindings.push_back(gpu::write(buffer.name, output));
 
     gpu::CommandList commands(device);
     commands.bind(pipeline_, bindings);

@@ -1,9 +1,9 @@
 #pragma once
 // Runs the GLSL twin of something over arrays, to be compared with the C++ of the same name.
 //
-// The tests' shaders are tests/gpu/*.comp. Each has its inputs at the bindings 0, 1, ... of set 0 (readonly), its
-// output at the one after (writeonly), `uint count` as its push constant, and groups of TWIN_GROUP threads numbered by
-// flat_index(); tests/gpu/twin.glsl says so once. Programs that use this fail when the validation layers said anything.
+// The tests' shaders are tests/gpu/*.comp. Each has its inputs (readonly) and one output (writeonly) in set 0, `uint
+// count` as its push constant, and groups of TWIN_GROUP threads numbered by flat_index(); tests/gpu/twin.glsl says so
+// once. Programs that use this fail when the validation layers said anything.
 
 #include <memory>
 #include <string_view>
@@ -36,10 +36,11 @@ private:
     std::unique_ptr<gpu::BufferSet> set_;
 };
 
-/// An array of plain values as a shader's input: of a span, of a vector.
+/// An array of plain values as a shader's input: of a span, of a vector. By the name that the shader has for it.
 struct TwinInput {
     template <class Array>
-    TwinInput(const Array& array) : bytes(std::as_bytes(std::span(array))) {}
+    TwinInput(std::string_view buffer, const Array& array) : name(buffer), bytes(std::as_bytes(std::span(array))) {}
+    std::string_view name;
     std::span<const std::byte> bytes;
 };
 

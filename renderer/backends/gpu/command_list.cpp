@@ -21,6 +21,10 @@ constexpr VkPipelineStageFlags2 kLaterStages = VK_PIPELINE_STAGE_2_ALL_COMMANDS_
 constexpr VkAccessFlags2 kLaterAccess = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
 constexpr VkShaderStageFlags kPushStages = VK_SHADER_STAGE_COMPUTE_BIT | VK_SHADER_STAGE_ALL_GRAPHICS;
 
+Error misfit(std::string_view source, std::string_view buffer, const std::string& what) {
+    return Error(ErrorCode::Internal, std::string(source) + ", buffer " + std::string(buffer) + ": " + what);
+}
+
 }  // namespace
 
 VkAccessFlags2 flags_of(Access access) {
@@ -99,28 +103,28 @@ void CommandList::bind(const ComputePipeline& pipeline, std::span<const Binding>
     bind_buffers(VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.layout(), pipeline.source(), bindings);
 }
 
-void CommandList::bind_buffers(VkPipelineBindPoint point, const PipelineLayout& layout, std::string_view name,
+void CommandList::bind_buffers(VkPipelineBindPoint point, const PipelineLayout& layout, std::string_view source,
                                std::span<const Binding> bindings) {
     const std::span<const ShaderBuffer> buffers = layout.buffers();
-    if (bindings.size() != buffers.size())
-        throw Error(ErrorCode::Internal, std::string(name) + " has " + std::to_string(buffers.size()) +
-                                             " buffers; bound were " + std::to_string(bindings.size()));
-    std::vector<VkDescriptorBufferInfo> infos(bindings.size());
-    std::vector<VkWriteDescriptorSet> writes(bindings.size(), {VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET});
-    for (size_t i = 0; i < bindings.size(); ++i) {
-        const Binding& binding = bindings[i];
-        if (!binding.buffer || !*binding.buffer || (binding.access == Access::Read) != buffers[i].read_only)
-            throw Error(ErrorCode::Internal,
-                        std::string(name) + ", binding " + std::to_string(buffers[i].binding) +
-                            (binding.buffer && *binding.buffer
-                                 ? ": the shader declares another access to " + binding.buffer->structure()
-                                 : ": no buffer"));
-        infos[i] = {binding.buffer->handle(), binding.offset, binding.bytes};
-        writes[i].dstBinding = buffers[i].binding;
-        writes[i].descriptorCount = 1;
-        writes[i].descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-        writes[i].pBufferInfo = &infos[i];
+    std::vector<VkDescriptorBufferInfo> infos(buffers.size());
+    std::vector<VkWriteDescriptorSet> writes(buffers.size(), {VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET});
+    for (const Binding& binding : bindings) {
+        const auto found = std::find_if(buffers.begin(), buffers.end(),
+                                        [&](const ShaderBuffer& buffer) { return buffer.name == binding.name; });
+        if (found == buffers.end()) throw misfit(source, binding.name, "the shader has no such buffer");
+        const auto place = static_cast<size_t>(found - buffers.begin());
+        if (writes[place].descriptorCount > 0) throw misfit(source, binding.name, "bound twice");
+        if (!binding.buffer || !*binding.buffer) throw misfit(source, binding.name, "no buffer");
+        if ((binding.access == Access::Read) != found->read_only)
+            throw misfit(source, binding.name, "the shader declares another access to " + binding.buffer->structure());
+        infos[place] = {binding.buffer->handle(), binding.offset, binding.bytes};
+        writes[place].dstBinding = found->binding;
+        writes[place].descriptorCount = 1;
+        writes[place].descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+        writes[place].pBufferInfo = &infos[place];
     }
+    for (size_t i = 0; i < buffers.size(); ++i)
+        if (writes[i].descriptorCount == 0) throw misfit(source, buffers[i].name, "not bound");
     layout_ = &layout;
     bound_.assign(bindings.begin(), bindings.end());
     if (!writes.empty())

@@ -17,16 +17,18 @@ enum class Access : uint8_t { Read, Write, ReadWrite };
 /// What a shader does to a storage buffer.
 VkAccessFlags2 flags_of(Access access);
 
-/// A buffer as a command uses it. Its place in the list is its place among the shader's buffers of set 0, by binding.
+/// A buffer as a command uses it, by the name that the shader has for it (ShaderBuffer::name). The order of a list of
+/// them says nothing.
 struct Binding {
+    std::string_view name;  // viewed until something else is bound: a literal, or one of PipelineLayout::buffers()
     Buffer* buffer;
     Access access;
     uint64_t offset = 0;  // bytes; a multiple of 256
     uint64_t bytes = VK_WHOLE_SIZE;
 };
-inline Binding read(Buffer& buffer) { return {&buffer, Access::Read}; }
-inline Binding write(Buffer& buffer) { return {&buffer, Access::Write}; }
-inline Binding read_write(Buffer& buffer) { return {&buffer, Access::ReadWrite}; }
+inline Binding read(std::string_view name, Buffer& buffer) { return {name, &buffer, Access::Read}; }
+inline Binding write(std::string_view name, Buffer& buffer) { return {name, &buffer, Access::Write}; }
+inline Binding read_write(std::string_view name, Buffer& buffer) { return {name, &buffer, Access::ReadWrite}; }
 
 /// GPU seconds of one scope.
 struct ScopeTime {
@@ -43,8 +45,9 @@ public:
     CommandList(const CommandList&) = delete;
     CommandList& operator=(const CommandList&) = delete;
 
-    /// What dispatch() runs next. Throws ErrorCode::Internal where the bindings are not those of the shader: their
-    /// number, and read() for a buffer that it does not declare readonly (write() and read_write() for one it does).
+    /// What dispatch() runs next. Throws ErrorCode::Internal where the bindings are not those of the shader: a name
+    /// that it has not, one given twice or not at all, and read() for a buffer that it does not declare readonly
+    /// (write() and read_write() for one it does).
     void bind(const ComputePipeline& pipeline, std::span<const Binding> bindings);
     void bind(const ComputePipeline& pipeline, std::initializer_list<Binding> bindings) {
         bind(pipeline, std::span(bindings.begin(), bindings.size()));
@@ -98,8 +101,8 @@ public:
     /// The same of an image, which will be in that layout. `discard`: what it holds is not needed any more.
     void use(Image& image, VkPipelineStageFlags2 stage, VkAccessFlags2 access, VkImageLayout layout,
              bool discard = false);
-    /// Binds buffers to any pipeline of that layout, as bind() does.
-    void bind_buffers(VkPipelineBindPoint point, const PipelineLayout& layout, std::string_view name,
+    /// Binds buffers to any pipeline of that layout, as bind() does. `source`: the shader, for what errors say.
+    void bind_buffers(VkPipelineBindPoint point, const PipelineLayout& layout, std::string_view source,
                       std::span<const Binding> bindings);
     void flush_barrier();
     /// Between the two only what needs no barrier may be recorded: uses throw ErrorCode::Internal.

@@ -44,7 +44,7 @@ void DeviceIntersector::trace(std::span<const Ray> rays, bool any) const {
     Batch& batch = *batch_;
     std::memcpy(batch.rays.mapped(), rays.data(), rays.size_bytes());
     batch.commands.reset();
-    batch.commands.bind(any ? batch.any : batch.closest, {read(batch.rays), write(batch.hits)});
+    batch.commands.bind(any ? batch.any : batch.closest, {read("rays", batch.rays), write("hits", batch.hits)});
     batch.commands.push(TraceRaysPush{static_cast<uint32_t>(rays.size())});
     batch.commands.dispatch_threads(rays.size(), TRACE_RAYS_GROUP);
     batch.commands.host_reads(batch.hits);

@@ -27,7 +27,7 @@ DeviceTiles::DeviceTiles(Device& device, const std::string& structure, uint32_t 
 }
 
 void DeviceTiles::record(CommandList& commands, DeviceWord count) {
-    commands.bind(pipeline_, {read(*count.buffer), write(state_)});
+    commands.bind(pipeline_, {read("counts", *count.buffer), write("state", state_)});
     commands.push(DeviceTilesConstants{count.index, capacity_, tile_, row_groups_});
     commands.dispatch(1);
 }

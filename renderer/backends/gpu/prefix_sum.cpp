@@ -14,12 +14,14 @@ PrefixSum::PrefixSum(Device& device, uint32_t capacity, uint32_t warp)
 
 void PrefixSum::record(CommandList& commands, Buffer& words, Buffer& sums, DeviceWord count, DeviceWord total) {
     tiles_.record(commands, count);
-    commands.bind(reduce_, {read(tiles_.state()), read(words), write(tile_sums_)});
+    commands.bind(reduce_, {read("tiles_state", tiles_.state()), read("words", words), write("tile_sums", tile_sums_)});
     tiles_.dispatch(commands);
-    commands.bind(rows_, {read(tiles_.state()), read_write(tile_sums_), write(*total.buffer)});
+    commands.bind(
+        rows_, {read("tiles_state", tiles_.state()), read_write("rows", tile_sums_), write("totals", *total.buffer)});
     commands.push(total.index);
     commands.dispatch(1);
-    commands.bind(scan_, {read(tiles_.state()), read(words), read(tile_sums_), write(sums)});
+    commands.bind(scan_, {read("tiles_state", tiles_.state()), read("words", words), read("tile_starts", tile_sums_),
+                          write("sums", sums)});
     tiles_.dispatch(commands);
 }
 

@@ -40,14 +40,16 @@ void RadixSort::record(CommandList& commands, Buffer& keys, Buffer& values, Devi
         const bool forth = pass % 2 == 0;
         Buffer &from_keys = forth ? keys : keys_, &to_keys = forth ? keys_ : keys;
         Buffer &from_values = forth ? values : values_, &to_values = forth ? values_ : values;
-        commands.bind(count_, {read(tiles_.state()), read(from_keys), write(counts_)});
+        commands.bind(count_, {read("tiles_state", tiles_.state()), read("keys", from_keys), write("counts", counts_)});
         commands.push(constants);
         tiles_.dispatch(commands);
-        commands.bind(rows_, {read(tiles_.state()), read_write(counts_), write(totals_)});
+        commands.bind(rows_,
+                      {read("tiles_state", tiles_.state()), read_write("rows", counts_), write("totals", totals_)});
         commands.push(uint32_t{0});
         commands.dispatch(constants.digits);
-        commands.bind(scatter_, {read(tiles_.state()), read(from_keys), read(from_values), read(counts_), read(totals_),
-                                 write(to_keys), write(to_values)});
+        commands.bind(scatter_, {read("tiles_state", tiles_.state()), read("keys", from_keys),
+                                 read("values", from_values), read("starts", counts_), read("totals", totals_),
+                                 write("sorted_keys", to_keys), write("sorted_values", to_values)});
         commands.push(constants);
         tiles_.dispatch(commands);
         shift += bits;

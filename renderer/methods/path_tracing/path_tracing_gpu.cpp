@@ -62,8 +62,9 @@ struct PathTracingGpu::State {
             wavefront->record(commands, slot.image, eye, slot.sampler, first, end);
         } else {
             const gpu::Scope scope(commands, "indirect");
-            commands.bind(*megakernel, {gpu::read_write(slot.image.layers()), gpu::read_write(slot.image.counters()),
-                                        gpu::read(eye), gpu::read(slot.sampler)});
+            commands.bind(*megakernel, {gpu::read_write("device_layers", slot.image.layers()),
+                                        gpu::read_write("device_counters", slot.image.counters()),
+                                        gpu::read("eye", eye), gpu::read("pass_sampler", slot.sampler)});
             commands.push(gpu::PathTracingPush{first, end});
             commands.dispatch_threads(uint64_t{end - first} * kTilePixels, kTilePixels);
         }

@@ -41,13 +41,15 @@ uint64_t PathWavefrontGpu::device_bytes(uint32_t most_tiles) {
 void PathWavefrontGpu::record(gpu::CommandList& commands, DeviceImage& image, gpu::Buffer& eye, gpu::Buffer& sampler,
                               uint32_t first_tile, uint32_t end_tile, uint32_t vertices) {
     const auto bind = [&](const gpu::ComputePipeline& pipeline, const gpu::PathWavePush& push) {
-        commands.bind(pipeline, {gpu::read_write(image.layers()), gpu::read_write(image.counters()), gpu::read(eye),
-                                 gpu::read(sampler), gpu::read_write(counts_), gpu::read_write(queues_),
-                                 gpu::read_write(states_), gpu::read_write(hits_), gpu::read_write(shadows_)});
+        commands.bind(pipeline, {gpu::read_write("device_layers", image.layers()),
+                                 gpu::read_write("device_counters", image.counters()), gpu::read("eye", eye),
+                                 gpu::read("pass_sampler", sampler), gpu::read_write("path_counts", counts_),
+                                 gpu::read_write("path_queues", queues_), gpu::read_write("path_states", states_),
+                                 gpu::read_write("path_hits", hits_), gpu::read_write("path_shadows", shadows_)});
         commands.push(push);
     };
     const auto turn_queues = [&] {
-        commands.bind(queue_, {gpu::read_write(counts_)});
+        commands.bind(queue_, {gpu::read_write("path_counts", counts_)});
         commands.dispatch(1);
     };
     commands.fill(counts_, 0);

@@ -317,7 +317,8 @@ void PhotonMappingGpu::State::record(uint32_t pass, Slot& slot, uint32_t piece, 
         slot.image.record_clear(commands);
         commands.update(slot.sampler, PassSampler(params.sampler, seed, RandomDomain::Camera, pass).device_data());
         const gpu::SplitSamplersPush split{params.most_light_samples(), gather_rays_of(params)};
-        commands.bind(split_samplers, {gpu::read(slot.sampler), gpu::write(slot.split_points)});
+        commands.bind(split_samplers,
+                      {gpu::read("pass_sampler", slot.sampler), gpu::write("points", slot.split_points)});
         commands.push(split);
         commands.dispatch_threads(uint64_t{split.light_samples + split.gather_rays} * SPLIT_PREPARED_SETS,
                                   SPLIT_SAMPLERS_GROUP);
@@ -356,11 +357,14 @@ void PhotonMappingGpu::State::record_eye(Slot& slot, uint32_t piece, gpu::Comman
         const gpu::Scope scope(commands, gathers() ? "direct" : "gather");
         if (gathers()) commands.fill(point_state, 0, POINTS_WORD * sizeof(uint32_t), sizeof(uint32_t));
         if (piece == 0) commands.fill(point_state, 0);
-        commands.bind(*eye_pass, {gpu::read_write(slot.image.layers()), gpu::read_write(slot.image.counters()),
-                                  gpu::read(eye), gpu::read(slot.sampler), gpu::read(slot.split_points),
-                                  gpu::read(mapping), gpu::read(grid_photons->starts), gpu::read(grid_photons->places),
-                                  gpu::read(grid_photons->powers), gpu::read_write(point_state), gpu::write(points),
-                                  gpu::write(last_points)});
+        commands.bind(*eye_pass,
+                      {gpu::read_write("device_layers", slot.image.layers()),
+                       gpu::read_write("device_counters", slot.image.counters()), gpu::read("eye", eye),
+                       gpu::read("pass_sampler", slot.sampler), gpu::read("split_points", slot.split_points),
+                       gpu::read("mapping", mapping), gpu::read("grid_starts", grid_photons->starts),
+                       gpu::read("grid_places", grid_photons->places), gpu::read("map_powers", grid_photons->powers),
+                       gpu::read_write("point_state", point_state), gpu::write("points", points),
+                       gpu::write("last_points", last_points)});
         commands.push(gpu::PhotonMappingPush{first, end, static_cast<uint32_t>(point_capacity)});
         commands.dispatch_threads(uint64_t{end - first} * kTilePixels, kTilePixels);
     }
@@ -375,16 +379,19 @@ void PhotonMappingGpu::State::record_eye(Slot& slot, uint32_t piece, gpu::Comman
 void PhotonMappingGpu::State::record_gather(Slot& slot, uint32_t first_tile, uint32_t end_tile,
                                             gpu::CommandList& commands) {
     const gpu::Scope scope(commands, "gather");
-    commands.bind(*gather_pass,
-                  {gpu::read_write(slot.image.layers()), gpu::read_write(slot.image.counters()), gpu::read(eye),
-                   gpu::read(slot.sampler), gpu::read(slot.split_points), gpu::read(mapping),
-                   gpu::read(grid_photons->starts), gpu::read(grid_photons->places), gpu::read(grid_photons->powers),
-                   gpu::read(point_state), gpu::read(points), gpu::write(gathered)});
+    commands.bind(*gather_pass, {gpu::read_write("device_layers", slot.image.layers()),
+                                 gpu::read_write("device_counters", slot.image.counters()), gpu::read("eye", eye),
+                                 gpu::read("pass_sampler", slot.sampler), gpu::read("split_points", slot.split_points),
+                                 gpu::read("mapping", mapping), gpu::read("grid_starts", grid_photons->starts),
+                                 gpu::read("grid_places", grid_photons->places),
+                                 gpu::read("map_powers", grid_photons->powers), gpu::read("point_state", point_state),
+                                 gpu::read("points", points), gpu::write("gathered_light", gathered)});
     commands.push(gpu::GatherPush{static_cast<uint32_t>(point_capacity)});
     commands.dispatch_threads(point_capacity * gather_lanes, GATHER_GROUP);
-    commands.bind(*gather_sum,
-                  {gpu::read_write(slot.image.layers()), gpu::read(eye), gpu::read(slot.sampler),
-                   gpu::read_write(point_state), gpu::read(points), gpu::read(gathered), gpu::read(last_points)});
+    commands.bind(*gather_sum, {gpu::read_write("device_layers", slot.image.layers()), gpu::read("eye", eye),
+                                gpu::read("pass_sampler", slot.sampler), gpu::read_write("point_state", point_state),
+                                gpu::read("points", points), gpu::read("gathered_light", gathered),
+                                gpu::read("last_points", last_points)});
     commands.push(gpu::GatherSumPush{first_tile, end_tile});
     commands.dispatch_threads(uint64_t{end_tile - first_tile} * kTilePixels, kTilePixels);
 }

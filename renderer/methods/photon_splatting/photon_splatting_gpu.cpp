@@ -239,17 +239,21 @@ std::vector<PieceQueue::Record> PhotonSplattingGpu::State::eye_pieces(uint32_t p
             }
             {
                 const gpu::Scope scope(commands, "direct");
-                commands.bind(*walk, {gpu::read_write(device_image.layers()), gpu::read_write(device_image.counters()),
-                                      gpu::read(eye), gpu::read(sampler), gpu::read(constants), gpu::read_write(counts),
-                                      gpu::write(heads), gpu::write(points), gpu::write(general_points),
-                                      gpu::write(sums), gpu::write(clusters)});
+                commands.bind(*walk,
+                              {gpu::read_write("device_layers", device_image.layers()),
+                               gpu::read_write("device_counters", device_image.counters()), gpu::read("eye", eye),
+                               gpu::read("pass_sampler", sampler), gpu::read("constants", constants),
+                               gpu::read_write("counts", counts), gpu::write("first_of_pixel", heads),
+                               gpu::write("points", points), gpu::write("general_points", general_points),
+                               gpu::write("sums", sums), gpu::write("clusters", clusters)});
                 commands.push(gpu::SplatEyePush{first, end});
                 commands.dispatch_threads(uint64_t{end - first} * kTilePixels, kTilePixels);
             }
             if (end < tiles) return;
             const gpu::Scope scope(commands, "g_buffer");
-            commands.bind(*bound, {gpu::read(constants), gpu::read(counts), gpu::read(size_factors),
-                                   gpu::read_write(points), gpu::read_write(clusters)});
+            commands.bind(*bound, {gpu::read("constants", constants), gpu::read("counts", counts),
+                                   gpu::read("size_factors", size_factors), gpu::read_write("points", points),
+                                   gpu::read_write("clusters", clusters)});
             commands.push(gpu::SplatClusterPush{0, cluster_capacity, 0, 0});
             commands.dispatch_threads(uint64_t{cluster_capacity} * SPLAT_GROUP, SPLAT_GROUP);
             commands.copy(counts, 0, host_counts, 0, host_counts.bytes());
@@ -304,10 +308,11 @@ void PhotonSplattingGpu::State::add_batch(uint32_t first_photon, uint32_t end_ph
     const uint32_t count = (end_photon - first_photon) * params.rays_per_photon;
     pieces.push_back([=, this](gpu::CommandList& commands) {
         const gpu::Scope scope(commands, "splat_depth");
-        commands.bind(*make,
-                      {gpu::read_write(device_image.counters()), gpu::read(constants), gpu::read(photons->state()),
-                       gpu::read(photons->photons()), gpu::read(photons->order()), gpu::read(photons->surfaces()),
-                       gpu::write(splats), gpu::read(stratification ? stratification->sources() : counts)});
+        commands.bind(*make, {gpu::read_write("device_counters", device_image.counters()),
+                              gpu::read("constants", constants), gpu::read("state", photons->state()),
+                              gpu::read("photons", photons->photons()), gpu::read("order", photons->order()),
+                              gpu::read("surfaces", photons->surfaces()), gpu::write("splats", splats),
+                              gpu::read("sources", stratification ? stratification->sources() : counts)});
         commands.push(gpu::SplatMakePush{first_photon, end_photon, count});
         commands.dispatch_threads(count, SPLAT_GROUP);
     });
@@ -319,8 +324,9 @@ void PhotonSplattingGpu::State::add_batch(uint32_t first_photon, uint32_t end_ph
             pieces.push_back([=, this, end = first + std::min(maps, count - first)](gpu::CommandList& commands) {
                 const gpu::Scope scope(commands, "splat_depth");
                 if (depth_atlas) return depth_atlas->record(commands, constants, splats, depth_maps, first, end);
-                commands.bind(*depth, {gpu::read_write(device_image.counters()), gpu::read(constants),
-                                       gpu::read(splats), gpu::write(depth_maps)});
+                commands.bind(*depth, {gpu::read_write("device_counters", device_image.counters()),
+                                       gpu::read("constants", constants), gpu::read("splats", splats),
+                                       gpu::write("farthest_m", depth_maps)});
                 commands.push(gpu::SplatClusterPush{0, 0, first, end});
                 commands.dispatch_threads(uint64_t{end - first} * SPLAT_GROUP, SPLAT_GROUP);
             });
@@ -347,10 +353,12 @@ void PhotonSplattingGpu::State::add_batch(uint32_t first_photon, uint32_t end_ph
                                              first + std::min(splats_a_piece, count - first)};
             pieces.push_back([push, this](gpu::CommandList& commands) {
                 const gpu::Scope scope(commands, "splat");
-                commands.bind(*light,
-                              {gpu::read_write(device_image.counters()), gpu::read(constants), gpu::read(counts),
-                               gpu::read(clusters), gpu::read(points), gpu::read(general_points), gpu::read(splats),
-                               gpu::read(depth_maps), gpu::read(photons->surfaces()), gpu::read_write(sums)});
+                commands.bind(*light, {gpu::read_write("device_counters", device_image.counters()),
+                                       gpu::read("constants", constants), gpu::read("counts", counts),
+                                       gpu::read("clusters", clusters), gpu::read("points", points),
+                                       gpu::read("general_points", general_points), gpu::read("splats", splats),
+                                       gpu::read("farthest_m", depth_maps), gpu::read("surfaces", photons->surfaces()),
+                                       gpu::read_write("sums", sums)});
                 commands.push(push);
                 commands.dispatch_threads(uint64_t{push.end_cluster - push.first_cluster} * SPLAT_GROUP, SPLAT_GROUP);
             });
@@ -366,9 +374,11 @@ std::vector<PieceQueue::Record> PhotonSplattingGpu::State::image_pieces() {
         for (uint32_t first = 0; first < all; first += std::min(at_once, all - first)) {
             pieces.push_back([=, this, end = first + std::min(at_once, all - first)](gpu::CommandList& commands) {
                 const gpu::Scope scope(commands, "repay");
-                commands.bind(*repay, {gpu::read_write(device_image.layers()), gpu::read_write(device_image.counters()),
-                                       gpu::read(eye), gpu::read(repay_sampler), gpu::read(constants),
-                                       gpu::read(points), gpu::read(general_points), gpu::read_write(sums)});
+                commands.bind(*repay, {gpu::read_write("device_layers", device_image.layers()),
+                                       gpu::read_write("device_counters", device_image.counters()),
+                                       gpu::read("eye", eye), gpu::read("pass_sampler", repay_sampler),
+                                       gpu::read("constants", constants), gpu::read("points", points),
+                                       gpu::read("general_points", general_points), gpu::read_write("sums", sums)});
                 commands.push(gpu::SplatPointPush{first, end});
                 commands.dispatch_threads(end - first, SPLAT_GROUP);
             });
@@ -377,9 +387,10 @@ std::vector<PieceQueue::Record> PhotonSplattingGpu::State::image_pieces() {
     pieces.push_back([this](gpu::CommandList& commands) {
         {
             const gpu::Scope scope(commands, settings.normalised ? "normalise" : "combine");
-            commands.bind(*combine, {gpu::read_write(device_image.layers()), gpu::read(constants), gpu::read(heads),
-                                     gpu::read(points), gpu::read(general_points), gpu::read(sums), gpu::read(eye),
-                                     gpu::write(edges)});
+            commands.bind(*combine, {gpu::read_write("device_layers", device_image.layers()),
+                                     gpu::read("constants", constants), gpu::read("first_of_pixel", heads),
+                                     gpu::read("points", points), gpu::read("general_points", general_points),
+                                     gpu::read("sums", sums), gpu::read("eye", eye), gpu::write("edges", edges)});
             commands.push(static_cast<uint32_t>(size.pixels()));
             commands.dispatch_threads(size.pixels(), SPLAT_GROUP);
         }

@@ -66,12 +66,13 @@ void SplatDepthAtlas::record(gpu::CommandList& commands, gpu::Buffer& constants,
                              gpu::Buffer& depth_maps, uint32_t first, uint32_t end) {
     const gpu::SplatDepthPush push{first, end, columns_, rows_};
     {
-        gpu::RasterPass pass(commands, draw_, {{}, gpu::clear_depth(atlas_)}, {gpu::read(splats)});
+        gpu::RasterPass pass(commands, draw_, {{}, gpu::clear_depth(atlas_)}, {gpu::read("splats", splats)});
         pass.push(push);
         pass.draw(3 * triangles_, end - first);
     }
     gpu::copy(commands, atlas_, depths_);
-    commands.bind(spread_, {gpu::read(constants), gpu::read(splats), gpu::read(depths_), gpu::write(depth_maps)});
+    commands.bind(spread_, {gpu::read("constants", constants), gpu::read("splats", splats), gpu::read("atlas", depths_),
+                            gpu::write("farthest_m", depth_maps)});
     commands.push(push);
     commands.dispatch_threads(uint64_t{end - first} * resolution_ * resolution_, SPLAT_GROUP);
 }

@@ -45,8 +45,9 @@ void SplatVolumes::record(gpu::CommandList& commands, const Points& points, gpu:
     const gpu::RasterTargets cleared{{gpu::clear(light_, kBlack), gpu::clear(weights_, kBlack)}, {}};
     const gpu::RasterTargets kept{{gpu::load(light_), gpu::load(weights_)}, {}};
     gpu::RasterPass pass(commands, draw_, clear ? cleared : kept,
-                         {gpu::read(points.eye), gpu::read(splats), gpu::read(points.constants),
-                          gpu::read(points.heads), gpu::read(points.points), gpu::read(depth_maps)});
+                         {gpu::read("eye", points.eye), gpu::read("splats", splats),
+                          gpu::read("constants", points.constants), gpu::read("first_of_pixel", points.heads),
+                          gpu::read("points", points.points), gpu::read("farthest_m", depth_maps)});
     pass.push(gpu::SplatClusterPush{0, 0, first, end});
     pass.draw(kVertices, end - first);
 }
@@ -54,8 +55,9 @@ void SplatVolumes::record(gpu::CommandList& commands, const Points& points, gpu:
 void SplatVolumes::record_sums(gpu::CommandList& commands, const Points& points) {
     gpu::copy(commands, light_, light_copy_);
     gpu::copy(commands, weights_, weights_copy_);
-    commands.bind(sum_, {gpu::read_write(points.counters), gpu::read(points.heads), gpu::read(light_copy_),
-                         gpu::read(weights_copy_), gpu::read_write(points.sums)});
+    commands.bind(sum_, {gpu::read_write("device_counters", points.counters), gpu::read("first_of_pixel", points.heads),
+                         gpu::read("light_and_splats", light_copy_),
+                         gpu::read("weight_and_contributions", weights_copy_), gpu::read_write("sums", points.sums)});
     commands.push(pixels_);
     commands.dispatch_threads(pixels_, SPLAT_GROUP);
 }

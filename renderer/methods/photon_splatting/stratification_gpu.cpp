@@ -86,7 +86,8 @@ void StratificationGpu::record_sort(gpu::CommandList& commands, gpu::Buffer& pho
     for (uint32_t first_bit = 0; first_bit < bits; first_bit += kKeyBits) {
         gpu::StratificationConstants push = push_;
         push.high_bits = first_bit > 0;
-        commands.bind(key_, {gpu::read(photons), gpu::read(order), gpu::read_write(places_), gpu::write(keys_)});
+        commands.bind(key_, {gpu::read("photons", photons), gpu::read("order", order),
+                             gpu::read_write("places", places_), gpu::write("keys", keys_)});
         commands.push(push);
         commands.dispatch_threads(push_.photons, STRATIFICATION_GROUP);
         sort_->record(commands, keys_, places_, {state_, STRATIFICATION_PHOTONS}, std::min(bits - first_bit, kKeyBits));
@@ -103,19 +104,22 @@ void StratificationGpu::record(gpu::CommandList& commands, gpu::Buffer& photons,
         if (joins()) {
             commands.fill(covers_, 0);
             commands.fill(joined_, 0);
-            commands.bind(join_, {gpu::read(photons), gpu::read(order), gpu::read(keys_), gpu::read(places_),
-                                  gpu::read_write(covers_), gpu::read_write(joined_)});
+            commands.bind(join_, {gpu::read("photons", photons), gpu::read("order", order), gpu::read("keys", keys_),
+                                  gpu::read("places", places_), gpu::read_write("covers", covers_),
+                                  gpu::read_write("joined", joined_)});
             commands.push(push_);
             commands.dispatch_threads(push_.photons, STRATIFICATION_GROUP);
             sum_->record(commands, covers_, covers_, {state_, STRATIFICATION_PHOTONS}, {state_, STRATIFICATION_COVERS});
         }
-        commands.bind(count_, {gpu::read(photons), gpu::read(order), gpu::read(keys_), gpu::read(places_),
-                               gpu::read(covers_), gpu::read(joined_), gpu::write(offsets_)});
+        commands.bind(count_, {gpu::read("photons", photons), gpu::read("order", order), gpu::read("keys", keys_),
+                               gpu::read("places", places_), gpu::read("covers", covers_), gpu::read("joined", joined_),
+                               gpu::write("splats", offsets_)});
         commands.push(push_);
         commands.dispatch_threads(push_.photons, STRATIFICATION_GROUP);
         sum_->record(commands, offsets_, offsets_, {state_, STRATIFICATION_PHOTONS}, {state_, STRATIFICATION_SOURCES});
-        commands.bind(choose_, {gpu::read(photons), gpu::read(order), gpu::read(keys_), gpu::read(places_),
-                                gpu::read(state_), gpu::read(joined_), gpu::read(offsets_), gpu::write(sources_)});
+        commands.bind(choose_, {gpu::read("photons", photons), gpu::read("order", order), gpu::read("keys", keys_),
+                                gpu::read("places", places_), gpu::read("state", state_), gpu::read("joined", joined_),
+                                gpu::read("offsets", offsets_), gpu::write("sources", sources_)});
         commands.push(push_);
         commands.dispatch_threads(push_.photons, STRATIFICATION_GROUP);
     }

@@ -87,9 +87,11 @@ void ReflectiveShadowMapsGpu::State::add_paper_steps(uint32_t pass, std::vector<
                              const gpu::Scope scope(commands, "indirect");
                              GBufferGpu& buffer = frame.buffer();
                              VplTracerGpu& tracer = frame.tracer();
-                             commands.bind(*gather, {gpu::read(buffer.points()), gpu::read(buffer.general()),
-                                                     gpu::read(tracer.texels()), gpu::read(tracer.runs()),
-                                                     gpu::read_write(buffer.sums())});
+                             commands.bind(
+                                 *gather,
+                                 {gpu::read("points", buffer.points()), gpu::read("general_points", buffer.general()),
+                                  gpu::read("texels", tracer.texels()), gpu::read("texel_runs", tracer.runs()),
+                                  gpu::read_write("sums", buffer.sums())});
                              const uint32_t end = std::min(first + at_once, points);
                              commands.push(gpu::RsmGatherPush{.first_point = first,
                                                               .end_point = end,

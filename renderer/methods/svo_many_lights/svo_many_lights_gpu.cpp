@@ -47,8 +47,9 @@ uint64_t tree_bytes(const SvoManyLightsParams& params, uint64_t triangles) {
 VplBounceShader bounces_of(const SvoManyLightsParams& params, SparseVoxelOctreeGpu* tree) {
     if (!traces_voxels(params)) return {};
     return {.name = "renderer/methods/svo_many_lights/vpl_bounces_voxels.comp",
-            .bindings = {gpu::read(tree->constants()), gpu::read(tree->nodes()), gpu::read(tree->bricks()),
-                         gpu::read(tree->surfaces()), gpu::read(tree->first_triangles())}};
+            .bindings = {gpu::read("svo_constants", tree->constants()), gpu::read("svo_nodes", tree->nodes()),
+                         gpu::read("svo_bricks", tree->bricks()), gpu::read("svo_surfaces", tree->surfaces()),
+                         gpu::read("svo_first_triangles", tree->first_triangles())}};
 }
 
 }  // namespace
@@ -193,15 +194,16 @@ void SvoManyLightsGpu::State::record_layers(gpu::CommandList& commands) {
     if (!lights) return;
     const uint64_t pixels = buffer.layout().size.pixels();
     if (show_voxels && lights->tree) {
-        commands.bind(*show_voxels, {gpu::read_write(device_image.layers()), gpu::read(buffer.eye()),
-                                     gpu::read(lights->tree->constants()), gpu::read(lights->tree->nodes()),
-                                     gpu::read(lights->tree->bricks())});
+        commands.bind(*show_voxels,
+                      {gpu::read_write("device_layers", device_image.layers()), gpu::read("eye", buffer.eye()),
+                       gpu::read("svo_constants", lights->tree->constants()),
+                       gpu::read("svo_nodes", lights->tree->nodes()), gpu::read("svo_bricks", lights->tree->bricks())});
         commands.dispatch_threads(pixels, SPLIT_GROUP);
     }
     if (show_vpls) {
-        commands.bind(*show_vpls,
-                      {gpu::read_write(device_image.layers()), gpu::read(buffer.eye()), gpu::read(buffer.points()),
-                       gpu::read(lights->set.counts()), gpu::read(lights->set.vpls())});
+        commands.bind(*show_vpls, {gpu::read_write("layer_words", device_image.layers()),
+                                   gpu::read("eye", buffer.eye()), gpu::read("points", buffer.points()),
+                                   gpu::read("counts", lights->set.counts()), gpu::read("vpls", lights->set.vpls())});
         commands.push(buffer.split());
         commands.dispatch_threads(lights->set.most(), VPL_SET_GROUP);
     }

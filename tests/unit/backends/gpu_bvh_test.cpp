@@ -94,7 +94,7 @@ std::vector<Answer> device_answers(const gpu::BvhData& bvh, const std::vector<Ra
                             {BVH_TRIANGLES_BINDING, std::as_bytes(std::span(bvh.triangles))}});
     const Twin twin("tests/gpu/bvh.comp", &part.set(),
                     {gpu::specialize(1, false), gpu::specialize(BVH_TWO_LEVELS_ID, bvh.two_levels)});
-    return twin.run<Answer>(rays.size(), {rays});
+    return twin.run<Answer>(rays.size(), {{"rays", rays}});
 }
 
 /// The same hit but for rounding: another triangle only where both lie equally far, as at an edge or where faces
@@ -356,7 +356,7 @@ TEST(GpuBvh, MeetsCoveringSurfacesAsTheProcessorDoes) {
     const gpu::BvhData bvh = gpu::build_bvh(scene);
     const gpu::DeviceScene device_scene(gpu_device(), scene);
     const Twin twin("tests/gpu/bvh.comp", &device_scene.set(), device_scene.specialization());
-    const std::vector<Answer> answers = twin.run<Answer>(rays.size(), {rays});
+    const std::vector<Answer> answers = twin.run<Answer>(rays.size(), {{"rays", rays}});
     size_t met[4] = {};
     for (size_t i = 0; i < rays.size(); ++i) {
         const Hit expected = embree->closest_hit(rays[i]), host = gpu::closest_hit(bvh, scene, rays[i]);

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <fstream>
 #include <functional>
 #include <numeric>
@@ -126,7 +128,7 @@ TEST(GpuDevice, DependentDispatchesWaitForEachOther) {
     first.fill(runs, 0);
     for (uint32_t i = 0; i < kShifts; ++i) {
         gpu::CommandList& commands = i < kShifts / 2 ? first : second;
-        commands.bind(shift, {read(i % 2 ? b : a), write(i % 2 ? a : b), read_write(runs)});
+        commands.bind(shift, {read("from", i % 2 ? b : a), write("to", i % 2 ? a : b), read_write("runs", runs)});
         commands.push(kCount);
         commands.dispatch_threads(kCount, kGroup);
     }
@@ -155,7 +157,7 @@ TEST(GpuDevice, CountsWrittenByTheDeviceAreDispatched) {
     gpu::CommandList commands(device);
     for (Buffer* buffer : {&from, &to, &runs}) commands.fill(*buffer, 7);
     commands.update(counts, std::array<uint32_t, 8>{9, 9, 9, 9, 2, 1, 1, 9});
-    commands.bind(shift, {read(from), write(to), read_write(runs)});
+    commands.bind(shift, {read("from", from), write("to", to), read_write("runs", runs)});
     commands.push(kCount);
     commands.dispatch_indirect(counts, 16);
     commands.submit();
@@ -163,6 +165,33 @@ TEST(GpuDevice, CountsWrittenByTheDeviceAreDispatched) {
     std::vector<uint32_t> expected(kCount, 8);
     std::fill(expected.begin() + 2 * kGroup, expected.end(), 7u);
     EXPECT_EQ(gpu::read_back<uint32_t>(device, to, kCount), expected) << "two groups of the three";
+}
+
+/// Whatever the order of the list: each buffer is where the shader has its name.
+TEST(GpuDevice, BuffersAreBoundByTheirNames) {
+    gpu::Device& device = test::gpu_device();
+    const gpu::ComputePipeline shift(device, kShift, sizeof(uint32_t));
+    constexpr uint32_t kCount = kGroup;
+    Buffer from(device, "from", 4 * kCount), to(device, "to", 4 * kCount), runs(device, "runs", 4 * kCount);
+    std::array<int, 3> order{0, 1, 2};
+    do {
+        SCOPED_TRACE(testing::Message() << order[0] << order[1] << order[2]);
+        const std::array<gpu::Binding, 3> all{read("from", from), write("to", to), read_write("runs", runs)};
+        std::vector<gpu::Binding> bindings;
+        for (const int i : order) bindings.push_back(all[static_cast<size_t>(i)]);
+        gpu::CommandList commands(device);
+        commands.fill(from, 7);
+        commands.fill(to, 0);
+        commands.fill(runs, 20);
+        commands.bind(shift, bindings);
+        commands.push(kCount);
+        commands.dispatch_threads(kCount, kGroup);
+        commands.submit();
+        commands.wait();
+        EXPECT_EQ(gpu::read_back<uint32_t>(device, from, kCount), std::vector<uint32_t>(kCount, 7));
+        EXPECT_EQ(gpu::read_back<uint32_t>(device, to, kCount), std::vector<uint32_t>(kCount, 8));
+        EXPECT_EQ(gpu::read_back<uint32_t>(device, runs, kCount), std::vector<uint32_t>(kCount, 21));
+    } while (std::next_permutation(order.begin(), order.end()));
 }
 
 TEST(GpuDevice, BindingsThatAreNotTheShadersAreRefused) {
@@ -173,12 +202,22 @@ TEST(GpuDevice, BindingsThatAreNotTheShadersAreRefused) {
     const auto bound = [&](std::initializer_list<gpu::Binding> bindings) {
         return error_of(ErrorCode::Internal, [&] { commands.bind(shift, bindings); });
     };
-    EXPECT_TRUE(says(bound({read(a), write(b)}), "has 3 buffers; bound were 2"));
-    EXPECT_TRUE(says(bound({write(a), write(b), write(c)}), "binding 0"));
-    EXPECT_TRUE(says(bound({read(a), read(b), write(c)}), "binding 1"));
-    EXPECT_TRUE(says(bound({read(a), write(b), read(c)}), "binding 2"));
-    EXPECT_TRUE(says(bound({read(a), write(nothing), write(c)}), "binding 1: no buffer"));
-    EXPECT_EQ(bound({read(a), write(b), read_write(c)}), "");
+    // Each text begins with the shader and names the buffer.
+    const std::string buffer = std::string(kShift) + ", buffer ";
+    EXPECT_EQ(bound({read("from", a), write("to", b)}), buffer + "runs: not bound");
+    EXPECT_EQ(bound({}), buffer + "from: not bound");
+    EXPECT_EQ(bound({read("from", a), write("to", b), write("run", c)}), buffer + "run: the shader has no such buffer");
+    EXPECT_EQ(bound({read("from", a), write("to", b), read_write("runs", c), read("", a)}),
+              buffer + ": the shader has no such buffer");
+    EXPECT_EQ(bound({read("from", a), write("to", b), write("to", c)}), buffer + "to: bound twice");
+    EXPECT_EQ(bound({read("from", a), write("to", b), read_write("runs", c), read("from", a)}),
+              buffer + "from: bound twice");
+    const std::string access = "the shader declares another access to ";
+    EXPECT_EQ(bound({write("from", a), write("to", b), write("runs", c)}), buffer + "from: " + access + "a");
+    EXPECT_EQ(bound({read("from", a), read("to", b), write("runs", c)}), buffer + "to: " + access + "b");
+    EXPECT_EQ(bound({read("from", a), write("to", b), read("runs", c)}), buffer + "runs: " + access + "c");
+    EXPECT_EQ(bound({read("from", a), write("to", nothing), write("runs", c)}), buffer + "to: no buffer");
+    EXPECT_EQ(bound({read("from", a), write("to", b), read_write("runs", c)}), "");
     EXPECT_TRUE(says(error_of(ErrorCode::Internal, [&] { commands.push(uint64_t{1}); }), "8 bytes"));
     EXPECT_TRUE(says(error_of(ErrorCode::Internal, [&] { commands.dispatch(1, device.limits().workgroups[1] + 1); }),
                      "passes the device's limit"));
@@ -200,7 +239,7 @@ TEST(GpuDevice, ScopesAreTimedByTheDevice) {
     for (Buffer* buffer : {&from, &runs}) commands.fill(*buffer, 0);
     for (const auto& [name, count] : {std::pair{"little", 64u}, std::pair{"much", kMost}, std::pair{"much", kMost}}) {
         const gpu::Scope scope(commands, name);
-        commands.bind(shift, {read(from), write(to), read_write(runs)});
+        commands.bind(shift, {read("from", from), write("to", to), read_write("runs", runs)});
         commands.push(count);
         commands.dispatch_threads(count, kGroup);
     }
@@ -290,7 +329,7 @@ TEST(GpuDevice, ListsThatAreDroppedLeaveNothingUndone) {
     Buffer a(device, "a", 4 * kCount), b(device, "b", 4 * kCount), runs(device, "runs", 4 * kCount);
     gpu::CommandList first(device), last(device);
     const auto record = [&](gpu::CommandList& commands, Buffer& from, Buffer& to) {
-        commands.bind(shift, {read(from), write(to), read_write(runs)});
+        commands.bind(shift, {read("from", from), write("to", to), read_write("runs", runs)});
         commands.push(kCount);
         commands.dispatch_threads(kCount, kGroup);
     };
@@ -323,8 +362,8 @@ TEST(GpuDevice, WhatListsCannotRecordIsRefused) {
     EXPECT_TRUE(says(refused([&] { commands.update(large, std::span(bytes)); }), "65540 bytes"));
     EXPECT_TRUE(says(refused([&] { commands.update(large, std::span(bytes).first(3)); }), "3 bytes"));
     for (Buffer* buffer : {&a, &b, &runs}) commands.fill(*buffer, 0);
-    commands.bind(shift, {read(a), write(b), read_write(runs)});
-    EXPECT_NE(refused([&] { commands.bind(shift, {read(b), read(a), read_write(runs)}); }), "");
+    commands.bind(shift, {read("from", a), write("to", b), read_write("runs", runs)});
+    EXPECT_NE(refused([&] { commands.bind(shift, {read("from", b), read("to", a), read_write("runs", runs)}); }), "");
     EXPECT_TRUE(says(refused([&] { commands.dispatch_threads((1ull << 31) + 1, kGroup); }), "threads"));
     commands.push(kCount);  // to what was bound before
     commands.dispatch_threads(kCount, kGroup);

@@ -64,7 +64,7 @@ TEST_F(GpuRaster, ATriangleCoversItsPixels) {
     Buffer corners = make<Triangle>({upper_left(0.5f)}), colors = make<vec4>({vec4(1, 2, 3, 4)});
     CommandList commands(device_);
     RasterPass pass(commands, *drawn, {{clear(image, std::array{9.0f, 8.0f, 7.0f, 6.0f})}, {}},
-                    {read(corners), read(colors), read_write(fragments_)});
+                    {read("corners", corners), read("colors", colors), read_write("fragments", fragments_)});
     pass.push(Push{});
     pass.draw(3);
     pass.end();
@@ -95,7 +95,7 @@ TEST_F(GpuRaster, BlendingAddsEveryInstanceOfEveryPass) {
     for (int i = 0; i < 3; ++i) {
         RasterPass pass(commands, *drawn,
                         {{i == 0 ? clear(image, std::array{0.5f, 0.0f, 0.0f, 0.0f}) : load(image)}, {}},
-                        {read(corners), read(colors), read_write(fragments_)});
+                        {read("corners", corners), read("colors", colors), read_write("fragments", fragments_)});
         pass.push(Push{});
         pass.draw(3, static_cast<uint32_t>(triangles.size()));
     }
@@ -111,7 +111,7 @@ TEST_F(GpuRaster, WithoutBlendingTheLastInstanceStays) {
     CommandList commands(device_);
     {
         RasterPass pass(commands, *drawn, {{clear(image, std::array{0.0f, 0.0f, 0.0f, 0.0f})}, {}},
-                        {read(corners), read(colors), read_write(fragments_)});
+                        {read("corners", corners), read("colors", colors), read_write("fragments", fragments_)});
         pass.push(Push{});
         pass.draw(3, 2);
     }
@@ -129,13 +129,13 @@ TEST_F(GpuRaster, NearerTrianglesStayInFrontAndDepthsCanBeRead) {
     CommandList commands(device_);
     {
         RasterPass pass(commands, *drawn, {{clear(image, std::array{0.0f, 0.0f, 0.0f, 0.0f})}, clear_depth(depths)},
-                        {read(corners), read(colors), read_write(fragments_)});
+                        {read("corners", corners), read("colors", colors), read_write("fragments", fragments_)});
         pass.push(Push{});
         pass.draw(3, 3);
     }
     {  // at the depth that is there: not nearer
         RasterPass pass(commands, *drawn, {{load(image)}, load(depths)},
-                        {read(corners), read(colors), read_write(fragments_)});
+                        {read("corners", corners), read("colors", colors), read_write("fragments", fragments_)});
         pass.push(Push{});
         pass.draw(3, 1);
     }
@@ -156,7 +156,7 @@ TEST_F(GpuRaster, ClipDistancesCutTrianglesWithinAViewport) {
     CommandList commands(device_);
     {
         RasterPass pass(commands, *drawn, {{clear(image, std::array{0.0f, 0.0f, 0.0f, 0.0f})}, {}},
-                        {read(corners), read(colors), read_write(fragments_)});
+                        {read("corners", corners), read("colors", colors), read_write("fragments", fragments_)});
         pass.push(Push{.clip = 0.1f, .slope = 1});  // x + y > 0.1 of clip space stays
         pass.draw(3);
         pass.viewport({2, 4, 4, 4});
@@ -185,7 +185,7 @@ TEST_F(GpuRaster, IndirectDrawsReadTheirSizeOnTheDevice) {
     commands.fill(size, 0);
     commands.update(size, std::as_bytes(std::span(instances_of_3)), 16);
     RasterPass pass(commands, *drawn, {{clear(image, std::array{0.0f, 0.0f, 0.0f, 0.0f})}, {}},
-                    {read(corners), read(colors), read_write(fragments_)}, &size);
+                    {read("corners", corners), read("colors", colors), read_write("fragments", fragments_)}, &size);
     pass.push(Push{});
     pass.draw_indirect(16);
     pass.draw_indirect(0);  // of nothing
@@ -205,7 +205,7 @@ TEST_F(GpuRaster, LayersAreDrawnOneByOneAndCopiedTogether) {
     for (uint32_t layer = 0; layer < kLayers; ++layer) {
         colors.push_back(make<vec4>({vec4(float(100 * layer), 0, 0, 0)}));
         RasterPass pass(commands, *drawn, {{clear(image, std::array{0u, 0u, 0u, 0u}, layer)}, {}},
-                        {read(corners), read(colors.back())});
+                        {read("corners", corners), read("colors", colors.back())});
         pass.push(Push{});
         pass.draw(layer == 1 ? 0 : 3);
     }
@@ -227,7 +227,8 @@ TEST_F(GpuRaster, ImagesTakeWhatIsCopiedToThemAndMayBeDrawnOnto) {
     CommandList commands(device_);
     copy(commands, from, image, 16);
     {
-        RasterPass pass(commands, *drawn, {{load(image)}, {}}, {read(corners), read(colors), read_write(fragments_)});
+        RasterPass pass(commands, *drawn, {{load(image)}, {}},
+                        {read("corners", corners), read("colors", colors), read_write("fragments", fragments_)});
         pass.push(Push{});
         pass.draw(3);
     }
@@ -277,6 +278,31 @@ TEST_F(GpuRaster, WhatCannotBeMadeIsRefusedWithAReason) {
               }),
               ErrorCode::Internal);
     EXPECT_EQ(device_.memory().structures(), before);
+    // Two shaders that have different buffers at one binding.
+    constexpr const char* kOther = "renderer/methods/photon_splatting/splat_volume.frag";
+    try {
+        pipeline(floats(Blend::None), kOther);
+        ADD_FAILURE() << "made";
+    } catch (const Error& error) {
+        const std::string text = error.what();
+        for (const char* part : {kOther, "eye", "corners"}) EXPECT_NE(text.find(part), std::string::npos) << text;
+    }
+}
+
+/// Those of both shaders, whatever the order of the list.
+TEST_F(GpuRaster, BuffersAreBoundByTheirNames) {
+    const auto drawn = pipeline(floats(Blend::None));
+    Image image(device_, "test image", kFloats, kSide, kSide);
+    Buffer corners = make<Triangle>({all_pixels(0.5f)}), colors = make<vec4>({vec4(3)});
+    CommandList commands(device_);
+    RasterPass pass(commands, *drawn, {{clear(image, std::array{0.0f, 0.0f, 0.0f, 0.0f})}, {}},
+                    {read_write("fragments", fragments_), read("colors", colors), read("corners", corners)});
+    pass.push(Push{});
+    pass.draw(3);
+    pass.end();
+    run(commands);
+    EXPECT_EQ(fragments(), kSide * kSide);
+    for (const vec4& pixel : pixels(image)) EXPECT_EQ(pixel, vec4(3));
 }
 
 TEST_F(GpuRaster, PassesThatDoNotFitAreRefused) {
@@ -289,8 +315,10 @@ TEST_F(GpuRaster, PassesThatDoNotFitAreRefused) {
     CommandList commands(device_);
     const Attachment cleared = clear(image, std::array{0.0f, 0.0f, 0.0f, 0.0f});
     const auto refused = [&](const RasterTargets& targets) {
-        EXPECT_THROW(RasterPass(commands, *drawn, targets, {read(corners), read(colors), read_write(fragments_)}),
-                     Error);
+        EXPECT_THROW(
+            RasterPass(commands, *drawn, targets,
+                       {read("corners", corners), read("colors", colors), read_write("fragments", fragments_)}),
+            Error);
     };
     refused({{}, {}});
     refused({{cleared, cleared}, {}});
@@ -298,10 +326,12 @@ TEST_F(GpuRaster, PassesThatDoNotFitAreRefused) {
     refused({{clear(numbers, std::array{0u, 0u, 0u, 0u})}, {}});
     refused({{load(image)}, {}});
     refused({{clear(image, std::array{0.0f, 0.0f, 0.0f, 0.0f}, 1)}, {}});
-    EXPECT_THROW(RasterPass(commands, *drawn, {{cleared}, {}}, {read(corners), read(colors)}), Error);
+    EXPECT_THROW(RasterPass(commands, *drawn, {{cleared}, {}}, {read("corners", corners), read("colors", colors)}),
+                 Error);
     EXPECT_THROW(copy(commands, image, pixels), Error);
     {
-        RasterPass pass(commands, *drawn, {{cleared}, {}}, {read(corners), read(colors), read_write(fragments_)});
+        RasterPass pass(commands, *drawn, {{cleared}, {}},
+                        {read("corners", corners), read("colors", colors), read_write("fragments", fragments_)});
         EXPECT_THROW(pass.draw_indirect(), Error);
         EXPECT_THROW(commands.fill(pixels, 0), Error);  // in the midst of a pass
         EXPECT_THROW(copy(commands, image, pixels), Error);

@@ -71,7 +71,7 @@ TEST(GpuScene, TexturesAreLookedUpAlike) {
         }
     const gpu::DeviceScene device_scene(gpu_device(), scene);
     const Twin twin("tests/gpu/texture_lookup.comp", &device_scene.set(), device_scene.specialization());
-    const std::vector<vec4> answers = twin.run<vec4>(lookups.size(), {lookups});
+    const std::vector<vec4> answers = twin.run<vec4>(lookups.size(), {{"lookups", lookups}});
     for (size_t i = 0; i < lookups.size(); ++i) {
         const Texture& texture = scene.textures[static_cast<size_t>(lookups[i].texture)];
         const vec4 expected = sample_texture(texture, lookups[i].uv, lookups[i].srgb);
@@ -108,7 +108,7 @@ TEST(GpuScene, TinyHugeAndNeedleTrianglesHaveNormals) {
     }();
     const gpu::DeviceScene device_scene(gpu_device(), empty);
     const Twin twin("tests/gpu/unit_cross.comp", &device_scene.set(), device_scene.specialization());
-    const std::vector<vec3> normals = twin.run<vec3>(edges.size(), {edges});
+    const std::vector<vec3> normals = twin.run<vec3>(edges.size(), {{"edges", edges}});
     for (size_t i = 0; i < edges.size(); ++i) {
         const dvec3 a(edges[i].a), b(edges[i].b), cross = glm::cross(a, b);
         // Float's cross product, which is used within its range, is known to a rounding of the edges' product; that of
@@ -199,7 +199,7 @@ void compare_surfaces(const Scene& scene, size_t count, float smooth_error) {
     }
     const gpu::DeviceScene device_scene(gpu_device(), scene);
     const Twin twin("tests/gpu/surface_point.comp", &device_scene.set(), device_scene.specialization());
-    const std::vector<Answer> answers = twin.run<Answer>(places.size(), {places});
+    const std::vector<Answer> answers = twin.run<Answer>(places.size(), {{"places", places}});
     const float size = 1e-6f * (glm::length(scene.bounds.min) + glm::length(scene.bounds.max));
     for (size_t i = 0; i < places.size(); ++i) {
         const Answer& got = answers[i];
@@ -403,7 +403,7 @@ TEST(GpuScene, LargeTexturesArriveWhole) {
     }
     const gpu::DeviceScene device_scene(gpu_device(), scene);
     const Twin twin("tests/gpu/texture_lookup.comp", &device_scene.set(), device_scene.specialization());
-    const std::vector<vec4> answers = twin.run<vec4>(lookups.size(), {lookups});
+    const std::vector<vec4> answers = twin.run<vec4>(lookups.size(), {{"lookups", lookups}});
     for (size_t i = 0; i < lookups.size(); ++i)
         ASSERT_LE(difference(answers[i], sample_texture(scene.textures[static_cast<size_t>(lookups[i].texture)],
                                                         lookups[i].uv, false)),

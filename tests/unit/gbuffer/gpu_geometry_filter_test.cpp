@@ -24,9 +24,9 @@ TEST(GpuGeometryFilter, IsTheHosts) {
             const Settings settings{gpu::device_record(image.layout), {width, 0.93f, 0.02f}};
             std::vector<vec3> expected(image.points.size());
             filter_geometry_aware(image.layout, image.points, image.irradiance, settings.filter, expected);
-            const std::vector<vec3> filtered =
-                test::run_twin<vec3>("tests/gpu/geometry_filter.comp", image.points.size(),
-                                     {std::span(&settings, 1), image.points, image.irradiance});
+            const std::vector<vec3> filtered = test::run_twin<vec3>(
+                "tests/gpu/geometry_filter.comp", image.points.size(),
+                {{"settings", std::span(&settings, 1)}, {"points", image.points}, {"sums", image.irradiance}});
             size_t apart = 0;
             for (size_t i = 0; i < filtered.size(); ++i)
                 apart += glm::length(filtered[i] - expected[i]) > 1e-5f ? 1 : 0;

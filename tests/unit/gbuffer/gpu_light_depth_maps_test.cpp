@@ -73,9 +73,12 @@ TEST_F(GpuLightDepthMaps, AnswersAreTheHosts) {
             {point.position, point.normal, random.next_2d(), light_source_of_punctual(scene_, point.light)});
     questions.push_back({vec3(0), vec3(0, 1, 0), vec2(0.5f), 0});  // an instance
     questions.push_back({vec3(0), vec3(0, 1, 0), vec2(0.5f), light_source_of_environment(scene_)});
-    const std::vector<Answer> answers = test::run_twin<Answer>(
-        "tests/gpu/light_depth.comp", questions.size(),
-        {std::span(&maps_->layout().constants, 1), maps_->layout().maps, maps_->depths_m(), questions});
+    const std::vector<Answer> answers =
+        test::run_twin<Answer>("tests/gpu/light_depth.comp", questions.size(),
+                               {{"light_depth_constants", std::span(&maps_->layout().constants, 1)},
+                                {"light_depth_maps", maps_->layout().maps},
+                                {"light_depths_m", maps_->depths_m()},
+                                {"questions", questions}});
     size_t apart = 0, lit = 0;
     for (size_t i = 0; i < questions.size(); ++i) {
         const Question& q = questions[i];

@@ -71,8 +71,9 @@ TEST_P(GpuVplShadowMaps, AreTheHosts) {
     std::vector<Question> questions;
     for (const gpu::Vpl& point : test::vpls_on(scene, *intersector, 200, 2))
         for (uint32_t light = 0; light < vpls.size(); ++light) questions.push_back({light, resolution, point.position});
-    const auto answers = test::run_twin<uint32_t>("tests/gpu/vpl_map_occluded.comp", questions.size(),
-                                                  {host.reach_m(), vpls, questions});
+    const auto answers =
+        test::run_twin<uint32_t>("tests/gpu/vpl_map_occluded.comp", questions.size(),
+                                 {{"vpl_map_reach_m", host.reach_m()}, {"vpls", vpls}, {"questions", questions}});
     size_t different = 0, occluded = 0;
     for (size_t i = 0; i < questions.size(); ++i) {
         different += host.occluded(questions[i].light, questions[i].point) != (answers[i] != 0);

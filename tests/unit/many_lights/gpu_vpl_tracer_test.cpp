@@ -229,11 +229,12 @@ TEST(GpuVplTracer, BouncesByVoxelsAreTheCpus) {
     const VplTracing tracing{.vpls = 600, .map_side = 32, .bounces = 3};
     const TracedReflections cpu =
         VplTracer(scene, *lit.intersector, voxels, lit.emission, tracing).trace(kSeed, kPass, {}, stats, CancelToken{});
-    const DeviceLights gpu =
-        trace_on_device(where, lit.emission, tracing, false, 1,
-                        {.name = "renderer/methods/svo_many_lights/vpl_bounces_voxels.comp",
-                         .bindings = {gpu::read(tree.constants()), gpu::read(tree.nodes()), gpu::read(tree.bricks()),
-                                      gpu::read(tree.surfaces()), gpu::read(tree.first_triangles())}});
+    const DeviceLights gpu = trace_on_device(
+        where, lit.emission, tracing, false, 1,
+        {.name = "renderer/methods/svo_many_lights/vpl_bounces_voxels.comp",
+         .bindings = {gpu::read("svo_constants", tree.constants()), gpu::read("svo_nodes", tree.nodes()),
+                      gpu::read("svo_bricks", tree.bricks()), gpu::read("svo_surfaces", tree.surfaces()),
+                      gpu::read("svo_first_triangles", tree.first_triangles())}});
     ASSERT_GT(cpu.photons.size(), 800u);
     EXPECT_LT(share_alone(cpu, gpu, scene.bounds.radius()), 0.03);
     // Biased as voxels are, but by voxels: not the rays' own lights, and no other number of them.

@@ -100,7 +100,8 @@ TEST(GpuVplTree, BoundsAreTheHosts) {
         questions.push_back({6.0f * (vec3(random.next(), random.next(), random.next()) - 0.5f), 0.01f,
                              i % 16 == 0 ? vec3(0) : test::random_direction(random)});
     }
-    const auto bounds = test::run_twin<float>("tests/gpu/vpl_bound.comp", nodes.size(), {nodes, questions});
+    const auto bounds =
+        test::run_twin<float>("tests/gpu/vpl_bound.comp", nodes.size(), {{"nodes", nodes}, {"questions", questions}});
     for (size_t i = 0; i < nodes.size(); ++i) {
         const VplReceivers receiver{broadcast(questions[i].position), broadcast(questions[i].normal), FloatLanes(1)};
         const float expected = vpl_bound(nodes[i], receiver, questions[i].clamp_sq_m2)[0];

@@ -198,8 +198,12 @@ TEST_P(GpuPhotonSearch, FindsWhatBruteForceFinds) {
     queries[1] = vec3(1e6f, 0, 0);
     const test::PartOfScene no_scene({});
     const test::Twin twin("tests/gpu/photon_search.comp", &no_scene.set());
-    const auto found = twin.run<PhotonsFound>(
-        kQueries, {starts, map_places, map_powers, std::span<const gpu::EstimateConstants>(&constants, 1), queries});
+    const auto found =
+        twin.run<PhotonsFound>(kQueries, {{"grid_starts", starts},
+                                          {"grid_places", map_places},
+                                          {"map_powers", map_powers},
+                                          {"constants", std::span<const gpu::EstimateConstants>(&constants, 1)},
+                                          {"queries", queries}});
     uint64_t all = 0;
     for (uint32_t i = 0; i < kQueries; ++i) {
         const PhotonsFound wanted = find_by_brute_force(places, queries[i], search.radius_m, search.nearest);

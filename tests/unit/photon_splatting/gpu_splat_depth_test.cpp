@@ -62,8 +62,9 @@ public:
         gpu::CommandList commands(device_);
         counters_.record_clear(commands);
         commands.fill(maps_, 0);
-        commands.bind(
-            trace, {gpu::read_write(counters_.buffer()), gpu::read(constants_), gpu::read(splats_), gpu::write(maps_)});
+        commands.bind(trace,
+                      {gpu::read_write("device_counters", counters_.buffer()), gpu::read("constants", constants_),
+                       gpu::read("splats", splats_), gpu::write("farthest_m", maps_)});
         commands.push(gpu::SplatClusterPush{0, 0, 0, count()});
         commands.dispatch_threads(uint64_t{count()} * SPLAT_GROUP, SPLAT_GROUP);
         return read(commands);

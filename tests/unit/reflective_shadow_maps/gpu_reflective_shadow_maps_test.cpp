@@ -85,7 +85,7 @@ TEST(GpuRsmProjection, IsTheInverseOfEmission) {
         ASSERT_GT(questions.size(), 200u) << name;
         const test::Twin project("tests/gpu/rsm_projection.comp", &where.device_scene.set(),
                                  where.device_scene.specialization());
-        const auto answers = project.run<vec3>(questions.size(), {questions});
+        const auto answers = project.run<vec3>(questions.size(), {{"questions", questions}});
         const bool local = std::string(name) != "environment";
         for (size_t i = 0; i < answers.size(); ++i) {
             ASSERT_EQ(answers[i].z != 0, local) << name;

@@ -283,7 +283,7 @@ TEST(GpuLightTables, AnglesAreGoodToAFewUnits) {
         const float x = 2 * random.next() - 1, y = 2 * random.next() - 1;
         points.push_back(vec2(x * (i % 2 ? 8.0f : std::exp2(-20 * random.next())), y));
     }
-    const auto answers = run_twin<Answer>("tests/gpu/angles.comp", points.size(), {points});
+    const auto answers = run_twin<Answer>("tests/gpu/angles.comp", points.size(), {{"points", points}});
     double angle = 0, sines = 0;
     for (size_t i = 0; i < points.size(); ++i) {
         const double x = points[i].x, y = points[i].y;

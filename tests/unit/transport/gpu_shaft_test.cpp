@@ -100,7 +100,7 @@ TEST_P(GpuShafts, MissNothingThatRaysMeet) {
     }
     const auto constants = where.device_scene.specialization();
     const test::Twin twin("tests/gpu/shaft.comp", &where.device_scene.set(), constants);
-    const std::vector<Answer> answers = twin.run<Answer>(questions.size(), {questions});
+    const std::vector<Answer> answers = twin.run<Answer>(questions.size(), {{"questions", questions}});
     size_t known = 0, clear = 0, wrong = 0;
     for (size_t i = 0; i < questions.size(); ++i) {
         if (answers[i].blockers > kMostBlockers) continue;

@@ -33,7 +33,7 @@ TEST(GpuTwinsCore, RandomStreamsAreTheSameNumbers) {
         s.domain = 1 + random.next_bits() % 8;
         s.pass = random.next_bits() >> (random.next_bits() % 32);
     }
-    const auto numbers = run_twin<Numbers>("tests/gpu/random_stream.comp", streams.size(), {streams});
+    const auto numbers = run_twin<Numbers>("tests/gpu/random_stream.comp", streams.size(), {{"streams", streams}});
     for (size_t i = 0; i < streams.size(); ++i) {
         const Stream& s = streams[i];
         RandomStream expected(s.seed, RandomDomain(s.domain), s.pass, s.stream);

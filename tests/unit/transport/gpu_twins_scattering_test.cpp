@@ -109,7 +109,7 @@ TEST(GpuTwinsScattering, StacksOfMediaAreThoseOfTheCpu) {
     const Twin twin("tests/gpu/medium_stack.comp", &part.set());
     const Absorption absorption(scene);
     for (const float distance : {0.0f, 0.3f, kInfinity}) {
-        const auto answers = twin.run<Answer>(steps.size(), {std::vector{distance}, steps});
+        const auto answers = twin.run<Answer>(steps.size(), {{"distance", std::vector{distance}}, {"steps", steps}});
         for (size_t walk = 0; walk < kWalks; ++walk) {
             MediumStack media;
             for (size_t k = walk * kSteps; k < (walk + 1) * kSteps; ++k) {

@@ -35,7 +35,8 @@ TEST(GpuTwinsSobol, SamplersAreTheSameNumbers) {
             const SequenceSampler sequence(kind, 0x1234'5678'9abc'def0ull, RandomDomain::Photons, pass);
             const std::vector data{sampler.device_data()};
             const std::vector key{sequence.device_key()};
-            const auto points = twin.run<vec2>(2 * elements.size(), {data, key, elements});
+            const auto points = twin.run<vec2>(2 * elements.size(),
+                                               {{"pass_sampler", data}, {"sequence", key}, {"elements", elements}});
             size_t equal = 0;
             for (size_t i = 0; i < elements.size(); ++i) {
                 const Element& e = elements[i];

@@ -43,7 +43,8 @@ TEST(GpuTwinsTransport, FunctionsAreThoseOfTheCpu) {
         kernels.emplace_back(shape, 1.3f);
         records.push_back(kernels.back().device_record());
     }
-    const auto results = run_twin<Results>("tests/gpu/transport_maths.comp", arguments.size(), {records, arguments});
+    const auto results = run_twin<Results>("tests/gpu/transport_maths.comp", arguments.size(),
+                                           {{"kernels", records}, {"arguments", arguments}});
     for (size_t i = 0; i < arguments.size(); ++i) {
         SCOPED_TRACE(i);
         const vec4 a = arguments[i];

@@ -67,9 +67,12 @@ protected:
 TEST_P(GpuSvo, MarchesAsTheCpuDoes) {
     const std::vector<Question> questions = random_questions(scene.bounds);
     const SvoView view = tree.view();
-    const auto answers =
-        test::run_twin<MarchAnswer>("tests/gpu/svo_march.comp", questions.size(),
-                                    {questions, std::span(&view.constants, 1), view.nodes, view.bricks, view.surfaces});
+    const auto answers = test::run_twin<MarchAnswer>("tests/gpu/svo_march.comp", questions.size(),
+                                                     {{"questions", questions},
+                                                      {"svo_constants", std::span(&view.constants, 1)},
+                                                      {"svo_nodes", view.nodes},
+                                                      {"svo_bricks", view.bricks},
+                                                      {"svo_surfaces", view.surfaces}});
     size_t different = 0, hits = 0, occlusions = 0;
     for (size_t i = 0; i < questions.size(); ++i) {
         const Question& q = questions[i];
@@ -108,8 +111,12 @@ TEST_P(GpuSvo, HitsWhatTheCpuHits) {
     const SvoView view = tree.view();
     const auto answers =
         test::Twin("tests/gpu/svo_hit.comp", &where.device_scene.set(), where.device_scene.specialization())
-            .run<HitAnswer>(rays.size(), {rays, std::span(&view.constants, 1), view.nodes, view.bricks, view.surfaces,
-                                          tree.first_triangles()});
+            .run<HitAnswer>(rays.size(), {{"rays", rays},
+                                          {"svo_constants", std::span(&view.constants, 1)},
+                                          {"svo_nodes", view.nodes},
+                                          {"svo_bricks", view.bricks},
+                                          {"svo_surfaces", view.surfaces},
+                                          {"svo_first_triangles", tree.first_triangles()}});
     // Whose plane and barycentrics are rounding's.
     const auto is_sliver = [&](const Hit& hit) {
         const TriangleCorners c = world_triangle(scene, hit.instance, hit.triangle);
