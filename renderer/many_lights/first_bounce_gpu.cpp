@@ -8,27 +8,18 @@ namespace photond {
 
 FirstBounceGpu::FirstBounceGpu(const RenderContext& context, const FirstBounceSettings& settings, Stats& stats)
     : scene_(*context.device_scene),
-      device_(scene_.device()),
       seed_(context.seed),
-      layers_(context.view.layers),
-      device_image_(device_, context.view.film_size, layers_),
-      buffer_(scene_, context.view, seed_, settings.walk, device_image_, nullptr),
-      merge_(scene_, buffer_, device_image_, layers_, settings.filter),
-      image_(context.view.film_size, layers_),
-      queue_(device_) {
-    context.budget.record("pass_image", PassImage::bytes_for(context.view.film_size, layers_));
-    const Needs& needs = context.scene.needs;
-    if (needs.only_lambert())
-        stats.skipped.push_back({"layered shading", "every surface is a plain Lambert reflector", 0});
-    if (!needs.solid_glass) stats.skipped.push_back({"absorption", "no solid refracts", 0});
+      frame_(context, [this](uint32_t pass, DeviceFrame::Steps& steps) { add_steps(pass, steps); }),
+      buffer_(scene_, context.view, seed_, settings.walk, frame_.image(), nullptr),
+      merge_(scene_, buffer_, frame_.image(), context.view.layers, settings.filter) {
+    note_skipped_shading(context.scene.needs, stats);
     if (settings.bounces > 0)
         find_lights(context, settings, stats);
     else
         stats.skipped.push_back({"virtual point lights", "bounces is 0", 0});
 }
 
-// The queue waits for what uses the others.
-FirstBounceGpu::~FirstBounceGpu() { device_.wait_idle(); }
+FirstBounceGpu::~FirstBounceGpu() { frame_.end(); }
 
 void FirstBounceGpu::find_lights(const RenderContext& context, const FirstBounceSettings& settings, Stats& stats) {
     const Scene& scene = context.scene;
@@ -57,7 +48,7 @@ bool FirstBounceGpu::may_be_lit(const FirstBounceSettings& settings, const Workl
 }
 
 uint64_t FirstBounceGpu::estimate_bytes(const FirstBounceSettings& settings, const Workload& workload) {
-    return PassImage::bytes_for(workload.film_size, workload.layers) +
+    return DeviceFrame::estimate_bytes(workload) +
            (may_be_lit(settings, workload) ? EmissionSampler::estimate_bytes(workload.lights, workload.environment_size)
                                            : 0);
 }
@@ -65,9 +56,7 @@ uint64_t FirstBounceGpu::estimate_bytes(const FirstBounceSettings& settings, con
 uint64_t FirstBounceGpu::estimate_device_bytes(const FirstBounceSettings& settings, const Workload& workload) {
     const uint32_t side = settings.walk.split_side;
     const bool asks_lit_area = may_be_lit(settings, workload) && !settings.clamp_m2;
-    return (asks_lit_area ? gpu::DeviceIntersector::batch_bytes() : 0) +
-           DeviceImage::device_bytes(workload.film_size, workload.layers) +
-           DeviceImage::host_bytes(workload.film_size, workload.layers) +
+    return (asks_lit_area ? gpu::DeviceIntersector::batch_bytes() : 0) + DeviceFrame::estimate_device_bytes(workload) +
            GBufferGpu::device_bytes(workload.film_size, side, workload.needs) +
            GBufferMergeGpu::device_bytes(workload.film_size, side, settings.filter) +
            (may_be_lit(settings, workload)
@@ -75,10 +64,7 @@ uint64_t FirstBounceGpu::estimate_device_bytes(const FirstBounceSettings& settin
                 : 0);
 }
 
-/// The pass's steps in order, as many at a time as one submit may hold.
-std::vector<PieceQueue::Record> FirstBounceGpu::pieces(uint32_t pass) {
-    std::vector<PieceQueue::Step> steps;
-    steps.push_back({0, [this](gpu::CommandList& commands) { device_image_.record_clear(commands); }});
+void FirstBounceGpu::add_steps(uint32_t pass, DeviceFrame::Steps& steps) {
     for (uint32_t piece = 0; piece < buffer_.pieces(); ++piece)
         steps.push_back({buffer_.layout().size.pixels() / buffer_.pieces(),
                          [=, this](gpu::CommandList& commands) { buffer_.record(commands, pass, piece); }});
@@ -87,36 +73,19 @@ std::vector<PieceQueue::Record> FirstBounceGpu::pieces(uint32_t pass) {
                              tracer_->start(seed_, pass);
                              tracer_->record_map(commands);
                          }});
-        add_steps_(pass, steps);
+        light_steps_(pass, steps);
     }
     steps.push_back({0, [this](gpu::CommandList& commands) {
                          merge_.record(commands);
-                         device_image_.record_readback(commands);
+                         frame_.image().record_readback(commands);
                      }});
-
-    return PieceQueue::pieces_of(device_, std::move(steps));
 }
 
 void FirstBounceGpu::run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) {
-    pass_complete_ = false;
     const StageTimer timer(stats, "indirect");
-    if (begun_ != pass) queue_.start(pieces(pass));
-    begun_.reset();
-    if (!queue_.finish(stats, cancel) || cancel.cancelled()) return;
+    if (!frame_.run(pass, stats, cancel)) return;
     if (lit()) tracer_->add_to(stats.counts);
-    device_image_.read(image_, stats.counts, scene_.scene().origin);
-    pass_complete_ = true;
-}
-
-void FirstBounceGpu::expect_pass(uint32_t pass) {
-    queue_.start(pieces(pass));
-    begun_ = pass;
-}
-
-void FirstBounceGpu::settle() { device_.wait_idle(); }
-
-void FirstBounceGpu::resolve(Film& film) {
-    if (pass_complete_) film.add_pass(image_);
+    frame_.read(stats);
 }
 
 }  // namespace photond

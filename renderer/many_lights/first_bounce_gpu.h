@@ -1,11 +1,11 @@
 #pragma once
 // What methods have in common that light a G-buffer by what the lights' maps see, on a device alone: the walk from the
-// eye, the map of a pass, the merge, and a pass as one chain of submits that is read back at its end.
+// eye, the map of a pass, the merge.
 
 #include <memory>
 #include <optional>
 
-#include "renderer/frame/piece_queue.h"
+#include "renderer/frame/device_frame.h"
 #include "renderer/gbuffer/gbuffer_merge_gpu.h"
 #include "renderer/many_lights/vpl_tracer_gpu.h"
 
@@ -22,9 +22,9 @@ struct FirstBounceSettings {
 class FirstBounceGpu {
 public:
     /// Appends what comes between the lights' map and the merge: from tracer() to the sums of buffer().
-    using AddSteps = std::function<void(uint32_t pass, std::vector<PieceQueue::Step>& steps)>;
+    using AddSteps = DeviceFrame::AddSteps;
 
-    /// A method's begin(). Stages `pipelines`, `rsm`; says what is skipped.
+    /// A method's begin(). Takes `pass_image` of the host's budget; stages `pipelines`, `rsm`; says what is skipped.
     FirstBounceGpu(const RenderContext& context, const FirstBounceSettings& settings, Stats& stats);
     ~FirstBounceGpu();
     /// Of the host's memory, and of the device's to a factor of two.
@@ -38,38 +38,32 @@ public:
     VplTracerGpu& tracer() { return *tracer_; }
     float clamp_sq_m2() const { return clamp_sq_m2_; }
     /// Said once, where lit().
-    void light_by(AddSteps add_steps) { add_steps_ = std::move(add_steps); }
+    void light_by(AddSteps add_steps) { light_steps_ = std::move(add_steps); }
 
     const gpu::DeviceScene& scene() const { return scene_; }
     uint64_t seed() const { return seed_; }
     GBufferGpu& buffer() { return buffer_; }
-    gpu::Buffer& counters() { return device_image_.counters(); }
+    gpu::Buffer& counters() { return frame_.image().counters(); }
 
     // A method's own of those names.
     void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel);
-    void expect_pass(uint32_t pass);
-    void settle();
-    void resolve(Film& film);
+    void expect_pass(uint32_t pass) { frame_.expect_pass(pass); }
+    void settle() { frame_.settle(); }
+    void resolve(Film& film) { frame_.resolve(film); }
 
 private:
     void find_lights(const RenderContext& context, const FirstBounceSettings& settings, Stats& stats);
-    std::vector<PieceQueue::Record> pieces(uint32_t pass);
+    void add_steps(uint32_t pass, DeviceFrame::Steps& steps);
 
     const gpu::DeviceScene& scene_;
-    gpu::Device& device_;
     const uint64_t seed_;
-    const LayerSet layers_;
-    DeviceImage device_image_;
+    DeviceFrame frame_;
     GBufferGpu buffer_;
     GBufferMergeGpu merge_;
     std::optional<EmissionSampler> emission_;
     std::unique_ptr<VplTracerGpu> tracer_;
     float clamp_sq_m2_ = 0;
-    AddSteps add_steps_;
-    PassImage image_;
-    bool pass_complete_ = false;     // image_ holds a whole pass
-    std::optional<uint32_t> begun_;  // the pass whose first pieces are in the queue
-    PieceQueue queue_;
+    AddSteps light_steps_;
 };
 
 }  // namespace photond

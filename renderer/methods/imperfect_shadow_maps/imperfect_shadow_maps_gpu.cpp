@@ -46,10 +46,10 @@ struct ImperfectShadowMapsGpu::State {
                                              .clamp_sq_m2 = frame.clamp_sq_m2(),
                                              .connect_threshold = params.connect_threshold,
                                              .map_resolution = params.shadow_resolution});
-        frame.light_by([this](uint32_t pass, std::vector<PieceQueue::Step>& steps) { add_steps(pass, steps); });
+        frame.light_by([this](uint32_t pass, DeviceFrame::Steps& steps) { add_steps(pass, steps); });
     }
 
-    void add_steps(uint32_t pass, std::vector<PieceQueue::Step>& steps) {
+    void add_steps(uint32_t pass, DeviceFrame::Steps& steps) {
         steps.push_back(
             {set->most(), [=, this](gpu::CommandList& commands) {
                  VplTracerGpu& tracer = frame.tracer();
@@ -97,8 +97,6 @@ uint64_t ImperfectShadowMapsGpu::estimate_device_bytes(const ImperfectShadowMaps
 }
 
 void ImperfectShadowMapsGpu::begin(const RenderContext& context, Stats& stats) {
-    const uint64_t image_bytes = PassImage::bytes_for(context.view.film_size, context.view.layers);
-    context.budget.require("pass_image", image_bytes);
     context.budget.require("occluder_points", ImperfectShadowMaps::host_bytes(params_.points));
     state_ = std::make_unique<State>(context, params_, stats);
     if (state_->imperfect)  // on their way to the device

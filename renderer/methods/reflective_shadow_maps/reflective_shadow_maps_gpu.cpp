@@ -45,13 +45,13 @@ struct ReflectiveShadowMapsGpu::State {
             gather.emplace(frame.scene().device(), "renderer/methods/reflective_shadow_maps/rsm_gather.comp",
                            sizeof(gpu::RsmGatherPush), &frame.scene().set(), frame.scene().specialization());
         }
-        frame.light_by([this](uint32_t pass, std::vector<PieceQueue::Step>& steps) {
+        frame.light_by([this](uint32_t pass, DeviceFrame::Steps& steps) {
             params.pattern == RsmPattern::Flux ? add_flux_steps(pass, steps) : add_paper_steps(pass, steps);
         });
     }
 
-    void add_flux_steps(uint32_t pass, std::vector<PieceQueue::Step>& steps);
-    void add_paper_steps(uint32_t pass, std::vector<PieceQueue::Step>& steps);
+    void add_flux_steps(uint32_t pass, DeviceFrame::Steps& steps);
+    void add_paper_steps(uint32_t pass, DeviceFrame::Steps& steps);
 
     const ReflectiveShadowMapsParams& params;
     std::optional<VplSetGpu> set;
@@ -60,7 +60,7 @@ struct ReflectiveShadowMapsGpu::State {
     FirstBounceGpu frame;  // last: its going waits for work that uses the others
 };
 
-void ReflectiveShadowMapsGpu::State::add_flux_steps(uint32_t pass, std::vector<PieceQueue::Step>& steps) {
+void ReflectiveShadowMapsGpu::State::add_flux_steps(uint32_t pass, DeviceFrame::Steps& steps) {
     steps.push_back({set->most(), [=, this](gpu::CommandList& commands) {
                          VplTracerGpu& tracer = frame.tracer();
                          tracer.record_vpls(commands);
@@ -74,7 +74,7 @@ void ReflectiveShadowMapsGpu::State::add_flux_steps(uint32_t pass, std::vector<P
              }});
 }
 
-void ReflectiveShadowMapsGpu::State::add_paper_steps(uint32_t pass, std::vector<PieceQueue::Step>& steps) {
+void ReflectiveShadowMapsGpu::State::add_paper_steps(uint32_t pass, DeviceFrame::Steps& steps) {
     constexpr uint32_t kTexelsAPath = 16;  // that cost a device what a path does
     constexpr uint64_t kKeyStream = 2;
     const uint32_t key = RandomStream(frame.seed(), RandomDomain::Splats, pass, kKeyStream).next_bits();
@@ -122,8 +122,6 @@ uint64_t ReflectiveShadowMapsGpu::estimate_device_bytes(const ReflectiveShadowMa
 }
 
 void ReflectiveShadowMapsGpu::begin(const RenderContext& context, Stats& stats) {
-    const uint64_t image_bytes = PassImage::bytes_for(context.view.film_size, context.view.layers);
-    context.budget.require("pass_image", image_bytes);
     state_ = std::make_unique<State>(context, params_, stats);
 }
 

@@ -2,7 +2,7 @@
 
 #include "renderer/backends/gpu/device_intersector.h"
 #include "renderer/backends/gpu/device_scene.h"
-#include "renderer/frame/piece_queue.h"
+#include "renderer/frame/device_frame.h"
 #include "renderer/gbuffer/gbuffer_merge_gpu.h"
 #include "renderer/many_lights/camera_importance_gpu.h"
 #include "renderer/many_lights/clamp_repayment_gpu.h"
@@ -100,24 +100,24 @@ struct SvoManyLightsGpu::State {
           seed(context.seed),
           layers(context.view.layers),
           light_maps(std::move(shadows)),
-          device_image(device, context.view.film_size, layers),
+          frame(context, [this](uint32_t pass, DeviceFrame::Steps& steps) { add_steps(pass, steps); }),
           buffer(scene, context.view, seed, walk_of(p), device_image, light_maps.get()),
-          merge(scene, buffer, device_image, layers, filter_of(p)),
-          image(context.view.film_size, layers),
-          queue(device) {
+          merge(scene, buffer, device_image, layers, filter_of(p)) {
         if (layers.has(Layer::Voxels)) show_voxels = layer_pipeline("svo_voxels.comp", 0);
         if (layers.has(Layer::Vpls)) show_vpls = layer_pipeline("svo_vpls.comp", sizeof(gpu::SplitRecord));
     }
+
+    ~State() { frame.end(); }
 
     std::unique_ptr<gpu::ComputePipeline> layer_pipeline(const std::string& name, uint32_t push_bytes) const {
         return std::make_unique<gpu::ComputePipeline>(device, "renderer/methods/svo_many_lights/" + name, push_bytes,
                                                       nullptr, device_image.specialization());
     }
 
-    void add_light_steps(uint32_t pass, std::vector<PieceQueue::Step>& steps);
-    void add_lighting_steps(uint32_t pass, std::vector<PieceQueue::Step>& steps);
+    void add_steps(uint32_t pass, DeviceFrame::Steps& steps);
+    void add_light_steps(uint32_t pass, DeviceFrame::Steps& steps);
+    void add_lighting_steps(uint32_t pass, DeviceFrame::Steps& steps);
     void record_layers(gpu::CommandList& commands);
-    std::vector<PieceQueue::Record> pieces(uint32_t pass);
 
     const SvoManyLightsParams& params;
     gpu::Device& device;
@@ -125,19 +125,16 @@ struct SvoManyLightsGpu::State {
     const uint64_t seed;
     const LayerSet layers;
     const std::unique_ptr<LightDepthMapsGpu> light_maps;  // null: rays tell
-    DeviceImage device_image;
+    DeviceFrame frame;
+    DeviceImage& device_image = frame.image();
     GBufferGpu buffer;
     GBufferMergeGpu merge;
     std::unique_ptr<gpu::ComputePipeline> show_voxels, show_vpls;
     std::optional<SvoLights> lights;
-    PassImage image;
-    bool pass_complete = false;     // image holds a whole pass
-    std::optional<uint32_t> begun;  // the pass whose first pieces are in the queue
-    PieceQueue queue;               // last: its going waits for work that uses the others
 };
 
 /// The lights of a pass.
-void SvoManyLightsGpu::State::add_light_steps(uint32_t pass, std::vector<PieceQueue::Step>& steps) {
+void SvoManyLightsGpu::State::add_light_steps(uint32_t pass, DeviceFrame::Steps& steps) {
     const uint32_t texels = lights->tracer.map_texels();
     steps.push_back({texels, [=, this](gpu::CommandList& commands) {
                          lights->tracer.start(seed, pass);
@@ -168,7 +165,7 @@ void SvoManyLightsGpu::State::add_light_steps(uint32_t pass, std::vector<PieceQu
 }
 
 /// What the lights bring to the points, and what the clamp takes.
-void SvoManyLightsGpu::State::add_lighting_steps(uint32_t pass, std::vector<PieceQueue::Step>& steps) {
+void SvoManyLightsGpu::State::add_lighting_steps(uint32_t pass, DeviceFrame::Steps& steps) {
     VplLightingGpu& lighting = lights->lighting;
     const uint32_t choice_pieces = lights->choice ? lights->choice->pieces() : 0;
     for (uint32_t piece = 0; piece < choice_pieces; ++piece)
@@ -209,10 +206,7 @@ void SvoManyLightsGpu::State::record_layers(gpu::CommandList& commands) {
     }
 }
 
-/// The pass's steps in order, as many at a time as one submit may hold.
-std::vector<PieceQueue::Record> SvoManyLightsGpu::State::pieces(uint32_t pass) {
-    std::vector<PieceQueue::Step> steps;
-    steps.push_back({0, [this](gpu::CommandList& commands) { device_image.record_clear(commands); }});
+void SvoManyLightsGpu::State::add_steps(uint32_t pass, DeviceFrame::Steps& steps) {
     for (uint32_t piece = 0; piece < buffer.pieces(); ++piece)
         steps.push_back({buffer.layout().size.pixels() / buffer.pieces(),
                          [=, this](gpu::CommandList& commands) { buffer.record(commands, pass, piece); }});
@@ -226,22 +220,19 @@ std::vector<PieceQueue::Record> SvoManyLightsGpu::State::pieces(uint32_t pass) {
                          merge.record(commands);
                          device_image.record_readback(commands);
                      }});
-
-    return PieceQueue::pieces_of(device, std::move(steps));
 }
 
 SvoManyLightsGpu::SvoManyLightsGpu(const SvoManyLightsParams& params) : params_(params) {}
 SvoManyLightsGpu::~SvoManyLightsGpu() = default;
 
 uint64_t SvoManyLightsGpu::estimate_bytes(const SvoManyLightsParams& params, const Workload& workload) {
-    return PassImage::bytes_for(workload.film_size, workload.layers) +
+    return DeviceFrame::estimate_bytes(workload) +
            (params.bounces > 0 ? EmissionSampler::estimate_bytes(workload.lights, workload.environment_size) : 0);
 }
 
 uint64_t SvoManyLightsGpu::estimate_device_bytes(const SvoManyLightsParams& params, const Workload& workload) {
     const bool lambert = workload.needs.only_lambert();
-    uint64_t bytes = DeviceImage::device_bytes(workload.film_size, workload.layers) +
-                     DeviceImage::host_bytes(workload.film_size, workload.layers) +
+    uint64_t bytes = DeviceFrame::estimate_device_bytes(workload) +
                      GBufferGpu::device_bytes(workload.film_size, params.split_side(), workload.needs) +
                      GBufferMergeGpu::device_bytes(workload.film_size, params.split_side(), filter_of(params));
     if ((workload.lights == 0 && workload.environment_size.pixels() == 0) || params.bounces == 0) return bytes;
@@ -259,8 +250,6 @@ uint64_t SvoManyLightsGpu::estimate_device_bytes(const SvoManyLightsParams& para
 
 void SvoManyLightsGpu::begin(const RenderContext& context, Stats& stats) {
     const Scene& scene = context.scene;
-    const uint64_t image_bytes = PassImage::bytes_for(context.view.film_size, context.view.layers);
-    context.budget.require("pass_image", image_bytes);
     std::unique_ptr<LightDepthMapsGpu> light_maps;
     if (has_light_maps(params_, scene.needs))
         light_maps =
@@ -270,10 +259,7 @@ void SvoManyLightsGpu::begin(const RenderContext& context, Stats& stats) {
         state_ = std::make_unique<State>(context, params_, std::move(light_maps));
     }
     State& state = *state_;
-    context.budget.record("pass_image", image_bytes);
-    if (scene.needs.only_lambert())
-        stats.skipped.push_back({"layered shading", "every surface is a plain Lambert reflector", 0});
-    if (!scene.needs.solid_glass) stats.skipped.push_back({"absorption", "no solid refracts", 0});
+    note_skipped_shading(scene.needs, stats);
 
     const char* nothing = params_.bounces == 0 ? "bounces is 0" : nullptr;
     std::optional<EmissionSampler> emission;
@@ -317,28 +303,17 @@ void SvoManyLightsGpu::begin(const RenderContext& context, Stats& stats) {
 
 void SvoManyLightsGpu::run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) {
     State& state = *state_;
-    state.pass_complete = false;
     const StageTimer timer(stats, "indirect");
-    if (state.begun != pass) state.queue.start(state.pieces(pass));
-    state.begun.reset();
-    if (!state.queue.finish(stats, cancel) || cancel.cancelled()) return;
+    if (!state.frame.run(pass, stats, cancel)) return;
     if (state.lights) {
         state.lights->tracer.add_to(stats.counts);
         stats.counts.vpls += state.lights->set.lights_of_pass();
     }
-    state.device_image.read(state.image, stats.counts, state.scene.scene().origin);
-    state.pass_complete = true;
+    state.frame.read(stats);
 }
 
-void SvoManyLightsGpu::expect_pass(uint32_t pass) {
-    state_->queue.start(state_->pieces(pass));
-    state_->begun = pass;
-}
-
-void SvoManyLightsGpu::settle() { state_->device.wait_idle(); }
-
-void SvoManyLightsGpu::resolve(Film& film) {
-    if (state_->pass_complete) film.add_pass(state_->image);
-}
+void SvoManyLightsGpu::expect_pass(uint32_t pass) { state_->frame.expect_pass(pass); }
+void SvoManyLightsGpu::settle() { state_->frame.settle(); }
+void SvoManyLightsGpu::resolve(Film& film) { state_->frame.resolve(film); }
 
 }  // namespace photond
