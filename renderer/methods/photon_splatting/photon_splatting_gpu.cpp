@@ -2,8 +2,7 @@
 
 #include "renderer/backends/gpu/device_scene.h"
 #include "renderer/eye/eye_constants.h"
-#include "renderer/frame/device_image.h"
-#include "renderer/frame/piece_queue.h"
+#include "renderer/frame/device_frame.h"
 #include "renderer/gbuffer/indirect_blur.h"
 #include "renderer/methods/photon_splatting/splat_depth_atlas.h"
 #include "renderer/methods/photon_splatting/splat_settings.h"
@@ -99,9 +98,7 @@ struct PhotonSplattingGpu::State {
           heads(device, "visible_points", size.pixels() * sizeof(uint32_t)),
           edges(device, "blur_edges", (has_edges(p) ? size.pixels() : 1) * sizeof(vec4)),
           host_edges(device, "readback", edges.bytes(), gpu::MemoryKind::Readback),
-          device_image(device, size, context.view.layers),
-          image(size, context.view.layers),
-          queue(device) {
+          frame(context, [this](uint32_t pass, DeviceFrame::Steps& steps) { add_eye_steps(pass, steps); }) {
         const gpu::EyeConstants of_eye = make_eye_constants(context.view, p.max_scatterings(), ROULETTE_START);
         gpu::upload(device, eye, std::as_bytes(std::span(&of_eye, 1)));
         make_room(expected_points(size, scene.needs), expected_clusters(size, scene.needs));
@@ -158,7 +155,7 @@ struct PhotonSplattingGpu::State {
         return short_of_points || short_of_photons;
     }
 
-    std::vector<PieceQueue::Record> eye_pieces(uint32_t pass);
+    void add_eye_steps(uint32_t pass, DeviceFrame::Steps& steps);
     std::vector<PieceQueue::Record> photon_pieces(uint32_t pass);
     bool stratify(uint32_t pass, Stats& stats, const CancelToken& cancel);
     std::vector<PieceQueue::Record> splat_pieces();
@@ -181,16 +178,13 @@ struct PhotonSplattingGpu::State {
     gpu::Buffer eye, sampler, repay_sampler, constants, size_factors, counts, host_counts, heads, edges, host_edges;
     gpu::Buffer points, general_points, sums, clusters, splats, depth_maps;
     std::unique_ptr<gpu::ComputePipeline> walk, bound, make, depth, light, repay, combine;
-    DeviceImage device_image;
     std::optional<EmissionSampler> emission;
     std::optional<ReflectedPhotonsGpu> photons;
     std::optional<StratificationGpu> stratification;
     std::optional<SplatVolumes> volumes;         // null: splats are gone through cluster by cluster
     std::optional<SplatDepthAtlas> depth_atlas;  // null: depth maps are traced
-    PassImage image;
-    bool pass_complete = false;     // image holds a whole pass
-    std::optional<uint32_t> begun;  // the pass whose first pieces are in the queue
-    PieceQueue queue;               // last: its going waits for work that uses the others
+    DeviceFrame frame;                           // last: its going waits for work that uses the others
+    DeviceImage& device_image = frame.image();
 };
 
 gpu::SplatConstants PhotonSplattingGpu::State::constants_of(uint32_t pass) const {
@@ -222,13 +216,12 @@ gpu::SplatConstants PhotonSplattingGpu::State::constants_of(uint32_t pass) const
 }
 
 /// Direct light and the visible points.
-std::vector<PieceQueue::Record> PhotonSplattingGpu::State::eye_pieces(uint32_t pass) {
+void PhotonSplattingGpu::State::add_eye_steps(uint32_t pass, DeviceFrame::Steps& steps) {
     const uint32_t tiles = tile_count(size), at_once = std::max(device.paths_per_submit() / kTilePixels, 1u);
-    std::vector<PieceQueue::Record> pieces;
     for (uint32_t first = 0; first < tiles; first += at_once) {
-        pieces.push_back([=, this, end = std::min(first + at_once, tiles)](gpu::CommandList& commands) {
+        const uint32_t end = std::min(first + at_once, tiles);
+        const auto record = [=, this](gpu::CommandList& commands) {
             if (first == 0) {
-                device_image.record_clear(commands);
                 commands.fill(counts, 0);
                 const auto numbers = [&](RandomDomain domain) {
                     return PassSampler(params.sampler, seed, domain, pass).device_data();
@@ -258,9 +251,9 @@ std::vector<PieceQueue::Record> PhotonSplattingGpu::State::eye_pieces(uint32_t p
             commands.dispatch_threads(uint64_t{cluster_capacity} * SPLAT_GROUP, SPLAT_GROUP);
             commands.copy(counts, 0, host_counts, 0, host_counts.bytes());
             commands.host_reads(host_counts);
-        });
+        };
+        steps.push_back({uint64_t{end - first} * kTilePixels, record});
     }
-    return pieces;
 }
 
 std::vector<PieceQueue::Record> PhotonSplattingGpu::State::photon_pieces(uint32_t pass) {
@@ -281,10 +274,10 @@ bool PhotonSplattingGpu::State::stratify(uint32_t pass, Stats& stats, const Canc
     if (!stratification) return true;
     const StageTimer timer(stats, "stratify");
     stratification->start(seed, pass, photons->photons_of_pass());
-    return queue.run({[this](gpu::CommandList& commands) {
-                         stratification->record(commands, photons->photons(), photons->order());
-                     }},
-                     stats, cancel);
+    return frame.run_more({[this](gpu::CommandList& commands) {
+                              stratification->record(commands, photons->photons(), photons->order());
+                          }},
+                          stats, cancel);
 }
 
 /// What the photons bring to the visible points, batch after batch.
@@ -415,7 +408,7 @@ void PhotonSplattingGpu::State::blur(Stats& stats) {
             depth.push_back(edge.w);
         }
     }
-    blur_layer(image.indirect, size, blur_pixels(params.blur), {.normal = normal, .depth = depth});
+    blur_layer(frame.host_image().indirect, size, blur_pixels(params.blur), {.normal = normal, .depth = depth});
 }
 
 PhotonSplattingGpu::PhotonSplattingGpu(const PhotonSplattingParams& params, Beams beams)
@@ -423,7 +416,7 @@ PhotonSplattingGpu::PhotonSplattingGpu(const PhotonSplattingParams& params, Beam
 PhotonSplattingGpu::~PhotonSplattingGpu() = default;
 
 uint64_t PhotonSplattingGpu::estimate_bytes(const PhotonSplattingParams& params, const Workload& workload) {
-    return PassImage::bytes_for(workload.film_size, workload.layers) +
+    return DeviceFrame::estimate_bytes(workload) +
            (has_edges(params) ? workload.film_size.pixels() * (sizeof(vec3) + sizeof(float)) : 0) +
            (params.bounces > 0 ? EmissionSampler::estimate_bytes(workload.lights, workload.environment_size) : 0);
 }
@@ -432,9 +425,7 @@ uint64_t PhotonSplattingGpu::estimate_device_bytes(const PhotonSplattingParams& 
     const bool lambert = workload.needs.only_lambert();
     const uint64_t of_point =
         sizeof(gpu::SplatPoint) + sizeof(gpu::SplatSum) + (lambert ? 0 : sizeof(gpu::GBufferGeneral));
-    uint64_t bytes = DeviceImage::device_bytes(workload.film_size, workload.layers) +
-                     DeviceImage::host_bytes(workload.film_size, workload.layers) +
-                     workload.film_size.pixels() * sizeof(uint32_t) +
+    uint64_t bytes = DeviceFrame::estimate_device_bytes(workload) + workload.film_size.pixels() * sizeof(uint32_t) +
                      expected_points(workload.film_size, workload.needs) * of_point +
                      expected_clusters(workload.film_size, workload.needs) * sizeof(gpu::SplatCluster) +
                      (has_edges(params) ? 2 * workload.film_size.pixels() * sizeof(vec4) : 0) +
@@ -452,14 +443,11 @@ uint64_t PhotonSplattingGpu::estimate_device_bytes(const PhotonSplattingParams& 
 
 void PhotonSplattingGpu::begin(const RenderContext& context, Stats& stats) {
     const Scene& scene = context.scene;
-    const uint64_t image_bytes = PassImage::bytes_for(context.view.film_size, context.view.layers);
-    context.budget.require("pass_image", image_bytes);
     {
         const StageTimer timer(stats, "pipelines");
         state_ = std::make_unique<State>(context, params_, beams_);
     }
     State& state = *state_;
-    context.budget.record("pass_image", image_bytes);
 
     const char* nothing = params_.bounces == 0 ? "bounces is 0" : nullptr;
     if (!nothing) {
@@ -504,9 +492,7 @@ void PhotonSplattingGpu::begin(const RenderContext& context, Stats& stats) {
     }
     if (!has_beams(params_, scene.needs))
         stats.skipped.push_back({"depth maps of beams", "no surface reflects but by its rough part", 0});
-    if (scene.needs.only_lambert())
-        stats.skipped.push_back({"layered shading", "every surface is a plain Lambert reflector", 0});
-    if (!scene.needs.solid_glass) stats.skipped.push_back({"absorption", "no solid refracts", 0});
+    note_skipped_shading(scene.needs, stats);
 }
 
 /// Visible points, direct light and photons. False: cancelled.
@@ -514,18 +500,15 @@ bool PhotonSplattingGpu::look_and_trace(uint32_t pass, Stats& stats, const Cance
     State& state = *state_;
     {
         const StageTimer timer(stats, "direct");
-        if (state.begun != pass) state.queue.start(state.eye_pieces(pass));
-        state.begun.reset();
-        if (!state.queue.finish(stats, cancel)) return false;
+        if (!state.frame.run(pass, stats, cancel)) return false;
     }
     if (!state.photons) return true;
     const StageTimer timer(stats, "photon_tracing");
-    return state.queue.run(state.photon_pieces(pass), stats, cancel);
+    return state.frame.run_more(state.photon_pieces(pass), stats, cancel);
 }
 
 void PhotonSplattingGpu::run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) {
     State& state = *state_;
-    state.pass_complete = false;
     do {
         if (!look_and_trace(pass, stats, cancel)) return;
     } while (state.grow_if_short());
@@ -533,24 +516,16 @@ void PhotonSplattingGpu::run_pass(uint32_t pass, Stats& stats, const CancelToken
         state.photons->add_to(stats.counts);
         const StageTimer timer(stats, "splat");
         if (!state.stratify(pass, stats, cancel)) return;
-        if (!state.queue.run(state.splat_pieces(), stats, cancel)) return;
+        if (!state.frame.run_more(state.splat_pieces(), stats, cancel)) return;
     }
     const StageTimer timer(stats, state.settings.normalised ? "normalise" : "combine");
-    if (!state.queue.run(state.image_pieces(), stats, cancel) || cancel.cancelled()) return;
-    state.device_image.read(state.image, stats.counts, state.scene.origin);
+    if (!state.frame.run_more(state.image_pieces(), stats, cancel)) return;
+    state.frame.read(stats);
     state.blur(stats);
-    state.pass_complete = true;
 }
 
-void PhotonSplattingGpu::expect_pass(uint32_t pass) {
-    state_->queue.start(state_->eye_pieces(pass));
-    state_->begun = pass;
-}
-
-void PhotonSplattingGpu::settle() { state_->device.wait_idle(); }
-
-void PhotonSplattingGpu::resolve(Film& film) {
-    if (state_->pass_complete) film.add_pass(state_->image);
-}
+void PhotonSplattingGpu::expect_pass(uint32_t pass) { state_->frame.expect_pass(pass); }
+void PhotonSplattingGpu::settle() { state_->frame.settle(); }
+void PhotonSplattingGpu::resolve(Film& film) { state_->frame.resolve(film); }
 
 }  // namespace photond
