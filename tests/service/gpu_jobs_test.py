@@ -105,7 +105,8 @@ class JobTest(GpuCase):
                 self.assertLess(estimate[estimated], 1.5 * used[counted], (scene, used, estimate))
         if not GPU["software"]:
             return  # a card has more than the host may hold
-        huge = gpu_job(size=4200, passes=1)
+        huge = gpu_job(method="photon_mapping", passes=1)
+        huge["method"]["parameters"] = {"photons": 1_000_000_000}  # of which the host holds none
         refused = self.daemon.request("POST", "/v1/jobs", json_body=huge)
         self.assertEqual((refused.status, refused.json["code"]), (422, "out_of_memory"), refused)
         self.assertRegex(refused.text, rf"a job may hold \d+ bytes of {GPU['id']} .* needs about \d+")
