@@ -9,7 +9,6 @@
 
 namespace photond {
 
-/// Takes pieces as they become known; passes whose pieces are always the same go by DevicePasses.
 class PieceQueue {
 public:
     using Record = std::function<void(gpu::CommandList& commands)>;

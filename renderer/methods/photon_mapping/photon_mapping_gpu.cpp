@@ -7,8 +7,7 @@
 
 #include "protocol/error.h"
 #include "renderer/eye/eye_constants.h"
-#include "renderer/frame/device_image.h"
-#include "renderer/frame/device_passes.h"
+#include "renderer/frame/device_frame.h"
 #include "renderer/methods/photon_mapping/photon_mapping_shared.h"
 #include "renderer/methods/photon_mapping/photon_plan.h"
 #include "renderer/photons/hash_grid_gpu.h"
@@ -114,26 +113,15 @@ struct PhotonMappingGpu::State {
           split_samplers(device, "renderer/methods/photon_mapping/split_samplers.comp", sizeof(gpu::SplitSamplersPush),
                          &on_device.set()),
           hash_grid(device),
-          image(size, context.view.layers) {
-        for (uint32_t i = 0; i < DevicePasses::kSlots; ++i) slots.emplace_back(device, context.view, params);
+          sampler(device, "sampler", sizeof(gpu::PassSamplerData)),
+          split_points(device, "split_samplers", split_bytes(params)),
+          host_photon_states(device, "readback", kMaps * PhotonTracerGpu::kStateBytes, gpu::MemoryKind::Readback),
+          host_point_state(device, "readback", POINT_STATE_WORDS * sizeof(uint32_t), gpu::MemoryKind::Readback),
+          frame(context, [this](uint32_t pass, DeviceFrame::Steps& steps) { add_steps(pass, steps); }) {
         const gpu::EyeConstants constants = make_eye_constants(context.view, params.max_scatterings(), ROULETTE_START);
         gpu::upload(device, eye, std::as_bytes(std::span(&constants, 1)));
     }
 
-    /// What a pass has of its own.
-    struct Slot {
-        Slot(gpu::Device& device, const View& view, const PhotonMappingParams& params)
-            : image(device, view.film_size, view.layers),
-              sampler(device, "sampler", sizeof(gpu::PassSamplerData)),
-              split_points(device, "split_samplers", split_bytes(params)),
-              photon_states(device, "readback", kMaps * PhotonTracerGpu::kStateBytes, gpu::MemoryKind::Readback),
-              point_state(device, "readback", POINT_STATE_WORDS * sizeof(uint32_t), gpu::MemoryKind::Readback) {}
-
-        DeviceImage image;
-        gpu::Buffer sampler, split_points;
-        gpu::Buffer photon_states;  // of the maps' tracers
-        gpu::Buffer point_state;    // of the points that gather
-    };
     /// One of the maps; without a tracer there is none.
     struct Map {
         std::optional<PhotonTracerGpu> tracer;
@@ -144,15 +132,15 @@ struct PhotonMappingGpu::State {
     void add_map(PhotonMapKind kind, uint32_t most_scatterings, const ProjectionMap* guide);
     void make_room();
     void prepare_passes(bool lights_can_be_met);
-    void start_passes();
-    void record(uint32_t pass, Slot& slot, uint32_t piece, gpu::CommandList& commands);
-    void record_photons(uint32_t pass, Slot& slot, PhotonMapKind kind, uint32_t piece, gpu::CommandList& commands);
-    void record_eye(Slot& slot, uint32_t piece, gpu::CommandList& commands);
-    void record_gather(Slot& slot, uint32_t first_tile, uint32_t end_tile, gpu::CommandList& commands);
+    void add_steps(uint32_t pass, DeviceFrame::Steps& steps);
+    void record_samplers(uint32_t pass, gpu::CommandList& commands);
+    void record_photons(uint32_t pass, PhotonMapKind kind, uint32_t piece, gpu::CommandList& commands);
+    void record_eye(uint32_t piece, gpu::CommandList& commands);
+    void record_gather(uint32_t first_tile, uint32_t end_tile, gpu::CommandList& commands);
     bool gathers() const { return params.gather == Gather::Final; }
-    bool grow_if_short(const Slot& slot);
-    std::span<const uint32_t> photon_state(const Slot& slot, size_t kind) const {
-        return slot.photon_states.as<const uint32_t>().subspan(kind * PHOTON_STATE_WORDS, PHOTON_STATE_WORDS);
+    bool grow_if_short();
+    std::span<const uint32_t> photon_state(size_t kind) const {
+        return host_photon_states.as<const uint32_t>().subspan(kind * PHOTON_STATE_WORDS, PHOTON_STATE_WORDS);
     }
     uint32_t pieces_of(const Map& map) const {
         const uint32_t most = device.paths_per_submit();
@@ -179,10 +167,10 @@ struct PhotonMappingGpu::State {
     // Points that gather, of a piece: their state, themselves, what they gathered, and each pixel's last one.
     gpu::Buffer point_state, points, gathered, last_points;
     gpu::PhotonMappingConstants constants{};
-    std::vector<Slot> slots;
-    PassImage image;
-    bool pass_complete = false;          // image holds a whole pass
-    std::optional<DevicePasses> passes;  // last: its going waits for work that uses the others
+    gpu::Buffer sampler, split_points;
+    gpu::Buffer host_photon_states;  // of the maps' tracers
+    gpu::Buffer host_point_state;
+    DeviceFrame frame;  // last: its going waits for work that uses the others
 };
 
 PhotonMappingGpu::PhotonMappingGpu(const PhotonMappingParams& params) : params_(params) {}
@@ -201,7 +189,7 @@ void PhotonMappingGpu::check_gpu(const PhotonMappingParams& params) {
 }
 
 uint64_t PhotonMappingGpu::estimate_bytes(const PhotonMappingParams& /*params*/, const Workload& workload) {
-    return PassImage::bytes_for(workload.film_size, workload.layers);
+    return DeviceFrame::estimate_bytes(workload);
 }
 
 uint64_t PhotonMappingGpu::estimate_device_bytes(const PhotonMappingParams& params, const Workload& workload) {
@@ -209,9 +197,7 @@ uint64_t PhotonMappingGpu::estimate_device_bytes(const PhotonMappingParams& para
     const PhotonYield yield = workload.photon_yield.value_or(kExpectedYield);
     const bool specular = workload.needs.delta || (workload.photon_yield && yield.caustic > 0);
     const PhotonPlan plan(params, lights, specular);
-    uint64_t bytes = DevicePasses::kSlots * (DeviceImage::device_bytes(workload.film_size, workload.layers) +
-                                             DeviceImage::host_bytes(workload.film_size, workload.layers) +
-                                             sizeof(gpu::PassSamplerData) + split_bytes(params)) +
+    uint64_t bytes = DeviceFrame::estimate_device_bytes(workload) + sizeof(gpu::PassSamplerData) + split_bytes(params) +
                      sizeof(gpu::EyeConstants) + sizeof(gpu::PhotonMappingConstants);
     if (params.gather == Gather::Final) {  // what is a piece differs from device to device: the largest
         const uint64_t pixels = workload.film_size.pixels();
@@ -284,7 +270,7 @@ void PhotonMappingGpu::State::prepare_passes(bool lights_can_be_met) {
     point_state = gpu::Buffer(device, "gather_points", POINT_STATE_WORDS * sizeof(uint32_t));
     last_points = gpu::Buffer(device, "gather_points", last_points_bytes(params, tiles_a_piece));
     make_room();
-    std::vector<gpu::Specialization> fixed = slots[0].image.specialization();
+    std::vector<gpu::Specialization> fixed = frame.image().specialization();
     fixed.insert(fixed.end(),
                  {gpu::specialize(SEARCH_NEAREST_ID, params.search == PhotonSearch::Kind::Nearest),
                   gpu::specialize(SOFT_DISC_ID, params.soft_disc), gpu::specialize(FINAL_GATHER_ID, gathers()),
@@ -300,39 +286,31 @@ void PhotonMappingGpu::State::prepare_passes(bool lights_can_be_met) {
         gather_sum.emplace(device, "renderer/methods/photon_mapping/photon_gather_sum.comp", sizeof(gpu::GatherSumPush),
                            &on_device.set(), fixed);
     }
-    start_passes();
 }
 
-/// Anew: what was begun of other passes is forgotten.
-void PhotonMappingGpu::State::start_passes() {
-    uint32_t pieces = (tiles + tiles_a_piece - 1) / tiles_a_piece;
-    for (const Map& map : maps) pieces += pieces_of(map);
-    passes.emplace(device, pieces, [this](uint32_t pass, uint32_t slot, uint32_t piece, gpu::CommandList& commands) {
-        record(pass, slots[slot], piece, commands);
-    });
+/// The maps one after another, and then the image.
+void PhotonMappingGpu::State::add_steps(uint32_t pass, DeviceFrame::Steps& steps) {
+    const uint64_t whole_submit = device.paths_per_submit();  // each piece has one of its own
+    steps.push_back({0, [=, this](gpu::CommandList& commands) { record_samplers(pass, commands); }});
+    for (const PhotonMapKind kind : kKinds)
+        for (uint32_t piece = 0; piece < pieces_of(maps[static_cast<size_t>(kind)]); ++piece)
+            steps.push_back(
+                {whole_submit, [=, this](gpu::CommandList& commands) { record_photons(pass, kind, piece, commands); }});
+    for (uint32_t piece = 0; piece * tiles_a_piece < tiles; ++piece)
+        steps.push_back({whole_submit, [=, this](gpu::CommandList& commands) { record_eye(piece, commands); }});
 }
 
-void PhotonMappingGpu::State::record(uint32_t pass, Slot& slot, uint32_t piece, gpu::CommandList& commands) {
-    if (piece == 0) {
-        slot.image.record_clear(commands);
-        commands.update(slot.sampler, PassSampler(params.sampler, seed, RandomDomain::Camera, pass).device_data());
-        const gpu::SplitSamplersPush split{params.most_light_samples(), gather_rays_of(params)};
-        commands.bind(split_samplers,
-                      {gpu::read("pass_sampler", slot.sampler), gpu::write("points", slot.split_points)});
-        commands.push(split);
-        commands.dispatch_threads(uint64_t{split.light_samples + split.gather_rays} * SPLIT_PREPARED_SETS,
-                                  SPLIT_SAMPLERS_GROUP);
-    }
-    for (const PhotonMapKind kind : kKinds) {
-        const uint32_t mine = pieces_of(maps[static_cast<size_t>(kind)]);
-        if (piece < mine) return record_photons(pass, slot, kind, piece, commands);
-        piece -= mine;
-    }
-    record_eye(slot, piece, commands);
+void PhotonMappingGpu::State::record_samplers(uint32_t pass, gpu::CommandList& commands) {
+    commands.update(sampler, PassSampler(params.sampler, seed, RandomDomain::Camera, pass).device_data());
+    const gpu::SplitSamplersPush split{params.most_light_samples(), gather_rays_of(params)};
+    commands.bind(split_samplers, {gpu::read("pass_sampler", sampler), gpu::write("points", split_points)});
+    commands.push(split);
+    commands.dispatch_threads(uint64_t{split.light_samples + split.gather_rays} * SPLIT_PREPARED_SETS,
+                              SPLIT_SAMPLERS_GROUP);
 }
 
 /// Some of a map's light paths; with the last of them it is built.
-void PhotonMappingGpu::State::record_photons(uint32_t pass, Slot& slot, PhotonMapKind kind, uint32_t piece,
+void PhotonMappingGpu::State::record_photons(uint32_t pass, PhotonMapKind kind, uint32_t piece,
                                              gpu::CommandList& commands) {
     const auto index = static_cast<size_t>(kind);
     Map& map = maps[index];
@@ -346,50 +324,51 @@ void PhotonMappingGpu::State::record_photons(uint32_t pass, Slot& slot, PhotonMa
     if (end < paths) return;
     const gpu::Scope scope(commands, "photon_map_build");
     hash_grid.record(commands, map.grid, map.tracer->state(), paths, *photons, *grid_photons);
-    commands.copy(map.tracer->state(), 0, slot.photon_states, index * PhotonTracerGpu::kStateBytes,
+    commands.copy(map.tracer->state(), 0, host_photon_states, index * PhotonTracerGpu::kStateBytes,
                   PhotonTracerGpu::kStateBytes);
-    commands.host_reads(slot.photon_states);
+    commands.host_reads(host_photon_states);
 }
 
-void PhotonMappingGpu::State::record_eye(Slot& slot, uint32_t piece, gpu::CommandList& commands) {
+void PhotonMappingGpu::State::record_eye(uint32_t piece, gpu::CommandList& commands) {
+    DeviceImage& image = frame.image();
     const uint32_t first = piece * tiles_a_piece, end = std::min(first + tiles_a_piece, tiles);
     {
         const gpu::Scope scope(commands, gathers() ? "direct" : "gather");
         if (gathers()) commands.fill(point_state, 0, POINTS_WORD * sizeof(uint32_t), sizeof(uint32_t));
         if (piece == 0) commands.fill(point_state, 0);
-        commands.bind(*eye_pass,
-                      {gpu::read_write("device_layers", slot.image.layers()),
-                       gpu::read_write("device_counters", slot.image.counters()), gpu::read("eye", eye),
-                       gpu::read("pass_sampler", slot.sampler), gpu::read("split_points", slot.split_points),
-                       gpu::read("mapping", mapping), gpu::read("grid_starts", grid_photons->starts),
-                       gpu::read("grid_places", grid_photons->places), gpu::read("map_powers", grid_photons->powers),
-                       gpu::read_write("point_state", point_state), gpu::write("points", points),
-                       gpu::write("last_points", last_points)});
+        commands.bind(
+            *eye_pass,
+            {gpu::read_write("device_layers", image.layers()), gpu::read_write("device_counters", image.counters()),
+             gpu::read("eye", eye), gpu::read("pass_sampler", sampler), gpu::read("split_points", split_points),
+             gpu::read("mapping", mapping), gpu::read("grid_starts", grid_photons->starts),
+             gpu::read("grid_places", grid_photons->places), gpu::read("map_powers", grid_photons->powers),
+             gpu::read_write("point_state", point_state), gpu::write("points", points),
+             gpu::write("last_points", last_points)});
         commands.push(gpu::PhotonMappingPush{first, end, static_cast<uint32_t>(point_capacity)});
         commands.dispatch_threads(uint64_t{end - first} * kTilePixels, kTilePixels);
     }
-    if (gathers()) record_gather(slot, first, end, commands);
+    if (gathers()) record_gather(first, end, commands);
     if (end < tiles) return;
-    slot.image.record_readback(commands);
-    commands.copy(point_state, 0, slot.point_state, 0, point_state.bytes());
-    commands.host_reads(slot.point_state);
+    image.record_readback(commands);
+    commands.copy(point_state, 0, host_point_state, 0, point_state.bytes());
+    commands.host_reads(host_point_state);
 }
 
 /// The rays of a piece's points.
-void PhotonMappingGpu::State::record_gather(Slot& slot, uint32_t first_tile, uint32_t end_tile,
-                                            gpu::CommandList& commands) {
+void PhotonMappingGpu::State::record_gather(uint32_t first_tile, uint32_t end_tile, gpu::CommandList& commands) {
+    DeviceImage& image = frame.image();
     const gpu::Scope scope(commands, "gather");
-    commands.bind(*gather_pass, {gpu::read_write("device_layers", slot.image.layers()),
-                                 gpu::read_write("device_counters", slot.image.counters()), gpu::read("eye", eye),
-                                 gpu::read("pass_sampler", slot.sampler), gpu::read("split_points", slot.split_points),
-                                 gpu::read("mapping", mapping), gpu::read("grid_starts", grid_photons->starts),
-                                 gpu::read("grid_places", grid_photons->places),
-                                 gpu::read("map_powers", grid_photons->powers), gpu::read("point_state", point_state),
-                                 gpu::read("points", points), gpu::write("gathered_light", gathered)});
+    commands.bind(
+        *gather_pass,
+        {gpu::read_write("device_layers", image.layers()), gpu::read_write("device_counters", image.counters()),
+         gpu::read("eye", eye), gpu::read("pass_sampler", sampler), gpu::read("split_points", split_points),
+         gpu::read("mapping", mapping), gpu::read("grid_starts", grid_photons->starts),
+         gpu::read("grid_places", grid_photons->places), gpu::read("map_powers", grid_photons->powers),
+         gpu::read("point_state", point_state), gpu::read("points", points), gpu::write("gathered_light", gathered)});
     commands.push(gpu::GatherPush{static_cast<uint32_t>(point_capacity)});
     commands.dispatch_threads(point_capacity * gather_lanes, GATHER_GROUP);
-    commands.bind(*gather_sum, {gpu::read_write("device_layers", slot.image.layers()), gpu::read("eye", eye),
-                                gpu::read("pass_sampler", slot.sampler), gpu::read_write("point_state", point_state),
+    commands.bind(*gather_sum, {gpu::read_write("device_layers", image.layers()), gpu::read("eye", eye),
+                                gpu::read("pass_sampler", sampler), gpu::read_write("point_state", point_state),
                                 gpu::read("points", points), gpu::read("gathered_light", gathered),
                                 gpu::read("last_points", last_points)});
     commands.push(gpu::GatherSumPush{first_tile, end_tile});
@@ -397,35 +376,29 @@ void PhotonMappingGpu::State::record_gather(Slot& slot, uint32_t first_tile, uin
 }
 
 /// Of a whole pass: true where there was too little room for photons, or for points that gather. Now there is.
-bool PhotonMappingGpu::State::grow_if_short(const Slot& slot) {
+bool PhotonMappingGpu::State::grow_if_short() {
     bool short_of_room = false;
     for (size_t kind = 0; kind < kMaps; ++kind) {
         Map& map = maps[kind];
         if (!map.tracer) continue;
-        const uint64_t stored = photon_state(slot, kind)[PHOTONS_STORED_WORD];
+        const uint64_t stored = photon_state(kind)[PHOTONS_STORED_WORD];
         if (stored <= map.capacity) continue;
         map.capacity = room_for(static_cast<double>(stored));
         short_of_room = true;
     }
-    if (const uint64_t most = slot.point_state.as<const uint32_t>()[MOST_POINTS_WORD]; most > point_capacity) {
+    if (const uint64_t most = host_point_state.as<const uint32_t>()[MOST_POINTS_WORD]; most > point_capacity) {
         point_capacity = most + most / 4;
         short_of_room = true;
     }
-    if (!short_of_room) return false;
-    passes->settle();
-    make_room();
-    start_passes();  // a pass that was begun with less room is not to go on
-    return true;
+    if (short_of_room) make_room();
+    return short_of_room;
 }
 
 void PhotonMappingGpu::begin(const RenderContext& context, Stats& stats) {
     check_gpu(params_);
     const Scene& scene = context.scene;
-    const uint64_t image_bytes = PassImage::bytes_for(context.view.film_size, context.view.layers);
-    context.budget.require("pass_image", image_bytes);
     state_ = std::make_unique<State>(context, params_);
     State& state = *state_;
-    context.budget.record("pass_image", image_bytes);
 
     // On the host for as long as the projection map is being made.
     std::optional<EmissionSampler> emission;
@@ -463,23 +436,17 @@ void PhotonMappingGpu::begin(const RenderContext& context, Stats& stats) {
 
 void PhotonMappingGpu::run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) {
     State& state = *state_;
-    state.pass_complete = false;
     const StageTimer timer(stats, "gather");
-    std::optional<uint32_t> slot = state.passes->run(pass, stats, cancel);
-    while (slot && state.grow_if_short(state.slots[*slot])) slot = state.passes->run(pass, stats, cancel);
-    if (!slot) return;
-    const State::Slot& done = state.slots[*slot];
-    done.image.read(state.image, stats.counts, state.scene.origin);
+    do {
+        if (!state.frame.run(pass, stats, cancel)) return;
+    } while (state.grow_if_short());
+    state.frame.read(stats);
     for (size_t kind = 0; kind < kMaps; ++kind)
-        if (state.maps[kind].tracer) state.maps[kind].tracer->add_to(stats.counts, state.photon_state(done, kind));
-    state.pass_complete = true;
+        if (state.maps[kind].tracer) state.maps[kind].tracer->add_to(stats.counts, state.photon_state(kind));
 }
 
-void PhotonMappingGpu::expect_pass(uint32_t pass) { state_->passes->expect(pass); }
-void PhotonMappingGpu::settle() { state_->passes->settle(); }
-
-void PhotonMappingGpu::resolve(Film& film) {
-    if (state_->pass_complete) film.add_pass(state_->image);
-}
+void PhotonMappingGpu::expect_pass(uint32_t pass) { state_->frame.expect_pass(pass); }
+void PhotonMappingGpu::settle() { state_->frame.settle(); }
+void PhotonMappingGpu::resolve(Film& film) { state_->frame.resolve(film); }
 
 }  // namespace photond
