@@ -44,12 +44,10 @@ public:
     uint64_t seed() const { return seed_; }
     GBufferGpu& buffer() { return buffer_; }
     gpu::Buffer& counters() { return frame_.image().counters(); }
+    DeviceFrame& frame() { return frame_; }
 
-    // A method's own of those names.
+    /// A method's own of that name.
     void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel);
-    void expect_pass(uint32_t pass) { frame_.expect_pass(pass); }
-    void settle() { frame_.settle(); }
-    void resolve(Film& film) { frame_.resolve(film); }
 
 private:
     void find_lights(const RenderContext& context, const FirstBounceSettings& settings, Stats& stats);

@@ -106,8 +106,6 @@ void ImperfectShadowMapsGpu::begin(const RenderContext& context, Stats& stats) {
 void ImperfectShadowMapsGpu::run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) {
     state_->frame.run_pass(pass, stats, cancel);
 }
-void ImperfectShadowMapsGpu::expect_pass(uint32_t pass) { state_->frame.expect_pass(pass); }
-void ImperfectShadowMapsGpu::settle() { state_->frame.settle(); }
-void ImperfectShadowMapsGpu::resolve(Film& film) { state_->frame.resolve(film); }
+DeviceFrame& ImperfectShadowMapsGpu::frame() { return state_->frame.frame(); }
 
 }  // namespace photond

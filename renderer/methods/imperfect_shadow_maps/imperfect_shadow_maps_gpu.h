@@ -1,7 +1,7 @@
 #pragma once
 #include <memory>
 
-#include "renderer/frame/method.h"
+#include "renderer/frame/device_method.h"
 #include "renderer/methods/imperfect_shadow_maps/params.h"
 
 namespace photond {
@@ -16,7 +16,7 @@ namespace photond {
 ///
 /// [Ritschel, Grosch, Kim, Seidel, Dachsbacher, Kautz 2008] Imperfect Shadow Maps for Efficient Computation of Indirect
 /// Illumination. ACM TOG 27(5).
-class ImperfectShadowMapsGpu final : public Method {
+class ImperfectShadowMapsGpu final : public DeviceMethod {
 public:
     static constexpr const char* kName = "imperfect_shadow_maps";
     using Params = ImperfectShadowMapsParams;
@@ -30,11 +30,10 @@ public:
 
     void begin(const RenderContext& context, Stats& stats) override;
     void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) override;
-    void expect_pass(uint32_t pass) override;
-    void settle() override;
-    void resolve(Film& film) override;
 
 private:
+    DeviceFrame& frame() override;
+
     struct State;  // imperfect_shadow_maps_gpu.cpp
 
     const ImperfectShadowMapsParams params_;

@@ -102,8 +102,6 @@ void PathTracingGpu::run_pass(uint32_t pass, Stats& stats, const CancelToken& ca
     if (state_->frame.run(pass, stats, cancel)) state_->frame.read(stats);
 }
 
-void PathTracingGpu::expect_pass(uint32_t pass) { state_->frame.expect_pass(pass); }
-void PathTracingGpu::settle() { state_->frame.settle(); }
-void PathTracingGpu::resolve(Film& film) { state_->frame.resolve(film); }
+DeviceFrame& PathTracingGpu::frame() { return state_->frame; }
 
 }  // namespace photond

@@ -1,4 +1,5 @@
 #pragma once
+#include "renderer/frame/device_method.h"
 #include "renderer/methods/path_tracing/path_tracing.h"
 
 namespace photond {
@@ -6,7 +7,7 @@ namespace photond {
 /// PathTracing on a GPU: the same paths with the same numbers, so that the image differs from the CPU's by rounding
 /// alone (a path that rounding sends elsewhere is a sample of its own right). What a path brings is added to its
 /// pixel in the path's own order, so the image is the same from run to run on one device.
-class PathTracingGpu final : public Method {
+class PathTracingGpu final : public DeviceMethod {
 public:
     using Params = PathTracingParams;
 
@@ -26,11 +27,10 @@ public:
 
     void begin(const RenderContext& context, Stats& stats) override;
     void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) override;
-    void expect_pass(uint32_t pass) override;
-    void settle() override;
-    void resolve(Film& film) override;
 
 private:
+    DeviceFrame& frame() override;
+
     struct State;  // path_tracing_gpu.cpp
 
     const PathTracingParams params_;

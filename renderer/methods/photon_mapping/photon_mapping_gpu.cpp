@@ -445,8 +445,6 @@ void PhotonMappingGpu::run_pass(uint32_t pass, Stats& stats, const CancelToken& 
         if (state.maps[kind].tracer) state.maps[kind].tracer->add_to(stats.counts, state.photon_state(kind));
 }
 
-void PhotonMappingGpu::expect_pass(uint32_t pass) { state_->frame.expect_pass(pass); }
-void PhotonMappingGpu::settle() { state_->frame.settle(); }
-void PhotonMappingGpu::resolve(Film& film) { state_->frame.resolve(film); }
+DeviceFrame& PhotonMappingGpu::frame() { return state_->frame; }
 
 }  // namespace photond

@@ -1,4 +1,5 @@
 #pragma once
+#include "renderer/frame/device_method.h"
 #include "renderer/methods/photon_mapping/photon_mapping.h"
 
 namespace photond {
@@ -10,7 +11,7 @@ namespace photond {
 /// Both searches run on a hash grid; the k nearest are found exactly (radiance_estimate.glsl). Room for photons is made
 /// by what scenes are expected to store; a pass that stores more is traced again with room for all. Stage `direct` is
 /// what paths from the eye take, and `gather` what gather rays do; without these both are one, `gather`.
-class PhotonMappingGpu final : public Method {
+class PhotonMappingGpu final : public DeviceMethod {
 public:
     using Params = PhotonMappingParams;
 
@@ -26,11 +27,10 @@ public:
 
     void begin(const RenderContext& context, Stats& stats) override;
     void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) override;
-    void expect_pass(uint32_t pass) override;
-    void settle() override;
-    void resolve(Film& film) override;
 
 private:
+    DeviceFrame& frame() override;
+
     struct State;  // photon_mapping_gpu.cpp
 
     const PhotonMappingParams params_;

@@ -524,8 +524,6 @@ void PhotonSplattingGpu::run_pass(uint32_t pass, Stats& stats, const CancelToken
     state.blur(stats);
 }
 
-void PhotonSplattingGpu::expect_pass(uint32_t pass) { state_->frame.expect_pass(pass); }
-void PhotonSplattingGpu::settle() { state_->frame.settle(); }
-void PhotonSplattingGpu::resolve(Film& film) { state_->frame.resolve(film); }
+DeviceFrame& PhotonSplattingGpu::frame() { return state_->frame; }
 
 }  // namespace photond

@@ -1,4 +1,5 @@
 #pragma once
+#include "renderer/frame/device_method.h"
 #include "renderer/methods/photon_splatting/photon_splatting.h"
 
 namespace photond {
@@ -14,7 +15,7 @@ namespace photond {
 /// (transport/shaft_visibility.glsl), and where they are many or bent shadow rays are traced. Stratified photons are
 /// those of the CPU's chances, not its choices, as their order is another (stratification_gpu.h). Depth maps of beams
 /// are traced, or drawn where triangles are few (splat_depth_atlas.h). The blur is the host's, on what it reads back.
-class PhotonSplattingGpu final : public Method {
+class PhotonSplattingGpu final : public DeviceMethod {
 public:
     using Params = PhotonSplattingParams;
 
@@ -33,11 +34,10 @@ public:
 
     void begin(const RenderContext& context, Stats& stats) override;
     void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) override;
-    void expect_pass(uint32_t pass) override;
-    void settle() override;
-    void resolve(Film& film) override;
 
 private:
+    DeviceFrame& frame() override;
+
     struct State;  // photon_splatting_gpu.cpp
 
     bool look_and_trace(uint32_t pass, Stats& stats, const CancelToken& cancel);

@@ -128,8 +128,6 @@ void ReflectiveShadowMapsGpu::begin(const RenderContext& context, Stats& stats) 
 void ReflectiveShadowMapsGpu::run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) {
     state_->frame.run_pass(pass, stats, cancel);
 }
-void ReflectiveShadowMapsGpu::expect_pass(uint32_t pass) { state_->frame.expect_pass(pass); }
-void ReflectiveShadowMapsGpu::settle() { state_->frame.settle(); }
-void ReflectiveShadowMapsGpu::resolve(Film& film) { state_->frame.resolve(film); }
+DeviceFrame& ReflectiveShadowMapsGpu::frame() { return state_->frame.frame(); }
 
 }  // namespace photond

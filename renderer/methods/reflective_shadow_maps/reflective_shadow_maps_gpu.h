@@ -1,7 +1,7 @@
 #pragma once
 #include <memory>
 
-#include "renderer/frame/method.h"
+#include "renderer/frame/device_method.h"
 #include "renderer/methods/reflective_shadow_maps/params.h"
 
 namespace photond {
@@ -28,7 +28,7 @@ namespace photond {
 /// interpolation between sparse pixels (sec. 4.2), further bounces.
 ///
 /// [Dachsbacher and Stamminger 2005] Reflective Shadow Maps. I3D.
-class ReflectiveShadowMapsGpu final : public Method {
+class ReflectiveShadowMapsGpu final : public DeviceMethod {
 public:
     static constexpr const char* kName = "reflective_shadow_maps";
     using Params = ReflectiveShadowMapsParams;
@@ -42,11 +42,10 @@ public:
 
     void begin(const RenderContext& context, Stats& stats) override;
     void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) override;
-    void expect_pass(uint32_t pass) override;
-    void settle() override;
-    void resolve(Film& film) override;
 
 private:
+    DeviceFrame& frame() override;
+
     struct State;  // reflective_shadow_maps_gpu.cpp
 
     const ReflectiveShadowMapsParams params_;

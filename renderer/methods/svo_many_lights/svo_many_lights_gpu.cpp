@@ -312,8 +312,6 @@ void SvoManyLightsGpu::run_pass(uint32_t pass, Stats& stats, const CancelToken& 
     state.frame.read(stats);
 }
 
-void SvoManyLightsGpu::expect_pass(uint32_t pass) { state_->frame.expect_pass(pass); }
-void SvoManyLightsGpu::settle() { state_->frame.settle(); }
-void SvoManyLightsGpu::resolve(Film& film) { state_->frame.resolve(film); }
+DeviceFrame& SvoManyLightsGpu::frame() { return state_->frame; }
 
 }  // namespace photond

@@ -1,4 +1,5 @@
 #pragma once
+#include "renderer/frame/device_method.h"
 #include "renderer/methods/svo_many_lights/svo_many_lights.h"
 
 namespace photond {
@@ -10,7 +11,7 @@ namespace photond {
 /// `vpl_generation`, with depth maps `shadow_maps`), the walk from the eye (`direct`: the G-buffer and its split are
 /// written on the way, and are no stages of their own), light from lights to points (`indirect`), `repay`, `filter` and
 /// `merge`. How many lights there are stays on the device.
-class SvoManyLightsGpu final : public Method {
+class SvoManyLightsGpu final : public DeviceMethod {
 public:
     using Params = SvoManyLightsParams;
 
@@ -23,11 +24,10 @@ public:
 
     void begin(const RenderContext& context, Stats& stats) override;
     void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) override;
-    void expect_pass(uint32_t pass) override;
-    void settle() override;
-    void resolve(Film& film) override;
 
 private:
+    DeviceFrame& frame() override;
+
     struct State;  // svo_many_lights_gpu.cpp
 
     const SvoManyLightsParams params_;

@@ -1,0 +1,11 @@
+#include "renderer/frame/device_method.h"
+
+#include "renderer/frame/device_frame.h"
+
+namespace photond {
+
+void DeviceMethod::expect_pass(uint32_t pass) { frame().expect_pass(pass); }
+void DeviceMethod::settle() { frame().settle(); }
+void DeviceMethod::resolve(Film& film) { frame().resolve(film); }
+
+}  // namespace photond
