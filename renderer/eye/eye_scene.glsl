@@ -58,5 +58,12 @@ void start_eye_path(uint pixel, out EyePath path, out Ray ray, out uint key) {
     const vec2 lens = eye.camera.aperture_radius_m > 0.0 ? sample_2d(key, SET_LENS) : vec2(0.0);
     ray = camera_ray(eye.camera, vec2(pixel % eye.width, pixel / eye.width) + within, lens);
 }
+/// The same of a place in a tile. False where there is none: past the image's edge, or from `end_tile` on.
+bool start_eye_path(uint tile, uint end_tile, uint place, out EyePath path, out Ray ray, out uint key) {
+    uint pixel;
+    if (tile >= end_tile || !pixel_of_tile(tile, place, pixel)) return false;
+    start_eye_path(pixel, path, ray, key);
+    return true;
+}
 
 #endif

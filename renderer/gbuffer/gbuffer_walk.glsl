@@ -39,28 +39,29 @@ void offer_point(uint index, uint vertex, uint key, WalkVertex met, inout GBuffe
                                            met.ray_direction, met.outside_ior, met.media.materials);
 }
 
-void main() {
-    const uint tile = push.first_tile + flat_index() / (EYE_TILE * EYE_TILE);
-    uint pixel = 0;
-    if (tile < push.end_tile && pixel_of_tile(tile, gl_LocalInvocationIndex, pixel)) {
-        EyePath path;
-        Ray ray;
-        uint key;
-        start_eye_path(pixel, path, ray, key);
-        PathLight light = no_light();
-        const uint index = split_point_of(push.split, pixel % eye.width, pixel / eye.width);
-        GBufferPoint point = GBufferPoint(vec3(0.0), 0u, vec3(0.0), 0.0, vec3(0.0), pixel, vec3(0.0), 0.0);
-        uint vertices = 0, shadow_rays = 0;
-        for (bool walking = true; walking; ++vertices) {
-            WalkVertex met;
-            walking = walk_vertex(vertices, key, push.glossy_threshold, path, ray, light, shadow_rays, met);
-            if (met.waits) offer_point(index, vertices, key, met, point);
-        }
-        point.weight *= point.total;
-        points[index] = point;
-        store_light(pixel, light);
-        count(COUNTER_CAMERA_RAYS, 1);
-        count(COUNTER_BOUNCE_RAYS, vertices - 1);
-        count(COUNTER_SHADOW_RAYS, shadow_rays);
+/// What a pixel's path finds and leaves.
+void walk_pixel(EyePath path, Ray ray, uint key) {
+    const uint pixel = path.pixel, index = split_point_of(push.split, pixel % eye.width, pixel / eye.width);
+    GBufferPoint point = GBufferPoint(vec3(0.0), 0u, vec3(0.0), 0.0, vec3(0.0), pixel, vec3(0.0), 0.0);
+    PathLight light = no_light();
+    uint vertices = 0, shadow_rays = 0;
+    for (bool walking = true; walking; ++vertices) {
+        WalkVertex met;
+        walking = walk_vertex(vertices, key, push.glossy_threshold, path, ray, light, shadow_rays, met);
+        if (met.waits) offer_point(index, vertices, key, met, point);
     }
+    point.weight *= point.total;
+    points[index] = point;
+    store_light(pixel, light);
+    count(COUNTER_CAMERA_RAYS, 1);
+    count(COUNTER_BOUNCE_RAYS, vertices - 1);
+    count(COUNTER_SHADOW_RAYS, shadow_rays);
+}
+
+void main() {
+    EyePath path;
+    Ray ray;
+    uint key;
+    const uint tile = push.first_tile + flat_index() / (EYE_TILE * EYE_TILE);
+    if (start_eye_path(tile, push.end_tile, gl_LocalInvocationIndex, path, ray, key)) walk_pixel(path, ray, key);
 }

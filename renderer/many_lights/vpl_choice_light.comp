@@ -20,6 +20,7 @@ layout(set = 0, binding = 5, scalar) readonly buffer Vpls { Vpl vpls[]; };
 layout(set = 0, binding = 7, scalar) buffer Sums { vec3 sums[]; };
 layout(set = 0, binding = CHOSEN_BINDING, scalar) readonly buffer Chosen { ChosenVplRecord chosen[]; };
 layout(set = 0, binding = CHOSEN_COUNTS_BINDING, scalar) readonly buffer ChosenCounts { uint chosen_counts[]; };
+#include "renderer/many_lights/vpl_roulette.glsl"
 #include "renderer/many_lights/vpl_visibility.glsl"
 
 uint shadow_queries = 0;
@@ -30,30 +31,22 @@ vec3 light_of(ChosenVplRecord from, GBufferPoint point, Receiver receiver) {
 
 vec3 sum_of_chosen(uint place, GBufferPoint point, Receiver receiver) {
     const uint lights = chosen_counts[place];
-    float bright = 0.0;
+    float total = 0.0, lit = 0.0;
     if (constants.roulette > 0.0 && vpl_visibility_asks()) {
-        float total = 0.0, lit = 0.0;
         for (uint k = 0; k < lights; ++k) {
             const float size = max_component(light_of(chosen[k * push.stride + place], point, receiver));
             total += size;
             lit += size > 0.0 ? 1.0 : 0.0;
         }
         if (lit == 0.0) return vec3(0.0);
-        bright = constants.roulette * total / lit;
     }
-    const uint key = point_key(point, constants.seed, constants.pass);
-    const float least_chance = is_general(point) ? LEAST_GENERAL_CHANCE : 0.0;
+    const VplRoulette roulette = vpl_roulette(point, total, lit);
     vec3 sum = vec3(0.0);
     for (uint k = 0; k < lights; ++k) {
         const ChosenVplRecord from = chosen[k * push.stride + place];
         const vec3 light = light_of(from, point, receiver);
-        const float size = max_component(light);
-        if (!(size > 0.0)) continue;
-        float chance = 1.0;
-        if (size < bright) {
-            chance = max(size / bright, least_chance);
-            if (!(to_unit_float(hash32(key + 0x9e3779b9u * from.vpl)) < chance)) continue;
-        }
+        const float chance = asked_chance(roulette, max_component(light), from.vpl);
+        if (chance == 0.0) continue;
         if (vpl_visibility_asks()) ++shadow_queries;
         if (!vpl_occluded(from.vpl, vpls[from.vpl], point)) sum += light / chance;
     }

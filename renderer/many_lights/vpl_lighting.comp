@@ -18,37 +18,29 @@ layout(set = 0, binding = 3, scalar) readonly buffer GeneralPoints { GBufferGene
 layout(set = 0, binding = 4, scalar) readonly buffer Counts { uint counts[VPL_COUNT_WORDS]; };
 layout(set = 0, binding = 5, scalar) readonly buffer Vpls { Vpl vpls[]; };
 layout(set = 0, binding = 7, scalar) buffer Sums { vec3 sums[]; };
+#include "renderer/many_lights/vpl_roulette.glsl"
 #include "renderer/many_lights/vpl_visibility.glsl"
 
 uint shadow_queries = 0;
 
 /// The lights' sum, n^2-fold: each stands for those of the other subsets.
 vec3 sum_of_lights(GBufferPoint point, Receiver receiver, uint first, uint end, uint tiles) {
-    float bright = 0.0;
+    float total = 0.0, lit = 0.0;
     if (constants.roulette > 0.0 && vpl_visibility_asks()) {
-        // By what would come unshadowed alone: V is asked for what it may depend on, so the mean stays.
-        float total = 0.0, lit = 0.0;
         for (uint i = first; i < end; i += tiles) {
             const float size = max_component(vpl_light(vpls[i], point, receiver, constants.clamp_sq_m2));
             total += size;
             lit += size > 0.0 ? 1.0 : 0.0;
         }
         if (lit == 0.0) return vec3(0.0);
-        bright = constants.roulette * total / lit;
     }
-    const uint key = point_key(point, constants.seed, constants.pass);
-    const float least_chance = is_general(point) ? LEAST_GENERAL_CHANCE : 0.0;
+    const VplRoulette roulette = vpl_roulette(point, total, lit);
     vec3 sum = vec3(0.0);
     for (uint i = first; i < end; i += tiles) {
         const Vpl vpl = vpls[i];
         const vec3 light = vpl_light(vpl, point, receiver, constants.clamp_sq_m2);
-        const float size = max_component(light);
-        if (!(size > 0.0)) continue;
-        float chance = 1.0;
-        if (size < bright) {
-            chance = max(size / bright, least_chance);
-            if (!(to_unit_float(hash32(key + 0x9e3779b9u * i)) < chance)) continue;
-        }
+        const float chance = asked_chance(roulette, max_component(light), i);
+        if (chance == 0.0) continue;
         if (vpl_visibility_asks()) ++shadow_queries;
         if (!vpl_occluded(i, vpl, point)) sum += light * (float(tiles) / chance);
     }

@@ -1,6 +1,7 @@
 #include "renderer/many_lights/vpl_lighting.h"
 
 #include "renderer/core/rng.h"
+#include "renderer/many_lights/vpl_lighting_shared.h"
 #include "renderer/many_lights/vpl_shadow_maps.h"
 #include "renderer/photons/photon.h"
 #include "renderer/transport/photon_scattering.h"
@@ -12,9 +13,6 @@ namespace {
 
 namespace stdx = std::experimental;
 constexpr stdx::vector_aligned_tag kAligned;
-
-/// Least chance of a light to be asked for V where the receiver is not Lambert: the cosines say less of what it brings.
-constexpr float kLeastGeneralChance = 0.25f;
 
 }  // namespace
 
@@ -136,7 +134,7 @@ void VplLighting::ask_by_chance(const VplPass& pass, uint32_t vpl, const Rgb& li
     const float bright = pass.visibility == VplVisibility::None ? 0 : pass.roulette * mean;
     float chance = 1;
     if (size < bright) {
-        chance = std::max(size / bright, general_ ? kLeastGeneralChance : 0.0f);
+        chance = std::max(size / bright, general_ ? VPL_LEAST_GENERAL_CHANCE : 0.0f);
         if (!(to_unit_float(hash32(key_ + 0x9e3779b9u * vpl)) < chance)) return;
     }
     ask(pass, vpl, light / chance);

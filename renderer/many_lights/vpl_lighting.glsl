@@ -11,9 +11,6 @@
 #include "renderer/photons/photon.glsl"
 #include "renderer/transport/photon_scattering.glsl"
 
-/// Least chance of a light to be asked for V where the receiver is not Lambert: the cosines say less of what it brings.
-const float LEAST_GENERAL_CHANCE = 0.25;  // kLeastGeneralChance
-
 bool is_lit(GBufferPoint point) { return (point.kind & GBUFFER_SCATTERINGS) != 0u; }
 bool is_general(GBufferPoint point) { return !ONLY_LAMBERT && (point.kind & GBUFFER_GENERAL) != 0u; }
 

@@ -10,6 +10,9 @@
 #define VPL_VISIBILITY_MAPS 2u
 #define VPL_VISIBILITY_NONE 3u
 
+// Least chance of a light to be asked for V where the receiver is not Lambert: the cosines say less of what it brings.
+#define VPL_LEAST_GENERAL_CHANCE 0.25f
+
 // Specialisation constants, after those of device_image_shared.h.
 #define CLAMP_IS_REPAID_ID 48  // what the clamp takes is added to the points' sums
 #define CLAMP_IS_ASKED_ID 49   // it is looked for

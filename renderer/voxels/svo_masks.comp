@@ -3,15 +3,8 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 
-#define DEVICE_TILES_BINDING 0
-#define SVO_BUILD_NODES_BINDING 2
-#define SVO_BUILD_READS_NODES
-#include "renderer/backends/gpu/device_tiles.glsl"
-#include "renderer/voxels/svo_build.glsl"
+#include "renderer/voxels/svo_fragments.glsl"
 
-layout(local_size_x = SVO_GROUP) in;
-layout(push_constant, scalar) uniform Push { SvoBuildPush push; };
-layout(set = 0, binding = 1, scalar) readonly buffer Fragments { SvoFragment fragments[]; };
 layout(set = 0, binding = 3, scalar) buffer Bricks { SvoBrick bricks[]; };
 
 void main() {

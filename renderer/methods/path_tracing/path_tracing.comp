@@ -16,14 +16,13 @@ layout(push_constant, scalar) uniform Push { PathTracingPush push; };
 
 void main() {
     const uint tile = push.first_tile + flat_index() / (EYE_TILE * EYE_TILE);
-    uint pixel;
-    if (tile >= push.end_tile || !pixel_of_tile(tile, gl_LocalInvocationIndex, pixel)) return;
     EyePath path;
     Ray ray;
     uint key;
-    start_eye_path(pixel, path, ray, key);
+    if (!start_eye_path(tile, push.end_tile, gl_LocalInvocationIndex, path, ray, key)) return;
     PathLight light = no_light();
     uint vertices = 0, shadow_rays = 0;
+    const uint pixel = path.pixel;
     follow_path(key, vertices, path, ray, light, shadow_rays);
     store_light(pixel, light);
     count(COUNTER_CAMERA_RAYS, 1);

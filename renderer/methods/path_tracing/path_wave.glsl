@@ -6,6 +6,10 @@
 
 #extension GL_KHR_shader_subgroup_ballot : require
 
+#define IMAGE_BINDING 0
+#define COUNTERS_BINDING 1
+#define EYE_BINDING 2
+#define SAMPLER_BINDING 3
 #include "renderer/backends/gpu/invocation.glsl"
 #include "renderer/methods/path_tracing/path_step.glsl"
 #include "renderer/methods/path_tracing/path_tracing_shared.h"

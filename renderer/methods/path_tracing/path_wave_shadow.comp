@@ -3,10 +3,6 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 
-#define IMAGE_BINDING 0
-#define COUNTERS_BINDING 1
-#define EYE_BINDING 2
-#define SAMPLER_BINDING 3
 #include "renderer/methods/path_tracing/path_wave.glsl"
 
 void main() {

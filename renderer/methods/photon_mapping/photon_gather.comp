@@ -3,15 +3,6 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 
-#define IMAGE_BINDING 0
-#define COUNTERS_BINDING 1
-#define EYE_BINDING 2
-#define SAMPLER_BINDING 3
-#define SPLIT_POINTS_BINDING 4
-#define MAPPING_BINDING 5
-#define GRID_STARTS_BINDING 6
-#define GRID_PLACES_BINDING 7
-#define MAP_POWERS_BINDING 8
 #define NEAREST_GROUP GATHER_GROUP
 #include "renderer/backends/gpu/invocation.glsl"
 #include "renderer/methods/photon_mapping/final_gather.glsl"

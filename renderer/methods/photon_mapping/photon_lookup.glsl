@@ -1,8 +1,17 @@
-// GLSL twin of methods/photon_mapping/photon_lookup.h: the maps of a pass, and what all its threads share. Define
-// MAPPING_BINDING (of set 0) and what is needed by the files included here before.
+// GLSL twin of methods/photon_mapping/photon_lookup.h: the maps of a pass, and what all its threads share, in the
+// bindings of set 0 below 9. Define NEAREST_GROUP before (radiance_estimate.glsl).
 #ifndef PHOTOND_PHOTON_LOOKUP_GLSL
 #define PHOTOND_PHOTON_LOOKUP_GLSL
 
+#define IMAGE_BINDING 0
+#define COUNTERS_BINDING 1
+#define EYE_BINDING 2
+#define SAMPLER_BINDING 3
+#define SPLIT_POINTS_BINDING 4
+#define MAPPING_BINDING 5
+#define GRID_STARTS_BINDING 6
+#define GRID_PLACES_BINDING 7
+#define MAP_POWERS_BINDING 8
 #include "renderer/methods/photon_mapping/split_samplers.glsl"
 #include "renderer/eye/specular_walk.glsl"
 

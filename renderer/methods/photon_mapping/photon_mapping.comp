@@ -5,15 +5,6 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 
-#define IMAGE_BINDING 0
-#define COUNTERS_BINDING 1
-#define EYE_BINDING 2
-#define SAMPLER_BINDING 3
-#define SPLIT_POINTS_BINDING 4
-#define MAPPING_BINDING 5
-#define GRID_STARTS_BINDING 6
-#define GRID_PLACES_BINDING 7
-#define MAP_POWERS_BINDING 8
 #define NEAREST_GROUP (EYE_TILE * EYE_TILE)
 #include "renderer/backends/gpu/invocation.glsl"
 #include "renderer/eye/eye_shared.h"
@@ -94,19 +85,17 @@ bool step_path(uint vertex, uint key, inout EyePath path, inout Ray ray, inout P
 }
 
 void main() {
+    EyePath path;
+    Ray ray;
+    uint key;
     const uint tile = push.first_tile + flat_index() / (EYE_TILE * EYE_TILE);
-    uint pixel;
-    if (tile < push.end_tile && pixel_of_tile(tile, gl_LocalInvocationIndex, pixel)) {
-        EyePath path;
-        Ray ray;
-        uint key;
-        start_eye_path(pixel, path, ray, key);
-        PathLight light = no_light();
+    if (start_eye_path(tile, push.end_tile, gl_LocalInvocationIndex, path, ray, key)) {
         uint vertex = 0;
+        PathLight light = no_light();
         while (step_path(vertex, key, path, ray, light)) ++vertex;
-        store_light(pixel, light);
+        store_light(path.pixel, light);
         if (FINAL_GATHER) last_points[flat_index()] = last_point;
-        if (layer_kept(PLANE_PHOTON_COUNT)) store_value(PLANE_PHOTON_COUNT, pixel, float(photons));
+        if (layer_kept(PLANE_PHOTON_COUNT)) store_value(PLANE_PHOTON_COUNT, path.pixel, float(photons));
         count(COUNTER_CAMERA_RAYS, 1);
         count(COUNTER_BOUNCE_RAYS, vertex);
         count(COUNTER_SHADOW_RAYS, shadow_rays);
