@@ -202,7 +202,7 @@ TEST(GpuRsm, TakesTheDeviceMemoryItSays) {
 TEST(GpuRsm, IsInTheListOfMethodsForGpusAlone) {
     const MethodInfo* info = find_method("reflective_shadow_maps");
     ASSERT_NE(info, nullptr);
-    EXPECT_EQ(info->devices, std::vector<std::string_view>{"gpu"});
+    EXPECT_EQ(info->devices(), std::vector<std::string_view>{"gpu"});
     EXPECT_EQ(info->make, nullptr);
     EXPECT_EQ(info->estimate_bytes, nullptr);
     EXPECT_NE(info->make_gpu(*info->make_params()), nullptr);

@@ -76,13 +76,13 @@ TEST(PreviewImage, SmallerOnesAreMeansOfLightNotOfColours) {
 
 TEST(PreviewImage, ExposureIsOfWhatIsLight) {
     for (const LayerInfo& info : kLayers) {
-        const LayerPreview preview = preview_of(info);
+        const LayerPreview preview = info.preview;
         EXPECT_EQ(has_exposure(preview), preview == LayerPreview::Light || preview == LayerPreview::Dots) << info.name;
         if (info.radiance() || info.mean == LayerMean::Passes) {
             EXPECT_NE(preview, LayerPreview::None) << info.name;
         }
     }
-    EXPECT_EQ(preview_of(layer_info(Layer::Depth)), LayerPreview::None);
+    EXPECT_EQ(layer_info(Layer::Depth).preview, LayerPreview::None);
     EXPECT_FALSE(has_exposure(LayerPreview::HeatMap) || has_exposure(LayerPreview::Directions));
 }
 
@@ -101,7 +101,7 @@ TEST(PreviewImage, TheHelperEncodesEachThatThereIs) {
                                                       {"curve", "srgb"},
                                                       {"out", png}},
                                                      {UINT64_MAX, 2}, scenes);
-        const bool has_one = preview_of(info) != LayerPreview::None;
+        const bool has_one = info.preview != LayerPreview::None;
         EXPECT_EQ(reply["failure"].is_null(), has_one) << info.name << ": " << reply;
         EXPECT_EQ(std::filesystem::exists(png), has_one) << info.name;
         if (!has_one) {
