@@ -248,9 +248,8 @@ std::vector<Operation> job_output_operations(const ApiVocabulary& vocabulary) {
         {"get",
          "/v1/jobs/{id}/preview.png",
          "getPreview",
-         "The image, or one layer, on a display: light by exposure and curve, vpls as dots of it; overlap as a heat "
-         "map "
-         "(blue 0, green 200, red 400, white 600 splats), split_normal as (n + 1) / 2",
+         "The image, or one layer, on a display, by its kind of preview (listLayers): light and dots by exposure and "
+         "curve; heat_map as blue 0, green 200, red 400, white 600; directions as (n + 1) / 2",
          {{200, file("image/png")}, {202, nullptr}},
          nullptr,
          {{"layer", one_of_beauty_and(vocabulary.preview_layers)},

@@ -46,9 +46,8 @@ void add_output_options(CLI::App& command, JobOutputs& outputs) {
     command
         .add_option(
             "--preview-layer", outputs.preview_layer,
-            "what the PNG shows; default: beauty. Of those asked for with --layers: light, and voxels, as the beauty; "
-            "vpls as dots; split_normal as (n + 1) / 2; overlap, splats over a pixel, as blue 0, green 200, red 400, "
-            "white 600")
+            "what the PNG shows; default: beauty. A layer of those asked for with --layers, where it has a preview "
+            "(GET /v1/layers)")
         ->type_name("LAYER");
     command.add_option("--exposure", outputs.exposure_stops, "exposure of the PNG in stops; default: 0")
         ->type_name("NUMBER");
