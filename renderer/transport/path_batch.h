@@ -88,7 +88,8 @@ public:
     }
     bool has_room_for(size_t rays) const { return count_ + rays <= rays_.size(); }
 
-    void add(const Ray& ray, const Waiting& waiting) {
+    /// Inlined always: else both are pieced together before they are copied.
+    [[gnu::always_inline]] void add(const Ray& ray, const Waiting& waiting) {
         rays_[count_] = ray;
         waiting_[count_++] = waiting;
     }
