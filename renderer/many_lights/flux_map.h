@@ -41,7 +41,10 @@ public:
 
     uint64_t bytes() const { return sums_.capacity() * sizeof(float); }
     /// Texels and sums.
-    static constexpr uint64_t values(uint32_t levels) { return ((uint64_t{4} << 2 * levels) - 1) / 3; }
+    static constexpr uint64_t values(uint32_t levels) {
+        const uint64_t side = uint64_t{1} << levels;
+        return (4 * side * side - 1) / 3;
+    }
 
 private:
     uint32_t levels_;

@@ -8,7 +8,8 @@
 namespace photond {
 
 float vpl_map::reach_m(uint32_t texel, uint32_t resolution, float distance_m, const vec3& local_normal) {
-    const vec2 low(static_cast<float>(texel % resolution), static_cast<float>(texel / resolution));
+    const uint32_t row = texel / resolution, column = texel % resolution;
+    const vec2 low(static_cast<float>(column), static_cast<float>(row));
     const auto side = static_cast<float>(resolution);
     const vec3 centre = direction((low + 0.5f) / side);
     const float cos_centre = glm::dot(local_normal, centre);

@@ -52,7 +52,8 @@ inline uint32_t texel(const vec2& place, uint32_t resolution) {
 
 /// A texel's centre.
 inline vec3 texel_direction(uint32_t texel, uint32_t resolution) {
-    const vec2 at(static_cast<float>(texel % resolution), static_cast<float>(texel / resolution));
+    const uint32_t row = texel / resolution, column = texel % resolution;
+    const vec2 at(static_cast<float>(column), static_cast<float>(row));
     return direction((at + 0.5f) / static_cast<float>(resolution));
 }
 

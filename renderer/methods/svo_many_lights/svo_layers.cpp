@@ -30,7 +30,8 @@ float face_cosine(const gpu::VoxelGrid& grid, const VoxelHit& hit, const Ray& ra
 void show_voxels(const SvoView& tree, const EyeScene& eye, std::vector<Rgb>& layer) {
     const uint32_t width = eye.view.film_size.width;
     parallel_for(layer.size(), 256, [&](size_t pixel) {
-        const vec2 place(static_cast<float>(pixel % width), static_cast<float>(pixel / width));
+        const size_t row = pixel / width, column = pixel % width;
+        const vec2 place(static_cast<float>(column), static_cast<float>(row));
         const Ray ray = eye.camera_rays(place + 0.5f, vec2(0.5f));
         VoxelHit hit;
         layer[pixel] = svo_first_voxel(tree, ray, hit)
