@@ -33,7 +33,7 @@ struct MetricInfo {
     bool needs_reference;  // else it is estimated from the passes
     bool costly;           // not one sweep over the pixels: measured when asked for by name
     std::string_view text;
-    std::string_view line = "";  // of the usual ones, for who does not know them
+    std::string_view line = {};  // of the usual ones, for who does not know them
 };
 
 inline constexpr std::array<MetricInfo, 14> kMetrics{{
