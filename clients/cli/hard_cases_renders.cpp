@@ -174,7 +174,7 @@ private:
             return;
         }
         rendering.cut_short += job.value("passes_done", 0U) < rendering.wish.passes;
-        const json statistics = job.at("statistics");
+        const json& statistics = job.at("statistics");
         rendering.nan_samples += statistics.value("nan_count", uint64_t{0});
         rendering.infinite_samples += statistics.value("infinity_count", uint64_t{0});
         for (const char* name : kRadianceLayers) {

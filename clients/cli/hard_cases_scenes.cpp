@@ -106,6 +106,7 @@ std::vector<HardCase> chosen_cases(const std::vector<HardCase>& all, const std::
     for (const std::string& name : names) {
         if (std::any_of(all.begin(), all.end(), [&](const HardCase& one) { return is_meant(one, name); })) continue;
         std::vector<std::string> known;
+        known.reserve(all.size());
         for (const HardCase& one : all) known.push_back(one.name());
         const std::string near = nearest_name(name, known);
         throw Failure(ExitCode::Usage, "there is no hard case " + printable(name),
