@@ -1,5 +1,5 @@
 // The light paths of chosen texels and what they leave, a thread a path: the whole of a shader but its first lines. CPU
-// twin: VplTracer::trace() and photon_wavefront_reflections.cpp.
+// twin: VplTracer::trace() and photon_reflections.cpp.
 //
 // A shader that finds the hits after the first in its own way defines PHOTON_LATER_HIT (photon_paths.glsl) before, and
 // has its bindings from VPL_BOUNCE_BINDING on.

@@ -1,5 +1,5 @@
 #version 460
-// What the texels of the lights' map see, a thread a texel. CPU twin: photon_wavefront_texels.cpp.
+// What the texels of the lights' map see, a thread a texel. CPU twin: seen_texels.cpp.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 

@@ -1,6 +1,6 @@
 #version 460
 // Light paths and the photons they leave: a thread follows a path to its end, then takes the next one, so that the threads
-// that run together all have something to follow. CPU twin: PhotonWavefront::trace(), with the same numbers. Photons are
+// that run together all have something to follow. CPU twin: PhotonArrivals::trace(), with the same numbers. Photons are
 // appended as they come, under the number of their path; sorting by it (photon_tracer_gpu.h) brings them into one order,
 // as those of one path come in the order of its scatterings.
 #extension GL_GOOGLE_include_directive : require

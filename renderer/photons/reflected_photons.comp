@@ -1,6 +1,6 @@
 #version 460
 // Light paths and what they leave where they are reflected, a thread a path, with the same numbers as CPU twin
-// photon_wavefront_reflections.cpp.
+// photon_reflections.cpp.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 

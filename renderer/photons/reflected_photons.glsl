@@ -1,4 +1,4 @@
-// GLSL twin of photons/photon_wavefront_reflections.cpp: what light paths leave where they are reflected. Photons are
+// GLSL twin of photons/photon_reflections.cpp: what light paths leave where they are reflected. Photons are
 // appended as they come and know whose they are: how many each path left, summed, gives them an order that does not
 // depend on that (photon_tracer's is another: batch by batch, by scatterings).
 //
