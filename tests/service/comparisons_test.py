@@ -15,7 +15,7 @@ import time
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
-from photond_daemon import OVER, Daemon, small_job  # noqa: E402
+from photond_daemon import OVER, Daemon, deadline_after, small_job  # noqa: E402
 
 PHOTONS = {"name": "photon_mapping", "parameters": {"gather_rays": 1}}
 LABEL = "<script>alert('x')</script> & \"paths\""
@@ -38,7 +38,7 @@ def submit(daemon, body, key=None):
 
 
 def wait_for(daemon, comparison_id, states=OVER, timeout_s=120):
-    deadline = time.monotonic() + timeout_s
+    deadline = deadline_after(timeout_s)
     while True:
         found = daemon.request("GET", f"/v1/comparisons/{comparison_id}").json
         if found["state"] in states:
@@ -231,7 +231,7 @@ class ComparisonsTest(SameErrors, unittest.TestCase):
         second = submit(self.daemon, long).json
         self.daemon.wait_for_job(second["jobs"][0]["id"], ("running",))
         self.assertEqual(self.daemon.request("DELETE", f"/v1/comparisons/{second['id']}?purge=true").status, 202)
-        deadline = time.monotonic() + 30
+        deadline = deadline_after(30)
         while any(self.daemon.request("GET", f"/v1/jobs/{job['id']}").status != 404 for job in second["jobs"]):
             self.assertLess(time.monotonic(), deadline)
             time.sleep(0.02)

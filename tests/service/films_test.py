@@ -7,7 +7,7 @@ import signal
 import time
 import unittest
 
-from photond_daemon import Daemon, small_job
+from photond_daemon import Daemon, deadline_after, small_job
 
 ENDLESS = 100_000_000  # passes: over long after the test
 LONGER = {"size": 64, "passes": 800}  # long enough to be hit in the middle
@@ -18,7 +18,7 @@ def hash_of(job):
 
 
 def wait_until(condition, what, timeout_s=60):
-    deadline = time.monotonic() + timeout_s
+    deadline = deadline_after(timeout_s)
     while not condition():
         if time.monotonic() > deadline:
             raise TimeoutError(what)
@@ -39,12 +39,12 @@ class ResumingTest(unittest.TestCase):
         cls.daemon.close()
 
     def films(self, job):
-        return sorted(film.name for film in (self.daemon.data_dir / "films").glob(job["id"] + "-*"))
+        return sorted(film.name for film in (self.daemon.data_dir / "films").glob(job["id"] + "-*.film"))
 
     def saved(self, job):
         """The job, running, once a film of it was saved."""
         wait_until(lambda: self.films(job), "no film was saved")
-        time.sleep(0.05)  # the daemon hears of it
+        time.sleep(0.1)  # the daemon hears of it
         running = self.daemon.job(job["id"])
         self.assertEqual(running["state"], "running", "too fast to be hit: make it longer")
         return running

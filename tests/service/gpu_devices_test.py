@@ -7,7 +7,7 @@ import unittest
 
 from gpu_daemon import able_gpus, gpu_daemon, listed_devices, needs_gpu, thread_states
 from jsonschema import Draft202012Validator
-from photond_daemon import Daemon, small_job
+from photond_daemon import Daemon, deadline_after, small_job
 
 NO_DRIVER = {"VK_ICD_FILENAMES": "/nowhere/icd.json", "VK_DRIVER_FILES": "/nowhere/icd.json"}
 
@@ -114,7 +114,7 @@ class WithGpuTest(unittest.TestCase):
     def test_a_killed_worker_is_replaced(self):
         pid = self.daemon.workers()[self.gpu]
         os.kill(pid, signal.SIGKILL)
-        deadline = time.monotonic() + 60
+        deadline = deadline_after(60)
         while self.daemon.workers()[self.gpu] in (pid, None):
             self.assertLess(time.monotonic(), deadline, "it was not replaced")
             time.sleep(0.01)

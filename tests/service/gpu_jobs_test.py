@@ -14,7 +14,7 @@ import unittest
 import OpenImageIO as oiio
 
 from gpu_daemon import able_gpus, gpu_daemon, needs_gpu, validation_messages
-from photond_daemon import BIN, Daemon, small_job
+from photond_daemon import BIN, PATIENCE, Daemon, small_job
 
 GPU = able_gpus()[0] if able_gpus() else None
 ENDLESS = 1_000_000
@@ -33,7 +33,7 @@ def hash_of(job):
 def wait_until(condition, what, timeout_s=60):
     begun = time.monotonic()
     while not condition():
-        if time.monotonic() - begun > timeout_s:
+        if time.monotonic() - begun > PATIENCE * timeout_s:
             raise TimeoutError(what)
         time.sleep(0.01)
 

@@ -8,7 +8,7 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from many_jobs import fill_history  # noqa: E402
-from photond_daemon import Daemon, small_job  # noqa: E402
+from photond_daemon import Daemon, deadline_after, small_job  # noqa: E402
 
 ENDLESS = 100_000_000  # passes: over long after the test
 SHARED = ("id", "role", "comparison", "state", "progress", "passes_done", "seconds", "error_now", "created", "started",
@@ -62,7 +62,7 @@ class SummaryTest(Lists):
         job_id = self.daemon.submit(small_job(size=16, passes=ENDLESS, labels={"study": "now"}))["id"]
         self.addCleanup(self.daemon.wait_for_job, job_id)
         self.addCleanup(self.daemon.request, "DELETE", f"/v1/jobs/{job_id}")
-        deadline = time.monotonic() + 60
+        deadline = deadline_after(60)
         while True:
             (summary,) = self.page("view=summary&state=queued,running&label=study%3Dnow")["items"]
             if summary["passes_done"] > 0:

@@ -7,7 +7,7 @@ import time
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
-from photond_daemon import DaemonTestCase, small_job  # noqa: E402
+from photond_daemon import DaemonTestCase, deadline_after, small_job  # noqa: E402
 
 ENDLESS = 100_000_000  # passes: over long after the test
 
@@ -24,7 +24,7 @@ class JobsTest(DaemonTestCase):
     def endless(self):
         """A job that runs until it is cancelled; returned when its first pass is done."""
         job = self.daemon.submit(small_job(size=16, passes=ENDLESS))
-        deadline = time.monotonic() + 60
+        deadline = deadline_after(60)
         while not self.daemon.job(job["id"])["passes_done"]:
             self.assertLess(time.monotonic(), deadline, "no pass was done")
             time.sleep(0.02)
@@ -109,7 +109,7 @@ class JobsTest(DaemonTestCase):
         self.assertFalse(list(films.glob(job["id"] + "-*")))
         running = self.endless()
         self.assertEqual(self.daemon.request("DELETE", f"/v1/jobs/{running}?purge=true").status, 202)
-        deadline = time.monotonic() + 30
+        deadline = deadline_after(30)
         while self.daemon.request("GET", f"/v1/jobs/{running}").status != 404:
             self.assertLess(time.monotonic(), deadline)
             time.sleep(0.02)

@@ -9,7 +9,7 @@ import signal
 import time
 import unittest
 
-from photond_daemon import Daemon, small_job
+from photond_daemon import Daemon, deadline_after, small_job
 
 PATHS = {"name": "path_tracing"}
 ENDLESS = 100_000_000  # passes: over long after the test
@@ -232,7 +232,7 @@ class WaitingTest(unittest.TestCase):
             daemon.wait_ready()
             job = daemon.submit({**small_job(), "reference": made(ENDLESS)})
             for attempt in (1, 2):
-                deadline = time.monotonic() + 60
+                deadline = deadline_after(60)
                 while len(daemon.job(job["reference_job"])["attempts"]) < attempt or \
                         not daemon.job(job["reference_job"])["passes_done"]:
                     self.assertLess(time.monotonic(), deadline)

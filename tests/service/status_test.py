@@ -7,7 +7,7 @@ import time
 import unittest
 
 from api_test import EventStream
-from photond_daemon import Daemon, DaemonTestCase, small_job
+from photond_daemon import Daemon, DaemonTestCase, deadline_after, small_job
 
 ENDLESS = 100_000_000  # passes: over long after the test
 MEMORY_LIMIT = 3 << 30
@@ -63,7 +63,7 @@ class StatusTest(unittest.TestCase):
 
     def test_what_runs_is_counted_and_what_was_lost_stays_counted(self):
         job_id = self.daemon.submit(small_job(size=16, passes=ENDLESS))["id"]
-        deadline = time.monotonic() + 60
+        deadline = deadline_after(60)
         while self.status()["totals"]["passes"] < 10:
             self.assertLess(time.monotonic(), deadline, "the passes of a running job are not counted")
             time.sleep(0.05)
@@ -116,7 +116,7 @@ class StatusEventsTest(DaemonTestCase):
 
     def test_who_listens_is_counted(self):
         def wait_for_clients(count):
-            deadline = time.monotonic() + 30
+            deadline = deadline_after(30)
             while self.daemon.request("GET", "/v1/status").json["event_clients"] != count:
                 self.assertLess(time.monotonic(), deadline)
                 time.sleep(0.02)

@@ -17,7 +17,7 @@ import subprocess
 import tempfile
 import unittest
 
-from photond_daemon import BIN, Daemon
+from photond_daemon import BIN, PATIENCE, Daemon
 
 PHOTONCTL = str(BIN / "photonctl")
 SMALL = ["--width", "24", "--height", "16", "--passes", "2"]
@@ -47,7 +47,7 @@ class Cli:
         return {**variables, "PHOTOND_URL": self.url(), **more}
 
     def run(self, *arguments, timeout=120, input=None, **variables):
-        return subprocess.run([PHOTONCTL, *map(str, arguments)], capture_output=True, text=True, timeout=timeout,
+        return subprocess.run([PHOTONCTL, *map(str, arguments)], capture_output=True, text=True, timeout=PATIENCE * timeout,
                               cwd=self.folder, env=self.environment(**variables), input=input)
 
     def popen(self, *arguments):

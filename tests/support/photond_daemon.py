@@ -26,6 +26,14 @@ import unittest
 BIN = pathlib.Path(os.environ.get("PHOTOND_BIN", pathlib.Path(__file__).resolve().parents[2] / "build" / "bin"))
 LISTENING = re.compile(r"^photond listening on http://(\S+):(\d+)\s*$")
 OVER = ("succeeded", "failed", "cancelled")
+# How many times as long as usual is waited before something is given up: programs under a sanitizer are slow.
+PATIENCE = float(os.environ.get("PHOTOND_TEST_PATIENCE", "1"))
+UNDER_SANITIZER = "PHOTOND_UNDER_SANITIZER" in os.environ
+
+
+def deadline_after(seconds):
+    """Of time.monotonic()."""
+    return time.monotonic() + PATIENCE * seconds
 
 
 class Reply:
@@ -79,7 +87,7 @@ class Daemon:
         lines = []
         reader = threading.Thread(target=lambda: lines.append(self.process.stdout.readline()), daemon=True)
         reader.start()
-        reader.join(self.start_timeout_s)
+        reader.join(PATIENCE * self.start_timeout_s)
         match = LISTENING.match(lines[0].decode()) if lines else None
         if not match:
             self.kill()
@@ -93,7 +101,7 @@ class Daemon:
             reply = self.request("GET", "/readyz")
             if reply.status == 200:
                 return time.monotonic() - begun
-            if time.monotonic() - begun > timeout_s:
+            if time.monotonic() - begun > PATIENCE * timeout_s:
                 raise TimeoutError(f"not ready after {timeout_s} s: {reply!r}\n{self.log()[-4000:]}")
             time.sleep(0.02)
 
@@ -107,7 +115,7 @@ class Daemon:
         if self.process.poll() is None:
             self.process.send_signal(signal.SIGTERM)
         try:
-            return self.process.wait(timeout_s)
+            return self.process.wait(PATIENCE * timeout_s)
         except subprocess.TimeoutExpired:
             self.kill()
             raise
@@ -155,7 +163,7 @@ class Daemon:
         if json_body is not None:
             body = json.dumps(json_body).encode()
             headers.setdefault("Content-Type", "application/json")
-        connection = http.client.HTTPConnection(self.address, self.port, timeout=timeout_s)
+        connection = http.client.HTTPConnection(self.address, self.port, timeout=PATIENCE * timeout_s)
         try:
             connection.request(method, path, body=body, headers=headers)
             response = connection.getresponse()
@@ -184,7 +192,7 @@ class Daemon:
             job = self.job(job_id)
             if job["state"] in states:
                 return job
-            if time.monotonic() - begun > timeout_s:
+            if time.monotonic() - begun > PATIENCE * timeout_s:
                 raise TimeoutError(f"job {job_id} is {job['state']} after {timeout_s} s\n{self.log()[-4000:]}")
             time.sleep(0.01)
 
