@@ -1,6 +1,8 @@
 // photonctl completion bash|zsh|fish, and the hidden `photonctl complete` which their scripts call.
 
 #include <algorithm>
+#include <chrono>
+#include <cstdlib>
 #include <iostream>
 
 #include "clients/cli/commands.h"
@@ -62,7 +64,9 @@ end
 complete -c photonctl -f -a '(__photonctl_complete)'
 )";
 
-constexpr size_t kMostJobs = 50;  // offered for completion, the newest ones
+constexpr size_t kMostJobs = 50;                                         // offered for completion, the newest ones
+constexpr double kPatience = 2;                                          // seconds that somebody waits for a list
+constexpr const char* kPatienceVariable = "PHOTOND_COMPLETION_SECONDS";  // another patience, for a slow daemon
 
 /// Words of a line as the shell would cut it; the last one is the one under the cursor, perhaps empty.
 std::vector<std::string> shell_words(const std::string& line) {
@@ -314,6 +318,13 @@ private:
     std::vector<Candidate> found_;
 };
 
+std::chrono::duration<double> patience() {
+    const char* text = std::getenv(kPatienceVariable);
+    double seconds = text ? std::strtod(text, nullptr) : kPatience;
+    if (!(seconds > 0 && seconds <= 3600)) seconds = kPatience;  // a completion has nowhere to complain
+    return std::chrono::duration<double>(seconds);
+}
+
 void print(const std::vector<Candidate>& candidates, size_t cut) {
     for (const Candidate& candidate : candidates) {
         const std::string word =
@@ -326,7 +337,7 @@ void print(const std::vector<Candidate>& candidates, size_t cut) {
 
 void complete(Session& session, const std::vector<std::string>& arguments) {
     session.server.retry_seconds = 0;
-    session.interrupt().set_deadline(std::chrono::seconds(2));  // nobody waits longer for a list
+    session.interrupt().set_deadline(patience());
     std::vector<std::string> words;
     size_t cut = 0;
     if (arguments.size() == 4 && arguments[0] == "--line" && arguments[2] == "--point") {
@@ -349,7 +360,8 @@ void add_completion_command(CLI::App& program, Session& session) {
     command->footer(
         "bash: source <(photonctl completion bash)\n"
         "zsh:  photonctl completion zsh > \"${fpath[1]}/_photonctl\"\n"
-        "fish: photonctl completion fish > ~/.config/fish/completions/photonctl.fish");
+        "fish: photonctl completion fish > ~/.config/fish/completions/photonctl.fish\n"
+        "A list that the daemon must give is waited for 2 s, or PHOTOND_COMPLETION_SECONDS.");
     const auto shell = std::make_shared<std::string>();
     command->add_option("shell", *shell, "which shell")
         ->required()

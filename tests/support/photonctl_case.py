@@ -59,8 +59,10 @@ class Cli:
         words = bash_words(line)
         script = (f'source <("{PHOTONCTL}" completion bash); compopt() {{ :; }}; COMP_LINE="$1"; COMP_POINT=${{#1}}; shift; '
                   'COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _photonctl; printf "%s\\n" "${COMPREPLY[@]}"')
-        return subprocess.run(["bash", "-c", script, "bash", line, *words], capture_output=True, text=True, timeout=60,
-                              cwd=self.folder, env=self.environment(PATH=f"{BIN}:{os.environ['PATH']}"))
+        patience = PATIENCE * 60
+        environment = self.environment(PATH=f"{BIN}:{os.environ['PATH']}", PHOTOND_COMPLETION_SECONDS=str(patience))
+        return subprocess.run(["bash", "-c", script, "bash", line, *words], capture_output=True, text=True, timeout=patience,
+                              cwd=self.folder, env=environment)
 
 
 def bash_words(line):
