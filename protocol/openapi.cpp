@@ -212,12 +212,17 @@ json layer_schema() {
 }
 
 json metric_schema() {
-    return given({{"name", typed("string")},
-                  {"values", typed("integer", "1: a number, which may be a target; 3: one a channel; 4: percentiles")},
-                  {"needs_reference", typed("boolean", "else it is estimated from the passes")},
-                  {"on_request", typed("boolean", "measured only where a job's `metrics` name it")},
-                  {"description", typed("string", "how it is defined")},
-                  {"line", with_text(nullable("string"), "what the usual ones are, for who does not know them")}});
+    return given(
+        {{"name", typed("string")},
+         {"title", typed("string", "for tables")},
+         {"values", typed("integer", "1: a number, which may be a target; 3: one a channel; 4: percentiles")},
+         {"needs_reference", typed("boolean", "else it is estimated from the passes")},
+         {"on_request", typed("boolean", "measured only where a job's `metrics` name it")},
+         {"slope", with_text(nullable("number"),
+                             "where the error is nothing but independent noise it falls with the passes to this "
+                             "power; null: no law says how")},
+         {"description", typed("string", "how it is defined")},
+         {"line", with_text(nullable("string"), "what the usual ones are, for who does not know them")}});
 }
 
 json device_schema() {

@@ -21,11 +21,13 @@ enum class ParamGroup : uint8_t {
     Visibility,
     NoiseAndBias,
     Filter,
+    Device,
     Files,
 };
-inline constexpr std::array<std::string_view, 10> kParamGroupTitles = {
+inline constexpr std::array<std::string_view, 11> kParamGroupTitles = {
     "Light",  "Light sources' maps", "Gathering",      "Density estimate", "Stratification",
-    "Splats", "Shadows and voxels",  "Noise and bias", "Filter",           "Files"};
+    "Splats", "Shadows and voxels",  "Noise and bias", "Filter",           "On a GPU",
+    "Files"};
 
 struct ParamInfo {
     ParamGroup group;

@@ -60,13 +60,25 @@ double percentile(std::vector<double>& values, size_t percent, size_t& from) {
 /// Why pointwise() has no value for a metric.
 std::string reason(const PointwiseErrors& errors, Metric metric) {
     for (size_t k = 0; k < 3; ++k)
-        if (!errors.bias[k]) return std::string("no finite values in channel ") + "RGB"[k];
+        if (!errors.channels(Metric::Bias)[k]) return std::string("no finite values in channel ") + "RGB"[k];
     for (size_t k = 0; k < 3 && metric == Metric::RelativeBias; ++k)
-        if (!errors.relative_bias[k]) return std::string("the mean of the reference is 0 in channel ") + "RGB"[k];
+        if (!errors.channels(Metric::RelativeBias)[k])
+            return std::string("the mean of the reference is 0 in channel ") + "RGB"[k];
     return "the mean of the reference is 0";
 }
 
 }  // namespace
+
+std::vector<double> PointwiseErrors::values_of(Metric metric) const {
+    const MetricInfo& info = metric_info(metric);
+    assert(!info.costly && "a metric of one sweep");
+    std::vector<double> values;
+    for (const std::optional<double>& value : std::span(channels(metric)).first(info.values)) {
+        if (!value) return {};
+        values.push_back(*value);
+    }
+    return values;
+}
 
 ErrorMeter::ErrorMeter(Size2 size, std::vector<float> reference)
     : size_(size), reference_(std::move(reference)), encoded_(srgb_encoded(reference_)) {
@@ -136,31 +148,9 @@ std::vector<double> ErrorMeter::measure(Metric metric, std::span<const float> im
         return {};
     }
     const PointwiseErrors errors = pointwise(image);
-    std::vector<double> values = value_of(errors, metric);
+    std::vector<double> values = errors.values_of(metric);
     if (values.empty() && why) *why = reason(errors, metric);
     return values;
-}
-
-std::vector<double> ErrorMeter::value_of(const PointwiseErrors& errors, Metric metric) {
-    const auto one = [](const std::optional<double>& value) {
-        return value ? std::vector<double>{*value} : std::vector<double>{};
-    };
-    const auto by_channel = [](const std::array<std::optional<double>, 3>& values) {
-        if (!values[0] || !values[1] || !values[2]) return std::vector<double>{};
-        return std::vector<double>{*values[0], *values[1], *values[2]};
-    };
-    switch (metric) {
-        case Metric::RelativeMse: return one(errors.relative_mse);
-        case Metric::Rmse: return one(errors.rmse);
-        case Metric::Mae: return one(errors.mae);
-        case Metric::Smape: return one(errors.smape);
-        case Metric::Rmse8bit: return one(errors.rmse_8bit);
-        case Metric::FittedRmse: return one(errors.fitted_rmse);
-        case Metric::FittedRelativeMse: return one(errors.fitted_relative_mse);
-        case Metric::Bias: return by_channel(errors.bias);
-        case Metric::RelativeBias: return by_channel(errors.relative_bias);
-        default: assert(false && "not a metric of one sweep"); return {};
-    }
 }
 
 std::array<double, 3> bias_standard_error(std::span<const float> variance_of_mean) {

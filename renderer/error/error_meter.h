@@ -17,16 +17,26 @@
 
 namespace photond {
 
-/// What one sweep over the pixels gives. A member is empty where its definition divides by a mean of r that is 0, or
+/// What one sweep over the pixels gives. A value is empty where its definition divides by a mean of r that is 0, or
 /// where no value is left. Values where x or r is not finite are left out of every mean and counted.
-struct PointwiseErrors {
-    std::optional<double> relative_mse, rmse, mae, smape, rmse_8bit;
-    /// After a factor s on x, for images whose scale is arbitrary: the least that rmse and relative_mse can be of any
-    /// s, and that s. No s where x is black everywhere.
-    std::optional<double> fitted_rmse, fitted_relative_mse;
+class PointwiseErrors {
+public:
+    /// Of a metric that is not costly: its value, or its three by channel.
+    std::optional<double>& operator[](Metric metric) { return channels(metric)[0]; }
+    const std::optional<double>& operator[](Metric metric) const { return channels(metric)[0]; }
+    std::array<std::optional<double>, 3>& channels(Metric metric) { return values_[static_cast<size_t>(metric)]; }
+    const std::array<std::optional<double>, 3>& channels(Metric metric) const {
+        return values_[static_cast<size_t>(metric)];
+    }
+    /// All of a metric's values, as many as MetricInfo::values says; empty where one of them is.
+    std::vector<double> values_of(Metric metric) const;
+
+    /// The factors s on x that fitted_rmse and fitted_relative_mse are the least of. None where x is black everywhere.
     std::optional<double> least_squares_exposure, relative_least_squares_exposure;
-    std::array<std::optional<double>, 3> bias, relative_bias;  // by channel
-    uint64_t left_out = 0;                                     // values (not pixels)
+    uint64_t left_out = 0;  // values (not pixels)
+
+private:
+    std::array<std::array<std::optional<double>, 3>, kMetrics.size()> values_{};
 };
 
 /// Measures images of one layer against one reference, and keeps whatever of that depends on the reference alone.
@@ -61,8 +71,6 @@ public:
     /// The metric's values as many as MetricInfo::values says; empty where the definition gives none (m = 0), `why`
     /// then says so. `metric` needs a reference.
     std::vector<double> measure(Metric metric, std::span<const float> image, std::string* why = nullptr) const;
-    /// Of one sweep, the values of a metric that is not costly.
-    static std::vector<double> value_of(const PointwiseErrors& errors, Metric metric);
 
 private:
     const Flip& flip(std::unique_ptr<const Flip>& made, FlipRange range) const;

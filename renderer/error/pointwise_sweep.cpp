@@ -198,13 +198,14 @@ PointwiseErrors ErrorMeter::pointwise(std::span<const float> image) const {
     errors.left_out = image.size() - count;
     if (count == 0) return errors;
     const auto mean = [&](double sum) { return sum / static_cast<double>(count); };
-    errors.rmse = std::sqrt(mean(sums.plain.dd));
+    errors[Metric::Mse] = mean(sums.plain.dd);
+    errors[Metric::Rmse] = std::sqrt(*errors[Metric::Mse]);
     const Fit fit = least_squares(sums.plain), relative_fit = least_squares(sums.relative);
-    errors.fitted_rmse = std::sqrt(mean(fit.squares)), errors.least_squares_exposure = fit.exposure;
-    errors.mae = mean(sums.absolutes);
+    errors[Metric::FittedRmse] = std::sqrt(mean(fit.squares)), errors.least_squares_exposure = fit.exposure;
+    errors[Metric::Mae] = mean(sums.absolutes);
     if (mean_ != 0) {
-        errors.relative_mse = mean(sums.relative.dd), errors.smape = mean(sums.symmetric);
-        errors.fitted_relative_mse = mean(relative_fit.squares);
+        errors[Metric::RelativeMse] = mean(sums.relative.dd), errors[Metric::Smape] = mean(sums.symmetric);
+        errors[Metric::FittedRelativeMse] = mean(relative_fit.squares);
         errors.relative_least_squares_exposure = relative_fit.exposure;
     }
     double display_error = 0;
@@ -212,10 +213,11 @@ PointwiseErrors ErrorMeter::pointwise(std::span<const float> image) const {
         const auto channel_count = static_cast<double>(sums.count[k]);
         display_error += kDisplayWhite * std::sqrt(sums.encoded_squares[k] / channel_count);
         if (sums.count[k] == 0) continue;
-        errors.bias[k] = sums.differences[k] / channel_count;
-        if (channel_means_[k] != 0) errors.relative_bias[k] = *errors.bias[k] / channel_means_[k];
+        errors.channels(Metric::Bias)[k] = sums.differences[k] / channel_count;
+        if (channel_means_[k] != 0)
+            errors.channels(Metric::RelativeBias)[k] = *errors.channels(Metric::Bias)[k] / channel_means_[k];
     }
-    if (sums.count[0] > 0 && sums.count[1] > 0 && sums.count[2] > 0) errors.rmse_8bit = display_error;
+    if (sums.count[0] > 0 && sums.count[1] > 0 && sums.count[2] > 0) errors[Metric::Rmse8bit] = display_error;
     return errors;
 }
 

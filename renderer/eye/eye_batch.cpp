@@ -22,7 +22,8 @@ void EyeBatch::start(const EyeScene& shared, const PassSampler& sampler, const T
     count = tile.pixels();
     assert(count <= room() && "the tile is no larger than was said");
     start_eye_paths(shared, sampler, tile, {rays.data(), count}, {paths.data(), count}, {keys.data(), count});
-    for (size_t i = 0; i < count; ++i) clear_pixel(image, paths[i].pixel);
+    // A pass starts from black, tile by tile: by the thread that renders the tile.
+    for (uint32_t y = tile.y0; y < tile.y1; ++y) image.clear(size_t{y} * image.size.width + tile.x0, tile.x1 - tile.x0);
 }
 
 void EyeBatch::trace_rays(const EyeScene& shared, uint32_t vertex, Counts& counts) {
@@ -49,7 +50,7 @@ void EyeBatch::sort_hits(const EyeScene& shared, PassImage& image) {
 void add_unshadowed(ShadowBatch<WaitingLight>& shadows, const EyeScene& shared, uint32_t vertex, PassImage& image,
                     Counts& counts) {
     counts.shadow_rays += shadows.trace(shared.intersector, coherence_at(vertex), [&](const WaitingLight& light) {
-        (light.indirect ? image.indirect : image.direct)[light.pixel] += light.radiance;
+        (light.indirect ? image.of<Layer::Indirect>() : image.of<Layer::Direct>())[light.pixel] += light.radiance;
     });
 }
 

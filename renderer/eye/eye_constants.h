@@ -1,12 +1,21 @@
 #pragma once
-// The eye on the device: its buffer's contents.
+// The eye on the device: its tiles, its buffer's contents, and the constants of the shaders that follow paths from it.
 
 #include "renderer/eye/eye_shared.h"
+#include "renderer/frame/device_image.h"
 #include "renderer/frame/render_context.h"
 
 namespace photond {
 
+/// Tiles of EYE_TILE pixels a side that cover an image.
+constexpr uint32_t eye_tile_count(Size2 size) {
+    return (size.width + EYE_TILE - 1) / EYE_TILE * ((size.height + EYE_TILE - 1) / EYE_TILE);
+}
+
 /// `roulette_start`: surface interactions after which Russian roulette may end a path.
 gpu::EyeConstants make_eye_constants(const View& view, uint32_t max_scatterings, uint32_t roulette_start);
+
+/// Where such shaders put what they find (eye_contributions.glsl).
+std::vector<gpu::Specialization> eye_specialization(const DeviceImage& image);
 
 }  // namespace photond

@@ -10,6 +10,13 @@
 #include "renderer/transport/light_sampling.glsl"
 #include "renderer/transport/mis.glsl"
 
+layout(constant_id = PLANE_CAUSTIC_ID) const uint PLANE_CAUSTIC = NO_PLANE;
+layout(constant_id = PLANE_ALBEDO_ID) const uint PLANE_ALBEDO = NO_PLANE;
+layout(constant_id = PLANE_NORMAL_ID) const uint PLANE_NORMAL = NO_PLANE;
+layout(constant_id = PLANE_POSITION_ID) const uint PLANE_POSITION = NO_PLANE;
+layout(constant_id = PLANE_DEPTH_ID) const uint PLANE_DEPTH = NO_PLANE;
+layout(constant_id = PLANE_GEOMETRIC_NORMAL_ID) const uint PLANE_GEOMETRIC_NORMAL = NO_PLANE;
+
 /// What one path brings to its pixel.
 struct PathLight {
     vec3 emitted, direct, indirect, caustic;
@@ -48,11 +55,12 @@ void add_emission(inout PathLight light, EyePath path, Hit hit, bool front, vec3
     add_radiance(light, path, path.delta ? radiance : power_heuristic(path.pdf_sa, light_pdf) * radiance);
 }
 
-/// Normal, position and depth are those of the first surface met, mirrors included.
-void store_first_hit(uint pixel, vec3 position, vec3 shading_normal) {
+/// Normals, position and depth are those of the first surface met, mirrors included.
+void store_first_hit(uint pixel, vec3 position, vec3 shading_normal, vec3 geometric_normal) {
     if (!layer_kept(PLANE_HIT)) return;
     store_value(PLANE_HIT, pixel, 1.0);
     if (layer_kept(PLANE_NORMAL)) store_rgb(PLANE_NORMAL, pixel, shading_normal);
+    if (layer_kept(PLANE_GEOMETRIC_NORMAL)) store_rgb(PLANE_GEOMETRIC_NORMAL, pixel, geometric_normal);
     if (layer_kept(PLANE_POSITION)) store_rgb(PLANE_POSITION, pixel, position);
     if (layer_kept(PLANE_DEPTH)) store_value(PLANE_DEPTH, pixel, dot(position - eye.camera.position, eye.camera.forward));
 }

@@ -8,26 +8,15 @@
 
 namespace photond {
 
-/// A pass starts from black, pixel by pixel: by the thread that renders the pixel.
-inline void clear_pixel(PassImage& image, uint32_t pixel) {
-    for (std::vector<Rgb>* layer : {&image.emitted, &image.direct, &image.indirect, &image.caustic, &image.albedo,
-                                    &image.normal, &image.position})
-        if (!layer->empty()) (*layer)[pixel] = Rgb(0);
-    if (!image.depth.empty()) image.depth[pixel] = 0;
-    if (!image.photon_count.empty()) image.photon_count[pixel] = 0;
-    if (!image.overlap.empty()) image.overlap[pixel] = 0;
-    if (!image.hit.empty()) image.hit[pixel] = 0;
-}
-
 /// Adds radiance that reached the eye along a path with that many scatterings.
 inline void add_radiance(PassImage& image, const EyePath& path, const Rgb& radiance) {
     if (path.scatterings == 0) {
-        image.emitted[path.pixel] += radiance;
+        image.of<Layer::Emitted>()[path.pixel] += radiance;
     } else if (path.scatterings == 1) {
-        image.direct[path.pixel] += radiance;
+        image.of<Layer::Direct>()[path.pixel] += radiance;
     } else {
-        image.indirect[path.pixel] += radiance;
-        if (path.caustic && !image.caustic.empty()) image.caustic[path.pixel] += radiance;
+        image.of<Layer::Indirect>()[path.pixel] += radiance;
+        if (path.caustic && image.layers.has(Layer::Caustic)) image.of<Layer::Caustic>()[path.pixel] += radiance;
     }
 }
 
@@ -52,15 +41,17 @@ inline void add_emission(PassImage& image, const EyeScene& shared, const EyePath
     add_radiance(image, path, path.delta ? radiance : power_heuristic(path.pdf_sa, light_pdf) * radiance);
 }
 
-/// Normal, position and depth are those of the first surface met, mirrors included.
+/// Normals, position and depth are those of the first surface met, mirrors included.
 inline void store_first_hit(PassImage& image, const EyeScene& shared, uint32_t pixel, const vec3& position,
-                            const vec3& shading_normal) {
+                            const vec3& shading_normal, const vec3& geometric_normal) {
     if (image.hit.empty()) return;
     image.hit[pixel] = 1;
-    if (!image.normal.empty()) image.normal[pixel] = shading_normal;
-    if (!image.position.empty()) image.position[pixel] = vec3(dvec3(position) + shared.scene.origin);
-    if (!image.depth.empty())
-        image.depth[pixel] = glm::dot(position - shared.view.camera.position, shared.view.camera.forward);
+    if (image.layers.has(Layer::Normal)) image.of<Layer::Normal>()[pixel] = shading_normal;
+    if (image.layers.has(Layer::GeometricNormal)) image.of<Layer::GeometricNormal>()[pixel] = geometric_normal;
+    if (image.layers.has(Layer::Position))
+        image.of<Layer::Position>()[pixel] = vec3(dvec3(position) + shared.scene.origin);
+    if (image.layers.has(Layer::Depth))
+        image.of<Layer::Depth>()[pixel] = glm::dot(position - shared.view.camera.position, shared.view.camera.forward);
 }
 
 }  // namespace photond

@@ -19,7 +19,8 @@ bool meet_surface(inout EyePath path, uint vertex, Hit hit, Ray ray, inout PathL
     met.bsdf = bsdf_nothing();
     met.wo = vec3(0.0, 0.0, 1.0);
     const uint flags = scene_materials[met.surface.material].flags;
-    if (vertex == 0) store_first_hit(path.pixel, met.surface.position, met.surface.shading.normal);
+    if (vertex == 0)
+        store_first_hit(path.pixel, met.surface.position, met.surface.shading.normal, met.surface.geometric_normal);
     const bool camera_walk = path.scatterings == 0;
     if (NEEDS_UNLIT && has_flag(flags, MATERIAL_UNLIT)) {
         if (!camera_walk) return false;

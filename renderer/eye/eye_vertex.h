@@ -21,13 +21,14 @@ inline bool meet_surface(const EyeScene& shared, EyePath& path, uint32_t vertex,
     met.surface = make_shading_point(scene, hit, ray.direction);
     const ShadingPoint& surface = met.surface;
     const Material& material = scene.materials[surface.material];
-    if (vertex == 0) store_first_hit(image, shared, path.pixel, surface.position, surface.shading.normal);
+    if (vertex == 0)
+        store_first_hit(image, shared, path.pixel, surface.position, surface.shading.normal, surface.geometric_normal);
     const bool camera_walk = path.scatterings == 0;
     if (material.unlit) {
         if (!camera_walk) return false;
         const Rgb radiance = unlit_radiance(scene, {hit.instance, hit.triangle, hit.u, hit.v});
         add_radiance(image, path, path.throughput * radiance);
-        if (!image.albedo.empty()) image.albedo[path.pixel] = radiance;
+        if (image.layers.has(Layer::Albedo)) image.of<Layer::Albedo>()[path.pixel] = radiance;
         return false;
     }
     if (material.emissive()) add_emission(image, shared, path, hit, surface.front_side, ray.direction);
@@ -36,8 +37,9 @@ inline bool meet_surface(const EyeScene& shared, EyePath& path, uint32_t vertex,
     met.bsdf = make_bsdf(scene, surface, path.media.outside_ior(scene, surface.material, !surface.front_side));
     met.wo = surface.shading.to_local(-ray.direction);
     // The first non-delta surface: a walk that reaches another one left this one by a delta lobe.
-    if (camera_walk && !image.albedo.empty() && met.bsdf.has_non_delta() && is_black(image.albedo[path.pixel]))
-        image.albedo[path.pixel] = met.bsdf.albedo();
+    if (camera_walk && image.layers.has(Layer::Albedo) && met.bsdf.has_non_delta() &&
+        is_black(image.of<Layer::Albedo>()[path.pixel]))
+        image.of<Layer::Albedo>()[path.pixel] = met.bsdf.albedo();
     path.position = surface.position;
     path.lit_normal = met.bsdf.has_non_delta_transmission() ? vec3(0) : surface.shading.normal;
     return true;

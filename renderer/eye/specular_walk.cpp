@@ -105,7 +105,8 @@ void SpecularWalk::add_light(const Pass& pass, LitPoint& point, const LightSampl
     }
     switch (point.seen) {
         case LightSeen::Whole:
-            (point.indirect ? pass.image.indirect : pass.image.direct)[point.pixel] += radiance;
+            (point.indirect ? pass.image.of<Layer::Indirect>() : pass.image.of<Layer::Direct>())[point.pixel] +=
+                radiance;
             break;
         case LightSeen::Nothing: break;
         case LightSeen::Unknown: shadows_.add(light.shadow_ray(origin), {radiance, point.pixel, point.indirect}); break;

@@ -74,14 +74,17 @@ void SpecularWalk::shade_lambert(const Pass& pass) {
             const EyePath& path = batch_.paths[i];
             const vec3 normal = group.normal.get(lane);
             const Rgb reflectance = group.reflectance.get(lane);
-            if (vertex_ == 0) store_first_hit(pass.image, shared, path.pixel, group.position.get(lane), normal);
+            if (vertex_ == 0)
+                store_first_hit(pass.image, shared, path.pixel, group.position.get(lane), normal,
+                                group.geometric_normal.get(lane));
             if (shared.shading[batch_.hits[i].instance].emits)
                 add_emission(pass.image, shared, path, batch_.hits[i], group.front[lane] != 0,
                              batch_.rays[i].direction);
             if (path.scatterings >= shared.max_scatterings) continue;
             const bool camera_walk = path.scatterings == 0;
-            if (camera_walk && !pass.image.albedo.empty() && is_black(pass.image.albedo[path.pixel]))
-                pass.image.albedo[path.pixel] = reflectance;
+            if (camera_walk && pass.image.layers.has(Layer::Albedo) &&
+                is_black(pass.image.of<Layer::Albedo>()[path.pixel]))
+                pass.image.of<Layer::Albedo>()[path.pixel] = reflectance;
             // Nothing is scattered to an eye below the horizon of the normal that shades.
             if (is_black(reflectance) || !(glm::dot(normal, batch_.rays[i].direction) < 0)) continue;
 

@@ -1,9 +1,11 @@
 #include "renderer/film/film.h"
 
+#include <algorithm>
 #include <atomic>
 #include <bit>
 #include <cassert>
 #include <cmath>
+#include <type_traits>
 
 #include "protocol/error.h"
 #include "renderer/core/parallel.h"
@@ -107,19 +109,23 @@ std::vector<float> per_channel(size_t count, const Function& value) {
 }  // namespace
 
 PassImage::PassImage(Size2 image_size, LayerSet layer_set) : size(image_size), layers(layer_set) {
-    const size_t n = size.pixels();
-    const auto make = [&](Layer layer, std::vector<Rgb>& pixels) {
-        if (layers.has(layer)) pixels.assign(n, Rgb(0));
+    for (const LayerInfo& info : kLayers) {
+        if (!layers.has_in_passes(info.layer)) continue;
+        const auto i = static_cast<size_t>(info.layer);
+        if (info.channel_count() == 1)
+            values_[i].assign(size.pixels(), 0.0f);
+        else
+            colors_[i].assign(size.pixels(), Rgb(0));
+    }
+    if (layers.needs_hits()) hit.assign(size.pixels(), 0);
+}
+
+void PassImage::clear(size_t first_pixel, size_t pixels) {
+    const auto clear = [&]<class Value>(std::vector<Value>& values) {
+        std::fill_n(values.begin() + static_cast<ptrdiff_t>(first_pixel), pixels, Value(0));
     };
-    make(Layer::Emitted, emitted), make(Layer::Direct, direct), make(Layer::Indirect, indirect);
-    make(Layer::Caustic, caustic), make(Layer::Albedo, albedo), make(Layer::Normal, normal);
-    make(Layer::Position, position), make(Layer::Clamped, clamped), make(Layer::Voxels, voxels);
-    make(Layer::SplitNormal, split_normal), make(Layer::SplitIndirect, split_indirect);
-    if (layers.has(Layer::Depth)) depth.assign(n, 0.0f);
-    if (layers.has(Layer::PhotonCount)) photon_count.assign(n, 0.0f);
-    if (layers.has(Layer::Overlap)) overlap.assign(n, 0.0f);
-    if (layers.has(Layer::Vpls)) vpls.assign(n, 0.0f);
-    if (layers.needs_hits()) hit.assign(n, 0);
+    each_layer([&](const LayerInfo&, auto& layer) { clear(layer); });
+    if (!hit.empty()) clear(hit);
 }
 
 uint64_t PassImage::bytes_for(Size2 size, LayerSet layers) {
@@ -149,21 +155,20 @@ void Film::add_pass(const PassImage& pass) {
     assert(pass.size == size_ && pass.layers == layers_ && "a pass has its film's size and layers");
     const auto sums = [&](Layer layer) { return sums_[static_cast<size_t>(layer)].data(); };
     const bool auxiliary = layers_.needs_hits();
-    // Those that are kept: of all pixels, and of pixels that were hit.
+    // Those beside the beauty's parts: of all pixels, and of pixels that were hit.
     LayerPixels<Rgb> rgb_layers[2];
     LayerPixels<float> single_layers[2];
-    const auto keep = [&](Layer layer, const auto& pixels, auto& lists) {
-        if (layers_.has(layer))
-            lists[layer_info(layer).mean == LayerMean::Hits ? 1 : 0].add(sums(layer), pixels.data());
-    };
-    keep(Layer::Caustic, pass.caustic, rgb_layers), keep(Layer::Clamped, pass.clamped, rgb_layers);
-    keep(Layer::Albedo, pass.albedo, rgb_layers), keep(Layer::Normal, pass.normal, rgb_layers);
-    keep(Layer::Position, pass.position, rgb_layers), keep(Layer::Voxels, pass.voxels, rgb_layers);
-    keep(Layer::SplitNormal, pass.split_normal, rgb_layers);
-    keep(Layer::SplitIndirect, pass.split_indirect, rgb_layers);
-    keep(Layer::Depth, pass.depth, single_layers), keep(Layer::PhotonCount, pass.photon_count, single_layers);
-    keep(Layer::Overlap, pass.overlap, single_layers), keep(Layer::Vpls, pass.vpls, single_layers);
-
+    pass.each_layer([&]<class Value>(const LayerInfo& info, const std::vector<Value>& pixels) {
+        if (info.layer == Layer::Emitted || info.layer == Layer::Direct || info.layer == Layer::Indirect) return;
+        const size_t kind = info.mean == LayerMean::Hits ? 1 : 0;
+        if constexpr (std::is_same_v<Value, Rgb>)
+            rgb_layers[kind].add(sums(info.layer), pixels.data());
+        else
+            single_layers[kind].add(sums(info.layer), pixels.data());
+    });
+    const std::vector<Rgb>& pass_emitted = pass.of<Layer::Emitted>();
+    const std::vector<Rgb>& pass_direct = pass.of<Layer::Direct>();
+    const std::vector<Rgb>& pass_indirect = pass.of<Layer::Indirect>();
     FixedSum* const emitted_sums = sums(Layer::Emitted);
     FixedSum* const direct_sums = sums(Layer::Direct);
     FixedSum* const indirect_sums = sums(Layer::Indirect);
@@ -172,7 +177,7 @@ void Film::add_pass(const PassImage& pass) {
     const auto add_range = [&](const tbb::blocked_range<size_t>& range) {
         uint64_t nans = 0, infinities = 0;
         for (size_t i = range.begin(); i != range.end(); ++i) {
-            const Rgb emitted = pass.emitted[i], direct = pass.direct[i], indirect = pass.indirect[i];
+            const Rgb emitted = pass_emitted[i], direct = pass_direct[i], indirect = pass_indirect[i];
             const uint32_t emitted_bits = magnitude_bits(emitted), direct_bits = magnitude_bits(direct);
             const uint32_t indirect_bits = magnitude_bits(indirect);
             uint32_t worst = std::max({emitted_bits, direct_bits, indirect_bits});

@@ -2,6 +2,7 @@
 // The film: what passes add up to. Sums are 128-bit fixed point (multiples of 2^-64), so that addition is exactly
 // associative: any order of passes and any cut into ranges gives the same bits.
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -15,22 +16,59 @@
 namespace photond {
 
 /// What one pass contributes: for each pixel the mean of its samples in this pass. Row 0 is the top. Layers not asked
-/// for are empty.
-struct PassImage {
+/// for are empty. Those whose mean is over hits (LayerMean::Hits) are read where hit[i] != 0 only.
+class PassImage {
+public:
     PassImage() = default;
     PassImage(Size2 image_size, LayerSet layer_set);
     static uint64_t bytes_for(Size2 size, LayerSet layers);
 
+    /// A layer's pixels: a std::vector<Rgb>, or a std::vector<float> where it has one channel. What they mean, and in
+    /// which unit, says its row in kLayers.
+    template <Layer layer>
+    auto& of() {
+        return of<layer>(*this);
+    }
+    template <Layer layer>
+    const auto& of() const {
+        return of<layer>(*this);
+    }
+    /// Calls function(info, pixels) for each layer that is there.
+    template <class Function>
+    void each_layer(const Function& function) {
+        each_layer_of(*this, function);
+    }
+    template <class Function>
+    void each_layer(const Function& function) const {
+        each_layer_of(*this, function);
+    }
+    /// Black, and met by nothing, in all layers: pixels of one row, or of several from one end to the other.
+    void clear(size_t first_pixel, size_t pixels);
+
     Size2 size;
     LayerSet layers;
-    std::vector<Rgb> emitted, direct, indirect, caustic;  // radiance [W m^-2 sr^-1]
-    std::vector<Rgb> albedo, normal, position;            // where hit[i] != 0
-    std::vector<float> depth;
-    std::vector<float> photon_count, overlap;
-    std::vector<Rgb> clamped;                               // radiance
-    std::vector<Rgb> voxels, split_normal, split_indirect;  // whether hit or not
-    std::vector<float> vpls;
     std::vector<uint8_t> hit;  // 1 where the sample met a surface; only kept when an auxiliary layer is asked for
+
+private:
+    template <Layer layer, class Image>
+    static auto& of(Image& image) {
+        if constexpr (layer_info(layer).channel_count() == 1)
+            return image.values_[static_cast<size_t>(layer)];
+        else
+            return image.colors_[static_cast<size_t>(layer)];
+    }
+    template <class Image, class Function>
+    static void each_layer_of(Image& image, const Function& function) {
+        for (const LayerInfo& info : kLayers) {
+            const auto i = static_cast<size_t>(info.layer);
+            if (!image.values_[i].empty()) function(info, image.values_[i]);
+            if (!image.colors_[i].empty()) function(info, image.colors_[i]);
+        }
+    }
+
+    // Of each layer one of the two, and none where it is not asked for.
+    std::array<std::vector<Rgb>, kLayerCount> colors_;
+    std::array<std::vector<float>, kLayerCount> values_;
 };
 
 /// 128-bit signed fixed point with 64 fractional bits: range +-2^63, resolution 2^-64. A value of one pass lies below

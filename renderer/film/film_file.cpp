@@ -219,6 +219,9 @@ SavedFilm FilmFile::load(const std::filesystem::path& path, uint64_t limit_bytes
     const size_t known_layers = header.version == 1   ? kLayersOfVersion1
                                 : header.version <= 3 ? kLayersOfVersion3
                                                       : kLayerCount;
+    if (header.version == kVersion && header.layers >> known_layers != 0)
+        throw Error(ErrorCode::Unsupported, "the film file " + path.filename().string() +
+                                                " has layers that this program does not know: a newer one wrote it");
     if (header.width > kMaxSide || header.height > kMaxSide || header.layers >> known_layers != 0)
         damaged(path, "its size or layers are out of range");
     LayerSet layers;

@@ -25,8 +25,9 @@ enum class Layer : uint8_t {
     Vpls,
     SplitNormal,
     SplitIndirect,
+    GeometricNormal,
 };
-inline constexpr size_t kLayerCount = 16;
+inline constexpr size_t kLayerCount = 17;
 
 /// How the passes' values become the image's.
 enum class LayerMean : uint8_t {
@@ -95,6 +96,8 @@ inline constexpr std::array<LayerInfo, kLayerCount> kLayers = [] {
         {Vpls, "vpls", "Y", Passes, P::Dots, Some, "", "virtual point lights of a pass that the pixel shows"},
         {SplitNormal, "split_normal", "XYZ", Passes, P::Directions, Some, "", "normals as the split G-buffer lies"},
         {SplitIndirect, "split_indirect", "RGB", Passes, P::Light, Some, "W m^-2", "irradiance before the merge"},
+        {GeometricNormal, "geometric_normal", "XYZ", Hits, P::Directions, All, "",
+         "world-space normal of the triangle itself facing the eye, no smoothing and no normal map"},
     }};
 }();
 constexpr const LayerInfo& layer_info(Layer layer) { return kLayers[static_cast<size_t>(layer)]; }

@@ -1,6 +1,7 @@
 #include "renderer/frame/device_image.h"
 
 #include <cstring>
+#include <type_traits>
 
 #include "renderer/core/parallel.h"
 
@@ -36,23 +37,12 @@ uint32_t DeviceImage::plane_of(Layer layer) const {
 
 uint32_t DeviceImage::hit_plane() const { return kept_.needs_hits() ? planes(kept_) - 1 : NO_PLANE; }
 
+gpu::Specialization DeviceImage::plane(uint32_t id, Layer layer) const { return gpu::specialize(id, plane_of(layer)); }
+
 std::vector<gpu::Specialization> DeviceImage::specialization() const {
     static_assert(static_cast<uint32_t>(Layer::Direct) * 3 == PLANE_DIRECT &&
                   static_cast<uint32_t>(Layer::Indirect) * 3 == PLANE_INDIRECT);
-    return {gpu::specialize(PLANE_CAUSTIC_ID, plane_of(Layer::Caustic)),
-            gpu::specialize(PLANE_ALBEDO_ID, plane_of(Layer::Albedo)),
-            gpu::specialize(PLANE_NORMAL_ID, plane_of(Layer::Normal)),
-            gpu::specialize(PLANE_POSITION_ID, plane_of(Layer::Position)),
-            gpu::specialize(PLANE_DEPTH_ID, plane_of(Layer::Depth)),
-            gpu::specialize(PLANE_PHOTON_COUNT_ID, plane_of(Layer::PhotonCount)),
-            gpu::specialize(PLANE_OVERLAP_ID, plane_of(Layer::Overlap)),
-            gpu::specialize(PLANE_CLAMPED_ID, plane_of(Layer::Clamped)),
-            gpu::specialize(PLANE_VOXELS_ID, plane_of(Layer::Voxels)),
-            gpu::specialize(PLANE_VPLS_ID, plane_of(Layer::Vpls)),
-            gpu::specialize(PLANE_SPLIT_NORMAL_ID, plane_of(Layer::SplitNormal)),
-            gpu::specialize(PLANE_SPLIT_INDIRECT_ID, plane_of(Layer::SplitIndirect)),
-            gpu::specialize(PLANE_HIT_ID, hit_plane()),
-            gpu::specialize(PLANES_ID, planes(kept_))};
+    return {gpu::specialize(PLANE_HIT_ID, hit_plane()), gpu::specialize(PLANES_ID, planes(kept_))};
 }
 
 void DeviceImage::record_clear(gpu::CommandList& commands) {
@@ -70,35 +60,19 @@ void DeviceImage::record_readback(gpu::CommandList& commands) {
 void DeviceImage::read(PassImage& image, Counts& counts, const dvec3& origin) const {
     const size_t pixels = size_.pixels();
     const auto* floats = reinterpret_cast<const float*>(host_layers_.mapped());
-    const auto copy_colours = [&](uint32_t plane, std::vector<Rgb>& to) {
-        if (plane == NO_PLANE || to.empty()) return;
-        const float* from = floats + plane * pixels;
-        parallel_for(pixels, 4096, [&](size_t i) { to[i] = {from[3 * i], from[3 * i + 1], from[3 * i + 2]}; });
-    };
-    const auto copy_values = [&](uint32_t plane, std::vector<float>& to) {
-        if (plane == NO_PLANE || to.empty()) return;
-        std::memcpy(to.data(), floats + plane * pixels, pixels * sizeof(float));
-    };
-    copy_colours(PLANE_EMITTED, image.emitted);
-    copy_colours(PLANE_DIRECT, image.direct);
-    copy_colours(PLANE_INDIRECT, image.indirect);
-    copy_colours(plane_of(Layer::Caustic), image.caustic);
-    copy_colours(plane_of(Layer::Albedo), image.albedo);
-    copy_colours(plane_of(Layer::Normal), image.normal);
-    copy_colours(plane_of(Layer::Position), image.position);
-    copy_colours(plane_of(Layer::Clamped), image.clamped);
-    copy_colours(plane_of(Layer::Voxels), image.voxels);
-    copy_colours(plane_of(Layer::SplitNormal), image.split_normal);
-    copy_colours(plane_of(Layer::SplitIndirect), image.split_indirect);
-    copy_values(plane_of(Layer::Depth), image.depth);
-    copy_values(plane_of(Layer::PhotonCount), image.photon_count);
-    copy_values(plane_of(Layer::Overlap), image.overlap);
-    copy_values(plane_of(Layer::Vpls), image.vpls);
+    image.each_layer([&]<class Value>(const LayerInfo& info, std::vector<Value>& to) {
+        const float* from = floats + plane_of(info.layer) * pixels;
+        if constexpr (std::is_same_v<Value, Rgb>)
+            parallel_for(pixels, 4096, [&](size_t i) { to[i] = {from[3 * i], from[3 * i + 1], from[3 * i + 2]}; });
+        else
+            std::memcpy(to.data(), from, pixels * sizeof(float));
+    });
     if (!image.hit.empty()) {
         const float* from = floats + hit_plane() * pixels;
+        std::vector<Rgb>& positions = image.of<Layer::Position>();
         for (size_t i = 0; i < pixels; ++i) {
             image.hit[i] = from[i] != 0;
-            if (image.hit[i] && !image.position.empty()) image.position[i] = vec3(dvec3(image.position[i]) + origin);
+            if (image.hit[i] && !positions.empty()) positions[i] = vec3(dvec3(positions[i]) + origin);
         }
     }
     counters_.read(counts);

@@ -8,18 +8,6 @@
 #include "renderer/backends/gpu/counters.glsl"
 #endif
 
-layout(constant_id = PLANE_CAUSTIC_ID) const uint PLANE_CAUSTIC = NO_PLANE;
-layout(constant_id = PLANE_ALBEDO_ID) const uint PLANE_ALBEDO = NO_PLANE;
-layout(constant_id = PLANE_NORMAL_ID) const uint PLANE_NORMAL = NO_PLANE;
-layout(constant_id = PLANE_POSITION_ID) const uint PLANE_POSITION = NO_PLANE;
-layout(constant_id = PLANE_DEPTH_ID) const uint PLANE_DEPTH = NO_PLANE;
-layout(constant_id = PLANE_PHOTON_COUNT_ID) const uint PLANE_PHOTON_COUNT = NO_PLANE;
-layout(constant_id = PLANE_OVERLAP_ID) const uint PLANE_OVERLAP = NO_PLANE;
-layout(constant_id = PLANE_CLAMPED_ID) const uint PLANE_CLAMPED = NO_PLANE;
-layout(constant_id = PLANE_VOXELS_ID) const uint PLANE_VOXELS = NO_PLANE;
-layout(constant_id = PLANE_VPLS_ID) const uint PLANE_VPLS = NO_PLANE;
-layout(constant_id = PLANE_SPLIT_NORMAL_ID) const uint PLANE_SPLIT_NORMAL = NO_PLANE;
-layout(constant_id = PLANE_SPLIT_INDIRECT_ID) const uint PLANE_SPLIT_INDIRECT = NO_PLANE;
 layout(constant_id = PLANE_HIT_ID) const uint PLANE_HIT = NO_PLANE;
 layout(constant_id = PLANES_ID) const uint PLANES = 1;
 

@@ -18,8 +18,10 @@ public:
     static uint64_t device_bytes(Size2 size, LayerSet layers);
     static uint64_t host_bytes(Size2 size, LayerSet layers) { return device_bytes(size, layers); }
 
-    /// Where the layers are, for shaders that include device_image.glsl.
+    /// What all shaders that include device_image.glsl ask for.
     std::vector<gpu::Specialization> specialization() const;
+    /// Where a layer is, for the shaders that fill it: their constant of that id.
+    gpu::Specialization plane(uint32_t id, Layer layer) const;
     gpu::Buffer& layers() { return layers_; }
     gpu::Buffer& counters() { return counters_.buffer(); }
 
@@ -31,7 +33,7 @@ public:
     void read(PassImage& image, Counts& counts, const dvec3& origin) const;
 
 private:
-    /// Of a layer that is not always there, the plane it begins with.
+    /// The plane it begins with; NO_PLANE where it is not kept.
     uint32_t plane_of(Layer layer) const;
     uint32_t hit_plane() const;
     static uint32_t planes(LayerSet layers);

@@ -12,10 +12,6 @@ namespace {
 
 constexpr uint32_t kTilePixels = EYE_TILE * EYE_TILE;
 
-uint32_t tile_count(Size2 size) {
-    return (size.width + EYE_TILE - 1) / EYE_TILE * ((size.height + EYE_TILE - 1) / EYE_TILE);
-}
-
 }  // namespace
 
 GBufferGpu::GBufferGpu(const gpu::DeviceScene& scene, const View& view, uint64_t seed, const GBufferWalk& walk,
@@ -26,7 +22,7 @@ GBufferGpu::GBufferGpu(const gpu::DeviceScene& scene, const View& view, uint64_t
       walk_(walk),
       layout_(view.film_size, walk.split_side),
       seed_(seed),
-      tiles_(tile_count(view.film_size)),
+      tiles_(eye_tile_count(view.film_size)),
       tiles_a_piece_(std::max(device_.paths_per_submit() / kTilePixels, 1u)),
       pieces_((tiles_ + tiles_a_piece_ - 1) / tiles_a_piece_),
       eye_(device_, "eye", sizeof(gpu::EyeConstants)),
@@ -37,7 +33,7 @@ GBufferGpu::GBufferGpu(const gpu::DeviceScene& scene, const View& view, uint64_t
       sums_(device_, "g_buffer", uint64_t{layout_.points()} * sizeof(vec3)),
       pipeline_(device_,
                 shadows ? "renderer/gbuffer/gbuffer_walk_depth_maps.comp" : "renderer/gbuffer/gbuffer_walk.comp",
-                sizeof(gpu::GBufferWalkPush), &scene.set(), scene.specialization(image.specialization())) {
+                sizeof(gpu::GBufferWalkPush), &scene.set(), scene.specialization(eye_specialization(image))) {
     const gpu::EyeConstants eye = make_eye_constants(view, walk.max_scatterings, ROULETTE_START);
     gpu::upload(device_, eye_, std::as_bytes(std::span(&eye, 1)));
     // Padding holds no points: the walk never comes there.

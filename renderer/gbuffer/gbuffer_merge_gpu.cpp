@@ -6,6 +6,13 @@ namespace {
 
 bool filters(const gpu::GeometryFilter& filter) { return filter.width > 1; }
 
+std::vector<gpu::Specialization> split_specialization(const DeviceImage& image) {
+    std::vector<gpu::Specialization> constants = image.specialization();
+    constants.push_back(image.plane(PLANE_SPLIT_NORMAL_ID, Layer::SplitNormal));
+    constants.push_back(image.plane(PLANE_SPLIT_INDIRECT_ID, Layer::SplitIndirect));
+    return constants;
+}
+
 }  // namespace
 
 GBufferMergeGpu::GBufferMergeGpu(const gpu::DeviceScene& scene, GBufferGpu& buffer, DeviceImage& image, LayerSet layers,
@@ -21,7 +28,7 @@ GBufferMergeGpu::GBufferMergeGpu(const gpu::DeviceScene& scene, GBufferGpu& buff
     }
     if (layers.has(Layer::SplitNormal) || layers.has(Layer::SplitIndirect))
         split_layers_.emplace(scene.device(), "renderer/gbuffer/gbuffer_split_layers.comp", sizeof(gpu::SplitRecord),
-                              nullptr, image.specialization());
+                              nullptr, split_specialization(image));
 }
 
 uint64_t GBufferMergeGpu::device_bytes(Size2 size, uint32_t split_side, const gpu::GeometryFilter& filter) {

@@ -5,6 +5,9 @@
 
 #include "renderer/gbuffer/gbuffer_pixels.glsl"
 
+layout(constant_id = PLANE_SPLIT_NORMAL_ID) const uint PLANE_SPLIT_NORMAL = NO_PLANE;
+layout(constant_id = PLANE_SPLIT_INDIRECT_ID) const uint PLANE_SPLIT_INDIRECT = NO_PLANE;
+
 void main() {
     uint pixel;
     if (!pixel_of_thread(pixel)) return;

@@ -13,6 +13,7 @@
 #include "renderer/gbuffer/gbuffer_walk_shared.h"
 #include "renderer/many_lights/vpl_lighting_shared.h"
 
+layout(constant_id = PLANE_CLAMPED_ID) const uint PLANE_CLAMPED = NO_PLANE;
 layout(constant_id = CLAMP_IS_ASKED_ID) const bool CLAMP_IS_ASKED = true;
 layout(constant_id = CLAMP_IS_REPAID_ID) const bool CLAMP_IS_REPAID = true;
 layout(constant_id = NARROW_IS_ASKED_ID) const bool NARROW_IS_ASKED = true;

@@ -11,6 +11,7 @@ namespace {
 std::vector<gpu::Specialization> constants_of(const gpu::DeviceScene& scene, const DeviceImage& image,
                                               const RepaymentAsks& asks) {
     std::vector<gpu::Specialization> own = image.specialization();
+    own.push_back(image.plane(PLANE_CLAMPED_ID, Layer::Clamped));
     own.push_back(gpu::specialize(CLAMP_IS_ASKED_ID, asks.clamped));
     own.push_back(gpu::specialize(CLAMP_IS_REPAID_ID, asks.clamped && asks.repaid));
     own.push_back(gpu::specialize(NARROW_IS_ASKED_ID, asks.narrow));

@@ -127,9 +127,11 @@ Reply list_metrics(Call& call) {
     json items = json::array();
     for (const MetricInfo& info : kMetrics)
         items.push_back({{"name", info.name},
+                         {"title", info.title},
                          {"values", info.values},
                          {"needs_reference", info.needs_reference},
                          {"on_request", info.costly},
+                         {"slope", info.slope == 0 ? json(nullptr) : json(info.slope)},
                          {"description", info.text},
                          {"line", info.line.empty() ? json(nullptr) : json(info.line)}});
     return page_of(call, items);

@@ -36,11 +36,11 @@ void add_layer(json& error, json& notes, ResolvedFilm& film, const ErrorMeter& m
     const PointwiseErrors sweep = meter.pointwise(pixels);
     for (const MetricInfo& info : kMetrics) {
         if (!is_distance(info) || info.costly) continue;
-        const std::vector<double> value = ErrorMeter::value_of(sweep, info.metric);
+        const std::vector<double> value = sweep.values_of(info.metric);
         error[named(layer, info.name)] = value.empty() ? json(nullptr) : json(value.front());
     }
-    error[named(layer, "bias")] = channels_json(sweep.bias);
-    error[named(layer, "relative_bias")] = channels_json(sweep.relative_bias);
+    error[named(layer, "bias")] = channels_json(sweep.channels(Metric::Bias));
+    error[named(layer, "relative_bias")] = channels_json(sweep.channels(Metric::RelativeBias));
     error[named(layer, "least_squares_exposure")] = number_or_null(sweep.least_squares_exposure);
     error[named(layer, "relative_least_squares_exposure")] = number_or_null(sweep.relative_least_squares_exposure);
     const std::vector<float>& variance = film.pass_variance(layer);
@@ -60,7 +60,7 @@ void add_layer(json& error, json& notes, ResolvedFilm& film, const ErrorMeter& m
             values[std::string(kPercentileNames[i])] = (*percentiles)[i];
         error[named(layer, "percentiles")] = values;
     }
-    if (!sweep.relative_mse)
+    if (!sweep[Metric::RelativeMse])
         add_note(notes, sweep.left_out == pixels.size()
                             ? named(layer, "relative_mse") + ": no value of the image and the reference is finite"
                             : named(layer, "relative_mse") + ", percentiles: the reference's mean is 0");
@@ -90,7 +90,7 @@ void add_reference_error(json& reference_error, const FilmErrors& errors, const 
         if (noisy.empty())
             set(info, {});
         else
-            set(info, info.costly ? meter.measure(info.metric, noisy) : ErrorMeter::value_of(sweep, info.metric));
+            set(info, info.costly ? meter.measure(info.metric, noisy) : sweep.values_of(info.metric));
     }
 }
 

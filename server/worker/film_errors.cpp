@@ -90,7 +90,7 @@ std::optional<double> FilmErrors::value_of(ResolvedFilm& film, const LayerMetric
     } else {
         const auto [sweep, is_new] = sweeps.try_emplace(wanted.layer);
         if (is_new) sweep->second = against.pointwise(film.pixels(wanted.layer));
-        value = ErrorMeter::value_of(sweep->second, wanted.metric);
+        value = sweep->second.values_of(wanted.metric);
     }
     return value.empty() ? std::nullopt : std::optional(value.front());
 }

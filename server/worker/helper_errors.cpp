@@ -117,9 +117,8 @@ json value_json(const ErrorMeter& meter, std::span<const float> image, Metric me
     // By channel: one that has no value does not take that of the others.
     if (metric == Metric::Bias || metric == Metric::RelativeBias) {
         const PointwiseErrors errors = meter.pointwise(image);
-        const std::array<std::optional<double>, 3>& values =
-            metric == Metric::Bias ? errors.bias : errors.relative_bias;
-        if (ErrorMeter::value_of(errors, metric).empty()) meter.measure(metric, image, &why);
+        const std::array<std::optional<double>, 3>& values = errors.channels(metric);
+        if (errors.values_of(metric).empty()) meter.measure(metric, image, &why);
         const bool any = std::any_of(values.begin(), values.end(), [](const auto& value) { return value.has_value(); });
         return any ? channels_json(values) : json(nullptr);
     }

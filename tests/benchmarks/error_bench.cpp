@@ -41,7 +41,7 @@ void run(benchmark::State& state, const Measure& measure) {
 }
 
 void pointwise(benchmark::State& state) {
-    run(state, [](const ErrorMeter& meter, const auto& image) { return meter.pointwise(image).rmse; });
+    run(state, [](const ErrorMeter& meter, const auto& image) { return meter.pointwise(image)[Metric::Rmse]; });
 }
 void percentiles(benchmark::State& state) {
     run(state, [](const ErrorMeter& meter, const auto& image) { return meter.percentiles(image); });

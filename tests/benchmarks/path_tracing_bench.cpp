@@ -159,7 +159,7 @@ void measure_samplers() {
             const double start = cpu_now_seconds();
             for (uint32_t i = 0; i < passes; ++i) render.pass();
             const double seconds = cpu_now_seconds() - start;
-            const double error = meter.pointwise(render.film.resolve_beauty()).relative_mse.value();
+            const double error = meter.pointwise(render.film.resolve_beauty())[Metric::RelativeMse].value();
             cost[size_t(kind)] = error * seconds;
             std::printf("  %5u passes %-6s relative_mse %.3e, %.3f CPU s\n", passes,
                         kind == SamplerKind::Sobol ? "sobol" : "random", error, seconds);

@@ -73,7 +73,7 @@ void measure_stages() {
 
 /// Error of the indirect layer at passes 1, 2, 4 ... until `seconds` are over.
 double relative_mse(const ErrorMeter& meter, const std::vector<float>& image) {
-    return meter.pointwise(image).relative_mse.value();
+    return meter.pointwise(image)[Metric::RelativeMse].value();
 }
 
 template <class M>

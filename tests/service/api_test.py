@@ -174,6 +174,8 @@ class ApiTest(DaemonTestCase):
                          ["estimated_relative_mse"])
         self.assertEqual([metrics[name]["values"] for name in ("rmse", "bias", "percentiles")], [1, 3, 4])
         self.assertTrue(metrics["flip_hdr"]["on_request"] and metrics["flip_hdr"]["line"])
+        self.assertEqual([metrics[name]["slope"] for name in ("relative_mse", "mae", "smape")], [-1, -0.5, None])
+        self.assertTrue(all(metric["title"] for metric in metrics.values()))
         names, cursor = [], ""
         while cursor is not None:
             page = self.request("GET", f"/v1/layers?limit=3&cursor={cursor}").json

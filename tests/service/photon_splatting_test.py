@@ -73,8 +73,8 @@ class PhotonSplattingTest(DaemonTestCase):
         method = methods["photon_splatting"]
         self.assertEqual((method["family"], method["devices"], method["mergeable"], method["artefacts"]),
                          ("photon splatting", ["cpu", "gpu"], True, []))
-        self.assertEqual(method["layers"],
-                         [name for name in methods["path_tracing"]["layers"] if name != "caustic"] + ["overlap"])
+        self.assertCountEqual(
+            method["layers"], [name for name in methods["path_tracing"]["layers"] if name != "caustic"] + ["overlap"])
         properties = method["parameters"]["properties"]
         self.assertLessEqual({"photons", "bounces", "weighting", "estimator", "stratify", "representative", "visibility",
                               "repay", "alpha", "splat_size", "splat_size_relative"}, set(properties))

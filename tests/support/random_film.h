@@ -19,22 +19,24 @@ inline PassImage random_pass(Size2 size, LayerSet layers, uint32_t pass) {
             return random.next() < 0.1f ? 0.0f : random.next() < 0.2f ? -magnitude : magnitude;
         };
         const auto rgb = [&] { return Rgb(value(), value(), value()); };
-        image.emitted[i] = rgb(), image.direct[i] = rgb(), image.indirect[i] = rgb();
-        if (layers.has(Layer::Caustic)) image.caustic[i] = rgb();
-        if (layers.has(Layer::Clamped)) image.clamped[i] = rgb();
-        if (layers.has(Layer::Voxels)) image.voxels[i] = rgb();
-        if (layers.has(Layer::Vpls)) image.vpls[i] = std::abs(value());
-        if (layers.has(Layer::SplitNormal)) image.split_normal[i] = rgb();
-        if (layers.has(Layer::SplitIndirect)) image.split_indirect[i] = rgb();
+        image.of<Layer::Emitted>()[i] = rgb(), image.of<Layer::Direct>()[i] = rgb(),
+        image.of<Layer::Indirect>()[i] = rgb();
+        if (layers.has(Layer::Caustic)) image.of<Layer::Caustic>()[i] = rgb();
+        if (layers.has(Layer::Clamped)) image.of<Layer::Clamped>()[i] = rgb();
+        if (layers.has(Layer::Voxels)) image.of<Layer::Voxels>()[i] = rgb();
+        if (layers.has(Layer::Vpls)) image.of<Layer::Vpls>()[i] = std::abs(value());
+        if (layers.has(Layer::SplitNormal)) image.of<Layer::SplitNormal>()[i] = rgb();
+        if (layers.has(Layer::SplitIndirect)) image.of<Layer::SplitIndirect>()[i] = rgb();
         if (image.hit.empty()) continue;
         image.hit[i] = random.next() < 0.7f;
         if (!image.hit[i]) continue;
-        if (layers.has(Layer::Albedo)) image.albedo[i] = rgb();
-        if (layers.has(Layer::Normal)) image.normal[i] = rgb();
-        if (layers.has(Layer::Position)) image.position[i] = rgb();
-        if (layers.has(Layer::Depth)) image.depth[i] = value();
-        if (layers.has(Layer::PhotonCount)) image.photon_count[i] = std::abs(value());
-        if (layers.has(Layer::Overlap)) image.overlap[i] = std::abs(value());
+        if (layers.has(Layer::Albedo)) image.of<Layer::Albedo>()[i] = rgb();
+        if (layers.has(Layer::GeometricNormal)) image.of<Layer::GeometricNormal>()[i] = rgb();
+        if (layers.has(Layer::Normal)) image.of<Layer::Normal>()[i] = rgb();
+        if (layers.has(Layer::Position)) image.of<Layer::Position>()[i] = rgb();
+        if (layers.has(Layer::Depth)) image.of<Layer::Depth>()[i] = value();
+        if (layers.has(Layer::PhotonCount)) image.of<Layer::PhotonCount>()[i] = std::abs(value());
+        if (layers.has(Layer::Overlap)) image.of<Layer::Overlap>()[i] = std::abs(value());
     }
     return image;
 }

@@ -62,7 +62,8 @@ public:
 
     /// Paths one submission should hold at most, so that cancelling is answered soon: a software device takes seconds
     /// for what a card does in a millisecond.
-    uint32_t paths_per_submit() const { return report_.software ? 1u << 15 : 1u << 24; }
+    uint32_t paths_per_submit() const { return report_.software ? 1u << 15 : kMostPathsPerSubmit; }
+    static constexpr uint32_t kMostPathsPerSubmit = 1u << 24;
 
 private:
     void make_device(VkPhysicalDevice physical);

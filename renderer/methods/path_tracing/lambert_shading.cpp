@@ -26,13 +26,14 @@ void Wavefront::shade_lambert(const PathTracingScene& shared, uint32_t vertex, P
             const Hit& hit = batch_.hits[i];
             const vec3 position = group.position.get(lane), normal = group.normal.get(lane);
             const Rgb reflectance = group.reflectance.get(lane);
-            if (vertex == 0) store_first_hit(image, shared, path.pixel, position, normal);
+            if (vertex == 0)
+                store_first_hit(image, shared, path.pixel, position, normal, group.geometric_normal.get(lane));
             if (shared.shading[hit.instance].emits)
                 add_emission(image, shared, path, hit, group.front[lane] != 0, batch_.rays[i].direction);
             if (path.scatterings >= shared.max_scatterings || is_black(reflectance)) continue;
             const bool camera_walk = path.scatterings == 0;
-            if (camera_walk && !image.albedo.empty() && is_black(image.albedo[path.pixel]))
-                image.albedo[path.pixel] = reflectance;
+            if (camera_walk && image.layers.has(Layer::Albedo) && is_black(image.of<Layer::Albedo>()[path.pixel]))
+                image.of<Layer::Albedo>()[path.pixel] = reflectance;
 
             const vec3 start = group.start.get(lane);
             LightSample light;

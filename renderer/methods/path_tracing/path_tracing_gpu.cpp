@@ -14,16 +14,20 @@ namespace {
 constexpr std::string_view kShader = "renderer/methods/path_tracing/path_tracing.comp";
 constexpr uint32_t kTilePixels = EYE_TILE * EYE_TILE;
 
+uint32_t tiles_of_piece(uint32_t tiles, uint32_t paths_per_submit) {
+    return std::clamp(paths_per_submit / kTilePixels, 1u, std::max(tiles, 1u));
+}
+
 }  // namespace
 
 struct PathTracingGpu::State {
-    State(const RenderContext& context, const PathTracingParams& params, Kernels kernels)
+    State(const RenderContext& context, const PathTracingParams& params)
         : device(context.device_scene->device()),
           size(context.view.film_size),
           seed(context.seed),
           sampler_kind(params.sampler),
-          tiles((size.width + EYE_TILE - 1) / EYE_TILE * ((size.height + EYE_TILE - 1) / EYE_TILE)),
-          tiles_a_piece(std::max(device.paths_per_submit() / kTilePixels, 1u)),
+          tiles(eye_tile_count(size)),
+          tiles_a_piece(tiles_of_piece(tiles, device.paths_per_submit())),
           eye(device, "eye", sizeof(gpu::EyeConstants)),
           sampler(device, "sampler", sizeof(gpu::PassSamplerData)),
           frame(context, [this](uint32_t pass, DeviceFrame::Steps& steps) { add_steps(pass, steps); }) {
@@ -31,9 +35,9 @@ struct PathTracingGpu::State {
             make_eye_constants(context.view, params.max_scatterings(), params.roulette_start);
         gpu::upload(device, eye, std::as_bytes(std::span(&eye_constants, 1)));
         const gpu::DeviceScene& on_device = *context.device_scene;
-        const std::vector<gpu::Specialization> constants = on_device.specialization(frame.image().specialization());
-        if (kernels == Kernels::Wavefront)
-            wavefront.emplace(on_device, std::min(tiles, tiles_a_piece), constants);
+        const std::vector<gpu::Specialization> constants = on_device.specialization(eye_specialization(frame.image()));
+        if (params.gpu_kernels == PathKernels::Wavefront)
+            wavefront.emplace(on_device, tiles_a_piece, constants);
         else
             megakernel.emplace(device, kShader, sizeof(gpu::PathTracingPush), &on_device.set(), constants);
     }
@@ -76,21 +80,26 @@ struct PathTracingGpu::State {
     DeviceFrame frame;  // last: its going waits for work that uses the others
 };
 
-PathTracingGpu::PathTracingGpu(const PathTracingParams& params, Kernels kernels) : params_(params), kernels_(kernels) {}
+PathTracingGpu::PathTracingGpu(const PathTracingParams& params) : params_(params) {}
 PathTracingGpu::~PathTracingGpu() = default;
 
 uint64_t PathTracingGpu::estimate_bytes(const PathTracingParams& /*params*/, const Workload& workload) {
     return DeviceFrame::estimate_bytes(workload);
 }
 
-uint64_t PathTracingGpu::estimate_device_bytes(const PathTracingParams& /*params*/, const Workload& workload) {
-    return DeviceFrame::estimate_device_bytes(workload) + sizeof(gpu::PassSamplerData) + sizeof(gpu::EyeConstants);
+uint64_t PathTracingGpu::estimate_device_bytes(const PathTracingParams& params, const Workload& workload) {
+    uint64_t bytes =
+        DeviceFrame::estimate_device_bytes(workload) + sizeof(gpu::PassSamplerData) + sizeof(gpu::EyeConstants);
+    if (params.gpu_kernels == PathKernels::Wavefront)
+        bytes += PathWavefrontGpu::device_bytes(
+            tiles_of_piece(eye_tile_count(workload.film_size), gpu::Device::kMostPathsPerSubmit));
+    return bytes;
 }
 
 void PathTracingGpu::begin(const RenderContext& context, Stats& stats) {
     {
         const StageTimer timer(stats, "pipelines");
-        state_ = std::make_unique<State>(context, params_, kernels_);
+        state_ = std::make_unique<State>(context, params_);
     }
     const Needs& needs = context.scene.needs;
     note_skipped_shading(needs, stats);

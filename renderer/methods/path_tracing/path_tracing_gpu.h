@@ -11,14 +11,7 @@ class PathTracingGpu final : public DeviceMethod {
 public:
     using Params = PathTracingParams;
 
-    /// How the work is laid out: a thread follows a path to its end, or kernels do a step of all paths each
-    /// (path_wavefront_gpu.h). The image is the same.
-    enum class Kernels : uint8_t { Mega, Wavefront };
-
-    /// The wavefront is 1.5 times as fast in `interior` on lavapipe, but its six kernels take seconds longer to compile
-    /// than the small images of such devices take to render; which is better on a card is still to be measured
-    /// (photond-gpu-bench runs both).
-    explicit PathTracingGpu(const PathTracingParams& params, Kernels kernels = Kernels::Mega);
+    explicit PathTracingGpu(const PathTracingParams& params);
     ~PathTracingGpu() override;
     /// What begin() will record of the host's memory ...
     static uint64_t estimate_bytes(const PathTracingParams& params, const Workload& workload);
@@ -34,7 +27,6 @@ private:
     struct State;  // path_tracing_gpu.cpp
 
     const PathTracingParams params_;
-    const Kernels kernels_;
     std::unique_ptr<State> state_;
 };
 

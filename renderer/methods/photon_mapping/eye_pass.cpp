@@ -81,11 +81,11 @@ private:
         } else {
             global = estimate_global(shared_, maps_, point.surface, point.rough, point.wo, most, pass_.neighbours_);
         }
-        image_.indirect[point.pixel] += point.throughput * (caustic.radiance + global.radiance);
-        if (!image_.caustic.empty() && point.scatterings == 0)
-            image_.caustic[point.pixel] += point.throughput * caustic.delta_radiance;
-        if (!image_.photon_count.empty())
-            image_.photon_count[point.pixel] += static_cast<float>(caustic.photons + global.photons);
+        image_.of<Layer::Indirect>()[point.pixel] += point.throughput * (caustic.radiance + global.radiance);
+        if (image_.layers.has(Layer::Caustic) && point.scatterings == 0)
+            image_.of<Layer::Caustic>()[point.pixel] += point.throughput * caustic.delta_radiance;
+        if (image_.layers.has(Layer::PhotonCount))
+            image_.of<Layer::PhotonCount>()[point.pixel] += static_cast<float>(caustic.photons + global.photons);
     }
 
     EyePass& pass_;

@@ -50,9 +50,9 @@ void FinalGather::gather_batch(const PhotonMappingScene& shared, const PassMaps&
             shade(shared, maps, samplers, points[batch_.paths[indices_[k]].point], vertex, indices_[k], image);
         }
         batch_.advance();
-        counts.shadow_rays +=
-            shadows_.trace(shared.intersector, Coherence::Incoherent,
-                           [&](const WaitingRadiance& light) { image.indirect[light.pixel] += light.radiance; });
+        counts.shadow_rays += shadows_.trace(
+            shared.intersector, Coherence::Incoherent,
+            [&](const WaitingRadiance& light) { image.of<Layer::Indirect>()[light.pixel] += light.radiance; });
     }
 }
 
@@ -140,7 +140,7 @@ void FinalGather::sort_hits(const PhotonMappingScene& shared, std::span<const Ga
 void FinalGather::add_direct(PassImage& image, const GatherPoint& origin, const GatherPath& path, const Rgb& radiance,
                              float light_pdf) {
     const float weight = power_heuristic(path.light.pdf_sa, light_pdf) / static_cast<float>(origin.rays);
-    (path.scatterings == 1 ? image.direct : image.indirect)[origin.pixel] +=
+    (path.scatterings == 1 ? image.of<Layer::Direct>() : image.of<Layer::Indirect>())[origin.pixel] +=
         weight * origin.throughput * path.throughput * radiance;
 }
 
@@ -183,7 +183,7 @@ void FinalGather::shade(const PhotonMappingScene& shared, const PassMaps& maps, 
             const Rgb radiance = weight * to_pixel * f.f_cos * light.radiance_over_pdf;
             if (!is_black(radiance)) {
                 switch (light_seen(maps, surface.position, surface.geometric_normal, light.source, neighbours_)) {
-                    case LightSeen::Whole: image.indirect[origin.pixel] += radiance; break;
+                    case LightSeen::Whole: image.of<Layer::Indirect>()[origin.pixel] += radiance; break;
                     case LightSeen::Nothing: break;
                     case LightSeen::Unknown:
                         shadows_.add(light.shadow_ray(ray_origin(surface, light.wi)), {radiance, origin.pixel});
@@ -205,9 +205,9 @@ void FinalGather::shade(const PhotonMappingScene& shared, const PassMaps& maps, 
                 followed->light = {surface.position, lit_normal, looks_for_lights ? next.pdf_sa : 0.0f};
             }
         }
-        image.indirect[origin.pixel] += to_pixel * (caustic.radiance + global.radiance);
-        if (!image.photon_count.empty())
-            image.photon_count[origin.pixel] += static_cast<float>(caustic.photons + global.photons);
+        image.of<Layer::Indirect>()[origin.pixel] += to_pixel * (caustic.radiance + global.radiance);
+        if (image.layers.has(Layer::PhotonCount))
+            image.of<Layer::PhotonCount>()[origin.pixel] += static_cast<float>(caustic.photons + global.photons);
     }
     if (bsdf.is_lambert()) return;
 

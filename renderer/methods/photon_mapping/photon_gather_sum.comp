@@ -12,6 +12,7 @@
 #include "renderer/methods/photon_mapping/photon_mapping_shared.h"
 
 layout(local_size_x = EYE_TILE * EYE_TILE) in;
+layout(constant_id = PLANE_PHOTON_COUNT_ID) const uint PLANE_PHOTON_COUNT = NO_PLANE;
 layout(constant_id = GATHER_LANES_ID) const uint GATHER_LANES = 8;
 layout(push_constant, scalar) uniform Push { GatherSumPush push; };
 layout(set = 0, binding = 3, scalar) buffer PointState { uint point_state[POINT_STATE_WORDS]; };

@@ -10,6 +10,8 @@
 #include "renderer/eye/eye_shared.h"
 #include "renderer/methods/photon_mapping/photon_lookup.glsl"
 
+layout(constant_id = PLANE_PHOTON_COUNT_ID) const uint PLANE_PHOTON_COUNT = NO_PLANE;
+
 layout(local_size_x = EYE_TILE * EYE_TILE) in;
 layout(push_constant, scalar) uniform Push { PhotonMappingPush push; };
 

@@ -76,8 +76,6 @@ constexpr uint32_t kGatherLanes = 8;           // threads of a point
 constexpr uint32_t kSoftwareGatherLanes = 64;  // lavapipe leaves the loops of a thread after 65535 turns in all
 constexpr uint64_t kPointBytes = sizeof(gpu::GatherPointRecord) + kGatherLanes * sizeof(gpu::GatheredRecord);
 
-constexpr uint32_t kMostPathsPerSubmit = 1u << 24;  // of a card: Device::paths_per_submit()
-
 uint32_t tiles_of_piece(uint32_t paths_per_submit, uint32_t tiles, const PhotonMappingParams& params) {
     const uint32_t paths_a_pixel = params.most_light_samples() + gather_rays_of(params);
     return std::clamp(paths_per_submit / (kTilePixels * paths_a_pixel), 1u, std::max(tiles, 1u));
@@ -106,7 +104,7 @@ struct PhotonMappingGpu::State {
           size(context.view.film_size),
           seed(context.seed),
           search_radius_m(parameters.search_radius_m(context.scene.bounds.radius())),
-          tiles((size.width + EYE_TILE - 1) / EYE_TILE * ((size.height + EYE_TILE - 1) / EYE_TILE)),
+          tiles(eye_tile_count(size)),
           tiles_a_piece(tiles_of_piece(device.paths_per_submit(), tiles, params)),
           eye(device, "eye", sizeof(gpu::EyeConstants)),
           mapping(device, "photon_mapping", sizeof(gpu::PhotonMappingConstants)),
@@ -203,7 +201,7 @@ uint64_t PhotonMappingGpu::estimate_device_bytes(const PhotonMappingParams& para
         const uint64_t pixels = workload.film_size.pixels();
         const bool only_lambert = workload.needs.only_lambert();
         const auto film_tiles = static_cast<uint32_t>((pixels + kTilePixels - 1) / kTilePixels);
-        const uint32_t most_tiles = tiles_of_piece(kMostPathsPerSubmit, film_tiles, params);
+        const uint32_t most_tiles = tiles_of_piece(gpu::Device::kMostPathsPerSubmit, film_tiles, params);
         bytes += points_of_piece(most_tiles, only_lambert) * kPointBytes + last_points_bytes(params, most_tiles);
     }
     uint64_t most = 0;
@@ -270,9 +268,10 @@ void PhotonMappingGpu::State::prepare_passes(bool lights_can_be_met) {
     point_state = gpu::Buffer(device, "gather_points", POINT_STATE_WORDS * sizeof(uint32_t));
     last_points = gpu::Buffer(device, "gather_points", last_points_bytes(params, tiles_a_piece));
     make_room();
-    std::vector<gpu::Specialization> fixed = frame.image().specialization();
+    std::vector<gpu::Specialization> fixed = eye_specialization(frame.image());
     fixed.insert(fixed.end(),
-                 {gpu::specialize(SEARCH_NEAREST_ID, params.search == PhotonSearch::Kind::Nearest),
+                 {frame.image().plane(PLANE_PHOTON_COUNT_ID, Layer::PhotonCount),
+                  gpu::specialize(SEARCH_NEAREST_ID, params.search == PhotonSearch::Kind::Nearest),
                   gpu::specialize(SOFT_DISC_ID, params.soft_disc), gpu::specialize(FINAL_GATHER_ID, gathers()),
                   gpu::specialize(GATHER_LANES_ID, gather_lanes),
                   gpu::specialize(GLOBAL_MAP_ID, maps[PHOTON_MAP_GLOBAL].tracer.has_value()),

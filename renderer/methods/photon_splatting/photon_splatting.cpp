@@ -363,8 +363,9 @@ void PhotonSplatting::light_image(uint32_t pass, Stats& stats, const CancelToken
                         cluster.general ? state.tiles[tile].general[block.general[lane]].rough.albedo() : Rgb(kPi);
                     light += params_.ambient * reflected;
                 }
-                state.image.indirect[pixel] += weight * light;
-                if (!state.image.overlap.empty()) state.image.overlap[pixel] += block.splats[lane];
+                state.image.of<Layer::Indirect>()[pixel] += weight * light;
+                if (state.image.layers.has(Layer::Overlap))
+                    state.image.of<Layer::Overlap>()[pixel] += block.splats[lane];
                 if (edges) {
                     state.blur_normal[pixel] = block.normal.get(lane);
                     state.blur_depth[pixel] = glm::dot(block.position.get(lane) - camera.position, camera.forward);
@@ -380,7 +381,7 @@ void PhotonSplatting::blur(Stats& stats) {
     const StageTimer timer(stats, "filter");
     BlurEdges edges;
     if (params_.blur_edges) edges.normal = state.blur_normal, edges.depth = state.blur_depth;
-    blur_layer(state.image.indirect, state.image.size, blur_pixels(params_.blur), edges);
+    blur_layer(state.image.of<Layer::Indirect>(), state.image.size, blur_pixels(params_.blur), edges);
 }
 
 void PhotonSplatting::resolve(Film& film) {

@@ -25,20 +25,16 @@ constexpr uint64_t kDepthBytes = 256ull << 20;  // of one batch's depth maps
 
 std::string shader(const char* name) { return "renderer/methods/photon_splatting/" + std::string(name); }
 
-uint32_t tile_count(Size2 size) {
-    return (size.width + EYE_TILE - 1) / EYE_TILE * ((size.height + EYE_TILE - 1) / EYE_TILE);
-}
-
 /// Points of a pixel, and clusters of a tile, that room is made for at first: one where no path goes on past its first
 /// point.
 constexpr double kSpecularPoints = 1.3, kSpecularClusters = 3;
 bool one_point_a_pixel(const Needs& needs) { return !needs.delta && !needs.glossy; }
 uint32_t expected_points(Size2 size, const Needs& needs) {
-    const auto all = static_cast<double>(tile_count(size)) * kTilePixels;
+    const auto all = static_cast<double>(eye_tile_count(size)) * kTilePixels;
     return static_cast<uint32_t>(all * (one_point_a_pixel(needs) ? 1 : kSpecularPoints));
 }
 uint32_t expected_clusters(Size2 size, const Needs& needs) {
-    return static_cast<uint32_t>(tile_count(size) * (one_point_a_pixel(needs) ? 1 : kSpecularClusters));
+    return static_cast<uint32_t>(eye_tile_count(size) * (one_point_a_pixel(needs) ? 1 : kSpecularClusters));
 }
 
 /// Whether some photons light along their rays.
@@ -102,7 +98,8 @@ struct PhotonSplattingGpu::State {
         const gpu::EyeConstants of_eye = make_eye_constants(context.view, p.max_scatterings(), ROULETTE_START);
         gpu::upload(device, eye, std::as_bytes(std::span(&of_eye, 1)));
         make_room(expected_points(size, scene.needs), expected_clusters(size, scene.needs));
-        std::vector<gpu::Specialization> fixed = device_image.specialization();
+        std::vector<gpu::Specialization> fixed = eye_specialization(device_image);
+        fixed.push_back(device_image.plane(PLANE_OVERLAP_ID, Layer::Overlap));
         fixed.push_back(gpu::specialize(SPLAT_HAS_CONNECTIONS_ID, settings.connects));
         fixed.push_back(gpu::specialize(SPLAT_HAS_BEAMS_ID, has_beams(p, scene.needs)));
         fixed.push_back(gpu::specialize(SPLAT_NORMALISED_ID, settings.normalised));
@@ -217,7 +214,7 @@ gpu::SplatConstants PhotonSplattingGpu::State::constants_of(uint32_t pass) const
 
 /// Direct light and the visible points.
 void PhotonSplattingGpu::State::add_eye_steps(uint32_t pass, DeviceFrame::Steps& steps) {
-    const uint32_t tiles = tile_count(size), at_once = std::max(device.paths_per_submit() / kTilePixels, 1u);
+    const uint32_t tiles = eye_tile_count(size), at_once = std::max(device.paths_per_submit() / kTilePixels, 1u);
     for (uint32_t first = 0; first < tiles; first += at_once) {
         const uint32_t end = std::min(first + at_once, tiles);
         const auto record = [=, this](gpu::CommandList& commands) {
@@ -408,7 +405,8 @@ void PhotonSplattingGpu::State::blur(Stats& stats) {
             depth.push_back(edge.w);
         }
     }
-    blur_layer(frame.host_image().indirect, size, blur_pixels(params.blur), {.normal = normal, .depth = depth});
+    blur_layer(frame.host_image().of<Layer::Indirect>(), size, blur_pixels(params.blur),
+               {.normal = normal, .depth = depth});
 }
 
 PhotonSplattingGpu::PhotonSplattingGpu(const PhotonSplattingParams& params, Beams beams)

@@ -11,6 +11,7 @@
 #include "renderer/methods/photon_splatting/splat_shared.h"
 #include "renderer/gbuffer/receiver.glsl"
 
+layout(constant_id = PLANE_OVERLAP_ID) const uint PLANE_OVERLAP = NO_PLANE;
 layout(constant_id = SPLAT_NORMALISED_ID) const bool SPLAT_NORMALISED = false;
 layout(constant_id = SPLAT_EDGES_ID) const bool SPLAT_EDGES = false;
 

@@ -14,6 +14,7 @@
 #define SPLAT_CLAMP_SHARE 0.16f  // of a splat's radius: connections are clamped within it, and repaid by short rays
 
 // Specialisation constants of the shaders here, after those of device_image_shared.h.
+#define PLANE_OVERLAP_ID 38  // of the layer
 #define SPLAT_HAS_CONNECTIONS_ID 48
 #define SPLAT_HAS_BEAMS_ID 49
 #define SPLAT_NORMALISED_ID 50

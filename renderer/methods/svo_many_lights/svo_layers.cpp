@@ -42,7 +42,6 @@ void show_voxels(const SvoView& tree, const EyeScene& eye, std::vector<Rgb>& lay
 
 void show_vpls(std::span<const Vpl> vpls, const EyeScene& eye, const GBuffer& buffer, std::vector<float>& layer) {
     const Size2 size = eye.view.film_size;
-    std::fill(layer.begin(), layer.end(), 0.0f);
     for (const Vpl& vpl : vpls) {
         const std::optional<vec2> film = project(eye.camera_rays, vpl.position);
         if (!film || !(film->x >= 0 && film->y >= 0)) continue;

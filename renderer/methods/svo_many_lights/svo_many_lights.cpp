@@ -324,15 +324,17 @@ void SvoManyLights::merge(Stats& stats) {
     State& state = *state_;
     const SplitLayout& layout = state.buffer.layout();
     PassImage& image = state.image;
-    if (!image.split_indirect.empty() || !image.split_normal.empty()) {
+    if (image.layers.has(Layer::SplitIndirect) || image.layers.has(Layer::SplitNormal)) {
         for (uint32_t pixel = 0; pixel < image.size.pixels(); ++pixel) {
             const uint32_t point = layout.point_shown_at(pixel % image.size.width, pixel / image.size.width);
-            if (!image.split_indirect.empty()) image.split_indirect[pixel] = state.sums[point];
-            if (!image.split_normal.empty()) image.split_normal[pixel] = state.buffer.points()[point].normal;
+            if (image.layers.has(Layer::SplitIndirect)) image.of<Layer::SplitIndirect>()[pixel] = state.sums[point];
+            if (image.layers.has(Layer::SplitNormal))
+                image.of<Layer::SplitNormal>()[pixel] = state.buffer.points()[point].normal;
         }
     }
-    if (!image.voxels.empty() && state.tree) show_voxels(state.tree->view(), state.eye, image.voxels);
-    if (!image.vpls.empty()) show_vpls(state.set.vpls, state.eye, state.buffer, image.vpls);
+    if (image.layers.has(Layer::Voxels) && state.tree)
+        show_voxels(state.tree->view(), state.eye, image.of<Layer::Voxels>());
+    if (image.layers.has(Layer::Vpls)) show_vpls(state.set.vpls, state.eye, state.buffer, image.of<Layer::Vpls>());
     for (const std::vector<Rgb>* more : {params_.repay ? &state.repaid : nullptr, &state.narrow})
         if (more && !more->empty())
             for (size_t i = 0; i < more->size(); ++i) state.sums[i] += (*more)[i];
@@ -345,19 +347,18 @@ void SvoManyLights::merge(Stats& stats) {
         light = state.filtered;
     }
     const StageTimer timer(stats, "merge");
-    std::fill(image.clamped.begin(), image.clamped.end(), Rgb(0));
     parallel_for(layout.points(), 4096, [&](size_t i) {
         const gpu::GBufferPoint& point = state.buffer.points()[i];
         if (point.kind == 0) return;
-        image.indirect[point.pixel] += point.weight * light[i];
-        if (!image.clamped.empty() && !state.repaid.empty())
-            image.clamped[point.pixel] = point.weight * state.repaid[i];
+        image.of<Layer::Indirect>()[point.pixel] += point.weight * light[i];
+        if (image.layers.has(Layer::Clamped) && !state.repaid.empty())
+            image.of<Layer::Clamped>()[point.pixel] = point.weight * state.repaid[i];
     });
 }
 
 /// Whether short rays find what the clamp takes: it is added, or shown.
 bool SvoManyLights::repays() const {
-    return state_->clamp_sq_m2 > 0 && (params_.repay || !state_->image.clamped.empty());
+    return state_->clamp_sq_m2 > 0 && (params_.repay || state_->image.layers.has(Layer::Clamped));
 }
 
 void SvoManyLights::resolve(Film& film) {

@@ -9,6 +9,7 @@
 #include "renderer/many_lights/vpl_choice_gpu.h"
 #include "renderer/many_lights/vpl_lighting_gpu.h"
 #include "renderer/many_lights/vpl_tracer_gpu.h"
+#include "renderer/methods/svo_many_lights/svo_layers_shared.h"
 #include "renderer/methods/svo_many_lights/svo_settings.h"
 
 namespace photond {
@@ -103,15 +104,20 @@ struct SvoManyLightsGpu::State {
           frame(context, [this](uint32_t pass, DeviceFrame::Steps& steps) { add_steps(pass, steps); }),
           buffer(scene, context.view, seed, walk_of(p), device_image, light_maps.get()),
           merge(scene, buffer, device_image, layers, filter_of(p)) {
-        if (layers.has(Layer::Voxels)) show_voxels = layer_pipeline("svo_voxels.comp", 0);
-        if (layers.has(Layer::Vpls)) show_vpls = layer_pipeline("svo_vpls.comp", sizeof(gpu::SplitRecord));
+        show_voxels = layer_pipeline("svo_voxels.comp", 0, PLANE_VOXELS_ID, Layer::Voxels);
+        show_vpls = layer_pipeline("svo_vpls.comp", sizeof(gpu::SplitRecord), PLANE_VPLS_ID, Layer::Vpls);
     }
 
     ~State() { frame.end(); }
 
-    std::unique_ptr<gpu::ComputePipeline> layer_pipeline(const std::string& name, uint32_t push_bytes) const {
+    /// Null where the layer is not asked for.
+    std::unique_ptr<gpu::ComputePipeline> layer_pipeline(const std::string& name, uint32_t push_bytes,
+                                                         uint32_t plane_id, Layer layer) const {
+        if (!layers.has(layer)) return nullptr;
+        std::vector<gpu::Specialization> constants = device_image.specialization();
+        constants.push_back(device_image.plane(plane_id, layer));
         return std::make_unique<gpu::ComputePipeline>(device, "renderer/methods/svo_many_lights/" + name, push_bytes,
-                                                      nullptr, device_image.specialization());
+                                                      nullptr, constants);
     }
 
     void add_steps(uint32_t pass, DeviceFrame::Steps& steps);

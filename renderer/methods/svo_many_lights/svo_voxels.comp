@@ -11,9 +11,12 @@
 #include "renderer/core/rng.glsl"
 #include "renderer/gbuffer/gbuffer_walk_shared.h"
 #include "renderer/frame/device_image.glsl"
+#include "renderer/methods/svo_many_lights/svo_layers_shared.h"
 #include "renderer/eye/eye_shared.h"
 #include "renderer/scene/camera.glsl"
 #include "renderer/voxels/svo_march.glsl"
+
+layout(constant_id = PLANE_VOXELS_ID) const uint PLANE_VOXELS = NO_PLANE;
 
 layout(local_size_x = SPLIT_GROUP) in;
 layout(set = 0, binding = 1, scalar) readonly buffer Eye { EyeConstants eye; };

@@ -10,6 +10,7 @@
 #include "renderer/frame/device_image_shared.h"
 #include "renderer/eye/eye_shared.h"
 #include "renderer/many_lights/vpl_set_shared.h"
+#include "renderer/methods/svo_many_lights/svo_layers_shared.h"
 #include "renderer/scene/camera_projection.glsl"
 
 layout(constant_id = PLANE_VPLS_ID) const uint PLANE_VPLS = NO_PLANE;

@@ -44,9 +44,8 @@ public:
     explicit Reader(double scale) : scale_(scale) {}
 
     Entry entry(const json& source) const {
-        expect_known(source,
-                     {"name", "scene", "method", "parameters", "width", "height", "camera", "kernels", "devices",
-                      "passes", "warm_up_passes", "published_ms", "time_to_error", "quality", "voxels"});
+        expect_known(source, {"name", "scene", "method", "parameters", "width", "height", "camera", "devices", "passes",
+                              "warm_up_passes", "published_ms", "time_to_error", "quality", "voxels"});
         Entry entry;
         entry.scene = source.at("scene");
         entry.rendering = rendering(source);
@@ -78,7 +77,6 @@ private:
         rendering.method = source.value("method", "");
         rendering.parameters = source.value("parameters", rendering.parameters);
         rendering.camera = source.value("camera", "");
-        rendering.kernels = source.value("kernels", "");
         if (source.contains("width"))
             rendering.size = {scaled(source["width"].get<double>()), scaled(source.at("height").get<double>())};
         if (rendering.parameters.contains("photons"))
@@ -113,7 +111,7 @@ private:
         wanted.repeats = source.value("repeats", wanted.repeats);
         for (const json& setting : source.at("settings")) {
             for (json one : expand(setting)) {
-                expect_known(one, {"name", "method", "parameters", "kernels"});
+                expect_known(one, {"name", "method", "parameters"});
                 for (const char* of_view : {"width", "height", "camera"})
                     if (view.contains(of_view)) one[of_view] = view[of_view];
                 wanted.settings.push_back(rendering(one));

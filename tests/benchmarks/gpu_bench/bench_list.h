@@ -1,5 +1,5 @@
 #pragma once
-// What photond-gpu-bench is to measure: a JSON array of entries, as in default_list.json.
+// What photond-gpu-bench is to measure: a JSON array of entries, as in renderer/methods/*/gpu_bench.json.
 //
 // An entry has a `name`, a `scene` (a built-in one's name, or a file that `photonctl bake` wrote) and what is measured
 // of it; `devices` are "gpu" where it says nothing. Methods have `method`, `parameters` as in a job, `width`, `height`
@@ -31,8 +31,7 @@ namespace photond::bench {
 struct Rendering {
     std::string name, method;
     nlohmann::json parameters = nlohmann::json::object();
-    std::string camera;   // empty: the scene's first
-    std::string kernels;  // of path tracing: mega, wavefront; empty: the method's choice
+    std::string camera;  // empty: the scene's first
     Size2 size;
 };
 

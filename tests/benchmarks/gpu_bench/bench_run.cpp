@@ -4,7 +4,6 @@
 #include "renderer/backends/cpu/embree_intersector.h"
 #include "renderer/core/rng.h"
 #include "renderer/error/estimate.h"
-#include "renderer/methods/path_tracing/path_tracing_gpu.h"
 #include "renderer/methods/registry.h"
 #include "renderer/scene/baked_scene.h"
 #include "renderer/scene/builtin_scenes.h"
@@ -25,10 +24,6 @@ std::unique_ptr<Method> make_method(const Rendering& rendering, bool on_gpu) {
     read_params(*params, rendering.parameters, "/parameters", faults);
     if (!faults.empty()) throw Error(ErrorCode::OutOfRange, faults.front().pointer + ": " + faults.front().detail);
     if (on_gpu) info->check_gpu(*params);
-    if (on_gpu && !rendering.kernels.empty())
-        return std::make_unique<PathTracingGpu>(
-            dynamic_cast<const PathTracingParams&>(*params),
-            rendering.kernels == "wavefront" ? PathTracingGpu::Kernels::Wavefront : PathTracingGpu::Kernels::Mega);
     return on_gpu ? info->make_gpu(*params) : info->make(*params);
 }
 

@@ -1,6 +1,6 @@
 // photond-gpu-bench: methods on a GPU without the service, for carrying to a bare machine with a card. Reads a list of
-// what to measure (bench_list.h; default_list.json when none is given) and prints the figures as JSON, and in short on
-// stderr.
+// what to measure (bench_list.h; all that is known of when none is given) and prints the figures as JSON, and in short
+// on stderr.
 //
 //     photond-gpu-bench [--list FILE] [--scenes DIR] [--device gpu:0] [--only TEXT] [--scale S] [--output FILE]
 //
@@ -20,9 +20,10 @@ namespace {
 
 using nlohmann::json;
 
-const char* const kDefaultList =
-#include "gpu_bench_default_list.inc"
-    ;
+/// Those of the methods' rooms (gpu_bench.json), then comparisons.json.
+const char* const kDefaultLists[] = {
+#include "gpu_bench_default_lists.inc"
+};
 
 json measure(const Entry& entry, Place& place, bool on_gpu) {
     if (entry.time_to_error) return time_to_error(entry, place, on_gpu);
@@ -61,8 +62,14 @@ json report_of(const gpu::DeviceReport& device) {
             {"subgroup_size", limits.subgroup_size}};
 }
 
+json default_list() {
+    json all = json::array();
+    for (const char* list : kDefaultLists)
+        for (json& entry : json::parse(list)) all.push_back(std::move(entry));
+    return all;
+}
+
 json read_json(const std::string& file) {
-    if (file.empty()) return json::parse(kDefaultList);
     std::ifstream in(file);
     if (!in) throw Error(ErrorCode::NotFound, file + " cannot be opened");
     return json::parse(in);
@@ -79,7 +86,7 @@ int run(int argc, char** argv) {
     std::string list_file, scenes = ".", id = "gpu", only, output;
     double scale = 1;
     CLI::App app{"times photond's methods on a GPU; prints JSON"};
-    app.add_option("--list", list_file, "what to measure, as default_list.json");
+    app.add_option("--list", list_file, "what to measure instead, a JSON array as renderer/methods/*/gpu_bench.json");
     app.add_option("--scenes", scenes, "folder of baked scenes");
     app.add_option("--device", id, "gpu, gpu:N, or cpu: no GPU at all");
     app.add_option("--only", only, "entries whose name contains that");
@@ -88,7 +95,7 @@ int run(int argc, char** argv) {
     app.add_option("--output", output, "a file for the JSON, written anew after every entry; else it is printed");
     CLI11_PARSE(app, argc, argv);
 
-    const std::vector<Entry> list = read_list(read_json(list_file), scale);
+    const std::vector<Entry> list = read_list(list_file.empty() ? default_list() : read_json(list_file), scale);
     std::unique_ptr<gpu::Device> device;
     if (id != "cpu") device = std::make_unique<gpu::Device>(gpu::DeviceOptions{.id = id});
     json report{{"device", device ? report_of(device->report()) : json(nullptr)},

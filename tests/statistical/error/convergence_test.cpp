@@ -46,7 +46,7 @@ test::RenderSettings settings_of(const Plan& plan, SamplerKind sampler, uint64_t
 /// Slope of log relative_mse over log passes in one run.
 double slope_of(const Scene& scene, const test::RenderSettings& settings, const ErrorMeter& meter) {
     return test::slope_over_doublings(test::errors_of_doubled_passes(scene, settings, kFirst, [&](const Film& film) {
-        return meter.pointwise(film.resolve_beauty()).relative_mse.value();
+        return meter.pointwise(film.resolve_beauty())[Metric::RelativeMse].value();
     }));
 }
 

@@ -100,7 +100,7 @@ std::vector<Calibration> calibrate(std::string_view name, const Plan& plan, Samp
                                           .value());
             found[i].scale.add(runs[i].estimate.standard_error_scale);
             found[i].estimated.add(runs[i].estimate.estimated_relative_mse);
-            found[i].measured.add(meter.pointwise(runs[i].image).relative_mse.value());
+            found[i].measured.add(meter.pointwise(runs[i].image)[Metric::RelativeMse].value());
         }
     }
     for (size_t i = 0; i < found.size(); ++i)

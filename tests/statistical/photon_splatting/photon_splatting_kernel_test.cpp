@@ -132,8 +132,8 @@ NormalisedErrors normalised_errors(const Scene& scene, const ErrorMeter& meter, 
     NormalisedErrors errors;
     for (settings.seed = 1; settings.seed <= plan.seeds; ++settings.seed) {
         const PointwiseErrors found = meter.pointwise(test::render(scene, settings).resolve(Layer::Indirect));
-        errors.raw.add(found.relative_mse.value());
-        errors.fitted.add(found.fitted_relative_mse.value());
+        errors.raw.add(found[Metric::RelativeMse].value());
+        errors.fitted.add(found[Metric::FittedRelativeMse].value());
         errors.exposure.add(found.relative_least_squares_exposure.value());
     }
     std::printf(

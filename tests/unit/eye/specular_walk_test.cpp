@@ -280,10 +280,12 @@ TEST(SpecularWalk, StoresTheFirstHitOfEveryKindOfSurface) {
     options.layers.remove(Layer::StandardError);
     const Film film = walk(columns(), options).film;
     const std::vector<float> depth = film.resolve(Layer::Depth), normal = film.resolve(Layer::Normal),
+                             geometric_normal = film.resolve(Layer::GeometricNormal),
                              position = film.resolve(Layer::Position), albedo = film.resolve(Layer::Albedo);
     for (uint32_t pixel = 0; pixel < kColumnsSize.pixels(); ++pixel) {
         EXPECT_NEAR(depth[pixel], 5, 1e-5f);
         EXPECT_EQ(normal[3 * pixel + 2], 1.0f);
+        EXPECT_EQ(geometric_normal[3 * pixel + 2], 1.0f);
         EXPECT_NEAR(position[3 * pixel], float(pixel % kColumnsSize.width) / kPixelsPerColumn + 0.1f, 0.1001f);
         if (column_of(pixel) == kLambert) {
             EXPECT_EQ(albedo[3 * pixel], 0.5f);

@@ -53,10 +53,12 @@ Film test_film(Size2 size = {65, 300}) {
         for (size_t i = 0; i < size.pixels(); ++i) {
             RandomStream random(5, RandomDomain::Test, p, i);
             const auto rgb = [&] { return Rgb(random.next(), random.next(), random.next()); };
-            pass.emitted[i] = rgb(), pass.direct[i] = rgb(), pass.indirect[i] = rgb(), pass.caustic[i] = rgb();
-            pass.albedo[i] = rgb(), pass.normal[i] = -rgb(), pass.position[i] = 100.0f * rgb();
-            pass.depth[i] = 10 * random.next();
-            pass.photon_count[i] = std::floor(100 * random.next());
+            pass.of<Layer::Emitted>()[i] = rgb(), pass.of<Layer::Direct>()[i] = rgb(),
+            pass.of<Layer::Indirect>()[i] = rgb(), pass.of<Layer::Caustic>()[i] = rgb();
+            pass.of<Layer::Albedo>()[i] = rgb(), pass.of<Layer::Normal>()[i] = -rgb(),
+            pass.of<Layer::Position>()[i] = 100.0f * rgb();
+            pass.of<Layer::Depth>()[i] = 10 * random.next();
+            pass.of<Layer::PhotonCount>()[i] = std::floor(100 * random.next());
             pass.hit[i] = i % 3 != 0;
         }
         film.add_pass(pass);
@@ -95,8 +97,8 @@ TEST_F(ExrFile, HalfRoundsToElevenBits) {
 TEST_F(ExrFile, WhatHalfCannotHoldIsInfiniteAndCounted) {
     Film film({4, 1}, LayerSet());
     PassImage pass({4, 1}, LayerSet());
-    pass.emitted[0] = Rgb(65504.0f, 65505.0f, 65520.0f);
-    pass.emitted[1] = Rgb(-65504.0f, -65519.0f, 1e8f);
+    pass.of<Layer::Emitted>()[0] = Rgb(65504.0f, 65505.0f, 65520.0f);
+    pass.of<Layer::Emitted>()[1] = Rgb(-65504.0f, -65519.0f, 1e8f);
     film.add_pass(pass);
     constexpr uint64_t kLayersThatHoldThem = 2;  // beauty and emitted
     EXPECT_EQ(write_exr(film, Precision::Half, {}, file("a.exr")), 4 * kLayersThatHoldThem);

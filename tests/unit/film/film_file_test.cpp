@@ -133,9 +133,9 @@ TEST_F(FilmFileTest, ReadsTheVersionsBeforeIdentity) {
     layers.add(Layer::Depth);
     Film film({2, 1}, layers);
     PassImage pass({2, 1}, layers);
-    pass.emitted = {Rgb(1, 0, 0.5f), Rgb(1, 0, 0.5f)};
-    pass.direct[0].x = -2;
-    pass.hit[1] = 1, pass.depth[1] = 3;
+    pass.of<Layer::Emitted>() = {Rgb(1, 0, 0.5f), Rgb(1, 0, 0.5f)};
+    pass.of<Layer::Direct>()[0].x = -2;
+    pass.hit[1] = 1, pass.of<Layer::Depth>()[1] = 3;
     for (int p = 0; p < 2; ++p) film.add_pass(pass);
     for (const uint32_t version : {1u, 2u}) {
         write(old_film(version));
@@ -172,9 +172,10 @@ std::string relabelled(const std::string& text, uint32_t version, uint32_t extra
 
 // What came with version 4 are layers after the others: files without them are the same but for the number.
 TEST_F(FilmFileTest, ReadsTheVersionBeforeTheLooksAtMethods) {
-    constexpr Layer kNew[] = {Layer::Clamped, Layer::Voxels, Layer::Vpls, Layer::SplitNormal, Layer::SplitIndirect};
+    constexpr auto kFirstNew = static_cast<size_t>(Layer::Clamped);
+    const std::span<const LayerInfo> new_layers = std::span(kLayers).subspan(kFirstNew);
     LayerSet layers = LayerSet::all();
-    for (const Layer layer : kNew) layers.remove(layer);
+    for (const LayerInfo& info : new_layers) layers.remove(info.layer);
     const Film film = film_of_range({9, 5}, layers, 0, 3);
     FilmFile::save(film, kIdentity, kHistory, path);
     const std::string now = bytes();
@@ -185,10 +186,12 @@ TEST_F(FilmFileTest, ReadsTheVersionBeforeTheLooksAtMethods) {
     EXPECT_TRUE(loaded.film == film);
     EXPECT_EQ(loaded.identity, kIdentity);
     EXPECT_EQ(loaded.history, kHistory);
-    for (const Layer layer : kNew) {
-        write(relabelled(now, 3, 1u << static_cast<unsigned>(layer)));
-        EXPECT_NE(refusal().find("layers"), std::string::npos) << layer_info(layer).name;
+    for (const LayerInfo& info : new_layers) {
+        write(relabelled(now, 3, 1u << static_cast<unsigned>(info.layer)));
+        EXPECT_NE(refusal().find("layers"), std::string::npos) << info.name;
     }
+    write(relabelled(now, 4, 1u << kLayerCount));
+    EXPECT_NE(refusal(ErrorCode::Unsupported).find("layers that this program does not know"), std::string::npos);
 }
 
 // --- Damage

@@ -186,7 +186,7 @@ TEST(FilmMerge, SaturatedSquaresAreTheSameForAnyCut) {
         Film film(size, LayerSet(), first);
         for (uint32_t pass = first; pass < end; ++pass) {
             PassImage image(size, LayerSet());
-            image.direct[0] = Rgb(0x1.fp28f, pass % 3 == 0 ? 1.0f : 0.0f, 0x1p-30f);
+            image.of<Layer::Direct>()[0] = Rgb(0x1.fp28f, pass % 3 == 0 ? 1.0f : 0.0f, 0x1p-30f);
             film.add_pass(image);
         }
         return film;
@@ -205,7 +205,7 @@ TEST(FilmMerge, SaturatedSquaresAreTheSameForAnyCut) {
 TEST(FilmMerge, DroppedValuesAreCountedTogether) {
     const auto part = [](uint32_t pass, float value) {
         PassImage image({2, 1}, LayerSet());
-        image.direct[1].y = value;
+        image.of<Layer::Direct>()[1].y = value;
         Film film({2, 1}, LayerSet(), pass);
         film.add_pass(image);
         return film;

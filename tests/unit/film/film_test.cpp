@@ -50,12 +50,12 @@ TEST(Film, SumsLoseNothing) {
     const Size2 size{1, 1};
     Film film(size, LayerSet());
     PassImage pass(size, LayerSet());
-    pass.direct[0] = Rgb(1e8f, 0x1p-64f, 0x1p-66f);
+    pass.of<Layer::Direct>()[0] = Rgb(1e8f, 0x1p-64f, 0x1p-66f);
     film.add_pass(pass);
-    pass.direct[0] = Rgb(-1e8f, 0x1p-64f, 0x1p-66f);
+    pass.of<Layer::Direct>()[0] = Rgb(-1e8f, 0x1p-64f, 0x1p-66f);
     film.add_pass(pass);
-    pass.direct[0] = Rgb(0.1f, 0, 0);
-    pass.indirect[0] = Rgb(0.2f, 0, 0);
+    pass.of<Layer::Direct>()[0] = Rgb(0.1f, 0, 0);
+    pass.of<Layer::Indirect>()[0] = Rgb(0.2f, 0, 0);
     film.add_pass(pass);
     const std::vector<float> direct = film.resolve(Layer::Direct);
     EXPECT_EQ(direct[0], static_cast<float>(double{0.1f} / 3));
@@ -75,14 +75,14 @@ TEST(Film, MeansAndVariancesAreThoseOfTheValues) {
         for (size_t i = 0; i < size.pixels(); ++i) {
             RandomStream random(3, RandomDomain::Test, p, i);
             for (int k = 0; k < 3; ++k) {
-                pass.emitted[i][k] = random.next(), pass.direct[i][k] = random.next();
-                pass.indirect[i][k] = random.next();
-                const double beauty =
-                    double{pass.emitted[i][k]} + double{pass.direct[i][k]} + double{pass.indirect[i][k]};
+                pass.of<Layer::Emitted>()[i][k] = random.next(), pass.of<Layer::Direct>()[i][k] = random.next();
+                pass.of<Layer::Indirect>()[i][k] = random.next();
+                const double beauty = double{pass.of<Layer::Emitted>()[i][k]} + double{pass.of<Layer::Direct>()[i][k]} +
+                                      double{pass.of<Layer::Indirect>()[i][k]};
                 const size_t at = 3 * i + static_cast<size_t>(k);
                 sum[at] += beauty, square[at] += beauty * beauty;
-                direct_sum[at] += double{pass.direct[i][k]};
-                direct_square[at] += double{pass.direct[i][k]} * double{pass.direct[i][k]};
+                direct_sum[at] += double{pass.of<Layer::Direct>()[i][k]};
+                direct_square[at] += double{pass.of<Layer::Direct>()[i][k]} * double{pass.of<Layer::Direct>()[i][k]};
             }
         }
         film.add_pass(pass);
@@ -105,8 +105,9 @@ TEST(Film, AConstantPixelHasNoVarianceAndALargeOneKeepsIts) {
     Film film(size, LayerSet());
     for (uint32_t p = 0; p < 1000; ++p) {
         PassImage pass(size, LayerSet());
-        pass.direct[0] = Rgb(1.7f, 3e5f, 0.25f);
-        pass.direct[1] = Rgb(1e6f + static_cast<float>(p % 2), 0, 0);  // variance 1/4 (1000/999) at a mean of 1e6
+        pass.of<Layer::Direct>()[0] = Rgb(1.7f, 3e5f, 0.25f);
+        pass.of<Layer::Direct>()[1] =
+            Rgb(1e6f + static_cast<float>(p % 2), 0, 0);  // variance 1/4 (1000/999) at a mean of 1e6
         film.add_pass(pass);
     }
     const std::vector<float> variance = film.pass_variance_beauty();
@@ -122,7 +123,7 @@ TEST(Film, SaturatedSquaresSayInfinityWhateverTheOrder) {
         Film film(size, LayerSet());
         for (const float value : values) {
             PassImage pass(size, LayerSet());
-            pass.direct[0] = Rgb(value);
+            pass.of<Layer::Direct>()[0] = Rgb(value);
             film.add_pass(pass);
         }
         return film;
@@ -142,13 +143,14 @@ TEST(Film, BadValuesAreDroppedAndCounted) {
     layers.add(Layer::Albedo), layers.add(Layer::Depth);
     PassImage pass(size, layers);
     for (size_t i = 0; i < size.pixels(); ++i) {
-        pass.emitted[i] = Rgb(1), pass.hit[i] = 1, pass.albedo[i] = Rgb(0.5f), pass.depth[i] = 2;
+        pass.of<Layer::Emitted>()[i] = Rgb(1), pass.hit[i] = 1, pass.of<Layer::Albedo>()[i] = Rgb(0.5f),
+        pass.of<Layer::Depth>()[i] = 2;
     }
-    pass.direct[0].y = std::nanf("");
-    pass.direct[1] = Rgb(kInfinity, 0, std::nanf(""));  // a NaN counts as NaN whatever else is wrong
-    pass.indirect[2].z = -kInfinity;
-    pass.direct[3].x = kFilmValueLimit;
-    pass.albedo[4].x = kInfinity;
+    pass.of<Layer::Direct>()[0].y = std::nanf("");
+    pass.of<Layer::Direct>()[1] = Rgb(kInfinity, 0, std::nanf(""));  // a NaN counts as NaN whatever else is wrong
+    pass.of<Layer::Indirect>()[2].z = -kInfinity;
+    pass.of<Layer::Direct>()[3].x = kFilmValueLimit;
+    pass.of<Layer::Albedo>()[4].x = kInfinity;
     Film film(size, layers);
     film.add_pass(pass);
     EXPECT_EQ(film.nan_count(), 2u);
@@ -162,6 +164,37 @@ TEST(Film, BadValuesAreDroppedAndCounted) {
     }
 }
 
+TEST(PassImage, IsClearedInEveryLayerWhereItIsSaid) {
+    const Size2 size{4, 3};
+    PassImage image(size, LayerSet::all());
+    size_t layers = 0;
+    const auto fill = [&]<class Value>(const LayerInfo& info, std::vector<Value>& pixels) {
+        EXPECT_EQ(pixels.size(), size.pixels()) << info.name;
+        std::fill(pixels.begin(), pixels.end(), Value(2));
+        ++layers;
+    };
+    image.each_layer(fill);
+    EXPECT_EQ(layers, kLayerCount - 1) << "all but the standard error, which no pass has";
+    std::fill(image.hit.begin(), image.hit.end(), uint8_t{1});
+    image.clear(5, 2);
+    image.each_layer([&]<class Value>(const LayerInfo& info, const std::vector<Value>& pixels) {
+        for (size_t i = 0; i < pixels.size(); ++i)
+            EXPECT_EQ(pixels[i], i == 5 || i == 6 ? Value(0) : Value(2)) << info.name << " " << i;
+    });
+    EXPECT_EQ(image.hit, (std::vector<uint8_t>{1, 1, 1, 1, 1, 0, 0, 1, 1, 1, 1, 1}));
+}
+
+TEST(PassImage, HoldsALayerOnlyWhereItIsAskedFor) {
+    LayerSet layers;
+    layers.add(Layer::Overlap);
+    const PassImage image({2, 2}, layers);
+    EXPECT_EQ(image.of<Layer::Overlap>(), std::vector<float>(4, 0.0f));
+    EXPECT_EQ(image.of<Layer::Direct>(), std::vector<Rgb>(4, Rgb(0)));
+    EXPECT_TRUE(image.of<Layer::Albedo>().empty() && image.of<Layer::Depth>().empty());
+    EXPECT_EQ(image.hit.size(), 4u);
+    EXPECT_TRUE(PassImage({2, 2}, LayerSet()).hit.empty()) << "no layer is divided by the samples that hit";
+}
+
 TEST(Film, AuxiliaryLayersAverageTheSamplesThatHit) {
     const Size2 size{2, 1};
     LayerSet layers;
@@ -169,7 +202,7 @@ TEST(Film, AuxiliaryLayersAverageTheSamplesThatHit) {
     Film film(size, layers);
     for (const float depth : {3.0f, 5.0f, 0.0f}) {
         PassImage pass(size, layers);
-        pass.hit[0] = depth > 0, pass.depth[0] = depth;
+        pass.hit[0] = depth > 0, pass.of<Layer::Depth>()[0] = depth;
         film.add_pass(pass);
     }
     EXPECT_EQ(film.resolve(Layer::Depth), (std::vector<float>{4.0f, 0.0f}));
@@ -187,14 +220,14 @@ TEST(Film, PhotonsAreCountedOverTheSamplesThatHit) {
     for (const float photons : {50.0f, 0.0f, 7.0f}) {
         PassImage pass(size, layers);
         pass.hit = {1, photons > 0, 0};  // no photon found is a count too; no surface met is none
-        pass.photon_count = {photons, photons, 0};
+        pass.of<Layer::PhotonCount>() = {photons, photons, 0};
         film.add_pass(pass);
     }
     EXPECT_EQ(film.resolve(Layer::PhotonCount), (std::vector<float>{19.0f, 28.5f, 0.0f}));
     EXPECT_EQ(film.nan_count() + film.infinity_count(), 0u);
     PassImage bad(size, layers);
     bad.hit = {1, 1, 0};
-    bad.photon_count = {std::numeric_limits<float>::quiet_NaN(), kFilmValueLimit, 0};
+    bad.of<Layer::PhotonCount>() = {std::numeric_limits<float>::quiet_NaN(), kFilmValueLimit, 0};
     film.add_pass(bad);
     EXPECT_EQ(film.nan_count(), 1u);
     EXPECT_EQ(film.infinity_count(), 1u);

@@ -38,7 +38,7 @@ Direct direct_light(const Scene& scene, const Intersector& intersector, const Li
         EyeSeconds seconds;
         walk.trace_tile(shared, {.guide = guide ? &*guide : nullptr}, {sampler, {&sampler, 1}},
                         Tile{0, 0, kSize.width, kSize.height}, image, direct.counts, seconds, CancelToken{}, sink);
-        for (size_t i = 0; i < direct.sums.size(); ++i) direct.sums[i] += image.direct[i / 3][int(i % 3)];
+        for (size_t i = 0; i < direct.sums.size(); ++i) direct.sums[i] += image.of<Layer::Direct>()[i / 3][int(i % 3)];
     }
     return direct;
 }

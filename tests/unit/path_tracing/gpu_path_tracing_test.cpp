@@ -12,7 +12,8 @@ namespace {
 
 LayerSet all_layers() {
     LayerSet layers;
-    for (const Layer layer : {Layer::Caustic, Layer::Albedo, Layer::Normal, Layer::Position, Layer::Depth})
+    for (const Layer layer :
+         {Layer::Caustic, Layer::Albedo, Layer::Normal, Layer::Position, Layer::Depth, Layer::GeometricNormal})
         layers.add(layer);
     return layers;
 }
@@ -48,7 +49,7 @@ TEST_P(GpuPathTracing, FollowsTheCpusPaths) {
     const Scene scene = test::turned(make_builtin_scene(GetParam()));
     const TwoFilms films = render_both(scene, 2);
     for (const Layer layer : {Layer::Emitted, Layer::Direct, Layer::Indirect, Layer::Caustic, Layer::Albedo,
-                              Layer::Normal, Layer::Position, Layer::Depth})
+                              Layer::Normal, Layer::Position, Layer::Depth, Layer::GeometricNormal})
         EXPECT_LT(test::share_apart(films.cpu.resolve(layer), films.gpu.resolve(layer), 1e-3), 0.02)
             << GetParam() << ", " << layer_info(layer).name;
     const Counts &cpu = films.cpu_stats.counts, &gpu = films.gpu_stats.counts;
@@ -72,8 +73,9 @@ TEST(GpuPathTracing, AWavefrontMakesTheSameImage) {
         MemoryBudget budget;
         const RenderContext context{scene,  &where.intersector, test::view_of(scene, settings), settings.seed,
                                     budget, &where.device_scene};
-        const auto render = [&](PathTracingGpu::Kernels kernels, Stats& stats) {
-            PathTracingGpu method(settings.params, kernels);
+        const auto render = [&](PathKernels kernels, Stats& stats) {
+            settings.params.gpu_kernels = kernels;
+            PathTracingGpu method(settings.params);
             method.begin(context, stats);
             Film film(settings.size, settings.layers);
             method.run_pass(0, stats, CancelToken{});
@@ -81,8 +83,8 @@ TEST(GpuPathTracing, AWavefrontMakesTheSameImage) {
             return film;
         };
         Stats mega, wave;
-        const Film by_thread = render(PathTracingGpu::Kernels::Mega, mega);
-        const Film by_wave = render(PathTracingGpu::Kernels::Wavefront, wave);
+        const Film by_thread = render(PathKernels::Mega, mega);
+        const Film by_wave = render(PathKernels::Wavefront, wave);
         // The compiler may round one shader unlike the other: as with the CPU's twin, few values are apart.
         for (const LayerInfo& info : kLayers) {
             if (!settings.layers.has(info.layer)) continue;
@@ -93,7 +95,7 @@ TEST(GpuPathTracing, AWavefrontMakesTheSameImage) {
         EXPECT_NEAR(double(mega.counts.bounce_rays), double(wave.counts.bounce_rays),
                     0.001 * double(mega.counts.bounce_rays));
         EXPECT_GT(wave.counts.bounce_rays, 0u);
-        EXPECT_EQ(by_wave, render(PathTracingGpu::Kernels::Wavefront, wave)) << "same device, same bits";
+        EXPECT_EQ(by_wave, render(PathKernels::Wavefront, wave)) << "same device, same bits";
     }
 }
 
@@ -138,7 +140,12 @@ TEST(GpuPathTracing, ACancelledPassIsNoPass) {
 
 TEST(GpuPathTracing, TakesTheMemoryItSays) {
     const Scene scene = make_builtin_scene("cornell-box");
-    test::expect_device_bytes_as_estimated(test::SceneOnDevice(scene), settings_for<PathTracingGpu>(1));
+    const test::SceneOnDevice where(scene);
+    auto settings = settings_for<PathTracingGpu>(1);
+    for (const PathKernels kernels : {PathKernels::Mega, PathKernels::Wavefront}) {
+        settings.params.gpu_kernels = kernels;
+        test::expect_device_bytes_as_estimated(where, settings);
+    }
 }
 
 }  // namespace

@@ -5,6 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <set>
+
 #include "protocol/error.h"
 #include "renderer/eye/pixel_filter.h"
 #include "renderer/methods/registry.h"
@@ -19,7 +22,8 @@ namespace {
 
 LayerSet all_layers() {
     LayerSet layers;
-    for (const Layer layer : {Layer::Caustic, Layer::Albedo, Layer::Normal, Layer::Position, Layer::Depth})
+    for (const Layer layer :
+         {Layer::Caustic, Layer::Albedo, Layer::Normal, Layer::Position, Layer::Depth, Layer::GeometricNormal})
         layers.add(layer);
     return layers;
 }
@@ -71,7 +75,8 @@ TEST(PathTracing, LanesAndSinglePathsShadeAlike) {
     }
     finish_scene(single);
     const Film a = test::render(lanes, settings_for(4)), b = test::render(single, settings_for(4));
-    for (const Layer layer : {Layer::Emitted, Layer::Direct, Layer::Indirect, Layer::Albedo, Layer::Normal}) {
+    for (const Layer layer :
+         {Layer::Emitted, Layer::Direct, Layer::Indirect, Layer::Albedo, Layer::Normal, Layer::GeometricNormal}) {
         const std::vector<float> x = a.resolve(layer), y = b.resolve(layer);
         size_t different = 0;
         for (size_t i = 0; i < x.size(); ++i) different += std::abs(x[i] - y[i]) > 1e-3f * (1e-3f + std::abs(x[i]));
@@ -94,6 +99,40 @@ TEST(PathTracing, AuxiliaryLayersDescribeTheFirstSurface) {
     EXPECT_NEAR(position[3 * floor], 1000, 0.2f);
     // The camera of the box looks along -z from z = 8.
     EXPECT_NEAR(depth[floor], 8 - position[3 * floor + 2], 1e-3f);
+}
+
+// A coarse sphere: its facets are seen in one layer, its smooth normals in the other. Both of Lambert's kernel, eight
+// lanes at once, and of the one for all materials.
+TEST(PathTracing, TheGeometricNormalIsThatOfTheTriangle) {
+    for (const float metallic : {0.0f, 1.0f}) {
+        Scene scene;
+        Material ball;
+        ball.metallic = metallic, ball.specular = 0;
+        scene.materials = {ball};
+        scene.meshes = {MeshBuilder().sphere({0, 0, -4}, 1, 8).build(0)};
+        scene.instances.resize(1);
+        scene.cameras = {Camera{}};
+        finish_scene(scene);
+        const Film film = test::render(scene, settings_for(1));
+        const std::vector<float> smooth = film.resolve(Layer::Normal), flat = film.resolve(Layer::GeometricNormal),
+                                 position = film.resolve(Layer::Position), depth = film.resolve(Layer::Depth);
+        std::set<std::array<float, 3>> facets;
+        double least_cosine = 1;
+        for (size_t i = 0; i < depth.size(); ++i) {
+            if (depth[i] == 0) continue;
+            const vec3 n(smooth[3 * i], smooth[3 * i + 1], smooth[3 * i + 2]);
+            const vec3 g(flat[3 * i], flat[3 * i + 1], flat[3 * i + 2]);
+            const vec3 at(position[3 * i], position[3 * i + 1], position[3 * i + 2]);
+            EXPECT_NEAR(glm::length(g), 1, 1e-5f);
+            EXPECT_LT(glm::dot(g, at), 0) << "it faces the eye, which is at the origin";
+            least_cosine = std::min(least_cosine, double(glm::dot(n, g)));
+            facets.insert({std::round(g.x * 1e4f), std::round(g.y * 1e4f), std::round(g.z * 1e4f)});
+        }
+        EXPECT_LT(facets.size(), 64u) << "a facet has one normal";
+        EXPECT_GT(facets.size(), 8u);
+        EXPECT_LT(least_cosine, 0.99) << "the smooth ones turn within it";
+        EXPECT_GT(least_cosine, 0.7);
+    }
 }
 
 TEST(PathTracing, CausticsArePartOfTheIndirectLight) {

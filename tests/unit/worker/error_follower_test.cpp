@@ -24,7 +24,7 @@ PassImage noisy_pass(uint32_t pass) {
     PassImage image(kSize, LayerSet());
     for (size_t i = 0; i < kSize.pixels(); ++i) {
         RandomStream random(3, RandomDomain::Test, pass, i);
-        image.direct[i] =
+        image.of<Layer::Direct>()[i] =
             Rgb(0.1f + static_cast<float>(i) / static_cast<float>(kSize.pixels())) + Rgb(random.next() - 0.5f);
     }
     return image;
@@ -104,13 +104,13 @@ TEST_F(ErrorFollowerTest, PointsHoldWhatTheMeterSays) {
     const ErrorMeter meter(kSize, ramp());
     const std::vector<float> image = film.resolve_beauty();
     const CurvePoint& last = follower->curve().back();
-    for (const Metric metric :
-         {Metric::RelativeMse, Metric::Rmse, Metric::Mae, Metric::Smape, Metric::Rmse8bit, Metric::FlipLdr})
+    for (const Metric metric : {Metric::RelativeMse, Metric::Mse, Metric::Rmse, Metric::Mae, Metric::Smape,
+                                Metric::Rmse8bit, Metric::FlipLdr})
         EXPECT_EQ(last.metrics.at(std::string(metric_info(metric).name)), meter.measure(metric, image).front())
             << metric_info(metric).name;
     EXPECT_EQ(last.metrics.at("direct:mae"), meter.measure(Metric::Mae, image).front());
     EXPECT_TRUE(last.metrics.at("estimated_relative_mse").has_value());
-    EXPECT_EQ(last.metrics.size(), 10u);  // seven of the beauty, the estimate, two asked for
+    EXPECT_EQ(last.metrics.size(), 11u);  // eight of the beauty, the estimate, two asked for
     EXPECT_FALSE(last.photons.has_value());
     EXPECT_EQ(follower->error_now()["metric"], "relative_mse");
     EXPECT_EQ(follower->error_now()["value"], *last.metrics.at("relative_mse"));
@@ -163,7 +163,7 @@ TEST_F(ErrorFollowerTest, ATargetEndsTheJobAtTheFirstPassThatMeetsIt) {
     std::vector<double> errors_by_pass;
     for (uint32_t pass = 0; pass < 40; ++pass) {
         truth.add_pass(noisy_pass(pass));
-        errors_by_pass.push_back(*meter.pointwise(truth.resolve_beauty()).relative_mse);
+        errors_by_pass.push_back(*meter.pointwise(truth.resolve_beauty())[Metric::RelativeMse]);
     }
     request.stop.target = ErrorTarget{"relative_mse", errors_by_pass[10] * 1.0000001};
     size_t first = 0;

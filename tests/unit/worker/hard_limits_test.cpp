@@ -27,7 +27,7 @@ TEST(HardLimits, AMillionPassesOfAConstantAreThatConstant) {
     Film whole({2, 1}, LayerSet());
     Film parts[] = {Film({2, 1}, LayerSet()), Film({2, 1}, LayerSet(), kMillion / 4)};
     PassImage pass({2, 1}, LayerSet());
-    pass.indirect = {Rgb(kValue), Rgb(kNearlyTheLimit)};
+    pass.of<Layer::Indirect>() = {Rgb(kValue), Rgb(kNearlyTheLimit)};
     for (uint32_t i = 0; i < kMillion; ++i) {
         whole.add_pass(pass);
         parts[i < kMillion / 4 ? 0 : 1].add_pass(pass);
@@ -48,8 +48,8 @@ TEST(HardLimits, AMillionPassesOfAConstantAreThatConstant) {
 TEST(HardLimits, AMillionPassesKeepTheVariance) {
     Film film({1, 1}, LayerSet());
     PassImage dark({1, 1}, LayerSet()), bright = dark;
-    dark.indirect = {Rgb(1.0f)};
-    bright.indirect = {Rgb(1.0f + 0x1p-10f)};
+    dark.of<Layer::Indirect>() = {Rgb(1.0f)};
+    bright.of<Layer::Indirect>() = {Rgb(1.0f + 0x1p-10f)};
     for (uint32_t i = 0; i < kMillion; ++i) film.add_pass(i % 2 ? bright : dark);
     constexpr double kExact = 0.25 * 0x1p-20 * kMillion / (kMillion - 1.0);
     EXPECT_NEAR(film.pass_variance(Layer::Indirect)[0], kExact, 1e-6 * kExact);
@@ -62,7 +62,7 @@ TEST(HardLimits, AHundredMillionPhotonsInAPixelKeepTheirMean) {
     layers.add(Layer::PhotonCount);
     Film film({1, 1}, layers);
     PassImage pass({1, 1}, layers);
-    pass.photon_count = {kPhotons};
+    pass.of<Layer::PhotonCount>() = {kPhotons};
     pass.hit = {1};
     for (int i = 0; i < 1000; ++i) film.add_pass(pass);
     EXPECT_EQ(film.infinity_count(), 0u);

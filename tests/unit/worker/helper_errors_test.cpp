@@ -190,7 +190,7 @@ TEST_F(HelperErrors, TheNoiseOfAFilmIsStatedAndWarnedOf) {
     for (uint32_t pass = 0; pass < 8; ++pass) {
         PassImage image(size, LayerSet());
         for (size_t i = 0; i < size.pixels(); ++i)
-            image.direct[i] = Rgb(1 + RandomStream(1, RandomDomain::Test, pass, i).next());
+            image.of<Layer::Direct>()[i] = Rgb(1 + RandomStream(1, RandomDomain::Test, pass, i).next());
         noisy.add_pass(image);
     }
     const json reference = film("r.film", noisy);

@@ -116,8 +116,8 @@ TEST_F(JobErrors, TheErrorOfTheFinalFilmIsInTheStatistics) {
     EXPECT_EQ(error["bias_standard_error"].size(), 3u);
     const ErrorMeter indirect(film.size(), judge.resolve(Layer::Indirect));
     const PointwiseErrors of_indirect = indirect.pointwise(film.resolve(Layer::Indirect));
-    EXPECT_EQ(error["indirect:rmse"], *of_indirect.rmse);
-    EXPECT_EQ(error["indirect:relative_mse"], *of_indirect.relative_mse);
+    EXPECT_EQ(error["indirect:rmse"], *of_indirect[Metric::Rmse]);
+    EXPECT_EQ(error["indirect:relative_mse"], *of_indirect[Metric::RelativeMse]);
     EXPECT_EQ(error["left_out"], 0);
 
     const json& noise = finished["statistics"]["reference_error"];

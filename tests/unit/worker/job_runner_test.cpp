@@ -53,7 +53,7 @@ public:
         EXPECT_EQ(pass, passes_run);
         ++passes_run;
         std::this_thread::sleep_for(pass_time);
-        image_.direct.assign(image_.direct.size(), Rgb(static_cast<float>(pass + 1)));
+        image_.of<Layer::Direct>().assign(image_.of<Layer::Direct>().size(), Rgb(static_cast<float>(pass + 1)));
         if (cancel_in_pass && pass == cancel_pass) cancel_in_pass->cancel();
     }
     void expect_pass(uint32_t pass) override { said += "e" + std::to_string(pass); }

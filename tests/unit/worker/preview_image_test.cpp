@@ -19,12 +19,12 @@ Film film_of_all_layers() {
     for (int pass = 0; pass < 2; ++pass) {
         PassImage image({2, 1}, LayerSet::all());
         image.hit = {1, 1};
-        image.clamped = {Rgb(0, 1, 0), Rgb(0.25f)};
-        image.voxels = {Rgb(1, 0, 0), Rgb(0.25f)};
-        image.split_indirect = {Rgb(0, 0, 1), Rgb(0.25f)};
-        image.split_normal = {Rgb(0.28f, 0.96f, 0), Rgb(-1, 0, 0)};
-        image.vpls = {pass == 0 ? 0.0f : 2.0f, 0.0f};
-        image.overlap = {200, 600};
+        image.of<Layer::Clamped>() = {Rgb(0, 1, 0), Rgb(0.25f)};
+        image.of<Layer::Voxels>() = {Rgb(1, 0, 0), Rgb(0.25f)};
+        image.of<Layer::SplitIndirect>() = {Rgb(0, 0, 1), Rgb(0.25f)};
+        image.of<Layer::SplitNormal>() = {Rgb(0.28f, 0.96f, 0), Rgb(-1, 0, 0)};
+        image.of<Layer::Vpls>() = {pass == 0 ? 0.0f : 2.0f, 0.0f};
+        image.of<Layer::Overlap>() = {200, 600};
         film.add_pass(image);
     }
     return film;
@@ -59,8 +59,8 @@ TEST(PreviewImage, SmallerOnesAreMeansOfLightNotOfColours) {
     PassImage image({4, 2}, LayerSet::all());
     for (size_t i = 0; i < 8; ++i) {
         image.hit[i] = 1;
-        image.direct[i] = Rgb(i % 2 == 0 ? 0.0f : 0.5f);
-        image.overlap[i] = i % 2 == 0 ? 0.0f : 400.0f;
+        image.of<Layer::Direct>()[i] = Rgb(i % 2 == 0 ? 0.0f : 0.5f);
+        image.of<Layer::Overlap>()[i] = i % 2 == 0 ? 0.0f : 400.0f;
     }
     film.add_pass(image);
     const PreviewImage beauty = preview_image(film, nullptr, 0, ToneCurve::Srgb, 2);

@@ -270,11 +270,15 @@ export interface Layer {
 /** A row of `GET /v1/metrics`. */
 export interface Metric {
   name: string;
+  /** For tables. */
+  title: string;
   /** 1: a number; 3: one a channel; 4: percentiles. */
   values: number;
   needs_reference: boolean;
   /** Measured only where a job names it. */
   on_request: boolean;
+  /** Where the error is nothing but independent noise it falls with the passes to this power; null: no law says how. */
+  slope: number | null;
   description: string;
   /** What the usual ones are, in plain words; null of the others. */
   line: string | null;

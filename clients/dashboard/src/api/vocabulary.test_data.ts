@@ -1,6 +1,6 @@
-// Some of the daemon's layers, for tests without a daemon.
+// Some of the daemon's layers and error measures, for tests without a daemon.
 
-import type { Layer } from "./types";
+import type { Layer, Metric } from "./types";
 
 const layer = (name: string, channels: string, more: Partial<Layer> = {}): Layer => ({
   name, channels, always: false, measured: false, preview: null, exposure: false, unit: "", description: "", ...more,
@@ -18,3 +18,9 @@ export const someLayers: Layer[] = [
   layer("photon_count", "Y"),
   layer("overlap", "Y", { preview: "heat_map" }),
 ];
+
+const metric = (name: string, slope: number | null): Metric => ({
+  name, title: name, values: 1, needs_reference: true, on_request: false, slope, description: "", line: null,
+});
+
+export const someMetrics: Metric[] = [metric("relative_mse", -1), metric("rmse", -0.5), metric("smape", null), metric("flip_hdr", null)];

@@ -36,6 +36,12 @@ export const alwaysLayers = (): string[] => layers.value.filter((layer) => layer
 /** Whether it is a part of the light: the daemon measures those, and FLIP is of them only. */
 export const isMeasured = (layer: string): boolean => layerNamed(layer)?.measured ?? false;
 
+/** Of a measure, or of one of a layer ("indirect:rmse"). */
+export const metricNamed = (name: string): Metric | undefined => {
+  const plain = name.slice(name.indexOf(":") + 1);
+  return metrics.value.find((metric) => metric.name === plain);
+};
+
 /** Measures that are one number, so that a target may name them; without a reference those estimated from the passes. */
 export const targetMetrics = (withReference: boolean): string[] =>
   metrics.value.filter((metric) => metric.values === 1 && (withReference || !metric.needs_reference)).map(({ name }) => name);

@@ -4,13 +4,12 @@ import { useEffect, useState } from "preact/hooks";
 
 import { sendJson } from "../api/client";
 import type { Json } from "../api/types";
-import { isMeasured } from "../api/vocabulary";
+import { isMeasured, metricNamed } from "../api/vocabulary";
 import { numberText } from "../ui/format";
 import { sameSize, type Desk } from "./desk";
 
 const kQuick = ["relative_mse", "rmse", "smape", "relative_bias"];
 const kFlip = "flip_hdr";
-const kNames: Record<string, string> = { relative_mse: "Relative MSE", rmse: "RMSE", smape: "SMAPE", relative_bias: "Relative bias, R G B", flip_hdr: "HDR-FLIP" };
 
 interface Measured {
   metrics: Record<string, Json>;
@@ -127,7 +126,7 @@ export function ErrorsTable({ desk }: { desk: Desk }) {
                   <th scope="col">Image</th>
                   {columns.map((metric) => (
                     <th key={metric} scope="col" class="number">
-                      {kNames[metric]}
+                      {metricNamed(metric)?.title ?? metric}
                     </th>
                   ))}
                 </tr>

@@ -1,6 +1,8 @@
 import { describe, expect, it } from "vitest";
 
 import type { ComparisonRow, MeanPoint } from "../api/types";
+import { metrics } from "../api/vocabulary";
+import { someMetrics } from "../api/vocabulary.test_data";
 import { bestByTime, byteTicks, errorAt, fittedSlope, frontWithMemory, idealSlope, logTicks, rowName, type Series } from "./series";
 
 const point = (seconds: number, error: number): MeanPoint => ({ seconds, error, low: null, high: null, min: error, max: error });
@@ -21,7 +23,9 @@ describe("slopes", () => {
     expect(fittedSlope([point(1, 1), point(1, 2), point(1, 3)])).toBeNull();
     expect(fittedSlope([])).toBeNull();
   });
-  it("have an ideal for errors that are means of squares and their roots", () => {
+  it("have an ideal where the daemon tells of one", () => {
+    expect(idealSlope("rmse")).toBeNull();
+    metrics.value = someMetrics;
     expect(["relative_mse", "indirect:relative_mse", "rmse", "flip_hdr", "smape"].map(idealSlope)).toEqual([-1, -1, -0.5, null, null]);
   });
 });

@@ -2,6 +2,7 @@
 // who is lowest when, and which rows are worth their time and memory.
 
 import type { ComparisonReport, ComparisonRow, MeanPoint, Parameters } from "../api/types";
+import { metricNamed } from "../api/vocabulary";
 
 /** "photon mapping, photons 5000", as the daemon writes it: the label and what the sweep gave. */
 export function rowName(row: { label: string; parameters: Parameters }): string {
@@ -60,15 +61,8 @@ export function fittedSlope(points: { seconds: number; error: number }[]): numbe
   return x.reduce((sum, value, i) => sum + (value - mx) * (y[i]! - my), 0) / spread;
 }
 
-/** The metric without the layer it is of: "indirect:rmse" is "rmse". */
-const plainMetric = (metric: string): string => metric.slice(metric.indexOf(":") + 1);
-
 /** How a metric falls with time where the error is nothing but independent noise; null where no law says so. */
-export function idealSlope(metric: string): number | null {
-  const name = plainMetric(metric);
-  if (name.endsWith("relative_mse")) return -1;
-  return ["rmse", "mae", "fitted_rmse"].includes(name) ? -0.5 : null;
-}
+export const idealSlope = (metric: string): number | null => metricNamed(metric)?.slope ?? null;
 
 /** The error at a time, straight in log-log between points as the daemon takes it; null outside the curve's span. */
 export function errorAt(points: MeanPoint[], seconds: number): number | null {
