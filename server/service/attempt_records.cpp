@@ -1,0 +1,250 @@
+#include "server/service/attempt_records.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "protocol/problem.h"
+#include "protocol/worker_messages.h"
+#include "renderer/methods/registry.h"
+#include "server/clock_text.h"
+#include "server/queue/retry_policy.h"
+#include "server/row_text.h"
+
+namespace photond {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+constexpr size_t kMaxLogLines = 1000;  // of one attempt
+constexpr size_t kMaxLogLineBytes = 4096;
+
+struct NamedEnd {
+    AttemptEnd end;
+    const char* outcome;
+};
+
+NamedEnd end_of(const ProcessExit& exit) {
+    switch (exit.cause) {
+        case ExitCause::Crashed: return {AttemptEnd::Crashed, "crashed"};
+        case ExitCause::Hung: return {AttemptEnd::Crashed, "hung"};
+        case ExitCause::OutOfMemory: return {AttemptEnd::OutOfMemory, "out_of_memory"};
+        case ExitCause::NoSpace: return {AttemptEnd::NoSpace, "no_space"};
+        case ExitCause::DeviceLost: return {AttemptEnd::DeviceLost, "device_lost"};
+        case ExitCause::Lost:
+        case ExitCause::Ordered: break;
+    }
+    return {AttemptEnd::Lost, "lost"};
+}
+
+void close_attempt(JobRow& row, const RunningAttempt& attempt, const std::string& outcome, const json& reason,
+                   int64_t passes_done) {
+    json attempts = json::parse(row.attempts);
+    if (attempts.empty()) return;
+    json& last = attempts.back();
+    last["finished"] = rfc3339(now_ms());
+    last["outcome"] = outcome;
+    last["reason"] = reason;
+    last["passes_done"] = passes_done;
+    last["device_shared"] = attempt.device_shared;
+    last["host_shared"] = attempt.host_shared;
+    row.attempts = attempts.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+std::string problem_of(int64_t seq, ErrorCode code, const std::string& detail, const std::vector<Fault>& faults = {}) {
+    return problem_json(code, detail, faults, "/v1/jobs/" + job_id(seq))
+        .dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+/// What a film that the attempt left says of the job.
+void take_film(JobRow& row, const RunningAttempt& attempt, const json& message) {
+    row.film = attempt.film;
+    row.passes_done = message.value("passes_done", int64_t{0});
+    row.seconds = message.value("seconds", 0.0);
+    row.progress = std::max(row.progress, attempt.progress);
+    const json points = message.value("curve", json());
+    row.curve = text_of(points.is_array() ? points : attempt.curve);
+    row.error_now = text_of(object_or_null(message, "error_now"));
+}
+
+void take_statistics(JobRow& row, const RunningAttempt& attempt, json statistics) {
+    // Of what an earlier attempt left, its record tells.
+    const json before = json::parse(row.attempts);
+    const auto was_shared = [&](const char* what, bool now) {
+        for (const json& earlier : before)
+            now = now || (earlier.value("passes_done", 0) > 0 && earlier.value(what, false));
+        return now;
+    };
+    statistics["device_shared"] = was_shared("device_shared", attempt.device_shared);
+    statistics["host_shared"] = was_shared("host_shared", attempt.host_shared);
+    row.statistics = statistics.dump(-1, ' ', false, json::error_handler_t::replace);
+    const json hash = statistics.value("pixel_hash", json());
+    row.pixel_hash = hash.is_string() ? hash.get<std::string>() : "";
+}
+
+/// How an attempt ended, as its record says it.
+struct AttemptOutcome {
+    std::string name;
+    json reason = nullptr;
+};
+
+/// The job's state after it.
+AttemptOutcome take_end(JobRow& row, const RunningAttempt& attempt, const json& message, bool has_film,
+                        const Limits& limits) {
+    const std::string state = message.value("state", "");
+    if (state == "succeeded" && has_film) {
+        row.state = JobState::Succeeded;
+        row.progress = 1;
+        return {state};
+    }
+    if (state == "cancelled" && attempt.deadline_passed) {
+        const std::string reason = "passed the limit of " + std::to_string(limits.max_job_seconds) + " s";
+        row.state = JobState::Failed;
+        row.failure = problem_of(row.seq, ErrorCode::TimedOut, "the job " + reason);
+        return {"timed_out", reason};
+    }
+    if (state == "cancelled" && message.value("stopping", false) && !row.cancel_requested) {
+        // The daemon is stopping: its film so far stays with it, and it waits for the next start.
+        row.state = JobState::Queued;
+        row.finished_ms.reset();
+        row.statistics.clear();
+        return {"stopped", "the daemon was stopped"};
+    }
+    if (state == "cancelled") {
+        row.state = JobState::Cancelled;
+        return {state};
+    }
+    const Error failure = state == "succeeded" ? Error(ErrorCode::Internal, "the worker left no film")
+                                               : error_from_failure(message.value("failure", json()));
+    row.state = JobState::Failed;
+    row.failure = problem_of(row.seq, failure.code, failure.what(), failure.faults);
+    return {"failed", failure.what()};
+}
+
+}  // namespace
+
+json object_or_null(const json& message, const char* member) {
+    const json value = message.value(member, json());
+    return value.is_object() ? value : json();
+}
+
+json AttemptRecords::kept_artefacts(const JobRow& row, const json& message) const {
+    const MethodInfo* method = find_method(row.method);
+    json kept = json::array();
+    const json names = message.value("artefacts", json::array());
+    for (const ArtefactInfo& artefact : method ? method->artefacts : std::vector<ArtefactInfo>())
+        if (std::find(names.begin(), names.end(), json(artefact.name)) != names.end() &&
+            fs::is_regular_file(fs::symlink_status(artefact_path(core_.files.films / row.film, artefact.name))))
+            kept.push_back(artefact.name);
+    return kept;
+}
+
+void AttemptRecords::record_result(const RunningAttempt& attempt, const json& message, const std::string& device) {
+    auto found = core_.store.job(attempt.seq);
+    if (!found || found->state != JobState::Running || found->attempt != attempt.attempt) return;
+    JobRow row = *std::move(found);
+    const std::string old_film = row.film;
+    const json film = message.value("film", json());
+    const bool has_film = film.is_string() && fs::path(film.get<std::string>()) == core_.files.films / attempt.film &&
+                          fs::is_regular_file(core_.files.films / attempt.film);
+    if (has_film) take_film(row, attempt, message);  // else what was saved last stays, and the row says what that holds
+    row.finished_ms = now_ms();
+    if (json statistics = message.value("statistics", json()); statistics.is_object())
+        take_statistics(row, attempt, std::move(statistics));
+    const auto [outcome, reason] = take_end(row, attempt, message, has_film, core_.options.limits);
+    row.artefacts = is_over(row.state) && has_film ? kept_artefacts(row, message).dump() : "[]";
+    const int64_t reached = message.value("passes_done", int64_t{0});
+    close_attempt(row, attempt, outcome, reason, reached);
+    const std::string line = "attempt " + std::to_string(row.attempt) + " " + outcome + " after " +
+                             std::to_string(reached) + " passes" +
+                             (reason.is_string() ? ": " + reason.get<std::string>() : "");
+    core_.commit_state(
+        row, line,
+        [&] {
+            const json lines = message.value("log", json::array());
+            for (size_t i = 0; i < lines.size() && i < kMaxLogLines; ++i)
+                if (lines[i].is_string())
+                    core_.store.append_log(row.seq, now_ms(), lines[i].get<std::string>().substr(0, kMaxLogLineBytes));
+        },
+        attempt.unpublished);
+    core_.totals.add(attempt, message.value("rendered", json()));
+    if (old_film != row.film) purges_.remove_film(old_film);
+    core_.artefacts.forget("job/" + std::to_string(row.seq) + "/");
+    if (row.state == JobState::Queued) return waiting_.enqueue(row);
+
+    waiting_.ended(row);
+    if (row.purge_requested) purges_.purge(row);
+    spdlog::info("job {} {} on {} after {} passes, {:.3f} s", job_id(row.seq), outcome, device, row.passes_done,
+                 row.seconds);
+}
+
+void AttemptRecords::record_loss(const RunningAttempt& attempt, const ProcessExit& exit, bool daemon_stopping) {
+    auto found = core_.store.job(attempt.seq);
+    if (!found || found->state != JobState::Running || found->attempt != attempt.attempt) return;
+    JobRow row = *std::move(found);
+    std::string reason = attempt.device_lost.empty() ? "the worker " + exit.text : attempt.device_lost;
+    NamedEnd end = end_of(exit);
+    if (exit.text.starts_with("the daemon")) reason = exit.text;
+    // The row says what the film holds that was saved last: that is what the job has, and goes on from.
+    std::string outcome = end.outcome;
+    if (row.cancel_requested) {
+        row.state = JobState::Cancelled;
+        outcome = "cancelled";
+    } else if (daemon_stopping) {
+        row.state = JobState::Queued;
+        outcome = "stopped";
+        reason = "the daemon was stopped";
+    } else {
+        if (attempt.deadline_passed) {
+            end = {AttemptEnd::TimedOut, "timed_out"};
+            outcome = end.outcome;
+            reason = "passed the limit of " + std::to_string(core_.options.limits.max_job_seconds) + " s";
+        }
+        row.losses += end.end == AttemptEnd::Lost;
+        row.crashes += end.end == AttemptEnd::Crashed || end.end == AttemptEnd::DeviceLost;
+        if (const auto failure = failure_after(end.end, row.losses, row.crashes)) {
+            row.state = JobState::Failed;
+            row.failure =
+                problem_of(row.seq, *failure, "attempt " + std::to_string(row.attempt) + " " + outcome + ": " + reason);
+        } else {
+            row.state = JobState::Queued;
+        }
+    }
+    if (is_over(row.state)) row.finished_ms = now_ms();
+    close_attempt(row, attempt, outcome, reason, attempt.passes_done);
+    core_.commit_state(row,
+                       "attempt " + std::to_string(row.attempt) + " " + outcome + ": " + reason +
+                           (row.state == JobState::Queued ? "; queued again" : ""),
+                       {}, attempt.unpublished);
+    core_.totals.add(attempt);
+    // What the dead attempt had written nobody names, nor what it was writing.
+    if (attempt.film != row.film) purges_.remove_film(attempt.film);
+    purges_.remove_parts(attempt.film);
+    if (row.state == JobState::Queued) {
+        waiting_.enqueue(row);
+    } else {
+        waiting_.ended(row);
+        if (row.purge_requested) purges_.purge(row);
+    }
+    spdlog::warn("job {} attempt {} {}: {}", job_id(row.seq), row.attempt, outcome, reason);
+}
+
+void AttemptRecords::keep_film(const RunningAttempt& attempt, int64_t passes_done) {
+    auto row = core_.store.job(attempt.seq);
+    if (!row || row->state != JobState::Running || row->attempt != attempt.attempt) return;
+    const std::string old_film = std::exchange(row->film, attempt.film);
+    row->passes_done = passes_done;
+    row->seconds = attempt.seconds;
+    row->progress = attempt.progress;
+    row->curve = text_of(attempt.curve);
+    row->error_now = text_of(attempt.error_now);
+    auto transaction = core_.store.transaction();
+    core_.store.update_job(*row);
+    transaction.commit();
+    if (old_film != row->film) purges_.remove_film(old_film);
+}
+
+}  // namespace photond

@@ -1,0 +1,42 @@
+#pragma once
+// How attempts went, written into their jobs' rows. An attempt's number is its fencing token: what comes with another
+// one than its job's row has is ignored.
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "server/service/purges.h"
+#include "server/service/running_attempt.h"
+#include "server/service/service_core.h"
+#include "server/service/waiting_jobs.h"
+#include "server/workers/worker_process.h"
+
+namespace photond {
+
+/// All under the lock. They throw where the store cannot be written, and may be called again then.
+class AttemptRecords {
+public:
+    AttemptRecords(ServiceCore& core, WaitingJobs& waiting, Purges& purges)
+        : core_(core), waiting_(waiting), purges_(purges) {}
+
+    /// The worker has said "finished".
+    void record_result(const RunningAttempt& attempt, const nlohmann::json& message, const std::string& device);
+    /// The worker has ended before it did.
+    void record_loss(const RunningAttempt& attempt, const ProcessExit& exit, bool daemon_stopping);
+    /// The attempt has saved its film: from here on the job goes on from there, whatever becomes of the attempt.
+    void keep_film(const RunningAttempt& attempt, int64_t passes_done);
+
+private:
+    /// Of the artefacts a "finished" names, those that the method declares and that are there.
+    nlohmann::json kept_artefacts(const JobRow& row, const nlohmann::json& message) const;
+
+    ServiceCore& core_;
+    WaitingJobs& waiting_;
+    Purges& purges_;
+};
+
+/// A message's member where it is an object, else null.
+nlohmann::json object_or_null(const nlohmann::json& message, const char* member);
+
+}  // namespace photond

@@ -1,0 +1,304 @@
+#include "server/service/attempts.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <unordered_set>
+#include <utility>
+
+#include "server/clock_text.h"
+
+namespace photond {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+constexpr uint64_t kDriverBytes = 1ull << 30;  // of a GPU's driver and its compiler, in a worker's own memory
+constexpr auto kCancelPatience = std::chrono::seconds(4);  // a worker that does not let go of a job by then is killed
+constexpr uint64_t kJobsBeforeRecycling = 5000;            // of one process
+
+/// "gpu:0" as "gpu-0.bin".
+std::string pipeline_cache_name(std::string device) {
+    std::replace(device.begin(), device.end(), ':', '-');
+    return device + ".bin";
+}
+
+}  // namespace
+
+void Attempts::lost_with_daemon(const JobRow& row) {
+    RunningAttempt attempt;
+    attempt.seq = row.seq;
+    attempt.attempt = row.attempt;
+    records_.record_loss(attempt, {ExitCause::Lost, "the daemon ended without warning", true}, false);
+}
+
+void Attempts::start(const ProcessOptions& process) {
+    for (const std::string& device : core_.options.devices) start_worker(device, process);
+    std::unordered_set<std::string> caches;
+    for (const auto& slot : slots_)
+        if (slot->device != "cpu") caches.insert(pipeline_cache_name(slot->device));
+    // What a killed worker left half written.
+    if (!caches.empty()) DataFiles::sweep(core_.files.pipeline_cache, caches);
+}
+
+void Attempts::start_worker(const std::string& device, ProcessOptions process) {
+    slots_.push_back(std::make_unique<Slot>());
+    Slot& slot = *slots_.back();
+    slot.device = process.device = device;
+    if (device != "cpu") {
+        slot.device_object = core_.listed_device(device);
+        slot.on_host_cores = slot.device_object.value("software", false);
+        process.driver_bytes = kDriverBytes;
+        if (slot.on_host_cores) process.driver_bytes += slot.device_object.value("memory_bytes", uint64_t{0});
+        process.more_arguments = {"--pipeline-cache",
+                                  (core_.files.pipeline_cache / pipeline_cache_name(device)).string()};
+    }
+    slot.process = std::make_unique<WorkerProcess>(
+        std::move(process),
+        WorkerProcess::Callbacks{.message = [this, &slot](const json& message) { worker_message(slot, message); },
+                                 .exited = [this, &slot](const ProcessExit& exit) { worker_exited(slot, exit); },
+                                 .tick = [this, &slot] { worker_tick(slot); }});
+}
+
+void Attempts::begin_stop(SteadyClock::time_point deadline) {
+    for (const auto& slot : slots_) slot->process->begin_stop(deadline);
+}
+
+void Attempts::join() {
+    for (const auto& slot : slots_) slot->process->join();
+}
+
+void Attempts::update_ready() {
+    // Called by the helper's thread too, which may run before the lines that fill in `helper` and `slots` are through.
+    const std::lock_guard lock(core_.mutex);
+    bool all = core_.helper && core_.helper->ready() && !core_.stopping;
+    for (const auto& slot : slots_) all = all && slot->answered;
+    if (all && !core_.ready.exchange(true)) spdlog::info("every process has answered");
+    if (!all) core_.ready = false;
+}
+
+const RunningAttempt* Attempts::running_attempt(int64_t seq) const {
+    const Slot* slot = slot_of(seq);
+    return slot ? &*slot->running : nullptr;
+}
+
+Slot* Attempts::slot_of(int64_t seq) const {
+    for (const auto& slot : slots_)
+        if (slot->running && slot->running->seq == seq) return slot.get();
+    return nullptr;
+}
+
+void Attempts::cancel_running(int64_t seq) {
+    if (Slot* slot = slot_of(seq)) cancel_running(*slot);
+}
+
+fs::path Attempts::ask_for_snapshot(int64_t seq) {
+    Slot& slot = *slot_of(seq);
+    fs::path path = core_.files.films / (slot.running->film + ".s" + std::to_string(++slot.running->snapshots));
+    slot.process->send({{"type", "snapshot"}, {"job", job_id(seq)}, {"path", path.string()}});
+    return path;
+}
+
+void Attempts::dispatch() {
+    for (const auto& slot : slots_) dispatch(*slot);
+}
+
+void Attempts::dispatch(Slot& slot) {
+    // A job is accepted when its row is there; whatever goes wrong here leaves it queued, to be tried at the next tick.
+    try {
+        while (!core_.stopping && slot.answered && !slot.running) {
+            const auto seq = core_.queue.front(slot.device);
+            if (!seq) return;
+            auto row = core_.store.job(*seq);
+            if (!row || row->state != JobState::Queued) {
+                core_.queue.remove(*seq);
+            } else if (references_.waits_for(*row)) {  // what it is measured against was queued again
+                core_.queue.remove(*seq);
+                waiting_.enqueue(*row);
+            } else {
+                begin_attempt(slot, *std::move(row));
+                core_.queue.remove(*seq);
+            }
+        }
+    } catch (const std::exception& error) {
+        spdlog::error("device {}: the next job cannot begin: {}", slot.device, error.what());
+    }
+}
+
+void Attempts::begin_attempt(Slot& slot, JobRow row) {
+    json reference;
+    try {
+        reference = references_.reference_source(row);
+    } catch (const Error& error) {
+        if (error.code != ErrorCode::WrongState) throw;
+        return waiting_.fail_for_reference(std::move(row), error.what());
+    }
+    const auto scene = scenes_.find_scene(row.scene);
+    if (!scene) throw Error(ErrorCode::Internal, "job " + job_id(row.seq) + " has lost its scene");
+    const json request = json::parse(row.request);
+    json environment;
+    if (const auto found = request.find("environment"); found != request.end() && found->is_object()) {
+        const auto image = core_.store.image(found->value("image", "").substr(6));
+        if (!image) throw Error(ErrorCode::Internal, "job " + job_id(row.seq) + " has lost its environment");
+        environment = {{"path", (core_.files.images / image->file).string()}};
+    }
+    const int64_t now = now_ms();
+    const bool first = !row.started_ms;
+    row.state = JobState::Running;
+    ++row.attempt;
+    if (first) row.started_ms = now;
+    json attempts = json::parse(row.attempts);
+    attempts.push_back({{"attempt", row.attempt},
+                        {"device", slot.device},
+                        {"started", rfc3339(now)},
+                        {"finished", nullptr},
+                        {"outcome", "running"},
+                        {"reason", nullptr},
+                        {"passes_done", row.passes_done}});
+    row.attempts = attempts.dump();
+    // The token is on the disk before anybody can act under it: after a crash of the daemon it is never used again.
+    const std::string from =
+        row.film.empty() ? "" : ", going on from a film of " + std::to_string(row.passes_done) + " passes";
+    core_.commit_state(row, "attempt " + std::to_string(row.attempt) + " begins on " + slot.device + from);
+    if (first) core_.metrics.job_started(static_cast<double>(now - row.created_ms) / 1000);
+
+    RunningAttempt attempt;
+    attempt.seq = row.seq;
+    attempt.attempt = row.attempt;
+    attempt.film = job_id(row.seq) + "-" + std::to_string(row.attempt) + ".film";
+    attempt.pixels = request["image"].value("width", int64_t{0}) * request["image"].value("height", int64_t{0});
+    attempt.passes_done = attempt.passes_before = row.passes_done;
+    attempt.progress = row.progress;
+    attempt.seconds = attempt.seconds_before = row.seconds;
+    if (!row.error_now.empty()) attempt.error_now = json::parse(row.error_now);
+    if (!row.curve.empty()) attempt.curve = json::parse(row.curve);
+    attempt.begun = SteadyClock::now();
+    attempt.last_event = attempt.last_curve_event = attempt.begun - kProgressInterval;
+    if (core_.options.limits.max_job_seconds > 0)
+        attempt.deadline = attempt.begun +
+                           std::chrono::milliseconds(static_cast<int64_t>(core_.options.limits.max_job_seconds * 1000));
+    // Where the process has just died the message is lost; its end is then this attempt's end.
+    slot.process->send(
+        {{"type", "render"},
+         {"job", job_id(row.seq)},
+         {"attempt", row.attempt},
+         {"request", request},
+         {"scene", scenes_.scene_order(*scene)},
+         {"environment", environment},
+         {"film", (core_.files.films / attempt.film).string()},
+         {"resume", row.film.empty() ? json() : json((core_.files.films / row.film).string())},
+         {"reference", reference},
+         {"streams", row.role == JobRole::Reference ? "reference" : "job"},
+         {"save_seconds", core_.options.save_seconds > 0 ? json(core_.options.save_seconds) : json()},
+         {"limits", {{"memory_bytes", core_.options.memory_limit_bytes}, {"threads", core_.options.threads}}}});
+    slot.running = std::move(attempt);
+    mark_shared(slot);
+}
+
+void Attempts::mark_shared(Slot& slot) {
+    for (const auto& other : slots_) {
+        if (other.get() == &slot || !other->running) continue;
+        const bool same_cores = slot.on_host_cores && other->on_host_cores;
+        for (RunningAttempt* attempt : {&*slot.running, &*other->running}) {
+            attempt->host_shared = true;
+            attempt->device_shared = attempt->device_shared || same_cores;
+        }
+    }
+}
+
+void Attempts::cancel_running(Slot& slot) {
+    slot.running->kill_at = std::min(slot.running->kill_at, SteadyClock::now() + kCancelPatience);
+    slot.process->send({{"type", "cancel"}, {"job", job_id(slot.running->seq)}});
+}
+
+void Attempts::settle(Slot& slot, std::function<void()> record) {
+    try {
+        record();
+    } catch (const std::exception& error) {
+        // Nothing is lost: the film is on the disk, and the record is tried again at the next tick.
+        spdlog::error("job {}: its end cannot be recorded yet: {}", job_id(slot.running->seq), error.what());
+        slot.running->unsettled = std::move(record);
+        return;
+    }
+    slot.running.reset();
+    core_.attempt_changed.notify_all();
+    if (slot.answered && ++slot.jobs_done >= kJobsBeforeRecycling) {
+        slot.answered = false;  // until its successor says hello
+        slot.process->recycle();
+    }
+    dispatch();  // its end may have set others free, for other devices too
+}
+
+void Attempts::worker_message(Slot& slot, const json& message) {
+    const std::string type = message.value("type", "");
+    bool hello = false;
+    {
+        const std::lock_guard lock(core_.mutex);
+        try {
+            if (type == "hello") {
+                hello = slot.answered = true;
+                slot.jobs_done = 0;
+                slot.device_object = message.value("device", json());
+                dispatch(slot);
+            } else if (!slot.running || message.value("job", "") != job_id(slot.running->seq) ||
+                       message.value("attempt", int64_t{0}) != slot.running->attempt) {
+                spdlog::warn("device {}: a late '{}' is ignored", slot.device, type);
+            } else if (type == "progress") {
+                progress_.progress(*slot.running, message);
+            } else if (type == "curve") {
+                progress_.curve(*slot.running, message);
+            } else if (type == "film_saved") {
+                progress_.film_saved(*slot.running, message);
+            } else if (type == "device_lost") {
+                slot.running->device_lost = message.value("reason", "");
+            } else if (type == "finished") {
+                finished(slot, message);
+            }
+        } catch (const std::exception& error) {
+            spdlog::error("device {}: '{}' could not be handled: {}", slot.device, type, error.what());
+        }
+    }
+    if (hello) update_ready();
+}
+
+void Attempts::finished(Slot& slot, const json& message) {
+    settle(slot, [this, attempt = *slot.running, message, device = slot.device] {
+        records_.record_result(attempt, message, device);
+    });
+}
+
+void Attempts::worker_exited(Slot& slot, const ProcessExit& exit) {
+    {
+        const std::lock_guard lock(core_.mutex);
+        slot.answered = false;
+        ++slot.restarts;
+        if (exit.cause != ExitCause::Ordered) core_.metrics.worker_restarted(std::string(exit_cause_name(exit.cause)));
+        // A result that only waits to be recorded is no loss.
+        if (slot.running && !slot.running->unsettled)
+            settle(slot, [this, attempt = *slot.running, exit, now_stopping = core_.stopping] {
+                records_.record_loss(attempt, exit, now_stopping);
+            });
+    }
+    update_ready();
+}
+
+void Attempts::worker_tick(Slot& slot) {
+    const std::lock_guard lock(core_.mutex);
+    if (slot.running && slot.running->unsettled) {
+        const auto record = slot.running->unsettled;
+        settle(slot, record);
+    }
+    if (!slot.running) return dispatch(slot);
+    const auto now = SteadyClock::now();
+    RunningAttempt& attempt = *slot.running;
+    progress_.publish_curve(attempt);
+    if (now >= attempt.deadline && !attempt.deadline_passed) {
+        attempt.deadline_passed = true;
+        cancel_running(slot);
+    }
+    if (now >= attempt.kill_at) slot.process->kill();
+}
+
+}  // namespace photond

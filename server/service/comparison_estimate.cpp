@@ -1,0 +1,88 @@
+// What a comparison will take, before it is queued: of each of its jobs, and of the reference that is still to be made.
+
+#include <algorithm>
+#include <map>
+#include <mutex>
+#include <set>
+
+#include "server/service/comparisons.h"
+
+namespace photond {
+
+using nlohmann::json;
+
+namespace {
+
+/// A sum that is known while all its parts are.
+class Sum {
+public:
+    void add(const std::optional<double>& part) {
+        known_ = known_ && part;
+        value_ += part.value_or(0);
+    }
+    std::optional<double> value() const { return known_ ? std::optional(value_) : std::nullopt; }
+    json to_json() const { return known_ ? json(value_) : json(); }
+
+private:
+    double value_ = 0;
+    bool known_ = true;
+};
+
+/// The seeds of an entry with one choice of the sweep's values: a row of the tables.
+struct Row {
+    const PlannedJob* first;
+    uint64_t memory_bytes = 0;
+    Sum seconds;
+};
+
+}  // namespace
+
+json Comparisons::estimate_comparison(const ComparisonRequest& request) {
+    const std::string& scene_name = request.jobs.front().request.scene;
+    scenes_.know_scene(scene_name);
+    const std::lock_guard lock(core_.mutex);
+    const std::vector<PreparedJob> prepared = prepare_jobs(request);
+    jobs_.intake.check_room(prepared);
+    const auto scene = scenes_.find_scene(scene_name);
+    if (!scene) throw Error(ErrorCode::Internal, "a scene that was found is not there");
+
+    EarlierJobs earlier;
+    std::vector<Row> rows;
+    std::map<std::string, Sum> devices;  // one job after another on each, beside each other on all
+    std::set<std::string> references;
+    Sum reference_seconds;
+    uint64_t memory_bytes = 0;
+    for (size_t i = 0; i < prepared.size(); ++i) {
+        const PlannedJob& planned = request.jobs[i];
+        if (rows.empty() || rows.back().first->entry != planned.entry ||
+            rows.back().first->parameters != planned.parameters)
+            rows.push_back({&planned, 0, {}});
+        const auto seconds = jobs_.estimates.estimate_seconds(planned.request, *scene, earlier);
+        const uint64_t bytes = jobs_.estimates.estimate_memory_bytes(planned.request, *scene);
+        rows.back().seconds.add(seconds);
+        rows.back().memory_bytes = std::max(rows.back().memory_bytes, bytes);
+        devices[prepared[i].row.device].add(seconds);
+        memory_bytes = std::max(memory_bytes, bytes);
+        if (!prepared[i].reference || !references.insert(prepared[i].reference->content).second) continue;
+        const JobRequest reference = References::reference_request(planned.request);
+        reference_seconds.add(jobs_.estimates.estimate_seconds(reference, *scene, earlier));
+        memory_bytes = std::max(memory_bytes, jobs_.estimates.estimate_memory_bytes(reference, *scene));
+    }
+
+    std::optional<double> longest = 0;
+    for (const auto& [device, seconds] : devices)
+        longest = longest && seconds.value() ? std::optional(std::max(*longest, *seconds.value())) : std::nullopt;
+    json entries = json::array();
+    for (const Row& row : rows)
+        entries.push_back({{"label", row.first->label},
+                           {"parameters", row.first->parameters},
+                           {"memory_bytes", row.memory_bytes},
+                           {"seconds", row.seconds.to_json()}});
+    return {{"jobs", prepared.size()},
+            {"memory_bytes", memory_bytes},
+            {"seconds", longest ? json(*longest) : json()},
+            {"reference_seconds", reference_seconds.to_json()},
+            {"entries", std::move(entries)}};
+}
+
+}  // namespace photond

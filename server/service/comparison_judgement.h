@@ -1,0 +1,46 @@
+#pragma once
+// What follows from a comparison's row and its jobs: its state, its table, its verdicts. A comparison has no state of
+// its own.
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "server/comparisons/measured_job.h"
+#include "server/comparisons/table.h"
+#include "server/store/store.h"
+
+namespace photond {
+
+/// Where the jobs are, and the job they are measured against.
+struct ComparisonState {
+    std::vector<JobProgress> jobs;
+    std::optional<JobProgress> reference;
+    bool made_for_it = false;  // the reference, by this comparison
+
+    /// Of the jobs; a reference that is being made for them begins it.
+    JobState state() const;
+    std::optional<JobProgress> own_reference() const { return made_for_it ? reference : std::nullopt; }
+};
+
+/// All that is known of a comparison and its jobs.
+struct Compared {
+    ComparisonRow row;
+    ComparisonState state;
+    std::vector<std::pair<ComparisonJob, JobRow>> jobs;
+};
+
+/// What follows from that.
+struct Judged {
+    nlohmann::json object;
+    std::vector<MeasuredJob> jobs;
+    ComparisonTable table;
+};
+
+/// Pure functions, which take long: without the lock.
+Judged judge(const Compared& compared);
+/// The object without jobs and tables.
+nlohmann::json comparison_summary(const ComparisonRow& row, const ComparisonState& state);
+
+}  // namespace photond

@@ -1,0 +1,228 @@
+#include "server/service/error_artefacts.h"
+
+#include <algorithm>
+
+#include "protocol/object_reader.h"
+#include "protocol/param_json.h"
+#include "renderer/error/metric.h"
+#include "renderer/film/layers.h"
+#include "server/service/pixel_files.h"
+
+namespace photond {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+constexpr size_t kMaxSourceBytes = 256;
+constexpr size_t kMaxMetrics = 256;
+
+std::vector<std::string> radiance_layers() {
+    std::vector<std::string> layers{"beauty"};
+    for (const LayerInfo& info : kLayers)
+        if (info.radiance()) layers.emplace_back(info.name);
+    return layers;
+}
+
+void check_layer(const std::string& layer, BodyFaults& faults) {
+    const std::vector<std::string> known = radiance_layers();
+    if (std::find(known.begin(), known.end(), layer) == known.end())
+        faults.add(ErrorCode::UnknownName, "/layer",
+                   "'" + layer + "' is no layer of radiance" + did_you_mean(layer, known));
+}
+
+void check_range(const std::string& range, BodyFaults& faults) {
+    if (range != "ldr" && range != "hdr")
+        faults.add(ErrorCode::OutOfRange, "/range", "range = '" + range + "' is neither ldr nor hdr");
+}
+
+void check_source_name(const std::string& name, const std::string& pointer, BodyFaults& faults) {
+    const bool good = (name.starts_with("job:") && name.size() > 4) || (name.starts_with("image:") && name.size() > 6);
+    if (!good) faults.add(ErrorCode::UnknownName, pointer, "'" + name + "' is neither \"job:ID\" nor \"image:ID\"");
+}
+
+/// The metrics of a body; all there are of the beauty where it names none.
+json read_metrics(const json* source, BodyFaults& faults) {
+    json names = json::array();
+    std::vector<std::string> known;
+    for (const MetricInfo& info : kMetrics)
+        if (info.needs_reference) known.emplace_back(info.name);
+    if (!source) return known;
+    if (!source->is_array() || source->empty() || source->size() > kMaxMetrics) {
+        faults.add(source->is_array() ? ErrorCode::OutOfRange : ErrorCode::WrongType, "/metrics",
+                   "must be an array of 1 to " + std::to_string(kMaxMetrics) + " names");
+        return names;
+    }
+    const std::vector<std::string> layers = radiance_layers();
+    for (size_t i = 0; i < source->size(); ++i) {
+        const json& name = (*source)[i];
+        const std::string pointer = "/metrics/" + std::to_string(i);
+        if (!name.is_string()) {
+            faults.add(ErrorCode::WrongType, pointer, "must be a string");
+            continue;
+        }
+        const auto text = name.get<std::string>();
+        const auto metric = layer_metric_named(text);
+        if (!metric || !metric_info(metric->metric).needs_reference)
+            faults.add(
+                ErrorCode::UnknownName, pointer,
+                "'" + text + "' is no metric of two images" +
+                    did_you_mean(text.substr(text.find(':') == std::string::npos ? 0 : text.find(':') + 1), known));
+        else if (std::find(layers.begin(), layers.end(), metric->layer) == layers.end())
+            faults.add(ErrorCode::UnknownName, pointer,
+                       "'" + metric->layer + "' is no layer of radiance" + did_you_mean(metric->layer, layers));
+        else if (std::find(names.begin(), names.end(), name) != names.end())
+            faults.add(ErrorCode::Conflict, pointer, "'" + text + "' is named twice");
+        names.push_back(name);
+    }
+    return names;
+}
+
+}  // namespace
+
+ErrorArtefacts::MeasuredPair ErrorArtefacts::measured_pair(const std::string& id) {
+    MeasuredPair pair;
+    {
+        const std::lock_guard lock(core_.mutex);
+        const JobRow row = objects_.require_job(id);
+        if (json::parse(row.request).value("reference", json()).is_null())
+            throw Error(ErrorCode::NotFound, "job " + id + " has no reference to be compared with");
+    }
+    pair.film = films_.film_source(id);
+    if (pair.film.pending) return pair;
+    const std::lock_guard lock(core_.mutex);
+    const JobRow row = objects_.require_job(id);
+    if (references_.waits_for(row)) {
+        pair.film.pending = true;
+        return pair;
+    }
+    try {
+        pair.reference = references_.reference_source(row);
+    } catch (const Error& error) {
+        throw Error(ErrorCode::NotFound, "job " + id + ": " + error.what());
+    }
+    const fs::path path = pair.reference.begin()->get<std::string>();
+    pair.key = pair.film.cache_key + "/against/" + path.filename().string();
+    if (pair.reference.contains("film")) {
+        pair.pinned_reference.path = path;
+        films_.pin(pair.pinned_reference);
+        pair.reference["film"] = pair.pinned_reference.path.string();
+    }
+    return pair;
+}
+
+Artefact ErrorArtefacts::encode_error(const std::string& id, const std::string& what, const std::string& media_type,
+                                      json request) {
+    MeasuredPair pair = measured_pair(id);
+    if (pair.film.pending) return pending_artefact();
+    return artefact_files_.artefact(pair.key + "/" + what, media_type, [&](const fs::path& path) {
+        films_.pin(pair.film);
+        request["image"] = {{"film", pair.film.path.string()}};
+        request["reference"] = pair.reference;
+        request["out"] = path.string();
+        return pixel_headers(core_.helper->call(request));
+    });
+}
+
+Artefact ErrorArtefacts::difference(const std::string& id) {
+    return encode_error(id, "difference", "image/x-exr", {{"type", "encode_difference"}});
+}
+
+Artefact ErrorArtefacts::flip(const std::string& id, const std::string& layer, const std::string& range) {
+    BodyFaults faults;
+    check_layer(layer, faults);
+    check_range(range, faults);
+    faults.throw_if_any();
+    return encode_error(id, "flip/" + layer + "/" + range, "image/png",
+                        {{"type", "encode_flip"}, {"layer", layer}, {"range", range}});
+}
+
+Artefact ErrorArtefacts::error_map(const std::string& id, const std::string& layer) {
+    BodyFaults faults;
+    check_layer(layer, faults);
+    faults.throw_if_any();
+    return encode_error(id, "error/" + layer, "image/png", {{"type", "encode_error_map"}, {"layer", layer}});
+}
+
+ErrorArtefacts::NamedSource ErrorArtefacts::source_named(const std::string& name, const std::string& pointer) {
+    NamedSource named;
+    if (name.starts_with("image:")) {
+        const std::lock_guard lock(core_.mutex);
+        const auto image = core_.store.image(name.substr(6));
+        if (!image) throw Error(ErrorCode::UnknownName, pointer, "there is no image '" + name.substr(6) + "'");
+        named.source = {{"image", (core_.files.images / image->file).string()}};
+        named.key = "image/" + image->id;
+        return named;
+    }
+    const std::string id = name.substr(4);
+    try {
+        named.film = films_.film_source(id);
+    } catch (const Error& error) {
+        if (error.code != ErrorCode::NotFound) throw;
+        throw Error(ErrorCode::UnknownName, pointer, error.what());
+    }
+    if (named.film.pending) return named;
+    films_.pin(named.film);
+    named.source = {{"film", named.film.path.string()}};
+    named.key = named.film.cache_key;
+    return named;
+}
+
+Artefact ErrorArtefacts::flip_map(const std::string& image, const std::string& reference, const std::string& layer,
+                                  const std::string& range, const std::string& precision) {
+    BodyFaults faults;
+    const std::pair<const char*, const std::string*> names[] = {{"/image", &image}, {"/reference", &reference}};
+    for (const auto& [pointer, name] : names) {
+        if (name->empty())
+            faults.add(ErrorCode::MissingField, pointer, "must name a job or an image: \"job:ID\" or \"image:ID\"");
+        else
+            check_source_name(*name, pointer, faults);
+    }
+    check_layer(layer, faults);
+    check_range(range, faults);
+    check_precision(precision, faults);
+    faults.throw_if_any();
+    const NamedSource shown = source_named(image, "/image"), against = source_named(reference, "/reference");
+    if (shown.film.pending || against.film.pending) return pending_artefact();
+    return artefact_files_.artefact(
+        shown.key + "/flip-map/" + layer + "/" + range + "/" + precision + "/against/" + against.key,
+        "application/octet-stream", [&](const fs::path& path) {
+            return pixel_headers(core_.helper->call({{"type", "encode_flip_map"},
+                                                     {"image", shown.source},
+                                                     {"reference", against.source},
+                                                     {"layer", layer},
+                                                     {"range", range},
+                                                     {"precision", precision},
+                                                     {"out", path.string()}}));
+        });
+}
+
+json ErrorArtefacts::measure(const json& body) {
+    BodyFaults faults;
+    ObjectReader reader(body, "", faults);
+    std::optional<std::string> names[2];
+    const char* const members[2] = {"image", "reference"};
+    for (int i = 0; i < 2; ++i) {
+        names[i] = reader.string(members[i], kMaxSourceBytes, true);
+        if (names[i]) check_source_name(*names[i], reader.at(members[i]), faults);
+    }
+    const json metrics = read_metrics(reader.member("metrics"), faults);
+    reader.finish();
+    faults.throw_if_any();
+    json order{{"type", "measure"}, {"metrics", metrics}};
+    NamedSource sources[2];
+    for (int i = 0; i < 2; ++i) {
+        const std::string pointer = std::string("/") + members[i];
+        sources[i] = source_named(*names[i], pointer);
+        if (sources[i].film.pending)
+            throw Error(ErrorCode::WrongState, pointer, "job " + names[i]->substr(4) + " has no film yet");
+        order[members[i]] = sources[i].source;
+    }
+    json result = core_.helper->call(order);
+    return {{"metrics", result.value("metrics", json::object())},
+            {"reference_error", result.value("reference_error", json())},
+            {"notes", result.value("notes", json::array())}};
+}
+
+}  // namespace photond

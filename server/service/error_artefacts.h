@@ -1,0 +1,64 @@
+#pragma once
+// Errors to look at: differences and maps of a job against its reference, and measuring on request.
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "server/service/artefact_files.h"
+#include "server/service/job_films.h"
+#include "server/service/job_objects.h"
+#include "server/service/references.h"
+#include "server/service/service_core.h"
+#include "server/service/service_types.h"
+
+namespace photond {
+
+/// All take the lock where they need it, and wait for the helper (and, while the job runs, for the pass at hand)
+/// without it.
+class ErrorArtefacts {
+public:
+    ErrorArtefacts(ServiceCore& core, ArtefactFiles& artefact_files, References& references, JobObjects& objects,
+                   JobFilms& films)
+        : core_(core), artefact_files_(artefact_files), references_(references), objects_(objects), films_(films) {}
+
+    /// Of a job against its reference. They throw NotFound, with the reason, where either film is missing; faults of
+    /// `layer` and `range`.
+    Artefact difference(const std::string& id);
+    Artefact flip(const std::string& id, const std::string& layer, const std::string& range);
+    Artefact error_map(const std::string& id, const std::string& layer);
+    /// What the helper makes of both films by `request`; kept under their names and `what`.
+    Artefact encode_error(const std::string& id, const std::string& what, const std::string& media_type,
+                          nlohmann::json request);
+
+    /// Of any two, each "job:ID" or "image:ID". Throws faults of each argument; UnknownName.
+    Artefact flip_map(const std::string& image, const std::string& reference, const std::string& layer,
+                      const std::string& range, const std::string& precision);
+    /// `body`: {"image", "reference", "metrics"}. Throws faults of it; UnknownName, and WrongState for a job that has
+    /// no film yet.
+    nlohmann::json measure(const nlohmann::json& body);
+
+private:
+    struct MeasuredPair {
+        FilmSource film;
+        nlohmann::json reference;  // as of References::reference_source()
+        FilmSource pinned_reference;
+        std::string key;  // in the cache
+    };
+    /// What "job:ID" or "image:ID" names.
+    struct NamedSource {
+        FilmSource film;        // of a job; pending where it has none yet. Held as long as this lives
+        nlohmann::json source;  // as the helper takes it
+        std::string key;        // in the cache
+    };
+    /// A job's film and its reference. Throws NotFound, with the reason, where it has none. Pending likewise.
+    MeasuredPair measured_pair(const std::string& id);
+    NamedSource source_named(const std::string& name, const std::string& pointer);
+
+    ServiceCore& core_;
+    ArtefactFiles& artefact_files_;
+    References& references_;
+    JobObjects& objects_;
+    JobFilms& films_;
+};
+
+}  // namespace photond

@@ -1,0 +1,50 @@
+#pragma once
+// What a job will take, before it is queued.
+
+#include <cstdint>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "protocol/job.h"
+#include "renderer/frame/render_context.h"
+#include "server/service/scenes.h"
+#include "server/service/service_core.h"
+
+namespace photond {
+
+/// Of a job that succeeded, what tells how long another will take.
+struct EarlierJob {
+    std::string scene;
+    nlohmann::json parameters;
+    double pixels = 0, seconds = 0, passes = 0;
+    double photon_seconds = 0;  // of its seconds, those that its photons took
+};
+/// By method and device; read from the store once for all that is estimated together.
+using EarlierJobs = std::map<std::pair<std::string, std::string>, std::vector<EarlierJob>>;
+
+/// All under the lock.
+class Estimates {
+public:
+    Estimates(ServiceCore& core, Scenes& scenes) : core_(core), scenes_(scenes) {}
+
+    /// Of rendering; nothing where it stops by passes and the method has rendered none here. Throws DeviceUnavailable.
+    std::optional<double> estimate_seconds(const JobRequest& request, const SceneRef& scene, EarlierJobs& earlier);
+    /// What the worker's budget will hold, to a few percent.
+    uint64_t estimate_memory_bytes(const JobRequest& request, const SceneRef& scene);
+    /// What it will take of a GPU's memory, its scene included; nothing on the CPU.
+    std::optional<uint64_t> estimate_device_bytes(const JobRequest& request, const SceneRef& scene);
+    /// What a job will leave on the disk.
+    uint64_t estimate_disk_bytes(const JobRequest& request, const SceneRef& scene);
+
+private:
+    Workload workload_of(const JobRequest& request, const nlohmann::json& scene_summary);
+
+    ServiceCore& core_;
+    Scenes& scenes_;
+};
+
+}  // namespace photond

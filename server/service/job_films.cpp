@@ -1,0 +1,54 @@
+#include "server/service/job_films.h"
+
+#include <utility>
+
+#include "server/row_text.h"
+#include "server/service/artefact_files.h"
+
+namespace photond {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr auto kSnapshotPatience = std::chrono::seconds(20);   // for the pass at hand; then 202
+constexpr auto kSnapshotAge = std::chrono::milliseconds(500);  // a film younger than this is "so far"
+
+}  // namespace
+
+void JobFilms::pin(FilmSource& film) {
+    auto held = std::make_shared<Snapshot>();
+    const fs::path name = core_.files.fresh_spool_path();
+    link_or_copy(film.path, name);
+    held->path = film.path = name;
+    film.pin = std::move(held);
+}
+
+FilmSource JobFilms::film_source(const std::string& id) {
+    std::unique_lock lock(core_.mutex);
+    const auto give_up = SteadyClock::now() + kSnapshotPatience;
+    std::string asked_for;  // the snapshot under way for us
+    while (true) {
+        const JobRow row = objects_.require_job(id);
+        const std::string prefix = "job/" + std::to_string(row.seq) + "/";
+        if (row.state != JobState::Running) {
+            if (!row.film.empty())
+                return {false, core_.files.films / row.film, prefix + row.film, parsed_or_null(row.statistics),
+                        nullptr};
+            if (row.state == JobState::Queued) return {true, {}, {}, nullptr, nullptr};
+            throw Error(ErrorCode::NotFound, "job " + id + " " + std::string(job_state_name(row.state)) +
+                                                 " before its first pass was done: it has no film");
+        }
+        const RunningAttempt* attempt = attempts_.running_attempt(row.seq);
+        if (!attempt || attempt->passes_done == 0) return {true, {}, {}, nullptr, nullptr};
+        if (const auto& snapshot = attempt->snapshot;
+            snapshot && (snapshot->passes_done >= attempt->passes_done || snapshot->path == asked_for ||
+                         SteadyClock::now() - snapshot->saved < kSnapshotAge))
+            return {false, snapshot->path, prefix + snapshot->path.filename().string(), nullptr, snapshot};
+        if (asked_for.empty()) asked_for = attempts_.ask_for_snapshot(row.seq).string();
+        if (core_.stopping || core_.attempt_changed.wait_until(lock, give_up) == std::cv_status::timeout)
+            return {true, {}, {}, nullptr, nullptr};
+    }
+}
+
+}  // namespace photond

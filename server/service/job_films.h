@@ -1,0 +1,41 @@
+#pragma once
+// A job's film, to be read: the one that it left, or a snapshot of the one at hand.
+
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "server/service/attempts.h"
+#include "server/service/job_objects.h"
+#include "server/service/service_core.h"
+
+namespace photond {
+
+struct FilmSource {
+    bool pending = false;  // there is none yet; the rest is then empty
+    std::filesystem::path path;
+    std::string cache_key;
+    nlohmann::json statistics;
+    std::shared_ptr<const void> pin;
+};
+
+class JobFilms {
+public:
+    JobFilms(ServiceCore& core, Attempts& attempts, JobObjects& objects)
+        : core_(core), attempts_(attempts), objects_(objects) {}
+
+    /// Takes the lock; of a running job it waits for the pass at hand. Throws NotFound, with the reason, where there is
+    /// none.
+    FilmSource film_source(const std::string& id);
+    /// Gives the film a second name that goes with the last user: it can be read whatever becomes of its job. With the
+    /// lock or without. Throws NotFound where the job has just been removed.
+    void pin(FilmSource& film);
+
+private:
+    ServiceCore& core_;
+    Attempts& attempts_;
+    JobObjects& objects_;
+};
+
+}  // namespace photond

@@ -1,0 +1,84 @@
+#include "server/service/job_objects.h"
+
+#include "protocol/openapi.h"
+#include "renderer/methods/registry.h"
+#include "server/clock_text.h"
+#include "server/row_text.h"
+
+namespace photond {
+
+using nlohmann::json;
+
+JobRow JobObjects::require_job(const std::string& id) {
+    if (const int64_t seq = job_seq(id); seq != 0)
+        if (auto row = core_.store.job(seq)) return *std::move(row);
+    throw Error(ErrorCode::NotFound, "there is no job '" + id + "'");
+}
+
+json JobObjects::job_object(const JobRow& row) const {
+    int64_t passes_done = row.passes_done;
+    double progress = row.progress, seconds = row.seconds;
+    json error_now = parsed_or_null(row.error_now), curve = parsed_or_null(row.curve);
+    const RunningAttempt* attempt = row.state == JobState::Running ? attempts_.running_attempt(row.seq) : nullptr;
+    if (attempt) {  // further than its row says
+        passes_done = attempt->passes_done;
+        progress = attempt->progress;
+        seconds = attempt->seconds;
+        error_now = attempt->error_now;
+        curve = attempt->curve.empty() ? json() : attempt->curve;
+    }
+    json request = json::parse(row.request);
+    request["priority"] = row.priority;  // which may have been changed since
+    const std::string self = "/v1/jobs/" + job_id(row.seq);
+    const bool has_film = passes_done > 0;
+    const bool measurable = has_film && !request.value("reference", json()).is_null();
+    const auto link = [&](bool there, const char* name) { return there ? json(self + name) : json(); };
+    json links = {{"self", self},
+                  {"image", self + "/image.exr"},
+                  {"preview", self + "/preview.png"},
+                  {"statistics", self + "/statistics.json"},
+                  {"curve", link(!curve.is_null(), "/curve.csv")},
+                  {"difference", link(measurable, "/difference.exr")},
+                  {"flip", link(measurable, "/flip.png")},
+                  {"error_map", link(measurable, "/error.png")},
+                  {"film", link(has_film, "/film")},
+                  {"log", self + "/log.txt"},
+                  {"events", self + "/events"}};
+    for (const ArtefactInfo& artefact : all_artefacts()) links[artefact_link(std::string(artefact.name))] = nullptr;
+    for (const json& name : json::parse(row.artefacts))
+        links[artefact_link(name.get<std::string>())] = self + "/" + name.get<std::string>();
+    return {{"id", job_id(row.seq)},
+            {"role", job_role_name(row.role)},
+            {"comparison", row.comparison ? json(comparison_id(*row.comparison)) : json()},
+            {"reference_job", row.reference_job ? json(job_id(*row.reference_job)) : json()},
+            {"state", job_state_name(row.state)},
+            {"progress", progress},
+            {"passes_done", passes_done},
+            {"seconds", seconds},
+            {"error_now", error_now},
+            {"created", rfc3339(row.created_ms)},
+            {"started", time_or_null(row.started_ms)},
+            {"finished", time_or_null(row.finished_ms)},
+            {"attempts", json::parse(row.attempts)},
+            {"request", std::move(request)},
+            {"links", links},
+            {"statistics", parsed_or_null(row.statistics)},
+            {"failure", parsed_or_null(row.failure)},
+            {"curve", curve}};
+}
+
+json JobObjects::get_job(const std::string& id) {
+    const std::lock_guard lock(core_.mutex);
+    return job_object(require_job(id));
+}
+
+std::optional<JobRow> JobObjects::job_of_key(const std::string& key, const std::string& body_sha256) {
+    const auto known = core_.store.key(key);
+    if (!known) return std::nullopt;
+    if (known->body_sha256 != body_sha256)
+        throw Error(ErrorCode::IdempotencyMismatch,
+                    "the Idempotency-Key was used with another body, for job " + job_id(known->job));
+    return require_job(job_id(known->job));
+}
+
+}  // namespace photond

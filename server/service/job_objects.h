@@ -1,0 +1,41 @@
+#pragma once
+// Jobs as clients see them: one, or a list of them.
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "server/service/attempts.h"
+#include "server/service/scenes.h"
+#include "server/service/service_core.h"
+#include "server/service/service_types.h"
+
+namespace photond {
+
+class JobObjects {
+public:
+    JobObjects(ServiceCore& core, Scenes& scenes, Attempts& attempts)
+        : core_(core), scenes_(scenes), attempts_(attempts) {}
+
+    /// Takes the lock. Throws NotFound.
+    nlohmann::json get_job(const std::string& id);
+    /// Takes the lock. Throws OutOfRange for what the filter says wrongly.
+    Page list_jobs(const JobFilter& filter);
+
+    /// Under the lock. Throws NotFound.
+    JobRow require_job(const std::string& id);
+    /// Under the lock: the job an idempotency key was used for. Throws IdempotencyMismatch when that was with another
+    /// body.
+    std::optional<JobRow> job_of_key(const std::string& key, const std::string& body_sha256);
+    /// Under the lock: a running job is further than its row says.
+    nlohmann::json job_object(const JobRow& row) const;
+
+private:
+    nlohmann::json job_summary(const JobSummary& row);  // under the lock
+
+    ServiceCore& core_;
+    Scenes& scenes_;
+    Attempts& attempts_;
+};
+
+}  // namespace photond

@@ -1,0 +1,83 @@
+#include "server/service/processes.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "renderer/scene/builtin_scenes.h"
+
+namespace photond {
+
+namespace {
+
+constexpr std::chrono::seconds kPrewarmDelay{5};
+
+}  // namespace
+
+Processes::~Processes() {
+    std::unique_ptr<Helper> helper;  // ends without the lock, which its callbacks take
+    const std::lock_guard lock(core_.mutex);
+    helper = std::move(core_.helper);
+}
+
+void Processes::start() {
+    ProcessOptions process;
+    process.program = core_.options.worker_program;
+    process.memory_limit_bytes = core_.options.memory_limit_bytes;
+    process.nice = core_.options.worker_nice;
+    process.heartbeat_timeout_seconds = core_.options.limits.heartbeat_timeout_seconds;
+
+    const auto helper_exited = [this](const ProcessExit& exit) {
+        attempts_.update_ready();
+        if (exit.cause != ExitCause::Ordered) core_.metrics.worker_restarted(std::string(exit_cause_name(exit.cause)));
+    };
+    // Callbacks come from threads that start here; they take the lock, and so see what is built below whole.
+    const std::lock_guard lock(core_.mutex);
+    process.device = "none";
+    process.nice = std::max(0, core_.options.worker_nice - 2);  // people wait for it
+    core_.helper = std::make_unique<Helper>(
+        process, core_.options.limits.helper_timeout_seconds, [this] { attempts_.update_ready(); }, helper_exited);
+    process.nice = core_.options.worker_nice;
+    process.threads = core_.options.threads;
+    attempts_.start(process);
+    prewarm_ = std::thread([this] { prewarm(); });
+}
+
+void Processes::prewarm() {
+    // Half a second of processor time, which a first job would miss.
+    std::unique_lock lock(core_.mutex);
+    if (core_.attempt_changed.wait_for(lock, kPrewarmDelay, [this] { return core_.stopping; })) return;
+    lock.unlock();
+    try {
+        for (const std::string_view name : builtin_scene_names()) scenes_.builtin_object(std::string(name));
+    } catch (const std::exception& error) {
+        spdlog::warn("built-in scenes are judged later: {}", error.what());  // when somebody asks for one
+    }
+}
+
+void Processes::stop() {
+    std::call_once(stopped_, [this] {
+        const auto grace =
+            std::chrono::milliseconds(static_cast<int64_t>(core_.options.limits.shutdown_grace_seconds * 1000));
+        // The rest of the grace time is for what comes after the workers.
+        const auto deadline = SteadyClock::now() + grace * 3 / 4;
+        {
+            const std::lock_guard lock(core_.mutex);
+            core_.stopping = true;
+            core_.ready = false;
+            attempts_.begin_stop(deadline);
+        }
+        core_.attempt_changed.notify_all();
+        if (core_.helper) core_.helper->begin_stop(deadline);
+        attempts_.join();
+        if (core_.helper) core_.helper->join();
+        if (prewarm_.joinable()) prewarm_.join();
+        spdlog::info("all processes have ended");
+    });
+}
+
+}  // namespace photond

@@ -1,0 +1,71 @@
+#include "server/service/purges.h"
+
+#include "protocol/worker_messages.h"
+#include "renderer/core/atomic_file.h"
+#include "renderer/methods/registry.h"
+
+namespace photond {
+
+void Purges::purge(const JobRow& row) {
+    auto transaction = core_.store.transaction();
+    core_.store.delete_job(row.seq);
+    transaction.commit();
+    core_.artefacts.forget("job/" + std::to_string(row.seq) + "/");
+    remove_film(row.film);
+    finish_purges();
+}
+
+void Purges::remove_parts(const std::string& film) const {
+    remove_quietly(AtomicFile::part_of(core_.files.films / film));
+    for (const ArtefactInfo& artefact : all_artefacts())
+        remove_quietly(AtomicFile::part_of(artefact_path(core_.files.films / film, artefact.name)));
+}
+
+void Purges::remove_film(const std::string& film) const {
+    if (film.empty()) return;
+    remove_quietly(core_.files.films / film);
+    for (const ArtefactInfo& artefact : all_artefacts())
+        remove_quietly(artefact_path(core_.files.films / film, artefact.name));
+}
+
+void Purges::finish_purge(const ComparisonRow& row) {
+    std::vector<JobRow> removed;
+    {
+        auto transaction = core_.store.transaction();
+        bool empty = true;
+        for (JobRow& job : jobs_of_comparison(row.seq)) {
+            if (!is_over(job.state)) {  // goes when its worker has let go of it, and the comparison with the last one
+                empty = false;
+                continue;
+            }
+            core_.store.delete_job(job.seq);
+            removed.push_back(std::move(job));
+        }
+        if (empty) core_.store.delete_comparison(row.seq);
+        transaction.commit();
+    }
+    for (const JobRow& job : removed) {
+        core_.artefacts.forget("job/" + std::to_string(job.seq) + "/");
+        remove_film(job.film);
+    }
+    core_.artefacts.forget("comparison/" + std::to_string(row.seq) + "/");
+}
+
+void Purges::finish_purges() {
+    for (const ComparisonRow& row : core_.store.comparisons_to_purge()) finish_purge(row);
+}
+
+void Purges::check_not_compared(const JobRow& row) {
+    if (row.comparison && core_.store.comparison(*row.comparison))
+        throw Error(ErrorCode::WrongState, "job " + job_id(row.seq) + " belongs to comparison " +
+                                               comparison_id(*row.comparison) + "; it is removed with that");
+}
+
+std::vector<JobRow> Purges::jobs_of_comparison(int64_t seq) {
+    std::vector<JobRow> rows;
+    for (const ComparisonJob& planned : core_.store.comparison_jobs(seq))
+        if (auto row = core_.store.job(planned.job)) rows.push_back(*std::move(row));
+    return rows;
+}
+
+}  // namespace photond

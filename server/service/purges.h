@@ -1,0 +1,37 @@
+#pragma once
+// Jobs and comparisons removed, with their files.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "server/service/service_core.h"
+
+namespace photond {
+
+/// All under the lock where they say nothing else.
+class Purges {
+public:
+    explicit Purges(ServiceCore& core) : core_(core) {}
+
+    /// Removes a job that is over, and what waited for its end to be removed.
+    void purge(const JobRow& row);
+    /// Removes those of a comparison's jobs that are over, and the comparison with the last one.
+    void finish_purge(const ComparisonRow& row);
+    /// Likewise for all comparisons that are to be removed.
+    void finish_purges();
+    /// Throws WrongState: a job of a comparison is not removed by itself.
+    void check_not_compared(const JobRow& row);
+    /// Those that are still there, in the order they were planned.
+    std::vector<JobRow> jobs_of_comparison(int64_t seq);
+
+    /// The film of an attempt (empty: none) and whatever artefacts lie beside it. Without the lock.
+    void remove_film(const std::string& film) const;
+    /// What a killed worker was writing for it. Without the lock.
+    void remove_parts(const std::string& film) const;
+
+private:
+    ServiceCore& core_;
+};
+
+}  // namespace photond

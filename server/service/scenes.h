@@ -1,0 +1,70 @@
+#pragma once
+// Scenes, uploaded and built-in: spooled by the routes, judged by the helper, moved into place, and only then named by
+// a row.
+
+#include <map>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "server/service/artefact_files.h"
+#include "server/service/service_core.h"
+#include "server/service/service_types.h"
+
+namespace photond {
+
+struct SceneRef {
+    std::string id;
+    bool builtin = false;
+    std::optional<SceneRow> row;  // of an uploaded one
+};
+
+/// Functions take the lock where they need it and say nothing else; those that wait for the helper do so without it.
+class Scenes {
+public:
+    Scenes(ServiceCore& core, ArtefactFiles& artefact_files) : core_(core), artefact_files_(artefact_files) {}
+
+    /// Waits for the helper's verdict. Throws BadScene with JSON pointers into the glTF; OutOfRange and Conflict for
+    /// its name.
+    Added add_scene(SceneUpload upload);
+    /// Waits for the helper the first time. Throws NotFound, as all do that are given a name.
+    nlohmann::json get_scene(const std::string& id_or_name);
+    /// Throws WrongState while a job that is not over uses it, and for a built-in one. Returns the object deleted.
+    nlohmann::json delete_scene(const std::string& id_or_name);
+    /// Uploaded scenes, then built-in ones; or the built-in ones of a family. Waits for the helper the first time.
+    /// Throws OutOfRange, UnknownName.
+    Page list_scenes(const std::string& family, uint32_t limit, const std::string& cursor);
+    /// Waits for the helper the first time.
+    Artefact thumbnail(const std::string& id_or_name);
+    /// A PNG, kept nowhere. Waits for the helper. Throws UnknownName at /camera.
+    std::string scene_preview(const std::string& id_or_name, const ScenePreview& wanted);
+    /// Waits for the helper the first time. Throws OutOfMemory, NoSpace and TimedOut where it is too large to be made.
+    Artefact baked_scene(const std::string& id_or_name);
+
+    /// A built-in scene as clients see it. Without the lock: waits for the helper the first time.
+    nlohmann::json builtin_object(const std::string& name);
+    /// Has it judged if it is a built-in one, so that a job of it is estimated by what it is; without the lock. Where
+    /// the helper cannot, the job is estimated without.
+    void know_scene(const std::string& id_or_name);
+
+    /// Under the lock.
+    std::optional<SceneRef> find_scene(const std::string& id_or_name);
+
+    // With the lock or without it:
+    /// What the helper said of it; of a built-in one nothing before it was judged. Does not wait.
+    nlohmann::json summary_of(const SceneRef& scene);
+    /// "scene" of a render order.
+    nlohmann::json scene_order(const SceneRef& scene) const;
+
+private:
+    SceneRef require_scene(const std::string& id_or_name);  // takes the lock
+    Page list_family(const std::string& family, uint32_t limit, const std::string& cursor);
+
+    ServiceCore& core_;
+    ArtefactFiles& artefact_files_;
+    std::mutex builtin_mutex_;  // taken after the lock where both are held
+    std::map<std::string, nlohmann::json> builtin_summaries_;
+};
+
+}  // namespace photond

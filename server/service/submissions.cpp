@@ -1,0 +1,63 @@
+#include "server/service/submissions.h"
+
+#include "renderer/core/sha256.h"
+#include "server/clock_text.h"
+#include "server/service/idempotency_key.h"
+
+namespace photond {
+
+using nlohmann::json;
+
+PreparedJob Submissions::prepare_job(const JobRequest& request) {
+    const SceneRef scene = checks_.check_request(request);
+    PreparedJob job;
+    job.row.priority = request.priority;
+    job.row.device = core_.device_of(request.method);
+    job.row.method = request.method.name;
+    job.row.scene = scene.id;
+    job.row.request = to_json(request).dump();
+    job.row.created_ms = now_ms();
+    if (request.reference && !request.reference->job.empty()) job.row.reference_job = job_seq(request.reference->job);
+    job.disk_bytes = estimates_.estimate_disk_bytes(request, scene);
+    job.reference = references_.missing_reference(request, scene, job.row.reference_job);
+    if (job.reference)
+        job.reference_disk_bytes = estimates_.estimate_disk_bytes(References::reference_request(request), scene);
+    return job;
+}
+
+json Submissions::submit_job(const JobRequest& request, const std::optional<std::string>& key,
+                             const std::string& canonical_body) {
+    const std::string body_sha256 = key ? sha256_hex(canonical_body.data(), canonical_body.size()) : "";
+    if (key) check_idempotency_key(*key);
+    scenes_.know_scene(request.scene);
+    const std::lock_guard lock(core_.mutex);
+    if (key)
+        if (const auto known = objects_.job_of_key(*key, body_sha256)) return objects_.job_object(*known);
+    if (core_.stopping) throw Error(ErrorCode::Unavailable, "the daemon is stopping and takes no new jobs");
+    PreparedJob job = prepare_job(request);
+    intake_.check_room({&job, 1});
+    Insertion inserted;
+    {
+        auto transaction = core_.store.transaction();
+        intake_.insert_job(job, inserted);
+        if (key) core_.store.insert_key(*key, body_sha256, job.row.seq, job.row.created_ms);
+        transaction.commit();
+    }
+    json object = objects_.job_object(job.row);  // as accepted, whatever happens next
+    intake_.accept(std::move(inserted));
+    return object;
+}
+
+json Submissions::estimate_job(const JobRequest& request) {
+    scenes_.know_scene(request.scene);
+    const std::lock_guard lock(core_.mutex);
+    const SceneRef scene = checks_.check_request(request);
+    EarlierJobs earlier;
+    const auto seconds = estimates_.estimate_seconds(request, scene, earlier);
+    const auto on_device = estimates_.estimate_device_bytes(request, scene);
+    return {{"memory_bytes", estimates_.estimate_memory_bytes(request, scene)},
+            {"device_memory_bytes", on_device ? json(*on_device) : json()},
+            {"seconds", seconds ? json(*seconds) : json()}};
+}
+
+}  // namespace photond

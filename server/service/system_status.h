@@ -1,0 +1,31 @@
+#pragma once
+// What the daemon says of itself: its devices, its state, its metrics.
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "server/service/attempts.h"
+#include "server/service/service_core.h"
+#include "server/service/service_types.h"
+
+namespace photond {
+
+/// All take the lock where they say nothing else.
+class SystemStatus {
+public:
+    SystemStatus(ServiceCore& core, Attempts& attempts) : core_(core), attempts_(attempts) {}
+
+    /// May wait, without the lock, for the process that lists them.
+    Page devices();
+    nlohmann::json status();
+    std::string metrics_text();
+
+private:
+    /// Those of attempts that are running included; under the lock.
+    nlohmann::json totals_now() const;
+
+    ServiceCore& core_;
+    Attempts& attempts_;
+};
+
+}  // namespace photond

@@ -1,0 +1,31 @@
+#pragma once
+// Jobs that wait for their turn: in the queue, or beside it until what they are measured against is over.
+
+#include <string>
+
+#include "server/service/references.h"
+#include "server/service/service_core.h"
+
+namespace photond {
+
+/// All under the lock.
+class WaitingJobs {
+public:
+    WaitingJobs(ServiceCore& core, References& references) : core_(core), references_(references) {}
+
+    /// Puts a queued job where it belongs: into the queue, or beside it.
+    void enqueue(const JobRow& row);
+    /// A job is over and its row says so: it is counted, and those that were waiting for it are queued, or fail where
+    /// it left nothing to measure against.
+    void ended(const JobRow& row);
+    /// Fails a job that has lost what it is measured against; `reason` says how.
+    void fail_for_reference(JobRow row, const std::string& reason);
+
+private:
+    void release_waiting(const JobRow& over);
+
+    ServiceCore& core_;
+    References& references_;
+};
+
+}  // namespace photond
