@@ -61,6 +61,10 @@ class Daemon:
 
     def __init__(self, *extra, data_dir=None, start=True, start_timeout_s=60, environment=None):
         self.extra = [str(argument) for argument in extra]
+        if PATIENCE > 1:
+            for option, seconds in (("--helper-timeout", 120), ("--heartbeat-timeout", 30)):
+                if option not in self.extra:
+                    self.extra += [option, str(PATIENCE * seconds)]
         self.own_data = data_dir is None
         self.data_dir = pathlib.Path(data_dir or tempfile.mkdtemp(prefix="photond-test-"))
         self.start_timeout_s = start_timeout_s
