@@ -1,11 +1,7 @@
 #pragma once
-// What the daemon and its worker processes say to each other: one JSON object a line over a socket pair (the worker's
-// file descriptor 3), each with "type". Files named in messages are absolute paths inside the data directory; the
-// writer writes beside, fsyncs and renames.
-//
-// The worker's command line: photond-worker --device cpu|gpu:N|none --memory-limit BYTES --threads N (0: all cores),
-// and for a GPU --pipeline-cache FILE. photond-worker --device list says "devices" and ends. A process whose peer has
-// closed the socket ends at once; an Error that ends a helper's request is its "failure".
+// What the daemon and its worker processes say to each other (message_channel.h), each message with "type". Files named
+// in messages are absolute paths inside the data directory; the writer writes beside, fsyncs and renames. An Error that
+// ends a helper's request is its "failure".
 //
 // clang-format off
 // worker -> daemon
@@ -69,15 +65,9 @@
 //                  -> {"width", "height", "channels", "overflowed"}
 //   stop           {}                                               -> exit 0, no reply
 // clang-format on
-// A worker whose socket closes exits at once. The kernel kills it when the daemon's THREAD that started it ends
-// (PR_SET_PDEATHSIG), so it must be started from a thread that lives as long as the daemon, and directly, not by a
-// shell.
 
-#include <atomic>
 #include <filesystem>
-#include <mutex>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
 #include <string_view>
 
@@ -93,29 +83,5 @@ nlohmann::json failure_json(const Error& error);
 inline std::filesystem::path artefact_path(const std::filesystem::path& film, std::string_view name) {
     return film.string().append(".").append(name);
 }
-
-inline constexpr size_t kMaxMessageBytes = size_t{16} << 20;
-inline constexpr int kWorkerSocket = 3;      // the worker's end of the socket pair
-inline constexpr int kDeviceLostStatus = 3;  // exit status of a worker whose GPU is lost
-
-/// Line-framed JSON over a stream socket. Reads are buffered; writes are whole lines under a lock.
-class MessageChannel {
-public:
-    explicit MessageChannel(int socket) : socket_(socket) {}
-
-    /// Writes one message; false when the peer is gone. Text that is not UTF-8 is replaced.
-    bool send(const nlohmann::json& message);
-    /// The next message, waiting at most `timeout_ms` (-1: for ever). Empty on timeout; `closed()` tells the end.
-    /// A line that is not a JSON object, or longer than 16 MiB, closes the channel.
-    std::optional<nlohmann::json> receive(int timeout_ms);
-    bool closed() const { return closed_; }
-    int socket() const { return socket_; }
-
-private:
-    int socket_;
-    std::atomic<bool> closed_{false};
-    std::string buffer_;
-    std::mutex write_mutex_;
-};
 
 }  // namespace photond

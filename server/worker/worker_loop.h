@@ -1,7 +1,7 @@
 #pragma once
 // The lives of a worker process: render jobs one at a time, do the helper's tasks, or say once what devices there are.
 
-#include "protocol/worker_messages.h"
+#include "protocol/message_channel.h"
 #include "server/worker/device.h"
 
 namespace photond {

@@ -9,7 +9,7 @@
 #include <cerrno>
 
 #include "protocol/error.h"
-#include "protocol/worker_messages.h"
+#include "protocol/message_channel.h"
 #include "server/workers/spawn.h"
 
 namespace photond {

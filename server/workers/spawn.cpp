@@ -13,7 +13,7 @@
 #include <cstring>
 
 #include "protocol/error.h"
-#include "protocol/worker_messages.h"
+#include "protocol/message_channel.h"
 
 namespace photond {
 

@@ -12,7 +12,7 @@
 #include <cstring>
 
 #include "protocol/error.h"
-#include "protocol/worker_messages.h"
+#include "protocol/message_channel.h"
 #include "server/workers/spawn.h"
 
 namespace photond {
