@@ -100,15 +100,11 @@ void ComparisonReports::add_pictures(Report& report, const Judged& judged) {
         }
     };
     const auto preview = [&](const std::string& job) {
-        return jobs_.artefacts.encode(
-            job, "png/srgb/" + json(report.exposure_stops).dump(), "image/png",
-            {{"type", "encode_preview"}, {"exposure", report.exposure_stops}, {"curve", "srgb"}}, false);
+        return jobs_.artefacts.preview(job, {.exposure_stops = report.exposure_stops});
     };
     const std::string exposed_by =
         reference_rendered ? reference["job"].get<std::string>() : judged.table.rows[rows.front()].jobs.front();
-    const Artefact raw =
-        jobs_.artefacts.encode(exposed_by, "raw/beauty/float", "application/octet-stream",
-                               {{"type", "encode_pixels"}, {"layer", "beauty"}, {"precision", "float"}}, false);
+    const Artefact raw = jobs_.artefacts.pixels(exposed_by, "beauty", "float");
     if (!raw.pending) report.exposure_stops = exposure_stops(raw.path);
     if (reference_rendered)
         add(ReportPicture::Kind::Beauty, "reference", exposed_by, [&] { return preview(exposed_by); });
@@ -117,14 +113,8 @@ void ComparisonReports::add_pictures(Report& report, const Judged& judged) {
         const std::string name = row_name(row.label, row.parameters), &job = row.jobs.front();
         add(ReportPicture::Kind::Beauty, name, job, [&] { return preview(job); });
         if (reference.is_null()) continue;
-        add(ReportPicture::Kind::Error, name, job, [&] {
-            return jobs_.errors.encode_error(job, "error/beauty", "image/png",
-                                             {{"type", "encode_error_map"}, {"layer", "beauty"}});
-        });
-        add(ReportPicture::Kind::Flip, name, job, [&] {
-            return jobs_.errors.encode_error(job, "flip/beauty/hdr", "image/png",
-                                             {{"type", "encode_flip"}, {"layer", "beauty"}, {"range", "hdr"}});
-        });
+        add(ReportPicture::Kind::Error, name, job, [&] { return jobs_.errors.error_map(job, "beauty"); });
+        add(ReportPicture::Kind::Flip, name, job, [&] { return jobs_.errors.flip(job, "beauty", "hdr"); });
     }
     bound_pictures(report);
 }
