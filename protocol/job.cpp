@@ -394,6 +394,10 @@ JobRequest parse_job_request(const json& body, const JobVocabulary& vocabulary) 
     return request;
 }
 
+json to_json(const LookAt& look_at) {
+    return {{"eye", look_at.eye}, {"target", look_at.target}, {"up", look_at.up}, {"yfov", look_at.yfov}};
+}
+
 json to_json(const StopConditions& stop) {
     json target = nullptr;
     if (stop.target) target = {{"metric", stop.target->metric}, {"value", stop.target->value}};
@@ -411,9 +415,7 @@ json to_json(const JobReference& reference) {
 }
 
 json to_json(const JobRequest& request) {
-    json look_at = nullptr;
-    if (const auto& from = request.camera.look_at)
-        look_at = {{"eye", from->eye}, {"target", from->target}, {"up", from->up}, {"yfov", from->yfov}};
+    const auto& look_at = request.camera.look_at;
     json environment = nullptr;
     if (const auto& from = request.environment)
         environment = {{"image", from->image}, {"scale", from->scale}, {"rotation", from->rotation}};
@@ -422,7 +424,7 @@ json to_json(const JobRequest& request) {
     return {{"scene", request.scene},
             {"camera",
              {{"name", request.camera.name.empty() ? json(nullptr) : json(request.camera.name)},
-              {"look_at", look_at},
+              {"look_at", look_at ? to_json(*look_at) : json()},
               {"aperture", request.camera.aperture},
               {"focus_distance", optional_json(request.camera.focus_distance)}}},
             {"image", {{"width", request.width}, {"height", request.height}, {"filter", request.filter}}},

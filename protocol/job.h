@@ -120,6 +120,7 @@ void check_metric_name(const std::string& metric, const std::string& pointer, co
 /// The layer a metric is of: "beauty" where it names none.
 std::string layer_of_metric(const std::string& metric);
 
+nlohmann::json to_json(const LookAt& look_at);
 nlohmann::json to_json(const StopConditions& stop);
 nlohmann::json to_json(const JobMethod& method);
 nlohmann::json to_json(const JobReference& reference);  // "job:J17", "image:ID" or {"method", "stop"}

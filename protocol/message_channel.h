@@ -1,9 +1,9 @@
 #pragma once
 // How the daemon and its worker processes reach each other: one JSON object a line over a socket pair. What the objects
-// say is in worker_messages.h.
+// say is in worker_messages.h and helper_messages.h.
 //
 // The worker's command line: photond-worker --device cpu|gpu:N|none --memory-limit BYTES --threads N (0: all cores),
-// and for a GPU --pipeline-cache FILE. photond-worker --device list says "devices" and ends.
+// and for a GPU --pipeline-cache FILE. photond-worker --device list says DevicesMessage and ends.
 //
 // A process whose peer has closed the socket ends at once. The kernel kills a worker when the daemon's THREAD that
 // started it ends (PR_SET_PDEATHSIG), so it must be started from a thread that lives as long as the daemon, and

@@ -2,14 +2,12 @@
 
 namespace photond {
 
-using nlohmann::json;
-
-json failure_json(ErrorCode code, const std::string& detail, const std::vector<Fault>& faults) {
-    json errors = json::array();
-    for (const Fault& fault : faults) errors.push_back({{"pointer", fault.pointer}, {"detail", fault.detail}});
-    return {{"code", error_kind(code).name}, {"detail", detail}, {"errors", errors}};
+std::optional<WorkerMessage> read_worker_message(const nlohmann::json& message) {
+    return message_among(message, std::type_identity<WorkerMessage>());
 }
 
-json failure_json(const Error& error) { return failure_json(error.code, error.what(), error.faults); }
+std::optional<DaemonMessage> read_daemon_message(const nlohmann::json& message) {
+    return message_among(message, std::type_identity<DaemonMessage>());
+}
 
 }  // namespace photond

@@ -1,87 +1,290 @@
 #pragma once
-// What the daemon and its worker processes say to each other (message_channel.h), each message with "type". Files named
-// in messages are absolute paths inside the data directory; the writer writes beside, fsyncs and renames. An Error that
-// ends a helper's request is its "failure".
-//
-// clang-format off
-// worker -> daemon
-//   hello      {"pid", "device": {device object of protocol.md}}          once, when ready to take work
-//   heartbeat  {"resident_bytes"}                                         every second, from a thread of its own
-//   started    {"job", "attempt"}
-//   progress   {"job", "attempt", "passes_done", "progress", "seconds", "error_now": {"metric", "value"}|null}
-//                                                                         at most 4 a second
-//   curve      {"job", "attempt", "points": [point of protocol.md..], "error_now": as above}
-//              new points, in their order; a job that goes on from a film sends those it had first
-//   film_saved {"job", "attempt", "path", "passes_done"}
-//              after "snapshot" (its path), every "save_seconds" (the order's "film") and before stopping (likewise)
-//   finished   {"job", "attempt", "state": "succeeded"|"cancelled"|"failed", "passes_done", "seconds",
-//               "film": path|null, "statistics": {..}|null,
-//               "rendered": {"passes", "seconds", "rays": {kind: n}, "photons"} by this attempt alone; null where it failed,
-//               "curve": [point..]|null, "error_now": as above,
-//               "artefacts": [name..], "failure": {"code", "detail", "errors": [{"pointer","detail"}]}|null, "log": [line..],
-//               "stopping": true when the job ended because of "stop"}
-//               The film is there when a pass was finished and the job did not fail; it is at the "film" path of the order.
-//               Each artefact (MethodInfo::artefacts) lies beside it at artefact_path(film, name); none with "stopping".
-//   device_lost {"job", "attempt", "reason"}   the GPU stopped answering; the process then ends with kDeviceLostStatus
-//   devices    {"items": [{device object of protocol.md}..]}              all of this machine, by --device list
-//   reply      {"request": n, "result": {..}|null, "failure": as above|null}   answers a helper's request
-// daemon -> worker
-//   render     {"job", "attempt", "request": job request,
-//               "scene": {"id", "builtin": name|null, "root": dir, "file": path},
-//               "environment": {"path"}|null, "film": path to write, "limits": {"memory_bytes", "threads"},
-//               "resume": path of a film of the same job to go on from|null; one that is damaged or of something else is
-//               named in the log, and the job begins anew,
-//               "reference": {"film": path} or {"image": path}|null, measured against; "streams": "job"|"reference",
-//               "save_seconds": the least time between two savings of the film|null}
-//   snapshot   {"job", "path"}         save the film so far after the pass at hand; answered by film_saved, or, when the
-//                                      job ends first, by its "finished" alone
-//   cancel     {"job"}                 ends the job; its film so far is saved
-//   stop       {}                      save the film of the running job, report it cancelled with "stopping": true, exit 0
-// daemon -> helper (photond-worker --device none), one at a time, each answered by reply with the same "request"
-//   judge_scene    {"request", "root": dir, "file": path, "name"}   -> scene summary (protocol.md, "Scene", without id)
-//                  or {"request", "builtin": name}
-//   unpack         {"request", "zip": path, "root": dir}            -> {"file": path of the .gltf/.glb inside root}
-//   thumbnail      {"request", "scene": as in render, "out": path}  -> {}
-//   preview_scene  {"request", "scene": as in render, "camera": name|null, "look_at": as a job's, whole|null, "width",
-//                  "height", "passes", "out": path, not synced} -> {} (PNG; the scene stays ready for the next)
-//   bake           {"request", "scene": as in render, "max_bytes", "out": path} -> {"bytes"} (renderer/scene/baked_scene.h)
-//   judge_image    {"request", "path"}  -> {"width", "height", "channels", "layers": [{"name", "channels"}..]}
-//   Below, SOURCE is {"film": path} or {"image": path}.
-//   measure        {"request", "image": SOURCE, "reference": SOURCE, "metrics": [name..]}
-//                  -> {"metrics": {name: value}, "reference_error": {name: value}|null, "notes": [text..]}
-//   encode_difference {"request", "image": SOURCE, "reference": SOURCE, "out"}           -> {} (EXR: x - r, by layer)
-//   encode_flip    {"request", "image": SOURCE, "reference": SOURCE, "layer", "range": "ldr"|"hdr", "out"} -> {"mean"}
-//   encode_flip_map {"request", "image": SOURCE, "reference": SOURCE, "layer", "range", "precision", "out"}
-//                  -> as encode_pixels, of one channel, and "mean"
-//   encode_error_map {"request", "image": SOURCE, "reference": SOURCE, "layer", "out"}   -> {}
-//                  PNG of each pixel's relative error, log scale from 1e-3 (dark) to 10 (bright): comparable everywhere
-//   merge_films    {"request", "films": [path..], "job_request": as in render, "scene_id", "out"}
-//                  -> {"passes_done", "seconds", "statistics": {..}, "pixel_hash"}
-//   encode_exr     {"request", "film", "statistics": {..}|null, "precision": "float"|"half", "out"} -> {"overflowed": n}
-//   encode_preview {"request", "film", "layer": beauty, one of radiance, or overlap, "exposure": stops,
-//                  "curve": "srgb"|"filmic", "max_size": of the longer side|null, "out"}
-//                  -> {} (PNG; overlap as a heat map)
-//   encode_pixels  {"request", "film" or "image": path, "layer", "precision", "out"}
-//                  -> {"width", "height", "channels", "overflowed"}
-//   stop           {}                                               -> exit 0, no reply
-// clang-format on
+// What the daemon and a worker that renders say to each other (message_channel.h). Files are named by absolute paths
+// inside the data directory; the writer writes beside, fsyncs and renames. "job" and "attempt" are those of the order:
+// the daemon ignores what comes with others than its own.
 
+#include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <variant>
+#include <vector>
 
-#include "protocol/error.h"
+#include "protocol/message_json.h"
+#include "protocol/message_parts.h"
 
 namespace photond {
-
-/// {"code", "detail", "errors"} as in "finished" and "reply".
-nlohmann::json failure_json(ErrorCode code, const std::string& detail, const std::vector<Fault>& faults = {});
-nlohmann::json failure_json(const Error& error);
 
 /// Where the worker leaves an artefact of the method, beside the film of the same attempt.
 inline std::filesystem::path artefact_path(const std::filesystem::path& film, std::string_view name) {
     return film.string().append(".").append(name);
 }
+
+// --- Worker -> daemon. A helper says the first two as well.
+
+/// Once, when ready to take work.
+struct HelloMessage {
+    static constexpr const char* kType = "hello";
+    int64_t pid = 0;
+    nlohmann::json device;  // object of protocol.md, with "lacks" and "limits"
+
+    void visit(MessageVisitor& visitor) {
+        visitor.member("pid", pid);
+        visitor.or_null("device", device);
+    }
+};
+
+/// Every second, from a thread of its own.
+struct HeartbeatMessage {
+    static constexpr const char* kType = "heartbeat";
+    uint64_t resident_bytes = 0;
+
+    void visit(MessageVisitor& visitor) { visitor.member("resident_bytes", resident_bytes); }
+};
+
+struct StartedMessage {
+    static constexpr const char* kType = "started";
+    std::string job;
+    int64_t attempt = 0;
+
+    void visit(MessageVisitor& visitor) {
+        visitor.member("job", job);
+        visitor.member("attempt", attempt);
+    }
+};
+
+/// The error of the film so far.
+struct ErrorNow {
+    std::string metric;
+    std::optional<double> value;  // none: it is not finite, for which JSON has no number
+
+    void visit(MessageVisitor& visitor) {
+        visitor.member("metric", metric);
+        visitor.or_null("value", value);
+    }
+};
+
+/// At most four a second.
+struct ProgressMessage {
+    static constexpr const char* kType = "progress";
+    std::string job;
+    int64_t attempt = 0;
+    uint32_t passes_done = 0;  // of the film, whatever attempt rendered them
+    double progress = 0;       // 0 to 1
+    double seconds = 0;        // of rendering, on the job's clock
+    std::optional<ErrorNow> error_now;
+
+    void visit(MessageVisitor& visitor) {
+        visitor.member("job", job);
+        visitor.member("attempt", attempt);
+        visitor.member("passes_done", passes_done);
+        visitor.member("progress", progress);
+        visitor.member("seconds", seconds);
+        visitor.or_null("error_now", error_now);
+    }
+};
+
+/// New points of the job's curve, in their order; a job that goes on from a film sends those it had first.
+struct CurveMessage {
+    static constexpr const char* kType = "curve";
+    std::string job;
+    int64_t attempt = 0;
+    std::vector<nlohmann::json> points;  // of protocol.md
+    std::optional<ErrorNow> error_now;
+
+    void visit(MessageVisitor& visitor) {
+        visitor.member("job", job);
+        visitor.member("attempt", attempt);
+        visitor.member("points", points);
+        visitor.or_null("error_now", error_now);
+    }
+};
+
+/// After SnapshotMessage (at its path), every `save_seconds` (at the order's `film`) and before stopping (likewise).
+struct FilmSavedMessage {
+    static constexpr const char* kType = "film_saved";
+    std::string job;
+    int64_t attempt = 0;
+    std::filesystem::path path;
+    uint32_t passes_done = 0;
+
+    void visit(MessageVisitor& visitor) {
+        visitor.member("job", job);
+        visitor.member("attempt", attempt);
+        visitor.member("path", path);
+        visitor.member("passes_done", passes_done);
+    }
+};
+
+/// Of one attempt alone.
+struct RenderedWork {
+    struct Rays {
+        uint64_t camera = 0, bounce = 0, shadow = 0, photon = 0;
+
+        void visit(MessageVisitor& visitor) {
+            visitor.member("camera", camera);
+            visitor.member("bounce", bounce);
+            visitor.member("shadow", shadow);
+            visitor.member("photon", photon);
+        }
+    };
+    uint32_t passes = 0;
+    double seconds = 0;
+    Rays rays;
+    uint64_t photons = 0;  // emitted
+
+    void visit(MessageVisitor& visitor) {
+        visitor.member("passes", passes);
+        visitor.member("seconds", seconds);
+        visitor.member("rays", rays);
+        visitor.member("photons", photons);
+    }
+};
+
+/// The last message of an attempt.
+struct FinishedMessage {
+    static constexpr const char* kType = "finished";
+    std::string job;
+    int64_t attempt = 0;
+    std::string state = "failed";  // or "succeeded" or "cancelled"
+    uint32_t passes_done = 0;
+    double seconds = 0;
+    std::optional<std::filesystem::path> film;  // the order's, where a pass was finished and the job did not fail
+    nlohmann::json statistics;                  // object of protocol.md or null
+    std::optional<RenderedWork> rendered;       // none where the attempt failed
+    nlohmann::json curve;                       // list of points or null
+    std::optional<ErrorNow> error_now;
+    std::vector<std::string> artefacts;  // MethodInfo::artefacts that lie at artefact_path(); none where `stopping`
+    std::optional<Failure> failure;
+    std::vector<std::string> log;
+    bool stopping = false;  // the job ended because of StopMessage
+
+    void visit(MessageVisitor& visitor) {
+        visitor.member("job", job);
+        visitor.member("attempt", attempt);
+        visitor.member("state", state);
+        visitor.member("passes_done", passes_done);
+        visitor.member("seconds", seconds);
+        visitor.or_null("film", film);
+        visitor.or_null("statistics", statistics);
+        visitor.or_null("rendered", rendered);
+        visitor.or_null("curve", curve);
+        visitor.or_null("error_now", error_now);
+        visitor.member("artefacts", artefacts);
+        visitor.or_null("failure", failure);
+        visitor.member("log", log);
+        visitor.member("stopping", stopping);
+    }
+};
+
+/// The GPU stopped answering; the process then ends with kDeviceLostStatus.
+struct DeviceLostMessage {
+    static constexpr const char* kType = "device_lost";
+    std::string job;
+    int64_t attempt = 0;
+    std::string reason;
+
+    void visit(MessageVisitor& visitor) {
+        visitor.member("job", job);
+        visitor.member("attempt", attempt);
+        visitor.member("reason", reason);
+    }
+};
+
+/// All of this machine, by --device list.
+struct DevicesMessage {
+    static constexpr const char* kType = "devices";
+    std::vector<nlohmann::json> items;  // objects as HelloMessage::device
+
+    void visit(MessageVisitor& visitor) { visitor.member("items", items); }
+};
+
+/// Of a worker that has work to do or is ready for it.
+using WorkerMessage = std::variant<HelloMessage, StartedMessage, ProgressMessage, CurveMessage, FilmSavedMessage,
+                                   FinishedMessage, DeviceLostMessage>;
+/// Empty for one of a type that is none of these. Throws Error where it cannot be read.
+std::optional<WorkerMessage> read_worker_message(const nlohmann::json& message);
+
+// --- Daemon -> worker
+
+/// The order to render a job.
+struct RenderMessage {
+    static constexpr const char* kType = "render";
+    struct Environment {
+        std::filesystem::path path;  // of the image
+
+        void visit(MessageVisitor& visitor) { visitor.member("path", path); }
+    };
+    struct Limits {
+        uint64_t memory_bytes = UINT64_MAX;
+        uint32_t threads = 0;  // 0: all the worker has
+
+        void visit(MessageVisitor& visitor) {
+            visitor.or_default("memory_bytes", memory_bytes);
+            visitor.or_default("threads", threads);
+        }
+    };
+    std::string job;
+    int64_t attempt = 0;
+    nlohmann::json request;  // the job, as job.h echoes it
+    SceneSource scene;
+    std::optional<Environment> environment;
+    std::filesystem::path film;  // to write
+    /// Film of the same job to go on from. One that is damaged or of something else is named in the log, and the job
+    /// begins anew.
+    std::optional<std::filesystem::path> resume;
+    std::optional<ImageSource> reference;  // measured against
+    std::string streams = "job";           // or "reference": the random numbers it draws (RandomStreams)
+    std::optional<double> save_seconds;    // the least time between two savings of the film; none: it is not saved
+    Limits limits;
+
+    void visit(MessageVisitor& visitor) {
+        visitor.member("job", job);
+        visitor.member("attempt", attempt);
+        visitor.or_null("request", request);
+        visitor.member("scene", scene);
+        visitor.or_null("environment", environment);
+        visitor.member("film", film);
+        visitor.or_null("resume", resume);
+        visitor.or_null("reference", reference);
+        visitor.or_default("streams", streams);
+        visitor.or_null("save_seconds", save_seconds);
+        visitor.or_default("limits", limits);
+    }
+};
+
+/// Save the film so far after the pass at hand: answered by FilmSavedMessage or, when the job ends first, by its
+/// FinishedMessage alone.
+struct SnapshotMessage {
+    static constexpr const char* kType = "snapshot";
+    std::string job;
+    std::filesystem::path path;
+
+    void visit(MessageVisitor& visitor) {
+        visitor.member("job", job);
+        visitor.member("path", path);
+    }
+};
+
+/// End the job; its film so far is saved.
+struct CancelMessage {
+    static constexpr const char* kType = "cancel";
+    std::string job;
+
+    void visit(MessageVisitor& visitor) { visitor.member("job", job); }
+};
+
+/// Save the film of the running job, report it cancelled and `stopping`, and end with status 0. A helper ends at once.
+struct StopMessage {
+    static constexpr const char* kType = "stop";
+
+    void visit(MessageVisitor&) {}
+};
+
+using DaemonMessage = std::variant<RenderMessage, SnapshotMessage, CancelMessage, StopMessage>;
+/// Empty for one of a type that is none of these. Throws Error where it cannot be read.
+std::optional<DaemonMessage> read_daemon_message(const nlohmann::json& message);
 
 }  // namespace photond

@@ -33,31 +33,27 @@ void AttemptProgress::publish_progress(const RunningAttempt& attempt) {
     core_.events.publish({core_.events.next_id(), "progress", job_id(attempt.seq), data.dump()});
 }
 
-void AttemptProgress::progress(RunningAttempt& attempt, const json& message) {
-    attempt.passes_done = message.value("passes_done", attempt.passes_done);
-    attempt.progress = std::clamp(message.value("progress", attempt.progress), 0.0, 1.0);
-    attempt.seconds = message.value("seconds", attempt.seconds);
-    if (message.contains("error_now")) attempt.error_now = object_or_null(message, "error_now");
+void AttemptProgress::progress(RunningAttempt& attempt, const ProgressMessage& told) {
+    attempt.passes_done = told.passes_done;
+    attempt.progress = std::clamp(told.progress, 0.0, 1.0);
+    attempt.seconds = told.seconds;
+    attempt.error_now = part_json(told.error_now);
     const auto now = SteadyClock::now();
     if (now - attempt.last_event < kProgressInterval) return;  // the next one says it all
     attempt.last_event = now;
     publish_progress(attempt);
 }
 
-void AttemptProgress::curve(RunningAttempt& attempt, const json& message) {
-    const json points = message.value("points", json::array());
-    if (!points.is_array() || attempt.curve.size() + points.size() > kMaxCurvePoints) return;
+void AttemptProgress::curve(RunningAttempt& attempt, const CurveMessage& told) {
+    if (attempt.curve.size() + told.points.size() > kMaxCurvePoints) return;
     // A job that goes on from a film sends that film's points too; they were told by the attempt before.
-    if (!attempt.curve_begun) {
-        const json told = std::exchange(attempt.curve, json::array());
-        attempt.curve_begun = true;
-        for (const json& point : points)
-            if (std::find(told.begin(), told.end(), point) == told.end()) attempt.unpublished.push_back(point);
-    } else {
-        attempt.unpublished.insert(attempt.unpublished.end(), points.begin(), points.end());
+    json known = json::array();
+    if (!std::exchange(attempt.curve_begun, true)) known.swap(attempt.curve);
+    for (const json& point : told.points) {
+        if (std::find(known.begin(), known.end(), point) == known.end()) attempt.unpublished.push_back(point);
+        attempt.curve.push_back(point);
     }
-    attempt.curve.insert(attempt.curve.end(), points.begin(), points.end());
-    if (message.contains("error_now")) attempt.error_now = object_or_null(message, "error_now");
+    attempt.error_now = part_json(told.error_now);
     publish_curve(attempt);
 }
 
@@ -79,15 +75,14 @@ void AttemptProgress::publish_curve(RunningAttempt& attempt) {
     core_.tell(std::move(outbox));
 }
 
-void AttemptProgress::film_saved(RunningAttempt& attempt, const json& message) {
-    const fs::path path = message.value("path", "");
-    if (path == core_.files.films / attempt.film)
-        return records_.keep_film(attempt, message.value("passes_done", int64_t{0}));
+void AttemptProgress::film_saved(RunningAttempt& attempt, const FilmSavedMessage& told) {
+    const fs::path& path = told.path;
+    if (path == core_.files.films / attempt.film) return records_.keep_film(attempt, told.passes_done);
     const std::string mine = attempt.film + ".s";
     if (path.parent_path() != core_.files.films || !path.filename().string().starts_with(mine)) return;
     auto snapshot = std::make_shared<Snapshot>();
     snapshot->path = path;
-    snapshot->passes_done = message.value("passes_done", int64_t{0});
+    snapshot->passes_done = told.passes_done;
     snapshot->saved = SteadyClock::now();
     attempt.snapshot = std::move(snapshot);
     core_.attempt_changed.notify_all();

@@ -2,8 +2,8 @@
 // What is heard of a running attempt and told of its job: progress, curve, films saved on the way.
 
 #include <chrono>
-#include <nlohmann/json.hpp>
 
+#include "protocol/worker_messages.h"
 #include "server/service/attempt_records.h"
 #include "server/service/running_attempt.h"
 #include "server/service/service_core.h"
@@ -17,10 +17,9 @@ class AttemptProgress {
 public:
     AttemptProgress(ServiceCore& core, AttemptRecords& records) : core_(core), records_(records) {}
 
-    /// The messages of a worker, by their types.
-    void progress(RunningAttempt& attempt, const nlohmann::json& message);
-    void curve(RunningAttempt& attempt, const nlohmann::json& message);
-    void film_saved(RunningAttempt& attempt, const nlohmann::json& message);
+    void progress(RunningAttempt& attempt, const ProgressMessage& told);
+    void curve(RunningAttempt& attempt, const CurveMessage& told);
+    void film_saved(RunningAttempt& attempt, const FilmSavedMessage& told);
     /// Tells points that no event has told, unless the last ones were told just now.
     void publish_curve(RunningAttempt& attempt);
 

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "protocol/problem.h"
-#include "protocol/worker_messages.h"
 #include "renderer/methods/registry.h"
 #include "server/clock_text.h"
 #include "server/queue/retry_policy.h"
@@ -60,14 +59,13 @@ std::string problem_of(int64_t seq, ErrorCode code, const std::string& detail, c
 }
 
 /// What a film that the attempt left says of the job.
-void take_film(JobRow& row, const RunningAttempt& attempt, const json& message) {
+void take_film(JobRow& row, const RunningAttempt& attempt, const FinishedMessage& message) {
     row.film = attempt.film;
-    row.passes_done = message.value("passes_done", int64_t{0});
-    row.seconds = message.value("seconds", 0.0);
+    row.passes_done = message.passes_done;
+    row.seconds = message.seconds;
     row.progress = std::max(row.progress, attempt.progress);
-    const json points = message.value("curve", json());
-    row.curve = text_of(points.is_array() ? points : attempt.curve);
-    row.error_now = text_of(object_or_null(message, "error_now"));
+    row.curve = text_of(message.curve.is_array() ? message.curve : attempt.curve);
+    row.error_now = text_of(part_json(message.error_now));
 }
 
 void take_statistics(JobRow& row, const RunningAttempt& attempt, json statistics) {
@@ -92,9 +90,9 @@ struct AttemptOutcome {
 };
 
 /// The job's state after it.
-AttemptOutcome take_end(JobRow& row, const RunningAttempt& attempt, const json& message, bool has_film,
+AttemptOutcome take_end(JobRow& row, const RunningAttempt& attempt, const FinishedMessage& message, bool has_film,
                         const Limits& limits) {
-    const std::string state = message.value("state", "");
+    const std::string& state = message.state;
     if (state == "succeeded" && has_film) {
         row.state = JobState::Succeeded;
         row.progress = 1;
@@ -106,7 +104,7 @@ AttemptOutcome take_end(JobRow& row, const RunningAttempt& attempt, const json& 
         row.failure = problem_of(row.seq, ErrorCode::TimedOut, "the job " + reason);
         return {"timed_out", reason};
     }
-    if (state == "cancelled" && message.value("stopping", false) && !row.cancel_requested) {
+    if (state == "cancelled" && message.stopping && !row.cancel_requested) {
         // The daemon is stopping: its film so far stays with it, and it waits for the next start.
         row.state = JobState::Queued;
         row.finished_ms.reset();
@@ -117,8 +115,8 @@ AttemptOutcome take_end(JobRow& row, const RunningAttempt& attempt, const json& 
         row.state = JobState::Cancelled;
         return {state};
     }
-    const Error failure = state == "succeeded" ? Error(ErrorCode::Internal, "the worker left no film")
-                                               : error_from_failure(message.value("failure", json()));
+    const Error failure =
+        state == "succeeded" ? Error(ErrorCode::Internal, "the worker left no film") : error_of(message.failure);
     row.state = JobState::Failed;
     row.failure = problem_of(row.seq, failure.code, failure.what(), failure.faults);
     return {"failed", failure.what()};
@@ -126,51 +124,41 @@ AttemptOutcome take_end(JobRow& row, const RunningAttempt& attempt, const json& 
 
 }  // namespace
 
-json object_or_null(const json& message, const char* member) {
-    const json value = message.value(member, json());
-    return value.is_object() ? value : json();
-}
-
-json AttemptRecords::kept_artefacts(const JobRow& row, const json& message) const {
+json AttemptRecords::kept_artefacts(const JobRow& row, const std::vector<std::string>& names) const {
     const MethodInfo* method = find_method(row.method);
     json kept = json::array();
-    const json names = message.value("artefacts", json::array());
     for (const ArtefactInfo& artefact : method ? method->artefacts : std::vector<ArtefactInfo>())
-        if (std::find(names.begin(), names.end(), json(artefact.name)) != names.end() &&
+        if (std::find(names.begin(), names.end(), artefact.name) != names.end() &&
             fs::is_regular_file(fs::symlink_status(artefact_path(core_.files.films / row.film, artefact.name))))
             kept.push_back(artefact.name);
     return kept;
 }
 
-void AttemptRecords::record_result(const RunningAttempt& attempt, const json& message, const std::string& device) {
+void AttemptRecords::record_result(const RunningAttempt& attempt, const FinishedMessage& message,
+                                   const std::string& device) {
     auto found = core_.store.job(attempt.seq);
     if (!found || found->state != JobState::Running || found->attempt != attempt.attempt) return;
     JobRow row = *std::move(found);
     const std::string old_film = row.film;
-    const json film = message.value("film", json());
-    const bool has_film = film.is_string() && fs::path(film.get<std::string>()) == core_.files.films / attempt.film &&
-                          fs::is_regular_file(core_.files.films / attempt.film);
+    const fs::path film = core_.files.films / attempt.film;
+    const bool has_film = message.film == film && fs::is_regular_file(film);
     if (has_film) take_film(row, attempt, message);  // else what was saved last stays, and the row says what that holds
     row.finished_ms = now_ms();
-    if (json statistics = message.value("statistics", json()); statistics.is_object())
-        take_statistics(row, attempt, std::move(statistics));
+    if (message.statistics.is_object()) take_statistics(row, attempt, message.statistics);
     const auto [outcome, reason] = take_end(row, attempt, message, has_film, core_.options.limits);
-    row.artefacts = is_over(row.state) && has_film ? kept_artefacts(row, message).dump() : "[]";
-    const int64_t reached = message.value("passes_done", int64_t{0});
-    close_attempt(row, attempt, outcome, reason, reached);
+    row.artefacts = is_over(row.state) && has_film ? kept_artefacts(row, message.artefacts).dump() : "[]";
+    close_attempt(row, attempt, outcome, reason, message.passes_done);
     const std::string line = "attempt " + std::to_string(row.attempt) + " " + outcome + " after " +
-                             std::to_string(reached) + " passes" +
+                             std::to_string(message.passes_done) + " passes" +
                              (reason.is_string() ? ": " + reason.get<std::string>() : "");
     core_.commit_state(
         row, line,
         [&] {
-            const json lines = message.value("log", json::array());
-            for (size_t i = 0; i < lines.size() && i < kMaxLogLines; ++i)
-                if (lines[i].is_string())
-                    core_.store.append_log(row.seq, now_ms(), lines[i].get<std::string>().substr(0, kMaxLogLineBytes));
+            for (size_t i = 0; i < message.log.size() && i < kMaxLogLines; ++i)
+                core_.store.append_log(row.seq, now_ms(), message.log[i].substr(0, kMaxLogLineBytes));
         },
         attempt.unpublished);
-    core_.totals.add(attempt, message.value("rendered", json()));
+    core_.totals.add(attempt, message.rendered);
     if (old_film != row.film) purges_.remove_film(old_film);
     core_.artefacts.forget("job/" + std::to_string(row.seq) + "/");
     if (row.state == JobState::Queued) return waiting_.enqueue(row);

@@ -3,9 +3,11 @@
 // one than its job's row has is ignored.
 
 #include <cstdint>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
+#include "protocol/worker_messages.h"
 #include "server/service/purges.h"
 #include "server/service/running_attempt.h"
 #include "server/service/service_core.h"
@@ -20,23 +22,20 @@ public:
     AttemptRecords(ServiceCore& core, WaitingJobs& waiting, Purges& purges)
         : core_(core), waiting_(waiting), purges_(purges) {}
 
-    /// The worker has said "finished".
-    void record_result(const RunningAttempt& attempt, const nlohmann::json& message, const std::string& device);
+    /// The worker has said how it ended.
+    void record_result(const RunningAttempt& attempt, const FinishedMessage& message, const std::string& device);
     /// The worker has ended before it did.
     void record_loss(const RunningAttempt& attempt, const ProcessExit& exit, bool daemon_stopping);
     /// The attempt has saved its film: from here on the job goes on from there, whatever becomes of the attempt.
     void keep_film(const RunningAttempt& attempt, int64_t passes_done);
 
 private:
-    /// Of the artefacts a "finished" names, those that the method declares and that are there.
-    nlohmann::json kept_artefacts(const JobRow& row, const nlohmann::json& message) const;
+    /// Of the artefacts a worker names, those that the method declares and that are there.
+    nlohmann::json kept_artefacts(const JobRow& row, const std::vector<std::string>& names) const;
 
     ServiceCore& core_;
     WaitingJobs& waiting_;
     Purges& purges_;
 };
-
-/// A message's member where it is an object, else null.
-nlohmann::json object_or_null(const nlohmann::json& message, const char* member);
 
 }  // namespace photond

@@ -3,8 +3,11 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <optional>
+#include <string_view>
 #include <unordered_set>
 #include <utility>
+#include <variant>
 
 #include "server/clock_text.h"
 
@@ -18,6 +21,16 @@ namespace {
 constexpr uint64_t kDriverBytes = 1ull << 30;  // of a GPU's driver and its compiler, in a worker's own memory
 constexpr auto kCancelPatience = std::chrono::seconds(4);  // a worker that does not let go of a job by then is killed
 constexpr uint64_t kJobsBeforeRecycling = 5000;            // of one process
+
+bool is_of_attempt(const WorkerMessage& message, const RunningAttempt& attempt) {
+    const auto names_it = [&](const auto& told) {
+        if constexpr (requires { told.job; })
+            return told.job == job_id(attempt.seq) && told.attempt == attempt.attempt;
+        else
+            return false;
+    };
+    return std::visit(names_it, message);
+}
 
 /// "gpu:0" as "gpu-0.bin".
 std::string pipeline_cache_name(std::string device) {
@@ -97,7 +110,7 @@ void Attempts::cancel_running(int64_t seq) {
 fs::path Attempts::ask_for_snapshot(int64_t seq) {
     Slot& slot = *slot_of(seq);
     fs::path path = core_.files.films / (slot.running->film + ".s" + std::to_string(++slot.running->snapshots));
-    slot.process->send({{"type", "snapshot"}, {"job", job_id(seq)}, {"path", path.string()}});
+    slot.process->send(message_json(SnapshotMessage{job_id(seq), path}));
     return path;
 }
 
@@ -128,7 +141,7 @@ void Attempts::dispatch(Slot& slot) {
 }
 
 void Attempts::begin_attempt(Slot& slot, JobRow row) {
-    json reference;
+    std::optional<ImageSource> reference;
     try {
         reference = references_.reference_source(row);
     } catch (const Error& error) {
@@ -138,11 +151,11 @@ void Attempts::begin_attempt(Slot& slot, JobRow row) {
     const auto scene = scenes_.find_scene(row.scene);
     if (!scene) throw Error(ErrorCode::Internal, "job " + job_id(row.seq) + " has lost its scene");
     const json request = json::parse(row.request);
-    json environment;
+    std::optional<RenderMessage::Environment> environment;
     if (const auto found = request.find("environment"); found != request.end() && found->is_object()) {
         const auto image = core_.store.image(found->value("image", "").substr(6));
         if (!image) throw Error(ErrorCode::Internal, "job " + job_id(row.seq) + " has lost its environment");
-        environment = {{"path", (core_.files.images / image->file).string()}};
+        environment = {core_.files.images / image->file};
     }
     const int64_t now = now_ms();
     const bool first = !row.started_ms;
@@ -180,19 +193,20 @@ void Attempts::begin_attempt(Slot& slot, JobRow row) {
         attempt.deadline = attempt.begun +
                            std::chrono::milliseconds(static_cast<int64_t>(core_.options.limits.max_job_seconds * 1000));
     // Where the process has just died the message is lost; its end is then this attempt's end.
-    slot.process->send(
-        {{"type", "render"},
-         {"job", job_id(row.seq)},
-         {"attempt", row.attempt},
-         {"request", request},
-         {"scene", scenes_.scene_order(*scene)},
-         {"environment", environment},
-         {"film", (core_.files.films / attempt.film).string()},
-         {"resume", row.film.empty() ? json() : json((core_.files.films / row.film).string())},
-         {"reference", reference},
-         {"streams", row.role == JobRole::Reference ? "reference" : "job"},
-         {"save_seconds", core_.options.save_seconds > 0 ? json(core_.options.save_seconds) : json()},
-         {"limits", {{"memory_bytes", core_.options.memory_limit_bytes}, {"threads", core_.options.threads}}}});
+    RenderMessage order{.job = job_id(row.seq),
+                        .attempt = row.attempt,
+                        .request = request,
+                        .scene = scenes_.scene_source(*scene),
+                        .environment = std::move(environment),
+                        .film = core_.files.films / attempt.film,
+                        .resume = {},
+                        .reference = std::move(reference),
+                        .streams = row.role == JobRole::Reference ? "reference" : "job",
+                        .save_seconds = {},
+                        .limits = {core_.options.memory_limit_bytes, core_.options.threads}};
+    if (!row.film.empty()) order.resume = core_.files.films / row.film;
+    if (core_.options.save_seconds > 0) order.save_seconds = core_.options.save_seconds;
+    slot.process->send(message_json(std::move(order)));
     slot.running = std::move(attempt);
     mark_shared(slot);
 }
@@ -210,7 +224,7 @@ void Attempts::mark_shared(Slot& slot) {
 
 void Attempts::cancel_running(Slot& slot) {
     slot.running->kill_at = std::min(slot.running->kill_at, SteadyClock::now() + kCancelPatience);
-    slot.process->send({{"type", "cancel"}, {"job", job_id(slot.running->seq)}});
+    slot.process->send(message_json(CancelMessage{job_id(slot.running->seq)}));
 }
 
 void Attempts::settle(Slot& slot, std::function<void()> record) {
@@ -232,29 +246,31 @@ void Attempts::settle(Slot& slot, std::function<void()> record) {
 }
 
 void Attempts::worker_message(Slot& slot, const json& message) {
-    const std::string type = message.value("type", "");
-    bool hello = false;
+    // All of it is read before any of it is believed.
+    const std::optional<WorkerMessage> told = read_worker_message(message);
+    const std::string_view type = type_of_message(message);
+    if (!told) return spdlog::warn("device {}: a message of unknown type '{}' is ignored", slot.device, type);
+    const auto* hello = std::get_if<HelloMessage>(&*told);
     {
         const std::lock_guard lock(core_.mutex);
         try {
-            if (type == "hello") {
-                hello = slot.answered = true;
+            if (hello) {
+                slot.answered = true;
                 slot.jobs_done = 0;
-                slot.device_object = message.value("device", json());
+                slot.device_object = hello->device;
                 dispatch(slot);
-            } else if (!slot.running || message.value("job", "") != job_id(slot.running->seq) ||
-                       message.value("attempt", int64_t{0}) != slot.running->attempt) {
+            } else if (!slot.running || !is_of_attempt(*told, *slot.running)) {
                 spdlog::warn("device {}: a late '{}' is ignored", slot.device, type);
-            } else if (type == "progress") {
-                progress_.progress(*slot.running, message);
-            } else if (type == "curve") {
-                progress_.curve(*slot.running, message);
-            } else if (type == "film_saved") {
-                progress_.film_saved(*slot.running, message);
-            } else if (type == "device_lost") {
-                slot.running->device_lost = message.value("reason", "");
-            } else if (type == "finished") {
-                finished(slot, message);
+            } else if (const auto* progress = std::get_if<ProgressMessage>(&*told)) {
+                progress_.progress(*slot.running, *progress);
+            } else if (const auto* curve = std::get_if<CurveMessage>(&*told)) {
+                progress_.curve(*slot.running, *curve);
+            } else if (const auto* film_saved = std::get_if<FilmSavedMessage>(&*told)) {
+                progress_.film_saved(*slot.running, *film_saved);
+            } else if (const auto* lost = std::get_if<DeviceLostMessage>(&*told)) {
+                slot.running->device_lost = lost->reason;
+            } else if (const auto* end = std::get_if<FinishedMessage>(&*told)) {
+                finished(slot, *end);
             }
         } catch (const std::exception& error) {
             spdlog::error("device {}: '{}' could not be handled: {}", slot.device, type, error.what());
@@ -263,7 +279,7 @@ void Attempts::worker_message(Slot& slot, const json& message) {
     if (hello) update_ready();
 }
 
-void Attempts::finished(Slot& slot, const json& message) {
+void Attempts::finished(Slot& slot, const FinishedMessage& message) {
     settle(slot, [this, attempt = *slot.running, message, device = slot.device] {
         records_.record_result(attempt, message, device);
     });

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "protocol/worker_messages.h"
 #include "server/service/attempt_progress.h"
 #include "server/service/attempt_records.h"
 #include "server/service/purges.h"
@@ -69,12 +70,12 @@ private:
     void start_worker(const std::string& device, ProcessOptions process);
     void dispatch(Slot& slot);
     void begin_attempt(Slot& slot, JobRow row);
-    void worker_message(Slot& slot, const nlohmann::json& message);  // takes the lock
+    void worker_message(Slot& slot, const nlohmann::json& message);  // takes the lock; throws as Callbacks::message
     void worker_exited(Slot& slot, const ProcessExit& exit);         // takes the lock
     void worker_tick(Slot& slot);                                    // takes the lock
     /// Another job has begun there: what runs beside it shares the host, and the device where that is the host's cores.
     void mark_shared(Slot& slot);
-    void finished(Slot& slot, const nlohmann::json& message);
+    void finished(Slot& slot, const FinishedMessage& message);
     /// Runs `record`, lets the slot go and gives it the next job; when the store fails the slot keeps `record`.
     void settle(Slot& slot, std::function<void()> record);
     Slot* slot_of(int64_t seq) const;

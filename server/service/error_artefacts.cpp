@@ -43,8 +43,8 @@ void check_source_name(const std::string& name, const std::string& pointer, Body
 }
 
 /// The metrics of a body; all there are of the beauty where it names none.
-json read_metrics(const json* source, BodyFaults& faults) {
-    json names = json::array();
+std::vector<std::string> read_metrics(const json* source, BodyFaults& faults) {
+    std::vector<std::string> names;
     std::vector<std::string> known;
     for (const MetricInfo& info : kMetrics)
         if (info.needs_reference) known.emplace_back(info.name);
@@ -72,9 +72,9 @@ json read_metrics(const json* source, BodyFaults& faults) {
         else if (std::find(layers.begin(), layers.end(), metric->layer) == layers.end())
             faults.add(ErrorCode::UnknownName, pointer,
                        "'" + metric->layer + "' is no layer of radiance" + did_you_mean(metric->layer, layers));
-        else if (std::find(names.begin(), names.end(), name) != names.end())
+        else if (std::find(names.begin(), names.end(), text) != names.end())
             faults.add(ErrorCode::Conflict, pointer, "'" + text + "' is named twice");
-        names.push_back(name);
+        names.push_back(text);
     }
     return names;
 }
@@ -98,35 +98,34 @@ ErrorArtefacts::MeasuredPair ErrorArtefacts::measured_pair(const std::string& id
         return pair;
     }
     try {
-        pair.reference = references_.reference_source(row);
+        pair.reference = references_.reference_source(row).value();
     } catch (const Error& error) {
         throw Error(ErrorCode::NotFound, "job " + id + ": " + error.what());
     }
-    const fs::path path = pair.reference.begin()->get<std::string>();
-    pair.key = pair.film.cache_key + "/against/" + path.filename().string();
-    if (pair.reference.contains("film")) {
-        pair.pinned_reference.path = path;
+    pair.key = pair.film.cache_key + "/against/" + pair.reference.path().filename().string();
+    if (pair.reference.film) {
+        pair.pinned_reference.path = *pair.reference.film;
         films_.pin(pair.pinned_reference);
-        pair.reference["film"] = pair.pinned_reference.path.string();
+        pair.reference.film = pair.pinned_reference.path;
     }
     return pair;
 }
 
-Artefact ErrorArtefacts::encode_error(const std::string& id, const std::string& what, const std::string& media_type,
-                                      json request) {
+Artefact ErrorArtefacts::encoded(const std::string& id, const std::string& what, const std::string& media_type,
+                                 const Encode& encode) {
     MeasuredPair pair = measured_pair(id);
     if (pair.film.pending) return pending_artefact();
     return artefact_files_.artefact(pair.key + "/" + what, media_type, [&](const fs::path& path) {
         films_.pin(pair.film);
-        request["image"] = {{"film", pair.film.path.string()}};
-        request["reference"] = pair.reference;
-        request["out"] = path.string();
-        return pixel_headers(core_.helper->call(request));
+        return pixel_headers(encode({.film = pair.film.path}, pair.reference, path));
     });
 }
 
 Artefact ErrorArtefacts::difference(const std::string& id) {
-    return encode_error(id, "difference", "image/x-exr", {{"type", "encode_difference"}});
+    return encoded(id, "difference", "image/x-exr",
+                   [&](const ImageSource& image, const ImageSource& reference, const fs::path& out) {
+                       return core_.helper->ask(EncodeDifferenceRequest{image, reference, out});
+                   });
 }
 
 Artefact ErrorArtefacts::flip(const std::string& id, const std::string& layer, const std::string& range) {
@@ -134,15 +133,20 @@ Artefact ErrorArtefacts::flip(const std::string& id, const std::string& layer, c
     check_layer(layer, faults);
     check_range(range, faults);
     faults.throw_if_any();
-    return encode_error(id, "flip/" + layer + "/" + range, "image/png",
-                        {{"type", "encode_flip"}, {"layer", layer}, {"range", range}});
+    return encoded(id, "flip/" + layer + "/" + range, "image/png",
+                   [&](const ImageSource& image, const ImageSource& reference, const fs::path& out) {
+                       return core_.helper->ask(EncodeFlipRequest{image, reference, layer, range, out});
+                   });
 }
 
 Artefact ErrorArtefacts::error_map(const std::string& id, const std::string& layer) {
     BodyFaults faults;
     check_layer(layer, faults);
     faults.throw_if_any();
-    return encode_error(id, "error/" + layer, "image/png", {{"type", "encode_error_map"}, {"layer", layer}});
+    return encoded(id, "error/" + layer, "image/png",
+                   [&](const ImageSource& image, const ImageSource& reference, const fs::path& out) {
+                       return core_.helper->ask(EncodeErrorMapRequest{image, reference, layer, out});
+                   });
 }
 
 ErrorArtefacts::NamedSource ErrorArtefacts::source_named(const std::string& name, const std::string& pointer) {
@@ -151,7 +155,7 @@ ErrorArtefacts::NamedSource ErrorArtefacts::source_named(const std::string& name
         const std::lock_guard lock(core_.mutex);
         const auto image = core_.store.image(name.substr(6));
         if (!image) throw Error(ErrorCode::UnknownName, pointer, "there is no image '" + name.substr(6) + "'");
-        named.source = {{"image", (core_.files.images / image->file).string()}};
+        named.source.image = core_.files.images / image->file;
         named.key = "image/" + image->id;
         return named;
     }
@@ -164,7 +168,7 @@ ErrorArtefacts::NamedSource ErrorArtefacts::source_named(const std::string& name
     }
     if (named.film.pending) return named;
     films_.pin(named.film);
-    named.source = {{"film", named.film.path.string()}};
+    named.source.film = named.film.path;
     named.key = named.film.cache_key;
     return named;
 }
@@ -188,13 +192,8 @@ Artefact ErrorArtefacts::flip_map(const std::string& image, const std::string& r
     return artefact_files_.artefact(
         shown.key + "/flip-map/" + layer + "/" + range + "/" + precision + "/against/" + against.key,
         "application/octet-stream", [&](const fs::path& path) {
-            return pixel_headers(core_.helper->call({{"type", "encode_flip_map"},
-                                                     {"image", shown.source},
-                                                     {"reference", against.source},
-                                                     {"layer", layer},
-                                                     {"range", range},
-                                                     {"precision", precision},
-                                                     {"out", path.string()}}));
+            return pixel_headers(
+                core_.helper->ask(EncodeFlipMapRequest{shown.source, against.source, layer, range, precision, path}));
         });
 }
 
@@ -207,22 +206,17 @@ json ErrorArtefacts::measure(const json& body) {
         names[i] = reader.string(members[i], kMaxSourceBytes, true);
         if (names[i]) check_source_name(*names[i], reader.at(members[i]), faults);
     }
-    const json metrics = read_metrics(reader.member("metrics"), faults);
+    const std::vector<std::string> metrics = read_metrics(reader.member("metrics"), faults);
     reader.finish();
     faults.throw_if_any();
-    json order{{"type", "measure"}, {"metrics", metrics}};
     NamedSource sources[2];
     for (int i = 0; i < 2; ++i) {
         const std::string pointer = std::string("/") + members[i];
         sources[i] = source_named(*names[i], pointer);
         if (sources[i].film.pending)
             throw Error(ErrorCode::WrongState, pointer, "job " + names[i]->substr(4) + " has no film yet");
-        order[members[i]] = sources[i].source;
     }
-    json result = core_.helper->call(order);
-    return {{"metrics", result.value("metrics", json::object())},
-            {"reference_error", result.value("reference_error", json())},
-            {"notes", result.value("notes", json::array())}};
+    return part_json(core_.helper->ask(MeasureRequest{sources[0].source, sources[1].source, metrics}));
 }
 
 }  // namespace photond

@@ -1,9 +1,11 @@
 #pragma once
 // Errors to look at: differences and maps of a job against its reference, and measuring on request.
 
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "protocol/helper_messages.h"
 #include "server/service/artefact_files.h"
 #include "server/service/job_films.h"
 #include "server/service/job_objects.h"
@@ -26,9 +28,6 @@ public:
     Artefact difference(const std::string& id);
     Artefact flip(const std::string& id, const std::string& layer, const std::string& range);
     Artefact error_map(const std::string& id, const std::string& layer);
-    /// What the helper makes of both films by `request`; kept under their names and `what`.
-    Artefact encode_error(const std::string& id, const std::string& what, const std::string& media_type,
-                          nlohmann::json request);
 
     /// Of any two, each "job:ID" or "image:ID". Throws faults of each argument; UnknownName.
     Artefact flip_map(const std::string& image, const std::string& reference, const std::string& layer,
@@ -40,18 +39,23 @@ public:
 private:
     struct MeasuredPair {
         FilmSource film;
-        nlohmann::json reference;  // as of References::reference_source()
+        ImageSource reference;
         FilmSource pinned_reference;
         std::string key;  // in the cache
     };
     /// What "job:ID" or "image:ID" names.
     struct NamedSource {
-        FilmSource film;        // of a job; pending where it has none yet. Held as long as this lives
-        nlohmann::json source;  // as the helper takes it
-        std::string key;        // in the cache
+        FilmSource film;  // of a job; pending where it has none yet. Held as long as this lives
+        ImageSource source;
+        std::string key;  // in the cache
     };
     /// A job's film and its reference. Throws NotFound, with the reason, where it has none. Pending likewise.
     MeasuredPair measured_pair(const std::string& id);
+    using Encode = std::function<EncodedReply(const ImageSource& image, const ImageSource& reference,
+                                              const std::filesystem::path& out)>;
+    /// What `encode` makes of both; kept under their names and `what`.
+    Artefact encoded(const std::string& id, const std::string& what, const std::string& media_type,
+                     const Encode& encode);
     NamedSource source_named(const std::string& name, const std::string& pointer);
 
     ServiceCore& core_;

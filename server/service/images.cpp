@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "protocol/helper_messages.h"
 #include "server/clock_text.h"
 #include "server/service/pixel_files.h"
 #include "server/service/uploads.h"
@@ -21,6 +22,11 @@ json image_object(const ImageRow& row) {
             {"channels", row.channels},
             {"bytes", row.bytes},
             {"layers", row.layers.empty() ? json::array() : json::parse(row.layers)}};
+}
+
+/// As a row keeps them.
+std::string layers_text(const JudgeImageReply& image) {
+    return part_json(image.layers).dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
 }  // namespace
@@ -44,13 +50,12 @@ Added Images::add_image(const fs::path& path, const std::string& media_type) {
     const fs::path named = path.string() + extension;
     fs::rename(path, named);
     spooled.path = named;
-    const json found = judged(ErrorCode::BadImage, [&] {
-        return core_.helper->call({{"type", "judge_image"}, {"path", named.string()}});
-    });
-    row.width = found.value("width", int64_t{0});
-    row.height = found.value("height", int64_t{0});
-    row.channels = found.value("channels", int64_t{0});
-    row.layers = found.value("layers", json::array()).dump(-1, ' ', false, json::error_handler_t::replace);
+    const JudgeImageReply found =
+        judged(ErrorCode::BadImage, [&] { return core_.helper->ask(JudgeImageRequest{named}); });
+    row.width = found.width;
+    row.height = found.height;
+    row.channels = found.channels;
+    row.layers = layers_text(found);
     row.bytes = static_cast<int64_t>(fs::file_size(named));
     row.created_ms = now_ms();
 
@@ -76,9 +81,7 @@ std::optional<ImageRow> Images::find_image(const std::string& id) {
         row = core_.store.image(id);
     }
     if (!row || !row->layers.empty()) return row;
-    const json found =
-        core_.helper->call({{"type", "judge_image"}, {"path", (core_.files.images / row->file).string()}});
-    row->layers = found.value("layers", json::array()).dump(-1, ' ', false, json::error_handler_t::replace);
+    row->layers = layers_text(core_.helper->ask(JudgeImageRequest{core_.files.images / row->file}));
     const std::lock_guard lock(core_.mutex);
     core_.store.set_image_layers(id, row->layers);
     return row;
@@ -116,11 +119,11 @@ Artefact Images::image_pixels(const std::string& id, const std::string& layer, c
                     "image " + id + " has no layer '" + name + "'; " + (there.empty() ? "it has none" : there));
     return artefact_files_.artefact(
         "image/" + id + "/raw/" + name + "/" + precision, "application/octet-stream", [&](const fs::path& path) {
-            return pixel_headers(core_.helper->call({{"type", "encode_pixels"},
-                                                     {"image", (core_.files.images / row.file).string()},
-                                                     {"layer", name},
-                                                     {"precision", precision},
-                                                     {"out", path.string()}}));
+            return pixel_headers(
+                core_.helper->ask(EncodePixelsRequest{.source = {.image = core_.files.images / row.file},
+                                                      .layer = name,
+                                                      .precision = precision,
+                                                      .out = path}));
         });
 }
 

@@ -48,22 +48,21 @@ std::string curve_csv(const json& curve) {
 
 }  // namespace
 
-Artefact JobArtefacts::encode(const std::string& id, const std::string& what, const std::string& media_type,
-                              json request, bool with_statistics) {
+Artefact JobArtefacts::encoded(const std::string& id, const std::string& what, const std::string& media_type,
+                               const Encode& encode) {
     FilmSource film = films_.film_source(id);
     if (film.pending) return pending_artefact();
     return artefact_files_.artefact(film.cache_key + "/" + what, media_type, [&](const fs::path& path) {
         films_.pin(film);
-        request["film"] = film.path.string();
-        request["out"] = path.string();
-        if (with_statistics) request["statistics"] = film.statistics;
-        return pixel_headers(core_.helper->call(request));
+        return pixel_headers(encode(film, path));
     });
 }
 
 Artefact JobArtefacts::image(const std::string& id, const std::string& precision) {
     require_precision(precision);
-    return encode(id, "exr/" + precision, "image/x-exr", {{"type", "encode_exr"}, {"precision", precision}}, true);
+    return encoded(id, "exr/" + precision, "image/x-exr", [&](const FilmSource& film, const fs::path& out) {
+        return core_.helper->ask(EncodeExrRequest{film.path, film.statistics, precision, out});
+    });
 }
 
 Artefact JobArtefacts::preview(const std::string& id, const PreviewWanted& wanted) {
@@ -91,14 +90,11 @@ Artefact JobArtefacts::preview(const std::string& id, const PreviewWanted& wante
                    "the preview of " + wanted.layer + " has neither exposure nor tone curve");
     faults.throw_if_any();
     const json max_size = wanted.max_size ? json(*wanted.max_size) : json();
-    return encode(id, "png/" + wanted.layer + "/" + wanted.curve + "/" + json(exposure).dump() + "/" + max_size.dump(),
-                  "image/png",
-                  {{"type", "encode_preview"},
-                   {"layer", wanted.layer},
-                   {"exposure", exposure},
-                   {"curve", wanted.curve},
-                   {"max_size", max_size}},
-                  false);
+    return encoded(id, "png/" + wanted.layer + "/" + wanted.curve + "/" + json(exposure).dump() + "/" + max_size.dump(),
+                   "image/png", [&](const FilmSource& film, const fs::path& out) {
+                       return core_.helper->ask(
+                           EncodePreviewRequest{film.path, wanted.layer, exposure, wanted.curve, wanted.max_size, out});
+                   });
 }
 
 Artefact JobArtefacts::pixels(const std::string& id, const std::string& layer, const std::string& precision) {
@@ -106,8 +102,10 @@ Artefact JobArtefacts::pixels(const std::string& id, const std::string& layer, c
     const std::string name = layer.empty() ? "beauty" : layer;
     if (name != "beauty" && !find_layer(name))
         throw Error(ErrorCode::UnknownName, "/layer", "'" + name + "' is no layer");
-    return encode(id, "raw/" + name + "/" + precision, "application/octet-stream",
-                  {{"type", "encode_pixels"}, {"layer", name}, {"precision", precision}}, false);
+    return encoded(id, "raw/" + name + "/" + precision, "application/octet-stream",
+                   [&](const FilmSource& film, const fs::path& out) {
+                       return core_.helper->ask(EncodePixelsRequest{{.film = film.path}, name, precision, out});
+                   });
 }
 
 Artefact JobArtefacts::statistics(const std::string& id) {

@@ -1,9 +1,10 @@
 #pragma once
 // What can be downloaded of a job: encoded by the helper from the film on the disk, kept by content.
 
-#include <nlohmann/json.hpp>
+#include <functional>
 #include <string>
 
+#include "protocol/helper_messages.h"
 #include "server/service/artefact_files.h"
 #include "server/service/job_films.h"
 #include "server/service/job_objects.h"
@@ -23,9 +24,6 @@ public:
     Artefact image(const std::string& id, const std::string& precision);
     Artefact pixels(const std::string& id, const std::string& layer, const std::string& precision);
     Artefact preview(const std::string& id, const PreviewWanted& wanted);
-    /// What the helper makes of the job's film by `request`; kept under the film's name and `what`.
-    Artefact encode(const std::string& id, const std::string& what, const std::string& media_type,
-                    nlohmann::json request, bool with_statistics);
     /// The film itself.
     Artefact film(const std::string& id);
     Artefact statistics(const std::string& id);
@@ -34,6 +32,11 @@ public:
     Artefact log(const std::string& id);
 
 private:
+    using Encode = std::function<EncodedReply(const FilmSource& film, const std::filesystem::path& out)>;
+    /// What `encode` makes of the job's film; kept under the film's name and `what`.
+    Artefact encoded(const std::string& id, const std::string& what, const std::string& media_type,
+                     const Encode& encode);
+
     ServiceCore& core_;
     ArtefactFiles& artefact_files_;
     JobObjects& objects_;

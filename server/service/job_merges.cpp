@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "protocol/helper_messages.h"
 #include "protocol/object_reader.h"
 #include "renderer/core/sha256.h"
 #include "renderer/methods/registry.h"
@@ -67,8 +68,7 @@ void check_alike(const json& first, const json& other, const std::string& first_
                             .append(value.dump()));
 }
 
-JobRow merged_row(const std::vector<JobRow>& parts, const json& result) {
-    const json statistics = result.value("statistics", json::object());
+JobRow merged_row(const std::vector<JobRow>& parts, const MergeFilmsReply& merged) {
     json request = json::parse(parts.front().request);
     uint64_t first_pass = UINT64_MAX;
     for (const JobRow& part : parts)
@@ -84,15 +84,14 @@ JobRow merged_row(const std::vector<JobRow>& parts, const json& result) {
     row.finished_ms = row.created_ms;
     row.attempt = row.crashes = row.losses = 0;
     row.cancel_requested = row.purge_requested = false;
-    row.passes_done = result.value("passes_done", int64_t{0});
-    row.seconds = result.value("seconds", 0.0);
+    row.passes_done = merged.passes_done;
+    row.seconds = merged.seconds;
     row.progress = 1;
     request["first_pass"] = first_pass;
     request["stop"] = {{"seconds", nullptr}, {"passes", row.passes_done}, {"target", nullptr}};
     row.request = request.dump();
-    row.statistics = statistics.dump(-1, ' ', false, json::error_handler_t::replace);
-    const json hash = result.value("pixel_hash", json());
-    row.pixel_hash = hash.is_string() ? hash.get<std::string>() : "";
+    row.statistics = merged.statistics.dump(-1, ' ', false, json::error_handler_t::replace);
+    row.pixel_hash = merged.pixel_hash;
     row.failure.clear();
     row.attempts = row.artefacts = "[]";
     row.curve.clear();
@@ -132,7 +131,7 @@ json JobMerges::merge_jobs(const json& body, const std::optional<std::string>& k
     const std::string body_sha256 = sha256_hex(said.data(), said.size());
     std::vector<JobRow> parts;
     std::vector<FilmSource> films;  // held by names of their own: a job may be purged meanwhile
-    json order{{"type", "merge_films"}, {"films", json::array()}};
+    MergeFilmsRequest order;
     {
         const std::lock_guard lock(core_.mutex);
         if (key)
@@ -145,18 +144,18 @@ json JobMerges::merge_jobs(const json& body, const std::optional<std::string>& k
             film.path = core_.files.films / part.film;
             films_.pin(film);
             bytes = std::max<uint64_t>(bytes, fs::file_size(film.path));
-            order["films"].push_back(film.path.string());
+            order.films.push_back(film.path);
         }
         core_.check_disk(bytes);
     }
     FilmSource merged;
     merged.path = core_.files.fresh_spool_path();
-    order["job_request"] = json::parse(parts.front().request);
-    order["scene_id"] = parts.front().scene;
-    order["out"] = merged.path.string();
-    json result;
+    order.job_request = json::parse(parts.front().request);
+    order.scene_id = parts.front().scene;
+    order.out = merged.path;
+    MergeFilmsReply reply;
     try {
-        result = core_.helper->call(order);
+        reply = core_.helper->ask(std::move(order));
     } catch (const Error& error) {
         remove_quietly(merged.path);
         std::vector<Fault> faults = error.faults;
@@ -164,7 +163,7 @@ json JobMerges::merge_jobs(const json& body, const std::optional<std::string>& k
             if (fault.pointer.starts_with("/films")) fault.pointer.replace(0, 6, "/jobs");
         throw Error(error.code, error.what(), std::move(faults));
     }
-    return add_merged(merged_row(parts, result), merged.path, ids, key, body_sha256);
+    return add_merged(merged_row(parts, reply), merged.path, ids, key, body_sha256);
 }
 
 json JobMerges::add_merged(JobRow row, const fs::path& film, const std::vector<std::string>& ids,

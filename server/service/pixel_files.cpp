@@ -1,10 +1,6 @@
 #include "server/service/pixel_files.h"
 
-#include <utility>
-
 namespace photond {
-
-using nlohmann::json;
 
 void check_precision(const std::string& precision, BodyFaults& faults) {
     if (precision != "float" && precision != "half")
@@ -17,16 +13,16 @@ void require_precision(const std::string& precision) {
     faults.throw_if_any();
 }
 
-std::map<std::string, std::string> pixel_headers(const json& result) {
+std::map<std::string, std::string> pixel_headers(const EncodedReply& encoded) {
     std::map<std::string, std::string> headers;
-    const std::pair<const char*, const char*> shown[] = {{"width", "X-Image-Width"},
-                                                         {"height", "X-Image-Height"},
-                                                         {"channels", "X-Image-Channels"},
-                                                         {"overflowed", "X-Image-Overflowed"},
-                                                         {"mean", "X-Flip-Mean"}};
-    for (const auto& [member, header] : shown)
-        if (const auto found = result.find(member); found != result.end() && found->is_number())
-            headers[header] = found->dump();
+    const auto add = [&](const char* header, const auto& value) {
+        if (value) headers[header] = nlohmann::json(*value).dump();
+    };
+    add("X-Image-Width", encoded.width);
+    add("X-Image-Height", encoded.height);
+    add("X-Image-Channels", encoded.channels);
+    add("X-Image-Overflowed", encoded.overflowed);
+    add("X-Flip-Mean", encoded.mean);
     return headers;
 }
 

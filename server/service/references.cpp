@@ -104,14 +104,14 @@ std::string References::waiting_text(const JobRow& row) {
     return seq ? "; waits for its reference, job " + job_id(*seq) : "";
 }
 
-json References::reference_source(const JobRow& row) {
+std::optional<ImageSource> References::reference_source(const JobRow& row) {
     const json request = json::parse(row.request);
     const json reference = request.value("reference", json());
-    if (reference.is_null()) return nullptr;
+    if (reference.is_null()) return std::nullopt;
     if (reference.is_string() && reference.get_ref<const std::string&>().starts_with("image:")) {
         const auto image = core_.store.image(reference.get<std::string>().substr(6));
         if (!image) throw Error(ErrorCode::WrongState, "its reference, " + reference.get<std::string>() + ", is gone");
-        return {{"image", (core_.files.images / image->file).string()}};
+        return ImageSource{.image = core_.files.images / image->file};
     }
     if (!row.reference_job) throw Error(ErrorCode::WrongState, "its reference has been lost");
     const auto source = core_.store.job(*row.reference_job);
@@ -119,7 +119,7 @@ json References::reference_source(const JobRow& row) {
     // One that was asked for by its method must be as it was asked for; of a job that is named, whatever it left will
     // do.
     const bool enough = reference.is_object() ? source->state == JobState::Succeeded : is_over(source->state);
-    if (enough && !source->film.empty()) return {{"film", (core_.files.films / source->film).string()}};
+    if (enough && !source->film.empty()) return ImageSource{.film = core_.files.films / source->film};
     std::string fate = " ended without a film";
     if (source->state == JobState::Cancelled) fate = " was cancelled";
     if (source->state == JobState::Failed)

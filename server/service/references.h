@@ -7,6 +7,7 @@
 #include <string>
 
 #include "protocol/job.h"
+#include "protocol/message_parts.h"
 #include "server/service/prepared_job.h"
 #include "server/service/scenes.h"
 #include "server/service/service_core.h"
@@ -35,9 +36,9 @@ public:
     /// The job that is not over yet and that this one is measured against.
     std::optional<int64_t> waits_for(const JobRow& row);
     std::string waiting_text(const JobRow& row);  // for the log; empty when it does not wait
-    /// {"film": path}, {"image": path} or null: what a job is measured against, once that is over. Throws WrongState,
-    /// with the reason, where it is lost.
-    nlohmann::json reference_source(const JobRow& row);
+    /// What a job is measured against, once that is over; empty for a job without a reference. Throws WrongState, with
+    /// the reason, where it is lost.
+    std::optional<ImageSource> reference_source(const JobRow& row);
     /// Throws WrongState, naming one, while jobs that are not over are measured against this one; with `running` only
     /// those that run now count.
     void check_unused(const JobRow& row, bool running);

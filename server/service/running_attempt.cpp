@@ -6,8 +6,6 @@
 
 namespace photond {
 
-using nlohmann::json;
-
 Snapshot::~Snapshot() { remove_quietly(path); }
 
 void Totals::add(const RunningAttempt& attempt) {
@@ -18,15 +16,16 @@ void Totals::add(const RunningAttempt& attempt) {
     render_seconds += std::max(0.0, attempt.seconds - attempt.seconds_before);
 }
 
-void Totals::add(const RunningAttempt& attempt, const json& rendered) {
-    if (!rendered.is_object()) return add(attempt);
-    const int64_t count = rendered.value("passes", int64_t{0});
-    passes += count;
-    pixels += count * attempt.pixels;
-    render_seconds += rendered.value("seconds", 0.0);
-    photons += rendered.value("photons", uint64_t{0});
-    const json traced = rendered.value("rays", json::object());
-    for (const auto& [kind, number] : traced.items()) rays[kind] += number.get<uint64_t>();
+void Totals::add(const RunningAttempt& attempt, const std::optional<RenderedWork>& rendered) {
+    if (!rendered) return add(attempt);
+    passes += rendered->passes;
+    pixels += rendered->passes * attempt.pixels;
+    render_seconds += rendered->seconds;
+    photons += rendered->photons;
+    rays["camera"] += rendered->rays.camera;
+    rays["bounce"] += rendered->rays.bounce;
+    rays["shadow"] += rendered->rays.shadow;
+    rays["photon"] += rendered->rays.photon;
 }
 
 }  // namespace photond

@@ -9,7 +9,10 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
+
+#include "protocol/worker_messages.h"
 
 namespace photond {
 
@@ -65,8 +68,8 @@ struct Totals {
     double render_seconds = 0;
 
     void add(const RunningAttempt& attempt);
-    /// An attempt that has ended; `rendered` as in "finished", null where that was not said.
-    void add(const RunningAttempt& attempt, const nlohmann::json& rendered);
+    /// An attempt that has ended; `rendered` as its worker said.
+    void add(const RunningAttempt& attempt, const std::optional<RenderedWork>& rendered);
 };
 
 }  // namespace photond

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <fstream>
 
+#include "protocol/helper_messages.h"
 #include "protocol/nearest_name.h"
 #include "protocol/param_json.h"
 #include "renderer/scene/builtin_scenes.h"
@@ -82,7 +83,7 @@ json Scenes::builtin_object(const std::string& name) {
         const std::lock_guard lock(builtin_mutex_);
         if (const auto found = builtin_summaries_.find(name); found != builtin_summaries_.end()) return found->second;
     }
-    json object = core_.helper->call({{"type", "judge_scene"}, {"builtin", name}});
+    json object = core_.helper->ask(JudgeSceneRequest{.builtin = name});
     object["id"] = object["name"] = name;
     object["builtin"] = true;
     object["bytes"] = 0;
@@ -108,11 +109,10 @@ json Scenes::summary_of(const SceneRef& scene) {
     return found != builtin_summaries_.end() ? found->second : json::object();
 }
 
-json Scenes::scene_order(const SceneRef& scene) const {
-    if (scene.builtin) return {{"id", scene.id}, {"builtin", scene.id}, {"root", nullptr}, {"file", nullptr}};
+SceneSource Scenes::scene_source(const SceneRef& scene) const {
+    if (scene.builtin) return {.id = scene.id, .builtin = scene.id};
     const fs::path root = core_.files.scenes / scene.id;
-    return {
-        {"id", scene.id}, {"builtin", nullptr}, {"root", root.string()}, {"file", (root / scene.row->file).string()}};
+    return {.id = scene.id, .root = root, .file = root / scene.row->file};
 }
 
 Added Scenes::add_scene(SceneUpload upload) {
@@ -127,11 +127,10 @@ Added Scenes::add_scene(SceneUpload upload) {
         root.path = core_.files.fresh_spool_path();
         fs::create_directory(root.path);
         if (upload.kind == SceneUpload::Kind::Zip) {
-            const json unpacked = judged(ErrorCode::BadScene, [&] {
-                return core_.helper->call(
-                    {{"type", "unpack"}, {"zip", upload.path.string()}, {"root", root.path.string()}});
+            const UnpackReply unpacked = judged(ErrorCode::BadScene, [&] {
+                return core_.helper->ask(UnpackRequest{upload.path, root.path});
             });
-            file = fs::path(unpacked.value("file", "")).lexically_relative(root.path);
+            file = unpacked.file.lexically_relative(root.path);
         } else {
             file = "scene.glb";
             fs::rename(upload.path, root.path / file);
@@ -151,10 +150,7 @@ Added Scenes::add_scene(SceneUpload upload) {
         if (const auto known = core_.store.scene(row.id)) return {scene_object(*known), false};
     }
     json summary = judged(ErrorCode::BadScene, [&] {
-        return core_.helper->call({{"type", "judge_scene"},
-                                   {"root", root.path.string()},
-                                   {"file", (root.path / file).string()},
-                                   {"name", row.name}});
+        return core_.helper->ask(JudgeSceneRequest{.root = root.path, .file = root.path / file, .name = row.name});
     });
     uint64_t bytes = 0;
     for (const fs::path& part : tree) bytes += fs::file_size(root.path / part);
@@ -219,9 +215,9 @@ json Scenes::get_scene(const std::string& id_or_name) {
     if (scene.builtin) return builtin_object(scene.id);
     json object = scene_object(*scene.row);
     if (!object["default_view"].is_null()) return object;
-    const json order = scene_order(scene);
-    json summary = core_.helper->call(
-        {{"type", "judge_scene"}, {"root", order["root"]}, {"file", order["file"]}, {"name", scene.row->name}});
+    const SceneSource source = scene_source(scene);
+    json summary =
+        core_.helper->ask(JudgeSceneRequest{.root = source.root, .file = source.file, .name = scene.row->name});
     summary["bytes"] = object["bytes"];
     scene.row->summary = summary.dump(-1, ' ', false, json::error_handler_t::replace);
     const std::lock_guard lock(core_.mutex);
@@ -232,7 +228,7 @@ json Scenes::get_scene(const std::string& id_or_name) {
 Artefact Scenes::thumbnail(const std::string& id_or_name) {
     const SceneRef scene = require_scene(id_or_name);
     return artefact_files_.artefact("scene/" + scene.id + "/thumbnail", "image/png", [&](const fs::path& path) {
-        core_.helper->call({{"type", "thumbnail"}, {"scene", scene_order(scene)}, {"out", path.string()}});
+        core_.helper->ask(ThumbnailRequest{scene_source(scene), path});
         return std::map<std::string, std::string>();
     });
 }
@@ -247,18 +243,14 @@ std::string Scenes::scene_preview(const std::string& id_or_name, const ScenePrev
             throw Error(ErrorCode::UnknownName, "/camera",
                         "the scene has no camera '" + wanted.camera + "'" + did_you_mean(wanted.camera, names));
     }
-    json look_at;
-    if (const auto& view = wanted.look_at)
-        look_at = {{"eye", view->eye}, {"target", view->target}, {"up", view->up}, {"yfov", view->yfov}};
     const Spooled out{core_.files.fresh_spool_path()};
-    core_.helper->call({{"type", "preview_scene"},
-                        {"scene", scene_order(scene)},
-                        {"camera", wanted.camera.empty() ? json() : json(wanted.camera)},
-                        {"look_at", look_at},
-                        {"width", wanted.width},
-                        {"height", wanted.height},
-                        {"passes", wanted.passes},
-                        {"out", out.path.string()}});
+    core_.helper->ask(PreviewSceneRequest{.scene = scene_source(scene),
+                                          .camera = wanted.camera,
+                                          .look_at = wanted.look_at ? to_json(*wanted.look_at) : json(),
+                                          .width = wanted.width,
+                                          .height = wanted.height,
+                                          .passes = wanted.passes,
+                                          .out = out.path});
     std::ifstream file(out.path, std::ios::binary);
     return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
@@ -269,10 +261,7 @@ Artefact Scenes::baked_scene(const std::string& id_or_name) {
         "scene/" + scene.id + "/baked", "application/octet-stream", [&](const fs::path& path) {
             const uint64_t free = core_.files.free_bytes(), reserve = core_.options.limits.disk_reserve_bytes;
             try {
-                core_.helper->call({{"type", "bake"},
-                                    {"scene", scene_order(scene)},
-                                    {"max_bytes", free - std::min(free, reserve)},
-                                    {"out", path.string()}});
+                core_.helper->ask(BakeRequest{scene_source(scene), free - std::min(free, reserve), path});
             } catch (const Error& error) {
                 switch (error.code) {
                     case ErrorCode::OutOfMemory:

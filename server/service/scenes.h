@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "protocol/message_parts.h"
 #include "server/service/artefact_files.h"
 #include "server/service/service_core.h"
 #include "server/service/service_types.h"
@@ -54,8 +55,8 @@ public:
     // With the lock or without it:
     /// What the helper said of it; of a built-in one nothing before it was judged. Does not wait.
     nlohmann::json summary_of(const SceneRef& scene);
-    /// "scene" of a render order.
-    nlohmann::json scene_order(const SceneRef& scene) const;
+    /// Where processes of ours find it.
+    SceneSource scene_source(const SceneRef& scene) const;
 
 private:
     SceneRef require_scene(const std::string& id_or_name);  // takes the lock

@@ -9,8 +9,6 @@
 
 namespace photond {
 
-using nlohmann::json;
-
 namespace {
 
 /// The target is looked at again when the passes have grown by this share.
@@ -163,9 +161,9 @@ void ErrorFollower::finish(const Film& film, double seconds) {
     met_by(curve_.back().metrics);
 }
 
-json ErrorFollower::error_now() const {
-    if (!error_now_) return nullptr;
-    return {{"metric", plan_.now.name()}, {"value", *error_now_}};
+std::optional<ErrorNow> ErrorFollower::error_now() const {
+    if (!error_now_) return std::nullopt;
+    return ErrorNow{plan_.now.name(), *error_now_};
 }
 
 }  // namespace photond

@@ -3,11 +3,11 @@
 // it off the job's clock.
 
 #include <functional>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <vector>
 
 #include "protocol/job.h"
+#include "protocol/worker_messages.h"
 #include "renderer/core/stats.h"
 #include "renderer/error/curve.h"
 #include "server/worker/film_errors.h"
@@ -27,7 +27,7 @@ struct MeasuringPlan {
     std::vector<LayerMetric> estimated;
     std::optional<LayerMetric> target;
     double target_value = 0;
-    LayerMetric now;               // the metric of "error_now"
+    LayerMetric now;               // the metric of error_now()
     std::set<std::string> layers;  // all that are measured
 
     /// With a reference: all metrics of the beauty that cost little, those the request names and its target's.
@@ -54,8 +54,8 @@ public:
     void finish(const Film& film, double seconds);
 
     const std::vector<CurvePoint>& curve() const { return curve_; }
-    /// {"metric", "value"}, null before there is a value.
-    nlohmann::json error_now() const;
+    /// Empty before there is a value.
+    std::optional<ErrorNow> error_now() const;
     const MeasuringPlan& plan() const { return plan_; }
 
 private:

@@ -12,7 +12,6 @@
 #include "renderer/film/exr_file.h"
 #include "renderer/film/png_file.h"
 #include "server/worker/error_statistics.h"
-#include "server/worker/helper_message.h"
 #include "server/worker/raw_pixels.h"
 #include "server/worker/reference_image.h"
 
@@ -52,21 +51,21 @@ uint64_t bytes_of(const ReferenceImage& image) {
 }
 
 /// Faults of the file are put to the field that names it.
-ReferenceImage load_source(const json& message, const char* key, uint64_t memory_bytes) {
-    const std::string pointer = std::string("/") + key;
-    if (!message.contains(key)) throw Error(ErrorCode::MissingField, pointer, "must be a film or an image");
+ReferenceImage load_source(const ImageSource& source, const char* pointer, uint64_t memory_bytes) {
     try {
-        return load_reference(message[key], memory_bytes);
+        return load_reference(source, memory_bytes);
     } catch (const Error& error) {
         throw Error(error.code, pointer, error.what());
     }
 }
 
-ImagePair load_pair(const json& message, uint64_t memory_bytes) {
+/// Of a request that has both.
+template <class Request>
+ImagePair load_pair(const Request& asked, uint64_t memory_bytes) {
     ImagePair pair;
-    pair.image = load_source(message, "image", memory_bytes);
+    pair.image = load_source(asked.image, "/image", memory_bytes);
     const uint64_t left = memory_bytes - std::min(memory_bytes, bytes_of(pair.image));
-    pair.reference = load_source(message, "reference", left);
+    pair.reference = load_source(asked.reference, "/reference", left);
     if (pair.image.size != pair.reference.size)
         throw Error(
             ErrorCode::Conflict, "/image",
@@ -95,19 +94,16 @@ LayerMetric metric_named(const std::string& name, const std::string& pointer) {
                     (near.empty() ? "there are " + all : "did you mean \"" + near + "\"?"));
 }
 
-std::vector<WantedMetric> wanted_metrics(const json& message) {
+std::vector<WantedMetric> wanted_metrics(const std::optional<std::vector<std::string>>& names) {
     std::vector<WantedMetric> wanted;
-    const json names = message.value("metrics", json(nullptr));
-    if (names.is_null()) {
+    if (!names) {
         for (const MetricInfo& info : kMetrics)
             if (info.needs_reference && !info.costly) wanted.push_back({{"beauty", info.metric}, "/metrics"});
         return wanted;
     }
-    if (!names.is_array()) throw Error(ErrorCode::WrongType, "/metrics", "must be a list of names");
-    for (size_t i = 0; i < names.size(); ++i) {
+    for (size_t i = 0; i < names->size(); ++i) {
         const std::string pointer = "/metrics/" + std::to_string(i);
-        if (!names[i].is_string()) throw Error(ErrorCode::WrongType, pointer, "must be a name");
-        wanted.push_back({metric_named(names[i].get<std::string>(), pointer), pointer});
+        wanted.push_back({metric_named((*names)[i], pointer), pointer});
     }
     return wanted;
 }
@@ -180,12 +176,12 @@ public:
         if (!why.empty()) note(name + ": " + why);
     }
 
-    json result() {
+    MeasureReply result() {
         const bool known = std::any_of(reference_error_.begin(), reference_error_.end(),
                                        [](const json& value) { return !value.is_null(); });
         if (known)
             for (const std::string& warning : noise_warnings(values_, reference_error_)) note(warning);
-        return {{"metrics", values_}, {"reference_error", known ? reference_error_ : json(nullptr)}, {"notes", notes_}};
+        return {values_, known ? reference_error_ : json(nullptr), notes_};
     }
 
 private:
@@ -216,19 +212,13 @@ private:
 
     ImagePair pair_;
     std::map<std::string, MeasuredLayer> layers_;
-    json values_ = json::object(), reference_error_ = json::object(), notes_ = json::array();
+    json values_ = json::object(), reference_error_ = json::object();
+    std::vector<std::string> notes_;
 };
 
 // --- Pictures
 
-std::string layer_in(const json& message) {
-    const json layer = message.value("layer", json("beauty"));
-    if (!layer.is_string()) throw Error(ErrorCode::WrongType, "/layer", "must be a name");
-    return layer.get<std::string>();
-}
-
-FlipRange range_in(const json& message) {
-    const std::string name = text_of(message, "range");
+FlipRange flip_range_named(const std::string& name) {
     if (name == "ldr") return FlipRange::Ldr;
     if (name == "hdr") return FlipRange::Hdr;
     throw Error(ErrorCode::UnknownName, "/range", "range \"" + name + "\" is neither ldr nor hdr");
@@ -239,13 +229,14 @@ struct SizedFlipMap {
     FlipMap map;
 };
 
-SizedFlipMap measure_flip(const json& message, uint64_t memory_bytes) {
-    const FlipRange range = range_in(message);
-    const std::string layer = layer_in(message);
-    const ImagePair pair = load_pair(message, memory_bytes);
-    require_layer(pair, layer, "/layer");
-    return {pair.image.size,
-            Flip(pair.image.size, pair.reference.layers.at(layer), range).measure(pair.image.layers.at(layer))};
+template <class Request>
+SizedFlipMap measure_flip(const Request& asked, uint64_t memory_bytes) {
+    const FlipRange range = flip_range_named(asked.range);
+    const ImagePair pair = load_pair(asked, memory_bytes);
+    require_layer(pair, asked.layer, "/layer");
+    return {
+        pair.image.size,
+        Flip(pair.image.size, pair.reference.layers.at(asked.layer), range).measure(pair.image.layers.at(asked.layer))};
 }
 
 /// 0 at kLeastMappedError and below, 1 at kGreatestMappedError and above.
@@ -258,15 +249,15 @@ float on_log_scale(double error) {
 
 }  // namespace
 
-json measure_images(const json& message, uint64_t memory_bytes) {
-    const std::vector<WantedMetric> wanted = wanted_metrics(message);
-    Measuring measuring(load_pair(message, memory_bytes));
+MeasureReply measure_images(const MeasureRequest& asked, uint64_t memory_bytes) {
+    const std::vector<WantedMetric> wanted = wanted_metrics(asked.metrics);
+    Measuring measuring(load_pair(asked, memory_bytes));
     for (const WantedMetric& metric : wanted) measuring.add(metric);
     return measuring.result();
 }
 
-json encode_difference(const json& message, uint64_t memory_bytes) {
-    ImagePair pair = load_pair(message, memory_bytes);
+void encode_difference(const EncodeDifferenceRequest& asked, uint64_t memory_bytes) {
+    ImagePair pair = load_pair(asked, memory_bytes);
     std::vector<ImageLayer> differences;
     const auto add = [&](const std::string& layer) {
         if (!missing_layer(pair, layer).empty()) return;
@@ -277,34 +268,33 @@ json encode_difference(const json& message, uint64_t memory_bytes) {
     };
     add("beauty");
     for (const LayerInfo& info : kLayers) add(std::string(info.name));
-    write_exr(pair.image.size, std::move(differences), Precision::Float, {}, text_of(message, "out"));
-    return json::object();
+    write_exr(pair.image.size, std::move(differences), Precision::Float, {}, asked.out);
 }
 
-json encode_flip(const json& message, uint64_t memory_bytes) {
-    const SizedFlipMap flip = measure_flip(message, memory_bytes);
-    write_png(flip.size, color_mapped(flip.map.values), text_of(message, "out"));
-    return {{"mean", flip.map.mean}};
+EncodedReply encode_flip(const EncodeFlipRequest& asked, uint64_t memory_bytes) {
+    const SizedFlipMap flip = measure_flip(asked, memory_bytes);
+    write_png(flip.size, color_mapped(flip.map.values), asked.out);
+    EncodedReply reply;
+    reply.mean = flip.map.mean;
+    return reply;
 }
 
-json encode_flip_map(const json& message, uint64_t memory_bytes) {
-    const Precision precision = precision_of(message);
-    const SizedFlipMap flip = measure_flip(message, memory_bytes);
-    json result = write_raw_pixels(flip.size, 1, flip.map.values, precision, text_of(message, "out"));
-    result["mean"] = flip.map.mean;
-    return result;
+EncodedReply encode_flip_map(const EncodeFlipMapRequest& asked, uint64_t memory_bytes) {
+    const Precision precision = precision_named(asked.precision);
+    const SizedFlipMap flip = measure_flip(asked, memory_bytes);
+    EncodedReply reply = write_raw_pixels(flip.size, 1, flip.map.values, precision, asked.out);
+    reply.mean = flip.map.mean;
+    return reply;
 }
 
-json encode_error_map(const json& message, uint64_t memory_bytes) {
-    const std::string layer = layer_in(message);
-    ImagePair pair = load_pair(message, memory_bytes);
-    require_layer(pair, layer, "/layer");
-    const ErrorMeter meter(pair.image.size, std::move(pair.reference.layers.at(layer)));
-    const std::vector<double> errors = meter.relative_errors(pair.image.layers.at(layer));
+void encode_error_map(const EncodeErrorMapRequest& asked, uint64_t memory_bytes) {
+    ImagePair pair = load_pair(asked, memory_bytes);
+    require_layer(pair, asked.layer, "/layer");
+    const ErrorMeter meter(pair.image.size, std::move(pair.reference.layers.at(asked.layer)));
+    const std::vector<double> errors = meter.relative_errors(pair.image.layers.at(asked.layer));
     std::vector<float> shown(pair.image.size.pixels(), std::numeric_limits<float>::quiet_NaN());
     std::transform(errors.begin(), errors.end(), shown.begin(), on_log_scale);
-    write_png(pair.image.size, color_mapped(shown), text_of(message, "out"));
-    return json::object();
+    write_png(pair.image.size, color_mapped(shown), asked.out);
 }
 
 }  // namespace photond

@@ -4,7 +4,6 @@
 #include "renderer/film/film_file.h"
 #include "server/job_vocabulary.h"
 #include "server/worker/film_history.h"
-#include "server/worker/helper_message.h"
 #include "server/worker/statistics.h"
 
 namespace photond {
@@ -18,19 +17,7 @@ struct JoinedFilms {
     FilmHistory history;
 };
 
-std::vector<std::string> film_paths(const json& message) {
-    const json films = message.value("films", json(nullptr));
-    if (!films.is_array() || films.empty()) throw Error(ErrorCode::MissingField, "/films", "must name films");
-    std::vector<std::string> paths;
-    for (size_t i = 0; i < films.size(); ++i) {
-        if (!films[i].is_string())
-            throw Error(ErrorCode::WrongType, "/films/" + std::to_string(i), "must be the path of a film");
-        paths.push_back(films[i].get<std::string>());
-    }
-    return paths;
-}
-
-void join(JoinedFilms& joined, const std::string& path, uint64_t memory_bytes) {
+void join(JoinedFilms& joined, const std::filesystem::path& path, uint64_t memory_bytes) {
     const uint64_t held = joined.saved.film.bytes();
     const SavedFilm next = FilmFile::load(path, memory_bytes - std::min(memory_bytes, held));
     require_alike(joined.saved.identity, next.identity);
@@ -39,14 +26,14 @@ void join(JoinedFilms& joined, const std::string& path, uint64_t memory_bytes) {
     joined.history += history;
 }
 
-JoinedFilms first_film(const std::string& path, uint64_t memory_bytes) {
+JoinedFilms first_film(const std::filesystem::path& path, uint64_t memory_bytes) {
     SavedFilm saved = FilmFile::load(path, memory_bytes);
     require_alike(saved.identity, saved.identity);  // it must say what it is
     FilmHistory history = FilmHistory::parse(saved.history);
     return {std::move(saved), std::move(history)};
 }
 
-JoinedFilms join_all(const std::vector<std::string>& paths, uint64_t memory_bytes) {
+JoinedFilms join_all(const std::vector<std::filesystem::path>& paths, uint64_t memory_bytes) {
     size_t at = 0;
     try {
         JoinedFilms joined = first_film(paths[0], memory_bytes);
@@ -87,21 +74,16 @@ json statistics_of(const JoinedFilms& joined, const JobRequest& request, const s
 
 }  // namespace
 
-json merge_films(const json& message, uint64_t memory_bytes) {
-    const std::vector<std::string> paths = film_paths(message);
-    const std::string scene_id = text_of(message, "scene_id"), out = text_of(message, "out");
-    if (!message.contains("job_request")) throw Error(ErrorCode::MissingField, "/job_request", "must be a job");
-    const JobRequest request = parse_job_request(message["job_request"], job_vocabulary());
-    const JoinedFilms joined = join_all(paths, memory_bytes);
+MergeFilmsReply merge_films(const MergeFilmsRequest& asked, uint64_t memory_bytes) {
+    if (asked.films.empty()) throw Error(ErrorCode::MissingField, "/films", "must name films");
+    const JobRequest request = parse_job_request(asked.job_request, job_vocabulary());
+    const JoinedFilms joined = join_all(asked.films, memory_bytes);
     const Film& film = joined.saved.film;
     if (film.passes() == 0) throw Error(ErrorCode::Internal, "/films", "the films have no pass");
-    json statistics = statistics_of(joined, request, scene_id);
-    FilmFile::save(film, joined.saved.identity, joined.history.text(), out);
-    json pixel_hash = statistics["pixel_hash"];
-    return {{"passes_done", film.passes()},
-            {"seconds", joined.history.seconds},
-            {"statistics", std::move(statistics)},
-            {"pixel_hash", std::move(pixel_hash)}};
+    json statistics = statistics_of(joined, request, asked.scene_id);
+    FilmFile::save(film, joined.saved.identity, joined.history.text(), asked.out);
+    std::string pixel_hash = statistics["pixel_hash"];
+    return {film.passes(), joined.history.seconds, std::move(statistics), std::move(pixel_hash)};
 }
 
 }  // namespace photond

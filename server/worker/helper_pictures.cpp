@@ -7,13 +7,10 @@
 #include "renderer/film/box_downscale.h"
 #include "renderer/film/png_file.h"
 #include "renderer/film/tone_curve.h"
-#include "server/worker/helper_message.h"
 #include "server/worker/job_runner.h"
 #include "server/worker/preview_image.h"
 
 namespace photond {
-
-using nlohmann::json;
 
 namespace {
 
@@ -33,13 +30,12 @@ JobRequest picture_request(Size2 size, uint32_t passes) {
     return request;
 }
 
-PreviewImage draw(const json& message, const JobRequest& request, uint64_t memory_bytes, SceneCache& scenes) {
+PreviewImage draw(const SceneSource& source, const JobRequest& request, uint64_t memory_bytes, SceneCache& scenes) {
     Stats stats;
     MemoryBudget budget(memory_bytes);
     SceneVariant variant;
     variant.light_if_dark = true;
-    const std::shared_ptr<const ReadyScene> ready =
-        scenes.get(SceneSource::from_json(message.at("scene")), variant, budget, stats);
+    const std::shared_ptr<const ReadyScene> ready = scenes.get(source, variant, budget, stats);
     const std::unique_ptr<Method> method = make_method(request);
     const RenderContext context{ready->scene, ready->intersector.get(), resolve_view(request, ready->scene),
                                 request.seed, budget};
@@ -53,42 +49,35 @@ PreviewImage draw(const json& message, const JobRequest& request, uint64_t memor
     return {size, tone_mapped(beauty, exposure_stops, ToneCurve::Filmic)};
 }
 
-std::array<double, 3> point_in(const json& source) {
-    return {source.at(0).get<double>(), source.at(1).get<double>(), source.at(2).get<double>()};
-}
-
-JobCamera camera_in(const json& message) {
+JobCamera camera_of(const PreviewSceneRequest& asked) {
     JobCamera camera;
-    if (const json name = message.value("camera", json(nullptr)); name.is_string()) camera.name = name;
-    if (const json look_at = message.value("look_at", json(nullptr)); look_at.is_object())
-        camera.look_at = {.eye = point_in(look_at.at("eye")),
-                          .target = point_in(look_at.at("target")),
-                          .up = point_in(look_at.at("up")),
-                          .yfov = look_at.at("yfov").get<double>()};
+    camera.name = asked.camera;
+    if (!asked.look_at.is_null()) {
+        BodyFaults faults;
+        camera.look_at = read_look_at(asked.look_at, "/look_at", faults);
+        faults.throw_if_any();
+    }
     return camera;
 }
 
 }  // namespace
 
-json thumbnail(const json& message, uint64_t memory_bytes, SceneCache& scenes) {
+void thumbnail(const ThumbnailRequest& asked, uint64_t memory_bytes, SceneCache& scenes) {
     const JobRequest request = picture_request({kThumbnailWidth, kThumbnailHeight}, kThumbnailPasses);
-    const PreviewImage picture = draw(message, request, memory_bytes, scenes);
-    write_png(picture.size, picture.rgb, text_of(message, "out"));
-    return json::object();
+    const PreviewImage picture = draw(asked.scene, request, memory_bytes, scenes);
+    write_png(picture.size, picture.rgb, asked.out);
 }
 
-json preview_scene(const json& message, uint64_t memory_bytes, SceneCache& scenes) {
-    JobRequest request = picture_request({message.at("width").get<uint32_t>(), message.at("height").get<uint32_t>()},
-                                         message.at("passes").get<uint32_t>());
-    request.camera = camera_in(message);
-    const PreviewImage picture = draw(message, request, memory_bytes, scenes);
+void preview_scene(const PreviewSceneRequest& asked, uint64_t memory_bytes, SceneCache& scenes) {
+    JobRequest request = picture_request({asked.width, asked.height}, asked.passes);
+    request.camera = camera_of(asked);
+    const PreviewImage picture = draw(asked.scene, request, memory_bytes, scenes);
     const std::vector<uint8_t> png = encode_png(picture.size, picture.rgb, kQuickCompression);
     // Nobody keeps it: what a power cut leaves of it does not matter, and waiting for the disk would be felt.
-    std::ofstream out(text_of(message, "out"), std::ios::binary);
+    std::ofstream out(asked.out, std::ios::binary);
     out.write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
     out.close();
     if (!out) throw Error(ErrorCode::NoSpace, "the picture cannot be written");
-    return json::object();
 }
 
 }  // namespace photond

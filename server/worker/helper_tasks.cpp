@@ -5,8 +5,9 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <variant>
 
-#include "protocol/worker_messages.h"
+#include "protocol/helper_messages.h"
 #include "renderer/film/exr_file.h"
 #include "renderer/film/film_file.h"
 #include "renderer/film/png_file.h"
@@ -15,7 +16,6 @@
 #include "server/worker/film_layer.h"
 #include "server/worker/helper_errors.h"
 #include "server/worker/helper_merge.h"
-#include "server/worker/helper_message.h"
 #include "server/worker/helper_pictures.h"
 #include "server/worker/job_runner.h"
 #include "server/worker/preview_image.h"
@@ -34,146 +34,168 @@ namespace {
 constexpr uint64_t kKeptBytes = 512ull << 20;
 constexpr uint64_t kWarmSceneDivisor = 4;  // share of the memory limit that a scene kept for the next picture may take
 
-json judge_scene(const json& message) {
+json judge_scene(const JudgeSceneRequest& asked) {
     Stats stats;
-    const bool builtin = message.contains("builtin") && message["builtin"].is_string();
-    const Scene scene = load_scene(SceneSource::from_json(message), {}, stats);
-    const std::string name = message.contains("name") && message["name"].is_string()
-                                 ? message["name"].get<std::string>()
-                                 : (builtin ? message["builtin"].get<std::string>() : "");
-    return scene_summary(scene, name, builtin);
+    const Scene scene = load_scene({"", asked.builtin, asked.root, asked.file}, {}, stats);
+    return scene_summary(scene, asked.name.empty() ? asked.builtin : asked.name, !asked.builtin.empty());
 }
 
-json unpack(const json& message) {
-    return {{"file", unpack_scene(text_of(message, "zip"), text_of(message, "root")).string()}};
-}
-
-json bake(const json& message, const HelperLimits& limits) {
-    const uint64_t free = message.at("max_bytes").get<uint64_t>();
+BakeReply bake(const BakeRequest& asked, uint64_t memory_bytes) {
     Stats stats;
-    const Scene scene = load_scene(SceneSource::from_json(message.at("scene")), {}, stats);
+    const Scene scene = load_scene(asked.scene, {}, stats);
     const uint64_t bytes = baked_scene_bytes(scene);
     const auto too_large = [&](ErrorCode code, uint64_t limit, const char* what) {
         if (bytes > limit)
             throw Error(code, "the baked scene takes " + std::to_string(bytes) + " bytes, more than the " +
                                   std::to_string(limit) + " " + what);
     };
-    too_large(ErrorCode::OutOfMemory, limits.memory_bytes, "bytes that the helper may hold");
-    too_large(ErrorCode::NoSpace, free, "bytes of disk that may be used");
-    write_baked_scene(scene, text_of(message, "out"));
-    return {{"bytes", bytes}};
+    too_large(ErrorCode::OutOfMemory, memory_bytes, "bytes that the helper may hold");
+    too_large(ErrorCode::NoSpace, asked.max_bytes, "bytes of disk that may be used");
+    write_baked_scene(scene, asked.out);
+    return {bytes};
 }
 
-json judge_image_file(const json& message) {
-    const JudgedImage header = judge_image(text_of(message, "path"));
-    json layers = json::array();
-    for (const NamedLayer& layer : header.layers)
-        layers.push_back({{"name", layer.name}, {"channels", layer.channels.size()}});
-    return {{"width", header.size.width},
-            {"height", header.size.height},
-            {"channels", header.channels},
-            {"layers", layers}};
+JudgeImageReply judge_image_file(const JudgeImageRequest& asked) {
+    const JudgedImage header = judge_image(asked.path);
+    JudgeImageReply reply{header.size.width, header.size.height, header.channels, {}};
+    for (const NamedLayer& layer : header.layers) reply.layers.push_back({layer.name, layer.channels.size()});
+    return reply;
 }
 
-json encode_exr(const json& message, const HelperLimits& limits) {
-    const Film film = FilmFile::load(text_of(message, "film"), limits.memory_bytes).film;
-    const std::vector<ImageAttribute> attributes = statistics_attributes(message.value("statistics", json(nullptr)));
-    return {{"overflowed", write_exr(film, precision_of(message), attributes, text_of(message, "out"))}};
+EncodedReply encode_exr(const EncodeExrRequest& asked, uint64_t memory_bytes) {
+    const Film film = FilmFile::load(asked.film, memory_bytes).film;
+    const std::vector<ImageAttribute> attributes = statistics_attributes(asked.statistics);
+    EncodedReply reply;
+    reply.overflowed = write_exr(film, precision_named(asked.precision), attributes, asked.out);
+    return reply;
 }
 
-json encode_preview(const json& message, const HelperLimits& limits) {
-    const std::string curve_name = text_of(message, "curve");
-    const std::optional<ToneCurve> curve = tone_curve_named(curve_name);
+void encode_preview(const EncodePreviewRequest& asked, uint64_t memory_bytes) {
+    const std::optional<ToneCurve> curve = tone_curve_named(asked.curve);
     if (!curve)
-        throw Error(ErrorCode::UnknownName, "/curve", "curve \"" + curve_name + "\" is neither srgb nor filmic");
-    const Film film = FilmFile::load(text_of(message, "film"), limits.memory_bytes).film;
-    const std::string layer = message.value("layer", "beauty");
-    const float exposure = message.value("exposure", 0.0f);
-    const json max_size = message.value("max_size", json(nullptr));
+        throw Error(ErrorCode::UnknownName, "/curve", "curve \"" + asked.curve + "\" is neither srgb nor filmic");
+    const Film film = FilmFile::load(asked.film, memory_bytes).film;
     const LayerInfo* info = nullptr;
-    if (layer != "beauty") {
-        info = &film_layer(film, layer);
+    if (asked.layer != "beauty") {
+        info = &film_layer(film, asked.layer);
         if (info->preview == LayerPreview::None)
-            throw Error(ErrorCode::UnknownName, "/layer", "the layer \"" + layer + "\" has no preview");
+            throw Error(ErrorCode::UnknownName, "/layer", "the layer \"" + asked.layer + "\" has no preview");
     }
     const PreviewImage shown =
-        preview_image(film, info, exposure, *curve, max_size.is_null() ? UINT32_MAX : max_size.get<uint32_t>());
-    write_png(shown.size, shown.rgb, text_of(message, "out"));
-    return json::object();
+        preview_image(film, info, static_cast<float>(asked.exposure), *curve, asked.max_size.value_or(UINT32_MAX));
+    write_png(shown.size, shown.rgb, asked.out);
 }
 
-json run_task(const json& message, const HelperLimits& limits, SceneCache& scenes) {
-    const std::string type = message.value("type", "");
-    if (type == "judge_scene") return judge_scene(message);
-    if (type == "unpack") return unpack(message);
-    if (type == "thumbnail") return thumbnail(message, limits.memory_bytes, scenes);
-    if (type == "preview_scene") return preview_scene(message, limits.memory_bytes, scenes);
-    if (type == "bake") return bake(message, limits);
-    if (type == "judge_image") return judge_image_file(message);
-    if (type == "measure") return measure_images(message, limits.memory_bytes);
-    if (type == "encode_difference") return encode_difference(message, limits.memory_bytes);
-    if (type == "encode_flip") return encode_flip(message, limits.memory_bytes);
-    if (type == "encode_flip_map") return encode_flip_map(message, limits.memory_bytes);
-    if (type == "encode_error_map") return encode_error_map(message, limits.memory_bytes);
-    if (type == "merge_films") return merge_films(message, limits.memory_bytes);
-    if (type == "encode_exr") return encode_exr(message, limits);
-    if (type == "encode_preview") return encode_preview(message, limits);
-    if (type == "encode_pixels") return encode_pixels(message, limits.memory_bytes);
-    throw Error(ErrorCode::UnknownName, "/type", "the helper has no task \"" + type + "\"");
-}
+/// The task of each request.
+struct Tasks {
+    uint64_t memory_bytes;
+    SceneCache& scenes;
 
-/// "result" or "failure" of the request.
-struct Outcome {
-    json result = nullptr, failure = nullptr;
-    bool out_of_memory = false;
+    json run(const JudgeSceneRequest& asked) const { return judge_scene(asked); }
+    UnpackReply run(const UnpackRequest& asked) const { return {unpack_scene(asked.zip, asked.root)}; }
+    DoneReply run(const ThumbnailRequest& asked) const { return thumbnail(asked, memory_bytes, scenes), DoneReply(); }
+    DoneReply run(const PreviewSceneRequest& asked) const {
+        return preview_scene(asked, memory_bytes, scenes), DoneReply();
+    }
+    BakeReply run(const BakeRequest& asked) const { return bake(asked, memory_bytes); }
+    JudgeImageReply run(const JudgeImageRequest& asked) const { return judge_image_file(asked); }
+    MeasureReply run(const MeasureRequest& asked) const { return measure_images(asked, memory_bytes); }
+    EncodedReply run(const EncodeDifferenceRequest& asked) const {
+        return encode_difference(asked, memory_bytes), EncodedReply();
+    }
+    EncodedReply run(const EncodeFlipRequest& asked) const { return encode_flip(asked, memory_bytes); }
+    EncodedReply run(const EncodeFlipMapRequest& asked) const { return encode_flip_map(asked, memory_bytes); }
+    EncodedReply run(const EncodeErrorMapRequest& asked) const {
+        return encode_error_map(asked, memory_bytes), EncodedReply();
+    }
+    MergeFilmsReply run(const MergeFilmsRequest& asked) const { return merge_films(asked, memory_bytes); }
+    EncodedReply run(const EncodeExrRequest& asked) const { return encode_exr(asked, memory_bytes); }
+    EncodedReply run(const EncodePreviewRequest& asked) const {
+        return encode_preview(asked, memory_bytes), EncodedReply();
+    }
+    EncodedReply run(const EncodePixelsRequest& asked) const { return encode_pixels(asked, memory_bytes); }
 };
 
-Outcome try_task(const json& message, const HelperLimits& limits, SceneCache& scenes) {
+json run_task(const HelperRequest& request, const Tasks& tasks) {
+    const auto run = [&]<class Request>(const Request& asked) {
+        typename Request::Reply reply = tasks.run(asked);
+        return part_json(std::move(reply));
+    };
+    return std::visit(run, request);
+}
+
+/// What a request comes to.
+struct Outcome {
+    json result;
+    std::optional<Failure> failure;
+    bool out_of_memory = false;
+
+    void fail(const Error& error) {
+        failure = Failure::of(error);
+        out_of_memory = error.code == ErrorCode::OutOfMemory;
+    }
+};
+
+Outcome try_task(const HelperRequest& request, const HelperLimits& limits, SceneCache& scenes) {
     Outcome outcome;
     try {
         const tbb::global_control bound(tbb::global_control::max_allowed_parallelism, limits.threads);
         tbb::task_arena arena(static_cast<int>(limits.threads));
-        arena.execute([&] { outcome.result = run_task(message, limits, scenes); });
+        arena.execute([&] { outcome.result = run_task(request, {limits.memory_bytes, scenes}); });
     } catch (const Error& error) {
-        outcome.failure = failure_json(error);
-        outcome.out_of_memory = error.code == ErrorCode::OutOfMemory;
+        outcome.fail(error);
     } catch (const std::bad_alloc&) {
-        outcome.failure = failure_json(ErrorCode::OutOfMemory, "ran out of memory under the helper's limit of " +
-                                                                   std::to_string(limits.memory_bytes) + " bytes");
-        outcome.out_of_memory = true;
+        outcome.fail(Error(ErrorCode::OutOfMemory, "ran out of memory under the helper's limit of " +
+                                                       std::to_string(limits.memory_bytes) + " bytes"));
     } catch (const std::exception& defect) {
-        spdlog::error("helper task {}: {}", message.value("type", "?"), defect.what());
-        outcome.failure = failure_json(ErrorCode::Internal, "internal error in the helper, written to its log");
+        const auto name = [](const auto& asked) { return std::string(asked.kType); };
+        spdlog::error("helper task {}: {}", std::visit(name, request), defect.what());
+        outcome.fail(Error(ErrorCode::Internal, "internal error in the helper, written to its log"));
     }
     return outcome;
 }
 
+template <class... Requests>
+bool is_one_of(const HelperRequest& request) {
+    return (std::holds_alternative<Requests>(request) || ...);
+}
 /// Those that load a scene of their own, as large as may be, or whose traces a second try would find.
-bool needs_all_memory(const std::string& type) { return type == "judge_scene" || type == "bake" || type == "unpack"; }
+bool needs_all_memory(const HelperRequest& request) {
+    return is_one_of<JudgeSceneRequest, BakeRequest, UnpackRequest>(request);
+}
 /// Those whose budget the warm scene is part of.
-bool draws_scene(const std::string& type) { return type == "thumbnail" || type == "preview_scene"; }
+bool draws_scene(const HelperRequest& request) { return is_one_of<ThumbnailRequest, PreviewSceneRequest>(request); }
 
-}  // namespace
-
-json run_helper_task(const json& message, const HelperLimits& limits, SceneCache& scenes) noexcept {
-    const json named = message.value("type", json(nullptr));
-    const std::string type = named.is_string() ? named.get<std::string>() : "";
-    if (needs_all_memory(type)) scenes.clear();
+Outcome run_request(const HelperRequest& request, const HelperLimits& limits, SceneCache& scenes) {
+    if (needs_all_memory(request)) scenes.clear();
     HelperLimits left = limits;
-    if (!draws_scene(type)) left.memory_bytes -= std::min(left.memory_bytes, scenes.bytes());
-    Outcome outcome = try_task(message, left, scenes);
+    if (!draws_scene(request)) left.memory_bytes -= std::min(left.memory_bytes, scenes.bytes());
+    Outcome outcome = try_task(request, left, scenes);
     if (outcome.out_of_memory && scenes.bytes() > 0) {
         scenes.clear();
         release_free_memory();
-        outcome = try_task(message, limits, scenes);
+        outcome = try_task(request, limits, scenes);
     }
     if (scenes.bytes() > limits.memory_bytes / kWarmSceneDivisor) scenes.clear();
     // Memory kept from one small task to the next saves the kernel clearing it again.
     if (resident_bytes() > kKeptBytes + scenes.bytes()) release_free_memory();
-    return {{"type", "reply"},
-            {"request", message.value("request", json(nullptr))},
-            {"result", outcome.result},
-            {"failure", outcome.failure}};
+    return outcome;
+}
+
+}  // namespace
+
+json run_helper_task(const json& message, const HelperLimits& limits, SceneCache& scenes) noexcept {
+    ReplyMessage reply;
+    Outcome outcome;
+    try {
+        reply.request = read_part<RequestNumber>(message, type_of_message(message)).request;
+        outcome = run_request(read_helper_request(message), limits, scenes);
+    } catch (const Error& error) {  // of the message itself
+        outcome.fail(error);
+    }
+    reply.result = std::move(outcome.result);
+    reply.failure = std::move(outcome.failure);
+    return message_json(std::move(reply));
 }
 
 }  // namespace photond

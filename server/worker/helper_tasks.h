@@ -13,9 +13,9 @@ struct HelperLimits {
     unsigned threads = 1;
 };
 
-/// Answers one request of worker_messages.h with its "reply", whatever happens. The last scene that a picture was made
-/// of stays in `scenes` for the next one where it takes little of the limit. It counts: the other tasks have what it
-/// leaves, those that load scenes have all of it, and so has any task that is short of memory.
+/// Answers one request (helper_messages.h) with its ReplyMessage, whatever happens. The last scene that a picture was
+/// made of stays in `scenes` for the next one where it takes little of the limit. It counts: the other tasks have what
+/// it leaves, those that load scenes have all of it, and so has any task that is short of memory.
 nlohmann::json run_helper_task(const nlohmann::json& message, const HelperLimits& limits, SceneCache& scenes) noexcept;
 
 }  // namespace photond

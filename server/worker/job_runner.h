@@ -5,6 +5,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
+#include "protocol/worker_messages.h"
 #include "server/worker/device.h"
 #include "server/worker/job_setup.h"
 #include "server/worker/pass_loop.h"
@@ -22,12 +23,12 @@ public:
         SceneCache& scenes, Device device, unsigned max_threads, uint64_t memory_limit_bytes, Send send,
         std::function<void()> device_lost = [] { std::abort(); });
 
-    /// Runs a "render" order (worker_messages.h) and sends started, progress, curve, film_saved and, last, finished or
-    /// device_lost.
-    void run(const nlohmann::json& order, JobControl& control) noexcept;
+    /// Runs the order and sends StartedMessage, ProgressMessage, CurveMessage, FilmSavedMessage and, last,
+    /// FinishedMessage or DeviceLostMessage.
+    void run(const RenderMessage& order, JobControl& control) noexcept;
 
 private:
-    void render(const nlohmann::json& message, JobControl& control, JobReport& report);
+    void render(const RenderMessage& message, JobControl& control, JobReport& report);
 
     SceneCache& scenes_;
     const Device device_;

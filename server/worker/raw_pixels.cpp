@@ -7,11 +7,8 @@
 #include "renderer/core/atomic_file.h"
 #include "renderer/film/film_file.h"
 #include "server/worker/film_layer.h"
-#include "server/worker/helper_message.h"
 
 namespace photond {
-
-using nlohmann::json;
 
 namespace {
 
@@ -27,15 +24,14 @@ ReadLayer layer_of_film(const Film& film, const std::string& name) {
 
 }  // namespace
 
-Precision precision_of(const json& message) {
-    const std::string name = text_of(message, "precision");
+Precision precision_named(const std::string& name) {
     if (name == "float") return Precision::Float;
     if (name == "half") return Precision::Half;
     throw Error(ErrorCode::UnknownName, "/precision", "precision \"" + name + "\" is neither float nor half");
 }
 
-json write_raw_pixels(Size2 size, uint32_t channels, std::span<const float> pixels, Precision precision,
-                      const std::filesystem::path& path) {
+EncodedReply write_raw_pixels(Size2 size, uint32_t channels, std::span<const float> pixels, Precision precision,
+                              const std::filesystem::path& path) {
     uint64_t overflowed = 0;
     AtomicFile out(path);
     if (precision == Precision::Half) {
@@ -48,16 +44,16 @@ json write_raw_pixels(Size2 size, uint32_t channels, std::span<const float> pixe
         out.write(pixels.data(), pixels.size_bytes());
     }
     out.commit();
-    return {{"width", size.width}, {"height", size.height}, {"channels", channels}, {"overflowed", overflowed}};
+    return {size.width, size.height, channels, overflowed, std::nullopt};
 }
 
-json encode_pixels(const json& message, uint64_t memory_bytes) {
-    const Precision precision = precision_of(message);
-    const std::string name = message.value("layer", "beauty");
-    const ReadLayer layer = message.contains("image")
-                                ? read_image_layer(text_of(message, "image"), name, memory_bytes)
-                                : layer_of_film(FilmFile::load(text_of(message, "film"), memory_bytes).film, name);
-    return write_raw_pixels(layer.size, layer.channels, layer.pixels, precision, text_of(message, "out"));
+EncodedReply encode_pixels(const EncodePixelsRequest& asked, uint64_t memory_bytes) {
+    const Precision precision = precision_named(asked.precision);
+    const ImageSource& source = asked.source;
+    if (!source.image && !source.film) throw Error(ErrorCode::MissingField, "/film", "or an image must be named");
+    const ReadLayer layer = source.image ? read_image_layer(*source.image, asked.layer, memory_bytes)
+                                         : layer_of_film(FilmFile::load(*source.film, memory_bytes).film, asked.layer);
+    return write_raw_pixels(layer.size, layer.channels, layer.pixels, precision, asked.out);
 }
 
 }  // namespace photond

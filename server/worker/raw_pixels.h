@@ -2,24 +2,24 @@
 // Pixels as viewers take them: little-endian, interleaved, row 0 at the top, without a header.
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <span>
+#include <string>
 
+#include "protocol/helper_messages.h"
 #include "renderer/core/geometry.h"
 #include "renderer/film/exr_file.h"
 
 namespace photond {
 
-/// "precision" of a helper's request. Throws ErrorCode::UnknownName.
-Precision precision_of(const nlohmann::json& message);
+/// "float" or "half", as requests of the helper name it; throws ErrorCode::UnknownName for anything else.
+Precision precision_named(const std::string& name);
 
-/// Writes them and returns {"width", "height", "channels", "overflowed"}: the last one says how many finite values half
-/// precision has made infinite.
-nlohmann::json write_raw_pixels(Size2 size, uint32_t channels, std::span<const float> pixels, Precision precision,
-                                const std::filesystem::path& path);
+/// Writes them; the reply has all but the mean.
+EncodedReply write_raw_pixels(Size2 size, uint32_t channels, std::span<const float> pixels, Precision precision,
+                              const std::filesystem::path& path);
 
-/// The helper's task encode_pixels (worker_messages.h): one layer of a film or of an image file. `memory_bytes` bounds
-/// what is held. Throws ErrorCode::UnknownName at /layer where there is no such layer.
-nlohmann::json encode_pixels(const nlohmann::json& message, uint64_t memory_bytes);
+/// One layer of a film or of an image file. `memory_bytes` bounds what is held. Throws ErrorCode::UnknownName at /layer
+/// where there is no such layer.
+EncodedReply encode_pixels(const EncodePixelsRequest& asked, uint64_t memory_bytes);
 
 }  // namespace photond

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "protocol/error.h"
 #include "renderer/film/exr_file.h"
@@ -64,14 +65,13 @@ ReferenceImage reference_of_film(const Film& film, double standard_error_scale) 
     return reference;
 }
 
-ReferenceImage load_reference(const json& source, uint64_t limit_bytes) {
-    if (source.is_object() && source.contains("film")) {
-        const SavedFilm saved = FilmFile::load(source["film"].get<std::string>(), limit_bytes);
+ReferenceImage load_reference(const ImageSource& source, uint64_t limit_bytes) {
+    if (source.film) {
+        const SavedFilm saved = FilmFile::load(*source.film, limit_bytes);
         if (saved.film.passes() == 0) throw Error(ErrorCode::Internal, "the film of the reference has no pass yet");
         return reference_of_film(saved.film, scale_in(saved.history));
     }
-    if (source.is_object() && source.contains("image"))
-        return reference_of_file(source["image"].get<std::string>(), limit_bytes);
+    if (source.image) return reference_of_file(*source.image, limit_bytes);
     throw Error(ErrorCode::MissingField, "", "a source must name a film or an image");
 }
 

@@ -3,11 +3,11 @@
 
 #include <cstdint>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "protocol/message_parts.h"
 #include "renderer/core/geometry.h"
 
 namespace photond {
@@ -28,10 +28,9 @@ struct ReferenceImage {
 /// overstate the error by its inverse.
 ReferenceImage reference_of_film(const Film& film, double standard_error_scale = 1);
 
-/// Loads `source`, {"film": path} or {"image": path of an EXR or a Radiance HDR image}. `limit_bytes`: what it may take
-/// while it is loaded. Throws ErrorCode::OutOfMemory past that, ErrorCode::BadImage for an image file that cannot be
-/// read, ErrorCode::Internal for a film that is missing or damaged or has no pass, ErrorCode::MissingField when
-/// `source` names neither.
-ReferenceImage load_reference(const nlohmann::json& source, uint64_t limit_bytes = UINT64_MAX);
+/// Loads `source`. `limit_bytes`: what it may take while it is loaded. Throws ErrorCode::OutOfMemory past that,
+/// ErrorCode::BadImage for an image file that cannot be read, ErrorCode::Internal for a film that is missing or damaged
+/// or has no pass, ErrorCode::MissingField when `source` names neither.
+ReferenceImage load_reference(const ImageSource& source, uint64_t limit_bytes = UINT64_MAX);
 
 }  // namespace photond

@@ -4,7 +4,6 @@
 #include <cstdio>
 
 #include "protocol/error.h"
-#include "protocol/worker_messages.h"
 #include "renderer/backends/gpu/device.h"
 #include "server/worker/job_setup.h"
 #include "server/worker/off_the_clock.h"
@@ -127,12 +126,12 @@ std::optional<DeviceMemoryUse> RenderJob::device_memory() const {
 
 void RenderJob::prepare_measuring() {
     const JobRequest& request = order_.request;
-    const bool with_reference = !order_.reference.is_null();
+    const bool with_reference = order_.reference.has_value();
     MeasuringPlan plan = MeasuringPlan::of(request, with_reference);
     std::optional<ReferenceImage> reference;
     if (with_reference) {
         const OffTheClock loading(stats_, kReferenceLoadStage, peak_);
-        reference = load_reference(order_.reference,
+        reference = load_reference(*order_.reference,
                                    order_.memory_bytes - std::min(order_.memory_bytes, budget_.accounted_bytes()));
         log("reference: %u x %u pixels, %s", reference->size.width, reference->size.height,
             reference->passes ? (std::to_string(*reference->passes) + " passes").c_str() : "an image");
@@ -228,21 +227,20 @@ void RenderJob::finish(const PassLoop::Result& result) {
         // A job that is to go on elsewhere leaves its film and nothing to look at.
         if (!goes_on_elsewhere && result.passes_rendered > 0) save_artefacts();
         save(film, result.render_seconds, order_.film, control_.stopping);
-        report_.film = order_.film.string();
+        report_.film = order_.film;
     }
     report_.statistics =
         statistics_json({stats_, film, budget_, ready_->scene.needs, device_, order_.request, order_.source.id,
                          result.render_seconds, order_.threads, baseline_bytes_, peak_bytes,
                          saver_->identity().settings, resumed_passes_, &errors, on_device});
     const Counts &all = stats_.counts, &before = counts_before_;
-    report_.rendered = {{"passes", film.passes() - resumed_passes_},
-                        {"seconds", result.render_seconds - seconds_before_},
-                        {"rays",
-                         {{"camera", all.camera_rays - before.camera_rays},
-                          {"bounce", all.bounce_rays - before.bounce_rays},
-                          {"shadow", all.shadow_rays - before.shadow_rays},
-                          {"photon", all.photon_rays - before.photon_rays}}},
-                        {"photons", all.photons_emitted - before.photons_emitted}};
+    report_.rendered = {.passes = film.passes() - resumed_passes_,
+                        .seconds = result.render_seconds - seconds_before_,
+                        .rays = {.camera = all.camera_rays - before.camera_rays,
+                                 .bounce = all.bounce_rays - before.bounce_rays,
+                                 .shadow = all.shadow_rays - before.shadow_rays,
+                                 .photon = all.photon_rays - before.photon_rays},
+                        .photons = all.photons_emitted - before.photons_emitted};
     report_.state = result.cancelled ? "cancelled" : "succeeded";
     log("%s after %u passes, %.3f s of rendering on %u threads", report_.state.c_str(), film.passes(),
         result.render_seconds, order_.threads);
@@ -257,11 +255,7 @@ FilmHistory RenderJob::history(double seconds) const {
 void RenderJob::save(const Film& film, double seconds, const std::filesystem::path& path, bool tell) {
     saver_->save(film, history(seconds).text(), path);
     if (!tell) return;
-    send_({{"type", "film_saved"},
-           {"job", order_.job},
-           {"attempt", order_.attempt},
-           {"path", path.string()},
-           {"passes_done", film.passes()}});
+    send_(message_json(FilmSavedMessage{order_.job, order_.attempt, path, film.passes()}));
 }
 
 void RenderJob::save_artefacts() {
@@ -280,21 +274,18 @@ void RenderJob::send_curve(size_t first) {
     report_.curve = to_json(curve);
     report_.error_now = follower_->error_now();
     if (first == curve.size()) return;
-    send_({{"type", "curve"},
-           {"job", order_.job},
-           {"attempt", order_.attempt},
-           {"points", to_json({curve.begin() + static_cast<std::ptrdiff_t>(first), curve.end()})},
-           {"error_now", follower_->error_now()}});
+    CurveMessage told{.job = order_.job, .attempt = order_.attempt, .points = {}, .error_now = follower_->error_now()};
+    for (size_t i = first; i < curve.size(); ++i) told.points.push_back(to_json(curve[i]));
+    send_(message_json(std::move(told)));
 }
 
 void RenderJob::send_progress(const Film& film, double seconds) {
-    send_({{"type", "progress"},
-           {"job", order_.job},
-           {"attempt", order_.attempt},
-           {"passes_done", film.passes()},
-           {"progress", progress_of(order_.request.stop, film.passes(), seconds)},
-           {"seconds", seconds},
-           {"error_now", follower_->error_now()}});
+    send_(message_json(ProgressMessage{.job = order_.job,
+                                       .attempt = order_.attempt,
+                                       .passes_done = film.passes(),
+                                       .progress = progress_of(order_.request.stop, film.passes(), seconds),
+                                       .seconds = seconds,
+                                       .error_now = follower_->error_now()}));
     last_progress_ = wall_now_seconds();
 }
 

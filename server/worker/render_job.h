@@ -12,6 +12,7 @@
 #include <optional>
 #include <vector>
 
+#include "protocol/worker_messages.h"
 #include "renderer/core/cancel.h"
 #include "server/worker/device.h"
 #include "server/worker/error_follower.h"
@@ -41,20 +42,9 @@ private:
     std::optional<std::filesystem::path> snapshot_;
 };
 
-/// What "finished" will say; filled as the job goes on, so that a failure keeps what was true before it.
-struct JobReport {
-    std::string state = "failed";
-    uint32_t passes_done = 0;
-    double seconds = 0;
-    nlohmann::json film = nullptr;
-    nlohmann::json statistics = nullptr;
-    nlohmann::json rendered = nullptr;  // by this attempt alone
-    nlohmann::json curve = nullptr;
-    nlohmann::json error_now = nullptr;
-    nlohmann::json artefacts = nlohmann::json::array();
+/// What will be said in the end; filled as the job goes on, so that a failure keeps what was true before it.
+struct JobReport : FinishedMessage {
     std::vector<std::filesystem::path> artefact_files;
-    nlohmann::json failure = nullptr;
-    nlohmann::json log = nlohmann::json::array();
 };
 
 class RenderJob {

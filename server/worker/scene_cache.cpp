@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "protocol/error.h"
@@ -55,18 +56,6 @@ uint64_t sum_of(const std::map<std::string, uint64_t>& structures) {
 }
 
 }  // namespace
-
-SceneSource SceneSource::from_json(const json& json) {
-    SceneSource source;
-    if (json.contains("id") && json["id"].is_string()) source.id = json["id"].get<std::string>();
-    if (json.contains("builtin") && json["builtin"].is_string()) {
-        source.builtin = json["builtin"].get<std::string>();
-    } else {
-        source.root = json.at("root").get<std::string>();
-        source.file = json.at("file").get<std::string>();
-    }
-    return source;
-}
 
 ReadyScene::ReadyScene() = default;
 ReadyScene::~ReadyScene() = default;

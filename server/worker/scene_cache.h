@@ -5,10 +5,9 @@
 #include <list>
 #include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 
-#include "protocol/job.h"
+#include "protocol/message_parts.h"
 #include "renderer/core/memory_budget.h"
 #include "renderer/core/stats.h"
 #include "renderer/scene/intersector.h"
@@ -20,16 +19,6 @@ namespace gpu {
 class Device;
 class DeviceScene;
 }  // namespace gpu
-
-/// Where a scene comes from, as "scene" in a render order says it.
-struct SceneSource {
-    std::string id;
-    std::string builtin;  // empty: from a file
-    std::filesystem::path root;
-    std::filesystem::path file;
-
-    static SceneSource from_json(const nlohmann::json& json);
-};
 
 /// What a job changes about a scene.
 struct SceneVariant {

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "protocol/error.h"
+#include "protocol/worker_messages.h"
 #include "renderer/core/parallel.h"
 #include "renderer/film/exr_file.h"
 #include "server/worker/helper_tasks.h"
@@ -36,7 +37,7 @@ public:
         : thread_([this, &channel] {
               std::unique_lock lock(mutex_);
               while (!wake_.wait_for(lock, kHeartbeat, [this] { return ended_; }))
-                  channel.send({{"type", "heartbeat"}, {"resident_bytes", resident_bytes()}});
+                  channel.send(message_json(HeartbeatMessage{resident_bytes()}));
           }) {}
     ~Heartbeat() {
         {
@@ -55,7 +56,7 @@ private:
 };
 
 void say_hello(MessageChannel& channel, const Device& device) {
-    channel.send({{"type", "hello"}, {"pid", getpid()}, {"device", device.to_json()}});
+    channel.send(message_json(HelloMessage{getpid(), device.to_json()}));
 }
 
 /// Starts what the first job would otherwise pay for and be charged with: TBB's threads and their stacks.
@@ -68,11 +69,11 @@ void start_threads() {
 class RunningJob {
 public:
     bool running() const { return thread_.joinable() && !*over_; }
-    bool is(const json& job) const { return running() && job == job_; }
+    bool is(const std::string& job) const { return running() && job == job_; }
 
-    void start(JobRunner& runner, const json& order) {
+    void start(JobRunner& runner, const RenderMessage& order) {
         wait();
-        job_ = order.value("job", json(nullptr));
+        job_ = order.job;
         control_ = std::make_shared<JobControl>();
         over_ = std::make_shared<std::atomic<bool>>(false);
         thread_ = std::thread([&runner, order, control = control_, over = over_] {
@@ -86,7 +87,7 @@ public:
     }
 
 private:
-    json job_;
+    std::string job_;
     std::shared_ptr<JobControl> control_;
     std::shared_ptr<std::atomic<bool>> over_;
     std::thread thread_;
@@ -94,6 +95,16 @@ private:
 
 /// The GPU is lost, and with it this process' way to it. The daemon starts another.
 [[noreturn]] void end_without_gpu() { std::_Exit(kDeviceLostStatus); }
+
+/// What the daemon says. One that is of another version cannot be followed, whatever this process is at.
+std::optional<DaemonMessage> read_from_daemon(const json& message) {
+    try {
+        return read_daemon_message(message);
+    } catch (const Error& error) {
+        spdlog::critical("a message of the daemon cannot be read: {}", error.what());
+        std::_Exit(1);
+    }
+}
 
 /// Loads the image library. A helper without it still answers: an image is refused by the same error.
 void warm_up_images() {
@@ -116,25 +127,24 @@ int run_render_worker(MessageChannel& channel, const WorkerOptions& options) {
     say_hello(channel, options.device);
     const Heartbeat heartbeat(channel);
     while (const std::optional<json> message = channel.receive(-1)) {
-        const std::string type = message->value("type", "");
-        if (type == "render") {
-            // "finished" is sent just before a job's thread ends; the daemon may be quicker than that.
+        const std::optional<DaemonMessage> told = read_from_daemon(*message);
+        if (!told) {
+            spdlog::error("a message of unknown type \"{}\"", type_of_message(*message));
+        } else if (const auto* order = std::get_if<RenderMessage>(&*told)) {
+            // FinishedMessage is sent just before a job's thread ends; the daemon may be quicker than that.
             job.wait();
-            job.start(runner, *message);
-        } else if (type == "snapshot") {
-            if (job.is(message->value("job", json(nullptr))))
-                job.control().request_snapshot(message->at("path").get<std::string>());
-        } else if (type == "cancel") {
-            if (job.is(message->value("job", json(nullptr)))) job.control().cancel.cancel();
-        } else if (type == "stop") {
+            job.start(runner, *order);
+        } else if (const auto* snapshot = std::get_if<SnapshotMessage>(&*told)) {
+            if (job.is(snapshot->job)) job.control().request_snapshot(snapshot->path);
+        } else if (const auto* cancel = std::get_if<CancelMessage>(&*told)) {
+            if (job.is(cancel->job)) job.control().cancel.cancel();
+        } else {  // StopMessage
             if (job.running()) {
                 job.control().stopping = true;
                 job.control().cancel.cancel();
             }
             job.wait();
             return 0;
-        } else {
-            spdlog::error("a message of unknown type \"{}\"", type);
         }
     }
     // The daemon is gone: nobody waits for the result, and a pass may take long.
@@ -142,9 +152,9 @@ int run_render_worker(MessageChannel& channel, const WorkerOptions& options) {
 }
 
 int list_devices(MessageChannel& channel) {
-    json items = json::array();
-    for (const Device& device : all_devices()) items.push_back(device.to_json());
-    return channel.send({{"type", "devices"}, {"items", std::move(items)}}) ? 0 : 1;
+    DevicesMessage devices;
+    for (const Device& device : all_devices()) devices.items.push_back(device.to_json());
+    return channel.send(message_json(std::move(devices))) ? 0 : 1;
 }
 
 int run_helper(MessageChannel& channel, const WorkerOptions& options) {
@@ -167,7 +177,7 @@ int run_helper(MessageChannel& channel, const WorkerOptions& options) {
             release_free_memory();
             continue;
         }
-        if (message->value("type", "") == "stop") return 0;
+        if (is_message<StopMessage>(*message)) return 0;
         warm = true;
         channel.send(run_helper_task(*message, {options.memory_limit_bytes, options.threads}, scenes));
     }

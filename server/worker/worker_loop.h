@@ -16,7 +16,7 @@ struct WorkerOptions {
 int run_render_worker(MessageChannel& channel, const WorkerOptions& options);
 int run_helper(MessageChannel& channel, const WorkerOptions& options);
 
-/// Sends "devices"; returns the exit status.
+/// Sends DevicesMessage; returns the exit status.
 int list_devices(MessageChannel& channel);
 
 }  // namespace photond

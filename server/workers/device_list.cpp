@@ -10,6 +10,7 @@
 
 #include "protocol/error.h"
 #include "protocol/message_channel.h"
+#include "protocol/worker_messages.h"
 #include "server/workers/spawn.h"
 
 namespace photond {
@@ -33,9 +34,9 @@ std::vector<json> ask(const std::filesystem::path& program) {
     close(child.socket);
     while (waitpid(child.pid, nullptr, 0) < 0 && errno == EINTR) {
     }
-    if (!message || message->value("type", "") != "devices")
-        throw Error(ErrorCode::Internal, "the process that lists devices told none");
-    return message->at("items").get<std::vector<json>>();
+    auto devices = message ? message_as<DevicesMessage>(*message) : std::nullopt;
+    if (!devices) throw Error(ErrorCode::Internal, "the process that lists devices told none");
+    return std::move(devices->items);
 }
 
 std::string listed(const json& words) {

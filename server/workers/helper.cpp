@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include "protocol/error.h"
+#include "protocol/worker_messages.h"
 
 namespace photond {
 
@@ -15,16 +16,6 @@ constexpr uint64_t kServedBeforeRecycling = 5000;  // small leaks in image libra
 constexpr std::chrono::seconds kStartPatience{20};
 
 }  // namespace
-
-Error error_from_failure(const nlohmann::json& failure) {
-    if (!failure.is_object()) return Error(ErrorCode::Internal, "the worker gave no reason");
-    std::vector<Fault> faults;
-    if (const auto errors = failure.find("errors"); errors != failure.end() && errors->is_array())
-        for (const nlohmann::json& error : *errors)
-            if (error.is_object()) faults.push_back({error.value("pointer", ""), error.value("detail", "")});
-    return Error(error_code_named(failure.value("code", "")), failure.value("detail", "no reason given"),
-                 std::move(faults));
-}
 
 Helper::Helper(ProcessOptions options, double request_timeout_seconds, std::function<void()> answered,
                std::function<void(const ProcessExit&)> exited)
@@ -64,15 +55,18 @@ void Helper::begin_stop(Clock::time_point deadline) {
 }
 
 void Helper::message(const nlohmann::json& message) {
-    const std::string type = message.value("type", "");
+    const bool hello = is_message<HelloMessage>(message);
+    auto reply = message_as<ReplyMessage>(message);
+    if (reply && !reply->failure && !reply->result.is_object())
+        throw Error(ErrorCode::WrongType, "/result", "a reply has neither a result nor a failure");
     {
         const std::lock_guard lock(mutex_);
-        if (type == "hello") ready_ = true;
+        if (hello) ready_ = true;
         // A reply to a request that has been given up is nobody's.
-        if (type == "reply" && message.value("request", uint64_t{0}) == request_) reply_ = message;
+        if (reply && reply->request == request_) reply_ = std::move(reply);
     }
     changed_.notify_all();
-    if (type == "hello") answered_();
+    if (hello) answered_();
 }
 
 void Helper::process_exited(const ProcessExit& exit) {
@@ -87,10 +81,10 @@ void Helper::process_exited(const ProcessExit& exit) {
     exited_(exit);
 }
 
-std::optional<nlohmann::json> Helper::attempt(std::unique_lock<std::mutex>& lock, nlohmann::json& request) {
+std::optional<ReplyMessage> Helper::attempt(std::unique_lock<std::mutex>& lock, nlohmann::json& request) {
     if (!changed_.wait_for(lock, kStartPatience, [this] { return ready_ || stopping_; }) || stopping_)
         throw Error(ErrorCode::Unavailable, stopping_ ? "the daemon is stopping" : "the helper process is not ready");
-    request["request"] = ++request_;
+    add_members(request, RequestNumber{++request_});
     reply_.reset();
     exit_.reset();
     lock.unlock();
@@ -135,6 +129,15 @@ std::optional<nlohmann::json> Helper::attempt(std::unique_lock<std::mutex>& lock
     throw Error(ErrorCode::WorkerCrashed, "the helper process " + exit_->text);
 }
 
+void Helper::distrust(const Error& error) {
+    {
+        const std::lock_guard lock(mutex_);
+        ready_ = false;
+    }
+    process_->kill();
+    throw Error(ErrorCode::WorkerCrashed, std::string("the helper process gave a wrong answer: ") + error.what());
+}
+
 nlohmann::json Helper::call(nlohmann::json request) {
     std::unique_lock lock(mutex_);
     const uint64_t ticket = next_ticket_++;
@@ -148,11 +151,10 @@ nlohmann::json Helper::call(nlohmann::json request) {
         }
     } const turn{*this};
     for (int i = 0; i < kAttempts; ++i) {
-        const auto reply = attempt(lock, request);
+        auto reply = attempt(lock, request);
         if (!reply) continue;
-        if (const auto failure = reply->find("failure"); failure != reply->end() && !failure->is_null())
-            throw error_from_failure(*failure);
-        return reply->value("result", nlohmann::json::object());
+        if (reply->failure) throw error_of(reply->failure);
+        return std::move(reply->result);
     }
     throw Error(ErrorCode::WorkerLost, "the helper process was lost " + std::to_string(kAttempts) + " times");
 }

@@ -8,8 +8,10 @@
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 
 #include "protocol/error.h"
+#include "protocol/helper_messages.h"
 #include "server/workers/worker_process.h"
 
 namespace photond {
@@ -21,11 +23,19 @@ public:
            std::function<void(const ProcessExit&)> exited);
     ~Helper();
 
-    /// Sends one request ("type" and its members; "request" is filled in) and waits for its result. The helper's own
-    /// failure is thrown as the Error it names. A helper that is lost through no fault of the request is replaced and
-    /// asked again; one that crashes on it is not: WorkerCrashed. TimedOut after the time limit, OutOfMemory past the
-    /// memory limit, Unavailable when there is no helper.
-    nlohmann::json call(nlohmann::json request);
+    /// Sends one request and waits for its reply. The helper's own failure is thrown as the Error it names. A helper
+    /// that is lost through no fault of the request is replaced and asked again; one that crashes on it, or answers
+    /// what is no reply to it, is not: WorkerCrashed. TimedOut after the time limit, OutOfMemory past the memory limit,
+    /// Unavailable when there is no helper.
+    template <class Request>
+    typename Request::Reply ask(Request request) {
+        const nlohmann::json result = call(message_json(std::move(request)));
+        try {
+            return read_part<typename Request::Reply>(result, Request::kType);
+        } catch (const Error& error) {
+            distrust(error);
+        }
+    }
 
     bool ready() const;
     pid_t pid() const { return process_->pid(); }
@@ -36,9 +46,13 @@ public:
     void join() { process_->join(); }
 
 private:
+    /// The result of a request, whose number is filled in; an object.
+    nlohmann::json call(nlohmann::json request);
+    /// Has the process replaced that gave a result which cannot be read.
+    [[noreturn]] void distrust(const Error& error);
     void message(const nlohmann::json& message);
     void process_exited(const ProcessExit& exit);
-    std::optional<nlohmann::json> attempt(std::unique_lock<std::mutex>& lock, nlohmann::json& request);
+    std::optional<ReplyMessage> attempt(std::unique_lock<std::mutex>& lock, nlohmann::json& request);
 
     const double timeout_seconds_;
     const uint64_t memory_limit_bytes_;
@@ -52,12 +66,9 @@ private:
     uint64_t restarts_ = 0;
     bool ready_ = false;
     bool stopping_ = false;
-    std::optional<nlohmann::json> reply_;
+    std::optional<ReplyMessage> reply_;
     std::optional<ProcessExit> exit_;  // of the process that had the request
     std::unique_ptr<WorkerProcess> process_;
 };
-
-/// The Error a worker's "failure" object stands for.
-Error error_from_failure(const nlohmann::json& failure);
 
 }  // namespace photond

@@ -13,6 +13,7 @@
 
 #include "protocol/error.h"
 #include "protocol/message_channel.h"
+#include "protocol/worker_messages.h"
 #include "server/workers/spawn.h"
 
 namespace photond {
@@ -100,7 +101,7 @@ void WorkerProcess::recycle() {
         const std::lock_guard lock(mutex_);
         ordered_ = true;
     }
-    send({{"type", "stop"}});
+    send(message_json(StopMessage()));
 }
 
 void WorkerProcess::begin_stop(Clock::time_point deadline) {
@@ -111,7 +112,7 @@ void WorkerProcess::begin_stop(Clock::time_point deadline) {
         stop_deadline_ = std::min(stop_deadline_, deadline);
     }
     changed_.notify_all();
-    send({{"type", "stop"}});
+    send(message_json(StopMessage()));
 }
 
 void WorkerProcess::join() {
@@ -186,9 +187,8 @@ ProcessExit WorkerProcess::attend(Link& link) {
         Clock::time_point now = Clock::now();
         if (message) {
             last_heard = now;
-            const std::string type = message->value("type", "");
-            if (type == "hello") answered = true;
-            if (type != "heartbeat") callbacks_.message(*message);
+            if (!is_message<HeartbeatMessage>(*message) && take(*message))
+                answered = answered || is_message<HelloMessage>(*message);
             now = Clock::now();
         }
         if (now - last_look < kTick) continue;
@@ -208,10 +208,21 @@ ProcessExit WorkerProcess::attend(Link& link) {
             stopping = stopping_;
         }
         // begin_stop() may have come while this child was being made.
-        if (stopping && !told_to_stop) told_to_stop = link.channel.send({{"type", "stop"}});
+        if (stopping && !told_to_stop) told_to_stop = link.channel.send(message_json(StopMessage()));
         if (now >= deadline) kill();
     }
     return reap(answered);
+}
+
+bool WorkerProcess::take(const nlohmann::json& message) {
+    try {
+        callbacks_.message(message);
+        return true;
+    } catch (const Error& error) {
+        // A scene may have taken it over: what it says next is not to be trusted either.
+        kill_because(ExitCause::Crashed, std::string("sent a message that cannot be read: ") + error.what());
+        return false;
+    }
 }
 
 void WorkerProcess::watch_memory() {

@@ -55,9 +55,11 @@ class WorkerProcess {
 public:
     /// All are called from the process's own supervising thread, one at a time, without any lock of this class.
     struct Callbacks {
-        std::function<void(const nlohmann::json&)> message;  // everything but heartbeats, hello included
-        std::function<void(const ProcessExit&)> exited;      // before it is replaced
-        std::function<void()> tick;                          // a few times a second
+        /// Everything but heartbeats, hello included. What it throws is what cannot be read: the process is killed
+        /// for it, as one that crashed.
+        std::function<void(const nlohmann::json&)> message;
+        std::function<void(const ProcessExit&)> exited;  // before it is replaced
+        std::function<void()> tick;                      // a few times a second
     };
 
     /// Spawns at once, from a thread of its own: children die with the thread that made them (PR_SET_PDEATHSIG).
@@ -86,6 +88,8 @@ private:
     /// Empty when it could not be made.
     std::shared_ptr<Link> spawn();
     ProcessExit attend(Link& link);
+    /// False where it cannot be read.
+    bool take(const nlohmann::json& message);
     ProcessExit reap(bool had_answered);
     void watch_memory();
     void kill_because(ExitCause cause, const std::string& text);

@@ -57,7 +57,7 @@ protected:
     }
     json run(const json& message, JobControl& control) {
         sent.clear();
-        runner_.run(message, control);
+        runner_.run(read_part<RenderMessage>(message, RenderMessage::kType), control);
         return sent.empty() ? json() : sent.back();
     }
     json run(const json& message) {

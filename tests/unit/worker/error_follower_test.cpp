@@ -112,21 +112,21 @@ TEST_F(ErrorFollowerTest, PointsHoldWhatTheMeterSays) {
     EXPECT_TRUE(last.metrics.at("estimated_relative_mse").has_value());
     EXPECT_EQ(last.metrics.size(), 11u);  // eight of the beauty, the estimate, two asked for
     EXPECT_FALSE(last.photons.has_value());
-    EXPECT_EQ(follower->error_now()["metric"], "relative_mse");
-    EXPECT_EQ(follower->error_now()["value"], *last.metrics.at("relative_mse"));
+    EXPECT_EQ(follower->error_now()->metric, "relative_mse");
+    EXPECT_EQ(follower->error_now()->value, *last.metrics.at("relative_mse"));
     EXPECT_FALSE(follower->curve().front().metrics.at("estimated_relative_mse").has_value());  // one pass tells nothing
 }
 
 TEST_F(ErrorFollowerTest, WithoutAReferenceTheEstimateIsFollowed) {
     make(std::optional<ReferenceImage>());
-    EXPECT_TRUE(follower->error_now().is_null());
+    EXPECT_FALSE(follower->error_now());
     stats.counts.photons_emitted = 700;
     render_to(8, 0.001);
     const CurvePoint& last = follower->curve().back();
     EXPECT_EQ(last.metrics.size(), 1u);
     EXPECT_EQ(last.photons, 700u);
-    EXPECT_EQ(follower->error_now(), nlohmann::json({{"metric", "estimated_relative_mse"},
-                                                     {"value", *last.metrics.at("estimated_relative_mse")}}));
+    EXPECT_EQ(follower->error_now()->metric, "estimated_relative_mse");
+    EXPECT_EQ(follower->error_now()->value, *last.metrics.at("estimated_relative_mse"));
 }
 
 TEST_F(ErrorFollowerTest, CostlyMetricsWaitUntilThereIsTime) {
@@ -171,7 +171,7 @@ TEST_F(ErrorFollowerTest, ATargetEndsTheJobAtTheFirstPassThatMeetsIt) {
     make(ramp());
     EXPECT_TRUE(render_to(40, 1));  // measuring takes no time: every pass is looked at
     EXPECT_EQ(film.passes(), first + 1);
-    EXPECT_EQ(follower->error_now()["value"], errors_by_pass[first]);
+    EXPECT_EQ(follower->error_now()->value, errors_by_pass[first]);
 
     film = Film{kSize, LayerSet()};
     tick = 1000;  // only points are looked at
@@ -211,7 +211,7 @@ TEST_F(ErrorFollowerTest, AMetricWithoutAValueMeetsNothing) {
     EXPECT_FALSE(render_to(20, 1));
     follower->finish(film, 20);
     EXPECT_FALSE(follower->curve().back().metrics.at("relative_mse").has_value());
-    EXPECT_TRUE(follower->error_now().is_null());
+    EXPECT_FALSE(follower->error_now());
     film = Film{kSize, LayerSet()};
     request.stop.target = ErrorTarget{"rmse", 1e30};
     make(black);
@@ -231,7 +231,7 @@ TEST_F(ErrorFollowerTest, GoesOnFromAFilm) {
             FilmHistory::parse(FilmHistory{0.001 * saved, {}, {}, {}, follower->curve(), {}}.text()).curve;
         make(ramp());
         EXPECT_FALSE(follower->go_on_from(film, before, 0.001 * saved));
-        EXPECT_EQ(follower->error_now()["value"], *before.back().metrics.at("relative_mse"));
+        EXPECT_EQ(follower->error_now()->value, *before.back().metrics.at("relative_mse"));
         render_to(20, 0.001);
         ASSERT_EQ(point_passes(), (std::vector<uint32_t>{1, 2, 4, 8, 16}));
         for (size_t i = 0; i < undisturbed.size(); ++i)

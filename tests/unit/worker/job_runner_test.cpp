@@ -12,7 +12,6 @@
 #include <thread>
 
 #include "protocol/error.h"
-#include "protocol/worker_messages.h"
 #include "renderer/film/film_file.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "renderer/scene/solid_glass.h"
@@ -423,7 +422,7 @@ TEST_F(JobRunnerTest, FailuresSayWhatAndWhere) {
     EXPECT_EQ(failure(no_folder)["code"], "internal");
     json no_request = order();
     no_request.erase("request");
-    EXPECT_EQ(failure(no_request)["code"], "internal");
+    EXPECT_EQ(failure(no_request)["code"], "wrong_type");
     EXPECT_EQ(run(order())["state"], "succeeded");  // and the runner goes on
 }
 
