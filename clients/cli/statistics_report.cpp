@@ -106,6 +106,15 @@ std::string skipped_text(const json& item) {
     return plain_text(member(item, "what")) + (why.is_string() ? " (" + plain_text(why) + ")" : "");
 }
 
+/// Empty where the seconds that were asked for were kept.
+std::string overshoot_text(const json& clock) {
+    const json asked = member(clock, "asked_seconds"), overshoot = member(clock, "overshoot_seconds");
+    if (member(clock, "kept") != false) return "";
+    return "asked for " + seconds_cell(asked) + ", took " + seconds_cell(overshoot) +
+           " more: the first pass is finished, " + "and a pass needs " +
+           seconds_cell(member(clock, "seconds_per_pass"));
+}
+
 void print_origin(std::ostream& out, const json& statistics) {
     TextTable table({{""}, {""}});
     const auto add = [&](const char* label, const std::string& text) {
@@ -126,6 +135,7 @@ void print_origin(std::ostream& out, const json& statistics) {
         if (count.is_number() && count.get<double>() != 0)
             add(words(key).c_str(), plain_text(count) + " samples dropped");
     }
+    add("clock", overshoot_text(member(statistics, "clock")));
     if (member(statistics, "device_shared") == true)
         add("timing", "another job shared the device: not to be compared");
     else if (member(statistics, "host_shared") == true)

@@ -1,6 +1,54 @@
 #include "server/worker/pass_loop.h"
 
+#include <algorithm>
+#include <limits>
+
 namespace photond {
+
+namespace {
+
+/// Seconds of the render's clock. What the stages did not take of them is the waiting stage's.
+class RenderClock {
+public:
+    RenderClock(const std::function<double()>& now, Stats& stats) : now_(now), stats_(stats) {}
+
+    void start() {
+        const double cpu = cpu_now_seconds();
+        const Stage staged = all_stages();
+        cpu_start_ = cpu - staged.cpu_seconds;
+        staged_start_ = staged.wall_seconds;
+        start_ = now_();
+    }
+    double started() const { return start_; }
+    double elapsed() const { return now_() - start_; }
+    /// Seconds since start().
+    double stop() {
+        const double seconds = now_() - start_;
+        const Stage staged = all_stages();
+        const double unstaged = seconds - (staged.wall_seconds - staged_start_);
+        const double unstaged_cpu = cpu_now_seconds() - staged.cpu_seconds - cpu_start_;
+        if (unstaged > 0) {
+            Stage& waiting = stats_.stage(kWaitingStage);
+            waiting.wall_seconds += unstaged;
+            waiting.cpu_seconds += std::max(unstaged_cpu, 0.0);
+        }
+        return seconds;
+    }
+
+private:
+    Stage all_stages() const {
+        Stage sum;
+        for (const Stage& stage : stats_.stages)
+            sum.wall_seconds += stage.wall_seconds, sum.cpu_seconds += stage.cpu_seconds;
+        return sum;
+    }
+
+    const std::function<double()>& now_;
+    Stats& stats_;
+    double start_ = 0, staged_start_ = 0, cpu_start_ = 0;
+};
+
+}  // namespace
 
 PassLoop::Result PassLoop::run(Stats& stats) {
     const Size2 size = context.view.film_size;
@@ -9,7 +57,7 @@ PassLoop::Result PassLoop::run(Stats& stats) {
         context.budget.require("film", Film::bytes_for(size, layers));
         film.emplace(size, layers, first_pass);
     }
-    Result result{*std::exchange(film, std::nullopt), seconds_before, false, 0};
+    Result result{.film = *std::exchange(film, std::nullopt), .render_seconds = seconds_before};
     context.budget.record("film", result.film.bytes());
 
     const auto stop_met = [&] {
@@ -18,15 +66,26 @@ PassLoop::Result PassLoop::run(Stats& stats) {
                (stop.seconds && done > 0 && result.render_seconds >= *stop.seconds);
     };
     if (stop_met()) return result;
-    double start = now();
+    RenderClock clock(now, stats);
+    clock.start();
     method.begin(context, stats);
-    result.render_seconds += now() - start;
+    result.begin_seconds = clock.stop();
+    result.render_seconds += result.begin_seconds;
     double last_pass_seconds = 0;
     while (!stop_met()) {
-        start = now();
-        if (!cancel.cancelled()) method.run_pass(result.film.next_pass(), stats, cancel);
+        clock.start();
+        const bool may_be_cut_off = stop.seconds && result.film.passes() > 0;
+        const CancelToken end(cancel, now,
+                              may_be_cut_off ? clock.started() + (*stop.seconds - result.render_seconds)
+                                             : std::numeric_limits<double>::infinity());
+        if (!cancel.cancelled()) method.run_pass(result.film.next_pass(), stats, end);
         if (cancel.cancelled()) {
             result.cancelled = true;  // the pass may be unfinished: nothing of it reaches the film
+            break;
+        }
+        if (end.seen()) {
+            result.cut_off_seconds = clock.stop();
+            result.render_seconds += result.cut_off_seconds;
             break;
         }
         const uint32_t done = result.film.passes() + 1;
@@ -37,9 +96,10 @@ PassLoop::Result PassLoop::run(Stats& stats) {
             const StageTimer timer(stats, "combine");
             method.resolve(result.film);
         }
-        if (pauses && pauses(result.film, result.render_seconds + (now() - start))) method.settle();
-        last_pass_seconds = now() - start;
+        if (pauses && pauses(result.film, result.render_seconds + clock.elapsed())) method.settle();
+        last_pass_seconds = clock.stop();
         result.render_seconds += last_pass_seconds;
+        result.passes_seconds += last_pass_seconds;
         ++result.passes_rendered;
         if (after_pass && after_pass(result.film, result.render_seconds)) break;
     }

@@ -229,10 +229,12 @@ void RenderJob::finish(const PassLoop::Result& result) {
         save(film, result.render_seconds, order_.film, control_.stopping);
         report_.film = order_.film;
     }
+    const ClockUse clock{order_.request.stop.seconds, result.render_seconds,  result.begin_seconds,
+                         result.passes_seconds,       result.passes_rendered, result.cut_off_seconds};
     report_.statistics =
         statistics_json({stats_, film, budget_, ready_->scene.needs, device_, order_.request, order_.source.id,
                          result.render_seconds, order_.threads, baseline_bytes_, peak_bytes,
-                         saver_->identity().settings, resumed_passes_, &errors, on_device});
+                         saver_->identity().settings, resumed_passes_, &errors, on_device, clock});
     const Counts &all = stats_.counts, &before = counts_before_;
     report_.rendered = {.passes = film.passes() - resumed_passes_,
                         .seconds = result.render_seconds - seconds_before_,
@@ -242,6 +244,12 @@ void RenderJob::finish(const PassLoop::Result& result) {
                                  .photon = all.photon_rays - before.photon_rays},
                         .photons = all.photons_emitted - before.photons_emitted};
     report_.state = result.cancelled ? "cancelled" : "succeeded";
+    if (result.cut_off_seconds > 0)
+        log("the pass at hand was not done in time: %.3f s of it are thrown away", result.cut_off_seconds);
+    if (!clock.kept())
+        log("warning: %.3f s were asked for and %.3f s taken: the first pass is finished, and a pass takes %.3f s",
+            *clock.asked_seconds, clock.render_seconds,
+            clock.passes_seconds / std::max(clock.passes_rendered, uint32_t{1}));
     log("%s after %u passes, %.3f s of rendering on %u threads", report_.state.c_str(), film.passes(),
         result.render_seconds, order_.threads);
 }

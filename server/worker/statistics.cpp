@@ -12,6 +12,18 @@ using nlohmann::json;
 
 namespace {
 
+json clock_json(const ClockUse& clock) {
+    const bool asked = clock.asked_seconds.has_value();
+    const uint32_t passes = clock.passes_rendered;
+    return {{"asked_seconds", asked ? json(*clock.asked_seconds) : json(nullptr)},
+            {"overshoot_seconds", asked ? json(clock.overshoot_seconds()) : json(nullptr)},
+            {"kept", asked ? json(clock.kept()) : json(nullptr)},
+            {"begin_seconds", clock.begin_seconds},
+            {"seconds_per_pass", passes ? json(clock.passes_seconds / passes) : json(nullptr)},
+            {"passes_cut_off", clock.cut_off_seconds > 0 ? 1 : 0},
+            {"cut_off_seconds", clock.cut_off_seconds}};
+}
+
 json per_second(double count, double seconds) { return seconds > 0 ? json(count / seconds) : json(nullptr); }
 
 void flatten(const std::string& name, const json& value, std::vector<ImageAttribute>& attributes) {
@@ -119,6 +131,7 @@ json statistics_json(const StatisticsInput& input) {
             {"threads", input.threads},
             {"seed", input.request.seed},
             {"seconds", input.render_seconds},
+            {"clock", input.clock ? clock_json(*input.clock) : json(nullptr)},
             {"passes", input.film.passes()},
             {"pass_ranges", pass_ranges},
             {"resumed_passes", input.resumed_passes},

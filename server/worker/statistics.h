@@ -1,6 +1,7 @@
 #pragma once
 // The numbers that come with every image (protocol.md, "Shapes", `statistics`).
 
+#include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -24,6 +25,20 @@ struct DeviceMemoryUse {
     uint64_t peak_bytes = 0;
 };
 
+/// What a job's clock was taken by, of the attempt at hand (pass_loop.h).
+struct ClockUse {
+    std::optional<double> asked_seconds;
+    double render_seconds = 0;  // of all attempts
+    double begin_seconds = 0;
+    double passes_seconds = 0;
+    uint32_t passes_rendered = 0;
+    double cut_off_seconds = 0;  // of a pass that was not done in time; 0: none
+
+    double overshoot_seconds() const { return asked_seconds ? std::max(0.0, render_seconds - *asked_seconds) : 0; }
+    /// Whether the seconds asked for were kept, as nearly as loops see a stop.
+    bool kept() const { return overshoot_seconds() <= 0.5 + 0.05 * asked_seconds.value_or(0); }
+};
+
 struct StatisticsInput {
     const Stats& stats;
     const Film& film;
@@ -40,6 +55,7 @@ struct StatisticsInput {
     uint32_t resumed_passes = 0;                        // of these, from a film of an earlier attempt
     const ErrorStatistics* errors = nullptr;            // none: nothing was measured
     std::optional<DeviceMemoryUse> device_memory = {};  // none: on the CPU
+    std::optional<ClockUse> clock = {};                 // none: of several jobs
 };
 
 nlohmann::json statistics_json(const StatisticsInput& input);

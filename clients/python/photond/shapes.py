@@ -150,6 +150,7 @@ class Statistics(TypedDict, total=False):
     host_cores: Optional[int]
     threads: Optional[int]
     seed: int
+    clock: Optional[Json]
     job_hash: Optional[str]
     pixel_hash: Optional[str]
     nan_count: int

@@ -38,6 +38,7 @@ class CountingMethod final : public Method {
 public:
     std::chrono::milliseconds begin_time{0}, pass_time{0};
     CancelToken* cancel_in_pass = nullptr;
+    std::function<void(Stats& stats, const CancelToken& cancel)> in_pass;
     uint32_t cancel_pass = 0;
     uint32_t passes_run = 0;
     bool began = false;
@@ -48,9 +49,10 @@ public:
         image_ = PassImage(context.view.film_size, context.view.layers);
         std::this_thread::sleep_for(begin_time);
     }
-    void run_pass(uint32_t pass, Stats&, const CancelToken&) override {
+    void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) override {
         EXPECT_EQ(pass, passes_run);
         ++passes_run;
+        if (in_pass) in_pass(stats, cancel);
         std::this_thread::sleep_for(pass_time);
         image_.of<Layer::Direct>().assign(image_.of<Layer::Direct>().size(), Rgb(static_cast<float>(pass + 1)));
         if (cancel_in_pass && pass == cancel_pass) cancel_in_pass->cancel();
@@ -182,6 +184,71 @@ TEST_F(PassLoopTest, TheClockIsTheOneItIsGivenAndGoesOnFromTheFilms) {
     EXPECT_FALSE(never.began);
     EXPECT_EQ(same.passes_rendered, 0u);
     EXPECT_TRUE(same.film == second.film);
+}
+
+TEST_F(PassLoopTest, APassThatIsNotDoneInTimeIsCutOffButTheFirst) {
+    CountingMethod method;
+    double time = 0;
+    now = [&] { return time; };
+    // A pass takes three seconds, and looks at the clock every half second.
+    method.in_pass = [&](Stats&, const CancelToken& cancel) {
+        for (const double end = time + 3; time < end && !cancel.cancelled();) time += 0.5;
+    };
+    const PassLoop::Result result = run(method, {.seconds = 7.25, .passes = {}});
+    EXPECT_FALSE(result.cancelled);
+    EXPECT_EQ(result.film.passes(), 2u);
+    EXPECT_EQ(result.film.resolve_beauty()[0], 1.5f);  // the mean of 1 and 2
+    EXPECT_EQ(result.passes_rendered, 2u);
+    EXPECT_EQ(result.render_seconds, 7.5);  // the first look at the clock past 7.25
+    EXPECT_EQ(result.passes_seconds, 6);
+    EXPECT_EQ(result.cut_off_seconds, 1.5);
+
+    CountingMethod first;
+    first.in_pass = method.in_pass;
+    const PassLoop::Result overshot = run(first, {.seconds = 1.0, .passes = {}});
+    EXPECT_EQ(overshot.film.passes(), 1u);
+    EXPECT_EQ(overshot.render_seconds, 3);
+    EXPECT_EQ(overshot.cut_off_seconds, 0);
+
+    CountingMethod next;  // a film that goes on has its first pass
+    next.passes_run = 1, next.in_pass = method.in_pass;
+    film = overshot.film, seconds_before = 3;
+    const PassLoop::Result resumed = run(next, {.seconds = 4.0, .passes = {}});
+    EXPECT_EQ(resumed.film.passes(), 1u);
+    EXPECT_EQ(resumed.passes_rendered, 0u);
+    EXPECT_EQ(resumed.render_seconds, 4);
+    EXPECT_EQ(resumed.cut_off_seconds, 1);
+}
+
+// The clock may pass the end between a pass' last look at it and its return.
+TEST_F(PassLoopTest, APassThatWasToldNothingIsWhole) {
+    CountingMethod method;
+    double time = 0;
+    now = [&] { return time; };
+    method.in_pass = [&](Stats&, const CancelToken& cancel) {
+        EXPECT_FALSE(cancel.cancelled());
+        time += 3;
+    };
+    const PassLoop::Result result = run(method, {.seconds = 4.0, .passes = {}});
+    EXPECT_EQ(result.film.passes(), 2u);
+    EXPECT_EQ(result.render_seconds, 6);
+    EXPECT_EQ(result.cut_off_seconds, 0);
+}
+
+TEST_F(PassLoopTest, TheStagesAddUpToTheClock) {
+    CountingMethod method;
+    double time = 0;
+    now = [&] { return time; };
+    method.in_pass = [&](Stats& stats, const CancelToken&) {
+        stats.stage("indirect").wall_seconds += 2;
+        time += 2.5;
+    };
+    const PassLoop::Result result = run(method, {.seconds = {}, .passes = 3});
+    EXPECT_EQ(result.render_seconds, 7.5);
+    EXPECT_EQ(stats.stage("indirect").wall_seconds, 6);
+    EXPECT_NEAR(stats.stage("indirect").wall_seconds + stats.stage("waiting").wall_seconds +
+                    stats.stage("combine").wall_seconds,
+                7.5, 1e-9);
 }
 
 TEST_F(PassLoopTest, EndsWhenToldAndBeginsAtItsFirstPass) {
