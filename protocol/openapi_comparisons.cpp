@@ -106,6 +106,24 @@ json verdict_schema() {
                   {"text", typed("string", "the same as a sentence")}});
 }
 
+json headline_schema() {
+    const json row = nullable("integer", "the first to reach them; null: too close to call");
+    return given(
+        {{"metric", typed("string")},
+         {"text", typed("string", "the sentence: who is first, where that changes and where it is too close to call")},
+         {"row", nullable("integer",
+                          "of the table, which the sentence is about: the only one that is first anywhere, else the "
+                          "first at the smallest error; null: nobody there")},
+         {"best", typed("boolean",
+                        "row is first at the smallest error, no other row is first anywhere, and none is clearly "
+                        "sooner at any error")},
+         {"verdict", count("the one of verdicts to show with it")},
+         {"stretches", with_text(list_of(given({{"row", row},
+                                                {"easiest", typed("number", "the largest level of which it is true")},
+                                                {"error", typed("number", "the smallest")}})),
+                                 "what the sentence is made of, by falling error")}});
+}
+
 json comparison_schema() {
     json schema = summary_schema();
     const auto add = [&schema](const char* key, json member) {
@@ -121,6 +139,8 @@ json comparison_schema() {
                                {"seconds", typed("number")}})));
     add("table", list_of(row_schema()));
     add("verdicts", with_text(list_of(verdict_schema()), "who is first, for each metric by falling error"));
+    add("headlines",
+        with_text(list_of(headline_schema()), "what verdicts come to, for each metric that has one: one sentence"));
     add("reference", or_null(given({{"job", nullable("string")},
                                     {"image", nullable("string")},
                                     {"state", {{"type", {"string", "null"}}}},

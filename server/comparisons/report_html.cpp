@@ -5,6 +5,7 @@
 #include <set>
 
 #include "renderer/error/color_map.h"
+#include "server/comparisons/headline.h"
 #include "server/comparisons/plot.h"
 #include "server/comparisons/report_page.h"
 #include "server/comparisons/report_tables.h"
@@ -96,11 +97,16 @@ std::string reference_warnings(const Report& report) {
 }
 
 std::string verdict_section(const Report& report) {
+    const std::vector<Verdict> found = verdicts(report.table);
+    if (found.empty()) return "";
     std::string html;
-    for (const Verdict& verdict : verdicts(report.table))
-        html += "<li>" + escaped(verdict_text(report.table, verdict)) + "</li>";
-    if (html.empty()) return "";
-    html = "<ul class=\"first\">" + html + "</ul>\n";
+    for (const Headline& headline : headlines(report.table, found))
+        html += paragraph((headline.row ? legend_stroke(*headline.row) : "") + "By " + escaped(headline.metric) + ": " +
+                              escaped(headline_text(report.table, headline)) + ".",
+                          "headline");
+    html += "<ul class=\"first\">";
+    for (const Verdict& verdict : found) html += "<li>" + escaped(verdict_text(report.table, verdict)) + "</li>";
+    html += "</ul>\n";
     const bool one_seed = report.comparison.at("request")["seeds"].size() == 1;
     return heading("Who reaches which error first") + html +
            (one_seed ? paragraph("One seed: the spread of these times is not known. More seeds give intervals.", "soft")

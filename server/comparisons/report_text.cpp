@@ -3,6 +3,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "renderer/core/sha256.h"
@@ -50,6 +51,16 @@ std::string escaped(std::string_view text) {
 }
 
 std::string short_number(double value) { return number(value, 3); }
+
+std::string exact_number(double value) {
+    for (int digits = 3; digits < std::numeric_limits<double>::max_digits10; ++digits) {
+        std::string text = number(value, digits);
+        double read = 0;
+        std::from_chars(text.data(), text.data() + text.size(), read);
+        if (read == value) return text;
+    }
+    return number(value, std::numeric_limits<double>::max_digits10 + 1);  // log10 may be one too large
+}
 
 std::string short_seconds(double seconds) {
     if (seconds < 1) return number(seconds * 1000, 3) + " ms";

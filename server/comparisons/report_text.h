@@ -15,6 +15,8 @@ namespace photond {
 std::string escaped(std::string_view text);
 /// Three digits that count: "0.00123", "12.3", "1.2e-7".
 std::string short_number(double value);
+/// The same with as many more digits as this number needs to be told from any other.
+std::string exact_number(double value);
 /// "0.52 s", "12 ms", "3 min 20 s".
 std::string short_seconds(double seconds);
 /// "12.3 MB".

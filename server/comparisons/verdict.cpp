@@ -24,7 +24,7 @@ Verdict verdict_at(const ComparisonTable& table, const std::string& metric, size
                      [&](size_t a, size_t b) { return at(a).seconds->mean < at(b).seconds->mean; });
     if (verdict.arrived.size() > 1) {
         const TimeToError &first = at(verdict.arrived[0]), &second = at(verdict.arrived[1]);
-        verdict.close = overlap(*first.seconds, *second.seconds) || (first.at_most && second.at_most);
+        verdict.close = !can_be_told_apart(first, second);
     }
     return verdict;
 }
@@ -44,6 +44,10 @@ std::string time_text(const TimeToError& time) {
 const TimeToError& Verdict::time(const ComparisonTable& table, size_t row) const {
     const std::vector<TimeToError>& levels = table.rows[row].time_to_error.at(metric);
     return *std::find_if(levels.begin(), levels.end(), [&](const TimeToError& level) { return level.error == error; });
+}
+
+bool can_be_told_apart(const TimeToError& a, const TimeToError& b) {
+    return a.seconds->mean != b.seconds->mean && !overlap(*a.seconds, *b.seconds) && !(a.at_most && b.at_most);
 }
 
 std::vector<Verdict> verdicts(const ComparisonTable& table) {
@@ -69,7 +73,7 @@ std::vector<Verdict> verdicts(const ComparisonTable& table) {
 std::string verdict_text(const ComparisonTable& table, const Verdict& verdict) {
     const auto name = [&](size_t row) { return row_name(table.rows[row].label, table.rows[row].parameters); };
     const auto named = [&](size_t row) { return name(row) + " (" + time_text(verdict.time(table, row)) + ")"; };
-    const std::string goal = verdict.metric + " " + short_number(verdict.error);
+    const std::string goal = verdict.metric + " " + exact_number(verdict.error);
     std::string text, others;
     if (verdict.close) {
         text = "too close to call at " + goal + ": " + named(verdict.arrived[0]) + " and " + named(verdict.arrived[1]);
@@ -87,13 +91,13 @@ std::string verdict_text(const ComparisonTable& table, const Verdict& verdict) {
     std::string missing;
     for (const size_t row : verdict.missing) missing += (missing.empty() ? "" : ", ") + name(row);
     if (!missing.empty()) text += "; not in its time: " + missing;
-    if (verdict.easiest > verdict.error) text += "; likewise from " + short_number(verdict.easiest) + " on";
+    if (verdict.easiest > verdict.error) text += "; likewise from " + exact_number(verdict.easiest) + " on";
     return text;
 }
 
-json verdicts_json(const ComparisonTable& table) {
+json verdicts_json(const ComparisonTable& table, std::span<const Verdict> verdicts) {
     json list = json::array();
-    for (const Verdict& verdict : verdicts(table)) {
+    for (const Verdict& verdict : verdicts) {
         json arrived = json::array();
         for (const size_t row : verdict.arrived)
             arrived.push_back({{"row", row}, {"seconds", verdict.seconds(table, row)}});

@@ -1,7 +1,8 @@
 #pragma once
-// Who is first: what the time-to-error tables come to, in plain sentences.
+// Who is first to which error: what the time-to-error tables come to, in plain sentences.
 
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,11 +17,14 @@ struct Verdict {
     double easiest = 0;           // the largest
     std::vector<size_t> arrived;  // rows that reach `error` with every seed, quickest first; never empty
     std::vector<size_t> missing;  // those that do not
-    /// The two quickest cannot be told apart: their intervals overlap, or both were there before the first measurement.
-    bool close = false;
+    bool close = false;           // the two quickest cannot be told apart
     double seconds(const ComparisonTable& table, size_t row) const { return time(table, row).seconds->mean; }
     const TimeToError& time(const ComparisonTable& table, size_t row) const;
 };
+
+/// Not where their times are equal or the intervals of these overlap, nor where both were there before the first
+/// measurement. Both rows reach the error.
+bool can_be_told_apart(const TimeToError& a, const TimeToError& b);
 
 /// For each metric by falling error; levels after each other with the same outcome share a verdict, that of the
 /// smallest. Empty for a table of one row, which nothing can be said of.
@@ -31,6 +35,6 @@ std::string verdict_text(const ComparisonTable& table, const Verdict& verdict);
 
 /// [{"metric", "error", "easiest", "close", "factor", "arrived": [{"row", "seconds"}], "missing": [row], "text"}]; a
 /// row is its index in the table, the factor the second's time over the first's.
-nlohmann::json verdicts_json(const ComparisonTable& table);
+nlohmann::json verdicts_json(const ComparisonTable& table, std::span<const Verdict> verdicts);
 
 }  // namespace photond

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "server/clock_text.h"
+#include "server/comparisons/headline.h"
 #include "server/comparisons/report_text.h"
 #include "server/comparisons/verdict.h"
 #include "server/row_text.h"
@@ -152,7 +153,9 @@ Judged judge(const Compared& compared) {
     const json& request = object["request"];
     judged.table = make_table(judged.jobs, request.at("metrics").get<std::vector<std::string>>(), wishes_of(request));
     object["table"] = to_json(judged.table);
-    object["verdicts"] = verdicts_json(judged.table);
+    const std::vector<Verdict> found = verdicts(judged.table);
+    object["verdicts"] = verdicts_json(judged.table, found);
+    object["headlines"] = headlines_json(judged.table, found);
     object["reference"] = reference_json(compared.row, state.reference, judged.jobs, judged.table);
     return judged;
 }

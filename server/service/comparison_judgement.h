@@ -1,6 +1,6 @@
 #pragma once
-// What follows from a comparison's row and its jobs: its state, its table, its verdicts. A comparison has no state of
-// its own.
+// What follows from a comparison's row and its jobs: its state, its table, its verdicts and headlines. A comparison has
+// no state of its own.
 
 #include <nlohmann/json.hpp>
 #include <optional>

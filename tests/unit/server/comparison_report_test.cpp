@@ -108,7 +108,7 @@ TEST(ReportHtml, SaysWhoIsFirst) {
 TEST(ReportHtml, SaysHowMuchSooner) {
     const ComparisonTable table =
         make_table(std::vector{job("a", 1, 1), job("b", 1, 3), job("c", 1, 3.1)}, {"relative_mse"});
-    const json found = verdicts_json(table);
+    const json found = verdicts_json(table, verdicts(table));
     ASSERT_EQ(found.size(), 2u) << found.dump(1);
     EXPECT_EQ(found[0]["text"],
               "a reaches relative_mse 0.2 first, after 5 s: 3 times sooner than b (15 s); then c (15.5 s); likewise "
@@ -117,6 +117,13 @@ TEST(ReportHtml, SaysHowMuchSooner) {
     EXPECT_EQ(found[0]["arrived"][2]["row"], 2);
     EXPECT_EQ(found[1]["text"], "a reaches relative_mse 0.1 first, after 10 s; not in its time: b, c");
     EXPECT_TRUE(found[1]["factor"].is_null());
+}
+
+TEST(ReportHtml, BeginsWithTheHeadline) {
+    const std::string page = report_html(report_of({job("a & c", 1, 1), job("b", 2, 2)}, "scene"));
+    EXPECT_NE(page.find("By relative_mse: a &amp; c is better here.</p>"), std::string::npos);
+    EXPECT_LT(page.find("is better here"), page.find("reaches relative_mse"));
+    EXPECT_EQ(report_html(report_of({job("a", 1, 1)}, "scene")).find("class=\"headline\""), std::string::npos);
 }
 
 TEST(ReportHtml, MarksWhatIsUnfinished) {
@@ -146,6 +153,10 @@ TEST(ReportText, WritesNumbersShortly) {
     EXPECT_EQ(short_number(2), "2");
     EXPECT_EQ(short_number(100000), "100000");
     EXPECT_EQ(short_number(1.2345e-7), "1.23e-7");
+    for (const double level : {0.1, 0.02, 5e-5, 2000.0, 2e6}) EXPECT_EQ(exact_number(level), short_number(level));
+    EXPECT_EQ(exact_number(0.0012345), "0.0012345");
+    for (const double value : {1.0 / 3, std::nextafter(0.001, 0), 1e5 / 7, std::nextafter(1e-9, 1)})
+        EXPECT_EQ(std::stod(exact_number(value)), value);
     EXPECT_EQ(short_seconds(0.0123), "12.3 ms");
     EXPECT_EQ(short_seconds(200), "3 min 20 s");
     EXPECT_EQ(short_seconds(7200), "2 h");
