@@ -423,6 +423,19 @@ export interface Verdict {
   text: string;
 }
 
+/** What the verdicts of a metric come to: the sentence that is shown, and with what. */
+export interface Headline {
+  metric: string;
+  text: string;
+  /** Whose look goes with it; null where nobody is ahead. */
+  row: number | null;
+  best: boolean;
+  /** The one of the comparison's verdicts to show with it. */
+  verdict: number;
+  /** By falling error; no row: too close to call. */
+  stretches: { row: number | null; easiest: number; error: number }[];
+}
+
 export interface ComparisonJob {
   id: string;
   label: string;
@@ -451,6 +464,8 @@ export interface Comparison extends ComparisonSummary {
   jobs: ComparisonJob[];
   table: ComparisonRow[];
   verdicts: Verdict[];
+  /** For each metric that has a verdict. */
+  headlines: Headline[];
   reference: {
     job: string | null;
     image: string | null;

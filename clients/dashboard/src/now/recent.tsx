@@ -3,7 +3,6 @@
 import { useEffect, useRef } from "preact/hooks";
 
 import type { Comparison, ComparisonSummary, JobSummary, Page } from "../api/types";
-import { headline } from "../studies/headline";
 import { numberText, plainName, secondsText, timeText } from "../ui/format";
 import { Picture } from "../ui/picture";
 import { useRemote } from "../ui/remote";
@@ -58,7 +57,7 @@ export function RecentJobs({ recent }: { recent: JobSummary[] }) {
 /** What a study that is over has come to. */
 function Finding({ id }: { id: string }) {
   const { data: study } = useRemote<Comparison>(`/v1/comparisons/${id}`);
-  const found = study && headline(study.verdicts.filter((verdict) => verdict.metric === study.request.metrics[0]), study.table);
+  const found = study?.headlines.find((headline) => headline.metric === study.request.metrics[0]);
   return found ? <strong class="now-finding">{found.text}</strong> : null;
 }
 

@@ -15,7 +15,6 @@ import { sayFailure } from "../ui/toasts";
 import { unequalBounces } from "./bounces";
 import { ErrorFigure, Swatch } from "./error_figure";
 import { figuresTable } from "./figures_table";
-import { headline, mainVerdict } from "./headline";
 import { useLiveStudy, type LiveStudy } from "./live_study";
 import { BestByTime, MemoryFigure } from "./memory_figure";
 import { metricText } from "./metric_texts";
@@ -33,9 +32,8 @@ export const studyTitle = (request: Comparison["request"]): string =>
   `${request.scene}: ${request.entries.map((entry) => entry.label ?? entry.method.name).join(", ")}`;
 
 function VerdictPanel({ report, metric }: { report: ComparisonReport; metric: string }) {
-  const verdicts = report.verdicts.filter((verdict) => verdict.metric === metric);
-  const found = headline(verdicts, report.table);
-  const main = mainVerdict(verdicts, found?.row ?? null);
+  const found = report.headlines.find((headline) => headline.metric === metric);
+  const main = found && report.verdicts[found.verdict];
   const over = isOver(report.state);
   if (!found || !main)
     return (
@@ -52,7 +50,7 @@ function VerdictPanel({ report, metric }: { report: ComparisonReport; metric: st
         </p>
       </section>
     );
-  const others = verdicts.filter((verdict) => verdict !== main);
+  const others = report.verdicts.filter((verdict) => verdict.metric === metric && verdict !== main);
   return (
     <section class="panel study-verdict" aria-label="Verdict">
       <h2>
