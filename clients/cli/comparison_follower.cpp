@@ -137,9 +137,7 @@ void print_comparison(Session& session, const json& comparison) {
     if (overhead.is_number()) table.add_row({"beside their clocks", human_seconds(overhead.get<double>())});
     table.print(std::cout, "  ");
     print_comparison_tables(std::cout, comparison);
-    const std::vector<std::string> sentences = verdicts(comparison);
-    if (!sentences.empty()) std::cout << '\n';
-    for (const std::string& sentence : sentences) std::cout << sentence << '\n';
+    print_verdicts(std::cout, comparison);
     print_structures(std::cout, structures_of(statistics_of_rows(session.daemon(), comparison)));
 }
 

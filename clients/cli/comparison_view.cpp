@@ -5,6 +5,7 @@
 #include <optional>
 #include <ostream>
 #include <set>
+#include <vector>
 
 #include "clients/cli/json_member.h"
 #include "clients/cli/text_table.h"
@@ -204,10 +205,13 @@ void print_comparison_tables(std::ostream& out, const json& comparison) {
     print_noise(out, table, metrics);
 }
 
-std::vector<std::string> verdicts(const json& comparison) {
-    std::vector<std::string> sentences;
-    for (const json& verdict : member(comparison, "verdicts")) sentences.push_back(plain_text(member(verdict, "text")));
-    return sentences;
+void print_verdicts(std::ostream& out, const json& comparison) {
+    for (const json& headline : member(comparison, "headlines")) {
+        const json metric = member(headline, "metric");
+        out << "\nBy " << plain_text(metric) << ": " << plain_text(member(headline, "text")) << ".\n";
+        for (const json& verdict : member(comparison, "verdicts"))
+            if (member(verdict, "metric") == metric) out << "  " << plain_text(member(verdict, "text")) << '\n';
+    }
 }
 
 }  // namespace photond::cli

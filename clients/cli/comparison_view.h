@@ -4,7 +4,6 @@
 #include <iosfwd>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <vector>
 
 namespace photond::cli {
 
@@ -16,7 +15,8 @@ std::string comparison_row_name(const nlohmann::json& row);
 /// noise. `comparison`: protocol.md, "Shapes".
 void print_comparison_tables(std::ostream& out, const nlohmann::json& comparison);
 
-/// Who is first, for each metric by falling error, in the daemon's sentences.
-std::vector<std::string> verdicts(const nlohmann::json& comparison);
+/// For each metric that has one the daemon's headline, and beneath it by falling error who is first, in its sentences;
+/// a blank line before each.
+void print_verdicts(std::ostream& out, const nlohmann::json& comparison);
 
 }  // namespace photond::cli

@@ -193,8 +193,15 @@ class Comparing(Case):
                           if point["seconds"] is not None)
             goal = f"{metric} {hardest:.3g}"
             sentences = [line for line in self.output.splitlines()
-                         if f" reaches {goal} first, after " in line or line.startswith(f"too close to call at {goal}:")]
+                         if f" reaches {goal} first, after " in line or line.startswith(f"  too close to call at {goal}:")]
             self.assertEqual(len(sentences), 1, self.output)
+        for headline in comparison["headlines"]:
+            metric = headline["metric"]
+            said = [f"By {metric}: {headline['text']}."] + ["  " + verdict["text"] for verdict in comparison["verdicts"]
+                                                            if verdict["metric"] == metric]
+            self.assertIn("\n" + "\n".join(said) + "\n\n", self.output)
+        self.assertEqual([one["metric"] for one in comparison["headlines"]], ["relative_mse", "indirect:relative_mse"])
+        self.assertIn(f"By relative_mse: {comparison['headlines'][0]['text']}.</p>", get(comparison["links"]["report_html"]).text)
         self.assertIn("peak memory", self.output)
 
     def test_reports_are_saved(self):
