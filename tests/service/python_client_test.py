@@ -421,8 +421,13 @@ class Comparisons(Case):
         self.assertIn("map, photons 2000", str(self.comparison))
         self.assertTrue(self.comparison.verdicts)
         self.assertIn(self.comparison.verdicts[0], str(self.comparison))
+        self.assertEqual(list(self.comparison.headlines.values()),
+                         [headline["text"] for headline in self.comparison.data["headlines"]])
+        for metric in self.comparison.metrics:
+            self.assertIn(f"By {metric}: {self.comparison.headlines[metric]}.", str(self.comparison))
         html = self.comparison._repr_html_()
         self.assertEqual(html.count("<tr>"), 4)
+        self.assertIn(f"By relative_mse: {self.comparison.headlines['relative_mse']}.", html)
         reached = self.comparison.time_to_error(1e9)
         self.assertTrue(all(seconds > 0 for seconds in reached.values()))
         self.assertEqual(set(self.comparison.time_to_error(1e-9).values()), {None})

@@ -74,6 +74,11 @@ class Comparison(Work):
         return cast(Optional[Json], self._whole()["reference"])
 
     @property
+    def headlines(self) -> Dict[str, str]:
+        """What the comparison comes to, a sentence for each metric that has one: who is first and where that changes."""
+        return {headline["metric"]: headline["text"] for headline in self._whole()["headlines"]}
+
+    @property
     def verdicts(self) -> List[str]:
         """Who reaches which error first, as sentences, for each metric by falling error."""
         return [verdict["text"] for verdict in self._whole().get("verdicts") or []]
@@ -219,10 +224,13 @@ class Comparison(Work):
             raise ValueError(f"cannot tell what to save as {path}: name it .html, .csv or .json")
         self.download(f"report.{suffix}", path)
 
+    def _headline_texts(self) -> List[str]:
+        return [f"By {metric}: {text}." for metric, text in self.headlines.items()]
+
     def __str__(self) -> str:
         if not self.metrics:
             return repr(self)
-        return "\n".join([repr(self), self.table_text(), *self.verdicts])
+        return "\n".join([repr(self), self.table_text(), *self._headline_texts(), *self.verdicts])
 
     def __repr__(self) -> str:
         image = self.request["image"]
@@ -230,7 +238,9 @@ class Comparison(Work):
                 f"{len(self.request['entries'])} entries>")
 
     def _repr_html_(self) -> Optional[str]:
-        return self._text_table(self._metric(None)).html(repr(self)[1:-1]) if self.metrics else None
+        if not self.metrics:
+            return None
+        return self._text_table(self._metric(None)).html(" ".join([f"{repr(self)[1:-1]}.", *self._headline_texts()]))
 
 
 class ComparisonFailed(PhotondError):
