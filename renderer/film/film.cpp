@@ -55,7 +55,7 @@ inline void add_squares(FixedSquares* sums, const Rgb& c) {
     for (int k = 0; k < 3; ++k) add_square(sums[k], double{c[k]});
 }
 
-double to_double(FixedSum sum) { return 0x1p-64 * static_cast<double>(sum); }
+double to_double(FixedSum sum) { return 0x1p-64 * nearest_double(sum); }
 
 /// (n sum x^2 - (sum x)^2) / (n (n-1)), the difference taken in whole numbers: a constant pixel has variance 0.
 double variance_of(FixedSum sum, FixedSquares squares, uint32_t n) {
@@ -76,8 +76,7 @@ double variance_of(FixedSum sum, FixedSquares squares, uint32_t n) {
     // Rounding each square to 2^-64 can make the difference a little negative: that is 0.
     if (left_high < high || (left_high == high && left_low <= low)) return 0;
     const FixedSquares borrow = left_low < low ? 1 : 0;
-    const double difference =
-        0x1p128 * static_cast<double>(left_high - high - borrow) + static_cast<double>(left_low - low);
+    const double difference = 0x1p128 * nearest_double(left_high - high - borrow) + nearest_double(left_low - low);
     return 0x1p-128 * difference / (double{static_cast<double>(n)} * (static_cast<double>(n) - 1.0));
 }
 

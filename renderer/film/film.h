@@ -10,6 +10,7 @@
 #include "renderer/core/memory_budget.h"
 #include "renderer/core/rgb.h"
 #include "renderer/core/stats.h"
+#include "renderer/film/fixed_sums.h"
 #include "renderer/film/layers.h"
 #include "renderer/film/pass_ranges.h"
 
@@ -70,13 +71,6 @@ private:
     std::array<std::vector<Rgb>, kLayerCount> colors_;
     std::array<std::vector<float>, kLayerCount> values_;
 };
-
-/// 128-bit signed fixed point with 64 fractional bits: range +-2^63, resolution 2^-64. A value of one pass lies below
-/// kFilmValueLimit, so that 2^32 passes of three layers cannot overflow.
-__extension__ typedef __int128 FixedSum;
-/// Sums of squares, unsigned with 64 fractional bits. Addition saturates, which for values that are never negative is
-/// still exactly associative; a saturated sum stands for "unknown" and its variance is infinite.
-__extension__ typedef unsigned __int128 FixedSquares;
 
 /// Greatest magnitude a pass may contribute to a pixel; larger values are dropped and counted with the infinities.
 inline constexpr float kFilmValueLimit = 0x1p29f;

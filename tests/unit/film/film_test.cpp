@@ -20,6 +20,25 @@ LayerSet all_layers() { return LayerSet::all(); }
 
 using test::film_of;
 
+TEST(FixedSums, AreRoundedAsACastRoundsThem) {
+    RandomStream random(5, RandomDomain::Test, 0, 0);
+    const auto expect_equal = [](FixedSquares number) {
+        EXPECT_EQ(nearest_double(number), static_cast<double>(number));
+        EXPECT_EQ(nearest_double(static_cast<FixedSum>(number)), static_cast<double>(static_cast<FixedSum>(number)));
+    };
+    const auto bits = [&] { return uint64_t{random.next_bits()} << 32 | random.next_bits(); };
+    for (int i = 0; i < 20000; ++i) {
+        const FixedSquares number = FixedSquares{bits()} << 64 | bits();
+        expect_equal(number >> (i % 128));
+        expect_equal(number >> (i % 128) << (i % 77));  // zeros below
+    }
+    for (int i = 0; i < 128; ++i)  // halfway between two doubles, and beside that
+        for (const FixedSquares odd : {FixedSquares{1}, FixedSquares{3}}) {
+            const FixedSquares halfway = (FixedSquares{1} << i) | (i >= 53 ? odd << (i - 53) : FixedSquares{0});
+            expect_equal(halfway - 1), expect_equal(halfway), expect_equal(halfway + 1);
+        }
+}
+
 TEST(Film, AnyOrderOfPassesGivesTheSameBits) {
     const Size2 size{37, 11};
     std::vector<uint32_t> order(24);
