@@ -72,7 +72,21 @@ bool ErrorFollower::go_on_from(const Film& film, std::vector<CurvePoint> curve, 
 }
 
 bool ErrorFollower::there_is_time_for(double cost_seconds, double seconds) const {
-    return measured_seconds_ + cost_seconds <= kMeasuringShare * seconds;
+    return measured_seconds_ + cost_seconds + guessed_last_cost() <=
+           kMeasuringShare * std::max(seconds, kShortestJudgedSeconds);
+}
+
+/// Of finish(), which measures everything.
+double ErrorFollower::guessed_last_cost() const {
+    double cost = cheap_cost_;
+    for (const LayerMetric& metric : plan_.costly) cost += guessed_cost(metric);
+    for (const LayerMetric& metric : plan_.estimated) cost += guessed_cost(metric);
+    return cost;
+}
+
+bool ErrorFollower::point_is_due(const Film& film, double seconds) const {
+    if (!schedule_.is_due(film.passes(), seconds)) return false;
+    return std::has_single_bit(film.passes()) || there_is_time_for(cheap_cost_, seconds);
 }
 
 double ErrorFollower::guessed_cost(const LayerMetric& metric) const {
@@ -89,7 +103,8 @@ bool ErrorFollower::met_by(const MetricValues& values) {
 }
 
 bool ErrorFollower::after_pass(const Film& film, double seconds) {
-    if (schedule_.due(film.passes(), seconds)) {
+    if (point_is_due(film, seconds)) {
+        schedule_.skip_to(film.passes(), seconds);
         measure_point(film, seconds, false);
         return met_by(curve_.back().metrics);
     }

@@ -15,9 +15,11 @@
 
 namespace photond {
 
-/// Measuring between the points, and of metrics that cost much, waits until all measuring so far and the next one
-/// together take at most this share of the job's seconds.
+/// Measuring at other points than powers of two, and of metrics that cost much, waits until all measuring so far, the
+/// next one and the last one together take at most this share of the job's seconds. A shorter job may take as much as
+/// one of so many seconds: nobody judges that by its clock.
 inline constexpr double kMeasuringShare = 0.025;
+inline constexpr double kShortestJudgedSeconds = 2;
 
 /// What a job measures.
 struct MeasuringPlan {
@@ -45,9 +47,7 @@ public:
     /// True when that film meets the target.
     bool go_on_from(const Film& film, std::vector<CurvePoint> curve, double seconds);
     /// Whether after_pass() may measure then: it takes its time, which is not the job's.
-    bool may_measure(const Film& film, double seconds) const {
-        return plan_.target || schedule_.is_due(film.passes(), seconds);
-    }
+    bool may_measure(const Film& film, double seconds) const { return plan_.target || point_is_due(film, seconds); }
     /// After each pass; `seconds` on the job's clock. True when the target is met by what was measured now.
     bool after_pass(const Film& film, double seconds);
     /// At the job's end: its last point, complete.
@@ -61,7 +61,9 @@ public:
 private:
     void measure_point(const Film& film, double seconds, bool in_the_end);
     void measure_target(const Film& film);
+    bool point_is_due(const Film& film, double seconds) const;
     bool there_is_time_for(double cost_seconds, double seconds) const;
+    double guessed_last_cost() const;
     bool met_by(const MetricValues& values);
     double guessed_cost(const LayerMetric& metric) const;
     /// Adds the metric's value, and what it took to the costs.

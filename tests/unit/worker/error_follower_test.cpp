@@ -140,7 +140,9 @@ TEST_F(ErrorFollowerTest, CostlyMetricsWaitUntilThereIsTime) {
         follower->after_pass(film, film.passes());
         if (follower->curve().size() == points || !follower->curve().back().metrics.at("flip_ldr")) continue;
         ++with_flip;
-        EXPECT_LE(static_cast<double>(readings) / 2 * tick, kMeasuringShare * film.passes()) << film.passes();
+        EXPECT_LE(static_cast<double>(readings) / 2 * tick,
+                  kMeasuringShare * std::max<double>(film.passes(), kShortestJudgedSeconds))
+            << film.passes();
     }
     EXPECT_FALSE(follower->curve().front().metrics.at("flip_ldr").has_value());
     EXPECT_TRUE(follower->curve().front().metrics.at("mae").has_value());
@@ -155,6 +157,30 @@ TEST_F(ErrorFollowerTest, CostlyMetricsWaitUntilThereIsTime) {
     EXPECT_FALSE(follower->curve().back().metrics.at("flip_ldr").has_value());
     follower->finish(film, 201);
     EXPECT_TRUE(follower->curve().back().metrics.at("flip_ldr").has_value());
+}
+
+TEST_F(ErrorFollowerTest, PointsAtOtherThanPowersOfTwoWaitUntilThereIsTime) {
+    tick = 0.002;  // each point
+    make(ramp());
+    for (const double seconds : {2.0, 10.0, 40.0}) {
+        film = Film{kSize, LayerSet()};
+        readings = 0;
+        make(ramp());
+        const auto last = static_cast<uint32_t>(seconds / 0.01);
+        render_to(last, 0.01);
+        follower->finish(film, seconds);
+        EXPECT_LE(static_cast<double>(readings) / 2 * tick, kMeasuringShare * seconds) << seconds;
+        for (uint32_t passes = 1; passes <= last; passes *= 2)
+            EXPECT_EQ(std::ranges::count(point_passes(), passes), 1) << passes;
+    }
+    EXPECT_EQ(point_passes().size(),
+              1 + 12u + 9);  // the last, powers of two, 0.1 s x 2^k: all of them found their time
+
+    tick = 0.01;  // a point takes as long as a pass
+    film = Film{kSize, LayerSet()};
+    make(ramp());
+    render_to(200, 0.01);
+    EXPECT_EQ(point_passes(), (std::vector<uint32_t>{1, 2, 4, 8, 16, 32, 64, 128}));
 }
 
 TEST_F(ErrorFollowerTest, ATargetEndsTheJobAtTheFirstPassThatMeetsIt) {
