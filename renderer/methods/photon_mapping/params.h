@@ -20,7 +20,7 @@ struct PhotonMappingParams final : MethodParams {
     std::optional<uint32_t> caustic_photons;
     std::optional<uint32_t> indirect_bounces;
     Gather gather = Gather::Final;
-    uint32_t gather_rays = 64;
+    uint32_t gather_rays = 8;
     std::optional<uint32_t> light_samples;
     GatherSampling gather_sampling = GatherSampling::Bsdf;
     bool precompute_irradiance = false;
@@ -74,7 +74,9 @@ inline void PhotonMappingParams::visit(ParamVisitor& visitor) {
                          "diffuse interreflection by looking the global map up where the eye sees (direct) or at the "
                          "ends of gather rays (final)"});
     visitor.field("gather_rays", gather_rays,
-                  {Light, "rays", 1, 4096, "of a final gather at a vertex the eye sees directly"});
+                  {Light, "rays", 1, 4096,
+                   "of a final gather at a vertex the eye sees directly; fewer rays make shorter passes, "
+                   "and the mean of the passes is the same"});
     visitor.field("light_samples", light_samples,
                   {Gathering, "samples", 1, 1024,
                    "light samples at a vertex the eye sees directly; when not given a quarter of gather_rays for final "
