@@ -432,7 +432,9 @@ json image_schema() {
 json estimate_schema() {
     return given({{"memory_bytes", count("what the job will hold: film, scene, ray structure and the method's own")},
                   {"device_memory_bytes", nullable("integer", "likewise, of a GPU's memory; null on the CPU")},
-                  {"seconds", nullable("number", "of rendering; null while the method has rendered nothing here")}});
+                  {"seconds", nullable("number", "of rendering; null while the method has rendered nothing here")},
+                  {"pass_seconds", nullable("number", "of one pass; likewise")},
+                  {"warnings", with_text(list_of(typed("string")), "of seconds that cannot be kept")}});
 }
 
 }  // namespace

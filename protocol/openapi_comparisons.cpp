@@ -158,6 +158,7 @@ json estimate_schema() {
                               "of rendering once the reference is there: on each device one job after another, on all "
                               "at the same time; null where it cannot be told")},
          {"reference_seconds", nullable("number", "of the reference that is still to be made; 0: none is")},
+         {"warnings", with_text(list_of(typed("string")), "of seconds that cannot be kept")},
          {"entries", with_text(list_of(given({{"label", typed("string")},
                                               {"parameters", typed("object", "those the sweep gave")},
                                               {"memory_bytes", count()},

@@ -33,6 +33,7 @@ struct Row {
     const PlannedJob* first;
     uint64_t memory_bytes = 0;
     Sum seconds;
+    std::string warning;  // empty: none
 };
 
 }  // namespace
@@ -56,16 +57,17 @@ json Comparisons::estimate_comparison(const ComparisonRequest& request) {
         const PlannedJob& planned = request.jobs[i];
         if (rows.empty() || rows.back().first->entry != planned.entry ||
             rows.back().first->parameters != planned.parameters)
-            rows.push_back({&planned, 0, {}});
-        const auto seconds = jobs_.estimates.estimate_seconds(planned.request, *scene, earlier);
+            rows.push_back({&planned, 0, {}, {}});
+        const TimeEstimate time = jobs_.estimates.estimate_time(planned.request, *scene, earlier);
         const uint64_t bytes = jobs_.estimates.estimate_memory_bytes(planned.request, *scene);
-        rows.back().seconds.add(seconds);
+        rows.back().seconds.add(time.seconds);
+        rows.back().warning = time.warning;
         rows.back().memory_bytes = std::max(rows.back().memory_bytes, bytes);
-        devices[prepared[i].row.device].add(seconds);
+        devices[prepared[i].row.device].add(time.seconds);
         memory_bytes = std::max(memory_bytes, bytes);
         if (!prepared[i].reference || !references.insert(prepared[i].reference->content).second) continue;
         const JobRequest reference = References::reference_request(planned.request);
-        reference_seconds.add(jobs_.estimates.estimate_seconds(reference, *scene, earlier));
+        reference_seconds.add(jobs_.estimates.estimate_time(reference, *scene, earlier).seconds);
         memory_bytes = std::max(memory_bytes, jobs_.estimates.estimate_memory_bytes(reference, *scene));
     }
 
@@ -73,15 +75,20 @@ json Comparisons::estimate_comparison(const ComparisonRequest& request) {
     for (const auto& [device, seconds] : devices)
         longest = longest && seconds.value() ? std::optional(std::max(*longest, *seconds.value())) : std::nullopt;
     json entries = json::array();
-    for (const Row& row : rows)
+    json warnings = json::array();
+    for (const Row& row : rows) {
+        if (!row.warning.empty())
+            warnings.push_back(row_name(row.first->label, row.first->parameters) + ": " + row.warning);
         entries.push_back({{"label", row.first->label},
                            {"parameters", row.first->parameters},
                            {"memory_bytes", row.memory_bytes},
                            {"seconds", row.seconds.to_json()}});
+    }
     return {{"jobs", prepared.size()},
             {"memory_bytes", memory_bytes},
             {"seconds", longest ? json(*longest) : json()},
             {"reference_seconds", reference_seconds.to_json()},
+            {"warnings", std::move(warnings)},
             {"entries", std::move(entries)}};
 }
 

@@ -8,6 +8,7 @@
 #include "renderer/error/estimate.h"
 #include "renderer/film/film.h"
 #include "renderer/methods/registry.h"
+#include "server/comparisons/report_text.h"
 
 namespace photond {
 
@@ -138,9 +139,8 @@ uint64_t Estimates::estimate_disk_bytes(const JobRequest& request, const SceneRe
     return 2 * film_bytes(request) + ask_method(request, workload, &MethodInfo::estimate_artefact_bytes);
 }
 
-std::optional<double> Estimates::estimate_seconds(const JobRequest& request, const SceneRef& scene,
-                                                  EarlierJobs& earlier) {
-    if (!request.stop.passes) return request.stop.seconds;
+std::optional<double> Estimates::estimate_pass_seconds(const JobRequest& request, const SceneRef& scene,
+                                                       EarlierJobs& earlier) {
     const std::string device = core_.device_of(request.method);
     const auto [known, unread] = earlier.try_emplace({request.method.name, device});
     if (unread)
@@ -158,9 +158,20 @@ std::optional<double> Estimates::estimate_seconds(const JobRequest& request, con
         a_pass = as_then;
         most_alike = alike;
     }
-    if (!a_pass) return request.stop.seconds;
-    const double estimate = *a_pass * *request.stop.passes;
-    return request.stop.seconds ? std::min(estimate, *request.stop.seconds) : estimate;
+    return a_pass;
+}
+
+TimeEstimate Estimates::estimate_time(const JobRequest& request, const SceneRef& scene, EarlierJobs& earlier) {
+    TimeEstimate estimate;
+    estimate.pass_seconds = estimate_pass_seconds(request, scene, earlier);
+    const std::optional<double>&a_pass = estimate.pass_seconds, &asked = request.stop.seconds;
+    if (request.stop.passes && a_pass) estimate.seconds = *a_pass * *request.stop.passes;
+    if (asked) estimate.seconds = std::max(std::min(estimate.seconds.value_or(*asked), *asked), a_pass.value_or(0));
+    if (asked && a_pass && *a_pass > *asked)
+        estimate.warning = "a pass takes about " + short_seconds(*a_pass) +
+                           ", and the first one is always finished: the " + short_seconds(*asked) +
+                           " asked for will be overshot";
+    return estimate;
 }
 
 }  // namespace photond

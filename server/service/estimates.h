@@ -27,12 +27,19 @@ struct EarlierJob {
 using EarlierJobs = std::map<std::pair<std::string, std::string>, std::vector<EarlierJob>>;
 
 /// All under the lock.
+/// Of rendering. Nothing is known of a pass where the method has rendered none here.
+struct TimeEstimate {
+    std::optional<double> seconds;       // known also where the job stops by them
+    std::optional<double> pass_seconds;  // of one pass
+    std::string warning;                 // of seconds that cannot be kept; empty: none
+};
+
 class Estimates {
 public:
     Estimates(ServiceCore& core, Scenes& scenes) : core_(core), scenes_(scenes) {}
 
-    /// Of rendering; nothing where it stops by passes and the method has rendered none here. Throws DeviceUnavailable.
-    std::optional<double> estimate_seconds(const JobRequest& request, const SceneRef& scene, EarlierJobs& earlier);
+    /// Throws DeviceUnavailable.
+    TimeEstimate estimate_time(const JobRequest& request, const SceneRef& scene, EarlierJobs& earlier);
     /// What the worker's budget will hold, to a few percent.
     uint64_t estimate_memory_bytes(const JobRequest& request, const SceneRef& scene);
     /// What it will take of a GPU's memory, its scene included; nothing on the CPU.
@@ -41,6 +48,7 @@ public:
     uint64_t estimate_disk_bytes(const JobRequest& request, const SceneRef& scene);
 
 private:
+    std::optional<double> estimate_pass_seconds(const JobRequest& request, const SceneRef& scene, EarlierJobs& earlier);
     Workload workload_of(const JobRequest& request, const nlohmann::json& scene_summary);
 
     ServiceCore& core_;

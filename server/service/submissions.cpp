@@ -53,11 +53,13 @@ json Submissions::estimate_job(const JobRequest& request) {
     const std::lock_guard lock(core_.mutex);
     const SceneRef scene = checks_.check_request(request);
     EarlierJobs earlier;
-    const auto seconds = estimates_.estimate_seconds(request, scene, earlier);
+    const TimeEstimate time = estimates_.estimate_time(request, scene, earlier);
     const auto on_device = estimates_.estimate_device_bytes(request, scene);
     return {{"memory_bytes", estimates_.estimate_memory_bytes(request, scene)},
             {"device_memory_bytes", on_device ? json(*on_device) : json()},
-            {"seconds", seconds ? json(*seconds) : json()}};
+            {"seconds", time.seconds ? json(*time.seconds) : json()},
+            {"pass_seconds", time.pass_seconds ? json(*time.pass_seconds) : json()},
+            {"warnings", time.warning.empty() ? json::array() : json::array({time.warning})}};
 }
 
 }  // namespace photond

@@ -22,7 +22,7 @@ class EstimateTest(DaemonTestCase):
     def estimate(self, body, **options):
         reply = self.daemon.request("POST", "/v1/jobs?dry_run=true", json_body=body, **options)
         self.assertEqual(reply.status, 200, reply)
-        self.assertEqual(set(reply.json), {"memory_bytes", "device_memory_bytes", "seconds"})
+        self.assertEqual(set(reply.json), {"memory_bytes", "device_memory_bytes", "seconds", "pass_seconds", "warnings"})
         return reply.json
 
     def hold_to_measured(self, body):
@@ -93,6 +93,16 @@ class EstimateTest(DaemonTestCase):
             here = job["seconds"] / (64 * 64 * 2)
             self.assertAlmostEqual(seconds(stop={"passes": 10}), here * 32 * 32 * 10, delta=1e-5 * here * 32 * 32 * 10)
             self.assertEqual(seconds(stop={"passes": 10**9, "seconds": 3}), 3)
+
+            def told(seconds):
+                stop = {"stop": {"seconds": seconds}}
+                return daemon.request("POST", "/v1/jobs?dry_run=true", json_body={**small_job(), **stop}).json
+            self.assertEqual(told(3)["warnings"], [])
+            a_pass = told(3)["pass_seconds"]
+            self.assertEqual(told(a_pass / 2)["seconds"], a_pass)
+            [warning] = told(a_pass / 2)["warnings"]
+            self.assertRegex(warning, "^a pass takes about .*, and the first one is always finished: the .* asked for "
+                                      "will be overshot$")
 
     def test_the_same_faults_as_a_job_of_its_own(self):
         for body in (small_job("cornel-box"), small_job(colour="red"), small_job(size=0), small_job(method="magic"),

@@ -487,5 +487,6 @@ export interface ComparisonEstimate {
   memory_bytes: number;
   seconds: number | null;
   reference_seconds: number | null;
+  warnings: string[];
   entries: { label: string; parameters: Parameters; memory_bytes: number; seconds: number | null }[];
 }

@@ -9,6 +9,7 @@ export interface Estimate {
   memory_bytes: number;
   device_memory_bytes: number | null;
   seconds: number | null;
+  warnings: string[];
 }
 
 export interface Judgement {

@@ -57,21 +57,28 @@ function Estimated({ judgement }: { judgement: Judgement }) {
   if (!estimate) return <p class="muted">Asking …</p>;
   const limit = daemonStatus.value?.workers.find((worker) => worker.memory_limit_bytes)?.memory_limit_bytes;
   return (
-    <dl class={`facts render-estimate${asking ? " asking" : ""}`}>
-      <dt>Render time</dt>
-      <dd>{estimate.seconds === null ? <span class="muted">not known: this method has rendered nothing here yet</span> : `about ${secondsText(estimate.seconds)}`}</dd>
-      <dt>Memory</dt>
-      <dd>
-        {bytesText(estimate.memory_bytes)}
-        {limit ? <span class="muted"> of {bytesText(limit)}</span> : null}
-      </dd>
-      {estimate.device_memory_bytes !== null && (
-        <>
-          <dt>on the GPU</dt>
-          <dd>{bytesText(estimate.device_memory_bytes)}</dd>
-        </>
-      )}
-    </dl>
+    <>
+      <dl class={`facts render-estimate${asking ? " asking" : ""}`}>
+        <dt>Render time</dt>
+        <dd>{estimate.seconds === null ? <span class="muted">not known: this method has rendered nothing here yet</span> : `about ${secondsText(estimate.seconds)}`}</dd>
+        <dt>Memory</dt>
+        <dd>
+          {bytesText(estimate.memory_bytes)}
+          {limit ? <span class="muted"> of {bytesText(limit)}</span> : null}
+        </dd>
+        {estimate.device_memory_bytes !== null && (
+          <>
+            <dt>on the GPU</dt>
+            <dd>{bytesText(estimate.device_memory_bytes)}</dd>
+          </>
+        )}
+      </dl>
+      {estimate.warnings.map((warning) => (
+        <p class="notice" key={warning}>
+          {warning}
+        </p>
+      ))}
+    </>
   );
 }
 

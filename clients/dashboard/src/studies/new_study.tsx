@@ -135,6 +135,11 @@ function Summary({ request, unequal, onEqual, estimated, sending, onGo, onReset 
               <dt>Memory</dt>
               <dd>{bytesText(estimate.memory_bytes)} at most</dd>
             </dl>
+            {estimate.warnings.map((warning) => (
+              <p class="notice" key={warning}>
+                {warning}
+              </p>
+            ))}
             <div class="scroll-x" tabIndex={0} role="group" aria-label="Estimate of each entry">
               <table class="new-study-estimates">
                 <thead>
