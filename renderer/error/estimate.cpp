@@ -162,14 +162,17 @@ std::vector<float> with_own_noise(std::span<const float> reference, std::span<co
                                   uint64_t seed) {
     assert(standard_error.size() == reference.size());
     std::vector<float> noisy(reference.begin(), reference.end());
-    for_each_chunk(noisy.size(), [&](size_t first, size_t last) {
-        for (size_t i = first; i < last; ++i) {
-            if (!std::isfinite(standard_error[i]) || !std::isfinite(noisy[i])) continue;
+    const auto add = [&](size_t i, float normal) {
+        if (i < noisy.size() && std::isfinite(standard_error[i]) && std::isfinite(noisy[i]))
+            noisy[i] += standard_error[i] * normal;
+    };
+    for_each_chunk((noisy.size() + 1) / 2, [&](size_t first, size_t last) {
+        for (size_t pair = first; pair < last; ++pair) {
             // [Box and Muller 1958] A Note on the Generation of Random Normal Deviates. No pass has this number.
-            RandomStream random(seed, RandomDomain::Reference, UINT32_MAX, i);
-            const double u = (random.next_bits() + 0.5) * 0x1p-32, v = (random.next_bits() + 0.5) * 0x1p-32;
-            const double normal = std::sqrt(-2 * std::log(u)) * std::cos(2 * std::numbers::pi * v);
-            noisy[i] = static_cast<float>(noisy[i] + standard_error[i] * normal);
+            RandomStream random(seed, RandomDomain::Reference, UINT32_MAX, pair);
+            const float u = (static_cast<float>(random.next_bits()) + 0.5f) * 0x1p-32f;  // (0, 1]
+            const float radius = std::sqrt(-2 * std::log(u)), angle = 2 * std::numbers::pi_v<float> * random.next();
+            add(2 * pair, radius * std::cos(angle)), add(2 * pair + 1, radius * std::sin(angle));
         }
     });
     return noisy;

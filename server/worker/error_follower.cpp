@@ -144,8 +144,8 @@ void ErrorFollower::measure_point(const Film& film, double seconds, bool in_the_
         if (!values[metric.name()] && (due || there_is_time_for(guessed_cost(metric), seconds)))
             measure_timed(resolved, metric, values);
     };
-    for (const LayerMetric& metric : plan_.estimated)
-        measure_if(in_the_end || std::has_single_bit(film.passes()), metric);
+    if (in_the_end || std::has_single_bit(film.passes()))
+        for (const LayerMetric& metric : plan_.estimated) measure_if(in_the_end, metric);
     for (const LayerMetric& metric : plan_.costly) measure_if(in_the_end, metric);
     if (!plan_.target || !values[plan_.target->name()]) return;
     checked_passes_ = film.passes();

@@ -160,7 +160,7 @@ TEST_F(ErrorFollowerTest, CostlyMetricsWaitUntilThereIsTime) {
 }
 
 TEST_F(ErrorFollowerTest, PointsAtOtherThanPowersOfTwoWaitUntilThereIsTime) {
-    tick = 0.002;  // each point
+    tick = 0.0015;  // each measurement
     make(ramp());
     for (const double seconds : {2.0, 10.0, 40.0}) {
         film = Film{kSize, LayerSet()};
