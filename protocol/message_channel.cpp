@@ -8,6 +8,7 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
+#include "protocol/error.h"
 #include "protocol/strict_json.h"
 
 namespace photond {
