@@ -76,10 +76,13 @@ std::vector<std::string> DeviceList::resolve(const std::vector<std::string>& nam
             const auto found = std::find_if(all.begin(), all.end(), is_wanted);
             if (found == all.end()) {
                 std::string known;
-                for (const json& device : all)
-                    known += (known.empty() ? "" : ", ") + device.at("id").get<std::string>() + " (" +
-                             device.at("name").get<std::string>() +
-                             (device.at("lacks").empty() ? "" : ", lacks " + listed(device.at("lacks"))) + ")";
+                for (const json& device : all) {
+                    if (!known.empty()) known += ", ";
+                    known += device.at("id").get<std::string>();
+                    known.append(" (").append(device.at("name").get<std::string>());
+                    if (!device.at("lacks").empty()) known.append(", lacks ").append(listed(device.at("lacks")));
+                    known += ")";
+                }
                 throw Error(ErrorCode::DeviceUnavailable,
                             "device '" + name + "' is unavailable; this machine has: " + known);
             }
