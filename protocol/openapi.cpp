@@ -248,6 +248,19 @@ json device_schema() {
                                             {"timestamp_seconds", typed("number", "of a tick; 0: none")}}))}});
 }
 
+/// CoreUse of worker_messages.h.
+json cores_schema() {
+    return given({{"processor_seconds", typed("number", "of all threads of the job")},
+                  {"run_delay_seconds", nullable("number", "its threads were ready to run and had no processor")},
+                  {"host_busy_outside_seconds", nullable("number", "of processors, in other processes")},
+                  {"host_steal_seconds", nullable("number", "of processors, taken by the host's own host")},
+                  {"pressure_seconds", nullable("number", "in which some thread of the host had to wait")},
+                  {"lost_seconds", nullable("number",
+                                            "of processors, to other processes: the smaller of waiting and "
+                                            "what ran outside")},
+                  {"share", in_range(nullable("number", "of the processor time that it wanted"), 0, 1)}});
+}
+
 json statistics_schema() {
     const json bytes = nullable("integer", "bytes");
     json pass_range = list_of(count());
@@ -296,6 +309,19 @@ json statistics_schema() {
          {"infinity_count", count()},
          {"device_shared", nullable("boolean", "another job ran meanwhile on the same cores")},
          {"host_shared", nullable("boolean", "another job ran meanwhile, on whatever device")},
+         {"cores", with_text(or_null(cores_schema()),
+                             "of the host, while the job's clock ran; null of what the kernel "
+                             "does not say and of merged films")},
+         {"shared",
+          with_text(or_null(given({{"share", typed("number", "of the processor time that it wanted, which it had")},
+                                   {"lost_seconds", typed("number", "of processors, to other processes")},
+                                   {"to", with_text(list_of(given({{"who", typed("string",
+                                                                                 "helper, photond, job J12, "
+                                                                                 "worker gpu:0 or others")},
+                                                                   {"seconds", typed("number")}})),
+                                                    "the greatest first")},
+                                   {"warning", typed("string", "the same as a sentence")}})),
+                    "where other processes took more than 2 % of the processor time that the job wanted")},
          {"pass_ranges", with_text(list_of(pass_range), "[first, end) of each run of passes")},
          {"resumed_passes", count("rendered by earlier attempts")},
          {"settings_hash", nullable("string", "of all that decides a pass's pixels")},

@@ -143,6 +143,36 @@ struct RenderedWork {
     }
 };
 
+/// What a job wanted of the host's processors while its clock ran, and what it had: "cores" of its statistics. Of all
+/// its attempts; empty where the kernel does not say.
+struct CoreUse {
+    double processor_seconds = 0;  // of all its threads
+    /// How long its threads were ready to run and waited for a processor, for whatever reason: more threads than
+    /// processors wait for each other.
+    std::optional<double> run_delay_seconds;
+    std::optional<double> host_busy_outside_seconds;  // of processors, in other processes
+    std::optional<double> host_steal_seconds;         // of processors, taken by the machine that the host is a guest of
+    std::optional<double> pressure_seconds;           // in which some thread of the host waited for a processor
+    // These two follow from the others:
+    std::optional<double> lost_seconds;  // of processors, to other processes
+    std::optional<double> share;         // of the processor time that it wanted
+
+    /// Before a clock has run.
+    static CoreUse of_nothing();
+    CoreUse& operator+=(const CoreUse& other);
+    /// Fills in what follows, for a job whose clock shows so much.
+    void derive(double clock_seconds);
+    void visit(MessageVisitor& visitor) {
+        visitor.member("processor_seconds", processor_seconds);
+        visitor.or_null("run_delay_seconds", run_delay_seconds);
+        visitor.or_null("host_busy_outside_seconds", host_busy_outside_seconds);
+        visitor.or_null("host_steal_seconds", host_steal_seconds);
+        visitor.or_null("pressure_seconds", pressure_seconds);
+        visitor.or_null("lost_seconds", lost_seconds);
+        visitor.or_null("share", share);
+    }
+};
+
 /// The last message of an attempt.
 struct FinishedMessage {
     static constexpr const char* kType = "finished";
@@ -153,6 +183,7 @@ struct FinishedMessage {
     double seconds = 0;
     std::optional<std::filesystem::path> film;  // the order's, where a pass was finished and the job did not fail
     nlohmann::json statistics;                  // object of protocol.md or null
+    std::optional<CoreUse> cores;               // none where the attempt failed
     std::optional<RenderedWork> rendered;       // none where the attempt failed
     nlohmann::json curve;                       // list of points or null
     std::optional<ErrorNow> error_now;
@@ -169,6 +200,7 @@ struct FinishedMessage {
         visitor.member("seconds", seconds);
         visitor.or_null("film", film);
         visitor.or_null("statistics", statistics);
+        visitor.or_null("cores", cores);
         visitor.or_null("rendered", rendered);
         visitor.or_null("curve", curve);
         visitor.or_null("error_now", error_now);

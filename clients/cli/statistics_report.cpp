@@ -136,7 +136,12 @@ void print_origin(std::ostream& out, const json& statistics) {
             add(words(key).c_str(), plain_text(count) + " samples dropped");
     }
     add("clock", overshoot_text(member(statistics, "clock")));
-    if (member(statistics, "device_shared") == true)
+    const json cores = member(statistics, "cores"), warning = member(member(statistics, "shared"), "warning");
+    if (member(cores, "share").is_number())
+        add("cores", three_digit_number(100 * cores["share"].get<double>()) + " % of the processor time it wanted");
+    if (warning.is_string())
+        add("timing", plain_text(warning));
+    else if (member(statistics, "device_shared") == true)
         add("timing", "another job shared the device: not to be compared");
     else if (member(statistics, "host_shared") == true)
         add("timing", "another job ran on another device of this machine");

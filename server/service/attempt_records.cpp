@@ -68,7 +68,14 @@ void take_film(JobRow& row, const RunningAttempt& attempt, const FinishedMessage
     row.error_now = text_of(part_json(message.error_now));
 }
 
-void take_statistics(JobRow& row, const RunningAttempt& attempt, json statistics) {
+/// The sentence about what the job lost; empty where it was not disturbed.
+std::string loss_warning(const JobRow& row) {
+    const json statistics = parsed_or_null(row.statistics);
+    const json shared = statistics.is_object() ? statistics.value("shared", json()) : json();
+    return shared.is_object() ? shared.value("warning", "") : "";
+}
+
+void take_statistics(JobRow& row, const RunningAttempt& attempt, json statistics, const std::optional<CoreUse>& cores) {
     // Of what an earlier attempt left, its record tells.
     const json before = json::parse(row.attempts);
     const auto was_shared = [&](const char* what, bool now) {
@@ -78,6 +85,8 @@ void take_statistics(JobRow& row, const RunningAttempt& attempt, json statistics
     };
     statistics["device_shared"] = was_shared("device_shared", attempt.device_shared);
     statistics["host_shared"] = was_shared("host_shared", attempt.host_shared);
+    statistics["cores"] = part_json(cores);
+    statistics["shared"] = cores ? shared_json(*cores, attempt.taken) : json();
     row.statistics = statistics.dump(-1, ' ', false, json::error_handler_t::replace);
     const json hash = statistics.value("pixel_hash", json());
     row.pixel_hash = hash.is_string() ? hash.get<std::string>() : "";
@@ -144,7 +153,7 @@ void AttemptRecords::record_result(const RunningAttempt& attempt, const Finished
     const bool has_film = message.film == film && fs::is_regular_file(film);
     if (has_film) take_film(row, attempt, message);  // else what was saved last stays, and the row says what that holds
     row.finished_ms = now_ms();
-    if (message.statistics.is_object()) take_statistics(row, attempt, message.statistics);
+    if (message.statistics.is_object()) take_statistics(row, attempt, message.statistics, message.cores);
     const auto [outcome, reason] = take_end(row, attempt, message, has_film, core_.options.limits);
     row.artefacts = is_over(row.state) && has_film ? kept_artefacts(row, message.artefacts).dump() : "[]";
     close_attempt(row, attempt, outcome, reason, message.passes_done);
@@ -156,6 +165,8 @@ void AttemptRecords::record_result(const RunningAttempt& attempt, const Finished
         [&] {
             for (size_t i = 0; i < message.log.size() && i < kMaxLogLines; ++i)
                 core_.store.append_log(row.seq, now_ms(), message.log[i].substr(0, kMaxLogLineBytes));
+            if (const std::string warning = loss_warning(row); !warning.empty())
+                core_.store.append_log(row.seq, now_ms(), "warning: " + warning);
         },
         attempt.unpublished);
     core_.totals.add(attempt, message.rendered);

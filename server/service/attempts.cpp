@@ -1,6 +1,7 @@
 #include "server/service/attempts.h"
 
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <optional>
@@ -206,6 +207,7 @@ void Attempts::begin_attempt(Slot& slot, JobRow row) {
                         .limits = {core_.options.memory_limit_bytes, core_.options.threads}};
     if (!row.film.empty()) order.resume = core_.files.films / row.film;
     if (core_.options.save_seconds > 0) order.save_seconds = core_.options.save_seconds;
+    note_processor_time();
     slot.process->send(message_json(std::move(order)));
     slot.running = std::move(attempt);
     mark_shared(slot);
@@ -220,6 +222,17 @@ void Attempts::mark_shared(Slot& slot) {
             attempt->device_shared = attempt->device_shared || same_cores;
         }
     }
+}
+
+void Attempts::note_processor_time() {
+    std::vector<ProcessMeter::Process> ours{{"photond", getpid()}};
+    if (core_.helper) ours.push_back({"helper", core_.helper->pid()});
+    const auto job_of = [](const Slot& slot) { return "job " + job_id(slot.running->seq); };
+    for (const auto& slot : slots_)
+        ours.push_back({slot->running ? job_of(*slot) : "worker " + slot->device, slot->process->pid()});
+    for (const auto& [who, seconds] : meter_.read(ours))
+        for (const auto& slot : slots_)
+            if (slot->running && who != job_of(*slot)) slot->running->taken[who] += seconds;
 }
 
 void Attempts::cancel_running(Slot& slot) {
@@ -280,6 +293,7 @@ void Attempts::worker_message(Slot& slot, const json& message) {
 }
 
 void Attempts::finished(Slot& slot, const FinishedMessage& message) {
+    note_processor_time();
     settle(slot, [this, attempt = *slot.running, message, device = slot.device] {
         records_.record_result(attempt, message, device);
     });

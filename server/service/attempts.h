@@ -76,6 +76,9 @@ private:
     /// Another job has begun there: what runs beside it shares the host, and the device where that is the host's cores.
     void mark_shared(Slot& slot);
     void finished(Slot& slot, const FinishedMessage& message);
+    /// Before an attempt begins or when one ends: notes with those that run what other processes of ours have taken
+    /// since the last time.
+    void note_processor_time();
     /// Runs `record`, lets the slot go and gives it the next job; when the store fails the slot keeps `record`.
     void settle(Slot& slot, std::function<void()> record);
     Slot* slot_of(int64_t seq) const;
@@ -87,6 +90,7 @@ private:
     WaitingJobs& waiting_;
     AttemptRecords records_;
     AttemptProgress progress_;
+    ProcessMeter meter_;
     std::vector<std::unique_ptr<Slot>> slots_;  // the last member: ends its threads before the rest goes
 };
 

@@ -13,6 +13,7 @@
 #include <string>
 
 #include "protocol/worker_messages.h"
+#include "server/service/core_loss.h"
 
 namespace photond {
 
@@ -52,6 +53,7 @@ struct RunningAttempt {
     uint64_t snapshots = 0;
     bool device_shared = false;  // another job ran meanwhile on the same cores ...
     bool host_shared = false;    // ... or at all
+    ProcessorSeconds taken;      // by other processes of ours meanwhile
     std::string device_lost;     // the worker's reason; empty: it has said none
     std::shared_ptr<const Snapshot> snapshot;
     /// How it ended, when the store could not be written (disk full): tried again until it can.

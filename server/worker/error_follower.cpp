@@ -55,8 +55,8 @@ MeasuringPlan MeasuringPlan::of(const JobRequest& request, bool has_reference) {
     return plan;
 }
 
-ErrorFollower::ErrorFollower(MeasuringPlan plan, FilmErrors& errors, Stats& stats, RenderPeak& peak, Clock now)
-    : plan_(std::move(plan)), errors_(errors), stats_(stats), peak_(peak), now_(std::move(now)) {}
+ErrorFollower::ErrorFollower(MeasuringPlan plan, FilmErrors& errors, Stats& stats, RenderMeters& meters, Clock now)
+    : plan_(std::move(plan)), errors_(errors), stats_(stats), meters_(meters), now_(std::move(now)) {}
 
 bool ErrorFollower::go_on_from(const Film& film, std::vector<CurvePoint> curve, double seconds) {
     schedule_.skip_to(film.passes(), seconds);
@@ -116,7 +116,7 @@ bool ErrorFollower::after_pass(const Film& film, double seconds) {
 }
 
 void ErrorFollower::measure_target(const Film& film) {
-    const OffTheClock measuring(stats_, kErrorMeasuringStage, peak_);
+    const OffTheClock measuring(stats_, kErrorMeasuringStage, meters_);
     const double start = now_();
     ResolvedFilm resolved(film);
     MetricValues values;
@@ -128,7 +128,7 @@ void ErrorFollower::measure_target(const Film& film) {
 }
 
 void ErrorFollower::measure_point(const Film& film, double seconds, bool in_the_end) {
-    const OffTheClock measuring(stats_, kErrorMeasuringStage, peak_);
+    const OffTheClock measuring(stats_, kErrorMeasuringStage, meters_);
     const double start = now_();
     ResolvedFilm resolved(film);
     const bool again = !curve_.empty() && curve_.back().passes == film.passes();  // some of it was left for the end

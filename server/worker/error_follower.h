@@ -11,7 +11,7 @@
 #include "renderer/core/stats.h"
 #include "renderer/error/curve.h"
 #include "server/worker/film_errors.h"
-#include "server/worker/render_peak.h"
+#include "server/worker/render_meters.h"
 
 namespace photond {
 
@@ -41,7 +41,8 @@ public:
     using Clock = std::function<double()>;
 
     /// Borrows all but the plan. `now`: wall seconds.
-    ErrorFollower(MeasuringPlan plan, FilmErrors& errors, Stats& stats, RenderPeak& peak, Clock now = wall_now_seconds);
+    ErrorFollower(MeasuringPlan plan, FilmErrors& errors, Stats& stats, RenderMeters& meters,
+                  Clock now = wall_now_seconds);
 
     /// For a job that goes on from a film: the points it had, and how long measuring took by the stage in `stats`.
     /// True when that film meets the target.
@@ -72,7 +73,7 @@ private:
     const MeasuringPlan plan_;
     FilmErrors& errors_;
     Stats& stats_;
-    RenderPeak& peak_;
+    RenderMeters& meters_;
     const Clock now_;
     CurveSchedule schedule_;
     std::vector<CurvePoint> curve_;

@@ -50,6 +50,7 @@ FilmHistory history_of(const json& source) {
             {stage.at("name"), stage.at("wall_seconds"), stage.at("cpu_seconds"), stage.at("gpu_seconds")});
     for (const json& part : source.at("skipped"))
         history.skipped.push_back({part.at("what"), part.at("why"), part.at("bytes_saved")});
+    if (source.contains("cores")) history.cores = read_part<CoreUse>(source["cores"], "history");
     for (const json& point : source.at("curve")) history.curve.push_back(curve_point_of(point));
     history.standard_error_scale = optional_of<double>(source.at("standard_error_scale"));
     return history;
@@ -82,9 +83,10 @@ std::string FilmHistory::text() const {
                               {"gpu_seconds", stage.gpu_seconds}});
     for (const Skipped& part : skipped)
         all_skipped.push_back({{"what", part.what}, {"why", part.why}, {"bytes_saved", part.bytes_saved}});
-    return json{{"seconds", seconds},      {"counts", all_counts},
-                {"stages", all_stages},    {"skipped", all_skipped},
-                {"curve", to_json(curve)}, {"standard_error_scale", nullable(standard_error_scale)}}
+    return json{{"seconds", seconds},       {"counts", all_counts},
+                {"stages", all_stages},     {"skipped", all_skipped},
+                {"curve", to_json(curve)},  {"standard_error_scale", nullable(standard_error_scale)},
+                {"cores", part_json(cores)}}
         .dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
@@ -102,6 +104,7 @@ FilmHistory& FilmHistory::operator+=(const FilmHistory& other) {
     counts += other.counts;
     add_stages(stages, other.stages);
     add_skipped(skipped, other.skipped);
+    cores += other.cores;
     curve.clear();
     standard_error_scale.reset();
     return *this;

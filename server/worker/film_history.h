@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "protocol/worker_messages.h"
 #include "renderer/core/stats.h"
 #include "renderer/error/curve.h"
 
@@ -19,14 +20,15 @@ struct FilmHistory {
     std::vector<Skipped> skipped;
     std::vector<CurvePoint> curve;
     std::optional<double> standard_error_scale;  // of the beauty, as ErrorEstimate's
+    CoreUse cores;                               // without what derive() fills in; unknown of older films
 
     /// The text that is saved.
     std::string text() const;
     /// Reads it. Empty text is a film without a history. Throws ErrorCode::Internal when it is not one of these.
     static FilmHistory parse(const std::string& text);
 
-    /// Adds what another part of the same image took: seconds, counts and stages add up, what was skipped is named
-    /// once. Curve and scale are of a film as it was and are dropped.
+    /// Adds what another part of the same image took: seconds, counts, stages and cores add up, what was skipped is
+    /// named once. Curve and scale are of a film as it was and are dropped.
     FilmHistory& operator+=(const FilmHistory& other);
 };
 

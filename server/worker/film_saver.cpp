@@ -13,12 +13,12 @@ constexpr double kBytesASecond = 200e6;
 
 }  // namespace
 
-FilmSaver::FilmSaver(FilmIdentity identity, std::optional<double> save_seconds, Stats& stats, RenderPeak& peak,
+FilmSaver::FilmSaver(FilmIdentity identity, std::optional<double> save_seconds, Stats& stats, RenderMeters& meters,
                      Clock now)
     : identity_(std::move(identity)),
       save_seconds_(save_seconds),
       stats_(stats),
-      peak_(peak),
+      meters_(meters),
       now_(std::move(now)),
       last_end_(now_()) {}
 
@@ -29,7 +29,7 @@ bool FilmSaver::due(const Film& film) const {
 }
 
 void FilmSaver::save(const Film& film, const std::string& history, const std::filesystem::path& path) {
-    const OffTheClock saving(stats_, kFilmSavingStage, peak_);
+    const OffTheClock saving(stats_, kFilmSavingStage, meters_);
     const double start = now_();
     FilmFile::save(film, identity_, history, path);
     last_end_ = now_();

@@ -7,7 +7,7 @@
 
 #include "renderer/core/stats.h"
 #include "renderer/film/film_file.h"
-#include "server/worker/render_peak.h"
+#include "server/worker/render_meters.h"
 
 namespace photond {
 
@@ -19,7 +19,7 @@ public:
     using Clock = std::function<double()>;
 
     /// `save_seconds`: the least time between two savings; none: never of its own accord. Time runs from now on.
-    FilmSaver(FilmIdentity identity, std::optional<double> save_seconds, Stats& stats, RenderPeak& peak,
+    FilmSaver(FilmIdentity identity, std::optional<double> save_seconds, Stats& stats, RenderMeters& meters,
               Clock now = wall_now_seconds);
 
     const FilmIdentity& identity() const { return identity_; }
@@ -32,7 +32,7 @@ private:
     const FilmIdentity identity_;
     const std::optional<double> save_seconds_;
     Stats& stats_;
-    RenderPeak& peak_;
+    RenderMeters& meters_;
     const Clock now_;
     double last_end_;
     std::optional<double> last_cost_;

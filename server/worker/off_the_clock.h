@@ -1,21 +1,22 @@
 #pragma once
 #include "renderer/core/stats.h"
-#include "server/worker/render_peak.h"
+#include "server/worker/render_meters.h"
 
 namespace photond {
 
-/// A stage that is not the render's: neither its time nor the memory it takes for a moment count as such.
+/// A stage that is not the render's: neither its time nor the memory it takes for a moment count as such, nor the
+/// processors that it has or lacks.
 class OffTheClock {
 public:
-    OffTheClock(Stats& stats, std::string_view stage, RenderPeak& peak) : peak_(peak), timer_(stats, stage) {
-        peak_.pause();
+    OffTheClock(Stats& stats, std::string_view stage, RenderMeters& meters) : meters_(meters), timer_(stats, stage) {
+        meters_.pause();
     }
-    ~OffTheClock() { peak_.resume(); }
+    ~OffTheClock() { meters_.resume(); }
     OffTheClock(const OffTheClock&) = delete;
     OffTheClock& operator=(const OffTheClock&) = delete;
 
 private:
-    RenderPeak& peak_;
+    RenderMeters& meters_;
     const StageTimer timer_;
 };
 

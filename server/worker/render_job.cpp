@@ -130,7 +130,7 @@ void RenderJob::prepare_measuring() {
     MeasuringPlan plan = MeasuringPlan::of(request, with_reference);
     std::optional<ReferenceImage> reference;
     if (with_reference) {
-        const OffTheClock loading(stats_, kReferenceLoadStage, peak_);
+        const OffTheClock loading(stats_, kReferenceLoadStage, meters_);
         reference = load_reference(*order_.reference,
                                    order_.memory_bytes - std::min(order_.memory_bytes, budget_.accounted_bytes()));
         log("reference: %u x %u pixels, %s", reference->size.width, reference->size.height,
@@ -139,9 +139,9 @@ void RenderJob::prepare_measuring() {
     errors_.emplace(Size2{request.width, request.height}, std::move(reference), plan.layers);
     budget_.require("error_measuring", errors_->bytes() + most_flip_bytes(plan, {request.width, request.height}));
     budget_.record("error_measuring", errors_->bytes());
-    follower_.emplace(std::move(plan), *errors_, stats_, peak_);
+    follower_.emplace(std::move(plan), *errors_, stats_, meters_);
     saver_.emplace(film_identity(request, order_.source.id, order_.streams, device_), order_.save_seconds, stats_,
-                   peak_);
+                   meters_);
 }
 
 std::optional<Film> RenderJob::film_to_go_on_with() {
@@ -154,6 +154,7 @@ std::optional<Film> RenderJob::film_to_go_on_with() {
         FilmHistory before = FilmHistory::parse(saved.history);
         stats_.counts += before.counts;
         counts_before_ = before.counts;
+        cores_before_ = before.cores;
         add_stages(stats_.stages, before.stages);
         skipped_before_ = std::move(before.skipped);
         seconds_before_ = before.seconds;
@@ -187,7 +188,9 @@ PassLoop::Result RenderJob::render() {
         send_curve(0);
         send_progress(*loop.film, seconds_before_);
     }
+    meters_.cores.begin();
     PassLoop::Result result = loop.run(stats_);
+    meters_.cores.end();
     add_skipped(stats_.skipped, skipped_before_);  // what a begin() of now did not name
     return result;
 }
@@ -197,7 +200,10 @@ bool RenderJob::after_pass(const Film& film, double seconds) {
     const size_t known_points = follower_->curve().size();
     const bool target_met = follower_->after_pass(film, seconds);
     if (follower_->curve().size() > known_points) send_curve(known_points);
-    if (wall_now_seconds() - last_progress_ >= kProgressSeconds) send_progress(film, seconds);
+    if (wall_now_seconds() - last_progress_ >= kProgressSeconds) {
+        send_progress(film, seconds);
+        meters_.cores.look();
+    }
     if (const auto snapshot = control_.take_snapshot()) save(film, seconds, *snapshot, true);
     if (!target_met && saver_->due(film)) save(film, seconds, order_.film, true);
     return target_met;
@@ -207,14 +213,14 @@ void RenderJob::finish(const PassLoop::Result& result) {
     const Film& film = result.film;
     const bool goes_on_elsewhere = result.cancelled && control_.stopping;
     report_.passes_done = film.passes(), report_.seconds = result.render_seconds;
-    const uint64_t peak_bytes = peak_.bytes();  // of the render; the rest is the runner's
+    const uint64_t peak_bytes = meters_.peak.bytes();  // of the render; the rest is the runner's
     const std::optional<DeviceMemoryUse> on_device = device_memory();
     ErrorStatistics errors;
     if (film.passes() > 0 && !goes_on_elsewhere) {
         const size_t known_points = follower_->curve().size();
         follower_->finish(film, result.render_seconds);
         if (follower_->curve().size() > known_points) send_curve(known_points);
-        const OffTheClock measuring(stats_, kErrorMeasuringStage, peak_);
+        const OffTheClock measuring(stats_, kErrorMeasuringStage, meters_);
         ResolvedFilm resolved(film);
         const JobRequest& request = order_.request;
         errors = error_statistics(resolved, *errors_, follower_->plan(), follower_->curve().back().metrics,
@@ -235,6 +241,8 @@ void RenderJob::finish(const PassLoop::Result& result) {
         statistics_json({stats_, film, budget_, ready_->scene.needs, device_, order_.request, order_.source.id,
                          result.render_seconds, order_.threads, baseline_bytes_, peak_bytes,
                          saver_->identity().settings, resumed_passes_, &errors, on_device, clock});
+    report_.cores = core_use();
+    report_.cores->derive(result.render_seconds);
     const Counts &all = stats_.counts, &before = counts_before_;
     report_.rendered = {.passes = film.passes() - resumed_passes_,
                         .seconds = result.render_seconds - seconds_before_,
@@ -254,8 +262,13 @@ void RenderJob::finish(const PassLoop::Result& result) {
         result.render_seconds, order_.threads);
 }
 
-FilmHistory RenderJob::history(double seconds) const {
-    FilmHistory history{seconds, stats_.counts, stats_.stages, stats_.skipped, follower_->curve(), {}};
+CoreUse RenderJob::core_use() {
+    CoreUse use = meters_.cores.sums();
+    return use += cores_before_;
+}
+
+FilmHistory RenderJob::history(double seconds) {
+    FilmHistory history{seconds, stats_.counts, stats_.stages, stats_.skipped, follower_->curve(), {}, core_use()};
     history.standard_error_scale = errors_->last_standard_error_scale();
     return history;
 }

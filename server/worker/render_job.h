@@ -20,8 +20,8 @@
 #include "server/worker/film_history.h"
 #include "server/worker/film_saver.h"
 #include "server/worker/pass_loop.h"
+#include "server/worker/render_meters.h"
 #include "server/worker/render_order.h"
-#include "server/worker/render_peak.h"
 #include "server/worker/scene_cache.h"
 #include "server/worker/statistics.h"
 
@@ -72,7 +72,9 @@ private:
     bool after_pass(const Film& film, double seconds);
     void finish(const PassLoop::Result& result);
 
-    FilmHistory history(double seconds) const;
+    FilmHistory history(double seconds);
+    /// Of all attempts.
+    CoreUse core_use();
     void save(const Film& film, double seconds, const std::filesystem::path& path, bool tell);
     void save_artefacts();
     /// From that point on.
@@ -91,17 +93,18 @@ private:
     const std::unique_ptr<Method> method_;
     Stats stats_;
     MemoryBudget budget_;
-    RenderPeak peak_;
+    RenderMeters meters_;
     uint64_t baseline_bytes_ = 0;
     std::shared_ptr<const ReadyScene> ready_;
     std::map<std::string, uint64_t> idle_device_structures_;
     std::optional<FilmErrors> errors_;
     std::optional<ErrorFollower> follower_;
     std::optional<FilmSaver> saver_;
-    double seconds_before_ = 0;    // of the film that this job goes on with
-    uint32_t resumed_passes_ = 0;  // likewise
-    Counts counts_before_;         // likewise
-    bool met_before_ = false;      // its target, likewise
+    double seconds_before_ = 0;                     // of the film that this job goes on with
+    uint32_t resumed_passes_ = 0;                   // likewise
+    Counts counts_before_;                          // likewise
+    CoreUse cores_before_ = CoreUse::of_nothing();  // likewise
+    bool met_before_ = false;                       // its target, likewise
     std::vector<Skipped> skipped_before_;
     double last_progress_ = 0;
 };

@@ -142,6 +142,8 @@ json statistics_json(const StatisticsInput& input) {
             {"infinity_count", input.film.infinity_count() + counts.infinite_samples},
             {"device_shared", false},  // the daemon knows
             {"host_shared", false},
+            {"cores", nullptr},
+            {"shared", nullptr},
             {"error", errors.error},
             {"reference_error", errors.reference_error},
             {"reference", errors.reference},

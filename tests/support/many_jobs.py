@@ -101,7 +101,7 @@ def statistics_of(source, request, passes, seconds, curve):
         "version": "1.0.0", "host_cores": 8, "threads": 8, "seed": request["seed"], "seconds": seconds, "passes": passes,
         "pass_ranges": [[0, passes]] if passes else [], "resumed_passes": 0, "settings_hash": digest, "job_hash": digest,
         "pixel_hash": digest if passes else None, "nan_count": 0, "infinity_count": 0, "device_shared": False,
-        "host_shared": False, "error": None, "reference_error": None, "reference": None,
+        "host_shared": False, "cores": None, "shared": None, "error": None, "reference_error": None, "reference": None,
         "estimate": {"estimated_relative_mse": curve[-1]["metrics"]["estimated_relative_mse"] if curve else None,
                      "standard_error_scale": 1.0, "confidence": 0.95, "within_confidence": 0.94},
     }

@@ -99,6 +99,12 @@ class Job(Work):
         return cast(Json, self.data.get("statistics") or {})
 
     @property
+    def warning(self) -> Optional[str]:
+        """Where other processes took more than 2 % of the processor time that it wanted: how much and who, in a sentence.
+        Its clock cannot be compared then."""
+        return cast(Optional[str], (self.statistics.get("shared") or {}).get("warning"))
+
+    @property
     def errors(self) -> Json:
         """By metric, against the reference, at the end; empty without a reference."""
         return self.statistics.get("error") or {}
@@ -262,6 +268,9 @@ class Job(Work):
         image = request["image"]
         return (f"<Job {self.describe()}: {request['scene']} by {request['method']['name']}, "
                 f"{image['width']} x {image['height']}>")
+
+    def __str__(self) -> str:
+        return "\n".join([repr(self), *([self.warning] if self.warning else [])])
 
     def _repr_png_(self) -> Optional[bytes]:
         try:

@@ -157,6 +157,8 @@ class Statistics(TypedDict, total=False):
     infinity_count: int
     device_shared: Optional[bool]
     host_shared: Optional[bool]
+    cores: Optional[Json]
+    shared: Optional[Json]
     pass_ranges: List[List[int]]
     resumed_passes: int
     settings_hash: Optional[str]

@@ -60,16 +60,20 @@ TEST(WorkerMessages, OfTheEndOfAnAttempt) {
     const auto finished = exact<FinishedMessage>(
         R"({"type": "finished", "job": "J1", "attempt": 2, "state": "succeeded", "passes_done": 8, "seconds": 2.5,
             "film": "/d/a.film", "statistics": {"seed": 1},
+            "cores": {"processor_seconds": 5.0, "run_delay_seconds": 0.5, "host_busy_outside_seconds": 0.25,
+                      "host_steal_seconds": 0.0, "pressure_seconds": null, "lost_seconds": 0.25, "share": 0.9375},
             "rendered": {"passes": 3, "seconds": 1.5, "photons": 7,
                          "rays": {"camera": 1, "bounce": 2, "shadow": 3, "photon": 4}},
             "curve": [{"passes": 8}], "error_now": {"metric": "rmse", "value": null}, "artefacts": ["photon_map.glb"],
             "failure": null, "log": ["a line"], "stopping": false})");
     EXPECT_EQ(finished.rendered->rays.photon, 4u);
+    EXPECT_EQ(finished.cores->share, 0.9375);
+    EXPECT_FALSE(finished.cores->pressure_seconds);
     EXPECT_EQ(finished.artefacts, std::vector<std::string>{"photon_map.glb"});
     EXPECT_FALSE(finished.error_now->value);
     const auto failed = exact<FinishedMessage>(
         R"({"type": "finished", "job": "J1", "attempt": 2, "state": "failed", "passes_done": 0, "seconds": 0.0,
-            "film": null, "statistics": null, "rendered": null, "curve": null, "error_now": null, "artefacts": [],
+            "film": null, "statistics": null, "cores": null, "rendered": null, "curve": null, "error_now": null, "artefacts": [],
             "failure": {"code": "out_of_range", "detail": "too wide",
                         "errors": [{"pointer": "/image/width", "detail": "too wide"}]},
             "log": [], "stopping": true})");

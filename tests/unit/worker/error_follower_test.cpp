@@ -50,7 +50,7 @@ protected:
     void make(std::optional<ReferenceImage> reference) {
         MeasuringPlan plan = MeasuringPlan::of(request, reference.has_value());
         errors.emplace(kSize, std::move(reference), plan.layers);
-        follower.emplace(std::move(plan), *errors, stats, peak, [this] {
+        follower.emplace(std::move(plan), *errors, stats, meters, [this] {
             ++readings;
             return time += tick;
         });
@@ -72,7 +72,7 @@ protected:
     JobRequest request;
     Film film{kSize, LayerSet()};
     Stats stats;
-    RenderPeak peak;
+    RenderMeters meters;
     double time = 0, tick = 0;
     size_t readings = 0;
     std::optional<FilmErrors> errors;
@@ -307,9 +307,9 @@ TEST(FilmHistory, IsReadAsWritten) {
 TEST(FilmSaverTest, SavesAtMostTwoPercentOfTheTime) {
     const TemporaryFolder folder;
     Stats stats;
-    RenderPeak peak;
+    RenderMeters meters;
     double time = 0, cost = 0;
-    FilmSaver saver({"scene", "settings", "device"}, 1.0, stats, peak, [&] {
+    FilmSaver saver({"scene", "settings", "device"}, 1.0, stats, meters, [&] {
         const double now = time;
         time += cost;
         return now;
@@ -328,7 +328,7 @@ TEST(FilmSaverTest, SavesAtMostTwoPercentOfTheTime) {
     EXPECT_TRUE(saver.due(film));
     EXPECT_EQ(FilmFile::load(folder.path() / "film").identity, saver.identity());
     EXPECT_GT(stats.stage(kFilmSavingStage).wall_seconds, 0);
-    EXPECT_FALSE(FilmSaver({}, std::nullopt, stats, peak, [] { return 1e9; }).due(film));
+    EXPECT_FALSE(FilmSaver({}, std::nullopt, stats, meters, [] { return 1e9; }).due(film));
 }
 
 }  // namespace

@@ -101,6 +101,17 @@ export interface Stage {
   gpu_seconds: number | null;
 }
 
+/** Where other processes took a part of the processor time that a job wanted. */
+export interface Shared {
+  /** Which it had, 0..1. */
+  share: number;
+  lost_seconds: number;
+  /** The greatest first. */
+  to: { who: string; seconds: number }[];
+  /** The same as a sentence. */
+  warning: string;
+}
+
 export interface Statistics {
   stages: Stage[];
   counts: { rays: Record<string, number>; [name: string]: number | null | Record<string, number> };
@@ -124,6 +135,8 @@ export interface Statistics {
   nan_count: number;
   infinity_count: number;
   device_shared: boolean | null;
+  /** Null where it was not disturbed; jobs of before do not say. */
+  shared?: Shared | null;
   error: Metrics | null;
   reference_error: Metrics | null;
   [more: string]: unknown;

@@ -244,6 +244,11 @@ function Loaded({ job, reload, stale, go }: { job: Job; reload: () => void; stal
         </span>
       </div>
       <Failure job={job} />
+      {statistics?.shared && (
+        <p class="notice" role="status">
+          {statistics.shared.warning}
+        </p>
+      )}
       <div class="job-top">
         <div class="stack">
           <PicturePanel job={job} />
