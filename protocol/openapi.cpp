@@ -258,7 +258,8 @@ json cores_schema() {
                   {"lost_seconds", nullable("number",
                                             "of processors, to other processes: the smaller of waiting and "
                                             "what ran outside")},
-                  {"share", in_range(nullable("number", "of the processor time that it wanted"), 0, 1)}});
+                  {"share", in_range(nullable("number", "of the processor time that it wanted"), 0, 1)},
+                  {"clock_lost_seconds", nullable("number", "by which the job's clock is too long, at most")}});
 }
 
 json statistics_schema() {
@@ -315,6 +316,7 @@ json statistics_schema() {
          {"shared",
           with_text(or_null(given({{"share", typed("number", "of the processor time that it wanted, which it had")},
                                    {"lost_seconds", typed("number", "of processors, to other processes")},
+                                   {"clock_seconds", typed("number", "by which its clock is too long, at most")},
                                    {"to", with_text(list_of(given({{"who", typed("string",
                                                                                  "helper, photond, job J12, "
                                                                                  "worker gpu:0 or others")},

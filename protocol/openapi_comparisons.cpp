@@ -60,6 +60,7 @@ json row_schema() {
          {"jobs", list_of(typed("string"))},
          {"seeds", count()},
          {"succeeded", count("seeds whose job has succeeded")},
+         {"disturbed", count("of these, that lost processor time to other processes")},
          {"passes", counts},
          {"photons", counts},
          {"seconds", spread},
@@ -84,7 +85,10 @@ json summary_schema() {
                   {"created", time()},
                   {"started", time()},
                   {"finished", time()},
-                  {"job_states", given(std::move(states))},
+                  {"job_states", with_text(given(std::move(states)),
+                                           "of what was planned, whatever job of its runs "
+                                           "counts")},
+                  {"repeats", count("jobs made again because they were disturbed")},
                   {"overhead_seconds",
                    nullable("number", "from the first start to the last end on each device, less the jobs' clocks")},
                   {"request", schema_ref("ComparisonRequest")},
@@ -98,11 +102,12 @@ json verdict_schema() {
     return given({{"metric", typed("string")},
                   {"error", typed("number", "the smallest level of which it is true")},
                   {"easiest", typed("number", "the largest")},
-                  {"close", typed("boolean", "the two quickest cannot be told apart")},
+                  {"close", typed("boolean", "who is first cannot be told")},
                   {"factor", nullable("number", "the second's time over the first's")},
                   {"arrived", with_text(list_of(given({{"row", count()}, {"seconds", typed("number")}})),
                                         "rows of the table that reach it with every seed, quickest first")},
                   {"missing", with_text(list_of(count()), "rows that do not")},
+                  {"disturbed", with_text(list_of(count()), "rows with jobs that lost processor time to others")},
                   {"text", typed("string", "the same as a sentence")}});
 }
 
@@ -130,13 +135,20 @@ json comparison_schema() {
         schema["properties"][key] = std::move(member);
         schema["required"].push_back(key);
     };
+    const json warning = nullable("string", "what it lost of its processor time, as in its statistics");
+    const json run = given({{"id", typed("string")}, {"state", state()}, {"warning", warning}});
     add("jobs", list_of(given({{"id", typed("string")},
                                {"label", typed("string")},
                                {"parameters", typed("object")},
                                {"seed", count()},
                                {"state", state()},
                                {"passes_done", count()},
-                               {"seconds", typed("number")}})));
+                               {"seconds", typed("number")},
+                               {"warning", warning},
+                               {"runs", with_text(list_of(run),
+                                                  "the job that was planned and its repeats; the first "
+                                                  "undisturbed one counts, else the least disturbed")}})));
+    add("warnings", with_text(list_of(typed("string")), "which jobs were disturbed, and what became of that"));
     add("table", list_of(row_schema()));
     add("verdicts", with_text(list_of(verdict_schema()), "who is first, for each metric by falling error"));
     add("headlines",

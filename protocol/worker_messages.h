@@ -153,15 +153,16 @@ struct CoreUse {
     std::optional<double> host_busy_outside_seconds;  // of processors, in other processes
     std::optional<double> host_steal_seconds;         // of processors, taken by the machine that the host is a guest of
     std::optional<double> pressure_seconds;           // in which some thread of the host waited for a processor
-    // These two follow from the others:
-    std::optional<double> lost_seconds;  // of processors, to other processes
-    std::optional<double> share;         // of the processor time that it wanted
+    // These follow from the others:
+    std::optional<double> lost_seconds;        // of processors, to other processes
+    std::optional<double> share;               // of the processor time that it wanted
+    std::optional<double> clock_lost_seconds;  // by which its clock is too long, at most
 
     /// Before a clock has run.
     static CoreUse of_nothing();
     CoreUse& operator+=(const CoreUse& other);
-    /// Fills in what follows, for a job whose clock shows so much.
-    void derive(double clock_seconds);
+    /// Fills in what follows, for a job whose clock shows so much, on a host of so many processors.
+    void derive(double clock_seconds, unsigned processors);
     void visit(MessageVisitor& visitor) {
         visitor.member("processor_seconds", processor_seconds);
         visitor.or_null("run_delay_seconds", run_delay_seconds);
@@ -170,6 +171,7 @@ struct CoreUse {
         visitor.or_null("pressure_seconds", pressure_seconds);
         visitor.or_null("lost_seconds", lost_seconds);
         visitor.or_null("share", share);
+        visitor.or_null("clock_lost_seconds", clock_lost_seconds);
     }
 };
 

@@ -156,6 +156,10 @@ int main(int argc, char** argv) {
                    "lost; 0: never")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
+    app.add_option("--repeats", options.repeats,
+                   "times a comparison's job is repeated at most that lost processor time to other processes")
+        ->check(CLI::Range(0, 10))
+        ->capture_default_str();
     app.add_option("--tokens", options.token_file, "file of bearer tokens, NAME ROLE sha256:HEX a line");
     app.add_option("--log-level", log_level, "debug, info, warning, error")->capture_default_str();
     app.add_option("--new-token", new_token,

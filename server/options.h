@@ -36,6 +36,7 @@ struct Options {
     uint32_t threads = 0;                        // of each CPU worker; 0: all cores
     int worker_nice = 5;                         // so that the daemon answers while all cores render
     double save_seconds = 10;                    // between two savings of a running job's film; 0: never
+    uint32_t repeats = 2;                        // of a comparison's job that was disturbed, at most
     std::filesystem::path token_file;            // empty: no authentication (loopback only)
     Limits limits;
 };

@@ -90,6 +90,7 @@ Service::Cancelled Service::cancel_job(const std::string& id) {
 }
 Service::Cancelled Service::purge_job(const std::string& id) { return impl_->jobs.cancellations.cancel_job(id, true); }
 json Service::change_job(const std::string& id, const json& body) { return impl_->jobs.changes.change_job(id, body); }
+json Service::repeat_job(const std::string& id) { return impl_->jobs.changes.repeat_job(id); }
 json Service::retry_job(const std::string& id) { return impl_->jobs.changes.retry_job(id); }
 json Service::extend_job(const std::string& id, const json& body) { return impl_->jobs.changes.extend_job(id, body); }
 json Service::merge_jobs(const json& body, const std::optional<std::string>& idempotency_key) {

@@ -89,6 +89,9 @@ public:
     /// attempt; WrongState for one that is over. Durable when it returns.
     nlohmann::json change_job(const std::string& id, const nlohmann::json& body);
     nlohmann::json retry_job(const std::string& id);
+    /// The same request as a new job, which is returned; one of a comparison takes its place there where that was
+    /// disturbed. WrongState where the job, or a repeat of it, is not over; else as submit_job().
+    nlohmann::json repeat_job(const std::string& id);
     /// More passes on the film of a succeeded or cancelled job: `body` is {"stop": ...}, counted from the film's first
     /// pass, so that saying it twice does no harm. WrongState in other states, Conflict at /stop when the film meets
     /// it already.

@@ -43,9 +43,15 @@ private:
         const json jobs = comparison.value("jobs", json::array());
         progress.all = jobs.size();
         const json* next = nullptr;  // the one that runs, else the first that waits
+        const auto look_at = [&](const json& job, const json& run) {
+            if (is_over(run) || (next != nullptr && run.value("state", "") != "running")) return;
+            next = &job;
+            progress.job = run;
+        };
         for (const json& job : jobs) {
-            progress.done += is_over(job);
-            if (!is_over(job) && (next == nullptr || job.value("state", "") == "running")) next = &job;
+            const json* last = job["runs"].empty() ? &job : &job["runs"].back();
+            progress.done += is_over(*last);
+            look_at(job, *last);
         }
         if (next == nullptr) return progress;
         const json reference = comparison.value("reference", json());
@@ -54,7 +60,8 @@ private:
             progress.job = daemon_.get(resource_path("jobs", reference.at("job").get<std::string>()));
         } else {
             progress.name = comparison_row_name(*next) + ", seed " + plain_text(next->value("seed", json()));
-            progress.job = daemon_.get(resource_path("jobs", next->at("id").get<std::string>()));
+            if (next->at("id") != progress.job.at("id")) progress.name += " once more";
+            progress.job = daemon_.get(resource_path("jobs", progress.job.at("id").get<std::string>()));
         }
         return progress;
     }
@@ -137,6 +144,7 @@ void print_comparison(Session& session, const json& comparison) {
     if (overhead.is_number()) table.add_row({"beside their clocks", human_seconds(overhead.get<double>())});
     table.print(std::cout, "  ");
     print_comparison_tables(std::cout, comparison);
+    print_disturbances(std::cout, comparison);
     print_verdicts(std::cout, comparison);
     print_structures(std::cout, structures_of(statistics_of_rows(session.daemon(), comparison)));
 }

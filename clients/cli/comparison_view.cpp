@@ -205,6 +205,18 @@ void print_comparison_tables(std::ostream& out, const json& comparison) {
     print_noise(out, table, metrics);
 }
 
+void print_disturbances(std::ostream& out, const json& comparison) {
+    const json warnings = member(comparison, "warnings");
+    if (!warnings.is_array() || warnings.empty()) return;
+    out << '\n';
+    for (const json& warning : warnings) out << "  " << plain_text(warning) << ".\n";
+    std::string again;
+    if (is_over(comparison))
+        for (const json& job : member(comparison, "jobs"))
+            if (member(job, "warning").is_string()) again += " " + plain_text(member(job, "id"));
+    if (!again.empty()) out << "  Run them again: photonctl jobs repeat" << again << '\n';
+}
+
 void print_verdicts(std::ostream& out, const json& comparison) {
     for (const json& headline : member(comparison, "headlines")) {
         const json metric = member(headline, "metric");

@@ -17,6 +17,8 @@ void print_comparison_tables(std::ostream& out, const nlohmann::json& comparison
 
 /// For each metric that has one the daemon's headline, and beneath it by falling error who is first, in its sentences;
 /// a blank line before each.
+/// Which jobs were disturbed, what became of that, and how those that count are run again.
+void print_disturbances(std::ostream& out, const nlohmann::json& comparison);
 void print_verdicts(std::ostream& out, const nlohmann::json& comparison);
 
 }  // namespace photond::cli

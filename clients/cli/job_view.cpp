@@ -3,6 +3,7 @@
 #include <iostream>
 
 #include "clients/cli/job_follower.h"
+#include "clients/cli/json_member.h"
 #include "clients/cli/progress_view.h"
 #include "clients/cli/statistics_report.h"
 #include "clients/cli/stop_options.h"
@@ -151,6 +152,13 @@ void print_job(const Session& session, const json& job) {
         std::cout << '\n';
         print_statistics(std::cout, statistics);
     }
+}
+
+void remark_disturbance(const Session& session, const json& job) {
+    const json warning = member(member(member(job, "statistics"), "shared"), "warning");
+    if (!warning.is_string()) return;
+    session.remark("warning: " + plain_text(warning));
+    session.remark("to run it again: photonctl jobs repeat " + plain_text(member(job, "id")));
 }
 
 void remark_failure(const Session& session, const json& job) {

@@ -39,6 +39,8 @@ ExitCode exit_code_of(const nlohmann::json& job);
 /// State, request, failure and statistics.
 void print_job(const Session& session, const nlohmann::json& job);
 /// Why a job failed, every fault with its place; nothing for other jobs.
+/// Where it was disturbed: so, and the command that runs it again.
+void remark_disturbance(const Session& session, const nlohmann::json& job);
 void remark_failure(const Session& session, const nlohmann::json& job);
 
 }  // namespace photond::cli

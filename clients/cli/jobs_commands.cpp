@@ -74,6 +74,7 @@ ExitCode show_jobs(Session& session, const JobsOptions& options) {
         else
             print_job(session, job);
         remark_failure(session, job);
+        remark_disturbance(session, job);
     }
     return ExitCode::Ok;
 }
@@ -85,6 +86,7 @@ ExitCode watch_job(Session& session, const JobsOptions& options) {
     else
         print_job(session, job);
     remark_failure(session, job);
+    remark_disturbance(session, job);
     return exit_code_of(job);
 }
 
@@ -94,6 +96,17 @@ ExitCode change_jobs(Session& session, const JobsOptions& options, const std::st
         const json job = session.daemon().send(method, resource_path("jobs", id) + tail, nullptr, repeat);
         if (session.json_output && job.is_object()) session.print_json(job);
         session.remark(id + " " + (job.is_object() ? done + ", now " + text_of(job, "state") : done));
+    }
+    return ExitCode::Ok;
+}
+
+ExitCode repeat_jobs(Session& session, const JobsOptions& options) {
+    for (const std::string& id : options.ids) {
+        const json job =
+            session.daemon().send("POST", resource_path("jobs", id) + "/repeat", nullptr, Repeat::OnlyIfRefused);
+        if (session.json_output) session.print_json(job);
+        const std::string repeat = text_of(job, "id");
+        session.remark(id + " is repeated as " + repeat + "; watch it: photonctl jobs watch " + repeat);
     }
     return ExitCode::Ok;
 }
@@ -124,7 +137,8 @@ ExitCode fetch_job(Session& session, const JobsOptions& options) {
 }  // namespace
 
 void add_jobs_commands(CLI::App& program, Session& session) {
-    CLI::App* jobs = program.add_subcommand("jobs", "Render jobs: list, show, watch, cancel, retry, extend, fetch");
+    CLI::App* jobs =
+        program.add_subcommand("jobs", "Render jobs: list, show, watch, cancel, retry, repeat, extend, fetch");
     jobs->require_subcommand(1);
     const auto options = std::make_shared<JobsOptions>();
 
@@ -163,6 +177,8 @@ void add_jobs_commands(CLI::App& program, Session& session) {
     command("retry", "Queue failed or cancelled jobs again", kMany, [](Session& s, const JobsOptions& o) {
         return change_jobs(s, o, "POST", "/retry", Repeat::OnlyIfRefused, "queued again");
     });
+
+    command("repeat", "Render jobs again as new ones; those of a comparison in their place", kMany, repeat_jobs);
 
     add_stop_options(*command("extend", "Go on with a finished job: more passes on the same film", 1, extend_job),
                      options->stop, "stop at this many passes, those it has counted");

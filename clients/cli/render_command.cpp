@@ -108,6 +108,7 @@ ExitCode render(Session& session, const RenderOptions& options, const CatalogueM
 
     const json job = wait_for_job(session, id, options.wait, false);
     remark_failure(session, job);
+    remark_disturbance(session, job);
     const bool has_film = job.value("state", "") == "succeeded" || job.value("passes_done", 0) > 0;
     if (has_film) save_job_outputs(session, id, options.outputs);
     if (session.json_output)

@@ -49,6 +49,7 @@ void add_measurements(MeasuredJob& job, const json& curve, const json& statistic
     job.error = figures(statistics.value("error", json()));
     job.reference_error = figures(statistics.value("reference_error", json()));
     job.peak_bytes = peak_bytes(statistics);
+    job.loss = CoreLoss::of_statistics(statistics);
     const json counts = statistics.value("counts", json::object());
     job.photons = count_of(counts, "photons_emitted");
     if (job.photons == 0) job.photons.reset();  // a method without photons

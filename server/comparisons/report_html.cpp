@@ -96,6 +96,13 @@ std::string reference_warnings(const Report& report) {
     return html.empty() ? "" : "<ul class=\"first warning\">" + html + "</ul>\n";
 }
 
+/// Which jobs were disturbed, and what became of that.
+std::string disturbance_warnings(const Report& report) {
+    std::string html;
+    for (const json& warning : report.comparison.at("warnings")) html += "<li>" + escaped(plain(warning)) + ".</li>";
+    return html.empty() ? "" : "<ul class=\"first warning\">" + html + "</ul>\n";
+}
+
 std::string verdict_section(const Report& report) {
     const std::vector<Verdict> found = verdicts(report.table);
     if (found.empty()) return "";
@@ -266,10 +273,18 @@ std::string stages_table(const Report& report) {
     return html + "</tbody></table></div>\n";
 }
 
+/// "98.7 %": of the processor time that it wanted.
+std::string share_text(const json& statistics) {
+    const json cores = statistics.is_object() ? statistics.value("cores", json()) : json();
+    const json share = cores.is_object() ? cores.value("share", json()) : json();
+    return share.is_number() ? short_number(100 * share.get<double>()) + " %" : "–";
+}
+
 std::string jobs_table(const Report& report) {
     std::string html =
         "<div class=\"scroll\"><table><thead><tr><th>row</th><th>job</th><th>seed</th><th>state</th><th>passes</th>"
-        "<th>seconds</th><th>device</th><th>threads</th><th>version</th><th>job hash</th><th>pixel hash</th></tr>"
+        "<th>seconds</th><th>had of its cores</th><th>device</th><th>threads</th><th>version</th><th>job "
+        "hash</th><th>pixel hash</th></tr>"
         "</thead><tbody>";
     const json& jobs = report.comparison.at("jobs");
     for (size_t i = 0; i < jobs.size(); ++i) {
@@ -284,7 +299,7 @@ std::string jobs_table(const Report& report) {
         html += "<tr><td>" + escaped(row_name(plain(job["label"]), job["parameters"])) + "</td><td>" +
                 escaped(plain(job["id"])) + "</td><td>" + plain(job["seed"]) + "</td><td>" +
                 escaped(plain(job["state"])) + "</td><td>" + plain(job["passes_done"]) + "</td><td>" +
-                short_seconds(job["seconds"]) + "</td><td class=\"text\">" +
+                short_seconds(job["seconds"]) + "</td><td>" + share_text(statistics) + "</td><td class=\"text\">" +
                 (device.is_object() ? escaped(plain(device.value("name", json("–")))) : "–") +
                 (driver.is_string() ? ", " + escaped(plain(driver)) : "") + "</td><td>" + fact("threads") +
                 "</td><td>" + fact("version") + "</td><td class=\"hash\">" + fact("job_hash") +
@@ -315,7 +330,8 @@ std::string report_html(const Report& report) {
     std::string html = "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" + title +
                        "</title><meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<style>" +
                        kReportCss + styles_of_series(report.table.rows.size()) + "</style></head><body>\n";
-    html += header(report) + state_note(report) + verdict_section(report) + reference_warnings(report);
+    html += header(report) + state_note(report) + disturbance_warnings(report) + verdict_section(report) +
+            reference_warnings(report);
     for (const std::string& metric : report.table.metrics) html += metric_section(report.table, metric);
     html += heading("What it cost") + cost_table(report.table) + structures_table(report) + stages_table(report);
     html += pictures(report) + repetition(report);

@@ -16,6 +16,7 @@ using Curves = std::vector<std::vector<TimedError>>;  // of one metric, one a jo
 
 constexpr size_t kMostLevels = 12;            // of errors and of times in a table
 constexpr double kShortestTime_s = 0.1;       // of the tables, unless everything was over before
+constexpr double kShortest_s = 1e-6;          // of a clock less what it may be too long
 constexpr double kNearReference = 3;          // what is measured over the reference's own noise
 constexpr double kSpanOfShortTables = 1.0e2;  // longest over shortest time, where all was over within ten seconds
 
@@ -86,17 +87,29 @@ std::optional<LogMean> mean_of_all(const std::vector<double>& values, size_t wan
     return values.size() == wanted ? log_mean(values) : std::nullopt;
 }
 
-std::vector<TimeToError> times_to_errors(const Curves& curves, const RowRange& row, std::span<const double> levels) {
+std::vector<TimeToError> times_to_errors(const Curves& curves, std::span<const MeasuredJob> jobs, const RowRange& row,
+                                         std::span<const double> levels, bool ended_by_time) {
     std::vector<TimeToError> found;
+    const bool disturbed = std::any_of(jobs.begin() + static_cast<std::ptrdiff_t>(row.begin),
+                                       jobs.begin() + static_cast<std::ptrdiff_t>(row.end),
+                                       [](const MeasuredJob& job) { return job.loss; });
     for (const double error : levels) {
-        std::vector<double> seconds;
+        std::vector<double> seconds, earliest;
         bool at_most = false;
-        for (size_t i = row.begin; i < row.end; ++i)
-            if (const auto time = time_to_error(curves[i], error)) {
+        for (size_t i = row.begin; i < row.end; ++i) {
+            const auto time = time_to_error(curves[i], error);
+            if (time) {
                 seconds.push_back(*time);
                 at_most = at_most || *time == curves[i].front().seconds;
             }
-        found.push_back({error, mean_of_all(seconds, row.end - row.begin), seconds.size(), at_most});
+            // Whenever in its course the processors were missing.
+            const double too_long = jobs[i].loss ? jobs[i].loss->clock_seconds : 0;
+            if (time || ended_by_time)
+                earliest.push_back(std::max(time.value_or(jobs[i].seconds) - too_long, kShortest_s));
+        }
+        const size_t seeds = row.end - row.begin;
+        found.push_back({error, mean_of_all(seconds, seeds), seconds.size(), at_most,
+                         disturbed ? mean_of_all(earliest, seeds) : std::nullopt});
     }
     return found;
 }
@@ -214,6 +227,7 @@ TableRow make_row(std::span<const MeasuredJob> jobs) {
         row.jobs.push_back(job.id);
         if (!job.succeeded()) continue;
         ++row.succeeded;
+        row.disturbed += job.loss.has_value();
         widen(row.passes, static_cast<double>(job.passes));
         widen(row.seconds, job.seconds);
         if (job.photons) widen(row.photons, static_cast<double>(*job.photons));
@@ -234,7 +248,7 @@ void add_metric(ComparisonTable& table, std::span<const MeasuredJob> jobs, std::
     for (size_t r = 0; r < ranges.size(); ++r) {
         TableRow& row = table.rows[r];
         const RowRange& range = ranges[r];
-        row.time_to_error[metric] = times_to_errors(curves, range, levels);
+        row.time_to_error[metric] = times_to_errors(curves, jobs, range, levels, wishes.seconds.has_value());
         row.error_at_time[metric] = errors_at_times(curves, range, times);
         row.mean_curve[metric] = mean_curve(curves, range);
         row.error[metric] = final_error(jobs.subspan(range.begin, range.end - range.begin), metric, reference);
@@ -298,6 +312,7 @@ json row_json(const TableRow& row) {
             {"jobs", row.jobs},
             {"seeds", row.seeds},
             {"succeeded", row.succeeded},
+            {"disturbed", row.disturbed},
             {"passes", counts_json(row.passes)},
             {"photons", counts_json(row.photons)},
             {"seconds", spread_json(row.seconds)},

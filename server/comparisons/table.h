@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "renderer/error/curve.h"
+#include "server/core_loss.h"
 
 namespace photond {
 
@@ -27,8 +28,10 @@ struct MeasuredJob {
     uint64_t passes = 0;
     std::optional<uint64_t> photons;
     double seconds = 0;
+    std::optional<CoreLoss> loss;  // of a job that was disturbed
 
     bool succeeded() const { return state == "succeeded"; }
+    bool is_over() const { return succeeded() || state == "failed" || state == "cancelled"; }
 };
 
 struct TimeToError {
@@ -36,6 +39,9 @@ struct TimeToError {
     std::optional<LogMean> seconds;  // where every seed reached it, for good
     size_t reached = 0;              // seeds that did
     bool at_most = false;            // some seed was there at its first point: the time is an upper bound
+    /// Of a row with disturbed jobs: when it might have been there with all processors that they wanted, at the
+    /// earliest; a seed that was not there when its time was over, from that time on.
+    std::optional<LogMean> earliest = {};
 };
 
 struct ErrorAtTime {
@@ -67,6 +73,7 @@ struct TableRow {
     nlohmann::json parameters;
     std::vector<std::string> jobs;
     size_t seeds = 0, succeeded = 0;
+    size_t disturbed = 0;                            // of these
     std::optional<Spread> passes, photons, seconds;  // over the seeds that are over
     std::map<std::string, std::vector<TimeToError>> time_to_error;
     std::map<std::string, std::vector<ErrorAtTime>> error_at_time;

@@ -17,13 +17,16 @@ struct Verdict {
     double easiest = 0;           // the largest
     std::vector<size_t> arrived;  // rows that reach `error` with every seed, quickest first; never empty
     std::vector<size_t> missing;  // those that do not
-    bool close = false;           // the two quickest cannot be told apart
+    bool close = false;           // who is first cannot be told
+    /// Rows with disturbed jobs that might have been there first, had these had all processors that they wanted.
+    std::vector<size_t> doubtful = {};
     double seconds(const ComparisonTable& table, size_t row) const { return time(table, row).seconds->mean; }
     const TimeToError& time(const ComparisonTable& table, size_t row) const;
 };
 
 /// Not where their times are equal or the intervals of these overlap, nor where both were there before the first
-/// measurement. Both rows reach the error.
+/// measurement, nor where the later might have been as soon with the processors that it lost. Both rows reach the
+/// error.
 bool can_be_told_apart(const TimeToError& a, const TimeToError& b);
 
 /// For each metric by falling error; levels after each other with the same outcome share a verdict, that of the
@@ -33,7 +36,8 @@ std::vector<Verdict> verdicts(const ComparisonTable& table);
 /// "photon mapping reaches relative_mse 0.01 first, after 1.2 s: 3.75 times sooner than path tracing (4.5 s)".
 std::string verdict_text(const ComparisonTable& table, const Verdict& verdict);
 
-/// [{"metric", "error", "easiest", "close", "factor", "arrived": [{"row", "seconds"}], "missing": [row], "text"}]; a
+/// [{"metric", "error", "easiest", "close", "factor", "arrived": [{"row", "seconds"}], "missing": [row],
+/// "disturbed": [row], "text"}]; a
 /// row is its index in the table, the factor the second's time over the first's.
 nlohmann::json verdicts_json(const ComparisonTable& table, std::span<const Verdict> verdicts);
 

@@ -122,6 +122,10 @@ void add_job_routes(std::vector<Route>& routes, Service& service) {
              Query(call.query).finish();
              return json_reply(200, service.change_job(call.path_parameters[0], parse_strict_json(call.body)));
          }});
+    routes.push_back({.method = "POST", .pattern = "/v1/jobs/{id}/repeat", .handle = [&service](Call& call) {
+                          Query(call.query).finish();
+                          return job_reply(202, service.repeat_job(call.path_parameters[0]));
+                      }});
     routes.push_back({.method = "POST", .pattern = "/v1/jobs/{id}/retry", .handle = [&service](Call& call) {
                           Query(call.query).finish();
                           return job_reply(202, service.retry_job(call.path_parameters[0]));

@@ -68,13 +68,6 @@ void take_film(JobRow& row, const RunningAttempt& attempt, const FinishedMessage
     row.error_now = text_of(part_json(message.error_now));
 }
 
-/// The sentence about what the job lost; empty where it was not disturbed.
-std::string loss_warning(const JobRow& row) {
-    const json statistics = parsed_or_null(row.statistics);
-    const json shared = statistics.is_object() ? statistics.value("shared", json()) : json();
-    return shared.is_object() ? shared.value("warning", "") : "";
-}
-
 void take_statistics(JobRow& row, const RunningAttempt& attempt, json statistics, const std::optional<CoreUse>& cores) {
     // Of what an earlier attempt left, its record tells.
     const json before = json::parse(row.attempts);
@@ -86,7 +79,7 @@ void take_statistics(JobRow& row, const RunningAttempt& attempt, json statistics
     statistics["device_shared"] = was_shared("device_shared", attempt.device_shared);
     statistics["host_shared"] = was_shared("host_shared", attempt.host_shared);
     statistics["cores"] = part_json(cores);
-    statistics["shared"] = cores ? shared_json(*cores, attempt.taken) : json();
+    statistics["shared"] = to_json(cores ? CoreLoss::of(*cores, attempt.taken) : std::nullopt);
     row.statistics = statistics.dump(-1, ' ', false, json::error_handler_t::replace);
     const json hash = statistics.value("pixel_hash", json());
     row.pixel_hash = hash.is_string() ? hash.get<std::string>() : "";
@@ -160,13 +153,15 @@ void AttemptRecords::record_result(const RunningAttempt& attempt, const Finished
     const std::string line = "attempt " + std::to_string(row.attempt) + " " + outcome + " after " +
                              std::to_string(message.passes_done) + " passes" +
                              (reason.is_string() ? ": " + reason.get<std::string>() : "");
+    const std::optional<CoreLoss> loss = CoreLoss::of_statistics(parsed_or_null(row.statistics));
+    std::optional<JobRow> repeat;
     core_.commit_state(
         row, line,
-        [&] {
+        [&](Outbox& outbox) {
             for (size_t i = 0; i < message.log.size() && i < kMaxLogLines; ++i)
                 core_.store.append_log(row.seq, now_ms(), message.log[i].substr(0, kMaxLogLineBytes));
-            if (const std::string warning = loss_warning(row); !warning.empty())
-                core_.store.append_log(row.seq, now_ms(), "warning: " + warning);
+            if (loss) core_.store.append_log(row.seq, now_ms(), "warning: " + loss->warning());
+            repeat = repeats_.repeat_if_disturbed(row, outbox);
         },
         attempt.unpublished);
     core_.totals.add(attempt, message.rendered);
@@ -174,6 +169,7 @@ void AttemptRecords::record_result(const RunningAttempt& attempt, const Finished
     core_.artefacts.forget("job/" + std::to_string(row.seq) + "/");
     if (row.state == JobState::Queued) return waiting_.enqueue(row);
 
+    if (repeat) waiting_.enqueue(*repeat);
     waiting_.ended(row);
     if (row.purge_requested) purges_.purge(row);
     spdlog::info("job {} {} on {} after {} passes, {:.3f} s", job_id(row.seq), outcome, device, row.passes_done,

@@ -9,6 +9,7 @@
 
 #include "protocol/worker_messages.h"
 #include "server/service/purges.h"
+#include "server/service/repeats.h"
 #include "server/service/running_attempt.h"
 #include "server/service/service_core.h"
 #include "server/service/waiting_jobs.h"
@@ -36,6 +37,7 @@ private:
     ServiceCore& core_;
     WaitingJobs& waiting_;
     Purges& purges_;
+    Repeats repeats_{core_};
 };
 
 }  // namespace photond

@@ -13,6 +13,7 @@
 #include "protocol/worker_messages.h"
 #include "server/service/attempt_progress.h"
 #include "server/service/attempt_records.h"
+#include "server/service/process_meter.h"
 #include "server/service/purges.h"
 #include "server/service/references.h"
 #include "server/service/running_attempt.h"

@@ -6,6 +6,7 @@
 
 #include "server/clock_text.h"
 #include "server/comparisons/headline.h"
+#include "server/comparisons/repeats.h"
 #include "server/comparisons/report_text.h"
 #include "server/comparisons/verdict.h"
 #include "server/row_text.h"
@@ -67,6 +68,53 @@ json reference_json(const ComparisonRow& row, const std::optional<JobProgress>& 
             {"warnings", warnings}};
 }
 
+/// A job as it was planned and its repeats, in the order they were made.
+struct Place {
+    std::vector<MeasuredJob> runs;
+    std::vector<json> statistics;
+};
+
+std::vector<Place> places_of(const Compared& compared) {
+    std::vector<Place> places;
+    std::map<int64_t, size_t> place_of;  // by the job that was planned
+    for (const auto& [planned, row] : compared.jobs) {
+        MeasuredJob job;
+        job.id = job_id(row.seq);
+        job.label = planned.label;
+        job.parameters = json::parse(planned.parameters);
+        job.seed = planned.seed;
+        job.state = job_state_name(row.state);
+        job.passes = static_cast<uint64_t>(row.passes_done);
+        job.seconds = row.seconds;
+        json statistics = parsed_or_null(row.statistics);
+        add_measurements(job, parsed_or_null(row.curve), statistics);
+        const auto [place, is_new] = place_of.emplace(planned.planned(), places.size());
+        if (is_new) places.emplace_back();
+        places[place->second].runs.push_back(std::move(job));
+        places[place->second].statistics.push_back(std::move(statistics));
+    }
+    return places;
+}
+
+json warning_json(const MeasuredJob& job) { return job.loss ? json(job.loss->warning()) : json(); }
+
+/// "photons, seed 2: J5 lost 2.1 s of its processor time (14 %) to others; its repeat J9 counts"; empty where nothing
+/// was lost.
+std::string disturbance_text(const Place& place, size_t counts) {
+    const MeasuredJob& counting = place.runs[counts];
+    const auto disturbed =
+        std::find_if(place.runs.begin(), place.runs.end(), [](const MeasuredJob& run) { return run.loss; });
+    if (disturbed == place.runs.end()) return "";
+    const auto lost = [](const MeasuredJob& run) { return run.id + " lost " + run.loss->what(); };
+    const std::string name =
+        row_name(counting.label, counting.parameters) + ", seed " + std::to_string(counting.seed) + ": ";
+    const MeasuredJob& last = place.runs.back();
+    if (!last.is_over()) return name + lost(*disturbed) + "; it is repeated as " + last.id;
+    if (!counting.loss) return name + lost(*disturbed) + "; its repeat " + counting.id + " counts";
+    if (place.runs.size() == 1) return name + lost(counting) + "; run it again";
+    return name + lost(counting) + ", the least of " + std::to_string(place.runs.size()) + " runs; run it again";
+}
+
 TableWishes wishes_of(const json& request) {
     TableWishes wishes;
     const json stop = request.value("stop", json::object());
@@ -78,19 +126,31 @@ TableWishes wishes_of(const json& request) {
 
 }  // namespace
 
+std::vector<JobState> ComparisonState::places() const {
+    std::map<int64_t, JobState> found;  // by the job that was planned
+    for (const JobProgress& job : jobs) {
+        const auto [place, planned] = found.emplace(job.planned(), job.state);
+        if (!planned && is_over(place->second) && (!is_over(job.state) || job.state == JobState::Succeeded))
+            place->second = job.state;
+    }
+    std::vector<JobState> states;
+    for (const JobProgress& job : jobs)
+        if (!job.repeat_of) states.push_back(found.at(job.seq));
+    return states;
+}
+
 JobState ComparisonState::state() const {
     const auto own = own_reference();
-    size_t over = 0, failed = 0, cancelled = 0;
-    bool begun = own && own->state != JobState::Queued;
-    for (const JobProgress& job : jobs) {
-        over += is_over(job.state);
-        failed += job.state == JobState::Failed;
-        cancelled += job.state == JobState::Cancelled;
-        begun = begun || job.state != JobState::Queued;
-    }
-    if (over < jobs.size()) return begun ? JobState::Running : JobState::Queued;
-    if (cancelled > 0) return JobState::Cancelled;
-    return failed > 0 ? JobState::Failed : JobState::Succeeded;
+    const std::vector<JobState> states = places();
+    const auto there_is = [&](JobState state) {
+        return std::find(states.begin(), states.end(), state) != states.end();
+    };
+    const bool begun =
+        (own && own->state != JobState::Queued) ||
+        std::any_of(jobs.begin(), jobs.end(), [](const auto& job) { return job.state != JobState::Queued; });
+    if (!std::all_of(states.begin(), states.end(), is_over)) return begun ? JobState::Running : JobState::Queued;
+    if (there_is(JobState::Cancelled)) return JobState::Cancelled;
+    return there_is(JobState::Failed) ? JobState::Failed : JobState::Succeeded;
 }
 
 json comparison_summary(const ComparisonRow& row, const ComparisonState& known) {
@@ -101,7 +161,8 @@ json comparison_summary(const ComparisonRow& row, const ComparisonState& known) 
     double progress = 0;
     json counts = json::object();
     for (const std::string_view name : kJobStates) counts[std::string(name)] = 0;
-    for (const JobProgress& job : jobs) counts[std::string(job_state_name(job.state))].get_ref<int64_t&>() += 1;
+    const std::vector<JobState> places = known.places();
+    for (const JobState place : places) counts[std::string(job_state_name(place))].get_ref<int64_t&>() += 1;
     for (const JobProgress& job : all)
         progress += (is_over(job.state) ? 1 : job.progress) / static_cast<double>(all.size());
     const auto started = first_start(all);
@@ -116,6 +177,7 @@ json comparison_summary(const ComparisonRow& row, const ComparisonState& known) 
             {"started", started ? json(rfc3339(*started)) : json()},
             {"finished", over && finished > 0 ? json(rfc3339(finished)) : json()},
             {"job_states", counts},
+            {"repeats", jobs.size() - places.size()},
             {"overhead_seconds", over && started ? json(overhead_seconds(all)) : json()},
             {"request", json::parse(row.request)},
             {"links",
@@ -130,25 +192,25 @@ Judged judge(const Compared& compared) {
     json& object = judged.object;
     const ComparisonState& state = compared.state;
     object = comparison_summary(compared.row, state);
-    json& jobs = object["jobs"] = json::array();
-    for (const auto& [planned, row] : compared.jobs) {
-        MeasuredJob job;
-        job.id = job_id(row.seq);
-        job.label = planned.label;
-        job.parameters = json::parse(planned.parameters);
-        job.seed = planned.seed;
-        job.state = job_state_name(row.state);
-        job.passes = static_cast<uint64_t>(row.passes_done);
-        job.seconds = row.seconds;
-        add_measurements(job, parsed_or_null(row.curve), parsed_or_null(row.statistics));
+    json &jobs = object["jobs"] = json::array(), &warnings = object["warnings"] = json::array();
+    for (const Place& place : places_of(compared)) {
+        const size_t counts = run_that_counts(place.runs);
+        const MeasuredJob& job = place.runs[counts];
+        json runs = json::array();
+        for (const MeasuredJob& run : place.runs)
+            runs.push_back({{"id", run.id}, {"state", run.state}, {"warning", warning_json(run)}});
         jobs.push_back({{"id", job.id},
                         {"label", job.label},
                         {"parameters", job.parameters},
                         {"seed", job.seed},
                         {"state", job.state},
                         {"passes_done", job.passes},
-                        {"seconds", job.seconds}});
-        judged.jobs.push_back(std::move(job));
+                        {"seconds", job.seconds},
+                        {"warning", warning_json(job)},
+                        {"runs", std::move(runs)}});
+        if (const std::string text = disturbance_text(place, counts); !text.empty()) warnings.push_back(text);
+        judged.statistics.push_back(place.statistics[counts]);
+        judged.jobs.push_back(job);
     }
     const json& request = object["request"];
     judged.table = make_table(judged.jobs, request.at("metrics").get<std::vector<std::string>>(), wishes_of(request));

@@ -15,11 +15,14 @@ namespace photond {
 
 /// Where the jobs are, and the job they are measured against.
 struct ComparisonState {
-    std::vector<JobProgress> jobs;
+    std::vector<JobProgress> jobs;  // repeats after all that were planned
     std::optional<JobProgress> reference;
     bool made_for_it = false;  // the reference, by this comparison
 
-    /// Of the jobs; a reference that is being made for them begins it.
+    /// Of the places, in their order: a repeat that is not over, else whether any job there has succeeded, else the one
+    /// that was planned.
+    std::vector<JobState> places() const;
+    /// Of the places; a reference that is being made for them begins it.
     JobState state() const;
     std::optional<JobProgress> own_reference() const { return made_for_it ? reference : std::nullopt; }
 };
@@ -34,7 +37,8 @@ struct Compared {
 /// What follows from that.
 struct Judged {
     nlohmann::json object;
-    std::vector<MeasuredJob> jobs;
+    std::vector<MeasuredJob> jobs;           // those that count, one a place
+    std::vector<nlohmann::json> statistics;  // of these, or null
     ComparisonTable table;
 };
 

@@ -130,7 +130,7 @@ Artefact ComparisonReports::comparison_html(const std::string& id) {
         report.comparison = judged.object;
         report.table = judged.table;
         report.version = PHOTOND_VERSION;
-        for (const auto& [planned, row] : compared.jobs) report.statistics.push_back(parsed_or_null(row.statistics));
+        report.statistics = judged.statistics;
         add_pictures(report, judged);
         const std::string page = report_html(report);
         std::ofstream out(path, std::ios::binary);

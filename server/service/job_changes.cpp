@@ -1,6 +1,7 @@
 #include "server/service/job_changes.h"
 
 #include <algorithm>
+#include <mutex>
 #include <utility>
 
 #include "protocol/object_reader.h"
@@ -93,6 +94,43 @@ json JobChanges::retry_job(const std::string& id) {
         throw Error(ErrorCode::WrongState, "job " + id + " is " + std::string(job_state_name(row.state)) +
                                                "; only a failed or cancelled one can be retried");
     return queue_again(std::move(row), "queued again on request");
+}
+
+json JobChanges::repeat_job(const std::string& id) {
+    const auto require_over = [&] {
+        JobRow row = objects_.require_job(id);
+        if (row.role != JobRole::Render)
+            throw Error(ErrorCode::WrongState, "job " + id + " is a " + std::string(job_role_name(row.role)) +
+                                                   "; only one that was asked for can be repeated");
+        if (!is_over(row.state))
+            throw Error(ErrorCode::WrongState, "job " + id + " is " + std::string(job_state_name(row.state)) +
+                                                   "; only one that is over can be repeated");
+        return row;
+    };
+    std::unique_lock lock(core_.mutex);
+    const JobRequest request = parse_job_request(json::parse(require_over().request), core_.vocabulary);
+    lock.unlock();
+    scenes_.know_scene(request.scene);
+    lock.lock();
+    const JobRow row = require_over();
+    const std::vector<ComparisonJob> runs = repeats_.runs_in_place_of(row);
+    for (const ComparisonJob& run : runs)
+        if (const auto other = core_.store.job(run.job); other && !is_over(other->state))
+            throw Error(ErrorCode::WrongState, "job " + id + " is repeated already, as " + job_id(run.job));
+    PreparedJob repeat = submissions_.prepare_job(request);
+    if (!runs.empty()) repeat.row.comparison = row.comparison;
+    intake_.check_room({&repeat, 1});
+    Insertion inserted;
+    {
+        auto transaction = core_.store.transaction();
+        intake_.insert_job(repeat, inserted);
+        if (!runs.empty()) repeats_.put_in_place(repeat.row, runs);
+        core_.store.append_log(row.seq, repeat.row.created_ms, "repeated on request as " + job_id(repeat.row.seq));
+        transaction.commit();
+    }
+    json object = objects_.job_object(repeat.row);
+    intake_.accept(std::move(inserted));
+    return object;
 }
 
 json JobChanges::extend_job(const std::string& id, const json& body) {

@@ -9,8 +9,10 @@
 #include "server/service/job_intake.h"
 #include "server/service/job_objects.h"
 #include "server/service/references.h"
+#include "server/service/repeats.h"
 #include "server/service/scenes.h"
 #include "server/service/service_core.h"
+#include "server/service/submissions.h"
 
 namespace photond {
 
@@ -18,18 +20,23 @@ namespace photond {
 class JobChanges {
 public:
     JobChanges(ServiceCore& core, Scenes& scenes, References& references, Attempts& attempts, Estimates& estimates,
-               JobIntake& intake, JobObjects& objects)
+               JobIntake& intake, Submissions& submissions, JobObjects& objects)
         : core_(core),
           scenes_(scenes),
           references_(references),
           attempts_(attempts),
           estimates_(estimates),
           intake_(intake),
+          submissions_(submissions),
+          repeats_(core),
           objects_(objects) {}
 
     /// `body`: {"priority": ...}.
     nlohmann::json change_job(const std::string& id, const nlohmann::json& body);
     nlohmann::json retry_job(const std::string& id);
+    /// The same request as a new job, which is returned; one of a comparison in its place. May wait for the helper
+    /// before. Throws WrongState where the job, or a repeat of it, is not over, and as Submissions::submit_job() does.
+    nlohmann::json repeat_job(const std::string& id);
     /// `body`: {"stop": ...}; the conditions count from the film's first pass. Throws Conflict where the film meets
     /// them already.
     nlohmann::json extend_job(const std::string& id, const nlohmann::json& body);
@@ -45,6 +52,8 @@ private:
     Attempts& attempts_;
     Estimates& estimates_;
     JobIntake& intake_;
+    Submissions& submissions_;
+    Repeats repeats_;
     JobObjects& objects_;
 };
 

@@ -30,7 +30,7 @@ struct Jobs {
           intake(core, references, waiting, attempts),
           submissions(core, scenes, references, estimates, intake, objects),
           cancellations(core, references, waiting, purges, attempts, objects),
-          changes(core, scenes, references, attempts, estimates, intake, objects),
+          changes(core, scenes, references, attempts, estimates, intake, submissions, objects),
           films(core, attempts, objects),
           merges(core, purges, objects, films),
           artefacts(core, artefact_files, objects, films),

@@ -13,7 +13,7 @@
 #include <string>
 
 #include "protocol/worker_messages.h"
-#include "server/service/core_loss.h"
+#include "server/core_loss.h"
 
 namespace photond {
 

@@ -85,12 +85,12 @@ void ServiceCore::tell(Outbox outbox) {
     for (Event& event : outbox.events) events.publish(std::move(event));
 }
 
-void ServiceCore::commit_state(JobRow& row, const std::string& log_line, const std::function<void()>& more,
-                               const json& new_points) {
+void ServiceCore::commit_state(JobRow& row, const std::string& log_line,
+                               const std::function<void(Outbox& outbox)>& more, const json& new_points) {
     Outbox outbox;
     auto transaction = store.transaction();
     store.update_job(row);
-    if (more) more();
+    if (more) more(outbox);
     store.append_log(row.seq, now_ms(), log_line);
     if (!new_points.empty()) put_event(outbox, "curve", row.seq, curve_data(row.seq, new_points, row.error_now));
     put_event(outbox, "state", row.seq, state_data(row));

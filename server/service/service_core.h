@@ -57,7 +57,7 @@ struct ServiceCore {
     void open_events();
     /// Writes the row and its state event in one transaction and publishes the event. `more` runs inside it;
     /// `new_points` of its curve are told before.
-    void commit_state(JobRow& row, const std::string& log_line, const std::function<void()>& more = {},
+    void commit_state(JobRow& row, const std::string& log_line, const std::function<void(Outbox& outbox)>& more = {},
                       const nlohmann::json& new_points = nlohmann::json::array());
     /// Inside a transaction.
     void put_event(Outbox& outbox, const char* type, int64_t job, std::string data);

@@ -111,6 +111,10 @@ inline constexpr const char* kMigrations[] = {
     CREATE INDEX job_summaries_waiting ON job_summaries (priority DESC, seq) WHERE state = 0;
     CREATE INDEX job_summaries_ended ON job_summaries (finished_ms DESC, seq DESC) WHERE finished_ms IS NOT NULL;
     )sql",
+    // 7: jobs of comparisons that were repeated; of a repeat the job that was planned in its place
+    R"sql(
+    ALTER TABLE comparison_jobs ADD COLUMN repeat_of INTEGER;
+    )sql",
 };
 
 inline constexpr int kSchemaVersion = static_cast<int>(std::size(kMigrations));

@@ -277,14 +277,15 @@ void Store::insert_comparison(ComparisonRow& comparison) {
 void Store::insert_comparison_job(int64_t comparison, int64_t place, const ComparisonJob& job) {
     database_
         .prepare(
-            "INSERT INTO comparison_jobs (comparison, place, job, label, parameters, seed) VALUES (?1, ?2, ?3, ?4, ?5, "
-            "?6)")
+            "INSERT INTO comparison_jobs (comparison, place, job, label, parameters, seed, repeat_of) VALUES (?1, ?2, "
+            "?3, ?4, ?5, ?6, ?7)")
         .bind(1, comparison)
         .bind(2, place)
         .bind(3, job.job)
         .bind(4, job.label)
         .bind(5, job.parameters)
         .bind(6, static_cast<int64_t>(job.seed))
+        .bind(7, job.repeat_of)
         .run();
 }
 
@@ -320,24 +321,26 @@ std::vector<ComparisonRow> Store::comparisons_to_purge() {
 
 std::vector<ComparisonJob> Store::comparison_jobs(int64_t seq) {
     Statement read = database_.prepare(
-        "SELECT job, label, parameters, seed FROM comparison_jobs WHERE comparison = ?1 ORDER BY place");
+        "SELECT job, label, parameters, seed, repeat_of FROM comparison_jobs WHERE comparison = ?1 ORDER BY place");
     read.bind(1, seq);
     std::vector<ComparisonJob> jobs;
     while (read.step())
-        jobs.push_back({read.integer(0), read.text(1), read.text(2), static_cast<uint64_t>(read.integer(3))});
+        jobs.push_back({read.integer(0), read.text(1), read.text(2), static_cast<uint64_t>(read.integer(3)),
+                        read.optional_integer(4)});
     return jobs;
 }
 
 std::vector<JobProgress> Store::comparison_progress(int64_t seq) {
     Statement read = database_.prepare(
-        "SELECT jobs.seq, state, device, progress, seconds, started_ms, finished_ms, reference_job FROM "
-        "comparison_jobs "
+        "SELECT jobs.seq, state, device, progress, seconds, started_ms, finished_ms, reference_job, repeat_of "
+        "FROM comparison_jobs "
         "JOIN jobs ON jobs.seq = comparison_jobs.job WHERE comparison_jobs.comparison = ?1 ORDER BY place");
     read.bind(1, seq);
     std::vector<JobProgress> jobs;
     while (read.step())
         jobs.push_back({read.integer(0), static_cast<JobState>(read.integer(1)), read.text(2), read.real(3),
-                        read.real(4), read.optional_integer(5), read.optional_integer(6), read.optional_integer(7)});
+                        read.real(4), read.optional_integer(5), read.optional_integer(6), read.optional_integer(7),
+                        read.optional_integer(8)});
     return jobs;
 }
 

@@ -74,6 +74,9 @@ struct ComparisonJob {
     std::string label;
     std::string parameters;  // JSON object: those the sweep gave, by name
     uint64_t seed = 1;
+    std::optional<int64_t> repeat_of = {};  // of a repeat: the job that was planned in its place
+
+    int64_t planned() const { return repeat_of.value_or(job); }
 };
 
 /// Of a job what its comparison's state follows from.
@@ -83,6 +86,9 @@ struct JobProgress {
     std::string device;
     double progress = 0, seconds = 0;
     std::optional<int64_t> started_ms, finished_ms, reference_job;
+    std::optional<int64_t> repeat_of = {};  // as in ComparisonJob
+
+    int64_t planned() const { return repeat_of.value_or(seq); }
 };
 
 struct SceneRow {
@@ -197,7 +203,7 @@ public:
     std::optional<ComparisonRow> comparison(int64_t seq);
     /// Newest first.
     std::vector<ComparisonRow> comparisons(int64_t before, uint32_t limit);
-    /// In the order they were planned.
+    /// In the order they were planned, repeats after them.
     std::vector<ComparisonJob> comparison_jobs(int64_t seq);
     /// Likewise; those jobs that are still there.
     std::vector<JobProgress> comparison_progress(int64_t seq);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <thread>
 
 #include "protocol/error.h"
 #include "renderer/backends/gpu/device.h"
@@ -242,7 +243,7 @@ void RenderJob::finish(const PassLoop::Result& result) {
                          result.render_seconds, order_.threads, baseline_bytes_, peak_bytes,
                          saver_->identity().settings, resumed_passes_, &errors, on_device, clock});
     report_.cores = core_use();
-    report_.cores->derive(result.render_seconds);
+    report_.cores->derive(result.render_seconds, std::thread::hardware_concurrency());
     const Counts &all = stats_.counts, &before = counts_before_;
     report_.rendered = {.passes = film.passes() - resumed_passes_,
                         .seconds = result.render_seconds - seconds_before_,

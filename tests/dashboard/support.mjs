@@ -116,7 +116,7 @@ export const smallJob = (more = {}) => ({
  */
 export async function startDaemon({ data, listen = "127.0.0.1:0", arguments: more = [] } = {}) {
   const folder = data ?? mkdtempSync(join(tmpdir(), "photond-dashboard-"));
-  const child = spawn(join(bin, "photond"), ["--data", folder, "--listen", listen, ...more], { stdio: ["ignore", "pipe", "pipe"] });
+  const child = spawn(join(bin, "photond"), ["--data", folder, "--listen", listen, "--repeats", "0", ...more], { stdio: ["ignore", "pipe", "pipe"] });
   let log = "";
   child.stderr.on("data", (chunk) => (log = (log + chunk).slice(-20_000)));
   let said = "";

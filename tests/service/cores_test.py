@@ -4,35 +4,14 @@ is printed, and asserted in the long form alone, on an idle machine."""
 import os
 import statistics as figures
 import subprocess
-import sys
 import time
 import unittest
 
+from busy_loops import CORES, BusyLoops
 from photond_daemon import BIN, DaemonTestCase, small_job
 
-CORES = os.cpu_count()
 UNDISTURBED = 0.98
 SENTENCE = r"^\S+ m?s of its processor time \(\d+ %\) were lost to .*: its clock cannot be compared; run it again\.$"
-
-
-class BusyLoops:
-    """Processes of nobody's that take as many cores. They outrank the workers, which are nice."""
-
-    def __init__(self, count=CORES):
-        self.count = count
-
-    def __enter__(self):
-        command = [sys.executable, "-c", "print(flush=True)\nwhile True: pass"]
-        self.processes = [subprocess.Popen(command, stdout=subprocess.PIPE) for _ in range(self.count)]
-        for process in self.processes:
-            process.stdout.readline()
-        return self
-
-    def __exit__(self, *_):
-        for process in self.processes:
-            process.kill()
-            process.wait()
-            process.stdout.close()
 
 
 def timed_job(seconds, **more):

@@ -192,6 +192,9 @@ class OpenApiTest(unittest.TestCase):
         self.daemon.request("DELETE", f"/v1/jobs/{kept['id']}?purge=true")
         for job_id in long_jobs:
             self.daemon.request("DELETE", f"/v1/jobs/{job_id}?purge=true")
+        repeated = ask("POST", f"/v1/jobs/{job['id']}/repeat").json["id"]
+        self.daemon.wait_for_job(repeated)
+        self.daemon.request("DELETE", f"/v1/jobs/{repeated}?purge=true")
         self.assertEqual(ask("DELETE", f"/v1/jobs/{job['id']}?purge=true").status, 200)
         self.assertEqual(ask("DELETE", f"/v1/scenes/{scene['id']}").status, 200)
         self.ask_about_comparisons()
@@ -254,7 +257,8 @@ class OpenApiTest(unittest.TestCase):
                 ("POST", "/v1/jobs", {"body": b"{", "headers": {"Content-Type": "application/json"}}),
                 ("POST", "/v1/scenes", {"body": b"no", "headers": {"Content-Type": "model/gltf-binary"}}),
                 ("POST", "/v1/images", {"body": b"no", "headers": {"Content-Type": "image/x-exr"}}),
-                ("POST", "/v1/jobs/none/retry", {}), ("POST", "/v1/jobs/none/extend", {"json_body": {}}),
+                ("POST", "/v1/jobs/none/retry", {}), ("POST", "/v1/jobs/none/repeat", {}),
+                ("POST", "/v1/jobs/none/extend", {"json_body": {}}),
                 ("PATCH", "/v1/jobs/none", {"json_body": {"priority": 1}}), ("PATCH", "/v1/jobs/none", {"json_body": {}}),
                 ("POST", "/v1/comparisons?dry_run=true", {"json_body": {}}), ("GET", "/v1/jobs?view=x", {}),
                 ("POST", "/v1/jobs/merge", {"json_body": {"jobs": ["none"]}}),

@@ -65,6 +65,8 @@ class Daemon:
             for option, seconds in (("--helper-timeout", 120), ("--heartbeat-timeout", 30)):
                 if option not in self.extra:
                     self.extra += [option, str(PATIENCE * seconds)]
+        if "--repeats" not in self.extra:  # how busy the machine is decides nothing but where a test is about that
+            self.extra += ["--repeats", "0"]
         self.own_data = data_dir is None
         self.data_dir = pathlib.Path(data_dir or tempfile.mkdtemp(prefix="photond-test-"))
         self.start_timeout_s = start_timeout_s

@@ -79,6 +79,12 @@ class Comparison(Work):
         return {headline["metric"]: headline["text"] for headline in self._whole()["headlines"]}
 
     @property
+    def warnings(self) -> List[str]:
+        """Which jobs lost processor time to other processes, and what became of that: the daemon repeats such a job twice at
+        most, `Job.repeat` once more. Verdicts that could rest on it are too close to call."""
+        return cast(List[str], self._whole()["warnings"])
+
+    @property
     def verdicts(self) -> List[str]:
         """Who reaches which error first, as sentences, for each metric by falling error."""
         return [verdict["text"] for verdict in self._whole().get("verdicts") or []]
@@ -224,13 +230,16 @@ class Comparison(Work):
             raise ValueError(f"cannot tell what to save as {path}: name it .html, .csv or .json")
         self.download(f"report.{suffix}", path)
 
+    def _warning_texts(self) -> List[str]:
+        return [f"{text}." for text in self.warnings]
+
     def _headline_texts(self) -> List[str]:
         return [f"By {metric}: {text}." for metric, text in self.headlines.items()]
 
     def __str__(self) -> str:
         if not self.metrics:
             return repr(self)
-        return "\n".join([repr(self), self.table_text(), *self._headline_texts(), *self.verdicts])
+        return "\n".join([repr(self), self.table_text(), *self._warning_texts(), *self._headline_texts(), *self.verdicts])
 
     def __repr__(self) -> str:
         image = self.request["image"]
@@ -240,7 +249,8 @@ class Comparison(Work):
     def _repr_html_(self) -> Optional[str]:
         if not self.metrics:
             return None
-        return self._text_table(self._metric(None)).html(" ".join([f"{repr(self)[1:-1]}.", *self._headline_texts()]))
+        return self._text_table(self._metric(None)).html(" ".join(
+            [f"{repr(self)[1:-1]}.", *self._warning_texts(), *self._headline_texts()]))
 
 
 class ComparisonFailed(PhotondError):

@@ -169,6 +169,10 @@ class Job(Work):
         """Cancels it and removes it with its files."""
         self._client.send("DELETE", self._path(), query={"purge": True})
 
+    def repeat(self) -> "Job":
+        """The same request as a new job; one of a comparison in its place, where that was disturbed."""
+        return Job(self._client, self._client.send("POST", self._path("/repeat"), safe=False))
+
     def retry(self) -> "Job":
         """Queues a failed or cancelled job again."""
         self.data = self._client.send("POST", self._path("/retry"), safe=False)

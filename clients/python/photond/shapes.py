@@ -225,6 +225,7 @@ class TableRow(TypedDict):
     jobs: List[str]
     seeds: int
     succeeded: int
+    disturbed: int
     passes: Optional[Dict[str, int]]
     photons: Optional[Dict[str, int]]
     seconds: Optional[Dict[str, float]]

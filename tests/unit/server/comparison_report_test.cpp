@@ -53,6 +53,7 @@ Report report_of(const std::vector<MeasuredJob>& jobs, const std::string& label)
                          {"job_states", {{"succeeded", jobs.size()}}},
                          {"jobs", listed},
                          {"reference", nullptr},
+                         {"warnings", {"a, seed 1: J1 lost 2 s <of its processor time>"}},
                          {"request",
                           {{"scene", label},
                            {"image", {{"width", 8}, {"height", 4}}},

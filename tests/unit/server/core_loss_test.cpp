@@ -1,9 +1,11 @@
 // To whom a job lost processor time, and the sentence about it.
 
-#include "server/service/core_loss.h"
+#include "server/core_loss.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
+
+#include "server/service/process_meter.h"
 
 namespace photond::core_loss_test {
 namespace {
@@ -15,12 +17,12 @@ CoreUse use_of(double had, double waited, double outside, double clock) {
     use.processor_seconds = had;
     use.run_delay_seconds = waited;
     use.host_busy_outside_seconds = outside;
-    use.derive(clock);
+    use.derive(clock, 2);
     return use;
 }
 
 TEST(CoreLoss, OthersAreWhatIsLeft) {
-    const std::vector<LostTo> to = lost_to(use_of(6, 2, 4, 4), {{"helper", 1}, {"job J12", 0.01}});
+    const std::vector<LostTo> to = CoreLoss::of(use_of(6, 2, 4, 4), {{"helper", 1}, {"job J12", 0.01}})->to;
     ASSERT_EQ(to.size(), 2u) << "a hundredth is too little to be named";
     EXPECT_EQ(to[0].who, "others");
     EXPECT_DOUBLE_EQ(to[0].seconds, 2 * 2.99 / 4);
@@ -30,17 +32,17 @@ TEST(CoreLoss, OthersAreWhatIsLeft) {
 
 TEST(CoreLoss, OursAreBlamedForNoMoreThanWasLost) {
     // They are read over more than the clock: here they took more than ran outside while it ran.
-    const std::vector<LostTo> to = lost_to(use_of(6, 2, 1, 4), {{"helper", 3}, {"job J12", 1}});
+    const std::vector<LostTo> to = CoreLoss::of(use_of(6, 2, 2, 4), {{"helper", 3}, {"job J12", 1}})->to;
     ASSERT_EQ(to.size(), 2u);
     EXPECT_EQ(to[0].who, "helper");
-    EXPECT_DOUBLE_EQ(to[0].seconds, 0.75);
-    EXPECT_DOUBLE_EQ(to[1].seconds, 0.25);
+    EXPECT_DOUBLE_EQ(to[0].seconds, 1.5);
+    EXPECT_DOUBLE_EQ(to[1].seconds, 0.5);
 }
 
 TEST(CoreLoss, AJobIsDisturbedBelowNinetyEightPercent) {
-    EXPECT_TRUE(shared_json(use_of(98, 2, 2, 50), {}).is_null());
-    EXPECT_TRUE(shared_json(use_of(0.01, 0.009, 0.009, 0.01), {}).is_null()) << "less than a tick";
-    const json shared = shared_json(use_of(97.9, 2.1, 50, 50), {});
+    EXPECT_TRUE(to_json(CoreLoss::of(use_of(98, 2, 2, 50), {})).is_null());
+    EXPECT_TRUE(to_json(CoreLoss::of(use_of(0.01, 0.009, 0.009, 0.01), {})).is_null()) << "less than a tick";
+    const json shared = to_json(CoreLoss::of(use_of(97.9, 2.1, 50, 50), {}));
     EXPECT_DOUBLE_EQ(shared["share"], 0.979);
     EXPECT_DOUBLE_EQ(shared["lost_seconds"], 2.1);
     EXPECT_EQ(shared["to"], json::parse(R"([{"who": "others", "seconds": 2.1}])"));
@@ -49,22 +51,25 @@ TEST(CoreLoss, AJobIsDisturbedBelowNinetyEightPercent) {
 }
 
 TEST(CoreLoss, TheSentenceNamesThoseWhoTookMuch) {
-    const CoreUse use = use_of(8, 2, 2, 5);
-    EXPECT_EQ(loss_text(use, {{"others", 1.5}, {"job J12", 0.4}, {"helper", 0.1}}),
+    CoreLoss loss{0.8, 2, 1, {{"others", 1.5}, {"job J12", 0.4}, {"helper", 0.1}}};
+    EXPECT_EQ(loss.warning(),
               "2 s of its processor time (20 %) were lost to others (1.5 s) and job J12 (400 ms): its clock cannot be "
               "compared; run it again.");
-    EXPECT_EQ(loss_text(use, {{"helper", 1.9}, {"others", 0.1}}),
-              "2 s of its processor time (20 %) were lost to our helper: its clock cannot be compared; run it again.");
+    EXPECT_EQ(loss.what(), "2 s of its processor time (20 %) to others (1.5 s) and job J12 (400 ms)");
+    loss.to = {{"helper", 1.9}, {"others", 0.1}};
+    EXPECT_EQ(loss.what(), "2 s of its processor time (20 %) to our helper");
+    const CoreLoss read = CoreLoss::of_statistics({{"shared", to_json(std::optional(loss))}}).value();
+    EXPECT_EQ(to_json(std::optional(read)), to_json(std::optional(loss)));
+    EXPECT_FALSE(CoreLoss::of_statistics({{"shared", nullptr}}) || CoreLoss::of_statistics(nullptr));
 }
 
 TEST(CoreLoss, WhatTheKernelDoesNotSayIsNobodysFault) {
     CoreUse use;
-    use.derive(1);
-    EXPECT_TRUE(shared_json(use, {{"helper", 1}}).is_null());
+    use.derive(1, 2);
+    EXPECT_FALSE(CoreLoss::of(use, {{"helper", 1}}));
     use.run_delay_seconds = 3;  // but not what ran outside
-    use.derive(1);
-    const json shared = shared_json(use, {});
-    EXPECT_EQ(shared["to"], json::parse(R"([{"who": "others", "seconds": 3.0}])"));
+    use.derive(1, 2);
+    EXPECT_EQ(to_json(CoreLoss::of(use, {}))["to"], json::parse(R"([{"who": "others", "seconds": 3.0}])"));
 }
 
 TEST(ProcessMeter, ChargesWhatWasTakenSinceTheLastReading) {

@@ -69,7 +69,7 @@ TEST(CoreShare, ThisProcessHasAtMostWhatItsThreadsCanHave) {
 CoreUse derived(double had, std::optional<double> waited, std::optional<double> outside, double clock) {
     CoreUse use;
     use.processor_seconds = had, use.run_delay_seconds = waited, use.host_busy_outside_seconds = outside;
-    use.derive(clock);
+    use.derive(clock, 2);
     return use;
 }
 
@@ -89,6 +89,11 @@ TEST(CoreUse, SaysWhatWasLostToOthers) {
     EXPECT_DOUBLE_EQ(derived(10, 1, -0.02, 10).lost_seconds.value(), 0);
     EXPECT_DOUBLE_EQ(derived(0, 0.0, 0.0, 0).share.value(), 1) << "nothing was wanted";
     EXPECT_FALSE(derived(10, {}, 3, 10).share);
+    // On two processors: two threads that lost half their time, one thread that did, and one that seldom runs.
+    EXPECT_DOUBLE_EQ(derived(10, 10, 10, 10).clock_lost_seconds.value(), 5);
+    EXPECT_DOUBLE_EQ(derived(5, 5, 10, 10).clock_lost_seconds.value(), 5);
+    EXPECT_DOUBLE_EQ(derived(0.5, 0.25, 10, 10).clock_lost_seconds.value(), 0.25);
+    EXPECT_DOUBLE_EQ(derived(20, 1, 1, 10).clock_lost_seconds.value(), 0);
     EXPECT_DOUBLE_EQ(derived(9, 1, {}, 5).share.value(), 0.9);
 }
 

@@ -106,6 +106,8 @@ export interface Shared {
   /** Which it had, 0..1. */
   share: number;
   lost_seconds: number;
+  /** By which its clock is too long, at most. */
+  clock_seconds: number;
   /** The greatest first. */
   to: { who: string; seconds: number }[];
   /** The same as a sentence. */
@@ -412,6 +414,8 @@ export interface ComparisonRow {
   jobs: string[];
   seeds: number;
   succeeded: number;
+  /** Of these, that lost processor time to other processes. */
+  disturbed: number;
   passes: Spread | null;
   photons: Spread | null;
   seconds: Spread | null;
@@ -433,6 +437,8 @@ export interface Verdict {
   factor: number | null;
   arrived: { row: number; seconds: number }[];
   missing: number[];
+  /** Rows with jobs that lost processor time to other processes. */
+  disturbed: number[];
   text: string;
 }
 
@@ -457,6 +463,10 @@ export interface ComparisonJob {
   state: JobState;
   passes_done: number;
   seconds: number;
+  /** What it lost of its processor time, in a sentence; null where it was not disturbed. */
+  warning: string | null;
+  /** The job that was planned and its repeats; this is the one of them that counts. */
+  runs: { id: string; state: JobState; warning: string | null }[];
 }
 
 /** As the list has them. */
@@ -468,6 +478,8 @@ export interface ComparisonSummary {
   started: string | null;
   finished: string | null;
   job_states: Record<JobState, number>;
+  /** Jobs made again because they were disturbed. */
+  repeats: number;
   overhead_seconds: number | null;
   request: ComparisonRequest & { reference: Reference | null; metrics: string[]; seeds: number[] };
   links: Record<string, string>;
@@ -475,6 +487,8 @@ export interface ComparisonSummary {
 
 export interface Comparison extends ComparisonSummary {
   jobs: ComparisonJob[];
+  /** Which jobs were disturbed, and what became of that. */
+  warnings: string[];
   table: ComparisonRow[];
   verdicts: Verdict[];
   /** For each metric that has a verdict. */

@@ -5,14 +5,14 @@ import "./job.css";
 import { useLocation, useRoute } from "preact-iso";
 import { useEffect, useRef, useState } from "preact/hooks";
 
-import { getJson, Problem } from "../api/client";
+import { getJson, Problem, sendJson } from "../api/client";
 import { connection, listen } from "../api/events";
 import { isOver, type Job, type Method, type Page } from "../api/types";
 import { useKeys } from "../app/keyboard";
 import { Title } from "../app/title";
 import { errorText, kNone, numberText, percentText, plainName, secondsText, sizeText, stopText, timeText } from "../ui/format";
 import { useRemote } from "../ui/remote";
-import { say } from "../ui/toasts";
+import { say, sayFailure } from "../ui/toasts";
 import { Actions, doNow, type Asked } from "./actions";
 import { ErrorCurve } from "./error_chart";
 import { Life } from "./life";
@@ -214,6 +214,11 @@ function Loaded({ job, reload, stale, go }: { job: Job; reload: () => void; stal
     [job.id, job.state],
   );
   const { statistics } = job;
+  const repeat = () =>
+    void sendJson<Job>("POST", `/v1/jobs/${job.id}/repeat`).then((made) => {
+      say(`${job.id} is repeated as ${made.id}.`);
+      route(`/jobs/${made.id}`);
+    }, sayFailure);
   const request = (
     <Panel title="Request">
       <RequestPanel job={job} methods={methods} />
@@ -246,7 +251,7 @@ function Loaded({ job, reload, stale, go }: { job: Job; reload: () => void; stal
       <Failure job={job} />
       {statistics?.shared && (
         <p class="notice" role="status">
-          {statistics.shared.warning}
+          {statistics.shared.warning} {job.role === "render" && <button onClick={repeat}>Run it again</button>}
         </p>
       )}
       <div class="job-top">

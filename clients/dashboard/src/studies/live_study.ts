@@ -30,7 +30,7 @@ export function useLiveStudy(id: string): LiveStudy {
   const running = useRef(true);
   useEffect(() => {
     if (!remote.data) return;
-    ids.current = new Set([...remote.data.jobs.map((job) => job.id), ...(remote.data.reference?.job ? [remote.data.reference.job] : [])]);
+    ids.current = new Set([...remote.data.jobs.flatMap((job) => job.runs.map((run) => run.id)), ...(remote.data.reference?.job ? [remote.data.reference.job] : [])]);
     running.current = !isOver(remote.data.state);
   }, [remote.data]);
 
@@ -74,6 +74,11 @@ export function useLiveStudy(id: string): LiveStudy {
       const over = isOver(job.state);
       const read: LiveJob = { state: job.state, progress: over ? 1 : 0, passes: job.passes_done, seconds: job.seconds };
       found.set(job.id, over ? read : { ...read, ...told.get(job.id) });
+      for (const run of job.runs) {
+        if (run.id === job.id) continue;
+        const unread: LiveJob = { state: run.state, progress: isOver(run.state) ? 1 : 0, passes: 0, seconds: 0 };
+        found.set(run.id, { ...unread, ...told.get(run.id) });
+      }
     }
     const reference = remote.data?.reference;
     if (reference?.job && reference.state) {

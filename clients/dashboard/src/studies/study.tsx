@@ -80,6 +80,24 @@ function VerdictPanel({ report, metric }: { report: ComparisonReport; metric: st
   );
 }
 
+/** Which jobs lost processor time to other processes; what became of that, and what can still be done. */
+function Disturbances({ study, report }: { study: LiveStudy; report: ComparisonReport }) {
+  if (report.warnings.length === 0) return null;
+  const left = isOver(report.state) ? report.jobs.filter((job) => job.warning) : [];
+  const repeat = () => Promise.all(left.map((job) => sendJson("POST", `/v1/jobs/${job.id}/repeat`))).then(study.reload, sayFailure);
+  return (
+    <div class="notice">
+      Other processes took a part of the processors:
+      <ul>
+        {report.warnings.map((warning) => (
+          <li key={warning}>{capitalised(warning)}.</li>
+        ))}
+      </ul>
+      {left.length > 0 && <button onClick={() => void repeat()}>Run {left.length === 1 ? left[0]!.id : `these ${left.length} jobs`} again</button>}
+    </div>
+  );
+}
+
 function Progress({ report }: { report: ComparisonReport }) {
   if (isOver(report.state)) {
     if (report.state === "succeeded") return null;
@@ -167,6 +185,7 @@ function Body({ study, report }: { study: LiveStudy; report: ComparisonReport })
   return (
     <div class="stack study-body">
       <Progress report={report} />
+      <Disturbances study={study} report={report} />
       <StudyNow report={report} jobs={study.jobs} />
       <VerdictPanel report={report} metric={metric} />
       {unequal.length > 0 && <p class="notice">{unequal.join(" ")} What is missing stays as error, however long it renders.</p>}

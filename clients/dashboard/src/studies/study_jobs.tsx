@@ -58,14 +58,16 @@ export function JobsOfStudy({ report, jobs, metric }: Props) {
         </thead>
         <tbody>
           {report.reference?.job && line(report.reference.job, reference, "reference", null, "", null)}
-          {report.jobs.map((job) =>
-            line(
-              job.id,
-              jobs.get(job.id),
-              rowName(job),
-              rowOf.get(job.id) ?? null,
-              String(job.seed),
-              report.curves.find((curve) => curve.job === job.id)?.points.at(-1)?.metrics[metric] ?? null,
+          {report.jobs.flatMap((job) =>
+            job.runs.map((run) =>
+              line(
+                run.id,
+                jobs.get(run.id),
+                run.id === job.id ? rowName(job) : `${rowName(job)} (${run.warning ? "disturbed, " : ""}does not count)`,
+                run.id === job.id ? (rowOf.get(job.id) ?? null) : null,
+                String(job.seed),
+                report.curves.find((curve) => curve.job === run.id)?.points.at(-1)?.metrics[metric] ?? null,
+              ),
             ),
           )}
         </tbody>

@@ -15,7 +15,9 @@ interface Rendered {
 
 /** The jobs that run, the reference among them. */
 export function renderedNow(report: ComparisonReport, jobs: ReadonlyMap<string, LiveJob>): Rendered[] {
-  const names = new Map(report.table.flatMap((row) => row.jobs.map((job) => [job, rowName(row)] as const)));
+  const names = new Map(
+    report.jobs.flatMap((job) => job.runs.map((run, i) => [run.id, i === 0 ? rowName(job) : `${rowName(job)} once more`] as const)),
+  );
   if (report.reference?.job) names.set(report.reference.job, "the reference");
   return [...names].flatMap(([id, name]) => {
     const live = jobs.get(id);
