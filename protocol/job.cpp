@@ -381,6 +381,7 @@ JobRequest parse_job_request(const json& body, const JobVocabulary& vocabulary) 
     if (const auto seed = reader.seed("seed")) request.seed = *seed;
     read_layers(reader, vocabulary, request);
     if (const auto priority = reader.integer("priority", -100, 100)) request.priority = static_cast<int>(*priority);
+    request.quiet_machine = reader.number("quiet_machine", {0, kMaxSeconds, "s"});
     read_labels(reader, request);
     if (const json* environment = reader.member("environment"))
         request.environment = read_environment(*environment, reader.at("environment"), faults);
@@ -436,6 +437,7 @@ json to_json(const JobRequest& request) {
             {"reference", request.reference ? to_json(*request.reference) : json(nullptr)},
             {"metrics", request.metrics},
             {"priority", request.priority},
+            {"quiet_machine", optional_json(request.quiet_machine)},
             {"labels", labels},
             {"environment", environment},
             {"glass", request.glass},

@@ -80,6 +80,7 @@ struct JobRequest {
     std::optional<JobReference> reference;
     std::vector<std::string> metrics;  // measured besides those that cost little
     int priority = 0;
+    std::optional<double> quiet_machine;  // seconds that it may wait for a machine on which nothing else runs
     std::map<std::string, std::string> labels;
     std::optional<JobEnvironment> environment;
     std::string glass = "as_stored";

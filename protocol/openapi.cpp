@@ -126,6 +126,10 @@ json job_request_schema(const ApiVocabulary& vocabulary) {
          {"reference", reference_schema()},
          {"metrics", with_text(or_null(metrics), "measured besides those that cost little")},
          {"priority", or_null(in_range(typed("integer", "higher first"), -100, 100))},
+         {"quiet_machine", or_null(in_range(typed("number",
+                                                  "s: how long the job may wait for a machine on which nothing else "
+                                                  "runs; then it begins all the same"),
+                                            0, 1e9))},
          {"labels", or_null(labels)},
          {"environment", or_null(environment)},
          {"glass", or_null(one_of_words({"as_stored", "solid"}))},
@@ -384,6 +388,7 @@ json job_schema(const ApiVocabulary& vocabulary) {
                   {"started", time},
                   {"finished", time},
                   {"attempts", list_of(std::move(attempt))},
+                  {"waiting_for", nullable("string", "what keeps it back when its turn has come, while it is queued")},
                   {"request", schema_ref("JobRequest")},
                   {"links", links},
                   {"statistics", nullable_ref("Statistics")},
@@ -400,6 +405,7 @@ json job_summary_schema(const json& job) {
                     {"height", count()},
                     {"priority", in_range(typed("integer", "higher first"), -100, 100)},
                     {"labels", map_of(typed("string"))},
+                    {"waiting_for", nullable("string", "what keeps it back when its turn has come")},
                     {"waits_for", nullable("string", "the job, its reference, that must be over before it begins")},
                     {"failure", nullable("string", "what went wrong")}};
     for (const char* key : {"id", "role", "comparison", "state", "progress", "passes_done", "seconds", "error_now",

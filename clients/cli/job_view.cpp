@@ -139,6 +139,7 @@ void print_job(const Session& session, const json& job) {
     add("image", plain_text(image.value("width", json())) + " x " + plain_text(image.value("height", json())) + ", " +
                      plain_text(image.value("filter", json())) + " filter");
     add("stop", stop_text(request.value("stop", json())));
+    if (state == "queued") add("waits for", plain_text(job.value("waiting_for", json())));
     add("labels", pairs_text(request.value("labels", json())));
     add("passes done", plain_text(job.value("passes_done", json())));
     const json seconds = job.value("seconds", json());

@@ -126,6 +126,10 @@ void add_image_options(CLI::App& command, RequestOptions& options, const std::ve
     add("--layers", options.layers, layers_text, "LAYERS")->expected(1)->delimiter(',')->take_all();
     add("--filter", options.filter, "pixel filter; default: box", "box|gaussian|blackman_harris");
     add("--priority", options.priority, "-100 to 100, higher first; default: 0", "INT");
+    command
+        .add_flag("--quiet-machine{600}", options.quiet_seconds,
+                  "begin when nothing else runs on the daemon's machine, or after 600 seconds, or =SECONDS")
+        ->type_name("SECONDS");
     add("--label", options.labels, "note on the job, to find it by; may be repeated", "KEY=VALUE")
         ->expected(1)
         ->take_all();
@@ -177,6 +181,7 @@ json start_request(const RequestOptions& given) {
     if (options.stop.any()) request["stop"] = options.stop.body();
     put_camera(request, options);
     if (options.priority) request["priority"] = *options.priority;
+    if (options.quiet_seconds >= 0) request["quiet_machine"] = options.quiet_seconds;
     if (options.time) request["time"] = *options.time;
     if (!options.glass.empty()) request["glass"] = options.glass;
     if (!options.layers.empty()) request["layers"] = options.layers;

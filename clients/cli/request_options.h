@@ -20,6 +20,7 @@ struct RequestOptions {
     std::optional<uint32_t> width, height;
     std::optional<double> yfov, aperture, focus_distance, environment_scale, environment_rotation, time;
     std::optional<int> priority;
+    double quiet_seconds = -1;  // negative: not asked for
     std::vector<double> eye, look_at, up;
     std::vector<std::string> layers, labels, metrics;
     StopOptions stop;

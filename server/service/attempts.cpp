@@ -11,6 +11,7 @@
 #include <variant>
 
 #include "server/clock_text.h"
+#include "server/comparisons/report_text.h"
 
 namespace photond {
 
@@ -131,6 +132,8 @@ void Attempts::dispatch(Slot& slot) {
             } else if (references_.waits_for(*row)) {  // what it is measured against was queued again
                 core_.queue.remove(*seq);
                 waiting_.enqueue(*row);
+            } else if (waits_for_quiet(slot, *row)) {
+                return;
             } else {
                 begin_attempt(slot, *std::move(row));
                 core_.queue.remove(*seq);
@@ -139,6 +142,42 @@ void Attempts::dispatch(Slot& slot) {
     } catch (const std::exception& error) {
         spdlog::error("device {}: the next job cannot begin: {}", slot.device, error.what());
     }
+}
+
+bool Attempts::waits_for_quiet(Slot& slot, const JobRow& row) {
+    const json seconds = json::parse(row.request).value("quiet_machine", json());
+    const auto now = SteadyClock::now();
+    const bool begins = !slot.waiting || slot.waiting->seq != row.seq;
+    if (!seconds.is_number()) {
+        slot.waiting.reset();
+        return false;
+    }
+    if (begins) slot.waiting = QuietWait{row.seq, now};
+    const auto log = [&](const std::string& line) {
+        auto transaction = core_.store.transaction();
+        core_.store.append_log(row.seq, now_ms(), line);
+        transaction.commit();
+    };
+    const bool others_run = std::any_of(slots_.begin(), slots_.end(), [](const auto& other) { return other->running; });
+    const std::optional<double> load = quiet_machine_.load(now);
+    const double waited = std::chrono::duration<double>(now - slot.waiting->since).count();
+    const bool quiet = load && *load <= kQuietLoad && !others_run;
+    if (!quiet && waited < seconds.get<double>()) {
+        if (begins) log("waits until nothing else runs on the machine, at most " + short_seconds(seconds));
+        return true;
+    }
+    const std::string busy = load ? short_number(100 * *load) + " % of its processors are busy" : "not known to be";
+    log(quiet ? "the machine is quiet, after " + short_seconds(waited)
+              : "warning: the machine is not quiet after " + short_seconds(waited) + " (" + busy +
+                    "): it begins all the same");
+    slot.waiting.reset();
+    return false;
+}
+
+std::optional<std::string> Attempts::waiting_for(int64_t seq) const {
+    for (const auto& slot : slots_)
+        if (slot->waiting && slot->waiting->seq == seq) return "a quiet machine";
+    return std::nullopt;
 }
 
 void Attempts::begin_attempt(Slot& slot, JobRow row) {

@@ -15,6 +15,7 @@
 #include "server/service/attempt_records.h"
 #include "server/service/process_meter.h"
 #include "server/service/purges.h"
+#include "server/service/quiet_machine.h"
 #include "server/service/references.h"
 #include "server/service/running_attempt.h"
 #include "server/service/scenes.h"
@@ -23,6 +24,12 @@
 #include "server/workers/worker_process.h"
 
 namespace photond {
+
+/// A job that begins when nothing else runs on the machine, or when it has waited long enough.
+struct QuietWait {
+    int64_t seq = 0;
+    SteadyClock::time_point since;
+};
 
 struct Slot {
     std::string device;
@@ -33,6 +40,7 @@ struct Slot {
     uint64_t restarts = 0;
     uint64_t jobs_done = 0;  // by the process at hand
     std::optional<RunningAttempt> running;
+    std::optional<QuietWait> waiting;  // the job whose turn it is, where that waits
 };
 
 /// All under the lock where they say nothing else.
@@ -66,11 +74,16 @@ public:
     /// ServiceCore::attempt_changed says so.
     std::filesystem::path ask_for_snapshot(int64_t seq);
     const std::vector<std::unique_ptr<Slot>>& slots() const { return slots_; }
+    /// What keeps a queued job back whose turn has come, as text.
+    std::optional<std::string> waiting_for(int64_t seq) const;
 
 private:
     void start_worker(const std::string& device, ProcessOptions process);
     void dispatch(Slot& slot);
     void begin_attempt(Slot& slot, JobRow row);
+    /// Whether the job whose turn it is begins only when the machine is quiet, and that is not yet so. Its log says
+    /// when it begins to wait and how that ends.
+    bool waits_for_quiet(Slot& slot, const JobRow& row);
     void worker_message(Slot& slot, const nlohmann::json& message);  // takes the lock; throws as Callbacks::message
     void worker_exited(Slot& slot, const ProcessExit& exit);         // takes the lock
     void worker_tick(Slot& slot);                                    // takes the lock
@@ -92,6 +105,7 @@ private:
     AttemptRecords records_;
     AttemptProgress progress_;
     ProcessMeter meter_;
+    QuietMachine quiet_machine_;
     std::vector<std::unique_ptr<Slot>> slots_;  // the last member: ends its threads before the rest goes
 };
 

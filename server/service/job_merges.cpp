@@ -19,7 +19,8 @@ namespace {
 
 constexpr size_t kMaxMergedJobs = 1000;
 /// What of a request does not decide a pass's pixels: parts of one image may differ in it.
-constexpr const char* kFreeMembers[] = {"stop", "first_pass", "priority", "labels", "reference", "metrics"};
+constexpr const char* kFreeMembers[] = {"stop",          "first_pass", "priority", "labels",
+                                        "quiet_machine", "reference",  "metrics"};
 
 std::string at(size_t index) { return "/jobs/" + std::to_string(index); }
 

@@ -85,7 +85,8 @@ RandomStreams random_streams_named(const std::string& name) {
 
 std::string settings_hash(const JobRequest& request, RandomStreams streams) {
     json canonical = to_json(request);
-    for (const char* other : {"scene", "stop", "first_pass", "priority", "labels", "reference", "metrics"})
+    for (const char* other :
+         {"scene", "stop", "first_pass", "priority", "labels", "quiet_machine", "reference", "metrics"})
         canonical.erase(other);
     json layers = json::array();
     for (const LayerInfo& info : kLayers)

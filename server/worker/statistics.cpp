@@ -60,7 +60,7 @@ void flatten(const std::string& name, const json& value, std::vector<ImageAttrib
 
 std::string job_hash(const JobRequest& request, const std::string& scene_id) {
     json canonical = to_json(request);
-    canonical.erase("priority"), canonical.erase("labels");
+    canonical.erase("priority"), canonical.erase("labels"), canonical.erase("quiet_machine");
     canonical["scene"] = scene_id.empty() ? request.scene : scene_id;
     const std::string text = canonical.dump(-1, ' ', false, json::error_handler_t::replace);
     return sha256_hex(text.data(), text.size());

@@ -60,7 +60,8 @@ struct StatisticsInput {
 
 nlohmann::json statistics_json(const StatisticsInput& input);
 
-/// SHA-256 of what determines a job's pixels and when it stops: the request as understood, less priority and labels,
+/// SHA-256 of what determines a job's pixels and when it stops: the request as understood, less priority, labels and
+/// what it waits for,
 /// with the scene's id for its name.
 std::string job_hash(const JobRequest& request, const std::string& scene_id);
 

@@ -59,6 +59,47 @@ class CoresTest(DaemonTestCase):
         self.assertIsNone(merged["statistics"]["shared"])
 
 
+class QuietMachineTest(DaemonTestCase):
+    def log(self, job):
+        return self.daemon.request("GET", f"/v1/jobs/{job['id']}/log.txt").text
+
+    def test_begins_all_the_same_when_the_machine_stays_busy(self):
+        with BusyLoops():
+            job = self.daemon.submit(small_job(quiet_machine=3))
+            deadline = time.monotonic() + 30
+            while self.daemon.job(job["id"])["waiting_for"] is None and time.monotonic() < deadline:
+                time.sleep(0.02)
+            waiting = self.daemon.job(job["id"])
+            self.assertEqual((waiting["state"], waiting["waiting_for"]), ("queued", "a quiet machine"))
+            listed = self.daemon.request("GET", "/v1/jobs?view=summary&state=queued").json["items"]
+            self.assertEqual([row["waiting_for"] for row in listed], ["a quiet machine"])
+            behind = self.daemon.submit(small_job())  # keeps its place
+            done = self.daemon.wait_for_job(job["id"])
+        self.assertEqual(done["state"], "succeeded")
+        self.assertIsNone(done["waiting_for"])
+        self.assertRegex(self.log(job), r"waits until nothing else runs on the machine, at most 3 s\n")
+        self.assertRegex(self.log(job), r"warning: the machine is not quiet after \S+ s \(\S+ % of its processors are busy\): "
+                                        r"it begins all the same\n")
+        self.assertGreaterEqual(self.daemon.wait_for_job(behind["id"])["started"], done["started"])
+
+    def test_others_do_not_wait(self):
+        with BusyLoops():
+            job = self.daemon.run_job(small_job())
+        self.assertNotIn("waits until", self.log(job))
+
+    def test_a_job_that_waits_can_be_cancelled(self):
+        with BusyLoops():
+            job = self.daemon.submit(small_job(quiet_machine=3600))
+            self.daemon.request("DELETE", f"/v1/jobs/{job['id']}")
+            self.assertEqual(self.daemon.wait_for_job(job["id"])["state"], "cancelled")
+            self.daemon.run_job(small_job())
+
+    def test_what_it_waits_for_is_no_part_of_what_it_shows(self):
+        first, second = (self.daemon.run_job(small_job(**more)) for more in ({}, {"quiet_machine": 0}))
+        for key in ("job_hash", "settings_hash", "pixel_hash"):
+            self.assertEqual(first["statistics"][key], second["statistics"][key])
+
+
 @unittest.skipUnless("PHOTOND_LONG" in os.environ, "takes an idle machine")
 class LongCoresTest(DaemonTestCase):
     """What is said to be lost is what the same job is slower by, to 5 points of a hundred; alone nothing is lost."""
@@ -70,6 +111,14 @@ class LongCoresTest(DaemonTestCase):
                 time.sleep(0.2)
             job = self.daemon.run_job(timed_job(3))
         return job["passes_done"] / job["seconds"], job["statistics"]["cores"]["share"]
+
+    def test_a_job_waits_for_the_busy_loop_to_end(self):
+        with BusyLoops(1):
+            job = self.daemon.submit(small_job(quiet_machine=60))
+            time.sleep(4)
+            self.assertEqual(self.daemon.job(job["id"])["state"], "queued")
+        job = self.daemon.wait_for_job(job["id"])
+        self.assertIn("the machine is quiet, after", self.daemon.request("GET", job["links"]["log"]).text)
 
     def test_a_busy_loop_is_quantified(self):
         self.rate(0)  # the first job's costs

@@ -12,7 +12,7 @@ from photond_daemon import OVER, Daemon, DaemonTestCase, deadline_after, small_j
 MOST_RUNS = 3
 
 
-def comparison(seconds=0.4, size=64, seeds=(1,), **more):
+def comparison(seconds=0.25, size=64, seeds=(1,), **more):
     return {"scene": "cornell-box", "image": {"width": size, "height": size},
             "reference": {"method": {"name": "path_tracing"}, "stop": {"passes": 64}},
             "entries": [{"label": "paths", "method": {"name": "path_tracing"}},

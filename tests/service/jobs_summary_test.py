@@ -21,7 +21,7 @@ def expected_summary(job):
     return {**{key: job[key] for key in SHARED}, "scene": request["scene"], "method": request["method"]["name"],
             "device": job["attempts"][-1]["device"], "width": request["image"]["width"],
             "height": request["image"]["height"], "priority": request["priority"], "labels": request["labels"],
-            "waits_for": None, "failure": job["failure"] and job["failure"]["detail"]}
+            "waits_for": None, "waiting_for": job["waiting_for"], "failure": job["failure"] and job["failure"]["detail"]}
 
 
 class Lists(unittest.TestCase):

@@ -147,7 +147,7 @@ def _rendered(client: Daemon, scene: SceneLike, width: int, height: int, filter:
               layers: Optional[Sequence[str]], camera: Union[None, str, Camera],
               environment: Union[None, ImageLike, Mapping[str, Any]], glass: Optional[str], time: Optional[float],
               reference: Optional[ReferenceLike], metrics: Optional[Sequence[str]], priority: Optional[int],
-              labels: Optional[Mapping[str, str]]) -> Dict[str, Any]:
+              labels: Optional[Mapping[str, str]], quiet_machine: Optional[float]) -> Dict[str, Any]:
     """What jobs and comparisons both say. What is not said is not sent: the daemon's default is then meant."""
     body: Dict[str, Any] = {"scene": _scene_of(client, scene), "image": {"width": width, "height": height}, "stop": stop}
     if filter is not None:
@@ -158,7 +158,8 @@ def _rendered(client: Daemon, scene: SceneLike, width: int, height: int, filter:
         body["environment"] = _environment_of(client, environment)
     if reference is not None:
         body["reference"] = _reference_of(client, reference)
-    for key, value in (("glass", glass), ("time", time), ("priority", priority)):
+    for key, value in (("glass", glass), ("time", time), ("priority", priority),
+                       ("quiet_machine", quiet_machine)):
         if value is not None:
             body[key] = value
     for key, names in (("layers", layers), ("metrics", metrics)):
@@ -187,7 +188,8 @@ def job_request(client: Daemon, scene: SceneLike, method: MethodLike = "path_tra
                 environment: Union[None, ImageLike, Mapping[str, Any]] = None, glass: Optional[str] = None,
                 time: Optional[float] = None, reference: Optional[ReferenceLike] = None,
                 metrics: Optional[Sequence[str]] = None, priority: Optional[int] = None,
-                labels: Optional[Mapping[str, str]] = None, idempotency_key: Optional[str] = None) -> Submission:
+                labels: Optional[Mapping[str, str]] = None, quiet_machine: Optional[float] = None,
+                idempotency_key: Optional[str] = None) -> Submission:
     """
     scene        a Scene, its name or id, or a path (.glb, .zip, .gltf with its files, a folder), which is uploaded
     method       name, `client.methods[name]`, or that called with parameters; `device` and `parameters` add to it
@@ -198,10 +200,11 @@ def job_request(client: Daemon, scene: SceneLike, method: MethodLike = "path_tra
     reference    what the error is measured against: a Job, an UploadedImage, a path, "path_tracing:4096" or
                  `reference(...)`; `metrics` are measured besides those that cost little
     first_pass   for one part of a larger job, see `Client.merge`
+    quiet_machine    seconds to wait at most until nothing else runs on the daemon's machine
     idempotency_key    the same key and request is the same submission; default: random
     """
     body = _rendered(client, scene, width, height, filter, stop_of(passes, seconds, target) or {"passes": DEFAULT_PASSES},
-                     layers, camera, environment, glass, time, reference, metrics, priority, labels)
+                     layers, camera, environment, glass, time, reference, metrics, priority, labels, quiet_machine)
     body["method"] = method_of(method, device, parameters)
     if first_pass is not None:
         body["first_pass"] = first_pass
@@ -218,7 +221,7 @@ def comparison_request(client: Daemon, scene: SceneLike, entries: Sequence[Entry
                        environment: Union[None, ImageLike, Mapping[str, Any]] = None, glass: Optional[str] = None,
                        time: Optional[float] = None, reference: Optional[ReferenceLike] = None,
                        metrics: Optional[Sequence[str]] = None, priority: Optional[int] = None,
-                       labels: Optional[Mapping[str, str]] = None,
+                       labels: Optional[Mapping[str, str]] = None, quiet_machine: Optional[float] = None,
                        idempotency_key: Optional[str] = None) -> ComparisonSubmission:
     """
     entries      rows of the tables: method names, `client.methods[...]`, or `entry(...)` with label and sweep
@@ -230,7 +233,7 @@ def comparison_request(client: Daemon, scene: SceneLike, entries: Sequence[Entry
         raise TypeError(f"entries is a list, as [{entries!r}]")
     rows = [entry(row) if isinstance(row, (str, Method)) else row for row in entries]
     body = _rendered(client, scene, width, height, filter, stop_of(passes, seconds, target), layers, camera, environment,
-                     glass, time, reference, metrics, priority, labels)
+                     glass, time, reference, metrics, priority, labels, quiet_machine)
     body["entries"] = rows
     if seeds is not None:
         body["seeds"] = list(seeds)

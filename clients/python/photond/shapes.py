@@ -91,6 +91,7 @@ class _Rendered(TypedDict, total=False):
     reference: Union[str, MadeReference]
     metrics: List[str]
     priority: int
+    quiet_machine: Optional[float]
     labels: Dict[str, str]
     environment: Environment
     glass: str

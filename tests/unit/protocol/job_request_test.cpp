@@ -70,7 +70,8 @@ TEST(JobRequest, FillsInEveryDefault) {
         "image": {"width": 64, "height": 32, "filter": "box"},
         "method": {"name": "path_tracing", "device": "cpu", "parameters": {"bounces": 8, "radius": 0.05}},
         "stop": {"seconds": null, "passes": 4, "target": null}, "first_pass": 0,
-        "seed": 1, "layers": [], "reference": null, "metrics": [], "priority": 0, "labels": {}, "environment": null,
+        "seed": 1, "layers": [], "reference": null, "metrics": [], "priority": 0, "quiet_machine": null,
+        "labels": {}, "environment": null,
         "glass": "as_stored", "time": 0})"));
 }
 
@@ -83,7 +84,7 @@ TEST(JobRequest, ReadsEveryField) {
         "stop": {"seconds": 0.5, "passes": 7, "target": {"metric": "indirect:rmse", "value": 0.25}}, "first_pass": 3,
         "reference": {"method": {"name": "path_tracing"}, "stop": {"passes": 9}}, "metrics": ["caustic:relative_mse"],
         "seed": 18446744073709551615, "layers": ["depth", "albedo", "caustic"],
-        "priority": -100, "labels": {"a/b": "c", "~": ""}, "environment": {"image": "image:i1", "scale": 2, "rotation": -1},
+        "priority": -100, "quiet_machine": 2.5, "labels": {"a/b": "c", "~": ""}, "environment": {"image": "image:i1", "scale": 2, "rotation": -1},
         "glass": "solid", "time": 0})");
     const JobRequest request = parse_job_request(body, vocabulary());
     EXPECT_EQ(request.camera.look_at->up[2], 1);
@@ -121,6 +122,7 @@ TEST(JobRequest, TheEchoIsAFixedPoint) {
         if (chance()) body["method"]["parameters"]["radius"] = std::abs(number(random)) / 20 + 0.01;
         if (chance()) body["layers"] = {"normal", "caustic"};
         if (chance()) body["priority"] = static_cast<int>(random() % 201) - 100;
+        if (chance()) body["quiet_machine"] = static_cast<double>(random() % 1000) / 8;
         if (chance()) body["labels"]["k"] = std::to_string(random());
         if (chance()) body["environment"] = {{"image", "image:x"}, {"rotation", number(random)}};
         if (chance()) body["first_pass"] = random() % 1000;
@@ -192,6 +194,7 @@ TEST(JobRequest, RefusesEachFaultAtItsPlace) {
         {"/layers", "[\"depth\", \"depth\"]", "/layers/1", ErrorCode::Conflict},
         {"/layers", "[\"depth\", \"photon_count\"]", "/layers/1", ErrorCode::Unsupported},
         {"/priority", "101", "/priority", ErrorCode::OutOfRange},
+        {"/quiet_machine", "-1", "/quiet_machine", ErrorCode::OutOfRange},
         {"/labels", "{\"a\": 1}", "/labels/a", ErrorCode::WrongType},
         {"/labels", "{\"a=b\": \"x\"}", "/labels/a=b", ErrorCode::OutOfRange},
         {"/environment", "{}", "/environment/image", ErrorCode::MissingField},

@@ -163,6 +163,8 @@ export interface JobProgress {
 
 export interface Job extends JobProgress {
   reference_job: string | null;
+  /** What keeps it back when its turn has come, while it is queued. */
+  waiting_for?: string | null;
   attempts: Attempt[];
   request: JobRequest & { method: Required<MethodChoice>; seed: number; priority: number; labels: Record<string, string>; layers: string[] };
   links: Record<string, string | null>;
@@ -182,6 +184,8 @@ export interface JobSummary extends JobProgress {
   labels: Record<string, string>;
   /** The job, its reference, that must be over before this one begins. */
   waits_for: string | null;
+  /** What keeps it back when its turn has come. */
+  waiting_for?: string | null;
   failure: string | null;
 }
 

@@ -231,6 +231,7 @@ function Loaded({ job, reload, stale, go }: { job: Job; reload: () => void; stal
       </Title>
       <div class="row job-standing" role="status">
         <span class={`state ${job.state}`}>{job.state}</span>
+        {job.state === "queued" && job.waiting_for && <span class="muted">waits for {job.waiting_for}</span>}
         {job.role !== "render" && <span class="muted">{job.role}</span>}
         {job.state === "running" && (
           <>
