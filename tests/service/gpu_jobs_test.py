@@ -139,6 +139,18 @@ class JobTest(GpuCase):
         alone = self.daemon.run_job(gpu_job())["statistics"]
         self.assertEqual((alone["host_shared"], alone["device_shared"]), (False, False))
 
+    def test_each_names_the_other_that_took_its_cores(self):
+        if not GPU["software"]:
+            self.skipTest("a card has cores of its own")
+        both = [gpu_job(device, size=128, passes=None) for device in ("cpu", GPU["id"])]
+        ids = [self.daemon.submit({**job, "stop": {"seconds": 1.5}})["id"] for job in both]
+        for mine, other in (ids, reversed(ids)):
+            statistics = self.daemon.wait_for_job(mine)["statistics"]
+            if statistics["cores"]["run_delay_seconds"] is None:
+                self.skipTest("this kernel does not say how long threads wait")
+            print(mine, statistics["shared"])
+            self.assertIn(f"job {other}", [taker["who"] for taker in statistics["shared"]["to"]])
+
     def test_passes_of_two_kinds_of_device_are_no_film(self):
         parts = [self.daemon.run_job(gpu_job(passes=1, first_pass=first)) for first in (0, 1)]
         whole = self.daemon.run_job(gpu_job(passes=2))

@@ -90,7 +90,7 @@ function Disturbances({ study, report }: { study: LiveStudy; report: ComparisonR
       Other processes took a part of the processors:
       <ul>
         {report.warnings.map((warning) => (
-          <li key={warning}>{capitalised(warning)}.</li>
+          <li key={warning}>{warning}.</li>
         ))}
       </ul>
       {left.length > 0 && <button onClick={() => void repeat()}>Run {left.length === 1 ? left[0]!.id : `these ${left.length} jobs`} again</button>}

@@ -1,0 +1,42 @@
+// A study and a job that were disturbed: what the pages say of it, and the button that runs it again.
+import assert from "node:assert/strict";
+import { spawn } from "node:child_process";
+import { cpus } from "node:os";
+import { test } from "node:test";
+
+import { axeClean, expectNoComplaints, openPage, shoot, startDaemon } from "./support.mjs";
+
+const daemon = await startDaemon();
+
+test("a disturbed study offers to run its jobs again", async () => {
+  const loops = cpus().map(() => spawn(process.execPath, ["-e", "for (;;);"]));
+  let study;
+  try {
+    study = await daemon.json("POST", "/v1/comparisons", {
+      scene: "cornell-box",
+      image: { width: 48, height: 48 },
+      reference: { method: { name: "path_tracing" }, stop: { passes: 64 } },
+      entries: [{ label: "paths", method: { name: "path_tracing" } }],
+      stop: { seconds: 0.4 },
+    });
+    while (["queued", "running"].includes((study = await daemon.get(`/v1/comparisons/${study.id}`)).state)) await new Promise((done) => setTimeout(done, 100));
+  } finally {
+    for (const loop of loops) loop.kill("SIGKILL");
+  }
+  const [job] = study.jobs;
+  if (!job.warning) return; // a kernel that does not say how long threads wait
+  const page = await openPage(daemon, `/studies/${study.id}`);
+  await page.getByText(`${job.id} lost`).waitFor();
+  await axeClean(page);
+  await shoot(page, "study-disturbed");
+  await page.getByRole("button", { name: `Run ${job.id} again` }).click();
+  await page.getByRole("button", { name: `Run ${job.id} again` }).waitFor({ state: "detached" });
+  await page.goto(`${daemon.url}/jobs/${job.id}`);
+  await page.getByText(job.warning).waitFor();
+  await shoot(page, "job-disturbed");
+  while (["queued", "running"].includes((study = await daemon.get(`/v1/comparisons/${study.id}`)).state)) await new Promise((done) => setTimeout(done, 100));
+  assert.equal(study.repeats, 1);
+  await page.getByRole("button", { name: "Run it again" }).click();
+  await page.waitForURL(`**/jobs/${`J${Math.max(...study.jobs[0].runs.map((run) => Number(run.id.slice(1)))) + 1}`}`);
+  expectNoComplaints(page);
+});
