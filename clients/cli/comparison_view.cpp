@@ -7,6 +7,7 @@
 #include <set>
 #include <vector>
 
+#include "clients/cli/job_follower.h"
 #include "clients/cli/json_member.h"
 #include "clients/cli/text_table.h"
 #include "clients/cli/units.h"

@@ -100,7 +100,7 @@ json warning_json(const MeasuredJob& job) { return job.loss ? json(job.loss->war
 
 /// "photons, seed 2: J5 lost 2.1 s of its processor time (14 %) to others; its repeat J9 counts"; empty where nothing
 /// was lost.
-std::string disturbance_text(const Place& place, size_t counts) {
+std::string place_warning(const Place& place, size_t counts) {
     const MeasuredJob& counting = place.runs[counts];
     const auto disturbed =
         std::find_if(place.runs.begin(), place.runs.end(), [](const MeasuredJob& run) { return run.loss; });
@@ -148,7 +148,8 @@ JobState ComparisonState::state() const {
     const bool begun =
         (own && own->state != JobState::Queued) ||
         std::any_of(jobs.begin(), jobs.end(), [](const auto& job) { return job.state != JobState::Queued; });
-    if (!std::all_of(states.begin(), states.end(), is_over)) return begun ? JobState::Running : JobState::Queued;
+    if (std::any_of(states.begin(), states.end(), [](JobState state) { return !is_over(state); }))
+        return begun ? JobState::Running : JobState::Queued;
     if (there_is(JobState::Cancelled)) return JobState::Cancelled;
     return there_is(JobState::Failed) ? JobState::Failed : JobState::Succeeded;
 }
@@ -208,7 +209,7 @@ Judged judge(const Compared& compared) {
                         {"seconds", job.seconds},
                         {"warning", warning_json(job)},
                         {"runs", std::move(runs)}});
-        if (const std::string text = disturbance_text(place, counts); !text.empty()) warnings.push_back(text);
+        if (const std::string text = place_warning(place, counts); !text.empty()) warnings.push_back(text);
         judged.statistics.push_back(place.statistics[counts]);
         judged.jobs.push_back(job);
     }
