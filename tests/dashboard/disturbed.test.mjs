@@ -38,7 +38,7 @@ test("a disturbed study offers to run its jobs again", async () => {
   assert.equal(study.repeats, 1);
   await page.getByText(study.warnings[0]).waitFor();
   await page.goto(`${daemon.url}/jobs/${job.id}`);
-  await page.getByText(job.warning).waitFor();
+  await page.getByRole("status").getByText(job.warning).waitFor();
   await shoot(page, "job-disturbed");
   await page.getByRole("button", { name: "Run it again" }).click();
   await page.waitForURL(`**/jobs/${`J${Math.max(...study.jobs[0].runs.map((run) => Number(run.id.slice(1)))) + 1}`}`);
