@@ -81,10 +81,12 @@ struct ThumbnailRequest {
     static constexpr const char* kType = "thumbnail";
     using Reply = DoneReply;
     SceneSource scene;
-    std::filesystem::path out;  // PNG
+    std::optional<double> most_seconds;  // of rendering; the first pass is always finished
+    std::filesystem::path out;           // PNG
 
     void visit(MessageVisitor& visitor) {
         visitor.member("scene", scene);
+        visitor.if_any("most_seconds", most_seconds);
         visitor.member("out", out);
     }
 };
@@ -98,7 +100,8 @@ struct PreviewSceneRequest {
     nlohmann::json look_at;  // as a job's, whole; or null
     uint32_t width = 0, height = 0;
     uint32_t passes = 0;
-    std::filesystem::path out;  // PNG, not synced
+    std::optional<double> most_seconds;  // as a thumbnail's
+    std::filesystem::path out;           // PNG, not synced
 
     void visit(MessageVisitor& visitor) {
         visitor.member("scene", scene);
@@ -107,6 +110,7 @@ struct PreviewSceneRequest {
         visitor.member("width", width);
         visitor.member("height", height);
         visitor.member("passes", passes);
+        visitor.if_any("most_seconds", most_seconds);
         visitor.member("out", out);
     }
 };

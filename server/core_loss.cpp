@@ -18,6 +18,7 @@ constexpr double kLeastSaid = 0.1;    // likewise, in the sentence
 
 std::string spoken(const std::string& who) {
     if (who == "helper") return "our helper";
+    if (who == "pictures") return "pictures drawn beside it";
     return who == "photond" ? "photond itself" : who;
 }
 

@@ -16,7 +16,8 @@ inline constexpr double kUndisturbedShare = 0.98;
 /// But where it lost less than this, that cannot be told: what ran outside is counted in ticks of the kernel's clock.
 inline constexpr double kLeastLoss_s = 0.01;
 
-/// Processor time by who had it: "helper", "photond", "job J12", "worker gpu:0" between its jobs, "others".
+/// Processor time by who had it: "helper", "pictures" (those drawn beside it), "photond", "job J12", "worker gpu:0"
+/// between its jobs, "others".
 using ProcessorSeconds = std::map<std::string, double>;
 
 struct LostTo {

@@ -41,6 +41,11 @@ struct Metrics::Families {
                                                         .Register(registry);
     prometheus::Gauge& queue =
         prometheus::BuildGauge().Name("photond_queue_depth").Help("Jobs waiting").Register(registry).Add({});
+    prometheus::Gauge& pictures = prometheus::BuildGauge()
+                                      .Name("photond_pictures_waiting")
+                                      .Help("Pictures to be drawn beside a job")
+                                      .Register(registry)
+                                      .Add({});
     Family<prometheus::Gauge>& workers = prometheus::BuildGauge()
                                              .Name("photond_workers")
                                              .Help("Worker processes, the helper included, by state")
@@ -116,6 +121,7 @@ void Metrics::job_ended(const std::string& state, const std::string& method, con
 
 void Metrics::job_started(double queue_seconds) { families_->queue_seconds.Observe(queue_seconds); }
 void Metrics::queue_depth(uint64_t jobs) { families_->queue.Set(static_cast<double>(jobs)); }
+void Metrics::pictures_waiting(uint64_t pictures) { families_->pictures.Set(static_cast<double>(pictures)); }
 
 void Metrics::workers(uint64_t ready, uint64_t busy, uint64_t failed) {
     families_->workers.Add({{"state", "ready"}}).Set(static_cast<double>(ready));

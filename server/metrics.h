@@ -25,6 +25,7 @@ public:
                    double render_seconds, const nlohmann::json& statistics);
     void job_started(double queue_seconds);
     void queue_depth(uint64_t jobs);
+    void pictures_waiting(uint64_t pictures);
     void workers(uint64_t ready, uint64_t busy, uint64_t failed);
     void worker_restarted(const std::string& reason);
     void disk_free(uint64_t bytes);

@@ -11,6 +11,7 @@
 #include "server/service/comparisons.h"
 #include "server/service/images.h"
 #include "server/service/jobs.h"
+#include "server/service/pictures.h"
 #include "server/service/processes.h"
 #include "server/service/purges.h"
 #include "server/service/recovery.h"
@@ -31,17 +32,18 @@ struct Service::Impl {
 
     ServiceCore core;
     ArtefactFiles artefact_files{core};
-    Scenes scenes{core, artefact_files};
+    Pictures pictures{core, artefact_files};
+    Scenes scenes{core, artefact_files, pictures};
     Images images{core, artefact_files};
     References references{core};
     WaitingJobs waiting{core, references};
     Purges purges{core};
-    Attempts attempts{core, scenes, references, waiting, purges};
-    Jobs jobs{core, artefact_files, scenes, references, waiting, purges, attempts};
+    Attempts attempts{core, pictures, scenes, references, waiting, purges};
+    Jobs jobs{core, artefact_files, pictures, scenes, references, waiting, purges, attempts};
     Comparisons comparisons{core, scenes, references, purges, attempts, jobs};
     ComparisonReports reports{artefact_files, jobs, comparisons};
-    SystemStatus system{core, attempts};
-    Processes processes{core, scenes, attempts};
+    SystemStatus system{core, pictures, attempts};
+    Processes processes{core, pictures, scenes, attempts};
 };
 
 Service::Impl::Impl(Options given) : core(std::move(given)) {

@@ -41,10 +41,11 @@ public:
     /// so: UnknownName for one that there is not.
     Page list_scenes(const std::string& family, uint32_t limit, const std::string& cursor);
     nlohmann::json get_scene(const std::string& id_or_name);
-    /// Waits for the helper the first time.
+    /// Waits for the helper the first time. TryLater while a job renders and it is not drawn soon (service/pictures.h),
+    /// as all pictures below that say so.
     Artefact thumbnail(const std::string& id_or_name);
-    /// A PNG, made anew each time and kept nowhere; waits for the helper, which keeps the scene ready for the next one.
-    /// UnknownName at /camera.
+    /// A PNG, made anew each time and kept nowhere but while a job renders; waits for the helper, which keeps the scene
+    /// ready for the next one. UnknownName at /camera. TryLater.
     std::string scene_preview(const std::string& id_or_name, const ScenePreview& wanted);
     /// The scene as a file of renderer/scene/baked_scene.h. Waits for the helper the first time. OutOfMemory, NoSpace
     /// and TimedOut where it is too large to be made.
@@ -117,12 +118,13 @@ public:
     /// saying how to ask for it, when the job has none.
     Artefact method_artefact(const std::string& id, const std::string& name);
     /// Of a job with a reference; NotFound, with the reason, where either film is missing. EXR of x - r by layer; PNG
-    /// of the FLIP map (`range` "ldr" or "hdr") and of each pixel's relative error.
+    /// of the FLIP map (`range` "ldr" or "hdr") and of each pixel's relative error, which throw TryLater.
     Artefact difference(const std::string& id);
     Artefact flip(const std::string& id, const std::string& layer, const std::string& range);
     Artefact error_map(const std::string& id, const std::string& layer);
     /// The FLIP map of any two, each "job:ID" or "image:ID", as pixels of one channel; X-Flip-Mean beside the headers
     /// of pixels(). Pending while a job has no film; UnknownName, Conflict for unlike sizes, each with its pointer.
+    /// TryLater.
     Artefact flip_map(const std::string& image, const std::string& reference, const std::string& layer,
                       const std::string& range, const std::string& precision);
     /// text/csv: seconds, passes, photons and every metric measured; so far while it runs.
@@ -161,7 +163,8 @@ public:
     /// that lists them the first time.
     Page devices();
     /// {"version", "uptime_seconds", "ready", "queue": {"queued", "running"}, "workers": [{"device", "device_name",
-    /// "state", "pid", "job", "restarts", "resident_bytes", "memory_limit_bytes"}], "disk_free_bytes",
+    /// "state", "pid", "job", "restarts", "resident_bytes", "memory_limit_bytes"}], "pictures": {"waiting", "pid",
+    /// "restarts", "resident_bytes"}, "disk_free_bytes",
     /// "resident_bytes", "event_clients", "totals": {"jobs", "passes", "pixels", "render_seconds", "rays", "photons"}}.
     nlohmann::json status();
     /// The store is open and every worker and the helper have answered. Takes no lock.

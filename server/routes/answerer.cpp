@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "protocol/problem.h"
+#include "server/try_later.h"
 
 namespace photond::http {
 namespace {
@@ -53,6 +54,10 @@ Reply reply_of(Exchange& exchange) {
     } catch (const Refusal& refusal) {
         Reply reply = problem_reply(refusal.error, exchange.call.head.path);
         for (const auto& [name, value] : refusal.headers) reply.headers[name] = value;
+        return reply;
+    } catch (const TryLater& error) {
+        Reply reply = problem_reply(error, exchange.call.head.path);
+        reply.headers["Retry-After"] = std::to_string(error.retry_after_seconds);
         return reply;
     } catch (const Error& error) {
         if (error.code == ErrorCode::Internal) return internal_failure(exchange, error.what());

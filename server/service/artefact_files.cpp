@@ -17,6 +17,10 @@ void write_text(const fs::path& path, const std::string& text) {
     if (!out) throw Error(ErrorCode::NoSpace, "cannot write " + path.string());
 }
 
+Artefact artefact_of(const std::shared_ptr<const CachedFile>& file, const std::string& media_type) {
+    return {false, file->path, media_type, file->etag, file->bytes, file, file->headers};
+}
+
 }  // namespace
 
 Artefact pending_artefact() {
@@ -41,7 +45,13 @@ Artefact ArtefactFiles::artefact(const std::string& key, const std::string& medi
         core_.check_disk(0);
         return make(path);
     });
-    return {false, file->path, media_type, file->etag, file->bytes, file, file->headers};
+    return artefact_of(file, media_type);
+}
+
+std::optional<Artefact> ArtefactFiles::kept(const std::string& key, const std::string& media_type) {
+    const auto file = core_.artefacts.find(key);
+    if (!file) return std::nullopt;
+    return artefact_of(file, media_type);
 }
 
 Artefact ArtefactFiles::linked(const std::string& key, const fs::path& file, const std::string& media_type) {
@@ -49,7 +59,7 @@ Artefact ArtefactFiles::linked(const std::string& key, const fs::path& file, con
         link_or_copy(file, path);
         return std::map<std::string, std::string>();
     });
-    return {false, found->path, media_type, found->etag, found->bytes, found, found->headers};
+    return artefact_of(found, media_type);
 }
 
 Artefact ArtefactFiles::text_artefact(const std::string& prefix, const std::string& text,

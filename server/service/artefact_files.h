@@ -3,6 +3,7 @@
 // reads them.
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "server/service/service_core.h"
@@ -17,6 +18,8 @@ public:
 
     /// The file under `key`, made by `make` where it is not there. Throws NoSpace, and what `make` throws.
     Artefact artefact(const std::string& key, const std::string& media_type, const ArtefactCache::Make& make);
+    /// The same where it is there already.
+    std::optional<Artefact> kept(const std::string& key, const std::string& media_type);
     /// A file of the store as it is: no copy, and a download that has begun outlives the job. Throws NotFound where the
     /// file has gone meanwhile.
     Artefact linked(const std::string& key, const std::filesystem::path& file, const std::string& media_type);

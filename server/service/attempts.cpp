@@ -249,6 +249,7 @@ void Attempts::begin_attempt(Slot& slot, JobRow row) {
     note_processor_time();
     slot.process->send(message_json(std::move(order)));
     slot.running = std::move(attempt);
+    if (slot.on_host_cores) ++core_.jobs_on_host_cores;
     mark_shared(slot);
 }
 
@@ -266,6 +267,7 @@ void Attempts::mark_shared(Slot& slot) {
 void Attempts::note_processor_time() {
     std::vector<ProcessMeter::Process> ours{{"photond", getpid()}};
     if (core_.helper) ours.push_back({"helper", core_.helper->pid()});
+    if (const Helper* background = pictures_.background()) ours.push_back({"pictures", background->pid()});
     const auto job_of = [](const Slot& slot) { return "job " + job_id(slot.running->seq); };
     for (const auto& slot : slots_)
         ours.push_back({slot->running ? job_of(*slot) : "worker " + slot->device, slot->process->pid()});
@@ -289,6 +291,7 @@ void Attempts::settle(Slot& slot, std::function<void()> record) {
         return;
     }
     slot.running.reset();
+    if (slot.on_host_cores) --core_.jobs_on_host_cores;
     core_.attempt_changed.notify_all();
     if (slot.answered && ++slot.jobs_done >= kJobsBeforeRecycling) {
         slot.answered = false;  // until its successor says hello

@@ -13,6 +13,7 @@
 #include "protocol/worker_messages.h"
 #include "server/service/attempt_progress.h"
 #include "server/service/attempt_records.h"
+#include "server/service/pictures.h"
 #include "server/service/process_meter.h"
 #include "server/service/purges.h"
 #include "server/service/quiet_machine.h"
@@ -46,8 +47,10 @@ struct Slot {
 /// All under the lock where they say nothing else.
 class Attempts {
 public:
-    Attempts(ServiceCore& core, Scenes& scenes, References& references, WaitingJobs& waiting, Purges& purges)
+    Attempts(ServiceCore& core, const Pictures& pictures, Scenes& scenes, References& references, WaitingJobs& waiting,
+             Purges& purges)
         : core_(core),
+          pictures_(pictures),
           scenes_(scenes),
           references_(references),
           waiting_(waiting),
@@ -99,6 +102,7 @@ private:
     static void cancel_running(Slot& slot);
 
     ServiceCore& core_;
+    const Pictures& pictures_;
     Scenes& scenes_;
     References& references_;
     WaitingJobs& waiting_;

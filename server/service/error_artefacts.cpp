@@ -111,21 +111,25 @@ ErrorArtefacts::MeasuredPair ErrorArtefacts::measured_pair(const std::string& id
     return pair;
 }
 
-Artefact ErrorArtefacts::encoded(const std::string& id, const std::string& what, const std::string& media_type,
-                                 const Encode& encode) {
+Artefact ErrorArtefacts::map_of_errors(const std::string& id, const std::string& what, const Encode& encode) {
     MeasuredPair pair = measured_pair(id);
     if (pair.film.pending) return pending_artefact();
-    return artefact_files_.artefact(pair.key + "/" + what, media_type, [&](const fs::path& path) {
-        films_.pin(pair.film);
-        return pixel_headers(encode({.film = pair.film.path}, pair.reference, path));
-    });
+    films_.pin(pair.film);
+    return pictures_.picture(
+        pair.film.subject + "/" + what, pair.key + "/" + what, "image/png",
+        [pair, encode](const Draughtsman& by, const fs::path& path) {
+            return pixel_headers(encode(by.helper, {.film = pair.film.path}, pair.reference, path));
+        });
 }
 
 Artefact ErrorArtefacts::difference(const std::string& id) {
-    return encoded(id, "difference", "image/x-exr",
-                   [&](const ImageSource& image, const ImageSource& reference, const fs::path& out) {
-                       return core_.helper->ask(EncodeDifferenceRequest{image, reference, out});
-                   });
+    MeasuredPair pair = measured_pair(id);
+    if (pair.film.pending) return pending_artefact();
+    return artefact_files_.artefact(pair.key + "/difference", "image/x-exr", [&](const fs::path& path) {
+        films_.pin(pair.film);
+        return pixel_headers(
+            core_.helper->ask(EncodeDifferenceRequest{{.film = pair.film.path}, pair.reference, path}));
+    });
 }
 
 Artefact ErrorArtefacts::flip(const std::string& id, const std::string& layer, const std::string& range) {
@@ -133,20 +137,22 @@ Artefact ErrorArtefacts::flip(const std::string& id, const std::string& layer, c
     check_layer(layer, faults);
     check_range(range, faults);
     faults.throw_if_any();
-    return encoded(id, "flip/" + layer + "/" + range, "image/png",
-                   [&](const ImageSource& image, const ImageSource& reference, const fs::path& out) {
-                       return core_.helper->ask(EncodeFlipRequest{image, reference, layer, range, out});
-                   });
+    return map_of_errors(
+        id, "flip/" + layer + "/" + range,
+        [layer, range](Helper& helper, const ImageSource& image, const ImageSource& reference, const fs::path& out) {
+            return helper.ask(EncodeFlipRequest{image, reference, layer, range, out});
+        });
 }
 
 Artefact ErrorArtefacts::error_map(const std::string& id, const std::string& layer) {
     BodyFaults faults;
     check_layer(layer, faults);
     faults.throw_if_any();
-    return encoded(id, "error/" + layer, "image/png",
-                   [&](const ImageSource& image, const ImageSource& reference, const fs::path& out) {
-                       return core_.helper->ask(EncodeErrorMapRequest{image, reference, layer, out});
-                   });
+    return map_of_errors(
+        id, "error/" + layer,
+        [layer](Helper& helper, const ImageSource& image, const ImageSource& reference, const fs::path& out) {
+            return helper.ask(EncodeErrorMapRequest{image, reference, layer, out});
+        });
 }
 
 ErrorArtefacts::NamedSource ErrorArtefacts::source_named(const std::string& name, const std::string& pointer) {
@@ -156,7 +162,7 @@ ErrorArtefacts::NamedSource ErrorArtefacts::source_named(const std::string& name
         const auto image = core_.store.image(name.substr(6));
         if (!image) throw Error(ErrorCode::UnknownName, pointer, "there is no image '" + name.substr(6) + "'");
         named.source.image = core_.files.images / image->file;
-        named.key = "image/" + image->id;
+        named.key = named.subject = "image/" + image->id;
         return named;
     }
     const std::string id = name.substr(4);
@@ -170,6 +176,7 @@ ErrorArtefacts::NamedSource ErrorArtefacts::source_named(const std::string& name
     films_.pin(named.film);
     named.source.film = named.film.path;
     named.key = named.film.cache_key;
+    named.subject = named.film.subject;
     return named;
 }
 
@@ -189,11 +196,12 @@ Artefact ErrorArtefacts::flip_map(const std::string& image, const std::string& r
     faults.throw_if_any();
     const NamedSource shown = source_named(image, "/image"), against = source_named(reference, "/reference");
     if (shown.film.pending || against.film.pending) return pending_artefact();
-    return artefact_files_.artefact(
-        shown.key + "/flip-map/" + layer + "/" + range + "/" + precision + "/against/" + against.key,
-        "application/octet-stream", [&](const fs::path& path) {
+    const std::string what = "/flip-map/" + layer + "/" + range + "/" + precision + "/against/";
+    return pictures_.picture(
+        shown.subject + what + against.subject, shown.key + what + against.key, "application/octet-stream",
+        [shown, against, layer, range, precision](const Draughtsman& by, const fs::path& path) {
             return pixel_headers(
-                core_.helper->ask(EncodeFlipMapRequest{shown.source, against.source, layer, range, precision, path}));
+                by.helper.ask(EncodeFlipMapRequest{shown.source, against.source, layer, range, precision, path}));
         });
 }
 

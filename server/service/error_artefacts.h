@@ -9,6 +9,7 @@
 #include "server/service/artefact_files.h"
 #include "server/service/job_films.h"
 #include "server/service/job_objects.h"
+#include "server/service/pictures.h"
 #include "server/service/references.h"
 #include "server/service/service_core.h"
 #include "server/service/service_types.h"
@@ -19,17 +20,22 @@ namespace photond {
 /// without it.
 class ErrorArtefacts {
 public:
-    ErrorArtefacts(ServiceCore& core, ArtefactFiles& artefact_files, References& references, JobObjects& objects,
-                   JobFilms& films)
-        : core_(core), artefact_files_(artefact_files), references_(references), objects_(objects), films_(films) {}
+    ErrorArtefacts(ServiceCore& core, ArtefactFiles& artefact_files, Pictures& pictures, References& references,
+                   JobObjects& objects, JobFilms& films)
+        : core_(core),
+          artefact_files_(artefact_files),
+          pictures_(pictures),
+          references_(references),
+          objects_(objects),
+          films_(films) {}
 
     /// Of a job against its reference. They throw NotFound, with the reason, where either film is missing; faults of
-    /// `layer` and `range`.
+    /// `layer` and `range`; TryLater of the pictures (Pictures::picture).
     Artefact difference(const std::string& id);
     Artefact flip(const std::string& id, const std::string& layer, const std::string& range);
     Artefact error_map(const std::string& id, const std::string& layer);
 
-    /// Of any two, each "job:ID" or "image:ID". Throws faults of each argument; UnknownName.
+    /// Of any two, each "job:ID" or "image:ID". Throws faults of each argument; UnknownName; TryLater.
     Artefact flip_map(const std::string& image, const std::string& reference, const std::string& layer,
                       const std::string& range, const std::string& precision);
     /// `body`: {"image", "reference", "metrics"}. Throws faults of it; UnknownName, and WrongState for a job that has
@@ -47,19 +53,20 @@ private:
     struct NamedSource {
         FilmSource film;  // of a job; pending where it has none yet. Held as long as this lives
         ImageSource source;
-        std::string key;  // in the cache
+        std::string key;      // in the cache
+        std::string subject;  // as FilmSource's
     };
     /// A job's film and its reference. Throws NotFound, with the reason, where it has none. Pending likewise.
     MeasuredPair measured_pair(const std::string& id);
-    using Encode = std::function<EncodedReply(const ImageSource& image, const ImageSource& reference,
+    using Encode = std::function<EncodedReply(Helper& helper, const ImageSource& image, const ImageSource& reference,
                                               const std::filesystem::path& out)>;
-    /// What `encode` makes of both; kept under their names and `what`.
-    Artefact encoded(const std::string& id, const std::string& what, const std::string& media_type,
-                     const Encode& encode);
+    /// The picture that `encode` makes of both; kept under their names and `what`.
+    Artefact map_of_errors(const std::string& id, const std::string& what, const Encode& encode);
     NamedSource source_named(const std::string& name, const std::string& pointer);
 
     ServiceCore& core_;
     ArtefactFiles& artefact_files_;
+    Pictures& pictures_;
     References& references_;
     JobObjects& objects_;
     JobFilms& films_;

@@ -33,21 +33,26 @@ FilmSource JobFilms::film_source(const std::string& id) {
         const std::string prefix = "job/" + std::to_string(row.seq) + "/";
         if (row.state != JobState::Running) {
             if (!row.film.empty())
-                return {false, core_.files.films / row.film, prefix + row.film, parsed_or_null(row.statistics),
+                return {false,
+                        core_.files.films / row.film,
+                        prefix + row.film,
+                        prefix + row.film,
+                        parsed_or_null(row.statistics),
                         nullptr};
-            if (row.state == JobState::Queued) return {true, {}, {}, nullptr, nullptr};
+            if (row.state == JobState::Queued) return {.pending = true};
             throw Error(ErrorCode::NotFound, "job " + id + " " + std::string(job_state_name(row.state)) +
                                                  " before its first pass was done: it has no film");
         }
         const RunningAttempt* attempt = attempts_.running_attempt(row.seq);
-        if (!attempt || attempt->passes_done == 0) return {true, {}, {}, nullptr, nullptr};
+        if (!attempt || attempt->passes_done == 0) return {.pending = true};
         if (const auto& snapshot = attempt->snapshot;
             snapshot && (snapshot->passes_done >= attempt->passes_done || snapshot->path == asked_for ||
                          SteadyClock::now() - snapshot->saved < kSnapshotAge))
-            return {false, snapshot->path, prefix + snapshot->path.filename().string(), nullptr, snapshot};
+            return {false,   snapshot->path, prefix + snapshot->path.filename().string(), prefix + "newest",
+                    nullptr, snapshot};
         if (asked_for.empty()) asked_for = attempts_.ask_for_snapshot(row.seq).string();
         if (core_.stopping || core_.attempt_changed.wait_until(lock, give_up) == std::cv_status::timeout)
-            return {true, {}, {}, nullptr, nullptr};
+            return {.pending = true};
     }
 }
 

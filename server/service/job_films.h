@@ -16,6 +16,7 @@ struct FilmSource {
     bool pending = false;  // there is none yet; the rest is then empty
     std::filesystem::path path;
     std::string cache_key;
+    std::string subject;  // the same; of a job that runs, whatever film is its newest
     nlohmann::json statistics;
     std::shared_ptr<const void> pin;
 };

@@ -13,6 +13,7 @@
 #include "server/service/job_intake.h"
 #include "server/service/job_merges.h"
 #include "server/service/job_objects.h"
+#include "server/service/pictures.h"
 #include "server/service/purges.h"
 #include "server/service/references.h"
 #include "server/service/scenes.h"
@@ -23,8 +24,8 @@
 namespace photond {
 
 struct Jobs {
-    Jobs(ServiceCore& core, ArtefactFiles& artefact_files, Scenes& scenes, References& references, WaitingJobs& waiting,
-         Purges& purges, Attempts& attempts)
+    Jobs(ServiceCore& core, ArtefactFiles& artefact_files, Pictures& pictures, Scenes& scenes, References& references,
+         WaitingJobs& waiting, Purges& purges, Attempts& attempts)
         : objects(core, scenes, attempts),
           estimates(core, scenes),
           intake(core, references, waiting, attempts),
@@ -34,7 +35,7 @@ struct Jobs {
           films(core, attempts, objects),
           merges(core, purges, objects, films),
           artefacts(core, artefact_files, objects, films),
-          errors(core, artefact_files, references, objects, films) {}
+          errors(core, artefact_files, pictures, references, objects, films) {}
 
     JobObjects objects;
     Estimates estimates;

@@ -28,7 +28,7 @@ void Processes::start() {
     ProcessOptions process;
     process.program = core_.options.worker_program;
     process.memory_limit_bytes = core_.options.memory_limit_bytes;
-    process.nice = core_.options.worker_nice;
+    process.priority.nice = core_.options.worker_nice;
     process.heartbeat_timeout_seconds = core_.options.limits.heartbeat_timeout_seconds;
 
     const auto helper_exited = [this](const ProcessExit& exit) {
@@ -38,22 +38,28 @@ void Processes::start() {
     // Callbacks come from threads that start here; they take the lock, and so see what is built below whole.
     const std::lock_guard lock(core_.mutex);
     process.device = "none";
-    process.nice = std::max(0, core_.options.worker_nice - 2);  // people wait for it
+    process.priority.nice = std::max(0, core_.options.worker_nice - 2);  // people wait for it
     core_.helper = std::make_unique<Helper>(
         process, core_.options.limits.helper_timeout_seconds, [this] { attempts_.update_ready(); }, helper_exited);
-    process.nice = core_.options.worker_nice;
+    pictures_.start(process, helper_exited);
+    process.priority.nice = core_.options.worker_nice;
     process.threads = core_.options.threads;
     attempts_.start(process);
     prewarm_ = std::thread([this] { prewarm(); });
 }
 
 void Processes::prewarm() {
-    // Half a second of processor time, which a first job would miss.
+    // Half a second of processor time, which a job would miss.
     std::unique_lock lock(core_.mutex);
     if (core_.attempt_changed.wait_for(lock, kPrewarmDelay, [this] { return core_.stopping; })) return;
-    lock.unlock();
     try {
-        for (const std::string_view name : builtin_scene_names()) scenes_.builtin_object(std::string(name));
+        for (const std::string_view name : builtin_scene_names()) {
+            core_.attempt_changed.wait(lock, [this] { return core_.stopping || core_.jobs_on_host_cores == 0; });
+            if (core_.stopping) return;
+            lock.unlock();
+            scenes_.builtin_object(std::string(name));
+            lock.lock();
+        }
     } catch (const std::exception& error) {
         spdlog::warn("built-in scenes are judged later: {}", error.what());  // when somebody asks for one
     }
@@ -73,8 +79,10 @@ void Processes::stop() {
         }
         core_.attempt_changed.notify_all();
         if (core_.helper) core_.helper->begin_stop(deadline);
+        pictures_.begin_stop(deadline);
         attempts_.join();
         if (core_.helper) core_.helper->join();
+        pictures_.join();
         if (prewarm_.joinable()) prewarm_.join();
         spdlog::info("all processes have ended");
     });

@@ -1,10 +1,12 @@
 #pragma once
-// The processes of the daemon: the helper and a worker for each device, from their start to their end.
+// The processes of the daemon: the helper, the one that draws pictures beside jobs, and a worker for each device, from
+// their start to their end.
 
 #include <mutex>
 #include <thread>
 
 #include "server/service/attempts.h"
+#include "server/service/pictures.h"
 #include "server/service/scenes.h"
 #include "server/service/service_core.h"
 
@@ -12,8 +14,8 @@ namespace photond {
 
 class Processes {
 public:
-    Processes(ServiceCore& core, Scenes& scenes, Attempts& attempts)
-        : core_(core), scenes_(scenes), attempts_(attempts) {}
+    Processes(ServiceCore& core, Pictures& pictures, Scenes& scenes, Attempts& attempts)
+        : core_(core), pictures_(pictures), scenes_(scenes), attempts_(attempts) {}
     /// Ends the helper, which calls back what is destroyed after this.
     ~Processes();
     Processes(const Processes&) = delete;
@@ -28,6 +30,7 @@ private:
     void prewarm();
 
     ServiceCore& core_;
+    Pictures& pictures_;
     Scenes& scenes_;
     Attempts& attempts_;
     std::thread prewarm_;  // has the built-in scenes judged before anybody asks

@@ -49,6 +49,11 @@ fs::path main_file(const std::vector<fs::path>& files) {
     return found.front();
 }
 
+std::string bytes_of(const fs::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
 json scene_object(const SceneRow& row) {
     json object = json::parse(row.summary);
     object.emplace("acceleration_bytes", nullptr);
@@ -227,10 +232,12 @@ json Scenes::get_scene(const std::string& id_or_name) {
 
 Artefact Scenes::thumbnail(const std::string& id_or_name) {
     const SceneRef scene = require_scene(id_or_name);
-    return artefact_files_.artefact("scene/" + scene.id + "/thumbnail", "image/png", [&](const fs::path& path) {
-        core_.helper->ask(ThumbnailRequest{scene_source(scene), path});
-        return std::map<std::string, std::string>();
-    });
+    const std::string key = "scene/" + scene.id + "/thumbnail";
+    return pictures_.picture(key, key, "image/png",
+                             [source = scene_source(scene)](const Draughtsman& by, const fs::path& path) {
+                                 by.helper.ask(ThumbnailRequest{source, by.most_seconds, path});
+                                 return std::map<std::string, std::string>();
+                             });
 }
 
 std::string Scenes::scene_preview(const std::string& id_or_name, const ScenePreview& wanted) {
@@ -243,16 +250,25 @@ std::string Scenes::scene_preview(const std::string& id_or_name, const ScenePrev
             throw Error(ErrorCode::UnknownName, "/camera",
                         "the scene has no camera '" + wanted.camera + "'" + did_you_mean(wanted.camera, names));
     }
+    const PreviewSceneRequest view{.scene = scene_source(scene),
+                                   .camera = wanted.camera,
+                                   .look_at = wanted.look_at ? to_json(*wanted.look_at) : json(),
+                                   .width = wanted.width,
+                                   .height = wanted.height,
+                                   .passes = wanted.passes};
+    const auto draw = [view](const Draughtsman& by, const fs::path& path) {
+        PreviewSceneRequest request = view;
+        request.most_seconds = by.most_seconds;
+        request.out = path;
+        by.helper.ask(std::move(request));
+        return std::map<std::string, std::string>();
+    };
     const Spooled out{core_.files.fresh_spool_path()};
-    core_.helper->ask(PreviewSceneRequest{.scene = scene_source(scene),
-                                          .camera = wanted.camera,
-                                          .look_at = wanted.look_at ? to_json(*wanted.look_at) : json(),
-                                          .width = wanted.width,
-                                          .height = wanted.height,
-                                          .passes = wanted.passes,
-                                          .out = out.path});
-    std::ifstream file(out.path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    if (pictures_.drawn_at_once([&](const Draughtsman& by) { draw(by, out.path); })) return bytes_of(out.path);
+    const std::string name = message_json(view).dump();
+    const std::string key = "scene/" + scene.id + "/preview/" + sha256_hex(name.data(), name.size());
+    const Artefact kept = pictures_.picture(key, key, "image/png", draw);
+    return bytes_of(kept.path);
 }
 
 Artefact Scenes::baked_scene(const std::string& id_or_name) {

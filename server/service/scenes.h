@@ -10,6 +10,7 @@
 
 #include "protocol/message_parts.h"
 #include "server/service/artefact_files.h"
+#include "server/service/pictures.h"
 #include "server/service/service_core.h"
 #include "server/service/service_types.h"
 
@@ -24,7 +25,8 @@ struct SceneRef {
 /// Functions take the lock where they need it and say nothing else; those that wait for the helper do so without it.
 class Scenes {
 public:
-    Scenes(ServiceCore& core, ArtefactFiles& artefact_files) : core_(core), artefact_files_(artefact_files) {}
+    Scenes(ServiceCore& core, ArtefactFiles& artefact_files, Pictures& pictures)
+        : core_(core), artefact_files_(artefact_files), pictures_(pictures) {}
 
     /// Waits for the helper's verdict. Throws BadScene with JSON pointers into the glTF; OutOfRange and Conflict for
     /// its name.
@@ -36,9 +38,10 @@ public:
     /// Uploaded scenes, then built-in ones; or the built-in ones of a family. Waits for the helper the first time.
     /// Throws OutOfRange, UnknownName.
     Page list_scenes(const std::string& family, uint32_t limit, const std::string& cursor);
-    /// Waits for the helper the first time.
+    /// Waits for the helper the first time. Throws TryLater (Pictures::picture).
     Artefact thumbnail(const std::string& id_or_name);
-    /// A PNG, kept nowhere. Waits for the helper. Throws UnknownName at /camera.
+    /// A PNG; kept only where it is drawn while a job renders. Waits for the helper. Throws UnknownName at /camera, and
+    /// TryLater.
     std::string scene_preview(const std::string& id_or_name, const ScenePreview& wanted);
     /// Waits for the helper the first time. Throws OutOfMemory, NoSpace and TimedOut where it is too large to be made.
     Artefact baked_scene(const std::string& id_or_name);
@@ -64,6 +67,7 @@ private:
 
     ServiceCore& core_;
     ArtefactFiles& artefact_files_;
+    Pictures& pictures_;
     std::mutex builtin_mutex_;  // taken after the lock where both are held
     std::map<std::string, nlohmann::json> builtin_summaries_;
 };

@@ -75,7 +75,8 @@ struct ServiceCore {
     const JobVocabulary vocabulary;
     ArtefactCache artefacts;
     const SteadyClock::time_point begun = SteadyClock::now();
-    std::atomic<bool> ready = false;  // the store is open and every process has answered
+    std::atomic<int> jobs_on_host_cores = 0;  // that render there now
+    std::atomic<bool> ready = false;          // the store is open and every process has answered
 
     std::mutex publish_mutex;  // one upload at a time is moved into place; taken before `mutex`
 

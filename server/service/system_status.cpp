@@ -66,10 +66,20 @@ json SystemStatus::status() {
             {"ready", core_.ready.load()},
             {"queue", {{"queued", core_.queue.size()}, {"running", running}}},
             {"workers", std::move(workers)},
+            {"pictures", pictures_now()},
             {"disk_free_bytes", core_.files.free_bytes()},
             {"totals", totals_now()},
             {"resident_bytes", resident_bytes_of(getpid())},
             {"event_clients", core_.metrics.event_clients()}};
+}
+
+json SystemStatus::pictures_now() const {
+    const Helper* background = pictures_.background();
+    const pid_t pid = background ? background->pid() : -1;
+    return {{"waiting", pictures_.waiting()},
+            {"pid", pid < 0 ? json() : json(pid)},
+            {"restarts", background ? background->restarts() : 0},
+            {"resident_bytes", background ? background->resident_bytes() : 0}};
 }
 
 json SystemStatus::totals_now() const {
@@ -87,6 +97,7 @@ std::string SystemStatus::metrics_text() {
         for (const auto& slot : attempts_.slots()) ++(slot->running ? busy : slot->answered ? idle : failed);
         core_.metrics.workers(idle, busy, failed);
         core_.metrics.queue_depth(core_.queue.size());
+        core_.metrics.pictures_waiting(pictures_.waiting());
         core_.metrics.disk_free(core_.files.free_bytes());
     }
     return core_.metrics.text();

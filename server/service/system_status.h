@@ -13,7 +13,8 @@ namespace photond {
 /// All take the lock where they say nothing else.
 class SystemStatus {
 public:
-    SystemStatus(ServiceCore& core, Attempts& attempts) : core_(core), attempts_(attempts) {}
+    SystemStatus(ServiceCore& core, const Pictures& pictures, Attempts& attempts)
+        : core_(core), pictures_(pictures), attempts_(attempts) {}
 
     /// May wait, without the lock, for the process that lists them.
     Page devices();
@@ -23,8 +24,10 @@ public:
 private:
     /// Those of attempts that are running included; under the lock.
     nlohmann::json totals_now() const;
+    nlohmann::json pictures_now() const;
 
     ServiceCore& core_;
+    const Pictures& pictures_;
     Attempts& attempts_;
 };
 

@@ -14,10 +14,7 @@ std::shared_ptr<const CachedFile> ArtefactCache::get(const std::string& key, con
                                                      const Make& make) {
     std::unique_lock lock(mutex_);
     made_.wait(lock, [&] { return !being_made_.contains(key); });
-    if (const auto found = entries_.find(key); found != entries_.end()) {
-        order_.splice(order_.end(), order_, found->second.place);
-        return found->second.file;
-    }
+    if (auto file = used(key)) return file;
     being_made_.insert(key);
     lock.unlock();
 
@@ -39,6 +36,18 @@ std::shared_ptr<const CachedFile> ArtefactCache::get(const std::string& key, con
     file->bytes = std::filesystem::file_size(fresh_path);
     insert(key, file);
     return file;
+}
+
+std::shared_ptr<const CachedFile> ArtefactCache::find(const std::string& key) {
+    const std::lock_guard lock(mutex_);
+    return used(key);
+}
+
+std::shared_ptr<const CachedFile> ArtefactCache::used(const std::string& key) {
+    const auto found = entries_.find(key);
+    if (found == entries_.end()) return nullptr;
+    order_.splice(order_.end(), order_, found->second.place);
+    return found->second.file;
 }
 
 void ArtefactCache::insert(const std::string& key, std::shared_ptr<const CachedFile> file) {

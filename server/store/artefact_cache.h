@@ -38,10 +38,14 @@ public:
     /// The file under `key`; made by this caller when it is not there, while others who ask for the same key wait.
     std::shared_ptr<const CachedFile> get(const std::string& key, const std::filesystem::path& fresh_path,
                                           const Make& make);
+    /// The same where it is there now; else null.
+    std::shared_ptr<const CachedFile> find(const std::string& key);
     /// Forgets all whose key starts with `prefix`.
     void forget(const std::string& prefix);
 
 private:
+    /// Under the lock: null where it is not there; else it is the last to go.
+    std::shared_ptr<const CachedFile> used(const std::string& key);
     void insert(const std::string& key, std::shared_ptr<const CachedFile> file);
 
     struct Entry {

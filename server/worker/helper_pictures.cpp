@@ -15,18 +15,17 @@ namespace photond {
 namespace {
 
 constexpr uint32_t kThumbnailWidth = 256, kThumbnailHeight = 192, kThumbnailPasses = 32;
-constexpr double kMostSeconds = 1;  // of rendering: other tasks wait meanwhile
 constexpr uint32_t kBounces = 3;
 constexpr int kQuickCompression = 1;
 constexpr uint32_t kExposureTile = 8;  // pixels: over as many the eye averages a noisy image, to judge its exposure
 
-JobRequest picture_request(Size2 size, uint32_t passes) {
+JobRequest picture_request(Size2 size, uint32_t passes, std::optional<double> most_seconds) {
     JobRequest request;
     request.scene = "picture";
     request.width = size.width, request.height = size.height;
     request.method.name = "path_tracing";
     request.method.parameters = {{"indirect_bounces", kBounces}};
-    request.stop.passes = passes, request.stop.seconds = kMostSeconds;
+    request.stop.passes = passes, request.stop.seconds = most_seconds;
     return request;
 }
 
@@ -63,13 +62,14 @@ JobCamera camera_of(const PreviewSceneRequest& asked) {
 }  // namespace
 
 void thumbnail(const ThumbnailRequest& asked, uint64_t memory_bytes, SceneCache& scenes) {
-    const JobRequest request = picture_request({kThumbnailWidth, kThumbnailHeight}, kThumbnailPasses);
+    const JobRequest request =
+        picture_request({kThumbnailWidth, kThumbnailHeight}, kThumbnailPasses, asked.most_seconds);
     const PreviewImage picture = draw(asked.scene, request, memory_bytes, scenes);
     write_png(picture.size, picture.rgb, asked.out);
 }
 
 void preview_scene(const PreviewSceneRequest& asked, uint64_t memory_bytes, SceneCache& scenes) {
-    JobRequest request = picture_request({asked.width, asked.height}, asked.passes);
+    JobRequest request = picture_request({asked.width, asked.height}, asked.passes, asked.most_seconds);
     request.camera = camera_of(asked);
     const PreviewImage picture = draw(asked.scene, request, memory_bytes, scenes);
     const std::vector<uint8_t> png = encode_png(picture.size, picture.rgb, kQuickCompression);

@@ -24,7 +24,7 @@ constexpr std::chrono::seconds kRetry{60};
 
 /// One process from its start to its end.
 std::vector<json> ask(const std::filesystem::path& program) {
-    const Child child = spawn_child(program, {"--device", "list"}, 0);
+    const Child child = spawn_child(program, {"--device", "list"}, {});
     std::optional<json> message;
     {
         MessageChannel channel(child.socket);

@@ -4,6 +4,7 @@
 
 #include "protocol/error.h"
 #include "protocol/worker_messages.h"
+#include "server/processor_time.h"
 
 namespace photond {
 
@@ -14,12 +15,14 @@ using Clock = std::chrono::steady_clock;
 constexpr int kAttempts = 3;                       // of a request whose helper is killed from outside
 constexpr uint64_t kServedBeforeRecycling = 5000;  // small leaks in image libraries end here
 constexpr std::chrono::seconds kStartPatience{20};
+constexpr std::chrono::milliseconds kBetweenLooks{500};  // at the processor time that a request has taken
 
 }  // namespace
 
 Helper::Helper(ProcessOptions options, double request_timeout_seconds, std::function<void()> answered,
                std::function<void(const ProcessExit&)> exited)
     : timeout_seconds_(request_timeout_seconds),
+      background_(options.priority.background),
       memory_limit_bytes_(options.memory_limit_bytes),
       answered_(std::move(answered)),
       exited_(std::move(exited)) {
@@ -82,7 +85,8 @@ void Helper::process_exited(const ProcessExit& exit) {
 }
 
 std::optional<ReplyMessage> Helper::attempt(std::unique_lock<std::mutex>& lock, nlohmann::json& request) {
-    if (!changed_.wait_for(lock, kStartPatience, [this] { return ready_ || stopping_; }) || stopping_)
+    const auto start_patience = (background_ ? kBackgroundPatience : 1) * kStartPatience;
+    if (!changed_.wait_for(lock, start_patience, [this] { return ready_ || stopping_; }) || stopping_)
         throw Error(ErrorCode::Unavailable, stopping_ ? "the daemon is stopping" : "the helper process is not ready");
     add_members(request, RequestNumber{++request_});
     reply_.reset();
@@ -90,13 +94,12 @@ std::optional<ReplyMessage> Helper::attempt(std::unique_lock<std::mutex>& lock, 
     lock.unlock();
     const bool sent = process_->send(request);
     lock.lock();
-    const auto deadline = Clock::now() + std::chrono::milliseconds(static_cast<int64_t>(timeout_seconds_ * 1000));
     if (!sent && !exit_) {
         // Its end is about to be reported.
-        changed_.wait_until(lock, deadline, [this] { return exit_ || stopping_; });
+        changed_.wait_for(lock, kStartPatience, [this] { return exit_ || stopping_; });
         return std::nullopt;
     }
-    const bool answered = changed_.wait_until(lock, deadline, [this] { return reply_ || exit_ || stopping_; });
+    const bool answered = wait_for_end(lock);
     ++request_;  // whatever is said about it from now on is ignored
     if (reply_) {
         if (++served_ >= kServedBeforeRecycling) {
@@ -127,6 +130,20 @@ std::optional<ReplyMessage> Helper::attempt(std::unique_lock<std::mutex>& lock, 
         case ExitCause::Crashed: break;
     }
     throw Error(ErrorCode::WorkerCrashed, "the helper process " + exit_->text);
+}
+
+bool Helper::wait_for_end(std::unique_lock<std::mutex>& lock) {
+    const auto over = [this] { return reply_ || exit_ || stopping_; };
+    const auto timeout = std::chrono::milliseconds(static_cast<int64_t>(timeout_seconds_ * 1000));
+    if (!background_) return changed_.wait_for(lock, timeout, over);
+    const auto deadline = Clock::now() + kBackgroundPatience * timeout;
+    const pid_t process = pid();
+    const double before = processor_seconds_of(process).value_or(0);
+    while (!changed_.wait_for(lock, kBetweenLooks, over)) {
+        if (Clock::now() >= deadline) return false;
+        if (processor_seconds_of(process).value_or(before) - before >= timeout_seconds_) return false;
+    }
+    return true;
 }
 
 void Helper::distrust(const Error& error) {

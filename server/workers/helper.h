@@ -1,6 +1,6 @@
 #pragma once
-// The sandboxed process that judges uploads and encodes images (photond-worker --device none): one request at a time,
-// callers wait their turn.
+// A sandboxed process that judges uploads, encodes images and draws pictures (photond-worker --device none): one
+// request at a time, callers wait their turn.
 
 #include <condition_variable>
 #include <functional>
@@ -18,7 +18,9 @@ namespace photond {
 
 class Helper {
 public:
-    /// `exited` is told each time its process ends; `answered` each time one is ready.
+    /// `exited` is told each time its process ends; `answered` each time one is ready. A request may take
+    /// `request_timeout_seconds`; of a process in the background, which may be kept waiting, so much processor time,
+    /// and kBackgroundPatience times as much of the clock.
     Helper(ProcessOptions options, double request_timeout_seconds, std::function<void()> answered,
            std::function<void(const ProcessExit&)> exited);
     ~Helper();
@@ -53,8 +55,11 @@ private:
     void message(const nlohmann::json& message);
     void process_exited(const ProcessExit& exit);
     std::optional<ReplyMessage> attempt(std::unique_lock<std::mutex>& lock, nlohmann::json& request);
+    /// False when the request under way has taken too long.
+    bool wait_for_end(std::unique_lock<std::mutex>& lock);
 
     const double timeout_seconds_;
+    const bool background_;
     const uint64_t memory_limit_bytes_;
     const std::function<void()> answered_;
     const std::function<void(const ProcessExit&)> exited_;

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <linux/close_range.h>
+#include <sched.h>
 #include <signal.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -20,7 +21,7 @@ namespace photond {
 namespace {
 
 /// Runs in the child of a program with threads: only what is safe in a signal handler may be called. Never returns.
-[[noreturn]] void become(const char* program, char* const* arguments, int socket, int nice, pid_t parent) {
+[[noreturn]] void become(const char* program, char* const* arguments, int socket, Priority priority, pid_t parent) {
     // The parent may have died before the request below took hold.
     if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || getppid() != parent) _exit(126);
     setpgid(0, 0);  // a Ctrl-C at the terminal is for the daemon, which ends its children in order
@@ -35,7 +36,9 @@ namespace {
 
     const rlimit no_core{0, 0};
     setrlimit(RLIMIT_CORE, &no_core);
-    setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + nice);
+    setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + priority.nice);
+    const sched_param lowest{};
+    if (priority.background) sched_setscheduler(0, SCHED_IDLE, &lowest);
 
     const int nothing = open("/dev/null", O_RDWR | O_CLOEXEC);
     if (nothing < 0 || dup2(nothing, STDIN_FILENO) < 0) _exit(126);
@@ -64,7 +67,7 @@ void volunteer_for_the_oom_killer(pid_t pid) {
 
 }  // namespace
 
-Child spawn_child(const std::filesystem::path& program, const std::vector<std::string>& arguments, int nice) {
+Child spawn_child(const std::filesystem::path& program, const std::vector<std::string>& arguments, Priority priority) {
     int sockets[2];
     if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, sockets) != 0)
         throw Error(ErrorCode::Internal, std::string("socketpair: ") + std::strerror(errno));
@@ -78,7 +81,7 @@ Child spawn_child(const std::filesystem::path& program, const std::vector<std::s
 
     const pid_t parent = getpid();
     const pid_t pid = fork();
-    if (pid == 0) become(first.c_str(), words.data(), sockets[1], nice, parent);
+    if (pid == 0) become(first.c_str(), words.data(), sockets[1], priority, parent);
     const int error = errno;
     close(sockets[1]);
     if (pid < 0) {

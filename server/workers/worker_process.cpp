@@ -14,7 +14,6 @@
 #include "protocol/error.h"
 #include "protocol/message_channel.h"
 #include "protocol/worker_messages.h"
-#include "server/workers/spawn.h"
 
 namespace photond {
 
@@ -162,7 +161,7 @@ std::shared_ptr<WorkerProcess::Link> WorkerProcess::spawn() {
                                            "--memory-limit", std::to_string(options_.memory_limit_bytes),
                                            "--threads",      std::to_string(options_.threads)};
         arguments.insert(arguments.end(), options_.more_arguments.begin(), options_.more_arguments.end());
-        const Child child = spawn_child(options_.program, arguments, options_.nice);
+        const Child child = spawn_child(options_.program, arguments, options_.priority);
         auto link = std::make_shared<Link>(child.socket);
         const std::lock_guard lock(mutex_);
         pid_ = child.pid;
@@ -178,7 +177,8 @@ std::shared_ptr<WorkerProcess::Link> WorkerProcess::spawn() {
 
 ProcessExit WorkerProcess::attend(Link& link) {
     bool answered = false;
-    const milliseconds silence = seconds_to_ms(options_.heartbeat_timeout_seconds);
+    const int times = options_.priority.background ? kBackgroundPatience : 1;
+    const milliseconds silence = times * seconds_to_ms(options_.heartbeat_timeout_seconds);
     Clock::time_point last_heard = Clock::now();
     Clock::time_point last_look = last_heard;
     bool told_to_stop = false;
@@ -195,7 +195,7 @@ ProcessExit WorkerProcess::attend(Link& link) {
         last_look = now;
         callbacks_.tick();
         watch_memory();
-        const milliseconds patience = answered ? silence : std::max<milliseconds>(silence, kLeastStartTime);
+        const milliseconds patience = answered ? silence : std::max<milliseconds>(silence, times * kLeastStartTime);
         if (now - last_heard > patience)
             kill_because(
                 ExitCause::Hung,

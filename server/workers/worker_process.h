@@ -18,7 +18,12 @@
 #include <thread>
 #include <vector>
 
+#include "server/workers/spawn.h"
+
 namespace photond {
+
+/// A process in the background may have to wait for a processor for long: it is given this many times the patience.
+inline constexpr int kBackgroundPatience = 20;
 
 struct ProcessOptions {
     std::filesystem::path program;
@@ -27,8 +32,8 @@ struct ProcessOptions {
     uint64_t memory_limit_bytes = UINT64_MAX;
     uint64_t driver_bytes = 0;  // that a device's driver may hold in this process beside that
     uint32_t threads = 0;       // 0: all cores
-    int nice = 0;               // added to the daemon's own
-    double heartbeat_timeout_seconds = 30;
+    Priority priority;
+    double heartbeat_timeout_seconds = 30;  // of one that is not in the background
 };
 
 enum class ExitCause : uint8_t {

@@ -130,7 +130,7 @@ class Busy(Refused):
 
 
 class Unavailable(Refused):
-    """503, for longer than is retried: starting or stopping."""
+    """503, for longer than is retried: it starts or stops, or the processors are a job's."""
 
 
 class NoSpace(Refused):

@@ -121,8 +121,10 @@ TEST(HelperMessages, OfScenes) {
     exact_reply<ThumbnailRequest>("{}");
     const auto preview = exact<PreviewSceneRequest>(
         R"({"type": "preview_scene", "scene": {"id": "box", "builtin": "box", "root": null, "file": null},
-            "camera": null, "look_at": {"yfov": 0.7}, "width": 32, "height": 16, "passes": 4, "out": "/d/o"})");
+            "camera": null, "look_at": {"yfov": 0.7}, "width": 32, "height": 16, "passes": 4, "most_seconds": 1.5,
+            "out": "/d/o"})");
     EXPECT_EQ(preview.camera, "");
+    EXPECT_EQ(preview.most_seconds, 1.5);
     exact_reply<PreviewSceneRequest>("{}");
     exact<BakeRequest>(
         R"({"type": "bake", "scene": {"id": "box", "builtin": "box", "root": null, "file": null}, "max_bytes": 9,

@@ -9,8 +9,11 @@ export class Problem extends Error {
   readonly status: number;
   readonly title: string;
   readonly faults: Fault[];
-  constructor(body: ProblemBody) {
+  /** When to ask again; null where asking again does not help. */
+  readonly retryAfterSeconds: number | null;
+  constructor(body: ProblemBody, retryAfterSeconds: number | null = null) {
     super(body.detail || body.title);
+    this.retryAfterSeconds = retryAfterSeconds;
     this.status = body.status;
     this.title = body.title;
     this.faults = body.errors ?? [];
@@ -43,11 +46,13 @@ function withToken(init: RequestInit): RequestInit {
   return { ...init, headers };
 }
 
-function problemIn(text: string, status: number, statusText: string): Problem {
+function problemIn(text: string, status: number, statusText: string, retryAfter: string | null = null): Problem {
+  const seconds = retryAfter ? Number(retryAfter) : NaN;
+  const again = seconds >= 0 ? seconds : null;
   try {
-    return new Problem(JSON.parse(text) as ProblemBody);
+    return new Problem(JSON.parse(text) as ProblemBody, again);
   } catch {
-    return new Problem({ type: "about:blank", title: statusText, status, detail: text.slice(0, 300) });
+    return new Problem({ type: "about:blank", title: statusText, status, detail: text.slice(0, 300) }, again);
   }
 }
 
@@ -61,8 +66,38 @@ export async function ask(path: string, init: RequestInit = {}): Promise<Respons
     throw new Unreachable("the daemon does not answer");
   }
   if (answer.status === 401) needsToken.value = true;
-  if (answer.status >= 400) throw problemIn(await answer.text(), answer.status, answer.statusText);
+  if (answer.status >= 400) throw problemIn(await answer.text(), answer.status, answer.statusText, answer.headers.get("Retry-After"));
   return answer;
+}
+
+/** Rejects with an AbortError where it is stopped meanwhile. */
+const pause = (seconds: number, stop?: AbortSignal | null): Promise<void> =>
+  new Promise((resolve, reject) => {
+    const abort = () => {
+      clearTimeout(timer);
+      reject(new DOMException("stopped", "AbortError"));
+    };
+    const timer = setTimeout(() => {
+      stop?.removeEventListener("abort", abort);
+      resolve();
+    }, 1000 * seconds);
+    if (stop?.aborted) abort();
+    else stop?.addEventListener("abort", abort, { once: true });
+  });
+
+/**
+ * The same, asked again while the daemon says when to (503: pictures wait while a job renders), until `enough` says that
+ * nobody wants it any more.
+ */
+export async function askPatiently(path: string, init: RequestInit = {}, enough: () => boolean = () => false): Promise<Response> {
+  for (;;) {
+    try {
+      return await ask(path, init);
+    } catch (failure) {
+      if (!(failure instanceof Problem) || failure.status !== 503 || failure.retryAfterSeconds === null || enough()) throw failure;
+      await pause(failure.retryAfterSeconds, init.signal);
+    }
+  }
 }
 
 type Query = Record<string, string | number | boolean | null | undefined>;

@@ -214,6 +214,7 @@ export interface DaemonStatus {
   ready: boolean;
   queue: { queued: number; running: number };
   workers: WorkerStatus[];
+  pictures: { waiting: number; pid: number | null; restarts: number; resident_bytes: number };
   disk_free_bytes: number;
   resident_bytes: number | null;
   event_clients: number;

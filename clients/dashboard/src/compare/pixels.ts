@@ -1,6 +1,6 @@
 // An image's values as the daemon sends them, and what is known of them as a whole.
 
-import { ask, withQuery } from "../api/client";
+import { askPatiently, withQuery } from "../api/client";
 import { halfTable } from "./half";
 
 export type Precision = "half" | "float";
@@ -95,7 +95,7 @@ export interface Fetched {
 }
 
 async function fetchPixels(path: string, precision: Precision, signal: AbortSignal): Promise<Fetched | null> {
-  const answer = await ask(path, { signal });
+  const answer = await askPatiently(path, { signal });
   if (answer.status === 202) return null;
   const number = (name: string) => Number(answer.headers.get(name) ?? NaN);
   const bytes = await answer.arrayBuffer();

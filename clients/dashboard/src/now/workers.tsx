@@ -104,6 +104,7 @@ export function Workers() {
         <p class="small muted now-daemon">
           photond {status.version} · up {upText(status.uptime_seconds)} · {bytesText(status.disk_free_bytes)} of disk free ·{" "}
           {status.event_clients === 1 ? "this page alone listens" : `${status.event_clients} listen`}
+          {status.pictures.waiting > 0 && ` · ${status.pictures.waiting === 1 ? "a picture waits" : `${status.pictures.waiting} pictures wait`} to be drawn beside the job`}
         </p>
       )}
     </section>

@@ -3,7 +3,7 @@
 
 import { useEffect, useRef, useState } from "preact/hooks";
 
-import { ask, withQuery } from "../api/client";
+import { askPatiently, withQuery } from "../api/client";
 import { secondsText } from "../ui/format";
 import { NewestFirst } from "./newest_first";
 import { dollied, lookedAbout, type Orbit, panned, turned } from "./orbit";
@@ -64,8 +64,8 @@ function usePictures(scene: string, view: View): { shown: Shown | null; failure:
   useEffect(() => {
     let url: string | null = null;
     let timer = 0;
-    const pictures = new NewestFirst<Wish, Blob>(
-      async (wish, signal) => (await ask(pathOf(scene, wish), { signal })).blob(),
+    const pictures: NewestFirst<Wish, Blob> = new NewestFirst<Wish, Blob>(
+      async (wish, signal) => (await askPatiently(pathOf(scene, wish), { signal }, () => pictures.waits)).blob(),
       ({ wish, answer, failure, milliseconds }) => {
         setFailure(failure ?? null);
         if (!answer) return;

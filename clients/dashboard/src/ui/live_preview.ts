@@ -3,7 +3,7 @@
 
 import { useEffect, useRef, useState } from "preact/hooks";
 
-import { ask } from "../api/client";
+import { askPatiently } from "../api/client";
 import type { BlobImage } from "./remote";
 
 const kBetweenMs = 2000;
@@ -31,7 +31,7 @@ export function useLivePreview(path: string, version: number): BlobImage {
       begun = performance.now();
       const asked = wanted.current;
       try {
-        const answer = await ask(path, { signal: stop.signal, cache: "no-store" });
+        const answer = await askPatiently(path, { signal: stop.signal, cache: "no-store" });
         const blob = answer.status === 202 ? null : await answer.blob();
         if (stop.signal.aborted) return;
         if (blob) show(URL.createObjectURL(blob), null);

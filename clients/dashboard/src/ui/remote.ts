@@ -2,7 +2,7 @@
 
 import { useCallback, useEffect, useRef, useState } from "preact/hooks";
 
-import { ask, getJson, Problem } from "../api/client";
+import { askPatiently, getJson, Problem } from "../api/client";
 
 export interface Remote<T> {
   /** What was read last; kept while it is asked for again. */
@@ -68,7 +68,7 @@ export function useImage(path: string | null, version: string | number = 0): Blo
     if (shownPath.current !== path) replace(null, null);
     shownPath.current = path;
     if (path === null) return;
-    ask(path, { signal: stop.signal })
+    askPatiently(path, { signal: stop.signal })
       .then((answer) => (answer.status === 202 ? null : answer.blob()))
       .then(
         (blob) => {

@@ -1,0 +1,148 @@
+"""Pictures beside a job: its clock does not notice them, and who asks again gets them. Counts, order and states are asserted;
+how much of a job's passes pictures cost is printed, and asserted in the long form alone, on an idle machine."""
+
+import os
+import statistics
+import threading
+import time
+import unittest
+
+from photond_daemon import DaemonTestCase, deadline_after, small_job
+
+IDLE_CLASS = 5  # SCHED_IDLE
+ENDLESS = 100_000_000  # passes
+
+
+def preview(number, size=16, passes=1):
+    return f"/v1/scenes/cornell-box/preview.png?width={size + number}&height={size}&passes={passes}"
+
+
+class PicturesBesideAJob(DaemonTestCase):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.reference = cls.daemon.run_job(small_job(size=64, passes=2, seed=2))["id"]
+        cls.measured = cls.daemon.run_job(small_job(size=64, passes=2, reference=f"job:{cls.reference}"))["id"]
+
+    def setUp(self):
+        self.job = self.daemon.submit(small_job(size=64, passes=ENDLESS))["id"]
+        self.wait_for("running", lambda: self.daemon.job(self.job)["passes_done"] > 0)
+
+    def tearDown(self):
+        self.daemon.request("DELETE", f"/v1/jobs/{self.job}")
+        self.daemon.wait_for_job(self.job)
+
+    def wait_for(self, what, done):
+        deadline = deadline_after(60)
+        while not done():
+            self.assertLess(time.monotonic(), deadline, what)
+            time.sleep(0.05)
+
+    def status(self):
+        return self.daemon.request("GET", "/v1/status").json
+
+    def fetched(self, path):
+        """The reply that is no "ask again"."""
+        deadline = deadline_after(120)
+        while (reply := self.daemon.request("GET", path)).status == 503:
+            self.assertEqual(reply.json["code"], "unavailable")
+            self.assertEqual(reply.headers["retry-after"], "5")
+            self.assertLess(time.monotonic(), deadline)
+            time.sleep(0.5)
+        return reply
+
+    def test_they_are_drawn_by_a_process_of_the_lowest_class(self):
+        pid = self.status()["pictures"]["pid"]
+        self.assertEqual(os.sched_getscheduler(pid), IDLE_CLASS)
+        for worker in self.status()["workers"]:
+            self.assertNotEqual(worker["pid"], pid)
+            self.assertNotEqual(os.sched_getscheduler(worker["pid"]), IDLE_CLASS)
+
+        def ticks(process):
+            with open(f"/proc/{process}/stat", encoding="ascii") as stat:
+                fields = stat.read().rsplit(")", 1)[1].split()
+            return int(fields[11]) + int(fields[12])
+
+        [helper] = [worker["pid"] for worker in self.status()["workers"] if worker["device"] == "none"]
+        before = ticks(helper), ticks(pid)
+        reply = self.fetched(preview(0, 128, 16))
+        self.assertEqual((reply.status, reply.body[:4]), (200, b"\x89PNG"))
+        after = ticks(helper), ticks(pid)
+        self.assertGreater(after[1] - before[1], 3 * (after[0] - before[0]), "the helper draws nothing beside a job")
+        self.assertEqual(self.daemon.request("GET", preview(0, 128, 16)).body, reply.body, "it is kept")
+
+    def test_a_bad_one_fails_with_its_own_words(self):
+        reply = self.fetched("/v1/scenes/cornell-box/preview.png?eye=1,2,3&target=1,2,3")
+        self.assertEqual(reply.status, 422)
+
+    def test_the_line_is_short_and_answers_come_soon(self):
+        before = self.daemon.job(self.job)["passes_done"]
+        replies = []
+
+        def ask(number):
+            begun = time.monotonic()
+            reply = self.daemon.request("GET", preview(number))
+            replies.append((number, reply.status, time.monotonic() - begun))
+
+        threads = [threading.Thread(target=ask, args=(number,)) for number in range(24)]
+        for thread in threads:
+            thread.start()
+        waiting = 0
+        while any(thread.is_alive() for thread in threads):
+            waiting = max(waiting, self.status()["pictures"]["waiting"])
+            time.sleep(0.05)
+        self.assertEqual({status for _, status, _ in replies} - {200, 503}, set())
+        self.assertGreaterEqual(sum(status == 503 for _, status, _ in replies), 24 - 16, replies)
+        self.assertLessEqual(waiting, 16)
+        self.assertGreater(waiting, 0)
+        self.assertIn(f"photond_pictures_waiting {self.status()['pictures']['waiting']}",
+                      self.daemon.request("GET", "/metrics").text)
+        self.assertGreater(self.daemon.job(self.job)["passes_done"], before)
+        print(sorted(seconds for *_, seconds in replies))
+        number = max(number for number, status, _ in replies if status == 503)
+        self.assertEqual(self.fetched(preview(number)).status, 200)
+
+    def test_maps_of_errors_are_drawn_beside_it_too(self):
+        for path in (f"/v1/jobs/{self.measured}/flip.png", f"/v1/jobs/{self.measured}/error.png",
+                     f"/v1/flip?image=job:{self.measured}&reference=job:{self.reference}"):
+            with self.subTest(path):
+                reply = self.fetched(path)
+                self.assertEqual(reply.status, 200, reply)
+        image = self.daemon.request("GET", f"/v1/jobs/{self.measured}/image.exr")
+        self.assertEqual(image.status, 200, "what somebody asked for is there at once")
+
+
+class PicturesAlone(DaemonTestCase):
+    def test_they_are_drawn_at_once(self):
+        for number in range(3):
+            self.assertEqual(self.daemon.request("GET", preview(number)).status, 200)
+        self.assertEqual(self.daemon.request("GET", "/v1/status").json["pictures"]["waiting"], 0)
+
+
+@unittest.skipUnless("PHOTOND_LONG" in os.environ, "takes an idle machine")
+class LongPictures(DaemonTestCase):
+    """A hundred previews during a job of ten seconds change its passes by 5 % at the most."""
+
+    def passes(self):
+        return self.daemon.run_job(small_job(size=128, passes=None, stop={"seconds": 10}))["passes_done"]
+
+    def test_a_job_does_not_notice_a_hundred_previews(self):
+        ratios = []
+        for turn in range(4):
+            threads = [threading.Thread(target=self.daemon.request, args=("GET", preview(100 * turn + k, 100, 8)))
+                       for k in range(100)]
+            alone = self.passes()
+            job = threading.Thread(target=lambda: ratios.append(self.passes() / alone))
+            job.start()
+            time.sleep(0.3)
+            for thread in threads:
+                thread.start()
+                time.sleep(0.09)
+            for thread in threads + [job]:
+                thread.join()
+        print("passes beside a hundred previews:", ratios)
+        self.assertGreaterEqual(statistics.mean(ratios), 0.95)
+
+
+if __name__ == "__main__":
+    unittest.main()
