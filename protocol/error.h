@@ -90,7 +90,7 @@ inline constexpr ErrorKind kErrorKinds[] = {
     {ErrorCode::WorkerLost, "worker_lost", 500, "the worker process was lost more often than is retried"},
     {ErrorCode::DeviceLost, "device_lost", 500, "the GPU stopped answering on this job"},
     {ErrorCode::Cancelled, "cancelled", 409, "the job was cancelled"},
-    {ErrorCode::Unavailable, "unavailable", 503, "the daemon is starting or stopping"},
+    {ErrorCode::Unavailable, "unavailable", 503, "not now: ask again later"},
     {ErrorCode::Internal, "internal", 500, "a defect in the service"},
 };
 
