@@ -5,12 +5,8 @@
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 #include <memory>
-#include <optional>
 
 #include "protocol/error.h"
 #include "renderer/core/atomic_file.h"
@@ -99,44 +95,21 @@ void encode(OIIO::Filesystem::IOProxy& proxy, AtomicFile* file, Size2 size, std:
 
 [[noreturn]] void bad_image(const std::string& why) { throw Error(ErrorCode::BadImage, why); }
 
-/// "exr" or "hdr" by the file's first bytes; names are not looked at.
-std::optional<std::string> format_of(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    std::array<char, 10> start{};
-    file.read(start.data(), start.size());
-    if (std::memcmp(start.data(), "\x76\x2f\x31\x01", 4) == 0) return "openexr";
-    if (std::memcmp(start.data(), "#?RADIANCE", 10) == 0 || std::memcmp(start.data(), "#?RGBE", 6) == 0) return "hdr";
-    return std::nullopt;
-}
-
-/// Opens an image of an allowed format and judges its header. Nothing but the header has been read.
-std::unique_ptr<OIIO::ImageInput> open_judged(const std::filesystem::path& path, bool exr_only) {
-    if (!std::filesystem::is_regular_file(std::filesystem::symlink_status(path))) bad_image("it is not a regular file");
-    const std::optional<std::string> format = format_of(path);
-    if (!format || (exr_only && *format != "openexr"))
-        bad_image(exr_only ? "it is not an OpenEXR file" : "it is neither an OpenEXR nor a Radiance HDR file");
-    std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::create(*format);
+/// Opens an image whose header has been judged, and judges what the library makes of it. No pixels have been read.
+std::unique_ptr<OIIO::ImageInput> open_judged(const std::filesystem::path& path, ImageFileFormat format) {
+    // By its content: names are not looked at.
+    std::unique_ptr<OIIO::ImageInput> input =
+        OIIO::ImageInput::create(format == ImageFileFormat::OpenExr ? "openexr" : "hdr");
     OIIO::ImageSpec spec;
     if (!input || !input->open(path.string(), spec))
         bad_image("its header cannot be read: " + (input ? input->geterror() : OIIO::geterror()));
     if (spec.width <= 0 || spec.height <= 0 || spec.depth > 1 || spec.nchannels <= 0)
         bad_image("its size is " + std::to_string(spec.width) + "x" + std::to_string(spec.height));
-    const uint64_t pixels = static_cast<uint64_t>(spec.width) * static_cast<uint64_t>(spec.height);
-    if (pixels > kMaxImagePixels)
-        bad_image("it has " + std::to_string(pixels) + " pixels; the limit is " + std::to_string(kMaxImagePixels));
-    if (spec.nchannels > static_cast<int>(kMaxImageChannels))
-        bad_image("it has " + std::to_string(spec.nchannels) + " channels; the limit is " +
-                  std::to_string(kMaxImageChannels));
-    const uint64_t values = pixels * static_cast<uint64_t>(spec.nchannels);
-    if (values > kMaxImageValues)
-        bad_image("it has " + std::to_string(values) + " values; the limit is " + std::to_string(kMaxImageValues));
+    require_image_size(static_cast<uint64_t>(spec.width), static_cast<uint64_t>(spec.height),
+                       static_cast<uint64_t>(spec.nchannels));
     // The library leaves a Radiance image as it is stored.
-    if (*format == "hdr" && spec.get_int_attribute("Orientation", 1) != 1)
+    if (format == ImageFileFormat::Radiance && spec.get_int_attribute("Orientation", 1) != 1)
         bad_image("its pixels are not stored from the top left, row by row");
-    if (spec.deep) bad_image("deep data is not supported");
-    if (input->seek_subimage(1, 0)) bad_image("it has several parts; one is expected");
-    input->geterror();  // the probe for a second part is meant to fail
-    if (!input->seek_subimage(0, 0)) bad_image("its first part cannot be read");
     return input;
 }
 
@@ -235,16 +208,13 @@ std::vector<uint16_t> photond_to_half(std::span<const float> values, uint64_t& o
     return halves;
 }
 
-LayeredImage photond_read_exr(const std::filesystem::path& path) {
-    return read_layers(*open_judged(path, true), UINT64_MAX);
+LayeredImage photond_read_image(const std::filesystem::path& path, ImageFileFormat format, uint64_t limit_bytes) {
+    return read_layers(*open_judged(path, format), limit_bytes);
 }
 
-LayeredImage photond_read_image(const std::filesystem::path& path, uint64_t limit_bytes) {
-    return read_layers(*open_judged(path, false), limit_bytes);
-}
-
-ReadLayer photond_read_image_layer(const std::filesystem::path& path, const std::string& layer, uint64_t limit_bytes) {
-    const std::unique_ptr<OIIO::ImageInput> input = open_judged(path, false);
+ReadLayer photond_read_image_layer(const std::filesystem::path& path, ImageFileFormat format, const std::string& layer,
+                                   uint64_t limit_bytes) {
+    const std::unique_ptr<OIIO::ImageInput> input = open_judged(path, format);
     const OIIO::ImageSpec spec = input->spec();
     const std::vector<NamedLayer> layers = layers_of_channels(spec.channelnames);
     const auto found = std::find_if(layers.begin(), layers.end(), [&](const NamedLayer& l) { return l.name == layer; });
@@ -258,8 +228,8 @@ ReadLayer photond_read_image_layer(const std::filesystem::path& path, const std:
     return {size_of(spec), static_cast<uint32_t>(found->channels.size()), std::move(pixels.front())};
 }
 
-JudgedImage photond_judge_image(const std::filesystem::path& path) {
-    const std::unique_ptr<OIIO::ImageInput> input = open_judged(path, false);
+JudgedImage photond_judge_image(const std::filesystem::path& path, ImageFileFormat format) {
+    const std::unique_ptr<OIIO::ImageInput> input = open_judged(path, format);
     const OIIO::ImageSpec spec = input->spec();
     read_rows(*input, [](size_t, std::span<const float>) {});
     return {size_of(spec), static_cast<uint32_t>(spec.nchannels), layers_of_channels(spec.channelnames)};
@@ -278,10 +248,6 @@ void photond_warm_up_exr() {
 // By these types exr_file.cpp calls them.
 [[maybe_unused]] constexpr decltype(&photond_write_exr) kWriteExr = &write_exr;
 [[maybe_unused]] constexpr decltype(&photond_to_half) kToHalf = &to_half;
-[[maybe_unused]] constexpr decltype(&photond_read_exr) kReadExr = &read_exr;
-[[maybe_unused]] constexpr decltype(&photond_read_image) kReadImage = &read_image;
-[[maybe_unused]] constexpr decltype(&photond_read_image_layer) kReadImageLayer = &read_image_layer;
-[[maybe_unused]] constexpr decltype(&photond_judge_image) kJudgeImage = &judge_image;
 [[maybe_unused]] constexpr decltype(&photond_warm_up_exr) kWarmUpExr = &warm_up_exr;
 
 }  // namespace photond

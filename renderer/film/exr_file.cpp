@@ -4,6 +4,7 @@
 #include <cassert>
 #include <utility>
 
+#include "protocol/error.h"
 #include "renderer/core/image_module.h"
 
 namespace photond {
@@ -15,6 +16,13 @@ std::vector<ImageLayer> resolve_all(const Film& film) {
     for (const LayerInfo& info : kLayers)
         if (film.layers().has(info.layer)) all.push_back({channel_names(info.name), film.resolve(info.layer)});
     return all;
+}
+
+/// Of a file whose header has been judged.
+LayeredImage read_judged(const std::filesystem::path& path, ImageFileFormat format, uint64_t limit_bytes) {
+    static const auto read =
+        image_function<LayeredImage(const std::filesystem::path&, ImageFileFormat, uint64_t)>("photond_read_image");
+    return read(path, format, limit_bytes);
 }
 
 }  // namespace
@@ -47,23 +55,26 @@ std::vector<uint16_t> to_half(std::span<const float> values, uint64_t& overflowe
 }
 
 LayeredImage read_exr(const std::filesystem::path& path) {
-    static const auto read = image_function<decltype(read_exr)>("photond_read_exr");
-    return read(path);
+    if (judge_image_file_header(path) != ImageFileFormat::OpenExr)
+        throw Error(ErrorCode::BadImage, "it is not an OpenEXR file");
+    return read_judged(path, ImageFileFormat::OpenExr, UINT64_MAX);
 }
 
 LayeredImage read_image(const std::filesystem::path& path, uint64_t limit_bytes) {
-    static const auto read = image_function<decltype(read_image)>("photond_read_image");
-    return read(path, limit_bytes);
+    return read_judged(path, judge_image_file_header(path), limit_bytes);
 }
 
 ReadLayer read_image_layer(const std::filesystem::path& path, const std::string& layer, uint64_t limit_bytes) {
-    static const auto read = image_function<decltype(read_image_layer)>("photond_read_image_layer");
-    return read(path, layer, limit_bytes);
+    static const auto read =
+        image_function<ReadLayer(const std::filesystem::path&, ImageFileFormat, const std::string&, uint64_t)>(
+            "photond_read_image_layer");
+    return read(path, judge_image_file_header(path), layer, limit_bytes);
 }
 
 JudgedImage judge_image(const std::filesystem::path& path) {
-    static const auto judge = image_function<decltype(judge_image)>("photond_judge_image");
-    return judge(path);
+    static const auto judge =
+        image_function<JudgedImage(const std::filesystem::path&, ImageFileFormat)>("photond_judge_image");
+    return judge(path, judge_image_file_header(path));
 }
 
 void warm_up_exr() { image_function<decltype(warm_up_exr)>("photond_warm_up_exr")(); }

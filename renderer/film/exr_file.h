@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "renderer/film/film.h"
+#include "renderer/film/image_file_header.h"
 #include "renderer/film/image_layers.h"
 
 namespace photond {
@@ -68,13 +69,8 @@ struct JudgedImage {
     std::vector<NamedLayer> layers;
 };
 
-/// Limits on images that come from outside.
-inline constexpr uint64_t kMaxImagePixels = 64ull << 20;
-inline constexpr uint32_t kMaxImageChannels = 64;
-inline constexpr uint64_t kMaxImageValues = 512ull << 20;  // pixels x channels: 2 GiB as float
-
 /// Reads an EXR. Throws ErrorCode::BadImage, before any pixel memory is taken when the header is at fault: not an EXR,
-/// over kMaxImagePixels or kMaxImageChannels, no R G B, several parts, deep or sub-sampled data.
+/// refused by judge_image_file_header(), no R G B, sub-sampled data.
 LayeredImage read_exr(const std::filesystem::path& path);
 
 /// The same for an EXR or a Radiance HDR image, told apart by their first bytes; an HDR has the beauty only. Also
