@@ -1,5 +1,5 @@
 #pragma once
-// What the daemon asks of its helper (photond-worker --device none): one request at a time, each answered by a
+// What the daemon asks of its helpers (photond-worker --device none): one request at a time, each answered by a
 // ReplyMessage. The Reply that a request names is the result in there. Files are named as in worker_messages.h.
 
 #include <cstdint>

@@ -411,7 +411,7 @@ std::vector<Operation> daemon_operations(const ApiVocabulary& vocabulary) {
         {"get", "/v1/status", "getStatus", "The daemon, its queue and workers", {{200, object("Status")}}},
         {"get", "/v1/openapi.json", "getOpenApi", "This document", {{200, content(kJson, typed("object"))}}},
         {"get", "/healthz", "isAlive", "Is it alive", {{200, object("Health")}}},
-        {"get", "/readyz", "isReady", "Has every worker answered", {{200, object("Health")}}},
+        {"get", "/readyz", "isReady", "Has every worker answered, and do the helpers", {{200, object("Health")}}},
         {"get", "/metrics", "getMetrics", "Prometheus metrics", {{200, file("text/plain")}}},
         {"get", "/favicon.svg", "getDashboardIcon", "Of the dashboard", {{200, file("image/svg+xml")}}},
         {"get",

@@ -148,7 +148,7 @@ Artefact Service::comparison_csv(const std::string& id) { return impl_->reports.
 Artefact Service::comparison_html(const std::string& id) { return impl_->reports.comparison_html(id); }
 Page Service::devices() { return impl_->system.devices(); }
 json Service::status() { return impl_->system.status(); }
-bool Service::ready() const { return impl_->core.ready; }
+Readiness Service::readiness() const { return impl_->system.readiness(); }
 std::string Service::metrics_text() { return impl_->system.metrics_text(); }
 EventHub& Service::events() { return impl_->core.events; }
 Metrics& Service::metrics() { return impl_->core.metrics; }

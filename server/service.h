@@ -164,11 +164,13 @@ public:
     Page devices();
     /// {"version", "uptime_seconds", "ready", "queue": {"queued", "running"}, "workers": [{"device", "device_name",
     /// "state", "pid", "job", "restarts", "resident_bytes", "memory_limit_bytes"}], "pictures": {"waiting", "pid",
-    /// "restarts", "resident_bytes"}, "disk_free_bytes",
-    /// "resident_bytes", "event_clients", "totals": {"jobs", "passes", "pixels", "render_seconds", "rays", "photons"}}.
+    /// "restarts", "resident_bytes"}, "helpers": [{"name", "state", "busy_seconds", "pid", "restarts",
+    /// "resident_bytes"}], "disk_free_bytes", "resident_bytes", "event_clients", "totals": {"jobs", "passes", "pixels",
+    /// "render_seconds", "rays", "photons"}}.
     nlohmann::json status();
-    /// The store is open and every worker and the helper have answered. Takes no lock.
-    bool ready() const;
+    /// The store is open, every worker and the helpers have answered, and the helper that people wait for is not at one
+    /// request for long. Takes no lock.
+    Readiness readiness() const;
     std::string metrics_text();
 
     EventHub& events();

@@ -15,12 +15,12 @@ void add_artefact_routes(std::vector<Route>& routes, Service& service) {
                               return file_reply(call, make(call, query));
                           }});
     };
-    add("image.exr", Lane::Slow, [&service](Call& call, Query& query) {
+    add("image.exr", Lane::Helper, [&service](Call& call, Query& query) {
         const std::string precision = query.text("precision", "float");
         query.finish();
         return service.image(call.path_parameters[0], precision);
     });
-    add("preview.png", Lane::Slow, [&service](Call& call, Query& query) {
+    add("preview.png", Lane::Helper, [&service](Call& call, Query& query) {
         Service::PreviewWanted wanted;
         wanted.layer = query.text("layer", wanted.layer);
         wanted.exposure_stops = query.number("exposure", wanted.exposure_stops);
@@ -29,7 +29,7 @@ void add_artefact_routes(std::vector<Route>& routes, Service& service) {
         query.finish();
         return service.preview(call.path_parameters[0], wanted);
     });
-    add("pixels", Lane::Slow, [&service](Call& call, Query& query) {
+    add("pixels", Lane::Helper, [&service](Call& call, Query& query) {
         const std::string layer = query.text("layer");
         const std::string precision = query.text("precision", "float");
         query.finish();
@@ -43,22 +43,22 @@ void add_artefact_routes(std::vector<Route>& routes, Service& service) {
         query.finish();
         return service.curve(call.path_parameters[0]);
     });
-    add("difference.exr", Lane::Slow, [&service](Call& call, Query& query) {
+    add("difference.exr", Lane::Helper, [&service](Call& call, Query& query) {
         query.finish();
         return service.difference(call.path_parameters[0]);
     });
-    add("flip.png", Lane::Slow, [&service](Call& call, Query& query) {
+    add("flip.png", Lane::Helper, [&service](Call& call, Query& query) {
         const std::string layer = query.text("layer", "beauty");
         const std::string range = query.text("range", "hdr");
         query.finish();
         return service.flip(call.path_parameters[0], layer, range);
     });
-    add("error.png", Lane::Slow, [&service](Call& call, Query& query) {
+    add("error.png", Lane::Helper, [&service](Call& call, Query& query) {
         const std::string layer = query.text("layer", "beauty");
         query.finish();
         return service.error_map(call.path_parameters[0], layer);
     });
-    add("film", Lane::Slow, [&service](Call& call, Query& query) {
+    add("film", Lane::Long, [&service](Call& call, Query& query) {
         query.finish();
         return service.film(call.path_parameters[0]);
     });
@@ -67,7 +67,7 @@ void add_artefact_routes(std::vector<Route>& routes, Service& service) {
         return service.log(call.path_parameters[0]);
     });
     for (const ArtefactInfo& artefact : all_artefacts())
-        add(std::string(artefact.name), Lane::Slow,
+        add(std::string(artefact.name), Lane::Long,
             [&service, name = std::string(artefact.name)](Call& call, Query& query) {
                 query.finish();
                 return service.method_artefact(call.path_parameters[0], name);

@@ -46,7 +46,7 @@ void add_comparison_routes(std::vector<Route>& routes, Service& service) {
     const auto add = [&routes](const char* method, const char* pattern, BodyKind body,
                                std::function<Reply(Call&)> handle) {
         routes.push_back(
-            {.method = method, .pattern = pattern, .body = body, .lane = Lane::Slow, .handle = std::move(handle)});
+            {.method = method, .pattern = pattern, .body = body, .lane = Lane::Long, .handle = std::move(handle)});
     };
     add("POST", "/v1/comparisons", BodyKind::Json, [&service](Call& call) { return submit_comparison(service, call); });
     add("GET", "/v1/comparisons", BodyKind::None, [&service](Call& call) { return list_comparisons(service, call); });

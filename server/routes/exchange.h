@@ -113,7 +113,9 @@ enum class BodyKind : uint8_t {
 enum class Lane : uint8_t {
     Instant,  // takes no lock and waits for nothing: on the hub's own thread
     Quick,    // the store at most
-    Slow,     // waits for a process
+    Long,     // files or many rows: takes a while, and waits for no process
+    Helper,   // waits for the helper of images and pictures
+    Bulk,     // waits for the helper of uploads and other long work
 };
 
 struct Route {

@@ -14,9 +14,10 @@ namespace photond {
 namespace {
 
 constexpr size_t kQuickThreads = 8;  // the store serves one at a time; more threads only queue there
-constexpr size_t kSlowThreads = 8;   // wait for the helper most of the time
+constexpr size_t kLongThreads = 4;
+constexpr size_t kHelperThreads = 8;  // wait for a helper most of the time
 constexpr size_t kMaxWaitingQuick = 4096;
-constexpr size_t kMaxWaitingSlow = 512;
+constexpr size_t kMaxWaiting = 512;  // in each of the other lanes
 
 std::vector<http::Route> all_routes(Service& service) {
     std::vector<http::Route> routes;
@@ -79,7 +80,20 @@ struct HttpServer::Impl {
               [this] { return service.status(); }),
           hub(hub_settings(service.options()), callbacks()),
           quick(kQuickThreads, kMaxWaitingQuick, [this](auto connection) { hub.answered(std::move(connection)); }),
-          slow(kSlowThreads, kMaxWaitingSlow, [this](auto connection) { hub.answered(std::move(connection)); }) {}
+          long_lane(kLongThreads, kMaxWaiting, [this](auto connection) { hub.answered(std::move(connection)); }),
+          helper(kHelperThreads, kMaxWaiting, [this](auto connection) { hub.answered(std::move(connection)); }),
+          bulk(kHelperThreads, kMaxWaiting, [this](auto connection) { hub.answered(std::move(connection)); }) {}
+
+    http::AnswerPool& pool_of(http::Lane lane) {
+        switch (lane) {
+            case http::Lane::Long: return long_lane;
+            case http::Lane::Helper: return helper;
+            case http::Lane::Bulk: return bulk;
+            case http::Lane::Instant:  // answered by the hub itself
+            case http::Lane::Quick: break;
+        }
+        return quick;
+    }
 
     http::HubCallbacks callbacks() {
         return {
@@ -87,8 +101,7 @@ struct HttpServer::Impl {
             .spool_path = [this] { return service.make_spool_path(); },
             .dispatch =
                 [this](std::unique_ptr<http::Connection>& connection) {
-                    const bool waits = connection->exchange->route->lane == http::Lane::Slow;
-                    return (waits ? slow : quick).submit(connection);
+                    return pool_of(connection->exchange->route->lane).submit(connection);
                 },
             .stream = [this](std::unique_ptr<http::Connection> connection) { streams.adopt(std::move(connection)); },
             .finished =
@@ -104,7 +117,7 @@ struct HttpServer::Impl {
     http::Judge judge;
     http::EventStreams streams;
     http::Hub hub;
-    http::AnswerPool quick, slow;
+    http::AnswerPool quick, long_lane, helper, bulk;
     bool running = false;
 };
 
@@ -129,8 +142,7 @@ void HttpServer::stop(double grace_seconds) {
     if (!impl_->running) return;
     impl_->running = false;
     impl_->hub.drain(grace_seconds);
-    impl_->quick.stop();
-    impl_->slow.stop();
+    for (http::AnswerPool* pool : {&impl_->quick, &impl_->long_lane, &impl_->helper, &impl_->bulk}) pool->stop();
     impl_->hub.stop();
     impl_->streams.stop();
 }

@@ -9,7 +9,7 @@ void add_image_routes(std::vector<Route>& routes, Service& service) {
     routes.push_back({.method = "POST",
                       .pattern = "/v1/images",
                       .body = BodyKind::Upload,
-                      .lane = Lane::Slow,
+                      .lane = Lane::Bulk,
                       .media_types = {"image/x-exr", "image/exr", "application/x-exr", "image/vnd.radiance",
                                       "image/x-hdr", "image/hdr"},
                       .handle = [&service](Call& call) {
@@ -22,20 +22,20 @@ void add_image_routes(std::vector<Route>& routes, Service& service) {
     routes.push_back({.method = "POST",
                       .pattern = "/v1/metrics",
                       .body = BodyKind::Json,
-                      .lane = Lane::Slow,
+                      .lane = Lane::Helper,
                       .handle = [&service](Call& call) {
                           Query(call.query).finish();
                           return json_reply(200, service.measure(parse_strict_json(call.body)));
                       }});
     routes.push_back(
-        {.method = "GET", .pattern = "/v1/images/{id}/pixels", .lane = Lane::Slow, .handle = [&service](Call& call) {
+        {.method = "GET", .pattern = "/v1/images/{id}/pixels", .lane = Lane::Helper, .handle = [&service](Call& call) {
              Query query(call.query);
              const std::string layer = query.text("layer");
              const std::string precision = query.text("precision", "float");
              query.finish();
              return file_reply(call, service.image_pixels(call.path_parameters[0], layer, precision));
          }});
-    routes.push_back({.method = "GET", .pattern = "/v1/flip", .lane = Lane::Slow, .handle = [&service](Call& call) {
+    routes.push_back({.method = "GET", .pattern = "/v1/flip", .lane = Lane::Helper, .handle = [&service](Call& call) {
                           Query query(call.query);
                           const std::string image = query.text("image"), reference = query.text("reference");
                           const std::string layer = query.text("layer", "beauty");

@@ -138,7 +138,7 @@ void add_job_routes(std::vector<Route>& routes, Service& service) {
     routes.push_back({.method = "POST",
                       .pattern = "/v1/jobs/merge",
                       .body = BodyKind::Json,
-                      .lane = Lane::Slow,
+                      .lane = Lane::Bulk,
                       .handle = [&service](Call& call) {
                           Query(call.query).finish();
                           const std::optional<std::string> key = idempotency_key(call);

@@ -95,7 +95,7 @@ void add_scene_routes(std::vector<Route>& routes, Service& service) {
     routes.push_back({.method = "POST",
                       .pattern = "/v1/scenes",
                       .body = BodyKind::Upload,
-                      .lane = Lane::Slow,
+                      .lane = Lane::Bulk,
                       .media_types = {"model/gltf-binary", "application/zip", "multipart/form-data"},
                       .handle = [&service](Call& call) { return post_scene(service, call); }});
     routes.push_back({.method = "GET", .pattern = "/v1/scenes", .handle = [&service](Call& call) {
@@ -111,17 +111,17 @@ void add_scene_routes(std::vector<Route>& routes, Service& service) {
                       }});
     routes.push_back({.method = "GET",
                       .pattern = "/v1/scenes/{scene}/thumbnail.png",
-                      .lane = Lane::Slow,
+                      .lane = Lane::Helper,
                       .handle = [&service](Call& call) {
                           Query(call.query).finish();
                           return file_reply(call, service.thumbnail(call.path_parameters[0]));
                       }});
     routes.push_back({.method = "GET",
                       .pattern = "/v1/scenes/{scene}/preview.png",
-                      .lane = Lane::Slow,
+                      .lane = Lane::Helper,
                       .handle = [&service](Call& call) { return scene_preview(service, call); }});
     routes.push_back(
-        {.method = "GET", .pattern = "/v1/scenes/{scene}/baked", .lane = Lane::Slow, .handle = [&service](Call& call) {
+        {.method = "GET", .pattern = "/v1/scenes/{scene}/baked", .lane = Lane::Bulk, .handle = [&service](Call& call) {
              Query(call.query).finish();
              return file_reply(call, service.baked_scene(call.path_parameters[0]));
          }});

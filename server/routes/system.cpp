@@ -199,8 +199,8 @@ void add_system_routes(std::vector<Route>& routes, Service& service) {
     alive.open = true;
     alive.lane = Lane::Instant;
     Route& ready = get("/readyz", [&service](Call&) {
-        if (!service.ready())
-            throw Refusal{Error(ErrorCode::Unavailable, "the daemon is starting or stopping"), {{"Retry-After", "1"}}};
+        if (const Readiness readiness = service.readiness(); !readiness.ready())
+            throw Refusal{Error(ErrorCode::Unavailable, readiness.why_not), {{"Retry-After", "1"}}};
         return json_reply(200, {{"status", "ready"}});
     });
     ready.open = true;

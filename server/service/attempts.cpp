@@ -88,7 +88,8 @@ void Attempts::join() {
 void Attempts::update_ready() {
     // Called by the helper's thread too, which may run before the lines that fill in `helper` and `slots` are through.
     const std::lock_guard lock(core_.mutex);
-    bool all = core_.helper && core_.helper->ready() && !core_.stopping;
+    const auto answers = [](const auto& helper) { return helper && helper->ready(); };
+    bool all = answers(core_.helper) && answers(core_.bulk_helper) && !core_.stopping;
     for (const auto& slot : slots_) all = all && slot->answered;
     if (all && !core_.ready.exchange(true)) spdlog::info("every process has answered");
     if (!all) core_.ready = false;
@@ -267,6 +268,7 @@ void Attempts::mark_shared(Slot& slot) {
 void Attempts::note_processor_time() {
     std::vector<ProcessMeter::Process> ours{{"photond", getpid()}};
     if (core_.helper) ours.push_back({"helper", core_.helper->pid()});
+    if (core_.bulk_helper) ours.push_back({"bulk helper", core_.bulk_helper->pid()});
     if (const Helper* background = pictures_.background()) ours.push_back({"pictures", background->pid()});
     const auto job_of = [](const Slot& slot) { return "job " + job_id(slot.running->seq); };
     for (const auto& slot : slots_)

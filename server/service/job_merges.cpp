@@ -156,7 +156,7 @@ json JobMerges::merge_jobs(const json& body, const std::optional<std::string>& k
     order.out = merged.path;
     MergeFilmsReply reply;
     try {
-        reply = core_.helper->ask(std::move(order));
+        reply = core_.bulk_helper->ask(std::move(order));
     } catch (const Error& error) {
         remove_quietly(merged.path);
         std::vector<Fault> faults = error.faults;

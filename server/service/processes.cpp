@@ -19,9 +19,10 @@ constexpr std::chrono::seconds kPrewarmDelay{5};
 }  // namespace
 
 Processes::~Processes() {
-    std::unique_ptr<Helper> helper;  // ends without the lock, which its callbacks take
+    std::unique_ptr<Helper> helper, bulk_helper;  // end without the lock, which their callbacks take
     const std::lock_guard lock(core_.mutex);
     helper = std::move(core_.helper);
+    bulk_helper = std::move(core_.bulk_helper);
 }
 
 void Processes::start() {
@@ -39,8 +40,12 @@ void Processes::start() {
     const std::lock_guard lock(core_.mutex);
     process.device = "none";
     process.priority.nice = std::max(0, core_.options.worker_nice - 2);  // people wait for it
-    core_.helper = std::make_unique<Helper>(
-        process, core_.options.limits.helper_timeout_seconds, [this] { attempts_.update_ready(); }, helper_exited);
+    const auto make_helper = [&] {
+        return std::make_unique<Helper>(
+            process, core_.options.limits.helper_timeout_seconds, [this] { attempts_.update_ready(); }, helper_exited);
+    };
+    core_.helper = make_helper();
+    core_.bulk_helper = make_helper();
     pictures_.start(process, helper_exited);
     process.priority.nice = core_.options.worker_nice;
     process.threads = core_.options.threads;
@@ -79,9 +84,11 @@ void Processes::stop() {
         }
         core_.attempt_changed.notify_all();
         if (core_.helper) core_.helper->begin_stop(deadline);
+        if (core_.bulk_helper) core_.bulk_helper->begin_stop(deadline);
         pictures_.begin_stop(deadline);
         attempts_.join();
         if (core_.helper) core_.helper->join();
+        if (core_.bulk_helper) core_.bulk_helper->join();
         pictures_.join();
         if (prewarm_.joinable()) prewarm_.join();
         spdlog::info("all processes have ended");

@@ -1,5 +1,5 @@
 #pragma once
-// The processes of the daemon: the helper, the one that draws pictures beside jobs, and a worker for each device, from
+// The processes of the daemon: the helpers, the one that draws pictures beside jobs, and a worker for each device, from
 // their start to their end.
 
 #include <mutex>
@@ -16,7 +16,7 @@ class Processes {
 public:
     Processes(ServiceCore& core, Pictures& pictures, Scenes& scenes, Attempts& attempts)
         : core_(core), pictures_(pictures), scenes_(scenes), attempts_(attempts) {}
-    /// Ends the helper, which calls back what is destroyed after this.
+    /// Ends the helpers, which call back what is destroyed after this.
     ~Processes();
     Processes(const Processes&) = delete;
     Processes& operator=(const Processes&) = delete;

@@ -133,7 +133,7 @@ Added Scenes::add_scene(SceneUpload upload) {
         fs::create_directory(root.path);
         if (upload.kind == SceneUpload::Kind::Zip) {
             const UnpackReply unpacked = judged(ErrorCode::BadScene, [&] {
-                return core_.helper->ask(UnpackRequest{upload.path, root.path});
+                return core_.bulk_helper->ask(UnpackRequest{upload.path, root.path});
             });
             file = unpacked.file.lexically_relative(root.path);
         } else {
@@ -155,7 +155,7 @@ Added Scenes::add_scene(SceneUpload upload) {
         if (const auto known = core_.store.scene(row.id)) return {scene_object(*known), false};
     }
     json summary = judged(ErrorCode::BadScene, [&] {
-        return core_.helper->ask(JudgeSceneRequest{.root = root.path, .file = root.path / file, .name = row.name});
+        return core_.bulk_helper->ask(JudgeSceneRequest{.root = root.path, .file = root.path / file, .name = row.name});
     });
     uint64_t bytes = 0;
     for (const fs::path& part : tree) bytes += fs::file_size(root.path / part);
@@ -277,7 +277,7 @@ Artefact Scenes::baked_scene(const std::string& id_or_name) {
         "scene/" + scene.id + "/baked", "application/octet-stream", [&](const fs::path& path) {
             const uint64_t free = core_.files.free_bytes(), reserve = core_.options.limits.disk_reserve_bytes;
             try {
-                core_.helper->ask(BakeRequest{scene_source(scene), free - std::min(free, reserve), path});
+                core_.bulk_helper->ask(BakeRequest{scene_source(scene), free - std::min(free, reserve), path});
             } catch (const Error& error) {
                 switch (error.code) {
                     case ErrorCode::OutOfMemory:

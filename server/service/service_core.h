@@ -89,7 +89,8 @@ struct ServiceCore {
     uint64_t event_ids_until = 1;
 
     /// Made while the processes start, before anybody calls the service. Its call() waits: never under the lock.
-    std::unique_ptr<Helper> helper;
+    std::unique_ptr<Helper> helper;       // what somebody waits for: images, pictures, measures
+    std::unique_ptr<Helper> bulk_helper;  // what may take long: uploads, baking, merging
 };
 
 /// Points of a job's curve as a "curve" event tells them; `error_now` as in JobRow.

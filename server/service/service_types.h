@@ -13,6 +13,13 @@
 
 namespace photond {
 
+/// Whether the daemon answers all that it is asked.
+struct Readiness {
+    std::string why_not = {};  // in words; empty when it does
+
+    bool ready() const { return why_not.empty(); }
+};
+
 /// An uploaded scene the routes have spooled at a Service::make_spool_path().
 struct SceneUpload {
     enum class Kind : uint8_t { Glb, Zip, Directory };  // Directory: a .gltf or .glb and its files, by relative path

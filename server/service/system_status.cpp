@@ -10,6 +10,13 @@ namespace photond {
 
 using nlohmann::json;
 
+namespace {
+
+/// A request that somebody waits for takes a helper less; past it the others that wait have no answer.
+constexpr double kUnansweredSeconds = 15;
+
+}  // namespace
+
 Page SystemStatus::devices() {
     std::vector<json> items = core_.device_list.get();
     for (json& device : items) device["served"] = false;  // as it is where no worker of ours has it
@@ -67,6 +74,7 @@ json SystemStatus::status() {
             {"queue", {{"queued", core_.queue.size()}, {"running", running}}},
             {"workers", std::move(workers)},
             {"pictures", pictures_now()},
+            {"helpers", helpers_now()},
             {"disk_free_bytes", core_.files.free_bytes()},
             {"totals", totals_now()},
             {"resident_bytes", resident_bytes_of(getpid())},
@@ -82,6 +90,27 @@ json SystemStatus::pictures_now() const {
             {"resident_bytes", background ? background->resident_bytes() : 0}};
 }
 
+json SystemStatus::helpers_now() const {
+    const auto describe = [](const char* name, const Helper& helper) {
+        const auto busy_seconds = helper.busy_seconds();
+        return json{{"name", name},
+                    {"state", helper.ready() ? busy_seconds ? "busy" : "ready" : "failed"},
+                    {"busy_seconds", busy_seconds ? json(*busy_seconds) : json()},
+                    {"pid", helper.pid() < 0 ? json() : json(helper.pid())},
+                    {"restarts", helper.restarts()},
+                    {"resident_bytes", helper.resident_bytes()}};
+    };
+    return json::array({describe("answers", *core_.helper), describe("bulk", *core_.bulk_helper)});
+}
+
+Readiness SystemStatus::readiness() const {
+    if (!core_.ready) return {"the daemon is starting or stopping"};
+    const double seconds = core_.helper->busy_seconds().value_or(0);
+    if (seconds < kUnansweredSeconds) return {};
+    return {"the helper that makes images and pictures has not answered for " +
+            std::to_string(static_cast<int64_t>(seconds)) + " s"};
+}
+
 json SystemStatus::totals_now() const {
     Totals now = core_.totals;
     for (const auto& slot : attempts_.slots())
@@ -93,7 +122,9 @@ json SystemStatus::totals_now() const {
 std::string SystemStatus::metrics_text() {
     {
         const std::lock_guard lock(core_.mutex);
-        uint64_t idle = core_.helper->ready() ? 1 : 0, busy = 0, failed = 1 - idle;
+        uint64_t idle = 0, busy = 0, failed = 0;
+        for (const Helper* helper : {core_.helper.get(), core_.bulk_helper.get()})
+            ++(!helper->ready() ? failed : helper->busy_seconds() ? busy : idle);
         for (const auto& slot : attempts_.slots()) ++(slot->running ? busy : slot->answered ? idle : failed);
         core_.metrics.workers(idle, busy, failed);
         core_.metrics.queue_depth(core_.queue.size());

@@ -20,11 +20,14 @@ public:
     Page devices();
     nlohmann::json status();
     std::string metrics_text();
+    /// What /readyz answers. Takes no lock.
+    Readiness readiness() const;
 
 private:
     /// Those of attempts that are running included; under the lock.
     nlohmann::json totals_now() const;
     nlohmann::json pictures_now() const;
+    nlohmann::json helpers_now() const;
 
     ServiceCore& core_;
     const Pictures& pictures_;

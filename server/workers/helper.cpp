@@ -84,7 +84,23 @@ void Helper::process_exited(const ProcessExit& exit) {
     exited_(exit);
 }
 
-std::optional<ReplyMessage> Helper::attempt(std::unique_lock<std::mutex>& lock, nlohmann::json& request) {
+std::optional<double> Helper::busy_seconds() const {
+    const int64_t asked_at = asked_at_;
+    if (asked_at == 0) return std::nullopt;
+    return std::chrono::duration<double>(Clock::now() - Clock::time_point(Clock::duration(asked_at))).count();
+}
+
+Helper::Patience Helper::patience(std::optional<double> most_processor_seconds) const {
+    Patience patience{timeout_seconds_, most_processor_seconds};
+    if (background_) {
+        patience.clock_seconds *= kBackgroundPatience;
+        patience.processor_seconds = std::min(timeout_seconds_, most_processor_seconds.value_or(timeout_seconds_));
+    }
+    return patience;
+}
+
+std::optional<ReplyMessage> Helper::attempt(std::unique_lock<std::mutex>& lock, nlohmann::json& request,
+                                            const Patience& patience) {
     const auto start_patience = (background_ ? kBackgroundPatience : 1) * kStartPatience;
     if (!changed_.wait_for(lock, start_patience, [this] { return ready_ || stopping_; }) || stopping_)
         throw Error(ErrorCode::Unavailable, stopping_ ? "the daemon is stopping" : "the helper process is not ready");
@@ -99,7 +115,7 @@ std::optional<ReplyMessage> Helper::attempt(std::unique_lock<std::mutex>& lock, 
         changed_.wait_for(lock, kStartPatience, [this] { return exit_ || stopping_; });
         return std::nullopt;
     }
-    const bool answered = wait_for_end(lock);
+    const std::string exceeded = wait_for_end(lock, patience);
     ++request_;  // whatever is said about it from now on is ignored
     if (reply_) {
         if (++served_ >= kServedBeforeRecycling) {
@@ -110,12 +126,12 @@ std::optional<ReplyMessage> Helper::attempt(std::unique_lock<std::mutex>& lock, 
         }
         return std::move(reply_);
     }
-    if (!answered) {
+    if (!exceeded.empty()) {
         ready_ = false;
         lock.unlock();
         process_->kill();
         lock.lock();
-        throw Error(ErrorCode::TimedOut, "not done within " + std::to_string(timeout_seconds_) + " s");
+        throw Error(ErrorCode::TimedOut, "not done within " + exceeded);
     }
     if (stopping_) throw Error(ErrorCode::Unavailable, "the daemon is stopping");
     switch (exit_->cause) {
@@ -132,18 +148,20 @@ std::optional<ReplyMessage> Helper::attempt(std::unique_lock<std::mutex>& lock, 
     throw Error(ErrorCode::WorkerCrashed, "the helper process " + exit_->text);
 }
 
-bool Helper::wait_for_end(std::unique_lock<std::mutex>& lock) {
+std::string Helper::wait_for_end(std::unique_lock<std::mutex>& lock, const Patience& patience) {
     const auto over = [this] { return reply_ || exit_ || stopping_; };
-    const auto timeout = std::chrono::milliseconds(static_cast<int64_t>(timeout_seconds_ * 1000));
-    if (!background_) return changed_.wait_for(lock, timeout, over);
-    const auto deadline = Clock::now() + kBackgroundPatience * timeout;
+    const auto seconds = [](double seconds) { return nlohmann::json(seconds).dump() + " s"; };
+    const auto deadline = Clock::now() + std::chrono::milliseconds(static_cast<int64_t>(patience.clock_seconds * 1000));
+    if (!patience.processor_seconds)
+        return changed_.wait_until(lock, deadline, over) ? "" : seconds(patience.clock_seconds);
     const pid_t process = pid();
     const double before = processor_seconds_of(process).value_or(0);
     while (!changed_.wait_for(lock, kBetweenLooks, over)) {
-        if (Clock::now() >= deadline) return false;
-        if (processor_seconds_of(process).value_or(before) - before >= timeout_seconds_) return false;
+        if (processor_seconds_of(process).value_or(before) - before >= *patience.processor_seconds)
+            return seconds(*patience.processor_seconds) + " of processor time";
+        if (Clock::now() >= deadline) return seconds(patience.clock_seconds);
     }
-    return true;
+    return "";
 }
 
 void Helper::distrust(const Error& error) {
@@ -155,7 +173,7 @@ void Helper::distrust(const Error& error) {
     throw Error(ErrorCode::WorkerCrashed, std::string("the helper process gave a wrong answer: ") + error.what());
 }
 
-nlohmann::json Helper::call(nlohmann::json request) {
+nlohmann::json Helper::call(nlohmann::json request, std::optional<double> most_processor_seconds) {
     std::unique_lock lock(mutex_);
     const uint64_t ticket = next_ticket_++;
     changed_.wait(lock, [&] { return serving_ == ticket; });
@@ -163,12 +181,14 @@ nlohmann::json Helper::call(nlohmann::json request) {
     struct Turn {
         Helper& helper;
         ~Turn() {
+            helper.asked_at_ = 0;
             ++helper.serving_;
             helper.changed_.notify_all();
         }
     } const turn{*this};
+    asked_at_ = Clock::now().time_since_epoch().count();
     for (int i = 0; i < kAttempts; ++i) {
-        auto reply = attempt(lock, request);
+        auto reply = attempt(lock, request, patience(most_processor_seconds));
         if (!reply) continue;
         if (reply->failure) throw error_of(reply->failure);
         return std::move(reply->result);

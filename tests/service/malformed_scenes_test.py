@@ -62,9 +62,9 @@ class UploadCase(unittest.TestCase):
 
     def state(self):
         """What no refused upload may change."""
-        workers = self.daemon.request("GET", "/v1/status").json["workers"]
+        status = self.daemon.request("GET", "/v1/status").json
         scenes = self.daemon.request("GET", "/v1/scenes?limit=1000").json["items"]
-        return {"processes": [(worker["device"], worker["pid"], worker["restarts"]) for worker in workers],
+        return {"processes": [(process["pid"], process["restarts"]) for process in status["workers"] + status["helpers"]],
                 "scenes": [scene["id"] for scene in scenes],
                 "files": self.files(),
                 "around": sorted(os.listdir(self.around.name))}
@@ -75,8 +75,8 @@ class UploadCase(unittest.TestCase):
                       for path in (data / folder).rglob("*"))
 
     def helper_peak_bytes(self):
-        workers = self.daemon.request("GET", "/v1/status").json["workers"]
-        [pid] = [worker["pid"] for worker in workers if worker["device"] == "none"]
+        helpers = self.daemon.request("GET", "/v1/status").json["helpers"]
+        [pid] = [helper["pid"] for helper in helpers if helper["name"] == "bulk"]
         return int(re.search(r"VmHWM:\s+(\d+) kB", pathlib.Path(f"/proc/{pid}/status").read_text())[1]) << 10
 
     def post(self, body, media_type):

@@ -214,6 +214,14 @@ export interface DaemonStatus {
   ready: boolean;
   queue: { queued: number; running: number };
   workers: WorkerStatus[];
+  helpers: {
+    name: "answers" | "bulk";
+    state: "ready" | "busy" | "failed";
+    busy_seconds: number | null;
+    pid: number | null;
+    restarts: number;
+    resident_bytes: number;
+  }[];
   pictures: { waiting: number; pid: number | null; restarts: number; resident_bytes: number };
   disk_free_bytes: number;
   resident_bytes: number | null;
