@@ -388,7 +388,7 @@ json job_schema(const ApiVocabulary& vocabulary) {
                   {"started", time},
                   {"finished", time},
                   {"attempts", list_of(std::move(attempt))},
-                  {"waiting_for", nullable("string", "what keeps it back when its turn has come, while it is queued")},
+                  {"waiting_for", nullable("string", "while it is queued, in words: its turn, a quiet machine, a job")},
                   {"request", schema_ref("JobRequest")},
                   {"links", links},
                   {"statistics", nullable_ref("Statistics")},
@@ -405,7 +405,7 @@ json job_summary_schema(const json& job) {
                     {"height", count()},
                     {"priority", in_range(typed("integer", "higher first"), -100, 100)},
                     {"labels", map_of(typed("string"))},
-                    {"waiting_for", nullable("string", "what keeps it back when its turn has come")},
+                    {"waiting_for", nullable("string", "while it is queued, in words")},
                     {"waits_for", nullable("string", "the job, its reference, that must be over before it begins")},
                     {"failure", nullable("string", "what went wrong")}};
     for (const char* key : {"id", "role", "comparison", "state", "progress", "passes_done", "seconds", "error_now",

@@ -19,8 +19,8 @@ enum class AttemptEnd : uint8_t {
     TimedOut,     // passed its deadline
 };
 
-/// Why the job fails now; empty: it goes back to the queue. The counts include the attempt that has just ended; lost
-/// devices are among the crashes.
+/// Why the job fails now; empty: it goes back to the queue. The counts are those since the job last saved a film of
+/// more passes, the attempt that has just ended included; lost devices are among the crashes.
 std::optional<ErrorCode> failure_after(AttemptEnd end, int losses, int crashes);
 
 }  // namespace photond

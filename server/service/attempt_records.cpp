@@ -231,6 +231,8 @@ void AttemptRecords::keep_film(const RunningAttempt& attempt, int64_t passes_don
     auto row = core_.store.job(attempt.seq);
     if (!row || row->state != JobState::Running || row->attempt != attempt.attempt) return;
     const std::string old_film = std::exchange(row->film, attempt.film);
+    // It got further: what happened to attempts before says nothing against those that go on from here.
+    if (passes_done > row->passes_done) row->losses = row->crashes = 0;
     row->passes_done = passes_done;
     row->seconds = attempt.seconds;
     row->progress = attempt.progress;

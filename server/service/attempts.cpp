@@ -175,10 +175,14 @@ bool Attempts::waits_for_quiet(Slot& slot, const JobRow& row) {
     return false;
 }
 
-std::optional<std::string> Attempts::waiting_for(int64_t seq) const {
-    for (const auto& slot : slots_)
-        if (slot->waiting && slot->waiting->seq == seq) return "a quiet machine";
-    return std::nullopt;
+std::string Attempts::waiting_for(int64_t seq, const std::string& device) const {
+    if (const auto reference = core_.queue.waits_for(seq))
+        return "job " + job_id(*reference) + ", which it is measured against";
+    const auto slot =
+        std::find_if(slots_.begin(), slots_.end(), [&](const auto& other) { return other->device == device; });
+    if (slot == slots_.end()) return "a daemon that serves " + device;
+    if ((*slot)->waiting && (*slot)->waiting->seq == seq) return "a quiet machine";
+    return (*slot)->answered ? "its turn on " + device : "the worker of " + device + " to start";
 }
 
 void Attempts::begin_attempt(Slot& slot, JobRow row) {

@@ -77,8 +77,8 @@ public:
     /// ServiceCore::attempt_changed says so.
     std::filesystem::path ask_for_snapshot(int64_t seq);
     const std::vector<std::unique_ptr<Slot>>& slots() const { return slots_; }
-    /// What keeps a queued job back whose turn has come, as text.
-    std::optional<std::string> waiting_for(int64_t seq) const;
+    /// What a queued job waits for, so that "waits for" can be said before it.
+    std::string waiting_for(int64_t seq, const std::string& device) const;
 
 private:
     void start_worker(const std::string& device, ProcessOptions process);

@@ -91,8 +91,7 @@ json JobObjects::job_summary(const JobSummary& row) {
     json object = summary_json(row);
     const auto awaited = row.state == JobState::Queued ? core_.queue.waits_for(row.seq) : std::nullopt;
     object["waits_for"] = awaited ? json(job_id(*awaited)) : json();
-    const auto kept_back = row.state == JobState::Queued ? attempts_.waiting_for(row.seq) : std::nullopt;
-    object["waiting_for"] = kept_back ? json(*kept_back) : json();
+    object["waiting_for"] = row.state == JobState::Queued ? json(attempts_.waiting_for(row.seq, row.device)) : json();
     if (row.state != JobState::Running) return object;
     if (const RunningAttempt* attempt = attempts_.running_attempt(row.seq)) {
         object["progress"] = attempt->progress;

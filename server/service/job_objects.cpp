@@ -33,7 +33,6 @@ json JobObjects::job_object(const JobRow& row) const {
     const bool has_film = passes_done > 0;
     const bool measurable = has_film && !request.value("reference", json()).is_null();
     const auto link = [&](bool there, const char* name) { return there ? json(self + name) : json(); };
-    const auto awaited = row.state == JobState::Queued ? attempts_.waiting_for(row.seq) : std::nullopt;
     json links = {{"self", self},
                   {"image", self + "/image.exr"},
                   {"preview", self + "/preview.png"},
@@ -61,7 +60,7 @@ json JobObjects::job_object(const JobRow& row) const {
             {"started", time_or_null(row.started_ms)},
             {"finished", time_or_null(row.finished_ms)},
             {"attempts", json::parse(row.attempts)},
-            {"waiting_for", awaited ? json(*awaited) : json()},
+            {"waiting_for", row.state == JobState::Queued ? json(attempts_.waiting_for(row.seq, row.device)) : json()},
             {"request", std::move(request)},
             {"links", links},
             {"statistics", parsed_or_null(row.statistics)},

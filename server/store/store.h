@@ -40,8 +40,8 @@ struct JobRow {
     int64_t created_ms = 0;
     std::optional<int64_t> started_ms, finished_ms;
     int64_t attempt = 0;  // fencing token: attempts begun so far
-    int crashes = 0;      // attempts ended by the worker's own signal, since the last retry
-    int losses = 0;       // attempts lost through no fault of the job, since the last retry
+    int crashes = 0;      // attempts ended by the worker's own signal, since the last retry or saved progress
+    int losses = 0;       // attempts lost through no fault of the job, since the last retry or saved progress
     bool cancel_requested = false;
     bool purge_requested = false;
     int64_t passes_done = 0;

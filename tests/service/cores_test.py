@@ -67,13 +67,14 @@ class QuietMachineTest(DaemonTestCase):
         with BusyLoops():
             job = self.daemon.submit(small_job(quiet_machine=3))
             deadline = time.monotonic() + 30
-            while self.daemon.job(job["id"])["waiting_for"] is None and time.monotonic() < deadline:
+            while self.daemon.job(job["id"])["waiting_for"] != "a quiet machine" and time.monotonic() < deadline:
                 time.sleep(0.02)
             waiting = self.daemon.job(job["id"])
             self.assertEqual((waiting["state"], waiting["waiting_for"]), ("queued", "a quiet machine"))
             listed = self.daemon.request("GET", "/v1/jobs?view=summary&state=queued").json["items"]
             self.assertEqual([row["waiting_for"] for row in listed], ["a quiet machine"])
             behind = self.daemon.submit(small_job())  # keeps its place
+            self.assertEqual(self.daemon.job(behind["id"])["waiting_for"], "its turn on cpu")
             done = self.daemon.wait_for_job(job["id"])
         self.assertEqual(done["state"], "succeeded")
         self.assertIsNone(done["waiting_for"])

@@ -167,6 +167,24 @@ class GracefulStopTest(unittest.TestCase):
             Daemon("--devices", "gpu:99")
 
 
+class ProgressTest(unittest.TestCase):
+    def test_losses_are_counted_since_the_last_saved_progress(self):
+        with Daemon("--save-seconds", 0.1) as daemon:
+            daemon.wait_ready()
+            job_id = daemon.submit(small_job(size=64, passes=100_000_000))["id"]
+            for attempt in range(1, 6):
+                film = daemon.data_dir / "films" / f"{job_id}-{attempt}.film"
+                wait_until(film.exists, f"attempt {attempt} saved no film")
+                time.sleep(0.3)  # until its row names it
+                daemon.kill()
+                daemon.start()
+                daemon.wait_ready()
+            job = daemon.job(job_id)
+            self.assertEqual([a["outcome"] for a in job["attempts"]][:5], ["lost"] * 5)
+            self.assertIn(job["state"], ("queued", "running"))
+            daemon.request("DELETE", f"/v1/jobs/{job_id}")
+
+
 class KilledDaemonTest(unittest.TestCase):
     """Clients go on submitting, with idempotency keys, while the daemon is killed again and again."""
 

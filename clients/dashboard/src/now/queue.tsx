@@ -20,7 +20,7 @@ function Row({ row }: { row: JobSummary }) {
           {row.role === "reference" ? " · reference" : ""}
           {row.comparison ? ` · study ${row.comparison}` : ""}
         </span>
-        {row.waiting_for && <span class="small now-waits">waits for {row.waiting_for}</span>}
+        {row.waiting_for && !row.waits_for && !row.waiting_for.startsWith("its turn") && <span class="small now-waits">waits for {row.waiting_for}</span>}
         {row.waits_for && (
           <span class="small now-waits">
             waits for its reference, <a href={`/jobs/${row.waits_for}`}>{row.waits_for}</a>
