@@ -45,6 +45,7 @@ enum class ErrorCode : uint8_t {
     DeviceLost,
     Cancelled,
     Unavailable,
+    ResultDamaged,
     Internal,
 };
 
@@ -91,6 +92,8 @@ inline constexpr ErrorKind kErrorKinds[] = {
     {ErrorCode::DeviceLost, "device_lost", 500, "the GPU stopped answering on this job"},
     {ErrorCode::Cancelled, "cancelled", 409, "the job was cancelled"},
     {ErrorCode::Unavailable, "unavailable", 503, "not now: ask again later"},
+    {ErrorCode::ResultDamaged, "result_damaged", 500,
+     "what was kept of a job is damaged or gone: submit its request again, or restore a backup"},
     {ErrorCode::Internal, "internal", 500, "a defect in the service"},
 };
 

@@ -3,12 +3,26 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstring>
 
 #include "protocol/error.h"
 
 namespace photond {
+
+namespace {
+
+/// Of a stream that somebody else wrote to, who did not keep the reason: it is met again by writing a little more.
+int error_of_writing(int descriptor) {
+    constexpr std::array<char, 4096> kPage{};
+    if (lseek(descriptor, 0, SEEK_END) < 0) return errno;
+    for (int i = 0; i < 2; ++i)  // the first may fill up a page that there was room for
+        if (::write(descriptor, kPage.data(), kPage.size()) != static_cast<ssize_t>(kPage.size())) return errno;
+    return 0;
+}
+
+}  // namespace
 
 AtomicFile::AtomicFile(const std::filesystem::path& path) : path_(path), part_(part_of(path)) {
     const int descriptor = open(part_.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0644);
@@ -34,7 +48,7 @@ void AtomicFile::write(const void* data, size_t bytes) {
 
 void AtomicFile::commit() {
     errno = 0;
-    if (fflush(file_) != 0 || ferror(file_)) fail("cannot write", errno);
+    if (fflush(file_) != 0 || ferror(file_)) fail("cannot write", errno != 0 ? errno : error_of_writing(fileno(file_)));
     if (fsync(fileno(file_)) != 0) fail("cannot sync", errno);
     FILE* const file = file_;
     file_ = nullptr;

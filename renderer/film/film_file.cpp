@@ -85,14 +85,16 @@ std::string encode_block(std::span<const Value> values) {
 }
 
 [[noreturn]] void damaged(const std::filesystem::path& path, const std::string& what) {
-    throw Error(ErrorCode::Internal, "the film file " + path.filename().string() + " is damaged: " + what);
+    throw Error(ErrorCode::ResultDamaged, "the film file " + path.filename().string() + " is damaged: " + what);
 }
 
 class Reader {
 public:
     explicit Reader(const std::filesystem::path& path)
         : path_(path), file_(std::fopen(path.c_str(), "rb"), &std::fclose) {
-        if (!file_) throw Error(ErrorCode::Internal, "the film file " + path.filename().string() + " cannot be opened");
+        if (!file_)
+            throw Error(errno == ENOENT ? ErrorCode::ResultDamaged : ErrorCode::Internal,
+                        "the film file " + path.filename().string() + " cannot be opened: " + std::strerror(errno));
     }
     void read(void* data, size_t bytes) {
         if (std::fread(data, 1, bytes, file_.get()) != bytes) damaged(path_, "it is cut short");

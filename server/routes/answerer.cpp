@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <cstring>
+#include <system_error>
 
 #include "protocol/problem.h"
 #include "server/try_later.h"
@@ -66,6 +67,10 @@ Reply reply_of(Exchange& exchange) {
         return reply;
     } catch (const std::bad_alloc&) {
         return problem_reply(Error(ErrorCode::Unavailable, "the daemon is short of memory"), exchange.call.head.path);
+    } catch (const std::system_error& error) {
+        if (error.code() != std::errc::no_space_on_device) return internal_failure(exchange, error.what());
+        return problem_reply(Error(ErrorCode::NoSpace, "there is no room on the disk for what the answer needs"),
+                             exchange.call.head.path);
     } catch (const std::exception& defect) {
         return internal_failure(exchange, defect.what());
     }

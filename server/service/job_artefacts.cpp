@@ -122,19 +122,20 @@ Artefact JobArtefacts::statistics(const std::string& id) {
 
 Artefact JobArtefacts::method_artefact(const std::string& id, const std::string& name) {
     JobRow row;
+    fs::path file;  // where it was kept
     {
         const std::lock_guard lock(core_.mutex);
         row = objects_.require_job(id);
+        const json kept = json::parse(row.artefacts);
+        if (std::find(kept.begin(), kept.end(), json(name)) != kept.end())
+            file = require_kept(artefact_path(core_.files.films / row.film, name), id);
     }
     const auto known = all_artefacts();
     const auto info = std::find_if(known.begin(), known.end(), [&](const ArtefactInfo& a) { return a.name == name; });
     if (info == known.end()) throw Error(ErrorCode::NotFound, "there is no artefact '" + name + "'");
-    const json kept = json::parse(row.artefacts);
-    if (std::find(kept.begin(), kept.end(), json(name)) != kept.end()) {
-        const fs::path file = artefact_path(core_.files.films / row.film, name);
+    if (!file.empty())
         return artefact_files_.linked("job/" + std::to_string(row.seq) + "/" + file.filename().string(), file,
                                       std::string(info->media_type));
-    }
     const std::string what(info->text), parameter(info->parameter);
     const MethodInfo* method = find_method(row.method);
     if (!method || !method->find_artefact(name))

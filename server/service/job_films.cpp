@@ -16,9 +16,18 @@ constexpr auto kSnapshotAge = std::chrono::milliseconds(500);  // a film younger
 
 }  // namespace
 
+fs::path require_kept(const fs::path& file, const std::string& job) {
+    std::error_code error;
+    if (fs::is_regular_file(fs::symlink_status(file, error))) return file;
+    throw Error(ErrorCode::ResultDamaged, "job " + job + " has lost " + file.filename().string() +
+                                              ": it is not in the data folder's " +
+                                              file.parent_path().filename().string() + "/ any more");
+}
+
 void JobFilms::pin(FilmSource& film) {
     auto held = std::make_shared<Snapshot>();
-    const fs::path name = core_.files.fresh_spool_path();
+    // What cannot be read of it is said with its own name.
+    const fs::path name = core_.files.fresh_spool_path().string() + "-" + film.path.filename().string();
     link_or_copy(film.path, name);
     held->path = film.path = name;
     film.pin = std::move(held);
@@ -34,7 +43,7 @@ FilmSource JobFilms::film_source(const std::string& id) {
         if (row.state != JobState::Running) {
             if (!row.film.empty())
                 return {false,
-                        core_.files.films / row.film,
+                        require_kept(core_.files.films / row.film, id),
                         prefix + row.film,
                         prefix + row.film,
                         parsed_or_null(row.statistics),

@@ -142,7 +142,7 @@ json JobMerges::merge_jobs(const json& body, const std::optional<std::string>& k
         uint64_t bytes = 0;
         for (const JobRow& part : parts) {
             FilmSource& film = films.emplace_back();
-            film.path = core_.files.films / part.film;
+            film.path = require_kept(core_.files.films / part.film, job_id(part.seq));
             films_.pin(film);
             bytes = std::max<uint64_t>(bytes, fs::file_size(film.path));
             order.films.push_back(film.path);

@@ -175,6 +175,25 @@ class FullDiskTest(DiskCase):
         self.filler.unlink()
         self.check_store()
 
+    def test_answers_that_need_room_say_so(self):
+        job = self.daemon.run_job(self.large_job(passes=1))["id"]
+        image = self.daemon.request("POST", "/v1/images", body=HDR, headers={"Content-Type": "image/vnd.radiance"})
+        self.fill(0)
+        needs_room = [f"/v1/jobs/{job}/{name}" for name in ("image.exr", "preview.png", "pixels?layer=depth", "curve.csv",
+                                                            "statistics.json")]
+        needs_room += ["/v1/scenes/cornell-box/thumbnail.png", "/v1/scenes/cornell-box/preview.png",
+                       "/v1/scenes/cornell-box/baked", f"/v1/images/{image.json['id']}/pixels"]
+        for path in needs_room:
+            with self.subTest(path):
+                self.assert_no_space(self.daemon.request("GET", path))
+        for path in (f"/v1/jobs/{job}/film", f"/v1/images/{image.json['id']}/file"):
+            self.assertEqual(self.daemon.request("GET", path).status, 200, path)
+        self.filler.unlink()
+        for path in needs_room:
+            with self.subTest(path):
+                self.assertEqual(self.daemon.request("GET", path).status, 200, path)
+        self.assertNotIn("defect", self.daemon.log())
+
     def test_not_a_byte_left(self):
         """Not even the store can be written: what a job came to is kept in memory until it can."""
         kept = self.daemon.wait_for_job(self.daemon.submit(small_job(size=16), "kept")["id"])
