@@ -25,8 +25,9 @@ ALONE = {"-c", "-MD", "-MMD"}
 
 def silencing_comments():
     """Those of all our sources and headers, whichever file they are in."""
-    return b"".join(subprocess.run(["grep", "-rho", "--include=*.h", "--include=*.cpp", "--exclude-dir=node_modules", "NOLINT.*", folder], cwd=ROOT, capture_output=True, check=False).stdout
-                    for folder in ("protocol", "renderer", "server", "clients"))
+    found = subprocess.run(["grep", "-rho", "--include=*.h", "--include=*.cpp", "--exclude-dir=node_modules", "NOLINT.*",
+                            "protocol", "renderer", "server", "clients"], cwd=ROOT, capture_output=True, check=False)
+    return b"\n".join(sorted(found.stdout.splitlines()))
 
 
 def preprocessed(entry):
