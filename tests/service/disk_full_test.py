@@ -17,7 +17,7 @@ import time
 import unittest
 
 import tiny_scene
-from photond_daemon import Daemon, deadline_after, small_job
+from photond_daemon import PATIENCE, Daemon, deadline_after, small_job
 
 INSIDE = "PHOTOND_TEST_HAS_NAMESPACES"
 MIB = 1 << 20
@@ -197,7 +197,7 @@ class FullDiskTest(DiskCase):
     def test_not_a_byte_left(self):
         """Not even the store can be written: what a job came to is kept in memory until it can."""
         kept = self.daemon.wait_for_job(self.daemon.submit(small_job(size=16), "kept")["id"])
-        job = self.daemon.submit(self.large_job(seconds=2))["id"]
+        job = self.daemon.submit(self.large_job(seconds=2 * PATIENCE))["id"]  # ends after the disk is full
         self.rendering(job)
         self.fill(0)
         for reply in self.uploads(self.daemon, 50):
