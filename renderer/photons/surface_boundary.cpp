@@ -193,12 +193,14 @@ struct SurfaceBoundary::Edges {
     float error_m;  // of positions
     BoundaryTree tree;
 
-    Edges(const Scene& scene, float radius)
-        : radius_m(radius), error_m(position_error_m(scene)), tree(find_boundary_edges(scene, radius), radius) {}
+    Edges(const Scene& scene, const Intersector& intersector, float radius)
+        : radius_m(radius),
+          error_m(position_error_m(scene)),
+          tree(find_boundary_edges(scene, intersector, radius), radius) {}
 };
 
-SurfaceBoundary::SurfaceBoundary(const Scene& scene, float radius_m)
-    : edges_(std::make_unique<const Edges>(scene, radius_m)) {}
+SurfaceBoundary::SurfaceBoundary(const Scene& scene, const Intersector& intersector, float radius_m)
+    : edges_(std::make_unique<const Edges>(scene, intersector, radius_m)) {}
 SurfaceBoundary::~SurfaceBoundary() = default;
 SurfaceBoundary::SurfaceBoundary(SurfaceBoundary&&) noexcept = default;
 

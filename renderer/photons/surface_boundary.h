@@ -24,12 +24,14 @@
 
 namespace photond {
 
+class Intersector;
 struct Scene;
 
 class SurfaceBoundary {
 public:
     /// For discs of at most `radius_m`. World-space edges of all instances; corners at equal positions are welded.
-    SurfaceBoundary(const Scene& scene, float radius_m);
+    /// `intersector`, of the scene, is needed while this is built.
+    SurfaceBoundary(const Scene& scene, const Intersector& intersector, float radius_m);
     ~SurfaceBoundary();
     SurfaceBoundary(SurfaceBoundary&&) noexcept;
 
