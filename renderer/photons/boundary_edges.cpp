@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <numeric>
 #include <span>
 
-#include "renderer/core/rng.h"
 #include "renderer/photons/world_triangles.h"
 #include "renderer/scene/intersector.h"
 
@@ -15,12 +13,6 @@ namespace photond {
 namespace {
 
 constexpr uint64_t kMostSorted = 1 << 23;  // half-edges sorted at once: bounds the scratch, at 16 bytes each
-
-uint64_t hash_position(const vec3& p) {
-    const vec3 q = p + vec3(0);  // -0 and 0 are the same place
-    const auto bits = [](float x) { return uint64_t{std::bit_cast<uint32_t>(x)}; };
-    return hash64(hash64(bits(q.x) | bits(q.y) << 32) + bits(q.z));
-}
 
 struct HalfEdge {
     uint64_t key;       // of the two ends, in either order

@@ -2,9 +2,11 @@
 // The triangles of a whole scene in world space, as the boundary of its surfaces is worked out from them.
 
 #include <algorithm>
+#include <bit>
 #include <vector>
 
 #include "renderer/core/parallel.h"
+#include "renderer/core/rng.h"
 #include "renderer/scene/scene.h"
 
 namespace photond {
@@ -32,6 +34,13 @@ private:
     std::vector<uint64_t> first_;
     uint64_t count_ = 0;
 };
+
+/// The same for corners at equal places, whatever mesh they belong to.
+inline uint64_t hash_position(const vec3& p) {
+    const vec3 q = p + vec3(0);  // -0 and 0 are the same place
+    const auto bits = [](float x) { return uint64_t{std::bit_cast<uint32_t>(x)}; };
+    return hash64(hash64(bits(q.x) | bits(q.y) << 32) + bits(q.z));
+}
 
 /// Needles thinner than the rounding of their corners have no normal; left out, they leave no gap either.
 inline bool has_normal(const TriangleCorners& t, float error_m) {

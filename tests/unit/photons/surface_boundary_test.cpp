@@ -9,51 +9,27 @@
 #include <atomic>
 #include <set>
 
-#include "renderer/core/rng.h"
 #include "renderer/photons/boundary_tree.h"
 #include "renderer/scene/intersector.h"
-#include "renderer/scene/mesh_builder.h"
 #include "renderer/transport/sampling.h"
 #include "tests/support/rays.h"
 #include "tests/support/statistics.h"
+#include "tests/support/surface_scenes.h"
 
 namespace photond::surface_boundary_test {
 namespace {
 
-const std::vector<Kernel> kKernels = {Kernel(KernelShape::Constant), Kernel(KernelShape::Cone, 1.0f),
-                                      Kernel(KernelShape::Cone, 1.7f), Kernel(KernelShape::Gaussian),
-                                      Kernel(KernelShape::Epanechnikov)};
-const vec3 kUp(0, 1, 0);
-
-std::string name_of(const Kernel& kernel) {
-    return "kernel " + std::to_string(static_cast<int>(kernel.shape())) + ", k = " + std::to_string(kernel.cone_k());
-}
-
-Scene scene_of(std::vector<Mesh> meshes) {
-    Scene scene;
-    for (Mesh& mesh : meshes) {
-        Instance instance;
-        instance.mesh = static_cast<uint32_t>(scene.meshes.size());
-        scene.meshes.push_back(std::move(mesh));
-        scene.instances.push_back(instance);
-    }
-    scene.materials.emplace_back();
-    finish_scene(scene);
-    return scene;
-}
+using test::add_floor;
+using test::floor_mesh;
+using test::kKernels;
+using test::kUp;
+using test::name_of;
+using test::scene_of;
 
 SurfaceBoundary boundary_of(const Scene& scene, float radius_m) {
     return SurfaceBoundary(scene, *test::intersector_of(scene), radius_m);
 }
 
-/// A rectangle of the plane y = `height`, its front upwards.
-MeshBuilder& add_floor(MeshBuilder& builder, vec2 min, vec2 max, float height = 0) {
-    return builder.quad({min.x, height, max.y}, {max.x, height, max.y}, {max.x, height, min.y}, {min.x, height, min.y});
-}
-Mesh floor_mesh(vec2 min, vec2 max, float height = 0) {
-    MeshBuilder builder;
-    return add_floor(builder, min, max, height).build(0);
-}
 Scene unit_floor() { return scene_of({floor_mesh({0, 0}, {1, 1})}); }
 
 /// Midpoints of `count` shares of equal mass.
@@ -438,25 +414,8 @@ private:
     const Intersector& inner_;
 };
 
-/// Boxes of 12 x 2 x 12 mm, thrown into a cylinder: 24 edges each.
-Mesh chips(int count, float radius_m, float height_m) {
-    MeshBuilder builder;
-    RandomStream random(5, RandomDomain::Test, 0, 0);
-    for (int i = 0; i < count; ++i) {
-        const float reach = radius_m * std::sqrt(random.next()), angle = 2 * kPi * random.next();
-        const vec3 centre(reach * std::cos(angle), 0.01f + height_m * random.next(), reach * std::sin(angle));
-        const vec3 axis(random.next() - 0.5f, random.next() - 0.5f, random.next() - 0.5f);
-        builder.place(glm::rotate(glm::translate(mat4(1), centre), 2 * kPi * random.next(), glm::normalize(axis)));
-        builder.box({-0.006f, -0.001f, -0.006f}, {0.006f, 0.001f, 0.006f});
-    }
-    return builder.build(0);
-}
-
-/// A floor of 4 x 4 m with a heap of 24,000 edges in the middle, all within a disc of 16 cm.
-Scene heap_on_a_floor() { return scene_of({floor_mesh({-2, -2}, {2, 2}), chips(1000, 0.14f, 0.06f)}); }
-
 TEST(BoundaryEdges, AskForAFewRaysEachHoweverManyLieAbout) {
-    const Scene scene = heap_on_a_floor();
+    const Scene scene = test::heap_on_a_floor();
     const auto intersector = test::intersector_of(scene);
     const CountingIntersector counting(*intersector);
     const std::vector<BoundaryEdge> edges = find_boundary_edges(scene, counting, 0.16f);
@@ -502,7 +461,7 @@ TEST(BoundaryTree, VisitsEveryEdgeThatALoopOverAllFinds) {
             const vec3 p = 1.2f * point(), normal = glm::normalize(point());
             const float radius = 0.1f * random.next(), thickness = 0.5f * radius;
             std::multiset<float> visited;  // starts tell edges apart
-            tree.visit_blocks(p, normal, radius, thickness, [&](const EdgeBlock& block) {
+            tree.visit_blocks(p, normal, radius, thickness, BoundaryTree::Limit::None, [&](const EdgeBlock& block) {
                 for (const float x : block.a.axis[0])
                     if (x != 0) visited.insert(x);  // 0: no edge
             });
