@@ -67,7 +67,7 @@ public:
     uint64_t bytes() const;
 
 private:
-    static constexpr size_t kMostLevels = 12;
+    static constexpr size_t kMostLevels = 8;  // discs are hardly ever smaller than a 256th of the largest
     struct Level {
         CubicCells cells;
         CellSet dense;  // empty of levels coarser than the first

@@ -140,14 +140,14 @@ private:
     const float area_m2_, longest_sq_m2_;
 };
 
-/// All pieces of the triangles that lie near dense cells; nothing when they are too many. Triangles much smaller than
-/// `area_m2` are thinned at once, so that there are not many more pieces than samples.
+/// All pieces of the triangles that lie near dense cells; those smaller than `thinned_m2` are thinned at once, so that
+/// there are not many more of them than samples. Nothing when they are too many.
 std::vector<Piece> cut_all(const WorldTriangles& triangles, const std::vector<uint32_t>& indices, const Cutter& cutter,
-                           float area_m2) {
+                           float thinned_m2) {
     std::atomic<size_t> count = 0;
     std::vector<Piece> pieces =
         gather_blocks<Piece>(indices.size(), [&](size_t begin, size_t end, std::vector<Piece>& out) {
-            Strata strata(area_m2 / 4, begin);
+            Strata strata(thinned_m2, begin);
             for (size_t i = begin; i < end && count.load(std::memory_order_relaxed) <= kMostPieces; ++i) {
                 const size_t before = out.size();
                 cutter.cut(triangles[indices[i]], strata, out);
@@ -226,7 +226,11 @@ SurfaceSamples::SurfaceSamples(const Scene& scene, std::span<const BoundaryEdge>
                     if (cells_.touches_near(level, box_of(triangles[near[i]].p))) out.push_back(near[i]);
             });
         }
-        std::vector<Piece> pieces = cut_all(triangles, near, cutter, area_m2);
+        // So much surface that there are too many pieces is crowded in itself, and its cells are thinned anyway.
+        constexpr float kMostThinned = 64;
+        std::vector<Piece> pieces;
+        for (float share = 0.25f; pieces.empty() && share <= kMostThinned; share *= 4)
+            pieces = cut_all(triangles, near, cutter, share * area_m2);
         if (pieces.empty()) return;
         const std::vector<Piece> kept = thin(pieces, area_m2, kMostOfCell);
         all += kept.size();
