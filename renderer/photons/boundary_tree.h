@@ -48,12 +48,13 @@ public:
         return occupied_[bit / 64] >> (bit % 64) & 1;
     }
 
+    /// Of the blocks that a look-up visits: of 32, 64 and 128 about the fastest in heaps and in a furnished room.
+    enum class Limit : uint8_t { None, Limited };
+    static constexpr size_t kMostBlocks = 64;
     /// Calls visit(block) for blocks that hold every edge with a point within `radius_m` of p and `thickness_m` of the
     /// plane through p, one of whose normals (or the zero of a half-edge) is within the cone of kSameSurface about
     /// `normal`, or about its opposite, and the other is not. Most of what a block holds beside is not such. With
     /// `limit` Limited, when there are more than kMostBlocks of them, none is visited: then the answer is false.
-    enum class Limit : uint8_t { None, Limited };
-    static constexpr size_t kMostBlocks = 64;
     template <class Visit>
     bool visit_blocks(const vec3& p, const vec3& normal, float radius_m, float thickness_m, Limit limit,
                       const Visit& visit) const;
