@@ -2,50 +2,17 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
-#include <bit>
 #include <numeric>
+#include <span>
 
-#include "renderer/core/parallel.h"
-#include "renderer/core/rng.h"
-#include "renderer/scene/scene.h"
+#include "renderer/photons/world_triangles.h"
+#include "renderer/scene/intersector.h"
 
 namespace photond {
 
 namespace {
 
-constexpr size_t kBlock = 4096;            // triangles or edges a thread takes at once
 constexpr uint64_t kMostSorted = 1 << 23;  // half-edges sorted at once: bounds the scratch, at 16 bytes each
-
-/// All triangles of all instances, numbered through, front side by the winding in world space.
-class WorldTriangles {
-public:
-    explicit WorldTriangles(const Scene& scene) : scene_(scene) {
-        for (const Instance& instance : scene.instances) {
-            first_.push_back(count_);
-            count_ += scene.meshes[instance.mesh].triangles.size();
-        }
-    }
-    uint64_t size() const { return count_; }
-    TriangleCorners operator[](uint64_t index) const {
-        const auto after = std::upper_bound(first_.begin(), first_.end(), index);
-        const auto instance = static_cast<uint32_t>(after - first_.begin() - 1);
-        TriangleCorners corners = world_triangle(scene_, instance, static_cast<uint32_t>(index - first_[instance]));
-        if (scene_.instances[instance].flips_orientation) std::swap(corners.p[1], corners.p[2]);
-        return corners;
-    }
-
-private:
-    const Scene& scene_;
-    std::vector<uint64_t> first_;
-    uint64_t count_ = 0;
-};
-
-uint64_t hash_position(const vec3& p) {
-    const vec3 q = p + vec3(0);  // -0 and 0 are the same place
-    const auto bits = [](float x) { return uint64_t{std::bit_cast<uint32_t>(x)}; };
-    return hash64(hash64(bits(q.x) | bits(q.y) << 32) + bits(q.z));
-}
 
 struct HalfEdge {
     uint64_t key;       // of the two ends, in either order
@@ -58,28 +25,6 @@ struct HalfEdge {
                                             : corner < other.corner;
     }
 };
-
-/// Needles thinner than the rounding of their corners have no normal; left out, they leave no gap either.
-bool has_normal(const TriangleCorners& t, float error_m) {
-    const vec3 e0 = t.p[1] - t.p[0], e1 = t.p[2] - t.p[1], e2 = t.p[0] - t.p[2];
-    const vec3 across = glm::cross(e0, e1);
-    const float longest_sq = std::max({glm::dot(e0, e0), glm::dot(e1, e1), glm::dot(e2, e2)});
-    return glm::dot(across, across) > sqr(error_m) * longest_sq;  // area / longest = least height
-}
-
-/// Appends what `make(block, out)` appends for each block, in the order of the blocks.
-template <class T, class Make>
-std::vector<T> gather_blocks(size_t count, const Make& make) {
-    std::vector<std::vector<T>> blocks((count + kBlock - 1) / kBlock);
-    parallel_for(blocks.size(), 1, [&](size_t i) { make(i * kBlock, std::min(count, (i + 1) * kBlock), blocks[i]); });
-    std::vector<size_t> offset(blocks.size() + 1, 0);
-    for (size_t i = 0; i < blocks.size(); ++i) offset[i + 1] = offset[i] + blocks[i].size();
-    std::vector<T> all(offset.back());
-    parallel_for(blocks.size(), 1, [&](size_t i) {
-        std::copy(blocks[i].begin(), blocks[i].end(), all.begin() + static_cast<std::ptrdiff_t>(offset[i]));
-    });
-    return all;
-}
 
 /// The half-edges whose key falls into one of `parts` equal ranges.
 std::vector<HalfEdge> collect_half_edges(const WorldTriangles& triangles, float error_m, uint64_t part,
@@ -198,112 +143,103 @@ std::vector<BoundaryEdge> unmatched_edges(const WorldTriangles& triangles, std::
     });
 }
 
-/// Places just beyond half-edges, at which the scene is asked for another surface.
+/// Places just beyond half-edges, at which the scene is asked for another surface: by rays along the normal, to either
+/// side, that pass what is no such surface. As many rays as there are layers, however many triangles lie about.
 class Probes {
 public:
-    explicit Probes(float reach_m, float same_plane_m) : reach_m_(reach_m), same_plane_m_(same_plane_m) {}
+    Probes(const Scene& scene, const Intersector& intersector, float reach_m, float same_plane_m, float error_m)
+        : scene_(scene),
+          intersector_(intersector),
+          reach_m_(reach_m),
+          same_plane_m_(same_plane_m),
+          step_m_(std::max(1e-5f * reach_m, 2 * error_m)) {}
 
     void add(const BoundaryEdge& e, uint32_t pieces) {
         const vec3 outward = glm::normalize(glm::cross(e.b - e.a, e.normal));
         for (uint32_t i = 0; i < pieces; ++i) {
             const float t = (static_cast<float>(i) + 0.5f) / static_cast<float>(pieces);
-            probes_.push_back({glm::mix(e.a, e.b, t) + kBeyond * reach_m_ * outward, e.normal});
+            probes_.push_back({glm::mix(e.a, e.b, t) + kBeyond * reach_m_ * outward, e.normal, kInfinity});
         }
     }
 
-    /// Looks at all triangles: each is intersected with the probes whose lines it may meet.
-    void look_at(const WorldTriangles& triangles) {
-        order_.resize(probes_.size());
-        std::iota(order_.begin(), order_.end(), 0u);
-        axis_.resize(probes_.size());
-        nearest_ = std::vector<std::atomic<uint32_t>>(probes_.size());
-        for (auto& bits : nearest_) bits = std::bit_cast<uint32_t>(kInfinity);
-        if (probes_.empty()) return;
-        split(0, probes_.size());
-        parallel_for((triangles.size() + kBlock - 1) / kBlock, 1, [&](size_t block) {
-            const size_t end = std::min<size_t>(triangles.size(), (block + 1) * kBlock);
-            for (size_t i = block * kBlock; i < end; ++i) {
-                const TriangleCorners t = triangles[i];
-                Bounds3 box;
-                for (const vec3& p : t.p) box.extend(p);
-                box.min -= reach_m_, box.max += reach_m_;
-                visit(0, probes_.size(), box, t);
-            }
+    /// Before continues_at_m().
+    void trace() {
+        parallel_for((probes_.size() + kBatch - 1) / kBatch, 1, [&](size_t batch) {
+            const std::span<Probe> probes =
+                std::span(probes_).subspan(batch * kBatch, std::min(kBatch, probes_.size() - batch * kBatch));
+            look_along(probes, 1);
+            look_along(probes, -1);
         });
     }
 
     float continues_at_m(size_t probe) const {
-        const float distance_m = std::bit_cast<float>(nearest_[probe].load());
+        const float distance_m = probes_[probe].nearest_m;
         return distance_m > same_plane_m_ ? distance_m : kInfinity;  // in the same plane edges cancel by themselves
     }
 
 private:
     static constexpr float kBeyond = 0.01f;  // of the reach
-    static constexpr size_t kLeaf = 8;
+    static constexpr size_t kBatch = 512;
+    static constexpr int kMostRays = 8;  // to one side: beyond so many steep surfaces nothing is looked for
     struct Probe {
         vec3 origin, normal;
+        float nearest_m;
     };
 
-    // A kd-tree without nodes: the middle of each range splits it.
-    void split(size_t begin, size_t end) {
-        if (end - begin <= kLeaf) return;
-        Bounds3 box;
-        for (size_t i = begin; i < end; ++i) box.extend(probes_[order_[i]].origin);
-        const vec3 d = box.diagonal();
-        const int axis = d.x > d.y && d.x > d.z ? 0 : d.y > d.z ? 1 : 2;
-        const size_t middle = (begin + end) / 2;
-        const auto at = [&](size_t i) { return order_.begin() + static_cast<std::ptrdiff_t>(i); };
-        std::nth_element(at(begin), at(middle), at(end),
-                         [&](uint32_t i, uint32_t j) { return probes_[i].origin[axis] < probes_[j].origin[axis]; });
-        axis_[middle] = static_cast<uint8_t>(axis);
-        split(begin, middle);
-        split(middle + 1, end);
-    }
-
-    void visit(size_t begin, size_t end, const Bounds3& box, const TriangleCorners& t) {
-        while (end - begin > kLeaf) {
-            const size_t middle = (begin + end) / 2;
-            meet(order_[middle], t);
-            const int axis = axis_[middle];
-            const float at = probes_[order_[middle]].origin[axis];
-            const bool left = box.min[axis] <= at, right = at <= box.max[axis];
-            if (left && right) visit(begin, middle, box, t);
-            if (right) {
-                begin = middle + 1;
-            } else {
-                end = middle;
+    /// Finds the nearest surface on one side, where it is nearer than what is known. Rays start as far behind the probe
+    /// as still is the same plane, so that a surface that holds the probe is met.
+    void look_along(std::span<Probe> probes, float sign) const {
+        std::array<Ray, kBatch> rays;
+        std::array<Hit, kBatch> hits;
+        std::array<uint32_t, kBatch> of;
+        std::array<float, kBatch> passed_m{};
+        size_t count = 0;
+        for (uint32_t i = 0; i < probes.size(); ++i)
+            if (probes[i].nearest_m > same_plane_m_) of[count++] = i;
+        for (int step = 0; step < kMostRays && count > 0; ++step) {
+            for (size_t k = 0; k < count; ++k) {
+                const Probe& probe = probes[of[k]];
+                const float from_m = passed_m[of[k]] - same_plane_m_;
+                rays[k] = {probe.origin + sign * from_m * probe.normal, sign * probe.normal,
+                           std::min(probe.nearest_m, reach_m_) - from_m};
             }
+            intersector_.closest_hits({rays.data(), count}, {hits.data(), count}, Coherence::Incoherent);
+            size_t left = 0;
+            for (size_t k = 0; k < count; ++k) {
+                const Hit& hit = hits[k];
+                if (!hit.valid()) continue;
+                Probe& probe = probes[of[k]];
+                if (counts(hit, probe.normal)) {
+                    const float distance_m = std::fabs(passed_m[of[k]] - same_plane_m_ + hit.t);
+                    probe.nearest_m = std::min(probe.nearest_m, distance_m);
+                } else {
+                    passed_m[of[k]] += hit.t + step_m_;
+                    of[left++] = of[k];
+                }
+            }
+            count = left;
         }
-        for (size_t i = begin; i < end; ++i) meet(order_[i], t);
     }
 
-    void meet(uint32_t index, const TriangleCorners& t) {
-        const Probe& probe = probes_[index];
-        const vec3 e1 = t.p[1] - t.p[0], e2 = t.p[2] - t.p[0], across = glm::cross(e1, e2);
-        const float cosine = glm::dot(across, probe.normal);
-        if (!(sqr(cosine) >= 0.25f * glm::dot(across, across)) || cosine == 0) return;
-        const vec3 from = probe.origin - t.p[0], side = glm::cross(probe.normal, from);
-        const float distance = std::fabs(glm::dot(across, from) / cosine);
-        const float u = glm::dot(e2, side) / cosine, v = -glm::dot(e1, side) / cosine;
-        if (!(distance <= reach_m_ && u >= 0 && v >= 0 && u + v <= 1)) return;
-        uint32_t now = nearest_[index].load(std::memory_order_relaxed);
-        const uint32_t bits = std::bit_cast<uint32_t>(distance);  // of floats >= 0 in the floats' order
-        while (bits < now && !nearest_[index].compare_exchange_weak(now, bits, std::memory_order_relaxed)) {
-        }
+    /// Whether what was hit makes at most 60 degrees with the probe's plane.
+    bool counts(const Hit& hit, const vec3& normal) const {
+        const TriangleCorners t = world_triangle(scene_, hit.instance, hit.triangle);
+        const vec3 across = glm::cross(t.p[1] - t.p[0], t.p[2] - t.p[0]);
+        return sqr(glm::dot(across, normal)) >= 0.25f * glm::dot(across, across);
     }
 
+    const Scene& scene_;
+    const Intersector& intersector_;
     const float reach_m_, same_plane_m_;
+    const float step_m_;  // beyond what is passed
     std::vector<Probe> probes_;
-    std::vector<uint32_t> order_;
-    std::vector<uint8_t> axis_;
-    std::vector<std::atomic<uint32_t>> nearest_;
 };
 
 /// Finds out where surfaces go on below or above half-edges, and cuts half-edges where that changes.
-std::vector<BoundaryEdge> probe_beyond(const WorldTriangles& triangles, const std::vector<BoundaryEdge>& edges,
-                                       float radius_m, float error_m) {
+std::vector<BoundaryEdge> probe_beyond(const Scene& scene, const Intersector& intersector,
+                                       const std::vector<BoundaryEdge>& edges, float radius_m, float error_m) {
     constexpr float kMostPieces = 64;
-    Probes probes(radius_m, std::max(1e-3f * radius_m, 4 * error_m));
+    Probes probes(scene, intersector, radius_m, std::max(1e-3f * radius_m, 4 * error_m), error_m);
     std::vector<uint32_t> pieces(edges.size());
     for (size_t i = 0; i < edges.size(); ++i) {
         if (edges[i].other_normal != vec3(0)) continue;
@@ -311,7 +247,7 @@ std::vector<BoundaryEdge> probe_beyond(const WorldTriangles& triangles, const st
         pieces[i] = static_cast<uint32_t>(std::clamp(std::ceil(length / radius_m), 1.0f, kMostPieces));
         probes.add(edges[i], pieces[i]);
     }
-    probes.look_at(triangles);
+    probes.trace();
 
     const auto alike = [](float x, float y) { return x == y || std::fabs(x - y) < 0.1f * std::min(x, y); };
     std::vector<BoundaryEdge> cut;
@@ -352,7 +288,7 @@ float position_error_m(const Scene& scene) {
     return 0x1p-23f * std::max({largest.x, largest.y, largest.z});
 }
 
-std::vector<BoundaryEdge> find_boundary_edges(const Scene& scene, float radius_m) {
+std::vector<BoundaryEdge> find_boundary_edges(const Scene& scene, const Intersector& intersector, float radius_m) {
     const WorldTriangles triangles(scene);
     const float error_m = position_error_m(scene);
     const uint64_t parts = 3 * triangles.size() / kMostSorted + 1;
@@ -362,7 +298,7 @@ std::vector<BoundaryEdge> find_boundary_edges(const Scene& scene, float radius_m
             unmatched_edges(triangles, collect_half_edges(triangles, error_m, part, parts), radius_m);
         edges.insert(edges.end(), found.begin(), found.end());
     }
-    return probe_beyond(triangles, edges, radius_m, error_m);
+    return probe_beyond(scene, intersector, edges, radius_m, error_m);
 }
 
 }  // namespace photond

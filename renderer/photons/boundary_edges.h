@@ -7,6 +7,7 @@
 
 namespace photond {
 
+class Intersector;
 struct Scene;
 
 /// A half-edge of one triangle, or the edge between two across which a surface bends.
@@ -24,8 +25,10 @@ struct BoundaryEdge {
 /// degrees; what is left over at an edge are half-edges. Corners at equal world positions are the same corner, whatever
 /// mesh or instance they belong to. Coincident triangles count once. Edges of smooth surfaces are kept, as bends, where
 /// the surface turns so sharply that it may leave the cone of 60 degrees within a disc of `radius_m`: chamfers,
-/// fillets. The result is the same for any number of threads; the time is that of sorting the triangles' edges.
-std::vector<BoundaryEdge> find_boundary_edges(const Scene& scene, float radius_m);
+/// fillets. What lies beyond half-edges is asked of the scene's `intersector`: at most 16 rays for each piece of an
+/// edge as long as the radius, so that masked texels are no surface. The result is the same for any number of threads;
+/// the time is that of sorting the triangles' edges and of those rays.
+std::vector<BoundaryEdge> find_boundary_edges(const Scene& scene, const Intersector& intersector, float radius_m);
 
 /// How far float coordinates of the scene may be off [m].
 float position_error_m(const Scene& scene);

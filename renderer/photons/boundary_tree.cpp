@@ -100,47 +100,22 @@ void BoundaryTree::fill_block(const std::vector<BoundaryEdge>& edges, size_t k) 
     }
 }
 
-/// Walks along the edge's major axis, one layer of cells at a time.
-template <class Visit>
-void BoundaryTree::for_cells_within(const BoundaryEdge& e, float radius_m, const Visit& visit) const {
-    const float reach = 1.0001f * radius_m * per_cell_ + 1e-3f;  // in cells; more than rounding can take away
-    const vec3 a = (e.a - origin_) * per_cell_, d = (e.b - origin_) * per_cell_ - a, size = glm::abs(d);
-    const int axis = size.x > size.y && size.x > size.z ? 0 : size.y > size.z ? 1 : 2;
-    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-    const float last = std::floor(std::max(a[axis], a[axis] + d[axis]) + reach);
-    for (float layer = std::floor(std::min(a[axis], a[axis] + d[axis]) - reach); layer <= last; ++layer) {
-        // The part of the edge that is within reach of the layer.
-        float t0 = 0, t1 = 1;
-        if (size[axis] > 0) {
-            const float from = (layer - reach - a[axis]) / d[axis], to = (layer + 1 + reach - a[axis]) / d[axis];
-            t0 = std::clamp(std::min(from, to), 0.0f, 1.0f), t1 = std::clamp(std::max(from, to), 0.0f, 1.0f);
-        }
-        const vec3 p = a + t0 * d, q = a + t1 * d;
-        const vec3 low = glm::floor(glm::min(p, q) - reach), high = glm::floor(glm::max(p, q) + reach);
-        vec3 cell;
-        cell[axis] = layer;
-        for (cell[u] = low[u]; cell[u] <= high[u]; ++cell[u]) {
-            for (cell[v] = low[v]; cell[v] <= high[v]; ++cell[v]) visit(hash_cell(cell));
-        }
-    }
-}
-
 void BoundaryTree::fill_cells(const std::vector<BoundaryEdge>& edges, float radius_m) {
     Bounds3 bounds;
     double length_m = 0;
     for (const BoundaryEdge& e : edges) bounds.extend(e.a), bounds.extend(e.b), length_m += glm::length(e.b - e.a);
-    origin_ = bounds.min;
+    cells_.origin = bounds.min;
     // Cells of twice the radius: an edge reaches into some eight of them. Larger where long edges would take too many,
     // or cells could not be counted in floats.
     const vec3 size = bounds.diagonal();
     const double most_layers = 4 * static_cast<double>(edges.size()) + 65536;
-    per_cell_ = 1 / std::max({2 * radius_m, static_cast<float>(length_m / most_layers),
-                              std::max({size.x, size.y, size.z}) * 0x1p-20f});
+    cells_.per_m = 1 / std::max({2 * radius_m, static_cast<float>(length_m / most_layers),
+                                 std::max({size.x, size.y, size.z}) * 0x1p-20f});
 
     std::atomic<uint64_t> visits = 0;
     parallel_for(edges.size(), 1024, [&](size_t i) {
         uint64_t own = 0;
-        for_cells_within(edges[i], radius_m, [&](uint64_t) { ++own; });
+        cells_.for_cells_within(edges[i].a, edges[i].b, radius_m, [&](const vec3&) { ++own; });
         visits.fetch_add(own, std::memory_order_relaxed);
     });
     constexpr uint64_t kFewestBits = 1 << 12, kMostBits = 1 << 25;  // 4 MiB: cells beyond share bits
@@ -148,8 +123,8 @@ void BoundaryTree::fill_cells(const std::vector<BoundaryEdge>& edges, float radi
     bit_shift_ = 64 - std::countr_zero(bits);
     occupied_.assign(bits / 64, 0);
     parallel_for(edges.size(), 1024, [&](size_t i) {
-        for_cells_within(edges[i], radius_m, [&](uint64_t hash) {
-            const uint64_t bit = hash >> bit_shift_;
+        cells_.for_cells_within(edges[i].a, edges[i].b, radius_m, [&](const vec3& cell) {
+            const uint64_t bit = CubicCells::hash(cell) >> bit_shift_;
             const std::atomic_ref<uint64_t> word(occupied_[bit / 64]);
             const uint64_t mask = uint64_t{1} << (bit % 64);
             if ((word.load(std::memory_order_relaxed) & mask) == 0) word.fetch_or(mask, std::memory_order_relaxed);

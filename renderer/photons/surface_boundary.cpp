@@ -5,6 +5,7 @@
 #include <cassert>
 
 #include "renderer/photons/boundary_tree.h"
+#include "renderer/photons/surface_samples.h"
 
 namespace photond {
 
@@ -191,14 +192,19 @@ private:
 struct SurfaceBoundary::Edges {
     float radius_m;
     float error_m;  // of positions
+    SurfaceSamples samples;
     BoundaryTree tree;
 
-    Edges(const Scene& scene, float radius)
-        : radius_m(radius), error_m(position_error_m(scene)), tree(find_boundary_edges(scene, radius), radius) {}
+    Edges(const Scene& scene, float radius, float error, std::vector<BoundaryEdge> edges)
+        : radius_m(radius),
+          error_m(error),
+          samples(scene, edges, radius, error, kDenseEdges),
+          tree(std::move(edges), radius) {}
 };
 
-SurfaceBoundary::SurfaceBoundary(const Scene& scene, float radius_m)
-    : edges_(std::make_unique<const Edges>(scene, radius_m)) {}
+SurfaceBoundary::SurfaceBoundary(const Scene& scene, const Intersector& intersector, float radius_m)
+    : edges_(std::make_unique<const Edges>(scene, radius_m, position_error_m(scene),
+                                           find_boundary_edges(scene, intersector, radius_m))) {}
 SurfaceBoundary::~SurfaceBoundary() = default;
 SurfaceBoundary::SurfaceBoundary(SurfaceBoundary&&) noexcept = default;
 
@@ -209,7 +215,11 @@ float SurfaceBoundary::mass_on_surface(const Kernel& kernel, const vec3& p, cons
 
     const Disc disc{p, normal, radius_m, thickness_m, 1e-5f * radius_m + 2 * edges_->error_m};
     LostMass lost_mass(kernel, disc);
-    edges_->tree.visit_blocks(p, normal, radius_m, thickness_m, [&](const EdgeBlock& e) { lost_mass.add(e); });
+    const SurfaceSamples& samples = edges_->samples;
+    const auto limit = samples.cover(p, radius_m) ? BoundaryTree::Limit::Limited : BoundaryTree::Limit::None;
+    if (!edges_->tree.visit_blocks(p, normal, radius_m, thickness_m, limit,
+                                   [&](const EdgeBlock& e) { lost_mass.add(e); }))
+        return std::clamp(samples.mass(kernel, p, normal, radius_m, thickness_m).mass, kLeastMass, 1.0f);
     const auto [front, back] = lost_mass.finish();
     // p lies on the layer whose edges are nearer to its plane; one sheet with both windings has both at equal height.
     const float difference_m = front.height_m - back.height_m;
@@ -222,6 +232,8 @@ float SurfaceBoundary::mass_on_surface(const Kernel& kernel, const vec3& p, cons
 
 size_t SurfaceBoundary::edges() const { return edges_->tree.size(); }
 
-uint64_t SurfaceBoundary::bytes() const { return sizeof(Edges) + edges_->tree.bytes(); }
+size_t SurfaceBoundary::samples() const { return edges_->samples.size(); }
+
+uint64_t SurfaceBoundary::bytes() const { return sizeof(Edges) + edges_->tree.bytes() + edges_->samples.bytes(); }
 
 }  // namespace photond

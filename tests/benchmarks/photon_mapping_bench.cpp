@@ -8,8 +8,11 @@
 //   precomputed irradiance 1.8e-3, final with clip and 8 rays 2.8e-3.
 // Within the first second: path_tracing 1.2e-1, direct with clip 1.0e-2.
 // [Jensen 1996]'s two rows: pass 1 0.13 s and 2.1 s (his 67 s and 298 s), rendering with 16 gather rays 9.1 s and 38 s.
+// Clipped discs against whole ones, renders of 4 passes of 320x240 with what is built beforehand (clip : none):
+// interior direct 1.9, final 1.6; a heap of chips with 36,000 edges within the search radius direct 1.6, final 1.3 (22
+// and 7 before issue 19 was mended, 11 s of it building). Passes alone: interior direct 1.3.
 //
-// Usage: photon_mapping_bench [stages] [error] [jensen]; all of them without arguments.
+// Usage: photon_mapping_bench [stages] [error] [jensen] [clip]; all of them without arguments.
 //
 // [Jensen 1996] Global Illumination using Photon Maps. Eurographics Workshop on Rendering, Table 1.
 
@@ -17,10 +20,14 @@
 #include <cstring>
 
 #include "protocol/error.h"
+#include "renderer/core/rng.h"
 #include "renderer/error/error_meter.h"
 #include "renderer/methods/path_tracing/path_tracing.h"
 #include "renderer/methods/photon_mapping/photon_mapping.h"
+#include "renderer/photons/surface_boundary.h"
+#include "renderer/scene/mesh_builder.h"
 #include "renderer/scene/scene.h"
+#include "renderer/transport/sampling.h"
 #include "tests/benchmarks/bench_scenes.h"
 #include "tests/benchmarks/timed_render.h"
 
@@ -163,13 +170,89 @@ void measure_jensen() {
     }
 }
 
+/// A room of 4 x 3 x 4 m with a heap of chips, 12 x 12 x 2 mm each, on its floor: some 36,000 half-edges within one
+/// search radius (16 cm).
+Scene make_heap_of_chips() {
+    constexpr int kChips = 1500;
+    constexpr float kHeapRadius = 0.14f, kHeapHeight = 0.08f;
+    MeshBuilder room, heap, lamp;
+    room.quad({-2, 0, 2}, {2, 0, 2}, {2, 0, -2}, {-2, 0, -2});
+    room.quad({-2, 3, -2}, {2, 3, -2}, {2, 3, 2}, {-2, 3, 2});
+    room.quad({-2, 0, -2}, {2, 0, -2}, {2, 3, -2}, {-2, 3, -2});
+    room.quad({-2, 0, 2}, {-2, 0, -2}, {-2, 3, -2}, {-2, 3, 2});
+    room.quad({2, 0, -2}, {2, 0, 2}, {2, 3, 2}, {2, 3, -2});
+    lamp.quad({-0.5f, 2.99f, -0.5f}, {0.5f, 2.99f, -0.5f}, {0.5f, 2.99f, 0.5f}, {-0.5f, 2.99f, 0.5f});
+    RandomStream random(1, RandomDomain::Test, 0, 0);
+    for (int i = 0; i < kChips; ++i) {
+        const vec2 at = random.next_2d();
+        const float reach = std::sqrt(at.x), height = 0.005f + kHeapHeight * (1 - reach) * random.next();
+        const vec3 centre(kHeapRadius * reach * std::cos(2 * kPi * at.y), height,
+                          kHeapRadius * reach * std::sin(2 * kPi * at.y));
+        const vec3 axis(random.next() - 0.5f, 2 * random.next(), random.next() - 0.5f);
+        heap.place(glm::rotate(glm::translate(mat4(1), centre), 2 * kPi * random.next(), glm::normalize(axis)));
+        heap.box({-0.006f, -0.001f, -0.006f}, {0.006f, 0.001f, 0.006f});
+    }
+    Scene scene;
+    const auto add = [&](const Mesh& mesh) {
+        Instance instance;
+        instance.mesh = static_cast<uint32_t>(scene.meshes.size());
+        scene.meshes.push_back(mesh);
+        scene.instances.push_back(instance);
+    };
+    scene.materials.resize(3);
+    for (Material& material : scene.materials) material.metallic = 0, material.specular = 0;
+    scene.materials[0].base_color = Rgb(0.7f), scene.materials[1].base_color = Rgb(0.7f, 0.4f, 0.2f);
+    scene.materials[2].emission = Rgb(12);
+    add(room.build(0)), add(heap.build(1)), add(lamp.build(2));
+    scene.cameras.push_back(look_at_camera({0, 0.45, 0.6}, {0, 0.03, 0}, {0, 1, 0}, 0.7f));
+    finish_scene(scene);
+    return scene;
+}
+
+/// What clipped discs cost: seconds of whole renders, what is built beforehand included, with boundary "none" and
+/// "clip" in turn.
+void measure_clip() {
+    constexpr int kRepeats = 3, kPasses = 4;
+    std::printf("\nboundary clip against none: medians of %d renders of %d passes at 320x240, wall seconds\n", kRepeats,
+                kPasses);
+    for (const char* name : {"heap of chips", "interior"}) {
+        const Scene scene = name == std::string("interior") ? make_builtin_scene(name) : make_heap_of_chips();
+        const auto intersector = build(scene);
+        const double start = wall_now_seconds();
+        const SurfaceBoundary boundary(scene, *intersector,
+                                       PhotonMappingParams().search_radius_m(scene.bounds.radius()));
+        std::printf("  %s: %zu edges, built in %.3f s, %.1f MB\n", name, boundary.edges(), wall_now_seconds() - start,
+                    1e-6 * double(boundary.bytes()));
+        for (const Gather gather : {Gather::Direct, Gather::Final}) {
+            std::vector<double> none, clip, ratios;
+            for (int i = 0; i < kRepeats; ++i) {
+                const auto seconds = [&](DiscBoundary discs) {
+                    PhotonMappingParams params;
+                    params.gather = gather;
+                    params.boundary = discs;
+                    TimedRender<PhotonMapping> render(scene, *intersector, {320, 240}, params);
+                    for (int pass = 0; pass < kPasses; ++pass) render.pass();
+                    return render.seconds;
+                };
+                none.push_back(seconds(DiscBoundary::None)), clip.push_back(seconds(DiscBoundary::Clip));
+                ratios.push_back(clip.back() / none.back());
+            }
+            const auto [least, most] = std::minmax_element(ratios.begin(), ratios.end());
+            std::printf("    %-6s none %.2f s, clip %.2f s, ratio %.2f (%.2f to %.2f)\n",
+                        gather == Gather::Direct ? "direct" : "final", median(none), median(clip),
+                        median(clip) / median(none), *least, *most);
+            std::fflush(stdout);
+        }
+    }
+}
+
 }  // namespace
 }  // namespace photond
 
 int main(int argc, char** argv) {
     using namespace photond;
     const std::pair<const char*, void (*)()> parts[] = {
-        {"stages", measure_stages}, {"error", measure_error}, {"jensen", measure_jensen}};
+        {"stages", measure_stages}, {"error", measure_error}, {"jensen", measure_jensen}, {"clip", measure_clip}};
     try {
         for (const auto& [name, measure] : parts)
             if (argc == 1 || std::any_of(argv + 1, argv + argc, [&](const char* a) { return !std::strcmp(a, name); }))

@@ -27,7 +27,8 @@ struct PhotonMappingScene : EyeScene {
           estimate{.kernel = Kernel(parameters.kernel, parameters.cone_k),
                    .disc_thickness_m = parameters.disc_thickness_m,
                    .soft_disc = parameters.soft_disc} {
-        if (parameters.boundary == DiscBoundary::Clip) estimate.boundary = &boundary.emplace(scene, search_radius_m);
+        if (parameters.boundary == DiscBoundary::Clip)
+            estimate.boundary = &boundary.emplace(scene, intersector, search_radius_m);
     }
 
     bool final_gather() const { return params.gather == Gather::Final; }

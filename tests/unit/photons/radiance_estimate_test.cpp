@@ -10,6 +10,7 @@
 #include "renderer/core/rng.h"
 #include "renderer/photons/surface_boundary.h"
 #include "renderer/scene/mesh_builder.h"
+#include "tests/support/rays.h"
 
 namespace photond::radiance_estimate_test {
 namespace {
@@ -233,7 +234,7 @@ TEST(RadianceEstimate, IsDividedByTheShareOfTheDiscOnTheSurface) {
     scene.instances.emplace_back();
     scene.materials.emplace_back();
     finish_scene(scene);
-    const SurfaceBoundary boundary(scene, kRadius.radius_m);
+    const SurfaceBoundary boundary(scene, *test::intersector_of(scene), kRadius.radius_m);
     const PhotonMap map({photon_at({0.1f, 0, 0})}, kRadius);
     const ShadingPoint point = flat_point({0.05f, 0, 0});
     const Bsdf lambert = Bsdf::lambert(kUp, Rgb(0.5f));

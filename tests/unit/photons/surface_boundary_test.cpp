@@ -6,45 +6,30 @@
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
 
+#include <atomic>
 #include <set>
 
-#include "renderer/core/rng.h"
 #include "renderer/photons/boundary_tree.h"
-#include "renderer/scene/mesh_builder.h"
+#include "renderer/scene/intersector.h"
 #include "renderer/transport/sampling.h"
+#include "tests/support/rays.h"
 #include "tests/support/statistics.h"
+#include "tests/support/surface_scenes.h"
 
 namespace photond::surface_boundary_test {
 namespace {
 
-const std::vector<Kernel> kKernels = {Kernel(KernelShape::Constant), Kernel(KernelShape::Cone, 1.0f),
-                                      Kernel(KernelShape::Cone, 1.7f), Kernel(KernelShape::Gaussian),
-                                      Kernel(KernelShape::Epanechnikov)};
-const vec3 kUp(0, 1, 0);
+using test::add_floor;
+using test::floor_mesh;
+using test::kKernels;
+using test::kUp;
+using test::name_of;
+using test::scene_of;
 
-std::string name_of(const Kernel& kernel) {
-    return "kernel " + std::to_string(static_cast<int>(kernel.shape())) + ", k = " + std::to_string(kernel.cone_k());
-}
-
-Scene scene_of(std::vector<Mesh> meshes) {
-    Scene scene;
-    for (Mesh& mesh : meshes) {
-        Instance instance;
-        instance.mesh = static_cast<uint32_t>(scene.meshes.size());
-        scene.meshes.push_back(std::move(mesh));
-        scene.instances.push_back(instance);
-    }
-    return scene;
+SurfaceBoundary boundary_of(const Scene& scene, float radius_m) {
+    return SurfaceBoundary(scene, *test::intersector_of(scene), radius_m);
 }
 
-/// A rectangle of the plane y = `height`, its front upwards.
-MeshBuilder& add_floor(MeshBuilder& builder, vec2 min, vec2 max, float height = 0) {
-    return builder.quad({min.x, height, max.y}, {max.x, height, max.y}, {max.x, height, min.y}, {min.x, height, min.y});
-}
-Mesh floor_mesh(vec2 min, vec2 max, float height = 0) {
-    MeshBuilder builder;
-    return add_floor(builder, min, max, height).build(0);
-}
 Scene unit_floor() { return scene_of({floor_mesh({0, 0}, {1, 1})}); }
 
 /// Midpoints of `count` shares of equal mass.
@@ -129,7 +114,7 @@ double mass_beyond_line(const Kernel& kernel, double q) {
 
 TEST(SurfaceBoundary, StraightEdgeToAFewMillionths) {
     const Scene scene = unit_floor();
-    const SurfaceBoundary boundary(scene, 0.2f);
+    const SurfaceBoundary boundary = boundary_of(scene, 0.2f);
     EXPECT_EQ(boundary.edges(), 4u);
     for (const Kernel& kernel : kKernels) {
         for (const float q : {0.001f, 0.01f, 0.05f, 0.1f, 0.3f, 0.5f, 0.7f, 0.9f, 0.99f}) {
@@ -143,7 +128,7 @@ TEST(SurfaceBoundary, StraightEdgeToAFewMillionths) {
 
 TEST(SurfaceBoundary, SquareAtItsCornerItsEdgeAndItsCentre) {
     const Scene scene = unit_floor();
-    const SurfaceBoundary boundary(scene, 0.8f);
+    const SurfaceBoundary boundary = boundary_of(scene, 0.8f);
     for (const float radius : {0.1f, 0.3f, 0.8f}) {  // the last holds the whole square
         for (const vec2 at :
              {vec2(0.001f, 0.001f), vec2(0.05f, 0.02f), vec2(0.5f, 0.04f), vec2(0.5f, 0.5f), vec2(0.93f, 0.81f)}) {
@@ -159,7 +144,7 @@ TEST(SurfaceBoundary, BothSidesOfASheetAndTwoCoincidentSheetsAreOneSurface) {
     const Scene single = unit_floor(), twice = scene_of({floor_mesh({0, 0}, {1, 1}), floor_mesh({0, 0}, {1, 1})}),
                 two_sided = scene_of({both});
     for (const Scene* scene : {&single, &twice, &two_sided}) {
-        const SurfaceBoundary boundary(*scene, 0.3f);
+        const SurfaceBoundary boundary = boundary_of(*scene, 0.3f);
         EXPECT_EQ(boundary.edges(), 4u);
         for (const vec3& normal : {kUp, -kUp}) {
             expect_brute_force(single, boundary, {vec3(0.1f, 0, 0.07f), normal, 0.3f, 0.075f});
@@ -190,7 +175,7 @@ TEST(SurfaceBoundary, RandomHolesInAPlaneOfSlantedCells) {
         }
     }
     const Scene scene = scene_of({builder.build(0)});
-    const SurfaceBoundary boundary(scene, 0.25f);
+    const SurfaceBoundary boundary = boundary_of(scene, 0.25f);
     for (size_t i = 0; i < on_surface.size(); i += 7) {
         const float radius = 0.03f + 0.22f * random.next();
         expect_brute_force(scene, boundary, {on_surface[i], tilt * kUp, radius, 0.05f});
@@ -199,11 +184,11 @@ TEST(SurfaceBoundary, RandomHolesInAPlaneOfSlantedCells) {
 
 TEST(SurfaceBoundary, NarrowStripAndSmallTriangle) {
     const Scene strip = scene_of({floor_mesh({-1, -0.05f}, {1, 0.05f})});
-    const SurfaceBoundary of_strip(strip, 0.3f);
+    const SurfaceBoundary of_strip = boundary_of(strip, 0.3f);
     for (const float z : {0.0f, 0.02f, 0.049f}) expect_brute_force(strip, of_strip, {{0, 0, z}, kUp, 0.3f, 0.1f});
 
     const Scene triangle = scene_of({MeshBuilder().triangle({0, 0, 0}, {0.2f, 0, 0.05f}, {0.15f, 0, -0.15f}).build(0)});
-    const SurfaceBoundary of_triangle(triangle, 0.5f);
+    const SurfaceBoundary of_triangle = boundary_of(triangle, 0.5f);
     for (const float radius : {0.1f, 0.2f, 0.5f}) {
         expect_brute_force(triangle, of_triangle, {{0.12f, 0, -0.03f}, kUp, radius, 0.1f});
     }
@@ -215,7 +200,7 @@ TEST(SurfaceBoundary, EdgesThatMeetInTJunctionsCancel) {
     // An L of three rectangles: one long side against two short ones, and against half of a longer one.
     const Scene scene = scene_of(
         {floor_mesh({0, 0}, {1, 0.31f}), floor_mesh({0, 0.31f}, {0.37f, 1}), floor_mesh({0.37f, 0.31f}, {0.63f, 1})});
-    const SurfaceBoundary boundary(scene, 0.25f);
+    const SurfaceBoundary boundary = boundary_of(scene, 0.25f);
     for (const vec2 at : {vec2(0.37f, 0.32f), vec2(0.3f, 0.3f), vec2(0.62f, 0.33f), vec2(0.7f, 0.29f),
                           vec2(0.02f, 0.31f), vec2(0.5f, 0.9f)}) {
         expect_brute_force(scene, boundary, {vec3(at.x, 0, at.y), kUp, 0.25f, 0.06f});
@@ -238,7 +223,8 @@ TEST(SurfaceBoundary, PiecesOfAWallWeldAcrossMeshesAndInstances) {
     mirrored.flips_orientation = true;
     scene.instances.push_back(beside);
     scene.instances.push_back(mirrored);
-    const SurfaceBoundary boundary(scene, 0.2f);
+    finish_scene(scene);
+    const SurfaceBoundary boundary = boundary_of(scene, 0.2f);
     EXPECT_EQ(boundary.edges(), 8u);  // around three squares in a row
     for (const float x : {-0.01f, 0.0f, 0.02f, 0.99f, 1.0f}) {
         EXPECT_EQ(boundary.mass_on_surface(kKernels[0], {x, 0, 0.5f}, kUp, 0.2f, 0.05f), 1);
@@ -247,7 +233,7 @@ TEST(SurfaceBoundary, PiecesOfAWallWeldAcrossMeshesAndInstances) {
 
 TEST(SurfaceBoundary, WallsOfABoxDoNotCountForItsFloor) {
     const Scene scene = scene_of({MeshBuilder().box({0, 0, 0}, {1, 1, 1}).build(0)});
-    const SurfaceBoundary boundary(scene, 0.3f);
+    const SurfaceBoundary boundary = boundary_of(scene, 0.3f);
     const Scene bottom = unit_floor();
     for (const vec3& normal : {kUp, -kUp}) {  // from inside and from below
         expect_brute_force(bottom, boundary, {{0.1f, 0, 0.5f}, normal, 0.3f, 0.075f});
@@ -261,7 +247,7 @@ TEST(SurfaceBoundary, WallThatStandsOnAFloorEndsThereAndTheFloorDoesNot) {
     add_floor(builder, {0, -1}, {1, 1});
     builder.quad({0, 0, 1}, {0, 0, -1}, {0, 1, -1}, {0, 1, 1});  // on the seam
     const Scene scene = scene_of({builder.build(0)});
-    const SurfaceBoundary boundary(scene, 0.3f);
+    const SurfaceBoundary boundary = boundary_of(scene, 0.3f);
     for (const Kernel& kernel : kKernels) {
         EXPECT_EQ(boundary.mass_on_surface(kernel, {0.05f, 0, 0.1f}, kUp, 0.3f, 0.075f), 1);
         EXPECT_EQ(boundary.mass_on_surface(kernel, {-0.05f, 0, 0.1f}, kUp, 0.3f, 0.075f), 1);
@@ -274,9 +260,9 @@ TEST(SurfaceBoundary, WallThatStandsOnAFloorEndsThereAndTheFloorDoesNot) {
 
 TEST(SurfaceBoundary, SmoothSurfacesHaveNoEdges) {
     const Scene scene = scene_of({make_icosphere(4, 0)});
-    EXPECT_EQ(SurfaceBoundary(scene, 0.1f).edges(), 0u);
+    EXPECT_EQ(boundary_of(scene, 0.1f).edges(), 0u);
     // Bends are kept when the disc is not small against the sphere; they lie beyond its thickness.
-    const SurfaceBoundary wide(scene, 0.5f);
+    const SurfaceBoundary wide = boundary_of(scene, 0.5f);
     for (const vec3& p : scene.meshes[0].positions) {
         EXPECT_EQ(wide.mass_on_surface(kKernels[0], p, glm::normalize(p), 0.5f, 0.125f), 1);
     }
@@ -287,7 +273,7 @@ TEST(SurfaceBoundary, ChamferedEdgesEndASurface) {
     // does.
     const std::vector<vec2> profile = {{0.5f, 0}, {0.5f, 0.499f}, {0.499f, 0.5f}, {0, 0.5f}};
     const Scene scene = scene_of({MeshBuilder().lathe(profile, 4, 0).build(0)});
-    const SurfaceBoundary boundary(scene, 0.1f);
+    const SurfaceBoundary boundary = boundary_of(scene, 0.1f);
     const vec3 corner = scene.meshes[0].positions[0], next(-corner.z, 0, corner.x);
     const vec3 to_side = 0.5f * (vec3(corner.x, 0, corner.z) + next);
     for (const Kernel& kernel : kKernels) {
@@ -298,7 +284,7 @@ TEST(SurfaceBoundary, ChamferedEdgesEndASurface) {
 
 TEST(SurfaceBoundary, FrontAndBackOfAThinBodyAreNotAddedUp) {
     const Scene scene = scene_of({MeshBuilder().box({0, 0, 0}, {1, 0.01f, 1}).build(0)});
-    const SurfaceBoundary boundary(scene, 0.2f);
+    const SurfaceBoundary boundary = boundary_of(scene, 0.2f);
     for (const Kernel& kernel : kKernels) {
         for (const float y : {0.0f, 0.01f}) {
             for (const vec3& normal : {kUp, -kUp}) {
@@ -312,7 +298,7 @@ TEST(SurfaceBoundary, FrontAndBackOfAThinBodyAreNotAddedUp) {
 TEST(SurfaceBoundary, RimOfACarpetDoesNotCountWhereTheFloorIsWithinTheDisc) {
     // Half of the carpet hangs over the end of the floor.
     const Scene scene = scene_of({floor_mesh({0, 0}, {2, 2}), floor_mesh({0.5f, 0.5f}, {1.5f, 3}, 0.01f)});
-    const SurfaceBoundary boundary(scene, 0.2f);
+    const SurfaceBoundary boundary = boundary_of(scene, 0.2f);
     for (const Kernel& kernel : kKernels) {
         const auto mass = [&](vec3 p, float thickness_m) {
             return boundary.mass_on_surface(kernel, p, kUp, 0.2f, thickness_m);
@@ -336,7 +322,7 @@ TEST(SurfaceBoundary, DivisionByTheMassUnbiasesTheEstimateAtAnyPlace) {
     MeshBuilder builder;
     for (const auto& [min, max] : rectangles) add_floor(builder, min, max);
     const Scene scene = scene_of({builder.build(0)});
-    const SurfaceBoundary boundary(scene, kRadius);
+    const SurfaceBoundary boundary = boundary_of(scene, kRadius);
     const std::vector<vec2> places = {{0.01f, 0.01f}, {0.15f, 0.5f}, {0.29f, 0.39f},
                                       {0.55f, 0.5f},  {0.9f, 0.02f}, {0.4f, 0.38f}};
     std::vector<test::RunningMean> means(places.size() * kKernels.size());
@@ -372,9 +358,9 @@ TEST(SurfaceBoundary, IsTheSameForAnyNumberOfThreads) {
         builder.triangle(at, at + 0.05f * point(), at + 0.05f * point());
     }
     const Scene scene = scene_of({builder.build(0)});
-    const SurfaceBoundary all(scene, 0.05f);
+    const SurfaceBoundary all = boundary_of(scene, 0.05f);
     tbb::task_arena one(1);
-    const SurfaceBoundary single = one.execute([&] { return SurfaceBoundary(scene, 0.05f); });
+    const SurfaceBoundary single = one.execute([&] { return boundary_of(scene, 0.05f); });
     EXPECT_EQ(all.edges(), single.edges());
     EXPECT_EQ(all.bytes(), single.bytes());
     for (int i = 0; i < 2000; ++i) {
@@ -396,14 +382,62 @@ TEST(SurfaceBoundary, TrianglesOfAnySizeAgainstTheDiscFarFromTheOrigin) {
         const vec3 across = glm::cross(b - a, c - a);
         if (glm::length(across) < 0.05f * size * size) continue;
         const Scene scene = scene_of({MeshBuilder().triangle(a, b, c).build(0)});
-        const SurfaceBoundary boundary(scene, 0.3f);
+        const SurfaceBoundary boundary = boundary_of(scene, 0.3f);
         const vec2 u = 0.1f + 0.7f * sample_triangle(random.next_2d());  // off the edges by more than rounding
         const vec3 p = a + u.x * (b - a) + u.y * (c - a);
         const Disc disc = {p, glm::normalize(across), 0.3f, 0.07f};
         EXPECT_NEAR(boundary.mass_on_surface(kKernels[3], p, disc.normal, 0.3f, 0.07f),
                     clamped(brute_mass(scene, kKernels[3], disc)), 2e-3);
     }
-    EXPECT_EQ(SurfaceBoundary(Scene{}, 1).mass_on_surface(kKernels[0], vec3(0), kUp, 1, 0.25f), 1);
+    EXPECT_EQ(boundary_of(Scene{}, 1).mass_on_surface(kKernels[0], vec3(0), kUp, 1, 0.25f), 1);
+}
+
+/// Counts the rays that are asked for.
+class CountingIntersector final : public Intersector {
+public:
+    explicit CountingIntersector(const Intersector& inner) : inner_(inner) {}
+    Hit closest_hit(const Ray& ray) const override { return ++rays, inner_.closest_hit(ray); }
+    bool occluded(const Ray& ray) const override { return ++rays, inner_.occluded(ray); }
+    void closest_hits(std::span<const Ray> batch, std::span<Hit> hits, Coherence coherence) const override {
+        rays += batch.size();
+        inner_.closest_hits(batch, hits, coherence);
+    }
+    void occluded(std::span<const Ray> batch, std::span<uint8_t> occluded, Coherence coherence) const override {
+        rays += batch.size();
+        inner_.occluded(batch, occluded, coherence);
+    }
+    uint64_t bytes() const override { return inner_.bytes(); }
+
+    mutable std::atomic<size_t> rays = 0;
+
+private:
+    const Intersector& inner_;
+};
+
+TEST(BoundaryEdges, AskForAFewRaysEachHoweverManyLieAbout) {
+    const Scene scene = test::heap_on_a_floor();
+    const auto intersector = test::intersector_of(scene);
+    const CountingIntersector counting(*intersector);
+    const std::vector<BoundaryEdge> edges = find_boundary_edges(scene, counting, 0.16f);
+    // Those of the chips are shorter than the radius, one probe each; the floor's four have 25.
+    EXPECT_EQ(edges.size(), 24'000u + 4);
+    EXPECT_GE(counting.rays, 2 * 24'000u);
+    EXPECT_LE(counting.rays, 16 * 24'100u);
+}
+
+TEST(BoundaryEdges, GoOnAtTheNearestSurfaceThatIsNotSteep) {
+    // Beyond the rim of the sheet at y = 0: a steep surface 1 cm above, which does not count, and others beyond it.
+    MeshBuilder others;
+    others.quad({0.95f, 0.005f, 1}, {1.15f, 0.805f, 1}, {1.15f, 0.805f, 0}, {0.95f, 0.005f, 0});
+    for (const float height : {0.37f, 0.39f, -0.38f}) add_floor(others, {0.5f, -1}, {2, 2}, height);
+    const Scene scene = scene_of({floor_mesh({0, 0}, {1, 1}), others.build(0)});
+    const auto continues_at_m = [&](float radius_m) {
+        for (const BoundaryEdge& e : find_boundary_edges(scene, *test::intersector_of(scene), radius_m))
+            if (e.a.x == 1 && e.b.x == 1 && e.a.y == 0 && e.b.y == 0) return e.continues_at_m;
+        return -1.0f;
+    };
+    EXPECT_NEAR(continues_at_m(0.4f), 0.37f, 1e-5f);
+    EXPECT_EQ(continues_at_m(0.35f), kInfinity) << "beyond the radius";
 }
 
 TEST(BoundaryTree, VisitsEveryEdgeThatALoopOverAllFinds) {
@@ -427,7 +461,7 @@ TEST(BoundaryTree, VisitsEveryEdgeThatALoopOverAllFinds) {
             const vec3 p = 1.2f * point(), normal = glm::normalize(point());
             const float radius = 0.1f * random.next(), thickness = 0.5f * radius;
             std::multiset<float> visited;  // starts tell edges apart
-            tree.visit_blocks(p, normal, radius, thickness, [&](const EdgeBlock& block) {
+            tree.visit_blocks(p, normal, radius, thickness, BoundaryTree::Limit::None, [&](const EdgeBlock& block) {
                 for (const float x : block.a.axis[0])
                     if (x != 0) visited.insert(x);  // 0: no edge
             });
