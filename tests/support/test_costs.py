@@ -64,7 +64,9 @@ def cases_in(folder):
 
 def read_budget(file):
     rows = [line.split() for line in file.read_text().splitlines() if line and not line.startswith("#")]
-    return {name: float(seconds) for name, seconds in rows}
+    budget = {name: float(seconds) for name, seconds in rows}
+    budget["tests"] = sum(seconds for name, seconds in budget.items() if name not in ("calibration", "build"))
+    return {**budget, "total": budget["tests"] + budget["build"]}
 
 
 def report(asked):
@@ -118,8 +120,7 @@ def main():
         sys.exit(report(asked))
     else:
         spent = totals_in(asked.folder)
-        rows = {"calibration": statistics.mean(asked.calibration), "build": asked.build, "tests": sum(spent.values()),
-                "total": sum(spent.values()) + asked.build, **dict(spent.most_common())}
+        rows = {"calibration": statistics.mean(asked.calibration), "build": asked.build, **dict(spent.most_common())}
         print("\n".join(f"{name} {seconds:.3f}" if name == "calibration" else f"{name} {seconds:.1f}"
                         for name, seconds in rows.items()))
 
