@@ -275,7 +275,7 @@ FilmHistory RenderJob::history(double seconds) {
 }
 
 void RenderJob::save(const Film& film, double seconds, const std::filesystem::path& path, bool tell) {
-    saver_->save(film, history(seconds).text(), path);
+    saver_->save(film, history(seconds).text(), path, order_.origin);
     if (!tell) return;
     send_(message_json(FilmSavedMessage{order_.job, order_.attempt, path, film.passes()}));
 }
