@@ -421,6 +421,17 @@ json job_summary_page() {
     return page;
 }
 
+json store_schema() {
+    return given(
+        {{"id", typed("string", "given to it when it was made; its films carry it")},
+         {"bytes", count("of the database")},
+         {"recovered", typed("boolean", "false while a full disk keeps what was running from being recorded")},
+         {"check", given({{"state", one_of_words({"waiting", "running", "ok", "damaged", "failed"})},
+                          {"detail", nullable("string", "what is wrong, or is waited for")}})},
+         {"quarantine", given({{"files", count("that a start could not tell; they are the operator's to look at")},
+                               {"bytes", count()}})}});
+}
+
 json status_schema() {
     const json totals = with_text(
         given({{"jobs", given({{"succeeded", count()}, {"failed", count()}, {"cancelled", count()}})},
@@ -447,6 +458,7 @@ json status_schema() {
                                       {"pid", nullable("integer", "of the process that draws them")},
                                       {"restarts", count()},
                                       {"resident_bytes", count()}})},
+                  {"store", store_schema()},
                   {"disk_free_bytes", nullable("integer")},
                   {"resident_bytes", nullable("integer", "of the daemon itself")},
                   {"event_clients", count("event streams open")},

@@ -3,6 +3,7 @@
 #include <arpa/inet.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -13,9 +14,11 @@
 #include <cstdio>
 #include <cstdlib>
 #include <optional>
+#include <utility>
 
 #include "server/auth.h"
 #include "server/routes/http_server.h"
+#include "server/routes/listener.h"
 #include "server/service.h"
 
 namespace {
@@ -90,26 +93,28 @@ void add_limits(CLI::App& app, Limits& limits) {
 }
 
 /// Makes the settings whole; throws photond::Error where they contradict each other.
-void complete(Options& options, const std::string& listen) {
-    parse_listen(listen, options);
+void complete(Options& options) {
     if (!is_loopback(options.listen_address) && options.token_file.empty())
         throw Error(ErrorCode::Forbidden,
                     "will not listen on " + options.listen_address + ", which others can reach, without --tokens FILE");
-    std::error_code error;
-    fs::create_directories(options.data_dir, error);
-    if (error) throw Error(ErrorCode::Internal, options.data_dir.string() + ": " + error.message());
-    options.data_dir = fs::canonical(options.data_dir);
     options.worker_program = fs::read_symlink("/proc/self/exe").parent_path() / "photond-worker";
     if (access(options.worker_program.c_str(), X_OK) != 0)
         throw Error(ErrorCode::Internal, "there is no program " + options.worker_program.string());
     if (options.memory_limit_bytes == 0) options.memory_limit_bytes = default_memory_limit_bytes();
 }
 
-int serve(const Options& options, const sigset_t& signals) {
+void make_data_folder(Options& options) {
+    std::error_code error;
+    fs::create_directories(options.data_dir, error);
+    if (error) throw Error(ErrorCode::Internal, options.data_dir.string() + ": " + error.message());
+    options.data_dir = fs::canonical(options.data_dir);
+}
+
+int serve(const Options& options, http::Listener listener, const sigset_t& signals) {
     std::optional<TokenList> tokens;
     if (!options.token_file.empty()) tokens = TokenList::load(options.token_file);
     Service service(options);
-    HttpServer server(service, tokens ? &*tokens : nullptr);
+    HttpServer server(service, tokens ? &*tokens : nullptr, std::move(listener));
     server.start();
     std::printf("photond listening on %s\n", server.url().c_str());
     std::fflush(stdout);
@@ -136,6 +141,7 @@ int main(int argc, char** argv) {
     for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&signals, signal);
     pthread_sigmask(SIG_BLOCK, &signals, nullptr);
     std::signal(SIGPIPE, SIG_IGN);
+    umask(S_IRWXG | S_IRWXO);  // scenes, results and keys are for this user alone, the workers' files too
 
     Options options;
     options.data_dir = default_data_dir();
@@ -178,8 +184,12 @@ int main(int argc, char** argv) {
             std::printf("token: %s\nline:  %s\n", made.token.c_str(), made.line.c_str());
             return EXIT_SUCCESS;
         }
-        complete(options, listen);
-        return serve(options, signals);
+        parse_listen(listen, options);
+        complete(options);
+        // Before the data folder is touched: a second daemon on a port that is taken must change nothing there.
+        http::Listener listener(options.listen_address, options.listen_port);
+        make_data_folder(options);
+        return serve(options, std::move(listener), signals);
     } catch (const std::exception& error) {
         spdlog::critical("{}", error.what());
         return EXIT_FAILURE;

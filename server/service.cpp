@@ -18,6 +18,7 @@
 #include "server/service/references.h"
 #include "server/service/scenes.h"
 #include "server/service/service_core.h"
+#include "server/service/store_upkeep.h"
 #include "server/service/system_status.h"
 #include "server/service/waiting_jobs.h"
 
@@ -42,14 +43,16 @@ struct Service::Impl {
     Jobs jobs{core, artefact_files, pictures, scenes, references, waiting, purges, attempts};
     Comparisons comparisons{core, scenes, references, purges, attempts, jobs};
     ComparisonReports reports{artefact_files, jobs, comparisons};
-    SystemStatus system{core, pictures, attempts};
+    Recovery recovery{core, attempts, purges};
+    StoreUpkeep upkeep{core, recovery};
+    SystemStatus system{core, pictures, attempts, upkeep};
     Processes processes{core, pictures, scenes, attempts};
 };
 
 Service::Impl::Impl(Options given) : core(std::move(given)) {
-    recover(core, attempts, purges);
-    sweep_orphans(core);
+    recovery.begin();
     processes.start();
+    upkeep.start();
     const auto took = std::chrono::duration_cast<std::chrono::milliseconds>(SteadyClock::now() - core.begun);
     const std::lock_guard lock(core.mutex);  // workers take jobs already
     spdlog::info("store open after {} ms, {} jobs queued", took.count(), core.queue.size());

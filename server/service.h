@@ -164,8 +164,8 @@ public:
     Page devices();
     /// {"version", "uptime_seconds", "ready", "queue": {"queued", "running"}, "workers": [{"device", "device_name",
     /// "state", "pid", "job", "restarts", "resident_bytes", "memory_limit_bytes"}], "pictures": {"waiting", "pid",
-    /// "restarts", "resident_bytes"}, "disk_free_bytes",
-    /// "resident_bytes", "event_clients", "totals": {"jobs", "passes", "pixels", "render_seconds", "rays", "photons"}}.
+    /// "restarts", "resident_bytes"}, "store" (store_upkeep.h), "disk_free_bytes", "resident_bytes", "event_clients",
+    /// "totals": {"jobs", "passes", "pixels", "render_seconds", "rays", "photons"}}.
     nlohmann::json status();
     /// The store is open and every worker and the helper have answered. Takes no lock.
     bool ready() const;

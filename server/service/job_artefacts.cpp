@@ -129,7 +129,7 @@ Artefact JobArtefacts::method_artefact(const std::string& id, const std::string&
     const auto known = all_artefacts();
     const auto info = std::find_if(known.begin(), known.end(), [&](const ArtefactInfo& a) { return a.name == name; });
     if (info == known.end()) throw Error(ErrorCode::NotFound, "there is no artefact '" + name + "'");
-    const json kept = json::parse(row.artefacts);
+    const json kept = is_over(row.state) ? json::parse(row.artefacts) : json::array();
     if (std::find(kept.begin(), kept.end(), json(name)) != kept.end()) {
         const fs::path file = artefact_path(core_.files.films / row.film, name);
         return artefact_files_.linked("job/" + std::to_string(row.seq) + "/" + file.filename().string(), file,

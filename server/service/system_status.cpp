@@ -67,6 +67,7 @@ json SystemStatus::status() {
             {"queue", {{"queued", core_.queue.size()}, {"running", running}}},
             {"workers", std::move(workers)},
             {"pictures", pictures_now()},
+            {"store", upkeep_.status()},
             {"disk_free_bytes", core_.files.free_bytes()},
             {"totals", totals_now()},
             {"resident_bytes", resident_bytes_of(getpid())},

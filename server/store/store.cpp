@@ -5,6 +5,7 @@
 #include <functional>
 #include <iterator>
 
+#include "protocol/error.h"
 #include "server/store/schema.h"
 
 namespace photond {
@@ -139,7 +140,12 @@ int64_t job_seq(std::string_view id) { return numbered_id('J', id); }
 std::string comparison_id(int64_t seq) { return "C" + std::to_string(seq); }
 int64_t comparison_seq(std::string_view id) { return numbered_id('C', id); }
 
-Store::Store(const std::filesystem::path& file) : database_(file, kMigrations, kSchemaVersion) {}
+Store::Store(const std::filesystem::path& file, Use use)
+    : database_(use == Use::Read ? Database(file, kSchemaVersion) : Database(file, kMigrations, kSchemaVersion)) {
+    if (use == Use::Read && is_new()) throw Error(ErrorCode::Internal, "the store " + file.string() + " is empty");
+    Statement read = database_.prepare("SELECT value FROM meta WHERE key = 'store_id'");
+    if (read.step()) id_ = read.text(0);
+}
 
 void Store::insert_job(JobRow& job) {
     static const std::string kInsert = "INSERT INTO jobs (" +
@@ -486,9 +492,18 @@ void Store::set_event_ids_until(uint64_t id) {
         .run();
 }
 
-std::string Store::integrity() {
-    Statement check = database_.prepare("PRAGMA integrity_check");
-    return check.step() ? check.text(0) : "no answer";
+void Store::note_unnamed_file(const std::string& path) {
+    for (const std::string& gone : std::exchange(gone_files_, {})) forget_unnamed_file(gone);
+    database_.prepare("INSERT OR IGNORE INTO unnamed_files (path) VALUES (?1)").bind(1, path).run();
+}
+
+void Store::forget_unnamed_file(const std::string& path) {
+    database_.prepare("DELETE FROM unnamed_files WHERE path = ?1").bind(1, path).run();
+}
+
+std::vector<std::string> Store::unnamed_files() {
+    Statement read = database_.prepare("SELECT path FROM unnamed_files");
+    return read_texts(read);
 }
 
 }  // namespace photond

@@ -129,7 +129,7 @@ TEST(Store, AJobComesBackAsItWasAfterReopening) {
     EXPECT_EQ(found->artefacts, R"(["photon_map.glb"])");
     EXPECT_EQ(store.artefacts(), (std::vector<std::pair<std::string, std::string>>{{row.film, row.artefacts}}));
     EXPECT_EQ(store.jobs_to_purge().size(), 1u);
-    EXPECT_EQ(store.integrity(), "ok");
+    EXPECT_EQ(store.database().integrity(), "ok");
 }
 
 TEST(Store, WhatIsNotCommittedIsNotThere) {
@@ -306,7 +306,7 @@ TEST(Store, ASummaryFollowsItsJob) {
     store.delete_job(row.seq);
     EXPECT_TRUE(store.job_summaries({}).empty());
     transaction.commit();
-    EXPECT_EQ(store.integrity(), "ok");
+    EXPECT_EQ(store.database().integrity(), "ok");
 }
 
 TEST(Store, EventsAreFoundByNumberAndByJobAndTheOldestForgotten) {
