@@ -20,11 +20,14 @@
 #include "server/routes/http_server.h"
 #include "server/routes/listener.h"
 #include "server/service.h"
+#include "server/service/inspection.h"
 
 namespace {
 
 using namespace photond;
 namespace fs = std::filesystem;
+
+constexpr int kFaultsFound = 2;  // exit status of --check
 
 /// "ADDRESS:PORT", an IPv6 address in brackets.
 void parse_listen(const std::string& text, Options& options) {
@@ -146,6 +149,7 @@ int main(int argc, char** argv) {
     Options options;
     options.data_dir = default_data_dir();
     std::string listen = "127.0.0.1:8080", log_level = "info", new_token;
+    bool check = false, repair = false;
     CLI::App app{"Global-illumination render service"};
     app.set_version_flag("--version", std::string("photond ") + PHOTOND_VERSION);
     app.add_option("--data", options.data_dir, "folder of everything the service keeps")->capture_default_str();
@@ -167,6 +171,13 @@ int main(int argc, char** argv) {
         ->check(CLI::Range(0, 10))
         ->capture_default_str();
     app.add_option("--tokens", options.token_file, "file of bearer tokens, NAME ROLE sha256:HEX a line");
+    app.add_flag("--check", check,
+                 "with no daemon running: lists what is wrong with the data folder, changes nothing, and ends, with "
+                 "status 2 where something is");
+    app.add_flag("--repair", repair,
+                 "with no daemon running: takes films that no row knows, quarantines what cannot be told, marks jobs "
+                 "whose files are gone as result_lost, and ends")
+        ->excludes("--check");
     app.add_option("--log-level", log_level, "debug, info, warning, error")->capture_default_str();
     app.add_option("--new-token", new_token,
                    "NAME:read or NAME:write; prints a token and its line for the file, and ends");
@@ -182,6 +193,15 @@ int main(int argc, char** argv) {
                 throw Error(ErrorCode::OutOfRange, "--new-token " + new_token + " is not NAME:read or NAME:write");
             const NewToken made = make_token(new_token.substr(0, colon), role == "write" ? Role::Write : Role::Read);
             std::printf("token: %s\nline:  %s\n", made.token.c_str(), made.line.c_str());
+            return EXIT_SUCCESS;
+        }
+        if (check) {
+            const std::vector<std::string> faults = check_data_folder(options.data_dir);
+            for (const std::string& line : faults) std::printf("%s\n", line.c_str());
+            return faults.empty() ? EXIT_SUCCESS : kFaultsFound;
+        }
+        if (repair) {
+            for (const std::string& line : repair_data_folder(options.data_dir)) std::printf("%s\n", line.c_str());
             return EXIT_SUCCESS;
         }
         parse_listen(listen, options);

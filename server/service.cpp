@@ -7,6 +7,7 @@
 
 #include "server/service/artefact_files.h"
 #include "server/service/attempts.h"
+#include "server/service/backups.h"
 #include "server/service/comparison_reports.h"
 #include "server/service/comparisons.h"
 #include "server/service/images.h"
@@ -45,6 +46,7 @@ struct Service::Impl {
     ComparisonReports reports{artefact_files, jobs, comparisons};
     Recovery recovery{core, attempts, purges};
     StoreUpkeep upkeep{core, recovery};
+    Backups backups{core};
     SystemStatus system{core, pictures, attempts, upkeep};
     Processes processes{core, pictures, scenes, attempts};
 };
@@ -150,6 +152,10 @@ Artefact Service::comparison_json(const std::string& id) { return impl_->reports
 Artefact Service::comparison_csv(const std::string& id) { return impl_->reports.comparison_csv(id); }
 Artefact Service::comparison_html(const std::string& id) { return impl_->reports.comparison_html(id); }
 Page Service::devices() { return impl_->system.devices(); }
+json Service::make_backup() { return impl_->backups.make(); }
+json Service::get_backup(const std::string& id) { return impl_->backups.get(id); }
+Artefact Service::backup_file(const std::string& id, const std::string& path) { return impl_->backups.file(id, path); }
+json Service::remove_backup(const std::string& id) { return impl_->backups.remove(id); }
 json Service::status() { return impl_->system.status(); }
 bool Service::ready() const { return impl_->core.ready; }
 std::string Service::metrics_text() { return impl_->system.metrics_text(); }

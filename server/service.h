@@ -171,6 +171,15 @@ public:
     bool ready() const;
     std::string metrics_text();
 
+    // --- backups
+    // ------------------------------------------------------------------------------------------------------
+    /// All that would have to be put back, as it is at one moment, while jobs run on: {"id", "created", "store", "bytes",
+    /// "files": [{"path", "bytes"}]}. It is kept until remove_backup(), the next one or the daemon's end. NoSpace.
+    nlohmann::json make_backup();
+    nlohmann::json get_backup(const std::string& id);
+    Artefact backup_file(const std::string& id, const std::string& path);
+    nlohmann::json remove_backup(const std::string& id);
+
     EventHub& events();
     Metrics& metrics();
     const Options& options() const;

@@ -26,6 +26,7 @@ std::vector<http::Route> all_routes(Service& service) {
     http::add_artefact_routes(routes, service);
     http::add_comparison_routes(routes, service);
     http::add_image_routes(routes, service);
+    http::add_backup_routes(routes, service);
     http::add_system_routes(routes, service);
     http::add_dashboard_routes(routes);
     return routes;

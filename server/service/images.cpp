@@ -64,7 +64,7 @@ Added Images::add_image(const fs::path& path, const std::string& media_type) {
         const std::lock_guard lock(core_.mutex);
         if (const auto known = core_.store.image(row.id)) return {image_object(*known), false};
     }
-    const std::string place = "images/" + row.file;
+    const std::string place = path_of_image(row.file);
     core_.note_upload(place);
     sync_path(named);
     publish(named, core_.files.images / row.file);

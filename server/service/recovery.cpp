@@ -49,12 +49,9 @@ void Recovery::recover_rows() {
 }
 
 void Recovery::clear_away_strays() {
-    const bool cleared = clear_away(find_stray_results(core_.files, core_.store), core_.files, quarantine_);
+    if (!clear_away(find_stray_results(core_.files, core_.store), core_.files, quarantine_)) return;
     try {
-        auto transaction = core_.store.transaction();
-        for (const std::string& path : core_.store.unnamed_files()) core_.store.forget_unnamed_file(path);
-        transaction.commit();
-        if (cleared) core_.files.become_of(core_.store.id());
+        settle_files(core_.files, core_.store);
     } catch (const Error& error) {
         if (error.code != ErrorCode::NoSpace) throw;
         spdlog::warn("what was cleared away is noted at the next start: {}", error.what());

@@ -35,6 +35,13 @@ std::optional<AttemptId> attempt_of_film(std::string_view name) {
     return attempt;
 }
 
+std::vector<std::string> files_of_film(const FilmRow& row) {
+    std::vector<std::string> paths{path_of_film(row.film)};
+    for (const json& name : json::parse(row.artefacts))
+        paths.push_back(artefact_path(paths.front(), name.get<std::string>()).string());
+    return paths;
+}
+
 std::string film_origin(const std::string& store_id, std::optional<AttemptId> attempt) {
     json origin{{"store", store_id}};
     if (attempt) origin["job"] = job_id(attempt->seq), origin["attempt"] = attempt->attempt;

@@ -29,6 +29,9 @@ std::optional<AttemptId> attempt_of_film(std::string_view name);
 /// Of a film in the films folder, its path within the data folder.
 inline std::string path_of_film(const std::string& film) { return "films/" + film; }
 
+/// Its path and those of its artefacts.
+std::vector<std::string> files_of_film(const FilmRow& row);
+
 /// FilmFacts::origin of what that attempt saves, or of a film that is joined from others.
 std::string film_origin(const std::string& store_id, std::optional<AttemptId> attempt = std::nullopt);
 

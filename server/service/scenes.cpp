@@ -24,8 +24,6 @@ namespace {
 constexpr size_t kMaxBundleFiles = 10'000;
 constexpr size_t kMaxNameBytes = 256;
 
-std::string path_of_scene(const std::string& id) { return "scenes/" + id; }
-
 void check_name(const std::string& name) {
     const bool printable =
         std::all_of(name.begin(), name.end(), [](char c) { return static_cast<unsigned char>(c) >= 32 && c != 127; });

@@ -13,6 +13,7 @@
 
 #include "protocol/worker_messages.h"
 #include "server/clock_text.h"
+#include "server/service/uploads.h"
 
 namespace photond {
 
@@ -29,10 +30,11 @@ constexpr const char* kOtherStore = "other-store";
 const std::regex kScratchName("[ua][0-9]+([.].*)?");
 /// "J12-3.film" and what a worker writes beside it: parts, snapshots and artefacts.
 const std::regex kFilmName("(J[0-9]+-[0-9]+[.]film)([.].*)?");
-const std::regex kUnfinishedEnding("([.][^.]+)?[.]part|[.]s[0-9]+");
+const std::regex kUnfinishedEnding("([.].+)?[.]part|[.]s[0-9]+");
 
 std::vector<std::string> entries_of(const fs::path& folder) {
     std::vector<std::string> names;
+    if (!fs::is_directory(folder)) return names;  // of a data folder that is only looked at
     for (const fs::directory_entry& entry : fs::directory_iterator(folder))
         names.push_back(entry.path().filename().string());
     std::sort(names.begin(), names.end());
@@ -42,12 +44,10 @@ std::vector<std::string> entries_of(const fs::path& folder) {
 /// Everything that rows name, as paths within the data folder.
 Names named_files(Store& store) {
     Names named;
-    for (const std::string& film : store.films()) named.insert(path_of_film(film));
-    for (const auto& [film, names] : store.artefacts())
-        for (const json& name : json::parse(names))
-            named.insert(artefact_path(path_of_film(film), name.get<std::string>()).string());
-    for (const std::string& id : store.scene_ids()) named.insert("scenes/" + id);
-    for (const std::string& file : store.image_files()) named.insert("images/" + file);
+    for (const FilmRow& row : store.films())
+        for (std::string& path : files_of_film(row)) named.insert(std::move(path));
+    for (const std::string& id : store.scene_ids()) named.insert(path_of_scene(id));
+    for (const auto& [id, file] : store.image_files()) named.insert(path_of_image(file));
     return named;
 }
 
@@ -87,8 +87,8 @@ std::string LeftFilm::line() const {
 std::vector<LeftFilm> find_left_films(const DataFiles& files, Store& store, const IsRendered& is_rendered) {
     std::map<int64_t, JobRow> candidates;
     for (JobRow& row : store.running_jobs()) candidates.emplace(row.seq, std::move(row));
-    const std::vector<std::string> films = store.films();
-    const Names named(films.begin(), films.end());
+    Names named;
+    for (const FilmRow& row : store.films()) named.insert(row.film);
     for (const std::string& name : entries_of(files.films)) {
         const auto attempt = named.contains(name) ? std::nullopt : attempt_of_film(name);
         if (!attempt) continue;
@@ -168,6 +168,13 @@ bool clear_away(const std::vector<StrayFile>& strays, const DataFiles& files, Qu
     }
     if (removed > 0) spdlog::info("removed {} temporary files of an earlier daemon", removed);
     return all;
+}
+
+void settle_files(DataFiles& files, Store& store) {
+    auto transaction = store.transaction();
+    for (const std::string& path : store.unnamed_files()) store.forget_unnamed_file(path);
+    transaction.commit();
+    files.become_of(store.id());
 }
 
 }  // namespace photond

@@ -43,4 +43,7 @@ std::vector<StrayFile> find_stray_results(const DataFiles& files, Store& store);
 /// and the log says why. True where nothing has stayed.
 bool clear_away(const std::vector<StrayFile>& strays, const DataFiles& files, Quarantine& quarantine);
 
+/// Once all of them are cleared away: from here on everything that lies there is this store's.
+void settle_files(DataFiles& files, Store& store);
+
 }  // namespace photond

@@ -58,41 +58,45 @@ void for_this_user_alone(const fs::path& path, mode_t mode) {
     if (chmod(path.c_str(), mode) != 0 && errno != EPERM && errno != EROFS) fail("setting the mode of", path, errno);
 }
 
-fs::path made(const fs::path& folder) {
+void make(const fs::path& folder) {
     std::error_code error;
     fs::create_directories(folder, error);
     if (error) fail("making", folder, error.value());
-    return folder;
 }
 
 }  // namespace
 
-DataFiles::DataFiles(const fs::path& folder)
-    : directory(made(folder)),
+DataFiles::DataFiles(const fs::path& folder, Use use)
+    : directory(folder),
       store(directory / "store.sqlite"),
-      scenes(made(directory / "scenes")),
-      images(made(directory / "images")),
-      films(made(directory / "films")),
-      cache(made(directory / "cache")),
-      spool(made(directory / "spool")),
-      pipeline_cache(made(directory / "pipeline-cache")) {
+      scenes(directory / "scenes"),
+      images(directory / "images"),
+      films(directory / "films"),
+      cache(directory / "cache"),
+      spool(directory / "spool"),
+      pipeline_cache(directory / "pipeline-cache") {
+    const std::array folders{directory, scenes, images, films, cache, spool, pipeline_cache};
+    if (use == Use::Serve)
+        for (const fs::path& one : folders) make(one);
     const fs::path lock_file = directory / "photond.lock";
-    lock_ = open(lock_file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
-    if (lock_ < 0) fail("opening", lock_file, errno);
-    if (flock(lock_, LOCK_EX | LOCK_NB) != 0) {
+    lock_ = open(lock_file.c_str(), (use == Use::Serve ? O_RDWR | O_CREAT : O_RDONLY) | O_CLOEXEC, 0600);
+    if (lock_ < 0 && !(use == Use::Read && errno == ENOENT)) fail("opening", lock_file, errno);
+    if (lock_ >= 0 && flock(lock_, LOCK_EX | LOCK_NB) != 0) {
         const int error = errno;
         close(lock_);
         if (error == EWOULDBLOCK)
             throw Error(ErrorCode::Unavailable, "another photond uses the data directory " + directory.string());
         fail("locking", lock_file, error);
     }
-    for (const fs::path& mine : {directory, scenes, images, films, cache, spool, pipeline_cache})
-        for_this_user_alone(mine, 0700);
+    if (use == Use::Read) return;
+    for (const fs::path& one : folders) for_this_user_alone(one, 0700);
     for (const char* end : {"", "-wal"}) for_this_user_alone(store.string() + end, 0600);
     sync_path(directory);
 }
 
-DataFiles::~DataFiles() { close(lock_); }
+DataFiles::~DataFiles() {
+    if (lock_ >= 0) close(lock_);
+}
 
 uint64_t DataFiles::free_bytes() const {
     struct statvfs status {};

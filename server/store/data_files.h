@@ -20,9 +20,11 @@ namespace photond {
 
 class DataFiles {
 public:
-    /// Makes the folders, for this user alone, and takes the lock. Throws photond::Error when another daemon has the
-    /// lock or the directory cannot be used.
-    explicit DataFiles(const std::filesystem::path& directory);
+    enum class Use : uint8_t { Serve, Read };
+
+    /// Makes the folders, for this user alone, and takes the lock; or takes the lock alone, to read. Throws
+    /// photond::Error when another daemon has the lock or the directory cannot be used.
+    explicit DataFiles(const std::filesystem::path& directory, Use use = Use::Serve);
     ~DataFiles();
     DataFiles(const DataFiles&) = delete;
     DataFiles& operator=(const DataFiles&) = delete;

@@ -229,10 +229,9 @@ Database::Copy::~Copy() {
     sqlite3_close(to_);
 }
 
-bool Database::Copy::step(int pages) {
+int Database::Copy::step(int pages) {
     const int code = sqlite3_backup_step(backup_, pages);
-    if (code == SQLITE_OK) return true;
-    if (code == SQLITE_DONE) return false;
+    if (code == SQLITE_OK || code == SQLITE_DONE) return sqlite3_backup_remaining(backup_);
     throw Error((code & 0xff) == SQLITE_FULL ? ErrorCode::NoSpace : ErrorCode::Internal,
                 std::string("copying the store: ") + sqlite3_errstr(code));
 }

@@ -116,8 +116,8 @@ public:
     Copy(const Copy&) = delete;
     Copy& operator=(const Copy&) = delete;
 
-    /// Copies so many pages more; false when all is copied and on the disk.
-    bool step(int pages);
+    /// Copies so many pages more (-1: all); how many are left then.
+    int step(int pages);
 
 private:
     sqlite3* to_ = nullptr;

@@ -214,21 +214,22 @@ std::vector<JobRow> Store::unfinished_jobs_measured_against(int64_t seq) {
     return read_jobs(read);
 }
 
+std::vector<JobRow> Store::queued_jobs_of_scene(const std::string& scene) {
+    Statement read = database_.prepare(select_jobs() + " WHERE scene = ?1 AND state = 0 ORDER BY seq");
+    read.bind(1, scene);
+    return read_jobs(read);
+}
+
 int64_t Store::unfinished_jobs_of_scene(const std::string& scene) {
     Statement read = database_.prepare("SELECT count(*) FROM jobs WHERE scene = ?1 AND state IN (0, 1)");
     read.bind(1, scene);
     return read.step() ? read.integer(0) : 0;
 }
 
-std::vector<std::string> Store::films() {
-    Statement read = database_.prepare("SELECT film FROM jobs WHERE film <> ''");
-    return read_texts(read);
-}
-
-std::vector<std::pair<std::string, std::string>> Store::artefacts() {
-    Statement read = database_.prepare("SELECT film, artefacts FROM jobs WHERE artefacts <> '[]'");
-    std::vector<std::pair<std::string, std::string>> rows;
-    while (read.step()) rows.emplace_back(read.text(0), read.text(1));
+std::vector<FilmRow> Store::films() {
+    Statement read = database_.prepare("SELECT seq, film, artefacts FROM jobs WHERE film <> ''");
+    std::vector<FilmRow> rows;
+    while (read.step()) rows.push_back({read.integer(0), read.text(1), read.text(2)});
     return rows;
 }
 
@@ -432,6 +433,10 @@ void Store::insert_image(const ImageRow& image) {
         .run();
 }
 
+void Store::delete_image(const std::string& id) {
+    database_.prepare("DELETE FROM images WHERE id = ?1").bind(1, id).run();
+}
+
 std::optional<ImageRow> Store::image(const std::string& id) {
     Statement read = database_.prepare(
         "SELECT id, media_type, file, width, height, channels, bytes, created_ms, layers FROM images WHERE id = ?1");
@@ -445,9 +450,11 @@ void Store::set_image_layers(const std::string& id, const std::string& layers) {
     database_.prepare("UPDATE images SET layers = ?2 WHERE id = ?1").bind(1, id).bind(2, layers).run();
 }
 
-std::vector<std::string> Store::image_files() {
-    Statement read = database_.prepare("SELECT file FROM images");
-    return read_texts(read);
+std::vector<std::pair<std::string, std::string>> Store::image_files() {
+    Statement read = database_.prepare("SELECT id, file FROM images");
+    std::vector<std::pair<std::string, std::string>> rows;
+    while (read.step()) rows.emplace_back(read.text(0), read.text(1));
+    return rows;
 }
 
 void Store::insert_event(const Event& event, int64_t job) {
@@ -502,6 +509,7 @@ void Store::forget_unnamed_file(const std::string& path) {
 }
 
 std::vector<std::string> Store::unnamed_files() {
+    if (id_.empty()) return {};  // an older one, opened to be read
     Statement read = database_.prepare("SELECT path FROM unnamed_files");
     return read_texts(read);
 }

@@ -140,6 +140,14 @@ struct JobQuery {
     uint32_t limit = 100;
 };
 
+/// Of a job what it names in the films folder.
+struct FilmRow {
+    int64_t seq = 0;
+    std::string film;
+    std::string artefacts;  // JSON: names of what lies beside it
+    bool operator==(const FilmRow&) const = default;
+};
+
 struct QueuedJob {
     int64_t seq;
     int priority;
@@ -183,10 +191,10 @@ public:
     std::optional<JobRow> reference_of_content(const std::string& content);
     /// Jobs that are measured against that one and are not over.
     std::vector<JobRow> unfinished_jobs_measured_against(int64_t seq);
+    std::vector<JobRow> queued_jobs_of_scene(const std::string& scene);
     int64_t unfinished_jobs_of_scene(const std::string& scene);
-    std::vector<std::string> films();
-    /// Film and artefacts (JSON) of every job that has any.
-    std::vector<std::pair<std::string, std::string>> artefacts();
+    /// Of every job that has a film.
+    std::vector<FilmRow> films();
     /// The newest succeeded jobs of a method, at most `limit`; for estimates.
     std::vector<JobRow> latest_succeeded(const std::string& method, uint32_t limit);
 
@@ -239,7 +247,9 @@ public:
     void insert_image(const ImageRow& image);
     std::optional<ImageRow> image(const std::string& id);
     void set_image_layers(const std::string& id, const std::string& layers);
-    std::vector<std::string> image_files();
+    void delete_image(const std::string& id);
+    /// Id and file of each.
+    std::vector<std::pair<std::string, std::string>> image_files();
 
     // --- events
     // -------------------------------------------------------------------------------------------------------

@@ -42,10 +42,15 @@ class StoreCase(unittest.TestCase):
     def start(self, *options):
         daemon = Daemon(*options)
         self.addCleanup(daemon.close)
+        self.addCleanup(self.let_go_on)  # first, for a halted one does not end
         daemon.wait_ready()
         self.daemon = daemon
         self.films = daemon.data_dir / "films"
         return daemon
+
+    def let_go_on(self):
+        if self.daemon.running():
+            os.kill(self.daemon.process.pid, signal.SIGCONT)
 
     def store(self):
         return self.daemon.request("GET", "/v1/status").json["store"]
@@ -133,7 +138,7 @@ class StrayFilesTest(StoreCase):
         film = (self.films / f"{done['id']}-1.film").read_bytes()
         data = self.daemon.data_dir
         own = [data / "spool" / "u7.exr", data / "cache" / "a9", self.films / f"{done['id']}-1.film.part",
-               self.films / f"{done['id']}-1.film.s3"]
+               self.films / f"{done['id']}-1.film.s3", self.films / f"{done['id']}-1.film.photon_map.glb.part"]
         strange = {"spool/notes.txt": b"mine", "cache/keep": b"mine too", "films/J99-1.film": film,
                    f"films/{done['id']}-2.film": film, "films/half": b"PHOTFILM", "images/x.exr": b"no image",
                    "scenes/folder/a/b.glb": b"no scene"}
@@ -154,7 +159,7 @@ class StrayFilesTest(StoreCase):
         self.start()
         film = (self.films / f"{self.daemon.run_job(small_job())['id']}-1.film").read_bytes()
         self.daemon.stop()
-        for name in ("J50-1.film", "J50-1.film.photon_map"):
+        for name in ("J50-1.film", "J50-1.film.photon_map.glb"):
             (self.films / name).write_bytes(film)
         store = sqlite3.connect(self.daemon.data_dir / "store.sqlite")
         store.execute("INSERT INTO unnamed_files VALUES ('films/J50-1.film')")
@@ -245,8 +250,6 @@ class SavedFilmTest(StoreCase):
         photon_map = self.daemon.request("GET", expected["links"]["photon_map"]).body
         blocker = self.daemon.submit(small_job(size=64, passes=ENDLESS))
         job = self.daemon.submit({**body, "priority": 50})
-        os.kill(self.daemon.process.pid, signal.SIGSTOP)  # before the job begins: the worker has the other one
-        os.kill(self.daemon.process.pid, signal.SIGCONT)
         self.daemon.request("DELETE", f"/v1/jobs/{blocker['id']}")
         film = self.films / f"{job['id']}-1.film"
         while not film.exists():
