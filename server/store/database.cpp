@@ -24,6 +24,18 @@ namespace {
     throw Error(ErrorCode::Internal, text);
 }
 
+/// For reading, as it lies on the disk: neither locks nor the log are looked at, and no other connection is disturbed.
+int open_immutable(const std::filesystem::path& file, sqlite3** database) {
+    std::string uri = "file:";
+    for (const char c : file.string()) {
+        char escaped[4];
+        std::snprintf(escaped, sizeof escaped, "%%%02x", static_cast<unsigned char>(c));
+        uri += c == '/' ? "/" : escaped;
+    }
+    return sqlite3_open_v2((uri + "?immutable=1").c_str(), database,
+                           SQLITE_OPEN_READONLY | SQLITE_OPEN_URI | SQLITE_OPEN_NOMUTEX, nullptr);
+}
+
 }  // namespace
 
 Statement::~Statement() {
@@ -99,8 +111,13 @@ Database::Database(const std::filesystem::path& file, const char* const* migrati
 
 Database::Database(const std::filesystem::path& file, int known) {
     // unix-none takes no locks, which a file opened for reading alone could not take; the log is then read into memory.
-    if (sqlite3_open_v2(file.c_str(), &database_, SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX, "unix-none") !=
-        SQLITE_OK) {
+    // Where there is no log one would be made, unless the file is said not to change.
+    std::error_code none;
+    const bool has_log = std::filesystem::exists(file.string() + "-wal", none);
+    const int code =
+        has_log ? sqlite3_open_v2(file.c_str(), &database_, SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX, "unix-none")
+                : open_immutable(file, &database_);
+    if (code != SQLITE_OK) {
         const std::string text = database_ ? sqlite3_errmsg(database_) : "out of memory";
         sqlite3_close(database_);
         throw Error(ErrorCode::Internal, "cannot open the store " + file.string() + ": " + text);
@@ -185,16 +202,8 @@ void Database::begin_whole_check() {
 void Database::end_whole_check() { execute("PRAGMA wal_autocheckpoint = 1000"); }
 
 std::string Database::check_whole(const std::filesystem::path& file, const std::atomic<bool>& stop) {
-    std::string uri = "file:";
-    for (const char c : file.string()) {
-        char escaped[4];
-        std::snprintf(escaped, sizeof escaped, "%%%02x", static_cast<unsigned char>(c));
-        uri += c == '/' ? "/" : escaped;
-    }
-    // "immutable": neither locks nor the log are looked at, and this connection cannot disturb the one that writes.
     sqlite3* opened = nullptr;
-    const int code = sqlite3_open_v2((uri + "?immutable=1").c_str(), &opened,
-                                     SQLITE_OPEN_READONLY | SQLITE_OPEN_URI | SQLITE_OPEN_NOMUTEX, nullptr);
+    const int code = open_immutable(file, &opened);
     const std::unique_ptr<sqlite3, int (*)(sqlite3*)> database(opened, &sqlite3_close);
     if (code != SQLITE_OK) fail(opened, "opening the store to check it");
     constexpr int kInstructionsBetweenLooks = 10'000;
@@ -210,6 +219,8 @@ std::string Database::check_whole(const std::filesystem::path& file, const std::
     };
     const int result = sqlite3_exec(opened, "PRAGMA integrity_check", add_line, &lines, nullptr);
     if (stop) return "";
+    if ((result & 0xff) == SQLITE_CORRUPT || (result & 0xff) == SQLITE_NOTADB)  // too damaged to be checked to the end
+        return lines + (lines.empty() ? "" : "\n") + sqlite3_errmsg(opened);
     if (result != SQLITE_OK) fail(opened, "checking the store");
     return lines;
 }
