@@ -1,6 +1,7 @@
 // photonctl backup|restore: a daemon's data in a folder, fetched while jobs run, and put back for one that does not.
 
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -48,11 +49,7 @@ std::string summary(const json& backup) {
     return std::to_string(backup.at("files").size()) + " files, " + human_bytes(backup.at("bytes").get<double>());
 }
 
-ExitCode back_up(Session& session, const std::string& folder) {
-    umask(S_IRWXG | S_IRWXO);  // as the data folder itself: nobody else's to read
-    require_empty_folder(folder);
-    const json backup = session.daemon().send("POST", "/v1/backups", nullptr, Repeat::Safely);
-    const std::string resource = resource_path("backups", backup.at("id").get<std::string>());
+void fetch(Session& session, const json& backup, const std::string& resource, const std::string& folder) {
     for (const json& file : backup.at("files")) {
         const std::string path = file.at("path").get<std::string>();
         const uint64_t bytes =
@@ -64,7 +61,24 @@ ExitCode back_up(Session& session, const std::string& folder) {
     OutputFile list(fs::path(folder) / kListName);
     list.write(backup.dump(2) + "\n");
     list.publish();
-    session.daemon().send("DELETE", resource, nullptr, Repeat::Safely);
+}
+
+ExitCode back_up(Session& session, const std::string& folder) {
+    umask(S_IRWXG | S_IRWXO);  // as the data folder itself: nobody else's to read
+    require_empty_folder(folder);
+    const json backup = session.daemon().send("POST", "/v1/backups", nullptr, Repeat::Safely);
+    const std::string resource = resource_path("backups", backup.at("id").get<std::string>());
+    const auto release = [&] { session.daemon().send("DELETE", resource, nullptr, Repeat::Safely); };
+    try {
+        fetch(session, backup, resource, folder);
+    } catch (...) {
+        try {
+            release();
+        } catch (const Failure&) {  // the next backup takes its place
+        }
+        throw;
+    }
+    release();
     if (session.json_output)
         session.print_json(backup);
     else
@@ -93,6 +107,7 @@ ExitCode restore(Session& session, const std::string& folder, const std::string&
         if (!fs::copy_file(fs::path(folder) / path, place_below(data, path), error))
             throw Failure(ExitCode::LocalFile, "cannot copy " + path + ": " + error.message());
     }
+    sync();
     if (session.json_output)
         session.print_json(backup);
     else

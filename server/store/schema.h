@@ -119,6 +119,8 @@ inline constexpr const char* kMigrations[] = {
     R"sql(
     INSERT INTO meta (key, value) VALUES ('store_id', lower(hex(randomblob(16))));
     CREATE TABLE unnamed_files (path TEXT PRIMARY KEY) WITHOUT ROWID;
+    DROP INDEX jobs_with_artefacts;
+    CREATE INDEX jobs_with_film ON jobs (film, artefacts) WHERE film <> '';
     )sql",
 };
 
