@@ -43,6 +43,7 @@ enum class ErrorCode : uint8_t {
     WorkerCrashed,
     WorkerLost,
     DeviceLost,
+    ResultLost,
     Cancelled,
     Unavailable,
     ResultDamaged,
@@ -90,10 +91,12 @@ inline constexpr ErrorKind kErrorKinds[] = {
     {ErrorCode::WorkerCrashed, "worker_crashed", 500, "the worker process crashed on this job"},
     {ErrorCode::WorkerLost, "worker_lost", 500, "the worker process was lost more often than is retried"},
     {ErrorCode::DeviceLost, "device_lost", 500, "the GPU stopped answering on this job"},
+    {ErrorCode::ResultLost, "result_lost", 500,
+     "the files of the job's result are gone: submit its request again, or restore a backup"},
     {ErrorCode::Cancelled, "cancelled", 409, "the job was cancelled"},
     {ErrorCode::Unavailable, "unavailable", 503, "not now: ask again later"},
     {ErrorCode::ResultDamaged, "result_damaged", 500,
-     "what was kept of a job is damaged or gone: submit its request again, or restore a backup"},
+     "what was kept of a job is damaged: submit its request again, or restore a backup"},
     {ErrorCode::Internal, "internal", 500, "a defect in the service"},
 };
 

@@ -297,12 +297,14 @@ struct MergeFilmsRequest {
     std::vector<std::filesystem::path> films;
     nlohmann::json job_request;  // as RenderMessage::request
     std::string scene_id;
+    std::string origin;  // as RenderMessage::origin
     std::filesystem::path out;
 
     void visit(MessageVisitor& visitor) {
         visitor.member("films", films);
         visitor.member("job_request", job_request);
         visitor.member("scene_id", scene_id);
+        visitor.or_default("origin", origin);
         visitor.member("out", out);
     }
 };

@@ -444,4 +444,11 @@ json to_json(const JobRequest& request) {
             {"time", request.time}};
 }
 
+double progress_of(const StopConditions& stop, uint32_t passes, double seconds) {
+    double progress = 0;
+    if (stop.passes) progress = std::max(progress, passes / static_cast<double>(*stop.passes));
+    if (stop.seconds && *stop.seconds > 0) progress = std::max(progress, seconds / *stop.seconds);
+    return std::min(progress, 1.0);
+}
+
 }  // namespace photond

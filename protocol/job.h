@@ -42,6 +42,9 @@ struct StopConditions {
     std::optional<ErrorTarget> target;
 };
 
+/// How far a job has come, 0 to 1, as far as passes and seconds say.
+double progress_of(const StopConditions& stop, uint32_t passes, double seconds);
+
 /// What renders: a method, where, and with which parameters.
 struct JobMethod {
     std::string name;

@@ -421,6 +421,17 @@ json job_summary_page() {
     return page;
 }
 
+json store_schema() {
+    return given(
+        {{"id", typed("string", "given to it when it was made; its films carry it")},
+         {"bytes", count("of the database")},
+         {"recovered", typed("boolean", "false while a full disk keeps what was running from being recorded")},
+         {"check", given({{"state", one_of_words({"waiting", "running", "ok", "damaged", "failed"})},
+                          {"detail", nullable("string", "what is wrong, or is waited for")}})},
+         {"quarantine", given({{"files", count("that a start could not tell; they are the operator's to look at")},
+                               {"bytes", count()}})}});
+}
+
 json status_schema() {
     const json totals = with_text(
         given({{"jobs", given({{"succeeded", count()}, {"failed", count()}, {"cancelled", count()}})},
@@ -453,6 +464,7 @@ json status_schema() {
                                              {"pid", nullable("integer")},
                                              {"restarts", count()},
                                              {"resident_bytes", count()}}))},
+                  {"store", store_schema()},
                   {"disk_free_bytes", nullable("integer")},
                   {"resident_bytes", nullable("integer", "of the daemon itself")},
                   {"event_clients", count("event streams open")},
@@ -484,32 +496,39 @@ json estimate_schema() {
 }  // namespace
 
 json openapi_document(const ApiVocabulary& vocabulary) {
-    json schemas{{"Problem", problem_schema()},
-                 {"JobRequest", job_request_schema(vocabulary)},
-                 {"JobMethod", job_method_schema(vocabulary)},
-                 {"Stop", stop_schema(vocabulary)},
-                 {"Extension", extension_schema()},
-                 {"JobChange", job_change_schema()},
-                 {"MergeRequest", merge_request_schema()},
-                 {"MeasurementRequest", measurement_request_schema(vocabulary)},
-                 {"Measurement", measurement_schema()},
-                 {"Method", method_schema()},
-                 {"Layer", layer_schema()},
-                 {"Metric", metric_schema()},
-                 {"Device", device_schema()},
-                 {"Statistics", statistics_schema()},
-                 {"Job", job_schema(vocabulary)},
-                 {"JobSummary", job_summary_schema(job_schema(vocabulary))},
-                 {"Estimate", estimate_schema()},
-                 {"Status", status_schema()},
-                 {"Image", image_schema()},
-                 {"Health", given({{"status", typed("string")}})},
-                 {"JobPage", page_of("Job")},
-                 {"JobSummaryPage", job_summary_page()},
-                 {"MethodPage", page_of("Method")},
-                 {"LayerPage", page_of("Layer")},
-                 {"MetricPage", page_of("Metric")},
-                 {"DevicePage", page_of("Device")}};
+    json schemas{
+        {"Problem", problem_schema()},
+        {"JobRequest", job_request_schema(vocabulary)},
+        {"JobMethod", job_method_schema(vocabulary)},
+        {"Stop", stop_schema(vocabulary)},
+        {"Extension", extension_schema()},
+        {"JobChange", job_change_schema()},
+        {"MergeRequest", merge_request_schema()},
+        {"MeasurementRequest", measurement_request_schema(vocabulary)},
+        {"Measurement", measurement_schema()},
+        {"Method", method_schema()},
+        {"Layer", layer_schema()},
+        {"Metric", metric_schema()},
+        {"Device", device_schema()},
+        {"Statistics", statistics_schema()},
+        {"Job", job_schema(vocabulary)},
+        {"JobSummary", job_summary_schema(job_schema(vocabulary))},
+        {"Estimate", estimate_schema()},
+        {"Status", status_schema()},
+        {"Backup",
+         given({{"id", typed("string")},
+                {"created", typed("string")},
+                {"store", typed("string", "the id of the store it is of")},
+                {"bytes", count("of all files")},
+                {"files", list_of(given({{"path", typed("string", "within a data folder")}, {"bytes", count()}}))}})},
+        {"Image", image_schema()},
+        {"Health", given({{"status", typed("string")}})},
+        {"JobPage", page_of("Job")},
+        {"JobSummaryPage", job_summary_page()},
+        {"MethodPage", page_of("Method")},
+        {"LayerPage", page_of("Layer")},
+        {"MetricPage", page_of("Metric")},
+        {"DevicePage", page_of("Device")}};
     schemas.update(scene_schemas());
     schemas.update(comparison_schemas(schemas["JobRequest"]));
     for (const ApiVocabulary::Method& method : vocabulary.methods)

@@ -409,6 +409,23 @@ std::vector<Operation> image_operations(const ApiVocabulary& vocabulary) {
 std::vector<Operation> daemon_operations(const ApiVocabulary& vocabulary) {
     std::vector<Operation> all{
         {"get", "/v1/status", "getStatus", "The daemon, its queue and workers", {{200, object("Status")}}},
+        {"post",
+         "/v1/backups",
+         "makeBackup",
+         "Everything as it is at one moment, to be fetched file by file and put back into an empty data folder; kept "
+         "until it is removed, the next one is made or the daemon ends. photonctl backup does all of it",
+         {{201, object("Backup")}}},
+        {"get", "/v1/backups/{id}", "getBackup", "A backup's files", {{200, object("Backup")}}},
+        {"get",
+         "/v1/backups/{id}/file",
+         "getBackupFile",
+         "One of its files; needs a token that may write, as all of it does",
+         {{200, file("application/octet-stream")}},
+         nullptr,
+         {{"path", typed("string")}},
+         {},
+         {"path"}},
+        {"delete", "/v1/backups/{id}", "removeBackup", "It has been fetched", {{200, object("Backup")}}},
         {"get", "/v1/openapi.json", "getOpenApi", "This document", {{200, content(kJson, typed("object"))}}},
         {"get", "/healthz", "isAlive", "Is it alive", {{200, object("Health")}}},
         {"get", "/readyz", "isReady", "Has every worker answered, and do the helpers", {{200, object("Health")}}},

@@ -266,6 +266,7 @@ struct RenderMessage {
     SceneSource scene;
     std::optional<Environment> environment;
     std::filesystem::path film;  // to write
+    std::string origin;          // written down in it: FilmFacts::origin
     /// Film of the same job to go on from. One that is damaged or of something else is named in the log, and the job
     /// begins anew.
     std::optional<std::filesystem::path> resume;
@@ -281,6 +282,7 @@ struct RenderMessage {
         visitor.member("scene", scene);
         visitor.or_null("environment", environment);
         visitor.member("film", film);
+        visitor.or_default("origin", origin);
         visitor.or_null("resume", resume);
         visitor.or_null("reference", reference);
         visitor.or_default("streams", streams);

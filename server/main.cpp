@@ -3,6 +3,7 @@
 #include <arpa/inet.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -13,15 +14,20 @@
 #include <cstdio>
 #include <cstdlib>
 #include <optional>
+#include <utility>
 
 #include "server/auth.h"
 #include "server/routes/http_server.h"
+#include "server/routes/listener.h"
 #include "server/service.h"
+#include "server/service/inspection.h"
 
 namespace {
 
 using namespace photond;
 namespace fs = std::filesystem;
+
+constexpr int kFaultsFound = 2;  // exit status of --check
 
 /// "ADDRESS:PORT", an IPv6 address in brackets.
 void parse_listen(const std::string& text, Options& options) {
@@ -90,26 +96,28 @@ void add_limits(CLI::App& app, Limits& limits) {
 }
 
 /// Makes the settings whole; throws photond::Error where they contradict each other.
-void complete(Options& options, const std::string& listen) {
-    parse_listen(listen, options);
+void complete(Options& options) {
     if (!is_loopback(options.listen_address) && options.token_file.empty())
         throw Error(ErrorCode::Forbidden,
                     "will not listen on " + options.listen_address + ", which others can reach, without --tokens FILE");
-    std::error_code error;
-    fs::create_directories(options.data_dir, error);
-    if (error) throw Error(ErrorCode::Internal, options.data_dir.string() + ": " + error.message());
-    options.data_dir = fs::canonical(options.data_dir);
     options.worker_program = fs::read_symlink("/proc/self/exe").parent_path() / "photond-worker";
     if (access(options.worker_program.c_str(), X_OK) != 0)
         throw Error(ErrorCode::Internal, "there is no program " + options.worker_program.string());
     if (options.memory_limit_bytes == 0) options.memory_limit_bytes = default_memory_limit_bytes();
 }
 
-int serve(const Options& options, const sigset_t& signals) {
+void make_data_folder(Options& options) {
+    std::error_code error;
+    fs::create_directories(options.data_dir, error);
+    if (error) throw Error(ErrorCode::Internal, options.data_dir.string() + ": " + error.message());
+    options.data_dir = fs::canonical(options.data_dir);
+}
+
+int serve(const Options& options, http::Listener listener, const sigset_t& signals) {
     std::optional<TokenList> tokens;
     if (!options.token_file.empty()) tokens = TokenList::load(options.token_file);
     Service service(options);
-    HttpServer server(service, tokens ? &*tokens : nullptr);
+    HttpServer server(service, tokens ? &*tokens : nullptr, std::move(listener));
     server.start();
     std::printf("photond listening on %s\n", server.url().c_str());
     std::fflush(stdout);
@@ -136,10 +144,12 @@ int main(int argc, char** argv) {
     for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&signals, signal);
     pthread_sigmask(SIG_BLOCK, &signals, nullptr);
     std::signal(SIGPIPE, SIG_IGN);
+    umask(S_IRWXG | S_IRWXO);  // scenes, results and keys are for this user alone, the workers' files too
 
     Options options;
     options.data_dir = default_data_dir();
     std::string listen = "127.0.0.1:8080", log_level = "info", new_token;
+    bool check = false, repair = false;
     CLI::App app{"Global-illumination render service"};
     app.set_version_flag("--version", std::string("photond ") + PHOTOND_VERSION);
     app.add_option("--data", options.data_dir, "folder of everything the service keeps")->capture_default_str();
@@ -161,6 +171,13 @@ int main(int argc, char** argv) {
         ->check(CLI::Range(0, 10))
         ->capture_default_str();
     app.add_option("--tokens", options.token_file, "file of bearer tokens, NAME ROLE sha256:HEX a line");
+    app.add_flag("--check", check,
+                 "with no daemon running: lists what is wrong with the data folder, changes nothing, and ends, with "
+                 "status 2 where something is");
+    app.add_flag("--repair", repair,
+                 "with no daemon running: takes films that no row knows, quarantines what cannot be told, marks jobs "
+                 "whose files are gone as result_lost, and ends")
+        ->excludes("--check");
     app.add_option("--log-level", log_level, "debug, info, warning, error")->capture_default_str();
     app.add_option("--new-token", new_token,
                    "NAME:read or NAME:write; prints a token and its line for the file, and ends");
@@ -178,8 +195,21 @@ int main(int argc, char** argv) {
             std::printf("token: %s\nline:  %s\n", made.token.c_str(), made.line.c_str());
             return EXIT_SUCCESS;
         }
-        complete(options, listen);
-        return serve(options, signals);
+        if (check) {
+            const std::vector<std::string> faults = check_data_folder(options.data_dir);
+            for (const std::string& line : faults) std::printf("%s\n", line.c_str());
+            return faults.empty() ? EXIT_SUCCESS : kFaultsFound;
+        }
+        if (repair) {
+            for (const std::string& line : repair_data_folder(options.data_dir)) std::printf("%s\n", line.c_str());
+            return EXIT_SUCCESS;
+        }
+        parse_listen(listen, options);
+        complete(options);
+        // Before the data folder is touched: a second daemon on a port that is taken must change nothing there.
+        http::Listener listener(options.listen_address, options.listen_port);
+        make_data_folder(options);
+        return serve(options, std::move(listener), signals);
     } catch (const std::exception& error) {
         spdlog::critical("{}", error.what());
         return EXIT_FAILURE;

@@ -7,6 +7,7 @@
 
 #include "server/service/artefact_files.h"
 #include "server/service/attempts.h"
+#include "server/service/backups.h"
 #include "server/service/comparison_reports.h"
 #include "server/service/comparisons.h"
 #include "server/service/images.h"
@@ -18,6 +19,7 @@
 #include "server/service/references.h"
 #include "server/service/scenes.h"
 #include "server/service/service_core.h"
+#include "server/service/store_upkeep.h"
 #include "server/service/system_status.h"
 #include "server/service/waiting_jobs.h"
 
@@ -42,14 +44,17 @@ struct Service::Impl {
     Jobs jobs{core, artefact_files, pictures, scenes, references, waiting, purges, attempts};
     Comparisons comparisons{core, scenes, references, purges, attempts, jobs};
     ComparisonReports reports{artefact_files, jobs, comparisons};
-    SystemStatus system{core, pictures, attempts};
+    Recovery recovery{core, attempts, purges};
+    StoreUpkeep upkeep{core, recovery};
+    Backups backups{core};
+    SystemStatus system{core, pictures, attempts, upkeep};
     Processes processes{core, pictures, scenes, attempts};
 };
 
 Service::Impl::Impl(Options given) : core(std::move(given)) {
-    recover(core, attempts, purges);
-    sweep_orphans(core);
+    recovery.begin();
     processes.start();
+    upkeep.start();
     const auto took = std::chrono::duration_cast<std::chrono::milliseconds>(SteadyClock::now() - core.begun);
     const std::lock_guard lock(core.mutex);  // workers take jobs already
     spdlog::info("store open after {} ms, {} jobs queued", took.count(), core.queue.size());
@@ -147,6 +152,10 @@ Artefact Service::comparison_json(const std::string& id) { return impl_->reports
 Artefact Service::comparison_csv(const std::string& id) { return impl_->reports.comparison_csv(id); }
 Artefact Service::comparison_html(const std::string& id) { return impl_->reports.comparison_html(id); }
 Page Service::devices() { return impl_->system.devices(); }
+json Service::make_backup() { return impl_->backups.make(); }
+json Service::get_backup(const std::string& id) { return impl_->backups.get(id); }
+Artefact Service::backup_file(const std::string& id, const std::string& path) { return impl_->backups.file(id, path); }
+json Service::remove_backup(const std::string& id) { return impl_->backups.remove(id); }
 json Service::status() { return impl_->system.status(); }
 Readiness Service::readiness() const { return impl_->system.readiness(); }
 std::string Service::metrics_text() { return impl_->system.metrics_text(); }

@@ -165,13 +165,23 @@ public:
     /// {"version", "uptime_seconds", "ready", "queue": {"queued", "running"}, "workers": [{"device", "device_name",
     /// "state", "pid", "job", "restarts", "resident_bytes", "memory_limit_bytes"}], "pictures": {"waiting", "pid",
     /// "restarts", "resident_bytes"}, "helpers": [{"name", "state", "busy_seconds", "pid", "restarts",
-    /// "resident_bytes"}], "disk_free_bytes", "resident_bytes", "event_clients", "totals": {"jobs", "passes", "pixels",
-    /// "render_seconds", "rays", "photons"}}.
+    /// "resident_bytes"}], "store" (store_upkeep.h), "disk_free_bytes", "resident_bytes", "event_clients", "totals":
+    /// {"jobs", "passes", "pixels", "render_seconds", "rays", "photons"}}.
     nlohmann::json status();
     /// The store is open, every worker and the helpers have answered, and the helper that people wait for is not at one
     /// request for long. Takes no lock.
     Readiness readiness() const;
     std::string metrics_text();
+
+    // --- backups
+    // ------------------------------------------------------------------------------------------------------
+    /// All that would have to be put back, as it is at one moment, while jobs run on: {"id", "created", "store",
+    /// "bytes", "files": [{"path", "bytes"}]}. It is kept until remove_backup(), the next one or the daemon's end.
+    /// NoSpace.
+    nlohmann::json make_backup();
+    nlohmann::json get_backup(const std::string& id);
+    Artefact backup_file(const std::string& id, const std::string& path);
+    nlohmann::json remove_backup(const std::string& id);
 
     EventHub& events();
     Metrics& metrics();

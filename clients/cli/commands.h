@@ -28,6 +28,8 @@ void add_comparisons_commands(CLI::App& program, Session& session);
 void add_hard_cases_command(CLI::App& program, Session& session);
 /// merge and metrics: what is made of finished jobs and images
 void add_film_commands(CLI::App& program, Session& session);
+/// backup and restore
+void add_backup_commands(CLI::App& program, Session& session);
 void add_doctor_command(CLI::App& program, Session& session);
 void add_completion_command(CLI::App& program, Session& session);
 

@@ -147,6 +147,7 @@ std::unique_ptr<CLI::App> make_program(Session& session, const RenderVocabulary&
     add_jobs_commands(*program, session);
     add_film_commands(*program, session);
     add_catalogue_commands(*program, session);
+    add_backup_commands(*program, session);
     add_doctor_command(*program, session);
     add_completion_command(*program, session);
     program->footer(exit_code_text());  // set last: commands inherit what stands when they are added

@@ -43,19 +43,10 @@ std::string preview_query(const JobOutputs& outputs) {
 
 }  // namespace
 
-void save_resource(Session& session, const std::string& path_and_query, const std::string& file) {
+uint64_t download(Session& session, const std::string& path_and_query, const std::string& file) {
     HttpRequest request;
     request.path = path_and_query;
     ReplySink sink;
-    if (file == "-") {
-        sink.data = [](std::string_view bytes) {
-            std::cout.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-            return std::cout.good();
-        };
-        session.daemon().ask(request, Repeat::OnlyIfRefused, &sink);  // what is written cannot be taken back
-        std::cout.flush();
-        return;
-    }
     OutputFile output(file);
     sink.head = [&output](const HttpReply&) {
         output.restart();
@@ -70,7 +61,24 @@ void save_resource(Session& session, const std::string& path_and_query, const st
         throw Failure("there is nothing to save as " + file + " yet: no pass is done",
                       nlohmann::json{{"title", "no pass is done"}, {"status", reply.status}});
     output.publish();
-    session.remark("saved " + file + " (" + human_bytes(static_cast<double>(output.size_bytes())) + ")");
+    return output.size_bytes();
+}
+
+void save_resource(Session& session, const std::string& path_and_query, const std::string& file) {
+    if (file != "-") {
+        const uint64_t bytes = download(session, path_and_query, file);
+        session.remark("saved " + file + " (" + human_bytes(static_cast<double>(bytes)) + ")");
+        return;
+    }
+    HttpRequest request;
+    request.path = path_and_query;
+    ReplySink sink;
+    sink.data = [](std::string_view bytes) {
+        std::cout.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+        return std::cout.good();
+    };
+    session.daemon().ask(request, Repeat::OnlyIfRefused, &sink);  // what is written cannot be taken back
+    std::cout.flush();
 }
 
 void JobOutputs::check() const {

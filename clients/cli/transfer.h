@@ -1,6 +1,7 @@
 #pragma once
 // Results of the daemon become files here.
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -8,7 +9,9 @@
 
 namespace photond::cli {
 
-/// Streams a resource into a file ("-": standard output). Throws Failure.
+/// Streams a resource into a file; its bytes. Throws Failure.
+uint64_t download(Session& session, const std::string& path_and_query, const std::string& file);
+/// The same, and says so; "-" is standard output.
 void save_resource(Session& session, const std::string& path_and_query, const std::string& file);
 
 /// What `render` and `jobs fetch` can save of a job.

@@ -16,14 +16,16 @@ namespace photond {
 namespace {
 
 constexpr char kMagic[8] = {'P', 'H', 'O', 'T', 'F', 'I', 'L', 'M'};
-constexpr uint32_t kVersion = 4;
+constexpr uint32_t kVersion = 5;
 constexpr uint32_t kOldestVersion = 1;
 constexpr uint32_t kVersionOfIdentity = 3;  // identity, history and ranges follow the header
+constexpr uint32_t kVersionOfOrigin = 5;    // and then the origin
 constexpr size_t kLayersOfVersion1 = 9;     // all up to standard_error
 constexpr size_t kLayersOfVersion3 = 11;    // all up to overlap
-constexpr size_t kBlockValues = 1 << 12;    // sums a block: 64 KiB at most, which malloc takes from memory it has
-constexpr size_t kBlocksAtOnce = 64;        // encoded side by side before they are written in order
-constexpr size_t kDigestBytes = 32;         // as hexadecimal digits
+constexpr uint32_t kVersionOfAllLayers = 4;
+constexpr size_t kBlockValues = 1 << 12;  // sums a block: 64 KiB at most, which malloc takes from memory it has
+constexpr size_t kBlocksAtOnce = 64;      // encoded side by side before they are written in order
+constexpr size_t kDigestBytes = 32;       // as hexadecimal digits
 constexpr uint32_t kMaxSide = 1u << 20;
 constexpr uint64_t kMaxTextBytes = 64ull << 20;
 constexpr uint64_t kMaxRanges = 1u << 20;
@@ -93,7 +95,7 @@ public:
     explicit Reader(const std::filesystem::path& path)
         : path_(path), file_(std::fopen(path.c_str(), "rb"), &std::fclose) {
         if (!file_)
-            throw Error(errno == ENOENT ? ErrorCode::ResultDamaged : ErrorCode::Internal,
+            throw Error(errno == ENOENT ? ErrorCode::ResultLost : ErrorCode::Internal,
                         "the film file " + path.filename().string() + " cannot be opened: " + std::strerror(errno));
     }
     void read(void* data, size_t bytes) {
@@ -165,6 +167,59 @@ PassRanges read_ranges(Reader& reader, const std::filesystem::path& path) {
     return PassRanges(std::move(ranges));
 }
 
+size_t known_layers_of(uint32_t version) {
+    return version == 1 ? kLayersOfVersion1 : version < kVersionOfAllLayers ? kLayersOfVersion3 : kLayerCount;
+}
+
+LayerSet layers_of(const Header& header) {
+    LayerSet layers;
+    for (const LayerInfo& info : kLayers)
+        if (header.layers >> static_cast<unsigned>(info.layer) & 1u) layers.add(info.layer);
+    return layers;
+}
+
+Header read_header(Reader& reader, const std::filesystem::path& path) {
+    Header header{};
+    reader.read(&header, sizeof header);
+    if (std::memcmp(header.magic, kMagic, sizeof kMagic) != 0) damaged(path, "it is not a film");
+    if (std::memcmp(header.digest, digest_of(&header, offsetof(Header, digest)).data(), kDigestBytes) != 0)
+        damaged(path, "its header does not match its checksum");
+    if (header.version < kOldestVersion || header.version > kVersion)
+        throw Error(ErrorCode::Unsupported, "the film file " + path.filename().string() + " has version " +
+                                                std::to_string(header.version) + "; this program reads " +
+                                                std::to_string(kOldestVersion) + " to " + std::to_string(kVersion));
+    const size_t known_layers = known_layers_of(header.version);
+    if (header.version >= kVersionOfAllLayers && header.layers >> known_layers != 0)
+        throw Error(ErrorCode::Unsupported, "the film file " + path.filename().string() +
+                                                " has layers that this program does not know: a newer one wrote it");
+    if (header.width > kMaxSide || header.height > kMaxSide || header.layers >> known_layers != 0)
+        damaged(path, "its size or layers are out of range");
+    return header;
+}
+
+/// What lies between header and sums.
+struct Texts {
+    FilmIdentity identity;
+    std::string history, origin;
+    PassRanges ranges;
+};
+
+Texts read_texts(Reader& reader, const std::filesystem::path& path, const Header& header) {
+    Texts texts;
+    if (header.version < kVersionOfIdentity) {
+        if (header.passes > 0) texts.ranges = PassRanges({{0, header.passes}});
+        return texts;
+    }
+    texts.identity.scene = read_text(reader, path, kMaxTextBytes);
+    texts.identity.settings = read_text(reader, path, kMaxTextBytes);
+    texts.identity.device = read_text(reader, path, kMaxTextBytes);
+    texts.history = read_text(reader, path, kMaxTextBytes);
+    texts.ranges = read_ranges(reader, path);
+    if (texts.ranges.count() != header.passes) damaged(path, "its ranges are not of its passes");
+    if (header.version >= kVersionOfOrigin) texts.origin = read_text(reader, path, kMaxTextBytes);
+    return texts;
+}
+
 }  // namespace
 
 template <class FilmType, class Visitor>
@@ -175,7 +230,7 @@ void FilmFile::for_each_array(FilmType& film, const Visitor& visitor) {
 }
 
 void FilmFile::save(const Film& film, const FilmIdentity& identity, const std::string& history,
-                    const std::filesystem::path& path) {
+                    const std::filesystem::path& path, const std::string& origin) {
     AtomicFile file(path);
     Header header{};
     std::memcpy(header.magic, kMagic, sizeof kMagic);
@@ -189,7 +244,8 @@ void FilmFile::save(const Film& film, const FilmIdentity& identity, const std::s
     const std::vector<PassRanges::Range>& ranges = film.pass_ranges_.ranges();
     for (const std::string& part :
          {encode_text(identity.scene), encode_text(identity.settings), encode_text(identity.device),
-          encode_text(history), encode_text(ranges.data(), ranges.size() * sizeof(PassRanges::Range))})
+          encode_text(history), encode_text(ranges.data(), ranges.size() * sizeof(PassRanges::Range)),
+          encode_text(origin)})
         file.write(part.data(), part.size());
 
     for_each_array(film, [&](const auto& values) {
@@ -209,43 +265,19 @@ void FilmFile::save(const Film& film, const FilmIdentity& identity, const std::s
 
 SavedFilm FilmFile::load(const std::filesystem::path& path, uint64_t limit_bytes) {
     Reader reader(path);
-    Header header{};
-    reader.read(&header, sizeof header);
-    if (std::memcmp(header.magic, kMagic, sizeof kMagic) != 0) damaged(path, "it is not a film");
-    if (std::memcmp(header.digest, digest_of(&header, offsetof(Header, digest)).data(), kDigestBytes) != 0)
-        damaged(path, "its header does not match its checksum");
-    if (header.version < kOldestVersion || header.version > kVersion)
-        throw Error(ErrorCode::Unsupported, "the film file " + path.filename().string() + " has version " +
-                                                std::to_string(header.version) + "; this program reads " +
-                                                std::to_string(kOldestVersion) + " to " + std::to_string(kVersion));
-    const size_t known_layers = header.version == 1   ? kLayersOfVersion1
-                                : header.version <= 3 ? kLayersOfVersion3
-                                                      : kLayerCount;
-    if (header.version == kVersion && header.layers >> known_layers != 0)
-        throw Error(ErrorCode::Unsupported, "the film file " + path.filename().string() +
-                                                " has layers that this program does not know: a newer one wrote it");
-    if (header.width > kMaxSide || header.height > kMaxSide || header.layers >> known_layers != 0)
-        damaged(path, "its size or layers are out of range");
-    LayerSet layers;
-    for (const LayerInfo& info : kLayers)
-        if (header.layers >> static_cast<unsigned>(info.layer) & 1u) layers.add(info.layer);
+    const Header header = read_header(reader, path);
     const Size2 size{header.width, header.height};
+    const LayerSet layers = layers_of(header);
     const uint64_t bytes = Film::bytes_for(size, layers);
     if (bytes > limit_bytes)
         throw Error(ErrorCode::OutOfMemory, "the film takes " + std::to_string(bytes) + " bytes; the limit is " +
                                                 std::to_string(limit_bytes) + " bytes");
     SavedFilm saved{Film(size, layers), {}, {}};
     Film& film = saved.film;
-    if (header.version >= kVersionOfIdentity) {
-        saved.identity.scene = read_text(reader, path, kMaxTextBytes);
-        saved.identity.settings = read_text(reader, path, kMaxTextBytes);
-        saved.identity.device = read_text(reader, path, kMaxTextBytes);
-        saved.history = read_text(reader, path, kMaxTextBytes);
-        film.pass_ranges_ = read_ranges(reader, path);
-        if (film.pass_ranges_.count() != header.passes) damaged(path, "its ranges are not of its passes");
-    } else if (header.passes > 0) {
-        film.pass_ranges_ = PassRanges({{0, header.passes}});
-    }
+    Texts texts = read_texts(reader, path, header);
+    saved.identity = std::move(texts.identity);
+    saved.history = std::move(texts.history);
+    film.pass_ranges_ = std::move(texts.ranges);
     film.next_pass_ = film.pass_ranges_.end();
     film.passes_ = header.passes, film.nan_count_ = header.nan_count, film.infinity_count_ = header.infinity_count;
     for_each_array(film, [&](auto& values) {
@@ -254,6 +286,23 @@ SavedFilm FilmFile::load(const std::filesystem::path& path, uint64_t limit_bytes
     });
     reader.expect_end();
     return saved;
+}
+
+FilmFacts FilmFile::examine(const std::filesystem::path& path) {
+    Reader reader(path);
+    const Header header = read_header(reader, path);
+    Texts texts = read_texts(reader, path, header);
+    Film pixel({1, 1}, layers_of(header));  // as many sums an array as a film has for each of its pixels
+    const size_t pixels = size_t{header.width} * header.height;
+    for_each_array(pixel, [&](auto& values) {
+        using Value = typename std::decay_t<decltype(values)>::value_type;
+        const size_t count = values.size() * pixels;
+        std::vector<Value> block(std::min(kBlockValues, count));
+        for (size_t start = 0; start < count; start += kBlockValues)
+            reader.read_block(std::span(block).first(std::min(kBlockValues, count - start)));
+    });
+    reader.expect_end();
+    return {header.passes, std::move(texts.history), std::move(texts.origin)};
 }
 
 void require_alike(const FilmIdentity& a, const FilmIdentity& b) {

@@ -23,18 +23,28 @@ struct SavedFilm {
     std::string history;  // what its owner wants to find again with it (JSON); opaque here
 };
 
-/// Format: a header (magic, version, size, layers, passes, counts), identity, history and pass ranges, then each array
-/// of sums in blocks; a block holds its sums with as many bytes each as its widest one needs, and ends with the first
-/// 16 bytes of its SHA-256. Little-endian. Files of versions 1 (without the layers added since) and 2 (without
-/// identity, history and ranges) are read all the same: their identity is empty and their passes begin at 0.
+/// What a film's file says of itself, without its sums.
+struct FilmFacts {
+    uint32_t passes = 0;
+    std::string history;
+    std::string origin;  // who rendered it for whom, as its owner wrote it down; empty of older files
+};
+
+/// Format: a header (magic, version, size, layers, passes, counts), identity, history, pass ranges and origin, then
+/// each array of sums in blocks; a block holds its sums with as many bytes each as its widest one needs, and ends with
+/// the first 16 bytes of its SHA-256. Little-endian. Files of versions 1 (without the layers added since), 2 (without
+/// identity, history and ranges) and 4 (without origin) are read all the same: their identity is empty and their passes
+/// begin at 0, their origin is empty.
 class FilmFile {
 public:
     /// Writes beside, fsyncs and renames. Throws ErrorCode::NoSpace when the disk is full.
     static void save(const Film& film, const FilmIdentity& identity, const std::string& history,
-                     const std::filesystem::path& path);
+                     const std::filesystem::path& path, const std::string& origin = {});
     /// Throws ErrorCode::Internal when the file is missing, cut short or damaged, ErrorCode::OutOfMemory when the film
     /// would take more than `limit_bytes`.
     static SavedFilm load(const std::filesystem::path& path, uint64_t limit_bytes = UINT64_MAX);
+    /// Reads all of the file and holds it to its checksums, in little memory. Throws as load().
+    static FilmFacts examine(const std::filesystem::path& path);
 
 private:
     template <class FilmType, class Visitor>

@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "server/routes/answer_pool.h"
 #include "server/routes/event_streams.h"
@@ -26,6 +27,7 @@ std::vector<http::Route> all_routes(Service& service) {
     http::add_artefact_routes(routes, service);
     http::add_comparison_routes(routes, service);
     http::add_image_routes(routes, service);
+    http::add_backup_routes(routes, service);
     http::add_system_routes(routes, service);
     http::add_dashboard_routes(routes);
     return routes;
@@ -48,8 +50,6 @@ http::JudgeSettings judge_settings(Service& service) {
 
 http::HubSettings hub_settings(const Options& options) {
     http::HubSettings settings;
-    settings.address = options.listen_address;
-    settings.port = options.listen_port;
     settings.max_connections = options.limits.max_connections;
     settings.head_timeout_seconds = options.limits.head_timeout_seconds;
     settings.body_timeout_seconds = options.limits.body_timeout_seconds;
@@ -71,14 +71,14 @@ void raise_descriptor_limit(uint32_t max_connections) {
 }  // namespace
 
 struct HttpServer::Impl {
-    Impl(Service& borrowed, const TokenList* tokens)
+    Impl(Service& borrowed, const TokenList* tokens, http::Listener listener)
         : service(borrowed),
           routes(all_routes(service)),
           judge(judge_settings(service), routes, tokens),
           streams(
               service.events(), [this](int delta) { service.metrics().event_clients(delta); },
               [this] { return service.status(); }),
-          hub(hub_settings(service.options()), callbacks()),
+          hub(hub_settings(service.options()), callbacks(), std::move(listener)),
           quick(kQuickThreads, kMaxWaitingQuick, [this](auto connection) { hub.answered(std::move(connection)); }),
           long_lane(kLongThreads, kMaxWaiting, [this](auto connection) { hub.answered(std::move(connection)); }),
           helper(kHelperThreads, kMaxWaiting, [this](auto connection) { hub.answered(std::move(connection)); }),
@@ -121,7 +121,8 @@ struct HttpServer::Impl {
     bool running = false;
 };
 
-HttpServer::HttpServer(Service& service, const TokenList* tokens) : impl_(std::make_unique<Impl>(service, tokens)) {}
+HttpServer::HttpServer(Service& service, const TokenList* tokens, http::Listener listener)
+    : impl_(std::make_unique<Impl>(service, tokens, std::move(listener))) {}
 
 HttpServer::~HttpServer() { stop(0); }
 

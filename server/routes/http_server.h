@@ -5,21 +5,22 @@
 #include <string>
 
 #include "server/auth.h"
+#include "server/routes/listener.h"
 #include "server/service.h"
 
 namespace photond {
 
 class HttpServer {
 public:
-    /// `tokens` is nullptr where no authentication is asked for; it and `service` must outlive the server. Address,
-    /// port and limits come from service.options().
-    HttpServer(Service& service, const TokenList* tokens);
+    /// `tokens` is nullptr where no authentication is asked for; it and `service` must outlive the server. Limits come
+    /// from service.options().
+    HttpServer(Service& service, const TokenList* tokens, http::Listener listener);
     /// stop()s if that has not been done.
     ~HttpServer();
     HttpServer(const HttpServer&) = delete;
     HttpServer& operator=(const HttpServer&) = delete;
 
-    /// Binds and begins to answer, on threads of its own. Throws Error (Unavailable) when the address cannot be had.
+    /// Begins to answer, on threads of its own, whoever has connected meanwhile too.
     void start();
     /// Where it listens: "http://127.0.0.1:8080", with the port really bound.
     std::string url() const;

@@ -2,7 +2,6 @@
 
 #include <arpa/inet.h>
 #include <fcntl.h>
-#include <netdb.h>
 #include <netinet/tcp.h>
 #include <spdlog/spdlog.h>
 #include <sys/epoll.h>
@@ -26,7 +25,6 @@ namespace {
 
 using State = Connection::State;
 
-constexpr int kBacklog = 4096;
 constexpr int kTick_ms = 200;               // resolution of deadlines
 constexpr size_t kReadBytes = 64 << 10;     // at once
 constexpr int kReadsAnEvent = 4;            // then the next connection has its turn
@@ -460,36 +458,16 @@ private:
     std::thread thread_;
 };
 
-Hub::Hub(HubSettings settings, HubCallbacks callbacks)
-    : settings_(std::move(settings)), callbacks_(std::move(callbacks)) {}
+Hub::Hub(HubSettings settings, HubCallbacks callbacks, Listener listener)
+    : settings_(std::move(settings)),
+      callbacks_(std::move(callbacks)),
+      port_(listener.port()),
+      listener_(listener.take()) {}
 
 Hub::~Hub() { stop(); }
 
-FileDescriptor Hub::bind_listener() {
-    addrinfo hints{};
-    hints.ai_flags = AI_NUMERICHOST | AI_NUMERICSERV | AI_PASSIVE;
-    hints.ai_socktype = SOCK_STREAM;
-    addrinfo* found = nullptr;
-    const std::string name = settings_.address == "localhost" ? "127.0.0.1" : settings_.address;
-    if (getaddrinfo(name.c_str(), std::to_string(settings_.port).c_str(), &hints, &found) != 0)
-        throw Error(ErrorCode::Unavailable, "cannot listen on \"" + settings_.address + "\": not a numeric address");
-    const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> addresses(found, &freeaddrinfo);
-    FileDescriptor listener(socket(found->ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
-    const int on = 1;
-    setsockopt(listener.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-    if (bind(listener.get(), found->ai_addr, found->ai_addrlen) != 0 || listen(listener.get(), kBacklog) != 0)
-        throw Error(ErrorCode::Unavailable, "cannot listen on " + settings_.address + " port " +
-                                                std::to_string(settings_.port) + ": " + std::strerror(errno));
-    sockaddr_storage bound{};
-    socklen_t length = sizeof bound;
-    getsockname(listener.get(), reinterpret_cast<sockaddr*>(&bound), &length);
-    port_ = ntohs(bound.ss_family == AF_INET6 ? reinterpret_cast<sockaddr_in6&>(bound).sin6_port
-                                              : reinterpret_cast<sockaddr_in&>(bound).sin_port);
-    return listener;
-}
-
 void Hub::start() {
-    front_ = std::make_unique<Loop>(*this, bind_listener());
+    front_ = std::make_unique<Loop>(*this, std::move(listener_));
     bulk_ = std::make_unique<Loop>(*this, FileDescriptor());
     bulk_->begin();
     front_->begin();

@@ -8,12 +8,11 @@
 #include <string>
 
 #include "server/routes/connection.h"
+#include "server/routes/listener.h"
 
 namespace photond::http {
 
 struct HubSettings {
-    std::string address;
-    int port = 0;
     HeadLimits head;
     uint32_t max_connections = 4096;
     double head_timeout_seconds = 10;
@@ -39,12 +38,11 @@ struct HubCallbacks {
 
 class Hub {
 public:
-    Hub(HubSettings settings, HubCallbacks callbacks);
+    Hub(HubSettings settings, HubCallbacks callbacks, Listener listener);
     ~Hub();
     Hub(const Hub&) = delete;
     Hub& operator=(const Hub&) = delete;
 
-    /// Throws Error (Unavailable) when the address cannot be bound.
     void start();
     int port() const;
     /// From any thread: an answered connection comes back.
@@ -57,14 +55,14 @@ public:
 private:
     class Loop;
     friend class Loop;
-    FileDescriptor bind_listener();
 
     const HubSettings settings_;
     const HubCallbacks callbacks_;
     std::atomic<int64_t> open_connections_{0};
     std::atomic<int64_t> busy_{0};  // exchanges between head and last byte
     std::atomic<bool> draining_{false};
-    int port_ = 0;
+    const int port_;
+    FileDescriptor listener_;      // until start()
     std::unique_ptr<Loop> front_;  // accepts; heads, JSON, small answers
     std::unique_ptr<Loop> bulk_;   // all that touches the disk: uploads and files
 };

@@ -6,10 +6,10 @@
 #include <utility>
 
 #include "protocol/problem.h"
-#include "renderer/methods/registry.h"
 #include "server/clock_text.h"
 #include "server/queue/retry_policy.h"
 #include "server/row_text.h"
+#include "server/service/artefact_files.h"
 
 namespace photond {
 
@@ -127,13 +127,21 @@ AttemptOutcome take_end(JobRow& row, const RunningAttempt& attempt, const Finish
 }  // namespace
 
 json AttemptRecords::kept_artefacts(const JobRow& row, const std::vector<std::string>& names) const {
-    const MethodInfo* method = find_method(row.method);
     json kept = json::array();
-    for (const ArtefactInfo& artefact : method ? method->artefacts : std::vector<ArtefactInfo>())
-        if (std::find(names.begin(), names.end(), artefact.name) != names.end() &&
-            fs::is_regular_file(fs::symlink_status(artefact_path(core_.files.films / row.film, artefact.name))))
-            kept.push_back(artefact.name);
+    for (const std::string& name : artefacts_beside(core_.files.films / row.film, row.method))
+        if (std::find(names.begin(), names.end(), name) != names.end()) kept.push_back(name);
     return kept;
+}
+
+std::vector<std::string> AttemptRecords::inherit_artefacts(const JobRow& before, const RunningAttempt& attempt) const {
+    const auto names = json::parse(before.artefacts).get<std::vector<std::string>>();
+    for (const std::string& name : names) {
+        const fs::path from = artefact_path(core_.files.films / before.film, name);
+        const fs::path to = artefact_path(core_.files.films / attempt.film, name);
+        remove_quietly(to);  // of an earlier try to record this
+        link_or_copy(from, to);
+    }
+    return names;
 }
 
 void AttemptRecords::record_result(const RunningAttempt& attempt, const FinishedMessage& message,
@@ -144,11 +152,14 @@ void AttemptRecords::record_result(const RunningAttempt& attempt, const Finished
     const std::string old_film = row.film;
     const fs::path film = core_.files.films / attempt.film;
     const bool has_film = message.film == film && fs::is_regular_file(film);
+    std::vector<std::string> artefacts = message.artefacts;
+    const bool nothing_rendered = has_film && message.rendered && message.rendered->passes == 0;
+    if (nothing_rendered && row.film != attempt.film) artefacts = inherit_artefacts(row, attempt);
     if (has_film) take_film(row, attempt, message);  // else what was saved last stays, and the row says what that holds
     row.finished_ms = now_ms();
     if (message.statistics.is_object()) take_statistics(row, attempt, message.statistics, message.cores);
     const auto [outcome, reason] = take_end(row, attempt, message, has_film, core_.options.limits);
-    row.artefacts = is_over(row.state) && has_film ? kept_artefacts(row, message.artefacts).dump() : "[]";
+    if (has_film) row.artefacts = kept_artefacts(row, artefacts).dump();
     close_attempt(row, attempt, outcome, reason, message.passes_done);
     const std::string line = "attempt " + std::to_string(row.attempt) + " " + outcome + " after " +
                              std::to_string(message.passes_done) + " passes" +
@@ -161,6 +172,7 @@ void AttemptRecords::record_result(const RunningAttempt& attempt, const Finished
             for (size_t i = 0; i < message.log.size() && i < kMaxLogLines; ++i)
                 core_.store.append_log(row.seq, now_ms(), message.log[i].substr(0, kMaxLogLineBytes));
             if (loss) core_.store.append_log(row.seq, now_ms(), "warning: " + loss->warning());
+            if (old_film != row.film) purges_.note_removal(old_film);
             repeat = repeats_.repeat_if_disturbed(row, outbox);
         },
         attempt.unpublished);
@@ -176,7 +188,8 @@ void AttemptRecords::record_result(const RunningAttempt& attempt, const Finished
                  row.seconds);
 }
 
-void AttemptRecords::record_loss(const RunningAttempt& attempt, const ProcessExit& exit, bool daemon_stopping) {
+void AttemptRecords::record_loss(const RunningAttempt& attempt, const ProcessExit& exit, bool daemon_stopping,
+                                 const std::optional<FilmFacts>& left) {
     auto found = core_.store.job(attempt.seq);
     if (!found || found->state != JobState::Running || found->attempt != attempt.attempt) return;
     JobRow row = *std::move(found);
@@ -184,6 +197,8 @@ void AttemptRecords::record_loss(const RunningAttempt& attempt, const ProcessExi
     NamedEnd end = end_of(exit);
     if (exit.text.starts_with("the daemon")) reason = exit.text;
     // The row says what the film holds that was saved last: that is what the job has, and goes on from.
+    const std::string old_film = row.film;
+    if (left) take_saved_film(row, *left, core_.files);
     std::string outcome = end.outcome;
     if (row.cancel_requested) {
         row.state = JobState::Cancelled;
@@ -210,13 +225,18 @@ void AttemptRecords::record_loss(const RunningAttempt& attempt, const ProcessExi
     }
     if (is_over(row.state)) row.finished_ms = now_ms();
     close_attempt(row, attempt, outcome, reason, attempt.passes_done);
+    const auto note_removal = [&](Outbox&) {
+        if (old_film != row.film) purges_.note_removal(old_film);
+    };
     core_.commit_state(row,
                        "attempt " + std::to_string(row.attempt) + " " + outcome + ": " + reason +
                            (row.state == JobState::Queued ? "; queued again" : ""),
-                       {}, attempt.unpublished);
+                       note_removal, attempt.unpublished);
     core_.totals.add(attempt);
-    // What the dead attempt had written nobody names, nor what it was writing.
-    if (attempt.film != row.film) purges_.remove_film(attempt.film);
+    if (old_film != row.film) purges_.remove_film(old_film);
+    // What the dead attempt was writing, and artefacts of a film that it did not come to write. A film that cannot be
+    // told stays for the next start to judge.
+    if (!attempt.film.empty() && !fs::exists(core_.files.films / attempt.film)) purges_.remove_film(attempt.film);
     purges_.remove_parts(attempt.film);
     if (row.state == JobState::Queued) {
         waiting_.enqueue(row);
@@ -238,8 +258,10 @@ void AttemptRecords::keep_film(const RunningAttempt& attempt, int64_t passes_don
     row->progress = attempt.progress;
     row->curve = text_of(attempt.curve);
     row->error_now = text_of(attempt.error_now);
+    row->artefacts = "[]";
     auto transaction = core_.store.transaction();
     core_.store.update_job(*row);
+    if (old_film != row->film) purges_.note_removal(old_film);
     transaction.commit();
     if (old_film != row->film) purges_.remove_film(old_film);
 }

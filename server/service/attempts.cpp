@@ -6,12 +6,13 @@
 #include <algorithm>
 #include <optional>
 #include <string_view>
-#include <unordered_set>
 #include <utility>
 #include <variant>
 
+#include "renderer/core/atomic_file.h"
 #include "server/clock_text.h"
 #include "server/comparisons/report_text.h"
+#include "server/service/saved_film.h"
 
 namespace photond {
 
@@ -46,16 +47,13 @@ void Attempts::lost_with_daemon(const JobRow& row) {
     RunningAttempt attempt;
     attempt.seq = row.seq;
     attempt.attempt = row.attempt;
-    records_.record_loss(attempt, {ExitCause::Lost, "the daemon ended without warning", true}, false);
+    records_.record_loss(attempt, {ExitCause::Lost, "the daemon ended without warning", true}, false, std::nullopt);
 }
 
 void Attempts::start(const ProcessOptions& process) {
     for (const std::string& device : core_.options.devices) start_worker(device, process);
-    std::unordered_set<std::string> caches;
-    for (const auto& slot : slots_)
-        if (slot->device != "cpu") caches.insert(pipeline_cache_name(slot->device));
-    // What a killed worker left half written.
-    if (!caches.empty()) DataFiles::sweep(core_.files.pipeline_cache, caches);
+    for (const auto& slot : slots_)  // what a killed worker left half written
+        remove_quietly(AtomicFile::part_of(core_.files.pipeline_cache / pipeline_cache_name(slot->device)));
 }
 
 void Attempts::start_worker(const std::string& device, ProcessOptions process) {
@@ -225,7 +223,7 @@ void Attempts::begin_attempt(Slot& slot, JobRow row) {
     RunningAttempt attempt;
     attempt.seq = row.seq;
     attempt.attempt = row.attempt;
-    attempt.film = job_id(row.seq) + "-" + std::to_string(row.attempt) + ".film";
+    attempt.film = film_name({row.seq, row.attempt});
     attempt.pixels = request["image"].value("width", int64_t{0}) * request["image"].value("height", int64_t{0});
     attempt.passes_done = attempt.passes_before = row.passes_done;
     attempt.progress = row.progress;
@@ -244,6 +242,7 @@ void Attempts::begin_attempt(Slot& slot, JobRow row) {
                         .scene = scenes_.scene_source(*scene),
                         .environment = std::move(environment),
                         .film = core_.files.films / attempt.film,
+                        .origin = film_origin(core_.store.id(), AttemptId{row.seq, row.attempt}),
                         .resume = {},
                         .reference = std::move(reference),
                         .streams = row.role == JobRole::Reference ? "reference" : "job",
@@ -348,6 +347,7 @@ void Attempts::finished(Slot& slot, const FinishedMessage& message) {
 }
 
 void Attempts::worker_exited(Slot& slot, const ProcessExit& exit) {
+    const std::optional<FilmFacts> left = film_left_in(slot);
     {
         const std::lock_guard lock(core_.mutex);
         slot.answered = false;
@@ -355,11 +355,21 @@ void Attempts::worker_exited(Slot& slot, const ProcessExit& exit) {
         if (exit.cause != ExitCause::Ordered) core_.metrics.worker_restarted(std::string(exit_cause_name(exit.cause)));
         // A result that only waits to be recorded is no loss.
         if (slot.running && !slot.running->unsettled)
-            settle(slot, [this, attempt = *slot.running, exit, now_stopping = core_.stopping] {
-                records_.record_loss(attempt, exit, now_stopping);
+            settle(slot, [this, attempt = *slot.running, exit, left, now_stopping = core_.stopping] {
+                records_.record_loss(attempt, exit, now_stopping, left);
             });
     }
     update_ready();
+}
+
+std::optional<FilmFacts> Attempts::film_left_in(const Slot& slot) {
+    std::optional<AttemptId> attempt;
+    {
+        const std::lock_guard lock(core_.mutex);
+        if (slot.running && !slot.running->unsettled) attempt = AttemptId{slot.running->seq, slot.running->attempt};
+    }
+    // Reading all of a large film takes a second. Only this thread gives the slot another attempt.
+    return attempt ? saved_film(core_.files, core_.store.id(), *attempt) : std::nullopt;
 }
 
 void Attempts::worker_tick(Slot& slot) {

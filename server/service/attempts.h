@@ -92,6 +92,8 @@ private:
     void worker_tick(Slot& slot);                                    // takes the lock
     /// Another job has begun there: what runs beside it shares the host, and the device where that is the host's cores.
     void mark_shared(Slot& slot);
+    /// Takes the lock. Of a worker that has ended: the film that its attempt saved.
+    std::optional<FilmFacts> film_left_in(const Slot& slot);
     void finished(Slot& slot, const FinishedMessage& message);
     /// Before an attempt begins or when one ends: notes with those that run what other processes of ours have taken
     /// since the last time.

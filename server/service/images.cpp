@@ -66,11 +66,14 @@ Added Images::add_image(const fs::path& path, const std::string& media_type) {
         const std::lock_guard lock(core_.mutex);
         if (const auto known = core_.store.image(row.id)) return {image_object(*known), false};
     }
+    const std::string place = path_of_image(row.file);
+    core_.note_upload(place);
     sync_path(named);
     publish(named, core_.files.images / row.file);
     spooled.path.clear();
     const std::lock_guard lock(core_.mutex);
     auto transaction = core_.store.transaction();
+    core_.store.forget_unnamed_file(place);
     core_.store.insert_image(row);
     transaction.commit();
     return {image_object(row), true};

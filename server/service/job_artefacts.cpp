@@ -126,7 +126,7 @@ Artefact JobArtefacts::method_artefact(const std::string& id, const std::string&
     {
         const std::lock_guard lock(core_.mutex);
         row = objects_.require_job(id);
-        const json kept = json::parse(row.artefacts);
+        const json kept = is_over(row.state) ? json::parse(row.artefacts) : json::array();
         if (std::find(kept.begin(), kept.end(), json(name)) != kept.end())
             file = require_kept(artefact_path(core_.files.films / row.film, name), id);
     }

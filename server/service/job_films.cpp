@@ -19,9 +19,9 @@ constexpr auto kSnapshotAge = std::chrono::milliseconds(500);  // a film younger
 fs::path require_kept(const fs::path& file, const std::string& job) {
     std::error_code error;
     if (fs::is_regular_file(fs::symlink_status(file, error))) return file;
-    throw Error(ErrorCode::ResultDamaged, "job " + job + " has lost " + file.filename().string() +
-                                              ": it is not in the data folder's " +
-                                              file.parent_path().filename().string() + "/ any more");
+    throw Error(ErrorCode::ResultLost, "job " + job + " has lost " + file.filename().string() +
+                                           ": it is not in the data folder's " +
+                                           file.parent_path().filename().string() + "/ any more");
 }
 
 void JobFilms::pin(FilmSource& film) {

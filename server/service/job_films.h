@@ -22,7 +22,7 @@ struct FilmSource {
 };
 
 /// A file that a job's row names, under the lock: rows and files change together there, so that one which is not there
-/// has been taken away by somebody else. Throws ResultDamaged then.
+/// has been taken away by somebody else. Throws ResultLost then.
 std::filesystem::path require_kept(const std::filesystem::path& file, const std::string& job);
 
 class JobFilms {
@@ -31,7 +31,7 @@ public:
         : core_(core), attempts_(attempts), objects_(objects) {}
 
     /// Takes the lock; of a running job it waits for the pass at hand. Throws NotFound, with the reason, where there is
-    /// none, and ResultDamaged where it is gone.
+    /// none, and ResultLost where it is gone.
     FilmSource film_source(const std::string& id);
     /// Gives the film a second name that goes with the last user: it can be read whatever becomes of its job. With the
     /// lock or without. Throws NotFound where the job has just been removed.

@@ -9,6 +9,7 @@
 #include "renderer/methods/registry.h"
 #include "server/clock_text.h"
 #include "server/service/idempotency_key.h"
+#include "server/service/saved_film.h"
 
 namespace photond {
 
@@ -153,6 +154,7 @@ json JobMerges::merge_jobs(const json& body, const std::optional<std::string>& k
     merged.path = core_.files.fresh_spool_path();
     order.job_request = json::parse(parts.front().request);
     order.scene_id = parts.front().scene;
+    order.origin = film_origin(core_.store.id());
     order.out = merged.path;
     MergeFilmsReply reply;
     try {
@@ -177,12 +179,18 @@ json JobMerges::add_merged(JobRow row, const fs::path& film, const std::vector<s
             remove_quietly(film);
             return objects_.job_object(*known);
         }
-    // The film is on the disk under its name before a row names it; one that no row names is swept at the next start.
+    // The film is on the disk under its name before a row names it; where none comes to, the next start removes it.
     row.film = "merged-" + std::to_string(row.created_ms) + "-" + film.filename().string() + ".film";
+    {
+        auto transaction = core_.store.transaction();
+        purges_.note_removal(row.film);
+        transaction.commit();
+    }
     publish(film, core_.files.films / row.film);
     Outbox outbox;
     try {
         auto transaction = core_.store.transaction();
+        core_.store.forget_unnamed_file(path_of_film(row.film));
         core_.store.insert_job(row);
         if (key) core_.store.insert_key(*key, body_sha256, row.seq, row.created_ms);
         core_.store.append_log(row.seq, row.created_ms, "merged from " + parts);

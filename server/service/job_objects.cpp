@@ -45,7 +45,7 @@ json JobObjects::job_object(const JobRow& row) const {
                   {"log", self + "/log.txt"},
                   {"events", self + "/events"}};
     for (const ArtefactInfo& artefact : all_artefacts()) links[artefact_link(std::string(artefact.name))] = nullptr;
-    for (const json& name : json::parse(row.artefacts))
+    for (const json& name : is_over(row.state) ? json::parse(row.artefacts) : json::array())
         links[artefact_link(name.get<std::string>())] = self + "/" + name.get<std::string>();
     return {{"id", job_id(row.seq)},
             {"role", job_role_name(row.role)},

@@ -3,12 +3,14 @@
 #include "protocol/worker_messages.h"
 #include "renderer/core/atomic_file.h"
 #include "renderer/methods/registry.h"
+#include "server/service/saved_film.h"
 
 namespace photond {
 
 void Purges::purge(const JobRow& row) {
     auto transaction = core_.store.transaction();
     core_.store.delete_job(row.seq);
+    note_removal(row.film);
     transaction.commit();
     core_.artefacts.forget("job/" + std::to_string(row.seq) + "/");
     remove_film(row.film);
@@ -21,11 +23,16 @@ void Purges::remove_parts(const std::string& film) const {
         remove_quietly(AtomicFile::part_of(artefact_path(core_.files.films / film, artefact.name)));
 }
 
-void Purges::remove_film(const std::string& film) const {
+void Purges::note_removal(const std::string& film) {
+    if (!film.empty()) core_.store.note_unnamed_file(path_of_film(film));
+}
+
+void Purges::remove_film(const std::string& film) {
     if (film.empty()) return;
     remove_quietly(core_.files.films / film);
     for (const ArtefactInfo& artefact : all_artefacts())
         remove_quietly(artefact_path(core_.files.films / film, artefact.name));
+    core_.store.unnamed_file_is_gone(path_of_film(film));
 }
 
 void Purges::finish_purge(const ComparisonRow& row) {
@@ -39,6 +46,7 @@ void Purges::finish_purge(const ComparisonRow& row) {
                 continue;
             }
             core_.store.delete_job(job.seq);
+            note_removal(job.film);
             removed.push_back(std::move(job));
         }
         if (empty) core_.store.delete_comparison(row.seq);

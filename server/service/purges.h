@@ -25,8 +25,11 @@ public:
     /// Those that are still there, in the order they were planned.
     std::vector<JobRow> jobs_of_comparison(int64_t seq);
 
-    /// The film of an attempt (empty: none) and whatever artefacts lie beside it. Without the lock.
-    void remove_film(const std::string& film) const;
+    /// Inside the transaction from which on no row names that film (empty: none): a daemon that ends before
+    /// remove_film() removes it at its next start.
+    void note_removal(const std::string& film);
+    /// The film of an attempt (empty: none) and whatever artefacts lie beside it.
+    void remove_film(const std::string& film);
     /// What a killed worker was writing for it. Without the lock.
     void remove_parts(const std::string& film) const;
 

@@ -169,12 +169,14 @@ Added Scenes::add_scene(SceneUpload upload) {
         if (const auto known = core_.store.scene(row.id)) return {scene_object(*known), false};
     }
     const fs::path place = core_.files.scenes / row.id;
+    core_.note_upload(path_of_scene(row.id));
     remove_quietly(place);  // of a scene whose row never came, or has been deleted
     sync_tree(root.path, tree);
     publish(root.path, place);
     root.path.clear();
     const std::lock_guard lock(core_.mutex);
     auto transaction = core_.store.transaction();
+    core_.store.forget_unnamed_file(path_of_scene(row.id));
     core_.store.insert_scene(row);
     transaction.commit();
     return {scene_object(row), true};
@@ -304,9 +306,11 @@ json Scenes::delete_scene(const std::string& id_or_name) {
         throw Error(ErrorCode::WrongState, std::to_string(users) + " jobs that are not over use this scene");
     auto transaction = core_.store.transaction();
     core_.store.delete_scene(scene->id);
+    core_.store.note_unnamed_file(path_of_scene(scene->id));
     transaction.commit();
     core_.artefacts.forget("scene/" + scene->id + "/");
-    remove_quietly(core_.files.scenes / scene->id);  // an orphan from here on: swept at the next start if this fails
+    remove_quietly(core_.files.scenes / scene->id);
+    core_.store.unnamed_file_is_gone(path_of_scene(scene->id));
     return scene_object(*scene->row);
 }
 

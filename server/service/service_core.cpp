@@ -37,6 +37,13 @@ void ServiceCore::check_disk(uint64_t bytes) const {
                                             std::to_string(reserve) + " bytes; " + std::to_string(free) + " are free");
 }
 
+void ServiceCore::note_upload(const std::string& path) {
+    const std::lock_guard lock(mutex);
+    auto transaction = store.transaction();
+    store.note_unnamed_file(path);
+    transaction.commit();
+}
+
 bool ServiceCore::has_device(const std::string& id) const {
     return std::find(options.devices.begin(), options.devices.end(), id) != options.devices.end();
 }
@@ -102,12 +109,15 @@ void ServiceCore::open_events() {
     // What earlier runs have given out lies below; no id is given out twice even when the progress events that had them
     // were never stored.
     const uint64_t first = store.event_ids_until();
-    {
+    event_ids_until = first;
+    try {
         auto transaction = store.transaction();
         store.set_event_ids_until(first + kEventIdsAhead);
         store.prune_events(kEventsKept);
         transaction.commit();
         event_ids_until = first + kEventIdsAhead;
+    } catch (const Error& error) {
+        if (error.code != ErrorCode::NoSpace) throw;  // else they are reserved with the first event
     }
     events.open(first, [this](uint64_t after_id, uint64_t before_id, const std::string& job, size_t limit) {
         const std::lock_guard history_lock(mutex);

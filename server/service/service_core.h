@@ -48,6 +48,8 @@ struct ServiceCore {
     /// What the list says of a device; may wait for the process that lists them. Throws DeviceUnavailable where it says
     /// nothing.
     nlohmann::json listed_device(const std::string& id);
+    /// Takes the lock. An upload is about to be moved there (a path within the data folder), before a row names it.
+    void note_upload(const std::string& path);
     /// A job's "state" event.
     static std::string state_data(const JobRow& row);
 

@@ -75,6 +75,7 @@ json SystemStatus::status() {
             {"workers", std::move(workers)},
             {"pictures", pictures_now()},
             {"helpers", helpers_now()},
+            {"store", upkeep_.status()},
             {"disk_free_bytes", core_.files.free_bytes()},
             {"totals", totals_now()},
             {"resident_bytes", resident_bytes_of(getpid())},

@@ -7,14 +7,15 @@
 #include "server/service/attempts.h"
 #include "server/service/service_core.h"
 #include "server/service/service_types.h"
+#include "server/service/store_upkeep.h"
 
 namespace photond {
 
 /// All take the lock where they say nothing else.
 class SystemStatus {
 public:
-    SystemStatus(ServiceCore& core, const Pictures& pictures, Attempts& attempts)
-        : core_(core), pictures_(pictures), attempts_(attempts) {}
+    SystemStatus(ServiceCore& core, const Pictures& pictures, Attempts& attempts, const StoreUpkeep& upkeep)
+        : core_(core), pictures_(pictures), attempts_(attempts), upkeep_(upkeep) {}
 
     /// May wait, without the lock, for the process that lists them.
     Page devices();
@@ -32,6 +33,7 @@ private:
     ServiceCore& core_;
     const Pictures& pictures_;
     Attempts& attempts_;
+    const StoreUpkeep& upkeep_;
 };
 
 }  // namespace photond

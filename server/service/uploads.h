@@ -12,6 +12,10 @@ namespace photond {
 
 inline constexpr size_t kContentIdDigits = 32;  // of scenes and images: 128 bits of a SHA-256
 
+/// Within the data folder.
+inline std::string path_of_scene(const std::string& id) { return "scenes/" + id; }
+inline std::string path_of_image(const std::string& file) { return "images/" + file; }
+
 /// Removes what was spooled, whatever becomes of it.
 struct Spooled {
     std::filesystem::path path;

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
 
@@ -10,9 +11,11 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <fstream>
 #include <memory>
 
 #include "protocol/error.h"
+#include "renderer/core/atomic_file.h"
 #include "renderer/core/sha256.h"
 
 namespace photond {
@@ -46,53 +49,79 @@ uint64_t hash_contents(const fs::path& path, Sha256& digest) {
     return bytes;
 }
 
-fs::path made(const fs::path& folder) {
+constexpr const char* kMark = "store-id";
+
+/// What lies in it is nobody else's to read. One of another owner stays as that has set it.
+void for_this_user_alone(const fs::path& path, mode_t mode) {
+    struct stat status {};
+    if (lstat(path.c_str(), &status) != 0 || S_ISLNK(status.st_mode) || (status.st_mode & 0777) == mode) return;
+    if (chmod(path.c_str(), mode) != 0 && errno != EPERM && errno != EROFS) fail("setting the mode of", path, errno);
+}
+
+void make(const fs::path& folder) {
     std::error_code error;
     fs::create_directories(folder, error);
     if (error) fail("making", folder, error.value());
-    return folder;
 }
 
 }  // namespace
 
-DataFiles::DataFiles(const fs::path& directory)
-    : store(made(directory) / "store.sqlite"),
-      scenes(made(directory / "scenes")),
-      images(made(directory / "images")),
-      films(made(directory / "films")),
-      cache(made(directory / "cache")),
-      spool(made(directory / "spool")),
-      pipeline_cache(made(directory / "pipeline-cache")),
-      directory_(directory) {
+DataFiles::DataFiles(const fs::path& folder, Use use)
+    : directory(folder),
+      store(directory / "store.sqlite"),
+      scenes(directory / "scenes"),
+      images(directory / "images"),
+      films(directory / "films"),
+      cache(directory / "cache"),
+      spool(directory / "spool"),
+      pipeline_cache(directory / "pipeline-cache") {
+    const std::array folders{directory, scenes, images, films, cache, spool, pipeline_cache};
+    if (use == Use::Serve)
+        for (const fs::path& one : folders) make(one);
     const fs::path lock_file = directory / "photond.lock";
-    lock_ = open(lock_file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
-    if (lock_ < 0) fail("opening", lock_file, errno);
-    if (flock(lock_, LOCK_EX | LOCK_NB) != 0) {
+    lock_ = open(lock_file.c_str(), (use == Use::Serve ? O_RDWR | O_CREAT : O_RDONLY) | O_CLOEXEC, 0600);
+    if (lock_ < 0 && !(use == Use::Read && errno == ENOENT)) fail("opening", lock_file, errno);
+    if (lock_ >= 0 && flock(lock_, LOCK_EX | LOCK_NB) != 0) {
         const int error = errno;
         close(lock_);
         if (error == EWOULDBLOCK)
             throw Error(ErrorCode::Unavailable, "another photond uses the data directory " + directory.string());
         fail("locking", lock_file, error);
     }
+    if (use == Use::Read) return;
+    for (const fs::path& one : folders) for_this_user_alone(one, 0700);
+    for (const char* end : {"", "-wal"}) for_this_user_alone(store.string() + end, 0600);
     sync_path(directory);
-    sweep(spool, {});
-    sweep(cache, {});
 }
 
-DataFiles::~DataFiles() { close(lock_); }
+DataFiles::~DataFiles() {
+    if (lock_ >= 0) close(lock_);
+}
 
 uint64_t DataFiles::free_bytes() const {
     struct statvfs status {};
-    if (statvfs(directory_.c_str(), &status) != 0) fail("asking for the free space of", directory_, errno);
+    if (statvfs(directory.c_str(), &status) != 0) fail("asking for the free space of", directory, errno);
     return static_cast<uint64_t>(status.f_bavail) * status.f_frsize;
 }
 
-size_t DataFiles::sweep(const fs::path& folder, const std::unordered_set<std::string>& keep) {
-    std::vector<fs::path> orphans;
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder))
-        if (!keep.contains(entry.path().filename().string())) orphans.push_back(entry.path());
-    for (const fs::path& orphan : orphans) remove_quietly(orphan);
-    return orphans.size();
+std::string DataFiles::marked_store() const {
+    std::ifstream file(directory / kMark);
+    std::string marked;
+    file >> marked;
+    return marked;
+}
+
+bool DataFiles::are_of(const std::string& store_id) const {
+    const std::string marked = marked_store();
+    return marked.empty() || marked == store_id;
+}
+
+void DataFiles::become_of(const std::string& store_id) {
+    if (marked_store() == store_id) return;
+    AtomicFile file(directory / kMark);
+    file.write(store_id.data(), store_id.size());
+    file.write("\n", 1);
+    file.commit();
 }
 
 std::vector<fs::path> list_tree(const fs::path& root, size_t max_files) {
@@ -146,6 +175,19 @@ void sync_tree(const fs::path& root, const std::vector<fs::path>& files) {
 void publish(const fs::path& from, const fs::path& to) {
     if (std::rename(from.c_str(), to.c_str()) != 0) fail("renaming to", to, errno);
     sync_path(to.parent_path());
+}
+
+uint64_t bytes_below(const fs::path& path) noexcept {
+    std::error_code error;
+    const fs::file_status status = fs::symlink_status(path, error);
+    if (fs::is_regular_file(status)) {
+        const uintmax_t bytes = fs::file_size(path, error);
+        return error ? 0 : bytes;
+    }
+    uint64_t sum = 0;
+    if (fs::is_directory(status))
+        for (const fs::directory_entry& entry : fs::directory_iterator(path, error)) sum += bytes_below(entry.path());
+    return sum;
 }
 
 void remove_quietly(const fs::path& path) noexcept {

@@ -7,26 +7,29 @@
 //   films/         films of jobs, one an attempt   cache/      encoded artefacts, emptied at start
 //   spool/         uploads under way, emptied at start
 //   pipeline-cache/  a file for each GPU: what its driver compiled, for the next worker
+//   quarantine/    what a start found and could not tell (quarantine.h); never emptied
+//   store-id       the store whose files lie here
 
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <string>
-#include <unordered_set>
 #include <vector>
 
 namespace photond {
 
 class DataFiles {
 public:
-    /// Makes the folders, takes the lock, empties spool and cache. Throws photond::Error when another daemon has the
-    /// lock or the directory cannot be used.
-    explicit DataFiles(const std::filesystem::path& directory);
+    enum class Use : uint8_t { Serve, Read };
+
+    /// Makes the folders, for this user alone, and takes the lock; or takes the lock alone, to read. Throws
+    /// photond::Error when another daemon has the lock or the directory cannot be used.
+    explicit DataFiles(const std::filesystem::path& directory, Use use = Use::Serve);
     ~DataFiles();
     DataFiles(const DataFiles&) = delete;
     DataFiles& operator=(const DataFiles&) = delete;
 
-    const std::filesystem::path store, scenes, images, films, cache, spool, pipeline_cache;
+    const std::filesystem::path directory, store, scenes, images, films, cache, spool, pipeline_cache;
 
     /// A name nobody else was given.
     std::filesystem::path fresh_spool_path() { return spool / ("u" + std::to_string(++counter_)); }
@@ -34,11 +37,15 @@ public:
 
     uint64_t free_bytes() const;
 
-    /// Removes every entry of a folder whose name is not in `keep`; returns how many.
-    static size_t sweep(const std::filesystem::path& folder, const std::unordered_set<std::string>& keep);
+    /// Whether what lies in the folders is of that store: its id is written down here, or none is, as in folders of
+    /// older versions.
+    bool are_of(const std::string& store_id) const;
+    /// From here on they are.
+    void become_of(const std::string& store_id);
 
 private:
-    const std::filesystem::path directory_;
+    std::string marked_store() const;
+
     std::atomic<uint64_t> counter_ = 0;
     int lock_ = -1;
 };
@@ -56,6 +63,8 @@ void sync_path(const std::filesystem::path& path);
 void sync_tree(const std::filesystem::path& root, const std::vector<std::filesystem::path>& files);
 /// Renames, both folders' entries being on the disk when it returns.
 void publish(const std::filesystem::path& from, const std::filesystem::path& to);
+/// The bytes of a file, or of all files below a folder; 0 where there is none.
+uint64_t bytes_below(const std::filesystem::path& path) noexcept;
 /// Removes a file or a tree; what is not there is no failure.
 void remove_quietly(const std::filesystem::path& path) noexcept;
 

@@ -1,6 +1,7 @@
 #pragma once
 // A thin owner of one SQLite connection: WAL, synchronous FULL, exclusive lock; statements are prepared once.
 
+#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -10,6 +11,7 @@
 #include <string_view>
 
 struct sqlite3;
+struct sqlite3_backup;
 struct sqlite3_stmt;
 
 namespace photond {
@@ -56,6 +58,9 @@ public:
     /// Opens or makes the file and brings its schema up to date: `migrations[i]` leads from version i to i + 1. Throws
     /// when the file is of a newer version, damaged, or open in another process.
     Database(const std::filesystem::path& file, const char* const* migrations, int count);
+    /// To be read: nothing is written, and what the last owner left unfinished stays as it is. The caller holds the
+    /// data folder's lock, for SQLite's own locks are not taken. Of any version up to `known`.
+    Database(const std::filesystem::path& file, int known);
     ~Database();
     Database(const Database&) = delete;
     Database& operator=(const Database&) = delete;
@@ -65,6 +70,19 @@ public:
     void execute(const char* sql);
     int64_t last_insert_id() const;
     int64_t changes() const;
+    /// The schema's version as it was found; 0: the file was made now, or was empty.
+    int found_version() const { return found_version_; }
+
+    /// SQLite's integrity_check: "ok" or what is wrong, a line each.
+    std::string integrity();
+    /// The same of all that is in the file, from another thread and while this connection writes on: between begin and
+    /// end it writes to its log alone. begin throws where the log cannot be emptied first (a full disk).
+    void begin_whole_check();
+    /// Needs no connection. Empty when `stop` has become true meanwhile.
+    static std::string check_whole(const std::filesystem::path& file, const std::atomic<bool>& stop);
+    void end_whole_check();
+    /// Copies all of it, some pages at a time, into a new file; see Copy.
+    class Copy;
 
     /// Rolled back unless commit() is called; commit() returns when the data is on the disk.
     class Transaction {
@@ -82,9 +100,28 @@ public:
 
 private:
     void migrate(const std::filesystem::path& file, const char* const* migrations, int count);
+    void read_version(int known);
 
     sqlite3* database_ = nullptr;
+    int found_version_ = 0;
     std::map<std::string, sqlite3_stmt*, std::less<>> statements_;
+};
+
+/// A copy under way. What this connection writes meanwhile reaches the copy too, so that it is of one moment: the last
+/// step's. All under its owner's lock, which is free between the steps.
+class Database::Copy {
+public:
+    Copy(Database& from, const std::filesystem::path& to);
+    ~Copy();
+    Copy(const Copy&) = delete;
+    Copy& operator=(const Copy&) = delete;
+
+    /// Copies so many pages more (-1: all); how many are left then.
+    int step(int pages);
+
+private:
+    sqlite3* to_ = nullptr;
+    sqlite3_backup* backup_ = nullptr;
 };
 
 }  // namespace photond

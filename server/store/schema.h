@@ -115,6 +115,13 @@ inline constexpr const char* kMigrations[] = {
     R"sql(
     ALTER TABLE comparison_jobs ADD COLUMN repeat_of INTEGER;
     )sql",
+    // 8: which store this is; and files that no row names yet or any more, which a start may therefore remove
+    R"sql(
+    INSERT INTO meta (key, value) VALUES ('store_id', lower(hex(randomblob(16))));
+    CREATE TABLE unnamed_files (path TEXT PRIMARY KEY) WITHOUT ROWID;
+    DROP INDEX jobs_with_artefacts;
+    CREATE INDEX jobs_with_film ON jobs (film, artefacts) WHERE film <> '';
+    )sql",
 };
 
 inline constexpr int kSchemaVersion = static_cast<int>(std::size(kMigrations));

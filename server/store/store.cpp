@@ -5,6 +5,7 @@
 #include <functional>
 #include <iterator>
 
+#include "protocol/error.h"
 #include "server/store/schema.h"
 
 namespace photond {
@@ -139,7 +140,12 @@ int64_t job_seq(std::string_view id) { return numbered_id('J', id); }
 std::string comparison_id(int64_t seq) { return "C" + std::to_string(seq); }
 int64_t comparison_seq(std::string_view id) { return numbered_id('C', id); }
 
-Store::Store(const std::filesystem::path& file) : database_(file, kMigrations, kSchemaVersion) {}
+Store::Store(const std::filesystem::path& file, Use use)
+    : database_(use == Use::Read ? Database(file, kSchemaVersion) : Database(file, kMigrations, kSchemaVersion)) {
+    if (use == Use::Read && is_new()) throw Error(ErrorCode::Internal, "the store " + file.string() + " is empty");
+    Statement read = database_.prepare("SELECT value FROM meta WHERE key = 'store_id'");
+    if (read.step()) id_ = read.text(0);
+}
 
 void Store::insert_job(JobRow& job) {
     static const std::string kInsert = "INSERT INTO jobs (" +
@@ -208,21 +214,22 @@ std::vector<JobRow> Store::unfinished_jobs_measured_against(int64_t seq) {
     return read_jobs(read);
 }
 
+std::vector<JobRow> Store::queued_jobs_of_scene(const std::string& scene) {
+    Statement read = database_.prepare(select_jobs() + " WHERE scene = ?1 AND state = 0 ORDER BY seq");
+    read.bind(1, scene);
+    return read_jobs(read);
+}
+
 int64_t Store::unfinished_jobs_of_scene(const std::string& scene) {
     Statement read = database_.prepare("SELECT count(*) FROM jobs WHERE scene = ?1 AND state IN (0, 1)");
     read.bind(1, scene);
     return read.step() ? read.integer(0) : 0;
 }
 
-std::vector<std::string> Store::films() {
-    Statement read = database_.prepare("SELECT film FROM jobs WHERE film <> ''");
-    return read_texts(read);
-}
-
-std::vector<std::pair<std::string, std::string>> Store::artefacts() {
-    Statement read = database_.prepare("SELECT film, artefacts FROM jobs WHERE artefacts <> '[]'");
-    std::vector<std::pair<std::string, std::string>> rows;
-    while (read.step()) rows.emplace_back(read.text(0), read.text(1));
+std::vector<FilmRow> Store::films() {
+    Statement read = database_.prepare("SELECT seq, film, artefacts FROM jobs WHERE film <> ''");
+    std::vector<FilmRow> rows;
+    while (read.step()) rows.push_back({read.integer(0), read.text(1), read.text(2)});
     return rows;
 }
 
@@ -426,6 +433,10 @@ void Store::insert_image(const ImageRow& image) {
         .run();
 }
 
+void Store::delete_image(const std::string& id) {
+    database_.prepare("DELETE FROM images WHERE id = ?1").bind(1, id).run();
+}
+
 std::optional<ImageRow> Store::image(const std::string& id) {
     Statement read = database_.prepare(
         "SELECT id, media_type, file, width, height, channels, bytes, created_ms, layers FROM images WHERE id = ?1");
@@ -439,9 +450,11 @@ void Store::set_image_layers(const std::string& id, const std::string& layers) {
     database_.prepare("UPDATE images SET layers = ?2 WHERE id = ?1").bind(1, id).bind(2, layers).run();
 }
 
-std::vector<std::string> Store::image_files() {
-    Statement read = database_.prepare("SELECT file FROM images");
-    return read_texts(read);
+std::vector<std::pair<std::string, std::string>> Store::image_files() {
+    Statement read = database_.prepare("SELECT id, file FROM images");
+    std::vector<std::pair<std::string, std::string>> rows;
+    while (read.step()) rows.emplace_back(read.text(0), read.text(1));
+    return rows;
 }
 
 void Store::insert_event(const Event& event, int64_t job) {
@@ -486,9 +499,19 @@ void Store::set_event_ids_until(uint64_t id) {
         .run();
 }
 
-std::string Store::integrity() {
-    Statement check = database_.prepare("PRAGMA integrity_check");
-    return check.step() ? check.text(0) : "no answer";
+void Store::note_unnamed_file(const std::string& path) {
+    for (const std::string& gone : std::exchange(gone_files_, {})) forget_unnamed_file(gone);
+    database_.prepare("INSERT OR IGNORE INTO unnamed_files (path) VALUES (?1)").bind(1, path).run();
+}
+
+void Store::forget_unnamed_file(const std::string& path) {
+    database_.prepare("DELETE FROM unnamed_files WHERE path = ?1").bind(1, path).run();
+}
+
+std::vector<std::string> Store::unnamed_files() {
+    if (id_.empty()) return {};  // an older one, opened to be read
+    Statement read = database_.prepare("SELECT path FROM unnamed_files");
+    return read_texts(read);
 }
 
 }  // namespace photond

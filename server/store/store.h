@@ -140,6 +140,14 @@ struct JobQuery {
     uint32_t limit = 100;
 };
 
+/// Of a job what it names in the films folder.
+struct FilmRow {
+    int64_t seq = 0;
+    std::string film;
+    std::string artefacts;  // JSON: names of what lies beside it
+    bool operator==(const FilmRow&) const = default;
+};
+
 struct QueuedJob {
     int64_t seq;
     int priority;
@@ -150,7 +158,16 @@ struct QueuedJob {
 /// Not thread-safe: the service's lock serialises. Every write is inside a transaction() of the caller.
 class Store {
 public:
-    explicit Store(const std::filesystem::path& file);
+    enum class Use : uint8_t { Serve, Read };  // Read: as it lies there, and nothing of it can be changed
+
+    explicit Store(const std::filesystem::path& file, Use use = Use::Serve);
+
+    /// A random number of 32 hexadecimal digits, given to it when it was made: its films carry it. Empty of an older
+    /// one that is only read.
+    const std::string& id() const { return id_; }
+    /// There was no store before, or nothing in it.
+    bool is_new() const { return database_.found_version() == 0; }
+    Database& database() { return database_; }
 
     Database::Transaction transaction() { return Database::Transaction(database_); }
 
@@ -174,10 +191,10 @@ public:
     std::optional<JobRow> reference_of_content(const std::string& content);
     /// Jobs that are measured against that one and are not over.
     std::vector<JobRow> unfinished_jobs_measured_against(int64_t seq);
+    std::vector<JobRow> queued_jobs_of_scene(const std::string& scene);
     int64_t unfinished_jobs_of_scene(const std::string& scene);
-    std::vector<std::string> films();
-    /// Film and artefacts (JSON) of every job that has any.
-    std::vector<std::pair<std::string, std::string>> artefacts();
+    /// Of every job that has a film.
+    std::vector<FilmRow> films();
     /// The newest succeeded jobs of a method, at most `limit`; for estimates.
     std::vector<JobRow> latest_succeeded(const std::string& method, uint32_t limit);
 
@@ -230,7 +247,9 @@ public:
     void insert_image(const ImageRow& image);
     std::optional<ImageRow> image(const std::string& id);
     void set_image_layers(const std::string& id, const std::string& layers);
-    std::vector<std::string> image_files();
+    void delete_image(const std::string& id);
+    /// Id and file of each.
+    std::vector<std::pair<std::string, std::string>> image_files();
 
     // --- events
     // -------------------------------------------------------------------------------------------------------
@@ -243,8 +262,15 @@ public:
     uint64_t event_ids_until();
     void set_event_ids_until(uint64_t id);
 
-    /// SQLite's integrity_check: "ok" or what is wrong.
-    std::string integrity();
+    // --- files that no row names: of uploads on their way in, of results on their way out
+    // ----------------------------------------------------------------------------------------------------------------
+    /// Paths within the data folder; a film's stands for its artefacts too. A start removes them where no row names
+    /// them.
+    void note_unnamed_file(const std::string& path);
+    void forget_unnamed_file(const std::string& path);
+    /// Of a noted one, outside a transaction: it need not be removed any more. Forgotten with the next note.
+    void unnamed_file_is_gone(std::string path) { gone_files_.push_back(std::move(path)); }
+    std::vector<std::string> unnamed_files();
 
 private:
     /// Numbers of all jobs that pass a filter, newest first.
@@ -259,6 +285,8 @@ private:
     std::span<const int64_t> listed_jobs(const JobQuery& query);  // those of a page
 
     Database database_;
+    std::string id_;
+    std::vector<std::string> gone_files_;
     uint64_t jobs_version_ = 0;       // rises with every change of a job
     std::vector<JobList> job_lists_;  // the latest asked for first
 };

@@ -28,10 +28,11 @@ bool FilmSaver::due(const Film& film) const {
     return now_() - last_end_ >= std::max(*save_seconds_, kSavingPause * cost);
 }
 
-void FilmSaver::save(const Film& film, const std::string& history, const std::filesystem::path& path) {
+void FilmSaver::save(const Film& film, const std::string& history, const std::filesystem::path& path,
+                     const std::string& origin) {
     const OffTheClock saving(stats_, kFilmSavingStage, meters_);
     const double start = now_();
-    FilmFile::save(film, identity_, history, path);
+    FilmFile::save(film, identity_, history, path, origin);
     last_end_ = now_();
     last_cost_ = last_end_ - start;
 }

@@ -26,7 +26,8 @@ public:
     /// Whether it is time to save the film again.
     bool due(const Film& film) const;
     /// As FilmFile::save(), timed.
-    void save(const Film& film, const std::string& history, const std::filesystem::path& path);
+    void save(const Film& film, const std::string& history, const std::filesystem::path& path,
+              const std::string& origin = {});
 
 private:
     const FilmIdentity identity_;

@@ -81,7 +81,7 @@ MergeFilmsReply merge_films(const MergeFilmsRequest& asked, uint64_t memory_byte
     const Film& film = joined.saved.film;
     if (film.passes() == 0) throw Error(ErrorCode::Internal, "/films", "the films have no pass");
     json statistics = statistics_of(joined, request, asked.scene_id);
-    FilmFile::save(film, joined.saved.identity, joined.history.text(), asked.out);
+    FilmFile::save(film, joined.saved.identity, joined.history.text(), asked.out, asked.origin);
     std::string pixel_hash = statistics["pixel_hash"];
     return {film.passes(), joined.history.seconds, std::move(statistics), std::move(pixel_hash)};
 }

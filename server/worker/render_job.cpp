@@ -19,13 +19,6 @@ namespace {
 
 constexpr double kProgressSeconds = 0.25;
 
-double progress_of(const StopConditions& stop, uint32_t passes, double seconds) {
-    double progress = 0;
-    if (stop.passes) progress = std::max(progress, passes / static_cast<double>(*stop.passes));
-    if (stop.seconds && *stop.seconds > 0) progress = std::max(progress, seconds / *stop.seconds);
-    return std::min(progress, 1.0);
-}
-
 /// The most that FLIP's features of the reference may take (flip.h).
 uint64_t most_flip_bytes(const MeasuringPlan& plan, Size2 size) {
     constexpr uint64_t kMostExposures = 16, kBytesAPixel = 20, kCopyBytesAPixel = 12;
@@ -275,7 +268,7 @@ FilmHistory RenderJob::history(double seconds) {
 }
 
 void RenderJob::save(const Film& film, double seconds, const std::filesystem::path& path, bool tell) {
-    saver_->save(film, history(seconds).text(), path);
+    saver_->save(film, history(seconds).text(), path, order_.origin);
     if (!tell) return;
     send_(message_json(FilmSavedMessage{order_.job, order_.attempt, path, film.passes()}));
 }

@@ -35,6 +35,7 @@ RenderOrder RenderOrder::of(const RenderMessage& message, uint64_t most_memory_b
     order.source = message.scene;
     order.variant = variant_of(order.request, message);
     order.film = message.film;
+    order.origin = message.origin;
     order.resume = message.resume;
     order.reference = message.reference;
     if (order.request.reference && !order.reference)

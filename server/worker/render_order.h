@@ -19,6 +19,7 @@ struct RenderOrder {
     SceneSource source;
     SceneVariant variant;
     std::filesystem::path film;
+    std::string origin;
     std::optional<std::filesystem::path> resume;
     std::optional<ImageSource> reference;
     RandomStreams streams = RandomStreams::Job;

@@ -13,8 +13,8 @@ class DamagedResultsTest(DaemonTestCase):
         [film] = (self.daemon.data_dir / "films").glob(f"{job}-*.film")
         return job, film
 
-    def assert_damaged(self, reply, words):
-        self.assertEqual((reply.status, reply.json["code"]), (500, "result_damaged"), reply)
+    def assert_damaged(self, reply, words, code="result_damaged"):
+        self.assertEqual((reply.status, reply.json["code"]), (500, code), reply)
         self.assertIn("submit its request again", reply.json["title"])
         self.assertIn(words, reply.json["detail"])
 
@@ -24,10 +24,12 @@ class DamagedResultsTest(DaemonTestCase):
         for name in self.READS_FILM:
             with self.subTest(name):
                 self.assert_damaged(self.daemon.request("GET", f"/v1/jobs/{job}/{name}"),
-                                    f"job {job} has lost {film.name}: it is not in the data folder's films/ any more")
+                                    f"job {job} has lost {film.name}: it is not in the data folder's films/ any more",
+                                    "result_lost")
         self.assertEqual(self.daemon.request("GET", f"/v1/jobs/{job}/statistics.json").status, 200)
         other, _ = self.job_and_film(seed=11, passes=2, first_pass=2)
-        self.assert_damaged(self.daemon.request("POST", "/v1/jobs/merge", json_body={"jobs": [job, other]}), "has lost")
+        self.assert_damaged(self.daemon.request("POST", "/v1/jobs/merge", json_body={"jobs": [job, other]}), "has lost",
+                            "result_lost")
 
     def test_a_damaged_film(self):
         job, film = self.job_and_film(seed=12)
@@ -41,7 +43,7 @@ class DamagedResultsTest(DaemonTestCase):
         job, film = self.job_and_film(seed=13)
         film.unlink()
         measured = self.daemon.wait_for_job(self.daemon.submit(small_job(seed=14, reference=f"job:{job}"))["id"])
-        self.assertEqual((measured["state"], measured["failure"]["code"]), ("failed", "result_damaged"))
+        self.assertEqual((measured["state"], measured["failure"]["code"]), ("failed", "result_lost"))
         self.assertEqual(self.daemon.run_job(small_job(seed=15))["state"], "succeeded")
 
 

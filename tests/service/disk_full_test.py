@@ -194,6 +194,33 @@ class FullDiskTest(DiskCase):
                 self.assertEqual(self.daemon.request("GET", path).status, 200, path)
         self.assertNotIn("defect", self.daemon.log())
 
+    def test_a_start_on_a_full_disk(self):
+        """What was running cannot even be recorded: reads are served, and all goes on when there is room."""
+        done = self.daemon.wait_for_job(self.daemon.submit(small_job(size=16))["id"])
+        image = self.daemon.request("GET", f"/v1/jobs/{done['id']}/pixels").body
+        job = self.daemon.submit(small_job(size=64, passes=100_000_000))["id"]
+        self.rendering(job)
+        self.daemon.kill()
+        self.fill(0)
+        self.daemon.start()
+        self.daemon.wait_ready()
+        for path in ("/v1/jobs", f"/v1/jobs/{done['id']}", f"/v1/jobs/{job}", f"/v1/jobs/{done['id']}/film", "/metrics"):
+            self.assertEqual(self.daemon.request("GET", path).status, 200, path)
+        self.assertEqual(self.daemon.job(done["id"]), done)
+        self.assert_no_space(self.daemon.request("POST", "/v1/jobs", json_body=self.large_job(passes=1)))
+        self.assertIn("no room to record what was running", self.daemon.log())
+        self.filler.unlink()
+        deadline = deadline_after(60)
+        while self.daemon.job(job)["attempts"][0]["outcome"] != "lost":
+            self.assertLess(time.monotonic(), deadline, self.daemon.log())
+            time.sleep(0.05)
+        self.assertTrue(self.daemon.request("GET", "/v1/status").json["store"]["recovered"])
+        self.daemon.request("DELETE", f"/v1/jobs/{job}")
+        self.daemon.wait_for_job(job)
+        self.assertEqual(self.daemon.request("GET", f"/v1/jobs/{done['id']}/pixels").body, image)
+        self.assertEqual(self.daemon.wait_for_job(self.daemon.submit(small_job(size=16))["id"])["state"], "succeeded")
+        self.check_store()
+
     def test_not_a_byte_left(self):
         """Not even the store can be written: what a job came to is kept in memory until it can."""
         kept = self.daemon.wait_for_job(self.daemon.submit(small_job(size=16), "kept")["id"])

@@ -171,6 +171,10 @@ class OpenApiTest(unittest.TestCase):
         self.assertEqual(ask("GET", f"/v1/images/{image['id']}/pixels").status, 200)
         flip = f"/v1/flip?reference=image:{image['id']}&image=job:"
         self.assertEqual(ask("GET", flip + job["id"]).status, 200)
+        backup = ask("POST", "/v1/backups").json
+        self.assertEqual(ask("GET", f"/v1/backups/{backup['id']}").json, backup)
+        self.assertEqual(ask("GET", f"/v1/backups/{backup['id']}/file?path=store.sqlite").status, 200)
+        self.assertEqual(ask("DELETE", f"/v1/backups/{backup['id']}").status, 200)
         long_jobs = [ask("POST", "/v1/jobs", json_body={**small_job(), "stop": {"seconds": 3600}}).json["id"]
                      for _ in range(2)]
         ask("GET", "/v1/jobs")

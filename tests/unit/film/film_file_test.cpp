@@ -43,14 +43,25 @@ protected:
     void write(const std::string& content) const {
         std::ofstream(path, std::ios::binary | std::ios::trunc).write(content.data(), std::streamsize(content.size()));
     }
-    /// What loading says; empty when it is content.
+    /// What examining says.
+    std::string examined() const {
+        try {
+            (void)FilmFile::examine(path);
+        } catch (const Error& error) {
+            return error.what();
+        }
+        return "";
+    }
+    /// What loading says, and examining says too; empty when it is content.
     std::string refusal(ErrorCode expected = ErrorCode::Internal) const {
         try {
             (void)FilmFile::load(path);
         } catch (const Error& error) {
             EXPECT_EQ(error.code, expected) << error.what();
+            EXPECT_EQ(examined(), error.what());
             return error.what();
         }
+        EXPECT_EQ(examined(), "");
         return "";
     }
 };
@@ -71,6 +82,16 @@ TEST_F(FilmFileTest, GivesTheSameFilmBack) {
     } catch (const Error& error) {
         EXPECT_EQ(error.code, ErrorCode::OutOfMemory);
     }
+}
+
+TEST_F(FilmFileTest, SaysWhoRenderedIt) {
+    const Film film = film_of({211, 97}, LayerSet::all(), {0, 1, 2});
+    FilmFile::save(film, kIdentity, kHistory, path, "the third attempt");
+    const FilmFacts facts = FilmFile::examine(path);
+    EXPECT_EQ(facts.passes, 3u);
+    EXPECT_EQ(facts.history, kHistory);
+    EXPECT_EQ(facts.origin, "the third attempt");
+    EXPECT_TRUE(FilmFile::load(path).film == film);
 }
 
 TEST_F(FilmFileTest, KeepsWhichPassesItHoldsAndGoesOnBehindThem) {
@@ -155,8 +176,8 @@ TEST_F(FilmFileTest, ReadsTheVersionsBeforeIdentity) {
     EXPECT_NE(refusal().find("cut short"), std::string::npos);
     write(old_film(1, kPhotonCount));  // a layer that version did not have
     EXPECT_NE(refusal().find("layers"), std::string::npos);
-    write(old_film(5));
-    EXPECT_NE(refusal(ErrorCode::Unsupported).find("reads 1 to 4"), std::string::npos);
+    write(old_film(6));
+    EXPECT_NE(refusal(ErrorCode::Unsupported).find("reads 1 to 5"), std::string::npos);
     write(old_film(0));
     EXPECT_NE(refusal(ErrorCode::Unsupported).find("version 0"), std::string::npos);
 }
@@ -170,6 +191,17 @@ std::string relabelled(const std::string& text, uint32_t version, uint32_t extra
     return head + digest_of(head) + text.substr(80);
 }
 
+/// A film of version 5 with an empty origin, as version 4 wrote it.
+std::string without_origin(const std::string& text) {
+    size_t at = 80;
+    for (int parts = 0; parts < 5; ++parts) {
+        uint64_t length;
+        std::memcpy(&length, &text[at], sizeof length);
+        at += sizeof length + length + 32;
+    }
+    return relabelled(text.substr(0, at) + text.substr(at + sizeof(uint64_t) + 32), 4);
+}
+
 // What came with version 4 are layers after the others: files without them are the same but for the number.
 TEST_F(FilmFileTest, ReadsTheVersionBeforeTheLooksAtMethods) {
     constexpr auto kFirstNew = static_cast<size_t>(Layer::Clamped);
@@ -178,9 +210,11 @@ TEST_F(FilmFileTest, ReadsTheVersionBeforeTheLooksAtMethods) {
     for (const LayerInfo& info : new_layers) layers.remove(info.layer);
     const Film film = film_of_range({9, 5}, layers, 0, 3);
     FilmFile::save(film, kIdentity, kHistory, path);
-    const std::string now = bytes();
+    const std::string now = without_origin(bytes());
     write(relabelled(now, 4));
     EXPECT_EQ(bytes(), now) << "nothing but the version is changed";
+    EXPECT_TRUE(FilmFile::load(path).film == film);
+    EXPECT_EQ(FilmFile::examine(path).origin, "");
     write(relabelled(now, 3));
     const SavedFilm loaded = FilmFile::load(path);
     EXPECT_TRUE(loaded.film == film);
@@ -203,7 +237,7 @@ TEST_F(FilmFileTest, RefusesEveryDamage) {
     const std::string good = bytes();
     ASSERT_EQ(refusal(), "");
     const size_t texts = kIdentity.scene.size() + kIdentity.settings.size() + kIdentity.device.size() + kHistory.size();
-    const size_t sums_at = 80 + texts + 2 * sizeof(PassRanges::Range) + 5 * (sizeof(uint64_t) + 32);
+    const size_t sums_at = 80 + texts + 2 * sizeof(PassRanges::Range) + 6 * (sizeof(uint64_t) + 32);
     for (size_t at = 0; at < good.size(); at += at < sums_at ? 1 : 61)  // every byte of what comes before the sums
         for (const char bit : {'\x01', '\x10'}) {
             std::string changed = good;

@@ -55,9 +55,9 @@ TEST(OpenApi, EveryOperationIsWholeAndNamedOnce) {
                 if (parameter["in"] == "path") declared.insert(parameter["name"].get<std::string>());
             for (size_t at = path.find('{'); at != std::string::npos; at = path.find('{', at + 1))
                 EXPECT_EQ(declared.count(path.substr(at + 1, path.find('}', at) - at - 1)), 1u) << path;
-            EXPECT_EQ(
-                operation.contains("requestBody"),
-                method == "patch" || (method == "post" && !path.ends_with("/retry") && !path.ends_with("/repeat")))
+            EXPECT_EQ(operation.contains("requestBody"),
+                      method == "patch" || (method == "post" && !path.ends_with("/retry") &&
+                                            !path.ends_with("/repeat") && path != "/v1/backups"))
                 << path;
         }
     EXPECT_EQ(openapi_operations(api).size(), ids.size());

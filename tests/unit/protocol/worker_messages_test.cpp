@@ -89,7 +89,7 @@ TEST(WorkerMessages, OfTheDaemon) {
     const auto order = exact<RenderMessage>(
         R"({"type": "render", "job": "J1", "attempt": 2, "request": {"scene": "box"},
             "scene": {"id": "S", "builtin": null, "root": "/d/S", "file": "/d/S/a.glb"},
-            "environment": {"path": "/d/e.hdr"}, "film": "/d/a.film", "resume": "/d/b.film",
+            "environment": {"path": "/d/e.hdr"}, "film": "/d/a.film", "origin": "mine", "resume": "/d/b.film",
             "reference": {"film": "/d/r.film"}, "streams": "reference", "save_seconds": 2.0,
             "limits": {"memory_bytes": 1024, "threads": 3}})");
     EXPECT_EQ(order.scene.root, "/d/S");
@@ -97,7 +97,7 @@ TEST(WorkerMessages, OfTheDaemon) {
     EXPECT_EQ(order.limits.threads, 3u);
     exact<RenderMessage>(
         R"({"type": "render", "job": "J1", "attempt": 2, "request": {},
-            "scene": {"id": "box", "builtin": "box", "root": null, "file": null}, "environment": null, "film": "/d/a",
+            "scene": {"id": "box", "builtin": "box", "root": null, "file": null}, "environment": null, "film": "/d/a", "origin": "",
             "resume": null, "reference": {"image": "/d/r.exr"}, "streams": "job", "save_seconds": null,
             "limits": {"memory_bytes": 1024, "threads": 0}})");
     const RenderMessage least = *message_as<RenderMessage>(json::parse(
@@ -163,7 +163,8 @@ TEST(HelperMessages, OfImagesAndFilms) {
     EXPECT_EQ(exact_reply<EncodeFlipRequest>(R"({"mean": 0.5})").mean, 0.5);
     exact_reply<EncodeErrorMapRequest>("{}");
     exact<MergeFilmsRequest>(
-        R"({"type": "merge_films", "films": ["/a", "/b"], "job_request": {"seed": 5}, "scene_id": "S", "out": "/o"})");
+        R"({"type": "merge_films", "films": ["/a", "/b"], "job_request": {"seed": 5}, "scene_id": "S", "origin": "",
+            "out": "/o"})");
     EXPECT_EQ(exact_reply<MergeFilmsRequest>(
                   R"({"passes_done": 2, "seconds": 0.5, "statistics": {"seed": 5}, "pixel_hash": "ab"})")
                   .pixel_hash,

@@ -127,9 +127,9 @@ TEST(Store, AJobComesBackAsItWasAfterReopening) {
     EXPECT_EQ(found->failure, R"({"code":"no_space"})");
     EXPECT_EQ(found->attempts, R"([{"attempt":3}])");
     EXPECT_EQ(found->artefacts, R"(["photon_map.glb"])");
-    EXPECT_EQ(store.artefacts(), (std::vector<std::pair<std::string, std::string>>{{row.film, row.artefacts}}));
+    EXPECT_EQ(store.films(), (std::vector<FilmRow>{{row.seq, row.film, row.artefacts}}));
     EXPECT_EQ(store.jobs_to_purge().size(), 1u);
-    EXPECT_EQ(store.integrity(), "ok");
+    EXPECT_EQ(store.database().integrity(), "ok");
 }
 
 TEST(Store, WhatIsNotCommittedIsNotThere) {
@@ -306,7 +306,7 @@ TEST(Store, ASummaryFollowsItsJob) {
     store.delete_job(row.seq);
     EXPECT_TRUE(store.job_summaries({}).empty());
     transaction.commit();
-    EXPECT_EQ(store.integrity(), "ok");
+    EXPECT_EQ(store.database().integrity(), "ok");
 }
 
 TEST(Store, EventsAreFoundByNumberAndByJobAndTheOldestForgotten) {
@@ -357,7 +357,7 @@ TEST(Store, AStoreOfTheFirstVersionIsCarriedOn) {
     ASSERT_TRUE(job);
     EXPECT_EQ(job->film, "J7-1.film");
     EXPECT_EQ(job->artefacts, "[]");
-    EXPECT_TRUE(store.artefacts().empty());
+    EXPECT_EQ(store.films(), (std::vector<FilmRow>{{7, "J7-1.film", "[]"}}));
     JobQuery by_label;
     by_label.label_key = "study";
     ASSERT_EQ(store.job_summaries(by_label).size(), 1u);
@@ -368,8 +368,7 @@ TEST(Store, AStoreOfTheFirstVersionIsCarriedOn) {
     auto transaction = store.transaction();
     store.update_job(row);
     transaction.commit();
-    EXPECT_EQ(store.artefacts(),
-              (std::vector<std::pair<std::string, std::string>>{{"J7-1.film", R"(["photon_map.glb"])"}}));
+    EXPECT_EQ(store.films(), (std::vector<FilmRow>{{7, "J7-1.film", R"(["photon_map.glb"])"}}));
 }
 
 TEST(Store, HasOneOwner) {

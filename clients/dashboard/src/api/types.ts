@@ -223,6 +223,13 @@ export interface DaemonStatus {
     resident_bytes: number;
   }[];
   pictures: { waiting: number; pid: number | null; restarts: number; resident_bytes: number };
+  store: {
+    id: string;
+    bytes: number;
+    recovered: boolean;
+    check: { state: "waiting" | "running" | "ok" | "damaged" | "failed"; detail: string | null };
+    quarantine: { files: number; bytes: number };
+  };
   disk_free_bytes: number;
   resident_bytes: number | null;
   event_clients: number;
