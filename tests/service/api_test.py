@@ -364,21 +364,33 @@ class RestartTest(unittest.TestCase):
             self.assertEqual({e[2]["id"] for e in after}, {job_id})
 
 
+def make_tokens(file, *roles):
+    """Writes the daemon's token file; {role: token}."""
+    tokens, lines = {}, []
+    for role in roles:
+        output = subprocess.run([str(BIN / "photond"), "--new-token", f"{role}er:{role}"], check=True,
+                                capture_output=True, text=True).stdout
+        tokens[role] = output.split("token:")[1].split()[0]
+        lines.append(output.split("line:")[1].strip())
+    file.write_text("\n".join(lines) + "\n")
+    file.chmod(0o600)
+    return tokens
+
+
 class TokensTest(unittest.TestCase):
-    def test_roles(self):
-        tokens, lines = {}, []
-        for role in ("read", "write"):
-            output = subprocess.run([str(BIN / "photond"), "--new-token", f"{role}er:{role}"], check=True,
-                                    capture_output=True, text=True).stdout
-            tokens[role] = output.split("token:")[1].split()[0]
-            lines.append(output.split("line:")[1].strip())
-        with tempfile.TemporaryDirectory() as folder, contextlib.ExitStack() as stack:
+    @contextlib.contextmanager
+    def daemon_with_tokens(self):
+        """A ready daemon and {role: token}."""
+        with tempfile.TemporaryDirectory() as folder:
             file = pathlib.Path(folder) / "tokens"
-            file.write_text("\n".join(lines) + "\n")
-            file.chmod(0o600)
+            tokens = make_tokens(file, "read", "write")
             self.assertNotIn(tokens["write"], file.read_text())
-            daemon = stack.enter_context(Daemon("--tokens", file))
-            daemon.wait_ready()
+            with Daemon("--tokens", file) as daemon:
+                daemon.wait_ready()
+                yield daemon, tokens
+
+    def test_roles(self):
+        with self.daemon_with_tokens() as (daemon, tokens):
 
             def status(method, path, token=None, scheme="Bearer", **options):
                 headers = {"Authorization": f"{scheme} {token}"} if token else {}
