@@ -4,6 +4,7 @@ import contextlib
 import http.client
 import json
 import pathlib
+import select
 import struct
 import subprocess
 import tempfile
@@ -388,6 +389,27 @@ class TokensTest(unittest.TestCase):
             with Daemon("--tokens", file) as daemon:
                 daemon.wait_ready()
                 yield daemon, tokens
+
+    def test_guesses_are_logged_slowed_and_refused(self):
+        with self.daemon_with_tokens() as (daemon, tokens):
+            def status(token):
+                return daemon.request("GET", "/v1/jobs", headers={"Authorization": f"Bearer {token}"})
+            replies = [status(f"guess-{i}") for i in range(10)]
+            self.assertEqual([reply.status for reply in replies], [401] * 10)
+            guesser = http.client.HTTPConnection(daemon.address, daemon.port, timeout=60)
+            guesser.request("GET", "/v1/jobs", headers={"Authorization": "Bearer guess-10"})
+            # Others are answered before the guesser is; the right token is, from the same address too.
+            for _ in range(3):
+                self.assertEqual(status(tokens["read"]).status, 200)
+            self.assertEqual(select.select([guesser.sock], [], [], 0)[0], [])
+            response = guesser.getresponse()
+            self.assertEqual((response.status, json.loads(response.read())["code"]), (429, "too_many_requests"))
+            self.assertGreaterEqual(int(response.headers["Retry-After"]), 1)
+            guesser.close()
+            log = daemon.log()
+            self.assertIn("not known, from 127.0.0.1", log)
+            self.assertLessEqual(log.count("not known, from"), 12)
+            self.assertNotIn("guess-", log)
 
     def test_roles(self):
         with self.daemon_with_tokens() as (daemon, tokens):
