@@ -540,7 +540,10 @@ json openapi_document(const ApiVocabulary& vocabulary) {
               {"version", vocabulary.version},
               {"description",
                "Global-illumination renders as a service. Units are SI, spans seconds, sizes bytes, "
-               "times RFC 3339 UTC; a field that does not apply is null, never absent."},
+               "times RFC 3339 UTC; a field that does not apply is null, never absent. Any request may be "
+               "answered 503 where too much is asked at once, or 429 where one client asks too fast or presents wrong "
+               "tokens: Retry-After says when to ask again. A connection whose client ends its sending is taken for "
+               "closed."},
               {"license", {{"name", "Apache-2.0"}, {"identifier", "Apache-2.0"}}}}},
             {"paths", openapi_paths(vocabulary)},
             {"components",

@@ -1,6 +1,7 @@
 // photond: flags, signals, wiring; nothing else.
 
 #include <arpa/inet.h>
+#include <malloc.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 #include <sys/stat.h>
@@ -70,8 +71,14 @@ void add_limits(CLI::App& app, Limits& limits) {
     app.add_option("--max-pixels", limits.max_pixels, "pixels of a job's image")->group("Limits");
     app.add_option("--max-queue", limits.max_queue, "jobs waiting")->group("Limits");
     app.add_option("--max-connections", limits.max_connections, "connections open at once")->group("Limits");
-    app.add_option("--max-rate", limits.max_requests_per_second, "requests per second of one token; 0: no limit")
+    app.add_option("--max-rate", limits.max_requests_per_second,
+                   "requests per second of one token, or of one address without; 0: no limit")
+        ->capture_default_str()
         ->check(CLI::NonNegativeNumber)
+        ->group("Limits");
+    app.add_option("--answer-memory", limits.answer_memory_bytes,
+                   "bytes of answers that lie in memory until they are read")
+        ->check(CLI::PositiveNumber)
         ->group("Limits");
     app.add_option("--disk-reserve", limits.disk_reserve_bytes, "bytes of disk never used")->group("Limits");
     app.add_option("--max-job-seconds", limits.max_job_seconds, "seconds one attempt may take; 0: no limit")
@@ -137,6 +144,12 @@ int serve(const Options& options, http::Listener listener, const sigset_t& signa
 int main(int argc, char** argv) {
     spdlog::set_default_logger(spdlog::stderr_logger_mt("photond"));
     spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e%z %l %v");
+
+    // The allocator would keep what long answers have freed: blocks from this size on go back to the system at once,
+    // and threads share a few arenas, which AnswerMemory trims.
+    mallopt(M_MMAP_THRESHOLD, 64 << 10);
+    mallopt(M_TRIM_THRESHOLD, 1 << 20);
+    mallopt(M_ARENA_MAX, 4);
 
     // Before the first thread: all of them inherit it, and only sigwait() sees these.
     sigset_t signals;

@@ -62,6 +62,11 @@ struct Metrics::Families {
                                                          .Name("photond_http_request_duration_seconds")
                                                          .Help("From the request's head to the end of the answer")
                                                          .Register(registry);
+    prometheus::Counter& requests_gone = prometheus::BuildCounter()
+                                             .Name("photond_http_requests_abandoned_total")
+                                             .Help("HTTP requests dropped because their clients had gone")
+                                             .Register(registry)
+                                             .Add({});
     prometheus::Gauge& event_clients =
         prometheus::BuildGauge().Name("photond_event_clients").Help("Event streams open").Register(registry).Add({});
     Family<prometheus::Counter>& rays =
@@ -97,6 +102,8 @@ void Metrics::http_request(const std::string& route, int status, double seconds)
     families_->requests.Add({{"route", route}, {"code", std::to_string(status)}}).Increment();
     families_->request_seconds.Add({{"route", route}}, kRequestSeconds).Observe(seconds);
 }
+
+void Metrics::http_client_gone() { families_->requests_gone.Increment(); }
 
 void Metrics::event_clients(int delta) { families_->event_clients.Increment(delta); }
 

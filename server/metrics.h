@@ -17,6 +17,8 @@ public:
 
     // The routes' side. `route` is the pattern ("/v1/jobs/{id}"), never the path.
     void http_request(const std::string& route, int status, double seconds);
+    /// A request that nobody waited for any more when its turn came.
+    void http_client_gone();
     void event_clients(int delta);
     int64_t event_clients() const;
 

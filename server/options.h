@@ -15,7 +15,8 @@ struct Limits {
     uint64_t max_pixels = 64ull << 20;           // 422; image.width * image.height
     uint32_t max_queue = 100'000;                // 429 queue_full; jobs waiting
     uint32_t max_connections = 4096;             // 503; open at once, event streams included
-    double max_requests_per_second = 0;          // 429 too_many_requests; per token (per address without), 0: none
+    double max_requests_per_second = 10'000;     // 429 too_many_requests; per token (per address without), 0: none
+    uint64_t answer_memory_bytes = 32ull << 20;  // 503; answers being made or not read yet, of all clients
     uint64_t disk_reserve_bytes = 256ull << 20;  // 507; free space that is never used
     double max_job_seconds = 0;                  // timed_out; wall clock of one attempt, 0: none
     double head_timeout_seconds = 10;            // 408; for a whole request head

@@ -4,6 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 
 #include "server/clock_text.h"
 
@@ -18,6 +20,25 @@ inline nlohmann::json parsed_or_null(const std::string& text) {
 inline std::string text_of(const nlohmann::json& value) {
     return value.empty() ? "" : value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
+
+/// An object put together from texts that are JSON already: a row's long members are not read only to be written again.
+class ObjectText {
+public:
+    ObjectText& add(std::string_view name, const nlohmann::json& value) {
+        return add_text(name, value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+    }
+    /// `text` is JSON; null where it is empty.
+    ObjectText& add_text(std::string_view name, std::string_view text) {
+        text_ += text_.empty() ? "{\"" : ",\"";
+        text_.append(name).append("\":").append(text.empty() ? "null" : text);
+        return *this;
+    }
+    /// The whole object; it has a member at least.
+    std::string text() { return std::move(text_ += '}'); }
+
+private:
+    std::string text_;
+};
 
 /// RFC 3339, or null.
 inline nlohmann::json time_or_null(const std::optional<int64_t>& ms) {

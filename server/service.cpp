@@ -91,7 +91,9 @@ json Service::submit_job(const JobRequest& request, const std::optional<std::str
 }
 json Service::estimate_job(const JobRequest& request) { return impl_->jobs.submissions.estimate_job(request); }
 json Service::get_job(const std::string& id) { return impl_->jobs.objects.get_job(id); }
-Page Service::list_jobs(const JobFilter& filter) { return impl_->jobs.objects.list_jobs(filter); }
+void Service::list_jobs(const JobFilter& filter, const TextSink& write) {
+    impl_->jobs.objects.list_jobs(filter, write);
+}
 Service::Cancelled Service::cancel_job(const std::string& id) {
     return impl_->jobs.cancellations.cancel_job(id, false);
 }

@@ -81,7 +81,9 @@ public:
     /// "cancelled", "stopped", "lost", "crashed", "hung", "device_lost", "out_of_memory", "no_space" or "timed_out",
     /// "reason", "passes_done"} and, when it is over, {"device_shared", "host_shared"}.
     nlohmann::json get_job(const std::string& id);
-    Page list_jobs(const JobFilter& filter);
+    /// A Page of jobs, or of their summaries with "total" beside it, as text: other requests are answered between its
+    /// pieces.
+    void list_jobs(const JobFilter& filter, const TextSink& write);
     using Cancelled = photond::Cancelled;
     Cancelled cancel_job(const std::string& id);
     /// Removes the job and its files; a running one is cancelled first and removed when its worker has let go of it.

@@ -95,6 +95,15 @@ void encode(OIIO::Filesystem::IOProxy& proxy, AtomicFile* file, Size2 size, std:
 
 [[noreturn]] void bad_image(const std::string& why) { throw Error(ErrorCode::BadImage, why); }
 
+/// What the library says, without the names of files: where an upload lies is nobody's business but ours.
+std::string without_paths(std::string reason) {
+    for (size_t at = reason.find(" \"/"); at != std::string::npos; at = reason.find(" \"/", at)) {
+        const size_t end = reason.find('"', at + 2);
+        reason.erase(at, end == std::string::npos ? end : end + 1 - at);
+    }
+    return reason;
+}
+
 /// Opens an image whose header has been judged, and judges what the library makes of it. No pixels have been read.
 std::unique_ptr<OIIO::ImageInput> open_judged(const std::filesystem::path& path, ImageFileFormat format) {
     // By its content: names are not looked at.
@@ -102,7 +111,7 @@ std::unique_ptr<OIIO::ImageInput> open_judged(const std::filesystem::path& path,
         OIIO::ImageInput::create(format == ImageFileFormat::OpenExr ? "openexr" : "hdr");
     OIIO::ImageSpec spec;
     if (!input || !input->open(path.string(), spec))
-        bad_image("its header cannot be read: " + (input ? input->geterror() : OIIO::geterror()));
+        bad_image("its header cannot be read: " + without_paths(input ? input->geterror() : OIIO::geterror()));
     if (spec.width <= 0 || spec.height <= 0 || spec.depth > 1 || spec.nchannels <= 0)
         bad_image("its size is " + std::to_string(spec.width) + "x" + std::to_string(spec.height));
     require_image_size(static_cast<uint64_t>(spec.width), static_cast<uint64_t>(spec.height),
@@ -127,7 +136,7 @@ void read_rows(OIIO::ImageInput& input, const Take& take) {
                                                       1, 0, spec.nchannels, OIIO::TypeFloat, band.data())
                                    : input.read_scanlines(0, 0, spec.y + y, spec.y + last, 0, 0, spec.nchannels,
                                                           OIIO::TypeFloat, band.data());
-        if (!decoded) bad_image("its pixels cannot be decoded: " + input.geterror());
+        if (!decoded) bad_image("its pixels cannot be decoded: " + without_paths(input.geterror()));
         take(static_cast<size_t>(y), std::span<const float>(band).first(row_values * static_cast<size_t>(last - y)));
     }
 }

@@ -1,30 +1,44 @@
 #pragma once
-// A bounded set of threads with a bounded queue in front, each with an Answerer of its own.
+// A lane: a bounded set of threads with a bounded queue in front, each thread with an Answerer of its own. A request
+// whose client has gone is not worked on, nor one that waited too long: its client is told to come back.
 
 #include <condition_variable>
-#include <deque>
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <vector>
 
 #include "server/routes/answerer.h"
+#include "server/routes/fair_queue.h"
 
 namespace photond::http {
 
 struct Connection;
 
+struct LaneSettings {
+    size_t threads = 1;
+    size_t max_waiting = 0;
+    double most_wait_seconds = 0;  // in the queue
+    double most_work_seconds = 0;  // on what is made in pieces (Call::before_piece)
+};
+
+struct LaneCallbacks {
+    /// Gets a connection back, answered.
+    std::function<void(std::unique_ptr<Connection>)> done;
+    /// Is told that one was dropped because its client has gone.
+    std::function<void()> gone;
+};
+
 class AnswerPool {
 public:
-    /// `done` gets every connection back, answered.
-    using Done = std::function<void(std::unique_ptr<Connection>)>;
-    AnswerPool(size_t threads, size_t max_waiting, Done done);
+    AnswerPool(LaneSettings settings, LaneCallbacks callbacks);
     ~AnswerPool();
     AnswerPool(const AnswerPool&) = delete;
     AnswerPool& operator=(const AnswerPool&) = delete;
 
-    /// False, and the connection left where it is, when too many wait already.
+    /// False, and the connection left where it is, when too many wait already, of its client or in all.
     bool submit(std::unique_ptr<Connection>& connection);
     /// Finishes what is being answered, drops what waits.
     void stop();
@@ -32,11 +46,16 @@ public:
 private:
     void run();
 
-    const size_t max_waiting_;
-    const Done done_;
+    struct Waiting {
+        std::unique_ptr<Connection> connection;
+        Clock::time_point since;
+    };
+
+    const LaneSettings settings_;
+    const LaneCallbacks callbacks_;
     std::mutex mutex_;
     std::condition_variable wake_;
-    std::deque<std::unique_ptr<Connection>> waiting_;
+    FairQueue<Waiting> waiting_;
     bool stopping_ = false;
     std::vector<std::thread> threads_;
 };

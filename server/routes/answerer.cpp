@@ -48,10 +48,27 @@ Reply internal_failure(const Exchange& exchange, const char* what) {
                          exchange.call.head.path);
 }
 
+// What is short goes into the socket's own buffer at once; and what a write has done cannot be taken back.
+void count_body(Exchange& exchange, size_t bytes) {
+    constexpr size_t kShortBody_bytes = 64 << 10;
+    if (!exchange.memory) return;
+    const std::string& method = exchange.call.head.method;
+    const bool is_read = method == "GET" || method == "HEAD";
+    if (is_read && bytes > kShortBody_bytes)
+        exchange.memory->take(bytes);
+    else
+        exchange.memory->hold(bytes);
+}
+
 Reply reply_of(Exchange& exchange) {
     try {
         if (exchange.refusal) throw *exchange.refusal;
-        return exchange.route->handle(exchange.call);
+        Reply reply = exchange.route->handle(exchange.call);
+        count_body(exchange, reply.body.size());
+        return reply;
+    } catch (const ClientGone&) {
+        exchange.client_gone = true;
+        return {};
     } catch (const Refusal& refusal) {
         Reply reply = problem_reply(refusal.error, exchange.call.head.path);
         for (const auto& [name, value] : refusal.headers) reply.headers[name] = value;
@@ -135,10 +152,12 @@ private:
             response.headers.erase(name);  // in place of the standard one
             response.set_header(name, value);
         }
-        if (reply.file) {
+        if (reply.file || !reply.pieces.empty()) {
+            uint64_t length = reply.file ? reply.file->length : 0;
+            for (const std::string& piece : reply.pieces) length += piece.size();
             response.set_header("Content-Type", reply.media_type);
-            response.set_header("Content-Length", std::to_string(reply.file->length));
-            if (request.method == "HEAD") reply.file.reset();
+            response.set_header("Content-Length", std::to_string(length));
+            if (request.method == "HEAD") reply.file.reset(), reply.pieces.clear();
         } else if (!reply.body.empty()) {
             response.set_content(reply.body, reply.media_type);
             reply.body.clear();
@@ -167,6 +186,19 @@ Reply json_reply(int status, const nlohmann::json& body) {
     reply.media_type = "application/json";
     reply.headers["Cache-Control"] = "no-store";
     reply.body = body.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+    return reply;
+}
+
+Reply json_text_reply(Call& call, const std::function<void(const std::function<void(std::string)>&)>& make) {
+    Reply reply;
+    reply.media_type = "application/json";
+    reply.headers["Cache-Control"] = "no-store";
+    if (call.before_piece) call.before_piece(0);
+    make([&](std::string piece) {
+        piece.shrink_to_fit();
+        if (call.before_piece) call.before_piece(piece.size());
+        reply.pieces.push_back(std::move(piece));
+    });
     return reply;
 }
 

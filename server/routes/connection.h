@@ -13,6 +13,7 @@ struct Connection {
     enum class State : uint8_t {
         Head,    // waiting for, or reading, a request's head
         Body,    // reading its body
+        Held,    // a refusal is made and not said yet
         Write,   // sending the answer
         Linger,  // all is said; reading what still comes, so that the answer is not lost to a reset
     };
@@ -26,6 +27,8 @@ struct Connection {
     State state = State::Head;
     uint32_t interest = 0;  // epoll events asked for
     bool close_after = false;
+    bool surplus = false;             // beyond the limit: told so, unless it asks whether the daemon is alive
+    Clock::time_point since{};        // of the state Head
     Clock::time_point deadline{};     // of the state
     Clock::time_point stall_limit{};  // Body, Write: without a single byte until then, it is cut
 
@@ -37,6 +40,7 @@ struct Connection {
     FileDescriptor spool_file;
 
     size_t wire_sent = 0;
+    bool pieces_begun = false;  // the wire is a piece of the answer by now
     uint64_t file_sent = 0;
 };
 

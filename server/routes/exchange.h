@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <deque>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -17,6 +18,7 @@
 
 #include "protocol/error.h"
 #include "server/auth.h"
+#include "server/routes/answer_memory.h"
 #include "server/routes/request_head.h"
 
 namespace photond::http {
@@ -88,6 +90,7 @@ struct Reply {
     std::map<std::string, std::string> headers;
     std::string media_type;
     std::string body;
+    std::deque<std::string> pieces;  // follow the body, where an answer is too long for one text
     std::optional<FileBody> file;
     std::optional<EventSubscription> events;
 };
@@ -101,7 +104,18 @@ struct Call {
     std::string body;                               // JSON routes
     Spool spool;                                    // upload routes
     std::optional<Grant> grant;                     // none without authentication
+    /// Asked before each piece of a long answer is kept: throws ClientGone, and TryLater where the answer takes too
+    /// long or finds no room in memory.
+    std::function<void(uint64_t bytes)> before_piece;
 };
+
+/// Who shares of the lanes, the memory and the rate are counted by: the token, else the address.
+inline std::string client_of(const Call& call) {
+    return call.grant ? "token " + call.grant->name : "address " + call.peer;
+}
+
+/// Nobody is there any more to be answered.
+struct ClientGone {};
 
 enum class BodyKind : uint8_t {
     None,
@@ -113,7 +127,8 @@ enum class BodyKind : uint8_t {
 enum class Lane : uint8_t {
     Instant,  // takes no lock and waits for nothing: on the hub's own thread
     Quick,    // the store at most
-    Long,     // files or many rows: takes a while, and waits for no process
+    List,     // reads much of the store, in pieces
+    Long,     // a film or a study: takes a while, and waits for no process
     Helper,   // waits for the helper of images and pictures
     Bulk,     // waits for the helper of uploads and other long work
 };
@@ -123,6 +138,7 @@ struct Route {
     std::string pattern;  // "/v1/jobs/{id}"
     BodyKind body = BodyKind::None;
     Lane lane = Lane::Quick;
+    std::string helper_flag;               // a query parameter whose presence makes it Lane::Helper
     bool open = false;                     // needs no token
     std::vector<std::string> media_types;  // of an upload
     std::function<Reply(Call&)> handle;    // throws Error
@@ -132,6 +148,7 @@ struct Route {
 struct Refusal {
     Error error;
     std::map<std::string, std::string> headers;
+    double held_seconds = 0;  // before it is said, to slow whoever tries again at once
 };
 
 /// Counts itself in a number of living things.
@@ -155,12 +172,17 @@ struct Exchange {
     std::optional<Refusal> refusal;
     Clock::time_point begun{};
 
+    std::optional<AnswerMemory::Share> memory;  // of what a lane's threads answer; none for what the hub says itself
+
     // Filled by Answerer.
-    std::string wire;  // head and body as they go out
-    Reply reply;       // its file and its event subscription are still to be served
+    std::string wire;          // head and body as they go out
+    Reply reply;               // its pieces, its file and its event subscription are still to be served
+    bool client_gone = false;  // nothing was made
 };
 
 Reply json_reply(int status, const nlohmann::json& body);
+/// 200 with the JSON text that `make` hands to its sink in pieces.
+Reply json_text_reply(Call& call, const std::function<void(const std::function<void(std::string)>&)>& make);
 Reply problem_reply(const Error& error, const std::string& instance);
 
 }  // namespace photond::http

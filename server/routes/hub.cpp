@@ -3,6 +3,7 @@
 #include <arpa/inet.h>
 #include <fcntl.h>
 #include <netinet/tcp.h>
+#include <poll.h>
 #include <spdlog/spdlog.h>
 #include <sys/epoll.h>
 #include <sys/eventfd.h>
@@ -30,7 +31,8 @@ constexpr size_t kReadBytes = 64 << 10;     // at once
 constexpr int kReadsAnEvent = 4;            // then the next connection has its turn
 constexpr size_t kSendFileBytes = 1 << 20;  // likewise
 constexpr double kLinger_seconds = 2;
-constexpr int64_t kRefusedAtOnce = 256;  // connections beyond the limit that are told so; more are just closed
+constexpr double kSurplusHead_seconds = 1;   // for a connection beyond the limit to say what it wants
+constexpr double kIdleWhenFull_seconds = 5;  // a connection between requests, while others find no place
 
 Clock::duration seconds(double s) {
     return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));
@@ -56,7 +58,7 @@ public:
         wake_ = FileDescriptor(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC));
         if (!epoll_ || !wake_) throw std::system_error(errno, std::generic_category(), "epoll");
         watch(wake_.get(), EPOLLIN, EPOLL_CTL_ADD);
-        if (listener_) watch(listener_.get(), EPOLLIN, EPOLL_CTL_ADD);
+        if (listener_) watch(listener_.get(), EPOLLIN, EPOLL_CTL_ADD), keep_reserve();
     }
     ~Loop() { stop(); }
 
@@ -139,19 +141,34 @@ private:
     }
 
     void tick(Clock::time_point now) {
+        if (listener_ && !reserve_) keep_reserve();
         if (listener_ && hub_.draining_) {
             listener_.reset();  // leaves the epoll set by closing
         } else if (listener_ && !accepting_) {
             accepting_ = true;
             watch(listener_.get(), EPOLLIN, EPOLL_CTL_ADD);
         }
+        // Answers in memory are all sent by the front.
+        const bool memory_is_short = this == hub_.front_.get() && hub_.callbacks_.memory.was_short();
+        if (this == hub_.bulk_.get()) hub_.callbacks_.memory.trim();
         std::vector<Connection*> late;
+        const bool full = hub_.open_connections_ >= hub_.settings_.max_connections;
         for (const auto& [file, connection] : connections_) {
             const bool idle = connection->state == State::Head && connection->in.empty();
-            if (now >= connection->deadline || now >= connection->stall_limit || (idle && hub_.draining_))
+            const bool in_the_way = full && now - connection->since >= seconds(kIdleWhenFull_seconds);
+            if (now >= connection->deadline || now >= connection->stall_limit ||
+                (idle && (hub_.draining_ || in_the_way)) || (memory_is_short && stands_in_the_way(*connection, now)))
                 late.push_back(connection.get());
         }
         for (Connection* connection : late) {
+            if (connection->state == State::Held) {
+                begin_write(*connection);
+                continue;
+            }
+            if (connection->surplus && connection->state == State::Head) {
+                refuse_surplus(*connection);
+                continue;
+            }
             const bool asked =
                 connection->state == State::Body || (connection->state == State::Head && !connection->in.empty());
             if (!asked) {
@@ -164,48 +181,97 @@ private:
         }
     }
 
+    void keep_reserve() { reserve_ = FileDescriptor(open("/dev/null", O_RDONLY | O_CLOEXEC)); }
+
+    // Whether it holds an answer that nobody reads.
+    bool stands_in_the_way(const Connection& connection, Clock::time_point now) const {
+        if (connection.state != State::Write || !connection.exchange->memory) return false;
+        const auto unread_since = connection.stall_limit - seconds(hub_.settings_.stall_timeout_seconds);
+        return connection.exchange->memory->bytes() > 0 &&
+               now - unread_since >= seconds(hub_.settings_.short_stall_seconds);
+    }
+
     // --- taking connections in
 
     void accept_some() {
         for (int i = 0; i < 64; ++i) {
+            const int64_t open = hub_.open_connections_;
+            const int64_t places = hub_.settings_.max_connections;
+            if (open >= places + hub_.settings_.max_surplus && !close_surplus()) return stop_accepting();
             sockaddr_storage address{};
             socklen_t length = sizeof address;
-            FileDescriptor socket(
-                accept4(listener_.get(), reinterpret_cast<sockaddr*>(&address), &length, SOCK_NONBLOCK | SOCK_CLOEXEC));
+            const auto accepted = [&] {
+                return FileDescriptor(accept4(listener_.get(), reinterpret_cast<sockaddr*>(&address), &length,
+                                              SOCK_NONBLOCK | SOCK_CLOEXEC));
+            };
+            if (!reserve_) keep_reserve();
+            FileDescriptor socket = accepted();
+            if (!socket && (errno == EMFILE || errno == ENFILE)) {
+                if (!is_pending()) return;  // the system says so before it looks
+                if (reserve_)
+                    reserve_.reset();
+                else if (!close_surplus())
+                    return stop_accepting();
+                socket = accepted();
+            }
             if (!socket) {
-                if (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM) {
-                    // Out of descriptors: the listener would be ready for ever. Until the next tick, others may close.
-                    watch(listener_.get(), 0, EPOLL_CTL_DEL);
-                    accepting_ = false;
-                }
+                if (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM) stop_accepting();
                 return;
             }
-            const int64_t open = hub_.open_connections_;
-            if (open >= hub_.settings_.max_connections + kRefusedAtOnce) continue;
             const int on = 1;
             setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
             const int file = socket.get();
             auto owned = std::make_unique<Connection>(std::move(socket), address_text(address), hub_.open_connections_);
             Connection& connection = *owned;
             connections_[file] = std::move(owned);
-            if (open >= hub_.settings_.max_connections) {
-                refuse(connection,
-                       Error(ErrorCode::Unavailable,
-                             "all " + std::to_string(hub_.settings_.max_connections) + " connections are taken"));
-                continue;
-            }
-            expect_head(connection, hub_.settings_.head_timeout_seconds);
+            connection.surplus = open >= places || !reserve_;
+            if (connection.surplus) surplus_.push_back(&connection);
+            expect_head(connection, connection.surplus ? kSurplusHead_seconds : hub_.settings_.head_timeout_seconds);
         }
+    }
+
+    bool is_pending() const {
+        pollfd watched{listener_.get(), POLLIN, 0};
+        return poll(&watched, 1, 0) > 0;
+    }
+
+    // The listener would be ready for ever. Until the next tick, others may close.
+    void stop_accepting() {
+        watch(listener_.get(), 0, EPOLL_CTL_DEL);
+        accepting_ = false;
+    }
+
+    // The oldest of those beyond the limit that is not being answered makes room for a new one. False: there is none.
+    bool close_surplus() {
+        for (Connection* connection : surplus_) {
+            if (connection->state != State::Head && connection->state != State::Linger) continue;
+            if (connection->state == State::Head) refuse_surplus(*connection);
+            // What was said lies with the socket, which sends it after this too, unless the client goes on talking.
+            if (std::find(surplus_.begin(), surplus_.end(), connection) != surplus_.end()) close(*connection);
+            return true;
+        }
+        return false;
+    }
+
+    void refuse_surplus(Connection& connection) {
+        refuse(connection,
+               Error(ErrorCode::Unavailable,
+                     "all " + std::to_string(hub_.settings_.max_connections) + " connections are taken"),
+               {{"Retry-After", "1"}});
     }
 
     void expect_head(Connection& connection, double timeout_seconds) {
         connection.state = State::Head;
-        connection.deadline = Clock::now() + seconds(timeout_seconds);
+        connection.since = Clock::now();
+        connection.deadline = connection.since + seconds(timeout_seconds);
         connection.stall_limit = Clock::time_point::max();
         set_interest(connection, EPOLLIN);
     }
 
-    void close(Connection& connection) { connections_.erase(connection.socket.get()); }
+    void close(Connection& connection) {
+        if (connection.surplus) std::erase(surplus_, &connection);
+        connections_.erase(connection.socket.get());
+    }
 
     std::unique_ptr<Connection> release(Connection& connection) {
         if (connection.interest != 0) watch(connection.socket.get(), 0, EPOLL_CTL_DEL);
@@ -218,6 +284,7 @@ private:
 
     void serve(Connection& connection) {
         if (connection.state == State::Write) return send_some(connection);
+        if (connection.state == State::Held) return close(connection);  // its client has gone
         const int socket = connection.socket.get();
         for (int i = 0; i < kReadsAnEvent; ++i) {
             // A body in memory never grows past what its head declared, a head not past its limit.
@@ -251,7 +318,8 @@ private:
         if (!length) {
             if (!connection.exchange) {  // the first bytes of this head: its clock begins
                 begin_exchange(connection);
-                connection.deadline = Clock::now() + seconds(hub_.settings_.head_timeout_seconds);
+                if (!connection.surplus)
+                    connection.deadline = Clock::now() + seconds(hub_.settings_.head_timeout_seconds);
             }
             return;
         }
@@ -262,13 +330,14 @@ private:
             exchange.call.head = parse_head(std::string_view(connection.in).substr(0, *length));
             connection.in.erase(0, *length);
             connection.scanner.restart();
-            connection.close_after = !exchange.call.head.keep_alive || hub_.draining_;
+            connection.close_after = !exchange.call.head.keep_alive || hub_.draining_ || connection.surplus;
             hub_.callbacks_.judge(exchange);
         } catch (const Error& error) {
             return refuse(connection, error);
         } catch (const Refusal& refusal) {
-            return refuse(connection, refusal.error, refusal.headers);
+            return refuse(connection, refusal.error, refusal.headers, refusal.held_seconds);
         }
+        if (connection.surplus && exchange.route->lane != Lane::Instant) return refuse_surplus(connection);
         connection.body_left = exchange.call.head.content_length;
         if (connection.body_left == 0 && exchange.route->body != BodyKind::Upload) return dispatch(connection);
         expect_body(connection);
@@ -350,19 +419,25 @@ private:
                {{"Retry-After", "1"}});
     }
 
-    void refuse(Connection& connection, const Error& error, std::map<std::string, std::string> headers = {}) {
+    void refuse(Connection& connection, const Error& error, std::map<std::string, std::string> headers = {},
+                double held_seconds = 0) {
         if (!connection.exchange) begin_exchange(connection);
         Exchange& exchange = *connection.exchange;
-        exchange.refusal.emplace(Refusal{error, std::move(headers)});
+        exchange.refusal.emplace(Refusal{error, std::move(headers), held_seconds});
         exchange.call.peer = connection.peer;
         // What follows a head that was refused with its body still to come, or that could not be read, has no meaning.
         const bool head_was_read = !exchange.call.head.method.empty();
-        if (!head_was_read || exchange.call.head.content_length > 0 || connection.state == State::Body)
+        if (!head_was_read || exchange.call.head.content_length > 0 || connection.state == State::Body ||
+            connection.surplus)
             connection.close_after = true;
         connection.spool_file.reset();
         exchange.call.spool = {};
         answerer_.answer(exchange, !connection.close_after);
-        begin_write(connection);
+        if (held_seconds <= 0) return begin_write(connection);
+        connection.state = State::Held;
+        connection.deadline = Clock::now() + seconds(held_seconds);
+        connection.stall_limit = Clock::time_point::max();
+        set_interest(connection, EPOLLRDHUP);
     }
 
     void begin_write(Connection& connection) {
@@ -375,9 +450,11 @@ private:
         connection.state = State::Write;
         if (exchange.reply.file && this == hub_.front_.get()) return hub_.bulk_->post(release(connection));
         connection.wire_sent = 0;
+        connection.pieces_begun = false;
         connection.file_sent = 0;
-        const double bytes =
+        double bytes =
             static_cast<double>(exchange.wire.size() + (exchange.reply.file ? exchange.reply.file->length : 0));
+        for (const std::string& piece : exchange.reply.pieces) bytes += static_cast<double>(piece.size());
         connection.deadline = Clock::now() + seconds(hub_.settings_.stall_timeout_seconds +
                                                      bytes / hub_.settings_.write_bytes_per_second);
         connection.stall_limit = Clock::now() + seconds(hub_.settings_.stall_timeout_seconds);
@@ -387,12 +464,22 @@ private:
     void send_some(Connection& connection) {
         Exchange& exchange = *connection.exchange;
         const bool has_file = exchange.reply.file.has_value();
-        while (connection.wire_sent < exchange.wire.size()) {
-            const ssize_t n =
-                send(connection.socket.get(), exchange.wire.data() + connection.wire_sent,
-                     exchange.wire.size() - connection.wire_sent, MSG_NOSIGNAL | (has_file ? MSG_MORE : 0));
-            if (!sent(connection, n)) return;
-            connection.wire_sent += static_cast<size_t>(n);
+        std::deque<std::string>& pieces = exchange.reply.pieces;
+        for (;;) {
+            while (connection.wire_sent < exchange.wire.size()) {
+                const bool more = has_file || !pieces.empty();
+                const ssize_t n =
+                    send(connection.socket.get(), exchange.wire.data() + connection.wire_sent,
+                         exchange.wire.size() - connection.wire_sent, MSG_NOSIGNAL | (more ? MSG_MORE : 0));
+                if (!sent(connection, n)) return;
+                connection.wire_sent += static_cast<size_t>(n);
+            }
+            if (pieces.empty()) break;
+            if (exchange.memory && connection.pieces_begun) exchange.memory->give_back(exchange.wire.size());
+            exchange.wire = std::move(pieces.front());
+            pieces.pop_front();
+            connection.wire_sent = 0;
+            connection.pieces_begun = true;
         }
         if (has_file) {
             FileBody& body = *exchange.reply.file;
@@ -448,8 +535,10 @@ private:
 
     Hub& hub_;
     FileDescriptor listener_, epoll_, wake_;
+    FileDescriptor reserve_;  // of the front: given up for a connection when there is no other
     bool accepting_ = true;
     std::unordered_map<int, std::unique_ptr<Connection>> connections_;
+    std::deque<Connection*> surplus_;  // the oldest first; they stay with the front
     std::vector<char> buffer_ = std::vector<char>(kReadBytes);
     Answerer answerer_;
     std::mutex mutex_;

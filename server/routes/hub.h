@@ -15,10 +15,12 @@ namespace photond::http {
 struct HubSettings {
     HeadLimits head;
     uint32_t max_connections = 4096;
+    uint32_t max_surplus = 256;  // connections beyond them that are told so
     double head_timeout_seconds = 10;
     double body_timeout_seconds = 600;
     double idle_timeout_seconds = 60;          // between requests of one connection
     double stall_timeout_seconds = 20;         // a body or an answer that does not move at all
+    double short_stall_seconds = 2;            // the same for an answer in memory while others find no room there
     double write_bytes_per_second = 16 << 10;  // a reader slower than that over a whole answer is cut
 };
 
@@ -34,6 +36,8 @@ struct HubCallbacks {
     std::function<void(std::unique_ptr<Connection>)> stream;
     /// For the metrics: an exchange is over. Route may be nullptr.
     std::function<void(const Exchange&, double seconds)> finished;
+    /// Where answers lie until they are read (answer_memory.h).
+    AnswerMemory& memory;
 };
 
 class Hub {

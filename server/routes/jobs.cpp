@@ -42,7 +42,7 @@ Reply list_jobs(Service& service, Call& call) {
     filter.cursor = query.text("cursor");
     filter.offset = query.integer("offset", 0);
     query.finish();
-    return json_reply(200, service.list_jobs(filter));
+    return json_text_reply(call, [&](const TextSink& write) { service.list_jobs(filter, write); });
 }
 
 Reply remove_job(Service& service, Call& call) {
@@ -103,11 +103,12 @@ Reply all_events(Service& service, Call& call) {
 }  // namespace
 
 void add_job_routes(std::vector<Route>& routes, Service& service) {
-    routes.push_back(
-        {.method = "POST", .pattern = "/v1/jobs", .body = BodyKind::Json, .handle = [&service](Call& call) {
-             return submit_job(service, call);
-         }});
-    routes.push_back({.method = "GET", .pattern = "/v1/jobs", .handle = [&service](Call& call) {
+    routes.push_back({.method = "POST",
+                      .pattern = "/v1/jobs",
+                      .body = BodyKind::Json,
+                      .helper_flag = "dry_run",
+                      .handle = [&service](Call& call) { return submit_job(service, call); }});
+    routes.push_back({.method = "GET", .pattern = "/v1/jobs", .lane = Lane::List, .handle = [&service](Call& call) {
                           return list_jobs(service, call);
                       }});
     routes.push_back({.method = "GET", .pattern = "/v1/jobs/{id}", .handle = [&service](Call& call) {

@@ -1,11 +1,18 @@
 #include "server/routes/judge.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <cmath>
 #include <set>
 
 namespace photond::http {
 namespace {
+
+// A wrong token may be a slip; ten and then one in ten seconds are not.
+constexpr double kGuesses = 10, kGuessesPerSecond = 0.1;
+constexpr double kGuessHeld_seconds = 1;
+constexpr const char* kBearer = "Bearer realm=\"photond\"";
 
 std::vector<std::string_view> split(std::string_view path) {
     std::vector<std::string_view> parts;
@@ -48,7 +55,12 @@ bool is_read(const std::string& method) { return method == "GET" || method == "H
 }  // namespace
 
 Judge::Judge(JudgeSettings settings, const std::vector<Route>& routes, const TokenList* tokens)
-    : settings_(std::move(settings)), routes_(routes), tokens_(tokens), rates_(settings_.max_requests_per_second) {}
+    : settings_(std::move(settings)),
+      routes_(routes),
+      tokens_(tokens),
+      rates_(settings_.max_requests_per_second),
+      guesses_(kGuessesPerSecond, kGuesses),
+      told_of_(kGuessesPerSecond, 1) {}
 
 void Judge::operator()(Exchange& exchange) {
     const RequestHead& head = exchange.call.head;
@@ -71,7 +83,14 @@ void Judge::check_host(const RequestHead& head) const {
 }
 
 void Judge::check_origin(const RequestHead& head) const {
+    const auto origins = std::count_if(head.headers.begin(), head.headers.end(),
+                                       [](const auto& header) { return header.first == "origin"; });
+    if (origins > 1) throw Error(ErrorCode::Forbidden, "two Origin headers");
     if (is_read(head.method)) return;
+    // Browsers say it themselves, and no page can keep them from it.
+    for (const auto& [name, value] : head.headers)
+        if (name == "sec-fetch-site" && value == "cross-site")
+            throw Error(ErrorCode::Forbidden, "requests that change something are not taken from pages of other sites");
     const std::string* origin = head.header("origin");
     if (origin == nullptr) return;  // no browser, or none that was led here by another site
     if (*origin != "http://" + head.authority && *origin != "https://" + head.authority)
@@ -108,7 +127,21 @@ void Judge::find_route(Exchange& exchange) const {
     throw Refusal{Error(ErrorCode::MethodNotAllowed, head.method + " is not one of " + list), {{"Allow", list}}};
 }
 
-void Judge::check_token(Exchange& exchange) const {
+// A right token is taken all the same: the others behind an address (a proxy's) are not made to pay.
+void Judge::refuse_guess(const std::string& peer) {
+    const double wait_seconds = guesses_.take(peer);
+    if (wait_seconds == 0) {
+        spdlog::warn("a bearer token that is not known, from {}", peer);
+        throw Refusal{Error(ErrorCode::Unauthorized, "the bearer token is not known"), {{"WWW-Authenticate", kBearer}}};
+    }
+    if (told_of_.take(peer) == 0)
+        spdlog::warn("more bearer tokens that are not known, from {}: a guesser is slowed", peer);
+    throw Refusal{Error(ErrorCode::TooManyRequests, "too many bearer tokens that are not known"),
+                  {{"Retry-After", std::to_string(static_cast<int64_t>(std::ceil(wait_seconds)))}},
+                  kGuessHeld_seconds};
+}
+
+void Judge::check_token(Exchange& exchange) {
     if (tokens_ == nullptr || exchange.route->open) return;
     const std::string* header = exchange.call.head.header("authorization");
     constexpr std::string_view kScheme = "bearer ";
@@ -117,10 +150,9 @@ void Judge::check_token(Exchange& exchange) const {
         std::equal(kScheme.begin(), kScheme.end(), header->begin(),
                    [](char a, char b) { return a == (b >= 'A' && b <= 'Z' ? b - 'A' + 'a' : b); }))
         grant = tokens_->check(std::string_view(*header).substr(kScheme.size()));
+    if (!grant && header != nullptr) refuse_guess(exchange.call.peer);
     if (!grant)
-        throw Refusal{Error(ErrorCode::Unauthorized,
-                            header == nullptr ? "no bearer token was given" : "the bearer token is not known"),
-                      {{"WWW-Authenticate", "Bearer realm=\"photond\""}}};
+        throw Refusal{Error(ErrorCode::Unauthorized, "no bearer token was given"), {{"WWW-Authenticate", kBearer}}};
     if (grant->role == Role::Read && !is_read(exchange.call.head.method))
         throw Error(ErrorCode::Forbidden, "the token \"" + grant->name + "\" may only read");
     exchange.call.grant = grant;
@@ -129,7 +161,7 @@ void Judge::check_token(Exchange& exchange) const {
 void Judge::check_rate(const Exchange& exchange) {
     if (exchange.route->open) return;
     const Call& call = exchange.call;
-    const double wait_seconds = rates_.take(call.grant ? "token " + call.grant->name : "address " + call.peer);
+    const double wait_seconds = rates_.take(client_of(call));
     if (wait_seconds > 0)
         throw Refusal{Error(ErrorCode::TooManyRequests,
                             "more than " + std::to_string(settings_.max_requests_per_second) + " requests a second"),
@@ -154,6 +186,13 @@ void Judge::check_body(const Exchange& exchange) const {
                                                            : "the Content-Type \"" + type + "\" is not taken here") +
                                                  "; taken are: " + list),
             {{"Accept-Post", list}}};
+    }
+    if (const std::string* content_type = head.header("content-type")) {
+        const std::string charset = header_parameter(*content_type, "charset").value_or("utf-8");
+        constexpr std::string_view kUtf8 = "utf-8";
+        if (!std::equal(charset.begin(), charset.end(), kUtf8.begin(), kUtf8.end(),
+                        [](char a, char b) { return a == b || (a >= 'A' && a <= 'Z' && a - 'A' + 'a' == b); }))
+            throw Error(ErrorCode::WrongMediaType, "the charset \"" + charset + "\" is not taken here; send UTF-8");
     }
     if (!head.has_length) throw Error(ErrorCode::LengthRequired, "the body's Content-Length is missing");
     const uint64_t limit = route.body == BodyKind::Json ? settings_.max_json_bytes : settings_.max_upload_bytes;

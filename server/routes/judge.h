@@ -28,7 +28,8 @@ private:
     void check_host(const RequestHead& head) const;
     void check_origin(const RequestHead& head) const;
     void find_route(Exchange& exchange) const;
-    void check_token(Exchange& exchange) const;
+    void check_token(Exchange& exchange);
+    [[noreturn]] void refuse_guess(const std::string& peer);
     void check_rate(const Exchange& exchange);
     void check_body(const Exchange& exchange) const;
 
@@ -36,6 +37,8 @@ private:
     const std::vector<Route>& routes_;
     const TokenList* const tokens_;
     RateLimiter rates_;
+    RateLimiter guesses_,
+        told_of_;  // of tokens that nobody has, by address; and of lines of the log about more of them
 };
 
 }  // namespace photond::http

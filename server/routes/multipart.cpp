@@ -29,36 +29,6 @@ std::string lower_case(std::string text) {
     return text;
 }
 
-// A parameter of a header, `; key=value` or `; key="value"`; nothing where it is absent.
-std::optional<std::string> header_parameter(const std::string& header, const std::string& wanted) {
-    size_t at = header.find(';');
-    while (at != std::string::npos && at < header.size()) {
-        at = header.find_first_not_of("; \t", at);
-        if (at == std::string::npos) break;
-        const size_t equals = header.find('=', at);
-        if (equals == std::string::npos) break;
-        const std::string key = lower_case(header.substr(at, equals - at));
-        std::string value;
-        at = equals + 1;
-        if (at < header.size() && header[at] == '"') {
-            for (++at; at < header.size() && header[at] != '"'; ++at) {
-                // Browsers and curl escape the quote and the backslash only.
-                if (header[at] == '\\' && at + 1 < header.size() && (header[at + 1] == '"' || header[at + 1] == '\\'))
-                    ++at;
-                value += header[at];
-            }
-            at = header.find(';', at);
-        } else {
-            const size_t end = header.find(';', at);
-            value = header.substr(at, end == std::string::npos ? end : end - at);
-            while (!value.empty() && (value.back() == ' ' || value.back() == '\t')) value.pop_back();
-            at = end;
-        }
-        if (key == wanted) return value;
-    }
-    return std::nullopt;
-}
-
 class Reader {
 public:
     explicit Reader(const std::filesystem::path& path) : file_(open(path.c_str(), O_RDONLY | O_CLOEXEC)) {

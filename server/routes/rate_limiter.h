@@ -6,13 +6,16 @@
 
 namespace photond::http {
 
-/// Token buckets, one a client. A bucket holds one second's worth of requests, at least one.
+/// Token buckets, one a client. A bucket holds `capacity` requests: one second's worth, at least one, unless it is
+/// said.
 class RateLimiter {
 public:
     using Clock = std::chrono::steady_clock;
 
     /// 0: no limit.
-    explicit RateLimiter(double requests_per_second) : rate_(requests_per_second) {}
+    explicit RateLimiter(double requests_per_second)
+        : RateLimiter(requests_per_second, requests_per_second < 1 ? 1 : requests_per_second) {}
+    RateLimiter(double requests_per_second, double capacity) : rate_(requests_per_second), capacity_(capacity) {}
 
     /// Seconds to wait before the next request of this client would be taken; 0: this one is.
     double take(const std::string& client, Clock::time_point now = Clock::now());
@@ -25,9 +28,8 @@ private:
         Clock::time_point at{};
     };
     void forget_full(Clock::time_point now);
-    double capacity() const { return rate_ < 1 ? 1 : rate_; }
 
-    const double rate_;
+    const double rate_, capacity_;
     std::mutex mutex_;
     std::unordered_map<std::string, Bucket> buckets_;
 };

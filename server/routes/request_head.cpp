@@ -187,6 +187,44 @@ RequestHead parse_head(std::string_view rest) {
     return head;
 }
 
+std::optional<std::string> header_parameter(const std::string& header, std::string_view wanted) {
+    size_t at = header.find(';');
+    while (at != std::string::npos && at < header.size()) {
+        at = header.find_first_not_of("; \t", at);
+        if (at == std::string::npos) break;
+        const size_t equals = header.find('=', at);
+        if (equals == std::string::npos) break;
+        const std::string key = lower_case(header.substr(at, equals - at));
+        std::string value;
+        at = equals + 1;
+        if (at < header.size() && header[at] == '"') {
+            for (++at; at < header.size() && header[at] != '"'; ++at) {
+                // Browsers and curl escape the quote and the backslash only.
+                if (header[at] == '\\' && at + 1 < header.size() && (header[at + 1] == '"' || header[at + 1] == '\\'))
+                    ++at;
+                value += header[at];
+            }
+            at = header.find(';', at);
+        } else {
+            const size_t end = header.find(';', at);
+            value = header.substr(at, end == std::string::npos ? end : end - at);
+            while (!value.empty() && (value.back() == ' ' || value.back() == '\t')) value.pop_back();
+            at = end;
+        }
+        if (key == wanted) return value;
+    }
+    return std::nullopt;
+}
+
+bool names_parameter(std::string_view query, std::string_view name) {
+    while (!query.empty()) {
+        const std::string_view parameter = query.substr(0, query.find('&'));
+        if (percent_decode(parameter.substr(0, parameter.find('='))) == name) return true;
+        query.remove_prefix(std::min(query.size(), parameter.size() + 1));
+    }
+    return false;
+}
+
 std::optional<std::string> percent_decode(std::string_view text) {
     std::string decoded;
     for (size_t i = 0; i < text.size(); ++i) {

@@ -15,17 +15,17 @@ JobRow JobObjects::require_job(const std::string& id) {
     throw Error(ErrorCode::NotFound, "there is no job '" + id + "'");
 }
 
-json JobObjects::job_object(const JobRow& row) const {
+std::string JobObjects::job_text(const JobRow& row) const {
     int64_t passes_done = row.passes_done;
     double progress = row.progress, seconds = row.seconds;
-    json error_now = parsed_or_null(row.error_now), curve = parsed_or_null(row.curve);
+    std::string error_now = row.error_now, curve = row.curve;
     const RunningAttempt* attempt = row.state == JobState::Running ? attempts_.running_attempt(row.seq) : nullptr;
     if (attempt) {  // further than its row says
         passes_done = attempt->passes_done;
         progress = attempt->progress;
         seconds = attempt->seconds;
-        error_now = attempt->error_now;
-        curve = attempt->curve.empty() ? json() : attempt->curve;
+        error_now = text_of(attempt->error_now);
+        curve = text_of(attempt->curve);
     }
     json request = json::parse(row.request);
     request["priority"] = row.priority;  // which may have been changed since
@@ -37,7 +37,7 @@ json JobObjects::job_object(const JobRow& row) const {
                   {"image", self + "/image.exr"},
                   {"preview", self + "/preview.png"},
                   {"statistics", self + "/statistics.json"},
-                  {"curve", link(!curve.is_null(), "/curve.csv")},
+                  {"curve", link(!curve.empty(), "/curve.csv")},
                   {"difference", link(measurable, "/difference.exr")},
                   {"flip", link(measurable, "/flip.png")},
                   {"error_map", link(measurable, "/error.png")},
@@ -47,25 +47,27 @@ json JobObjects::job_object(const JobRow& row) const {
     for (const ArtefactInfo& artefact : all_artefacts()) links[artefact_link(std::string(artefact.name))] = nullptr;
     for (const json& name : is_over(row.state) ? json::parse(row.artefacts) : json::array())
         links[artefact_link(name.get<std::string>())] = self + "/" + name.get<std::string>();
-    return {{"id", job_id(row.seq)},
-            {"role", job_role_name(row.role)},
-            {"comparison", row.comparison ? json(comparison_id(*row.comparison)) : json()},
-            {"reference_job", row.reference_job ? json(job_id(*row.reference_job)) : json()},
-            {"state", job_state_name(row.state)},
-            {"progress", progress},
-            {"passes_done", passes_done},
-            {"seconds", seconds},
-            {"error_now", error_now},
-            {"created", rfc3339(row.created_ms)},
-            {"started", time_or_null(row.started_ms)},
-            {"finished", time_or_null(row.finished_ms)},
-            {"attempts", json::parse(row.attempts)},
-            {"waiting_for", row.state == JobState::Queued ? json(attempts_.waiting_for(row.seq, row.device)) : json()},
-            {"request", std::move(request)},
-            {"links", links},
-            {"statistics", parsed_or_null(row.statistics)},
-            {"failure", parsed_or_null(row.failure)},
-            {"curve", curve}};
+    return ObjectText()
+        .add_text("attempts", row.attempts)
+        .add("comparison", row.comparison ? json(comparison_id(*row.comparison)) : json())
+        .add("created", rfc3339(row.created_ms))
+        .add_text("curve", curve)
+        .add_text("error_now", error_now)
+        .add_text("failure", row.failure)
+        .add("finished", time_or_null(row.finished_ms))
+        .add("id", job_id(row.seq))
+        .add("links", links)
+        .add("passes_done", passes_done)
+        .add("progress", progress)
+        .add("reference_job", row.reference_job ? json(job_id(*row.reference_job)) : json())
+        .add("request", request)
+        .add("role", job_role_name(row.role))
+        .add("seconds", seconds)
+        .add("started", time_or_null(row.started_ms))
+        .add("state", job_state_name(row.state))
+        .add_text("statistics", row.statistics)
+        .add("waiting_for", row.state == JobState::Queued ? json(attempts_.waiting_for(row.seq, row.device)) : json())
+        .text();
 }
 
 json JobObjects::get_job(const std::string& id) {

@@ -19,8 +19,8 @@ public:
 
     /// Takes the lock. Throws NotFound.
     nlohmann::json get_job(const std::string& id);
-    /// Takes the lock. Throws OutOfRange for what the filter says wrongly.
-    Page list_jobs(const JobFilter& filter);
+    /// Takes the lock for a few jobs at a time. Throws OutOfRange for what the filter says wrongly, before it writes.
+    void list_jobs(const JobFilter& filter, const TextSink& write);
 
     /// Under the lock. Throws NotFound.
     JobRow require_job(const std::string& id);
@@ -28,10 +28,14 @@ public:
     /// body.
     std::optional<JobRow> job_of_key(const std::string& key, const std::string& body_sha256);
     /// Under the lock: a running job is further than its row says.
-    nlohmann::json job_object(const JobRow& row) const;
+    std::string job_text(const JobRow& row) const;
+    nlohmann::json job_object(const JobRow& row) const { return nlohmann::json::parse(job_text(row)); }
 
 private:
-    nlohmann::json job_summary(const JobSummary& row);  // under the lock
+    // Under the lock; nothing where the job has been removed.
+    std::optional<std::string> listed_job(int64_t seq);
+    std::optional<std::string> listed_summary(int64_t seq);
+    nlohmann::json job_summary(const JobSummary& row);
 
     ServiceCore& core_;
     Scenes& scenes_;

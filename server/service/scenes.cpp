@@ -8,6 +8,7 @@
 #include "protocol/helper_messages.h"
 #include "protocol/nearest_name.h"
 #include "protocol/param_json.h"
+#include "renderer/core/sha256.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "server/clock_text.h"
 #include "server/known_answer.h"

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -42,8 +43,10 @@ struct Added {
     bool created = false;
 };
 
-/// A page of a list: {"items": [...], "next_cursor": null}; of jobs' summaries also "total".
+/// A page of a list: {"items": [...], "next_cursor": null}.
 using Page = nlohmann::json;
+/// What takes a long answer's text, piece after piece; it may throw, which ends the answer's making.
+using TextSink = std::function<void(std::string piece)>;
 
 struct JobFilter {
     std::string view = "full";  // or "summary": what is read and sent fast, however long the jobs' curves

@@ -55,6 +55,11 @@ std::string filter_sql(const JobQuery& query) {
     return sql + " ORDER BY " + order;
 }
 
+bool is_unfiltered(const JobQuery& query) {
+    return query.order == JobOrder::Newest && query.states.empty() && !query.role && query.device.empty() &&
+           query.method.empty() && query.scene.empty() && query.label_key.empty();
+}
+
 /// The same for queries that the same jobs pass in the same order, on whatever page.
 std::string filter_key(const JobQuery& query) {
     const json key{static_cast<int>(query.order),
@@ -97,15 +102,18 @@ JobSummary read_summary(const Statement& row) {
 
 }  // namespace
 
-const std::vector<int64_t>& Store::filtered_jobs(const JobQuery& query) {
-    const std::string key = filter_key(query);
+bool Store::has_list(const std::string& filter) {
     std::erase_if(job_lists_, [this](const JobList& list) { return list.version != jobs_version_; });
     const auto known =
-        std::find_if(job_lists_.begin(), job_lists_.end(), [&](const JobList& list) { return list.filter == key; });
-    if (known != job_lists_.end()) {
-        std::rotate(job_lists_.begin(), known, known + 1);
-        return job_lists_.front().seqs;
-    }
+        std::find_if(job_lists_.begin(), job_lists_.end(), [&](const JobList& list) { return list.filter == filter; });
+    if (known == job_lists_.end()) return false;
+    std::rotate(job_lists_.begin(), known, known + 1);
+    return true;
+}
+
+const std::vector<int64_t>& Store::filtered_jobs(const JobQuery& query) {
+    const std::string key = filter_key(query);
+    if (has_list(key)) return job_lists_.front().seqs;
     Statement read = database_.prepare(filter_sql(query));
     if (!query.states.empty()) read.bind(1, states_mask(query));
     if (query.role) read.bind(2, static_cast<int64_t>(*query.role));
@@ -120,34 +128,34 @@ const std::vector<int64_t>& Store::filtered_jobs(const JobQuery& query) {
     return job_lists_.front().seqs;
 }
 
-std::span<const int64_t> Store::listed_jobs(const JobQuery& query) {
-    const std::span<const int64_t> all = filtered_jobs(query);
+std::vector<int64_t> Store::job_page(const JobQuery& query) {
+    std::vector<int64_t> page;
+    page.reserve(query.limit);
+    // The newest of all jobs lie together: they are not worth a list of all, which the next change would make untrue.
+    if (is_unfiltered(query) && query.offset == 0 && !has_list(filter_key(query))) {
+        Statement read = database_.prepare("SELECT seq FROM jobs WHERE seq < ?1 ORDER BY seq DESC LIMIT ?2");
+        read.bind(1, query.before).bind(2, int64_t{query.limit});
+        while (read.step()) page.push_back(read.integer(0));
+        return page;
+    }
+    const std::vector<int64_t>& all = filtered_jobs(query);
     const auto from = query.order == JobOrder::Newest
                           ? std::upper_bound(all.begin(), all.end(), query.before, std::greater<>())
                           : all.begin();
-    const auto page = all.subspan(static_cast<size_t>(from - all.begin()));
-    if (query.offset >= page.size()) return {};
-    return page.subspan(query.offset, std::min<size_t>(query.limit, page.size() - query.offset));
+    const auto left = static_cast<uint64_t>(all.end() - from);
+    const auto skipped = std::min<uint64_t>(query.offset, left);
+    const auto begin = from + static_cast<std::ptrdiff_t>(skipped);
+    page.assign(begin, begin + static_cast<std::ptrdiff_t>(std::min<uint64_t>(query.limit, left - skipped)));
+    return page;
 }
 
-std::vector<JobRow> Store::jobs(const JobQuery& query) {
-    std::vector<JobRow> rows;
-    for (const int64_t seq : listed_jobs(query))
-        if (auto row = job(seq)) rows.push_back(*std::move(row));
-    return rows;
-}
-
-std::vector<JobSummary> Store::job_summaries(const JobQuery& query) {
-    std::vector<JobSummary> rows;
-    for (const int64_t seq : listed_jobs(query)) {
-        Statement read = database_.prepare(
-            "SELECT seq, state, role, device, method, labels, priority, comparison, created_ms, started_ms, "
-            "finished_ms, progress, passes_done, seconds, error_now, scene_name, width, height, failure "
-            "FROM job_summaries WHERE seq = ?1");
-        read.bind(1, seq);
-        if (read.step()) rows.push_back(read_summary(read));
-    }
-    return rows;
+std::optional<JobSummary> Store::job_summary(int64_t seq) {
+    Statement read = database_.prepare(
+        "SELECT seq, state, role, device, method, labels, priority, comparison, created_ms, started_ms, "
+        "finished_ms, progress, passes_done, seconds, error_now, scene_name, width, height, failure "
+        "FROM job_summaries WHERE seq = ?1");
+    read.bind(1, seq);
+    return read.step() ? std::optional(read_summary(read)) : std::nullopt;
 }
 
 int64_t Store::count_jobs(const JobQuery& query) { return static_cast<int64_t>(filtered_jobs(query).size()); }

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -178,10 +177,11 @@ public:
     void update_job(const JobRow& job);
     void delete_job(int64_t seq);
     std::optional<JobRow> job(int64_t seq);
-    /// A page, newest first. Not inside a transaction that changes jobs: what was read there would outlive its end.
-    std::vector<JobRow> jobs(const JobQuery& query);
-    std::vector<JobSummary> job_summaries(const JobQuery& query);
-    /// How many there are in all, wherever the page begins.
+    std::optional<JobSummary> job_summary(int64_t seq);
+    /// Numbers of a page's jobs, in its order; the jobs are read one by one, so that a long page need not be read under
+    /// one lock. Not inside a transaction that changes jobs: what was read there would outlive its end.
+    std::vector<int64_t> job_page(const JobQuery& query);
+    /// How many there are in all, wherever the page begins. Likewise.
     int64_t count_jobs(const JobQuery& query);
     std::vector<JobRow> running_jobs();
     /// Over, and asked to be removed.
@@ -282,7 +282,8 @@ private:
 
     /// Valid until the next call.
     const std::vector<int64_t>& filtered_jobs(const JobQuery& query);
-    std::span<const int64_t> listed_jobs(const JobQuery& query);  // those of a page
+    /// The kept list of that filter, moved to the front; false where there is none that is still true.
+    bool has_list(const std::string& filter);
 
     Database database_;
     std::string id_;

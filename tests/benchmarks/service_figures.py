@@ -1,18 +1,22 @@
 #!/usr/bin/env python3
-"""Prints the service's own figures: a small job's latency, a large scene's way in, memory accounted against measured.
+"""Prints the service's own figures: a small job's latency, lists of a long history, a large scene's way in, memory accounted
+against measured.
 
     PHOTOND_BIN=build/bin /usr/bin/python3 tests/benchmarks/service_figures.py [SCENE.glb]
 
 Times are medians on this machine; nothing passes or fails here.
 """
 
+import http.client
 import os
 import pathlib
 import statistics
 import sys
+import threading
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from many_jobs import fill_history  # noqa: E402
 from photond_daemon import Daemon  # noqa: E402
 
 
@@ -53,6 +57,29 @@ def latency(daemon, runs=41):
     print(f"  CPU of the daemon itself for each job, its answers to the polling included: {daemon_cpu * 1e3:.1f} ms")
 
 
+def lists(daemon, clients=2, runs=200):
+    """The list as it is without a parameter, and as summaries, while so many clients ask one request after the other."""
+    for path in ("/v1/jobs", "/v1/jobs?view=summary", "/v1/jobs?limit=1000"):
+        milliseconds, sizes = [], set()
+
+        def ask():
+            connection = http.client.HTTPConnection(daemon.address, daemon.port, timeout=60)
+            for _ in range(runs):
+                begun = time.perf_counter()
+                connection.request("GET", path)
+                sizes.add(len(connection.getresponse().read()))
+                milliseconds.append(1000 * (time.perf_counter() - begun))
+            connection.close()
+        threads = [threading.Thread(target=ask) for _ in range(clients)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        milliseconds.sort()
+        p50, p99 = (milliseconds[len(milliseconds) * part // 100] for part in (50, 99))
+        print(f"  GET {path:24} {max(sizes) / 1e3:8.0f} kB: p50 {p50:6.1f} ms, p99 {p99:6.1f} ms")
+
+
 def big_scene(daemon, path):
     """From the first byte of the upload to the first pixel of a job on it, and its memory."""
     begun = time.monotonic()
@@ -81,6 +108,12 @@ def main():
         daemon.wait_ready()
         daemon.wait_for_job(daemon.submit(image_job("cornell-box", (64, 64)))["id"])
         latency(daemon)
+    with Daemon(start=False) as daemon:
+        fill_history(daemon.data_dir, 100_000)
+        daemon.start()
+        daemon.wait_ready()
+        print("lists of 100,000 jobs, two clients:")
+        lists(daemon)
     if not path.exists():
         print(f"{path}: not there, its figures are left out")
         return

@@ -4,6 +4,7 @@ import contextlib
 import http.client
 import json
 import pathlib
+import select
 import struct
 import subprocess
 import tempfile
@@ -364,21 +365,54 @@ class RestartTest(unittest.TestCase):
             self.assertEqual({e[2]["id"] for e in after}, {job_id})
 
 
+def make_tokens(file, *roles):
+    """Writes the daemon's token file; {role: token}."""
+    tokens, lines = {}, []
+    for role in roles:
+        output = subprocess.run([str(BIN / "photond"), "--new-token", f"{role}er:{role}"], check=True,
+                                capture_output=True, text=True).stdout
+        tokens[role] = output.split("token:")[1].split()[0]
+        lines.append(output.split("line:")[1].strip())
+    file.write_text("\n".join(lines) + "\n")
+    file.chmod(0o600)
+    return tokens
+
+
 class TokensTest(unittest.TestCase):
-    def test_roles(self):
-        tokens, lines = {}, []
-        for role in ("read", "write"):
-            output = subprocess.run([str(BIN / "photond"), "--new-token", f"{role}er:{role}"], check=True,
-                                    capture_output=True, text=True).stdout
-            tokens[role] = output.split("token:")[1].split()[0]
-            lines.append(output.split("line:")[1].strip())
-        with tempfile.TemporaryDirectory() as folder, contextlib.ExitStack() as stack:
+    @contextlib.contextmanager
+    def daemon_with_tokens(self):
+        """A ready daemon and {role: token}."""
+        with tempfile.TemporaryDirectory() as folder:
             file = pathlib.Path(folder) / "tokens"
-            file.write_text("\n".join(lines) + "\n")
-            file.chmod(0o600)
+            tokens = make_tokens(file, "read", "write")
             self.assertNotIn(tokens["write"], file.read_text())
-            daemon = stack.enter_context(Daemon("--tokens", file))
-            daemon.wait_ready()
+            with Daemon("--tokens", file) as daemon:
+                daemon.wait_ready()
+                yield daemon, tokens
+
+    def test_guesses_are_logged_slowed_and_refused(self):
+        with self.daemon_with_tokens() as (daemon, tokens):
+            def status(token):
+                return daemon.request("GET", "/v1/jobs", headers={"Authorization": f"Bearer {token}"})
+            replies = [status(f"guess-{i}") for i in range(10)]
+            self.assertEqual([reply.status for reply in replies], [401] * 10)
+            guesser = http.client.HTTPConnection(daemon.address, daemon.port, timeout=60)
+            guesser.request("GET", "/v1/jobs", headers={"Authorization": "Bearer guess-10"})
+            # Others are answered before the guesser is; the right token is, from the same address too.
+            for _ in range(3):
+                self.assertEqual(status(tokens["read"]).status, 200)
+            self.assertEqual(select.select([guesser.sock], [], [], 0)[0], [])
+            response = guesser.getresponse()
+            self.assertEqual((response.status, json.loads(response.read())["code"]), (429, "too_many_requests"))
+            self.assertGreaterEqual(int(response.headers["Retry-After"]), 1)
+            guesser.close()
+            log = daemon.log()
+            self.assertIn("not known, from 127.0.0.1", log)
+            self.assertLessEqual(log.count("not known, from"), 12)
+            self.assertNotIn("guess-", log)
+
+    def test_roles(self):
+        with self.daemon_with_tokens() as (daemon, tokens):
 
             def status(method, path, token=None, scheme="Bearer", **options):
                 headers = {"Authorization": f"{scheme} {token}"} if token else {}

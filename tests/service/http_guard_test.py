@@ -345,6 +345,36 @@ class GuardTest(unittest.TestCase):
         for origin in ("http://evil.example", "null", own + "0", "http://localhost:1"):
             self.assertEqual(post(origin).status, 403, origin)
         self.assertEqual(self.daemon.request("DELETE", "/v1/jobs/none", headers={"Origin": "null"}).status, 403)
+        for second in (own, "http://evil.example"):
+            self.assert_problem(self.ask(b"POST /v1/jobs HTTP/1.1\r\nHost: " + own[7:].encode() + b"\r\nOrigin: " +
+                                         own.encode() + b"\r\nOrigin: " + second.encode() +
+                                         b"\r\nContent-Type: application/json\r\nContent-Length: 2\r\n\r\n{}"),
+                                403, "forbidden")
+
+    def test_browsers_say_when_a_page_of_another_site_sends(self):
+        for site, status in (("cross-site", 403), ("same-origin", 422), ("none", 422)):
+            headers = {"Sec-Fetch-Site": site}
+            self.assertEqual(self.daemon.request("POST", "/v1/jobs", json_body={}, headers=headers).status, status, site)
+            self.assertEqual(self.daemon.request("GET", "/v1/jobs?limit=1", headers=headers).status, 200, "a link leads here")
+
+    def test_text_is_utf_8(self):
+        for charset, status in (("utf-8", 422), ('"UTF-8"', 422), ("latin1", 415), ("utf-16", 415), ('""', 415)):
+            reply = self.daemon.request("POST", "/v1/jobs", body=b"{}",
+                                        headers={"Content-Type": f"application/json; charset={charset}"})
+            self.assertEqual(reply.status, status, charset)
+
+    def test_messages_do_not_tell_where_uploads_lie(self):
+        exr = self.image_bytes
+        broken = [exr[:8], exr[:200], exr[:-5], exr[:300] + bytes(len(exr) - 300), exr[:4] + bytes(300),
+                  b"#?RADIANCE\n", b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 10 +X 10\n"]
+        uploads = [("/v1/images", kind, body) for body in broken for kind in ("image/x-exr", "image/vnd.radiance")]
+        uploads += [("/v1/scenes", kind, body) for body in (b"glTF" + bytes(20), b"PK\3\4" + bytes(50))
+                    for kind in ("model/gltf-binary", "application/zip")]
+        for path, kind, body in uploads:
+            reply = self.daemon.request("POST", path, body=body, headers={"Content-Type": kind})
+            self.assertEqual(reply.status, 422, reply)
+            self.assertNotIn(str(self.daemon.data_dir), reply.text)
+            self.assertNotIn("spool", reply.text)
 
     def test_standard_headers_everywhere(self):
         for method, path in (("GET", "/"), ("GET", "/v1/jobs"), ("GET", "/nothing"), ("PUT", "/v1/jobs"),

@@ -36,6 +36,11 @@ FAILURES = (
 )
 
 
+def daemon_json(value):
+    """As the daemon writes it."""
+    return json.dumps(value, separators=(",", ":"), sort_keys=True)
+
+
 def rfc3339(ms):
     moment = datetime.datetime.fromtimestamp(ms / 1000, datetime.timezone.utc)
     return moment.strftime("%Y-%m-%dT%H:%M:%S.") + f"{ms % 1000:03d}Z"
@@ -122,7 +127,7 @@ def job_of(source, number, created_ms):
     failure, outcome = "", ("succeeded", "failed", "cancelled")[state - SUCCEEDED]
     if state == FAILED:
         code, status, title, detail = source.choice(FAILURES)
-        failure = json.dumps({"type": "urn:photond:problem:" + code, "title": title, "status": status, "code": code,
+        failure = daemon_json({"type": "urn:photond:problem:" + code, "title": title, "status": status, "code": code,
                               "detail": detail, "instance": f"/v1/jobs/J{number}", "errors": []})
     attempt = {"attempt": 1, "device": "cpu", "started": rfc3339(started_ms), "finished": rfc3339(finished_ms),
                "outcome": outcome, "reason": None, "passes_done": passes, "device_shared": False, "host_shared": False}
@@ -131,13 +136,13 @@ def job_of(source, number, created_ms):
     statistics = statistics_of(source, request, passes, seconds, curve)
     row = {
         "seq": number, "state": state, "priority": request["priority"], "device": "cpu",
-        "method": request["method"]["name"], "scene": request["scene"], "request": json.dumps(request),
+        "method": request["method"]["name"], "scene": request["scene"], "request": daemon_json(request),
         "created_ms": created_ms, "started_ms": started_ms, "finished_ms": finished_ms, "attempt": 1, "crashes": 0,
         "losses": 0, "cancel_requested": int(state == CANCELLED), "purge_requested": 0, "passes_done": passes,
         "progress": passes / asked, "seconds": seconds, "film": "", "pixel_hash": statistics["pixel_hash"] or "",
-        "statistics": json.dumps(statistics) if state != FAILED else "", "failure": failure,
-        "attempts": json.dumps([attempt]), "curve": json.dumps(curve) if curve else "",
-        "error_now": json.dumps(error_now) if measured is not None else "",
+        "statistics": daemon_json(statistics) if state != FAILED else "", "failure": failure,
+        "attempts": daemon_json([attempt]), "curve": daemon_json(curve) if curve else "",
+        "error_now": daemon_json(error_now) if measured is not None else "",
     }
     log = [(created_ms, "queued for cpu"), (started_ms, "attempt 1 begins on cpu"),
            (finished_ms, f"attempt 1 {outcome} after {passes} passes")]

@@ -45,6 +45,16 @@ TEST(RequestHead, TakesTheAbsoluteForm) {
     EXPECT_EQ(head.query, "x");
 }
 
+TEST(RequestHead, FindsParametersOfHeadersAndQueries) {
+    EXPECT_EQ(header_parameter("application/json; Charset=\"UTF-8\"; x=y", "charset"), "UTF-8");
+    EXPECT_EQ(header_parameter("application/json;charset=latin1 ", "charset"), "latin1");
+    EXPECT_EQ(header_parameter("application/json; xcharset=latin1", "charset"), std::nullopt);
+    for (const char* query : {"dry_run", "dry_run=true", "a=b&dry_run=", "&&dry%5Frun=1", "%64ry_run"})
+        EXPECT_TRUE(names_parameter(query, "dry_run")) << query;
+    for (const char* query : {"", "dry_ru", "a=dry_run", "dry_runs=1", "a=b&c%26dry_run", "dry%5"})
+        EXPECT_FALSE(names_parameter(query, "dry_run")) << query;
+}
+
 // Whatever the pieces in which a head arrives, its end is found at the same byte.
 TEST(HeadScanner, FindsTheEndInAnyPieces) {
     const std::string text = "\r\n\r\nGET / HTTP/1.1\r\nHost: a\r\nX: y\r\n\r\nbody\r\n\r\n";
@@ -137,6 +147,10 @@ TEST(RateLimiter, TakesItsRateAndNoMore) {
     EXPECT_NEAR(taken, 10 + 50, 1);  // a full bucket, and five seconds
     EXPECT_EQ(limiter.take("b", start), 0);
     EXPECT_NEAR(RateLimiter(0.5).take("a", start), 0, 0);
+    RateLimiter slow(0.1, 10);
+    for (int i = 0; i < 10; ++i) EXPECT_EQ(slow.take("a", start), 0);
+    EXPECT_NEAR(slow.take("a", start), 10, 1e-9);
+    EXPECT_EQ(slow.take("a", start + std::chrono::seconds(10)), 0);
 }
 
 class Multipart : public ::testing::Test {
