@@ -30,8 +30,8 @@ class Comparison(Work):
     >>> [row["label"] for row in comparison.table]
     ['path_tracing', 'photons']
     >>> curve = comparison.curves("relative_mse")[0]
-    >>> curve.label, curve.seed, curve.passes
-    ('path_tracing', 1, [1, 2, 4])
+    >>> curve.label, curve.seed, curve.passes[0], curve.passes[-1]
+    ('path_tracing', 1, 1, 4)
     >>> [mean.name for mean in comparison.mean_curves()]
     ['path_tracing', 'photons']
     """
