@@ -53,7 +53,7 @@ protected:
         return "";
     }
     /// What loading says, and examining says too; empty when it is content.
-    std::string refusal(ErrorCode expected = ErrorCode::Internal) const {
+    std::string refusal(ErrorCode expected = ErrorCode::ResultDamaged) const {
         try {
             (void)FilmFile::load(path);
         } catch (const Error& error) {

@@ -247,7 +247,7 @@ TEST_F(HelperErrors, FaultsNameTheirFieldAndWhatThereIs) {
     EXPECT_EQ(said(x, r, {"rmsee"}), "unknown_name /metrics/0: there is no metric \"rmsee\"; did you mean \"rmse\"?");
     EXPECT_TRUE(said(x, r, {1}).starts_with("wrong_type /metrics/0: ")) << said(x, r, {1});
     EXPECT_TRUE(said(x, bad, {"rmse"}).starts_with("bad_image /reference: ")) << said(x, bad, {"rmse"});
-    EXPECT_TRUE(said(none, r, {"rmse"}).starts_with("internal /image: ")) << said(none, r, {"rmse"});
+    EXPECT_TRUE(said(none, r, {"rmse"}).starts_with("result_lost /image: ")) << said(none, r, {"rmse"});
     EXPECT_TRUE(said(x, nullptr, {"rmse"}).starts_with("missing_field /reference: "));
     const json out = file("out");
     for (const char* type : {"encode_flip", "encode_error_map"}) {

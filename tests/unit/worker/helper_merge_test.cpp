@@ -116,7 +116,7 @@ TEST_F(HelperMerge, AFilmThatDoesNotBelongIsNamed) {
     expect(failure({part(0, 4, {}), part(4, 8)}), "conflict /films/0: ", "older version");
     expect(failure({part(0, 4), part(8, 9), part(3, 5)}), "conflict /films/2: ", "pass 3 ");
     expect(failure({first, first}), "conflict /films/1: ", "pass 0 ");
-    expect(failure({first, file("none")}), "internal /films/1: ", "cannot be opened");
+    expect(failure({first, file("none")}), "result_lost /films/1: ", "cannot be opened");
     expect(failure({}), "missing_field /films: ", "films");
     const uint64_t one_film = Film::bytes_for(kFilmSize, LayerSet::all());
     expect(failure({first, part(4, 8)}, 2 * one_film - 1), "out_of_memory /films/1: ", "limit");
@@ -127,7 +127,7 @@ TEST_F(HelperMerge, AFilmThatDoesNotBelongIsNamed) {
     std::fstream bytes(damaged, std::ios::binary | std::ios::in | std::ios::out);
     bytes.seekp(2000).put('\xff').put('\x5a');
     bytes.close();
-    expect(failure({first, damaged}), "internal /films/1: ", "damaged");
+    expect(failure({first, damaged}), "result_damaged /films/1: ", "damaged");
 }
 
 }  // namespace
