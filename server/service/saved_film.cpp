@@ -79,8 +79,12 @@ void take_saved_film(JobRow& row, const FilmFacts& film, const DataFiles& files)
     if (!history.is_object()) return;
     row.seconds = history.value("seconds", row.seconds);
     row.curve = text_of(history.value("curve", json::array()));
-    const JobRequest request = parse_job_request(json::parse(row.request), job_vocabulary());
-    row.progress = std::max(row.progress, progress_of(request.stop, film.passes, row.seconds));
+    try {
+        const JobRequest request = parse_job_request(json::parse(row.request), job_vocabulary());
+        row.progress = std::max(row.progress, progress_of(request.stop, film.passes, row.seconds));
+    } catch (const Error& error) {  // of an older version: the next attempt says it
+        spdlog::warn("job {}: how far it has come is not known: {}", job_id(row.seq), error.what());
+    }
 }
 
 }  // namespace photond

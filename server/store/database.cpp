@@ -13,14 +13,17 @@ namespace photond {
 
 namespace {
 
+/// A full disk shows as FULL, or as a failed write whose errno is ENOSPC.
+bool is_no_space(sqlite3* database, int code) {
+    return (code & 0xff) == SQLITE_FULL ||
+           ((code & 0xff) == SQLITE_IOERR && database && sqlite3_system_errno(database) == ENOSPC);
+}
+
 [[noreturn]] void fail(sqlite3* database, const std::string& doing) {
     const int code = database ? sqlite3_extended_errcode(database) : SQLITE_NOMEM;
     const std::string text = doing + ": " + (database ? sqlite3_errmsg(database) : "out of memory") + " (SQLite " +
                              std::to_string(code) + ")";
-    // A full disk shows as FULL, or as a failed write whose errno is ENOSPC.
-    if ((code & 0xff) == SQLITE_FULL ||
-        ((code & 0xff) == SQLITE_IOERR && database && sqlite3_system_errno(database) == ENOSPC))
-        throw Error(ErrorCode::NoSpace, text);
+    if (is_no_space(database, code)) throw Error(ErrorCode::NoSpace, text);
     throw Error(ErrorCode::Internal, text);
 }
 
@@ -227,7 +230,10 @@ std::string Database::check_whole(const std::filesystem::path& file, const std::
 
 Database::Copy::Copy(Database& from, const std::filesystem::path& to) {
     if (sqlite3_open_v2(to.c_str(), &to_, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX, nullptr) ==
-        SQLITE_OK)
+            SQLITE_OK &&
+        // A copy that a crash cuts short is none: nobody need wait, under the lock, until it is on the disk.
+        sqlite3_exec(to_, "PRAGMA synchronous = OFF; PRAGMA journal_mode = OFF", nullptr, nullptr, nullptr) ==
+            SQLITE_OK)
         backup_ = sqlite3_backup_init(to_, "main", from.database_, "main");
     if (backup_) return;
     const std::string text = to_ ? sqlite3_errmsg(to_) : "out of memory";
@@ -243,8 +249,8 @@ Database::Copy::~Copy() {
 int Database::Copy::step(int pages) {
     const int code = sqlite3_backup_step(backup_, pages);
     if (code == SQLITE_OK || code == SQLITE_DONE) return sqlite3_backup_remaining(backup_);
-    throw Error((code & 0xff) == SQLITE_FULL ? ErrorCode::NoSpace : ErrorCode::Internal,
-                std::string("copying the store: ") + sqlite3_errstr(code));
+    if (is_no_space(to_, code)) throw Error(ErrorCode::NoSpace, "the disk is full: the store cannot be copied");
+    throw Error(ErrorCode::Internal, std::string("copying the store: ") + sqlite3_errstr(code));
 }
 
 Database::Transaction::~Transaction() {
