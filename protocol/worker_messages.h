@@ -28,7 +28,7 @@ inline std::filesystem::path artefact_path(const std::filesystem::path& film, st
 struct HelloMessage {
     static constexpr const char* kType = "hello";
     int64_t pid = 0;
-    nlohmann::json device;  // object of protocol.md, with "lacks" and "limits"
+    nlohmann::json device;  // protocol.md, "Shapes": with "lacks" and "limits"
 
     void visit(MessageVisitor& visitor) {
         visitor.member("pid", pid);
@@ -91,7 +91,7 @@ struct CurveMessage {
     static constexpr const char* kType = "curve";
     std::string job;
     int64_t attempt = 0;
-    std::vector<nlohmann::json> points;  // of protocol.md
+    std::vector<nlohmann::json> points;  // of a curve: protocol.md, "Shapes"
     std::optional<ErrorNow> error_now;
 
     void visit(MessageVisitor& visitor) {
@@ -184,7 +184,7 @@ struct FinishedMessage {
     uint32_t passes_done = 0;
     double seconds = 0;
     std::optional<std::filesystem::path> film;  // the order's, where a pass was finished and the job did not fail
-    nlohmann::json statistics;                  // object of protocol.md or null
+    nlohmann::json statistics;                  // protocol.md, "Shapes"; or null
     std::optional<CoreUse> cores;               // none where the attempt failed
     std::optional<RenderedWork> rendered;       // none where the attempt failed
     nlohmann::json curve;                       // list of points or null

@@ -1,7 +1,7 @@
 #pragma once
 // The split G-buffer: pixels that share a subset of the lights lie together. The image is cut into blocks of n x n
-// pixels; the pixels at one place of their blocks make one of n^2 tiles (papers/svo-many-lights.txt 4.6, equations 4.1
-// to 4.6, n = 4). GLSL twin: split_buffer.glsl.
+// pixels; the pixels at one place of their blocks make one of n^2 tiles [Sun 2015, 4.6, equations 4.1 to 4.6: n = 4].
+// GLSL twin: split_buffer.glsl.
 //
 // [Keller and Heidrich 2001] Interleaved Sampling. EGWR. [Segovia et al. 2006] Non-interleaved Deferred Shading of
 // Interleaved Sample Patterns. Graphics Hardware.

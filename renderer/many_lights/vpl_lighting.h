@@ -1,6 +1,6 @@
 #pragma once
-// Lighting a G-buffer by virtual point lights: E = sum I(w) cos_x / max(B, d^2) V (papers/svo-many-lights.txt,
-// equations 3.1 to 3.4, with the factor 1 / pi that the thesis leaves out). GPU twin: vpl_lighting_gpu.h.
+// Lighting a G-buffer by virtual point lights: E = sum I(w) cos_x / max(B, d^2) V [Sun 2015, equations 3.1 to
+// 3.4], with the factor 1 / pi that the thesis leaves out. GPU twin: vpl_lighting_gpu.h.
 //
 // A point goes through its lights as many at once as the machine has lanes, looks what each would bring unshadowed, and
 // asks for V where it counts.

@@ -101,7 +101,7 @@ struct TableWishes {
 ComparisonTable make_table(std::span<const MeasuredJob> jobs, const std::vector<std::string>& metrics,
                            const TableWishes& wishes = {});
 
-/// Array of rows as protocol.md has them.
+/// Array of rows as on the wire (protocol.md, "Shapes").
 nlohmann::json to_json(const ComparisonTable& table);
 /// {metric: [{"seconds", "error", "low", "high", "min", "max"}]} of a row's mean curves.
 nlohmann::json mean_curves_json(const TableRow& row);

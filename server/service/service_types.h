@@ -1,5 +1,5 @@
 #pragma once
-// What callers hand to the service and get from it. Objects are JSON in the shapes of protocol.md.
+// What callers hand to the service and get from it. Objects are JSON as on the wire (protocol.md, "Shapes").
 
 #include <cstdint>
 #include <filesystem>
