@@ -30,12 +30,12 @@ struct SplitLayout {
     uint32_t points() const { return tiles() * tile_points; }
 
     uint32_t tile_of(uint32_t point) const { return point / tile_points; }
-    /// The place of a pixel ...
+    /// The place of a pixel in the split buffer.
     uint32_t point_of(uint32_t x, uint32_t y) const {
         return (y % side * side + x % side) * tile_points + y / side * tile_width + x / side;
     }
-    /// ... and the pixel of a place, row by row in the image; kNoPixel for padding.
     static constexpr uint32_t kNoPixel = ~0u;
+    /// The pixel at a place, counted row by row in the image; kNoPixel for padding.
     uint32_t pixel_of(uint32_t point) const {
         const uint32_t tile = tile_of(point), place = point % tile_points;
         const uint32_t x = place % tile_width * side + tile % side, y = place / tile_width * side + tile / side;

@@ -92,9 +92,9 @@ public:
         Vec3Array light;
         alignas(kLaneAlignment) LaneFloats size;  // its greatest component
     };
-    /// Makes ready for a point ...
+    /// Makes ready for a point, which all calls below are then about.
     void start_point(const VplPass& pass, const GBuffer& buffer, uint32_t point);
-    /// ... and says what a block of lights brings it.
+    /// What a block of lights brings to that point.
     Arriving arriving(const VplPass& pass, const VplBlock& block) const;
     /// Asks for V of a light, once trace() is called, and then adds `light` to the point's sum.
     void ask(const VplPass& pass, uint32_t vpl, const Rgb& light);

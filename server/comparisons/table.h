@@ -53,7 +53,7 @@ struct ErrorAtTime {
 struct FinalError {
     std::optional<LogMean> error;     // over the seeds that are over
     std::optional<double> reference;  // the reference's own noise by the same metric
-    /// That noise is no less than a third of what is measured: the figure is then partly the reference's.
+    /// Whether that noise is at least a third of what is measured: the figure is then partly the reference's.
     bool near_reference = false;
 };
 

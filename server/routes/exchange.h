@@ -134,7 +134,7 @@ struct Refusal {
     std::map<std::string, std::string> headers;
 };
 
-/// Counts itself in a number of living things.
+/// Adds 1 to a number for as long as it lives.
 class Counted {
 public:
     explicit Counted(std::atomic<int64_t>& number) : number_(number) { ++number_; }
