@@ -46,7 +46,7 @@ struct DoneReply {
 /// Either `builtin`, or the other three.
 struct JudgeSceneRequest {
     static constexpr const char* kType = "judge_scene";
-    using Reply = nlohmann::json;  // the scene's summary (protocol.md, "Scene", without id)
+    using Reply = nlohmann::json;  // the scene, without its id: protocol.md, "Scene"
     std::string builtin;
     std::filesystem::path root, file;  // as SceneSource has them
     std::string name;
@@ -280,7 +280,7 @@ struct EncodeErrorMapRequest {
 struct MergeFilmsReply {
     uint32_t passes_done = 0;
     double seconds = 0;
-    nlohmann::json statistics;  // object of protocol.md
+    nlohmann::json statistics;  // protocol.md, "Shapes"
     std::string pixel_hash;
 
     void visit(MessageVisitor& visitor) {
@@ -314,7 +314,7 @@ struct EncodeExrRequest {
     static constexpr const char* kType = "encode_exr";
     using Reply = EncodedReply;
     std::filesystem::path film;
-    nlohmann::json statistics;  // object of protocol.md, written down in the file; or null
+    nlohmann::json statistics;  // protocol.md, "Shapes": written down in the file; or null
     std::string precision;      // "float" or "half"
     std::filesystem::path out;
 

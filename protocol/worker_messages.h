@@ -24,11 +24,11 @@ inline std::filesystem::path artefact_path(const std::filesystem::path& film, st
 
 // --- Worker -> daemon. A helper says the first two as well.
 
-/// Once, when ready to take work.
+/// Sent once, when the process is ready to take work.
 struct HelloMessage {
     static constexpr const char* kType = "hello";
     int64_t pid = 0;
-    nlohmann::json device;  // object of protocol.md, with "lacks" and "limits"
+    nlohmann::json device;  // protocol.md, "Shapes": with "lacks" and "limits"
 
     void visit(MessageVisitor& visitor) {
         visitor.member("pid", pid);
@@ -66,7 +66,7 @@ struct ErrorNow {
     }
 };
 
-/// At most four a second.
+/// Sent while a job runs, at most four times a second.
 struct ProgressMessage {
     static constexpr const char* kType = "progress";
     std::string job;
@@ -91,7 +91,7 @@ struct CurveMessage {
     static constexpr const char* kType = "curve";
     std::string job;
     int64_t attempt = 0;
-    std::vector<nlohmann::json> points;  // of protocol.md
+    std::vector<nlohmann::json> points;  // of a curve: protocol.md, "Shapes"
     std::optional<ErrorNow> error_now;
 
     void visit(MessageVisitor& visitor) {
@@ -102,7 +102,8 @@ struct CurveMessage {
     }
 };
 
-/// After SnapshotMessage (at its path), every `save_seconds` (at the order's `film`) and before stopping (likewise).
+/// Says that the film so far is on disk: at a SnapshotMessage's path after that message; at the order's `film` every
+/// `save_seconds` and before the worker stops.
 struct FilmSavedMessage {
     static constexpr const char* kType = "film_saved";
     std::string job;
@@ -118,7 +119,7 @@ struct FilmSavedMessage {
     }
 };
 
-/// Of one attempt alone.
+/// What one attempt has rendered, without what earlier attempts left.
 struct RenderedWork {
     struct Rays {
         uint64_t camera = 0, bounce = 0, shadow = 0, photon = 0;
@@ -158,7 +159,7 @@ struct CoreUse {
     std::optional<double> share;               // of the processor time that it wanted
     std::optional<double> clock_lost_seconds;  // by which its clock is too long, at most
 
-    /// Before a clock has run.
+    /// The value before a clock has run.
     static CoreUse of_nothing();
     CoreUse& operator+=(const CoreUse& other);
     /// Fills in what follows, for a job whose clock shows so much, on a host of so many processors.
@@ -184,7 +185,7 @@ struct FinishedMessage {
     uint32_t passes_done = 0;
     double seconds = 0;
     std::optional<std::filesystem::path> film;  // the order's, where a pass was finished and the job did not fail
-    nlohmann::json statistics;                  // object of protocol.md or null
+    nlohmann::json statistics;                  // protocol.md, "Shapes"; or null
     std::optional<CoreUse> cores;               // none where the attempt failed
     std::optional<RenderedWork> rendered;       // none where the attempt failed
     nlohmann::json curve;                       // list of points or null

@@ -1,6 +1,6 @@
 #pragma once
-// The façade the HTTP routes call: everything the daemon does, without a word of HTTP. Objects are JSON exactly in the
-// shapes of protocol.md; failures are photond::Error. All methods are thread-safe; those that wait for a process say
+// The façade the HTTP routes call: everything the daemon does, without a word of HTTP. Objects are JSON as on the wire
+// (protocol.md, "Shapes"); failures are photond::Error. All methods are thread-safe; those that wait for a process say
 // so.
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-// papers/svo-many-lights.txt, chapter 5: Table 5.1, Figures 5.1 and 5.2, and what is said beside them.
+// [Sun 2015] (docs/design/sources.md), chapter 5: Table 5.1, Figures 5.1 and 5.2, and what is said beside them.
 //
 // "thesis" is svo_many_lights at the thesis' settings: 4 x 4 interleaving, voxels for visibility, shadow maps for the
 // scene's own point and spot lights, a clamp that is not repaid, a geometry-aware box filter of twice the block. "ours"

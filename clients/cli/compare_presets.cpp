@@ -10,9 +10,9 @@ namespace photond::cli {
 
 namespace {
 
-/// papers/photon-splatting.txt, section 5: Graphs 1 to 4, Table 1. Photon mapping is seen directly, as there; its
-/// second entry has as many bounces as light makes, against a reference of one, as the thesis compared. Splats cover
-/// the room as in Figure 18 (overlap of some hundreds); large ones have three times the side and a tenth of the
+/// [Hoet 2014] (docs/design/sources.md), section 5: Graphs 1 to 4, Table 1. Photon mapping is seen directly, as there;
+/// its second entry has as many bounces as light makes, against a reference of one, as the thesis compared. Splats
+/// cover the room as in Figure 18 (overlap of some hundreds); large ones have three times the side and a tenth of the
 /// photons, as in Table 1. Stratified cells are the thesis': none are joined, one splat each, the photon closest to the
 /// cell's mean. Ours: connect, radiometric, no stratification.
 ComparePreset photon_splatting_thesis() {

@@ -15,10 +15,10 @@ std::string comparison_row_name(const nlohmann::json& row);
 /// noise. `comparison`: protocol.md, "Shapes".
 void print_comparison_tables(std::ostream& out, const nlohmann::json& comparison);
 
-/// For each metric that has one the daemon's headline, and beneath it by falling error who is first, in its sentences;
-/// a blank line before each.
-/// Which jobs were disturbed, what became of that, and how those that count are run again.
+/// Says which jobs were disturbed, what became of that, and how those that count are run again.
 void print_disturbances(std::ostream& out, const nlohmann::json& comparison);
+/// Prints for each metric that has a headline that headline, after a blank line, and beneath it, by falling error, the
+/// daemon's sentences on who is first.
 void print_verdicts(std::ostream& out, const nlohmann::json& comparison);
 
 }  // namespace photond::cli

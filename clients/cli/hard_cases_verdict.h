@@ -50,8 +50,8 @@ struct RegionSamples {
     double tolerance = 0;           // of the answer itself, relative
 };
 
-/// Of the channel that exceeds what it may by most. Relative to the answer; to its brightest channel where this one is
-/// black; as radiance where all of it is.
+/// How far off the channel is that exceeds its tolerance by most. Figures are relative to the answer's channel, to its
+/// brightest channel where that one is black, and radiance where all of the answer is black.
 struct Judgement {
     bool holds = false;
     bool relative = true;

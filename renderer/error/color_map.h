@@ -12,7 +12,7 @@ namespace photond {
 std::vector<uint8_t> color_mapped(std::span<const float> values);
 
 /// 8-bit sRGB, interleaved, of how many splats lie over a pixel: blue 0, green 200, red 400, white 600 and more, linear
-/// in between in display values; below 0 as 0, a NaN mid-grey. papers/photon-splatting.txt, Figure 18.
+/// in between in display values; below 0 as 0, a NaN mid-grey. [Hoet 2014, Figure 18]
 std::vector<uint8_t> overlap_heat_map(std::span<const float> splats);
 
 }  // namespace photond

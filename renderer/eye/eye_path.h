@@ -12,7 +12,7 @@ struct EyePath {
     float eta_scale = 1;  // squared index of the medium the ray is in, which throughput is divided by
     vec3 lit_normal{0};
     uint32_t pixel = 0;
-    uint32_t scatterings = 0;  // conventions.md: from the first non-delta vertex x_1 on
+    uint32_t scatterings = 0;  // from the first non-delta vertex x_1 on (conventions.md)
     bool delta = true;         // the last scattering was a delta lobe's, or there was none: no light sample competes
     bool caustic = true;       // all scatterings after x_1 were delta
     MediumStack media;

@@ -12,12 +12,12 @@
 // direction and light, roulette, then the rest of the first vertices.
 #define SET_FILM 4u
 #define SET_LENS 14u
-// Of a vertex.
+// Sets of random numbers for one vertex.
 #define SET_LIGHT_POINT 0u
 #define SET_LIGHT_CHOICE_AND_ROULETTE 1u
 #define SET_DIRECTION 2u
 #define SET_LOBE 3u
-// Of four vertices, those four of each.
+// The numbers that the first four vertices have for those four sets, vertex after vertex.
 #define SETS_OF_FIRST_VERTICES 5, 2, 0, 8, 1, 7, 3, 12, 6, 11, 9, 15, 10, 16, 13, 17
 
 // Specialisation constants: the planes (frame/device_image_shared.h) of the layers that paths from the eye fill.

@@ -169,7 +169,7 @@ std::vector<std::vector<float>> read_pixels(OIIO::ImageInput& input, std::span<c
     return pixels;
 }
 
-/// Whether the layer is one of ours: the beauty, or of kLayers with the channels that protocol.md gives it.
+/// Whether the layer is one of ours: the beauty, or one of kLayers with the channels of its row there.
 bool is_known(const NamedLayer& layer, std::span<const std::string> names) {
     const bool listed = layer.name == "beauty" || std::any_of(kLayers.begin(), kLayers.end(),
                                                               [&](const LayerInfo& l) { return l.name == layer.name; });
@@ -179,7 +179,7 @@ bool is_known(const NamedLayer& layer, std::span<const std::string> names) {
                       [&](size_t channel, const std::string& name) { return names[channel] == name; });
 }
 
-/// The beauty and every layer whose channels are those of protocol.md.
+/// The beauty and every layer that is_known().
 LayeredImage read_layers(OIIO::ImageInput& input, uint64_t limit_bytes) {
     const OIIO::ImageSpec spec = input.spec();
     std::vector<NamedLayer> layers = layers_of_channels(spec.channelnames);

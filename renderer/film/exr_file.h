@@ -1,6 +1,6 @@
 #pragma once
-// OpenEXR in and out (protocol.md, "The EXR"). The only place, with png_file and scene/texture_decode, that knows an
-// image library.
+// OpenEXR in and out (protocol.md, "The EXR"). Beside it only png_file.h and scene/texture_codec.cpp know an image
+// library.
 
 #include <cstdint>
 #include <filesystem>
@@ -34,7 +34,7 @@ struct ImageLayer {
     std::vector<float> pixels;
 };
 
-/// The channels' names in an image: those of protocol.md for "beauty" and the layers of kLayers.
+/// The channels' names in an image, for "beauty" and the layers of kLayers (protocol.md, "The EXR").
 std::vector<std::string> channel_names(std::string_view layer);
 
 /// Writes the layers, each of size.pixels() times its channels: one part, scanlines, ZIP, Rec.709 chromaticities, no
@@ -49,8 +49,8 @@ uint64_t write_exr(const Film& film, Precision precision, std::span<const ImageA
 /// Rounds to half precision, row by row as given; values past kLargestHalf become infinite and are counted.
 std::vector<uint16_t> to_half(std::span<const float> values, uint64_t& overflowed);
 
-/// A multi-layer image as read: "beauty" (channels R G B without a layer name) and every layer whose channels are those
-/// of protocol.md; interleaved, row 0 at the top.
+/// A multi-layer image as read: "beauty" (channels R G B without a layer name) and every layer of kLayers that has the
+/// channels of its row; interleaved, row 0 at the top.
 struct LayeredImage {
     Size2 size;
     std::map<std::string, std::vector<float>> layers;

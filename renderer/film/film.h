@@ -67,7 +67,7 @@ private:
         }
     }
 
-    // Of each layer one of the two, and none where it is not asked for.
+    // A layer's pixels are in one of the two, by its channels; in neither where the layer is not asked for.
     std::array<std::vector<Rgb>, kLayerCount> colors_;
     std::array<std::vector<float>, kLayerCount> values_;
 };

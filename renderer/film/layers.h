@@ -1,5 +1,5 @@
 #pragma once
-// The layers an image may have, in the order of protocol.md, and what each holds.
+// The layers an image may have, in the order that files and pixel hashes have them in, and what each holds.
 
 #include <array>
 #include <cstdint>

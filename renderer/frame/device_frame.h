@@ -30,7 +30,7 @@ public:
     static uint64_t estimate_device_bytes(const Workload& workload);
 
     DeviceImage& image() { return image_; }
-    /// Of the pass read last; what the host does to it comes before resolve().
+    /// The image of the pass that was read last. The host may change it before resolve().
     PassImage& host_image() { return host_image_; }
 
     /// Begins the pass, unless it is begun already.

@@ -2,10 +2,10 @@
 #ifndef PHOTOND_GBUFFER_SHARED_H
 #define PHOTOND_GBUFFER_SHARED_H
 
-// GBufferPoint::kind: scatterings that light may have had before it reaches the point, in the low byte, and
-#define GBUFFER_POINT 0x40000000u    // there is one; else the pixel waits for nothing
-#define GBUFFER_GENERAL 0x80000000u  // not Lambert: GBufferGeneral at the same index tells more
-#define GBUFFER_SCATTERINGS 0xffu
+// The bits of GBufferPoint::kind.
+#define GBUFFER_POINT 0x40000000u    // there is a point; else the pixel waits for nothing
+#define GBUFFER_GENERAL 0x80000000u  // it is not Lambert: GBufferGeneral at the same index tells more
+#define GBUFFER_SCATTERINGS 0xffu    // scatterings that light may have had before it reaches the point
 
 #ifdef __cplusplus
 #include "renderer/core/geometry.h"

@@ -1,5 +1,5 @@
 #pragma once
-// The geometry-aware box filter that takes out the pattern of interleaved sampling (papers/svo-many-lights.txt 4.12).
+// The geometry-aware box filter that takes out the pattern of interleaved sampling [Sun 2015, 4.12].
 // GLSL twin: geometry_filter.glsl.
 //
 // [Laine et al. 2007] Incremental Instant Radiosity for Real-Time Indirect Illumination. EGSR.

@@ -1,5 +1,5 @@
 #pragma once
-// Blur of a noisy layer across neighbouring pixels (thesis 3.5 and 4.4): a separable Gaussian, rows then columns.
+// Blur of a noisy layer across neighbouring pixels [Hoet 2014, 3.5 and 4.4]: a separable Gaussian, rows then columns.
 
 #include <span>
 #include <vector>

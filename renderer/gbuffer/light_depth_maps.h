@@ -1,6 +1,6 @@
 #pragma once
-// Shadow maps of the scene's own lights (papers/svo-many-lights.txt 4.4, 4.9), traced: a ray a texel. Point lights have
-// the six faces of a cube, spots a perspective map of their cone (wider than 60 degrees from the axis: a cube too),
+// Shadow maps of the scene's own lights [Sun 2015, 4.4 and 4.9], traced: a ray a texel. Point lights have the six faces
+// of a cube, spots a perspective map of their cone (wider than 60 degrees from the axis: a cube too),
 // directional lights an orthographic map over the scene's bounds. Emissive triangles and the environment have none and
 // keep shadow rays: a map shows what one point sees. GLSL twin: light_depth_maps.glsl; on the device:
 // LightDepthMapsGpu.

@@ -1,7 +1,7 @@
 #pragma once
 // The split G-buffer: pixels that share a subset of the lights lie together. The image is cut into blocks of n x n
-// pixels; the pixels at one place of their blocks make one of n^2 tiles (papers/svo-many-lights.txt 4.6, equations 4.1
-// to 4.6, n = 4). GLSL twin: split_buffer.glsl.
+// pixels; the pixels at one place of their blocks make one of n^2 tiles [Sun 2015, 4.6, equations 4.1 to 4.6: n = 4].
+// GLSL twin: split_buffer.glsl.
 //
 // [Keller and Heidrich 2001] Interleaved Sampling. EGWR. [Segovia et al. 2006] Non-interleaved Deferred Shading of
 // Interleaved Sample Patterns. Graphics Hardware.
@@ -30,12 +30,12 @@ struct SplitLayout {
     uint32_t points() const { return tiles() * tile_points; }
 
     uint32_t tile_of(uint32_t point) const { return point / tile_points; }
-    /// The place of a pixel ...
+    /// The place of a pixel in the split buffer.
     uint32_t point_of(uint32_t x, uint32_t y) const {
         return (y % side * side + x % side) * tile_points + y / side * tile_width + x / side;
     }
-    /// ... and the pixel of a place, row by row in the image; kNoPixel for padding.
     static constexpr uint32_t kNoPixel = ~0u;
+    /// The pixel at a place, counted row by row in the image; kNoPixel for padding.
     uint32_t pixel_of(uint32_t point) const {
         const uint32_t tile = tile_of(point), place = point % tile_points;
         const uint32_t x = place % tile_width * side + tile % side, y = place / tile_width * side + tile / side;

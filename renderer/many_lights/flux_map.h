@@ -31,12 +31,12 @@ public:
     /// Along the curve. What is no number, infinite or negative counts as 0, and 1e30 is the most that counts.
     std::span<float> worth() { return std::span(sums_).first(texels()); }
     std::span<const float> worth() const { return std::span(sums_).first(texels()); }
-    /// After any change.
+    /// Adds up the texels' worth; to be called after any change of it.
     void sum();
 
     float total() const { return sums_.back(); }  // 0: there is nothing to be chosen
-    /// By a point of the unit square, in fractions of 2^32; not where the total is 0. Texels worth nothing are never
-    /// chosen, all others have a chance.
+    /// The texel that a point of the unit square (in fractions of 2^32) chooses; not to be called where the total is 0.
+    /// Texels worth nothing are never chosen, all others have a chance.
     Texel choose(uvec2 point) const;
 
     uint64_t bytes() const { return sums_.capacity() * sizeof(float); }

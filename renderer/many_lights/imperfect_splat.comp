@@ -26,7 +26,7 @@ void keep_nearest(uint light, uint texel, float distance_m, vec3 normal) {
 
 void splat(uint light, vec3 centre, vec3 normal) {
     const float distance_m = length(centre), off_plane_m = dot(normal, centre);
-    // Its own neighbourhood shadows no light: there discs stand out of bent surfaces.
+    // Discs near a light do not shadow it: where its own surface is bent they stand out of that.
     if (!(centre.z > 0.0 && distance_m > push.radius_m && abs(off_plane_m) > LEAST_OFF_PLANE * push.radius_m)) return;
     // A place moves by at most about the angle, all sides of the map being right angles.
     const float side = float(push.resolution);

@@ -24,7 +24,7 @@ inline float clamped_falloff(float distance_sq_m2, float clamp_sq_m2) {
 /// large the scene is.
 inline constexpr float kConnectionEnd = 1 - 0x1p-18f;
 
-/// Default B [m^2] of `vpls` lights spread over `lit_area_m2`: methods.md.
+/// Default B [m^2] of `vpls` lights spread over `lit_area_m2` (methods.md, "svo_many_lights").
 inline float default_clamp_sq_m2(float lit_area_m2, uint32_t vpls) {
     return lit_area_m2 / (std::numbers::pi_v<float> * static_cast<float>(std::max(vpls, 1u)));
 }

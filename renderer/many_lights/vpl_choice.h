@@ -1,6 +1,6 @@
 #pragma once
 // Which lights a point asks for V where it does not ask a subset that others share: a few for each point, drawn in
-// proportion to what they may bring there. GPU twin: vpl_choice.glsl.
+// proportion to what they may bring there. GPU twin: vpl_choice_gpu.h.
 //
 // Whatever a light is chosen by, what it brings counts over the number of times that it is chosen in the mean; V is not
 // looked at before. So the sum over all lights is the mean of what comes out, whoever answers for V, as long as every

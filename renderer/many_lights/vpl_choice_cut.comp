@@ -28,7 +28,7 @@ uint leaves, lane, width, slots;
 /// Where this thread keeps its k-th node.
 uint slot_of(uint k) { return k * push.stride + flat_index(); }
 
-/// Of the subgroup's points together; 0 of a leaf whose light is surely nothing to them, and of inner nodes like that.
+/// What a node's lights can bring at most to the subgroup's points together; 0 where they surely bring nothing.
 float bound_of(uint index, GBufferPoint point, bool here) {
     return subgroupAdd(here ? vpl_bound(tree[index], point.position, point.normal, constants.clamp_sq_m2) : 0.0);
 }

@@ -8,7 +8,7 @@
 #define VPL_TREE_BINDING 10
 #define CUT_BINDING 11
 
-// Of hash32(key ^ ...).
+// What a point's key is combined with, so that each choice has random numbers of its own: hash32(key ^ salt).
 #define RESAMPLED_SALT 0x6a09e667u
 #define LIGHTCUT_SALT 0xbb67ae85u
 

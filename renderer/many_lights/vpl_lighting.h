@@ -1,6 +1,6 @@
 #pragma once
-// Lighting a G-buffer by virtual point lights: E = sum I(w) cos_x / max(B, d^2) V (papers/svo-many-lights.txt,
-// equations 3.1 to 3.4, with the factor 1 / pi that the thesis leaves out). GPU twin: vpl_lighting_gpu.h.
+// Lighting a G-buffer by virtual point lights: E = sum I(w) cos_x / max(B, d^2) V [Sun 2015, equations 3.1 to
+// 3.4], with the factor 1 / pi that the thesis leaves out. GPU twin: vpl_lighting_gpu.h.
 //
 // A point goes through its lights as many at once as the machine has lanes, looks what each would bring unshadowed, and
 // asks for V where it counts.
@@ -92,9 +92,9 @@ public:
         Vec3Array light;
         alignas(kLaneAlignment) LaneFloats size;  // its greatest component
     };
-    /// Makes ready for a point ...
+    /// Makes ready for a point, which all calls below are then about.
     void start_point(const VplPass& pass, const GBuffer& buffer, uint32_t point);
-    /// ... and says what a block of lights brings it.
+    /// What a block of lights brings to that point.
     Arriving arriving(const VplPass& pass, const VplBlock& block) const;
     /// Asks for V of a light, once trace() is called, and then adds `light` to the point's sum.
     void ask(const VplPass& pass, uint32_t vpl, const Rgb& light);

@@ -49,11 +49,11 @@ public:
     TracedReflections trace(uint64_t seed, uint32_t pass, const TexelImportance& importance, Stats& stats,
                             const CancelToken& cancel) const;
 
-    /// The numbers of a pass: of its texels, by their places ...
+    /// The random numbers of a pass's texels, by their places.
     static SequenceSampler texel_numbers(const VplTracing& tracing, const TexelMapPass& pass) {
         return {tracing.sampler, pass.seed(), RandomDomain::Photons, 0};
     }
-    /// ... and of its paths after their first rays, in the order they were chosen in.
+    /// The random numbers of a pass's paths after their first rays, in the order in which paths were chosen.
     static SequenceSampler path_numbers(const VplTracing& tracing, const TexelMapPass& pass) {
         return {tracing.sampler, pass.seed(), RandomDomain::Photons, 1};
     }

@@ -50,13 +50,13 @@ public:
     gpu::Buffer& surfaces() { return surfaces_; }  // ReflectingSurfaceRecord, by the photons' `surface`
     gpu::Buffer& state() { return state_; }        // words, REFLECTION_PHOTONS ...
 
-    /// Of the pass's map: what each texel saw, a ReflectedPhotonRecord (TexelImportance says what of it counts); power
-    /// 0 where it met nothing ...
+    /// What each texel of the pass's map saw, as a ReflectedPhotonRecord (TexelImportance says what of it counts); its
+    /// power is 0 where the texel met nothing.
     gpu::Buffer& texels() { return texels_; }
     uint32_t map_texels() const { return plain_.texels(); }
-    /// ... what it is worth, a float each [W]; may be multiplied by anything not negative where `weighted` ...
+    /// What each texel is worth [W], a float. Where `weighted`, it may be multiplied by anything not negative.
     gpu::Buffer& importance() { return weighted_ ? weighted_->sums() : plain_.sums(); }
-    /// ... and whose they are: TexelRun (texel_map_shared.h), by their first texels.
+    /// Whose the texels are: each light's TexelRun (texel_map_shared.h), by their first texels.
     gpu::Buffer& runs() { return runs_; }
     uint32_t run_count() const { return run_count_; }
 

@@ -56,7 +56,7 @@ VplTreeNode vpl_leaf(Vpl vpl, uint light) {
     return VplTreeNode(vpl.position, size, vpl.position, vpl_is_lambert(vpl) ? 1.0 : -1.0, vpl.normal, light);
 }
 
-/// Of the half-angle of the cone about `axis` that holds the node's; -1 from half a turn on.
+/// The cosine of the half-angle of the cone about `axis` that holds the node's cone; -1 from half a turn on.
 float cos_about(vec3 axis, VplTreeNode node) {
     const float cos_turn = min(dot(axis, node.axis), 1.0);
     if (cos_turn + node.cos_cone <= 0.0) return -1.0;

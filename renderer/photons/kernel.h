@@ -12,7 +12,7 @@ static_assert(int(KernelShape::Constant) == KERNEL_CONSTANT && int(KernelShape::
 
 /// K(u; r) = shape(u^2 / r^2) / r^2 [m^-2], zero beyond r.
 ///   constant      1 / pi
-///   cone          (1 - q / k) / ((1 - 2 / (3 k)) pi), q = u / r, k >= 1     [Jensen 1996], cache-based-gi slides
+///   cone          (1 - q / k) / ((1 - 2 / (3 k)) pi), q = u / r, k >= 1     [Jensen 1996], [Gumhold]
 ///   gaussian      [Jensen 2001, Eq. 7.8]'s w(q) = 1 - (1 - exp(-beta q^2 / 2)) / (1 - exp(-beta)), beta = 1.953,
 ///                 divided by its own integral over the disc, 0.579 pi (Jensen's factor 0.918 leaves 0.53 of the light)
 ///   epanechnikov  2 (1 - q^2) / pi

@@ -2,7 +2,7 @@
 // Pass 1: light paths from the lights through the scene, and the photons they leave.
 //
 // Power is divided by the number of paths EMITTED and changes by f |cos_out| / (s p_out) at each scattering and by
-// nothing at storage (methods.md: the slides slip there). Shading normals: transport/photon_scattering.h.
+// nothing at storage (methods.md, "Departures"). Shading normals: transport/photon_scattering.h.
 
 #include <memory>
 #include <vector>

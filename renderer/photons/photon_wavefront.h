@@ -125,7 +125,8 @@ public:
     /// next path does not count.
     PartedScattering scatter_parted(const PartedHit& parted, size_t place, bool by_rough, Counts& counts);
 
-    /// No path outlives roulette for ever; chosen ones have had theirs when they come to their first hit.
+    /// The greatest probability by which roulette keeps a path, so that none lives for ever. Paths chosen by their
+    /// texels have passed their roulette before their first hit.
     float most_survival(uint32_t scatterings) const {
         return chosen_ && scatterings == 0 ? 1.0f : ROULETTE_MOST_SURVIVAL;
     }

@@ -1,6 +1,6 @@
 #pragma once
 // Projection maps: which directions from the lights lead to specular surfaces, so that caustic photons are sent there.
-// [Jensen 1996], cache-based-gi slides ("importance sampling of emitted photons via projection maps").
+// [Jensen 1996], [Gumhold, "Importance sampling of emitted photons via projection maps"] (docs/design/sources.md).
 //
 // The slides project the objects into bins of directions for sampled points of each light. Here rays are traced instead
 // (a ray is what a photon will do; it knows occluders, textures with holes, and every kind of light), a few for each

@@ -56,7 +56,7 @@ PhotonDisc find_nearest(PhotonMapConstants map, vec3 p) {
     uvec4 point;
     float distance_sq;
 
-    // As far out as needed for k: spheres with fewer cost little.
+    // The radius grows until k photons are within: searches that find fewer cost little.
     float radius_m = min(grid.cell_m, map.radius_m), buckets_per_m2;
     while (true) {
         clear_histogram();
@@ -71,7 +71,7 @@ PhotonDisc find_nearest(PhotonMapConstants map, vec3 p) {
         }
         if (found >= map.nearest) break;
         if (radius_m >= map.radius_m) return PhotonDisc(map.radius_m, radius_sq, 0u);
-        // To where k are expected, and some more, by what was found here.
+        // By what was found here, half as many more than k are expected within the next radius.
         const float wanted = sqrt(1.5 * float(map.nearest) / float(max(found, 1u)));
         radius_m = min(clamp(wanted, 1.2, 4.0) * radius_m, map.radius_m);
     }
@@ -97,7 +97,7 @@ PhotonDisc find_nearest(PhotonMapConstants map, vec3 p) {
         low += part << shift;
         width = 1u << shift;
     }
-    // All that are left are as far as each other, or few.
+    // The photons left in the bucket are all at one distance, or few enough to be held at once.
     float kth_sq = uintBitsToFloat(low);
     if (width > 1) {
         float nearest[NEAREST_AT_ONCE];
@@ -144,7 +144,7 @@ RadianceEstimate estimate_radiance(uint map_kind, ShadingPoint point, Bsdf bsdf,
     if (!bsdf_has_non_delta(bsdf)) return estimate;
     const vec3 normal = point.geometric_normal;
     const bool both_sides = bsdf_has_non_delta_transmission(bsdf);
-    // Of a Lambert reflector the same share of every photon; that it arrived at this side its normal says.
+    // A Lambert reflector reflects the same share of every photon, and the photon's normal says at which side it arrived.
     const bool plain = bsdf_is_lambert(bsdf) && point.shading.normal == normal;
     if (plain && wo.z <= 0.0) return estimate;
 

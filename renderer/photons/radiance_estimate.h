@@ -1,7 +1,7 @@
 #pragma once
 // Density estimation: reflected radiance and irradiance from the photons about a point.
 //
-//   L_r(x, wo) = sum_p K(|y_p - x|; r) f_r(x, w_p, wo) dPhi_p        (methods.md, photon_mapping)
+//   L_r(x, wo) = sum_p K(|y_p - x|; r) f_r(x, w_p, wo) dPhi_p        (methods.md, "photon_mapping")
 //
 // A photon's power is flux through the geometric surface; where the shading normal differs, f_r is the BSDF as paths
 // from the eye see it: f(wo, w_p) |cos_s(w_p)| / |cos_g(w_p)|. [Veach 1997, sec. 5.3]

@@ -24,7 +24,7 @@ struct PhotonMapConstants {
     uint nearest;    // k
 };
 
-/// Of all maps of a pass; `maps` by PHOTON_MAP_...
+/// What estimates by any of a pass's maps share; the indices of `maps` are the constants PHOTON_MAP_*.
 struct EstimateConstants {
     PhotonMapConstants maps[2];
     KernelRecord kernel;

@@ -52,7 +52,8 @@ void count_nan(float hope) {
     if (isnan(hope)) ++photon_nan_samples;
 }
 
-/// At plain Lambert reflectors: what lets the path go on keeps the photon. False: it ends.
+/// At a plain Lambert reflector one draw of roulette decides whether the photon is kept and the path goes on. False: it
+/// ends.
 bool reflect_lambert(uint number, PhotonVertex vertex, PhotonNumbers numbers, float most_survival, bool goes_on,
                      inout PhotonPath path, inout Ray ray) {
     const vec3 reflected = path.power_w * vertex.rough.diffuse;
@@ -90,7 +91,8 @@ void keep_rough(uint number, PhotonVertex vertex, Hit hit, PhotonNumbers numbers
     const vec3 albedo = bsdf_albedo(vertex.rough);
     const float hope = flux_to_keep_by(path.power_w, albedo) * path.reference_inverse;
     const float kept_share = min(hope, 1.0);
-    // By the upper end of the number whose lower end the path goes on by: photons and paths make up for one another.
+    // The photon is kept where the number is large, the path goes on where the same number is small: where one is lost
+    // the other is more likely there.
     if (!(numbers.choice.x >= 1.0 - kept_share)) {
         count_nan(hope);
         return;

@@ -26,16 +26,18 @@ public:
     /// On the device, at first. `lambert`: every surface is a plain Lambert reflector.
     static uint64_t device_bytes(const PhotonTracing& tracing, bool lambert);
 
-    /// Says which pass is traced next: a pure function of (scene, settings, seed, pass). The number of its paths.
+    /// Says which pass is traced next, and returns the number of its paths. What the pass leaves is a pure function of
+    /// (scene, settings, seed, pass).
     uint32_t start(uint64_t seed, uint32_t pass);
-    /// Before all paths ...
+    /// Sets the counters of the pass; recorded before all paths.
     void record_start(gpu::CommandList& commands);
-    /// ... some of them, half open, stage `photon_tracing` ...
+    /// Traces the paths [first, end), stage `photon_tracing`.
     void record_paths(gpu::CommandList& commands, uint32_t first, uint32_t end);
-    /// ... and after all.
+    /// Puts the photons in their order; recorded after all paths.
     void record_order(gpu::CommandList& commands);
 
-    /// Once that has been waited for: true where there was too little room. Now there is, and start() comes again.
+    /// Called once the pass has been waited for: true where there was too little room. Now there is enough, and the
+    /// pass is to be begun anew by start().
     bool grow_if_short();
     uint32_t photons_of_pass() const { return counted(REFLECTION_PHOTONS); }
     /// Samples that were no numbers.

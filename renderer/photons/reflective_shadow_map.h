@@ -47,7 +47,7 @@ public:
     ReflectiveShadowMapPass(const ReflectiveShadowMaps& maps, uint64_t seed, uint32_t pass);
 
     uint64_t texels() const { return texels_; }
-    /// Of the pass's numbers: passes share none, as the same texels come in each.
+    /// The seed of the pass's random numbers. Each pass has its own, as the same texels come in each.
     uint64_t seed() const { return seed_; }
     /// For the twin in reflected_photons.comp: all grids, by their first texels.
     std::vector<gpu::TexelGrid> device_grids() const;

@@ -27,9 +27,9 @@ public:
     uint32_t levels() const { return levels_; }
     uint32_t texels() const { return 1u << 2 * levels_; }
     const EmissionSampler& emission() const { return emission_; }
-    /// Of lights that have texels in every pass, by their first texels ...
+    /// The lights that have texels in every pass, by their first texels.
     const std::vector<gpu::TexelRun>& runs() const { return runs_; }
-    /// ... and of those that would have less than one: one, in as many of the passes.
+    /// The lights that would have less than one texel: each has one, in that share of the passes.
     const std::vector<gpu::TexelRun>& weak() const { return weak_; }
 
     uint64_t bytes() const { return (runs_.capacity() + weak_.capacity()) * sizeof(gpu::TexelRun); }
@@ -46,13 +46,13 @@ class TexelMapPass {
 public:
     TexelMapPass(const TexelMap& map, uint64_t seed, uint32_t pass);
 
-    /// Those that belong to a light, from 0 on.
+    /// How many texels belong to a light; they are numbered from 0 on.
     uint32_t texels() const { return texels_; }
-    /// Of the pass's numbers: passes share none, as the same texels come in each.
+    /// The seed of the pass's random numbers. Each pass has its own, as the same texels come in each.
     uint64_t seed() const { return seed_; }
     /// Rotates points of the unit square, in fractions of 2^32.
     const uvec2& rotation() const { return rotation_; }
-    /// Of the weak lights, after the map's own runs.
+    /// The weak lights that have a texel in this pass; their texels follow those of the map's own runs.
     const std::vector<gpu::TexelRun>& chosen() const { return chosen_; }
 
     /// Where the path through a texel starts; its power is the texel's own, to be divided by nothing. `u_jitter`: where

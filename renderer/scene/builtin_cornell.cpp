@@ -1,6 +1,6 @@
 // The Cornell box: measured geometry and the reflectances in common use for it.
 // [Cornell University Program of Computer Graphics 1998] Cornell Box Data. Millimetres are mapped by x' = (278 -
-// x)/100, y' = y/100, z' = -z/100, as in scenes/reference; corners and triangles are those of its scene.glb.
+// x)/100, y' = y/100, z' = -z/100, as in tests/data/reference; corners and triangles are those of its scene.glb.
 
 #include "renderer/scene/builtin_families.h"
 #include "renderer/scene/mesh_builder.h"

@@ -1,5 +1,5 @@
-// What the figures of the photon splatting thesis show (papers/photon-splatting.txt, section 5), each in a scene of its
-// own where none of the others has it. All light comes from a spot onto the floor: what else is lit is lit indirectly.
+// What the figures of the photon splatting thesis show [Hoet 2014, section 5], each in a scene of its own where
+// none of the others has it. All light comes from a spot onto the floor: what else is lit is lit indirectly.
 
 #include "renderer/scene/builtin_families.h"
 #include "renderer/scene/builtin_furniture.h"

@@ -170,7 +170,9 @@ std::string gltf_pointer(std::string_view array, uint64_t index, const Tokens&..
 /// all faults found: ErrorCode::Unsupported for an extension required but not supported, else ErrorCode::BadScene.
 GltfDocument read_gltf_document(const JsonDocument& json);
 
-// Its parts.
+// What read_gltf_document() is made of.
+
+/// Whether `extensionsUsed` or `extensionsRequired` lists the extension.
 bool lists_extension(const JsonRef& root, std::string_view name);
 /// Buffers, buffer views, accessors, images, samplers and textures (gltf_read_data.cpp).
 void read_gltf_data(const JsonRef& root, GltfDocument& document, FaultList& faults);

@@ -1,4 +1,4 @@
-// Materials of a document: core metallic-roughness and the KHR extensions of conventions.md, into Material.
+// Materials of a document: core metallic-roughness and the KHR extensions (conventions.md, "Materials"), into Material.
 
 #include <cmath>
 

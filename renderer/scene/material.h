@@ -1,5 +1,5 @@
 #pragma once
-// glTF metallic-roughness with the extensions of conventions.md, as plain numbers and texture references.
+// glTF metallic-roughness with its extensions (conventions.md, "Materials"), as plain numbers and texture references.
 
 #include <string>
 

@@ -193,7 +193,7 @@ Bsdf bsdf_with_geometric_normal(Bsdf bsdf, vec3 geometric_normal) {
     return bsdf;
 }
 
-/// The two parts of f = f_s + f_d, by which light paths are classified (methods.md, photon mapping). Specular: delta
+/// The two parts of f = f_s + f_d, by which light paths are classified (methods.md, "photon_mapping"). Specular: delta
 /// lobes, and GGX lobes with alpha below the threshold; rough: all others.
 Bsdf bsdf_part(Bsdf bsdf, bool specular, float glossy_threshold) {
     if (!bsdf_is_layered(bsdf)) {

@@ -1,5 +1,5 @@
 #pragma once
-// Scattering at a surface: the materials of conventions.md as a small plain value, made anew at each hit.
+// Scattering at a surface: its material (conventions.md, "Materials") as a small plain value, made anew at each hit.
 //
 // Directions are local to the shading frame (+z is the shading normal, on the eye's side), unit, and leave the surface:
 // `wo` towards the eye, `wi` towards the light. Lobes:
@@ -8,9 +8,8 @@
 //                 Szirmay-Kalos 2001]:
 //                   f_d = rho / pi (1 - E(wo)) (1 - E(wi)) / (1 - E_avg),  E the coat's directional albedo,
 //                 which is reciprocal and whose reflectance is rho (1 - E(wo)).
-//   specular      GGX with height-correlated Smith shadowing [Heitz 2014] and Schlick's Fresnel, single scattering.
-//   Coat
-//                 and metal share the distribution, so they are one lobe with F0 and F90 mixed by `metallic`.
+//   specular      GGX with height-correlated Smith shadowing [Heitz 2014] and Schlick's Fresnel, single scattering. The
+//                 coat and metal share the distribution, so they are one lobe with F0 and F90 mixed by `metallic`.
 //   glass         a solid's interface: exact Fresnel, reflection and refraction [Walter et al. 2007].
 //   thin sheet    what the coat does not reflect goes straight through (rough: scattered about straight through, with
 //                 the specular lobe mirrored), tinted by the base colour.
@@ -106,7 +105,7 @@ public:
         return kind_ == Kind::Nothing ? BsdfSample{} : sample_layered(wo, u_lobe, u, mode);
     }
 
-    /// The two parts of f = f_s + f_d, by which light paths are classified (methods.md, photon mapping). Specular:
+    /// The two parts of f = f_s + f_d, by which light paths are classified (methods.md, "photon_mapping"). Specular:
     /// delta lobes, and GGX lobes with alpha below the threshold; rough: all others. Each part is a BSDF of its own,
     /// sampled by its own lobes alone; what the coat lets through to the diffuse lobe or the sheet is that of the
     /// whole.

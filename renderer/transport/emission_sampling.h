@@ -1,6 +1,6 @@
 #pragma once
 // Light paths' first step: a light by its power, a point and a direction on it, and the flux the photon carries,
-//   dPhi = L_e cos / (p_l p_y p_w)                                    (cache-based-gi slides; methods.md)
+//   dPhi = L_e cos / (p_l p_y p_w)            (methods.md, "Departures")
 // All kinds of lights behind one call. Directional lights and the environment send photons from a disc of the bounding
 // sphere's radius that faces their direction.
 

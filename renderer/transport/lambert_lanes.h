@@ -131,7 +131,7 @@ struct LambertSurface {
         }
     }
 
-    /// Where the texture is read. There is one.
+    /// Where the texture is read. To be called only where there is a texture.
     TextureLookup lookup(const Hit& hit) const {
         const vec3 st(uv ? interpolate(uv, hit) : vec2(0), 1);
         return prepare_lookup(*texture, {glm::dot(row_u, st), glm::dot(row_v, st)});
@@ -270,7 +270,7 @@ struct LambertGroup {
         const FloatLanes factor = photond::select(flat || dot(turned, wi) <= 0, FloatLanes(1),
                                                   stdx::max(-dot(turned, d), FloatLanes(0)) / -dot(geometric, d));
 
-        // Not black: what is no number goes on, to be counted.
+        // All paths that are not black go on; those that are no number too, so that they are counted.
         const FloatMask on = dot(geometric, wi) > 0 && !(factor == 0);
         next_direction.store(wi);
         factor.copy_to(correction, kAligned);

@@ -37,12 +37,12 @@ vec3 ggx_sample_visible(Ggx ggx, vec3 wo, vec2 u) {
     return normalize(vec3(ggx.alpha * h.x, ggx.alpha * h.y, max(h.z, 1e-7)));
 }
 
-/// Density [sr^-1] of ggx_sample_visible(); wo.h > 0.
+/// Density [sr^-1] of ggx_sample_visible(); dot(wo, h) > 0.
 float ggx_visible_pdf(Ggx ggx, vec3 wo, vec3 h) {
     return ggx_g1_over_cos(ggx, wo) * ggx_d(ggx, h) * max(0.0, dot(wo, h));
 }
 
-/// Density [sr^-1] of wo mirrored at ggx_sample_visible(): visible_pdf / (4 wo.h).
+/// Density [sr^-1] of wo mirrored at ggx_sample_visible(): visible_pdf / (4 dot(wo, h)).
 float ggx_reflection_pdf(Ggx ggx, vec3 wo, vec3 h) { return 0.25 * ggx_g1_over_cos(ggx, wo) * ggx_d(ggx, h); }
 
 #endif

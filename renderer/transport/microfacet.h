@@ -43,12 +43,12 @@ struct Ggx {
         return glm::normalize(vec3(alpha * h.x, alpha * h.y, std::max(h.z, 1e-7f)));
     }
 
-    /// Density [sr^-1] of sample_visible(); wo.h > 0.
+    /// Density [sr^-1] of sample_visible(); dot(wo, h) > 0.
     float visible_pdf(const vec3& wo, const vec3& h) const {
         return g1_over_cos(wo) * d(h) * std::max(0.0f, glm::dot(wo, h));
     }
 
-    /// Density [sr^-1] of wo mirrored at sample_visible(): visible_pdf / (4 wo.h).
+    /// Density [sr^-1] of wo mirrored at sample_visible(): visible_pdf / (4 dot(wo, h)).
     float reflection_pdf(const vec3& wo, const vec3& h) const { return 0.25f * g1_over_cos(wo) * d(h); }
 };
 

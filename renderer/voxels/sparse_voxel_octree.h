@@ -1,6 +1,6 @@
 #pragma once
-// The sparse voxel octree of a scene, on the CPU. Thesis papers/svo-many-lights 3.1 and 4.3.2; beyond it: conservative
-// voxels, bricks of 4x4x4 of them as one mask at the leaves, and a triangle for each.
+// The sparse voxel octree of a scene, on the CPU [Sun 2015, 3.1 and 4.3.2]; beyond the thesis: conservative voxels,
+// bricks of 4x4x4 of them as one mask at the leaves, and a triangle for each.
 //
 // Twin: SparseVoxelOctreeGpu, whose arrays are the same bit for bit.
 

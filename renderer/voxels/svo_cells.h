@@ -16,13 +16,14 @@
 namespace photond {
 
 struct SvoCells {
-    /// Of a finished tree: a cell a brick, of more than 2^6 bricks along an edge 2^6 cells.
+    /// For a finished tree. A cell is a brick, but there are at most 2^6 cells along an edge.
     SvoCells(const gpu::SvoConstants& constants, std::span<const gpu::SvoNode> nodes);
 
     static size_t estimate_bytes(uint32_t resolution);
 
     size_t plane() const { return size_t{1} << 3 * bits; }  // cells in all
-    /// Of octant s: bit i is set where rays go down along axis i. In cells, itself the first; 0: it holds set voxels.
+    /// For each cell the side of its free cube, in cells, the cell itself being the first; 0 where it holds set voxels.
+    /// Bit i of `octant` is set for rays that go down along axis i.
     const uint8_t* free_cubes(uint32_t octant) const { return free.data() + octant * plane(); }
     size_t bytes() const { return free.size() + starts.size() * sizeof starts[0]; }
 

@@ -78,10 +78,10 @@ uint triangle_columns(TriangleVoxels t) {
                ? uint(rows.x) * uint(rows.y) : 0u;
 }
 
-/// Cyclic order of components that puts `axis` last.
+/// Turns the components cyclically so that `axis` comes last.
 ivec3 axis_last(ivec3 v, int axis) { return axis == 0 ? v.yzx : axis == 1 ? v.zxy : v; }
 i64vec3 axis_last(i64vec3 v, int axis) { return axis == 0 ? v.yzx : axis == 1 ? v.zxy : v; }
-/// ... and back.
+/// Undoes axis_last().
 ivec3 axis_back(ivec3 v, int axis) { return axis == 0 ? v.zxy : axis == 1 ? v.yzx : v; }
 
 /// Half-open range along the axis of a column's bricks that may be touched; `brick`: their coordinates, axis last.

@@ -9,7 +9,7 @@
 namespace photond {
 
 /// Fills in what a job has measured: `curve` is its array of points or null, `statistics` its statistics or null, both
-/// as protocol.md has them.
+/// as on the wire (protocol.md, "Shapes").
 void add_measurements(MeasuredJob& job, const nlohmann::json& curve, const nlohmann::json& statistics);
 
 }  // namespace photond

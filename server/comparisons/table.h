@@ -53,7 +53,7 @@ struct ErrorAtTime {
 struct FinalError {
     std::optional<LogMean> error;     // over the seeds that are over
     std::optional<double> reference;  // the reference's own noise by the same metric
-    /// That noise is no less than a third of what is measured: the figure is then partly the reference's.
+    /// Whether that noise is at least a third of what is measured: the figure is then partly the reference's.
     bool near_reference = false;
 };
 
@@ -101,7 +101,7 @@ struct TableWishes {
 ComparisonTable make_table(std::span<const MeasuredJob> jobs, const std::vector<std::string>& metrics,
                            const TableWishes& wishes = {});
 
-/// Array of rows as protocol.md has them.
+/// Array of rows as on the wire (protocol.md, "Shapes").
 nlohmann::json to_json(const ComparisonTable& table);
 /// {metric: [{"seconds", "error", "low", "high", "min", "max"}]} of a row's mean curves.
 nlohmann::json mean_curves_json(const TableRow& row);

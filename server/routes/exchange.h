@@ -151,7 +151,7 @@ struct Refusal {
     double held_seconds = 0;  // before it is said, to slow whoever tries again at once
 };
 
-/// Counts itself in a number of living things.
+/// Adds 1 to a number for as long as it lives.
 class Counted {
 public:
     explicit Counted(std::atomic<int64_t>& number) : number_(number) { ++number_; }

@@ -36,7 +36,7 @@ struct Slot {
     std::string device;
     std::unique_ptr<WorkerProcess> process;
     bool answered = false;         // the process at hand has said hello
-    nlohmann::json device_object;  // of protocol.md; null until the CPU's worker has answered
+    nlohmann::json device_object;  // protocol.md, "Shapes"; null until the CPU's worker has answered
     bool on_host_cores = true;     // the CPU, or a GPU that is software
     uint64_t restarts = 0;
     uint64_t jobs_done = 0;  // by the process at hand

@@ -19,10 +19,10 @@ struct ComparisonState {
     std::optional<JobProgress> reference;
     bool made_for_it = false;  // the reference, by this comparison
 
-    /// Of the places, in their order: a repeat that is not over, else whether any job there has succeeded, else the one
-    /// that was planned.
+    /// The state of each place, in their order: that of a repeat that is not over, else `succeeded` where any job there
+    /// has, else that of the job that was planned.
     std::vector<JobState> places() const;
-    /// Of the places; a reference that is being made for them begins it.
+    /// The state that the places come to; a reference that is being made for them counts as begun.
     JobState state() const;
     std::optional<JobProgress> own_reference() const { return made_for_it ? reference : std::nullopt; }
 };

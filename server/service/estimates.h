@@ -26,14 +26,14 @@ struct EarlierJob {
 /// By method and device; read from the store once for all that is estimated together.
 using EarlierJobs = std::map<std::pair<std::string, std::string>, std::vector<EarlierJob>>;
 
-/// All under the lock.
-/// Of rendering. Nothing is known of a pass where the method has rendered none here.
+/// How long rendering will take. Nothing is known of a pass where the method has rendered none here.
 struct TimeEstimate {
     std::optional<double> seconds;       // known also where the job stops by them
     std::optional<double> pass_seconds;  // of one pass
     std::string warning;                 // of seconds that cannot be kept; empty: none
 };
 
+/// All are called under the lock.
 class Estimates {
 public:
     Estimates(ServiceCore& core, Scenes& scenes) : core_(core), scenes_(scenes) {}

@@ -10,7 +10,7 @@ namespace photond {
 
 /// The host is quiet while at most this share of its processors is busy: what a job may lose and be undisturbed.
 inline constexpr double kQuietLoad = 0.02;
-/// For so long.
+/// It must have been quiet for this long before a job begins.
 inline constexpr std::chrono::milliseconds kQuietFor{2000};
 
 /// Looks at the host's processors while somebody asks.

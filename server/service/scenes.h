@@ -56,7 +56,7 @@ public:
     std::optional<SceneRef> find_scene(const std::string& id_or_name);
 
     // With the lock or without it:
-    /// What the helper said of it; of a built-in one nothing before it was judged. Does not wait.
+    /// What the helper said of the scene; an empty object for a built-in one that is not judged yet. Does not wait.
     nlohmann::json summary_of(const SceneRef& scene);
     /// Where processes of ours find it.
     SceneSource scene_source(const SceneRef& scene) const;

@@ -1,5 +1,5 @@
 #pragma once
-// What callers hand to the service and get from it. Objects are JSON in the shapes of protocol.md.
+// What callers hand to the service and get from it. Objects are JSON as on the wire (protocol.md, "Shapes").
 
 #include <cstdint>
 #include <filesystem>
@@ -56,8 +56,8 @@ struct JobFilter {
     std::string method;
     std::string device;  // as in the job's attempts: "cpu", "gpu:0"
     std::string role;    // empty: any; else one of the three roles, or OutOfRange
-    /// Or "queue": waiting jobs as they will run; or "ended": those that are over, the last first. Pages of these two
-    /// go by the offset alone.
+    /// "newest"; "queue": waiting jobs as they will run; "ended": jobs that are over, the last first. Pages of the last
+    /// two go by the offset alone.
     std::string order = "newest";
     uint32_t limit = 100;  // 1..1000, else OutOfRange
     std::string cursor;    // from next_cursor; empty: the newest

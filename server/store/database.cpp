@@ -98,7 +98,8 @@ Database::Database(const std::filesystem::path& file, const char* const* migrati
     try {
         sqlite3_extended_result_codes(database_, 1);
         sqlite3_busy_timeout(database_, 2000);
-        // One connection only: SQLite 3.40.1 is in the range of the WAL-reset bug, which needs two (reliability.md).
+        // One connection only: SQLite 3.40.1 is in the range of the WAL-reset bug, which needs two
+        // (reliability.md, "Measured on Debian 12's packages").
         execute("PRAGMA locking_mode = EXCLUSIVE");
         execute("PRAGMA journal_mode = WAL");
         execute("PRAGMA synchronous = FULL");

@@ -78,7 +78,7 @@ struct ComparisonJob {
     int64_t planned() const { return repeat_of.value_or(job); }
 };
 
-/// Of a job what its comparison's state follows from.
+/// What the state of a comparison follows from, for one of its jobs.
 struct JobProgress {
     int64_t seq = 0;
     JobState state = JobState::Queued;
@@ -103,7 +103,7 @@ struct ImageRow {
     std::string layers;  // JSON: [{"name", "channels"}..]; empty where it came before they were noted
 };
 
-/// Of a job what a list shows: nothing of it is long.
+/// What a list shows of a job. None of it is long.
 struct JobSummary {
     int64_t seq = 0;
     JobState state = JobState::Queued;

@@ -32,9 +32,9 @@ public:
     void pause();
     void resume();
     void end();
-    /// So that little is lost of what threads that end have waited.
+    /// Reads the threads' waiting so far. Called often, so that little is lost of what threads waited that then end.
     void look();
-    /// Of all intervals so far, without what a CoreUse derives from that.
+    /// The sums over all intervals so far, without what CoreUse::derive() adds.
     const CoreUse& sums() {
         look();
         return sums_;

@@ -27,7 +27,7 @@ struct Device {
     std::optional<gpu::Limits> limits = {};         // of a GPU
     std::shared_ptr<gpu::Device> in_use = nullptr;  // a GPU that has been opened
 
-    /// The device object of protocol.md, with "lacks" and "limits".
+    /// The device as on the wire (protocol.md, "Shapes"), with "lacks" and "limits".
     nlohmann::json to_json() const;
 };
 

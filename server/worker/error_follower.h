@@ -25,7 +25,8 @@ inline constexpr double kShortestJudgedSeconds = 2;
 struct MeasuringPlan {
     std::vector<LayerMetric> cheap;   // at every point of the curve
     std::vector<LayerMetric> costly;  // at points as far as there is time, and in the end
-    /// Beside a reference: at powers of two, between which estimates compare, as far as there is time; and in the end.
+    /// Estimates where there is a reference too: at powers of two, which they compare, as far as there is time, and in
+    /// the end.
     std::vector<LayerMetric> estimated;
     std::optional<LayerMetric> target;
     double target_value = 0;

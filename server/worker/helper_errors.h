@@ -22,8 +22,8 @@ EncodedReply encode_flip(const EncodeFlipRequest& asked, uint64_t memory_bytes);
 /// The same map as raw pixels of one channel, 0 to 1.
 EncodedReply encode_flip_map(const EncodeFlipMapRequest& asked, uint64_t memory_bytes);
 
-/// PNG of each pixel's relative error (conventions.md, "percentiles") on a fixed logarithmic scale; grey where it is
-/// not defined.
+/// PNG of each pixel's relative error (conventions.md, "Error") on a fixed logarithmic scale; grey where it is not
+/// defined.
 void encode_error_map(const EncodeErrorMapRequest& asked, uint64_t memory_bytes);
 
 /// Ends of the error map's scale: the darkest and the brightest colour.

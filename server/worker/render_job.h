@@ -73,11 +73,11 @@ private:
     void finish(const PassLoop::Result& result);
 
     FilmHistory history(double seconds);
-    /// Of all attempts.
+    /// What all attempts had of the processors.
     CoreUse core_use();
     void save(const Film& film, double seconds, const std::filesystem::path& path, bool tell);
     void save_artefacts();
-    /// From that point on.
+    /// Sends the curve's points from that one on.
     void send_curve(size_t first);
     void send_progress(const Film& film, double seconds);
     template <class... Arguments>

@@ -6,7 +6,7 @@ namespace photond {
 
 struct Scene;
 
-/// The scene object of protocol.md without its id.
+/// The scene as on the wire (protocol.md, "Scene"), without its id.
 nlohmann::json scene_summary(const Scene& scene, const std::string& name, bool builtin);
 
 }  // namespace photond

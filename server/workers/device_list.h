@@ -15,9 +15,9 @@ class DeviceList {
 public:
     explicit DeviceList(std::filesystem::path worker_program) : worker_program_(std::move(worker_program)) {}
 
-    /// Device objects of protocol.md, the CPU first; each with its "lacks" and "limits". Starts the process when nobody
-    /// has asked before, and waits for it: seconds at most. Empty when it failed, which is logged; it is tried again a
-    /// minute later.
+    /// Devices as on the wire (protocol.md, "Shapes"), the CPU first; each with its "lacks" and "limits". Starts the
+    /// process when nobody has asked before, and waits for it: seconds at most. Empty when it failed, which is logged;
+    /// it is tried again a minute later.
     std::vector<nlohmann::json> get();
 
     /// What `--devices` names as the devices there are: "gpu" is the first that can render. Asks the list only about

@@ -22,7 +22,7 @@ inline double median(std::vector<double> values) {
 /// A scene to measure on, with the size of its picture.
 struct NamedScene {
     const char* name;
-    const char* file;  // below shared/scenes; null: built in
+    const char* file;  // in the folder of scene files; null: built in
     Size2 size;
 };
 inline constexpr NamedScene kBenchScenes[] = {{"cornell-box", nullptr, {256, 256}},

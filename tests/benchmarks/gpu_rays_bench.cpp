@@ -3,7 +3,7 @@
 // none). Masked surfaces count as whole. On a software device the rate a processor second is steadier than the rate a
 // second.
 //
-//     gpu_rays_bench [scene ...]      a built-in scene's name, or a file below shared/scenes; default: some of each
+//     gpu_rays_bench [scene ...]      a built-in scene's name, or a file of the scene folder; default: some of each
 
 #include <cstdio>
 #include <ctime>

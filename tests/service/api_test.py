@@ -1,4 +1,4 @@
-"""The HTTP API as protocol.md states it, one route after the other, against a running daemon."""
+"""The HTTP API (protocol.md), one route after the other, against a running daemon."""
 
 import contextlib
 import http.client

@@ -123,7 +123,7 @@ class EnvironmentTest(unittest.TestCase):
 
     @staticmethod
     def bilinear(pixels, direction, rotation):
-        """The image looked up by our own reading of conventions.md: its middle is at -Z, +X to the right of it, the top
+        """The image looked up by our own reading of conventions.md, "Environment": its middle is at -Z, +X to the right of it, the top
         row at +Y; turning by `rotation` moves what is at -Z towards -X."""
         x, y, z = direction
         height, width, _ = pixels.shape

@@ -9,7 +9,7 @@ import malformed_gltf
 from photond_daemon import UNDER_SANITIZER, Daemon, DaemonTestCase, small_job
 
 ALL_LAYERS = ["caustic", "albedo", "normal", "position", "depth", "standard_error"]
-# reliability.md, gate 12: within 1.5 of the measured. What the structures hold is counted by byte and varies by nothing
+# reliability.md, "Estimates": within 1.5 of the measured. What the structures hold is counted by byte and varies by nothing
 # but the ray structure, so we hold ourselves to less.
 WITHIN = 1.1
 # The resident set is the kernel's view of the same: freed memory used again and lazily mapped pages blur it by a few MB.

@@ -1,5 +1,5 @@
-"""Gate 13 of reliability.md: a device that is lost, memory that is not there, pipelines that cannot be made. Never a wrong
-image: the job's pixels are those of an undisturbed run, or it fails with a true reason."""
+"""reliability.md, "GPU faults": a device that is lost, memory that is not there, pipelines that cannot be made. Never a
+wrong image: the job's pixels are those of an undisturbed run, or it fails with a true reason."""
 
 import pathlib
 import tempfile

@@ -98,7 +98,7 @@ class JobTest(GpuCase):
             job = gpu_job(scene=scene, size=size, passes=1)
             estimate = self.daemon.request("POST", "/v1/jobs?dry_run=true", json_body=job).json
             used = self.daemon.run_job(job)["statistics"]["memory"]
-            # Gate 12 of reliability.md.
+            # reliability.md, "Estimates".
             for estimated, counted in (("device_memory_bytes", "peak_device_bytes"),
                                        ("memory_bytes", "accounted_bytes")):
                 self.assertLess(used[counted], 1.5 * estimate[estimated], (scene, used, estimate))

@@ -1,4 +1,4 @@
-"""Every row of the table in reliability.md ("Measured on Debian 12's packages"), and the rest of what a hostile or a
+"""Every row of the table in reliability.md, "Measured on Debian 12's packages", and the rest of what a hostile or a
 slow client may try: each gets its answer, the others do not notice, and memory stays flat.
 
 Counts, bytes and states are asserted; times only by the order in which things happen.

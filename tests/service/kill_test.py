@@ -1,5 +1,5 @@
 """kill -9 of the daemon and of its worker at random moments, while clients submit jobs and comparisons with idempotent
-retries (reliability.md, gates 6 and 7): accepted jobs lost 0, doubled 0, pixel hashes other than undisturbed 0, tables
+retries (reliability.md, "Kills"): accepted jobs lost 0, doubled 0, pixel hashes other than undisturbed 0, tables
 of comparisons complete and equal to the undisturbed one.
 
 100 kills in CI; 1,000 in the long form. Moments come from a fixed seed. A job that is hit at every one of its attempts

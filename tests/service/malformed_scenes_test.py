@@ -118,7 +118,7 @@ class MalformedGltfTest(UploadCase):
         self.assertGreater(posted, 250)
         growth = self.helper_peak_bytes() - before
         print(f"\n{posted} files, the largest of {largest >> 20} MiB: the helper's peak grew by {growth >> 20} MiB")
-        # reliability.md, gate 1. A sanitizer's shadow and quarantine are not the helper's.
+        # reliability.md, "Malformed scenes and jobs". A sanitizer's shadow and quarantine are not the helper's.
         if b"__asan_init" not in (BIN / "photond-worker").read_bytes():
             self.assertLess(growth, largest + (256 << 20))
         self.assert_good_scene_is_taken()

@@ -10,8 +10,8 @@ import unittest
 
 from photond_daemon import BIN, Daemon, DaemonTestCase, small_job
 
-# What a dry run says against what is counted (reliability.md, gate 12: within 1.5). How many photons a scene stores is known
-# from a few paths only, traced when the scene is judged.
+# What a dry run says against what is counted (reliability.md, "Estimates": within 1.5). How many photons a scene
+# stores is known from a few paths only, traced when the scene is judged.
 WITHIN = 1.1
 SCENES = ("cornell-box", "cornell-box-glass", "cornell-box-glossy", "caustic-ring", "keyhole", "furnace", "interior")
 

@@ -1,7 +1,7 @@
 """What the service survives: killed workers, killed helper, a killed daemon, a stopped one. Accepted jobs are never lost
 nor doubled, and what they give has the same bits as an undisturbed run.
 
-PHOTOND_KILLS is the number of times the daemon is killed (default 10; the long run of reliability.md takes 1000).
+PHOTOND_KILLS is the number of times the daemon is killed (default 10).
 """
 
 import http.client

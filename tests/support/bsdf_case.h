@@ -1,6 +1,6 @@
 #pragma once
 // BSDFs asked in bulk, whoever answers: the C++ here, its GLSL twin in gpu_bsdf.h. Tests of what both promise
-// (bsdf_..._checks.h) are written for either.
+// (bsdf_*_checks.h) are written for either.
 
 #include <span>
 #include <vector>

@@ -1,6 +1,6 @@
-// The ray structure's arrays as bvh.cpp writes and bvh.glsl reads them: eight-wide nodes whose boxes are quantised to
-// a grid of their own. For both compilers; all numbers in the order and meaning of the paper, but for `scales`, whose
-// bytes are the exponents of floats as they stand, and for slots, which are mirrored (bvh_build.cpp).
+// The ray structure's arrays as bvh_build.cpp writes and bvh.glsl reads them: eight-wide nodes whose boxes are
+// quantised to a grid of their own. For both compilers; all numbers in the order and meaning of the paper, but for
+// `scales`, whose bytes are the exponents of floats as they stand, and for slots, which are mirrored (bvh_build.cpp).
 // [Ylitie, Karras, Laine 2017] Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs. HPG.
 #ifndef PHOTOND_BVH_SHARED_H
 #define PHOTOND_BVH_SHARED_H

@@ -28,11 +28,11 @@ public:
     Device& device() const { return device_; }
     const Scene& scene() const { return scene_; }
 
-    /// For pipelines whose shaders read the scene: its buffers ...
+    /// The scene's buffers, for pipelines whose shaders read it.
     const BufferSet& set() const { return set_; }
-    /// ... and what it needs, as constants 0 to 31 (scene.glsl).
+    /// What the scene needs, as constants 0 to 31 of such shaders (scene.glsl).
     std::span<const Specialization> specialization() const { return specialization_; }
-    /// The same and a method's own.
+    /// These constants and a method's own.
     std::vector<Specialization> specialization(std::span<const Specialization> more) const;
 
     /// Device bytes, as Device::memory() accounts them: in all, and by structure.

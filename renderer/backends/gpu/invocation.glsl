@@ -2,8 +2,8 @@
 #ifndef PHOTOND_INVOCATION_GLSL
 #define PHOTOND_INVOCATION_GLSL
 
-// Not a function: in one that stands before `layout(local_size_x = ...) in`, gl_WorkGroupSize is 1 without a word from
-// the compiler.
+// This is a macro because a function that stands before `layout(local_size_x = ...) in` would read 1 as
+// gl_WorkGroupSize, and the compiler would not say so.
 #define flat_index() \
     ((gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * gl_WorkGroupSize.x + gl_LocalInvocationIndex)
 

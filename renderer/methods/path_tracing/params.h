@@ -23,7 +23,7 @@ struct PathTracingParams final : MethodParams {
     PathKernels gpu_kernels = PathKernels::Mega;
 
     void visit(ParamVisitor& visitor) override;
-    /// Greatest number of scattering vertices of a path (conventions.md: n vertices make n - 1 bounces).
+    /// Greatest number of scattering vertices of a path: n vertices make n - 1 bounces (conventions.md).
     uint32_t max_scatterings() const { return indirect_bounces ? *indirect_bounces + 1 : UINT32_MAX; }
 };
 

@@ -13,9 +13,9 @@ public:
 
     explicit PathTracingGpu(const PathTracingParams& params);
     ~PathTracingGpu() override;
-    /// What begin() will record of the host's memory ...
+    /// Bytes of the host's memory that begin() will record.
     static uint64_t estimate_bytes(const PathTracingParams& params, const Workload& workload);
-    /// ... and take of the device's.
+    /// Bytes of the device's memory that begin() will take.
     static uint64_t estimate_device_bytes(const PathTracingParams& params, const Workload& workload);
 
     void begin(const RenderContext& context, Stats& stats) override;

@@ -44,7 +44,7 @@ struct PhotonMappingParams final : MethodParams {
     /// `radius` and `radius_relative` exclude each other.
     void check() const override;
 
-    /// Greatest number of scattering vertices of a path (conventions.md: n vertices make n - 1 bounces).
+    /// Greatest number of scattering vertices of a path: n vertices make n - 1 bounces (conventions.md).
     uint32_t max_scatterings() const { return indirect_bounces ? *indirect_bounces + 1 : UINT32_MAX; }
     /// Light samples of a vertex the eye sees directly.
     uint32_t most_light_samples() const;

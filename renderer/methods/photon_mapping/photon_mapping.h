@@ -4,11 +4,11 @@
 
 namespace photond {
 
-/// Photon mapping: Jensen's two maps, as the slides and the thesis have them.
+/// Photon mapping: Jensen's two maps, as [Gumhold] and [Hoet 2014, 4.5] have them.
 ///
 /// Each pass sends `photons` light paths (and `caustic_photons` towards specular surfaces, where there are any), stores
 /// what arrives at surfaces with a lobe that is not specular, and then looks at the scene along one eye path a pixel.
-/// At each vertex x the reflected light is split as the slides do (f_s: delta lobes and glossy ones with alpha below
+/// At each vertex x the reflected light is split as [Gumhold] does (f_s: delta lobes and glossy ones with alpha below
 /// `glossy_threshold`; f_d: all others; L_l light from the lights, L_c light that came through specular scatterings
 /// only, L_d the rest):
 ///

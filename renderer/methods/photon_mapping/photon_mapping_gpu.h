@@ -20,9 +20,9 @@ public:
     /// Throws ErrorCode::Unsupported for what only the CPU has: `shadow_photons`, `precompute_irradiance`,
     /// `gather_sampling` "photons", `boundary` "clip" and `keep_photon_map`.
     static void check_gpu(const PhotonMappingParams& params);
-    /// What begin() will record of the host's memory ...
+    /// Bytes of the host's memory that begin() will record.
     static uint64_t estimate_bytes(const PhotonMappingParams& params, const Workload& workload);
-    /// ... and take of the device's, to a few percent where the photons are as many as expected.
+    /// Bytes of the device's memory that begin() will take, to a few percent where the photons are as many as expected.
     static uint64_t estimate_device_bytes(const PhotonMappingParams& params, const Workload& workload);
 
     void begin(const RenderContext& context, Stats& stats) override;

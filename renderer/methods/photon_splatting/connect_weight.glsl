@@ -20,7 +20,7 @@ float asin_unit(float x) {
 
 /// F for spheres that the horizon may clip: `h_sq` = H^2 >= 0, `c` in (0, 1]. To 1e-5.
 ///
-/// For H > 1 and H c < 1 [derivations.md], with k2 = 1 - H^2 c^2 and z = sqrt(k2 / (H^2 - 1)):
+/// For H > 1 and H c < 1 (derivations.md, "Splats that connect"), with k2 = 1 - H^2 c^2 and z = sqrt(k2 / (H^2 - 1)):
 ///   pi P = c acos(-c sqrt((H^2 - 1)/(1 - c^2))) / H^2 - z (H^2 - 1)/H^2 + atan z.
 /// Far away (small z) the last two nearly cancel; then atan z - z is summed as a series.
 float horizon_factor(float h_sq, float c) {
@@ -47,8 +47,8 @@ float horizon_factor(float h_sq, float c) {
     return PI * c / max(h_sq_pi_p, 1e-30);
 }
 
-/// F times the clamp with B = `clamp_sq` [m^2] (derivations.md, "The VPL clamp"): what is left out where d^2 < B is
-/// repaid by the receiver. `d_sq` > 0 and `radius_sq` > 0 [m^2].
+/// F times the clamp with B = `clamp_sq` [m^2] (derivations.md, "The VPL clamp and its exact repayment"): what is left
+/// out where d^2 < B is repaid by the receiver. `d_sq` > 0 and `radius_sq` > 0 [m^2].
 float connect_factor(float d_sq, float c, float radius_sq, float clamp_sq) {
     const float f = horizon_factor(d_sq * (1 / radius_sq), c);
     return f * min(d_sq * (1 / clamp_sq), 1.0);

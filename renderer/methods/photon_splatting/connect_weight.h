@@ -24,7 +24,7 @@ inline FloatLanes asin_lanes(const FloatLanes& x) {
 
 /// F for spheres that the horizon may clip: `h_sq` = H^2 >= 0, `c` in (0, 1]. To 1e-5.
 ///
-/// For H > 1 and H c < 1 [derivations.md], with k2 = 1 - H^2 c^2 and z = sqrt(k2 / (H^2 - 1)):
+/// For H > 1 and H c < 1 (derivations.md, "Splats that connect"), with k2 = 1 - H^2 c^2 and z = sqrt(k2 / (H^2 - 1)):
 ///   pi P = c acos(-c sqrt((H^2 - 1)/(1 - c^2))) / H^2 - z (H^2 - 1)/H^2 + atan z.
 /// Far away (small z) the last two nearly cancel; then atan z - z is summed as a series.
 inline FloatLanes horizon_factor(const FloatLanes& h_sq, const FloatLanes& c) {
@@ -46,8 +46,8 @@ inline FloatLanes horizon_factor(const FloatLanes& h_sq, const FloatLanes& c) {
     return select(h_sq <= 1.0f, c / stdx::max(h_sq, FloatLanes(1e-30f)), select(k2 > 0, clipped, FloatLanes(1)));
 }
 
-/// F times the clamp with B = `clamp_sq` [m^2] (derivations.md, "The VPL clamp"): what is left out where d^2 < B is
-/// repaid by the receiver. `d_sq` > 0 and `radius_sq` > 0 [m^2].
+/// F times the clamp with B = `clamp_sq` [m^2] (derivations.md, "The VPL clamp and its exact repayment"): what is left
+/// out where d^2 < B is repaid by the receiver. `d_sq` > 0 and `radius_sq` > 0 [m^2].
 inline FloatLanes connect_factor(const FloatLanes& d_sq, const FloatLanes& c, float radius_sq, float clamp_sq) {
     const FloatLanes f = horizon_factor(d_sq * (1 / radius_sq), c);
     return f * std::experimental::min(d_sq * (1 / clamp_sq), FloatLanes(1));

@@ -64,7 +64,7 @@ struct PhotonSplattingParams final : MethodParams {
     float photon_threshold() const {
         return connects() ? std::max(connect_threshold, glossy_threshold) : glossy_threshold;
     }
-    /// Greatest number of scattering vertices of a path (conventions.md: n vertices make n - 1 bounces).
+    /// Greatest number of scattering vertices of a path: n vertices make n - 1 bounces (conventions.md).
     uint32_t max_scatterings() const { return bounces + 1; }
 };
 

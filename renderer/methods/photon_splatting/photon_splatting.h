@@ -9,18 +9,18 @@ namespace photond {
 /// Each pass looks at the scene along one eye path a pixel: direct light at each vertex, specular parts followed,
 /// visible points x left where a rough part waits (eye/specular_walk.h). `photons` light paths leave a photon at
 /// each scattering y up to `bounces`, with power after reflection and a direction w drawn there; `stratify` keeps some
-/// for each voxel. What a photon brings to x (derivations.md; u the distance of x from the photon's ray, K the filter,
-/// of unit integral over the plane across it):
+/// for each voxel. What a photon brings to x (derivations.md, "Splats that connect"; u the distance of x from the
+/// photon's ray, K the filter, of unit integral over the plane across it):
 ///
 ///   connect     Phi K(u) cos_x V(y, x), cos_x towards y, for all x within a splat's radius h of the half-line. As y
 ///               sends light out by the cosine, int p(w) K(u) dw = cos_y / (pi d^2): the mean is the transport from y
 ///               to x for any h, without the bias of a kernel; so h may differ from place to place (splat_sizes.h).
 ///               Near y and its horizon the chance of passing is the form factor of a clipped sphere
 ///               (connect_weight.h). Nearer than a sixth of h the connection is clamped, and what that takes is found
-///               by one short ray a visible point (`repay`, repayment.h): derivations.md clamps at h, whose rays are
-///               noisier than the splats. Photons of rough BSDFs connect with their BSDF's value. V is exact: the
-///               triangles that may stand in the shaft to a cluster of points are tested for all its points at once,
-///               where they are few (transport/shaft_visibility.h), else by shadow rays.
+///               by one short ray a visible point (`repay`, many_lights/clamp_repayment.h). A clamp at h would ask for
+///               longer rays, which are noisier than the splats. Photons of rough BSDFs connect with their BSDF's
+///               value. V is exact: the triangles that may stand in the shaft to a cluster of points are tested for all
+///               its points at once, where they are few (transport/shaft_visibility.h), else by shadow rays.
 ///   kernel      Phi K(u) max(0, n . -w) V, V by an orthographic depth map across the ray (splat_depth_maps.h), for x
 ///               within a frustum about the hit of the ray. Blurs by h; darkens to half within h of edges. Consistent
 ///               with `shrink`. Delta and narrow lobes splat so with any estimator: caustics.
@@ -33,7 +33,7 @@ namespace photond {
 /// Without `repay` the clamp darkens corners. The layer `caustic` is not told apart. Not implemented: participating
 /// media, dispersion; a camera inside a solid sees as if it were outside of it.
 ///
-/// The thesis, whose sections are cited in the files beside this one, is papers/photon-splatting.txt.
+/// [Hoet 2014] Indirect Illumination using Photon Splatting. Thesis, Utrecht ("thesis" in the files beside this one).
 /// [Dachsbacher and Stamminger 2006] Splatting Indirect Illumination. I3D.
 /// [Keller 1997] Instant Radiosity. SIGGRAPH.
 /// [Kollig and Keller 2004] Illumination in the Presence of Weak Singularities (the clamp and its repayment).

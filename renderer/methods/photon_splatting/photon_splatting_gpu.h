@@ -27,9 +27,9 @@ public:
 
     explicit PhotonSplattingGpu(const PhotonSplattingParams& params, Beams beams = Beams::Clusters);
     ~PhotonSplattingGpu() override;
-    /// What begin() will record of the host's memory ...
+    /// Bytes of the host's memory that begin() will record.
     static uint64_t estimate_bytes(const PhotonSplattingParams& params, const Workload& workload);
-    /// ... and take of the device's.
+    /// Bytes of the device's memory that begin() will take.
     static uint64_t estimate_device_bytes(const PhotonSplattingParams& params, const Workload& workload);
 
     void begin(const RenderContext& context, Stats& stats) override;

@@ -13,7 +13,7 @@ MethodInfo photon_splatting_row() {
     info.title = "Photon splatting";
     info.line = "Light paths connect to all that is visible near them. First pictures soon, with little memory.";
     info.family = "photon splatting";
-    info.sources = {{"the thesis papers/photon-splatting.txt", 0, "whose copy names no author"},
+    info.sources = {{"Hoet", 2014, "Indirect Illumination using Photon Splatting"},
                     {"Dachsbacher and Stamminger", 2006, "Splatting Indirect Illumination"},
                     {"Kollig and Keller", 2004, "Illumination in the Presence of Weak Singularities"}};
     info.layers.add(Layer::Overlap);

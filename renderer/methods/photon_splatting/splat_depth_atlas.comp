@@ -21,14 +21,15 @@ struct Three {
     float after;
 };
 
-/// Of greatest_of_three(): that of the i-th of `count` numbers. Beyond either end they go on by half the last step.
+/// The greatest of the i-th of `count` numbers and its neighbours, as greatest_of_three() has it. Beyond either end the
+/// numbers go on by half the last step.
 float greatest(Three line, uint i, uint count, float most_step) {
     if (i == 0) line.before = line.here + 0.5 * clamp(line.here - line.after, 0.0, most_step);
     if (i + 1 == count) line.after = line.here + 0.5 * clamp(line.here - line.before, 0.0, most_step);
     return max(max(line.before, line.here), line.after);
 }
 
-/// Of a row of a tile that begins at `first`.
+/// The same for a column of a row of a tile; the row begins at `first`.
 float greatest_of_row(uint first, uint column, uint side, float depth, float most_step) {
     Three line;
     line.here = atlas[first + column] * depth;

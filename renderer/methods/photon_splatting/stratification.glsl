@@ -65,7 +65,7 @@ uint block_end(uint k, uint64_t code, uint level) {
     return high;
 }
 
-/// Its beginning.
+/// The beginning of that block, found in the same way.
 uint block_begin(uint k, uint64_t code, uint level) {
     const uint64_t first = code >> 3 * level << 3 * level;
     uint step = 1;

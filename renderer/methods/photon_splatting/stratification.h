@@ -58,7 +58,7 @@ struct StratificationGrid {
 /// Of the cell's photons j with powers Phi_j, m = splats_per_cell are chosen, or all where there are no more than m:
 ///   random              q_j = 1/n, m equidistant of them from a random one on, splats Phi_J / (m q_J)   unbiased
 ///   by_power            q_j = share of the mean of RGB: one random offset and m equidistant points on the cumulative
-///                       power, splats Phi_J / (m q_J), channel by channel      unbiased (derivations.md)
+///                       power, splats Phi_J / (m q_J), channel by channel      unbiased: derivations.md
 ///   closest_to_mean     the photon nearest to the mean position                biased for ever on a fixed grid
 ///   dominant_direction  the photon whose direction is nearest to the cell's power-weighted mean direction; biased too
 /// The last two take one splat with the cell's summed power in each channel (thesis 3.2.1), whatever m. By power, a

@@ -35,9 +35,9 @@ public:
 
     explicit ReflectiveShadowMapsGpu(const ReflectiveShadowMapsParams& params);
     ~ReflectiveShadowMapsGpu() override;
-    /// What begin() will record of the host's memory ...
+    /// Bytes of the host's memory that begin() will record.
     static uint64_t estimate_bytes(const ReflectiveShadowMapsParams& params, const Workload& workload);
-    /// ... and take of the device's, to a factor of two.
+    /// Bytes of the device's memory that begin() will take, to a factor of two.
     static uint64_t estimate_device_bytes(const ReflectiveShadowMapsParams& params, const Workload& workload);
 
     void begin(const RenderContext& context, Stats& stats) override;

@@ -46,7 +46,7 @@ struct SvoManyLightsParams final : MethodParams {
     void visit(ParamVisitor& visitor) override;
     void check() const override;
 
-    /// Of a path (conventions.md: n vertices make n - 1 bounces).
+    /// Greatest number of scattering vertices of a path: n vertices make n - 1 bounces (conventions.md).
     uint32_t max_scatterings() const { return bounces + 1; }
     bool needs_voxels(const LayerSet& layers) const {
         return layers.has(Layer::Voxels) || visibility == VplVisibility::Svo ||

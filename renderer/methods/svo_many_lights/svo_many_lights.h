@@ -5,7 +5,8 @@
 namespace photond {
 
 /// Many lights with sparse-voxel-octree visibility: virtual point lights where direct light falls, and a G-buffer whose
-/// pixels ask a share of them each. The thesis papers/svo-many-lights.txt, stage for stage (methods.md), and past it.
+/// pixels ask a share of them each. The thesis [Sun 2015], stage for stage, and past it (methods.md,
+/// "svo_many_lights").
 ///
 /// A pass: each light's reflective shadow map is traced, a Halton set is warped by the flux of its texels, and the
 /// light paths chosen so leave `vpls` lights at their first surfaces and, with `bounces`, at further ones

@@ -27,8 +27,9 @@ constexpr double kMustNotice = 1.0;  // of the light of half of the blocks
 
 class GpuAgreement : public testing::TestWithParam<const char*> {};
 
-// By the same numbers: what is left is rounding, and the paths it sends elsewhere. 0.3 % is the bound. (Turned:
-// where normals lie along axes, the sign of a zero decides between two frames, and with that the whole path.)
+// Both devices take the same random numbers, so that they differ by rounding alone and by the paths that it sends
+// elsewhere: 0.3 % at most is asked of the means. The scene is turned because the sign of a zero decides between two
+// frames where normals lie along axes, and with that the whole path.
 TEST_P(GpuAgreement, MeansAgree) {
     const Scene scene = test::turned(make_builtin_scene(GetParam()));
     const test::SceneOnDevice where(scene);

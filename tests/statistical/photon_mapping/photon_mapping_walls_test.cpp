@@ -1,5 +1,6 @@
-// Light must not pass a thin wall (hard-cases.md). A tunnel, its lamp at one end, is closed in the middle by a wall
-// 1e-3 to 1e-5 of the scene thick; the camera stands on the dark side. These are not statistics: dark is exactly 0.
+// Light must not pass a thin wall (hard-cases.md, "Thin walls"). A tunnel, its lamp at one end, is closed in the middle
+// by a wall 1e-3 to 1e-5 of the scene thick; the camera stands on the dark side. These are not statistics: dark is
+// exactly 0.
 
 #include <gtest/gtest.h>
 

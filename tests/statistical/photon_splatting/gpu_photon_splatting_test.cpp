@@ -36,9 +36,9 @@ constexpr double kMustNotice = 0.6;  // of the light of half of the blocks
 
 class GpuSplattingAgreement : public testing::TestWithParam<Case> {};
 
-// By the same numbers: what is left is rounding, and the paths it sends elsewhere (turned: see test::turned()); with
-// splats that adapt or have several rays also which of equally good numbers each splat takes, of some 15,000 photons.
-// 0.3 % is the bound.
+// Both devices take the same random numbers, so that they differ by rounding alone and by the paths that it sends
+// elsewhere; with splats that adapt or have several rays also by which of equally good numbers a splat takes, of some
+// 15,000 photons. 0.3 % at most is asked of the means. The scene is turned: see test::turned().
 TEST_P(GpuSplattingAgreement, MeansAgree) {
     const Case& which = GetParam();
     const Scene scene = test::turned(make_builtin_scene(which.scene));

@@ -74,9 +74,9 @@ Errors errors_of_run(const Scene& scene, const Plan& plan, const Regions& region
 }
 
 /// With alpha 2/3 the area of a beam falls as N^-1/3: variance and squared blur both fall as N^-2/3. Within a radius of
-/// an edge, where up to half the light is lost, the squared loss stays and the strip becomes narrower: N^-1/6 in the
-/// RMSE, N^-1/3 in the MSE (derivations.md). Beams that do not shrink give another slope: -1 while their noise
-/// prevails, 0 when their blur does.
+/// an edge, where up to half the light is lost, the loss stays and the strip becomes narrower: in pixels wider than
+/// that N^-1/6 in the RMSE, N^-1/3 in the MSE (derivations.md, "Splats with a kernel"). Beams that do not shrink give
+/// another slope: -1 while their noise prevails, 0 when their blur does.
 void expect_slopes_of_theory(const Plan& plan) {
     const Scene scene = make_builtin_scene("cornell-box");
     const Regions regions(scene, plan.side);

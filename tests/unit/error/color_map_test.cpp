@@ -66,7 +66,7 @@ TEST(ColorMap, ClampsAndShowsNanAsMidGrey) {
 }
 
 TEST(OverlapHeatMap, HasTheColoursOfTheThesis) {
-    // papers/photon-splatting.txt, Figure 18; half way between two of them is half of each, rounded away from 0.
+    // [Hoet 2014, Figure 18]; half way between two of them is half of each, rounded away from 0.
     constexpr float kInf = std::numeric_limits<float>::infinity();
     const std::vector<float> splats{0, 100, 200, 300, 400, 500, 600, 50, -3, 601, kInf, std::nanf("")};
     const std::vector<uint8_t> expected{0,   0, 255, 0,   128, 128, 0,   255, 0,   128, 128, 0,

@@ -179,7 +179,8 @@ TEST(SplatDepthMaps, InACornerWhatLiesBeforeTheWallStaysLit) {
 }
 
 TEST(SplatDepthMaps, RaysThatComeThroughTheWallLoseWhatTheyWouldHaveLitAndNoMore) {
-    // Rays away from the wall: displaced ones start behind it and meet its back (derivations.md: they carry nothing).
+    // Rays away from the wall: displaced ones start behind it and meet its back. They carry nothing
+    // (derivations.md, "Splats with a kernel").
     SplatScene scene;
     scene.quad({0, -3, 0}, {3, -3, 0}, {3, 3, 0}, {0, 3, 0});
     scene.quad({0, -3, 0}, {0, 3, 0}, {0, 3, 3}, {0, -3, 3});

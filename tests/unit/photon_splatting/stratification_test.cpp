@@ -352,7 +352,7 @@ TEST(Stratification, IsTheSameForAnyNumberOfThreads) {
 }
 
 TEST(Stratification, AMillionPhotonsOfTheCornellBoxTakeLessThan24Megabytes) {
-    // The figure: 256 cells along the longest side, where the thesis' grid takes 576 MB.
+    // With 256 cells along the longest side the dense grid of [Hoet 2014] takes 576 MB.
     const test::PhotonScene scene(make_builtin_scene("cornell-box"));
     PhotonTracing tracing;
     tracing.photons = 500'000;

@@ -46,7 +46,7 @@ TEST(Fresnel, BothSidesAgreeAndRefractionRunsBack) {
     }
 }
 
-// int D cos dh = 1, and the visible normals' projected area is that of the surface: int G1(w) D (w.h)+ dh = cos(w)
+// int D cos dh = 1, and the visible normals' projected area is that of the surface: int G1(w) D dot(w, h)+ dh = cos(w)
 // [Heitz 2014, Eq. 4 and 22], for every width.
 TEST(Ggx, DistributionsAreNormalised) {
     for (const float alpha : {1e-4f, 1e-3f, 0.03f, 0.3f, 1.0f}) {

@@ -102,7 +102,7 @@ TEST_P(GpuSvo, HitsWhatTheCpuHits) {
     for (const Question& q : questions) {
         rays.push_back(q.ray);
         if (const Hit hit = voxels.closest_hit(q.ray); hit.valid() && std::isfinite(q.ray.origin.y)) {
-            // ... and on from there, off the surface.
+            // Where the ray meets a voxel, the ray asked about goes on from there, off the surface.
             const TriangleCorners c = world_triangle(scene, hit.instance, hit.triangle);
             const vec3 p = (1 - hit.u - hit.v) * c.p[0] + hit.u * c.p[1] + hit.v * c.p[2];
             rays.back() = {p, q.normal_a, q.ray.t_max};

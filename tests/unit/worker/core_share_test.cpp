@@ -79,7 +79,7 @@ TEST(CoreUse, SaysWhatWasLostToOthers) {
     // Four threads on two cores, alone: they wait for each other.
     EXPECT_DOUBLE_EQ(derived(20, 20, 0, 10).share.value(), 1);
     EXPECT_DOUBLE_EQ(derived(20, 20, 0, 10).lost_seconds.value(), 0);
-    // ... and beside one busy loop.
+    // The same four threads beside one busy loop.
     EXPECT_DOUBLE_EQ(derived(10, 30, 10, 10).share.value(), 0.5);
     // One thread on two cores beside one busy loop: nobody waits.
     EXPECT_DOUBLE_EQ(derived(9.99, 0.01, 10, 10).share.value(), 0.999);

@@ -1,4 +1,4 @@
-// The shapes of the HTTP API that the dashboard reads and writes (protocol.md; the daemon's /v1/openapi.json has them all).
+// The shapes of the HTTP API that the dashboard reads and writes: protocol.md, "Shapes". The daemon's /v1/openapi.json has them all.
 // A field that does not apply is null.
 
 export type JobState = "queued" | "running" | "succeeded" | "failed" | "cancelled";

@@ -172,7 +172,7 @@ export function suggestionsFor(text: string, caret: number, known: Vocabulary): 
   const colon = typed.indexOf(":");
   const word = typed.slice(0, Math.max(0, colon));
   if (isWord(word)) {
-    // Of a list of states the last is being typed.
+    // Where states are listed with commas, the last one is being typed.
     const given = unquoted(typed.slice(colon + 1));
     const comma = word === "state" ? given.lastIndexOf(",") + 1 : 0;
     const [kept, begun] = [given.slice(0, comma), given.slice(comma)];
