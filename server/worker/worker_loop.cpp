@@ -162,7 +162,7 @@ int run_helper(MessageChannel& channel, const WorkerOptions& options) {
     say_hello(channel, options.device);
     const Heartbeat heartbeat(channel);
     SceneCache scenes(0);
-    bool warm = false;
+    bool warm = !options.warm_up;
     while (true) {
         const std::optional<json> message = channel.receive(!warm                ? kSettledMilliseconds
                                                             : scenes.bytes() > 0 ? kWarmMilliseconds

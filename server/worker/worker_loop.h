@@ -10,6 +10,7 @@ struct WorkerOptions {
     Device device;
     uint64_t memory_limit_bytes = 0;
     unsigned threads = 1;
+    bool warm_up = false;  // of a helper: the image library is loaded before anybody asks for an image
 };
 
 /// Says hello, sends heartbeats and serves messages until told to stop or the peer is gone; returns the exit status.

@@ -23,6 +23,8 @@ int main(int argc, char** argv) {
     app.add_option("--threads", threads, "threads to render with; 0: all cores");
     app.add_option("--memory-limit", memory_limit_bytes, "bytes a job may hold; 0: three quarters of this machine's");
     app.add_option("--pipeline-cache", pipeline_cache, "file that a GPU's compiled pipelines are kept in");
+    bool warm_up = false;
+    app.add_flag("--warm-up", warm_up, "a helper loads the image library before anybody asks for an image");
     CLI11_PARSE(app, argc, argv);
     if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
     if (memory_limit_bytes == 0) memory_limit_bytes = photond::machine_memory_bytes() / 4 * 3;
@@ -34,7 +36,7 @@ int main(int argc, char** argv) {
         photond::MessageChannel channel(photond::kWorkerSocket);
         if (device == "list") return photond::list_devices(channel);
         const photond::WorkerOptions options{photond::open_device({device, pipeline_cache, memory_limit_bytes}),
-                                             memory_limit_bytes, threads};
+                                             memory_limit_bytes, threads, warm_up};
         photond::enter_sandbox({memory_limit_bytes, memory_limit_bytes, threads, options.device.kind != "gpu"});
         return device == "none" ? run_helper(channel, options) : run_render_worker(channel, options);
     } catch (const std::exception& error) {
