@@ -164,7 +164,11 @@ PassRanges read_ranges(Reader& reader, const std::filesystem::path& path) {
     if (bytes.size() % sizeof(PassRanges::Range) != 0) damaged(path, "its ranges are not whole");
     std::vector<PassRanges::Range> ranges(bytes.size() / sizeof(PassRanges::Range));
     if (!ranges.empty()) std::memcpy(ranges.data(), bytes.data(), ranges.size() * sizeof(PassRanges::Range));
-    return PassRanges(std::move(ranges));
+    try {
+        return PassRanges(std::move(ranges));
+    } catch (const Error& error) {
+        damaged(path, error.what());
+    }
 }
 
 size_t known_layers_of(uint32_t version) {

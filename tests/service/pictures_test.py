@@ -22,6 +22,7 @@ class PicturesBesideAJob(DaemonTestCase):
     def setUpClass(cls):
         super().setUpClass()
         cls.reference = cls.daemon.run_job(small_job(size=64, passes=2, seed=2))["id"]
+        cls.daemon.request("GET", f"/v1/jobs/{cls.reference}/image.exr")  # the helper has loaded its library then
         cls.measured = cls.daemon.run_job(small_job(size=64, passes=2, reference=f"job:{cls.reference}"))["id"]
 
     def setUp(self):
