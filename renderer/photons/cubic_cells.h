@@ -31,8 +31,10 @@ struct CubicCells {
         const vec3 a = (from - origin) * per_m, d = (to - origin) * per_m - a, size = glm::abs(d);
         const int axis = size.x > size.y && size.x > size.z ? 0 : size.y > size.z ? 1 : 2;
         const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-        const float last = std::floor(std::max(a[axis], a[axis] + d[axis]) + reach);
-        for (float layer = std::floor(std::min(a[axis], a[axis] + d[axis]) - reach); layer <= last; ++layer) {
+        const auto first = static_cast<int64_t>(std::floor(std::min(a[axis], a[axis] + d[axis]) - reach));
+        const auto last = static_cast<int64_t>(std::floor(std::max(a[axis], a[axis] + d[axis]) + reach));
+        for (int64_t number = first; number <= last; ++number) {
+            const auto layer = static_cast<float>(number);
             // The part of the edge that is within reach of the layer.
             float t0 = 0, t1 = 1;
             if (size[axis] > 0) {

@@ -64,9 +64,10 @@ public:
         const size_t axis = n.x > n.y && n.x > n.z ? 0 : n.y > n.z ? 1 : 2;
         const double before = strata_[axis], after = before + double{area_m2} / double{area_m2_};
         strata_[axis] = after;
-        for (double stratum = std::floor(before); stratum < after; ++stratum) {
-            const uint64_t bits = hash64(seed_ + 3 * static_cast<uint64_t>(stratum) + axis);
-            const double place = stratum + double{to_unit_float(static_cast<uint32_t>(bits >> 32))};
+        for (auto stratum = static_cast<uint64_t>(before); static_cast<double>(stratum) < after; ++stratum) {
+            const uint64_t bits = hash64(seed_ + 3 * stratum + axis);
+            const double place =
+                static_cast<double>(stratum) + double{to_unit_float(static_cast<uint32_t>(bits >> 32))};
             if (before <= place && place < after) take();
         }
     }

@@ -548,7 +548,7 @@ private:
 };
 
 Hub::Hub(HubSettings settings, HubCallbacks callbacks, Listener listener)
-    : settings_(std::move(settings)),
+    : settings_(settings),
       callbacks_(std::move(callbacks)),
       port_(listener.port()),
       listener_(listener.take()) {}

@@ -134,7 +134,7 @@ json AttemptRecords::kept_artefacts(const JobRow& row, const std::vector<std::st
 }
 
 std::vector<std::string> AttemptRecords::inherit_artefacts(const JobRow& before, const RunningAttempt& attempt) const {
-    const auto names = json::parse(before.artefacts).get<std::vector<std::string>>();
+    auto names = json::parse(before.artefacts).get<std::vector<std::string>>();
     for (const std::string& name : names) {
         const fs::path from = artefact_path(core_.files.films / before.film, name);
         const fs::path to = artefact_path(core_.files.films / attempt.film, name);

@@ -7,6 +7,7 @@
 
 #include "protocol/error.h"
 #include "protocol/problem.h"
+#include "protocol/worker_messages.h"
 #include "server/clock_text.h"
 #include "server/service/saved_film.h"
 #include "server/service/stray_files.h"

@@ -86,14 +86,17 @@ std::string LeftFilm::line() const {
 
 std::vector<LeftFilm> find_left_films(const DataFiles& files, Store& store, const IsRendered& is_rendered) {
     std::map<int64_t, JobRow> candidates;
-    for (JobRow& row : store.running_jobs()) candidates.emplace(row.seq, std::move(row));
+    for (JobRow& row : store.running_jobs()) {
+        const int64_t seq = row.seq;
+        candidates.emplace(seq, std::move(row));
+    }
     Names named;
     for (const FilmRow& row : store.films()) named.insert(row.film);
     for (const std::string& name : entries_of(files.films)) {
         const auto attempt = named.contains(name) ? std::nullopt : attempt_of_film(name);
         if (!attempt) continue;
         if (auto row = store.job(attempt->seq); row && row->attempt == attempt->attempt)
-            candidates.emplace(row->seq, *std::move(row));
+            candidates.emplace(attempt->seq, *std::move(row));
     }
     std::vector<LeftFilm> found;
     for (auto& [seq, row] : candidates)

@@ -83,8 +83,9 @@ std::vector<std::string> DeviceList::resolve(const std::vector<std::string>& nam
                     if (!device.at("lacks").empty()) known.append(", lacks ").append(listed(device.at("lacks")));
                     known += ")";
                 }
-                throw Error(ErrorCode::DeviceUnavailable,
-                            "device '" + name + "' is unavailable; this machine has: " + known);
+                throw Error(
+                    ErrorCode::DeviceUnavailable,
+                    std::string("device '").append(name).append("' is unavailable; this machine has: ") + known);
             }
             id = found->at("id").get<std::string>();
             if (!found->at("lacks").empty())
