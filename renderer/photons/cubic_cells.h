@@ -2,6 +2,7 @@
 // An endless grid of cubes, and the cells of it that a straight piece of an edge comes near.
 
 #include <algorithm>
+#include <cstdint>
 
 #include "renderer/core/geometry.h"
 #include "renderer/core/rng.h"

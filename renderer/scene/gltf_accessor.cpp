@@ -11,6 +11,7 @@ namespace {
 
 // An accessor without a buffer view is zeros: one element of them, with stride 0, stands for all.
 constexpr uint8_t kZeros[64] = {};
+constexpr const char* kMeshopt = "EXT_meshopt_compression";
 
 template <class T>
 T load(const uint8_t* at) {
@@ -72,8 +73,8 @@ GltfData::GltfData(const GltfDocument& document, std::span<const uint8_t> binary
       files_(files),
       folder_(std::move(folder)),
       buffers_(document.buffers.size()),
-      views_(document.views.size()),
-      accessors_(document.accessors.size()) {}
+      views_(document.model.bufferViews.size()),
+      accessors_(document.model.accessors.size()) {}
 
 std::span<const uint8_t> GltfData::buffer_bytes(uint32_t index) {
     Held& held = buffers_[index];
@@ -99,8 +100,9 @@ std::span<const uint8_t> GltfData::buffer_bytes(uint32_t index) {
 }
 
 std::span<const uint8_t> GltfData::view_bytes(uint32_t index) {
-    const GltfBufferView& view = document_.views[index];
-    if (!view.meshopt) return buffer_bytes(view.bytes.buffer).subspan(view.bytes.offset, view.bytes.length);
+    const tinygltf::BufferView& view = document_.model.bufferViews[index];
+    if (gltf_extension(view.extensions, kMeshopt) == nullptr)
+        return buffer_bytes(view.buffer).subspan(view.byteOffset, view.byteLength);
     Held& held = views_[index];
     if (!held.loaded) {
         held.owned = decompress(index);
@@ -111,91 +113,79 @@ std::span<const uint8_t> GltfData::view_bytes(uint32_t index) {
 }
 
 std::vector<uint8_t> GltfData::decompress(uint32_t index) {
-    const GltfMeshopt& meshopt = *document_.views[index].meshopt;
+    const tinygltf::Value& meshopt = *gltf_extension(document_.model.bufferViews[index].extensions, kMeshopt);
+    const auto number = [&](const char* key) {
+        return static_cast<size_t>(meshopt.Has(key) ? meshopt.Get(key).GetNumberAsDouble() : 0);
+    };
+    const size_t count = number("count"), stride = number("byteStride");
     const std::span<const uint8_t> source =
-        buffer_bytes(meshopt.source.buffer).subspan(meshopt.source.offset, meshopt.source.length);
-    std::vector<uint8_t> result(meshopt.count * meshopt.stride);
-    int failure = -1;
-    switch (meshopt.mode) {
-        case GltfMeshopt::Mode::Attributes:
-            failure =
-                meshopt_decodeVertexBuffer(result.data(), meshopt.count, meshopt.stride, source.data(), source.size());
-            break;
-        case GltfMeshopt::Mode::Triangles:
-            failure =
-                meshopt_decodeIndexBuffer(result.data(), meshopt.count, meshopt.stride, source.data(), source.size());
-            break;
-        case GltfMeshopt::Mode::Indices:
-            failure =
-                meshopt_decodeIndexSequence(result.data(), meshopt.count, meshopt.stride, source.data(), source.size());
-            break;
-    }
-    if (failure != 0)
-        bad(gltf_pointer("bufferViews", index, "extensions", "EXT_meshopt_compression"),
+        buffer_bytes(static_cast<uint32_t>(number("buffer"))).subspan(number("byteOffset"), number("byteLength"));
+    std::vector<uint8_t> result(count * stride);
+    const std::string& mode = meshopt.Get("mode").Get<std::string>();
+    using Decode = int (*)(void*, size_t, size_t, const unsigned char*, size_t);
+    const Decode decode = mode == "ATTRIBUTES"  ? Decode{meshopt_decodeVertexBuffer}
+                          : mode == "TRIANGLES" ? Decode{meshopt_decodeIndexBuffer}
+                                                : Decode{meshopt_decodeIndexSequence};
+    if (const int failure = decode(result.data(), count, stride, source.data(), source.size()); failure != 0)
+        bad(gltf_pointer("bufferViews", index, "extensions", kMeshopt),
             "the compressed data cannot be decoded (code " + std::to_string(failure) + ")");
-    switch (meshopt.filter) {
-        case GltfMeshopt::Filter::None: break;
-        case GltfMeshopt::Filter::Octahedral:
-            meshopt_decodeFilterOct(result.data(), meshopt.count, meshopt.stride);
-            break;
-        case GltfMeshopt::Filter::Quaternion:
-            meshopt_decodeFilterQuat(result.data(), meshopt.count, meshopt.stride);
-            break;
-        case GltfMeshopt::Filter::Exponential:
-            meshopt_decodeFilterExp(result.data(), meshopt.count, meshopt.stride);
-            break;
-    }
+    const std::string& filter = meshopt.Get("filter").Get<std::string>();
+    if (filter == "OCTAHEDRAL") meshopt_decodeFilterOct(result.data(), count, stride);
+    if (filter == "QUATERNION") meshopt_decodeFilterQuat(result.data(), count, stride);
+    if (filter == "EXPONENTIAL") meshopt_decodeFilterExp(result.data(), count, stride);
     return result;
 }
 
 AccessorView GltfData::accessor(uint32_t index) {
-    const GltfAccessor& accessor = document_.accessors[index];
+    const tinygltf::Accessor& accessor = document_.model.accessors[index];
+    const ElementLayout layout = element_layout(accessor);
     AccessorView view;
     view.count_ = accessor.count;
-    view.type_ = accessor.type;
-    view.rows_ = accessor.rows;
-    view.column_bytes_ = accessor.column_bytes();
+    view.type_ = layout.type;
+    view.rows_ = layout.rows;
+    view.column_bytes_ = layout.column_bytes();
     view.normalized_ = accessor.normalized;
-    if (accessor.sparse) {
+    view.stride_ = layout.element_bytes();
+    if (accessor.sparse.isSparse) {
         Held& held = accessors_[index];
         if (!held.loaded) {
             held.owned = apply_sparse(index);
             held.loaded = true;
         }
         view.data_ = held.owned.data();
-        view.stride_ = accessor.element_bytes();
-    } else if (accessor.view) {
-        const uint32_t stride = document_.views[*accessor.view].stride;
-        view.data_ = view_bytes(*accessor.view).data() + accessor.offset;
-        view.stride_ = stride == 0 ? accessor.element_bytes() : stride;
+    } else if (accessor.bufferView >= 0) {
+        const size_t stride = document_.model.bufferViews[accessor.bufferView].byteStride;
+        view.data_ = view_bytes(accessor.bufferView).data() + accessor.byteOffset;
+        if (stride != 0) view.stride_ = stride;
     } else {
         view.data_ = kZeros;
+        view.stride_ = 0;
     }
     return view;
 }
 
 std::vector<uint8_t> GltfData::apply_sparse(uint32_t index) {
-    const GltfAccessor& accessor = document_.accessors[index];
-    const GltfSparse& sparse = *accessor.sparse;
-    const uint32_t size = accessor.element_bytes();
+    const tinygltf::Accessor& accessor = document_.model.accessors[index];
+    const auto& sparse = accessor.sparse;
+    const uint32_t size = element_layout(accessor).element_bytes();
     // Sparse values over nothing: what the zeros take may not be out of all proportion to the file.
     constexpr uint64_t kMaxZeroBytes = 32ull << 20;
-    if (!accessor.view && accessor.count * size > kMaxZeroBytes)
+    if (accessor.bufferView < 0 && accessor.count * size > kMaxZeroBytes)
         bad(gltf_pointer("accessors", index, "count"), std::to_string(accessor.count) +
                                                            " elements without a buffer view take more than " +
                                                            std::to_string(kMaxZeroBytes) + " bytes");
     std::vector<uint8_t> elements(accessor.count * size);
-    if (accessor.view) {
-        const uint32_t view_stride = document_.views[*accessor.view].stride;
+    if (accessor.bufferView >= 0) {
+        const size_t view_stride = document_.model.bufferViews[accessor.bufferView].byteStride;
         const uint64_t stride = view_stride == 0 ? size : view_stride;
-        const uint8_t* source = view_bytes(*accessor.view).data() + accessor.offset;
+        const uint8_t* source = view_bytes(accessor.bufferView).data() + accessor.byteOffset;
         for (uint64_t i = 0; i < accessor.count; ++i) std::memcpy(&elements[i * size], source + i * stride, size);
     }
-    const uint8_t* indices = view_bytes(sparse.index_view).data() + sparse.index_offset;
-    const uint8_t* values = view_bytes(sparse.value_view).data() + sparse.value_offset;
-    const uint32_t index_size = component_bytes(sparse.index_type);
+    const uint8_t* indices = view_bytes(sparse.indices.bufferView).data() + sparse.indices.byteOffset;
+    const uint8_t* values = view_bytes(sparse.values.bufferView).data() + sparse.values.byteOffset;
+    const uint32_t index_size = component_bytes(static_cast<ComponentType>(sparse.indices.componentType));
     int64_t last = -1;
-    for (uint64_t i = 0; i < sparse.count; ++i) {
+    for (uint64_t i = 0; i < static_cast<uint64_t>(sparse.count); ++i) {
         const uint8_t* at = indices + i * index_size;
         const uint32_t target = index_size == 1 ? *at : index_size == 2 ? load<uint16_t>(at) : load<uint32_t>(at);
         if (target >= accessor.count || int64_t{target} <= last)
@@ -210,14 +200,14 @@ std::vector<uint8_t> GltfData::apply_sparse(uint32_t index) {
 }
 
 std::vector<uint8_t> GltfData::image_bytes(uint32_t index) {
-    const GltfImage& image = document_.images[index];
-    if (image.view) {
-        const std::span<const uint8_t> bytes = view_bytes(*image.view);
+    const tinygltf::Image& image = document_.model.images[index];
+    if (image.bufferView >= 0) {
+        const std::span<const uint8_t> bytes = view_bytes(image.bufferView);
         return {bytes.begin(), bytes.end()};
     }
     const std::string pointer = gltf_pointer("images", index, "uri");
-    return is_data_uri(*image.uri) ? decode_data_uri(*image.uri, pointer)
-                                   : files_.read(folder_ + path_of_uri(*image.uri, pointer), pointer);
+    return is_data_uri(image.uri) ? decode_data_uri(image.uri, pointer)
+                                  : files_.read(folder_ + path_of_uri(image.uri, pointer), pointer);
 }
 
 }  // namespace photond

@@ -75,13 +75,12 @@ Scene load_gltf(const std::filesystem::path& file, const std::filesystem::path& 
     const std::string path = path_in_bundle(file, bundle_root);
     const std::vector<uint8_t> bytes = files.read(path, "");
     const Container container = split(bytes);
-    const JsonDocument json(container.json, {limits.max_json_depth, limits.max_json_values});
-    const GltfDocument document = read_gltf_document(json);
+    const GltfDocument document = read_gltf_document(container.json, {limits.max_json_depth, limits.max_json_values});
 
     const size_t slash = path.rfind('/');
     GltfData data(document, container.binary, files, slash == std::string::npos ? "" : path.substr(0, slash + 1));
     Scene scene;
-    scene.name = document.scene ? document.scenes[*document.scene].name : "";
+    if (const tinygltf::Scene* shown = document.scene()) scene.name = shown->name;
     if (scene.name.empty()) scene.name = file.stem().string();
     scene.warnings = document.warnings;
     place_gltf_scene(document, data, limits, scene);

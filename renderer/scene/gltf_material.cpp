@@ -8,109 +8,75 @@ namespace photond {
 
 namespace {
 
-constexpr double kAny = JsonRef::kAnyNumber;
+using tinygltf::Value;
 
-float number(const JsonRef& place, std::string_view key, float fallback, double min, double max) {
-    return static_cast<float>(place.number_or(key, fallback, min, max));
+double number(const Value& place, const std::string& key, double fallback) {
+    return place.Has(key) ? place.Get(key).GetNumberAsDouble() : fallback;
 }
 
-Rgb color(const JsonRef& place, std::string_view key, const Rgb& fallback, double max) {
-    double rgb[3];
-    if (!place.numbers(key, rgb, 0, max)) return fallback;
-    return Rgb(static_cast<float>(rgb[0]), static_cast<float>(rgb[1]), static_cast<float>(rgb[2]));
+Rgb color(const std::vector<double>& rgb) { return Rgb(dvec3(rgb[0], rgb[1], rgb[2])); }
+
+std::vector<double> numbers(const Value& place, const std::string& key, std::vector<double> fallback) {
+    for (size_t i = 0; place.Has(key) && i < fallback.size(); ++i)
+        fallback[i] = place.Get(key).Get(static_cast<int>(i)).GetNumberAsDouble();
+    return fallback;
 }
 
 /// KHR_texture_transform: uv' = translation * rotation * scale * uv, as its text gives the matrices.
-void read_texture_transform(const JsonRef& place, TextureRef& reference) {
-    double offset[2] = {0, 0}, scale[2] = {1, 1};
-    place.numbers("offset", offset, -kAny, kAny);
-    place.numbers("scale", scale, -kAny, kAny);
-    const double angle = place.number_or("rotation", 0, -kAny, kAny);  // counter-clockwise in uv with v down
-    const double c = std::cos(angle), s = std::sin(angle);
-    reference.row_u = vec3(dvec3(c * scale[0], s * scale[1], offset[0]));
-    reference.row_v = vec3(dvec3(-s * scale[0], c * scale[1], offset[1]));
-    if (!is_finite(reference.row_u) || !is_finite(reference.row_v)) place.fail("the transform is not finite");
-    reference.uv_set = static_cast<uint32_t>(place.whole_or("texCoord", reference.uv_set, 0, 65535));
-}
-
-TextureRef read_texture_ref(const JsonRef& material, std::string_view key, const GltfDocument& document) {
+TextureRef texture_ref(int texture, int uv_set, const Value* transform) {
     TextureRef reference;
-    const auto place = material.find(key);
-    if (!place) return reference;
-    const JsonRef index = place->require("index");
-    const uint32_t texture = index.index(document.textures.size(), "textures");
-    reference.texture = static_cast<int32_t>(texture);
-    reference.uv_set = static_cast<uint32_t>(place->whole_or("texCoord", 0, 0, 65535));
-    if (const auto transform = place->extension("KHR_texture_transform")) read_texture_transform(*transform, reference);
-    if (!document.textures[texture].image)
-        index.fail("texture " + std::to_string(texture) + " has no source image in a supported format",
-                   ErrorCode::Unsupported);
+    if (texture < 0) return reference;
+    reference.texture = texture;
+    if (transform != nullptr) {
+        const std::vector<double> offset = numbers(*transform, "offset", {0, 0});
+        const std::vector<double> scale = numbers(*transform, "scale", {1, 1});
+        const double angle = number(*transform, "rotation", 0);  // counter-clockwise in uv with v down
+        const double c = std::cos(angle), s = std::sin(angle);
+        reference.row_u = vec3(dvec3(c * scale[0], s * scale[1], offset[0]));
+        reference.row_v = vec3(dvec3(-s * scale[0], c * scale[1], offset[1]));
+        uv_set = static_cast<int>(number(*transform, "texCoord", uv_set));
+    }
+    reference.uv_set = static_cast<uint32_t>(uv_set);
     return reference;
 }
 
-void read_metallic_roughness(const JsonRef& place, const GltfDocument& document, Material& m) {
-    double rgba[4];
-    if (place.numbers("baseColorFactor", rgba, 0, 1)) {
-        m.base_color = Rgb(static_cast<float>(rgba[0]), static_cast<float>(rgba[1]), static_cast<float>(rgba[2]));
-        m.alpha = static_cast<float>(rgba[3]);
-    }
-    m.base_color_texture = read_texture_ref(place, "baseColorTexture", document);
-    m.metallic = number(place, "metallicFactor", 1, 0, 1);
-    m.roughness = number(place, "roughnessFactor", 1, 0, 1);
-    m.metallic_roughness_texture = read_texture_ref(place, "metallicRoughnessTexture", document);
+template <class TextureInfo>
+TextureRef texture_ref(const TextureInfo& info) {
+    return texture_ref(info.index, info.texCoord, gltf_extension(info.extensions, "KHR_texture_transform"));
 }
 
-void read_emission(const JsonRef& place, const GltfDocument& document, Material& m) {
-    double strength = 1;
-    if (const auto extension = place.extension("KHR_materials_emissive_strength"))
-        strength = extension->number_or("emissiveStrength", 1, 0, kAny);
-    // The factor's range of 1 predates the strength extension and files pass it; radiance has no upper bound here.
-    m.emission = color(place, "emissiveFactor", Rgb(0), kAny) * static_cast<float>(strength);
-    if (!is_finite(m.emission)) place.fail("emissiveFactor x emissiveStrength is not finite");
-    m.emission_texture = read_texture_ref(place, "emissiveTexture", document);
+/// Of an extension, whose values tinygltf leaves as they are.
+TextureRef texture_ref(const Value& extension, const std::string& key) {
+    const Value& info = extension.Get(key);
+    if (!info.IsObject()) return {};
+    const bool transformed = info.Has("extensions") && info.Get("extensions").Has("KHR_texture_transform");
+    return texture_ref(info.Get("index").GetNumberAsInt(), static_cast<int>(number(info, "texCoord", 0)),
+                       transformed ? &info.Get("extensions").Get("KHR_texture_transform") : nullptr);
 }
 
-void read_dielectric(const JsonRef& place, const GltfDocument& document, Material& m) {
-    if (const auto extension = place.extension("KHR_materials_ior")) {
-        if (const auto ior = extension->find("ior")) {
-            m.ior = static_cast<float>(ior->number(0, kAny));
-            if (m.ior != 0 && m.ior < 1) ior->fail("must be 0 or at least 1, not " + std::to_string(m.ior));
-        }
-    }
-    if (const auto extension = place.extension("KHR_materials_specular")) {
-        m.specular = number(*extension, "specularFactor", 1, 0, 1);
-        m.specular_color = color(*extension, "specularColorFactor", Rgb(1), kAny);
-        m.specular_texture = read_texture_ref(*extension, "specularTexture", document);
-        m.specular_color_texture = read_texture_ref(*extension, "specularColorTexture", document);
-    }
-    if (const auto extension = place.extension("KHR_materials_transmission")) {
-        m.transmission = number(*extension, "transmissionFactor", 0, 0, 1);
-        m.transmission_texture = read_texture_ref(*extension, "transmissionTexture", document);
-        if (m.transmission > 0 && m.ior == 0)
-            extension->fail("a transmissive material cannot have an index of refraction of 0", ErrorCode::Unsupported);
-    }
-    if (const auto extension = place.extension("KHR_materials_volume")) {
-        m.solid = extension->number_or("thicknessFactor", 0, 0, kAny) > 0;
-        m.attenuation_color = color(*extension, "attenuationColor", Rgb(1), 1);
-        if (const auto distance = extension->find("attenuationDistance")) {
-            const double d = distance->number(0, kAny);
-            m.attenuation_distance = static_cast<float>(d);
-            if (!(m.attenuation_distance > 0)) distance->fail("must be greater than 0");
-        }
-    }
-}
-
-void read_alpha(const JsonRef& place, Material& m) {
-    if (const auto mode = place.find("alphaMode")) {
-        const std::string_view word = mode->text();
-        if (word == "MASK")
-            m.alpha_mode = AlphaMode::Mask;
-        else if (word == "BLEND")
-            m.alpha_mode = AlphaMode::Blend;
-        else if (word != "OPAQUE")
-            mode->fail("\"" + std::string(word.substr(0, 60)) + "\" is none of OPAQUE, MASK, BLEND");
-    }
-    m.alpha_cutoff = number(place, "alphaCutoff", 0.5f, 0, kAny);
+void read_extensions(const tinygltf::ExtensionMap& extensions, Material& m) {
+    const auto with = [&](const char* name, const auto& read) {
+        if (const Value* extension = gltf_extension(extensions, std::string("KHR_materials_") + name)) read(*extension);
+    };
+    with("emissive_strength",
+         [&](const Value& e) { m.emission *= static_cast<float>(number(e, "emissiveStrength", 1)); });
+    with("ior", [&](const Value& e) { m.ior = static_cast<float>(number(e, "ior", 1.5)); });
+    with("specular", [&](const Value& e) {
+        m.specular = static_cast<float>(number(e, "specularFactor", 1));
+        m.specular_color = color(numbers(e, "specularColorFactor", {1, 1, 1}));
+        m.specular_texture = texture_ref(e, "specularTexture");
+        m.specular_color_texture = texture_ref(e, "specularColorTexture");
+    });
+    with("transmission", [&](const Value& e) {
+        m.transmission = static_cast<float>(number(e, "transmissionFactor", 0));
+        m.transmission_texture = texture_ref(e, "transmissionTexture");
+    });
+    with("volume", [&](const Value& e) {
+        m.solid = number(e, "thicknessFactor", 0) > 0;
+        m.attenuation_color = color(numbers(e, "attenuationColor", {1, 1, 1}));
+        m.attenuation_distance = static_cast<float>(number(e, "attenuationDistance", kInfinity));
+    });
+    with("unlit", [&](const Value&) { m.unlit = true; });
 }
 
 /// A texture that is multiplied by nothing, or perturbs nothing, need not be loaded.
@@ -124,32 +90,29 @@ void drop_textures_without_effect(Material& m) {
             m.specular_color_texture = m.transmission_texture = {};
 }
 
-Material read_material(const JsonRef& place, const GltfDocument& document) {
-    Material m;
-    m.name = place.text_or("name", "");
-    if (const auto pbr = place.find("pbrMetallicRoughness")) read_metallic_roughness(*pbr, document, m);
-    m.normal_texture = read_texture_ref(place, "normalTexture", document);
-    if (const auto normal = place.find("normalTexture")) m.normal_scale = number(*normal, "scale", 1, -kAny, kAny);
-    read_texture_ref(place, "occlusionTexture", document);  // checked only: occlusion is what we compute
-    read_emission(place, document, m);
-    read_dielectric(place, document, m);
-    read_alpha(place, m);
-    m.double_sided = place.boolean_or("doubleSided", false);
-    if (place.extension("KHR_materials_unlit")) m.unlit = true;
-    drop_textures_without_effect(m);
-    return m;
-}
-
 }  // namespace
 
-void read_gltf_materials(const JsonRef& root, GltfDocument& document, FaultList& faults) {
-    faults.collect([&] {
-        const auto materials = root.find("materials");
-        if (!materials) return;
-        document.materials.resize(materials->array_size());
-        for (uint32_t i = 0; i < document.materials.size(); ++i)
-            faults.collect([&] { document.materials[i] = read_material(materials->at(i), document); });
-    });
+Material read_gltf_material(const tinygltf::Material& material) {
+    const tinygltf::PbrMetallicRoughness& pbr = material.pbrMetallicRoughness;
+    Material m;
+    m.name = material.name;
+    m.base_color = color(pbr.baseColorFactor);
+    m.alpha = static_cast<float>(pbr.baseColorFactor[3]);
+    m.base_color_texture = texture_ref(pbr.baseColorTexture);
+    m.metallic = static_cast<float>(pbr.metallicFactor);
+    m.roughness = static_cast<float>(pbr.roughnessFactor);
+    m.metallic_roughness_texture = texture_ref(pbr.metallicRoughnessTexture);
+    m.normal_texture = texture_ref(material.normalTexture);
+    m.normal_scale = static_cast<float>(material.normalTexture.scale);
+    m.emission = color(material.emissiveFactor);
+    m.emission_texture = texture_ref(material.emissiveTexture);
+    if (material.alphaMode == "MASK") m.alpha_mode = AlphaMode::Mask;
+    if (material.alphaMode == "BLEND") m.alpha_mode = AlphaMode::Blend;
+    m.alpha_cutoff = static_cast<float>(material.alphaCutoff);
+    m.double_sided = material.doubleSided;
+    read_extensions(material.extensions, m);
+    drop_textures_without_effect(m);
+    return m;
 }
 
 }  // namespace photond

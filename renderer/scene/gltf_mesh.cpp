@@ -8,18 +8,18 @@ namespace photond {
 
 namespace {
 
-constexpr uint32_t kTriangles = 4, kTriangleStrip = 5, kTriangleFan = 6;
+constexpr int kTriangles = TINYGLTF_MODE_TRIANGLES, kTriangleStrip = TINYGLTF_MODE_TRIANGLE_STRIP;
 
 /// One primitive at work: its accessors, and the vertices its triangles use.
 class PrimitiveReader {
 public:
     PrimitiveReader(const GltfDocument& document, GltfData& data, uint32_t mesh, uint32_t primitive)
-        : primitive_(document.meshes[mesh].primitives[primitive]),
+        : primitive_(document.model.meshes[mesh].primitives[primitive]),
           data_(data),
           pointer_(gltf_pointer("meshes", mesh, "primitives", std::to_string(primitive))),
-          positions_(data.accessor(*primitive_.attribute("POSITION"))) {}
+          positions_(data.accessor(*gltf_attribute(primitive_, "POSITION"))) {}
 
-    ObjectMesh read(std::span<const float> weights, const MeshWants& wants, MeshTally& tally) {
+    ObjectMesh read(std::span<const double> weights, const MeshWants& wants, MeshTally& tally) {
         read_triangles();
         keep_used_vertices();
         read_positions();
@@ -40,15 +40,15 @@ private:
     [[noreturn]] void fail(const std::string& where, const std::string& detail) const {
         throw Error(ErrorCode::BadScene, pointer_ + where, detail);
     }
-    std::optional<AccessorView> attribute(std::string_view semantic) const {
-        const auto index = primitive_.attribute(semantic);
+    std::optional<AccessorView> attribute(const std::string& semantic) const {
+        const auto index = gltf_attribute(primitive_, semantic);
         if (!index) return std::nullopt;
         return data_.accessor(*index);
     }
 
     void read_triangles() {
         std::optional<AccessorView> indices;
-        if (primitive_.indices) indices = data_.accessor(*primitive_.indices);
+        if (primitive_.indices >= 0) indices = data_.accessor(primitive_.indices);
         const uint64_t corner_count = indices ? indices->count() : positions_.count();
         std::vector<uint32_t> corners(corner_count);
         if (indices) {
@@ -227,19 +227,20 @@ private:
     }
 
     /// glTF 2.0, 3.7.2.2: the weighted displacements are added. Handedness is not displaced.
-    void apply_morph_targets(std::span<const float> weights) {
+    void apply_morph_targets(std::span<const double> weights) {
         const size_t count = std::min(weights.size(), primitive_.targets.size());
         bool moved = false;
         for (size_t k = 0; k < count; ++k) {
-            if (weights[k] == 0) continue;
+            const auto weight = static_cast<float>(weights[k]);
+            if (weight == 0) continue;
             moved = true;
-            for (const GltfAttribute& target : primitive_.targets[k]) {
-                const AccessorView offsets = data_.accessor(target.accessor);
+            for (const auto& [semantic, accessor] : primitive_.targets[k]) {
+                const AccessorView offsets = data_.accessor(accessor);
                 for (size_t v = 0; v < vertices_.size(); ++v) {
-                    const vec3 offset = weights[k] * offsets.vec<3>(vertices_[v]);
-                    if (target.semantic == "POSITION") mesh_.positions[v] += offset;
-                    if (target.semantic == "NORMAL" && !mesh_.normals.empty()) mesh_.normals[v] += offset;
-                    if (target.semantic == "TANGENT" && !mesh_.tangents.empty()) mesh_.tangents[v] += vec4(offset, 0);
+                    const vec3 offset = weight * offsets.vec<3>(vertices_[v]);
+                    if (semantic == "POSITION") mesh_.positions[v] += offset;
+                    if (semantic == "NORMAL" && !mesh_.normals.empty()) mesh_.normals[v] += offset;
+                    if (semantic == "TANGENT" && !mesh_.tangents.empty()) mesh_.tangents[v] += vec4(offset, 0);
                 }
             }
         }
@@ -262,7 +263,7 @@ private:
         }
     }
 
-    const GltfPrimitive& primitive_;
+    const tinygltf::Primitive& primitive_;
     GltfData& data_;
     std::string pointer_;
     AccessorView positions_;
@@ -274,16 +275,16 @@ private:
 
 }  // namespace
 
-uint64_t promised_triangles(const GltfPrimitive& primitive, const GltfDocument& document) {
-    const auto positions = primitive.attribute("POSITION");
+uint64_t promised_triangles(const tinygltf::Primitive& primitive, const tinygltf::Model& model) {
+    const auto positions = gltf_attribute(primitive, "POSITION");
     if (!positions || primitive.mode < kTriangles) return 0;
-    const uint64_t corners = document.accessors[primitive.indices ? *primitive.indices : *positions].count;
+    const uint64_t corners = model.accessors[primitive.indices >= 0 ? primitive.indices : *positions].count;
     if (primitive.mode == kTriangles) return corners / 3;
     return corners < 3 ? 0 : corners - 2;
 }
 
 ObjectMesh read_primitive_mesh(const GltfDocument& document, GltfData& data, uint32_t mesh, uint32_t primitive,
-                               std::span<const float> weights, const MeshWants& wants, MeshTally& tally) {
+                               std::span<const double> weights, const MeshWants& wants, MeshTally& tally) {
     return PrimitiveReader(document, data, mesh, primitive).read(weights, wants, tally);
 }
 

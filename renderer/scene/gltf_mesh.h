@@ -43,12 +43,12 @@ struct MeshWants {
 };
 
 /// The number of triangles a primitive says it has; 0 for points and lines.
-uint64_t promised_triangles(const GltfPrimitive& primitive, const GltfDocument& document);
+uint64_t promised_triangles(const tinygltf::Primitive& primitive, const tinygltf::Model& model);
 
 /// Reads primitive `primitive` of mesh `mesh`. `weights`: of its morph targets. Throws ErrorCode::BadScene for
 /// positions that are not finite and indices out of range. Triangles without area are dropped; there may be none left.
 ObjectMesh read_primitive_mesh(const GltfDocument& document, GltfData& data, uint32_t mesh, uint32_t primitive,
-                               std::span<const float> weights, const MeshWants& wants, MeshTally& tally);
+                               std::span<const double> weights, const MeshWants& wants, MeshTally& tally);
 
 /// Drops triangles without area: two equal corners, or an area so small that no normal can be had in float.
 uint64_t drop_degenerate_triangles(Mesh& mesh);

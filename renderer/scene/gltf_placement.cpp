@@ -35,7 +35,7 @@ struct PlacedMesh {
 bool finite(const dmat4& m) {
     for (int column = 0; column < 4; ++column)
         for (int row = 0; row < 4; ++row)
-            if (!(std::fabs(m[column][row]) <= JsonRef::kAnyNumber)) return false;
+            if (!(std::fabs(m[column][row]) <= double{std::numeric_limits<float>::max()})) return false;
     return true;
 }
 
@@ -54,7 +54,7 @@ vec3 unit_or(const dvec3& v, const vec3& fallback) {
 class Placement {
 public:
     Placement(const GltfDocument& document, GltfData& data, const LoadLimits& limits, Scene& scene)
-        : document_(document), data_(data), limits_(limits), scene_(scene) {}
+        : document_(document), model_(document.model), data_(data), limits_(limits), scene_(scene) {}
 
     void run() {
         compute_world_matrices();
@@ -70,33 +70,33 @@ public:
 
 private:
     void compute_world_matrices() {
-        world_.resize(document_.nodes.size());
-        std::vector<uint32_t> open;
-        for (uint32_t i = 0; i < document_.nodes.size(); ++i)
-            if (!document_.nodes[i].parent) open.push_back(i);
-        while (!open.empty()) {
-            const uint32_t i = open.back();
+        const std::vector<tinygltf::Node>& nodes = model_.nodes;
+        std::vector<bool> is_child(nodes.size(), false);
+        for (const tinygltf::Node& node : nodes)
+            for (const int child : node.children) is_child[child] = true;
+        for (uint32_t i = 0; i < nodes.size(); ++i)
+            if (!is_child[i]) roots_.push_back(static_cast<int>(i));
+        world_.resize(nodes.size());
+        for (const int root : roots_) world_[root] = gltf_local_matrix(nodes[root]);
+        for (std::vector<int> open = roots_; !open.empty();) {
+            const int i = open.back();
             open.pop_back();
-            const GltfNode& node = document_.nodes[i];
-            world_[i] = node.parent ? world_[*node.parent] * node.local : node.local;
-            open.insert(open.end(), node.children.begin(), node.children.end());
+            for (const int child : nodes[i].children) world_[child] = world_[i] * gltf_local_matrix(nodes[child]);
+            open.insert(open.end(), nodes[i].children.begin(), nodes[i].children.end());
         }
     }
 
     void walk_default_scene() {
         std::vector<uint32_t> open;
-        const auto push = [&open](const std::vector<uint32_t>& nodes) {
+        const auto push = [&open](const std::vector<int>& nodes) {
             open.insert(open.end(), nodes.rbegin(), nodes.rend());
         };
-        if (document_.scene) push(document_.scenes[*document_.scene].roots);
-        if (!document_.scene)
-            for (uint32_t i = static_cast<uint32_t>(document_.nodes.size()); i-- > 0;)
-                if (!document_.nodes[i].parent) open.push_back(i);
+        push(document_.scene() != nullptr ? document_.scene()->nodes : roots_);
         while (!open.empty()) {
             const uint32_t i = open.back();
             open.pop_back();
-            const GltfNode& node = document_.nodes[i];
-            if ((node.mesh || node.camera || node.light) && !finite(world_[i]))
+            const tinygltf::Node& node = model_.nodes[i];
+            if ((node.mesh >= 0 || node.camera >= 0 || gltf_light(node)) && !finite(world_[i]))
                 throw Error(ErrorCode::BadScene, gltf_pointer("nodes", i),
                             "the node's transform, with its parents', is not finite in single precision");
             walk_.push_back(i);
@@ -107,9 +107,9 @@ private:
     void check_triangle_count() const {
         uint64_t total = 0;
         for (const uint32_t i : walk_) {
-            if (!document_.nodes[i].mesh) continue;
-            for (const GltfPrimitive& primitive : document_.meshes[*document_.nodes[i].mesh].primitives)
-                total += promised_triangles(primitive, document_);
+            if (model_.nodes[i].mesh < 0) continue;
+            for (const tinygltf::Primitive& primitive : model_.meshes[model_.nodes[i].mesh].primitives)
+                total += promised_triangles(primitive, model_);
             if (total > limits_.max_triangles)
                 throw Error(ErrorCode::BadScene, gltf_pointer("nodes", i, "mesh"),
                             "up to this node the scene has " + std::to_string(total) +
@@ -119,49 +119,49 @@ private:
 
     void read_meshes() {
         // Nodes that show the same mesh in the same shape share one reading of it: a range of meshes_.
-        std::map<uint32_t, std::pair<size_t, size_t>> shared;
+        std::map<int, std::pair<size_t, size_t>> shared;
         for (const uint32_t i : walk_) {
-            const GltfNode& node = document_.nodes[i];
-            if (!node.mesh) continue;
-            const bool own_shape = node.skin || !node.weights.empty();
-            if (const auto found = shared.find(*node.mesh); found != shared.end() && !own_shape) {
+            const tinygltf::Node& node = model_.nodes[i];
+            if (node.mesh < 0) continue;
+            const bool own_shape = node.skin >= 0 || !node.weights.empty();
+            if (const auto found = shared.find(node.mesh); found != shared.end() && !own_shape) {
                 for (size_t k = found->second.first; k < found->second.second; ++k) meshes_[k].nodes.push_back(i);
                 continue;
             }
             const size_t first = meshes_.size();
             read_mesh(i);
-            if (!own_shape) shared.emplace(*node.mesh, std::pair{first, meshes_.size()});
+            if (!own_shape) shared.emplace(node.mesh, std::pair{first, meshes_.size()});
         }
     }
 
     void read_mesh(uint32_t node_index) {
-        const GltfNode& node = document_.nodes[node_index];
-        const GltfMesh& mesh = document_.meshes[*node.mesh];
-        const std::vector<float>& weights = node.weights.empty() ? mesh.weights : node.weights;
-        morphed_ += std::ranges::any_of(weights, [](float w) { return w != 0; }) ||
+        const tinygltf::Node& node = model_.nodes[node_index];
+        const tinygltf::Mesh& mesh = model_.meshes[node.mesh];
+        const std::vector<double>& weights = node.weights.empty() ? mesh.weights : node.weights;
+        morphed_ += std::ranges::any_of(weights, [](double w) { return static_cast<float>(w) != 0; }) ||
                     (!mesh.primitives.empty() && !mesh.primitives.front().targets.empty());
-        skinned_ += node.skin.has_value();
+        skinned_ += node.skin >= 0;
         for (uint32_t p = 0; p < mesh.primitives.size(); ++p) {
-            const GltfPrimitive& primitive = mesh.primitives[p];
-            const auto positions = primitive.attribute("POSITION");
+            const tinygltf::Primitive& primitive = mesh.primitives[p];
+            const auto positions = gltf_attribute(primitive, "POSITION");
             if (!positions) continue;
             if (primitive.mode < 4) {
                 ++tally_.points_and_lines;
                 continue;
             }
-            if (is_zeros(*positions) || (primitive.indices && is_zeros(*primitive.indices))) {
-                tally_.degenerate_triangles += promised_triangles(primitive, document_);
+            if (is_zeros(*positions) || (primitive.indices >= 0 && is_zeros(primitive.indices))) {
+                tally_.degenerate_triangles += promised_triangles(primitive, model_);
                 continue;
             }
             const uint32_t material = use_material(primitive.material);
             PlacedMesh placed;
-            placed.object = read_primitive_mesh(document_, data_, *node.mesh, p, weights, wants_of(material), tally_);
+            placed.object = read_primitive_mesh(document_, data_, node.mesh, p, weights, wants_of(material), tally_);
             if (placed.object.mesh.triangles.empty()) continue;
             placed.object.mesh.material = material;
-            placed.mesh = *node.mesh;
+            placed.mesh = node.mesh;
             placed.primitive = p;
             placed.nodes = {node_index};
-            placed.skinned = node.skin.has_value();
+            placed.skinned = node.skin >= 0;
             if (placed.skinned && placed.object.joint_sets == 0)
                 throw Error(ErrorCode::BadScene, gltf_pointer("nodes", node_index, "skin"),
                             "the mesh has no JOINTS_0 and WEIGHTS_0");
@@ -170,16 +170,16 @@ private:
     }
 
     /// An accessor of nothing but zeros: one point, or one corner, again and again.
-    bool is_zeros(uint32_t accessor) const {
-        return !document_.accessors[accessor].view && !document_.accessors[accessor].sparse;
+    bool is_zeros(int accessor) const {
+        return model_.accessors[accessor].bufferView < 0 && !model_.accessors[accessor].sparse.isSparse;
     }
 
     /// The scene's index of a document's material, entered when it is used for the first time.
-    uint32_t use_material(std::optional<uint32_t> index) {
+    uint32_t use_material(int index) {
         const auto [found, is_new] = material_of_.try_emplace(index, static_cast<uint32_t>(scene_.materials.size()));
         if (!is_new) return found->second;
-        Material material = index ? document_.materials[*index] : Material{};
-        if (!index) material.name = "default";
+        Material material = index < 0 ? Material{} : read_gltf_material(model_.materials[index]);
+        if (index < 0) material.name = "default";
         UvSlots slots;
         visit_texture_refs(material, [&](TextureRef& reference) {
             if (reference.used() && reference.uv_set < 2) slots.set[reference.uv_set] = reference.uv_set;
@@ -190,7 +190,7 @@ private:
             while (slot < 2 && slots.set[slot] && *slots.set[slot] != reference.uv_set) ++slot;
             if (reference.uv_set < 2) slot = static_cast<int>(reference.uv_set);
             if (slot == 2)
-                throw Error(ErrorCode::Unsupported, gltf_pointer("materials", *index),
+                throw Error(ErrorCode::Unsupported, gltf_pointer("materials", index),
                             "reads more than two sets of texture coordinates");
             slots.set[slot] = reference.uv_set;
             reference.uv_set = static_cast<uint32_t>(slot);
@@ -209,10 +209,10 @@ private:
     }
 
     std::vector<dmat4> joint_matrices(const PlacedMesh& placed) {
-        const uint32_t skin_index = *document_.nodes[placed.nodes.front()].skin;
-        const GltfSkin& skin = document_.skins[skin_index];
+        const int skin_index = model_.nodes[placed.nodes.front()].skin;
+        const tinygltf::Skin& skin = model_.skins[skin_index];
         std::optional<AccessorView> inverse_bind;
-        if (skin.inverse_bind_matrices) inverse_bind = data_.accessor(*skin.inverse_bind_matrices);
+        if (skin.inverseBindMatrices >= 0) inverse_bind = data_.accessor(skin.inverseBindMatrices);
         std::vector<dmat4> joints(skin.joints.size());
         for (size_t k = 0; k < joints.size(); ++k) {
             joints[k] = world_[skin.joints[k]] * (inverse_bind ? inverse_bind->matrix(k) : dmat4(1));
@@ -354,9 +354,9 @@ private:
 
     void place_cameras() {
         for (const uint32_t i : walk_) {
-            const GltfNode& node = document_.nodes[i];
-            if (!node.camera) continue;
-            Camera camera = document_.cameras[*node.camera];
+            const tinygltf::Node& node = model_.nodes[i];
+            if (node.camera < 0) continue;
+            Camera camera = read_gltf_camera(model_.cameras[node.camera]);
             const dmat4& m = world_[i];
             // The axes are made orthonormal: scale does not act on a camera.
             const dvec3 back(m[2]), up(m[1]);
@@ -378,9 +378,10 @@ private:
 
     void place_lights() {
         for (const uint32_t i : walk_) {
-            const GltfNode& node = document_.nodes[i];
-            if (!node.light) continue;
-            PunctualLight light = document_.lights[*node.light];
+            const tinygltf::Node& node = model_.nodes[i];
+            const auto index = gltf_light(node);
+            if (!index) continue;
+            PunctualLight light = read_gltf_light(model_.lights[*index]);
             const dvec3 back(world_[i][2]);
             if (light.kind != PunctualLight::Kind::Point && !(glm::length(back) > 0)) {
                 warnings_.push_back("the light of node " + std::to_string(i) +
@@ -405,19 +406,21 @@ private:
         note(tally_.missing_uv_sets, "primitives lack texture coordinates that their material reads; (0, 0) is used");
         note(skinned_, "skinned meshes are posed by their joints' own transforms, at rest");
         note(morphed_, "meshes with morph targets are posed at their stored weights, at rest");
-        note(document_.animation_count, "animations are not played: the scene is posed at rest");
+        note(model_.animations.size(), "animations are not played: the scene is posed at rest");
         scene_.warnings.insert(scene_.warnings.end(), warnings_.begin(), warnings_.end());
-        scene_.animation_count = document_.animation_count;
+        scene_.animation_count = static_cast<uint32_t>(model_.animations.size());
     }
 
     const GltfDocument& document_;
+    const tinygltf::Model& model_;
     GltfData& data_;
     const LoadLimits& limits_;
     Scene& scene_;
+    std::vector<int> roots_;      // nodes without a parent
     std::vector<dmat4> world_;    // of every node
     std::vector<uint32_t> walk_;  // nodes of the default scene, depth first
     std::vector<PlacedMesh> meshes_;
-    std::map<std::optional<uint32_t>, uint32_t> material_of_;
+    std::map<int, uint32_t> material_of_;
     std::vector<UvSlots> uv_slots_;  // of each of the scene's materials
     MeshTally tally_;
     uint64_t skinned_ = 0;

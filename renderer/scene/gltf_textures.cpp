@@ -21,6 +21,11 @@ struct ImageTask {
     std::optional<Error> fault;
 };
 
+Wrap wrap_of(int code) {
+    if (code == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT) return Wrap::MirroredRepeat;
+    return code == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE ? Wrap::ClampToEdge : Wrap::Repeat;
+}
+
 template <class Step>
 void keep_fault(ImageTask& task, const Step& step) {
     try {
@@ -54,21 +59,22 @@ void load_gltf_textures(const GltfDocument& document, GltfData& data, const Imag
     for (Material& material : scene.materials)
         visit_texture_refs(material, [&](TextureRef& reference) {
             if (!reference.used()) return;
-            const GltfTexture& texture = document.textures[static_cast<size_t>(reference.texture)];
-            const Key key{*texture.image, texture.wrap_s, texture.wrap_t, texture.nearest};
+            const tinygltf::Texture& texture = document.model.textures[reference.texture];
+            const uint32_t image = texture.source;
+            const tinygltf::Sampler sampler =
+                texture.sampler < 0 ? tinygltf::Sampler() : document.model.samplers[texture.sampler];
+            const Key key{image, wrap_of(sampler.wrapS), wrap_of(sampler.wrapT),
+                          sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST};
             const auto [found, is_new] = texture_of.try_emplace(key, static_cast<int32_t>(scene.textures.size()));
             reference.texture = found->second;
             if (!is_new) return;
-            const auto [task, new_task] = task_of.try_emplace(*texture.image, tasks.size());
-            if (new_task) tasks.push_back({.image = *texture.image});
+            const auto [task, new_task] = task_of.try_emplace(image, tasks.size());
+            if (new_task) tasks.push_back({.image = image});
             ++tasks[task->second].users;
             task_of_texture.push_back(task->second);
-            const std::string& image_name = document.images[*texture.image].name;
             Texture& made = scene.textures.emplace_back();
-            made.name = texture.name.empty() ? image_name : texture.name;
-            made.wrap_s = texture.wrap_s;
-            made.wrap_t = texture.wrap_t;
-            made.nearest = texture.nearest;
+            made.name = texture.name.empty() ? document.model.images[image].name : texture.name;
+            std::tie(std::ignore, made.wrap_s, made.wrap_t, made.nearest) = key;
         });
 
     // The sizes of all images are added up from their headers before the first is decoded.

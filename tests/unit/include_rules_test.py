@@ -69,9 +69,10 @@ LIBRARIES = [
     ("sqlite3.h", ["server/store/*"]),
     ("embree3/*", ["renderer/backends/cpu/*", "renderer/backends/gpu/bvh*.cpp"]),
     ("meshoptimizer.h", ["renderer/scene/gltf*.cpp"]),
+    ("tiny_gltf.h", ["renderer/scene/gltf_document.h"]),
     ("OpenImageIO/*", ["renderer/film/exr_codec.cpp", "renderer/film/png_codec.cpp",
                        "renderer/scene/texture_codec.cpp"]),
-    # JSON on the wire, and the strict reader of glTF.
+    # JSON on the wire, and the judge of glTF.
     ("nlohmann/*", ["protocol/*", "server/*", "clients/*", "renderer/scene/gltf*"]),
     ("openssl/evp.h", ["renderer/core/sha256.cpp"]),
     ("openssl/*", ["server/auth.cpp"]),

@@ -253,6 +253,38 @@ TEST(GltfScene, ExtensionsRequiredAreRefusedByNameAndUsedOnesWarnedOf) {
     }
 }
 
+// tinygltf wants a znear and a zfar, indices in a buffer view, whole numbers without a point, and every image there.
+TEST(GltfScene, WhatTheParserWantsAndGltfDoesNotIsNoFault) {
+    TexturedTriangle file;
+    const int zeros = file.accessor(-1, TestGltf::kU32, "SCALAR", 3);
+    file.set_mesh(file.attributes,
+                  R"(,"material":0.0},{"attributes":{"POSITION":0e0},"indices":)" + std::to_string(zeros));
+    file.set("materials", "[{}]");
+    file.set("images", R"([{"uri":"nobody reads it.png"}])");
+    file.set("cameras", R"([{"type":"perspective","perspective":{"yfov":0.5},"orthographic":7},
+        {"type":"orthographic","orthographic":{"xmag":3,"ymag":4}}])");
+    file.set("nodes", R"([{"mesh":0,"children":[1,2.0]},{"camera":0},{"camera":1}])");
+    const Scene scene = file.load();
+    EXPECT_EQ(scene.triangle_count, 1u);
+    EXPECT_TRUE(has_warning(scene, "1 triangles without area"));
+    ASSERT_EQ(scene.cameras.size(), 2u);
+    EXPECT_EQ(scene.cameras[0].yfov, 0.5f);
+    EXPECT_EQ(scene.cameras[1].ymag, 4);
+}
+
+TEST(GltfScene, MembersThatGltfDoesNotNameAreNotRead) {
+    TexturedTriangle file;
+    const std::string strange =
+        R"("extras":{"index":-7,"a":[null,{}]},"extensions":{"VENDOR_x":{"source":-4}},"mood":[])";
+    file.set("materials", R"([{"pbrMetallicRoughness":{"metallicFactor":0,)" + strange + "}," + strange + "}]");
+    file.set("nodes", R"([{"mesh":0,"parent":0,)" + strange + "}]");
+    file.set("parents", "[0]");
+    const Scene scene = file.load();
+    EXPECT_EQ(scene.triangle_count, 1u);
+    EXPECT_EQ(scene.materials.at(0).metallic, 0);
+    EXPECT_TRUE(scene.warnings.empty());
+}
+
 TEST(GltfScene, AllFaultsOfAKindAreNamedAtOnce) {
     TexturedTriangle file;
     file.set("materials",
