@@ -81,7 +81,7 @@ private:
         if (mesh_.triangles.size() * 3 < count / 16) {
             for (const uvec3& t : mesh_.triangles) vertices_.insert(vertices_.end(), {t.x, t.y, t.z});
             std::ranges::sort(vertices_);
-            vertices_.erase(std::ranges::unique(vertices_).begin(), vertices_.end());
+            vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
             for (uvec3& t : mesh_.triangles)
                 for (int k = 0; k < 3; ++k)
                     t[k] = static_cast<uint32_t>(std::ranges::lower_bound(vertices_, t[k]) - vertices_.begin());
