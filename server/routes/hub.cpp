@@ -548,10 +548,7 @@ private:
 };
 
 Hub::Hub(HubSettings settings, HubCallbacks callbacks, Listener listener)
-    : settings_(settings),
-      callbacks_(std::move(callbacks)),
-      port_(listener.port()),
-      listener_(listener.take()) {}
+    : settings_(settings), callbacks_(std::move(callbacks)), port_(listener.port()), listener_(listener.take()) {}
 
 Hub::~Hub() { stop(); }
 
