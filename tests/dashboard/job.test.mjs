@@ -70,6 +70,19 @@ test("the curve is of any metric that was measured", async () => {
   await error.getByRole("img", { name: /against passes/ }).waitFor();
 });
 
+test("the curve's axis ends, whatever moment it begins at", async () => {
+  const shown = panel("Error").locator("canvas");
+  // Where uPlot steps from a moment itself, these make an axis without an end.
+  for (const first of [0.0096, 0.000097, 0.96]) {
+    const curve = [1, 2.5, 40].map((times, index) => ({ ...measured.curve[index], seconds: first * times }));
+    await page.route(`**/v1/jobs/${measured.id}`, (route) => route.fulfill({ json: { ...measured, curve } }));
+    await page.reload();
+    await shown.waitFor();
+    expectNoComplaints(page);
+    await page.unroute(`**/v1/jobs/${measured.id}`);
+  }
+});
+
 test("the request says what was asked for, and the rest when asked", async () => {
   const request = panel("Request");
   assert.equal(await request.getByText("gather", { exact: true }).count(), 1);

@@ -37,6 +37,16 @@ function decades(low: number, high: number): [number, number] {
   return from === to ? [from, to * 10] : [from, to];
 }
 
+/**
+ * From the low value rounded down to one digit. uPlot steps from a logarithmic axis's low end itself, and from 0.0096 its
+ * rounding comes to a step of 0.011 and then to 0, so that the axis never ends.
+ */
+function fromDigit(low: number, high: number): [number, number] {
+  if (low === high) return fromDigit(low / 2, high * 2);
+  const [digits, power] = low.toExponential().split("e");
+  return [Number(`${Math.floor(Number(digits))}e${power}`), high];
+}
+
 /** Decades are labelled; where there are few, 2 and 5 of each too. */
 function labelled(_: uPlot, splits: number[]): (number | null)[] {
   const few = splits.length > 0 && splits.at(-1)! / splits[0]! < 30;
@@ -64,7 +74,7 @@ function optionsOf(props: Props, width: number): uPlot.Options {
     legend: { live: true },
     cursor: { drag: { x: false, y: false } },
     scales: {
-      x: { time: false, distr: 3, range: (_, low, high) => (low === high ? [low / 2, high * 2] : [low, high]) },
+      x: { time: false, distr: 3, range: (_, low, high) => fromDigit(low, high) },
       y: { distr: 3, range: (_, low, high) => decades(low, high) },
     },
     axes: [
