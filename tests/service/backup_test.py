@@ -13,21 +13,13 @@ import time
 import unittest
 
 import tiny_scene
-from photond_daemon import BIN, PATIENCE, Daemon, deadline_after, small_job
+from photond_daemon import BIN, Daemon, PATIENCE, small_job, wait_until
 
 OK, FAULTS, FAILED = 0, 2, 1
 LONGER = {"size": 64, "passes": 1500}
 HDR = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n" + bytes([128, 128, 128, 129]) * 2
 PHOTONS = {**small_job(size=16), "method": {"name": "photon_mapping", "parameters": {
     "photons": 1000, "gather": "direct", "keep_photon_map": True}}}
-
-
-def wait_until(condition, what, timeout_s=60):
-    deadline = deadline_after(timeout_s)
-    while not condition():
-        if time.monotonic() > deadline:
-            raise TimeoutError(what)
-        time.sleep(0.01)
 
 
 def hash_of(job):

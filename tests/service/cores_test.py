@@ -110,7 +110,7 @@ class LongCoresTest(DaemonTestCase):
         with BusyLoops(loops):
             if loops:
                 time.sleep(0.2)
-            job = self.daemon.run_job(timed_job(3))
+            job = self.daemon.run_job(timed_job(3), look_every_s=1)
         return job["passes_done"] / job["seconds"], job["statistics"]["cores"]["share"]
 
     def test_a_job_waits_for_the_busy_loop_to_end(self):
@@ -118,7 +118,7 @@ class LongCoresTest(DaemonTestCase):
             job = self.daemon.submit(small_job(quiet_machine=60))
             time.sleep(4)
             self.assertEqual(self.daemon.job(job["id"])["state"], "queued")
-        job = self.daemon.wait_for_job(job["id"])
+        job = self.daemon.wait_for_job(job["id"], look_every_s=1)
         self.assertIn("the machine is quiet, after", self.daemon.request("GET", job["links"]["log"]).text)
 
     def test_a_busy_loop_is_quantified(self):

@@ -7,7 +7,7 @@ import signal
 import time
 import unittest
 
-from photond_daemon import Daemon, deadline_after, small_job
+from photond_daemon import Daemon, small_job, wait_until
 
 ENDLESS = 100_000_000  # passes: over long after the test
 LONGER = {"size": 64, "passes": 800}  # long enough to be hit in the middle
@@ -15,14 +15,6 @@ LONGER = {"size": 64, "passes": 800}  # long enough to be hit in the middle
 
 def hash_of(job):
     return job["statistics"]["pixel_hash"]
-
-
-def wait_until(condition, what, timeout_s=60):
-    deadline = deadline_after(timeout_s)
-    while not condition():
-        if time.monotonic() > deadline:
-            raise TimeoutError(what)
-        time.sleep(0.01)
 
 
 class ResumingTest(unittest.TestCase):

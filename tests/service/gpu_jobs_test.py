@@ -8,13 +8,12 @@ import re
 import signal
 import subprocess
 import tempfile
-import time
 import unittest
 
 import OpenImageIO as oiio
 
 from gpu_daemon import able_gpus, gpu_daemon, needs_gpu, validation_messages
-from photond_daemon import BIN, PATIENCE, Daemon, small_job
+from photond_daemon import BIN, Daemon, small_job, wait_until
 
 GPU = able_gpus()[0] if able_gpus() else None
 ENDLESS = 1_000_000
@@ -28,14 +27,6 @@ def gpu_job(device=None, size=32, passes=2, **more):
 
 def hash_of(job):
     return job["statistics"]["pixel_hash"]
-
-
-def wait_until(condition, what, timeout_s=60):
-    begun = time.monotonic()
-    while not condition():
-        if time.monotonic() - begun > PATIENCE * timeout_s:
-            raise TimeoutError(what)
-        time.sleep(0.01)
 
 
 class GpuCase(unittest.TestCase):

@@ -18,7 +18,7 @@ import time
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
-from photond_daemon import Daemon, deadline_after, small_job  # noqa: E402
+from photond_daemon import Daemon, small_job, wait_until  # noqa: E402
 
 SEEDS = 3
 CLIENTS = 2
@@ -36,14 +36,6 @@ OVER = ("succeeded", "failed", "cancelled")
 
 def job_of(seed):
     return small_job(size=SIZE, passes=PASSES, seed=seed)
-
-
-def wait_until(condition, what, timeout_s=120):
-    deadline = deadline_after(timeout_s)
-    while not condition():
-        if time.monotonic() > deadline:
-            raise TimeoutError(what)
-        time.sleep(0.02)
 
 
 def errors_at_passes(report):

@@ -5,7 +5,6 @@ import re
 import signal
 import unittest
 
-import OpenImageIO as oiio
 
 from photonctl_case import CANCELLED, INTERRUPTED, OK, REFUSED, TIMED_OUT, USAGE, Case, cli, json_lines
 

@@ -125,7 +125,7 @@ class LongPictures(DaemonTestCase):
     """A hundred previews during a job of ten seconds change its passes by 5 % at the most."""
 
     def passes(self):
-        return self.daemon.run_job(small_job(size=128, passes=None, stop={"seconds": 10}))["passes_done"]
+        return self.daemon.run_job(small_job(size=128, passes=None, stop={"seconds": 10}), look_every_s=1)["passes_done"]
 
     def test_a_job_does_not_notice_a_hundred_previews(self):
         ratios = []

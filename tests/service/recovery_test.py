@@ -16,7 +16,7 @@ import time
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
-from photond_daemon import UNDER_SANITIZER, Daemon, deadline_after, small_job  # noqa: E402
+from photond_daemon import Daemon, UNDER_SANITIZER, small_job, wait_until  # noqa: E402
 
 KILLS = int(os.environ.get("PHOTOND_KILLS", "10"))
 SEEDS = 4
@@ -25,17 +25,6 @@ LONGER = {"size": 64, "passes": 300}  # long enough to be hit in the middle
 
 def hash_of(job):
     return job["statistics"]["pixel_hash"]
-
-
-def wait_until(condition, what, timeout_s=60):
-    deadline = deadline_after(timeout_s)
-    while True:
-        value = condition()
-        if value:
-            return value
-        if time.monotonic() > deadline:
-            raise TimeoutError(what)
-        time.sleep(0.01)
 
 
 class WorkerTest(unittest.TestCase):

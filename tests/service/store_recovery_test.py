@@ -15,18 +15,10 @@ import time
 import unittest
 
 import tiny_scene
-from photond_daemon import BIN, Daemon, deadline_after, small_job
+from photond_daemon import BIN, Daemon, small_job, wait_until
 
 ENDLESS = 100_000_000  # passes: over long after the test
 LONGER = {"size": 64, "passes": 2000}
-
-
-def wait_until(condition, what, timeout_s=60):
-    deadline = deadline_after(timeout_s)
-    while not condition():
-        if time.monotonic() > deadline:
-            raise TimeoutError(what)
-        time.sleep(0.005)
 
 
 def hash_of(job):

@@ -3,7 +3,6 @@ and the heat map of overlapping splats.
 """
 
 import json
-import re
 import unittest
 
 import numpy

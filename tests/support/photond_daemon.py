@@ -36,6 +36,16 @@ def deadline_after(seconds):
     return time.monotonic() + PATIENCE * seconds
 
 
+def wait_until(condition, what, timeout_s=120):
+    """What `condition` gives once that is true; raises with the words of `what` when it does not come to that."""
+    deadline = deadline_after(timeout_s)
+    while not (value := condition()):
+        if time.monotonic() > deadline:
+            raise TimeoutError(what)
+        time.sleep(0.01)
+    return value
+
+
 class Reply:
     """status (int), headers (dict, lower-case names), body (bytes); text and json are read from the body."""
 
@@ -196,8 +206,9 @@ class Daemon:
             raise AssertionError(f"job {job_id}: {reply!r}")
         return reply.json
 
-    def wait_for_job(self, job_id, states=OVER, timeout_s=120):
-        """The job's object once it is in one of `states`."""
+    def wait_for_job(self, job_id, states=OVER, timeout_s=120, look_every_s=0.01):
+        """The job's object once it is in one of `states`. Looking costs processor time, which a job that is timed may
+        miss: seldom, then."""
         begun = time.monotonic()
         while True:
             job = self.job(job_id)
@@ -205,11 +216,11 @@ class Daemon:
                 return job
             if time.monotonic() - begun > PATIENCE * timeout_s:
                 raise TimeoutError(f"job {job_id} is {job['state']} after {timeout_s} s\n{self.log()[-4000:]}")
-            time.sleep(0.01)
+            time.sleep(look_every_s)
 
-    def run_job(self, job):
-        """Submits a job and returns its object once it has succeeded."""
-        job = self.wait_for_job(self.submit(job)["id"])
+    def run_job(self, job, **waiting):
+        """Submits a job and returns its object once it has succeeded; `waiting` as wait_for_job()'s."""
+        job = self.wait_for_job(self.submit(job)["id"], **waiting)
         if job["state"] != "succeeded":
             raise AssertionError(f"job {job['id']}: {job['failure']}")
         return job
