@@ -1,15 +1,15 @@
 #include "renderer/scene/bundle_files.h"
 
 #include <fcntl.h>
-#include <linux/openat2.h>
 #include <sys/stat.h>
-#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
+#include <iterator>
 
 #include "protocol/error.h"
 
@@ -22,9 +22,41 @@ namespace {
 }
 
 struct FileDescriptor {
+    explicit FileDescriptor(int opened) : number(opened) {}
+    ~FileDescriptor() { take(-1); }
+    FileDescriptor(const FileDescriptor&) = delete;
+    FileDescriptor& operator=(const FileDescriptor&) = delete;
+    void take(int opened) {
+        if (number >= 0) ::close(number);
+        number = opened;
+    }
     int number;
-    ~FileDescriptor() { ::close(number); }
 };
+
+/// Opens a folder's file without following a link or leaving the folder, whatever others do to it meanwhile: each part
+/// of the path is opened in the one before. (openat2 does the same, but a worker's sandbox cannot see its flags, and so
+/// forbids it.) -1 and errno when it cannot: EXDEV for a path that leads out, ELOOP for one through a link.
+int open_beneath(int root, const std::filesystem::path& path) {
+    FileDescriptor folder(-1);
+    if (path.is_absolute()) return errno = EXDEV, -1;
+    for (auto part = path.begin(); part != path.end(); ++part) {
+        if (*part == "..") return errno = EXDEV, -1;
+        const bool last = std::next(part) == path.end();
+        const int in = folder.number < 0 ? root : folder.number;
+        // A pipe must not hold us up before it is refused.
+        const int flags = last ? O_RDONLY | O_NOCTTY | O_NONBLOCK : O_PATH | O_DIRECTORY;
+        const int opened = ::openat(in, part->c_str(), flags | O_NOFOLLOW | O_CLOEXEC);
+        if (last && opened >= 0) return opened;
+        if (opened < 0) {
+            const int error = errno;
+            struct stat entry {};
+            const bool link = ::fstatat(in, part->c_str(), &entry, AT_SYMLINK_NOFOLLOW) == 0 && S_ISLNK(entry.st_mode);
+            return errno = link ? ELOOP : error, -1;
+        }
+        folder.take(opened);
+    }
+    return errno = ENOENT, -1;
+}
 
 int hex_digit(char c) {
     if (c >= '0' && c <= '9') return c - '0';
@@ -70,15 +102,11 @@ BundleFiles::~BundleFiles() { ::close(root_); }
 
 std::vector<uint8_t> BundleFiles::read(const std::string& relative_path, const std::string& pointer) {
     const std::string shown = "the file \"" + relative_path.substr(0, 200) + "\" ";
-    open_how how{};
-    how.flags = O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK;  // a pipe must not hold us up before it is refused
-    how.resolve = RESOLVE_BENEATH | RESOLVE_NO_SYMLINKS | RESOLVE_NO_MAGICLINKS;
-    const long opened = ::syscall(SYS_openat2, root_, relative_path.c_str(), &how, sizeof how);
-    if (opened < 0) {
+    const FileDescriptor file(open_beneath(root_, relative_path));
+    if (file.number < 0) {
         if (errno == EXDEV || errno == ELOOP) bad(pointer, shown + "leads out of the scene's folder or through a link");
         bad(pointer, shown + "cannot be opened: " + std::strerror(errno));
     }
-    const FileDescriptor file{static_cast<int>(opened)};
     struct stat status {};
     if (::fstat(file.number, &status) != 0) bad(pointer, shown + "cannot be examined: " + std::strerror(errno));
     if (!S_ISREG(status.st_mode)) bad(pointer, shown + "is not a regular file");

@@ -10,7 +10,7 @@
 namespace photond {
 
 /// A folder that files are read from and never left: no absolute paths, no "..", no links, no devices or pipes, no
-/// network. The kernel enforces it (openat2), so that a file swapped during the load changes nothing.
+/// network. Each part of a path is opened in the one before, so that a file swapped during the load changes nothing.
 class BundleFiles {
 public:
     /// Throws ErrorCode::BadScene when `root` is not a folder. At most `max_bytes` are read over all files together.
