@@ -1,6 +1,7 @@
 #pragma once
 // Parts that messages of workers and requests of the helper have in common.
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -60,6 +61,21 @@ struct ImageSource {
     void visit(MessageVisitor& visitor) {
         visitor.if_any("film", film);
         visitor.if_any("image", image);
+    }
+};
+
+/// What bounds the files that a process of the daemon's may open.
+struct FileAccess {
+    static constexpr const char* kLandlock = "landlock";
+    static constexpr const char* kMountNamespace = "mount_namespace";
+    static constexpr const char* kNone = "none";
+
+    std::string by = kNone;          // one of these
+    std::optional<int64_t> version;  // Landlock's
+
+    void visit(MessageVisitor& visitor) {
+        visitor.member("by", by);
+        visitor.or_null("version", version);
     }
 };
 

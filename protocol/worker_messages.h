@@ -29,10 +29,12 @@ struct HelloMessage {
     static constexpr const char* kType = "hello";
     int64_t pid = 0;
     nlohmann::json device;  // protocol.md, "Shapes": with "lacks" and "limits"
+    FileAccess file_access;
 
     void visit(MessageVisitor& visitor) {
         visitor.member("pid", pid);
         visitor.or_null("device", device);
+        visitor.member("file_access", file_access);
     }
 };
 

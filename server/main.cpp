@@ -4,6 +4,7 @@
 #include <malloc.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
+#include <sys/prctl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -157,7 +158,8 @@ int main(int argc, char** argv) {
     for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&signals, signal);
     pthread_sigmask(SIG_BLOCK, &signals, nullptr);
     std::signal(SIGPIPE, SIG_IGN);
-    umask(S_IRWXG | S_IRWXO);  // scenes, results and keys are for this user alone, the workers' files too
+    prctl(PR_SET_DUMPABLE, 0);  // its memory holds tokens: no other process of this user looks into it
+    umask(S_IRWXG | S_IRWXO);   // scenes, results and keys are for this user alone, the workers' files too
 
     Options options;
     options.data_dir = default_data_dir();

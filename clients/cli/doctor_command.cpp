@@ -218,7 +218,38 @@ private:
                 same ? "both " + version : "daemon " + printable(version) + ", photonctl " PHOTOND_VERSION,
                 same ? "" : "install the same version on both sides");
             check_daemon_disk(status);
+            check_sandbox(status);
         });
+    }
+
+    /// What keeps a worker that a scene has taken over from files that are not its own: the least of all processes.
+    void check_sandbox(const json& status) {
+        json least;
+        const auto rank = [](const json& access) {
+            const std::string by = access.at("by").get<std::string>();
+            return by == "landlock" ? 2 : by == "mount_namespace" ? 1 : 0;
+        };
+        for (const json& process : processes_of(status)) {
+            const json access = process.value("file_access", json());
+            if (access.is_object() && (least.is_null() || rank(access) < rank(least))) least = access;
+        }
+        if (least.is_null()) return;  // an older daemon, or one whose processes have not said a word yet
+        if (rank(least) == 2)
+            add("sandbox", Outcome::Ok,
+                "the workers' files are bounded by Landlock, version " + plain_text(least.at("version")));
+        else if (rank(least) == 1)
+            add("sandbox", Outcome::Ok, "the workers' files are bounded by a mount namespace");
+        else
+            add("sandbox", Outcome::Warn, "none: workers may open any file of the daemon's user",
+                "use a kernel with Landlock (CONFIG_SECURITY_LANDLOCK, and landlock in lsm=) or allow user namespaces");
+    }
+
+    static std::vector<json> processes_of(const json& status) {
+        std::vector<json> all;
+        for (const char* list : {"workers", "helpers"})
+            for (const json& process : status.value(list, json::array())) all.push_back(process);
+        if (status.contains("pictures")) all.push_back(status["pictures"]);
+        return all;
     }
 
     /// The daemon's own figure, where it gives one: its data folder may lie on another disk or machine.

@@ -65,6 +65,7 @@ void Attempts::start_worker(const std::string& device, ProcessOptions process) {
         slot.on_host_cores = slot.device_object.value("software", false);
         process.driver_bytes = kDriverBytes;
         if (slot.on_host_cores) process.driver_bytes += slot.device_object.value("memory_bytes", uint64_t{0});
+        process.writes.push_back(core_.files.pipeline_cache);
         process.more_arguments = {"--pipeline-cache",
                                   (core_.files.pipeline_cache / pipeline_cache_name(device)).string()};
     }

@@ -38,6 +38,8 @@ void Processes::start() {
     };
     // Callbacks come from threads that start here; they take the lock, and so see what is built below whole.
     const std::lock_guard lock(core_.mutex);
+    process.reads = {core_.files.scenes, core_.files.images, core_.files.films};
+    process.writes = {core_.files.spool, core_.files.cache};
     process.device = "none";
     process.priority.nice = std::max(0, core_.options.worker_nice - 2);  // people wait for it
     const auto make_helper = [&] {
@@ -51,6 +53,7 @@ void Processes::start() {
     pictures_.start(process, helper_exited);
     process.priority.nice = core_.options.worker_nice;
     process.threads = core_.options.threads;
+    process.writes = {core_.files.films};
     attempts_.start(process);
     prewarm_ = std::thread([this] { prewarm(); });
 }

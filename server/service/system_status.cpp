@@ -46,7 +46,7 @@ json SystemStatus::status() {
         return slot.device_object.is_object() ? slot.device_object.value("name", json()) : json();
     };
     const auto describe = [this](const std::string& device, json name, const char* state, pid_t pid, json job,
-                                 uint64_t restarts, uint64_t resident) {
+                                 uint64_t restarts, uint64_t resident, const std::optional<FileAccess>& file_access) {
         return json{{"device", device},
                     {"device_name", std::move(name)},
                     {"state", state},
@@ -54,7 +54,8 @@ json SystemStatus::status() {
                     {"job", std::move(job)},
                     {"restarts", restarts},
                     {"resident_bytes", resident},
-                    {"memory_limit_bytes", core_.options.memory_limit_bytes}};
+                    {"memory_limit_bytes", core_.options.memory_limit_bytes},
+                    {"file_access", part_json(file_access)}};
     };
     for (const auto& slot : attempts_.slots())
         workers.push_back(describe(slot->device, name_of(*slot),
@@ -62,9 +63,10 @@ json SystemStatus::status() {
                                    : slot->answered ? "ready"
                                                     : "failed",
                                    slot->process->pid(), slot->running ? json(job_id(slot->running->seq)) : json(),
-                                   slot->restarts, slot->process->resident_bytes()));
+                                   slot->restarts, slot->process->resident_bytes(), slot->process->file_access()));
     workers.push_back(describe("none", nullptr, core_.helper->ready() ? "ready" : "failed", core_.helper->pid(),
-                               nullptr, core_.helper->restarts(), core_.helper->resident_bytes()));
+                               nullptr, core_.helper->restarts(), core_.helper->resident_bytes(),
+                               core_.helper->file_access()));
     const double uptime = std::chrono::duration<double>(SteadyClock::now() - core_.begun).count();
     const int64_t running = std::count_if(attempts_.slots().begin(), attempts_.slots().end(),
                                           [](const auto& slot) { return slot->running; });
@@ -88,7 +90,8 @@ json SystemStatus::pictures_now() const {
     return {{"waiting", pictures_.waiting()},
             {"pid", pid < 0 ? json() : json(pid)},
             {"restarts", background ? background->restarts() : 0},
-            {"resident_bytes", background ? background->resident_bytes() : 0}};
+            {"resident_bytes", background ? background->resident_bytes() : 0},
+            {"file_access", part_json(background ? background->file_access() : std::nullopt)}};
 }
 
 json SystemStatus::helpers_now() const {
@@ -99,7 +102,8 @@ json SystemStatus::helpers_now() const {
                     {"busy_seconds", busy_seconds ? json(*busy_seconds) : json()},
                     {"pid", helper.pid() < 0 ? json() : json(helper.pid())},
                     {"restarts", helper.restarts()},
-                    {"resident_bytes", helper.resident_bytes()}};
+                    {"resident_bytes", helper.resident_bytes()},
+                    {"file_access", part_json(helper.file_access())}};
     };
     return json::array({describe("answers", *core_.helper), describe("bulk", *core_.bulk_helper)});
 }

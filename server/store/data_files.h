@@ -6,9 +6,9 @@
 //   scenes/ID/     uploaded scenes as unpacked     images/ID   uploaded images
 //   films/         films of jobs, one an attempt   cache/      encoded artefacts, emptied at start
 //   spool/         uploads under way, emptied at start
-//   pipeline-cache/  a file for each GPU: what its driver compiled, for the next worker
-//   quarantine/    what a start found and could not tell (quarantine.h); never emptied
-//   store-id       the store whose files lie here
+//   pipeline-cache/  a file for each GPU, and what Mesa's and NVIDIA's drivers keep: what was compiled, for the next
+//   worker quarantine/    what a start found and could not tell (quarantine.h); never emptied store-id       the store
+//   whose files lie here
 
 #include <atomic>
 #include <cstdint>

@@ -14,16 +14,22 @@ struct SandboxLimits {
 };
 
 /// Binds the process' life to its parent's (SIGKILL when the thread that started it ends; `parent_socket` tells a
-/// parent that was gone before) and takes away core dumps. SIGTERM, SIGINT, SIGPIPE and SIGXFSZ are ignored: the daemon
-/// speaks through the socket. Throws photond::Error (Internal) when any of it does not hold, ErrorCode::WorkerLost when
-/// the parent is gone.
+/// parent that was gone before), takes away core dumps, lets no other process of its user look into it (it is not
+/// dumpable), and puts it first in line when memory runs out. SIGTERM, SIGINT, SIGPIPE and SIGXFSZ are ignored: the
+/// daemon speaks through the socket. Throws photond::Error (Internal) when any of it does not hold,
+/// ErrorCode::WorkerLost when the parent is gone.
 void bind_to_parent(int parent_socket);
 
-/// Takes away new privileges, bounds files and address space, and forbids, by seccomp for all threads, those that are
-/// there already among them, what a renderer has no use for: new sockets, other programs, other processes, other users'
-/// rights, the kernel's configuration. A forbidden call fails with EPERM. A GPU is opened before: its driver may ask
-/// services of the machine, or start programs, to get at the device, and no stranger has said anything by then. Throws
-/// photond::Error (Internal) when any of it does not hold.
+/// Takes away what only root may do, but for reading and writing files of any user, in this thread and those it starts.
+/// Throws photond::Error (Internal).
+void give_up_capabilities();
+
+/// Takes away new privileges, bounds the size of files and the address space, and forbids, by seccomp for all threads,
+/// those that are there already among them, what a renderer has no use for: new sockets, other programs, other
+/// processes, other users' rights, owners, modes and times of files, the kernel's configuration. A forbidden call fails
+/// with EPERM. Which files are opened is bounded before (file_access.h). A GPU is opened in between: its driver may ask
+/// services of the machine to get at the device, and no stranger has said anything by then. Throws photond::Error
+/// (Internal) when any of it does not hold.
 void enter_sandbox(const SandboxLimits& limits);
 
 }  // namespace photond

@@ -55,8 +55,8 @@ private:
     std::thread thread_;
 };
 
-void say_hello(MessageChannel& channel, const Device& device) {
-    channel.send(message_json(HelloMessage{getpid(), device.to_json()}));
+void say_hello(MessageChannel& channel, const WorkerOptions& options) {
+    channel.send(message_json(HelloMessage{getpid(), options.device.to_json(), options.file_access}));
 }
 
 /// Starts what the first job would otherwise pay for and be charged with: TBB's threads and their stacks.
@@ -124,7 +124,7 @@ int run_render_worker(MessageChannel& channel, const WorkerOptions& options) {
         scenes, options.device, options.threads, options.memory_limit_bytes,
         [&channel](const json& message) { channel.send(message); }, end_without_gpu);
     RunningJob job;
-    say_hello(channel, options.device);
+    say_hello(channel, options);
     const Heartbeat heartbeat(channel);
     while (const std::optional<json> message = channel.receive(-1)) {
         const std::optional<DaemonMessage> told = read_from_daemon(*message);
@@ -159,7 +159,7 @@ int list_devices(MessageChannel& channel) {
 
 int run_helper(MessageChannel& channel, const WorkerOptions& options) {
     start_threads();
-    say_hello(channel, options.device);
+    say_hello(channel, options);
     const Heartbeat heartbeat(channel);
     SceneCache scenes(0);
     bool warm = !options.warm_up;

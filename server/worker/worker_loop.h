@@ -2,6 +2,7 @@
 // The lives of a worker process: render jobs one at a time, do the helper's tasks, or say once what devices there are.
 
 #include "protocol/message_channel.h"
+#include "protocol/message_parts.h"
 #include "server/worker/device.h"
 
 namespace photond {
@@ -10,6 +11,7 @@ struct WorkerOptions {
     Device device;
     uint64_t memory_limit_bytes = 0;
     unsigned threads = 1;
+    FileAccess file_access;
     bool warm_up = false;  // of a helper: the image library is loaded before anybody asks for an image
 };
 

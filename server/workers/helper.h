@@ -47,6 +47,7 @@ public:
     std::optional<double> busy_seconds() const;
     pid_t pid() const { return process_->pid(); }
     uint64_t resident_bytes() const { return process_->resident_bytes(); }
+    std::optional<FileAccess> file_access() const { return process_->file_access(); }
     uint64_t restarts() const;
 
     void begin_stop(std::chrono::steady_clock::time_point deadline);

@@ -10,7 +10,6 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
 
 #include "protocol/error.h"
@@ -55,16 +54,6 @@ namespace {
     _exit(127);
 }
 
-/// The kernel should end the render and not the daemon when the machine runs out of memory.
-void volunteer_for_the_oom_killer(pid_t pid) {
-    char path[64];
-    std::snprintf(path, sizeof path, "/proc/%d/oom_score_adj", static_cast<int>(pid));
-    const int file = open(path, O_WRONLY | O_CLOEXEC);
-    if (file < 0) return;
-    [[maybe_unused]] const ssize_t written = write(file, "500", 3);  // refused: the kernel's own choice stands
-    close(file);
-}
-
 }  // namespace
 
 Child spawn_child(const std::filesystem::path& program, const std::vector<std::string>& arguments, Priority priority) {
@@ -88,7 +77,6 @@ Child spawn_child(const std::filesystem::path& program, const std::vector<std::s
         close(sockets[0]);
         throw Error(ErrorCode::Internal, std::string("fork: ") + std::strerror(error));
     }
-    volunteer_for_the_oom_killer(pid);
     return {pid, sockets[0]};
 }
 

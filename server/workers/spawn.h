@@ -19,8 +19,8 @@ struct Priority {
 };
 
 /// Starts a program with nothing of ours but standard error and one end of a socket pair: no other file descriptor, no
-/// blocked signal, a process group of its own, its priority, core dumps off, first in line when memory runs out, and
-/// SIGKILL when the calling thread ends. Throws photond::Error (Internal) when the system refuses.
+/// blocked signal, a process group of its own, its priority, core dumps off, and SIGKILL when the calling
+/// thread ends. Throws photond::Error (Internal) when the system refuses.
 Child spawn_child(const std::filesystem::path& program, const std::vector<std::string>& arguments, Priority priority);
 
 }  // namespace photond

@@ -123,6 +123,11 @@ pid_t WorkerProcess::pid() const {
     return pid_;
 }
 
+std::optional<FileAccess> WorkerProcess::file_access() const {
+    const std::lock_guard lock(mutex_);
+    return file_access_;
+}
+
 void WorkerProcess::supervise() {
     milliseconds backoff{0};
     while (true) {
@@ -160,12 +165,15 @@ std::shared_ptr<WorkerProcess::Link> WorkerProcess::spawn() {
         std::vector<std::string> arguments{"--device",       options_.device,
                                            "--memory-limit", std::to_string(options_.memory_limit_bytes),
                                            "--threads",      std::to_string(options_.threads)};
+        for (const auto& folder : options_.reads) arguments.insert(arguments.end(), {"--read", folder.string()});
+        for (const auto& folder : options_.writes) arguments.insert(arguments.end(), {"--write", folder.string()});
         arguments.insert(arguments.end(), options_.more_arguments.begin(), options_.more_arguments.end());
         const Child child = spawn_child(options_.program, arguments, options_.priority);
         auto link = std::make_shared<Link>(child.socket);
         const std::lock_guard lock(mutex_);
         pid_ = child.pid;
         link_ = link;
+        file_access_.reset();
         ordered_ = stopping_;
         killed_for_.reset();
         return link;
@@ -216,6 +224,11 @@ ProcessExit WorkerProcess::attend(Link& link) {
 
 bool WorkerProcess::take(const nlohmann::json& message) {
     try {
+        if (const auto hello = message_as<HelloMessage>(message)) {
+            const std::lock_guard lock(mutex_);
+            // Its first word is from before it has read what a stranger wrote.
+            if (!file_access_) file_access_ = hello->file_access;
+        }
         callbacks_.message(message);
         return true;
     } catch (const Error& error) {

@@ -18,6 +18,7 @@
 #include <thread>
 #include <vector>
 
+#include "protocol/message_parts.h"
 #include "server/workers/spawn.h"
 
 namespace photond {
@@ -29,6 +30,7 @@ struct ProcessOptions {
     std::filesystem::path program;
     std::string device;  // "--device" argument; names it in the log
     std::vector<std::string> more_arguments;
+    std::vector<std::filesystem::path> reads, writes;  // folders whose files it may open; no others of ours
     uint64_t memory_limit_bytes = UINT64_MAX;
     uint64_t driver_bytes = 0;  // that a device's driver may hold in this process beside that
     uint32_t threads = 0;       // 0: all cores
@@ -85,6 +87,8 @@ public:
 
     pid_t pid() const;  // -1: none now
     uint64_t resident_bytes() const { return resident_bytes_; }
+    /// As its first word says, which it speaks before it reads anything; empty before that.
+    std::optional<FileAccess> file_access() const;
 
 private:
     struct Link;  // one child's socket
@@ -105,6 +109,7 @@ private:
     std::condition_variable changed_;
     std::shared_ptr<Link> link_;
     pid_t pid_ = -1;
+    std::optional<FileAccess> file_access_;
     bool stopping_ = false;
     bool ordered_ = false;  // we asked this child to end, or killed it
     std::optional<ExitCause> killed_for_;

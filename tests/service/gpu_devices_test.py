@@ -7,7 +7,7 @@ import unittest
 
 from gpu_daemon import able_gpus, gpu_daemon, listed_devices, needs_gpu, thread_states
 from jsonschema import Draft202012Validator
-from photond_daemon import Daemon, deadline_after, small_job
+from photond_daemon import Daemon, deadline_after, needs_root, small_job
 
 NO_DRIVER = {"VK_ICD_FILENAMES": "/nowhere/icd.json", "VK_DRIVER_FILES": "/nowhere/icd.json"}
 
@@ -56,6 +56,7 @@ class WithoutGpuTest(unittest.TestCase):
                 self.assertEqual([error["pointer"] for error in reply.json["errors"]], ["/method/device"], reply)
         self.assertEqual(self.daemon.request("GET", "/v1/jobs").json["items"], [])
 
+    @needs_root
     def test_the_daemon_loads_no_driver(self):
         devices_of(self.daemon)
         with open(f"/proc/{self.daemon.process.pid}/maps") as maps:

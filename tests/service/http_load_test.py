@@ -21,7 +21,7 @@ import unittest
 
 from api_test import make_tokens
 from many_jobs import fill_history
-from photond_daemon import UNDER_SANITIZER, Daemon, deadline_after, small_job
+from photond_daemon import UNDER_SANITIZER, Daemon, deadline_after, needs_root, small_job
 
 LIMIT_MIB = 160  # resident, whatever clients do
 LONG_LIST = "/v1/jobs?limit=1000"
@@ -218,6 +218,7 @@ class Descriptors(unittest.TestCase):
                 self.assertLess(time.monotonic(), deadline)
             self.assertEqual(daemon.run_job(small_job())["state"], "succeeded")
 
+    @needs_root
     def test_one_is_kept_in_reserve(self):
         with Daemon() as daemon, contextlib.ExitStack() as stack:
             daemon.wait_ready()

@@ -30,6 +30,9 @@ OVER = ("succeeded", "failed", "cancelled")
 PATIENCE = float(os.environ.get("PHOTOND_TEST_PATIENCE", "1"))
 UNDER_SANITIZER = "PHOTOND_UNDER_SANITIZER" in os.environ
 
+# The daemon is not dumpable, so that its files in /proc are root's.
+needs_root = unittest.skipUnless(os.geteuid() == 0, "only root sees into the daemon's process")
+
 
 def deadline_after(seconds):
     """Of time.monotonic()."""

@@ -31,7 +31,10 @@ typename Request::Reply exact_reply(const char* text) {
 }
 
 TEST(WorkerMessages, OfAWorker) {
-    EXPECT_EQ(exact<HelloMessage>(R"({"type": "hello", "pid": 12, "device": {"id": "cpu"}})").device["id"], "cpu");
+    const auto hello = exact<HelloMessage>(
+        R"({"type": "hello", "pid": 12, "device": {"id": "cpu"}, "file_access": {"by": "landlock", "version": 2}})");
+    EXPECT_EQ(hello.device["id"], "cpu");
+    EXPECT_EQ(hello.file_access.version, 2);
     EXPECT_EQ(
         exact<HeartbeatMessage>(R"({"type": "heartbeat", "resident_bytes": 18446744073709551615})").resident_bytes,
         UINT64_MAX);
