@@ -1,7 +1,7 @@
 // The start page: what a newcomer sees first, and what the daemon does now, kept by one event stream.
 
 import assert from "node:assert/strict";
-import { mkdtempSync, rmSync } from "node:fs";
+import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, test } from "node:test";
@@ -103,9 +103,13 @@ test("a daemon that is gone is said to be, and the page goes on by itself when i
   await page.getByText("The daemon does not answer. What is shown is the last it said").waitFor();
   await card(page, job.id).waitFor();
   await axeClean(page);
+  writeFileSync(join(data, "films", "left_behind.film"), "of a store that is not this one");
   daemon = await startDaemon({ data, listen: new URL(daemon.url).host, arguments: ["--threads", "1"] });
   await page.getByText("What is shown is the last it said").waitFor({ state: "detached" });
   await card(page, job.id).waitFor();
+  await page.getByText("1 file that no row names lies in the data folder's quarantine (31 B)").waitFor();
+  await axeClean(page);
+  await shoot(page, "now-quarantine");
   const ended = await daemon.submit(smallJob({ priority: 10 }));
   await page.locator(".now-queue-row", { hasText: ended.id }).waitFor();
   await cancel(job.id);

@@ -197,6 +197,9 @@ export interface JobSummaryPage extends Page<JobSummary> {
 /** The data of an event of `/v1/events`: fields of the job that changed, and its id. */
 export type JobChange = Partial<Omit<Job, "id">> & { id: string; priority?: number };
 
+/** What bounds the files that a process may open. */
+export type FileAccess = { by: "landlock" | "mount_namespace" | "none"; version: number | null } | null;
+
 export interface WorkerStatus {
   device: string;
   device_name: string | null;
@@ -206,6 +209,7 @@ export interface WorkerStatus {
   restarts: number;
   resident_bytes: number | null;
   memory_limit_bytes: number | null;
+  file_access: FileAccess;
 }
 
 export interface DaemonStatus {
@@ -221,8 +225,9 @@ export interface DaemonStatus {
     pid: number | null;
     restarts: number;
     resident_bytes: number;
+    file_access: FileAccess;
   }[];
-  pictures: { waiting: number; pid: number | null; restarts: number; resident_bytes: number };
+  pictures: { waiting: number; pid: number | null; restarts: number; resident_bytes: number; file_access: FileAccess };
   store: {
     id: string;
     bytes: number;

@@ -1,5 +1,6 @@
 // The processes that render and the devices they have, and those of the machine that none has.
 
+import type { ComponentChild } from "preact";
 import { useEffect } from "preact/hooks";
 
 import { daemonStatus } from "../api/events";
@@ -8,6 +9,8 @@ import { bytesText, percentText } from "../ui/format";
 import { useRemote } from "../ui/remote";
 
 const kHelper = "none";
+const kHelpers: Record<DaemonStatus["helpers"][number]["name"], string> = { answers: "images and pictures", bulk: "uploads" };
+const kSlowHelperSeconds = 15;
 const kStates: Record<string, string> = { busy: "rendering", ready: "ready", failed: "not answering" };
 
 /** How much of what there may be, as a bar and in numbers. */
@@ -59,6 +62,31 @@ function servedWith(status: DaemonStatus, device: Device): string {
   return `photond --devices ${[...served, device.id].join(",")}`;
 }
 
+/** What the daemon has found and would have looked after. */
+function Remarks({ status: { store, workers, helpers, pictures } }: { status: DaemonStatus }) {
+  const remarks: ComponentChild[] = [];
+  const command = (text: string) => <code class="now-command">{text}</code>;
+  if (store.check.state === "damaged")
+    remarks.push(<>The store is damaged: {store.check.detail}. Restore a backup: {command("photonctl restore")}.</>);
+  if (store.check.state === "failed") remarks.push(<>The store could not be checked: {store.check.detail}.</>);
+  if (store.quarantine.files > 0) {
+    const files = store.quarantine.files === 1 ? "1 file that no row names lies" : `${store.quarantine.files} files that no row names lie`;
+    const bytes = bytesText(store.quarantine.bytes);
+    remarks.push(<>{files} in the data folder's quarantine ({bytes}). {command("photond --check")} tells more.</>);
+  }
+  if ([...workers, ...helpers, pictures].some(({ file_access }) => file_access?.by === "none"))
+    remarks.push(<>This machine has nothing to bound the workers' files with: {command("photonctl doctor")} says what would.</>);
+  for (const { name, busy_seconds } of helpers.filter(({ busy_seconds }) => (busy_seconds ?? 0) > kSlowHelperSeconds))
+    remarks.push(<>The helper for {kHelpers[name]} has been at one request for {Math.floor(busy_seconds!)} s.</>);
+  return remarks.length === 0 ? null : (
+    <ul class="notice now-remarks">
+      {remarks.map((remark, number) => (
+        <li key={number}>{remark}</li>
+      ))}
+    </ul>
+  );
+}
+
 export function Workers() {
   const status = daemonStatus.value;
   const { data: devices, failure, reload } = useRemote<Page<Device>>("/v1/devices");
@@ -81,6 +109,7 @@ export function Workers() {
           ))}
         </ul>
       )}
+      {status && <Remarks status={status} />}
       {failure && <p class="notice failed">The devices cannot be listed: {failure.message}</p>}
       {status && unserved.length > 0 && (
         <details class="now-unserved">
