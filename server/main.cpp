@@ -16,6 +16,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <optional>
+#include <thread>
 #include <utility>
 
 #include "server/auth.h"
@@ -23,6 +24,7 @@
 #include "server/routes/listener.h"
 #include "server/service.h"
 #include "server/service/inspection.h"
+#include "server/workers/address_space.h"
 
 namespace {
 
@@ -61,9 +63,8 @@ fs::path default_data_dir() {
     return fs::path(home && *home ? home : "/var/lib") / ".local/share/photond";
 }
 
-uint64_t default_memory_limit_bytes() {
-    const auto pages = static_cast<uint64_t>(sysconf(_SC_PHYS_PAGES));
-    return pages * static_cast<uint64_t>(sysconf(_SC_PAGESIZE)) / 4 * 3;
+uint64_t machine_memory_bytes() {
+    return static_cast<uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(sysconf(_SC_PAGESIZE));
 }
 
 void add_limits(CLI::App& app, Limits& limits) {
@@ -111,7 +112,9 @@ void complete(Options& options) {
     options.worker_program = fs::read_symlink("/proc/self/exe").parent_path() / "photond-worker";
     if (access(options.worker_program.c_str(), X_OK) != 0)
         throw Error(ErrorCode::Internal, "there is no program " + options.worker_program.string());
-    if (options.memory_limit_bytes == 0) options.memory_limit_bytes = default_memory_limit_bytes();
+    const unsigned threads = options.threads ? options.threads : std::max(1u, std::thread::hardware_concurrency());
+    options.memory_limit_bytes =
+        memory_limit_within(granted_address_space(), options.memory_limit_bytes, machine_memory_bytes(), threads);
 }
 
 void make_data_folder(Options& options) {
@@ -171,7 +174,7 @@ int main(int argc, char** argv) {
     app.add_option("--listen", listen, "ADDRESS:PORT; port 0 picks a free one")->capture_default_str();
     app.add_option("--devices", options.devices, "one worker process each")->delimiter(',')->capture_default_str();
     app.add_option("--memory-limit", options.memory_limit_bytes,
-                   "bytes a job may hold in a worker; default 75 % of RAM");
+                   "bytes a job may hold in a worker; default 75 % of RAM, or what ulimit -v leaves");
     app.add_option("--threads", options.threads, "threads of each CPU worker; default all cores");
     app.add_option("--worker-nice", options.worker_nice, "added to the workers' niceness")
         ->check(CLI::Range(0, 19))

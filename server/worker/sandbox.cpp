@@ -20,16 +20,12 @@
 
 #include "protocol/error.h"
 #include "server/worker/process_memory.h"
+#include "server/workers/address_space.h"
 
 namespace photond {
 
 namespace {
 
-// The address space is bounded, not what is resident: libraries, thread stacks and the arenas of malloc and TBB reserve
-// more than they use. Measured at the peak of a Sponza render: 0.75 GB more than is resident with 2 threads, 1.43 GB
-// with 16.
-constexpr uint64_t kReservedBytes = 1ull << 30;
-constexpr uint64_t kReservedBytesAThread = 64ull << 20;
 constexpr int kMallocArenas = 4;  // each reserves 64 MiB of address space
 
 [[noreturn]] void fail(const std::string& what, int error) {
@@ -39,7 +35,7 @@ constexpr int kMallocArenas = 4;  // each reserves 64 MiB of address space
 void bound(int resource, uint64_t value, const char* what) {
     rlimit limit{};
     if (getrlimit(static_cast<__rlimit_resource_t>(resource), &limit) != 0) fail(what, errno);
-    limit.rlim_cur = limit.rlim_max = std::min<rlim_t>(value, limit.rlim_max);
+    limit.rlim_cur = limit.rlim_max = std::min<rlim_t>(value, limit.rlim_cur);
     if (setrlimit(static_cast<__rlimit_resource_t>(resource), &limit) != 0) fail(what, errno);
 }
 
@@ -161,9 +157,7 @@ void enter_sandbox(const SandboxLimits& limits) {
     !defined(__SANITIZE_THREAD__)  // their shadow memory is terabytes of address space
     mallopt(M_ARENA_MAX, kMallocArenas);
     if (limits.bound_address_space)
-        bound(RLIMIT_AS,
-              virtual_bytes() + limits.memory_bytes + kReservedBytes + limits.threads * kReservedBytesAThread,
-              "RLIMIT_AS");
+        bound(RLIMIT_AS, virtual_bytes() + worker_address_space(limits.memory_bytes, limits.threads), "RLIMIT_AS");
 #endif
     if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) fail("PR_SET_NO_NEW_PRIVS", errno);
     forbid_system_calls();

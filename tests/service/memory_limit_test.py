@@ -6,7 +6,7 @@ import re
 import tempfile
 import unittest
 
-from photond_daemon import Daemon, small_job
+from photond_daemon import UNDER_SANITIZER, Daemon, small_job
 
 ALL_LAYERS = ["caustic", "albedo", "normal", "position", "depth", "standard_error"]
 LIMIT = 48 << 20
@@ -92,6 +92,33 @@ class MemoryLimitTest(unittest.TestCase):
                 self.assertEqual((failed["state"], failed["failure"]["code"], len(failed["attempts"])),
                                  ("failed", "out_of_memory", 1), failed)
                 self.assertEqual(daemon.wait_for_job(small)["state"], "succeeded")
+
+
+@unittest.skipIf(UNDER_SANITIZER, "a sanitizer maps terabytes")
+class AddressSpaceTest(unittest.TestCase):
+    def test_a_small_one_leaves_jobs_less_memory(self):
+        job = small_job(size=704, layers=ALL_LAYERS)
+        with Daemon("--threads", 2, address_space=1700 << 20) as daemon:  # 1408 MiB of it for a worker itself
+            daemon.wait_ready()
+            workers = daemon.request("GET", "/v1/status").json["workers"]
+            self.assertEqual([worker["memory_limit_bytes"] for worker in workers], 2 * [292 << 20], workers)
+            needed = daemon.request("POST", "/v1/jobs?dry_run=true", json_body=job).json["memory_bytes"]
+            self.assertGreater(needed, 230 << 20)
+            done = daemon.run_job(job)
+            self.assertEqual((done["state"], len(done["attempts"])), ("succeeded", 1), done)
+            for picture in ("image.exr", "preview.png"):
+                self.assertEqual(daemon.request("GET", f"/v1/jobs/{done['id']}/{picture}").status, 200)
+            reply = daemon.request("POST", "/v1/jobs", json_body={**job, "image": {"width": 900, "height": 900}})
+            self.assertEqual((reply.status, reply.json["code"]), (422, "out_of_memory"), reply)
+
+    def test_one_that_is_too_small_is_said_to_be(self):
+        for mib, arguments, words in (
+                (100, (), r"needs 1703936: 1441792 for a worker of 2 threads and 262144 for what its jobs hold"),
+                (600, (), r"granted 614400 KiB of address space \(ulimit -v\); photond needs 1703936"),
+                (1663, (), r"needs 1703936"),
+                (1700, ("--memory-limit", 1 << 30), r"needs 2490368: .* and 1048576 for what its jobs hold")):
+            with self.subTest(mib=mib), self.assertRaisesRegex(RuntimeError, words):
+                Daemon("--threads", 2, *arguments, address_space=mib << 20).close()
 
 
 if __name__ == "__main__":

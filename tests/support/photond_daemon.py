@@ -71,10 +71,11 @@ class Reply:
 
 class Daemon:
     """A running photond. `extra` are further command-line arguments, `environment` variables beside this process',
-    `open_files` the file descriptors that the system grants it.
+    `open_files` the file descriptors that the system grants it, `address_space` the bytes that it grants each process.
     """
 
-    def __init__(self, *extra, data_dir=None, start=True, start_timeout_s=60, environment=None, open_files=None):
+    def __init__(self, *extra, data_dir=None, start=True, start_timeout_s=60, environment=None, open_files=None,
+                 address_space=None):
         self.extra = [str(argument) for argument in extra]
         if PATIENCE > 1:
             for option, seconds in (("--helper-timeout", 120), ("--heartbeat-timeout", 30)):
@@ -86,7 +87,7 @@ class Daemon:
         self.data_dir = pathlib.Path(data_dir or tempfile.mkdtemp(prefix="photond-test-"))
         self.start_timeout_s = start_timeout_s
         self.environment = environment or {}
-        self.open_files = open_files
+        self.granted = [f"--{name}={value}" for name, value in (("nofile", open_files), ("as", address_space)) if value]
         self.process = None
         self.address = self.port = None
         self.log_path = self.data_dir.parent / (self.data_dir.name + ".log")
@@ -103,8 +104,8 @@ class Daemon:
     def start(self):
         """Starts it and waits for its line; raises with the log when it does not come."""
         command = [str(BIN / "photond"), "--data", str(self.data_dir), "--listen", "127.0.0.1:0", *self.extra]
-        if self.open_files:
-            command = ["prlimit", f"--nofile={self.open_files}", *command]
+        if self.granted:
+            command = ["prlimit", *self.granted, *command]
         with open(self.log_path, "ab") as log:
             self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=log, stdin=subprocess.DEVNULL,
                                             env={**os.environ, **self.environment})
