@@ -107,7 +107,7 @@ test("a daemon that is gone is said to be, and the page goes on by itself when i
   daemon = await startDaemon({ data, listen: new URL(daemon.url).host, arguments: ["--threads", "1"] });
   await page.getByText("What is shown is the last it said").waitFor({ state: "detached" });
   await card(page, job.id).waitFor();
-  await page.getByText("1 file that no row names lies in the data folder's quarantine (31 B)").waitFor();
+  await page.getByText("Files in the data folder's quarantine: 1.").waitFor();
   await axeClean(page);
   await shoot(page, "now-quarantine");
   const ended = await daemon.submit(smallJob({ priority: 10 }));

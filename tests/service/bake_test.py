@@ -35,7 +35,7 @@ class HelperTask(unittest.TestCase):
         self.out = self.folder / "out"
 
     def bake(self, scene, max_bytes=1 << 40, **options):
-        helper = WorkerProcess("none", **options)
+        helper = WorkerProcess("none", self.folder, **options)
         self.addCleanup(helper.close)
         helper.wait_for("hello")
         return helper.ask("bake", scene=scene, max_bytes=max_bytes, out=str(self.out))

@@ -31,7 +31,7 @@ class HelperErrors(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         cls.addClassCleanup(folder.cleanup)
         cls.folder = folder.name
-        cls.worker, cls.helper = WorkerProcess("cpu"), WorkerProcess("none")
+        cls.worker, cls.helper = WorkerProcess("cpu", cls.folder), WorkerProcess("none", cls.folder)
         for process in (cls.worker, cls.helper):
             cls.addClassCleanup(process.close)
             process.wait_for("hello")

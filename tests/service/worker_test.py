@@ -49,9 +49,13 @@ class WorkerTest(unittest.TestCase):
     def setUp(self):
         self.folder = tempfile.TemporaryDirectory()
         self.addCleanup(self.folder.cleanup)
-        self.worker = WorkerProcess(self.kind)
+        self.worker = WorkerProcess(self.kind, *self.folders())
         self.addCleanup(self.worker.close)
         self.hello, _ = self.worker.wait_for("hello")
+
+    def folders(self):
+        """That the worker may write in."""
+        return [self.folder.name]
 
     def path(self, name):
         return os.path.join(self.folder.name, name)
@@ -230,7 +234,7 @@ class RenderWorker(WorkerTest):
             saved_points = points
             order["resume"] = self.path(f"kept{len(saved_passes)}.film")
             os.rename(order["film"], order["resume"])
-            self.worker = WorkerProcess(self.kind)
+            self.worker = WorkerProcess(self.kind, *self.folders())
             self.addCleanup(self.worker.close)
             self.worker.wait_for("hello")
         self.assertTrue(saved_passes)
@@ -267,12 +271,15 @@ class RenderWorker(WorkerTest):
 class Helper(WorkerTest):
     kind = "none"
 
+    def folders(self):
+        return [self.folder.name, self.films.name]
+
     @classmethod
     def setUpClass(cls):
         """One film for all tests of encoding, with values that half precision cannot hold left out."""
         cls.films = tempfile.TemporaryDirectory()
         cls.addClassCleanup(cls.films.cleanup)
-        worker = WorkerProcess("cpu")
+        worker = WorkerProcess("cpu", cls.films.name)
         try:
             worker.wait_for("hello")
             cls.film = os.path.join(cls.films.name, "film")

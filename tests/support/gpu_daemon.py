@@ -60,7 +60,8 @@ def fault_environment(folder, call, at=None, result="lost", once=True):
         (folder / name).unlink(missing_ok=True)
     environment = {"VK_LAYER_PATH": str(LAYERS), "VK_INSTANCE_LAYERS": "VK_LAYER_PHOTOND_fault",
                    "PHOTOND_FAULT_CALL": call, "PHOTOND_FAULT_RESULT": result,
-                   "PHOTOND_FAULT_COUNTS": str(folder / "counts")}
+                   "PHOTOND_FAULT_COUNTS": str(folder / "counts"),
+                   "CUDA_CACHE_PATH": str(folder)}  # where a driver, and so the layer, may write
     if at is not None:
         environment["PHOTOND_FAULT_AT"] = str(at)
     if once:

@@ -12,9 +12,9 @@ DEADLINE_SECONDS = 120  # against hanging for ever; not a measure of speed
 
 
 class WorkerProcess:
-    """A worker process; `kind` is "cpu" or "none" (the helper)."""
+    """A worker process; `kind` is "cpu" or "none" (the helper). It may open the files of `folders` and no others."""
 
-    def __init__(self, kind, threads=2, memory_limit=2 << 30):
+    def __init__(self, kind, *folders, threads=2, memory_limit=2 << 30):
         ours, theirs = socket.socketpair()
 
         def hand_over():
@@ -23,7 +23,7 @@ class WorkerProcess:
                 os.close(theirs.fileno())
 
         arguments = [os.path.join(BIN, "photond-worker"), "--device", kind, "--threads", str(threads),
-                     "--memory-limit", str(memory_limit)]
+                     "--memory-limit", str(memory_limit), *(f"--write={folder}" for folder in folders)]
         self.process = subprocess.Popen(arguments, preexec_fn=hand_over, close_fds=False, stdin=subprocess.DEVNULL)
         theirs.close()
         self.socket = ours

@@ -9,8 +9,6 @@ import { bytesText, percentText } from "../ui/format";
 import { useRemote } from "../ui/remote";
 
 const kHelper = "none";
-const kHelpers: Record<DaemonStatus["helpers"][number]["name"], string> = { answers: "images and pictures", bulk: "uploads" };
-const kSlowHelperSeconds = 15;
 const kStates: Record<string, string> = { busy: "rendering", ready: "ready", failed: "not answering" };
 
 /** How much of what there may be, as a bar and in numbers. */
@@ -65,23 +63,16 @@ function servedWith(status: DaemonStatus, device: Device): string {
 /** What the daemon has found and would have looked after. */
 function Remarks({ status: { store, workers, helpers, pictures } }: { status: DaemonStatus }) {
   const remarks: ComponentChild[] = [];
-  const command = (text: string) => <code class="now-command">{text}</code>;
-  if (store.check.state === "damaged")
-    remarks.push(<>The store is damaged: {store.check.detail}. Restore a backup: {command("photonctl restore")}.</>);
-  if (store.check.state === "failed") remarks.push(<>The store could not be checked: {store.check.detail}.</>);
-  if (store.quarantine.files > 0) {
-    const files = store.quarantine.files === 1 ? "1 file that no row names lies" : `${store.quarantine.files} files that no row names lie`;
-    const bytes = bytesText(store.quarantine.bytes);
-    remarks.push(<>{files} in the data folder's quarantine ({bytes}). {command("photond --check")} tells more.</>);
-  }
+  if (["damaged", "failed"].includes(store.check.state))
+    remarks.push(<>The store's check: {store.check.state}, {store.check.detail}. <code>photonctl restore</code> puts a backup in its place.</>);
+  if (store.quarantine.files > 0)
+    remarks.push(<>Files in the data folder's quarantine: {store.quarantine.files}. The log names each.</>);
   if ([...workers, ...helpers, pictures].some(({ file_access }) => file_access?.by === "none"))
-    remarks.push(<>This machine has nothing to bound the workers' files with: {command("photonctl doctor")} says what would.</>);
-  for (const { name, busy_seconds } of helpers.filter(({ busy_seconds }) => (busy_seconds ?? 0) > kSlowHelperSeconds))
-    remarks.push(<>The helper for {kHelpers[name]} has been at one request for {Math.floor(busy_seconds!)} s.</>);
+    remarks.push(<>The workers' files are not bounded: <code>photonctl doctor</code> says why.</>);
   return remarks.length === 0 ? null : (
     <ul class="notice now-remarks">
-      {remarks.map((remark, number) => (
-        <li key={number}>{remark}</li>
+      {remarks.map((remark) => (
+        <li>{remark}</li>
       ))}
     </ul>
   );
