@@ -64,10 +64,16 @@ class SameErrors:
         self.assertEqual(first.keys(), second.keys())
         for row, curve in first.items():
             self.assertEqual((set(curve), set(second[row])), (passes, passes), row)
-            for at in passes:
+            following = None  # estimates that both have had at all powers of two up to here
+            for at in sorted(passes):
                 mine, theirs = curve[at], second[row][at]
                 self.assertLessEqual({"relative_mse", "rmse", "mae", "smape", "rmse_8bit"}, mine.keys() & theirs.keys())
-                for metric in mine.keys() & theirs.keys():
+                shared = mine.keys() & theirs.keys()
+                # An estimate compares halves of the passes, and so depends on one before it that a slow machine had no
+                # time for.
+                estimates = {metric for metric in shared if metric.startswith("estimated_")}
+                following = estimates if following is None else following & estimates
+                for metric in shared - (estimates - following):
                     self.assertEqual(mine[metric], theirs[metric], (row, at, metric))
 
 

@@ -152,7 +152,7 @@ class FullDiskTest(DiskCase):
             parameters = {"photons": photons, "gather": "direct", "keep_photon_map": True}
             return {**small_job(size=16), "method": {"name": "photon_mapping", "parameters": parameters}, "stop": stop}
 
-        job = self.daemon.submit(photon_job(200_000, seconds=3))["id"]  # 64 bytes each: some 11 MB
+        job = self.daemon.submit(photon_job(200_000, seconds=3 * PATIENCE))["id"]  # 64 bytes each: some 11 MB
         self.rendering(job)
         self.fill(self.LEFT)
         failed = self.daemon.wait_for_job(job)

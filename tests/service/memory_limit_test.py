@@ -11,9 +11,11 @@ from photond_daemon import UNDER_SANITIZER, Daemon, small_job
 ALL_LAYERS = ["caustic", "albedo", "normal", "position", "depth", "standard_error"]
 LIMIT = 48 << 20
 LARGE = small_job(size=512, layers=ALL_LAYERS)  # a film of 131 MB
+RESIDENT = "freed memory stays resident under a sanitizer: hundreds of megabytes"
 
 
 class MemoryLimitTest(unittest.TestCase):
+    @unittest.skipIf(UNDER_SANITIZER, RESIDENT)
     def test_the_limit_can_be_used_up(self):
         """It is about what jobs hold; what the process is made of comes on top."""
         # Long enough for the daemon to look at the worker's memory a few times.
@@ -33,6 +35,7 @@ class MemoryLimitTest(unittest.TestCase):
                 restarts = [worker["restarts"] for worker in daemon.request("GET", "/v1/status").json["workers"]]
                 self.assertEqual(restarts, [0, 0], daemon.log())
 
+    @unittest.skipIf(UNDER_SANITIZER, RESIDENT)
     def test_what_no_longer_fits_fails_and_the_rest_goes_on(self):
         with tempfile.TemporaryDirectory(prefix="photond-test-") as around:
             folder = around + "/data"  # the log is written beside it

@@ -12,14 +12,15 @@ import tempfile
 import unittest
 import zipfile
 
-from photond_daemon import Daemon
+from photond_daemon import PATIENCE, Daemon
 from python_client_case import PACKAGE, SOURCE, url_of
 
 PYTHON = "/usr/bin/python3"
 
 
 def run(*command, **more):
-    result = subprocess.run([str(word) for word in command], capture_output=True, text=True, timeout=300, **more)
+    result = subprocess.run([str(word) for word in command], capture_output=True, text=True, timeout=PATIENCE * 300,
+                            **more)
     if result.returncode != 0:
         raise AssertionError(f"{command}: {result.returncode}\n{result.stdout}\n{result.stderr}")
     return result.stdout

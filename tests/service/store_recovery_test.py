@@ -32,7 +32,7 @@ def passes_of(film):
 
 class StoreCase(unittest.TestCase):
     def start(self, *options):
-        daemon = Daemon(*options)
+        daemon = Daemon("--threads", 1, *options)  # its endless jobs take what they get
         self.addCleanup(daemon.close)
         self.addCleanup(self.let_go_on)  # first, for a halted one does not end
         daemon.wait_ready()

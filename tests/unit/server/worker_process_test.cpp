@@ -61,7 +61,8 @@ TEST_F(WorkerProcessTest, MayMakeUpTypesOfMessages) {
 
 TEST_F(WorkerProcessTest, OfTheHelperIsReplacedWhenItsAnswerIsNone) {
     const auto answers = [&](const char* reply) {
-        return script(R"(echo '{"type": "hello", "pid": 1, "device": null}' >&3; read request <&3; echo ')" +
+        return script(R"(echo '{"type": "hello", "pid": 1, "device": null, )"
+                      R"("file_access": {"by": "none", "version": null}}' >&3; read request <&3; echo ')" +
                       std::string(reply) + "' >&3");
     };
     const auto failure = [&](const char* reply) {
