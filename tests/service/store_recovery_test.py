@@ -18,7 +18,8 @@ import tiny_scene
 from photond_daemon import BIN, Daemon, small_job, wait_until
 
 ENDLESS = 100_000_000  # passes: over long after the test
-LONGER = {"size": 64, "passes": 2000}
+LONGER = {"size": 64, "passes": 1000}  # a second or two, in which SAVES saves often
+SAVES = ("--save-seconds", 0.1)
 
 
 def hash_of(job):
@@ -215,7 +216,7 @@ class SavedFilmTest(StoreCase):
         return film
 
     def test_a_killed_daemon_has_not_heard_of_it(self):
-        self.start("--save-seconds", 0.3)
+        self.start(*SAVES)
         expected = hash_of(self.daemon.run_job(small_job(**LONGER)))
         for round_ in range(3):
             with self.subTest(round=round_):
@@ -253,7 +254,7 @@ class SavedFilmTest(StoreCase):
         self.assertEqual(self.daemon.request("GET", job["links"]["photon_map"]).body, photon_map)
 
     def test_a_killed_worker_has_not_told_it(self):
-        self.start("--save-seconds", 0.3)
+        self.start(*SAVES)
         expected = hash_of(self.daemon.run_job(small_job(**LONGER)))
         worker = self.daemon.workers()["cpu"]
         job = self.daemon.submit(small_job(**LONGER))
@@ -267,7 +268,7 @@ class SavedFilmTest(StoreCase):
         self.assertGreaterEqual(job["statistics"]["resumed_passes"], passes)
 
     def test_a_film_with_another_fence_or_damage_is_not_taken(self):
-        self.start("--save-seconds", 0.3)
+        self.start(*SAVES)
         expected = hash_of(self.daemon.run_job(small_job(**LONGER)))
         for fault in ("origin", "damage"):
             with self.subTest(fault=fault):
@@ -309,7 +310,7 @@ class FolderTest(StoreCase):
             self.assertEqual(stat.S_IMODE(path.stat().st_mode), mode, path)
 
     def test_a_busy_port_is_found_before_anything_is_touched(self):
-        self.start("--save-seconds", 0.3)
+        self.start(*SAVES)
         job = self.daemon.submit(small_job(size=64, passes=ENDLESS))
         wait_until(lambda: list(self.films.glob("*.film")), "no film was saved")
         self.daemon.kill()
