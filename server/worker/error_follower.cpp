@@ -105,7 +105,8 @@ bool ErrorFollower::met_by(const MetricValues& values) {
 bool ErrorFollower::after_pass(const Film& film, double seconds) {
     if (point_is_due(film, seconds)) {
         schedule_.skip_to(film.passes(), seconds);
-        measure_point(film, seconds, false);
+        ResolvedFilm resolved(film);
+        measure_point(resolved, seconds, false);
         return met_by(curve_.back().metrics);
     }
     if (!plan_.target || film.passes() < std::ceil((1 + kTargetGrowth) * checked_passes_) ||
@@ -127,10 +128,10 @@ void ErrorFollower::measure_target(const Film& film) {
     checked_passes_ = film.passes();
 }
 
-void ErrorFollower::measure_point(const Film& film, double seconds, bool in_the_end) {
+void ErrorFollower::measure_point(ResolvedFilm& resolved, double seconds, bool in_the_end) {
     const OffTheClock measuring(stats_, kErrorMeasuringStage, meters_);
     const double start = now_();
-    ResolvedFilm resolved(film);
+    const Film& film = resolved.film();
     const bool again = !curve_.empty() && curve_.back().passes == film.passes();  // some of it was left for the end
     if (!again) {
         const uint64_t photons = stats_.counts.photons_emitted;
@@ -161,9 +162,10 @@ void ErrorFollower::measure_timed(ResolvedFilm& resolved, const LayerMetric& met
     measured_seconds_ += cost;
 }
 
-void ErrorFollower::finish(const Film& film, double seconds) {
-    if (film.passes() == 0) return;
-    const bool has_point = !curve_.empty() && curve_.back().passes == film.passes();
+void ErrorFollower::finish(ResolvedFilm& resolved, double seconds) {
+    const uint32_t passes = resolved.film().passes();
+    if (passes == 0) return;
+    const bool has_point = !curve_.empty() && curve_.back().passes == passes;
     const auto measured = [&](const LayerMetric& metric) {
         const auto value = curve_.back().metrics.find(metric.name());
         return value != curve_.back().metrics.end() && value->second;
@@ -172,7 +174,7 @@ void ErrorFollower::finish(const Film& film, double seconds) {
         return std::all_of(plan_.costly.begin(), plan_.costly.end(), measured) &&
                std::all_of(plan_.estimated.begin(), plan_.estimated.end(), measured);
     };
-    if (!has_point || !complete()) measure_point(film, seconds, true);
+    if (!has_point || !complete()) measure_point(resolved, seconds, true);
     met_by(curve_.back().metrics);
 }
 

@@ -52,8 +52,8 @@ public:
     bool may_measure(const Film& film, double seconds) const { return plan_.target || point_is_due(film, seconds); }
     /// After each pass; `seconds` on the job's clock. True when the target is met by what was measured now.
     bool after_pass(const Film& film, double seconds);
-    /// At the job's end: its last point, complete.
-    void finish(const Film& film, double seconds);
+    /// At the job's end: its last point, complete. What is resolved for it serves the statistics too.
+    void finish(ResolvedFilm& resolved, double seconds);
 
     const std::vector<CurvePoint>& curve() const { return curve_; }
     /// Empty before there is a value.
@@ -61,7 +61,7 @@ public:
     const MeasuringPlan& plan() const { return plan_; }
 
 private:
-    void measure_point(const Film& film, double seconds, bool in_the_end);
+    void measure_point(ResolvedFilm& resolved, double seconds, bool in_the_end);
     void measure_target(const Film& film);
     bool point_is_due(const Film& film, double seconds) const;
     bool there_is_time_for(double cost_seconds, double seconds) const;

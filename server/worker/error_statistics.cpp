@@ -33,7 +33,7 @@ void add_note(json& notes, const std::string& note) {
 /// Everything that is known of one layer's error.
 void add_layer(json& error, json& notes, ResolvedFilm& film, const ErrorMeter& meter, const std::string& layer) {
     const std::vector<float>& pixels = film.pixels(layer);
-    const PointwiseErrors sweep = meter.pointwise(pixels);
+    const PointwiseErrors& sweep = film.pointwise(layer, meter);
     for (const MetricInfo& info : kMetrics) {
         if (!is_distance(info) || info.costly) continue;
         const std::vector<double> value = sweep.values_of(info.metric);

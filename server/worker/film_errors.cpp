@@ -29,6 +29,12 @@ const std::vector<float>& ResolvedFilm::pass_variance(const std::string& layer) 
     return found->second;
 }
 
+const PointwiseErrors& ResolvedFilm::pointwise(const std::string& layer, const ErrorMeter& meter) {
+    const auto [found, is_new] = sweeps_.try_emplace(layer);
+    if (is_new) found->second = meter.pointwise(pixels(layer));
+    return found->second;
+}
+
 std::vector<float> variance_of_mean(std::span<const float> pass_variance, uint32_t passes) {
     std::vector<float> variance(pass_variance.begin(), pass_variance.end());
     for (float& value : variance) value /= static_cast<float>(passes);
@@ -76,28 +82,20 @@ std::optional<ErrorEstimate> FilmErrors::estimate(ResolvedFilm& film, const std:
     return state.estimate;
 }
 
-std::optional<double> FilmErrors::value_of(ResolvedFilm& film, const LayerMetric& wanted,
-                                           std::map<std::string, PointwiseErrors>& sweeps) {
+std::optional<double> FilmErrors::value_of(ResolvedFilm& film, const LayerMetric& wanted) {
     const MetricInfo& info = metric_info(wanted.metric);
     if (!info.needs_reference) {
         const std::optional<ErrorEstimate> found = estimate(film, wanted.layer);
         return found ? std::optional(found->estimated_relative_mse) : std::nullopt;
     }
     const ErrorMeter& against = meter(wanted.layer);
-    std::vector<double> value;
-    if (info.costly) {
-        value = against.measure(wanted.metric, film.pixels(wanted.layer));
-    } else {
-        const auto [sweep, is_new] = sweeps.try_emplace(wanted.layer);
-        if (is_new) sweep->second = against.pointwise(film.pixels(wanted.layer));
-        value = sweep->second.values_of(wanted.metric);
-    }
+    const std::vector<double> value = info.costly ? against.measure(wanted.metric, film.pixels(wanted.layer))
+                                                  : film.pointwise(wanted.layer, against).values_of(wanted.metric);
     return value.empty() ? std::nullopt : std::optional(value.front());
 }
 
 void FilmErrors::measure(ResolvedFilm& film, std::span<const LayerMetric> metrics, MetricValues& values) {
-    std::map<std::string, PointwiseErrors> sweeps;
-    for (const LayerMetric& metric : metrics) values[metric.name()] = value_of(film, metric, sweeps);
+    for (const LayerMetric& metric : metrics) values[metric.name()] = value_of(film, metric);
 }
 
 }  // namespace photond

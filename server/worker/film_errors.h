@@ -20,7 +20,7 @@ namespace photond {
 /// "640 x 360".
 std::string size_text(Size2 size);
 
-/// The layers of a film at one moment, resolved when first asked for. Borrows the film.
+/// The layers of a film at one moment and what a sweep over them finds, made when first asked for. Borrows the film.
 class ResolvedFilm {
 public:
     explicit ResolvedFilm(const Film& film) : film_(film) {}
@@ -30,10 +30,13 @@ public:
     const std::vector<float>& pixels(const std::string& layer);
     /// Between passes, of one pass's value; empty where it is not known (emitted, caustic, a single pass).
     const std::vector<float>& pass_variance(const std::string& layer);
+    /// By the layer's meter, which must be the same every time.
+    const PointwiseErrors& pointwise(const std::string& layer, const ErrorMeter& meter);
 
 private:
     const Film& film_;
     std::map<std::string, std::vector<float>> pixels_, pass_variance_;
+    std::map<std::string, PointwiseErrors> sweeps_;
 };
 
 /// The variance of the mean of n passes.
@@ -65,7 +68,7 @@ public:
     /// Bytes it keeps from one measurement to the next, FLIP's features apart.
     uint64_t bytes() const;
 
-    /// Adds the values of metrics that are one number each; one sweep serves all that need no more. Films are given as
+    /// Adds the values of metrics that are one number each. Films are given as
     /// their passes rise.
     void measure(ResolvedFilm& film, std::span<const LayerMetric> metrics, MetricValues& values);
     /// What the passes tell of a layer; empty where they tell nothing.
@@ -85,8 +88,7 @@ private:
         std::optional<ErrorEstimate> estimate;  // after so many passes
     };
     const LayerState& of(const std::string& layer) const { return states_.at(layer); }
-    std::optional<double> value_of(ResolvedFilm& film, const LayerMetric& wanted,
-                                   std::map<std::string, PointwiseErrors>& sweeps);
+    std::optional<double> value_of(ResolvedFilm& film, const LayerMetric& wanted);
 
     Size2 size_;
     std::set<std::string> layers_;

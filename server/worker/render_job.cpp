@@ -212,10 +212,10 @@ void RenderJob::finish(const PassLoop::Result& result) {
     ErrorStatistics errors;
     if (film.passes() > 0 && !goes_on_elsewhere) {
         const size_t known_points = follower_->curve().size();
-        follower_->finish(film, result.render_seconds);
+        ResolvedFilm resolved(film);
+        follower_->finish(resolved, result.render_seconds);
         if (follower_->curve().size() > known_points) send_curve(known_points);
         const OffTheClock measuring(stats_, kErrorMeasuringStage, meters_);
-        ResolvedFilm resolved(film);
         const JobRequest& request = order_.request;
         errors = error_statistics(resolved, *errors_, follower_->plan(), follower_->curve().back().metrics,
                                   request.reference ? to_json(*request.reference) : json(nullptr));

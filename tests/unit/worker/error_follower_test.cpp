@@ -63,6 +63,10 @@ protected:
         }
         return false;
     }
+    void finish(double seconds) {
+        ResolvedFilm resolved(film);
+        follower->finish(resolved, seconds);
+    }
     std::vector<uint32_t> point_passes() const {
         std::vector<uint32_t> passes;
         for (const CurvePoint& point : follower->curve()) passes.push_back(point.passes);
@@ -84,10 +88,10 @@ TEST_F(ErrorFollowerTest, PointsAreAtPowersOfTwoAndAtDoubledTimesAndAtTheEnd) {
     render_to(40, 0.03);
     // Powers of two, and the first passes that end at or after 0.1 s x 2^k: 0.12, 0.21, 0.42, 0.81 s.
     EXPECT_EQ(point_passes(), (std::vector<uint32_t>{1, 2, 4, 7, 8, 14, 16, 27, 32}));
-    follower->finish(film, 1.2);
+    finish(1.2);
     EXPECT_EQ(follower->curve().back().passes, 40u);
     EXPECT_EQ(follower->curve().back().seconds, 1.2);
-    follower->finish(film, 1.2);
+    finish(1.2);
     EXPECT_EQ(follower->curve().size(), 10u);
     EXPECT_EQ(stats.stages.size(), 1u);
     EXPECT_EQ(stats.stages[0].name, kErrorMeasuringStage);
@@ -100,7 +104,7 @@ TEST_F(ErrorFollowerTest, PointsHoldWhatTheMeterSays) {
     reference.layers["beauty"] = reference.layers["direct"] = ramp();
     make(std::optional(reference));
     render_to(4, 0.001);
-    follower->finish(film, 0.004);
+    finish(0.004);
     const ErrorMeter meter(kSize, ramp());
     const std::vector<float> image = film.resolve_beauty();
     const CurvePoint& last = follower->curve().back();
@@ -155,7 +159,7 @@ TEST_F(ErrorFollowerTest, CostlyMetricsWaitUntilThereIsTime) {
     }
     film.add_pass(noisy_pass(200));
     EXPECT_FALSE(follower->curve().back().metrics.at("flip_ldr").has_value());
-    follower->finish(film, 201);
+    finish(201);
     EXPECT_TRUE(follower->curve().back().metrics.at("flip_ldr").has_value());
 }
 
@@ -168,7 +172,7 @@ TEST_F(ErrorFollowerTest, PointsAtOtherThanPowersOfTwoWaitUntilThereIsTime) {
         make(ramp());
         const auto last = static_cast<uint32_t>(seconds / 0.01);
         render_to(last, 0.01);
-        follower->finish(film, seconds);
+        finish(seconds);
         EXPECT_LE(static_cast<double>(readings) / 2 * tick, kMeasuringShare * seconds) << seconds;
         for (uint32_t passes = 1; passes <= last; passes *= 2)
             EXPECT_EQ(std::ranges::count(point_passes(), passes), 1) << passes;
@@ -214,7 +218,7 @@ TEST_F(ErrorFollowerTest, TargetsAreLookedAtAgainAfterFivePercentMorePasses) {
     request.stop.target = ErrorTarget{"mae", 0};
     make(ramp());
     render_to(64, 1);
-    follower->finish(film, 64);
+    finish(64);
     readings = 0;
     size_t looked_at = 0;
     for (uint32_t last = 64; film.passes() < 120;) {
@@ -235,7 +239,7 @@ TEST_F(ErrorFollowerTest, AMetricWithoutAValueMeetsNothing) {
     request.stop.target = ErrorTarget{"relative_mse", 1e30};
     make(black);
     EXPECT_FALSE(render_to(20, 1));
-    follower->finish(film, 20);
+    finish(20);
     EXPECT_FALSE(follower->curve().back().metrics.at("relative_mse").has_value());
     EXPECT_FALSE(follower->error_now());
     film = Film{kSize, LayerSet()};
