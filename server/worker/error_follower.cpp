@@ -23,6 +23,9 @@ double relative_cost(Metric metric) {
     }
 }
 
+/// About what the statistics at the end take (percentiles, the reference's own noise), in the same terms.
+constexpr double kStatisticsCost = 6;
+
 LayerMetric metric_named(const std::string& name) {
     const std::optional<LayerMetric> found = layer_metric_named(name);
     if (!found) throw std::logic_error("a request with an unknown metric passed its reader: " + name);
@@ -76,9 +79,9 @@ bool ErrorFollower::there_is_time_for(double cost_seconds, double seconds) const
            kMeasuringShare * std::max(seconds, kShortestJudgedSeconds);
 }
 
-/// Of finish(), which measures everything.
+/// Of finish(), which measures everything, and of the statistics after it.
 double ErrorFollower::guessed_last_cost() const {
-    double cost = cheap_cost_;
+    double cost = (1 + kStatisticsCost) * cheap_cost_;
     for (const LayerMetric& metric : plan_.costly) cost += guessed_cost(metric);
     for (const LayerMetric& metric : plan_.estimated) cost += guessed_cost(metric);
     return cost;
