@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "server/helper_wait.h"
 #include "server/routes/connection.h"
 #include "server/try_later.h"
 
@@ -63,6 +64,7 @@ void AnswerPool::stop() {
 }
 
 void AnswerPool::run() {
+    may_wait_for_helper() = settings_.waits_for_helper;
     Answerer answerer;
     std::optional<FairQueue<Waiting>::Taken> taken;
     for (;;) {
@@ -98,6 +100,12 @@ void AnswerPool::run() {
             connection.exchange->memory->take(bytes);
         };
         answerer.answer(exchange, !connection.close_after);
+        if (exchange.needs_helper) {
+            exchange.needs_helper = false;
+            if (callbacks_.needs_helper(taken->item.connection)) continue;
+            exchange.refusal.emplace(too_many_waiting());
+            answerer.answer(exchange, !connection.close_after);
+        }
         if (exchange.client_gone) {
             taken->item.connection.reset();
             callbacks_.gone();

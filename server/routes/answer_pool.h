@@ -1,6 +1,7 @@
 #pragma once
 // A lane: a bounded set of threads with a bounded queue in front, each thread with an Answerer of its own. A request
-// whose client has gone is not worked on, nor one that waited too long: its client is told to come back.
+// whose client has gone is not worked on, nor one that waited too long: its client is told to come back. One that turns
+// out to need a helper leaves a lane whose threads may not wait for one.
 
 #include <condition_variable>
 #include <functional>
@@ -22,6 +23,7 @@ struct LaneSettings {
     size_t max_waiting = 0;
     double most_wait_seconds = 0;  // in the queue
     double most_work_seconds = 0;  // on what is made in pieces (Call::before_piece)
+    bool waits_for_helper = false;
 };
 
 struct LaneCallbacks {
@@ -29,6 +31,9 @@ struct LaneCallbacks {
     std::function<void(std::unique_ptr<Connection>)> done;
     /// Is told that one was dropped because its client has gone.
     std::function<void()> gone;
+    /// Gets a connection that needs a helper, unanswered. False, and the connection left where it is, when there is no
+    /// room for it. Asked where the lane does not wait for a helper.
+    std::function<bool(std::unique_ptr<Connection>&)> needs_helper;
 };
 
 class AnswerPool {

@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include "protocol/problem.h"
+#include "server/helper_wait.h"
 #include "server/try_later.h"
 
 namespace photond::http {
@@ -69,6 +70,9 @@ Reply reply_of(Exchange& exchange) {
     } catch (const ClientGone&) {
         exchange.client_gone = true;
         return {};
+    } catch (const NeedsHelper&) {
+        exchange.needs_helper = true;
+        return {};
     } catch (const Refusal& refusal) {
         Reply reply = problem_reply(refusal.error, exchange.call.head.path);
         for (const auto& [name, value] : refusal.headers) reply.headers[name] = value;
@@ -129,6 +133,7 @@ public:
 
     void run(Exchange& exchange, bool keep_alive) {
         exchange_ = &exchange;
+        exchange.wire.clear();
         const RequestHead& head = exchange.call.head;
         // The library knows the method for HEAD's sake and the target for the query's; a refused request's own line may
         // be beyond it.
@@ -144,7 +149,7 @@ public:
 private:
     void serve(const httplib::Request& request, httplib::Response& response) {
         Exchange& exchange = *exchange_;
-        exchange.call.query.insert(request.params.begin(), request.params.end());
+        exchange.call.query = {request.params.begin(), request.params.end()};
         exchange.reply = reply_of(exchange);
         Reply& reply = exchange.reply;
         response.status = reply.status;

@@ -123,12 +123,12 @@ enum class BodyKind : uint8_t {
     Upload,  // spooled to a file
 };
 
-/// Which threads may run a handler.
+/// Which threads run a handler. One that throws NeedsHelper (helper_wait.h) begins anew in Lane::Helper.
 enum class Lane : uint8_t {
     Instant,  // takes no lock and waits for nothing: on the hub's own thread
     Quick,    // the store at most
     List,     // reads much of the store, in pieces
-    Long,     // a film or a study: takes a while, and waits for no process
+    Long,     // a film or a study: takes a while
     Helper,   // waits for the helper of images and pictures
     Bulk,     // waits for the helper of uploads and other long work
 };
@@ -138,7 +138,6 @@ struct Route {
     std::string pattern;  // "/v1/jobs/{id}"
     BodyKind body = BodyKind::None;
     Lane lane = Lane::Quick;
-    std::string helper_flag;               // a query parameter whose presence makes it Lane::Helper
     bool open = false;                     // needs no token
     std::vector<std::string> media_types;  // of an upload
     std::function<Reply(Call&)> handle;    // throws Error
@@ -150,6 +149,10 @@ struct Refusal {
     std::map<std::string, std::string> headers;
     double held_seconds = 0;  // before it is said, to slow whoever tries again at once
 };
+
+inline Refusal too_many_waiting() {
+    return {Error(ErrorCode::Unavailable, "too many requests are waiting for an answer"), {{"Retry-After", "1"}}};
+}
 
 /// Adds 1 to a number for as long as it lives.
 class Counted {
@@ -175,9 +178,10 @@ struct Exchange {
     std::optional<AnswerMemory::Share> memory;  // of what a lane's threads answer; none for what the hub says itself
 
     // Filled by Answerer.
-    std::string wire;          // head and body as they go out
-    Reply reply;               // its pieces, its file and its event subscription are still to be served
-    bool client_gone = false;  // nothing was made
+    std::string wire;           // head and body as they go out
+    Reply reply;                // its pieces, its file and its event subscription are still to be served
+    bool client_gone = false;   // nothing was made
+    bool needs_helper = false;  // nothing was made: a thread that may wait for a helper is to answer it
 };
 
 Reply json_reply(int status, const nlohmann::json& body);

@@ -25,7 +25,7 @@ constexpr http::LaneSettings kList{.threads = 2, .max_waiting = 4096, .most_wait
 constexpr http::LaneSettings kLong{.threads = 4, .max_waiting = 512, .most_wait_seconds = 60, .most_work_seconds = 120};
 // These wait for a helper most of the time, whose own requests have a limit.
 constexpr http::LaneSettings kHelper{
-    .threads = 8, .max_waiting = 512, .most_wait_seconds = 60, .most_work_seconds = 120};
+    .threads = 8, .max_waiting = 512, .most_wait_seconds = 60, .most_work_seconds = 120, .waits_for_helper = true};
 
 std::vector<http::Route> all_routes(Service& service) {
     std::vector<http::Route> routes;
@@ -135,12 +135,11 @@ struct HttpServer::Impl {
     }
     http::LaneCallbacks lane_callbacks() {
         return {.done = [this](auto connection) { hub.answered(std::move(connection)); },
-                .gone = [this] { service.metrics().http_client_gone(); }};
+                .gone = [this] { service.metrics().http_client_gone(); },
+                .needs_helper = [this](auto& connection) { return helper.submit(connection); }};
     }
     http::AnswerPool& lane_of(const http::Exchange& exchange) {
         const http::Route& route = *exchange.route;
-        if (!route.helper_flag.empty() && http::names_parameter(exchange.call.head.query, route.helper_flag))
-            return helper;
         switch (route.lane) {
             case http::Lane::List: return list;
             case http::Lane::Long: return long_lane;

@@ -415,8 +415,8 @@ private:
         if (hub_.callbacks_.dispatch(owned)) return;
         Connection& back = *owned;
         connections_[back.socket.get()] = std::move(owned);
-        refuse(back, Error(ErrorCode::Unavailable, "too many requests are waiting for an answer"),
-               {{"Retry-After", "1"}});
+        const Refusal refusal = too_many_waiting();
+        refuse(back, refusal.error, refusal.headers);
     }
 
     void refuse(Connection& connection, const Error& error, std::map<std::string, std::string> headers = {},

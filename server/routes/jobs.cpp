@@ -103,11 +103,10 @@ Reply all_events(Service& service, Call& call) {
 }  // namespace
 
 void add_job_routes(std::vector<Route>& routes, Service& service) {
-    routes.push_back({.method = "POST",
-                      .pattern = "/v1/jobs",
-                      .body = BodyKind::Json,
-                      .helper_flag = "dry_run",
-                      .handle = [&service](Call& call) { return submit_job(service, call); }});
+    routes.push_back(
+        {.method = "POST", .pattern = "/v1/jobs", .body = BodyKind::Json, .handle = [&service](Call& call) {
+             return submit_job(service, call);
+         }});
     routes.push_back({.method = "GET", .pattern = "/v1/jobs", .lane = Lane::List, .handle = [&service](Call& call) {
                           return list_jobs(service, call);
                       }});

@@ -216,15 +216,6 @@ std::optional<std::string> header_parameter(const std::string& header, std::stri
     return std::nullopt;
 }
 
-bool names_parameter(std::string_view query, std::string_view name) {
-    while (!query.empty()) {
-        const std::string_view parameter = query.substr(0, query.find('&'));
-        if (percent_decode(parameter.substr(0, parameter.find('='))) == name) return true;
-        query.remove_prefix(std::min(query.size(), parameter.size() + 1));
-    }
-    return false;
-}
-
 std::optional<std::string> percent_decode(std::string_view text) {
     std::string decoded;
     for (size_t i = 0; i < text.size(); ++i) {

@@ -59,9 +59,6 @@ RequestHead parse_head(std::string_view head);
 /// A parameter of a header, `; key=value` or `; key="value"`; nothing where it is absent. `wanted` in lower case.
 std::optional<std::string> header_parameter(const std::string& header, std::string_view wanted);
 
-/// Whether a query (as sent) has a parameter of this name, with whatever value.
-bool names_parameter(std::string_view query, std::string_view name);
-
 /// Percent-decoding; nothing where an escape is malformed.
 std::optional<std::string> percent_decode(std::string_view text);
 

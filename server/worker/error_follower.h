@@ -16,8 +16,8 @@
 namespace photond {
 
 /// Measuring at other points than powers of two, and of metrics that cost much, waits until all measuring so far, the
-/// next one, the last one and the statistics at the end together take at most this share of the job's seconds. A shorter job may take as much as
-/// one of so many seconds: nobody judges that by its clock.
+/// next one, the last one and the statistics at the end together take at most this share of the job's seconds. A
+/// shorter job may take as much as one of so many seconds: nobody judges that by its clock.
 inline constexpr double kMeasuringShare = 0.02;
 inline constexpr double kShortestJudgedSeconds = 2;
 

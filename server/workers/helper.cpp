@@ -4,6 +4,7 @@
 
 #include "protocol/error.h"
 #include "protocol/worker_messages.h"
+#include "server/helper_wait.h"
 #include "server/processor_time.h"
 
 namespace photond {
@@ -174,6 +175,7 @@ void Helper::distrust(const Error& error) {
 }
 
 nlohmann::json Helper::call(nlohmann::json request, std::optional<double> most_processor_seconds) {
+    if (!may_wait_for_helper()) throw NeedsHelper();
     std::unique_lock lock(mutex_);
     const uint64_t ticket = next_ticket_++;
     changed_.wait(lock, [&] { return serving_ == ticket; });

@@ -30,7 +30,7 @@ public:
     /// Sends one request and waits for its reply. The helper's own failure is thrown as the Error it names. A helper
     /// that is lost through no fault of the request is replaced and asked again; one that crashes on it, or answers
     /// what is no reply to it, is not: WorkerCrashed. TimedOut after the time limit, OutOfMemory past the memory limit,
-    /// Unavailable when there is no helper.
+    /// Unavailable when there is no helper. NeedsHelper on a thread that may not wait.
     /// With `most_processor_seconds` TimedOut also when the request has taken so much processor time.
     template <class Request>
     typename Request::Reply ask(Request request, std::optional<double> most_processor_seconds = std::nullopt) {

@@ -106,6 +106,23 @@ class HelpersTest(DaemonTestCase):
         self.assertEqual([answer.status for answer in answers], [200] * 9)
         self.assertEqual(self.daemon.request("GET", "/readyz").status, 200)
 
+    def test_what_turns_out_to_need_a_helper_leaves_the_quick_threads(self):
+        job = self.daemon.run_job(small_job(seed=6))["id"]
+        unknown = [f"hard-case/{name}" for name in ("corner-90", "no-light", "grazing-view")]  # nobody looks at them beforehand
+        with self.stopped("answers"):
+            threads, answers = self.in_background(
+                *({"method": "POST", "path": path, "json_body": {**small_job(), "scene": scene}}
+                  for path in ("/v1/jobs", "/v1/jobs?dry_run=true") for scene in unknown for _ in range(4)),
+                {"method": "GET", "path": "/v1/scenes?family=hard-cases"},
+                {"method": "GET", "path": "/v1/scenes/" + unknown[0].replace("/", "%2F")})
+            self.wait_for("busy", lambda: self.helper("answers")["state"] == "busy")
+            self.slowest(f"/v1/jobs/{job}", f"/v1/jobs/{job}/log.txt", "/v1/status", "/v1/methods")
+            self.assertEqual(answers, [None] * len(answers), "answered by a stopped process")
+        for thread in threads:
+            thread.join()
+        self.assertEqual([answer.status for answer in answers], [202] * 12 + [200] * 14)
+        self.assertEqual(len({answer.json["id"] for answer in answers[:12]}), 12)
+
     def test_a_header_of_a_hundred_thousand_attributes_is_refused_unread(self):
         reply = self.daemon.request("POST", "/v1/images", body=exr_of_attributes(100_000),
                                     headers={"Content-Type": "image/x-exr"})

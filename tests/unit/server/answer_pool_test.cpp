@@ -8,6 +8,7 @@
 #include <atomic>
 #include <future>
 
+#include "server/helper_wait.h"
 #include "server/routes/connection.h"
 
 namespace photond::http::answer_pool_test {
@@ -74,6 +75,42 @@ TEST_F(AnswerPoolTest, AClientThatHasGoneIsNotServed) {
     wait_for(2, 19);
     EXPECT_EQ(worked, 2);
     EXPECT_EQ(open_, 2);
+}
+
+// Begun anew where threads may wait for a helper; put off where there is no room for it.
+TEST_F(AnswerPoolTest, WhatNeedsAHelperIsAnsweredWhereOneIsWaitedFor) {
+    std::atomic<int> begun{0};
+    const Route route{.handle = [&](Call& call) {
+        EXPECT_EQ(call.query.count("x"), 1u);
+        ++begun;
+        if (!may_wait_for_helper()) throw NeedsHelper();
+        Reply reply;
+        reply.body = "made";
+        return reply;
+    }};
+    AnswerPool patient(
+        {.threads = 1, .max_waiting = 1, .most_wait_seconds = 60, .most_work_seconds = 60, .waits_for_helper = true},
+        callbacks());
+    std::atomic<bool> room{true};
+    LaneCallbacks quick_callbacks = callbacks();
+    quick_callbacks.needs_helper = [&](std::unique_ptr<Connection>& connection) {
+        return room && patient.submit(connection);
+    };
+    AnswerPool quick({.threads = 1, .max_waiting = 2, .most_wait_seconds = 60, .most_work_seconds = 60},
+                     quick_callbacks);
+    FileDescriptor ends[2];
+    for (size_t i = 0; i < 2; ++i) {
+        auto connection = request(route, "a", ends[i]);
+        connection->exchange->call.head.query = "x=1";
+        room = i == 0;
+        ASSERT_TRUE(quick.submit(connection));
+        wait_for(i + 1, 0);
+    }
+    EXPECT_EQ(begun, 3);
+    EXPECT_EQ(answered_[0]->exchange->reply.status, 200);
+    EXPECT_TRUE(answered_[0]->exchange->wire.ends_with("\r\n\r\nmade")) << answered_[0]->exchange->wire;
+    EXPECT_EQ(answered_[1]->exchange->reply.status, 503);
+    EXPECT_EQ(answered_[1]->exchange->reply.headers.at("Retry-After"), "1");
 }
 
 // The client leaves while its list is being made: the rest of it is not.
