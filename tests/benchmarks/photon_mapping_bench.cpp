@@ -159,7 +159,7 @@ void measure_jensen() {
                 (first ? pass1 : rendering) += stage.wall_seconds;
             }
             const std::string how =
-                gather == Gather::Direct ? "direct" : "final, " + std::to_string(params.gather_rays) + " rays";
+                gather == Gather::Direct ? "direct" : "final, " + std::to_string(*params.gather_rays) + " rays";
             std::printf(
                 "  %-18s %-15s %8llu photons stored of %u + %u paths; pass 1 %.2f s, rendering %.2f s\n"
                 "      (%s: %.0f + %.0f photons; pass 1 %.0f s, rendering %.0f min on his machine of 1996)\n",

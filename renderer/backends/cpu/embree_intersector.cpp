@@ -59,6 +59,9 @@ struct MemoryMeter {
         meter.bytes.fetch_sub(bytes, std::memory_order_relaxed);  // refused: will not be allocated
         return false;
     }
+    bool has_room(uint64_t asked) const {
+        return bytes.load(std::memory_order_relaxed) + int64_t(asked) <= limit_bytes;
+    }
 };
 
 /// A query's context, seen again by the filter functions: the rays as the caller gave them, in world space.
@@ -113,6 +116,7 @@ private:
     ScenePtr make_scene();
     void commit(RTCScene scene);
     void check() const;
+    [[noreturn]] void throw_out_of_memory() const;
 
     MemoryMeter meter_;  // first: the device reports to it until it is released
     DevicePtr device_;
@@ -163,6 +167,9 @@ GeometryPtr EmbreeIntersector::make_triangles(const Scene& scene, uint32_t mesh,
         rtcSetSharedGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, m.positions.data(), 0,
                                    sizeof(vec3), m.positions.size());
     } else {
+        // A device that refuses the memory of a buffer is never released (Embree 3's Buffer): it is refused here.
+        constexpr uint64_t kRoundedUp = 32;  // bytes, by which Embree may ask for more
+        if (!meter_.has_room(m.positions.size() * sizeof(vec3) + kRoundedUp)) throw_out_of_memory();
         void* copy = rtcSetNewGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(vec3),
                                              m.positions.size());
         check();
@@ -196,12 +203,15 @@ void EmbreeIntersector::commit(RTCScene scene) {
 void EmbreeIntersector::check() const {
     switch (const RTCError error = rtcGetDeviceError(device_.get())) {
         case RTC_ERROR_NONE: return;
-        case RTC_ERROR_OUT_OF_MEMORY:
-            throw Error(ErrorCode::OutOfMemory, "the ray structure does not fit: it holds " +
-                                                    std::to_string(meter_.bytes.load()) + " bytes and may take " +
-                                                    std::to_string(meter_.limit_bytes));
+        case RTC_ERROR_OUT_OF_MEMORY: throw_out_of_memory();
         default: throw Error(ErrorCode::Internal, "Embree reports error " + std::to_string(int(error)));
     }
+}
+
+void EmbreeIntersector::throw_out_of_memory() const {
+    throw Error(ErrorCode::OutOfMemory, "the ray structure does not fit: it holds " +
+                                            std::to_string(meter_.bytes.load()) + " bytes and may take " +
+                                            std::to_string(meter_.limit_bytes));
 }
 
 uint64_t EmbreeIntersector::bytes() const {

@@ -34,13 +34,13 @@ public:
         : shared_(shared), maps_(maps), scratch_(scratch) {}
 
     static bool needed(const PhotonMappingScene& shared, const PassMaps& maps) {
-        return shared.params.most_light_samples() > 1 || FinalGather::samples_lights(shared.params) || maps.shadow;
+        return shared.splits.light_samples > 1 || FinalGather::samples_lights(shared.params) || maps.shadow;
     }
 
     WalkVertex decide(const Rgb& throughput, float eta_scale, bool waits) const override {
-        const PhotonMappingParams& params = shared_.params;
-        return {split_of(params.most_light_samples(), throughput, eta_scale),
-                waits && FinalGather::samples_lights(params) ? split_of(params.gather_rays, throughput, eta_scale) : 0};
+        const bool rays = waits && FinalGather::samples_lights(shared_.params);
+        return {split_of(shared_.splits.light_samples, throughput, eta_scale),
+                rays ? split_of(shared_.splits.gather_rays, throughput, eta_scale) : 0};
     }
     LightSeen light_seen(const vec3& position, const vec3& normal, uint32_t source) override {
         return photond::light_seen(maps_, position, normal, source, scratch_);
@@ -74,10 +74,9 @@ private:
             estimate_caustic(shared_, maps_, point.surface, point.rough, point.wo, most, pass_.neighbours_);
         RadianceEstimate global;
         if (shared_.final_gather()) {
-            pass_.gather_points_.push_back(
-                {point, FinalGather::key(point.path_key, point.vertex),
-                 split_of(shared_.params.gather_rays, point.throughput, point.eta_scale),
-                 split_of(shared_.params.most_light_samples(), point.throughput, point.eta_scale)});
+            pass_.gather_points_.push_back({point, FinalGather::key(point.path_key, point.vertex),
+                                            split_of(shared_.splits.gather_rays, point.throughput, point.eta_scale),
+                                            split_of(shared_.splits.light_samples, point.throughput, point.eta_scale)});
         } else {
             global = estimate_global(shared_, maps_, point.surface, point.rough, point.wo, most, pass_.neighbours_);
         }

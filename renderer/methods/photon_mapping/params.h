@@ -15,12 +15,18 @@ enum class Gather : uint8_t { Direct, Final };
 enum class GatherSampling : uint8_t { Bsdf, Photons };
 enum class DiscBoundary : uint8_t { None, Clip };
 
+/// Paths that one from the eye goes on as at a vertex the eye sees directly.
+struct Splits {
+    uint32_t light_samples;
+    uint32_t gather_rays;  // 0: light is not gathered
+};
+
 struct PhotonMappingParams final : MethodParams {
     uint32_t photons = 200'000;
     std::optional<uint32_t> caustic_photons;
     std::optional<uint32_t> indirect_bounces;
     Gather gather = Gather::Final;
-    uint32_t gather_rays = 8;
+    std::optional<uint32_t> gather_rays;
     std::optional<uint32_t> light_samples;
     GatherSampling gather_sampling = GatherSampling::Bsdf;
     bool precompute_irradiance = false;
@@ -46,8 +52,9 @@ struct PhotonMappingParams final : MethodParams {
 
     /// Greatest number of scattering vertices of a path: n vertices make n - 1 bounces (conventions.md).
     uint32_t max_scatterings() const { return indirect_bounces ? *indirect_bounces + 1 : UINT32_MAX; }
-    /// Light samples of a vertex the eye sees directly.
-    uint32_t most_light_samples() const;
+    /// For an image of so many pixels. Where the gather rays are not given, a pass has about as many in all, whatever
+    /// the image's size.
+    Splits splits(uint64_t pixels) const;
     /// Of the maps, for a scene whose bounding sphere has that radius.
     float search_radius_m(float scene_radius_m) const;
     /// Of the search among shadow photons: the radius where one is given, else that of a fixed search.
@@ -75,12 +82,12 @@ inline void PhotonMappingParams::visit(ParamVisitor& visitor) {
                          "ends of gather rays (final)"});
     visitor.field("gather_rays", gather_rays,
                   {Light, "rays", 1, 4096,
-                   "of a final gather at a vertex the eye sees directly; fewer rays make shorter passes, "
-                   "and the mean of the passes is the same"});
+                   "of a final gather at a vertex the eye sees directly; fewer rays make shorter passes, and the mean "
+                   "of the passes is the same; when not given 8, in images of over 131072 pixels 1048576 in all"});
     visitor.field("light_samples", light_samples,
                   {Gathering, "samples", 1, 1024,
-                   "light samples at a vertex the eye sees directly; when not given a quarter of gather_rays for final "
-                   "gathering, one otherwise"});
+                   "light samples at a vertex the eye sees directly; when not given a quarter of the gather rays for "
+                   "final gathering, one otherwise"});
     visitor.enumeration("gather_sampling", gather_sampling,
                         {Gathering, kGatherSamplings,
                          "directions of gather rays: by the BSDF alone, or half of them by where the "

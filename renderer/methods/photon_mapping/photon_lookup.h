@@ -23,6 +23,7 @@ struct PhotonMappingScene : EyeScene {
     PhotonMappingScene(const RenderContext& context, const PhotonMappingParams& parameters)
         : EyeScene(context, parameters.sampler, parameters.max_scatterings()),
           params(parameters),
+          splits(parameters.splits(context.view.film_size.pixels())),
           search_radius_m(parameters.search_radius_m(context.scene.bounds.radius())),
           estimate{.kernel = Kernel(parameters.kernel, parameters.cone_k),
                    .disc_thickness_m = parameters.disc_thickness_m,
@@ -38,6 +39,7 @@ struct PhotonMappingScene : EyeScene {
     }
 
     const PhotonMappingParams params;
+    const Splits splits;
     const float search_radius_m;
     const bool lights_can_be_met = !scene.triangle_lights.empty() || scene.environment.has_value();
     std::optional<SurfaceBoundary> boundary;

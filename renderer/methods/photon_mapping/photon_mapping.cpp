@@ -24,9 +24,9 @@ struct MapBytes {
     uint64_t map, build;
 };
 
-uint64_t split_sampler_bytes(const PhotonMappingParams& params) {
-    return SplitSamplers::bytes_for(params.most_light_samples()) +
-           (params.gather == Gather::Final ? SplitSamplers::bytes_for(params.gather_rays) : 0);
+uint64_t split_sampler_bytes(const Splits& splits) {
+    return SplitSamplers::bytes_for(splits.light_samples) +
+           (splits.gather_rays > 0 ? SplitSamplers::bytes_for(splits.gather_rays) : 0);
 }
 
 std::string projection_text(const ProjectionMap& map) {
@@ -91,7 +91,7 @@ uint64_t PhotonMapping::estimate_bytes(const PhotonMappingParams& params, const 
     uint64_t bytes = PassImage::bytes_for(workload.film_size, workload.layers) +
                      workload.threads * EyePass::bytes_per_thread() +
                      LightSampler::estimate_bytes(workload.lights, workload.environment_size);
-    bytes += split_sampler_bytes(params);
+    bytes += split_sampler_bytes(params.splits(workload.film_size.pixels()));
     if (plan.global.wanted() || plan.caustic.wanted() || plan.shadow)
         bytes += EmissionSampler::estimate_bytes(workload.lights, workload.environment_size);
     if (plan.global.wanted() || plan.caustic.wanted()) bytes += PhotonTracer::scratch_bytes(workload.threads);
@@ -132,7 +132,7 @@ void PhotonMapping::begin(const RenderContext& context, Stats& stats) {
     budget.record("pass_image", PassImage::bytes_for(context.view.film_size, context.view.layers));
     budget.record("wavefronts", most_threads() * EyePass::bytes_per_thread());
     budget.record("light_sampler", state.shared.lights.bytes());
-    budget.record("split_samplers", split_sampler_bytes(params_));
+    budget.record("split_samplers", split_sampler_bytes(state_->shared.splits));
     if (state.shared.boundary) budget.record("surface_boundary", state.shared.boundary->bytes());
 
     if (!state.shared.lights.empty()) {
@@ -254,8 +254,8 @@ void PhotonMapping::look_from_eye(uint32_t pass, Stats& stats, const CancelToken
     const double wall_start = wall_now_seconds();
     const auto split = [&](uint32_t samples) { return SplitSamplers(shared.sampler, shared.seed, pass, samples); };
     const PassSamplers samplers{{shared.sampler, shared.seed, RandomDomain::Camera, pass},
-                                split(params_.most_light_samples()),
-                                split(shared.final_gather() ? params_.gather_rays : 0)};
+                                split(shared.splits.light_samples),
+                                split(shared.splits.gather_rays)};
     parallel_over_tiles(shared.view.film_size, EyePass::kTileSide, cancel, [&](const Tile& tile) {
         State::PerThread& mine = state.threads.local();
         mine.eye.trace_tile(shared, state.maps, samplers, tile, state.image, mine.counts, mine.seconds, cancel);

@@ -58,13 +58,10 @@ float cell_size_m(const PhotonMappingParams& params, PhotonMapKind kind, const B
     return std::clamp(kBegin * disc_m, std::min(least_m, radius_m), radius_m);
 }
 
-uint32_t gather_rays_of(const PhotonMappingParams& params) {
-    return params.gather == Gather::Final ? params.gather_rays : 0;
-}
+uint32_t paths_a_pixel(const Splits& splits) { return splits.light_samples + splits.gather_rays; }
 
-uint64_t split_bytes(const PhotonMappingParams& params) {
-    return (uint64_t{params.most_light_samples()} + gather_rays_of(params)) * SPLIT_PREPARED_SETS * 2 *
-           sizeof(uint32_t);
+uint64_t split_bytes(const Splits& splits) {
+    return uint64_t{paths_a_pixel(splits)} * SPLIT_PREPARED_SETS * 2 * sizeof(uint32_t);
 }
 
 /// Room for points that gather, of a piece: about one a pixel; a few more where a path may leave several.
@@ -76,9 +73,8 @@ constexpr uint32_t kGatherLanes = 8;           // threads of a point
 constexpr uint32_t kSoftwareGatherLanes = 64;  // lavapipe leaves the loops of a thread after 65535 turns in all
 constexpr uint64_t kPointBytes = sizeof(gpu::GatherPointRecord) + kGatherLanes * sizeof(gpu::GatheredRecord);
 
-uint32_t tiles_of_piece(uint32_t paths_per_submit, uint32_t tiles, const PhotonMappingParams& params) {
-    const uint32_t paths_a_pixel = params.most_light_samples() + gather_rays_of(params);
-    return std::clamp(paths_per_submit / (kTilePixels * paths_a_pixel), 1u, std::max(tiles, 1u));
+uint32_t tiles_of_piece(uint32_t paths_per_submit, uint32_t tiles, const Splits& splits) {
+    return std::clamp(paths_per_submit / (kTilePixels * paths_a_pixel(splits)), 1u, std::max(tiles, 1u));
 }
 
 uint64_t last_points_bytes(const PhotonMappingParams& params, uint32_t tiles_a_piece) {
@@ -102,17 +98,18 @@ struct PhotonMappingGpu::State {
           device(on_device.device()),
           scene(context.scene),
           size(context.view.film_size),
+          splits(params.splits(size.pixels())),
           seed(context.seed),
           search_radius_m(parameters.search_radius_m(context.scene.bounds.radius())),
           tiles(eye_tile_count(size)),
-          tiles_a_piece(tiles_of_piece(device.paths_per_submit(), tiles, params)),
+          tiles_a_piece(tiles_of_piece(device.paths_per_submit(), tiles, splits)),
           eye(device, "eye", sizeof(gpu::EyeConstants)),
           mapping(device, "photon_mapping", sizeof(gpu::PhotonMappingConstants)),
           split_samplers(device, "renderer/methods/photon_mapping/split_samplers.comp", sizeof(gpu::SplitSamplersPush),
                          &on_device.set()),
           hash_grid(device),
           sampler(device, "sampler", sizeof(gpu::PassSamplerData)),
-          split_points(device, "split_samplers", split_bytes(params)),
+          split_points(device, "split_samplers", split_bytes(splits)),
           host_photon_states(device, "readback", kMaps * PhotonTracerGpu::kStateBytes, gpu::MemoryKind::Readback),
           host_point_state(device, "readback", POINT_STATE_WORDS * sizeof(uint32_t), gpu::MemoryKind::Readback),
           frame(context, [this](uint32_t pass, DeviceFrame::Steps& steps) { add_steps(pass, steps); }) {
@@ -150,6 +147,7 @@ struct PhotonMappingGpu::State {
     gpu::Device& device;
     const Scene& scene;
     const Size2 size;
+    const Splits splits;
     const uint64_t seed;
     const float search_radius_m;
     const uint32_t tiles, tiles_a_piece;
@@ -195,13 +193,14 @@ uint64_t PhotonMappingGpu::estimate_device_bytes(const PhotonMappingParams& para
     const PhotonYield yield = workload.photon_yield.value_or(kExpectedYield);
     const bool specular = workload.needs.delta || (workload.photon_yield && yield.caustic > 0);
     const PhotonPlan plan(params, lights, specular);
-    uint64_t bytes = DeviceFrame::estimate_device_bytes(workload) + sizeof(gpu::PassSamplerData) + split_bytes(params) +
+    const Splits splits = params.splits(workload.film_size.pixels());
+    uint64_t bytes = DeviceFrame::estimate_device_bytes(workload) + sizeof(gpu::PassSamplerData) + split_bytes(splits) +
                      sizeof(gpu::EyeConstants) + sizeof(gpu::PhotonMappingConstants);
     if (params.gather == Gather::Final) {  // what is a piece differs from device to device: the largest
         const uint64_t pixels = workload.film_size.pixels();
         const bool only_lambert = workload.needs.only_lambert();
         const auto film_tiles = static_cast<uint32_t>((pixels + kTilePixels - 1) / kTilePixels);
-        const uint32_t most_tiles = tiles_of_piece(gpu::Device::kMostPathsPerSubmit, film_tiles, params);
+        const uint32_t most_tiles = tiles_of_piece(gpu::Device::kMostPathsPerSubmit, film_tiles, splits);
         bytes += points_of_piece(most_tiles, only_lambert) * kPointBytes + last_points_bytes(params, most_tiles);
     }
     uint64_t most = 0;
@@ -261,8 +260,8 @@ void PhotonMappingGpu::State::prepare_passes(bool lights_can_be_met) {
     constants = {.estimate = {.kernel = Kernel(params.kernel, params.cone_k).device_record(),
                               .disc_thickness_m = params.disc_thickness_m.value_or(-1.0f)},
                  .glossy_threshold = params.glossy_threshold,
-                 .light_samples = params.most_light_samples(),
-                 .gather_rays = gather_rays_of(params),
+                 .light_samples = splits.light_samples,
+                 .gather_rays = splits.gather_rays,
                  .lights_can_be_met = lights_can_be_met};
     if (gathers()) point_capacity = points_of_piece(tiles_a_piece, scene.needs.only_lambert());
     point_state = gpu::Buffer(device, "gather_points", POINT_STATE_WORDS * sizeof(uint32_t));
@@ -301,11 +300,10 @@ void PhotonMappingGpu::State::add_steps(uint32_t pass, DeviceFrame::Steps& steps
 
 void PhotonMappingGpu::State::record_samplers(uint32_t pass, gpu::CommandList& commands) {
     commands.update(sampler, PassSampler(params.sampler, seed, RandomDomain::Camera, pass).device_data());
-    const gpu::SplitSamplersPush split{params.most_light_samples(), gather_rays_of(params)};
+    const gpu::SplitSamplersPush split{splits.light_samples, splits.gather_rays};
     commands.bind(split_samplers, {gpu::read("pass_sampler", sampler), gpu::write("points", split_points)});
     commands.push(split);
-    commands.dispatch_threads(uint64_t{split.light_samples + split.gather_rays} * SPLIT_PREPARED_SETS,
-                              SPLIT_SAMPLERS_GROUP);
+    commands.dispatch_threads(uint64_t{paths_a_pixel(splits)} * SPLIT_PREPARED_SETS, SPLIT_SAMPLERS_GROUP);
 }
 
 /// Some of a map's light paths; with the last of them it is built.

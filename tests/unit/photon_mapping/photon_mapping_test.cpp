@@ -254,8 +254,8 @@ TEST(PhotonMapping, CountsStagesAndMemoryAreReported) {
     EXPECT_EQ(stats.counts.photons_emitted, 2 * 2000u);
     EXPECT_GT(stats.counts.photons_stored, 0u);
     EXPECT_GT(stats.counts.photon_rays, stats.counts.photons_emitted);
-    EXPECT_LE(stats.counts.bounce_rays, 2 * pixels * settings.params.gather_rays);
-    EXPECT_GT(stats.counts.bounce_rays, pixels * settings.params.gather_rays);
+    EXPECT_LE(stats.counts.bounce_rays, 2 * pixels * *settings.params.gather_rays);
+    EXPECT_GT(stats.counts.bounce_rays, pixels * *settings.params.gather_rays);
     EXPECT_GT(stats.counts.shadow_rays, stats.counts.bounce_rays / 4);
     EXPECT_GT(sum_of(film.resolve(Layer::PhotonCount)), double(pixels));
     for (const char* stage : {"photon_tracing", "photon_map_build", "g_buffer", "direct", "gather"})
@@ -325,6 +325,28 @@ TEST(PhotonMapping, RadiusInMetresAndRelativeRadiusExcludeEachOther) {
     params.radius_m.reset();
     EXPECT_NO_THROW(params.check());
     EXPECT_FLOAT_EQ(params.search_radius_m(7), 0.7f);
+}
+
+TEST(PhotonMapping, AutomaticGatherRaysAreAsManyAPassWhateverTheImagesSize) {
+    const auto expect_splits = [](const PhotonMappingParams& params, Size2 size, uint32_t lights, uint32_t rays) {
+        const Splits splits = params.splits(size.pixels());
+        EXPECT_EQ(splits.light_samples, lights) << size.width << " x " << size.height;
+        EXPECT_EQ(splits.gather_rays, rays) << size.width << " x " << size.height;
+    };
+    PhotonMappingParams params;
+    expect_splits(params, {1, 1}, 2, 8);
+    expect_splits(params, {512, 256}, 2, 8);
+    expect_splits(params, {512, 257}, 1, 7);
+    expect_splits(params, {512, 512}, 1, 4);
+    expect_splits(params, {16384, 16384}, 1, 1);
+    params.gather_rays = 64;
+    expect_splits(params, {512, 512}, 16, 64);
+    params.light_samples = 3;
+    expect_splits(params, {512, 512}, 3, 64);
+    params.gather = Gather::Direct;
+    expect_splits(params, {512, 512}, 3, 0);
+    params.light_samples.reset();
+    expect_splits(params, {512, 512}, 1, 0);
 }
 
 TEST(PhotonMapping, ACancelledPassLeavesNothing) {
