@@ -169,11 +169,13 @@ struct JudgeImageRequest {
 
 struct MeasureReply {
     nlohmann::json metrics;          // {name: value}
+    nlohmann::json intervals;        // {name: [least, greatest]} of what two references were measured by; or null
     nlohmann::json reference_error;  // {name: value}: what the reference's own noise explains; or null
     std::vector<std::string> notes;
 
     void visit(MessageVisitor& visitor) {
         visitor.member("metrics", metrics);
+        visitor.or_null("intervals", intervals);
         visitor.or_null("reference_error", reference_error);
         visitor.member("notes", notes);
     }
@@ -183,11 +185,13 @@ struct MeasureRequest {
     static constexpr const char* kType = "measure";
     using Reply = MeasureReply;
     ImageSource image, reference;
+    std::optional<ImageSource> second_reference;      // whose noise is independent of the other's
     std::optional<std::vector<std::string>> metrics;  // none: those of the beauty that cost little
 
     void visit(MessageVisitor& visitor) {
         visitor.member("image", image);
         visitor.member("reference", reference);
+        visitor.or_null("second_reference", second_reference);
         visitor.or_null("metrics", metrics);
     }
 };

@@ -159,14 +159,29 @@ json measurement_request_schema(const ApiVocabulary& vocabulary) {
     metrics["minItems"] = 1;
     metrics["maxItems"] = 256;
     metrics["uniqueItems"] = true;
-    return taken({{"image", source}, {"reference", source}, {"metrics", or_null(metrics)}}, {"image", "reference"});
+    json two = list_of(source);
+    two["minItems"] = two["maxItems"] = 2;
+    two["uniqueItems"] = true;
+    const json pair =
+        with_text(two,
+                  "instead of reference: two images of one truth, of different seeds, so that their noise "
+                  "has no part in mse, rmse and relative_mse; all else is against their mean");
+    return taken({{"image", source},
+                  {"reference", with_text(or_null(source), "this or references")},
+                  {"references", or_null(pair)},
+                  {"metrics", or_null(metrics)}},
+                 {"image"});
 }
 
 /// A metric's value: one number, one a channel, percentiles by name; null where its definition gives none.
 json metric_values() { return map_of({{"type", {"number", "array", "object", "null"}}}); }
 
 json measurement_schema() {
+    json interval = list_of(typed("number"));
+    interval["minItems"] = interval["maxItems"] = 2;
     return given({{"metrics", metric_values()},
+                  {"intervals", with_text(or_null(map_of(or_null(interval))),
+                                          "of what two references were measured by: with 90 % confidence between")},
                   {"reference_error", with_text(or_null(metric_values()), "what the reference's own noise explains")},
                   {"notes", list_of(typed("string"))}});
 }

@@ -33,16 +33,25 @@ ExitCode merge(Session& session, const std::vector<std::string>& ids, const JobO
     return exit_code_of(job);
 }
 
-ExitCode measure(Session& session, const std::string& image, const std::string& reference,
-                 const std::vector<std::string>& metrics) {
-    json request{{"image", image_from(session, image)}, {"reference", image_from(session, reference)}};
+struct MeasuredImages {
+    std::string image, reference, second_reference;  // the last one: of no length where there is none
+};
+
+ExitCode measure(Session& session, const MeasuredImages& images, const std::vector<std::string>& metrics) {
+    json request{{"image", image_from(session, images.image)}};
+    const std::string reference = image_from(session, images.reference);
+    if (images.second_reference.empty())
+        request["reference"] = reference;
+    else
+        request["references"] = {reference, image_from(session, images.second_reference)};
     if (!metrics.empty()) request["metrics"] = metrics;
     const json answer = session.daemon().send("POST", "/v1/metrics", request, Repeat::Safely);
     if (session.json_output) {
         session.print_json(answer);
         return ExitCode::Ok;
     }
-    print_errors(std::cout, answer.at("metrics"), answer.value("reference_error", json()));
+    print_errors(std::cout, answer.at("metrics"), answer.value("reference_error", json()),
+                 answer.value("intervals", json()));
     for (const json& note : answer.value("notes", json::array())) std::cout << "  note: " << plain_text(note) << '\n';
     return ExitCode::Ok;
 }
@@ -63,20 +72,24 @@ void add_film_commands(CLI::App& program, Session& session) {
     });
 
     CLI::App* metrics_command = program.add_subcommand("metrics", "Errors of an image against a reference");
-    const auto images = std::make_shared<std::pair<std::string, std::string>>();
+    const auto images = std::make_shared<MeasuredImages>();
     const auto metrics = std::make_shared<std::vector<std::string>>();
-    metrics_command->add_option("image", images->first, "a job (J17), image:ID, or a .exr or .hdr to send")
+    metrics_command->add_option("image", images->image, "a job (J17), image:ID, or a .exr or .hdr to send")
         ->required()
         ->type_name("IMAGE");
-    metrics_command->add_option("reference", images->second, "what it is measured against, likewise")
+    metrics_command->add_option("reference", images->reference, "what it is measured against, likewise")
         ->required()
+        ->type_name("IMAGE");
+    metrics_command
+        ->add_option(
+            "second_reference", images->second_reference,
+            "one of another seed: mse, rmse and relative_mse are then without both references' noise, and have "
+            "an interval")
         ->type_name("IMAGE");
     add_metrics_option(*metrics_command, *metrics,
                        "which ones, separated by commas; LAYER:METRIC is of one layer; default: all, of the beauty");
     metrics_command->callback([&session, images, metrics] {
-        session.action = [&session, images, metrics] {
-            return measure(session, images->first, images->second, *metrics);
-        };
+        session.action = [&session, images, metrics] { return measure(session, *images, *metrics); };
     });
 }
 

@@ -159,16 +159,19 @@ std::string error_cell(const json& value) {
 
 }  // namespace
 
-void print_errors(std::ostream& out, const json& error, const json& reference_error) {
+void print_errors(std::ostream& out, const json& error, const json& reference_error, const json& intervals) {
     if (!error.is_object() || error.empty()) return;
     std::vector<TextTable::Column> columns{{"error"}, {"", Align::Right}};
     const bool noise_known = reference_error.is_object() && !reference_error.empty();
     if (noise_known) columns.push_back({"reference's own noise", Align::Right});
+    const bool crossed = intervals.is_object() && !intervals.empty();
+    if (crossed) columns.push_back({"90 % between", Align::Right});
     TextTable table(columns);
     for (const auto& [metric, value] : error.items()) {
         if (value.is_null()) continue;
         std::vector<std::string> row{printable(metric), error_cell(value)};
         if (noise_known) row.push_back(error_cell(member(reference_error, metric.c_str())));
+        if (crossed) row.push_back(error_cell(member(intervals, metric.c_str())));
         table.add_row(std::move(row));
     }
     if (!table.empty()) table.print(out, "  ");

@@ -10,7 +10,8 @@ namespace photond::cli {
 void print_statistics(std::ostream& out, const nlohmann::json& statistics);
 
 /// A table of errors with the reference's own noise beside them. `error`: metric to number, array or null;
-/// `reference_error`: likewise, or null.
-void print_errors(std::ostream& out, const nlohmann::json& error, const nlohmann::json& reference_error);
+/// `reference_error` and `intervals`: likewise, or null.
+void print_errors(std::ostream& out, const nlohmann::json& error, const nlohmann::json& reference_error,
+                  const nlohmann::json& intervals = nullptr);
 
 }  // namespace photond::cli

@@ -205,26 +205,63 @@ Artefact ErrorArtefacts::flip_map(const std::string& image, const std::string& r
         });
 }
 
+void ErrorArtefacts::check_independent(const std::string& first, const std::string& second) {
+    const std::string pointer = "/references/1";
+    if (first == second) throw Error(ErrorCode::Conflict, pointer, "'" + second + "' is named twice");
+    if (!first.starts_with("job:") || !second.starts_with("job:")) return;
+    const std::lock_guard lock(core_.mutex);
+    const auto seed_of = [&](const std::string& name) {
+        return json::parse(objects_.require_job(name.substr(4)).request).value("seed", uint64_t{1});
+    };
+    if (const uint64_t seed = seed_of(first); seed == seed_of(second))
+        throw Error(ErrorCode::Conflict, pointer,
+                    "both jobs have the seed " + std::to_string(seed) + ": their noise is not independent");
+}
+
 json ErrorArtefacts::measure(const json& body) {
     BodyFaults faults;
     ObjectReader reader(body, "", faults);
-    std::optional<std::string> names[2];
-    const char* const members[2] = {"image", "reference"};
-    for (int i = 0; i < 2; ++i) {
-        names[i] = reader.string(members[i], kMaxSourceBytes, true);
-        if (names[i]) check_source_name(*names[i], reader.at(members[i]), faults);
+    struct Named {
+        std::string name, pointer;
+    };
+    std::vector<Named> named;  // the image, and what it is measured against
+    const auto add = [&](const std::optional<std::string>& name, const std::string& pointer) {
+        if (!name) return;
+        check_source_name(*name, pointer, faults);
+        named.push_back({*name, pointer});
+    };
+    add(reader.string("image", kMaxSourceBytes, true), "/image");
+    const json* const pair = reader.member("references");
+    add(reader.string("reference", kMaxSourceBytes, !pair), "/reference");
+    if (pair && named.size() > 1) {
+        faults.add(ErrorCode::Conflict, "/references", "reference and references exclude each other");
+    } else if (pair && (!pair->is_array() || pair->size() != 2)) {
+        faults.add(pair->is_array() ? ErrorCode::OutOfRange : ErrorCode::WrongType, "/references",
+                   "must be an array of two: \"job:ID\" or \"image:ID\"");
+    } else if (pair) {
+        for (size_t i = 0; i < 2; ++i) {
+            const std::string pointer = "/references/" + std::to_string(i);
+            if ((*pair)[i].is_string())
+                add((*pair)[i].get<std::string>(), pointer);
+            else
+                faults.add(ErrorCode::WrongType, pointer, "must be a string");
+        }
     }
     const std::vector<std::string> metrics = read_metrics(reader.member("metrics"), faults);
     reader.finish();
     faults.throw_if_any();
-    NamedSource sources[2];
-    for (int i = 0; i < 2; ++i) {
-        const std::string pointer = std::string("/") + members[i];
-        sources[i] = source_named(*names[i], pointer);
-        if (sources[i].film.pending)
-            throw Error(ErrorCode::WrongState, pointer, "job " + names[i]->substr(4) + " has no film yet");
+    std::vector<NamedSource> sources;
+    for (const auto& [name, pointer] : named) {
+        sources.push_back(source_named(name, pointer));
+        if (sources.back().film.pending)
+            throw Error(ErrorCode::WrongState, pointer, "job " + name.substr(4) + " has no film yet");
     }
-    return part_json(core_.helper->ask(MeasureRequest{sources[0].source, sources[1].source, metrics}));
+    MeasureRequest request{sources[0].source, sources[1].source, std::nullopt, metrics};
+    if (pair) {
+        check_independent(named[1].name, named[2].name);
+        request.second_reference = sources[2].source;
+    }
+    return part_json(core_.helper->ask(request));
 }
 
 }  // namespace photond

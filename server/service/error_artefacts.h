@@ -38,8 +38,8 @@ public:
     /// Of any two, each "job:ID" or "image:ID". Throws faults of each argument; UnknownName; TryLater.
     Artefact flip_map(const std::string& image, const std::string& reference, const std::string& layer,
                       const std::string& range, const std::string& precision);
-    /// `body`: {"image", "reference", "metrics"}. Throws faults of it; UnknownName, and WrongState for a job that has
-    /// no film yet.
+    /// `body`: {"image", "reference" or "references", "metrics"}. Throws faults of it; UnknownName, and WrongState for
+    /// a job that has no film yet.
     nlohmann::json measure(const nlohmann::json& body);
 
 private:
@@ -63,6 +63,8 @@ private:
     /// The picture that `encode` makes of both; kept under their names and `what`.
     Artefact map_of_errors(const std::string& id, const std::string& what, const Encode& encode);
     NamedSource source_named(const std::string& name, const std::string& pointer);
+    /// Two references. Throws Conflict where they are one, or jobs of one seed.
+    void check_independent(const std::string& first, const std::string& second);
 
     ServiceCore& core_;
     ArtefactFiles& artefact_files_;

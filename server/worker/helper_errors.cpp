@@ -7,6 +7,7 @@
 
 #include "protocol/nearest_name.h"
 #include "renderer/error/color_map.h"
+#include "renderer/error/cross_meter.h"
 #include "renderer/error/error_meter.h"
 #include "renderer/error/estimate.h"
 #include "renderer/film/exr_file.h"
@@ -24,6 +25,7 @@ namespace {
 /// An image and what it is compared with, of one size.
 struct ImagePair {
     ReferenceImage image, reference;
+    std::optional<ReferenceImage> second_reference;
 };
 
 /// A text of no length when both have the layer.
@@ -34,8 +36,9 @@ std::string missing_layer(const ImagePair& pair, const std::string& layer) {
         for (const auto& [name, pixels] : image.layers) there += (there.empty() ? "" : ", ") + name;
         return std::string("the ") + which + " has no layer \"" + layer + "\"; it has " + there;
     };
-    const std::string text = missing("image", pair.image);
-    return text.empty() ? missing("reference", pair.reference) : text;
+    std::string text = missing("image", pair.image);
+    if (text.empty()) text = missing("reference", pair.reference);
+    return text.empty() && pair.second_reference ? missing("second reference", *pair.second_reference) : text;
 }
 
 void require_layer(const ImagePair& pair, const std::string& layer, const std::string& pointer) {
@@ -59,6 +62,12 @@ ReferenceImage load_source(const ImageSource& source, const char* pointer, uint6
     }
 }
 
+void check_sizes(const ReferenceImage& image, const ReferenceImage& reference, const std::string& which) {
+    if (image.size != reference.size)
+        throw Error(ErrorCode::Conflict, "/image",
+                    "the image has " + size_text(image.size) + " pixels, " + which + size_text(reference.size));
+}
+
 /// Of a request that has both.
 template <class Request>
 ImagePair load_pair(const Request& asked, uint64_t memory_bytes) {
@@ -66,10 +75,18 @@ ImagePair load_pair(const Request& asked, uint64_t memory_bytes) {
     pair.image = load_source(asked.image, "/image", memory_bytes);
     const uint64_t left = memory_bytes - std::min(memory_bytes, bytes_of(pair.image));
     pair.reference = load_source(asked.reference, "/reference", left);
-    if (pair.image.size != pair.reference.size)
-        throw Error(
-            ErrorCode::Conflict, "/image",
-            "the image has " + size_text(pair.image.size) + " pixels, the reference " + size_text(pair.reference.size));
+    check_sizes(pair.image, pair.reference, "the reference ");
+    return pair;
+}
+
+/// With the second reference, where one is named.
+ImagePair load_measured(const MeasureRequest& asked, uint64_t memory_bytes) {
+    ImagePair pair = load_pair(asked, memory_bytes);
+    if (!asked.second_reference) return pair;
+    const uint64_t held = bytes_of(pair.image) + bytes_of(pair.reference);
+    pair.second_reference =
+        load_source(*asked.second_reference, "/references/1", memory_bytes - std::min(memory_bytes, held));
+    check_sizes(pair.image, *pair.second_reference, "the second reference ");
     return pair;
 }
 
@@ -149,6 +166,7 @@ uint64_t count_not_finite(std::span<const float> values) {
 /// One layer: its meter, and the reference with noise of its own where that is known.
 struct MeasuredLayer {
     std::unique_ptr<const ErrorMeter> meter;
+    std::unique_ptr<const CrossMeter> cross;  // of two references; `meter` then has their mean
     std::vector<float> noisy_reference;
 };
 
@@ -164,8 +182,9 @@ public:
         if (!metric_info(metric).needs_reference) {
             values_[name] = estimate_json(pair_.image, layer, why);
             reference_error_[name] = nullptr;
+        } else if (const MeasuredLayer& measured = layer_of(layer); measured.cross && is_quadratic(metric)) {
+            add_cross(name, *measured.cross, pair_.image.layers.at(layer), metric, why);
         } else {
-            const MeasuredLayer& measured = layer_of(layer);
             values_[name] = value_json(*measured.meter, pair_.image.layers.at(layer), metric, why);
             // Fireflies are an image's own: added noise makes none, and what the reference has explains none.
             const bool known = !measured.noisy_reference.empty() && metric != Metric::FireflyCount;
@@ -181,16 +200,41 @@ public:
                                        [](const json& value) { return !value.is_null(); });
         if (known)
             for (const std::string& warning : noise_warnings(values_, reference_error_)) note(warning);
-        return {values_, known ? reference_error_ : json(nullptr), notes_};
+        return {values_, pair_.second_reference ? intervals_ : json(nullptr), known ? reference_error_ : json(nullptr),
+                notes_};
     }
 
 private:
+    /// A quadratic metric, in which the references' noise has no part.
+    void add_cross(const std::string& name, const CrossMeter& meter, std::span<const float> image, Metric metric,
+                   std::string& why) {
+        values_[name] = intervals_[name] = reference_error_[name] = nullptr;
+        const CrossErrors errors = meter.measure(image);
+        const std::optional<CrossFigure> figure = figure_of(errors, metric);
+        if (!figure) {
+            why = errors.mse ? "the mean of the references is 0" : "no value is finite in all three images";
+            return;
+        }
+        intervals_[name] = {figure->interval.least, figure->interval.greatest};
+        if (figure->value)
+            values_[name] = *figure->value;
+        else
+            why = "the mean square, whose root it is, is estimated below 0: the references' noise hides it";
+        if (figure->denominators == Denominators::Neighbours)
+            note(name +
+                 ": divided by what the references have around each pixel, whose own values are too noisy for it");
+    }
+
     const MeasuredLayer& layer_of(const std::string& layer) {
         const auto [entry, is_new] = layers_.try_emplace(layer);
         if (!is_new) return entry->second;
         MeasuredLayer& measured = entry->second;
         std::vector<float>& reference = pair_.reference.layers.at(layer);
         note_not_finite(layer, pair_.image.layers.at(layer), reference);
+        if (pair_.second_reference) {
+            use_both(measured, layer, std::move(reference));
+            return measured;
+        }
         measured.meter = std::make_unique<const ErrorMeter>(pair_.image.size, std::move(reference));
         const auto standard_error = pair_.reference.standard_error.find(layer);
         if (standard_error != pair_.reference.standard_error.end())
@@ -199,6 +243,19 @@ private:
         else
             note("the reference's own noise is not known for " + layer);
         return measured;
+    }
+
+    /// The first of two is as far from their mean as another mean of two would be.
+    void use_both(MeasuredLayer& measured, const std::string& layer, std::vector<float> reference) {
+        std::vector<float>& second = pair_.second_reference->layers.at(layer);
+        if (reference == second)
+            throw Error(ErrorCode::Conflict, "/references/1",
+                        "the references are one image in " + layer + ": they must have noise of their own");
+        measured.cross = std::make_unique<const CrossMeter>(pair_.image.size, std::move(reference), std::move(second));
+        const std::span<const float> mean = measured.cross->mean_reference(), first = measured.cross->first_reference();
+        measured.meter =
+            std::make_unique<const ErrorMeter>(pair_.image.size, std::vector<float>(mean.begin(), mean.end()));
+        measured.noisy_reference.assign(first.begin(), first.end());
     }
 
     void note_not_finite(const std::string& layer, std::span<const float> image, std::span<const float> reference) {
@@ -212,7 +269,7 @@ private:
 
     ImagePair pair_;
     std::map<std::string, MeasuredLayer> layers_;
-    json values_ = json::object(), reference_error_ = json::object();
+    json values_ = json::object(), intervals_ = json::object(), reference_error_ = json::object();
     std::vector<std::string> notes_;
 };
 
@@ -251,7 +308,7 @@ float on_log_scale(double error) {
 
 MeasureReply measure_images(const MeasureRequest& asked, uint64_t memory_bytes) {
     const std::vector<WantedMetric> wanted = wanted_metrics(asked.metrics);
-    Measuring measuring(load_pair(asked, memory_bytes));
+    Measuring measuring(load_measured(asked, memory_bytes));
     for (const WantedMetric& metric : wanted) measuring.add(metric);
     return measuring.result();
 }

@@ -191,6 +191,12 @@ class ReferencesTest(unittest.TestCase):
         for body, pointer, status in (
                 ({}, "/image", 422), ({"image": image}, "/reference", 422),
                 ({**ask, "metric": ["mae"]}, "/metric", 422),
+                ({**ask, "references": [image, reference]}, "/references", 422),
+                ({"image": image, "references": [reference]}, "/references", 422),
+                ({"image": image, "references": reference}, "/references", 422),
+                ({"image": image, "references": [reference, 1]}, "/references/1", 422),
+                ({"image": image, "references": [reference, "J1"]}, "/references/1", 422),
+                ({"image": image, "references": [reference, reference]}, "/references/1", 422),
                 ({**ask, "image": "J1"}, "/image", 422), ({**ask, "image": "job:J99999"}, "/image", 422),
                 ({**ask, "reference": "image:none"}, "/reference", 422), ({**ask, "metrics": []}, "/metrics", 422),
                 ({**ask, "metrics": ["mea"]}, "/metrics/0", 422), ({**ask, "metrics": ["mae", 1]}, "/metrics/1", 422),
@@ -200,6 +206,35 @@ class ReferencesTest(unittest.TestCase):
                 self.refused(body, pointer, status, "/v1/metrics")
         small = self.daemon.run_job(small_job(size=16))
         self.refused({**ask, "image": f"job:{small['id']}"}, "/image", 422, "/v1/metrics")
+
+    def test_two_references_take_their_noise_out(self):
+        shot = self.daemon.run_job(small_job(passes=64, seed=5))
+        noisy = [self.daemon.run_job(small_job(passes=2, seed=seed)) for seed in (6, 7)]
+        sources = [f"job:{job['id']}" for job in noisy]
+
+        def measure(**body):
+            body = {"image": f"job:{shot['id']}", "metrics": ["relative_mse", "mse", "rmse", "mae", "direct:mse"], **body}
+            reply = self.daemon.request("POST", "/v1/metrics", json_body=body)
+            self.assertEqual(reply.status, 200, reply)
+            return reply.json
+
+        against_fine = measure(reference=f"job:{self.fine['id']}")
+        self.assertIsNone(against_fine["intervals"])
+        spoilt, crossed = measure(reference=sources[0]), measure(references=sources)
+        self.assertGreater(spoilt["metrics"]["mse"], 4 * against_fine["metrics"]["mse"], "two passes are mostly noise")
+        self.assertEqual(set(crossed["intervals"]), {"relative_mse", "mse", "rmse", "direct:mse"})
+        least, greatest = crossed["intervals"]["mse"]
+        self.assertLess(least, crossed["metrics"]["mse"])
+        self.assertLess(abs(crossed["metrics"]["mse"]), spoilt["metrics"]["mse"] / 2)
+        self.assertAlmostEqual(crossed["intervals"]["rmse"][1] ** 2, greatest, places=9)
+        self.assertIsNone(crossed["reference_error"]["mse"])
+        self.assertGreater(crossed["reference_error"]["mae"], 0, "against their mean")
+        swapped = measure(references=sources[::-1])
+        self.assertAlmostEqual(swapped["metrics"]["mse"], crossed["metrics"]["mse"], places=12)
+        again = self.daemon.run_job(small_job(passes=4, seed=6))
+        detail = self.refused({"image": sources[0], "references": [sources[0], f"job:{again['id']}"]}, "/references/1",
+                              422, "/v1/metrics")
+        self.assertIn("seed 6", detail)
 
 
 class WaitingTest(unittest.TestCase):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import inspect
 from typing import (TYPE_CHECKING, Any, Callable, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence,
-                    TypeVar, Union, cast)
+                    Tuple, TypeVar, Union, cast)
 
 from . import requests
 from ._daemon import Daemon
@@ -162,15 +162,26 @@ class Client(Daemon):
     def image(self, id: str) -> UploadedImage:
         return UploadedImage.fetch(self, id)
 
-    def measure(self, image: ImageLike, reference: ImageLike, metrics: Optional[Sequence[str]] = None) -> Measurement:
-        """Errors of an image against another: a Job, an UploadedImage, a path, "job:J17" or "image:ID".
+    def measure(self, image: ImageLike, reference: Union[ImageLike, Tuple[ImageLike, ImageLike]],
+                metrics: Optional[Sequence[str]] = None) -> Measurement:
+        """Errors of an image against another: a Job, an UploadedImage, a path, "job:J17" or "image:ID". Two references of
+        different seeds, as a tuple, take their own noise out of mse, rmse and relative_mse, which then have `intervals`.
 
         >>> coarse = client.render("cornell-box", width=16, height=16, passes=1)
         >>> fine = client.render("cornell-box", width=16, height=16, passes=64, seed=2)
         >>> 0 < client.measure(coarse, fine, ["relative_mse"])["metrics"]["relative_mse"] < 10
         True
+        >>> other = client.render("cornell-box", width=16, height=16, passes=64, seed=3)
+        >>> answer = client.measure(coarse, (fine, other), ["relative_mse"])
+        >>> least, greatest = answer["intervals"]["relative_mse"]
+        >>> least < answer["metrics"]["relative_mse"] < greatest
+        True
         """
-        body: Json = {"image": image_name(self, image), "reference": image_name(self, reference)}
+        body: Json = {"image": image_name(self, image)}
+        if isinstance(reference, tuple):
+            body["references"] = [image_name(self, one) for one in reference]
+        else:
+            body["reference"] = image_name(self, reference)
         if metrics is not None:
             body["metrics"] = list(metrics)
         return cast(Measurement, self.send("POST", "/v1/metrics", body))

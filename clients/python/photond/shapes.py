@@ -240,6 +240,7 @@ class TableRow(TypedDict):
 
 class Measurement(TypedDict):
     metrics: Json
+    intervals: Optional[Json]
     reference_error: Optional[Json]
     notes: List[str]
 

@@ -142,9 +142,17 @@ TEST(HelperMessages, OfImagesAndFilms) {
     EXPECT_EQ(image.layers.at(0).channels, 3u);
     EXPECT_EQ(part_json(image.layers), json::parse(R"([{"name": "beauty", "channels": 3}])"));
     const auto measure = exact<MeasureRequest>(
-        R"({"type": "measure", "image": {"film": "/f"}, "reference": {"image": "/i"}, "metrics": ["rmse"]})");
+        R"({"type": "measure", "image": {"film": "/f"}, "reference": {"image": "/i"}, "second_reference": null,
+            "metrics": ["rmse"]})");
     EXPECT_EQ(measure.reference.path(), "/i");
-    exact_reply<MeasureRequest>(R"({"metrics": {"rmse": 1.5}, "reference_error": null, "notes": ["a note"]})");
+    const auto crossed = exact<MeasureRequest>(
+        R"({"type": "measure", "image": {"film": "/f"}, "reference": {"image": "/i"}, "second_reference": {"film": "/s"},
+            "metrics": null})");
+    EXPECT_EQ(crossed.second_reference.value().path(), "/s");
+    exact_reply<MeasureRequest>(
+        R"({"metrics": {"rmse": 1.5}, "intervals": null, "reference_error": null, "notes": ["a note"]})");
+    exact_reply<MeasureRequest>(
+        R"({"metrics": {"mse": 2.0}, "intervals": {"mse": [1.0, 3.0]}, "reference_error": null, "notes": []})");
     const char* pair = R"("image": {"film": "/f"}, "reference": {"film": "/r"}, "out": "/o")";
     const auto with_pair = [&](const char* rest) { return "{" + std::string(pair) + rest + "}"; };
     exact<EncodeDifferenceRequest>(with_pair(R"(, "type": "encode_difference")").c_str());

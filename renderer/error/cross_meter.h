@@ -1,0 +1,89 @@
+#pragma once
+// An image against two references of one truth: their noise drops out of every quadratic measure (docs/design,
+// "Errors one can believe").
+//
+// A is the image, biased or not, I the truth; U and V are films of an unbiased method with different seeds. With
+// x = A - U and y = A - V the mean of x y is that of (A - I)^2, whatever the noise of U and V. It may be negative near
+// zero. A is what is measured, so that its spread over pixels is no error of sampling: the interval is of the
+// references' noise alone. With q the sum of (x^2 - y^2) / (2 D) over a pixel's channels, D what is divided by, E q^2
+// is the variance of the pixel's term (at least that, where noise has longer tails than a normal distribution's);
+// pixels of a reference are taken for independent, as those of path tracing with a box filter are.
+//
+// What relative_mse divides by is the references' alone, b^2 + 0.01 m^2 with m the mean of R = (U + V) / 2: an image's
+// own fireflies would forgive themselves. b is R where that hardly matters; but then D shares the pixel's noise, which
+// leaves, to first order in the relative variance nu of R,
+//
+//   6 nu^2 + 4 nu (A - I) / I,  averaged over values.
+//
+// Where that exceeds 2 % of what is measured, b is the mean of the 5x5 neighbours of R, the pixel itself left out: its
+// noise is another. (The second term is the larger one for images of a small even bias.)
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "renderer/core/geometry.h"
+#include "renderer/error/estimate.h"
+#include "renderer/error/metric.h"
+
+namespace photond {
+
+struct Interval {
+    double least = 0, greatest = 0;
+};
+
+struct CrossError {
+    double value = 0;           // not clamped: may be negative
+    double standard_error = 0;  // by the references' noise
+
+    /// Two-sided, kConfidence.
+    Interval interval() const { return {value - kConfidenceZ * standard_error, value + kConfidenceZ * standard_error}; }
+};
+
+/// Where b is taken from.
+enum class Denominators : uint8_t { Pixel, Neighbours };
+
+struct CrossErrors {
+    /// Empty where no value is left; relative_mse also where m is 0.
+    std::optional<CrossError> mse, relative_mse;
+    Denominators denominators = Denominators::Pixel;  // of relative_mse
+    uint64_t left_out = 0;                            // values that are not finite in one of the three
+};
+
+/// One metric as it is shown.
+struct CrossFigure {
+    std::optional<double> value;  // none for the root of what is estimated below 0
+    Interval interval;            // of a root the roots of its ends, 0 for those below
+    Denominators denominators = Denominators::Pixel;
+};
+
+/// Whether a metric is a mean of squares, or the root of one: those are measured so.
+bool is_quadratic(Metric metric);
+/// `metric`: a quadratic one (asserted). Empty where CrossErrors has none.
+std::optional<CrossFigure> figure_of(const CrossErrors& errors, Metric metric);
+
+/// Measures images of one layer: scene-linear RGB, interleaved, row 0 at the top. Thread-safe.
+class CrossMeter {
+public:
+    /// Each of 3 * size.pixels() values (asserted); what `u` and `v` show is independent of each other.
+    CrossMeter(Size2 size, std::vector<float> u, std::vector<float> v);
+
+    /// R = (U + V) / 2.
+    std::span<const float> mean_reference() const { return mean_reference_; }
+    std::span<const float> first_reference() const { return u_; }
+    /// `image`: of the references' size (asserted).
+    CrossErrors measure(std::span<const float> image) const;
+
+private:
+    struct Sums;
+    template <class SquareOf>
+    Sums sums_of(std::span<const float> image, const SquareOf& square_of) const;
+    double square_of_neighbours(size_t value) const;
+
+    const Size2 size_;
+    const std::vector<float> u_, v_, mean_reference_;
+    double floor_ = 0;  // 0.01 m^2
+};
+
+}  // namespace photond
