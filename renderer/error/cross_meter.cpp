@@ -64,6 +64,10 @@ CrossMeter::CrossMeter(Size2 size, std::vector<float> u, std::vector<float> v)
         if (std::isfinite(value)) sum += double{value}, ++count;
     const double mean = count > 0 ? sum / static_cast<double>(count) : 0;
     floor_ = 0.01 * mean * mean;
+    neighbours_.resize(u_.size());
+    for_each_chunk(neighbours_.size(), [&](size_t first, size_t last) {
+        for (size_t i = first; i < last; ++i) neighbours_[i] = static_cast<float>(mean_of_neighbours(i));
+    });
 }
 
 /// `square_of(value)` is b^2 + 0.01 m^2 of the value of that index.
@@ -89,7 +93,8 @@ CrossMeter::Sums CrossMeter::sums_of(std::span<const float> image, const SquareO
     });
 }
 
-double CrossMeter::square_of_neighbours(size_t value) const {
+/// 0 where there is none.
+double CrossMeter::mean_of_neighbours(size_t value) const {
     const auto pixel = static_cast<uint32_t>(value / 3);
     const uint32_t x = pixel % size_.width, y = pixel / size_.width;
     double sum = 0;
@@ -101,8 +106,7 @@ double CrossMeter::square_of_neighbours(size_t value) const {
             const float neighbour = mean_reference_[3 * (size_t{row} * size_.width + column) + value % 3];
             if (std::isfinite(neighbour)) sum += double{neighbour}, ++count;
         }
-    const double mean = count > 0 ? sum / count : 0;
-    return mean * mean + floor_;
+    return count > 0 ? sum / count : 0;
 }
 
 CrossErrors CrossMeter::measure(std::span<const float> image) const {
@@ -113,14 +117,14 @@ CrossErrors CrossMeter::measure(std::span<const float> image) const {
     if (plain.count == 0) return errors;
     errors.mse = plain.error();
     if (floor_ == 0) return errors;
-    const Sums by_pixel = sums_of(image, [this](size_t i) {
-        const double r = double{mean_reference_[i]};
-        return r * r + floor_;
-    });
-    errors.relative_mse = by_pixel.error();
-    if (std::fabs(by_pixel.shared_noise) <= kMostBias * std::fabs(by_pixel.products)) return errors;
-    errors.denominators = Denominators::Neighbours;
-    errors.relative_mse = sums_of(image, [this](size_t i) { return square_of_neighbours(i); }).error();
+    const auto divided_by = [&](std::span<const float> b) {
+        return sums_of(image, [b, this](size_t i) { return double{b[i]} * double{b[i]} + floor_; });
+    };
+    const Sums by_pixel = divided_by(mean_reference_), by_neighbours = divided_by(neighbours_);
+    const double measured = std::min(std::fabs(by_pixel.products), std::fabs(by_neighbours.products));
+    const bool shared = std::fabs(by_pixel.shared_noise) > kMostBias * measured;
+    errors.denominators = shared ? Denominators::Neighbours : Denominators::Pixel;
+    errors.relative_mse = (shared ? by_neighbours : by_pixel).error();
     return errors;
 }
 

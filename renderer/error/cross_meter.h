@@ -16,7 +16,8 @@
 //   6 nu^2 + 4 nu (A - I) / I,  averaged over values.
 //
 // Where that exceeds 2 % of what is measured, b is the mean of the 5x5 neighbours of R, the pixel itself left out: its
-// noise is another. (The second term is the larger one for images of a small even bias.)
+// noise is another. (The second term is the larger one for images of a small even bias.) What is measured is the lesser
+// of both figures: that of references of one pass, black in most pixels, is thousands of times too large where b is R.
 
 #include <cstdint>
 #include <optional>
@@ -79,11 +80,12 @@ private:
     struct Sums;
     template <class SquareOf>
     Sums sums_of(std::span<const float> image, const SquareOf& square_of) const;
-    double square_of_neighbours(size_t value) const;
+    double mean_of_neighbours(size_t value) const;
 
     const Size2 size_;
     const std::vector<float> u_, v_, mean_reference_;
-    double floor_ = 0;  // 0.01 m^2
+    double floor_ = 0;               // 0.01 m^2
+    std::vector<float> neighbours_;  // of each value of R the mean about it
 };
 
 }  // namespace photond

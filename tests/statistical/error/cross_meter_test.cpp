@@ -112,6 +112,20 @@ TEST(CrossMeterStatistics, IntervalsHoldTheTruthAsOftenAsStated) {
     }
 }
 
+TEST(CrossMeterStatistics, AnExactImageHasNoErrorHoweverSparseTheReferences) {
+    // Nine values of ten are black, as after one pass of path tracing: dark denominators would make it hundreds.
+    Images images({"", 0.0, FilmNoise::White, 0, 1});
+    test::RunningMean measured;
+    for (uint32_t pair = 0; pair < kPairs / 2; ++pair) {
+        const CrossErrors errors =
+            CrossMeter(kSize, images.reference(), images.reference()).measure(images.truth_image());
+        ASSERT_EQ(errors.denominators, Denominators::Neighbours);
+        measured.add(errors.relative_mse.value().value);
+    }
+    EXPECT_LE(std::fabs(measured.mean()), test::two_sided_z(kFalseAlarm) * measured.standard_error());
+    EXPECT_LT(measured.standard_error(), 0.1) << "or nothing was shown";
+}
+
 TEST(CrossMeterStatistics, RelativeErrorsAreThoseOfTheTruthHoweverNoisyTheReferences) {
     // Of the mean over many pairs, against the truth over the denominators that were chosen: the truth's own neighbours
     // are as good as the references' for an image this smooth, but for the variance of 24 neighbours' mean.
