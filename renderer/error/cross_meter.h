@@ -68,24 +68,27 @@ std::optional<CrossFigure> figure_of(const CrossErrors& errors, Metric metric);
 class CrossMeter {
 public:
     /// Each of 3 * size.pixels() values (asserted); what `u` and `v` show is independent of each other.
-    CrossMeter(Size2 size, std::vector<float> u, std::vector<float> v);
+    CrossMeter(Size2 size, const std::vector<float>& u, const std::vector<float>& v);
 
     /// R = (U + V) / 2.
     std::span<const float> mean_reference() const { return mean_reference_; }
-    std::span<const float> first_reference() const { return u_; }
+    /// U, to within the rounding of R.
+    std::vector<float> first_reference() const;
     /// `image`: of the references' size (asserted).
     CrossErrors measure(std::span<const float> image) const;
 
+    /// That it keeps.
+    uint64_t bytes() const { return 3 * sizeof(float) * mean_reference_.size(); }
+
 private:
     struct Sums;
-    template <class SquareOf>
-    Sums sums_of(std::span<const float> image, const SquareOf& square_of) const;
+    class Sweep;
     double mean_of_neighbours(size_t value) const;
 
     const Size2 size_;
-    const std::vector<float> u_, v_, mean_reference_;
-    double floor_ = 0;               // 0.01 m^2
-    std::vector<float> neighbours_;  // of each value of R the mean about it
+    const std::vector<float> mean_reference_, half_difference_;  // of U over V
+    double mean_ = 0;                                            // m
+    std::vector<float> neighbours_;                              // of each value of R the mean about it
 };
 
 }  // namespace photond

@@ -7,6 +7,7 @@
 #include "renderer/core/srgb_lanes.h"
 #include "renderer/error/error_meter.h"
 #include "renderer/error/pixel_chunks.h"
+#include "renderer/error/sweep_unit.h"
 
 namespace photond {
 
@@ -74,23 +75,19 @@ class Sweep {
 public:
     static constexpr size_t kBlockValues = 3 * kLanes;
 
-    explicit Sweep(double mean) : mean_(std::fabs(mean)) {
-        if (!(mean_ > 0x1p-120 && mean_ < 0x1p120)) return;  // all value by value
-        const int exponent = std::ilogb(mean_);
-        unit_ = std::ldexp(1.0, exponent);
-        inverse_unit_ = std::ldexp(1.0f, -exponent);
-        limit_ = 0x1p30f;
-        square_floor_ = static_cast<float>(square_floor() / (unit_ * unit_));
-        magnitude_floor_ = static_cast<float>(magnitude_floor() / unit_);
-    }
+    explicit Sweep(double mean)
+        : mean_(std::fabs(mean)),
+          unit_(mean_),
+          square_floor_(static_cast<float>(square_floor() / (unit_.unit * unit_.unit))),
+          magnitude_floor_(static_cast<float>(magnitude_floor() / unit_.unit)) {}
 
     void add_block(const float* image, const float* reference, const float* encoded_reference) {
         FloatLanes x[3], r[3];
         FloatMask usable(true);
         for (size_t v = 0; v < 3; ++v) {
-            x[v] = FloatLanes(image + v * kLanes, kUnaligned) * inverse_unit_;
-            r[v] = FloatLanes(reference + v * kLanes, kUnaligned) * inverse_unit_;
-            usable = usable && abs(x[v]) < limit_ && abs(r[v]) < limit_;
+            x[v] = FloatLanes(image + v * kLanes, kUnaligned) * unit_.inverse;
+            r[v] = FloatLanes(reference + v * kLanes, kUnaligned) * unit_.inverse;
+            usable = usable && abs(x[v]) < unit_.limit && abs(r[v]) < unit_.limit;
         }
         if (!all_of(usable)) return add_values(image, reference, encoded_reference, kBlockValues);
         for (size_t v = 0; v < 3; ++v) {
@@ -157,11 +154,11 @@ private:
             return total;
         };
         sums_.relative.add(run_.relative, sum);
-        sums_.plain.add(run_.plain, [&](const FloatLanes& lanes) { return sum(lanes) * unit_ * unit_; });
+        sums_.plain.add(run_.plain, [&](const FloatLanes& lanes) { return sum(lanes) * unit_.unit * unit_.unit; });
         sums_.symmetric += 2 * sum(run_.half_symmetric);
-        sums_.absolutes += sum(run_.absolutes) * unit_;
+        sums_.absolutes += sum(run_.absolutes) * unit_.unit;
         for (size_t i = 0; i < kBlockValues; ++i) {
-            sums_.differences[i % 3] += double{run_.differences[i / kLanes][i % kLanes]} * unit_;
+            sums_.differences[i % 3] += double{run_.differences[i / kLanes][i % kLanes]} * unit_.unit;
             sums_.encoded_squares[i % 3] += double{run_.encoded_squares[i / kLanes][i % kLanes]};
         }
         for (uint64_t& count : sums_.count) count += run_.blocks * kLanes;
@@ -169,8 +166,8 @@ private:
     }
 
     const double mean_;
-    double unit_ = 1;
-    float inverse_unit_ = 1, limit_ = 0, square_floor_ = 1, magnitude_floor_ = 1;
+    const SweepUnit unit_;  // without a limit all is added value by value
+    const float square_floor_, magnitude_floor_;
     Run run_;
     Sums sums_;
 };

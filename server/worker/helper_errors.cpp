@@ -247,15 +247,15 @@ private:
 
     /// The first of two is as far from their mean as another mean of two would be.
     void use_both(MeasuredLayer& measured, const std::string& layer, std::vector<float> reference) {
-        std::vector<float>& second = pair_.second_reference->layers.at(layer);
+        const std::vector<float>& second = pair_.second_reference->layers.at(layer);
         if (reference == second)
             throw Error(ErrorCode::Conflict, "/references/1",
                         "the references are one image in " + layer + ": they must have noise of their own");
-        measured.cross = std::make_unique<const CrossMeter>(pair_.image.size, std::move(reference), std::move(second));
-        const std::span<const float> mean = measured.cross->mean_reference(), first = measured.cross->first_reference();
+        measured.cross = std::make_unique<const CrossMeter>(pair_.image.size, reference, second);
+        const std::span<const float> mean = measured.cross->mean_reference();
         measured.meter =
             std::make_unique<const ErrorMeter>(pair_.image.size, std::vector<float>(mean.begin(), mean.end()));
-        measured.noisy_reference.assign(first.begin(), first.end());
+        measured.noisy_reference = std::move(reference);
     }
 
     void note_not_finite(const std::string& layer, std::span<const float> image, std::span<const float> reference) {
