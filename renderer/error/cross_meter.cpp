@@ -90,6 +90,7 @@ public:
         : meter_(meter),
           image_(image),
           unit_(std::fabs(meter.mean_)),
+          limit_(std::min(unit_.limit, kLimit)),
           floor_(0.01 * meter.mean_ * meter.mean_),
           scaled_floor_(static_cast<float>(floor_ / (unit_.unit * unit_.unit))) {}
 
@@ -104,6 +105,8 @@ public:
 
 private:
     static constexpr uint32_t kRun = 32;
+    /// Of all values, in units: the sums hold their fourth powers over 0.01^2, which floats can up to 2^27.
+    static constexpr float kLimit = 0x1p20f;
 
     struct Run {
         FloatLanes plain = 0, by_pixel = 0, by_neighbours = 0, shared_noise = 0;
@@ -135,8 +138,7 @@ private:
             const size_t i = first + v * kLanes;
             r[v] = lanes_of(meter_.mean_reference_, i), d[v] = lanes_of(meter_.half_difference_, i);
             b[v] = lanes_of(meter_.neighbours_, i), e[v] = lanes_of(image_, i) - r[v];
-            usable = usable && abs(e[v]) < unit_.limit && abs(r[v]) < unit_.limit && abs(d[v]) < unit_.limit &&
-                     abs(b[v]) < unit_.limit;
+            usable = usable && abs(e[v]) < limit_ && abs(r[v]) < limit_ && abs(d[v]) < limit_ && abs(b[v]) < limit_;
         }
         if (!all_of(usable)) return add_values(first, first + kBlockValues);
         for (size_t v = 0; v < 3; ++v) {
@@ -190,6 +192,7 @@ private:
     const CrossMeter& meter_;
     const std::span<const float> image_;
     const SweepUnit unit_;
+    const float limit_;
     const double floor_;
     const float scaled_floor_;
     Run run_;
@@ -209,12 +212,6 @@ CrossMeter::CrossMeter(Size2 size, const std::vector<float>& u, const std::vecto
     for_each_chunk(neighbours_.size(), [&](size_t first, size_t last) {
         for (size_t i = first; i < last; ++i) neighbours_[i] = static_cast<float>(mean_of_neighbours(i));
     });
-}
-
-std::vector<float> CrossMeter::first_reference() const {
-    std::vector<float> first(mean_reference_);
-    for (size_t i = 0; i < first.size(); ++i) first[i] += half_difference_[i];
-    return first;
 }
 
 /// 0 where there is none.

@@ -72,13 +72,8 @@ public:
 
     /// R = (U + V) / 2.
     std::span<const float> mean_reference() const { return mean_reference_; }
-    /// U, to within the rounding of R.
-    std::vector<float> first_reference() const;
     /// `image`: of the references' size (asserted).
     CrossErrors measure(std::span<const float> image) const;
-
-    /// That it keeps.
-    uint64_t bytes() const { return 3 * sizeof(float) * mean_reference_.size(); }
 
 private:
     struct Sums;

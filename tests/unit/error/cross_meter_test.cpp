@@ -1,11 +1,14 @@
 // CrossMeter against its definition, written down value by value.
 
 #include "renderer/error/cross_meter.h"
+#include "renderer/core/rng.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
+
+#include "renderer/core/rng.h"
 
 namespace photond::cross_meter_test {
 namespace {
@@ -60,6 +63,44 @@ TEST(CrossMeter, ARootHasAValueWhereItsSquareIsNotNegative) {
     EXPECT_DOUBLE_EQ(figure_of(above, Metric::Rmse).value().value.value(), std::sqrt(3.0));
     EXPECT_FALSE(figure_of(CrossErrors{}, Metric::Rmse));
     EXPECT_FALSE(is_quadratic(Metric::Mae));
+}
+
+/// Blocks of lanes and single values add up the same, whatever the image has beside: a row of its own for the sum of
+/// each value alone, a width that leaves a rest, fireflies that no float's fourth power holds, and NaN.
+TEST(CrossMeter, AWholeImageIsTheSumOfItsPixels) {
+    constexpr Size2 kSize{37, 29};
+    std::vector<float> u(3 * kSize.pixels()), v(u.size()), a(u.size());
+    RandomStream random(1, RandomDomain::Test, 0, 0);
+    for (size_t i = 0; i < u.size(); ++i) u[i] = 3 * random.next(), v[i] = 3 * random.next(), a[i] = 1 + random.next();
+    const auto expect_sums = [&] {
+        double products = 0, squared_terms = 0;
+        size_t count = 0;
+        for (size_t pixel = 0; pixel < u.size(); pixel += 3) {
+            double term = 0;
+            for (size_t i = pixel; i < pixel + 3; ++i) {
+                const double x = double{a[i]} - double{u[i]}, y = double{a[i]} - double{v[i]};
+                if (!std::isfinite(x) || !std::isfinite(y)) continue;
+                products += x * y, term += (x * x - y * y) / 2, ++count;
+            }
+            squared_terms += term * term;
+        }
+        const CrossErrors errors = CrossMeter(kSize, u, v).measure(a);
+        const auto n = static_cast<double>(count);
+        EXPECT_EQ(errors.left_out, u.size() - count);
+        const double mean = products / n, standard_error = std::sqrt(squared_terms) / n;
+        // Floats keep R and half of U - V: beside a firefly of one of them the other is known to 1e-7 of that.
+        EXPECT_NEAR(errors.mse.value().value, mean, 1e-5 * std::fabs(mean) + 1e-6 * standard_error);
+        EXPECT_NEAR(errors.mse.value().standard_error / standard_error, 1, 1e-5);
+        EXPECT_TRUE(std::isfinite(errors.relative_mse.value().value));
+        EXPECT_TRUE(std::isfinite(errors.relative_mse.value().standard_error));
+    };
+    expect_sums();
+    a[100] = 3e8f, u[1000] = 1e6f, a[1001] = 2e5f;
+    a[2000] = std::numeric_limits<float>::quiet_NaN();
+    expect_sums();
+    a.assign(a.size(), 1e9f);
+    for (float& value : u) value *= 1e9f;
+    expect_sums();
 }
 
 TEST(CrossMeter, HasNoRelativeErrorAgainstBlack) {
