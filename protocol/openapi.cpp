@@ -346,7 +346,10 @@ json statistics_schema() {
          {"pass_ranges", with_text(list_of(pass_range), "[first, end) of each run of passes")},
          {"resumed_passes", count("rendered by earlier attempts")},
          {"settings_hash", nullable("string", "of all that decides a pass's pixels")},
-         {"error", with_text(or_null(metric_values()), "against the reference")},
+         {"error", with_text(or_null(metric_values()),
+                             "against the reference; bias_standard_error: of the bias by channel, from the spread "
+                             "between passes of the image's mean (an upper figure where passes make up for each other, "
+                             "as those of path tracing do; null where reference.notes says why)")},
          {"reference_error", with_text(or_null(metric_values()), "what the reference's own noise explains of it")},
          {"reference", or_null(given({{"source", {{"type", {"string", "object", "null"}}}},
                                       {"passes", nullable("integer")},

@@ -153,13 +153,4 @@ std::vector<double> ErrorMeter::measure(Metric metric, std::span<const float> im
     return values;
 }
 
-std::array<double, 3> bias_standard_error(std::span<const float> variance_of_mean) {
-    assert(variance_of_mean.size() % 3 == 0);
-    const ChannelSums sums = channel_sums(variance_of_mean);
-    std::array<double, 3> result{};
-    for (size_t k = 0; k < 3; ++k)
-        if (sums.count[k] > 0) result[k] = std::sqrt(sums.sum[k]) / static_cast<double>(sums.count[k]);
-    return result;
-}
-
 }  // namespace photond

@@ -84,8 +84,4 @@ private:
     mutable std::unique_ptr<const Flip> flip_ldr_, flip_hdr_;  // made when first asked for
 };
 
-/// Standard error of each channel's bias, from the variance of each value's mean (the image's own, pixels independent):
-/// sqrt(sum var) / count.
-std::array<double, 3> bias_standard_error(std::span<const float> variance_of_mean);
-
 }  // namespace photond

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cassert>
 #include <cmath>
+#include <mutex>
 #include <type_traits>
 
 #include "protocol/error.h"
@@ -51,33 +52,26 @@ inline void add_rgb(FixedSum* sums, const Rgb& c) {
     for (int k = 0; k < 3; ++k) sums[k] += to_fixed(c[k]);
 }
 
+/// To a pixel's sums, and to those over the image.
+inline void add_rgb(FixedSum* sums, PassMeans::Sum& image, const Rgb& c) {
+    for (size_t k = 0; k < 3; ++k) {
+        const FixedSum value = to_fixed(c[static_cast<int>(k)]);
+        sums[k] += value, image[k] += value;
+    }
+}
+
 inline void add_squares(FixedSquares* sums, const Rgb& c) {
     for (int k = 0; k < 3; ++k) add_square(sums[k], double{c[k]});
 }
 
 double to_double(FixedSum sum) { return 0x1p-64 * nearest_double(sum); }
 
-/// (n sum x^2 - (sum x)^2) / (n (n-1)), the difference taken in whole numbers: a constant pixel has variance 0.
-double variance_of(FixedSum sum, FixedSquares squares, uint32_t n) {
+/// Of n values: their sum, their squares' sum, cut to 2^-64 each.
+double variance_of_squares(FixedSum sum, FixedSquares squares, uint32_t n) {
     if (squares == kSaturated) return std::numeric_limits<double>::infinity();
-    // 256-bit unsigned numbers as (high, low) pairs of 128 bits, in units of 2^-128.
-    const auto multiply = [](uint64_t a, uint64_t b) { return FixedSquares{a} * b; };
-    const FixedSquares magnitude = sum < 0 ? -static_cast<FixedSquares>(sum) : static_cast<FixedSquares>(sum);
-    const uint64_t lo = static_cast<uint64_t>(magnitude), hi = static_cast<uint64_t>(magnitude >> 64);
-    const FixedSquares cross = multiply(lo, hi);  // (hi 2^64 + lo)^2 = hi^2 2^128 + 2 cross 2^64 + lo^2
-    FixedSquares low = multiply(lo, lo), high = multiply(hi, hi) + (cross >> 63);
-    const FixedSquares cross_low = cross << 65;
-    low += cross_low;
-    if (low < cross_low) ++high;
-    // n x squares x 2^64
-    const FixedSquares part_low = multiply(static_cast<uint64_t>(squares), n);
-    const FixedSquares part_high = multiply(static_cast<uint64_t>(squares >> 64), n) + (part_low >> 64);
-    const FixedSquares left_low = part_low << 64, left_high = part_high;
-    // Rounding each square to 2^-64 can make the difference a little negative: that is 0.
-    if (left_high < high || (left_high == high && left_low <= low)) return 0;
-    const FixedSquares borrow = left_low < low ? 1 : 0;
-    const double difference = 0x1p128 * nearest_double(left_high - high - borrow) + nearest_double(left_low - low);
-    return 0x1p-128 * difference / (double{static_cast<double>(n)} * (static_cast<double>(n) - 1.0));
+    WideSquares n_squares = times(squares, n);  // in units of 2^-64
+    n_squares = {n_squares.high << 64 | n_squares.low >> 64, n_squares.low << 64};
+    return variance_of(sum, n_squares, n);
 }
 
 /// Layers of one kind that a film keeps: where a pass's values are, and where they are summed.
@@ -173,8 +167,11 @@ void Film::add_pass(const PassImage& pass) {
     FixedSum* const indirect_sums = sums(Layer::Indirect);
 
     std::atomic<uint64_t> nan_count{0}, infinity_count{0};
+    std::mutex image_mutex;
+    PassMeans::Sum image_emitted{}, image_direct{}, image_indirect{};  // over the pixels that are not dropped
     const auto add_range = [&](const tbb::blocked_range<size_t>& range) {
         uint64_t nans = 0, infinities = 0;
+        PassMeans::Sum emitted_sum{}, direct_sum{}, indirect_sum{};
         for (size_t i = range.begin(); i != range.end(); ++i) {
             const Rgb emitted = pass_emitted[i], direct = pass_direct[i], indirect = pass_indirect[i];
             const uint32_t emitted_bits = magnitude_bits(emitted), direct_bits = magnitude_bits(direct);
@@ -191,13 +188,13 @@ void Film::add_pass(const PassImage& pass) {
                 ++(worst > kInfinityBits ? nans : infinities);
                 continue;
             }
-            if (emitted_bits) add_rgb(emitted_sums + 3 * i, emitted);
+            if (emitted_bits) add_rgb(emitted_sums + 3 * i, emitted_sum, emitted);
             if (direct_bits) {
-                add_rgb(direct_sums + 3 * i, direct);
+                add_rgb(direct_sums + 3 * i, direct_sum, direct);
                 add_squares(&squares_direct_[3 * i], direct);
             }
             if (indirect_bits) {
-                add_rgb(indirect_sums + 3 * i, indirect);
+                add_rgb(indirect_sums + 3 * i, indirect_sum, indirect);
                 add_squares(&squares_indirect_[3 * i], indirect);
             }
             if (emitted_bits | direct_bits | indirect_bits)
@@ -213,9 +210,13 @@ void Film::add_pass(const PassImage& pass) {
             }
         }
         nan_count += nans, infinity_count += infinities;
+        const std::lock_guard lock(image_mutex);
+        for (size_t k = 0; k < 3; ++k)
+            image_emitted[k] += emitted_sum[k], image_direct[k] += direct_sum[k], image_indirect[k] += indirect_sum[k];
     };
     tbb::parallel_for(tbb::blocked_range<size_t>(0, size_.pixels(), kGrainPixels), add_range);
     nan_count_ += nan_count, infinity_count_ += infinity_count;
+    pass_means_.add(image_emitted, image_direct, image_indirect, size_.pixels());
     pass_ranges_.add(next_pass_++);
     ++passes_;
 }
@@ -240,6 +241,7 @@ void Film::merge(const Film& other) {
     add_squares(squares_direct_, other.squares_direct_);
     add_squares(squares_indirect_, other.squares_indirect_);
     for (size_t i = 0; i < hits_.size(); ++i) hits_[i] += other.hits_[i];
+    pass_means_.merge(other.pass_means_);
     passes_ += other.passes_;
     nan_count_ += other.nan_count_, infinity_count_ += other.infinity_count_;
     if (passes_ > 0) next_pass_ = pass_ranges_.end();
@@ -252,7 +254,7 @@ std::vector<float> Film::resolve(Layer layer) const {
     if (layer == Layer::StandardError) {
         if (passes_ < 2) return std::vector<float>(count, std::numeric_limits<float>::infinity());
         return per_channel(count, [&](size_t i) {
-            return std::sqrt(variance_of(beauty_sum(i), squares_beauty_[i], passes_) / passes_);
+            return std::sqrt(variance_of_squares(beauty_sum(i), squares_beauty_[i], passes_) / passes_);
         });
     }
     const std::vector<FixedSum>& sums = sums_[static_cast<size_t>(layer)];
@@ -275,7 +277,7 @@ std::vector<float> Film::resolve_beauty() const {
 std::vector<float> Film::pass_variance_beauty() const {
     if (passes_ < 2) return {};
     return per_channel(3 * size_.pixels(),
-                       [&](size_t i) { return variance_of(beauty_sum(i), squares_beauty_[i], passes_); });
+                       [&](size_t i) { return variance_of_squares(beauty_sum(i), squares_beauty_[i], passes_); });
 }
 
 std::vector<float> Film::pass_variance(Layer layer) const {
@@ -283,7 +285,7 @@ std::vector<float> Film::pass_variance(Layer layer) const {
     if (passes_ < 2) return {};
     const std::vector<FixedSquares>& squares = layer == Layer::Direct ? squares_direct_ : squares_indirect_;
     const std::vector<FixedSum>& sums = sums_[static_cast<size_t>(layer)];
-    return per_channel(sums.size(), [&](size_t i) { return variance_of(sums[i], squares[i], passes_); });
+    return per_channel(sums.size(), [&](size_t i) { return variance_of_squares(sums[i], squares[i], passes_); });
 }
 
 std::string Film::pixel_hash() const {

@@ -12,6 +12,7 @@
 #include "renderer/core/stats.h"
 #include "renderer/film/fixed_sums.h"
 #include "renderer/film/layers.h"
+#include "renderer/film/pass_means.h"
 #include "renderer/film/pass_ranges.h"
 
 namespace photond {
@@ -88,7 +89,7 @@ public:
     /// Throws ErrorCode::Conflict when the size or the layers differ, or a pass is in both; nothing has changed then.
     void merge(const Film& other);
 
-    /// Bytes a film of that size and those layers takes; for MemoryBudget::require() before it is made.
+    /// Bytes the pixels of a film of that size and those layers take; for MemoryBudget::require() before it is made.
     static uint64_t bytes_for(Size2 size, LayerSet layers);
 
     Size2 size() const { return size_; }
@@ -109,6 +110,8 @@ public:
     /// Unbiased variance between passes of one pass's value, per pixel and channel; empty for fewer than two passes.
     std::vector<float> pass_variance_beauty() const;
     std::vector<float> pass_variance(Layer layer) const;  // direct or indirect
+    /// What each pass says of the whole image's mean, dropped pixels as the 0 they contribute.
+    const PassMeans& pass_means() const { return pass_means_; }
 
     /// SHA-256 over every layer's pixels as float32 little-endian: beauty, then the layers in the order of kLayers.
     std::string pixel_hash() const;
@@ -127,6 +130,7 @@ private:
     PassRanges pass_ranges_;
     uint64_t nan_count_ = 0;
     uint64_t infinity_count_ = 0;
+    PassMeans pass_means_;
     // By channel, three (single-valued layers: one) a pixel; empty where the layer is not kept. The beauty is the sum
     // of its parts.
     std::vector<FixedSum> sums_[kLayerCount];

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <cstring>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "protocol/error.h"
@@ -16,10 +17,11 @@ namespace photond {
 namespace {
 
 constexpr char kMagic[8] = {'P', 'H', 'O', 'T', 'F', 'I', 'L', 'M'};
-constexpr uint32_t kVersion = 5;
+constexpr uint32_t kVersion = 6;
 constexpr uint32_t kOldestVersion = 1;
 constexpr uint32_t kVersionOfIdentity = 3;  // identity, history and ranges follow the header
 constexpr uint32_t kVersionOfOrigin = 5;    // and then the origin
+constexpr uint32_t kVersionOfMeans = 6;     // and then what passes say of the image's mean
 constexpr size_t kLayersOfVersion1 = 9;     // all up to standard_error
 constexpr size_t kLayersOfVersion3 = 11;    // all up to overlap
 constexpr uint32_t kVersionOfAllLayers = 4;
@@ -206,6 +208,7 @@ struct Texts {
     FilmIdentity identity;
     std::string history, origin;
     PassRanges ranges;
+    PassMeans means;  // of no pass where the version did not keep them
 };
 
 Texts read_texts(Reader& reader, const std::filesystem::path& path, const Header& header) {
@@ -221,6 +224,11 @@ Texts read_texts(Reader& reader, const std::filesystem::path& path, const Header
     texts.ranges = read_ranges(reader, path);
     if (texts.ranges.count() != header.passes) damaged(path, "its ranges are not of its passes");
     if (header.version >= kVersionOfOrigin) texts.origin = read_text(reader, path, kMaxTextBytes);
+    if (header.version >= kVersionOfMeans) {
+        const std::optional<PassMeans> means = PassMeans::from_bytes(read_text(reader, path, kMaxTextBytes));
+        if (!means || means->passes() > header.passes) damaged(path, "its means are not of its passes");
+        texts.means = *means;
+    }
     return texts;
 }
 
@@ -249,7 +257,7 @@ void FilmFile::save(const Film& film, const FilmIdentity& identity, const std::s
     for (const std::string& part :
          {encode_text(identity.scene), encode_text(identity.settings), encode_text(identity.device),
           encode_text(history), encode_text(ranges.data(), ranges.size() * sizeof(PassRanges::Range)),
-          encode_text(origin)})
+          encode_text(origin), encode_text(film.pass_means_.bytes())})
         file.write(part.data(), part.size());
 
     for_each_array(film, [&](const auto& values) {
@@ -282,6 +290,7 @@ SavedFilm FilmFile::load(const std::filesystem::path& path, uint64_t limit_bytes
     saved.identity = std::move(texts.identity);
     saved.history = std::move(texts.history);
     film.pass_ranges_ = std::move(texts.ranges);
+    film.pass_means_ = texts.means;
     film.next_pass_ = film.pass_ranges_.end();
     film.passes_ = header.passes, film.nan_count_ = header.nan_count, film.infinity_count_ = header.infinity_count;
     for_each_array(film, [&](auto& values) {

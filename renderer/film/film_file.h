@@ -30,11 +30,11 @@ struct FilmFacts {
     std::string origin;  // who rendered it for whom, as its owner wrote it down; empty of older files
 };
 
-/// Format: a header (magic, version, size, layers, passes, counts), identity, history, pass ranges and origin, then
-/// each array of sums in blocks; a block holds its sums with as many bytes each as its widest one needs, and ends with
-/// the first 16 bytes of its SHA-256. Little-endian. Files of versions 1 (without the layers added since), 2 (without
-/// identity, history and ranges) and 4 (without origin) are read all the same: their identity is empty and their passes
-/// begin at 0, their origin is empty.
+/// Format: a header (magic, version, size, layers, passes, counts), identity, history, pass ranges, origin and pass
+/// means, then each array of sums in blocks; a block holds its sums with as many bytes each as its widest one needs,
+/// and ends with the first 16 bytes of its SHA-256. Little-endian. Files of versions 1 (without the layers added
+/// since), 2 (without identity, history and ranges), 4 (without origin) and 5 (without pass means) are read all the
+/// same: their identity is empty and their passes begin at 0, their origin is empty, their pass means are of no pass.
 class FilmFile {
 public:
     /// Writes beside, fsyncs and renames. Throws ErrorCode::NoSpace when the disk is full.

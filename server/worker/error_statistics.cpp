@@ -30,6 +30,29 @@ void add_note(json& notes, const std::string& note) {
     if (!note.empty() && std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(note);
 }
 
+/// By channel, of the image's own noise: from the spread between passes of their means, for pixels share photons and
+/// lights. Passes of a low-discrepancy sequence make up for each other, so that it is then an upper figure. Null where
+/// not all of the passes, or of the image, are known to be in it; a note then says so.
+json bias_standard_error(const Film& film, const std::string& layer, uint64_t left_out, json& notes) {
+    constexpr std::pair<std::string_view, PassMeans::Of> kOf[] = {
+        {"beauty", PassMeans::Of::Beauty}, {"direct", PassMeans::Of::Direct}, {"indirect", PassMeans::Of::Indirect}};
+    const auto of = std::find_if(std::begin(kOf), std::end(kOf), [&](const auto& row) { return row.first == layer; });
+    if (of == std::end(kOf) || film.passes() < 2) return nullptr;
+    if (const uint32_t unknown = film.passes() - film.pass_means().passes()) {
+        add_note(notes, "bias_standard_error: unknown, for " + std::to_string(unknown) + " of the " +
+                            std::to_string(film.passes()) +
+                            " passes are from a film that an older version saved, without their means");
+        return nullptr;
+    }
+    if (left_out > 0) {
+        add_note(notes, named(layer, "bias_standard_error") + ": unknown, for passes keep the mean over all values");
+        return nullptr;
+    }
+    std::array<double, 3> standard_error = film.pass_means().variance(of->second).value();
+    for (double& value : standard_error) value = std::sqrt(value / film.passes());
+    return standard_error;
+}
+
 /// Everything that is known of one layer's error.
 void add_layer(json& error, json& notes, ResolvedFilm& film, const ErrorMeter& meter, const std::string& layer) {
     const std::vector<float>& pixels = film.pixels(layer);
@@ -43,14 +66,7 @@ void add_layer(json& error, json& notes, ResolvedFilm& film, const ErrorMeter& m
     error[named(layer, "relative_bias")] = channels_json(sweep.channels(Metric::RelativeBias));
     error[named(layer, "least_squares_exposure")] = number_or_null(sweep.least_squares_exposure);
     error[named(layer, "relative_least_squares_exposure")] = number_or_null(sweep.relative_least_squares_exposure);
-    const std::vector<float>& variance = film.pass_variance(layer);
-    error[named(layer, "bias_standard_error")] = nullptr;
-    if (!variance.empty()) {
-        const std::array<double, 3> standard_error =
-            bias_standard_error(variance_of_mean(variance, film.film().passes()));
-        if (std::all_of(standard_error.begin(), standard_error.end(), [](double e) { return std::isfinite(e); }))
-            error[named(layer, "bias_standard_error")] = standard_error;
-    }
+    error[named(layer, "bias_standard_error")] = bias_standard_error(film.film(), layer, sweep.left_out, notes);
     error[named(layer, "left_out")] = sweep.left_out;
     error[named(layer, "firefly_count")] = meter.firefly_count(pixels);
     error[named(layer, "percentiles")] = nullptr;

@@ -2,19 +2,18 @@
 became of the store or of the daemon meanwhile.
 """
 
-import hashlib
 import os
 import pathlib
 import signal
 import socket
 import sqlite3
 import stat
-import struct
 import subprocess
 import time
 import unittest
 
 import tiny_scene
+from film_versions import as_version, passes_of
 from photond_daemon import BIN, Daemon, small_job, wait_until
 
 ENDLESS = 100_000_000  # passes: over long after the test
@@ -24,11 +23,6 @@ SAVES = ("--save-seconds", 0.1)
 
 def hash_of(job):
     return job["statistics"]["pixel_hash"]
-
-
-def passes_of(film):
-    """What the film's header says (film_file.h)."""
-    return struct.unpack_from("<I", film.read_bytes()[:28], 24)[0]
 
 
 class StoreCase(unittest.TestCase):
@@ -182,15 +176,9 @@ class StrayFilesTest(StoreCase):
         self.start()
         job = self.daemon.run_job(small_job())
         path = self.films / f"{job['id']}-1.film"
-        content = path.read_bytes()
-        at = 80
-        for _ in range(5):
-            at += 8 + struct.unpack_from("<Q", content, at)[0] + 32
-        end = at + 8 + struct.unpack_from("<Q", content, at)[0] + 32
-        header = content[:8] + struct.pack("<I", 4) + content[12:48]
-        header += hashlib.sha256(header).hexdigest()[:32].encode()
+        content = as_version(path.read_bytes(), 4)
         self.daemon.kill()
-        path.write_bytes(header + content[80:at] + content[end:])
+        path.write_bytes(content)
         self.daemon.start()
         self.daemon.wait_ready()
         self.assertEqual(self.quarantined(), {})
@@ -223,7 +211,7 @@ class SavedFilmTest(StoreCase):
                 job = self.daemon.submit(small_job(**LONGER))
                 film = self.film_saved_unheard(job)
                 self.daemon.kill()
-                passes = passes_of(film)
+                passes = passes_of(film.read_bytes())
                 self.daemon.start()
                 found = self.daemon.job(job["id"])
                 self.assertGreaterEqual(found["passes_done"], passes)
@@ -260,7 +248,7 @@ class SavedFilmTest(StoreCase):
         job = self.daemon.submit(small_job(**LONGER))
         film = self.film_saved_unheard(job)
         os.kill(worker, signal.SIGKILL)
-        passes = passes_of(film)
+        passes = passes_of(film.read_bytes())
         os.kill(self.daemon.process.pid, signal.SIGCONT)
         job = self.daemon.wait_for_job(job["id"])
         self.assertEqual([a["outcome"] for a in job["attempts"]], ["lost", "succeeded"])

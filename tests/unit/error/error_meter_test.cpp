@@ -455,13 +455,5 @@ TEST(ErrorMeter, FlipIsThatOfFlipAlsoWhenTwoAskAtOnce) {
     EXPECT_NE(hdr, ldr);
 }
 
-TEST(BiasStandardError, WorkedByHand) {
-    // R: sqrt(1 + 3) / 2; G: 0; B: one variance is not known: sqrt(9) / 1.
-    const std::array<double, 3> result = bias_standard_error(std::vector<float>{1, 0, kInfinity, 3, 0, 9});
-    EXPECT_DOUBLE_EQ(result[0], 1);
-    EXPECT_DOUBLE_EQ(result[1], 0);
-    EXPECT_DOUBLE_EQ(result[2], 3);
-}
-
 }  // namespace
 }  // namespace photond::error_meter_test

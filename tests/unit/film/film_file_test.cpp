@@ -10,7 +10,7 @@
 #include <fstream>
 
 #include "protocol/error.h"
-#include "renderer/core/sha256.h"
+#include "tests/support/film_versions.h"
 #include "tests/support/random_film.h"
 #include "tests/support/temporary_folder.h"
 
@@ -19,16 +19,14 @@ namespace {
 
 using test::film_of;
 using test::film_of_range;
+using test::raw;
+using test::relabelled;
+constexpr auto digest_of = test::film_digest;
+constexpr auto of_version_4 = [](const std::string& now) { return test::film_of_version(now, 4); };
+constexpr auto of_version_5 = [](const std::string& now) { return test::film_of_version(now, 5); };
 
 const FilmIdentity kIdentity{"scene 1", "settings of path_tracing", "cpu, version 1"};
 const std::string kHistory = R"({"seconds": 1.5})";
-
-std::string digest_of(const std::string& bytes) { return sha256_hex(bytes.data(), bytes.size()).substr(0, 32); }
-
-template <class Value>
-std::string raw(Value value) {
-    return {reinterpret_cast<const char*>(&value), sizeof value};
-}
 
 class FilmFileTest : public testing::Test {
     const TemporaryFolder folder_;
@@ -176,30 +174,10 @@ TEST_F(FilmFileTest, ReadsTheVersionsBeforeIdentity) {
     EXPECT_NE(refusal().find("cut short"), std::string::npos);
     write(old_film(1, kPhotonCount));  // a layer that version did not have
     EXPECT_NE(refusal().find("layers"), std::string::npos);
-    write(old_film(6));
-    EXPECT_NE(refusal(ErrorCode::Unsupported).find("reads 1 to 5"), std::string::npos);
+    write(old_film(7));
+    EXPECT_NE(refusal(ErrorCode::Unsupported).find("reads 1 to 6"), std::string::npos);
     write(old_film(0));
     EXPECT_NE(refusal(ErrorCode::Unsupported).find("version 0"), std::string::npos);
-}
-
-/// A film's file with another version, and further layers, in its header.
-std::string relabelled(const std::string& text, uint32_t version, uint32_t extra_layers = 0) {
-    uint32_t layers;
-    std::memcpy(&layers, &text[20], sizeof layers);
-    const std::string head =
-        text.substr(0, 8) + raw(version) + text.substr(12, 8) + raw(layers | extra_layers) + text.substr(24, 24);
-    return head + digest_of(head) + text.substr(80);
-}
-
-/// A film of version 5 with an empty origin, as version 4 wrote it.
-std::string without_origin(const std::string& text) {
-    size_t at = 80;
-    for (int parts = 0; parts < 5; ++parts) {
-        uint64_t length;
-        std::memcpy(&length, &text[at], sizeof length);
-        at += sizeof length + length + 32;
-    }
-    return relabelled(text.substr(0, at) + text.substr(at + sizeof(uint64_t) + 32), 4);
 }
 
 // What came with version 4 are layers after the others: files without them are the same but for the number.
@@ -210,22 +188,53 @@ TEST_F(FilmFileTest, ReadsTheVersionBeforeTheLooksAtMethods) {
     for (const LayerInfo& info : new_layers) layers.remove(info.layer);
     const Film film = film_of_range({9, 5}, layers, 0, 3);
     FilmFile::save(film, kIdentity, kHistory, path);
-    const std::string now = without_origin(bytes());
-    write(relabelled(now, 4));
-    EXPECT_EQ(bytes(), now) << "nothing but the version is changed";
-    EXPECT_TRUE(FilmFile::load(path).film == film);
-    EXPECT_EQ(FilmFile::examine(path).origin, "");
-    write(relabelled(now, 3));
-    const SavedFilm loaded = FilmFile::load(path);
-    EXPECT_TRUE(loaded.film == film);
-    EXPECT_EQ(loaded.identity, kIdentity);
-    EXPECT_EQ(loaded.history, kHistory);
+    const std::string now = of_version_4(bytes());
+    for (const uint32_t version : {4u, 3u}) {
+        write(relabelled(now, version));
+        const SavedFilm loaded = FilmFile::load(path);
+        EXPECT_EQ(FilmFile::examine(path).origin, "");
+        EXPECT_EQ(loaded.identity, kIdentity);
+        EXPECT_EQ(loaded.history, kHistory);
+        EXPECT_EQ(loaded.film.pixel_hash(), film.pixel_hash());
+        FilmFile::save(loaded.film, kIdentity, kHistory, path);
+        EXPECT_EQ(of_version_4(bytes()), now) << "the same sums, of version " << version;
+    }
     for (const LayerInfo& info : new_layers) {
         write(relabelled(now, 3, 1u << static_cast<unsigned>(info.layer)));
         EXPECT_NE(refusal().find("layers"), std::string::npos) << info.name;
     }
     write(relabelled(now, 4, 1u << kLayerCount));
     EXPECT_NE(refusal(ErrorCode::Unsupported).find("layers that this program does not know"), std::string::npos);
+}
+
+// What came with version 6 are the passes' means: they are known of the passes that are added afterwards alone.
+TEST_F(FilmFileTest, ReadsTheVersionBeforeTheMeansOfPassesAndClaimsNoneOfThem) {
+    const Size2 size{9, 5};
+    FilmFile::save(film_of_range(size, LayerSet::all(), 0, 3), kIdentity, kHistory, path, "the first attempt");
+    const std::string now = bytes(), old = of_version_5(now);
+    write(old);
+    EXPECT_EQ(FilmFile::examine(path).passes, 3u);
+    SavedFilm loaded = FilmFile::load(path);
+    EXPECT_EQ(loaded.identity, kIdentity);
+    EXPECT_EQ(loaded.film.passes(), 3u);
+    EXPECT_EQ(loaded.film.pass_means(), PassMeans());
+    FilmFile::save(loaded.film, kIdentity, kHistory, path, "the first attempt");
+    EXPECT_NE(bytes(), now);
+    EXPECT_EQ(of_version_5(bytes()), old) << "the same sums";
+    // It goes on, and is joined with others, as if all had been rendered here but for the means.
+    const Film whole = film_of_range(size, LayerSet::all(), 0, 9);
+    for (uint32_t pass = 3; pass < 5; ++pass) loaded.film.add_pass(test::random_pass(size, LayerSet::all(), pass));
+    loaded.film.merge(film_of_range(size, LayerSet::all(), 5, 9));
+    EXPECT_EQ(loaded.film.pixel_hash(), whole.pixel_hash());
+    EXPECT_EQ(loaded.film.pass_variance_beauty(), whole.pass_variance_beauty());
+    EXPECT_EQ(loaded.film.passes(), 9u);
+    EXPECT_EQ(loaded.film.pass_means(), film_of_range(size, LayerSet::all(), 3, 9).pass_means());
+    Film known = film_of_range(size, LayerSet::all(), 3, 9);
+    write(old);
+    known.merge(FilmFile::load(path).film);
+    EXPECT_TRUE(known == loaded.film);
+    FilmFile::save(known, kIdentity, kHistory, path);
+    EXPECT_TRUE(FilmFile::load(path).film == known);
 }
 
 // --- Damage
@@ -237,7 +246,8 @@ TEST_F(FilmFileTest, RefusesEveryDamage) {
     const std::string good = bytes();
     ASSERT_EQ(refusal(), "");
     const size_t texts = kIdentity.scene.size() + kIdentity.settings.size() + kIdentity.device.size() + kHistory.size();
-    const size_t sums_at = 80 + texts + 2 * sizeof(PassRanges::Range) + 6 * (sizeof(uint64_t) + 32);
+    const size_t sums_at =
+        80 + texts + 2 * sizeof(PassRanges::Range) + PassMeans().bytes().size() + 7 * (sizeof(uint64_t) + 32);
     for (size_t at = 0; at < good.size(); at += at < sums_at ? 1 : 61)  // every byte of what comes before the sums
         for (const char bit : {'\x01', '\x10'}) {
             std::string changed = good;
@@ -274,6 +284,25 @@ TEST_F(FilmFileTest, RefusesRangesThatAreNotOfItsPasses) {
     std::string endless = start + raw(uint64_t{1} << 62);  // a length that no memory holds
     write(endless + texts + sums);
     EXPECT_NE(refusal(), "");
+}
+
+TEST_F(FilmFileTest, RefusesMeansThatAreNotOfItsPasses) {
+    FilmFile::save(film_of_range({9, 5}, LayerSet(), 0, 3), kIdentity, kHistory, path);
+    const std::string good = bytes();
+    const auto [at, length] = test::place_of_part(good, test::kMeansPart);
+    const auto with_means = [&, at = at, length = length](const std::string& means) {
+        return good.substr(0, at) + part(means) + good.substr(at + length);
+    };
+    for (const uint32_t passes : {0u, 2u, 3u}) {
+        const PassMeans means = film_of_range({9, 5}, LayerSet(), 0, passes).pass_means();
+        write(with_means(means.bytes()));
+        EXPECT_EQ(FilmFile::load(path).film.pass_means(), means);
+    }
+    const std::string four = film_of_range({9, 5}, LayerSet(), 0, 4).pass_means().bytes();
+    for (const std::string& wrong : {four, PassMeans().bytes().substr(1), PassMeans().bytes() + "x", std::string()}) {
+        write(with_means(wrong));
+        EXPECT_NE(refusal().find("its means are not of its passes"), std::string::npos);
+    }
 }
 
 TEST_F(FilmFileTest, AFullDiskIsNamedAndLeavesNothing) {
