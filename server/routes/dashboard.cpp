@@ -8,11 +8,9 @@
 namespace photond::http {
 namespace {
 
-// Pictures arrive by fetch(), which can carry a token, and are shown as blobs. The one style of a library's own that is
-// permitted is what Observable Plot puts into each figure; it is the same for the class name that the dashboard gives.
+// Pictures arrive by fetch(), which can carry a token, and are shown as blobs.
 constexpr const char* kContentSecurityPolicy =
     "default-src 'self'; img-src 'self' blob:; "
-    "style-src 'self' 'sha256-g2DncX8Zr05FxXffO1TwOnJ36LPmYPo+JYph27i+Cwk='; "
     "object-src 'none'; base-uri 'none'; form-action 'self'; frame-ancestors 'none'";
 
 /// Whether a list such as "gzip;q=0.5, br" takes gzip.

@@ -11,6 +11,10 @@ export type Parameters = Record<string, Json>;
 /** Error by metric's name ("relative_mse", "indirect:flip_hdr"); null where it cannot be told. */
 export type Metrics = Record<string, number | null>;
 export type Vec3 = [number, number, number];
+/** Of an error measured by two films: what their noise leaves open, at 90 %. Results of before have none. */
+export type NoiseInterval = [least: number, greatest: number];
+/** What a reference is: its noise has no part in errors against two films. */
+export type ReferenceForm = "two_films" | "film" | "image";
 
 export interface Page<T> {
   items: T[];
@@ -61,11 +65,14 @@ export interface CurvePoint {
   passes: number;
   photons: number | null;
   metrics: Metrics;
+  /** By metric, where it is known. */
+  intervals?: Record<string, NoiseInterval>;
 }
 
 export interface ErrorNow {
   metric: string;
   value: number | null;
+  interval?: NoiseInterval | null;
 }
 
 export interface Attempt {
@@ -140,8 +147,24 @@ export interface Statistics {
   /** Null where it was not disturbed; jobs of before do not say. */
   shared?: Shared | null;
   error: Metrics | null;
+  error_interval?: Record<string, NoiseInterval | null> | null;
   reference_error: Metrics | null;
+  reference?: ReferenceFacts | null;
   [more: string]: unknown;
+}
+
+/** What a job was measured against, and how. */
+export interface ReferenceFacts {
+  /** Of what was measured before there were two films: none. */
+  form?: ReferenceForm;
+  /** Of the intervals: 0.9. */
+  confidence?: number | null;
+  /** What a relative metric divides by: the reference's pixel, or its neighbours where the pixel itself is too noisy. */
+  denominators?: Record<string, "pixel" | "neighbours">;
+  /** Of the reference. */
+  passes: number | null;
+  warnings: string[];
+  notes: string[];
 }
 
 /** What a job and its row in a list have in common. */
@@ -163,6 +186,8 @@ export interface JobProgress {
 
 export interface Job extends JobProgress {
   reference_job: string | null;
+  /** That job, and the other film where it is one of two. */
+  reference_jobs?: string[] | null;
   /** What keeps it back when its turn has come, while it is queued. */
   waiting_for?: string | null;
   attempts: Attempt[];
@@ -405,26 +430,59 @@ export interface TimeToError extends Interval {
   reached: number;
   /** Some seed was there at its first measurement: the time is an upper bound. */
   at_most: boolean;
+  /** When the lower end of the error's interval is there, and when the upper one: what the references' noise leaves open. */
+  earliest?: number | null;
+  latest?: number | null;
 }
 
 export interface ErrorAtTime extends Interval {
   seconds: number;
   error: number | null;
   reached: number;
+  interval?: NoiseInterval | null;
 }
 
 export interface FinalError extends Interval {
   value: number | null;
   /** The reference's own noise. */
   reference: number | null;
+  /** Of what has an interval: that is wider than two thirds of the value. Of what has none: noise of the reference is a part of it. */
   near_reference: boolean;
+  /** Of the mean over the seeds. */
+  interval?: NoiseInterval | null;
+}
+
+/** What seeds have in common, and what is each one's own: by a metric that is a mean of squares. Intervals of 90 %. */
+export interface BiasAndVariance {
+  squared_bias: number;
+  low: number;
+  high: number;
+  variance: number;
+  variance_low: number | null;
+  variance_high: number | null;
+  /** More passes do not go below the squared bias; else it is the one at these passes. */
+  floor: boolean;
+  text: string;
+}
+
+/** `GET /v1/comparisons/ID/rows/I/bias.json?layer=`: where the mean of a row's seeds is not the reference. Its blocks are not read here. */
+export interface WelchMap {
+  layer: string;
+  seeds: number;
+  level: number;
+  /** Of its blocks. */
+  found: number;
+  heavy_tailed: boolean;
+  text: string;
 }
 
 export interface MeanPoint extends Interval {
   seconds: number;
+  /** 0 or below where it is not told apart from 0. */
   error: number;
   min: number;
   max: number;
+  interval?: NoiseInterval | null;
 }
 
 export interface Spread {
@@ -451,6 +509,8 @@ export interface ComparisonRow {
   efficiency: number | null;
   /** At some time no other row has a lower error. */
   pareto: boolean;
+  /** By metric; null for one seed, while it runs, and where the reference is not two films. */
+  bias?: Record<string, BiasAndVariance> | null;
 }
 
 /** Who is first to an error, as the daemon judges it. */
@@ -520,6 +580,9 @@ export interface Comparison extends ComparisonSummary {
   headlines: Headline[];
   reference: {
     job: string | null;
+    /** The films of two that it is; the one job else. */
+    jobs?: string[] | null;
+    form?: ReferenceForm;
     image: string | null;
     state: JobState | null;
     error: Record<string, number> | null;

@@ -3,16 +3,20 @@
 import { useEffect, useState } from "preact/hooks";
 
 import { sendJson } from "../api/client";
-import type { Json } from "../api/types";
+import type { Json, NoiseInterval } from "../api/types";
 import { isMeasured, metricNamed } from "../api/vocabulary";
+import { drawnError, errorWithInterval } from "../ui/error_interval";
 import { numberText } from "../ui/format";
 import { sameSize, type Desk } from "./desk";
+import { filmsOf } from "./sources";
 
 const kQuick = ["relative_mse", "rmse", "smape", "relative_bias"];
 const kFlip = "flip_hdr";
 
 interface Measured {
   metrics: Record<string, Json>;
+  /** Of what two films measured. */
+  intervals: Record<string, NoiseInterval | null> | null;
   notes: string[];
 }
 type Result = Measured | { failure: Error };
@@ -24,17 +28,23 @@ interface Order {
   key: string;
   image: string;
   reference: string;
+  /** The reference and its other film, whose noise drops out of mean squares. */
+  films: [string, string] | null;
   layer: string;
   metrics: string[];
 }
 
-async function measure({ image, reference, layer, metrics }: Order): Promise<Result> {
+async function measure(order: Order): Promise<Result> {
+  const { image, reference, films, layer, metrics } = order;
   const prefix = layer === "beauty" ? "" : `${layer}:`;
+  const unprefixed = <T,>(values: Record<string, T>) => Object.fromEntries(Object.entries(values).map(([name, value]) => [name.slice(prefix.length), value]));
   try {
-    const measured = await sendJson<Measured>("POST", "/v1/metrics", { image, reference, metrics: metrics.map((name) => prefix + name) });
-    return { ...measured, metrics: Object.fromEntries(Object.entries(measured.metrics).map(([name, value]) => [name.slice(prefix.length), value])) };
+    const against = films ? { references: films } : { reference };
+    const measured = await sendJson<Measured>("POST", "/v1/metrics", { image, ...against, metrics: metrics.map((name) => prefix + name) });
+    return { ...measured, metrics: unprefixed(measured.metrics), intervals: measured.intervals && unprefixed(measured.intervals) };
   } catch (failure) {
-    return { failure: failure as Error };
+    // The other film may be gone.
+    return films ? measure({ ...order, films: null }) : { failure: failure as Error };
   }
 }
 
@@ -62,7 +72,8 @@ function useMeasured(orders: Order[]): ReadonlyMap<string, Result> {
   return known;
 }
 
-function cellText(value: Json | undefined): string {
+function cellText(value: Json | undefined, interval: NoiseInterval | null): string {
+  if (interval && (value === null || typeof value === "number")) return errorWithInterval(value, interval);
   if (Array.isArray(value)) return value.map((one) => numberText(one as number | null, 2).replace("-", "−")).join("  ");
   return typeof value === "number" ? numberText(value) : "–";
 }
@@ -74,15 +85,17 @@ export function ErrorsTable({ desk }: { desk: Desk }) {
   const reference = images[desk.reference.value];
   const sources = desk.sources.value;
   const against = reference === undefined ? undefined : sources.get(reference);
+  const films = reference === undefined ? null : filmsOf(reference, sources);
   const measured = isMeasured(layer);
   const rows = images.flatMap((name, index) => {
     const source = sources.get(name);
     return source?.size && index !== desk.reference.value ? [{ name, index, source }] : [];
   });
   const orderOf = (name: string, version: number, metrics: string[]): Order => ({
-    key: [name, version, reference, against?.version ?? 0, layer, metrics.join()].join("|"),
+    key: [name, version, films?.join() ?? reference, against?.version ?? 0, layer, metrics.join()].join("|"),
     image: name,
     reference: reference ?? "",
+    films: films?.includes(name) ? null : films,
     layer,
     metrics,
   });
@@ -102,16 +115,20 @@ export function ErrorsTable({ desk }: { desk: Desk }) {
       ...(quick && "metrics" in quick ? quick.metrics : {}),
       ...(flip && "metrics" in flip ? flip.metrics : {}),
     };
+    const intervals = (quick && "metrics" in quick && quick.intervals) || {};
     if (values[kFlip] === undefined && typeof shownFlip === "number") values[kFlip] = shownFlip;
     const failure = quick && "failure" in quick ? quick.failure : flip && "failure" in flip ? flip.failure : null;
     const notes = quick && "metrics" in quick ? quick.notes.map((note) => `Image ${index + 1}: ${note}`) : [];
-    return { name, index, source, values, failure, notes, busy: measurable(source) && !quick };
+    return { name, index, source, values, intervals, failure, notes, busy: measurable(source) && !quick };
   });
   const least = (metric: string): number => {
+    // Where one is not told apart from 0, nobody is known to have the least.
+    if (table.some(({ values, intervals }) => drawnError(values[metric] as number | null, intervals[metric])?.isBound)) return NaN;
     const numbers = table.map((row) => row.values[metric]).filter((value): value is number => typeof value === "number");
     return numbers.length > 1 ? Math.min(...numbers) : NaN;
   };
   const notes = table.flatMap((row) => row.notes);
+  const isCrossed = table.some(({ intervals }) => Object.values(intervals).some(Boolean));
   return (
     <section class="panel" aria-labelledby="compare-errors">
       <h2 id="compare-errors">Errors against image {desk.reference.value + 1}</h2>
@@ -132,7 +149,7 @@ export function ErrorsTable({ desk }: { desk: Desk }) {
                 </tr>
               </thead>
               <tbody>
-                {table.map(({ name, index, source, values, failure, busy }) => (
+                {table.map(({ name, index, source, values, intervals, failure, busy }) => (
                   <tr key={name}>
                     <th scope="row">
                       {index + 1} {source.title}
@@ -144,7 +161,7 @@ export function ErrorsTable({ desk }: { desk: Desk }) {
                     ) : (
                       columns.map((metric) => (
                         <td key={metric} class="number mono">
-                          {busy && metric !== kFlip ? "…" : cellText(values[metric])}
+                          {busy && metric !== kFlip ? "…" : cellText(values[metric], intervals[metric] ?? null)}
                           {values[metric] === least(metric) && <b title="the least"> ★</b>}
                         </td>
                       ))
@@ -158,7 +175,9 @@ export function ErrorsTable({ desk }: { desk: Desk }) {
             <button disabled={withFlip} onClick={() => setWithFlip(true)}>
               Measure FLIP too
             </button>
-            <span class="hint">★ the least of its column. Of whole images, in full precision.</span>
+            <span class="hint">★ the least of its column. Of whole images, in full precision.
+              {isCrossed && " In brackets: against both films of the reference, whose noise drops out; what it leaves open at 90 %."}
+            </span>
           </div>
           {notes.length > 0 && (
             <ul class="hint">

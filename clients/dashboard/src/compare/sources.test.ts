@@ -3,7 +3,7 @@ import { describe, expect, it } from "vitest";
 import type { Job } from "../api/types";
 import { layers } from "../api/vocabulary";
 import { someLayers } from "../api/vocabulary.test_data";
-import { layerChoices, sourceOfJob, unknownSource, usualReference, type Source } from "./sources";
+import { filmsOf, layerChoices, sourceOfJob, unknownSource, usualReference, type Source } from "./sources";
 
 layers.value = someLayers;
 
@@ -26,6 +26,10 @@ describe("what the images are", () => {
     expect(usualReference(...held(job("J1"), job("J2"), job("J3", { reference_job: "J2" })))).toBe(1);
     expect(usualReference(...held(job("J1", {}, { reference: "job:J3" }), job("J2", { role: "reference" }), job("J3")))).toBe(2);
     expect(usualReference(...held(job("J1", { reference_job: "J9" }), job("J2", { role: "reference" })))).toBe(1);
+  });
+  it("has both films of a reference that is two", () => {
+    const [, sources] = held(job("J1", { reference_job: "J8", reference_jobs: ["J8", "J9"] }), job("J2", { reference_job: "J7", reference_jobs: ["J7"] }));
+    expect(["job:J8", "job:J9", "job:J7"].map((name) => filmsOf(name, sources))).toEqual([["job:J8", "job:J9"], ["job:J8", "job:J9"], null]);
     expect(usualReference(...held(job("J1"), job("J2")))).toBe(0);
   });
   it("lists layers with the images that have them", () => {

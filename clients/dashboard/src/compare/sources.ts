@@ -81,6 +81,15 @@ export async function fetchSource(name: string, signal: AbortSignal): Promise<So
   };
 }
 
+/** Both films of a reference, where it is one of two that some job here is measured against; else null. */
+export function filmsOf(reference: string, sources: ReadonlyMap<string, Source>): [string, string] | null {
+  for (const { job } of sources.values()) {
+    const films = job?.reference_jobs?.map((id) => `job:${id}`) ?? [];
+    if (films.length === 2 && films.includes(reference)) return films as [string, string];
+  }
+  return null;
+}
+
 /** The source that a job is measured against while it renders. */
 export function referenceOf(job: Job): string | null {
   if (job.reference_job) return `job:${job.reference_job}`;

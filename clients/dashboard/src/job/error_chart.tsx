@@ -1,18 +1,22 @@
-// Error against time, on two logarithmic axes, growing while the job runs. The metrics are chosen; the target is a line.
+// Error against time, on two logarithmic axes, growing while the job runs: with what its reference's noise leaves open as a
+// band, and upper bounds where no more is known. The metrics are chosen; the target is a line.
 
 import "uplot/dist/uPlot.min.css";
 
-import { useMemo, useState } from "preact/hooks";
+import { useMemo, useRef, useState } from "preact/hooks";
 import type uPlot from "uplot";
 
 import type { CurvePoint, StopConditions } from "../api/types";
 import { isDark } from "../app/theme";
-import { countText, numberText, plainName, secondsText } from "../ui/format";
+import { drawBands, drawBounds } from "../ui/draw_intervals";
+import { errorWithInterval } from "../ui/error_interval";
+import { countText, kNone, numberText, plainName, secondsText } from "../ui/format";
 import { seriesLook } from "../ui/palette";
 import { useUPlot } from "../ui/uplot_place";
+import { boundsOf, drawnAt, errorPoints, lineOf, type ErrorPoints } from "./error_points";
 
 interface Props {
-  curve: CurvePoint[];
+  points: ErrorPoints;
   target: StopConditions["target"];
   against: "seconds" | "passes";
   metrics: string[];
@@ -22,12 +26,14 @@ interface Props {
 
 const kHeight = 300;
 
-const usable = (value: number | null | undefined): number | null => (typeof value === "number" && value > 0 && Number.isFinite(value) ? value : null);
+/** Those of the metrics, by their place, of which some points are but upper bounds. */
+const bounded = ({ points }: Props): number[] => points.drawn.flatMap((drawn, index) => (drawn.some((error) => error?.isBound) ? [index] : []));
 
-function dataOf({ curve, metrics, against, target }: Props): uPlot.AlignedData {
-  const points = curve.filter((point) => point[against] > 0 && metrics.some((metric) => usable(point.metrics[metric]) !== null));
-  const line = target && metrics.includes(target.metric) ? [points.map(() => target.value)] : [];
-  return [points.map((point) => point[against]), ...metrics.map((metric) => points.map((point) => usable(point.metrics[metric]))), ...line];
+/** The curves, the upper bounds of those that have some, the target. */
+function dataOf(props: Props): uPlot.AlignedData {
+  const { points, metrics, target } = props;
+  const line = target && metrics.includes(target.metric) ? [points.x.map(() => target.value)] : [];
+  return [points.x, ...points.drawn.map(lineOf), ...bounded(props).map((index) => boundsOf(points.drawn[index]!)), ...line];
 }
 
 /** The powers of ten about the values, so that a short curve has an axis too. */
@@ -56,7 +62,13 @@ function labelled(_: uPlot, splits: number[]): (number | null)[] {
   });
 }
 
-function optionsOf(props: Props, width: number): uPlot.Options {
+function optionsOf(latest: { current: Props }, width: number): uPlot.Options {
+  const props = latest.current;
+  const lookOf = (index: number) => seriesLook(props.all.indexOf(props.metrics[index]!), isDark.peek());
+  // Those that the legend has not switched off.
+  const intervals = (chart: uPlot, first: number, which: number[]) =>
+    which.flatMap((index, i) => (chart.series[first + i]!.show ? [{ colour: lookOf(index).colour, errors: latest.current.points.drawn[index]! }] : []));
+  const everyMetric = props.metrics.map((_, index) => index);
   const style = getComputedStyle(document.documentElement);
   const colour = (name: string) => style.getPropertyValue(name).trim();
   const axis: uPlot.Axis = {
@@ -82,43 +94,71 @@ function optionsOf(props: Props, width: number): uPlot.Options {
       { ...axis, size: 64, filter: labelled, values: written((value) => numberText(value)) },
     ],
     series: [
-      { label: props.against === "seconds" ? "time" : "passes", value: (_, value) => (value === null ? "–" : xText(value)) },
-      ...props.metrics.map((metric): uPlot.Series => {
-        const look = seriesLook(props.all.indexOf(metric), isDark.peek());
+      { label: props.against === "seconds" ? "time" : "passes", value: (_, value) => (value === null ? kNone : xText(value)) },
+      ...props.metrics.map((metric, index): uPlot.Series => {
+        const look = lookOf(index);
         return {
           label: plainName(metric),
           stroke: look.colour,
           dash: look.dash,
           width: 2,
-          spanGaps: true,
           points: { show: true, size: 5 },
-          value: (_, value) => numberText(value),
+          value: (_chart, value: number | null | undefined, _series, at) => {
+            const error = at == null ? null : latest.current.points.drawn[index]![at];
+            const known = error && !error.isBound && error.least < error.greatest;
+            return known ? errorWithInterval(value, [error.least, error.greatest]) : numberText(value);
+          },
         };
       }),
+      ...bounded(props).map((index): uPlot.Series => ({
+        label: `${plainName(props.metrics[index]!)}, upper bound`,
+        stroke: lookOf(index).colour,
+        width: 0,
+        points: { show: false }, // an arrow each, drawn by the hook
+        value: (_, value: number | null | undefined) => numberText(value),
+      })),
       ...(props.target && props.metrics.includes(props.target.metric)
         ? [{ label: "target", stroke: colour("--muted"), dash: [4, 4], width: 1.5, points: { show: false }, value: (_: uPlot, value: number) => numberText(value) } satisfies uPlot.Series]
         : []),
     ],
+    hooks: {
+      drawAxes: [(chart) => drawBands(chart, intervals(chart, 1, everyMetric))],
+      draw: [(chart) => drawBounds(chart, intervals(chart, 1 + props.metrics.length, bounded(props)))],
+    },
   };
 }
 
-function Chart(props: Props) {
-  const remake = [props.metrics.join(), props.against, props.target?.value];
-  const place = useUPlot((_, width) => optionsOf(props, width), () => dataOf(props), remake, [props.curve]);
-  const last = props.curve.at(-1);
-  const now = last ? props.metrics.map((metric) => `${plainName(metric)} ${numberText(last.metrics[metric])}`).join(", ") : "";
+function Chart(props: Props & { last: CurvePoint | undefined }) {
+  const latest = useRef<Props>(props);
+  latest.current = props;
+  const remake = [props.metrics.join(), props.against, props.target?.value, bounded(props).join()];
+  const place = useUPlot((_, width) => optionsOf(latest, width), () => dataOf(latest.current), remake, [props.points]);
+  const { last } = props;
+  const now = last ? props.metrics.map((metric) => `${plainName(metric)} ${errorWithInterval(last.metrics[metric], last.intervals?.[metric])}`).join(", ") : "";
   return <div ref={place} class="job-chart" role="img" aria-label={`Error against ${props.against}; at the end ${now}`} />;
+}
+
+/** What the marks are, and what has none. */
+function notesOf({ drawn, leftOut }: ErrorPoints): string {
+  const errors = drawn.flat();
+  const notes: string[] = [];
+  if (errors.some((error) => error && !error.isBound && error.least < error.greatest)) notes.push("Bands: what the reference's noise leaves open, at 90 %.");
+  if (errors.some((error) => error?.isBound)) notes.push("Arrows: upper bounds, where the error is not told apart from 0.");
+  if (leftOut > 0) notes.push(`${leftOut === 1 ? "1 value is" : `${leftOut} values are`} 0 or below, which a logarithmic axis cannot show.`);
+  return notes.join(" ");
 }
 
 export function ErrorCurve({ curve, target, running }: { curve: CurvePoint[] | null; target: StopConditions["target"]; running: boolean }) {
   const all = useMemo(() => [...new Set((curve ?? []).flatMap((point) => Object.keys(point.metrics)))].sort(), [curve]);
-  const measured = all.filter((metric) => curve!.some((point) => usable(point.metrics[metric]) !== null));
+  const measured = all.filter((metric) => curve!.some((point) => drawnAt(point, metric)));
   const [chosen, setChosen] = useState<string[] | null>(null);
   const [against, setAgainst] = useState<"seconds" | "passes">("seconds");
   const first = target && measured.includes(target.metric) ? target.metric : measured.includes("relative_mse") ? "relative_mse" : measured[0];
   const shown = (chosen ?? (first ? [first] : [])).filter((metric) => measured.includes(metric));
+  const points = useMemo(() => errorPoints(curve ?? [], shown, against), [curve, shown.join(), against]);
   if (measured.length === 0)
     return <p class="muted">{running ? "The first points come after the second pass." : "Nothing was measured: an error needs two passes at least, or a reference."}</p>;
+  const notes = notesOf(points);
   const toggle = (metric: string) => setChosen(shown.includes(metric) ? shown.filter((other) => other !== metric) : [...shown, metric]);
   return (
     <>
@@ -136,7 +176,8 @@ export function ErrorCurve({ curve, target, running }: { curve: CurvePoint[] | n
           </select>
         </label>
       </div>
-      {shown.length > 0 ? <Chart curve={curve!} target={target} against={against} metrics={shown} all={measured} /> : <p class="muted">Choose a metric.</p>}
+      {shown.length > 0 ? <Chart points={points} last={curve!.at(-1)} target={target} against={against} metrics={shown} all={measured} /> : <p class="muted">Choose a metric.</p>}
+      {notes && <p class="hint">{notes}</p>}
     </>
   );
 }

@@ -10,16 +10,18 @@ import { connection, listen } from "../api/events";
 import { isOver, type Job, type Method, type Page } from "../api/types";
 import { useKeys } from "../app/keyboard";
 import { Title } from "../app/title";
-import { errorText, kNone, numberText, percentText, plainName, secondsText, sizeText, stopText, timeText } from "../ui/format";
+import { errorWithInterval } from "../ui/error_interval";
+import { kNone, percentText, plainName, secondsText, sizeText, stopText, timeText } from "../ui/format";
 import { useRemote } from "../ui/remote";
 import { say, sayFailure } from "../ui/toasts";
 import { Actions, doNow, type Asked } from "./actions";
 import { ErrorCurve } from "./error_chart";
+import { Errors } from "./errors";
 import { Life } from "./life";
 import { Log } from "./log";
-import { Counts, Errors, Memory, Stages } from "./measures";
+import { Counts, Memory, Stages } from "./measures";
 import { changesMore, withEvent } from "./merge";
-import { PicturePanel, referenceJob } from "./picture_panel";
+import { PicturePanel, referenceJobs } from "./picture_panel";
 import { Files, Repeat } from "./repeat";
 import { RequestPanel } from "./request_panel";
 
@@ -101,7 +103,8 @@ export function JobPage() {
 
 function Facts({ job }: { job: Job }) {
   const { request } = job;
-  const reference = referenceJob(job);
+  const references = referenceJobs(job);
+  const error = errorWithInterval(job.error_now?.value, job.error_now?.interval);
   const labels = Object.entries(request.labels);
   return (
     <dl class="facts">
@@ -122,7 +125,10 @@ function Facts({ job }: { job: Job }) {
         {job.passes_done.toLocaleString("en")} <span class="muted">in {secondsText(job.seconds)} of rendering</span>
       </dd>
       <dt>Error now</dt>
-      <dd>{errorText(job.error_now) ? `${numberText(job.error_now!.value)} (${plainName(job.error_now!.metric)})` : kNone}</dd>
+      <dd>
+        {error}
+        {error !== kNone && <span class="muted">, {plainName(job.error_now!.metric)}</span>}
+      </dd>
       <dt>Created</dt>
       <dd>{timeText(job.created)}</dd>
       {job.finished && (
@@ -139,11 +145,17 @@ function Facts({ job }: { job: Job }) {
           </dd>
         </>
       )}
-      {reference && (
+      {references.length > 0 && (
         <>
           <dt>Reference</dt>
           <dd>
-            <a href={`/jobs/${reference}`}>{reference}</a>
+            {references.map((id, index) => (
+              <span key={id}>
+                {index > 0 && " and "}
+                <a href={`/jobs/${id}`}>{id}</a>
+              </span>
+            ))}
+            {references.length > 1 && <span class="muted">, two films of one image</span>}
           </dd>
         </>
       )}

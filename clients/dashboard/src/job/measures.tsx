@@ -2,7 +2,7 @@
 
 import type { Statistics } from "../api/types";
 import { isDark } from "../app/theme";
-import { bytesText, countText, kNone, numberText, percentText, plainName, secondsText } from "../ui/format";
+import { bytesText, countText, percentText, plainName, secondsText } from "../ui/format";
 import { seriesLook } from "../ui/palette";
 
 /** Stages too short to be seen are one part of the bar, named in the table all the same. */
@@ -149,49 +149,5 @@ export function Counts({ statistics }: { statistics: Statistics }) {
         </p>
       )}
     </>
-  );
-}
-
-type Measured = [name: string, value: number | null, own: number | null | undefined];
-
-/** What the numbers of a metric that has several are (renderer/error/metric.h): one a channel, or percentiles. */
-const kParts: Record<number, string[]> = { 3: ["R", "G", "B"], 4: ["50 %", "90 %", "99 %", "greatest"] };
-
-/** Metrics that are one number; of those that are several, each. */
-function measuredOf(error: Record<string, unknown>, own: Record<string, unknown> | null, prefix = ""): Measured[] {
-  return Object.entries(error).flatMap(([name, value]): Measured[] => {
-    if (value === null || typeof value === "number") return [[prefix + plainName(name), value, own?.[name] as number | null | undefined]];
-    const parts = Array.isArray(value) ? Object.fromEntries(value.map((part: unknown, i) => [kParts[value.length]?.[i] ?? String(i + 1), part])) : value;
-    return typeof parts === "object" ? measuredOf(parts as Record<string, unknown>, null, `${prefix}${plainName(name)} `) : [];
-  });
-}
-
-/** The errors against the reference at the end, with what of them is the reference's own noise. */
-export function Errors({ statistics }: { statistics: Statistics }) {
-  const { error, reference_error: own } = statistics;
-  if (!error) return null;
-  const rows = measuredOf(error, own);
-  return (
-    <details class="job-errors">
-      <summary>All that was measured at the end</summary>
-      <table class="job-table">
-        <thead>
-          <tr>
-            <th>Metric</th>
-            <th class="number">Value</th>
-            {own && <th class="number">Of the reference itself</th>}
-          </tr>
-        </thead>
-        <tbody>
-          {rows.map(([metric, value, ofReference]) => (
-            <tr key={metric}>
-              <td>{metric}</td>
-              <td class="number">{value === null ? kNone : numberText(value)}</td>
-              {own && <td class="number">{numberText(ofReference)}</td>}
-            </tr>
-          ))}
-        </tbody>
-      </table>
-    </details>
   );
 }

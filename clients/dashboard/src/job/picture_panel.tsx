@@ -19,15 +19,19 @@ function viewsOf(job: Job): { name: string; title: string; text: string }[] {
   const views = [{ name: "image", title: "Image", text: "" }];
   if (job.links.flip) views.push({ name: "flip", title: "FLIP", text: "Differences a viewer would see when flipping between it and its reference; brighter is worse." });
   if (job.links.error_map) views.push({ name: "error", title: "Relative error", text: "How far each pixel is from its reference, relative to it and on a logarithmic scale; brighter is worse. Too bright and too dark look alike." });
-  if (referenceJob(job)) views.push({ name: "reference", title: "Reference", text: "What it is measured against." });
+  if (referenceJob(job)) views.push({ name: "reference", title: "Reference", text: referenceJobs(job).length > 1 ? `One of the two films it is measured against, ${referenceJob(job)}.` : "What it is measured against." });
   return views;
 }
 
-export function referenceJob(job: Job): string | null {
-  if (job.reference_job) return job.reference_job;
+/** The jobs it is measured against: two films, or one; none where an image was uploaded. */
+export function referenceJobs(job: Job): string[] {
+  if (job.reference_jobs) return job.reference_jobs;
+  if (job.reference_job) return [job.reference_job];
   const { reference } = job.request;
-  return typeof reference === "string" && reference.startsWith("job:") ? reference.slice(4) : null;
+  return typeof reference === "string" && reference.startsWith("job:") ? [reference.slice(4)] : [];
 }
+
+const referenceJob = (job: Job): string | null => referenceJobs(job)[0] ?? null;
 
 /** Films are changed by passes and by attempts; anything else leaves the pictures as they are. */
 const versionOf = (job: Job): number => job.passes_done + (isOver(job.state) ? 0.5 : 0);

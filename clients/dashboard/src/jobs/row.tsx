@@ -4,7 +4,8 @@
 import { Component } from "preact";
 
 import type { JobSummary } from "../api/types";
-import { kNone, numberText, percentText, plainName, secondsText, timeText } from "../ui/format";
+import { shortError } from "../ui/error_interval";
+import { kNone, percentText, plainName, secondsText, timeText } from "../ui/format";
 
 export interface Column {
   name: string;
@@ -59,6 +60,7 @@ const labelsOf = (labels: Record<string, string>): string =>
     .join(" ");
 
 function Cells({ job }: { job: JobSummary }) {
+  const error = shortError(job.error_now?.value, job.error_now?.interval);
   const labels = labelsOf(job.labels);
   const failed = job.state === "failed" && job.failure;
   const cells: Record<string, preact.ComponentChildren> = {
@@ -81,9 +83,9 @@ function Cells({ job }: { job: JobSummary }) {
       <span class="fault" title={job.failure!}>
         {job.failure}
       </span>
-    ) : job.error_now && job.error_now.value !== null ? (
+    ) : error !== kNone ? (
       <>
-        {numberText(job.error_now.value)} <span class="muted">{plainName(job.error_now.metric)}</span>
+        {error} <span class="muted">{plainName(job.error_now!.metric)}</span>
       </>
     ) : (
       kNone

@@ -3,7 +3,8 @@
 import { useEffect, useRef } from "preact/hooks";
 
 import type { Comparison, ComparisonSummary, JobSummary, Page } from "../api/types";
-import { numberText, plainName, secondsText, timeText } from "../ui/format";
+import { errorNowText } from "../ui/error_interval";
+import { plainName, secondsText, timeText } from "../ui/format";
 import { Picture } from "../ui/picture";
 import { useRemote } from "../ui/remote";
 import { StateMark } from "../ui/state";
@@ -11,7 +12,7 @@ import { StateMark } from "../ui/state";
 const kStudiesShown = 5;
 
 function RecentJob({ row }: { row: JobSummary }) {
-  const error = row.error_now && row.error_now.value !== null ? `${numberText(row.error_now.value)} ${plainName(row.error_now.metric)}` : "";
+  const error = errorNowText(row.error_now);
   return (
     <li>
       <a class="now-recent-job" href={`/jobs/${row.id}`}>

@@ -5,7 +5,9 @@ import { useEffect, useMemo, useState } from "preact/hooks";
 import { sendJson } from "../api/client";
 import { listen } from "../api/events";
 import type { CurvePoint, Job, JobSummary } from "../api/types";
-import { numberText, plainName, sizeText, stopText } from "../ui/format";
+import { errorPoints, lineOf } from "../job/error_points";
+import { errorWithInterval, type DrawnError } from "../ui/error_interval";
+import { kNone, numberText, plainName, sizeText, stopText } from "../ui/format";
 import { LiveChart } from "../ui/live_chart";
 import { useLivePreview } from "../ui/live_preview";
 import { PictureFrame } from "../ui/picture";
@@ -32,24 +34,26 @@ function useCurve(job: Job | null): CurvePoint[] {
 function ErrorSoFar({ row, job }: { row: JobSummary; job: Job | null }) {
   const curve = useCurve(job);
   const metric = row.error_now?.metric ?? Object.keys(curve.at(-1)?.metrics ?? {})[0];
-  const points = metric ? curve.filter((point) => (point.metrics[metric] ?? 0) > 0) : [];
-  const x = useMemo(() => points.map((point) => point.seconds), [curve, metric]);
-  const y = useMemo(() => points.map((point) => point.metrics[metric!] ?? null), [curve, metric]);
+  const points = useMemo(() => errorPoints(curve, metric ? [metric] : [], "seconds"), [curve, metric]);
+  const errors = points.drawn[0] ?? [];
+  const y = useMemo(() => lineOf(errors), [points]);
   if (!metric)
     return <p class="muted small now-error">{job && !job.request.reference ? "No reference: its error is not measured." : "No error measured yet."}</p>;
-  const value = row.error_now?.value ?? y.at(-1) ?? null;
+  const last = curve.at(-1);
+  const now = row.error_now ? errorWithInterval(row.error_now.value, row.error_now.interval) : kNone;
+  const text = (error: DrawnError | null | undefined) => (error?.isBound ? `below ${numberText(error.at)}` : numberText(error?.at));
   return (
     <div class="now-error">
       <span>
-        <span class="muted">{plainName(metric)}</span> <strong>{numberText(value)}</strong>
+        <span class="muted">{plainName(metric)}</span> <strong>{now === kNone ? errorWithInterval(last?.metrics[metric], last?.intervals?.[metric]) : now}</strong>
       </span>
-      {points.length > 1 && (
+      {errors.length > 1 && (
         <LiveChart
-          label={`${plainName(metric)} against seconds, both logarithmic: from ${numberText(y[0])} to ${numberText(y.at(-1))}`}
-          x={x}
+          label={`${plainName(metric)} against seconds, both logarithmic: from ${text(errors[0])} to ${text(errors.at(-1))}`}
+          x={points.x}
           y={y}
           height={44}
-          logarithmic
+          errors={errors}
         />
       )}
     </div>

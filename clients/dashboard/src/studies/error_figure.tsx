@@ -5,22 +5,16 @@ import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { isDark } from "../app/theme";
 import { saveBlob } from "../api/client";
 import { numberText, secondsText } from "../ui/format";
-import { seriesLook, type SeriesLook } from "../ui/palette";
-import { errorAt, idealSlope, type Series } from "./series";
+import { seriesLook } from "../ui/palette";
+import type { Floor } from "./bias";
+import type { LogFigure } from "./log_figure";
+import { errorTimePlot } from "./plots";
+import { idealSlope, readingAt, type Series } from "./series";
 import { svgFile } from "./svg_file";
-import type { errorTimePlot } from "./plots";
+import { kSymbols } from "./symbols";
 
 const kPaperWidth = 760;
 const kPaperHeight = 480;
-
-const kShapes: Record<SeriesLook["symbol"], string> = {
-  circle: "M4 0A4 4 0 1 1 -4 0A4 4 0 1 1 4 0Z",
-  square: "M-3.5 -3.5H3.5V3.5H-3.5Z",
-  triangle: "M0 -4.5L4 3.5H-4Z",
-  diamond: "M0 -5L4 0L0 5L-4 0Z",
-  cross: "M-4.5 -1.5H-1.5V-4.5H1.5V-1.5H4.5V1.5H1.5V4.5H-1.5V1.5H-4.5Z",
-  star: "M0 -5L1.2 -1.6L4.8 -1.5L1.9 0.6L2.9 4L0 2L-2.9 4L-1.9 0.6L-4.8 -1.5L-1.2 -1.6Z",
-};
 
 /** The stroke and mark of a row, as the figures draw it. */
 export function Swatch({ row }: { row: number }) {
@@ -28,7 +22,7 @@ export function Swatch({ row }: { row: number }) {
   return (
     <svg class="study-swatch" width="34" height="12" viewBox="-17 -6 34 12" aria-hidden="true">
       <line x1="-17" x2="17" y1="0" y2="0" stroke={colour} stroke-width="2" stroke-dasharray={dash.join(" ") || undefined} />
-      <path d={kShapes[symbol]} fill={colour} />
+      <path d={kSymbols[symbol]} fill={colour} />
     </svg>
   );
 }
@@ -52,45 +46,32 @@ interface Props {
   hidden: ReadonlySet<number>;
   onHidden: (hidden: Set<number>) => void;
   noise: number | null;
+  floors: Floor[];
   showFront: boolean;
 }
 
-type Drawn = NonNullable<ReturnType<typeof errorTimePlot>>;
-
-export function ErrorFigure({ title, metric, series, hidden, onHidden, noise, showFront }: Props) {
+export function ErrorFigure({ title, metric, series, hidden, onHidden, noise, floors, showFront }: Props) {
   const [holder, width] = useWidth();
-  const [drawn, setDrawn] = useState<Drawn | null>(null);
-  const [failure, setFailure] = useState<string | null>(null);
+  const [drawn, setDrawn] = useState<LogFigure | null>(null);
   const [time, setTime] = useState<number | null>(null);
   const dark = isDark.value;
   const input = useMemo(
-    () => ({ metric, series, hidden, noise, ideal: idealSlope(metric), showFront }),
-    [metric, series, hidden, noise, showFront],
+    () => ({ metric, series, hidden, noise, floors, ideal: idealSlope(metric), showFront }),
+    [metric, series, hidden, noise, floors, showFront],
   );
   useEffect(() => {
     if (width === 0) return;
-    let current = true;
-    import("./plots").then(
-      (plots) => {
-        if (!current) return;
-        const made = plots.errorTimePlot(input, { dark, width, height: Math.max(300, Math.min(520, Math.round(width * 0.55))) });
-        holder.current!.replaceChildren(...(made ? [made] : []));
-        setDrawn(made);
-      },
-      (reason: Error) => setFailure(reason.message),
-    );
-    return () => {
-      current = false;
-    };
+    const made = errorTimePlot(input, { dark, width, height: Math.max(300, Math.min(520, Math.round(width * 0.55))) });
+    holder.current!.replaceChildren(...(made ? [made.svg] : []));
+    setDrawn(made);
   }, [input, dark, width]);
 
   const shown = series.filter((one) => !hidden.has(one.row) && one.points.length > 0);
   const times = useMemo(() => [...new Set(shown.flatMap((one) => one.points.map((point) => point.seconds)))].sort((a, b) => a - b), [series, hidden]);
   const moveTo = (event: PointerEvent) => {
-    const x = drawn?.scale("x");
-    if (!x?.invert) return;
-    const box = drawn!.getBoundingClientRect();
-    const at = x.invert(((event.clientX - box.left) * width) / box.width) as number;
+    if (!drawn) return;
+    const box = drawn.svg.getBoundingClientRect();
+    const at = drawn.x.valueAt(((event.clientX - box.left) * width) / box.width);
     setTime(at >= times[0]! && at <= times.at(-1)! ? at : null);
   };
   const step = (event: KeyboardEvent) => {
@@ -100,15 +81,14 @@ export function ErrorFigure({ title, metric, series, hidden, onHidden, noise, sh
     if (next !== undefined) setTime(next);
     event.preventDefault();
   };
-  const save = async () => {
-    const plots = await import("./plots");
-    const paper = plots.errorTimePlot(input, { dark: false, width: kPaperWidth, height: kPaperHeight });
+  const save = () => {
+    const paper = errorTimePlot(input, { dark: false, width: kPaperWidth, height: kPaperHeight });
     if (!paper) return;
-    const text = svgFile(paper, title, shown);
+    const text = svgFile(paper.svg, title, shown);
     saveBlob(new Blob([text], { type: "image/svg+xml" }), `${title.replace(/[^\w.-]+/g, "-")}.svg`);
   };
-  const x = time !== null ? (drawn?.scale("x")?.apply(time) as number | undefined) : undefined;
-  const readings = time === null ? [] : shown.map((one) => ({ ...one, error: errorAt(one.points, time) })).sort((a, b) => (a.error ?? Infinity) - (b.error ?? Infinity));
+  const x = time !== null ? drawn?.x.at(time) : undefined;
+  const readings = time === null ? [] : shown.map((one) => ({ ...one, at: readingAt(one.points, time) })).sort((a, b) => (a.at?.error ?? Infinity) - (b.at?.error ?? Infinity));
   return (
     <div class="study-figure">
       <div class="row study-legend" role="group" aria-label="Entries shown">
@@ -129,11 +109,10 @@ export function ErrorFigure({ title, metric, series, hidden, onHidden, noise, sh
             {one.slope !== null && <span class="muted small">slope {numberText(one.slope, 2)}</span>}
           </button>
         ))}
-        <button class="study-save" onClick={() => void save()} disabled={!drawn}>
+        <button class="study-save" onClick={save} disabled={!drawn}>
           Save SVG
         </button>
       </div>
-      {failure && <p class="notice failed">The figure could not be loaded: {failure}</p>}
       <div
         class="study-plot-stage"
         tabIndex={0}
@@ -155,7 +134,7 @@ export function ErrorFigure({ title, metric, series, hidden, onHidden, noise, sh
             <b>{secondsText(time)}</b>
             {readings.map((one) => (
               <span key={one.row} class="study-reading">
-                <Swatch row={one.row} /> {one.name} {one.error === null ? "not measured" : numberText(one.error)}
+                <Swatch row={one.row} /> {one.name} {one.at === null ? "not measured" : `${one.at.isBound ? "below " : ""}${numberText(one.at.error)}`}
               </span>
             ))}
           </>

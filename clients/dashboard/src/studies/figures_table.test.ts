@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 
 import type { ComparisonRow } from "../api/types";
-import { csvOf, escapeLatex, figuresCsv, figuresLatex, figuresTable, latexNumber } from "./figures_table";
+import { boundOf, csvOf, escapeLatex, figuresCsv, figuresLatex, figuresTable, latexNumber, openText } from "./figures_table";
 
 const row = (label: string, times: [number, number | null][], interval: [number, number] | null = null): ComparisonRow =>
   ({
@@ -33,6 +33,35 @@ describe("figures", () => {
   });
 });
 
+describe("figures that two films measured", () => {
+  const timed = (values: [number | null, [number, number] | null][]) =>
+    values.map(([error, interval], i) => ({
+      label: `row ${i}`, parameters: {}, seeds: 1, time_to_error: {}, error_at_time: { relative_mse: [{ seconds: 2, error, low: null, high: null, reached: 1, interval }] },
+    }) as unknown as ComparisonRow);
+  const errors = (...values: [number | null, [number, number] | null][]) => figuresTable("error_at_time", timed(values), "relative_mse");
+
+  it("say what the reference's noise leaves open", () => {
+    const made = errors([0.002, [0.001, 0.003]], [-0.001, [-0.005, 0.004]]);
+    const [first, second] = made.rows.map((one) => one.cells[0]!);
+    expect([openText(made, first!), boundOf(made, first!)]).toEqual(["0.001 to 0.003", null]);
+    expect([openText(made, second!), boundOf(made, second!)]).toEqual(["-0.005 to 0.004", 0.004]);
+    expect(figuresCsv(made).trim().split("\r\n")[2]).toBe("row 1,relative_mse,2,-0.001,,,false,false,,1,1,-0.005,0.004");
+    expect(figuresLatex(made, { caption: "", label: "" })).toContain("row 1 & $<$~0.004 \\\\\n    & {\\footnotesize -0.005 to 0.004}");
+  });
+  it("have a best only where it is told apart from the others", () => {
+    const best = (...values: [number | null, [number, number] | null][]) => errors(...values).rows.map((one) => [one.cells[0]!.best, one.cells[0]!.ratio]);
+    expect(best([0.002, [0.001, 0.003]], [0.004, [0.003, 0.005]])).toEqual([[true, null], [false, 2]]);
+    expect(best([0.002, [0.001, 0.003]], [-0.001, [-0.005, 0.004]])).toEqual([[false, null], [false, null]]);
+    expect(best([0.02, [0.01, 0.03]], [-0.001, [-0.005, 0.004]])).toEqual([[false, null], [true, null]]);
+    expect(best([-0.002, [-0.01, 0.003]], [-0.001, [-0.005, 0.004]])).toEqual([[false, null], [false, null]]);
+  });
+  it("have times from when to when", () => {
+    const at = { error: 0.1, seconds: 2, low: null, high: null, reached: 1, at_most: false };
+    const made = figuresTable("time_to_error", [{ label: "a", parameters: {}, seeds: 1, time_to_error: { relative_mse: [{ ...at, earliest: 1, latest: 3 }, { ...at, earliest: 1, latest: null }, at] }, error_at_time: {} }] as unknown as ComparisonRow[], "relative_mse");
+    expect(made.rows[0]!.cells.map((cell) => openText(made, cell))).toEqual(["1 s to 3 s", "from 1 s", ""]);
+  });
+});
+
 describe("CSV", () => {
   it("quotes what must be quoted", () => {
     expect(csvOf([["a,b", 'say "x"', null, 1.5, true]])).toBe('"a,b","say ""x""",,1.5,true\r\n');
@@ -40,8 +69,8 @@ describe("CSV", () => {
   it("has a line a figure, unrounded", () => {
     const lines = figuresCsv(table).trim().split("\r\n");
     expect(lines).toHaveLength(7);
-    expect(lines[2]).toBe("a_1 & 100 %,relative_mse,0.01,2,1.9,2.1,false,false,2,2,2");
-    expect(lines[3]).toBe("a_1 & 100 %,relative_mse,0.001,,,,false,false,,1,2");
+    expect(lines[2]).toBe("a_1 & 100 %,relative_mse,0.01,2,1.9,2.1,false,false,2,2,2,,");
+    expect(lines[3]).toBe("a_1 & 100 %,relative_mse,0.001,,,,false,false,,1,2,,");
   });
 });
 

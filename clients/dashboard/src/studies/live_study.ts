@@ -6,6 +6,7 @@ import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { listen } from "../api/events";
 import { isOver, type ComparisonReport, type JobState } from "../api/types";
 import { useRemote, type Remote } from "../ui/remote";
+import { referenceJobs } from "./series";
 
 /** The least time between two reports of a comparison that runs. */
 const kBetweenMs = 2000;
@@ -30,7 +31,7 @@ export function useLiveStudy(id: string): LiveStudy {
   const running = useRef(true);
   useEffect(() => {
     if (!remote.data) return;
-    ids.current = new Set([...remote.data.jobs.flatMap((job) => job.runs.map((run) => run.id)), ...(remote.data.reference?.job ? [remote.data.reference.job] : [])]);
+    ids.current = new Set([...remote.data.jobs.flatMap((job) => job.runs.map((run) => run.id)), ...referenceJobs(remote.data)]);
     running.current = !isOver(remote.data.state);
   }, [remote.data]);
 
@@ -81,10 +82,10 @@ export function useLiveStudy(id: string): LiveStudy {
       }
     }
     const reference = remote.data?.reference;
-    if (reference?.job && reference.state) {
+    if (remote.data && reference?.state) {
       const over = isOver(reference.state);
       const read: LiveJob = { state: reference.state, progress: over ? 1 : 0, passes: 0, seconds: 0 };
-      found.set(reference.job, over ? read : { ...read, ...told.get(reference.job) });
+      for (const job of referenceJobs(remote.data)) found.set(job, over ? read : { ...read, ...told.get(job) });
     }
     return found;
   }, [remote.data, told]);

@@ -1,6 +1,7 @@
 // What rows come to at their end: memory against error, and which are worth their memory.
 
 import type { ComparisonRow } from "../api/types";
+import { drawnError } from "../ui/error_interval";
 import { rowName } from "./series";
 
 export interface MemoryPoint {
@@ -8,14 +9,16 @@ export interface MemoryPoint {
   name: string;
   bytes: number;
   error: number;
+  /** The error is not told apart from 0: `error` is the upper end of its interval. */
+  isBound: boolean;
 }
 
 /** Of the rows whose memory and last error are known. */
 export function memoryPoints(rows: ComparisonRow[], metric: string, hidden: ReadonlySet<number>): MemoryPoint[] {
   return rows.flatMap((row, index) => {
     const bytes = row.peak_bytes;
-    const error = row.error[metric]?.value;
-    return bytes && error && !hidden.has(index) ? [{ row: index, name: rowName(row), bytes, error }] : [];
+    const drawn = drawnError(row.error[metric]?.value, row.error[metric]?.interval);
+    return bytes && drawn && !hidden.has(index) ? [{ row: index, name: rowName(row), bytes, error: drawn.at, isBound: drawn.isBound }] : [];
   });
 }
 

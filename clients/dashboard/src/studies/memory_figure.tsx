@@ -1,6 +1,6 @@
 // What entries came to for their memory, and who is worth choosing: the Pareto front drawn and listed.
 
-import { useEffect, useMemo, useState } from "preact/hooks";
+import { useEffect, useMemo } from "preact/hooks";
 
 import { saveBlob } from "../api/client";
 import type { ComparisonRow } from "../api/types";
@@ -8,6 +8,7 @@ import { isDark } from "../app/theme";
 import { bytesText, numberText, secondsText } from "../ui/format";
 import { Swatch, useWidth } from "./error_figure";
 import { memoryFront, memoryPoints } from "./memory";
+import { memoryPlot } from "./plots";
 import { bestByTime, type Series } from "./series";
 import { svgFile } from "./svg_file";
 
@@ -22,32 +23,21 @@ interface Props {
 
 export function MemoryFigure({ title, metric, rows, hidden }: Props) {
   const [holder, width] = useWidth();
-  const [failure, setFailure] = useState<string | null>(null);
   const points = useMemo(() => memoryPoints(rows, metric, hidden), [rows, metric, hidden]);
   const front = memoryFront(points);
   const dark = isDark.value;
   useEffect(() => {
     if (width === 0) return;
-    let current = true;
-    import("./plots").then(
-      (plots) => {
-        const made = current ? plots.memoryPlot(metric, points, { dark, width, height: 320 }) : null;
-        if (current) holder.current!.replaceChildren(...(made ? [made] : []));
-      },
-      (reason: Error) => setFailure(reason.message),
-    );
-    return () => {
-      current = false;
-    };
+    const made = memoryPlot(metric, points, { dark, width, height: 320 });
+    holder.current!.replaceChildren(...(made ? [made.svg] : []));
   }, [points, metric, dark, width]);
-  const save = async () => {
-    const paper = (await import("./plots")).memoryPlot(metric, points, kPaper);
+  const save = () => {
+    const paper = memoryPlot(metric, points, kPaper);
     if (!paper) return;
-    saveBlob(new Blob([svgFile(paper, title, [])], { type: "image/svg+xml" }), `${title.replace(/[^\w.-]+/g, "-")}.svg`);
+    saveBlob(new Blob([svgFile(paper.svg, title, [])], { type: "image/svg+xml" }), `${title.replace(/[^\w.-]+/g, "-")}.svg`);
   };
   return (
     <div class="study-figure">
-      {failure && <p class="notice failed">The figure could not be loaded: {failure}</p>}
       <div class="study-plot-stage" role="img" aria-label={`${metric} at the end against peak memory`}>
         <div ref={holder} class="study-plot-holder" />
         {points.length === 0 && <p class="empty">No entry has ended yet whose memory is known.</p>}
@@ -56,9 +46,9 @@ export function MemoryFigure({ title, metric, rows, hidden }: Props) {
         <div class="row">
           <span class="muted small study-fill">
             On the front of memory and error:{" "}
-            {front.map((point) => `${point.name} (${bytesText(point.bytes)}, ${numberText(point.error)})`).join("; ")}.
+            {front.map((point) => `${point.name} (${bytesText(point.bytes)}, ${point.isBound ? "below " : ""}${numberText(point.error)})`).join("; ")}.
           </span>
-          <button onClick={() => void save()}>Save SVG</button>
+          <button onClick={save}>Save SVG</button>
         </div>
       )}
     </div>
@@ -83,6 +73,7 @@ export function BestByTime({ series, withMemory }: { series: Series[]; withMemor
       </ul>
       <p class="muted small">
         The lowest mean curve at each time: the Pareto front of time and error.{" "}
+        {series.some((one) => one.points.some((point) => point.isBound)) && "Where a curve is not told apart from 0, its upper bound counts. "}
         {withMemory.length > 0 && `With memory as a third cost, worth choosing: ${withMemory.map(name).join(", ")}.`}
       </p>
     </>

@@ -1,13 +1,15 @@
 import { describe, expect, it } from "vitest";
 
-import type { ComparisonRow, MeanPoint } from "../api/types";
+import type { ComparisonReport, ComparisonRow, MeanPoint } from "../api/types";
 import { metrics } from "../api/vocabulary";
 import { someMetrics } from "../api/vocabulary.test_data";
-import { bestByTime, byteTicks, errorAt, fittedSlope, frontWithMemory, idealSlope, logTicks, rowName, type Series } from "./series";
+import {
+  bestByTime, byteTicks, defaultBand, errorAt, fittedSlope, frontWithMemory, idealSlope, isNoiseKnown, logTicks, readingAt, referenceJobs, rowName, seriesOf, type Series,
+} from "./series";
 
 const point = (seconds: number, error: number): MeanPoint => ({ seconds, error, low: null, high: null, min: error, max: error });
 const power = (scale: number, exponent: number, times = [0.1, 0.2, 0.4, 0.8, 1.6, 3.2]) => times.map((time) => point(time, scale * time ** exponent));
-const series = (row: number, points: MeanPoint[]): Series => ({ row, name: `row ${row}`, points, band: null, slope: null });
+const series = (row: number, points: MeanPoint[]): Series => ({ row, name: `row ${row}`, points, band: null, slope: null, leftOut: 0 });
 
 describe("slopes", () => {
   it("are the exponent of a power law", () => {
@@ -30,7 +32,48 @@ describe("slopes", () => {
   });
 });
 
+describe("a report's curves", () => {
+  const crossed = (seconds: number, error: number, interval: [number, number] | null): MeanPoint => ({ seconds, error, low: error - 1, high: error + 1, min: error / 2, max: error * 2, interval });
+  const report = (seeds: number, points: MeanPoint[]) =>
+    ({ table: [{ label: "a", parameters: {}, seeds, error: {}, mean_curve: { relative_mse: points } }] }) as unknown as ComparisonReport;
+  const three = [crossed(1, 0.5, [0.4, 0.6]), crossed(2, -0.1, [-0.3, 0.1]), crossed(4, -0.2, [-0.3, -0.1])];
+
+  it("have upper bounds where an error is not told apart from 0, and count what cannot be drawn", () => {
+    const [one] = seriesOf(report(1, three), "relative_mse", "noise");
+    expect(one!.points.map((at) => [at.seconds, at.error, at.isBound])).toEqual([[1, 0.5, false], [2, 0.1, true]]);
+    expect(one!.band).toEqual([{ low: 0.4, high: 0.6 }, { low: -0.3, high: 0.1 }]);
+    expect(one!.leftOut).toBe(1);
+  });
+  it("have a band over the seeds where there are several, also one that reaches below 0", () => {
+    expect(seriesOf(report(3, three), "relative_mse", "interval")[0]!.band).toEqual([{ low: -0.5, high: 1.5 }, { low: -1.1, high: 0.9 }]);
+    expect(seriesOf(report(3, three), "relative_mse", "range")[0]!.band).toEqual([{ low: 0.25, high: 1 }, null]);
+    expect(seriesOf(report(1, three), "relative_mse", "interval")[0]!.band).toBeNull();
+    expect(seriesOf(report(1, [point(1, 0.5)]), "relative_mse", "noise")[0]!.band).toBeNull();
+  });
+  it("say whether the reference's noise is known apart, and with one seed show what it leaves open", () => {
+    expect(isNoiseKnown(report(1, three), "relative_mse")).toBe(true);
+    expect(isNoiseKnown(report(1, [point(1, 0.5)]), "relative_mse")).toBe(false);
+    expect(isNoiseKnown(report(1, three), "smape")).toBe(false);
+    expect([defaultBand(1, true), defaultBand(1, false), defaultBand(2, true), defaultBand(4, true)]).toEqual(["noise", "none", "range", "interval"]);
+  });
+  it("are against two films, one or an image", () => {
+    const reference = { job: "J1", image: null, state: null, error: null, warnings: [] };
+    expect(referenceJobs({ reference: { ...reference, jobs: ["J1", "J2"] } })).toEqual(["J1", "J2"]);
+    expect(referenceJobs({ reference })).toEqual(["J1"]);
+    expect(referenceJobs({ reference: { ...reference, job: null, jobs: null } })).toEqual([]);
+    expect(referenceJobs({ reference: null })).toEqual([]);
+  });
+});
+
 describe("curves", () => {
+  it("are no more than bounded beside an upper bound, and have no slope by one", () => {
+    const points = [point(1, 1), { ...point(10, 0.1), isBound: true }, point(100, 0.01)];
+    expect(readingAt(points, 3)).toMatchObject({ isBound: true });
+    expect(readingAt(points, 100)).toEqual({ error: 0.01, isBound: false });
+    expect(readingAt(points, 200)).toBeNull();
+    expect(fittedSlope([point(1, 1), { ...point(2, 5), isBound: true }, point(4, 0.25), point(8, 0.125)])).toBeCloseTo(-1, 10);
+    expect(fittedSlope([point(1, 1), { ...point(2, 5), isBound: true }, point(4, 0.25)])).toBeNull();
+  });
   it("are straight in log-log between their points, and nothing outside", () => {
     const points = [point(1, 1), point(100, 0.01)];
     expect(errorAt(points, 10)).toBeCloseTo(0.1, 12);

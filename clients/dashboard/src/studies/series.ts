@@ -3,6 +3,7 @@
 
 import type { ComparisonReport, ComparisonRow, MeanPoint, Parameters } from "../api/types";
 import { metricNamed } from "../api/vocabulary";
+import { drawnError } from "../ui/error_interval";
 
 /** "photon mapping, photons 5000", as the daemon writes it: the label and what the sweep gave. */
 export function rowName(row: { label: string; parameters: Parameters }): string {
@@ -10,33 +11,67 @@ export function rowName(row: { label: string; parameters: Parameters }): string 
   return row.label + swept.join("");
 }
 
+/** The jobs that all is measured against: two films, or one; none where an image was uploaded. */
+export const referenceJobs = ({ reference }: Pick<ComparisonReport, "reference">): string[] =>
+  reference?.jobs ?? (reference?.job ? [reference.job] : []);
+
+export interface SeriesPoint extends MeanPoint {
+  /** The error is not told apart from 0: `error` is the upper end of its interval. */
+  isBound?: boolean;
+}
+
+interface Edges {
+  /** 0 or below where a logarithmic axis has no end for it. */
+  low: number;
+  high: number;
+}
+
 export interface Series {
   /** Index of the row in the table; its look follows from it. */
   row: number;
   name: string;
-  points: MeanPoint[];
-  /** Of the lowest and highest seed, or of the 95 % interval, point by point; null where there is no such thing. */
-  band: { low: number; high: number }[] | null;
+  points: SeriesPoint[];
+  /** Point by point; null where nothing is known. */
+  band: (Edges | null)[] | null;
   slope: number | null;
+  /** How many points have no place on a logarithmic axis: their error is 0 or below, and so is all it may be. */
+  leftOut: number;
 }
 
-export type Band = "range" | "interval" | "none";
+/** Of the lowest and highest seed, of the 95 % interval over the seeds, or of what the reference's noise leaves open. */
+export type Band = "range" | "interval" | "noise" | "none";
 
 /** With few seeds Student's interval says little but that there are few; the seeds themselves say more. */
 const kSeedsForIntervals = 4;
-export const defaultBand = (seeds: number): Band => (seeds < 2 ? "none" : seeds < kSeedsForIntervals ? "range" : "interval");
+export const defaultBand = (seeds: number, noiseKnown: boolean): Band =>
+  seeds < 2 ? (noiseKnown ? "noise" : "none") : seeds < kSeedsForIntervals ? "range" : "interval";
+
+/** Whether a metric was measured by two films, so that what their noise leaves open is known. */
+export const isNoiseKnown = (report: ComparisonReport, metric: string): boolean =>
+  report.table.some((row) => row.error[metric]?.interval || row.mean_curve[metric]?.some((point) => point.interval));
+
+function edgesOf(point: MeanPoint, band: Band, seeds: number): Edges | null {
+  if (band === "noise") return point.interval ? { low: point.interval[0], high: point.interval[1] } : null;
+  if (band === "none" || seeds < 2) return null;
+  const { low, high } = band === "range" ? { low: point.min, high: point.max } : point;
+  return low !== null && high !== null && high > 0 ? { low, high } : null;
+}
 
 export function seriesOf(report: ComparisonReport, metric: string, band: Band): Series[] {
   return report.table.map((row, index) => {
-    const points = (row.mean_curve[metric] ?? []).filter((point) => point.seconds > 0 && point.error > 0);
-    const edges = points.map((point) => (band === "range" ? { low: point.min, high: point.max } : { low: point.low, high: point.high }));
-    const known = edges.every((edge): edge is { low: number; high: number } => edge.low !== null && edge.high !== null && edge.low > 0);
+    const measured = (row.mean_curve[metric] ?? []).filter((point) => point.seconds > 0);
+    const points = measured.flatMap((point): SeriesPoint[] => {
+      const drawn = drawnError(point.error, point.interval);
+      return drawn ? [{ ...point, error: drawn.at, isBound: drawn.isBound }] : [];
+    });
+    const edges = points.map((point) => edgesOf(point, band, row.seeds));
     return {
       row: index,
       name: rowName(row),
       points,
-      band: band !== "none" && known && row.seeds > 1 ? edges : null,
+      band: edges.some(Boolean) ? edges : null,
       slope: fittedSlope(points),
+      leftOut: measured.length - points.length,
     };
   });
 }
@@ -46,9 +81,10 @@ const kFewestPoints = 3;
 
 /**
  * The slope of log error over log time by least squares, over the last decade of time: what comes before is the method's
- * start. Null with fewer than three points there, or all at one time.
+ * start. Null with fewer than three points there, or all at one time; upper bounds are none.
  */
-export function fittedSlope(points: { seconds: number; error: number }[]): number | null {
+export function fittedSlope(measured: Pick<SeriesPoint, "seconds" | "error" | "isBound">[]): number | null {
+  const points = measured.filter((point) => !point.isBound);
   const last = points.at(-1)?.seconds ?? 0;
   const tail = points.filter((point) => point.seconds >= last / 10 ** kTailDecades * (1 - 1e-9));
   if (tail.length < kFewestPoints) return null;
@@ -64,17 +100,22 @@ export function fittedSlope(points: { seconds: number; error: number }[]): numbe
 /** How a metric falls with time where the error is nothing but independent noise; null where no law says so. */
 export const idealSlope = (metric: string): number | null => metricNamed(metric)?.slope ?? null;
 
-/** The error at a time, straight in log-log between points as the daemon takes it; null outside the curve's span. */
-export function errorAt(points: MeanPoint[], seconds: number): number | null {
+/**
+ * The error at a time, straight in log-log between points as the daemon takes it; beside an upper bound it is one too.
+ * Null outside the curve's span.
+ */
+export function readingAt(points: SeriesPoint[], seconds: number): { error: number; isBound: boolean } | null {
   const after = points.findIndex((point) => point.seconds >= seconds);
   if (after < 0) return null;
   const b = points[after]!;
-  if (b.seconds === seconds) return b.error;
+  if (b.seconds === seconds) return { error: b.error, isBound: !!b.isBound };
   const a = points[after - 1];
   if (!a) return null;
   const share = Math.log(seconds / a.seconds) / Math.log(b.seconds / a.seconds);
-  return a.error * (b.error / a.error) ** share;
+  return { error: a.error * (b.error / a.error) ** share, isBound: !!a.isBound || !!b.isBound };
 }
+
+export const errorAt = (points: SeriesPoint[], seconds: number): number | null => readingAt(points, seconds)?.error ?? null;
 
 export interface Stretch {
   row: number;
@@ -102,7 +143,8 @@ function turningTimes(series: Series[]): number[] {
 
 /**
  * Who has the lowest error when: the Pareto front of time and error, as stretches one after the other. A curve counts
- * where it was measured, and its last value from then on: a film one stops with does not get worse.
+ * where it was measured, and its last value from then on: a film one stops with does not get worse. Where no more is known
+ * than an upper bound, it counts as that.
  */
 export function bestByTime(series: Series[]): Stretch[] {
   const times = turningTimes(series);

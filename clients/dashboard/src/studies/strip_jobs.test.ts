@@ -42,6 +42,10 @@ describe("a strip", () => {
     expect(requests[2]!.method.parameters).toEqual({ gather: "direct", photons: 4000 });
     expect(requests[2]!.stop.seconds).toBe(5);
   });
+  it("asks for two films as they were asked for, for one of them would measure otherwise", () => {
+    const films = { ...report, reference: { ...report.reference!, jobs: ["J1", "J2"] } };
+    expect(stripRequests(films, { kind: "time", seconds: 1 })[0]!.reference).toEqual(report.request.reference);
+  });
   it("asks everybody for the same time", () => {
     expect(stripRequests(report, { kind: "time", seconds: 1 }).map((request) => request!.stop)).toEqual([{ seconds: 1 }, { seconds: 1 }, { seconds: 1 }]);
     expect(stripRequests(report, { kind: "end" })).toEqual([null, null, null]);

@@ -2,7 +2,7 @@
 // ends alone, so that anything else is rendered for it, by the same request with another stop.
 
 import type { ComparisonReport, JobRequest, JobSummary, StopConditions } from "../api/types";
-import { rowName } from "./series";
+import { referenceJobs, rowName } from "./series";
 
 export type StripAt = { kind: "end" } | { kind: "error"; metric: string; error: number } | { kind: "time"; seconds: number };
 
@@ -44,7 +44,9 @@ export function stripRequests(report: ComparisonReport, at: StripAt): (JobReques
     const entry = request.entries.find((other) => (other.label ?? other.method.name) === row.label);
     if (!stop || !entry) return null;
     const { entries: _, seeds, stop: __, labels, ...shared } = request;
-    const reference = report.reference?.job ? `job:${report.reference.job}` : request.reference;
+    // One film by its name; two are found again by what they were asked for as.
+    const films = referenceJobs(report);
+    const reference = films.length === 1 ? `job:${films[0]}` : request.reference;
     // What the comparison measures is asked for again, but for what needs no asking: estimates.
     const metrics = request.metrics.filter((metric) => !metric.endsWith("estimated_relative_mse"));
     const job: Record<string, unknown> = {

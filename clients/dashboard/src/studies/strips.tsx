@@ -5,13 +5,14 @@ import { useEffect, useMemo, useState } from "preact/hooks";
 import { sendJson } from "../api/client";
 import { listen } from "../api/events";
 import { isOver, type ComparisonReport, type Job, type JobState, type JobSummaryPage } from "../api/types";
+import { errorNowText, shortError } from "../ui/error_interval";
 import { kNone, numberText, percentText, secondsText } from "../ui/format";
 import { Picture } from "../ui/picture";
 import { useRemote } from "../ui/remote";
 import { sayFailure } from "../ui/toasts";
 import { Swatch } from "./error_figure";
 import type { LiveJob } from "./live_study";
-import { rowName } from "./series";
+import { referenceJobs, rowName } from "./series";
 import { readStrip, stripFilter, stripJobs, stripRequests, stripText, type StripAt } from "./strip_jobs";
 
 export type PictureKind = "image" | "error" | "flip";
@@ -95,13 +96,13 @@ interface Props {
 }
 
 function referenceShown(report: ComparisonReport, jobs: ReadonlyMap<string, LiveJob>): Shown[] {
-  const reference = report.reference;
-  if (!reference?.job) return [];
-  const live = jobs.get(reference.job);
+  const [job, other] = referenceJobs(report);
+  if (!job) return [];
+  const live = jobs.get(job);
   return [
     {
-      key: "reference", name: "reference", row: null, job: reference.job, state: reference.state, progress: live?.progress ?? 0,
-      version: live?.state === "succeeded" ? -1 : (live?.passes ?? 0), facts: reference.job, none: "",
+      key: "reference", name: "reference", row: null, job, state: report.reference!.state, progress: live?.progress ?? 0,
+      version: live?.state === "succeeded" ? -1 : (live?.passes ?? 0), facts: other ? `${job}, one of two films` : job, none: "",
     },
   ];
 }
@@ -112,9 +113,9 @@ function endShown(report: ComparisonReport, jobs: ReadonlyMap<string, LiveJob>, 
     const job = row.jobs[0]!;
     const live = jobs.get(job);
     const last = report.curves.find((curve) => curve.job === job)?.points.at(-1);
-    const error = last?.metrics[metric];
+    const error = last ? shortError(last.metrics[metric], last.intervals?.[metric]) : kNone;
     const facts = live?.passes ? [secondsText(live.seconds), `${live.passes.toLocaleString("en")} passes`] : [];
-    if (error) facts.push(`${metric} ${numberText(error)}`);
+    if (error !== kNone) facts.push(`${metric} ${error}`);
     return {
       key: job, name: rowName(row), row: index, job, state: live?.state ?? null, progress: live?.progress ?? 0,
       version: live && isOver(live.state) ? -1 : (live?.passes ?? 0), facts: facts.join(", "), none: "",
@@ -202,7 +203,7 @@ export function Strips({ report, jobs, metric, at: atText, kind: asked, exposure
           return {
             key: `${index}`, name: rowName(row), row: index, job: job?.id ?? null, state: job?.state ?? null, progress: job?.progress ?? 0,
             version: job && isOver(job.state) ? -1 : (job?.passes_done ?? 0),
-            facts: job?.passes_done ? [secondsText(job.seconds), `${job.passes_done.toLocaleString("en")} passes`, job.error_now?.value ? `${job.error_now.metric} ${numberText(job.error_now.value)}` : ""].filter(Boolean).join(", ") : "",
+            facts: job?.passes_done ? [secondsText(job.seconds), `${job.passes_done.toLocaleString("en")} passes`, errorNowText(job.error_now)].filter(Boolean).join(", ") : "",
             none: job ? "" : !reached(index) ? "does not get there in its time" : found.loading ? "…" : "not rendered yet",
           };
         });

@@ -12,19 +12,28 @@ import { useQuery } from "../app/url_state";
 import { percentText, stopText } from "../ui/format";
 import { StateMark } from "../ui/state";
 import { sayFailure } from "../ui/toasts";
+import { floorsOf } from "./bias";
+import { BiasPanel } from "./bias_panel";
 import { unequalBounces } from "./bounces";
 import { ErrorFigure, Swatch } from "./error_figure";
 import { figuresTable } from "./figures_table";
 import { useLiveStudy, type LiveStudy } from "./live_study";
 import { BestByTime, MemoryFigure } from "./memory_figure";
 import { metricText } from "./metric_texts";
-import { defaultBand, frontWithMemory, idealSlope, rowName, seriesOf, type Band } from "./series";
+import { defaultBand, frontWithMemory, idealSlope, isNoiseKnown, referenceJobs, rowName, seriesOf, type Band } from "./series";
 import { Strips, type PictureKind } from "./strips";
 import { JobsOfStudy, Repetition } from "./study_jobs";
 import { StudyNow } from "./study_now";
 import { CostTable, FiguresView } from "./tables_view";
 
-const kBands: Record<Band, string> = { range: "lowest to highest seed", interval: "95 % interval of the mean", none: "none" };
+const kBands: Record<Band, string> = {
+  range: "lowest to highest seed",
+  interval: "95 % interval of the mean",
+  noise: "90 % by the reference's noise",
+  none: "none",
+};
+/** Those that there can be: over seeds where there are several, of the reference's noise where it is known. */
+const bandsOf = (seeds: number, noiseKnown: boolean): Band[] => [...(seeds > 1 ? (["range", "interval"] as const) : []), ...(noiseKnown ? (["noise"] as const) : []), "none"];
 
 const capitalised = (text: string): string => text[0]!.toUpperCase() + text.slice(1);
 
@@ -162,6 +171,25 @@ function Actions({ study, report }: { study: LiveStudy; report: ComparisonReport
   );
 }
 
+/** Two films, where it is those; what is no mean of squares has their noise as a part all the same. */
+function MeasuredBy({ report, metric }: { report: ComparisonReport; metric: string }) {
+  const films = referenceJobs(report);
+  const known = isNoiseKnown(report, metric);
+  if (report.reference?.form !== "two_films" || films.length < 2) return null;
+  return (
+    <p class="muted small">
+      Measured against {known ? "" : "the mean of "}two films of different seeds,{" "}
+      {films.map((id, index) => (
+        <span key={id}>
+          {index > 0 && " and "}
+          <a href={`/jobs/${id}`}>{id}</a>
+        </span>
+      ))}
+      {known ? ", whose noise drops out." : `, whose noise is a part of ${metric}.`}
+    </p>
+  );
+}
+
 function useHidden(): [Set<number>, (hidden: Set<number>) => void] {
   const [query, change] = useQuery();
   const hidden = useMemo(() => new Set((query.hide ?? "").split(",").filter(Boolean).map(Number)), [query.hide]);
@@ -174,11 +202,16 @@ function Body({ study, report }: { study: LiveStudy; report: ComparisonReport })
   const metric = metrics.includes(query.metric ?? "") ? query.metric! : metrics[0]!;
   const seeds = report.request.seeds.length;
   const unequal = unequalBounces(report.request);
-  const band = query.band && query.band in kBands ? (query.band as Band) : defaultBand(seeds);
+  const noiseKnown = isNoiseKnown(report, metric);
+  const bands = bandsOf(seeds, noiseKnown);
+  const usualBand = defaultBand(seeds, noiseKnown);
+  const band = bands.find((one) => one === query.band) ?? usualBand;
   const [hidden, setHidden] = useHidden();
   const series = useMemo(() => seriesOf(report, metric, band), [report, metric, band]);
   const withMemory = useMemo(() => frontWithMemory(series, report.table), [series]);
-  const noise = report.table.map((row) => row.error[metric]?.reference).find((value) => value) ?? null;
+  const floors = useMemo(() => floorsOf(report.table, metric), [report, metric]);
+  const noise = noiseKnown ? null : (report.table.map((row) => row.error[metric]?.reference).find((value) => value) ?? null);
+  const leftOut = series.reduce((sum, one) => sum + one.leftOut, 0);
   const kind: PictureKind = query.picture === "error" || query.picture === "flip" ? query.picture : "image";
   const exposure = Number(query.ev) || 0;
   const name = `${report.id} ${report.request.scene}`;
@@ -191,7 +224,7 @@ function Body({ study, report }: { study: LiveStudy; report: ComparisonReport })
       {unequal.length > 0 && <p class="notice">{unequal.join(" ")} What is missing stays as error, however long it renders.</p>}
       {report.reference && report.reference.warnings.length > 0 && (
         <div class="notice">
-          Errors near the reference's own noise are partly the reference's:
+          {report.reference.form === "two_films" ? "What the reference's noise leaves little of:" : "Errors near the reference's own noise are partly the reference's:"}
           <ul>
             {report.reference.warnings.map((warning) => (
               <li key={warning}>{warning}</li>
@@ -214,13 +247,13 @@ function Body({ study, report }: { study: LiveStudy; report: ComparisonReport })
               </select>
             </label>
           )}
-          {seeds > 1 && (
+          {bands.length > 1 && (
             <label class="study-inline">
               Bands
-              <select value={band} onChange={(event) => change({ band: event.currentTarget.value === defaultBand(seeds) ? null : event.currentTarget.value })}>
-                {Object.entries(kBands).map(([value, text]) => (
+              <select value={band} onChange={(event) => change({ band: event.currentTarget.value === usualBand ? null : event.currentTarget.value })}>
+                {bands.map((value) => (
                   <option key={value} value={value}>
-                    {text}
+                    {kBands[value]}
                   </option>
                 ))}
               </select>
@@ -240,13 +273,17 @@ function Body({ study, report }: { study: LiveStudy; report: ComparisonReport })
           hidden={hidden}
           onHidden={setHidden}
           noise={noise}
+          floors={floors}
           showFront={query.front !== "off" && report.table.length > 1}
         />
         <p class="muted small">
           Lines: {seeds > 1 ? "the mean of the logarithms over the seeds" : "the one seed"}. Slopes: least squares over the last decade of time
           {idealSlope(metric) !== null && `; ${idealSlope(metric)} is noise alone, which halves as samples grow ${idealSlope(metric) === -1 ? "twofold" : "fourfold"}`}.
           {report.table.length > 1 && " The pale line beneath them is the Pareto front: the lowest error at each time."}
+          {series.some((one) => one.points.some((point) => point.isBound)) && " Arrows: upper bounds, where an error is not told apart from 0."}
+          {leftOut > 0 && ` ${leftOut === 1 ? "1 point is" : `${leftOut} points are`} 0 or below, which a logarithmic axis cannot show.`}
         </p>
+        <MeasuredBy report={report} metric={metric} />
       </section>
       <section class="panel stack study-tight" aria-labelledby="study-times">
         <h2 id="study-times">Time to reach {metric}</h2>
@@ -257,6 +294,7 @@ function Body({ study, report }: { study: LiveStudy; report: ComparisonReport })
         <h2 id="study-errors">{metric} after a time</h2>
         <FiguresView table={figuresTable("error_at_time", report.table, metric)} study={report.id} scene={report.request.scene} />
       </section>
+      <BiasPanel report={report} metric={metric} />
       <div class="study-wide-panels">
         <section class="panel stack study-tight" aria-labelledby="study-memory">
           <h2 id="study-memory">Memory against error</h2>

@@ -1,12 +1,13 @@
 // The jobs of a comparison as they run, and what it takes to repeat it.
 
-import { isOver, type ComparisonReport } from "../api/types";
-import { numberText, percentText, secondsText, stopText } from "../ui/format";
+import { isOver, type ComparisonReport, type CurvePoint } from "../api/types";
+import { errorWithInterval } from "../ui/error_interval";
+import { percentText, secondsText, stopText } from "../ui/format";
 import { sayFailure, say } from "../ui/toasts";
 import { StateMark } from "../ui/state";
 import { Swatch } from "./error_figure";
 import type { LiveJob } from "./live_study";
-import { rowName } from "./series";
+import { referenceJobs, rowName } from "./series";
 
 interface Props {
   report: ComparisonReport;
@@ -16,8 +17,8 @@ interface Props {
 
 export function JobsOfStudy({ report, jobs, metric }: Props) {
   const rowOf = new Map(report.table.flatMap((row, index) => row.jobs.map((job) => [job, index] as const)));
-  const reference = report.reference?.job ? jobs.get(report.reference.job) : undefined;
-  const line = (id: string, live: LiveJob | undefined, name: string, row: number | null, seed: string, error: number | null) => (
+  const references = referenceJobs(report);
+  const line = (id: string, live: LiveJob | undefined, name: string, row: number | null, seed: string, point: CurvePoint | undefined) => (
     <tr key={id}>
       <td>
         <a href={`/jobs/${id}`}>{id}</a>
@@ -38,7 +39,7 @@ export function JobsOfStudy({ report, jobs, metric }: Props) {
       )}
       <td class="number">{live?.passes ? live.passes.toLocaleString("en") : ""}</td>
       <td class="number">{live?.seconds ? secondsText(live.seconds) : ""}</td>
-      <td class="number">{error ? numberText(error) : ""}</td>
+      <td class="number">{point && errorWithInterval(point.metrics[metric], point.intervals?.[metric])}</td>
     </tr>
   );
   return (
@@ -57,7 +58,7 @@ export function JobsOfStudy({ report, jobs, metric }: Props) {
           </tr>
         </thead>
         <tbody>
-          {report.reference?.job && line(report.reference.job, reference, "reference", null, "", null)}
+          {references.map((id, index) => line(id, jobs.get(id), references.length > 1 ? `reference, film ${index + 1} of 2` : "reference", null, "", undefined))}
           {report.jobs.flatMap((job) =>
             job.runs.map((run) =>
               line(
@@ -66,7 +67,7 @@ export function JobsOfStudy({ report, jobs, metric }: Props) {
                 run.id === job.id ? rowName(job) : `${rowName(job)} (${run.warning ? "disturbed, " : ""}does not count)`,
                 run.id === job.id ? (rowOf.get(job.id) ?? null) : null,
                 String(job.seed),
-                report.curves.find((curve) => curve.job === run.id)?.points.at(-1)?.metrics[metric] ?? null,
+                report.curves.find((curve) => curve.job === run.id)?.points.at(-1),
               ),
             ),
           )}
@@ -80,7 +81,8 @@ function referenceText(report: ComparisonReport): string {
   const { reference } = report.request;
   if (!reference) return "none: errors are estimated from the passes";
   if (typeof reference === "string") return reference;
-  return `${reference.method.name} on ${reference.method.device ?? "cpu"}, ${stopText(reference.stop)}`;
+  const halves = report.reference?.form === "two_films" ? ", half of it in each of two films of different seeds" : "";
+  return `${reference.method.name} on ${reference.method.device ?? "cpu"}, ${stopText(reference.stop)}${halves}`;
 }
 
 /** Every setting, and the line that sends them again. */

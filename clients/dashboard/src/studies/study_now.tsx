@@ -5,7 +5,7 @@ import { useLivePreview } from "../ui/live_preview";
 import { PictureFrame } from "../ui/picture";
 import { passesText, progressText } from "../ui/progress";
 import type { LiveJob } from "./live_study";
-import { rowName } from "./series";
+import { referenceJobs, rowName } from "./series";
 
 interface Rendered {
   id: string;
@@ -18,7 +18,7 @@ export function renderedNow(report: ComparisonReport, jobs: ReadonlyMap<string, 
   const names = new Map(
     report.jobs.flatMap((job) => job.runs.map((run, i) => [run.id, i === 0 ? rowName(job) : `${rowName(job)} once more`] as const)),
   );
-  if (report.reference?.job) names.set(report.reference.job, "the reference");
+  for (const [index, job] of referenceJobs(report).entries()) names.set(job, index === 0 ? "the reference" : "the reference's other film");
   return [...names].flatMap(([id, name]) => {
     const live = jobs.get(id);
     return live?.state === "running" ? [{ id, name, live }] : [];

@@ -3,11 +3,12 @@
 import { useState } from "preact/hooks";
 
 import { saveBlob } from "../api/client";
-import type { ComparisonRow } from "../api/types";
+import type { ComparisonRow, FinalError } from "../api/types";
+import { shortError } from "../ui/error_interval";
 import { bytesText, countText, kNone, numberText, secondsText } from "../ui/format";
 import { say, sayFailure } from "../ui/toasts";
 import { Swatch } from "./error_figure";
-import { cellText, columnText, csvOf, escapeLatex, figuresCsv, figuresLatex, type Cell, type FiguresTable } from "./figures_table";
+import { boundOf, cellText, columnText, csvOf, escapeLatex, figuresCsv, figuresLatex, openText, type Cell, type FiguresTable } from "./figures_table";
 import { rowName } from "./series";
 
 export function saveText(text: string, type: string, name: string): void {
@@ -22,6 +23,8 @@ function CellView({ table, cell }: { table: FiguresTable; cell: Cell | undefined
         {cell && cell.reached > 0 && <small>{`${cell.reached} of ${cell.seeds} seeds`}</small>}
       </td>
     );
+  const bound = boundOf(table, cell);
+  const open = openText(table, cell);
   return (
     <td class={cell.best ? "number study-best" : "number"}>
       {cell.best && (
@@ -30,13 +33,14 @@ function CellView({ table, cell }: { table: FiguresTable; cell: Cell | undefined
         </span>
       )}
       {cell.atMost && <span title="there at its first measurement">≤ </span>}
-      {cellText(table, cell.value)}
+      {bound !== null ? <span title="not told apart from 0">below {numberText(bound)}</span> : cellText(table, cell.value)}
       {cell.ratio !== null && <small>× {numberText(cell.ratio)}</small>}
       {cell.low !== null && cell.high !== null && (
         <small>
           {cellText(table, cell.low)} – {cellText(table, cell.high)}
         </small>
       )}
+      {open && <small>({open})</small>}
     </td>
   );
 }
@@ -90,6 +94,7 @@ export function FiguresView({ table, study, scene }: FiguresProps) {
         <span class="muted small study-fill">
           ★ the best of its column; × over the best
           {table.rows.some((row) => row.cells.some((cell) => cell.low !== null)) && "; small: 95 % interval over the seeds"}
+          {table.rows.some((row) => row.cells.some((cell) => cell.from !== null || cell.to !== null)) && "; in brackets: what the reference's noise leaves open, at 90 %"}
           {timed ? "; ≤ there at the first measurement; – not reached by every seed" : "; – outside some seed's curve"}
         </span>
         <button onClick={() => saveText(figuresCsv(table), "text/csv", `${study}-${table.kind}.csv`)}>CSV</button>
@@ -115,6 +120,10 @@ export function FiguresView({ table, study, scene }: FiguresProps) {
 const spreadText = (spread: { min: number; max: number } | null, text: (value: number) => string): string =>
   !spread ? kNone : spread.min === spread.max ? text(spread.min) : `${text(spread.min)} – ${text(spread.max)}`;
 
+/** Why an error says little. */
+const nearText = ({ value, interval }: FinalError): string =>
+  !interval ? "near the reference's own noise" : (value ?? 0) > 0 ? "not known to a third of itself" : "not told apart from 0";
+
 interface CostProps {
   rows: ComparisonRow[];
   metrics: string[];
@@ -129,10 +138,12 @@ export function CostTable({ rows, metrics, withMemory, study }: CostProps) {
   const save = () =>
     saveText(
       csvOf([
-        ["entry", "seeds", "succeeded", "passes_min", "passes_max", "photons_min", "photons_max", "seconds_min", "seconds_max", ...metrics, "peak_bytes", "efficiency", "pareto_time_error", "pareto_time_memory_error"],
+        ["entry", "seeds", "succeeded", "passes_min", "passes_max", "photons_min", "photons_max", "seconds_min", "seconds_max", ...metrics, "peak_bytes", "efficiency", "pareto_time_error", "pareto_time_memory_error",
+          ...metrics.flatMap((metric) => [`${metric}_least_90`, `${metric}_greatest_90`]),
+        ],
         ...rows.map((row, r) => [
           rowName(row), row.seeds, row.succeeded, row.passes?.min, row.passes?.max, row.photons?.min, row.photons?.max, row.seconds?.min, row.seconds?.max,
-          ...metrics.map((metric) => row.error[metric]?.value), row.peak_bytes, row.efficiency, row.pareto, withMemory.includes(r),
+          ...metrics.map((metric) => row.error[metric]?.value), row.peak_bytes, row.efficiency, row.pareto, withMemory.includes(r), ...metrics.flatMap((metric) => row.error[metric]?.interval ?? [null, null]),
         ]),
       ]),
       "text/csv",
@@ -174,11 +185,16 @@ export function CostTable({ rows, metrics, withMemory, study }: CostProps) {
                   const error = row.error[metric];
                   return (
                     <td key={metric} class="number">
-                      {numberText(error?.value)}
-                      {error?.near_reference && <small class="study-warning">near the reference's own noise</small>}
+                      {shortError(error?.value, error?.interval)}
+                      {error?.near_reference && <small class="study-warning">{nearText(error)}</small>}
                       {error?.value && error.low !== null && error.high !== null && (
                         <small>
                           {numberText(error.low)} – {numberText(error.high)}
+                        </small>
+                      )}
+                      {error?.interval && (
+                        <small>
+                          ({numberText(error.interval[0])} to {numberText(error.interval[1])})
                         </small>
                       )}
                     </td>
@@ -195,7 +211,7 @@ export function CostTable({ rows, metrics, withMemory, study }: CostProps) {
       </div>
       <div class="row">
         <span class="muted small study-fill">
-          At the end of each job. Memory: the largest seed's, beside the idle process. Efficiency: 1 / (mean squared error × seconds).
+          At the end of each job{metrics.some((metric) => rows.some((row) => row.error[metric]?.interval)) && "; in brackets what the reference's noise leaves open, at 90 %"}. Memory: the largest seed's, beside the idle process. Efficiency: 1 / (mean squared error × seconds).
         </span>
         <button onClick={save}>CSV</button>
       </div>

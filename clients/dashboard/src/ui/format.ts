@@ -1,6 +1,6 @@
 // Numbers as people read them.
 
-import type { ErrorNow, StopConditions } from "../api/types";
+import type { StopConditions } from "../api/types";
 
 export const kNone = "–";
 
@@ -56,9 +56,6 @@ export function stopText(stop: StopConditions): string {
   if (stop.target) parts.push(`${stop.target.metric} ≤ ${stop.target.value}`);
   return parts.join(" or ") || kNone;
 }
-
-export const errorText = (error: ErrorNow | null | undefined): string =>
-  error && error.value !== null ? `${error.metric} ${numberText(error.value)}` : "";
 
 export const sizeText = (image: { width: number; height: number }): string => `${image.width} × ${image.height}`;
 

@@ -4,6 +4,8 @@ import { useRef } from "preact/hooks";
 import type uPlot from "uplot";
 
 import { isDark } from "../app/theme";
+import { drawBands, drawBounds } from "./draw_intervals";
+import type { DrawnError } from "./error_interval";
 import { seriesLook } from "./palette";
 import { useUPlot } from "./uplot_place";
 import "./live_chart.css";
@@ -12,10 +14,11 @@ interface Props {
   /** What the chart shows and what it says now, for who does not see it. */
   label: string;
   x: number[];
-  y: (number | null)[];
+  /** Of errors where their curve goes. */
+  y: (number | null | undefined)[];
   height: number;
-  /** Both axes logarithmic, as errors fall; values of 0 or less are left out. */
-  logarithmic?: boolean;
+  /** One for each x: then both axes are logarithmic, as errors fall, and what is known no better than below a bound is an arrow. */
+  errors?: (DrawnError | null)[];
   /** Values hold for the time before them. */
   stepped?: boolean;
   /** The ends of the x axis; those of the data where not given. */
@@ -30,11 +33,8 @@ interface Props {
 
 const kPowersOfTwo = Array.from({ length: 50 }, (_, power) => 2 ** power);
 
-function dataOf({ x, y, logarithmic }: Props): uPlot.AlignedData {
-  if (!logarithmic) return [x, y];
-  const kept = x.map((_, index) => index).filter((index) => x[index]! > 0 && (y[index] ?? 0) > 0);
-  return [kept.map((index) => x[index]!), kept.map((index) => y[index])];
-}
+/** Upper bounds are data too, so that the axis reaches them. */
+const dataOf = ({ x, y, errors }: Props): uPlot.AlignedData => (errors ? [x, y, errors.map((error) => (error?.isBound ? error.at : null))] : [x, y]);
 
 function optionsOf(Chart: typeof uPlot, latest: { current: Props }, width: number): uPlot.Options {
   const props = latest.current;
@@ -51,10 +51,11 @@ function optionsOf(Chart: typeof uPlot, latest: { current: Props }, width: numbe
     ...extra,
   });
   const hidden: uPlot.Axis = { show: false };
-  const series: uPlot.Series = { stroke: colour, width: 1.5, fill: props.logarithmic ? undefined : `${colour}22`, points: { show: false } };
+  const series: uPlot.Series = { stroke: colour, width: 1.5, fill: props.errors ? undefined : `${colour}22`, points: { show: false } };
   if (props.stepped) series.paths = Chart.paths.stepped!({ align: -1 });
-  if (props.logarithmic) series.points = { show: true, size: 3, fill: colour };
-  const distribution = props.logarithmic ? 3 : 1;
+  if (props.errors) series.points = { show: true, size: 3, fill: colour };
+  const distribution = props.errors ? 3 : 1;
+  const drawn = () => [{ colour, errors: latest.current.errors ?? [] }];
   return {
     width,
     height: props.height,
@@ -64,12 +65,13 @@ function optionsOf(Chart: typeof uPlot, latest: { current: Props }, width: numbe
     scales: {
       x: { time: false, distr: distribution, ...(props.range ? { range: () => latest.current.range! } : {}) },
       // Amounts are seen against nothing: the axis begins at 0 and ends well above the greatest.
-      y: { distr: distribution, ...(props.logarithmic ? {} : { range: (_: uPlot, _low: number, high: number) => [0, high > 0 ? high * 1.15 : 1] }) },
+      y: { distr: distribution, ...(props.errors ? {} : { range: (_: uPlot, _low: number, high: number) => [0, high > 0 ? high * 1.15 : 1] }) },
     },
     axes: props.axes
       ? [axis(props.axes.x, { size: 22, space: 90 }), axis(props.axes.y, { size: 58, space: 26, ...(props.binary ? { incrs: kPowersOfTwo } : {}) })]
       : [hidden, hidden],
-    series: [{}, series],
+    series: [{}, series, ...(props.errors ? [{ width: 0, points: { show: false } }] : [])],
+    hooks: props.errors ? { drawAxes: [(chart) => drawBands(chart, drawn())], draw: [(chart) => drawBounds(chart, drawn())] } : {},
   };
 }
 
