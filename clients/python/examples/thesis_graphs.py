@@ -68,13 +68,15 @@ def show_progress(comparison):
 def write_csv(path, curves):
     with open(path, "w", newline="") as file:
         writer = csv.writer(file)
-        writer.writerow(["graph", "entry", "setting", "seconds", "error", "low", "high"])
+        writer.writerow(["graph", "entry", "setting", "seconds", "error", "low", "high", "below"])
         for number, title, *_ in GRAPHS:
             for curve in curves:
                 if curve.label in (title, OURS):
                     spread = zip(curve.low, curve.high) if curve.low else [("", "")] * len(curve.seconds)
                     for seconds, error, (low, high) in zip(curve.seconds, curve.errors, spread):
-                        writer.writerow([number, curve.label, curve.name, seconds, error, low, high])
+                        writer.writerow([number, curve.label, curve.name, seconds, error, low, high, ""])
+                    for seconds, below, _ in curve.bounds:  # not told apart from 0
+                        writer.writerow([number, curve.label, curve.name, seconds, "", "", "", below])
 
 
 def draw(path, comparison, curves, metric):

@@ -16,9 +16,10 @@ matplotlib plots.
 """
 
 from ._version import __version__
+from .bias import BiasMap
 from .client import Client, Estimate
 from .comparison import Comparison, ComparisonFailed
-from .curves import Curve, MeanCurve
+from .curves import Bound, Curve, Interval, MeanCurve
 from .errors import (BadFile, BadRequest, Busy, Denied, Fault, Invalid, MissingPackage, NoSpace, NotFound, NothingYet,
                      PhotondError, ProtocolError, Refused, ServerFault, TimedOut, TooLarge, Unavailable, Unreachable,
                      WrongState)
@@ -30,9 +31,9 @@ from .requests import entry, look_at, reference
 from .scene import Scene, UploadedImage
 
 __all__ = [
-    "BadFile", "BadRequest", "Busy", "Client", "Comparison", "ComparisonFailed", "Curve", "Denied", "entry",
-    "Estimate", "Event", "Fault", "FlipMap", "Invalid", "Job", "JobCancelled", "JobFailed", "look_at", "MeanCurve",
-    "Method", "Methods", "MissingPackage", "NoSpace", "NotFound", "NothingYet", "Parameter", "PhotondError",
+    "BadFile", "BadRequest", "BiasMap", "Bound", "Busy", "Client", "Comparison", "ComparisonFailed", "Curve", "Denied",
+    "entry", "Estimate", "Event", "Fault", "FlipMap", "Interval", "Invalid", "Job", "JobCancelled", "JobFailed", "look_at",
+    "MeanCurve", "Method", "Methods", "MissingPackage", "NoSpace", "NotFound", "NothingYet", "Parameter", "PhotondError",
     "Pixels", "plot_curves", "ProtocolError", "reference", "Refused", "Scene", "ServerFault", "TimedOut",
     "TooLarge", "Unavailable", "UnknownName", "Unreachable", "UploadedImage", "__version__", "WrongState",
 ]

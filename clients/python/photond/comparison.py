@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import time
-from typing import Any, Callable, Dict, List, Optional, cast
+from typing import Any, Callable, Dict, List, Optional, Union, cast
 
 from ._daemon import Daemon
 from ._files import Path
-from ._text import TextTable, human_bytes, human_number, human_seconds, row_name
-from .curves import Curve, MeanCurve, time_to_error
+from ._text import TextTable, human_bytes, human_error, human_number, human_seconds, row_name
+from .bias import BiasMap
+from .curves import Curve, MeanCurve, drawable, time_to_error
 from .errors import PhotondError, TimedOut
 from .job import Job
 from .plots import plot_curves
 from .work import Work
-from .shapes import Json, TableRow
+from .shapes import Json, TableRow, WelchMap
 
 POLL_SECONDS = 0.3
 LONGEST_POLL_SECONDS = 1.0
@@ -56,7 +57,8 @@ class Comparison(Work):
 
     @property
     def table(self) -> List[TableRow]:
-        """Its rows as the daemon has them: error at the end, time to errors, error at times, memory, efficiency."""
+        """Its rows as the daemon has them: error at the end, time to errors, error at times, memory, efficiency, and with
+        two seeds or more `bias`: squared bias and variance apart."""
         return cast(List[TableRow], self._whole()["table"])
 
     @property
@@ -70,7 +72,8 @@ class Comparison(Work):
 
     @property
     def reference(self) -> Optional[Json]:
-        """The job or image all is measured against, its state, and its own noise (`error`)."""
+        """The jobs or the image all is measured against (`form`: two_films, film or image; `jobs`), its state, and its own
+        noise (`error`)."""
         return cast(Optional[Json], self._whole()["reference"])
 
     @property
@@ -160,11 +163,12 @@ class Comparison(Work):
         points_of: Dict[str, List[Json]] = {curve["job"]: curve["points"] for curve in report["curves"]}
         curves = []
         for job in report["jobs"]:
-            points = [point for point in points_of.get(job["id"], [])
-                      if ((point["metrics"] or {}).get(metric) or 0) > 0 and point["seconds"] > 0]
+            shown = drawable([(point, (point["metrics"] or {}).get(metric), (point.get("intervals") or {}).get(metric))
+                              for point in points_of.get(job["id"], [])])
+            points = shown.points
             curves.append(Curve(job["label"], job["parameters"], job["seed"], job["id"],
                                 [point["seconds"] for point in points], [point["passes"] for point in points],
-                                [point["metrics"][metric] for point in points]))
+                                [point["metrics"][metric] for point in points], shown.intervals, shown.bounds))
         return curves
 
     def mean_curves(self, metric: Optional[str] = None) -> List[MeanCurve]:
@@ -172,49 +176,83 @@ class Comparison(Work):
         metric = self._metric(metric)
         means = []
         for row in self.report()["table"]:
-            points = row["mean_curve"].get(metric) or []
-            if not points:
+            shown = drawable([(point, point["error"], point.get("interval"))
+                              for point in row["mean_curve"].get(metric) or []])
+            points = shown.points
+            if not points and not shown.bounds:
                 continue
-            spread = all(point["low"] is not None for point in points)
+            spread = bool(points) and all(point["low"] is not None for point in points)
             means.append(MeanCurve(row["label"], row["parameters"], [point["seconds"] for point in points],
                                    [point["error"] for point in points],
                                    [point["low"] for point in points] if spread else None,
-                                   [point["high"] for point in points] if spread else None))
+                                   [point["high"] for point in points] if spread else None,
+                                   shown.intervals, shown.bounds))
         return means
 
-    def plot(self, metric: Optional[str] = None, *, ax: Any = None) -> Any:
-        """Error over time on log axes with bands over the seeds, by matplotlib; returns its Axes."""
+    def floors(self, metric: Optional[str] = None) -> Dict[str, float]:
+        """By a row's name, what its error comes to at least, whatever its passes (at 90 %): of rows of fixed parameters
+        whose bias is told apart from 0."""
         metric = self._metric(metric)
-        noise = ((self.reference or {}).get("error") or {}).get(metric)
-        return plot_curves(self.mean_curves(metric), metric, ax=ax, reference_noise=noise)
+        floors = {}
+        for row in self.table:
+            bias = (row.get("bias") or {}).get(metric)
+            if bias and bias["floor"] and bias["low"] > 0:
+                floors[row_name(row["label"], row["parameters"])] = bias["low"]
+        return floors
+
+    def bias_map(self, row: Union[int, str], layer: str = "beauty") -> BiasMap:
+        """Where a row's mean is not the reference, as values and a picture. `row`: its number in `table` or its name; of two
+        seeds or more, against two films, when the comparison is over (else raises Refused)."""
+        if isinstance(row, str):
+            names = [row_name(one["label"], one["parameters"]) for one in self.table]
+            if row not in names:
+                raise ValueError(f"there is no row {row!r}: {', '.join(names)}")
+            row = names.index(row)
+        data = cast(WelchMap, self._client.get(self._path(f"/rows/{row}/bias.json"), {"layer": layer}))
+        return BiasMap(data, self.download(f"rows/{row}/bias.png", layer=layer))
+
+    def plot(self, metric: Optional[str] = None, *, ax: Any = None) -> Any:
+        """Error over time on log axes, by matplotlib, with bands: 95 % over the seeds, or of one seed what the reference's
+        noise leaves open. Arrows are upper bounds, dotted lines `floors`. Returns its Axes."""
+        metric = self._metric(metric)
+        curves = self.mean_curves(metric)
+        known = any(curve.bounds or any(curve.intervals) for curve in curves)  # then that noise has no part in the errors
+        noise = None if known else ((self.reference or {}).get("error") or {}).get(metric)
+        return plot_curves(curves, metric, ax=ax, reference_noise=noise, floors=self.floors(metric))
 
     # --- tables -------------------------------------------------------------------------------------------------------
     def rows(self, metric: Optional[str] = None) -> List[Json]:
-        """The table by one metric: a dictionary a row, fit for `pandas.json_normalize`."""
+        """The table by one metric: a dictionary a row, fit for `pandas.json_normalize`. `low` and `high` are of 95 % over the
+        seeds; `least` and `greatest` what the reference's noise leaves open, at 90 %; `bias` the row's own."""
         metric = self._metric(metric)
         rows: List[Json] = []
         for row in self.table:
             end: Any = row["error"].get(metric) or {}
+            least, greatest = end.get("interval") or (None, None)
             rows.append({
                 "name": row_name(row["label"], row["parameters"]), "label": row["label"], "parameters": row["parameters"],
                 "seeds": row["seeds"], "passes": (row["passes"] or {}).get("min"),
                 "seconds": (row["seconds"] or {}).get("max"), "error": end.get("value"), "low": end.get("low"),
-                "high": end.get("high"), "reference_noise": end.get("reference"),
+                "high": end.get("high"), "least": least, "greatest": greatest, "reference_noise": end.get("reference"),
                 "near_reference": end.get("near_reference"), "peak_bytes": row["peak_bytes"],
-                "efficiency": row["efficiency"], "pareto": row["pareto"]})
+                "efficiency": row["efficiency"], "pareto": row["pareto"],
+                "bias": (row.get("bias") or {}).get(metric)})
         return rows
 
     def time_to_error(self, error: float, metric: Optional[str] = None) -> Dict[str, Optional[float]]:
-        """Seconds until each row's mean curve stays at or below `error`; None where it does not."""
+        """Seconds until each row's mean curve comes to `error` (`curves.time_to_error`); None where it does not."""
         return {mean.name: time_to_error(mean, error) for mean in self.mean_curves(metric)}
 
     def _text_table(self, metric: str) -> TextTable:
         table = TextTable(["", ">passes", ">time", f">{metric}", ">peak memory", ""])
         for row in self.rows(metric):
-            error = human_number(row["error"])
-            if row["low"] is not None:
-                error += f" ({human_number(row['low'])} to {human_number(row['high'])})"
-            remarks = ["Pareto"] * bool(row["pareto"]) + ["near the reference's noise"] * bool(row["near_reference"])
+            interval = None if row["least"] is None else [row["least"], row["greatest"]]
+            if (row["error"] or 0) > 0 and row["low"] is not None:
+                error = f"{human_number(row['error'])} ({human_number(row['low'])} to {human_number(row['high'])})"
+            else:
+                error = human_error(row["error"], interval)
+            near = "near the reference's noise" if interval is None else "not known to a third of itself"
+            remarks = ["Pareto"] * bool(row["pareto"]) + [near] * bool(row["near_reference"])
             table.add([row["name"], human_number(row["passes"]), human_seconds(row["seconds"]), error,
                        human_bytes(row["peak_bytes"]), ", ".join(remarks)])
         return table

@@ -11,7 +11,8 @@ from ._daemon import Daemon
 from ._events import EventParser, ServerEvent
 from ._files import Path
 from ._http import ConnectionLost
-from ._text import human_number, human_seconds
+from ._text import human_error, human_number, human_seconds
+from .curves import Interval
 from .errors import NothingYet, PhotondError, TimedOut, WithProblem
 from .pixels import Pixels
 from .shapes import CurvePoint, Json, Stop
@@ -105,13 +106,33 @@ class Job(Work):
         return cast(Optional[str], (self.statistics.get("shared") or {}).get("warning"))
 
     @property
+    def reference_jobs(self) -> List[str]:
+        """The jobs it is measured against: two films of different seeds where the reference was made by a method, one where
+        a job was named; empty where it was an image, and without a reference."""
+        return list(self.data.get("reference_jobs") or ([self.data["reference_job"]] if self.data.get("reference_job") else []))
+
+    @property
     def errors(self) -> Json:
-        """By metric, against the reference, at the end; empty without a reference."""
+        """By metric, against the reference, at the end; empty without a reference. Means of squares that two films measured
+        may be negative where they are near 0, and their roots None: `error_intervals` says what they may be.
+
+        >>> job = client.render("cornell-box", width=16, height=16, passes=2, reference="path_tracing:64")
+        >>> least, greatest = job.error_intervals["relative_mse"]
+        >>> least < job.errors["relative_mse"] < greatest, len(job.reference_jobs)
+        (True, 2)
+        """
         return self.statistics.get("error") or {}
 
     @property
+    def error_intervals(self) -> Dict[str, Interval]:
+        """What the reference's noise leaves open of `errors`, at 90 %, by metric; empty where it was not measured by two
+        films."""
+        known = self.statistics.get("error_interval") or {}
+        return {metric: Interval(*ends) for metric, ends in known.items() if ends is not None}
+
+    @property
     def curve(self) -> List[CurvePoint]:
-        """Error over time, so far."""
+        """Error over time, so far; `intervals` of a point as `error_intervals`."""
         return cast(List[CurvePoint], self.data.get("curve") or [])
 
     @property
@@ -261,10 +282,10 @@ class Job(Work):
         words = [f"{self.id} {self.state}", f"{self.passes_done}{f'/{passes}' if passes else ''} passes",
                  human_seconds(self.seconds)]
         error = self.data.get("error_now")
-        if error and error["value"] is not None:
+        if error and (error["value"] is not None or error.get("interval")):
             target = stop.get("target") or None
-            goal = f" (target {human_number(target['value'])})" if target else ""
-            words.append(f"{error['metric']} {human_number(error['value'])}{goal}")
+            goal = f", target {human_number(target['value'])}" if target else ""
+            words.append(f"{error['metric']} {human_error(error['value'], error.get('interval'))}{goal}")
         return ", ".join(words)
 
     def __repr__(self) -> str:

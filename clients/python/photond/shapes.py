@@ -120,16 +120,29 @@ class ComparisonRequest(_Rendered, total=False):
 # --- what is answered ---------------------------------------------------------------------------------------------------
 
 
-class CurvePoint(TypedDict):
+# [least, greatest]: what the noise of two reference films leaves open of an error, at 90 %. What was measured by an older
+# daemon, or against one film or image, has none.
+Ends = List[float]
+
+
+class _CurvePoint(TypedDict):
     seconds: float
     passes: int
     photons: Optional[int]
     metrics: Optional[Dict[str, Optional[float]]]
 
 
-class ErrorNow(TypedDict):
+class CurvePoint(_CurvePoint, total=False):
+    intervals: Dict[str, Ends]
+
+
+class _ErrorNow(TypedDict):
     metric: str
     value: Optional[float]
+
+
+class ErrorNow(_ErrorNow, total=False):
+    interval: Optional[Ends]
 
 
 class Stage(TypedDict):
@@ -164,6 +177,7 @@ class Statistics(TypedDict, total=False):
     resumed_passes: int
     settings_hash: Optional[str]
     error: Optional[Json]
+    error_interval: Optional[Dict[str, Optional[Ends]]]
     reference_error: Optional[Json]
     reference: Optional[Json]
     estimate: Optional[Json]
@@ -193,7 +207,7 @@ class JobSummary(TypedDict, total=False):
     failure: Optional[str]
 
 
-class TimeToError(TypedDict):
+class _TimeToError(TypedDict):
     error: float
     seconds: Optional[float]
     low: Optional[float]
@@ -202,7 +216,14 @@ class TimeToError(TypedDict):
     at_most: bool
 
 
-class ErrorAtTime(TypedDict):
+class TimeToError(_TimeToError, total=False):
+    """`earliest`, `latest`: when the lower and when the upper end of the error's interval is there."""
+
+    earliest: Optional[float]
+    latest: Optional[float]
+
+
+class _ErrorAtTime(TypedDict):
     seconds: float
     error: Optional[float]
     low: Optional[float]
@@ -210,7 +231,11 @@ class ErrorAtTime(TypedDict):
     reached: int
 
 
-class FinalError(TypedDict):
+class ErrorAtTime(_ErrorAtTime, total=False):
+    interval: Optional[Ends]
+
+
+class _FinalError(TypedDict):
     value: Optional[float]
     low: Optional[float]
     high: Optional[float]
@@ -218,8 +243,53 @@ class FinalError(TypedDict):
     near_reference: bool
 
 
-class TableRow(TypedDict):
-    """A label and one combination of its sweep, over all seeds. Intervals are of 95 %."""
+class FinalError(_FinalError, total=False):
+    interval: Optional[Ends]
+
+
+class BiasAndVariance(TypedDict):
+    """What the seeds of a row have in common (`squared_bias`), and what each has of its own (`variance`, of one film), by
+    a metric that is a mean of squares. `low`, `high`: 90 % by Student's t over the seeds; of the variance null for two.
+    `floor`: more passes do not go below the squared bias; else it is the one at these passes."""
+
+    squared_bias: float
+    low: float
+    high: float
+    variance: float
+    variance_low: Optional[float]
+    variance_high: Optional[float]
+    floor: bool
+    text: str
+
+
+class WelchBlock(TypedDict):
+    """Of a bias map: the mean of the seeds less the reference, relative to the reference."""
+
+    difference: Optional[float]
+    standard_error: Optional[float]
+    degrees: Optional[float]
+    p: Optional[float]
+    found: bool
+
+
+class WelchMap(TypedDict):
+    """`bias.json` of a row. `block` is in pixels, `width` and `height` in blocks; blocks row by row from the top."""
+
+    row: int
+    label: str
+    layer: str
+    block: int
+    width: int
+    height: int
+    seeds: int
+    level: float
+    blocks: List[WelchBlock]
+    found: int
+    heavy_tailed: bool
+    text: str
+
+
+class _TableRow(TypedDict):
 
     label: str
     parameters: Json
@@ -236,6 +306,14 @@ class TableRow(TypedDict):
     peak_bytes: Optional[int]
     efficiency: Optional[float]
     pareto: bool
+
+
+class TableRow(_TableRow, total=False):
+    """A label and one combination of its sweep, over all seeds: `low` and `high` are of 95 % over the seeds, intervals of
+    90 % by the reference's noise. `bias` is by metric; None of one seed, while it runs, and where the reference is not two
+    films."""
+
+    bias: Optional[Dict[str, BiasAndVariance]]
 
 
 class Measurement(TypedDict):
