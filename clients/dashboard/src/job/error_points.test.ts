@@ -16,7 +16,7 @@ describe("the points of a curve", () => {
     expect(boundsOf(drawn[0]!)).toEqual([null, 0.1, null]);
   });
   it("are passed over where nothing was measured, and counted where nothing can be drawn", () => {
-    const { x, drawn, leftOut } = errorPoints([point(1, 0.5), point(2, -0.1, [-0.3, -0.01]), point(4, 0)], ["relative_mse", "smape"], "seconds");
+    const { x, drawn, leftOut } = errorPoints([point(1, 0.5), point(2, -0.1), point(4, 0)], ["relative_mse", "smape"], "seconds");
     expect([x, leftOut]).toEqual([[0.1, 0.2], 2]);
     expect(lineOf(drawn[0]!)).toEqual([0.5, undefined]);
     expect(lineOf(drawn[1]!)).toEqual([undefined, 0.5]);

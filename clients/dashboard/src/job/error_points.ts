@@ -7,7 +7,7 @@ export interface ErrorPoints {
   x: number[];
   /** By metric as asked for, one for each x; null where nothing was measured. */
   drawn: (DrawnError | null)[][];
-  /** How many measured values have no place on a logarithmic axis: they are 0 or below, and so is all they may be. */
+  /** How many measured values have no place on a logarithmic axis: they are 0 or below, and nothing says what they may be. */
   leftOut: number;
 }
 

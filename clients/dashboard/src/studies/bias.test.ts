@@ -13,7 +13,7 @@ const row = (label: string, told: BiasAndVariance | null) => ({ label, parameter
 describe("bias", () => {
   it("is a floor where it does not shrink and is told apart from 0", () => {
     const rows = [row("a", bias()), row("b", bias({ floor: false })), row("c", bias({ low: -0.001 })), row("d", null), row("e", bias({ squared_bias: 0.5, low: 0.4 }))];
-    expect(floorsOf(rows, "relative_mse")).toEqual([{ row: 0, name: "a", error: 0.002 }, { row: 4, name: "e", error: 0.5 }]);
+    expect(floorsOf(rows, "relative_mse")).toEqual([{ row: 0, name: "a", error: 0.001 }, { row: 4, name: "e", error: 0.4 }]);
     expect(floorsOf(rows, "rmse")).toEqual([]);
     expect(biasLines(rows, "relative_mse").map((line) => line.row)).toEqual([0, 1, 2, 4]);
   });

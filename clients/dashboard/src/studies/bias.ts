@@ -13,11 +13,11 @@ export interface Floor {
   error: number;
 }
 
-/** Of the rows whose bias is told apart from 0, and does not shrink with the passes. */
+/** Of the rows whose bias is told apart from 0, and does not shrink with the passes: the least that it may be. */
 export function floorsOf(rows: ComparisonRow[], metric: string): Floor[] {
   return rows.flatMap((row, index) => {
     const bias = row.bias?.[metric];
-    return bias?.floor && bias.squared_bias > 0 && bias.low > 0 ? [{ row: index, name: rowName(row), error: bias.squared_bias }] : [];
+    return bias?.floor && bias.squared_bias > 0 && bias.low > 0 ? [{ row: index, name: rowName(row), error: bias.low }] : [];
   });
 }
 

@@ -82,7 +82,7 @@ export const columnText = (table: FiguresTable, column: number): string =>
 export const cellText = (table: FiguresTable, value: number): string =>
   table.kind === "time_to_error" ? secondsText(value) : numberText(value);
 
-/** The upper end of an error that is not told apart from 0; null of any other figure. */
+/** What an error is below that is not told apart from 0; null of any other figure. */
 export function boundOf(table: FiguresTable, cell: Cell): number | null {
   const drawn = table.kind === "error_at_time" ? drawnError(cell.value, intervalOf(cell)) : null;
   return drawn?.isBound ? drawn.at : null;

@@ -9,7 +9,7 @@ export interface MemoryPoint {
   name: string;
   bytes: number;
   error: number;
-  /** The error is not told apart from 0: `error` is the upper end of its interval. */
+  /** The error is not told apart from 0: `error` is what it is below. */
   isBound: boolean;
 }
 

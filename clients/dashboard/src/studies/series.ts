@@ -16,7 +16,7 @@ export const referenceJobs = ({ reference }: Pick<ComparisonReport, "reference">
   reference?.jobs ?? (reference?.job ? [reference.job] : []);
 
 export interface SeriesPoint extends MeanPoint {
-  /** The error is not told apart from 0: `error` is the upper end of its interval. */
+  /** The error is not told apart from 0: `error` is what it is below. */
   isBound?: boolean;
 }
 
@@ -34,7 +34,7 @@ export interface Series {
   /** Point by point; null where nothing is known. */
   band: (Edges | null)[] | null;
   slope: number | null;
-  /** How many points have no place on a logarithmic axis: their error is 0 or below, and so is all it may be. */
+  /** How many points have no place on a logarithmic axis: their error is 0 or below, and nothing says what it may be. */
   leftOut: number;
 }
 

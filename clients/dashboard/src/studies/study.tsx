@@ -277,7 +277,7 @@ function Body({ study, report }: { study: LiveStudy; report: ComparisonReport })
           showFront={query.front !== "off" && report.table.length > 1}
         />
         <p class="muted small">
-          Lines: {seeds > 1 ? "the mean of the logarithms over the seeds" : "the one seed"}. Slopes: least squares over the last decade of time
+          Lines: {seeds === 1 ? "the one seed" : noiseKnown ? "the mean over the seeds" : "the mean of the logarithms over the seeds"}. Slopes: least squares over the last decade of time
           {idealSlope(metric) !== null && `; ${idealSlope(metric)} is noise alone, which halves as samples grow ${idealSlope(metric) === -1 ? "twofold" : "fourfold"}`}.
           {report.table.length > 1 && " The pale line beneath them is the Pareto front: the lowest error at each time."}
           {series.some((one) => one.points.some((point) => point.isBound)) && " Arrows: upper bounds, where an error is not told apart from 0."}

@@ -38,8 +38,11 @@ describe("an error on a logarithmic axis", () => {
     expect(drawnError(null, [0, 0.1])).toEqual({ at: 0.1, isBound: true, least: 0, greatest: 0.1 });
     expect(drawnError(0.5, null)).toEqual({ at: 0.5, isBound: false, least: 0.5, greatest: 0.5 });
   });
+  it("is known to half the width of an interval that lies below 0 by luck", () => {
+    expect(drawnError(-0.5, [-0.75, -0.25])).toEqual({ at: 0.25, isBound: true, least: -0.75, greatest: 0.25 });
+  });
   it("has no place where nothing of it is above 0", () => {
     for (const value of [-0.5, 0, null, undefined, NaN, Infinity]) expect(drawnError(value, null)).toBeNull();
-    expect(drawnError(-0.5, [-0.6, -0.4])).toBeNull();
+    expect(drawnError(0, [0, 0])).toBeNull();
   });
 });

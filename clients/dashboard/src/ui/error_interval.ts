@@ -28,16 +28,22 @@ export function errorNowText(error: ErrorNow | null | undefined): string {
 /** What is drawn of an error on a logarithmic axis. */
 export interface DrawnError {
   at: number;
-  /** It is the upper end of an interval whose middle is not above 0. */
+  /** The error is not told apart from 0: it is below, as far as is known. */
   isBound: boolean;
   /** 0 or less where the axis has no end for it. */
   least: number;
   greatest: number;
 }
 
-/** null where a logarithmic axis has no place: neither the value nor what it may be is above 0. */
+/**
+ * Where the value is 0 or less: the upper end of its interval; by luck that is 0 or less too, and then half of the width
+ * says what is known. Null where a logarithmic axis has no place at all.
+ */
 export function drawnError(value: number | null | undefined, interval: NoiseInterval | null | undefined): DrawnError | null {
-  if (isUpperBound(value, interval)) return { at: interval[1], isBound: true, least: interval[0], greatest: interval[1] };
+  if (interval && !((value ?? 0) > 0) && interval[1] > interval[0]) {
+    const at = interval[1] > 0 ? interval[1] : (interval[1] - interval[0]) / 2;
+    return { at, isBound: true, least: interval[0], greatest: at };
+  }
   if (!(value! > 0) || !Number.isFinite(value)) return null;
   return { at: value!, isBound: false, least: interval?.[0] ?? value!, greatest: interval?.[1] ?? value! };
 }
