@@ -1,5 +1,6 @@
 // Whole jobs against references, and jobs that go on from films of earlier attempts.
 
+#include <algorithm>
 #include <bit>
 #include <fstream>
 #include <thread>
@@ -7,6 +8,7 @@
 #include "renderer/film/exr_file.h"
 #include "server/worker/error_follower.h"
 #include "server/worker/film_history.h"
+#include "tests/support/film_versions.h"
 #include "tests/support/job_runs.h"
 #include "tests/support/temporary_folder.h"
 
@@ -113,7 +115,10 @@ TEST_F(JobErrors, TheErrorOfTheFinalFilmIsInTheStatistics) {
     }
     EXPECT_FALSE(error.contains("flip_ldr"));
     EXPECT_EQ(error["percentiles"]["90"], meter.percentiles(image)->at(1));
-    EXPECT_EQ(error["bias_standard_error"].size(), 3u);
+    for (const auto& [name, of] : {std::pair{"bias_standard_error", PassMeans::Of::Beauty},
+                                   std::pair{"indirect:bias_standard_error", PassMeans::Of::Indirect}})
+        for (size_t k = 0; k < 3; ++k)
+            EXPECT_DOUBLE_EQ(error[name][k], std::sqrt(film.pass_means().variance(of)->at(k) / 5)) << name;
     const ErrorMeter indirect(film.size(), judge.resolve(Layer::Indirect));
     const PointwiseErrors of_indirect = indirect.pointwise(film.resolve(Layer::Indirect));
     EXPECT_EQ(error["indirect:rmse"], *of_indirect[Metric::Rmse]);
@@ -235,6 +240,37 @@ TEST_F(JobErrors, AJobThatGoesOnHasTheSameBitsAndPoints) {
     target["request"]["stop"] = {{"passes", 100}, {"target", {{"metric", "rmse"}, {"value", 1e9}}}};
     EXPECT_EQ(resumed(target, "saved.film")["passes_done"], 9);
     EXPECT_EQ(FilmFile::load(film_path()).film.passes(), 9u);
+}
+
+// Its passes' means are not in it: what follows from all passes' is not claimed, and all else is as ever.
+TEST_F(JobErrors, AJobGoesOnFromAFilmThatAnOlderVersionSaved) {
+    const json whole = measured_order(reference(16), {{"stop", {{"passes", 9}}}});
+    const json undisturbed = run(whole);
+    save_after(whole, 3, "saved.film");
+    std::string bytes(std::istreambuf_iterator<char>(std::ifstream(path("saved.film"), std::ios::binary).rdbuf()), {});
+    bytes = test::film_of_version(bytes, 5);
+    std::ofstream(path("saved.film"), std::ios::binary | std::ios::trunc) << bytes;
+    const json finished = resumed(whole, "saved.film");
+    ASSERT_EQ(finished["state"], "succeeded") << finished.dump(1);
+    EXPECT_EQ(finished["statistics"]["resumed_passes"], 3);
+    EXPECT_EQ(hash(finished), hash(undisturbed));
+    EXPECT_EQ(errors_by_passes(finished["curve"]), errors_by_passes(undisturbed["curve"]));
+    json error = finished["statistics"]["error"], expected = undisturbed["statistics"]["error"];
+    EXPECT_EQ(expected["bias_standard_error"].size(), 3u);
+    EXPECT_TRUE(error["bias_standard_error"].is_null());
+    for (const char* other : {"bias_standard_error", "estimated_relative_mse"})  // by what it saw on the way
+        error.erase(other), expected.erase(other);
+    EXPECT_EQ(error, expected);
+    json notes = finished["statistics"]["reference"]["notes"];
+    const auto said = std::find(notes.begin(), notes.end(),
+                                "bias_standard_error: unknown, for 3 of the 9 passes are from a film that an older "
+                                "version saved, without their means");
+    ASSERT_NE(said, notes.end()) << notes;
+    notes.erase(said);
+    EXPECT_EQ(notes, undisturbed["statistics"]["reference"]["notes"]);
+    const Film film = FilmFile::load(film_path()).film;
+    EXPECT_EQ(film.passes(), 9u);
+    EXPECT_EQ(film.pass_means().passes(), 6u);
 }
 
 TEST_F(JobErrors, AFinishedFilmIsExtended) {
