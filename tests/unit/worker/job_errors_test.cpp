@@ -201,6 +201,22 @@ TEST_F(JobErrors, ImagesAreReferencesWhoseNoiseIsUnknown) {
     EXPECT_EQ(run(measured_order(nullptr))["failure"]["code"], "internal");
 }
 
+TEST_F(JobErrors, PassesDoNotSayHowFarABiasIsKnownThatLeavesValuesOut) {
+    reference(8);
+    std::vector<float> pixels = FilmFile::load(path("reference.film")).film.resolve_beauty();
+    pixels[100] = std::nanf("");
+    write_exr({24, 16}, {{channel_names("beauty"), pixels}}, Precision::Float, {}, path("reference.exr"));
+    const json statistics = run(measured_order({{"image", path("reference.exr").string()}}))["statistics"];
+    EXPECT_EQ(statistics["error"]["left_out"], 1);
+    EXPECT_TRUE(statistics["error"]["bias"][0].is_number());
+    EXPECT_TRUE(statistics["error"]["bias_standard_error"].is_null());
+    const json& notes = statistics["reference"]["notes"];
+    EXPECT_NE(
+        std::find(notes.begin(), notes.end(), "bias_standard_error: unknown, for passes keep the mean over all values"),
+        notes.end())
+        << notes;
+}
+
 TEST_F(JobErrors, AJobEndsWhenItsTargetIsMet) {
     const json source = reference(64);
     const json longer = run(measured_order(source, {{"stop", {{"passes", 16}}}}));
