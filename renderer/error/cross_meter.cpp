@@ -14,7 +14,8 @@ namespace photond {
 
 namespace {
 
-constexpr double kMostBias = 0.02;  // of what is measured, by denominators that share a pixel's noise
+constexpr double kMostNoise = 1.0 / 300;  // relative variance of R, where it divides itself
+constexpr double kMostBias = 0.1;         // of the half-width of a perfect image's interval, by the same
 constexpr uint32_t kNeighbourhood = 2;
 
 constexpr std::experimental::element_aligned_tag kUnaligned;
@@ -66,12 +67,12 @@ struct CrossMeter::Sums {
             return {products / n, std::sqrt(squared_terms) / n};
         }
     };
-    Divided plain, by_pixel, by_neighbours;  // D: 1, and b^2 + 0.01 m^2 for both kinds of b
-    double shared_noise = 0;                 // of the bias that b = R leaves
+    Divided plain, relative;
+    double shared_noise = 0;  // what D adds to `relative` where it has the pixel's own noise
     uint64_t count = 0;
 
     Sums& operator+=(const Sums& other) {
-        plain += other.plain, by_pixel += other.by_pixel, by_neighbours += other.by_neighbours;
+        plain += other.plain, relative += other.relative;
         shared_noise += other.shared_noise, count += other.count;
         return *this;
     }
@@ -89,10 +90,10 @@ public:
     Sweep(const CrossMeter& meter, std::span<const float> image)
         : meter_(meter),
           image_(image),
-          unit_(std::fabs(meter.mean_)),
-          limit_(std::min(unit_.limit, kLimit)),
-          floor_(0.01 * meter.mean_ * meter.mean_),
-          scaled_floor_(static_cast<float>(floor_ / (unit_.unit * unit_.unit))) {}
+          shares_noise_(meter.denominators_ == Denominators::Pixel),
+          inverse_(static_cast<float>(1 / meter.unit_)),
+          limit_(std::min(SweepUnit(std::fabs(meter.mean_)).limit, kLimit)),
+          square_(meter.unit_ * meter.unit_) {}
 
     /// Pixels [first, last).
     Sums of(size_t first, size_t last) {
@@ -109,7 +110,7 @@ private:
     static constexpr float kLimit = 0x1p20f;
 
     struct Run {
-        FloatLanes plain = 0, by_pixel = 0, by_neighbours = 0, shared_noise = 0;
+        FloatLanes plain = 0, relative = 0, shared_noise = 0;
         uint32_t blocks = 0;
     };
     /// d e / D of a block's values, and the sums of their pixels' squares.
@@ -127,39 +128,41 @@ private:
         double take() { return 4 * double{std::exchange(squares, 0.0f)}; }
     };
 
+    /// In units, or of lanes of them; `weight` is 1 / D in them.
+    template <class Value>
+    static Value shared_noise(const Value& e, const Value& d, const Value& r, const Value& weight) {
+        const Value nu = d * d * weight;
+        return nu * weight * (Value(4) * e * r) - Value(2.0f / 3) * nu * nu * (Value(4) * r * r * weight - Value(1));
+    }
+
     FloatLanes lanes_of(std::span<const float> values, size_t i) const {
-        return FloatLanes(&values[i], kUnaligned) * unit_.inverse;
+        return FloatLanes(&values[i], kUnaligned) * inverse_;
     }
 
     void add_block(size_t first) {
-        FloatLanes e[3], d[3], r[3], b[3];
+        FloatLanes e[3], d[3], r[3];
         FloatMask usable(true);
         for (size_t v = 0; v < 3; ++v) {
             const size_t i = first + v * kLanes;
             r[v] = lanes_of(meter_.mean_reference_, i), d[v] = lanes_of(meter_.half_difference_, i);
-            b[v] = lanes_of(meter_.neighbours_, i), e[v] = lanes_of(image_, i) - r[v];
-            usable = usable && abs(e[v]) < limit_ && abs(r[v]) < limit_ && abs(d[v]) < limit_ && abs(b[v]) < limit_;
+            e[v] = lanes_of(image_, i) - r[v];
+            usable = usable && abs(e[v]) < limit_ && abs(r[v]) < limit_ && abs(d[v]) < limit_;
         }
         if (!all_of(usable)) return add_values(first, first + kBlockValues);
         for (size_t v = 0; v < 3; ++v) {
+            const FloatLanes weight(&meter_.weights_[first + v * kLanes], kUnaligned);
             const FloatLanes product = (e[v] - d[v]) * (e[v] + d[v]), term = d[v] * e[v];
-            const FloatLanes square = r[v] * r[v] + scaled_floor_, around = b[v] * b[v] + scaled_floor_;
-            const FloatLanes inverse = 1.0f / (square * around);  // one division for two quotients
-            const FloatLanes weight = around * inverse, weight_around = square * inverse;
-            const FloatLanes nu = d[v] * d[v] * weight;
-            run_.plain += product, run_.by_pixel += product * weight, run_.by_neighbours += product * weight_around;
-            run_.shared_noise += nu * (2.0f * nu + 4.0f * e[v] * r[v] * weight);
-            plain_.keep(v, term), by_pixel_.keep(v, term * weight), by_neighbours_.keep(v, term * weight_around);
+            run_.plain += product, run_.relative += product * weight;
+            if (shares_noise_) run_.shared_noise += shared_noise<FloatLanes>(e[v], d[v], r[v], weight);
+            plain_.keep(v, term), relative_.keep(v, term * weight);
         }
-        plain_.end_block(), by_pixel_.end_block(), by_neighbours_.end_block();
+        plain_.end_block(), relative_.end_block();
         if (++run_.blocks == kRun) end_run();
     }
 
     void end_run() {
-        const double square = unit_.unit * unit_.unit;
-        sums_.plain += {total(run_.plain) * square, plain_.take() * square * square};
-        sums_.by_pixel += {total(run_.by_pixel), by_pixel_.take()};
-        sums_.by_neighbours += {total(run_.by_neighbours), by_neighbours_.take()};
+        sums_.plain += {total(run_.plain) * square_, plain_.take() * square_ * square_};
+        sums_.relative += {total(run_.relative), relative_.take()};
         sums_.shared_noise += total(run_.shared_noise);
         sums_.count += run_.blocks * kBlockValues;
         run_ = Run{};
@@ -168,50 +171,87 @@ private:
     /// [first, last), whole pixels.
     void add_values(size_t first, size_t last) {
         for (size_t pixel = first; pixel < last; pixel += 3) {
-            double plain = 0, by_pixel = 0, by_neighbours = 0;
+            double plain = 0, relative = 0;
             for (size_t i = pixel; i < pixel + 3; ++i) {
                 const double r = double{meter_.mean_reference_[i]}, d = double{meter_.half_difference_[i]};
-                const double e = double{image_[i]} - r, b = double{meter_.neighbours_[i]};
+                const double e = double{image_[i]} - r, weight = double{meter_.weights_[i]} / square_;
                 if (!std::isfinite(e) || !std::isfinite(d)) continue;
                 const double product = (e - d) * (e + d), term = -2 * d * e;
                 sums_.plain.products += product, plain += term;
+                sums_.relative.products += product * weight, relative += term * weight;
+                if (shares_noise_) sums_.shared_noise += shared_noise(e, d, r, weight);
                 ++sums_.count;
-                if (floor_ == 0) continue;
-                const double square = r * r + floor_, around = b * b + floor_, nu = d * d / square;
-                sums_.by_pixel.products += product / square, by_pixel += term / square;
-                sums_.by_neighbours.products += product / around, by_neighbours += term / around;
-                // d^4 is three times its variance's square in the mean.
-                sums_.shared_noise += nu * (2 * nu + 4 * e * r / square);
             }
             sums_.plain.squared_terms += plain * plain;
-            sums_.by_pixel.squared_terms += by_pixel * by_pixel;
-            sums_.by_neighbours.squared_terms += by_neighbours * by_neighbours;
+            sums_.relative.squared_terms += relative * relative;
         }
     }
 
     const CrossMeter& meter_;
     const std::span<const float> image_;
-    const SweepUnit unit_;
-    const float limit_;
-    const double floor_;
-    const float scaled_floor_;
+    const bool shares_noise_;
+    const float inverse_, limit_;
+    const double square_;
     Run run_;
-    Terms plain_, by_pixel_, by_neighbours_;
+    Terms plain_, relative_;
     Sums sums_;
 };
 
 CrossMeter::CrossMeter(Size2 size, const std::vector<float>& u, const std::vector<float>& v)
-    : size_(size), mean_reference_(half_of(u, v, 1)), half_difference_(half_of(u, v, -1)) {
+    : size_(size),
+      mean_reference_(half_of(u, v, 1)),
+      half_difference_(half_of(u, v, -1)),
+      weights_(mean_reference_.size()) {
     assert(u.size() == 3 * size_.pixels() && v.size() == u.size());
     double sum = 0;
     uint64_t count = 0;
     for (const float value : mean_reference_)
         if (std::isfinite(value)) sum += double{value}, ++count;
     mean_ = count > 0 ? sum / static_cast<double>(count) : 0;
-    neighbours_.resize(mean_reference_.size());
-    for_each_chunk(neighbours_.size(), [&](size_t first, size_t last) {
-        for (size_t i = first; i < last; ++i) neighbours_[i] = static_cast<float>(mean_of_neighbours(i));
+    if (mean_ == 0) return;
+    unit_ = SweepUnit(std::fabs(mean_)).unit;
+    denominators_ = choose();
+    for_each_chunk(weights_.size(), [&](size_t first, size_t last) {
+        for (size_t i = first; i < last; ++i) {
+            const double b = denominators_ == Denominators::Pixel ? double{mean_reference_[i]} : mean_of_neighbours(i);
+            const double weight = unit_ * unit_ / (b * b + 0.01 * mean_ * mean_);
+            weights_[i] = std::isfinite(weight) ? static_cast<float>(weight) : 0.0f;
+        }
     });
+}
+
+/// By the noise that U and V show: the mean of nu, of nu^3, and what the interval of a perfect image will be. Its
+/// pixels' terms are twice the products of two independent noises, whose mean square is a third of that of d^2 where
+/// channels share their noise, and less elsewhere.
+Denominators CrossMeter::choose() const {
+    struct Noise {
+        double first = 0, third = 0, squared_terms = 0;
+        uint64_t count = 0;
+
+        Noise& operator+=(const Noise& other) {
+            first += other.first, third += other.third, squared_terms += other.squared_terms, count += other.count;
+            return *this;
+        }
+    };
+    const double floor = 0.01 * mean_ * mean_;
+    const Noise noise = sum_of_chunks<Noise>(size_.pixels(), [&](size_t first, size_t last) {
+        Noise sums;
+        for (size_t pixel = first; pixel < last; ++pixel) {
+            double of_pixel = 0;
+            for (size_t i = 3 * pixel; i < 3 * pixel + 3; ++i) {
+                const double r = double{mean_reference_[i]}, d = double{half_difference_[i]};
+                if (!std::isfinite(r) || !std::isfinite(d)) continue;
+                const double nu = d * d / (r * r + floor);
+                sums.first += nu, sums.third += nu * nu * nu, of_pixel += nu, ++sums.count;
+            }
+            sums.squared_terms += 4.0 / 3 * of_pixel * of_pixel;
+        }
+        return sums;
+    });
+    const auto n = static_cast<double>(noise.count);
+    const double half_width = kConfidenceZ * std::sqrt(noise.squared_terms) / n;
+    const bool quiet = noise.first <= kMostNoise * n && 3 * noise.third / n <= kMostBias * half_width;
+    return quiet ? Denominators::Pixel : Denominators::Neighbours;
 }
 
 /// 0 where there is none.
@@ -235,14 +275,13 @@ CrossErrors CrossMeter::measure(std::span<const float> image) const {
     const Sums sums = sum_of_chunks<Sums>(
         size_.pixels(), [&](size_t first, size_t last) { return Sweep(*this, image).of(first, last); });
     CrossErrors errors;
+    errors.denominators = denominators_;
     errors.left_out = image.size() - sums.count;
     if (sums.count == 0) return errors;
     errors.mse = sums.plain.error(sums.count);
     if (mean_ == 0) return errors;
-    const double measured = std::min(std::fabs(sums.by_pixel.products), std::fabs(sums.by_neighbours.products));
-    const bool shared = std::fabs(sums.shared_noise) > kMostBias * measured;
-    errors.denominators = shared ? Denominators::Neighbours : Denominators::Pixel;
-    errors.relative_mse = (shared ? sums.by_neighbours : sums.by_pixel).error(sums.count);
+    errors.relative_mse = sums.relative.error(sums.count);
+    errors.relative_mse->value -= sums.shared_noise / static_cast<double>(sums.count);
     return errors;
 }
 

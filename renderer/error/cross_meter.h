@@ -1,6 +1,6 @@
 #pragma once
-// An image against two references of one truth: their noise drops out of every quadratic measure (docs/design,
-// "Errors one can believe").
+// An image against two references of one truth: their noise drops out of every quadratic measure (believing-errors.md,
+// "Two films").
 //
 // A is the image, biased or not, I the truth; U and V are films of an unbiased method with different seeds. With
 // x = A - U and y = A - V the mean of x y is that of (A - I)^2, whatever the noise of U and V. It may be negative near
@@ -10,14 +10,16 @@
 // pixels of a reference are taken for independent, as those of path tracing with a box filter are.
 //
 // What relative_mse divides by is the references' alone, b^2 + 0.01 m^2 with m the mean of R = (U + V) / 2: an image's
-// own fireflies would forgive themselves. b is R where that hardly matters; but then D shares the pixel's noise, which
-// leaves, to first order in the relative variance nu of R,
+// own fireflies would forgive themselves. It is chosen once, by the references, for all images, times and seeds. b is R
+// where R's noise allows that. D then shares the pixel's noise; with e = A - R, d = (U - V) / 2, nu = d^2 / D and
+// rho = R^2 / D what that adds to the mean is, to second order in the relative variance of R, the mean of
 //
-//   6 nu^2 + 4 nu (A - I) / I,  averaged over values.
+//   4 nu e R / D - 2/3 nu^2 (4 rho - 1),
 //
-// Where that exceeds 2 % of what is measured, b is the mean of the 5x5 neighbours of R, the pixel itself left out: its
-// noise is another. (The second term is the larger one for images of a small even bias.) What is measured is the lesser
-// of both figures: that of references of one pass, black in most pixels, is thousands of times too large where b is R.
+// and it is taken off. (For an even bias beta of A it is 4 nu beta, a fifth of the figure where nu is 5e-4 and beta
+// 1 %; for a perfect image 6 nu^2.) What stays is 3 nu of the figure and some nu^3: with b = R the mean of nu is at
+// most 1/300, and three times the mean of nu^3 at most a tenth of the half-width of a perfect image's interval.
+// Elsewhere b is the mean of the 5x5 neighbours of R, the pixel itself left out: its noise is another.
 
 #include <cstdint>
 #include <optional>
@@ -26,13 +28,10 @@
 
 #include "renderer/core/geometry.h"
 #include "renderer/error/estimate.h"
+#include "renderer/error/interval.h"
 #include "renderer/error/metric.h"
 
 namespace photond {
-
-struct Interval {
-    double least = 0, greatest = 0;
-};
 
 struct CrossError {
     double value = 0;           // not clamped: may be negative
@@ -48,7 +47,7 @@ enum class Denominators : uint8_t { Pixel, Neighbours };
 struct CrossErrors {
     /// Empty where no value is left; relative_mse also where m is 0.
     std::optional<CrossError> mse, relative_mse;
-    Denominators denominators = Denominators::Pixel;  // of relative_mse
+    Denominators denominators = Denominators::Pixel;  // of relative_mse, the references' choice
     uint64_t left_out = 0;                            // values that are not finite in one of the three
 };
 
@@ -70,8 +69,21 @@ public:
     /// Each of 3 * size.pixels() values (asserted); what `u` and `v` show is independent of each other.
     CrossMeter(Size2 size, const std::vector<float>& u, const std::vector<float>& v);
 
-    /// R = (U + V) / 2.
+    Size2 size() const { return size_; }
+    /// R = (U + V) / 2, and (U - V) / 2.
     std::span<const float> mean_reference() const { return mean_reference_; }
+    std::span<const float> half_difference() const { return half_difference_; }
+    /// m: 0 where nothing is relative.
+    double mean() const { return mean_; }
+    Denominators denominators() const { return denominators_; }
+    /// unit^2 / D of each value, `unit` a power of two near m that keeps it within floats; all 0 where m is 0.
+    std::span<const float> weights() const { return weights_; }
+    double unit() const { return unit_; }
+    /// Of what it keeps.
+    uint64_t bytes() const {
+        return sizeof(float) * (mean_reference_.size() + half_difference_.size() + weights_.size());
+    }
+
     /// `image`: of the references' size (asserted).
     CrossErrors measure(std::span<const float> image) const;
 
@@ -79,11 +91,13 @@ private:
     struct Sums;
     class Sweep;
     double mean_of_neighbours(size_t value) const;
+    Denominators choose() const;
 
     const Size2 size_;
-    const std::vector<float> mean_reference_, half_difference_;  // of U over V
-    double mean_ = 0;                                            // m
-    std::vector<float> neighbours_;                              // of each value of R the mean about it
+    const std::vector<float> mean_reference_, half_difference_;
+    double mean_ = 0, unit_ = 1;
+    Denominators denominators_ = Denominators::Pixel;
+    std::vector<float> weights_;
 };
 
 }  // namespace photond
