@@ -184,14 +184,13 @@ struct MeasureReply {
 struct MeasureRequest {
     static constexpr const char* kType = "measure";
     using Reply = MeasureReply;
-    ImageSource image, reference;
-    std::optional<ImageSource> second_reference;      // whose noise is independent of the other's
+    ImageSource image;
+    ReferenceSource reference;
     std::optional<std::vector<std::string>> metrics;  // none: those of the beauty that cost little
 
     void visit(MessageVisitor& visitor) {
         visitor.member("image", image);
         visitor.member("reference", reference);
-        visitor.or_null("second_reference", second_reference);
         visitor.or_null("metrics", metrics);
     }
 };
@@ -211,11 +210,12 @@ struct EncodedReply {
     }
 };
 
-/// EXR of image minus reference, by layer.
+/// EXR of image minus reference, by layer. Here and below two films stand for their mean.
 struct EncodeDifferenceRequest {
     static constexpr const char* kType = "encode_difference";
     using Reply = EncodedReply;
-    ImageSource image, reference;
+    ImageSource image;
+    ReferenceSource reference;
     std::filesystem::path out;
 
     void visit(MessageVisitor& visitor) {
@@ -229,7 +229,8 @@ struct EncodeDifferenceRequest {
 struct EncodeFlipRequest {
     static constexpr const char* kType = "encode_flip";
     using Reply = EncodedReply;
-    ImageSource image, reference;
+    ImageSource image;
+    ReferenceSource reference;
     std::string layer = "beauty";
     std::string range;  // "ldr" or "hdr"
     std::filesystem::path out;
@@ -247,7 +248,8 @@ struct EncodeFlipRequest {
 struct EncodeFlipMapRequest {
     static constexpr const char* kType = "encode_flip_map";
     using Reply = EncodedReply;
-    ImageSource image, reference;
+    ImageSource image;
+    ReferenceSource reference;
     std::string layer = "beauty";
     std::string range;      // "ldr" or "hdr"
     std::string precision;  // "float" or "half"
@@ -267,7 +269,8 @@ struct EncodeFlipMapRequest {
 struct EncodeErrorMapRequest {
     static constexpr const char* kType = "encode_error_map";
     using Reply = EncodedReply;
-    ImageSource image, reference;
+    ImageSource image;
+    ReferenceSource reference;
     std::string layer = "beauty";
     std::filesystem::path out;
 

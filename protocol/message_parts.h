@@ -64,6 +64,24 @@ struct ImageSource {
     }
 };
 
+/// What an image is measured against: one image, or two films of one truth whose noise is independent.
+struct ReferenceSource {
+    static constexpr const char* kTwoFilms = "two_films";
+    static constexpr const char* kFilm = "film";
+    static constexpr const char* kImage = "image";
+
+    ImageSource first;
+    std::optional<ImageSource> second;
+
+    /// One of these: how what is measured against it is measured. Two images count as two films.
+    const char* form() const { return second ? kTwoFilms : first.film ? kFilm : kImage; }
+
+    void visit(MessageVisitor& visitor) {
+        first.visit(visitor);  // its member lies beside the other's name
+        visitor.if_any("second", second);
+    }
+};
+
 /// What bounds the files that a process of the daemon's may open.
 struct FileAccess {
     static constexpr const char* kLandlock = "landlock";

@@ -1,6 +1,7 @@
 #include "protocol/openapi.h"
 
 #include "protocol/error.h"
+#include "protocol/message_parts.h"
 #include "protocol/openapi_operations.h"
 #include "protocol/openapi_schemas.h"
 #include "protocol/problem.h"
@@ -73,7 +74,9 @@ json reference_schema() {
     const json named{{"type", "string"}, {"pattern", "^(job|image):."}, {"maxLength", 256}};
     const json made =
         with_text(taken({{"method", schema_ref("JobMethod")}, {"stop", schema_ref("Stop")}}, {"method", "stop"}),
-                  "rendered once, from the job's own scene and view, and kept");
+                  "rendered from the job's own scene and view and kept, as two films of different seeds, each of half "
+                  "of the passes (rounded up) or seconds, or to twice the estimated error: so that errors are measured "
+                  "without their noise");
     return {{"anyOf", {named, made, {{"type", "null"}}}}};
 }
 
@@ -285,82 +288,101 @@ json statistics_schema() {
     const json bytes = nullable("integer", "bytes");
     json pass_range = list_of(count());
     pass_range["minItems"] = pass_range["maxItems"] = 2;
-    return given(
-        {{"stages", list_of(given({{"name", typed("string")},
-                                   {"wall_seconds", nullable("number")},
-                                   {"cpu_seconds", nullable("number")},
-                                   {"gpu_seconds", nullable("number")}}))},
-         {"counts", given({{"rays", map_of(count())},
-                           {"photons_emitted", nullable("integer")},
-                           {"photons_stored", nullable("integer")},
-                           {"splats", nullable("integer")},
-                           {"splat_contributions", nullable("integer")},
-                           {"vpls", nullable("integer")},
-                           {"voxels", nullable("integer")},
-                           {"passes", count()}})},
-         {"rates", map_of(nullable("number"))},
-         {"memory", given({{"structures", map_of(count())},
-                           {"accounted_bytes", bytes},
-                           {"baseline_resident_bytes", bytes},
-                           {"peak_resident_bytes", bytes},
-                           {"device_structures", with_text(or_null(map_of(count())), "of a GPU's memory")},
-                           {"peak_device_bytes", bytes}})},
-         {"needs", or_null(typed("object"))},
-         {"skipped", list_of(given({{"what", typed("string")}, {"why", typed("string")}, {"bytes_saved", count()}}))},
-         {"device", given({{"id", typed("string")},
-                           {"name", nullable("string")},
-                           {"driver", nullable("string")},
-                           {"software", nullable("boolean")}})},
-         {"version", typed("string")},
-         {"host_cores", nullable("integer")},
-         {"threads", nullable("integer")},
-         {"seed", count()},
-         {"clock", with_text(or_null(given({{"asked_seconds", nullable("number", "the job's stop")},
-                                            {"overshoot_seconds", nullable("number", "taken beyond that")},
-                                            {"kept", nullable("boolean", "within 0.5 s and 5 %")},
-                                            {"begin_seconds", typed("number", "before the first pass")},
-                                            {"seconds_per_pass", nullable("number", "the mean of its passes")},
-                                            {"passes_cut_off", count("not done in time, so thrown away")},
-                                            {"cut_off_seconds", typed("number", "which that took")}})),
-                             "of the last attempt; the first pass is finished whatever was asked")},
-         {"job_hash", nullable("string")},
-         {"pixel_hash", nullable("string")},
-         {"nan_count", count()},
-         {"infinity_count", count()},
-         {"device_shared", nullable("boolean", "another job ran meanwhile on the same cores")},
-         {"host_shared", nullable("boolean", "another job ran meanwhile, on whatever device")},
-         {"cores", with_text(or_null(cores_schema()),
-                             "of the host, while the job's clock ran; null of what the kernel "
-                             "does not say and of merged films")},
-         {"shared",
-          with_text(or_null(given({{"share", typed("number", "of the processor time that it wanted, which it had")},
-                                   {"lost_seconds", typed("number", "of processors, to other processes")},
-                                   {"clock_seconds", typed("number", "by which its clock is too long, at most")},
-                                   {"to", with_text(list_of(given({{"who", typed("string",
-                                                                                 "helper, photond, job J12, "
-                                                                                 "worker gpu:0 or others")},
-                                                                   {"seconds", typed("number")}})),
-                                                    "the greatest first")},
-                                   {"warning", typed("string", "the same as a sentence")}})),
-                    "where other processes took more than 2 % of the processor time that the job wanted")},
-         {"pass_ranges", with_text(list_of(pass_range), "[first, end) of each run of passes")},
-         {"resumed_passes", count("rendered by earlier attempts")},
-         {"settings_hash", nullable("string", "of all that decides a pass's pixels")},
-         {"error", with_text(or_null(metric_values()),
-                             "against the reference; bias_standard_error: of the bias by channel, from the spread "
-                             "between passes of the image's mean (an upper figure where passes make up for each other, "
-                             "as those of path tracing do; null where reference.notes says why)")},
-         {"reference_error", with_text(or_null(metric_values()), "what the reference's own noise explains of it")},
-         {"reference", or_null(given({{"source", {{"type", {"string", "object", "null"}}}},
-                                      {"passes", nullable("integer")},
-                                      {"flip_version", nullable("string")},
-                                      {"warnings", list_of(typed("string"))},
-                                      {"notes", list_of(typed("string"))}}))},
-         {"estimate", with_text(or_null(given({{"estimated_relative_mse", nullable("number")},
-                                               {"standard_error_scale", nullable("number")},
-                                               {"confidence", nullable("number")},
-                                               {"within_confidence", nullable("number")}})),
-                                "what the passes alone tell of the beauty's error")}});
+    const json later{
+        {"error_interval", with_text(or_null(map_of(interval_of("at reference.confidence"))),
+                                     "where the noise of a reference of two films lets the errors lie that have one")}};
+    return with_later(
+        given(
+            {{"stages", list_of(given({{"name", typed("string")},
+                                       {"wall_seconds", nullable("number")},
+                                       {"cpu_seconds", nullable("number")},
+                                       {"gpu_seconds", nullable("number")}}))},
+             {"counts", given({{"rays", map_of(count())},
+                               {"photons_emitted", nullable("integer")},
+                               {"photons_stored", nullable("integer")},
+                               {"splats", nullable("integer")},
+                               {"splat_contributions", nullable("integer")},
+                               {"vpls", nullable("integer")},
+                               {"voxels", nullable("integer")},
+                               {"passes", count()}})},
+             {"rates", map_of(nullable("number"))},
+             {"memory", given({{"structures", map_of(count())},
+                               {"accounted_bytes", bytes},
+                               {"baseline_resident_bytes", bytes},
+                               {"peak_resident_bytes", bytes},
+                               {"device_structures", with_text(or_null(map_of(count())), "of a GPU's memory")},
+                               {"peak_device_bytes", bytes}})},
+             {"needs", or_null(typed("object"))},
+             {"skipped",
+              list_of(given({{"what", typed("string")}, {"why", typed("string")}, {"bytes_saved", count()}}))},
+             {"device", given({{"id", typed("string")},
+                               {"name", nullable("string")},
+                               {"driver", nullable("string")},
+                               {"software", nullable("boolean")}})},
+             {"version", typed("string")},
+             {"host_cores", nullable("integer")},
+             {"threads", nullable("integer")},
+             {"seed", count()},
+             {"clock", with_text(or_null(given({{"asked_seconds", nullable("number", "the job's stop")},
+                                                {"overshoot_seconds", nullable("number", "taken beyond that")},
+                                                {"kept", nullable("boolean", "within 0.5 s and 5 %")},
+                                                {"begin_seconds", typed("number", "before the first pass")},
+                                                {"seconds_per_pass", nullable("number", "the mean of its passes")},
+                                                {"passes_cut_off", count("not done in time, so thrown away")},
+                                                {"cut_off_seconds", typed("number", "which that took")}})),
+                                 "of the last attempt; the first pass is finished whatever was asked")},
+             {"job_hash", nullable("string")},
+             {"pixel_hash", nullable("string")},
+             {"nan_count", count()},
+             {"infinity_count", count()},
+             {"device_shared", nullable("boolean", "another job ran meanwhile on the same cores")},
+             {"host_shared", nullable("boolean", "another job ran meanwhile, on whatever device")},
+             {"cores", with_text(or_null(cores_schema()),
+                                 "of the host, while the job's clock ran; null of what the kernel "
+                                 "does not say and of merged films")},
+             {"shared",
+              with_text(or_null(given({{"share", typed("number", "of the processor time that it wanted, which it had")},
+                                       {"lost_seconds", typed("number", "of processors, to other processes")},
+                                       {"clock_seconds", typed("number", "by which its clock is too long, at most")},
+                                       {"to", with_text(list_of(given({{"who", typed("string",
+                                                                                     "helper, photond, job J12, "
+                                                                                     "worker gpu:0 or others")},
+                                                                       {"seconds", typed("number")}})),
+                                                        "the greatest first")},
+                                       {"warning", typed("string", "the same as a sentence")}})),
+                        "where other processes took more than 2 % of the processor time that the job wanted")},
+             {"pass_ranges", with_text(list_of(pass_range), "[first, end) of each run of passes")},
+             {"resumed_passes", count("rendered by earlier attempts")},
+             {"settings_hash", nullable("string", "of all that decides a pass's pixels")},
+             {"error",
+              with_text(or_null(metric_values()),
+                        "against the reference; bias_standard_error: of the bias by channel, from the spread "
+                        "between passes of the image's mean (an upper figure where passes make up for each other, "
+                        "as those of path tracing do; null where reference.notes says why)")},
+             {"reference_error", with_text(or_null(metric_values()),
+                                           "what the reference's own noise explains of it; of "
+                                           "errors with an interval: would explain")},
+             {"reference",
+              or_null(with_later(
+                  given({{"source", {{"type", {"string", "object", "null"}}}},
+                         {"passes", nullable("integer", "of two films in all")},
+                         {"flip_version", nullable("string")},
+                         {"warnings", list_of(typed("string"))},
+                         {"notes", list_of(typed("string"))}}),
+                  {{"form", with_text(one_of_words({ReferenceSource::kTwoFilms, ReferenceSource::kFilm,
+                                                    ReferenceSource::kImage}),
+                                      "two_films: mse, rmse and relative_mse are measured without their noise; "
+                                      "else, and in results without this member, with it")},
+                   {"confidence", nullable("number", "of error_interval")},
+                   {"denominators", with_text(map_of(one_of_words({"pixel", "neighbours"})),
+                                              "of relative metrics against two films: what of the reference "
+                                              "a value's square is divided by")}}))},
+             {"estimate", with_text(or_null(given({{"estimated_relative_mse", nullable("number")},
+                                                   {"standard_error_scale", nullable("number")},
+                                                   {"confidence", nullable("number")},
+                                                   {"within_confidence", nullable("number")}})),
+                                    "what the passes alone tell of the beauty's error")}}),
+        later);
 }
 
 json job_schema(const ApiVocabulary& vocabulary) {
@@ -389,19 +411,25 @@ json job_schema(const ApiVocabulary& vocabulary) {
                           {"reason", nullable("string")}});
     attempt["properties"]["device_shared"] = typed("boolean", "when it is over: as in statistics");
     attempt["properties"]["host_shared"] = typed("boolean", "likewise");
-    const json curve_point = given({{"seconds", typed("number")},
-                                    {"passes", count()},
-                                    {"photons", nullable("integer")},
-                                    {"metrics", or_null(map_of(nullable("number")))}});
+    const json curve_point = with_later(
+        given({{"seconds", typed("number")},
+               {"passes", count()},
+               {"photons", nullable("integer")},
+               {"metrics", or_null(map_of(nullable("number")))}}),
+        {{"intervals", with_text(map_of(interval_of("at 90 %")), "of metrics against two films, by their noise")}});
+    const json error_now = with_later(given({{"metric", typed("string")}, {"value", nullable("number")}}),
+                                      {{"interval", or_null(interval_of("at 90 %, by the noise of two films"))}});
     return given({{"id", typed("string")},
                   {"role", one_of_words({"render", "reference", "merged"})},
                   {"comparison", nullable("string", "the comparison it belongs to")},
-                  {"reference_job", nullable("string", "the job it is measured against")},
+                  {"reference_job", nullable("string", "the job it is measured against, the first of two films")},
+                  {"reference_jobs", with_text(or_null(list_of(typed("string"))),
+                                               "the job that was named, or the two that make its reference")},
                   {"state", one_of_words({"queued", "running", "succeeded", "failed", "cancelled"})},
                   {"progress", in_range(typed("number"), 0, 1)},
                   {"passes_done", count()},
                   {"seconds", typed("number")},
-                  {"error_now", or_null(given({{"metric", typed("string")}, {"value", nullable("number")}}))},
+                  {"error_now", or_null(error_now)},
                   {"created", {{"type", "string"}, {"format", "date-time"}}},
                   {"started", time},
                   {"finished", time},

@@ -153,7 +153,9 @@ json comparison_schema() {
     add("verdicts", with_text(list_of(verdict_schema()), "who is first, for each metric by falling error"));
     add("headlines",
         with_text(list_of(headline_schema()), "what verdicts come to, for each metric that has one: one sentence"));
-    add("reference", or_null(given({{"job", nullable("string")},
+    add("reference", or_null(given({{"job", nullable("string", "the first of two films")},
+                                    {"jobs", with_text(or_null(list_of(typed("string"))), "as a job's reference_jobs")},
+                                    {"form", typed("string", "as in a job's statistics")},
                                     {"image", nullable("string")},
                                     {"state", {{"type", {"string", "null"}}}},
                                     {"error", with_text(or_null(map_of(typed("number"))), "its own noise")},

@@ -44,6 +44,17 @@ inline json given(json properties) {
     for (const auto& [key, value] : properties.items()) required.push_back(key);
     return {{"type", "object"}, {"properties", std::move(properties)}, {"required", required}};
 }
+/// The same with members that results of earlier versions lack.
+inline json with_later(json schema, const json& properties) {
+    schema["properties"].update(properties);
+    return schema;
+}
+/// [least, greatest].
+inline json interval_of(const char* text) {
+    json ends = list_of(typed("number"));
+    ends["minItems"] = ends["maxItems"] = 2;
+    return with_text(std::move(ends), text);
+}
 /// What the service takes: nothing beside what is declared.
 inline json taken(json properties, const std::vector<std::string>& required) {
     return {{"type", "object"},

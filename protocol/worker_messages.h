@@ -60,11 +60,14 @@ struct StartedMessage {
 /// The error of the film so far.
 struct ErrorNow {
     std::string metric;
-    std::optional<double> value;  // none: it is not finite, for which JSON has no number
+    std::optional<double>
+        value;  // none: it is not finite, for which JSON has no number, or the root of a figure below 0
+    std::optional<std::vector<double>> interval;  // {least, greatest}: of a figure against two films
 
     void visit(MessageVisitor& visitor) {
         visitor.member("metric", metric);
         visitor.or_null("value", value);
+        visitor.or_null("interval", interval);
     }
 };
 
@@ -273,9 +276,9 @@ struct RenderMessage {
     /// Film of the same job to go on from. One that is damaged or of something else is named in the log, and the job
     /// begins anew.
     std::optional<std::filesystem::path> resume;
-    std::optional<ImageSource> reference;  // measured against
-    std::string streams = "job";           // or "reference": the random numbers it draws (RandomStreams)
-    std::optional<double> save_seconds;    // the least time between two savings of the film; none: it is not saved
+    std::optional<ReferenceSource> reference;
+    std::string streams = "job";         // or "reference": the random numbers it draws (RandomStreams)
+    std::optional<double> save_seconds;  // the least time between two savings of the film; none: it is not saved
     Limits limits;
 
     void visit(MessageVisitor& visitor) {

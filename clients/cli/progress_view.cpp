@@ -51,9 +51,13 @@ std::string passes_text(const json& job) {
 /// The error so far and the one to reach; empty while nothing is measured.
 std::string error_text(const json& job) {
     const json error = job.value("error_now", json());
-    if (!error.is_object() || !error.contains("value") || !error["value"].is_number()) return "";
+    if (!error.is_object()) return "";
+    const json value = error.value("value", json()), interval = error.value("interval", json());
+    const bool below = interval.is_array() && !(value.is_number() && value.get<double>() > 0);
+    if (!below && !value.is_number()) return "";
     const std::string metric = plain_text(error.value("metric", json()));
-    std::string text = ", " + metric + " " + three_digit_number(error["value"].get<double>());
+    std::string text = ", " + metric + (below ? " below " : " ") +
+                       three_digit_number((below ? interval.at(1) : value).get<double>());
     const json stop = job.contains("request") ? job["request"].value("stop", json()) : json();
     const json target = stop.is_object() ? stop.value("target", json()) : json();
     if (target.is_object() && plain_text(target.value("metric", json())) == metric)

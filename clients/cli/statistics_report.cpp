@@ -168,10 +168,11 @@ void print_errors(std::ostream& out, const json& error, const json& reference_er
     if (crossed) columns.push_back({"90 % between", Align::Right});
     TextTable table(columns);
     for (const auto& [metric, value] : error.items()) {
-        if (value.is_null()) continue;
+        const json interval = member(intervals, metric.c_str());
+        if (value.is_null() && interval.is_null()) continue;
         std::vector<std::string> row{printable(metric), error_cell(value)};
         if (noise_known) row.push_back(error_cell(member(reference_error, metric.c_str())));
-        if (crossed) row.push_back(error_cell(member(intervals, metric.c_str())));
+        if (crossed) row.push_back(error_cell(interval));
         table.add_row(std::move(row));
     }
     if (!table.empty()) table.print(out, "  ");
@@ -183,7 +184,8 @@ namespace {
 void print_error_part(std::ostream& out, const json& statistics) {
     const json reference = member(statistics, "reference");
     if (member(statistics, "error").is_object()) out << '\n';
-    print_errors(out, member(statistics, "error"), member(statistics, "reference_error"));
+    print_errors(out, member(statistics, "error"), member(statistics, "reference_error"),
+                 member(statistics, "error_interval"));
     for (const char* key : {"notes", "warnings"})
         for (const json& line : member(reference, key))
             out << "  " << (key == std::string("notes") ? "note: " : "warning: ") << plain_text(line) << '\n';

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "renderer/error/interval.h"
+
 namespace photond {
 
 /// One measurement of a job's film so far. A metric that was not measured here, or has no value, is empty.
@@ -16,6 +18,8 @@ struct CurvePoint {
     uint32_t passes = 0;
     std::optional<uint64_t> photons;  // emitted so far; none: the method has none
     std::map<std::string, std::optional<double>> metrics;
+    /// Of the metrics that are measured against two references: where their noise lets the value lie (kConfidence).
+    std::map<std::string, Interval> intervals = {};
 };
 
 /// Points are due after passes 1, 2, 4 ... and at the first pass that ends at or after 0.1 s x 2^k.

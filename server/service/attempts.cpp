@@ -185,7 +185,7 @@ std::string Attempts::waiting_for(int64_t seq, const std::string& device) const 
 }
 
 void Attempts::begin_attempt(Slot& slot, JobRow row) {
-    std::optional<ImageSource> reference;
+    std::optional<ReferenceSource> reference;
     try {
         reference = references_.reference_source(row);
     } catch (const Error& error) {

@@ -65,10 +65,12 @@ json Comparisons::estimate_comparison(const ComparisonRequest& request) {
         rows.back().memory_bytes = std::max(rows.back().memory_bytes, bytes);
         devices[prepared[i].row.device].add(time.seconds);
         memory_bytes = std::max(memory_bytes, bytes);
-        if (!prepared[i].reference || !references.insert(prepared[i].reference->content).second) continue;
-        const JobRequest reference = References::reference_request(planned.request);
-        reference_seconds.add(jobs_.estimates.estimate_time(reference, *scene, earlier).seconds);
-        memory_bytes = std::max(memory_bytes, jobs_.estimates.estimate_memory_bytes(reference, *scene));
+        for (uint32_t film = 0; film < prepared[i].references.size(); ++film) {
+            if (!references.insert(prepared[i].references[film].content).second) continue;
+            const JobRequest reference = References::reference_request(planned.request, film);
+            reference_seconds.add(jobs_.estimates.estimate_time(reference, *scene, earlier).seconds);
+            memory_bytes = std::max(memory_bytes, jobs_.estimates.estimate_memory_bytes(reference, *scene));
+        }
     }
 
     std::optional<double> longest = 0;

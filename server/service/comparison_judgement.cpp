@@ -4,6 +4,7 @@
 #include <map>
 #include <string>
 
+#include "protocol/message_parts.h"
 #include "server/clock_text.h"
 #include "server/comparisons/headline.h"
 #include "server/comparisons/repeats.h"
@@ -18,7 +19,7 @@ using nlohmann::json;
 namespace {
 
 /// What the comparison took beside its jobs' clocks: on each device the time from the first start to the last end, less
-/// the `seconds` of its jobs (and of the reference made for it). So it holds loading, building, saving and measuring,
+/// the `seconds` of its jobs (and of the references made for it). So it holds loading, building, saving and measuring,
 /// and what other jobs did there in between; not the wait for the first start.
 double overhead_seconds(const std::vector<JobProgress>& jobs) {
     struct Span {
@@ -47,8 +48,8 @@ std::optional<int64_t> first_start(const std::vector<JobProgress>& jobs) {
 }
 
 /// "its own noise": of the metrics that were measured, and where that is too near to what it is compared with.
-json reference_json(const ComparisonRow& row, const std::optional<JobProgress>& reference,
-                    const std::vector<MeasuredJob>& jobs, const ComparisonTable& table) {
+json reference_json(const ComparisonRow& row, const ComparisonState& state, const std::vector<MeasuredJob>& jobs,
+                    const ComparisonTable& table) {
     const json asked = json::parse(row.request).value("reference", json());
     if (asked.is_null()) return nullptr;
     json error = json::object(), warnings = json::array();
@@ -61,9 +62,16 @@ json reference_json(const ComparisonRow& row, const std::optional<JobProgress>& 
                                    short_number(figure.error->mean) + ", is within 3 times the reference's own, " +
                                    short_number(*figure.reference) + ": take a reference of more passes");
     const bool image = asked.is_string() && asked.get_ref<const std::string&>().starts_with("image:");
-    return {{"job", reference ? json(job_id(reference->seq)) : json()},
+    json films;
+    for (const JobProgress& film : state.references) films.push_back(job_id(film.seq));
+    const std::optional<JobState> reached = state.reference_state();
+    return {{"job", films.is_null() ? json() : films.front()},
+            {"jobs", films},
+            {"form", image               ? ReferenceSource::kImage
+                     : films.size() == 2 ? ReferenceSource::kTwoFilms
+                                         : ReferenceSource::kFilm},
             {"image", image ? json(asked.get<std::string>().substr(6)) : json()},
-            {"state", reference ? json(job_state_name(reference->state)) : json()},
+            {"state", reached ? json(job_state_name(*reached)) : json()},
             {"error", error.empty() ? json() : error},
             {"warnings", warnings}};
 }
@@ -139,15 +147,20 @@ std::vector<JobState> ComparisonState::places() const {
     return states;
 }
 
+std::optional<JobState> ComparisonState::reference_state() const {
+    for (const JobProgress& film : references)
+        if (film.state != JobState::Succeeded) return film.state;
+    return references.empty() ? std::nullopt : std::optional(JobState::Succeeded);
+}
+
 JobState ComparisonState::state() const {
-    const auto own = own_reference();
     const std::vector<JobState> states = places();
     const auto there_is = [&](JobState state) {
         return std::find(states.begin(), states.end(), state) != states.end();
     };
-    const bool begun =
-        (own && own->state != JobState::Queued) ||
-        std::any_of(jobs.begin(), jobs.end(), [](const auto& job) { return job.state != JobState::Queued; });
+    const auto has_begun = [](const JobProgress& job) { return job.state != JobState::Queued; };
+    const bool begun = std::any_of(own_references.begin(), own_references.end(), has_begun) ||
+                       std::any_of(jobs.begin(), jobs.end(), has_begun);
     if (std::any_of(states.begin(), states.end(), [](JobState state) { return !is_over(state); }))
         return begun ? JobState::Running : JobState::Queued;
     if (there_is(JobState::Cancelled)) return JobState::Cancelled;
@@ -158,7 +171,7 @@ json comparison_summary(const ComparisonRow& row, const ComparisonState& known) 
     const JobState state = known.state();
     const std::vector<JobProgress>& jobs = known.jobs;
     std::vector<JobProgress> all = jobs;
-    if (const auto own = known.own_reference()) all.push_back(*own);
+    all.insert(all.end(), known.own_references.begin(), known.own_references.end());
     double progress = 0;
     json counts = json::object();
     for (const std::string_view name : kJobStates) counts[std::string(name)] = 0;
@@ -219,7 +232,7 @@ Judged judge(const Compared& compared) {
     const std::vector<Verdict> found = verdicts(judged.table);
     object["verdicts"] = verdicts_json(judged.table, found);
     object["headlines"] = headlines_json(judged.table, found);
-    object["reference"] = reference_json(compared.row, state.reference, judged.jobs, judged.table);
+    object["reference"] = reference_json(compared.row, state, judged.jobs, judged.table);
     return judged;
 }
 

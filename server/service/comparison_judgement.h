@@ -13,18 +13,20 @@
 
 namespace photond {
 
-/// Where the jobs are, and the job they are measured against.
+/// Where the jobs are, and those that they are measured against.
 struct ComparisonState {
     std::vector<JobProgress> jobs;  // repeats after all that were planned
-    std::optional<JobProgress> reference;
-    bool made_for_it = false;  // the reference, by this comparison
+    /// One that was named, or the two films of a reference.
+    std::vector<JobProgress> references;
+    std::vector<JobProgress> own_references;  // of these, those made for this comparison
 
     /// The state of each place, in their order: that of a repeat that is not over, else `succeeded` where any job there
     /// has, else that of the job that was planned.
     std::vector<JobState> places() const;
     /// The state that the places come to; a reference that is being made for them counts as begun.
     JobState state() const;
-    std::optional<JobProgress> own_reference() const { return made_for_it ? reference : std::nullopt; }
+    /// Of all references; empty where they are no jobs. That of the one that is not over, or has not succeeded, first.
+    std::optional<JobState> reference_state() const;
 };
 
 /// All that is known of a comparison and its jobs.

@@ -43,17 +43,19 @@ JobProgress Comparisons::progress_now(JobProgress job) const {
 
 ComparisonState Comparisons::comparison_state(const ComparisonRow& row) {
     ComparisonState state;
-    std::optional<int64_t> reference;
+    std::vector<int64_t> references;
     for (const JobProgress& job : core_.store.comparison_progress(row.seq)) {
-        if (job.reference_job) reference = job.reference_job;
+        if (!job.reference_jobs.empty()) references = job.reference_jobs;
         state.jobs.push_back(progress_now(job));
     }
-    if (!reference) return state;
-    const auto found = core_.store.job(*reference);
-    if (!found) return state;
-    state.reference = progress_now({found->seq, found->state, found->device, found->progress, found->seconds,
-                                    found->started_ms, found->finished_ms, std::nullopt});
-    state.made_for_it = found->role == JobRole::Reference && found->created_ms >= row.created_ms;
+    for (const int64_t seq : references) {
+        const auto found = core_.store.job(seq);
+        if (!found) continue;
+        state.references.push_back(progress_now({found->seq, found->state, found->device, found->progress,
+                                                 found->seconds, found->started_ms, found->finished_ms}));
+        if (found->role == JobRole::Reference && found->created_ms >= row.created_ms)
+            state.own_references.push_back(state.references.back());
+    }
     return state;
 }
 
@@ -163,12 +165,12 @@ Cancelled Comparisons::cancel_comparison(const std::string& id, bool remove) {
             if (remove) core_.store.update_comparison(row);
         },
         remove);
-    // The reference that was made for it alone is not wanted any more.
-    if (before.made_for_it && !is_over(before.reference->state) &&
-        core_.store.unfinished_jobs_measured_against(before.reference->seq).empty())
-        if (auto reference = core_.store.job(before.reference->seq))
-            jobs_.cancellations.cancel_jobs(
-                {*std::move(reference)}, [] {}, false);
+    // What was made for it alone to be measured against is not wanted any more.
+    for (const JobProgress& film : before.own_references)
+        if (!is_over(film.state) && core_.store.unfinished_jobs_measured_against(film.seq).empty())
+            if (auto reference = core_.store.job(film.seq))
+                jobs_.cancellations.cancel_jobs(
+                    {*std::move(reference)}, [] {}, false);
     const Compared compared = read_comparison(row);
     if (remove) purges_.finish_purge(row);
     attempts_.dispatch();

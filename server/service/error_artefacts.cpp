@@ -102,12 +102,19 @@ ErrorArtefacts::MeasuredPair ErrorArtefacts::measured_pair(const std::string& id
     } catch (const Error& error) {
         throw Error(ErrorCode::NotFound, "job " + id + ": " + error.what());
     }
-    pair.key = pair.film.cache_key + "/against/" + pair.reference.path().filename().string();
-    if (pair.reference.film) {
-        pair.pinned_reference.path = *pair.reference.film;
-        films_.pin(pair.pinned_reference);
-        pair.reference.film = pair.pinned_reference.path;
+    pair.key = pair.film.cache_key + "/against/" + pair.reference.first.path().filename().string();
+    const auto pin = [&](ImageSource& source) {
+        if (!source.film) return;
+        FilmSource& pinned = pair.pinned_references.emplace_back();
+        pinned.path = *source.film;
+        films_.pin(pinned);
+        source.film = pinned.path;
+    };
+    if (pair.reference.second) {
+        pair.key += "," + pair.reference.second->path().filename().string();
+        pin(*pair.reference.second);
     }
+    pin(pair.reference.first);
     return pair;
 }
 
@@ -137,11 +144,11 @@ Artefact ErrorArtefacts::flip(const std::string& id, const std::string& layer, c
     check_layer(layer, faults);
     check_range(range, faults);
     faults.throw_if_any();
-    return map_of_errors(
-        id, "flip/" + layer + "/" + range,
-        [layer, range](Helper& helper, const ImageSource& image, const ImageSource& reference, const fs::path& out) {
-            return helper.ask(EncodeFlipRequest{image, reference, layer, range, out});
-        });
+    return map_of_errors(id, "flip/" + layer + "/" + range,
+                         [layer, range](Helper& helper, const ImageSource& image, const ReferenceSource& reference,
+                                        const fs::path& out) {
+                             return helper.ask(EncodeFlipRequest{image, reference, layer, range, out});
+                         });
 }
 
 Artefact ErrorArtefacts::error_map(const std::string& id, const std::string& layer) {
@@ -150,7 +157,7 @@ Artefact ErrorArtefacts::error_map(const std::string& id, const std::string& lay
     faults.throw_if_any();
     return map_of_errors(
         id, "error/" + layer,
-        [layer](Helper& helper, const ImageSource& image, const ImageSource& reference, const fs::path& out) {
+        [layer](Helper& helper, const ImageSource& image, const ReferenceSource& reference, const fs::path& out) {
             return helper.ask(EncodeErrorMapRequest{image, reference, layer, out});
         });
 }
@@ -201,7 +208,7 @@ Artefact ErrorArtefacts::flip_map(const std::string& image, const std::string& r
         shown.subject + what + against.subject, shown.key + what + against.key, "application/octet-stream",
         [shown, against, layer, range, precision](const Draughtsman& by, const fs::path& path) {
             return pixel_headers(
-                by.helper.ask(EncodeFlipMapRequest{shown.source, against.source, layer, range, precision, path}));
+                by.helper.ask(EncodeFlipMapRequest{shown.source, {against.source, {}}, layer, range, precision, path}));
         });
 }
 
@@ -256,10 +263,10 @@ json ErrorArtefacts::measure(const json& body) {
         if (sources.back().film.pending)
             throw Error(ErrorCode::WrongState, pointer, "job " + name.substr(4) + " has no film yet");
     }
-    MeasureRequest request{sources[0].source, sources[1].source, std::nullopt, metrics};
+    MeasureRequest request{sources[0].source, {sources[1].source, {}}, metrics};
     if (pair) {
         check_independent(named[1].name, named[2].name);
-        request.second_reference = sources[2].source;
+        request.reference.second = sources[2].source;
     }
     return part_json(core_.helper->ask(request));
 }

@@ -45,8 +45,8 @@ public:
 private:
     struct MeasuredPair {
         FilmSource film;
-        ImageSource reference;
-        FilmSource pinned_reference;
+        ReferenceSource reference;
+        std::vector<FilmSource> pinned_references;
         std::string key;  // in the cache
     };
     /// What "job:ID" or "image:ID" names.
@@ -58,8 +58,8 @@ private:
     };
     /// A job's film and its reference. Throws NotFound, with the reason, where it has none. Pending likewise.
     MeasuredPair measured_pair(const std::string& id);
-    using Encode = std::function<EncodedReply(Helper& helper, const ImageSource& image, const ImageSource& reference,
-                                              const std::filesystem::path& out)>;
+    using Encode = std::function<EncodedReply(Helper& helper, const ImageSource& image,
+                                              const ReferenceSource& reference, const std::filesystem::path& out)>;
     /// The picture that `encode` makes of both; kept under their names and `what`.
     Artefact map_of_errors(const std::string& id, const std::string& what, const Encode& encode);
     NamedSource source_named(const std::string& name, const std::string& pointer);

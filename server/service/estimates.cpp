@@ -30,7 +30,8 @@ LayerSet layers_of(const JobRequest& request) {
 }
 
 /// What a worker keeps to follow a job's error: the estimate's earlier image, and for each layer that is measured the
-/// reference's pixels, as they are and as a display shows them, and their standard error.
+/// reference's pixels, as they are and as a display shows them, and their standard error. Of two films half of what
+/// tells them apart as well, their mean once more, and what relative errors divide by.
 uint64_t measuring_bytes(const JobRequest& request) {
     const uint64_t image_bytes = uint64_t{request.width} * request.height * 3 * sizeof(float);
     uint64_t bytes = ErrorEstimator::bytes_for({request.width, request.height});
@@ -40,7 +41,7 @@ uint64_t measuring_bytes(const JobRequest& request) {
     for (const std::string& metric : request.metrics) layers.insert(layer_of_metric(metric));
     for (const std::string& layer : layers) {
         const bool noise_known = request.reference->image.empty() && layer != "emitted" && layer != "caustic";
-        bytes += image_bytes * (noise_known ? 3 : 2);
+        bytes += image_bytes * ((noise_known ? 3 : 2) + (request.reference->rendering ? 3 : 0));
     }
     return bytes;
 }

@@ -75,7 +75,7 @@ json JobChanges::change_job(const std::string& id, const json& body) {
     Insertion changed;
     {
         auto transaction = core_.store.transaction();
-        if (row.reference_job) references_.raise_reference(*row.reference_job, row.priority, changed);
+        references_.raise_references(row, changed);
         core_.store.update_job(row);
         core_.store.append_log(row.seq, now_ms(), line);
         core_.put_event(changed.outbox, "state", row.seq, ServiceCore::state_data(shown));
@@ -171,13 +171,14 @@ json JobChanges::queue_again(JobRow row, const std::string& why) {
     references_.check_unused(row, true);
     const auto scene = scenes_.find_scene(row.scene);
     if (!scene) throw Error(ErrorCode::WrongState, "the scene of job " + id + " has been deleted");
-    auto reference = references_.missing_reference(request, *scene, row.reference_job);
-    if (!reference && !references_.waits_for(row))
+    const std::vector<JobRow> references = references_.missing_references(request, *scene, row.reference_jobs);
+    if (references.empty() && !references_.waits_for(row))
         references_.reference_source(row);  // lost: it cannot be measured again
     // The film's next savings take the place of the one it has.
-    intake_.check_room(reference ? 2 : 1, estimates_.estimate_disk_bytes(request, *scene));
+    intake_.check_room(1 + references.size(), estimates_.estimate_disk_bytes(request, *scene));
     const int64_t now = now_ms();
-    if (row.role == JobRole::Reference) row.content = References::reference_content(request, row.scene);
+    // What it shows may be other than before. One that was made when a reference was one film is not found by that.
+    if (References::is_one_of_two(row.content)) row.content = References::reference_content(request, row.scene);
     row.state = JobState::Queued;
     row.started_ms.reset();
     row.finished_ms.reset();
@@ -192,8 +193,8 @@ json JobChanges::queue_again(JobRow row, const std::string& why) {
     Insertion inserted;
     {
         auto transaction = core_.store.transaction();
-        if (reference) row.reference_job = references_.insert_reference(*std::move(reference), inserted);
-        if (row.reference_job) references_.raise_reference(*row.reference_job, row.priority, inserted);
+        if (!references.empty()) row.reference_jobs = references_.insert_references(references, inserted);
+        references_.raise_references(row, inserted);
         core_.store.update_job(row);
         core_.store.append_log(row.seq, now, why + from + references_.waiting_text(row));
         core_.put_event(inserted.outbox, "state", row.seq, ServiceCore::state_data(row));

@@ -17,21 +17,23 @@ void JobIntake::check_room(size_t jobs, uint64_t disk_bytes) const {
 void JobIntake::check_room(std::span<const PreparedJob> jobs) const {
     uint64_t disk_bytes = 0;
     size_t number = jobs.size();
-    std::vector<std::string> contents;  // each reference is made once
+    std::vector<std::string> contents;  // each film is made once
     for (const PreparedJob& job : jobs) {
         disk_bytes += job.disk_bytes;
-        if (!job.reference || std::find(contents.begin(), contents.end(), job.reference->content) != contents.end())
-            continue;
-        contents.push_back(job.reference->content);
-        disk_bytes += job.reference_disk_bytes;
-        ++number;
+        for (size_t film = 0; film < job.references.size(); ++film) {
+            const std::string& content = job.references[film].content;
+            if (std::find(contents.begin(), contents.end(), content) != contents.end()) continue;
+            contents.push_back(content);
+            disk_bytes += job.reference_disk_bytes[film];
+            ++number;
+        }
     }
     check_room(number, disk_bytes);
 }
 
 void JobIntake::insert_job(PreparedJob& job, Insertion& inserted) {
-    if (job.reference) job.row.reference_job = references_.insert_reference(*job.reference, inserted);
-    if (job.row.reference_job) references_.raise_reference(*job.row.reference_job, job.row.priority, inserted);
+    if (!job.references.empty()) job.row.reference_jobs = references_.insert_references(job.references, inserted);
+    references_.raise_references(job.row, inserted);
     core_.store.insert_job(job.row);
     core_.store.append_log(job.row.seq, job.row.created_ms,
                            "queued for " + job.row.device + references_.waiting_text(job.row));

@@ -47,6 +47,8 @@ std::string JobObjects::job_text(const JobRow& row) const {
     for (const ArtefactInfo& artefact : all_artefacts()) links[artefact_link(std::string(artefact.name))] = nullptr;
     for (const json& name : is_over(row.state) ? json::parse(row.artefacts) : json::array())
         links[artefact_link(name.get<std::string>())] = self + "/" + name.get<std::string>();
+    json reference_jobs;
+    for (const int64_t seq : row.reference_jobs) reference_jobs.push_back(job_id(seq));
     return ObjectText()
         .add_text("attempts", row.attempts)
         .add("comparison", row.comparison ? json(comparison_id(*row.comparison)) : json())
@@ -59,7 +61,8 @@ std::string JobObjects::job_text(const JobRow& row) const {
         .add("links", links)
         .add("passes_done", passes_done)
         .add("progress", progress)
-        .add("reference_job", row.reference_job ? json(job_id(*row.reference_job)) : json())
+        .add("reference_job", reference_jobs.is_null() ? json() : reference_jobs.front())
+        .add("reference_jobs", reference_jobs)
         .add("request", request)
         .add("role", job_role_name(row.role))
         .add("seconds", seconds)

@@ -13,9 +13,9 @@ namespace photond {
 struct PreparedJob {
     JobRow row;               // seq 0
     uint64_t disk_bytes = 0;  // that it will leave
-    /// The job that makes what it is measured against, where nobody has asked for that before.
-    std::optional<JobRow> reference;
-    uint64_t reference_disk_bytes = 0;
+    /// The jobs that make what it is measured against, where nobody has asked for that before, with their disk_bytes.
+    std::vector<JobRow> references;
+    std::vector<uint64_t> reference_disk_bytes;
 };
 
 /// Jobs written in a transaction that is not committed yet.

@@ -45,7 +45,7 @@ std::optional<JobRow> Repeats::repeat_if_disturbed(const JobRow& ended, Outbox& 
     repeat.method = ended.method;
     repeat.scene = ended.scene;
     repeat.request = ended.request;
-    repeat.reference_job = ended.reference_job;
+    repeat.reference_jobs = ended.reference_jobs;
     repeat.comparison = ended.comparison;
     repeat.created_ms = now_ms();
     core_.store.insert_job(repeat);

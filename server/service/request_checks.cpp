@@ -148,7 +148,7 @@ void RequestChecks::check_device_memory(const JobRequest& request, const SceneRe
 void RequestChecks::check_reference(const JobRequest& request, const SceneRef& scene) {
     if (!request.reference) return;
     if (request.reference->rendering) {
-        const JobRequest reference = References::reference_request(request);
+        const JobRequest reference = References::reference_request(request, 0);
         core_.device_of(reference.method, "/reference/method/device");
         check_parameters(reference.method, "/reference");
         check_size(reference, scene, "/reference/method");

@@ -17,11 +17,13 @@ PreparedJob Submissions::prepare_job(const JobRequest& request) {
     job.row.scene = scene.id;
     job.row.request = to_json(request).dump();
     job.row.created_ms = now_ms();
-    if (request.reference && !request.reference->job.empty()) job.row.reference_job = job_seq(request.reference->job);
+    if (request.reference && !request.reference->job.empty())
+        job.row.reference_jobs = {job_seq(request.reference->job)};
     job.disk_bytes = estimates_.estimate_disk_bytes(request, scene);
-    job.reference = references_.missing_reference(request, scene, job.row.reference_job);
-    if (job.reference)
-        job.reference_disk_bytes = estimates_.estimate_disk_bytes(References::reference_request(request), scene);
+    job.references = references_.missing_references(request, scene, job.row.reference_jobs);
+    for (uint32_t film = 0; film < job.references.size(); ++film)
+        job.reference_disk_bytes.push_back(
+            estimates_.estimate_disk_bytes(References::reference_request(request, film), scene));
     return job;
 }
 

@@ -44,10 +44,14 @@ void WaitingJobs::release_waiting(const JobRow& over) {
             auto row = core_.store.job(seq);
             if (!row || row->state != JobState::Queued) continue;
             try {
-                references_.reference_source(*row);
+                references_.check_not_lost(*row);
             } catch (const Error& error) {
                 fail_for_reference(*std::move(row), error.what());
+                continue;
             }
+            if (!references_.waits_for(*row)) continue;
+            core_.queue.remove(seq);
+            enqueue(*row);  // until the other film of its reference is there
         } catch (const std::exception& error) {
             spdlog::error("job {}: that its reference is over cannot be recorded yet: {}", job_id(seq), error.what());
         }

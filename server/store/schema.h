@@ -122,6 +122,12 @@ inline constexpr const char* kMigrations[] = {
     DROP INDEX jobs_with_artefacts;
     CREATE INDEX jobs_with_film ON jobs (film, artefacts) WHERE film <> '';
     )sql",
+    // 9: references of two films
+    R"sql(
+    ALTER TABLE jobs ADD COLUMN second_reference_job INTEGER;
+    CREATE INDEX jobs_by_second_reference ON jobs (second_reference_job, state)
+        WHERE second_reference_job IS NOT NULL;
+    )sql",
 };
 
 inline constexpr int kSchemaVersion = static_cast<int>(std::size(kMigrations));

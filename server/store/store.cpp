@@ -13,12 +13,36 @@ namespace photond {
 namespace {
 
 /// Every column of a job but seq, in the order of read_job() and bind_job().
-constexpr const char* kJobColumns[] = {
-    "state",       "priority",    "device",  "method",  "scene",         "request",          "created_ms",
-    "started_ms",  "finished_ms", "attempt", "crashes", "losses",        "cancel_requested", "purge_requested",
-    "passes_done", "progress",    "seconds", "film",    "pixel_hash",    "statistics",       "failure",
-    "attempts",    "artefacts",   "role",    "content", "reference_job", "comparison",       "curve",
-    "error_now"};
+constexpr const char* kJobColumns[] = {"state",
+                                       "priority",
+                                       "device",
+                                       "method",
+                                       "scene",
+                                       "request",
+                                       "created_ms",
+                                       "started_ms",
+                                       "finished_ms",
+                                       "attempt",
+                                       "crashes",
+                                       "losses",
+                                       "cancel_requested",
+                                       "purge_requested",
+                                       "passes_done",
+                                       "progress",
+                                       "seconds",
+                                       "film",
+                                       "pixel_hash",
+                                       "statistics",
+                                       "failure",
+                                       "attempts",
+                                       "artefacts",
+                                       "role",
+                                       "content",
+                                       "reference_job",
+                                       "comparison",
+                                       "curve",
+                                       "error_now",
+                                       "second_reference_job"};
 constexpr int kJobColumnCount = static_cast<int>(std::size(kJobColumns));
 
 std::string joined(const std::function<std::string(int column)>& text) {
@@ -31,6 +55,18 @@ const std::string& select_jobs() {
     static const std::string kSelect =
         "SELECT seq, " + joined([](int i) { return std::string(kJobColumns[i]); }) + " FROM jobs";
     return kSelect;
+}
+
+/// From their two columns.
+std::vector<int64_t> reference_jobs_of(const Statement& row, int first, int second) {
+    std::vector<int64_t> jobs;
+    for (const int column : {first, second})
+        if (const auto seq = row.optional_integer(column)) jobs.push_back(*seq);
+    return jobs;
+}
+
+std::optional<int64_t> reference_job_at(const JobRow& job, size_t place) {
+    return place < job.reference_jobs.size() ? std::optional(job.reference_jobs[place]) : std::nullopt;
 }
 
 /// Reads a row of select_jobs().
@@ -62,7 +98,7 @@ JobRow read_job(const Statement& row) {
     job.artefacts = row.text(23);
     job.role = static_cast<JobRole>(row.integer(24));
     job.content = row.text(25);
-    job.reference_job = row.optional_integer(26);
+    job.reference_jobs = reference_jobs_of(row, 26, 30);
     job.comparison = row.optional_integer(27);
     job.curve = row.text(28);
     job.error_now = row.text(29);
@@ -86,8 +122,8 @@ void bind_job(Statement& statement, const JobRow& job) {
     statement.bind(15, job.passes_done).bind(16, job.progress).bind(17, job.seconds);
     statement.bind(18, job.film).bind(19, job.pixel_hash).bind(20, job.statistics).bind(21, job.failure);
     statement.bind(22, job.attempts).bind(23, job.artefacts).bind(24, static_cast<int64_t>(job.role));
-    statement.bind(25, job.content).bind(26, job.reference_job).bind(27, job.comparison);
-    statement.bind(28, job.curve).bind(29, job.error_now);
+    statement.bind(25, job.content).bind(26, reference_job_at(job, 0)).bind(27, job.comparison);
+    statement.bind(28, job.curve).bind(29, job.error_now).bind(30, reference_job_at(job, 1));
 }
 
 SceneRow read_scene(const Statement& row) {
@@ -193,8 +229,8 @@ std::vector<JobRow> Store::jobs_to_purge() {
 
 std::vector<QueuedJob> Store::queued_jobs() {
     Statement read = database_.prepare(
-        "SELECT j.seq, j.priority, j.device, r.seq FROM jobs j LEFT JOIN jobs r ON r.seq = j.reference_job AND r.state "
-        "< 2 WHERE j.state = 0");
+        "SELECT seq, priority, device, (SELECT min(r.seq) FROM jobs r WHERE r.seq IN (j.reference_job, "
+        "j.second_reference_job) AND r.state < 2) FROM jobs j WHERE state = 0");
     std::vector<QueuedJob> jobs;
     while (read.step())
         jobs.push_back({read.integer(0), static_cast<int>(read.integer(1)), read.text(2), read.optional_integer(3)});
@@ -209,7 +245,8 @@ std::optional<JobRow> Store::reference_of_content(const std::string& content) {
 }
 
 std::vector<JobRow> Store::unfinished_jobs_measured_against(int64_t seq) {
-    Statement read = database_.prepare(select_jobs() + " WHERE reference_job = ?1 AND state IN (0, 1) ORDER BY seq");
+    Statement read = database_.prepare(
+        select_jobs() + " WHERE (reference_job = ?1 OR second_reference_job = ?1) AND state IN (0, 1) ORDER BY seq");
     read.bind(1, seq);
     return read_jobs(read);
 }
@@ -339,15 +376,15 @@ std::vector<ComparisonJob> Store::comparison_jobs(int64_t seq) {
 
 std::vector<JobProgress> Store::comparison_progress(int64_t seq) {
     Statement read = database_.prepare(
-        "SELECT jobs.seq, state, device, progress, seconds, started_ms, finished_ms, reference_job, repeat_of "
-        "FROM comparison_jobs "
+        "SELECT jobs.seq, state, device, progress, seconds, started_ms, finished_ms, reference_job, "
+        "second_reference_job, repeat_of FROM comparison_jobs "
         "JOIN jobs ON jobs.seq = comparison_jobs.job WHERE comparison_jobs.comparison = ?1 ORDER BY place");
     read.bind(1, seq);
     std::vector<JobProgress> jobs;
     while (read.step())
         jobs.push_back({read.integer(0), static_cast<JobState>(read.integer(1)), read.text(2), read.real(3),
-                        read.real(4), read.optional_integer(5), read.optional_integer(6), read.optional_integer(7),
-                        read.optional_integer(8)});
+                        read.real(4), read.optional_integer(5), read.optional_integer(6), reference_jobs_of(read, 7, 8),
+                        read.optional_integer(9)});
     return jobs;
 }
 

@@ -53,11 +53,12 @@ struct JobRow {
     std::string attempts = "[]";   // JSON
     std::string artefacts = "[]";  // JSON: names of what the method left beside the film
     JobRole role = JobRole::Render;
-    std::string content;                   // of a reference: the hash of what it shows and how; else empty
-    std::optional<int64_t> reference_job;  // seq of the job it is measured against; it waits for its end
-    std::optional<int64_t> comparison;     // seq of the comparison it belongs to
-    std::string curve;                     // JSON array of points; empty: none
-    std::string error_now;                 // JSON {"metric", "value"}; empty: none
+    std::string content;  // of a reference: the hash of what it shows and how; else empty
+    /// Seqs of the jobs it is measured against, one that was named or two films made for it; it waits for their ends.
+    std::vector<int64_t> reference_jobs;
+    std::optional<int64_t> comparison;  // seq of the comparison it belongs to
+    std::string curve;                  // JSON array of points; empty: none
+    std::string error_now;              // JSON {"metric", "value"}; empty: none
 };
 
 /// A comparison is what was asked for and its jobs; its state and its tables follow from those.
@@ -84,8 +85,9 @@ struct JobProgress {
     JobState state = JobState::Queued;
     std::string device;
     double progress = 0, seconds = 0;
-    std::optional<int64_t> started_ms, finished_ms, reference_job;
-    std::optional<int64_t> repeat_of = {};  // as in ComparisonJob
+    std::optional<int64_t> started_ms, finished_ms;
+    std::vector<int64_t> reference_jobs = {};  // as in JobRow
+    std::optional<int64_t> repeat_of = {};     // as in ComparisonJob
 
     int64_t planned() const { return repeat_of.value_or(seq); }
 };
@@ -151,7 +153,7 @@ struct QueuedJob {
     int64_t seq;
     int priority;
     std::string device;
-    std::optional<int64_t> waits_for;  // the job it is measured against, where that is not over
+    std::optional<int64_t> waits_for;  // a job it is measured against that is not over
 };
 
 /// Not thread-safe: the service's lock serialises. Every write is inside a transaction() of the caller.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 #include "server/worker/film_history.h"
 #include "server/worker/off_the_clock.h"
@@ -65,13 +66,12 @@ bool ErrorFollower::go_on_from(const Film& film, std::vector<CurvePoint> curve, 
     schedule_.skip_to(film.passes(), seconds);
     curve_ = std::move(curve);
     measured_seconds_ = stats_.stage(kErrorMeasuringStage).wall_seconds;
-    if (!curve_.empty()) {
-        const auto& metrics = curve_.back().metrics;
-        if (const auto last = metrics.find(plan_.now.name()); last != metrics.end()) error_now_ = last->second;
-    }
+    if (!curve_.empty()) note_error(curve_.back());
     if (!plan_.target) return false;
-    measure_target(film);
-    return error_now_ && *error_now_ <= plan_.target_value;
+    const auto before = std::find_if(curve_.rbegin(), curve_.rend(),
+                                     [&](const CurvePoint& point) { return point.passes < film.passes(); });
+    was_below_ = before != curve_.rend() && below_target(*before).value_or(false);
+    return is_met(measure_target(film));
 }
 
 bool ErrorFollower::there_is_time_for(double cost_seconds, double seconds) const {
@@ -97,12 +97,31 @@ double ErrorFollower::guessed_cost(const LayerMetric& metric) const {
     return known != costs_.end() ? known->second : relative_cost(metric.metric) * cheap_cost_;
 }
 
-bool ErrorFollower::met_by(const MetricValues& values) {
-    if (const auto value = values.find(plan_.now.name()); value != values.end() && value->second)
-        error_now_ = value->second;
+void ErrorFollower::note_error(const CurvePoint& point) {
+    const std::string name = plan_.now.name();
+    const auto value = point.metrics.find(name);
+    const auto interval = point.intervals.find(name);
+    const bool has_interval = interval != point.intervals.end();
+    if (value == point.metrics.end() || (!value->second && !has_interval)) return;
+    error_now_ = ErrorNow{name, value->second, std::nullopt};
+    if (has_interval) error_now_->interval = {interval->second.least, interval->second.greatest};
+}
+
+std::optional<bool> ErrorFollower::below_target(const CurvePoint& point) const {
+    const std::string name = plan_.target->name();
+    if (const auto interval = point.intervals.find(name); interval != point.intervals.end())
+        return interval->second.greatest <= plan_.target_value;
+    const auto value = point.metrics.find(name);
+    if (value == point.metrics.end() || !value->second) return std::nullopt;
+    return *value->second <= plan_.target_value;
+}
+
+bool ErrorFollower::is_met(const CurvePoint& point) {
+    note_error(point);
     if (!plan_.target) return false;
-    const auto value = values.find(plan_.target->name());
-    return value != values.end() && value->second && *value->second <= plan_.target_value;
+    const std::optional<bool> below = below_target(point);
+    if (!below) return false;
+    return std::exchange(was_below_, *below) && *below;
 }
 
 bool ErrorFollower::after_pass(const Film& film, double seconds) {
@@ -110,25 +129,24 @@ bool ErrorFollower::after_pass(const Film& film, double seconds) {
         schedule_.skip_to(film.passes(), seconds);
         ResolvedFilm resolved(film);
         measure_point(resolved, seconds, false);
-        return met_by(curve_.back().metrics);
+        return is_met(curve_.back());
     }
     if (!plan_.target || film.passes() < std::ceil((1 + kTargetGrowth) * checked_passes_) ||
         !there_is_time_for(target_cost_, seconds))
         return false;
-    measure_target(film);
-    return error_now_ && *error_now_ <= plan_.target_value;
+    return is_met(measure_target(film));
 }
 
-void ErrorFollower::measure_target(const Film& film) {
+CurvePoint ErrorFollower::measure_target(const Film& film) {
     const OffTheClock measuring(stats_, kErrorMeasuringStage, meters_);
     const double start = now_();
     ResolvedFilm resolved(film);
-    MetricValues values;
-    errors_.measure(resolved, std::span(&*plan_.target, 1), values);
-    error_now_ = values.begin()->second;
+    CurvePoint point;
+    errors_.measure(resolved, std::span(&*plan_.target, 1), point);
     target_cost_ = now_() - start;
     measured_seconds_ += target_cost_;
     checked_passes_ = film.passes();
+    return point;
 }
 
 void ErrorFollower::measure_point(ResolvedFilm& resolved, double seconds, bool in_the_end) {
@@ -138,28 +156,28 @@ void ErrorFollower::measure_point(ResolvedFilm& resolved, double seconds, bool i
     const bool again = !curve_.empty() && curve_.back().passes == film.passes();  // some of it was left for the end
     if (!again) {
         const uint64_t photons = stats_.counts.photons_emitted;
-        curve_.push_back({seconds, film.passes(), photons ? std::optional(photons) : std::nullopt, {}});
+        curve_.push_back({seconds, film.passes(), photons ? std::optional(photons) : std::nullopt, {}, {}});
     }
-    MetricValues& values = curve_.back().metrics;
-    errors_.measure(resolved, plan_.cheap, values);
+    CurvePoint& point = curve_.back();
+    errors_.measure(resolved, plan_.cheap, point);
     cheap_cost_ = now_() - start;
     measured_seconds_ += cheap_cost_;
     const auto measure_if = [&](bool due, const LayerMetric& metric) {
-        if (!values[metric.name()] && (due || there_is_time_for(guessed_cost(metric), seconds)))
-            measure_timed(resolved, metric, values);
+        if (!point.metrics[metric.name()] && (due || there_is_time_for(guessed_cost(metric), seconds)))
+            measure_timed(resolved, metric, point);
     };
     if (in_the_end || std::has_single_bit(film.passes()))
         for (const LayerMetric& metric : plan_.estimated) measure_if(in_the_end, metric);
     for (const LayerMetric& metric : plan_.costly) measure_if(in_the_end, metric);
-    if (!plan_.target || !values[plan_.target->name()]) return;
+    if (!plan_.target || !below_target(point)) return;
     checked_passes_ = film.passes();
     const auto cost = costs_.find(plan_.target->name());
     target_cost_ = cost != costs_.end() ? cost->second : cheap_cost_;
 }
 
-void ErrorFollower::measure_timed(ResolvedFilm& resolved, const LayerMetric& metric, MetricValues& values) {
+void ErrorFollower::measure_timed(ResolvedFilm& resolved, const LayerMetric& metric, CurvePoint& point) {
     const double start = now_();
-    errors_.measure(resolved, std::span(&metric, 1), values);
+    errors_.measure(resolved, std::span(&metric, 1), point);
     const double cost = now_() - start;
     costs_[metric.name()] = cost;
     measured_seconds_ += cost;
@@ -178,12 +196,7 @@ void ErrorFollower::finish(ResolvedFilm& resolved, double seconds) {
                std::all_of(plan_.estimated.begin(), plan_.estimated.end(), measured);
     };
     if (!has_point || !complete()) measure_point(resolved, seconds, true);
-    met_by(curve_.back().metrics);
-}
-
-std::optional<ErrorNow> ErrorFollower::error_now() const {
-    if (!error_now_) return std::nullopt;
-    return ErrorNow{plan_.now.name(), *error_now_};
+    note_error(curve_.back());
 }
 
 }  // namespace photond

@@ -46,30 +46,38 @@ public:
                   Clock now = wall_now_seconds);
 
     /// For a job that goes on from a film: the points it had, and how long measuring took by the stage in `stats`.
-    /// True when that film meets the target.
+    /// True when that film and the point before it meet the target.
     bool go_on_from(const Film& film, std::vector<CurvePoint> curve, double seconds);
     /// Whether after_pass() may measure then: it takes its time, which is not the job's.
     bool may_measure(const Film& film, double seconds) const { return plan_.target || point_is_due(film, seconds); }
-    /// After each pass; `seconds` on the job's clock. True when the target is met by what was measured now.
+    /// After each pass; `seconds` on the job's clock. True when the target is met: the upper end of the error's
+    /// interval (the error itself, where it has none) was at most the target when it was looked at now and the time
+    /// before.
     bool after_pass(const Film& film, double seconds);
     /// At the job's end: its last point, complete. What is resolved for it serves the statistics too.
     void finish(ResolvedFilm& resolved, double seconds);
 
     const std::vector<CurvePoint>& curve() const { return curve_; }
     /// Empty before there is a value.
-    std::optional<ErrorNow> error_now() const;
+    const std::optional<ErrorNow>& error_now() const { return error_now_; }
     const MeasuringPlan& plan() const { return plan_; }
 
 private:
     void measure_point(ResolvedFilm& resolved, double seconds, bool in_the_end);
-    void measure_target(const Film& film);
+    /// What the target's metric comes to now.
+    CurvePoint measure_target(const Film& film);
     bool point_is_due(const Film& film, double seconds) const;
     bool there_is_time_for(double cost_seconds, double seconds) const;
     double guessed_last_cost() const;
-    bool met_by(const MetricValues& values);
+    /// Takes over the error of the moment.
+    void note_error(const CurvePoint& point);
+    /// Whether that point is at or below the target; empty where it says nothing of it.
+    std::optional<bool> below_target(const CurvePoint& point) const;
+    /// Whether this look and the one before were at or below the target.
+    bool is_met(const CurvePoint& point);
     double guessed_cost(const LayerMetric& metric) const;
     /// Adds the metric's value, and what it took to the costs.
-    void measure_timed(ResolvedFilm& resolved, const LayerMetric& metric, MetricValues& values);
+    void measure_timed(ResolvedFilm& resolved, const LayerMetric& metric, CurvePoint& point);
 
     const MeasuringPlan plan_;
     FilmErrors& errors_;
@@ -78,7 +86,8 @@ private:
     const Clock now_;
     CurveSchedule schedule_;
     std::vector<CurvePoint> curve_;
-    std::optional<double> error_now_;
+    std::optional<ErrorNow> error_now_;
+    bool was_below_ = false;                   // the target, at the last look
     double measured_seconds_ = 0;              // all measuring so far
     double cheap_cost_ = 0, target_cost_ = 0;  // of the last time [s]
     std::map<std::string, double> costs_;      // of costly metrics, likewise

@@ -13,6 +13,9 @@ namespace {
 
 /// A figure below so many times the reference's own noise says little of the image.
 constexpr double kNoiseMargin = 3;
+constexpr std::string_view kMeasuredWithNoise =
+    "measured against one image: errors hold its noise as well as the image's own; a reference that is made by its "
+    "method is two films, whose noise drops out";
 
 json number_or_null(const std::optional<double>& value) { return value ? json(*value) : json(nullptr); }
 
@@ -84,20 +87,49 @@ void add_layer(json& error, json& notes, ResolvedFilm& film, const ErrorMeter& m
         add_note(notes, std::to_string(sweep.left_out) + " values of " + layer + " are not finite and left out");
 }
 
-/// The reference as another rendering of its quality would be, against itself.
+/// What a layer's quadratic metrics come to against two films, in the place of what they are against their mean.
+void add_crossed(ErrorStatistics& statistics, json& denominators, json& notes, ResolvedFilm& film,
+                 const CrossMeter& meter, const std::string& layer) {
+    const CrossErrors& errors = film.crosswise(layer, meter);
+    for (const MetricInfo& info : kMetrics) {
+        if (!is_quadratic(info.metric)) continue;
+        const std::string name = named(layer, info.name);
+        const std::optional<CrossFigure> figure = figure_of(errors, info.metric);
+        statistics.error[name] = figure ? number_or_null(figure->value) : json(nullptr);
+        if (!figure) continue;
+        statistics.error_interval[name] = {figure->interval.least, figure->interval.greatest};
+        if (!figure->value) add_note(notes, name + ": " + std::string(kRootBelowZero));
+        if (info.metric != Metric::RelativeMse) continue;
+        const bool around = figure->denominators == Denominators::Neighbours;
+        denominators[name] = around ? "neighbours" : "pixel";
+        if (around) add_note(notes, name + ": " + std::string(kDividedByNeighbours));
+    }
+}
+
+/// The reference as another rendering of its quality would be, against itself. Of two films the first is as far from
+/// their mean as another mean of two would be.
+std::vector<float> other_reference(const FilmErrors& errors, const std::string& layer) {
+    const ErrorMeter& meter = errors.meter(layer);
+    if (!errors.crosses()) {
+        const std::vector<float>& standard_error = errors.reference_standard_error(layer);
+        if (standard_error.empty()) return {};
+        return with_own_noise(meter.reference(), standard_error, kReferenceNoiseSeed);
+    }
+    const std::span<const float> difference = errors.cross_meter(layer).half_difference();
+    std::vector<float> other(meter.reference().begin(), meter.reference().end());
+    for (size_t i = 0; i < other.size(); ++i) other[i] += difference[i];
+    return other;
+}
+
 void add_reference_error(json& reference_error, const FilmErrors& errors, const MeasuringPlan& plan,
                          const std::string& layer) {
     const ErrorMeter& meter = errors.meter(layer);
-    const std::vector<float>& standard_error = errors.reference_standard_error(layer);
     const auto set = [&](const MetricInfo& info, const std::vector<double>& value) {
         reference_error[named(layer, info.name)] = value.empty() ? json(nullptr) : json(value.front());
     };
-    std::vector<float> noisy;
+    const std::vector<float> noisy = other_reference(errors, layer);
     PointwiseErrors sweep;
-    if (!standard_error.empty()) {
-        noisy = with_own_noise(meter.reference(), standard_error, kReferenceNoiseSeed);
-        sweep = meter.pointwise(noisy);
-    }
+    if (!noisy.empty()) sweep = meter.pointwise(noisy);
     for (const MetricInfo& info : kMetrics) {
         if (!is_distance(info)) continue;
         const LayerMetric metric{layer, info.metric};
@@ -136,9 +168,10 @@ json channels_json(const std::array<std::optional<double>, 3>& values) {
     return channels;
 }
 
-std::vector<std::string> noise_warnings(const json& error, const json& reference_error) {
+std::vector<std::string> noise_warnings(const json& error, const json& error_interval, const json& reference_error) {
     std::vector<std::string> warnings;
     for (const auto& [metric, noise] : reference_error.items()) {
+        if (error_interval.is_object() && error_interval.contains(metric)) continue;  // that noise is not in it
         const auto value = error.find(metric);
         if (!noise.is_number() || value == error.end() || !value->is_number()) continue;
         if (!(noise > 0) || value->get<double>() > kNoiseMargin * noise.get<double>()) continue;
@@ -149,25 +182,33 @@ std::vector<std::string> noise_warnings(const json& error, const json& reference
 }
 
 ErrorStatistics error_statistics(ResolvedFilm& film, FilmErrors& errors, const MeasuringPlan& plan,
-                                 const MetricValues& last, const json& source) {
+                                 const CurvePoint& last, const json& asked,
+                                 const std::optional<ReferenceSource>& source) {
     ErrorStatistics statistics;
     statistics.estimate = estimate_json(film, errors);
     if (!errors.has_reference()) return statistics;
-    statistics.error = json::object(), statistics.reference_error = json::object();
-    json notes = json::array();
+    statistics.error = statistics.error_interval = statistics.reference_error = json::object();
+    json notes = json::array(), denominators = json::object();
     for (const std::string& layer : errors.layers()) {
         add_layer(statistics.error, notes, film, errors.meter(layer), layer);
+        if (errors.crosses())
+            add_crossed(statistics, denominators, notes, film, errors.cross_meter(layer), layer);
+        else
+            add_note(notes, std::string(kMeasuredWithNoise));
         add_reference_error(statistics.reference_error, errors, plan, layer);
-        if (errors.reference_standard_error(layer).empty())
+        if (!errors.crosses() && errors.reference_standard_error(layer).empty())
             add_note(notes, "the reference's own noise is not known for " + layer);
     }
-    for (const auto& [metric, value] : last) statistics.error[metric] = number_or_null(value);
-    statistics.warnings = noise_warnings(statistics.error, statistics.reference_error);
+    for (const auto& [metric, value] : last.metrics) statistics.error[metric] = number_or_null(value);
+    statistics.warnings = noise_warnings(statistics.error, statistics.error_interval, statistics.reference_error);
     const bool flip = std::any_of(plan.costly.begin(), plan.costly.end(), [](const LayerMetric& metric) {
         return metric.metric == Metric::FlipLdr || metric.metric == Metric::FlipHdr;
     });
     const std::optional<uint32_t> passes = errors.reference_passes();
-    statistics.reference = {{"source", source},
+    statistics.reference = {{"source", asked},
+                            {"form", source ? json(source->form()) : json(nullptr)},
+                            {"confidence", errors.crosses() ? json(kConfidence) : json(nullptr)},
+                            {"denominators", denominators},
                             {"passes", passes ? json(*passes) : json(nullptr)},
                             {"flip_version", flip ? json(kFlipVersion) : json(nullptr)},
                             {"warnings", statistics.warnings},

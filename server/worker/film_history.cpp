@@ -35,8 +35,10 @@ std::optional<Value> optional_of(const json& value) {
 }
 
 CurvePoint curve_point_of(const json& source) {
-    CurvePoint point{source.at("seconds"), source.at("passes"), optional_of<uint64_t>(source.at("photons")), {}};
+    CurvePoint point{source.at("seconds"), source.at("passes"), optional_of<uint64_t>(source.at("photons")), {}, {}};
     for (const auto& [name, value] : source.at("metrics").items()) point.metrics[name] = optional_of<double>(value);
+    if (source.contains("intervals"))  // older films have none
+        for (const auto& [name, ends] : source["intervals"].items()) point.intervals[name] = {ends.at(0), ends.at(1)};
     return point;
 }
 
@@ -61,10 +63,13 @@ FilmHistory history_of(const json& source) {
 json to_json(const CurvePoint& point) {
     json metrics = json::object();
     for (const auto& [name, value] : point.metrics) metrics[name] = nullable(value);
+    json intervals = json::object();
+    for (const auto& [name, interval] : point.intervals) intervals[name] = {interval.least, interval.greatest};
     return {{"seconds", point.seconds},
             {"passes", point.passes},
             {"photons", nullable(point.photons)},
-            {"metrics", std::move(metrics)}};
+            {"metrics", std::move(metrics)},
+            {"intervals", std::move(intervals)}};
 }
 
 json to_json(const std::vector<CurvePoint>& curve) {

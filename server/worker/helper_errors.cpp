@@ -46,17 +46,10 @@ void require_layer(const ImagePair& pair, const std::string& layer, const std::s
     if (!missing.empty()) throw Error(ErrorCode::UnknownName, pointer, missing);
 }
 
-uint64_t bytes_of(const ReferenceImage& image) {
-    uint64_t values = 0;
-    for (const auto* layers : {&image.layers, &image.standard_error})
-        for (const auto& [name, pixels] : *layers) values += pixels.size();
-    return values * sizeof(float);
-}
-
 /// Faults of the file are put to the field that names it.
 ReferenceImage load_source(const ImageSource& source, const char* pointer, uint64_t memory_bytes) {
     try {
-        return load_reference(source, memory_bytes);
+        return load_image(source, memory_bytes);
     } catch (const Error& error) {
         throw Error(error.code, pointer, error.what());
     }
@@ -70,23 +63,29 @@ void check_sizes(const ReferenceImage& image, const ReferenceImage& reference, c
 
 /// Of a request that has both.
 template <class Request>
-ImagePair load_pair(const Request& asked, uint64_t memory_bytes) {
+ImagePair load_measured(const Request& asked, uint64_t memory_bytes) {
     ImagePair pair;
+    uint64_t taken = 0;
+    const auto left = [&](const ReferenceImage& image) {
+        taken += image.bytes();
+        return memory_bytes - std::min(memory_bytes, taken);
+    };
     pair.image = load_source(asked.image, "/image", memory_bytes);
-    const uint64_t left = memory_bytes - std::min(memory_bytes, bytes_of(pair.image));
-    pair.reference = load_source(asked.reference, "/reference", left);
+    const ReferenceSource& against = asked.reference;
+    pair.reference = load_source(against.first, against.second ? "/references/0" : "/reference", left(pair.image));
     check_sizes(pair.image, pair.reference, "the reference ");
+    if (!against.second) return pair;
+    pair.second_reference = load_source(*against.second, "/references/1", left(pair.reference));
+    check_sizes(pair.image, *pair.second_reference, "the second reference ");
     return pair;
 }
 
-/// With the second reference, where one is named.
-ImagePair load_measured(const MeasureRequest& asked, uint64_t memory_bytes) {
-    ImagePair pair = load_pair(asked, memory_bytes);
-    if (!asked.second_reference) return pair;
-    const uint64_t held = bytes_of(pair.image) + bytes_of(pair.reference);
-    pair.second_reference =
-        load_source(*asked.second_reference, "/references/1", memory_bytes - std::min(memory_bytes, held));
-    check_sizes(pair.image, *pair.second_reference, "the second reference ");
+/// Likewise, two references as their mean.
+template <class Request>
+ImagePair load_pair(const Request& asked, uint64_t memory_bytes) {
+    ImagePair pair = load_measured(asked, memory_bytes);
+    if (pair.second_reference) pair.reference = mean_of(std::move(pair.reference), *pair.second_reference);
+    pair.second_reference.reset();
     return pair;
 }
 
@@ -199,7 +198,7 @@ public:
         const bool known = std::any_of(reference_error_.begin(), reference_error_.end(),
                                        [](const json& value) { return !value.is_null(); });
         if (known)
-            for (const std::string& warning : noise_warnings(values_, reference_error_)) note(warning);
+            for (const std::string& warning : noise_warnings(values_, intervals_, reference_error_)) note(warning);
         return {values_, pair_.second_reference ? intervals_ : json(nullptr), known ? reference_error_ : json(nullptr),
                 notes_};
     }
@@ -219,10 +218,8 @@ private:
         if (figure->value)
             values_[name] = *figure->value;
         else
-            why = "the mean square, whose root it is, is estimated below 0: the references' noise hides it";
-        if (figure->denominators == Denominators::Neighbours)
-            note(name +
-                 ": divided by what the references have around each pixel, whose own values are too noisy for it");
+            why = kRootBelowZero;
+        if (figure->denominators == Denominators::Neighbours) note(name + ": " + std::string(kDividedByNeighbours));
     }
 
     const MeasuredLayer& layer_of(const std::string& layer) {

@@ -1,6 +1,7 @@
 #include "server/worker/reference_image.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -65,7 +66,42 @@ ReferenceImage reference_of_film(const Film& film, double standard_error_scale) 
     return reference;
 }
 
-ReferenceImage load_reference(const ImageSource& source, uint64_t limit_bytes) {
+uint64_t ReferenceImage::bytes() const {
+    uint64_t values = 0;
+    for (const auto* images : {&layers, &standard_error})
+        for (const auto& [name, pixels] : *images) values += pixels.size();
+    return values * sizeof(float);
+}
+
+ReferenceImage mean_of(ReferenceImage one, const ReferenceImage& other) {
+    assert(one.size == other.size);
+    const auto joined = [](auto& images, const auto& others, const auto& join) {
+        std::erase_if(images, [&](const auto& layer) { return !others.contains(layer.first); });
+        for (auto& [layer, values] : images) {
+            const std::vector<float>& second = others.at(layer);
+            for (size_t i = 0; i < values.size(); ++i)
+                values[i] = static_cast<float>(join(double{values[i]}, double{second[i]}) / 2);
+        }
+    };
+    joined(one.layers, other.layers, [](double a, double b) { return a + b; });
+    joined(one.standard_error, other.standard_error, [](double a, double b) { return std::hypot(a, b); });
+    if (one.passes && other.passes)
+        *one.passes += *other.passes;
+    else
+        one.passes.reset();
+    return one;
+}
+
+LoadedReference load_reference(const ReferenceSource& source, uint64_t limit_bytes) {
+    LoadedReference loaded{load_image(source.first, limit_bytes), std::nullopt};
+    if (!source.second) return loaded;
+    loaded.second = load_image(*source.second, limit_bytes - std::min(limit_bytes, loaded.first.bytes()));
+    if (loaded.second->size != loaded.first.size)
+        throw Error(ErrorCode::Conflict, "/reference", "the two films of the reference differ in size");
+    return loaded;
+}
+
+ReferenceImage load_image(const ImageSource& source, uint64_t limit_bytes) {
     if (source.film) {
         const SavedFilm saved = FilmFile::load(*source.film, limit_bytes);
         if (saved.film.passes() == 0) throw Error(ErrorCode::Internal, "the film of the reference has no pass yet");

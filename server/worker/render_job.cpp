@@ -122,13 +122,17 @@ void RenderJob::prepare_measuring() {
     const JobRequest& request = order_.request;
     const bool with_reference = order_.reference.has_value();
     MeasuringPlan plan = MeasuringPlan::of(request, with_reference);
-    std::optional<ReferenceImage> reference;
+    std::optional<LoadedReference> reference;
     if (with_reference) {
         const OffTheClock loading(stats_, kReferenceLoadStage, meters_);
         reference = load_reference(*order_.reference,
                                    order_.memory_bytes - std::min(order_.memory_bytes, budget_.accounted_bytes()));
-        log("reference: %u x %u pixels, %s", reference->size.width, reference->size.height,
-            reference->passes ? (std::to_string(*reference->passes) + " passes").c_str() : "an image");
+        const auto passes = [](const ReferenceImage& image) {
+            return image.passes ? std::to_string(*image.passes) + " passes" : "an image";
+        };
+        log("reference: %u x %u pixels, %s%s", reference->first.size.width, reference->first.size.height,
+            passes(reference->first).c_str(),
+            reference->second ? (" and another of " + passes(*reference->second)).c_str() : "");
     }
     errors_.emplace(Size2{request.width, request.height}, std::move(reference), plan.layers);
     budget_.require("error_measuring", errors_->bytes() + most_flip_bytes(plan, {request.width, request.height}));
@@ -217,8 +221,8 @@ void RenderJob::finish(const PassLoop::Result& result) {
         if (follower_->curve().size() > known_points) send_curve(known_points);
         const OffTheClock measuring(stats_, kErrorMeasuringStage, meters_);
         const JobRequest& request = order_.request;
-        errors = error_statistics(resolved, *errors_, follower_->plan(), follower_->curve().back().metrics,
-                                  request.reference ? to_json(*request.reference) : json(nullptr));
+        errors = error_statistics(resolved, *errors_, follower_->plan(), follower_->curve().back(),
+                                  request.reference ? to_json(*request.reference) : json(nullptr), order_.reference);
     }
     for (const std::string& warning : errors.warnings) report_.log.push_back("warning: " + warning);
     report_.curve = to_json(follower_->curve());

@@ -21,7 +21,7 @@ struct RenderOrder {
     std::filesystem::path film;
     std::string origin;
     std::optional<std::filesystem::path> resume;
-    std::optional<ImageSource> reference;
+    std::optional<ReferenceSource> reference;
     RandomStreams streams = RandomStreams::Job;
     std::optional<double> save_seconds;
     uint64_t memory_bytes = 0;

@@ -145,6 +145,7 @@ json statistics_json(const StatisticsInput& input) {
             {"cores", nullptr},
             {"shared", nullptr},
             {"error", errors.error},
+            {"error_interval", errors.error_interval},
             {"reference_error", errors.reference_error},
             {"reference", errors.reference},
             {"estimate", errors.estimate}};

@@ -51,12 +51,19 @@ class ReferencesTest(unittest.TestCase):
     def test_a_job_and_the_image_of_it_measure_alike(self):
         against_job = self.daemon.run_job(small_job(passes=4, reference=f"job:{self.fine['id']}", metrics=["indirect:rmse"]))
         against_image = self.daemon.run_job(small_job(passes=4, reference=f"image:{self.image['id']}"))
-        self.assertEqual(against_job["reference_job"], self.fine["id"])
-        self.assertIsNone(against_image["reference_job"])
+        self.assertEqual((against_job["reference_job"], against_job["reference_jobs"]), (self.fine["id"], [self.fine["id"]]))
+        self.assertEqual((against_image["reference_job"], against_image["reference_jobs"]), (None, None))
+        for job, form in ((against_job, "film"), (against_image, "image")):
+            about = job["statistics"]["reference"]
+            self.assertEqual((about["form"], about["confidence"], about["denominators"]), (form, None, {}))
+            self.assertIn("errors hold its noise", " ".join(about["notes"]))
+            self.assertEqual(job["statistics"]["error_interval"], {})
+            self.assertEqual({str(point["intervals"]) for point in job["curve"]}, {"{}"})
         error, other = against_job["statistics"]["error"], against_image["statistics"]["error"]
         self.assertAlmostEqual(error["relative_mse"] / other["relative_mse"], 1, places=5)
         self.assertGreater(error["indirect:rmse"], 0)
-        self.assertEqual(against_job["error_now"], {"metric": "relative_mse", "value": error["relative_mse"]})
+        self.assertEqual(against_job["error_now"],
+                         {"metric": "relative_mse", "value": error["relative_mse"], "interval": None})
         # Measuring leaves the picture alone.
         self.assertEqual(against_job["statistics"]["pixel_hash"],
                          self.daemon.run_job(small_job(passes=4))["statistics"]["pixel_hash"])
@@ -113,25 +120,74 @@ class ReferencesTest(unittest.TestCase):
         before = len(rows(self.daemon, "reference"))
         jobs = [self.daemon.submit(small_job(passes=2, seed=seed, reference=made(48), labels={"n": str(seed)}))
                 for seed in range(1, 5)]
-        references = rows(self.daemon, "reference")
-        self.assertEqual(len(references), before + 1)
-        reference = self.daemon.wait_for_job(references[0]["id"])
-        self.assertEqual((reference["role"], reference["request"]["seed"], reference["request"]["labels"]),
-                         ("reference", 1, {}))
-        self.assertEqual({job["reference_job"] for job in jobs}, {reference["id"]})
+        films = [self.daemon.wait_for_job(row["id"]) for row in rows(self.daemon, "reference")[::-1][before:]]
+        self.assertEqual([(film["role"], film["request"]["seed"], film["passes_done"], film["request"]["labels"])
+                          for film in films], [("reference", 1, 24, {}), ("reference", 2, 24, {})])
+        ids = [film["id"] for film in films]
+        for job in jobs:
+            self.assertEqual((job["reference_job"], job["reference_jobs"]), (ids[0], ids))
         done = [self.daemon.wait_for_job(job["id"]) for job in jobs]
         self.assertEqual({job["state"] for job in done}, {"succeeded"})
-        self.assertGreaterEqual(min(job["started"] for job in done), reference["finished"])
+        self.assertGreaterEqual(min(job["started"] for job in done), max(film["finished"] for film in films))
         log = self.get(done[0]["links"]["log"]).text
-        self.assertIn(f"waits for its reference, job {reference['id']}", log)
-        # Its random numbers are its own: the same passes of the same seed would be the same noise.
-        twin = self.daemon.run_job(small_job(passes=48))
-        self.assertNotEqual(twin["statistics"]["pixel_hash"], reference["statistics"]["pixel_hash"])
-        # Of another number of passes, or with a layer more to measure, it is another image.
-        self.daemon.run_job(small_job(passes=1, reference=made(49)))
+        self.assertIn(f"waits for its reference, job {ids[0]} and {ids[1]}", log)
+        # Their random numbers are their own: the same passes of the same seed would be the same noise.
+        twin = self.daemon.run_job(small_job(passes=24))
+        hashes = {job["statistics"]["pixel_hash"] for job in [twin, *films]}
+        self.assertEqual(len(hashes), 3)
+        # Of another number of passes, or with a layer more to measure, they are other images.
+        self.daemon.run_job(small_job(passes=1, reference=made(50)))
         self.daemon.run_job(small_job(passes=1, reference=made(48), layers=["caustic", "depth"], metrics=["caustic:rmse"]))
-        self.assertEqual(len(rows(self.daemon, "reference")), before + 3)
+        self.assertEqual(len(rows(self.daemon, "reference")), before + 6)
         self.assertEqual(rows(self.daemon, "reference")[0]["request"]["layers"], ["caustic"])
+
+    def test_what_each_of_two_films_is_asked_for(self):
+        def films(stop):
+            job = self.daemon.submit(small_job(reference={"method": PATHS, "stop": stop}))
+            stops = [self.daemon.job(film)["request"]["stop"] for film in job["reference_jobs"]]
+            for film in [job["id"], *job["reference_jobs"]]:
+                self.daemon.request("DELETE", f"/v1/jobs/{film}")
+            self.assertEqual(stops[0], stops[1])
+            return {name: value for name, value in stops[0].items() if value is not None}
+
+        self.assertEqual(films({"passes": 7}), {"passes": 4})
+        self.assertEqual(films({"passes": 1}), {"passes": 1})
+        self.assertEqual(films({"seconds": 0.5}), {"seconds": 0.25})
+        self.assertEqual(films({"passes": 64, "target": {"metric": "estimated_relative_mse", "value": 0.25}}),
+                         {"passes": 32, "target": {"metric": "estimated_relative_mse", "value": 0.5}})
+
+    def test_two_films_take_their_noise_out_of_the_error(self):
+        job = self.daemon.run_job(small_job(passes=64, seed=5, reference=made(4), metrics=["direct:mse"]))
+        truth = self.daemon.run_job(small_job(passes=64, seed=5, reference=f"job:{self.fine['id']}"))
+        statistics, about = job["statistics"], job["statistics"]["reference"]
+        self.assertEqual((about["form"], about["confidence"], about["passes"]), ("two_films", 0.9, 4))
+        self.assertEqual(about["denominators"], {"relative_mse": "neighbours", "direct:relative_mse": "neighbours"})
+        interval = statistics["error_interval"]
+        self.assertLessEqual({"relative_mse", "mse", "rmse", "direct:mse"}, set(interval))
+        self.assertLess(interval["mse"][0], statistics["error"]["mse"])
+        # Two passes each are far noisier than the image; a film of 64 other passes, as noisy as that, says how far it is.
+        noise = statistics["reference_error"]["mse"]
+        self.assertGreater(noise, 5 * truth["statistics"]["error"]["mse"])
+        self.assertLess(abs(statistics["error"]["mse"]), noise / 2)
+        self.assertEqual({warning.split(" ")[0] for warning in about["warnings"]} & set(interval), set())
+        last = job["curve"][-1]
+        self.assertEqual(last["intervals"]["mse"], interval["mse"])
+        self.assertEqual(last["metrics"]["mse"], statistics["error"]["mse"])
+        self.assertEqual(job["error_now"], {"metric": "relative_mse", "value": statistics["error"]["relative_mse"],
+                                            "interval": interval["relative_mse"]})
+        root = statistics["error"]["rmse"]
+        self.assertEqual(root is None, statistics["error"]["mse"] < 0)
+        self.assertAlmostEqual(interval["rmse"][1] ** 2, interval["mse"][1], places=9)
+        # The same by request; pictures are of the difference from both.
+        sources = [f"job:{film}" for film in job["reference_jobs"]]
+        # (A reference's two films have other streams than jobs have: their seeds may be named together.)
+        body = {"image": f"job:{job['id']}", "references": sources, "metrics": ["mse", "mae"]}
+        asked = self.daemon.request("POST", "/v1/metrics", json_body=body).json
+        self.assertEqual(asked["metrics"]["mse"], statistics["error"]["mse"])
+        self.assertEqual(asked["intervals"]["mse"], interval["mse"])
+        self.assertEqual(asked["metrics"]["mae"], statistics["error"]["mae"])
+        for name in ("difference.exr", "flip.png", "error.png"):
+            self.get(f"/v1/jobs/{job['id']}/{name}")
 
     def test_what_cannot_be_measured_is_refused(self):
         fine = f"job:{self.fine['id']}"
@@ -150,8 +206,8 @@ class ReferencesTest(unittest.TestCase):
 
     def test_a_reference_that_does_not_come(self):
         waiting = [self.daemon.submit(small_job(reference=made(ENDLESS), seed=seed)) for seed in (1, 2)]
-        reference = waiting[0]["reference_job"]
-        self.assertEqual(waiting[1]["reference_job"], reference)
+        reference, second = waiting[0]["reference_jobs"]
+        self.assertEqual(waiting[1]["reference_jobs"], [reference, second])
         for image in ("image.exr", "curve.csv", "flip.png"):
             self.get(f"/v1/jobs/{waiting[0]['id']}/{image}", 202)
         purge = self.daemon.request("DELETE", f"/v1/jobs/{reference}?purge=true")
@@ -159,18 +215,21 @@ class ReferencesTest(unittest.TestCase):
         self.assertIn(waiting[0]["id"], purge.json["detail"])
         # Who needs it more raises it.
         urgent = self.daemon.submit(small_job(reference=made(ENDLESS), priority=7))
-        self.assertEqual(urgent["reference_job"], reference)
+        self.assertEqual(urgent["reference_jobs"], [reference, second])
+        self.assertEqual(self.daemon.job(second)["request"]["priority"], 7)
         self.assertEqual(self.daemon.request("DELETE", f"/v1/jobs/{urgent['id']}").status, 202)
         self.daemon.request("DELETE", f"/v1/jobs/{reference}")
         for job in waiting:
             job = self.daemon.wait_for_job(job["id"])
             self.assertEqual((job["state"], job["failure"]["code"]), ("failed", "wrong_state"), job)
             self.assertIn(f"job {reference}, was cancelled", job["failure"]["detail"])
-            self.assertEqual(job["attempts"], [])
+            self.assertEqual(job["attempts"], [], "the other film is still to come, and would not help")
         # Asked for again it is made anew, and so for a job that is tried again.
         again = self.daemon.request("POST", f"/v1/jobs/{waiting[0]['id']}/retry").json
         self.assertNotEqual(again["reference_job"], reference)
-        self.daemon.request("DELETE", f"/v1/jobs/{again['reference_job']}")
+        self.assertEqual(again["reference_jobs"][1], second, "the other film is still to come")
+        for film in again["reference_jobs"]:
+            self.daemon.request("DELETE", f"/v1/jobs/{film}")
         self.assertEqual(self.daemon.wait_for_job(again["id"])["state"], "failed")
 
     def test_metrics_on_request(self):
@@ -255,7 +314,7 @@ class WaitingTest(unittest.TestCase):
             daemon.start()
             other = daemon.wait_for_job(daemon.submit({**small_job(size=64, seed=5), "reference": made(600)})["id"])
             self.assertEqual((other["state"], other["reference_job"]), ("succeeded", reference))
-            self.assertEqual(len(rows(daemon, "reference")), 1)
+            self.assertEqual(len(rows(daemon, "reference")), 2)
             # Once nobody needs it, it can go; what it was good for then says so.
             self.assertEqual(daemon.request("DELETE", f"/v1/jobs/{reference}?purge=true").status, 200)
             gone = daemon.request("GET", f"/v1/jobs/{other['id']}/difference.exr")

@@ -41,7 +41,7 @@ TEST(WorkerMessages, OfAWorker) {
     EXPECT_EQ(exact<StartedMessage>(R"({"type": "started", "job": "J1", "attempt": 2})").attempt, 2);
     const auto progress = exact<ProgressMessage>(
         R"({"type": "progress", "job": "J1", "attempt": 2, "passes_done": 4294967295, "progress": 0.5, "seconds": 1.5,
-            "error_now": {"metric": "rmse", "value": 0.25}})");
+            "error_now": {"metric": "rmse", "value": 0.25, "interval": [0.125, 0.5]}})");
     EXPECT_EQ(progress.passes_done, UINT32_MAX);
     EXPECT_EQ(progress.error_now->value, 0.25);
     const auto curve = exact<CurveMessage>(
@@ -68,7 +68,7 @@ TEST(WorkerMessages, OfTheEndOfAnAttempt) {
                       "clock_lost_seconds": 0.125},
             "rendered": {"passes": 3, "seconds": 1.5, "photons": 7,
                          "rays": {"camera": 1, "bounce": 2, "shadow": 3, "photon": 4}},
-            "curve": [{"passes": 8}], "error_now": {"metric": "rmse", "value": null}, "artefacts": ["photon_map.glb"],
+            "curve": [{"passes": 8}], "error_now": {"metric": "rmse", "value": null, "interval": null}, "artefacts": ["photon_map.glb"],
             "failure": null, "log": ["a line"], "stopping": false})");
     EXPECT_EQ(finished.rendered->rays.photon, 4u);
     EXPECT_EQ(finished.cores->share, 0.9375);
@@ -96,7 +96,7 @@ TEST(WorkerMessages, OfTheDaemon) {
             "reference": {"film": "/d/r.film"}, "streams": "reference", "save_seconds": 2.0,
             "limits": {"memory_bytes": 1024, "threads": 3}})");
     EXPECT_EQ(order.scene.root, "/d/S");
-    EXPECT_EQ(order.reference->film, "/d/r.film");
+    EXPECT_EQ(order.reference->first.film, "/d/r.film");
     EXPECT_EQ(order.limits.threads, 3u);
     exact<RenderMessage>(
         R"({"type": "render", "job": "J1", "attempt": 2, "request": {},
@@ -142,13 +142,13 @@ TEST(HelperMessages, OfImagesAndFilms) {
     EXPECT_EQ(image.layers.at(0).channels, 3u);
     EXPECT_EQ(part_json(image.layers), json::parse(R"([{"name": "beauty", "channels": 3}])"));
     const auto measure = exact<MeasureRequest>(
-        R"({"type": "measure", "image": {"film": "/f"}, "reference": {"image": "/i"}, "second_reference": null,
+        R"({"type": "measure", "image": {"film": "/f"}, "reference": {"image": "/i"},
             "metrics": ["rmse"]})");
-    EXPECT_EQ(measure.reference.path(), "/i");
+    EXPECT_EQ(measure.reference.first.path(), "/i");
     const auto crossed = exact<MeasureRequest>(
-        R"({"type": "measure", "image": {"film": "/f"}, "reference": {"image": "/i"}, "second_reference": {"film": "/s"},
+        R"({"type": "measure", "image": {"film": "/f"}, "reference": {"film": "/r", "second": {"film": "/s"}},
             "metrics": null})");
-    EXPECT_EQ(crossed.second_reference.value().path(), "/s");
+    EXPECT_EQ(crossed.reference.second.value().path(), "/s");
     exact_reply<MeasureRequest>(
         R"({"metrics": {"rmse": 1.5}, "intervals": null, "reference_error": null, "notes": ["a note"]})");
     exact_reply<MeasureRequest>(
@@ -206,7 +206,8 @@ std::string fault_of(const Read& read) {
 }
 
 TEST(MalformedMessages, NameTheMessageAndTheMember) {
-    const json good = message_json(ProgressMessage{.job = "J1", .attempt = 1, .error_now = ErrorNow{"rmse", 1.0}});
+    const json good =
+        message_json(ProgressMessage{.job = "J1", .attempt = 1, .error_now = ErrorNow{"rmse", 1.0, std::nullopt}});
     const auto fault = [&](const char* pointer, const json& value) {
         json message = good;
         message[json::json_pointer(pointer)] = value;

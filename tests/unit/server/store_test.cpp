@@ -62,7 +62,7 @@ TEST(Store, AQueuedJobWaitsForItsReferenceUntilThatIsOver) {
     reference.role = JobRole::Reference;
     reference.seq = insert(store, reference);
     JobRow job = some_job();
-    job.reference_job = reference.seq;
+    job.reference_jobs = {reference.seq};
     const int64_t seq = insert(store, job);
     ASSERT_EQ(store.queued_jobs().size(), 1u);
     EXPECT_EQ(store.queued_jobs()[0].waits_for, reference.seq);
