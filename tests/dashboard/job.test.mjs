@@ -70,6 +70,29 @@ test("the curve is of any metric that was measured", async () => {
   await error.getByRole("img", { name: /against passes/ }).waitFor();
 });
 
+test("errors stand with what their reference leaves open", async () => {
+  const known = structuredClone(measured);
+  for (const point of known.curve) point.intervals = { relative_mse: [-0.006, 0.004] };
+  known.curve.at(-1).metrics.relative_mse = -0.001;
+  known.error_now = { metric: "relative_mse", value: -0.001, interval: [-0.006, 0.004] };
+  Object.assign(known.statistics.error, { relative_mse: 0.0012, rmse: null });
+  known.statistics.error_interval = { relative_mse: [0.0008, 0.0016], rmse: [0, 0.02] };
+  await page.route(`**/v1/jobs/${measured.id}`, (route) => route.fulfill({ json: known }));
+  await page.reload();
+  await panel("Facts").getByText("below 0.004 (not told apart from 0)").waitFor();
+  for (const id of measured.reference_jobs) await panel("Facts").getByRole("link", { name: id, exact: true }).waitFor();
+  const error = panel("Error");
+  await error.getByRole("img", { name: "relative mse below 0.004 (not told apart from 0)" }).waitFor();
+  await error.locator(".u-legend", { hasText: "relative mse, upper bound" }).waitFor();
+  await error.getByText("Measured against two films of different seeds").waitFor();
+  await error.getByText("All that was measured at the end").click();
+  await error.getByRole("cell", { name: "0.0012 (0.0008 to 0.0016)" }).waitFor();
+  await error.getByRole("cell", { name: "below 0.02 (not told apart from 0)" }).waitFor();
+  await shoot(page, "job-intervals");
+  expectNoComplaints(page);
+  await page.unroute(`**/v1/jobs/${measured.id}`);
+});
+
 test("the curve's axis ends, whatever moment it begins at", async () => {
   const shown = panel("Error").locator("canvas");
   // Where uPlot steps from a moment itself, these make an axis without an end.

@@ -33,7 +33,7 @@ test("who has rendered nothing yet is told what this is and where to begin", asy
   await shoot(page, "now-empty", { fullPage: true });
   await axeClean(page);
   await page.setViewportSize({ width: 390, height: 844 });
-  assert.equal(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), true);
+  await page.waitForFunction(() => document.documentElement.scrollWidth <= innerWidth);
   await shoot(page, "now-empty-narrow", { fullPage: true });
   await steps.nth(2).click();
   await page.getByRole("heading", { level: 1, name: "Scenes" }).waitFor();
@@ -62,15 +62,15 @@ test("running jobs, the queue and what has ended are shown as they change, witho
   // Sent by somebody else: they come by themselves, and in the order in which they will run.
   const first = await daemon.submit(longJob());
   const second = await daemon.submit(longJob({ reference: { method: { name: "path_tracing" }, stop: { passes: 3 } } }));
-  const reference = second.reference_job;
+  const references = second.reference_jobs;
   await page.locator(".now-queue-row", { hasText: second.id }).getByText("waits for its reference").waitFor();
-  await waitForQueue(page, [first.id, reference, second.id]);
+  await waitForQueue(page, [first.id, ...references, second.id]);
   await shoot(page, "now-busy", { fullPage: true });
   await axeClean(page);
   const later = await daemon.submit(longJob());
-  await waitForQueue(page, [first.id, reference, second.id, later.id]);
+  await waitForQueue(page, [first.id, ...references, second.id, later.id]);
   await page.getByRole("button", { name: `${later.id} sooner` }).click();
-  await waitForQueue(page, [later.id, first.id, reference, second.id]);
+  await waitForQueue(page, [later.id, first.id, ...references, second.id]);
   assert.equal((await daemon.get(`/v1/jobs/${later.id}`)).request.priority, 10);
 
   // While nothing begins or ends, the page asks for pictures alone.
@@ -84,13 +84,13 @@ test("running jobs, the queue and what has ended are shown as they change, witho
   await page.getByRole("button", { name: `Cancel ${running.id}` }).click();
   await card(page, later.id).waitFor();
   await page.locator(".now-recent-job", { hasText: running.id }).getByText("cancelled").waitFor();
-  await waitForQueue(page, [first.id, reference, second.id]);
-  for (const id of [second.id, reference, first.id, later.id]) await cancel(id);
+  await waitForQueue(page, [first.id, ...references, second.id]);
+  for (const id of [second.id, ...references, first.id, later.id]) await cancel(id);
   await page.getByText("Nothing is rendered at the moment.").waitFor();
   await page.getByText("Nothing waits.").waitFor();
   assert.deepEqual(await queueIds(page), []);
   await page.setViewportSize({ width: 390, height: 844 });
-  assert.equal(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), true);
+  await page.waitForFunction(() => document.documentElement.scrollWidth <= innerWidth);
   await shoot(page, "now-narrow", { fullPage: true });
   expectNoComplaints(page);
 });
