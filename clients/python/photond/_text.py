@@ -60,15 +60,21 @@ def human_number(value: Any) -> str:
     return str(value) if isinstance(value, str) else json.dumps(value)
 
 
+def upper_bound(interval: Sequence[float]) -> float:
+    """Of an error that is not told apart from 0: the upper end of its interval. Where that lies below 0 too, by luck: half
+    of the width, which is what an error of 0 would have."""
+    return interval[1] if interval[1] > 0 else (interval[1] - interval[0]) / 2
+
+
 def human_error(value: Optional[float], interval: Optional[Sequence[float]] = None) -> str:
     """With what is left open of it; an error that is not told apart from 0 is an upper bound.
 
     >>> human_error(0.0012, [0.0008, 0.0016]), human_error(-0.001, [-0.006, 0.004]), human_error(None)
     ('0.0012 (0.0008 to 0.0016)', 'below 0.004 (not told apart from 0)', '-')
     """
-    if interval and not (value or 0) > 0 and interval[1] > 0:
-        return f"below {human_number(interval[1])} (not told apart from 0)"
-    if interval and value != 0:
+    if interval and not (value or 0) > 0 and interval[1] > interval[0]:
+        return f"below {human_number(upper_bound(interval))} (not told apart from 0)"
+    if interval and value:
         return f"{human_number(value)} ({human_number(interval[0])} to {human_number(interval[1])})"
     return human_number(value)
 

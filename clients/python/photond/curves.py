@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
-from ._text import row_name
+from ._text import row_name, upper_bound
 from .shapes import Json
 
 
@@ -90,9 +90,7 @@ def drawable(measured: Sequence[Tuple[Mapping[str, Any], Optional[float], Option
             found.points.append(point)
             found.intervals.append(Interval(*ends) if ends else None)
         elif ends and ends[1] > ends[0]:
-            interval = Interval(*ends)
-            below = interval.greatest if interval.greatest > 0 else interval.width / 2
-            found.bounds.append(Bound(point["seconds"], below, interval))
+            found.bounds.append(Bound(point["seconds"], upper_bound(ends), Interval(*ends)))
     return found
 
 

@@ -386,8 +386,8 @@ export function BudgetPanel({ plan, set, faults }: { plan: Plan; set: Set; fault
 // -- reference ----------------------------------------------------------------------------------------------------------
 
 const kReferences = [
-  { kind: "render", name: "Render it", text: "long enough that its own noise does not count" },
-  { kind: "given", name: "A job or image", text: "that is there already" },
+  { kind: "render", name: "Render it", text: "in two films, whose noise drops out of squared errors" },
+  { kind: "given", name: "A job or image", text: "that is there already; its noise is a part of every error" },
   { kind: "none", name: "None", text: "only estimated errors" },
 ] as const;
 

@@ -14,8 +14,9 @@ describe("an error with its interval", () => {
       expect(shortError(value, [-0.006, 0.004])).toBe("below 0.004");
     }
   });
-  it("is never clamped", () => {
-    expect(errorWithInterval(-0.002, [-0.003, -0.001])).toBe("-0.002 (-0.003 to -0.001)");
+  it("is known to half the width of an interval that lies below 0 by luck", () => {
+    expect(errorWithInterval(-0.002, [-0.003, -0.001])).toBe("below 0.001 (not told apart from 0)");
+    expect(shortError(-0.002, [-0.004, -0.001])).toBe("below 0.0015");
     expect(errorWithInterval(0, [0, 0])).toBe("0");
   });
   it("is the value alone where no interval is known", () => {

@@ -5,26 +5,6 @@ import { kNone, numberText, plainName } from "./format";
 
 const endsText = ([least, greatest]: NoiseInterval): string => `${numberText(least)} to ${numberText(greatest)}`;
 
-/** Whether an estimate says no more than that the error is below the upper end of its interval. */
-const isUpperBound = (value: number | null | undefined, interval: NoiseInterval | null | undefined): interval is NoiseInterval =>
-  !!interval && !((value ?? 0) > 0) && interval[1] > 0;
-
-/** "0.0012 (0.0008 to 0.0016)"; "below 0.004 (not told apart from 0)" where the estimate is 0 or less. */
-export function errorWithInterval(value: number | null | undefined, interval: NoiseInterval | null | undefined): string {
-  if (isUpperBound(value, interval)) return `below ${numberText(interval[1])} (not told apart from 0)`;
-  return interval && value !== 0 ? `${numberText(value)} (${endsText(interval)})` : numberText(value);
-}
-
-/** The same where there is little room: "0.0012", "below 0.004". */
-export const shortError = (value: number | null | undefined, interval: NoiseInterval | null | undefined): string =>
-  isUpperBound(value, interval) ? `below ${numberText(interval[1])}` : numberText(value);
-
-/** "0.0012 relative mse", as lists have it; empty where there is none. */
-export function errorNowText(error: ErrorNow | null | undefined): string {
-  const text = error ? shortError(error.value, error.interval) : kNone;
-  return text === kNone ? "" : `${text} ${plainName(error!.metric)}`;
-}
-
 /** What is drawn of an error on a logarithmic axis. */
 export interface DrawnError {
   at: number;
@@ -46,4 +26,23 @@ export function drawnError(value: number | null | undefined, interval: NoiseInte
   }
   if (!(value! > 0) || !Number.isFinite(value)) return null;
   return { at: value!, isBound: false, least: interval?.[0] ?? value!, greatest: interval?.[1] ?? value! };
+}
+
+/** "0.0012 (0.0008 to 0.0016)"; "below 0.004 (not told apart from 0)" where the estimate is 0 or less. */
+export function errorWithInterval(value: number | null | undefined, interval: NoiseInterval | null | undefined): string {
+  const drawn = drawnError(value, interval);
+  if (drawn?.isBound) return `below ${numberText(drawn.at)} (not told apart from 0)`;
+  return interval && drawn ? `${numberText(value)} (${endsText(interval)})` : numberText(value);
+}
+
+/** The same where there is little room: "0.0012", "below 0.004". */
+export function shortError(value: number | null | undefined, interval: NoiseInterval | null | undefined): string {
+  const drawn = drawnError(value, interval);
+  return drawn?.isBound ? `below ${numberText(drawn.at)}` : numberText(value);
+}
+
+/** "0.0012 relative mse", as lists have it; empty where there is none. */
+export function errorNowText(error: ErrorNow | null | undefined): string {
+  const text = error ? shortError(error.value, error.interval) : kNone;
+  return text === kNone ? "" : `${text} ${plainName(error!.metric)}`;
 }
