@@ -88,9 +88,9 @@ export function boundOf(table: FiguresTable, cell: Cell): number | null {
   return drawn?.isBound ? drawn.at : null;
 }
 
-/** What the reference's noise leaves open: "0.001 to 0.002", "from 1.2 s" where nothing says until when; empty where it is not known. */
+/** What the reference's noise leaves open: "0.001 to 0.002", "from 1.2 s" where nothing says until when; empty where it is not known, or no more than the figure. */
 export function openText(table: FiguresTable, { from, to }: Cell): string {
-  if (from !== null && to !== null) return `${cellText(table, from)} to ${cellText(table, to)}`;
+  if (from !== null && to !== null) return cellText(table, from) === cellText(table, to) ? "" : `${cellText(table, from)} to ${cellText(table, to)}`;
   return from !== null ? `from ${cellText(table, from)}` : to !== null ? `until ${cellText(table, to)}` : "";
 }
 
