@@ -29,7 +29,7 @@ constexpr double kPixelRounding = 1e-6;
 constexpr double kNarrow = 0.05;
 
 /// P(|T| < sqrt(degrees) tan(theta)) for a whole number of degrees of freedom [Abramowitz and Stegun 1964, 26.7.3 and
-/// 26.7.4]. (renderer/error/curve.cpp has the service's; clients see the protocol alone.)
+/// 26.7.4]. (renderer/error/student_t.h has the service's; clients see the protocol alone.)
 double student_t_inside(double theta, size_t degrees) {
     const double cosine = std::cos(theta), sine = std::sin(theta);
     const bool odd = degrees % 2 == 1;
