@@ -157,6 +157,11 @@ std::string error_cell(const json& value) {
     return text;
 }
 
+std::string interval_cell(const json& interval) {
+    if (!interval.is_array() || interval.size() != 2) return plain_text(interval);
+    return error_cell(interval[0]) + " to " + error_cell(interval[1]);
+}
+
 }  // namespace
 
 void print_errors(std::ostream& out, const json& error, const json& reference_error, const json& intervals) {
@@ -165,14 +170,14 @@ void print_errors(std::ostream& out, const json& error, const json& reference_er
     const bool noise_known = reference_error.is_object() && !reference_error.empty();
     if (noise_known) columns.push_back({"reference's own noise", Align::Right});
     const bool crossed = intervals.is_object() && !intervals.empty();
-    if (crossed) columns.push_back({"90 % between", Align::Right});
+    if (crossed) columns.push_back({"90 % interval", Align::Right});
     TextTable table(columns);
     for (const auto& [metric, value] : error.items()) {
         const json interval = member(intervals, metric.c_str());
         if (value.is_null() && interval.is_null()) continue;
         std::vector<std::string> row{printable(metric), error_cell(value)};
         if (noise_known) row.push_back(error_cell(member(reference_error, metric.c_str())));
-        if (crossed) row.push_back(error_cell(interval));
+        if (crossed) row.push_back(interval_cell(interval));
         table.add_row(std::move(row));
     }
     if (!table.empty()) table.print(out, "  ");

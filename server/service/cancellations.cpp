@@ -17,11 +17,7 @@ Cancelled Cancellations::cancel_job(const std::string& id, bool remove) {
         return {std::move(object), true};
     }
     if (row.state == JobState::Queued) {
-        row.state = JobState::Cancelled;
-        row.finished_ms = now_ms();
-        core_.commit_state(row, "cancelled while queued");
-        core_.queue.remove(row.seq);
-        waiting_.ended(row);
+        waiting_.cancel(row, "cancelled while queued");
         attempts_.dispatch();
         json object = objects_.job_object(row);
         if (remove) purges_.purge(row);

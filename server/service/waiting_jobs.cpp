@@ -26,6 +26,22 @@ void WaitingJobs::ended(const JobRow& row) {
     release_waiting(row);
 }
 
+void WaitingJobs::cancel(JobRow& row, const std::string& line) {
+    row.state = JobState::Cancelled;
+    row.finished_ms = now_ms();
+    core_.commit_state(row, line);
+    core_.queue.remove(row.seq);
+    ended(row);
+}
+
+void WaitingJobs::cancel_unneeded_references(const JobRow& of) {
+    for (const int64_t seq : of.reference_jobs)
+        if (auto film = core_.store.job(seq); film && film->role == JobRole::Reference &&
+                                              film->state == JobState::Queued &&
+                                              core_.store.unfinished_jobs_measured_against(seq).empty())
+            cancel(*film, "cancelled: nothing is to be measured against it any more");
+}
+
 void WaitingJobs::fail_for_reference(JobRow row, const std::string& reason) {
     row.state = JobState::Failed;
     row.finished_ms = now_ms();
@@ -35,6 +51,7 @@ void WaitingJobs::fail_for_reference(JobRow row, const std::string& reason) {
     core_.queue.remove(row.seq);
     ended(row);
     spdlog::warn("job {} failed: {}", job_id(row.seq), reason);
+    cancel_unneeded_references(row);
 }
 
 void WaitingJobs::release_waiting(const JobRow& over) {

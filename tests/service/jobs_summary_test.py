@@ -78,19 +78,20 @@ class SummaryTest(Lists):
         plain = self.daemon.submit(small_job(labels={"study": "order"}))["id"]
         measured = self.daemon.submit(small_job(labels={"study": "order"}, reference=reference))
         urgent = self.daemon.submit(small_job(labels={"study": "order"}, priority=9))["id"]
-        awaited = measured["reference_job"]
+        awaited, second = measured["reference_jobs"]
         queue = self.page("view=summary&order=queue")
-        self.assertEqual([job["id"] for job in queue["items"]], [urgent, plain, awaited, measured["id"]])
-        self.assertEqual([job["waits_for"] for job in queue["items"]], [None, None, None, awaited])
-        self.assertEqual(queue["total"], 4)
+        self.assertEqual([job["id"] for job in queue["items"]], [urgent, plain, awaited, second, measured["id"]])
+        self.assertEqual([job["waits_for"] for job in queue["items"]], [None, None, None, None, awaited])
+        self.assertEqual(queue["total"], 5)
         self.assertEqual(self.ids("order=queue&offset=1&limit=2"), [plain, awaited])
         self.assertEqual(self.ids("order=queue&label=study%3Dorder"), [urgent, plain, measured["id"]])
         self.daemon.request("DELETE", f"/v1/jobs/{endless}")
         for job in (urgent, plain, measured["id"]):
             self.daemon.wait_for_job(job)
         self.assertEqual(self.page("view=summary&order=queue"), {"items": [], "next_cursor": None, "total": 0})
-        ended = self.page("view=summary&order=ended&limit=5")
-        self.assertEqual([job["id"] for job in ended["items"]], [measured["id"], awaited, plain, urgent, endless])
+        ended = self.page("view=summary&order=ended&limit=6")
+        self.assertEqual([job["id"] for job in ended["items"]],
+                         [measured["id"], second, awaited, plain, urgent, endless])
         self.assertIsNone(ended["next_cursor"])
 
     def test_bad_queries_are_refused_with_the_place(self):

@@ -249,7 +249,7 @@ class OpenApiTest(unittest.TestCase):
         self.assertEqual(ask("DELETE", f"/v1/jobs/{waiting['reference_job']}").status, 202)
         self.daemon.wait_for_job(waiting["id"])
         ask("GET", f"/v1/jobs/{waiting['id']}")
-        for job_id in (job["id"], merged.json["id"], waiting["id"], waiting["reference_job"]):
+        for job_id in (job["id"], merged.json["id"], waiting["id"], *waiting["reference_jobs"]):
             self.daemon.wait_for_job(job_id)
             self.daemon.request("DELETE", f"/v1/jobs/{job_id}?purge=true")
 

@@ -42,16 +42,26 @@ class Errors(Case):
     def test_the_report_has_the_errors_and_the_references_own_noise(self):
         error = self.job["statistics"]["error"]
         noise = self.job["statistics"]["reference_error"]
+        interval = self.job["statistics"]["error_interval"]
         for metric in ("relative_mse", "flip_ldr", "indirect:relative_mse"):
-            [row] = re.findall(rf"^ +{metric} +(\S+) +(\S+)$", self.output, re.MULTILINE)
+            [row] = re.findall(rf"^ +{metric} +(\S+) +(\S+) +(-|\S+ to \S+)$", self.output, re.MULTILINE)
             self.assertAlmostEqual(float(row[0]) / error[metric], 1, delta=0.006)  # three digits
             if row[1] != "-":
                 self.assertAlmostEqual(float(row[1]) / noise[metric], 1, delta=0.006)
+            self.assertEqual(row[2] == "-", metric not in interval)
+            if metric in interval:
+                self.assertAlmostEqual(float(row[2].split(" to ")[1]) / interval[metric][1], 1, delta=0.006)
         self.assertIn("reference's own noise", self.output)
+        self.assertIn("90 % interval", self.output)
 
     def test_what_is_within_the_noise_is_warned_of(self):
-        # A reference of the same number of passes is no better than the image: its noise is as large as the error.
+        # A reference of the same number of passes is no better than the image: its noise is as large as the error. Of
+        # squared errors it drops out.
         result = self.run_ok("render", "cornell-box", *SIZE, "--passes", 64, *REFERENCE)
+        self.assertRegex(result.stdout, "warning: mae is .* own noise")
+        self.assertNotIn("warning: relative_mse", result.stdout)
+        [named] = json_lines(self.run_ok("render", "cornell-box", *SIZE, "--passes", 64, "--seed", 2, "--json"))
+        result = self.run_ok("render", "cornell-box", *SIZE, "--passes", 64, "--reference", named["id"])
         self.assertRegex(result.stdout, "warning: relative_mse is .* own noise")
         self.assertNotIn("warning: relative_mse", self.output)  # 8 passes against 64
 
@@ -94,8 +104,8 @@ class Errors(Case):
         self.run_ok("jobs", "fetch", self.job["id"], "-o", "measured.exr")
         [same] = json_lines(self.run_ok("metrics", self.job["id"], "measured.exr", "--metrics", "rmse,flip_hdr", "--json"))
         self.assertEqual(same["metrics"]["rmse"], 0)
-        reference = self.job["reference_job"]
-        result = self.run_ok("metrics", "measured.exr", reference, "--metrics", "relative_mse")
+        reference, second = self.job["reference_jobs"]
+        result = self.run_ok("metrics", "measured.exr", reference, second, "--metrics", "relative_mse")
         [value] = re.findall(r"relative_mse +(\S+)", result.stdout)
         self.assertAlmostEqual(float(value) / self.job["statistics"]["error"]["relative_mse"], 1, delta=0.006)
         self.assertIn("did you mean", self.run_for(REFUSED, "metrics", reference, reference, "--metrics", "rmsee").stderr)
