@@ -59,10 +59,10 @@ class Errors(Case):
         # squared errors it drops out.
         result = self.run_ok("render", "cornell-box", *SIZE, "--passes", 64, *REFERENCE)
         self.assertRegex(result.stdout, "warning: mae is .* own noise")
-        self.assertNotIn("warning: relative_mse", result.stdout)
+        self.assertNotIn("warning: mse", result.stdout)
         [named] = json_lines(self.run_ok("render", "cornell-box", *SIZE, "--passes", 64, "--seed", 2, "--json"))
         result = self.run_ok("render", "cornell-box", *SIZE, "--passes", 64, "--reference", named["id"])
-        self.assertRegex(result.stdout, "warning: relative_mse is .* own noise")
+        self.assertRegex(result.stdout, "warning: mse is .* own noise")
         self.assertNotIn("warning: relative_mse", self.output)  # 8 passes against 64
 
     def test_every_picture_of_the_error_is_the_daemons(self):

@@ -172,5 +172,31 @@ TEST(CrossMeterStatistics, DenominatorsTakeOffTheNoiseThatTheyShare) {
     }
 }
 
+TEST(CrossMeterStatistics, ReferencesFiveHundredTimesAsNoisyTellTheError) {
+    // 256 x 256 pixels of independent channels, which make the interval wider by no more than those that share noise.
+    constexpr Size2 kLarge{256, 256};
+    constexpr uint32_t kTrials = 40;
+    const size_t values = 3 * kLarge.pixels();
+    std::mt19937_64 random(7);
+    std::normal_distribution<float> normal(0, 1);
+    const float film_noise = 0.03f, reference_noise = film_noise * std::sqrt(2 * 500.0f);  // of the mean of two: 500
+    test::RunningMean distance;                                                            // in standard errors
+    for (uint32_t trial = 0; trial < kTrials; ++trial) {
+        std::vector<float> u(values), v(values), film(values);
+        double squares = 0;
+        for (size_t i = 0; i < values; ++i) {
+            const float n = film_noise * normal(random);
+            film[i] = 1 + n, squares += double{n} * double{n};
+            u[i] = 1 + reference_noise * normal(random), v[i] = 1 + reference_noise * normal(random);
+        }
+        const CrossError error = CrossMeter(kLarge, u, v).measure(film).mse.value();
+        const double own_noise = double{reference_noise} * double{reference_noise} / 2;
+        distance.add((error.value - squares / double(values)) / error.standard_error);
+        EXPECT_LE(kConfidenceZ * error.standard_error, 0.015 * own_noise);
+    }
+    EXPECT_LE(std::fabs(distance.mean()), test::two_sided_z(kFalseAlarm) / std::sqrt(double(kTrials)));
+    std::printf("500 times as noisy: off by %.2f standard errors in the mean of %u\n", distance.mean(), kTrials);
+}
+
 }  // namespace
 }  // namespace photond::cross_meter_statistics
