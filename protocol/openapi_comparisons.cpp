@@ -51,6 +51,26 @@ json mean(const char* name, json more) {
     return given(std::move(more));
 }
 
+/// Where the references' noise lets a figure lie.
+json noise_interval() {
+    return or_null(interval_of("[least, greatest] at 90 %, by the noise of two references; null: one reference"));
+}
+
+/// Of one metric, what a row's error is made of.
+json bias_schema() {
+    return given(
+        {{"squared_bias", typed("number")},
+         {"low", typed("number", "90 % over the seeds")},
+         {"high", typed("number")},
+         {"variance", typed("number", "of one film")},
+         {"variance_low", nullable("number", "null for two seeds")},
+         {"variance_high", nullable("number")},
+         {"floor", typed("boolean",
+                         "parameters are fixed: more passes will not go below squared_bias; else it is that at "
+                         "these passes")},
+         {"text", typed("string", "the same as a sentence")}});
+}
+
 json row_schema() {
     const json spread = or_null(given({{"min", typed("number")}, {"max", typed("number")}}));
     const json counts = or_null(given({{"min", count()}, {"max", count()}}));
@@ -64,16 +84,28 @@ json row_schema() {
          {"passes", counts},
          {"photons", counts},
          {"seconds", spread},
-         {"error", map_of(mean("value", {{"reference", nullable("number", "the reference's own noise")},
-                                         {"near_reference", typed("boolean", "within 3 times of that")}}))},
+         {"error",
+          with_text(map_of(mean("value", {{"reference", nullable("number", "the reference's own noise")},
+                                          {"near_reference", typed("boolean",
+                                                                   "within 3 times of that; with an interval: not "
+                                                                   "known to a third of itself")},
+                                          {"interval", noise_interval()}})),
+                    "the mean over the seeds of an error with an interval, which may be below 0; of the "
+                    "logarithms of others. The root of what is below 0 counts as 0")},
          {"time_to_error",
           map_of(list_of(mean("seconds", {{"error", typed("number")},
                                           {"reached", count("seeds")},
-                                          {"at_most", typed("boolean", "the time is an upper bound")}})))},
-         {"error_at_time", map_of(list_of(mean("error", {{"seconds", typed("number")}, {"reached", count("seeds")}})))},
+                                          {"at_most", typed("boolean", "the time is an upper bound")},
+                                          {"earliest", nullable("number", "what the references' noise leaves open")},
+                                          {"latest", nullable("number")}})))},
+         {"error_at_time",
+          map_of(list_of(mean(
+              "error", {{"seconds", typed("number")}, {"reached", count("seeds")}, {"interval", noise_interval()}})))},
          {"peak_bytes", nullable("integer", "the largest of the seeds', beside the idle process")},
-         {"efficiency", nullable("number", "1 / (mse x seconds), mean over the seeds")},
-         {"pareto", typed("boolean", "at some time no other row is better")}});
+         {"efficiency", nullable("number", "1 / the mean over the seeds of mse x seconds; null: not above 0")},
+         {"pareto", typed("boolean", "at some time no other row is better, by upper ends")},
+         {"bias", with_text(or_null(map_of(bias_schema())),
+                            "by quadratic metric; null for one seed, while jobs run, without two references")}});
 }
 
 json summary_schema() {
@@ -187,14 +219,15 @@ json report_schema(const json& comparison) {
                        {"points", list_of(given({{"seconds", typed("number")},
                                                  {"passes", count()},
                                                  {"photons", nullable("integer")},
-                                                 {"metrics", map_of(nullable("number"))}}))}}));
+                                                 {"metrics", map_of(nullable("number"))},
+                                                 {"intervals", map_of(noise_interval())}}))}}));
     schema["required"].push_back("curves");
     json& row = schema["properties"]["table"]["items"];
-    row["properties"]["mean_curve"] =
-        with_text(map_of(list_of(mean("error", {{"seconds", typed("number")},
-                                                {"min", typed("number", "of the seeds")},
-                                                {"max", typed("number", "of the seeds")}}))),
-                  "over the seeds where all their curves overlap, by metric");
+    row["properties"]["mean_curve"] = with_text(map_of(list_of(mean("error", {{"seconds", typed("number")},
+                                                                              {"min", typed("number", "of the seeds")},
+                                                                              {"max", typed("number", "of the seeds")},
+                                                                              {"interval", noise_interval()}}))),
+                                                "over the seeds where all their curves overlap, by metric");
     row["required"].push_back("mean_curve");
     return schema;
 }

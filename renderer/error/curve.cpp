@@ -4,7 +4,9 @@
 #include <bit>
 #include <cassert>
 #include <cmath>
-#include <numbers>
+#include <limits>
+
+#include "renderer/error/student_t.h"
 
 namespace photond {
 
@@ -12,34 +14,58 @@ namespace {
 
 bool positive(double x) { return x > 0 && std::isfinite(x); }
 
-/// Linear interpolation of log y over log x between two points with x0 < x1.
-double log_log_interpolated(double x0, double y0, double x1, double y1, double x) {
-    return y0 * std::pow(y1 / y0, std::log(x / x0) / std::log(x1 / x0));
+double log_share(double from, double to, double at) { return std::log(at / from) / std::log(to / from); }
+
+/// Student's t, of numbers whose mean is known.
+double half_width(std::span<const double> values, double mean) {
+    const auto count = static_cast<double>(values.size());
+    double squares = 0;
+    for (const double value : values) squares += (value - mean) * (value - mean);
+    return two_sided_student_t(0.95, count - 1) * std::sqrt(squares / (count - 1) / count);
 }
 
-/// P(|T| < sqrt(degrees) tan(theta)) for Student's t with a whole number of degrees >= 1; theta in [0, pi/2).
-/// [Abramowitz and Stegun 1964] Handbook of Mathematical Functions, 26.7.3 and 26.7.4: finite sums.
-double student_t_inside(double theta, uint64_t degrees) {
-    const double cosine = std::cos(theta), sine = std::sin(theta);
-    const bool odd = degrees % 2 == 1;
-    if (degrees == 1) return theta * 2 / std::numbers::pi;
-    // Odd: cos + 2/3 cos^3 + 2*4/(3*5) cos^5 ... cos^(degrees-2); even: 1 + 1/2 cos^2 + 1*3/(2*4) cos^4 ... likewise.
-    double term = odd ? cosine : 1, sum = term;
-    for (uint64_t power = odd ? 3 : 2; power <= degrees - 2; power += 2) {
-        term *= cosine * cosine * static_cast<double>(power - 1) / static_cast<double>(power);
-        sum += term;
-    }
-    return odd ? (theta + sine * sum) * 2 / std::numbers::pi : sine * sum;
+double mean_of(std::span<const double> values) {
+    double mean = 0;
+    for (const double value : values) mean += value / static_cast<double>(values.size());
+    return mean;
 }
 
-/// The t that |T| stays below with this probability: bisection on the angle, in which student_t_inside() rises.
-double two_sided_student_t(double probability, uint64_t degrees) {
-    double low = 0, high = std::numbers::pi / 2;
-    for (int i = 0; i < 60; ++i) {
-        const double theta = 0.5 * (low + high);
-        (student_t_inside(theta, degrees) < probability ? low : high) = theta;
-    }
-    return std::sqrt(static_cast<double>(degrees)) * std::tan(low);
+/// The fit to errors that are 0 or above; 0, which has no logarithm, as `zero` or the smallest above 0.
+std::vector<double> falling_fit(std::span<const TimedError> curve, double zero) {
+    for (const TimedError& point : curve)
+        if (point.error > 0) zero = std::min(zero, point.error);
+    std::vector<double> errors, logs;
+    for (const TimedError& point : curve) errors.push_back(point.error > 0 ? point.error : zero);
+    for (const double error : errors) logs.push_back(std::log(error));
+    const std::vector<double> fit = non_increasing_fit(logs);
+    for (size_t i = 0; i < fit.size(); ++i)
+        if (fit[i] != logs[i]) errors[i] = std::exp(fit[i]);
+    return errors;
+}
+
+/// Where a curve comes down to an error.
+struct Crossing {
+    size_t point;  // the first of the fit that is at or below
+    double seconds;
+};
+
+/// `error` is above 0.
+std::optional<Crossing> crossing(std::span<const TimedError> curve, double error) {
+    const std::vector<double> fit = falling_fit(curve, error);
+    const auto found = std::find_if(fit.begin(), fit.end(), [error](double fitted) { return fitted <= error; });
+    if (found == fit.end()) return std::nullopt;
+    const auto i = static_cast<size_t>(found - fit.begin());
+    if (i == 0 || fit[i] == error) return Crossing{i, curve[i].seconds};
+    const double share = log_share(fit[i - 1], fit[i], error);
+    return Crossing{i, curve[i - 1].seconds * std::pow(curve[i].seconds / curve[i - 1].seconds, share)};
+}
+
+/// What each point and the next one are both at most.
+std::vector<TimedError> borne_out(std::span<const TimedError> curve) {
+    std::vector<TimedError> points;
+    for (size_t i = 0; i + 1 < curve.size(); ++i)
+        points.push_back({curve[i].seconds, std::max(curve[i].upper_end(), curve[i + 1].upper_end())});
+    return points;
 }
 
 }  // namespace
@@ -57,12 +83,21 @@ void CurveSchedule::skip_to(uint32_t passes, double seconds) {
     while (next_seconds_ <= seconds && std::isfinite(next_seconds_)) next_seconds_ *= 2;
 }
 
+double TimedError::upper_end() const {
+    if (!interval) return error;
+    return error > 0 ? interval->greatest : std::max(interval->greatest, 0.5 * (interval->greatest - interval->least));
+}
+
 std::vector<TimedError> timed_errors(std::span<const CurvePoint> curve, const std::string& metric) {
     std::vector<TimedError> errors;
     for (const CurvePoint& point : curve) {
         const auto found = point.metrics.find(metric);
-        if (found == point.metrics.end() || !found->second) continue;
-        if (positive(point.seconds) && positive(*found->second)) errors.push_back({point.seconds, *found->second});
+        const auto value = found != point.metrics.end() ? found->second : std::nullopt;
+        const auto ends = point.intervals.find(metric);
+        TimedError error{point.seconds, value.value_or(0)};
+        if (ends != point.intervals.end()) error.interval = ends->second;
+        const bool shows = value || (error.interval && error.upper_end() > 0);
+        if (shows && positive(error.seconds) && std::isfinite(error.error)) errors.push_back(error);
     }
     // Of points that the clock does not tell apart the last stands: it has the most passes.
     std::stable_sort(errors.begin(), errors.end(),
@@ -74,37 +109,93 @@ std::vector<TimedError> timed_errors(std::span<const CurvePoint> curve, const st
     return errors;
 }
 
-std::optional<double> time_to_error(std::span<const TimedError> curve, double error) {
-    size_t first = curve.size();  // of the points at the end that are all at or below
-    while (first > 0 && curve[first - 1].error <= error) --first;
-    if (first == curve.size()) return std::nullopt;
-    const TimedError& below = curve[first];
-    if (first == 0 || below.error == error) return below.seconds;
-    const TimedError& above = curve[first - 1];
-    return log_log_interpolated(above.error, above.seconds, below.error, below.seconds, error);
+std::vector<double> non_increasing_fit(std::span<const double> values) {
+    struct Pool {
+        double mean;
+        size_t count;
+    };
+    std::vector<Pool> pools;
+    for (const double value : values) {
+        pools.push_back({value, 1});
+        while (pools.size() > 1 && pools.back().mean > pools[pools.size() - 2].mean) {
+            const Pool last = pools.back();
+            pools.pop_back();
+            Pool& before = pools.back();
+            before.count += last.count;
+            before.mean +=
+                (last.mean - before.mean) * static_cast<double>(last.count) / static_cast<double>(before.count);
+        }
+    }
+    std::vector<double> fit;
+    for (const Pool& pool : pools) fit.insert(fit.end(), pool.count, pool.mean);
+    return fit;
 }
 
-std::optional<double> error_at_time(std::span<const TimedError> curve, double seconds) {
+std::optional<double> time_to_error(std::span<const TimedError> curve, double error) {
+    if (!(error > 0)) return std::nullopt;
+    const auto reached = crossing(borne_out(curve), error);
+    return reached ? std::optional(reached->seconds) : std::nullopt;
+}
+
+std::optional<Interval> errors_reached(std::span<const TimedError> curve) {
+    constexpr double kNone = std::numeric_limits<double>::infinity();
+    const std::vector<double> fit = falling_fit(borne_out(curve), kNone);
+    if (fit.empty() || fit.front() == kNone) return std::nullopt;
+    return Interval{fit.back(), fit.front()};
+}
+
+std::optional<double> earliest_time_to_error(std::span<const TimedError> curve, double error) {
+    if (!(error > 0)) return std::nullopt;
+    std::vector<TimedError> lower_ends;
+    for (const TimedError& point : curve) {
+        if (!point.interval) return std::nullopt;
+        lower_ends.push_back({point.seconds, std::max(point.interval->least, 0.0)});
+    }
+    const auto reached = crossing(lower_ends, error);
+    if (!reached) return std::nullopt;
+    const bool unknown = lower_ends[reached->point].error == 0 && reached->point > 0;
+    const double earliest = unknown ? lower_ends[reached->point - 1].seconds : reached->seconds;
+    // A rise at the last point draws up the fit of lower ends alone.
+    return std::min(earliest, time_to_error(curve, error).value_or(earliest));
+}
+
+std::optional<TimedError> error_at_time(std::span<const TimedError> curve, double seconds) {
+    if (curve.empty() || !(seconds >= curve.front().seconds) || seconds > curve.back().seconds) return std::nullopt;
     const auto after = std::lower_bound(curve.begin(), curve.end(), seconds,
                                         [](const TimedError& point, double time) { return point.seconds < time; });
-    if (after == curve.end()) return std::nullopt;
-    if (after->seconds == seconds) return after->error;
-    if (after == curve.begin()) return std::nullopt;
-    const TimedError& before = *std::prev(after);
-    return log_log_interpolated(before.seconds, before.error, after->seconds, after->error, seconds);
+    if (after->seconds == seconds) return *after;
+    const auto before = after - 1;
+    const double share = log_share(before->seconds, after->seconds, seconds);
+    TimedError point{seconds, positive(before->error) && positive(after->error)
+                                  ? before->error * std::pow(after->error / before->error, share)
+                                  : std::lerp(before->error, after->error, share)};
+    if (before->interval && after->interval)
+        point.interval = {point.error - std::lerp(before->error - before->interval->least,
+                                                  after->error - after->interval->least, share),
+                          point.error + std::lerp(before->interval->greatest - before->error,
+                                                  after->interval->greatest - after->error, share)};
+    return point;
 }
 
-std::optional<LogMean> log_mean(std::span<const double> values) {
+std::optional<SeedMean> log_mean(std::span<const double> values) {
     if (values.empty() || !std::all_of(values.begin(), values.end(), positive)) return std::nullopt;
-    const auto count = static_cast<double>(values.size());
-    double mean = 0, squares = 0;
-    for (const double value : values) mean += std::log(value) / count;
-    LogMean result{.mean = std::exp(mean), .low = {}, .high = {}};
+    std::vector<double> logs;
+    for (const double value : values) logs.push_back(std::log(value));
+    const double mean = mean_of(logs);
+    SeedMean result{.mean = std::exp(mean), .low = {}, .high = {}};
     if (values.size() == 1) return result;
-    for (const double value : values) squares += (std::log(value) - mean) * (std::log(value) - mean);
-    const double half_width = two_sided_student_t(0.95, values.size() - 1) * std::sqrt(squares / (count - 1) / count);
-    result.low = std::exp(mean - half_width);
-    result.high = std::exp(mean + half_width);
+    result.low = std::exp(mean - half_width(logs, mean));
+    result.high = std::exp(mean + half_width(logs, mean));
+    return result;
+}
+
+std::optional<SeedMean> arithmetic_mean(std::span<const double> values) {
+    const auto finite = [](double value) { return std::isfinite(value); };
+    if (values.empty() || !std::all_of(values.begin(), values.end(), finite)) return std::nullopt;
+    SeedMean result{.mean = mean_of(values), .low = {}, .high = {}};
+    if (values.size() == 1) return result;
+    result.low = result.mean - half_width(values, result.mean);
+    result.high = result.mean + half_width(values, result.mean);
     return result;
 }
 

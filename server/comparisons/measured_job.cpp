@@ -19,12 +19,23 @@ std::map<std::string, double> figures(const json& metrics) {
     return found;
 }
 
+/// {metric: [least, greatest]}
+std::map<std::string, Interval> intervals(const json& metrics) {
+    std::map<std::string, Interval> found;
+    if (!metrics.is_object()) return found;
+    for (const auto& [metric, ends] : metrics.items())
+        if (ends.is_array() && ends.size() == 2 && ends[0].is_number() && ends[1].is_number())
+            found[metric] = {ends[0].get<double>(), ends[1].get<double>()};
+    return found;
+}
+
 CurvePoint curve_point(const json& source) {
     CurvePoint point;
     point.seconds = source.value("seconds", 0.0);
     point.passes = source.value("passes", uint32_t{0});
     point.photons = count_of(source, "photons");
     for (const auto& [metric, value] : figures(source.value("metrics", json()))) point.metrics[metric] = value;
+    point.intervals = intervals(source.value("intervals", json()));  // results of before have none
     return point;
 }
 
@@ -47,6 +58,7 @@ void add_measurements(MeasuredJob& job, const json& curve, const json& statistic
         for (const json& point : curve) job.curve.push_back(curve_point(point));
     if (!statistics.is_object()) return;
     job.error = figures(statistics.value("error", json()));
+    job.error_interval = intervals(statistics.value("error_interval", json()));
     job.reference_error = figures(statistics.value("reference_error", json()));
     job.peak_bytes = peak_bytes(statistics);
     job.loss = CoreLoss::of_statistics(statistics);

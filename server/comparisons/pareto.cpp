@@ -12,7 +12,7 @@ bool dominates(const std::vector<TimedError>& curve, const TimedError& point) {
         if (other.error <= point.error) return true;
     }
     const auto then = error_at_time(curve, point.seconds);
-    return then && *then < point.error;
+    return then && then->error < point.error;
 }
 
 }  // namespace
@@ -27,7 +27,7 @@ std::vector<bool> pareto_front(std::span<const std::vector<TimedError>> curves) 
             const auto error = error_at_time(curves[i], seconds);
             if (!error) return false;
             for (size_t j = 0; j < curves.size(); ++j)
-                if (j != i && dominates(curves[j], {seconds, *error})) return false;
+                if (j != i && dominates(curves[j], *error)) return false;
             return true;
         };
         on_front[i] = std::any_of(times.begin(), times.end(), undominated);

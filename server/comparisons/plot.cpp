@@ -17,6 +17,8 @@ constexpr double kLeft = 78, kRight = 14, kTop = 12, kBottom = 50;
 constexpr double kMargin = 1.12;     // factor beyond the data on each side
 constexpr size_t kMostLabels = 10;   // of an axis
 constexpr double kFloorBelow = 100;  // the reference's noise is shown when not further below the data
+/// An error is seen down to this share of its upper end: a figure near 0 by luck is not to draw the axis down.
+constexpr double kSeenBelow = 0.1;
 
 struct Range {
     double low = std::numeric_limits<double>::infinity(), high = 0;
@@ -78,28 +80,79 @@ std::string place(const Axis& x, const Axis& y, double seconds, double error) {
 std::string band(const PlotSeries& series, size_t index, const Axis& x, const Axis& y) {
     std::string there, back;
     for (const MeanPoint& point : series.points) {
-        if (!point.error.low || !point.error.high) continue;
-        there += place(x, y, point.seconds, *point.error.high);
-        back.insert(0, place(x, y, point.seconds, *point.error.low));
+        const SeedMean& error = point.mean.error;
+        if (!error.low || !error.high) continue;
+        there += place(x, y, point.seconds, *error.high);
+        back.insert(0, place(x, y, point.seconds, *error.low));
     }
     if (there.empty()) return "";
     return "<polygon class=\"band line-" + std::to_string(index) + "\" points=\"" + there + back + "\"/>";
 }
 
-std::string curve(const PlotSeries& series, size_t index, const Axis& x, const Axis& y) {
-    const std::string name = "line-" + std::to_string(index);
-    std::string svg = "<polyline class=\"curve " + name + "\" points=\"";
-    for (const MeanPoint& point : series.points) svg += place(x, y, point.seconds, point.error.mean);
-    svg += "\"><title>" + escaped(series.name) + "</title></polyline>";
+/// Through the points that are errors, broken where one is a bound.
+std::string lines(const PlotSeries& series, const std::string& name, const Axis& x, const Axis& y) {
+    std::string svg, points;
+    const auto end = [&] {
+        if (!points.empty())
+            svg += "<polyline class=\"curve " + name + "\" points=\"" + points + "\"><title>" + escaped(series.name) +
+                   "</title></polyline>";
+        points.clear();
+    };
     for (const MeanPoint& point : series.points) {
-        const std::string spread = interval(point.error, short_number);
-        svg += "<circle class=\"point " + name + "\" cx=\"" + fixed(x.at(point.seconds)) + "\" cy=\"" +
-               fixed(y.at(point.error.mean)) + "\" r=\"3\"><title>" +
-               escaped(series.name + ": " + short_number(point.error.mean) + " after " + short_seconds(point.seconds) +
-                       (spread.empty() ? "" : " (95 %: " + spread + ")")) +
-               "</title></circle>";
+        if (point.mean.is_bound())
+            end();
+        else
+            points += place(x, y, point.seconds, point.mean.error.mean);
+    }
+    end();
+    return svg;
+}
+
+/// "a: 0.012 after 3 s (95 %: 0.01 – 0.014; references: 0.011 – 0.013)"
+std::string point_title(const PlotSeries& series, const MeanPoint& point) {
+    const MeanError& mean = point.mean;
+    std::string known = interval(mean.error, short_number);
+    if (!known.empty()) known.insert(0, "95 %: ");
+    if (mean.interval)
+        known += (known.empty() ? "references: " : "; references: ") +
+                 range(mean.interval->least, mean.interval->greatest, short_number);
+    return escaped(series.name + ": " + short_number(mean.error.mean) + " after " + short_seconds(point.seconds) +
+                   (known.empty() ? "" : " (" + known + ")"));
+}
+
+std::string marks(const PlotSeries& series, const std::string& name, const Axis& x, const Axis& y) {
+    std::string svg;
+    for (const MeanPoint& point : series.points) {
+        const auto drawn = point.mean.drawn();
+        if (!drawn) continue;
+        const double across = x.at(point.seconds), at = y.at(std::clamp(*drawn, y.low, y.high));
+        const std::string title = "><title>" + point_title(series, point) + "</title>";
+        if (point.mean.is_bound()) {
+            svg += "<path class=\"bound " + name + "\" d=\"M" + fixed(across - 5) + " " + fixed(at) +
+                   "h10m-5 0v15m-4 -5l4 5l4 -5\"" + title + "</path>";
+            continue;
+        }
+        if (point.mean.interval) {
+            const Interval& ends = *point.mean.interval;
+            svg += line(("whisker " + name).c_str(), across, y.at(std::clamp(ends.least, y.low, y.high)), across,
+                        y.at(std::clamp(ends.greatest, y.low, y.high)));
+        }
+        svg += "<circle class=\"point " + name + "\" cx=\"" + fixed(across) + "\" cy=\"" + fixed(at) + "\" r=\"3\"" +
+               title + "</circle>";
     }
     return svg;
+}
+
+std::string curve(const PlotSeries& series, size_t index, const Axis& x, const Axis& y) {
+    const std::string name = "line-" + std::to_string(index);
+    return lines(series, name, x, y) + marks(series, name, x, y);
+}
+
+std::string floor_line(const PlotSeries& series, size_t index, const Axis& x, const Axis& y) {
+    if (!series.floor) return "";
+    const double at = y.at(*series.floor);
+    return line(("bias-floor line-" + std::to_string(index)).c_str(), x.from, at, x.to, at) +
+           text_at(x.from + 6, at - 6, "start", series.name + ": squared bias " + short_number(*series.floor));
 }
 
 }  // namespace
@@ -107,11 +160,14 @@ std::string curve(const PlotSeries& series, size_t index, const Axis& x, const A
 std::string log_log_plot(const Plot& plot) {
     Range seconds, errors;
     for (const PlotSeries& series : plot.series)
-        for (const MeanPoint& point : series.points) {
-            seconds.add(point.seconds);
-            errors.add(point.error.mean);
-        }
+        for (const MeanPoint& point : series.points)
+            if (const auto drawn = point.mean.drawn()) {
+                seconds.add(point.seconds);
+                errors.add(std::max(*drawn, kSeenBelow * point.mean.upper_end()));
+            }
     if (errors.high == 0) return "";
+    for (const PlotSeries& series : plot.series)
+        if (series.floor) errors.add(*series.floor);
     // Wide bands of two or three seeds are cut at the frame; the curves decide what is seen.
     const bool floor = plot.reference_noise && *plot.reference_noise > 0 &&
                        *plot.reference_noise * kFloorBelow > errors.low && *plot.reference_noise <= errors.high;
@@ -127,6 +183,7 @@ std::string log_log_plot(const Plot& plot) {
                text_at(x.to - 4, at - 6, "end", "the reference's own noise, " + short_number(*plot.reference_noise));
     }
     for (size_t i = 0; i < plot.series.size(); ++i) svg += curve(plot.series[i], i, x, y);
+    for (size_t i = 0; i < plot.series.size(); ++i) svg += floor_line(plot.series[i], i, x, y);
     return svg + "</svg>";
 }
 

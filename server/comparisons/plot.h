@@ -11,7 +11,8 @@ namespace photond {
 
 struct PlotSeries {
     std::string name;
-    std::vector<MeanPoint> points;  // by rising seconds
+    std::vector<MeanPoint> points;     // by rising seconds
+    std::optional<double> floor = {};  // that more passes will not go below: a dotted line
 };
 
 struct Plot {
@@ -20,8 +21,10 @@ struct Plot {
     std::optional<double> reference_noise;  // a dashed line
 };
 
-/// Lines with their 95 % bands, axes with 1-2-5 ticks, a title to hover on each point. Colours and dashes come from the
-/// page's classes "line-N" (styles_of_series()). Empty when no series has a point.
+/// Lines with their 95 % bands, whiskers for what the references' noise leaves open, arrows down from upper bounds
+/// where an error is not positive (MeanError::drawn()), which lines leave out; axes with 1-2-5 ticks, a title to hover
+/// on each point. Colours and dashes come from the page's classes "line-N" (styles_of_series()). Empty when no series
+/// has a point.
 std::string log_log_plot(const Plot& plot);
 
 /// A stroke as it stands in the legend.

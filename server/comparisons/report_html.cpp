@@ -49,6 +49,18 @@ std::string reference_text(const json& reference) {
            stop_text(reference["stop"]);
 }
 
+/// How errors were measured against the reference of a comparison; what has no form is of before there were two films.
+std::string form_text(const json& reference) {
+    if (reference.is_null()) return "";
+    const json form = reference.value("form", json());
+    if (form == "two_films")
+        return "Measured against two films of different seeds, each with half of the passes: of mse, rmse and "
+               "relative_mse the references' noise drops out, and what is left of it is in their 90 % intervals. Other "
+               "measures are against the mean of both, and its noise is part of them.";
+    return std::string("Measured against one ") + (form == "image" ? "image" : "film") +
+           ": its own noise is part of every error.";
+}
+
 std::string header(const Report& report) {
     const json& comparison = report.comparison;
     const json& request = comparison.at("request");
@@ -62,7 +74,7 @@ std::string header(const Report& report) {
                       std::to_string(comparison["jobs"].size()) + " jobs, " + plain(request["image"]["width"]) + " × " +
                       plain(request["image"]["height"]) + " pixels, seed" + (request["seeds"].size() > 1 ? "s " : " ") +
                       seeds + "; each job ended at " + stop_text(request["stop"]) + ".");
-    html += paragraph("Reference: " + reference_text(request["reference"]) + ".");
+    html += paragraph("Reference: " + reference_text(request["reference"]) + ". " + form_text(comparison["reference"]));
     html += paragraph("photond " + escaped(report.version) + ", asked for on " + escaped(plain(comparison["created"])) +
                           (comparison["overhead_seconds"].is_number()
                                ? "; " + short_seconds(comparison["overhead_seconds"]) +
@@ -116,7 +128,9 @@ std::string verdict_section(const Report& report) {
     html += "</ul>\n";
     const bool one_seed = report.comparison.at("request")["seeds"].size() == 1;
     return heading("Who reaches which error first") + html +
-           (one_seed ? paragraph("One seed: the spread of these times is not known. More seeds give intervals.", "soft")
+           (one_seed ? paragraph("One seed: how far another would be from these times is not known. More seeds give "
+                                 "intervals.",
+                                 "soft")
                      : "");
 }
 
@@ -127,17 +141,53 @@ std::string legend(const ComparisonTable& table) {
     return html + "</ul>\n";
 }
 
+const BiasApart* bias_of(const TableRow& row, const std::string& metric) {
+    if (!row.bias) return nullptr;
+    const auto parts = row.bias->find(metric);
+    return parts != row.bias->end() ? &parts->second : nullptr;
+}
+
+std::optional<double> floor_of(const TableRow& row, const std::string& metric) {
+    const BiasApart* parts = bias_of(row, metric);
+    return parts && parts->least() ? std::optional(parts->squared_bias) : std::nullopt;
+}
+
+/// What the lines of a metric's plot are.
+std::string key_text(const ComparisonTable& table, const std::string& metric) {
+    bool intervals = false, floors = false;
+    for (const TableRow& row : table.rows) {
+        for (const MeanPoint& point : row.mean_curve.at(metric)) intervals = intervals || point.mean.interval;
+        floors = floors || floor_of(row, metric);
+    }
+    if (!intervals) return "Lines: the mean over the seeds (of logarithms); bands: its 95 % interval.";
+    return std::string(
+               "Lines: the mean over the seeds; bands: its 95 % interval; whiskers: where the references' noise "
+               "lets it lie, at 90 %; arrows down: upper bounds, where it is not told apart from 0") +
+           (floors ? "; dotted: the squared bias, which more passes will not go below" : "") + ".";
+}
+
+std::string bias_list(const ComparisonTable& table, const std::string& metric) {
+    std::string html;
+    for (size_t r = 0; r < table.rows.size(); ++r)
+        if (const BiasApart* parts = bias_of(table.rows[r], metric))
+            html += "<li>" + legend_stroke(r) + escaped(row_name(table.rows[r].label, table.rows[r].parameters)) +
+                    ": " + escaped(parts->text) + "</li>";
+    return html.empty() ? "" : "<ul class=\"first\">" + html + "</ul>\n";
+}
+
 std::string metric_section(const ComparisonTable& table, const std::string& metric) {
     Plot plot{metric + " against time", metric, {}, std::nullopt};
     for (const TableRow& row : table.rows) {
-        plot.series.push_back({row_name(row.label, row.parameters), row.mean_curve.at(metric)});
-        if (row.error.at(metric).reference) plot.reference_noise = row.error.at(metric).reference;
+        plot.series.push_back({row_name(row.label, row.parameters), row.mean_curve.at(metric), floor_of(row, metric)});
+        const FinalError& end = row.error.at(metric);
+        const bool in_interval = end.mean && end.mean->interval;
+        if (end.reference && !in_interval) plot.reference_noise = end.reference;
     }
     const std::string svg = log_log_plot(plot);
     if (svg.empty()) return heading(escaped(metric)) + paragraph("Nothing has been measured yet.", "soft");
-    return heading(escaped(metric)) + legend(table) + svg + "\n" +
-           paragraph("Lines: the mean over the seeds (of logarithms); bands: its 95 % interval.", "soft") +
-           time_to_error_table(table, metric) + "<p></p>" + error_at_time_table(table, metric);
+    return heading(escaped(metric)) + legend(table) + svg + "\n" + paragraph(key_text(table, metric), "soft") +
+           bias_list(table, metric) + time_to_error_table(table, metric) + "<p></p>" +
+           error_at_time_table(table, metric);
 }
 
 std::string image_element(const ReportPicture& picture, bool in_wipe) {

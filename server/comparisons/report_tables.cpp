@@ -24,10 +24,7 @@ std::string head(const std::vector<std::string>& columns) {
     return html + "</tr></thead>";
 }
 
-std::string with_interval(const LogMean& mean, std::string (*written)(double)) {
-    const std::string spread = interval(mean, written);
-    return written(mean.mean) + (spread.empty() ? "" : "<small>" + spread + "</small>");
-}
+std::string small(const std::string& text) { return text.empty() ? "" : "<small>" + text + "</small>"; }
 
 /// A cell of what not every seed reached.
 std::string missing(size_t reached, size_t seeds, const char* what) {
@@ -35,14 +32,39 @@ std::string missing(size_t reached, size_t seeds, const char* what) {
            "\">–</td>";
 }
 
-/// A table of one figure for each row and column; the smallest of each column is marked.
+/// What a cell shows, and by what the smallest of its column is found, which is marked.
+struct Figure {
+    double value;
+    std::string html;
+};
+
+std::string error_text(const MeanError& mean) {
+    if (!mean.is_bound()) return short_number(mean.error.mean);
+    const auto bound = mean.drawn();
+    return bound ? "&lt; " + short_number(*bound) : short_number(mean.error.mean);
+}
+
+/// The error, beneath it its interval over the seeds, beneath that what the references' noise leaves open.
+std::string error_html(const MeanError& mean) {
+    std::string html = error_text(mean) + small(interval(mean.error, short_number));
+    if (mean.interval) html += small("ref. " + range(mean.interval->least, mean.interval->greatest, short_number));
+    return html;
+}
+
+/// The time, beneath it its interval over the seeds; of one seed what the references' noise leaves open.
+std::string time_html(const TimeToError& time) {
+    std::string html = (time.at_most ? "≤ " : "") + short_seconds(time.seconds->mean);
+    if (time.seconds->low) return html + small(interval(*time.seconds, short_seconds));
+    const bool open = time.earliest && time.latest && *time.earliest < *time.latest;
+    return html + (open ? small("ref. " + range(*time.earliest, *time.latest, short_seconds)) : "");
+}
+
+/// A table of one figure for each row and column.
 struct Figures {
     std::vector<std::string> columns;
-    std::string (*written)(double);
     const char* reaching;  // "reached it"
-    std::function<const std::optional<LogMean>&(size_t row, size_t column)> mean;
+    std::function<std::optional<Figure>(size_t row, size_t column)> figure;
     std::function<size_t(size_t row, size_t column)> reached;
-    std::function<bool(size_t row, size_t column)> at_most = [](size_t, size_t) { return false; };
 };
 
 std::string figures_table(const ComparisonTable& table, const Figures& figures, const std::string& caption) {
@@ -52,18 +74,17 @@ std::string figures_table(const ComparisonTable& table, const Figures& figures, 
     std::vector<double> best(figures.columns.size(), std::numeric_limits<double>::infinity());
     for (size_t r = 0; r < table.rows.size(); ++r)
         for (size_t c = 0; c < best.size(); ++c)
-            if (const auto& mean = figures.mean(r, c)) best[c] = std::min(best[c], mean->mean);
+            if (const auto figure = figures.figure(r, c)) best[c] = std::min(best[c], figure->value);
     for (size_t r = 0; r < table.rows.size(); ++r) {
         html += "<tr>" + row_head(table, r);
         for (size_t c = 0; c < best.size(); ++c) {
-            const auto& mean = figures.mean(r, c);
-            if (!mean) {
+            const auto figure = figures.figure(r, c);
+            if (!figure) {
                 html += missing(figures.reached(r, c), table.rows[r].seeds, figures.reaching);
                 continue;
             }
-            const bool marked = mean->mean == best[c] && table.rows.size() > 1;
-            html += std::string(marked ? "<td class=\"best\">" : "<td>") + (figures.at_most(r, c) ? "≤ " : "") +
-                    with_interval(*mean, figures.written) + "</td>";
+            const bool marked = figure->value == best[c] && table.rows.size() > 1;
+            html += std::string(marked ? "<td class=\"best\">" : "<td>") + figure->html + "</td>";
         }
         html += "</tr>";
     }
@@ -71,7 +92,7 @@ std::string figures_table(const ComparisonTable& table, const Figures& figures, 
 }
 
 std::string spread_text(const Spread& spread, std::string (*written)(double)) {
-    return spread.min == spread.max ? written(spread.min) : written(spread.min) + " – " + written(spread.max);
+    return spread.min == spread.max ? written(spread.min) : range(spread.min, spread.max, written);
 }
 
 std::string whole(double value) {
@@ -89,11 +110,13 @@ std::string cell(const std::optional<Spread>& spread, std::string (*written)(dou
 }
 
 std::string error_cell(const FinalError& figure) {
-    if (!figure.error) return "<td class=\"soft\">–</td>";
-    std::string html = "<td>" + with_interval(*figure.error, short_number);
-    if (figure.reference)
-        html += std::string("<small") + (figure.near_reference ? " class=\"warning\"" : "") + ">reference " +
-                short_number(*figure.reference) + (figure.near_reference ? " (!)" : "") + "</small>";
+    if (!figure.mean) return "<td class=\"soft\">–</td>";
+    std::string html = "<td>" + error_html(*figure.mean);
+    const bool has_noise = figure.reference && !figure.mean->interval;  // else it is in the interval
+    if (has_noise || figure.near_reference)
+        html += std::string("<small") + (figure.near_reference ? " class=\"warning\"" : "") + ">" +
+                (has_noise ? "reference " + short_number(*figure.reference) : "not known to a third") +
+                (figure.near_reference ? " (!)" : "") + "</small>";
     return html + "</td>";
 }
 
@@ -101,29 +124,36 @@ std::string error_cell(const FinalError& figure) {
 
 std::string time_to_error_table(const ComparisonTable& table, const std::string& metric) {
     if (table.rows.empty() || table.rows.front().time_to_error.at(metric).empty()) return "";
-    Figures figures{{}, short_seconds, "reached it", {}, {}};
+    const auto at = [&](size_t r, size_t c) -> const TimeToError& { return table.rows[r].time_to_error.at(metric)[c]; };
+    Figures figures{{}, "reached it", {}, {}};
     for (const TimeToError& level : table.rows.front().time_to_error.at(metric))
         figures.columns.push_back(short_number(level.error));
-    figures.mean = [&](size_t r, size_t c) -> const std::optional<LogMean>& {
-        return table.rows[r].time_to_error.at(metric)[c].seconds;
+    figures.figure = [&](size_t r, size_t c) -> std::optional<Figure> {
+        if (!at(r, c).seconds) return std::nullopt;
+        return Figure{at(r, c).seconds->mean, time_html(at(r, c))};
     };
-    figures.reached = [&](size_t r, size_t c) { return table.rows[r].time_to_error.at(metric)[c].reached; };
-    figures.at_most = [&](size_t r, size_t c) { return table.rows[r].time_to_error.at(metric)[c].at_most; };
+    figures.reached = [&](size_t r, size_t c) { return at(r, c).reached; };
     return figures_table(table, figures,
-                         "Time to reach an error of ... and stay there; small: 95 % interval over the seeds; – : not "
-                         "reached by every seed; ≤ : below it from the first measurement on.");
+                         "Time to reach an error of ... , at two points after each other, by its upper end; small: 95 "
+                         "% interval over the seeds, or (ref.) what the references' noise leaves open; – : not reached "
+                         "by every seed; ≤ : below it from the first measurement on.");
 }
 
 std::string error_at_time_table(const ComparisonTable& table, const std::string& metric) {
     if (table.rows.empty() || table.rows.front().error_at_time.at(metric).empty()) return "";
-    Figures figures{{}, short_number, "have a curve there", {}, {}};
+    const auto at = [&](size_t r, size_t c) -> const ErrorAtTime& { return table.rows[r].error_at_time.at(metric)[c]; };
+    Figures figures{{}, "have a curve there", {}, {}};
     for (const ErrorAtTime& time : table.rows.front().error_at_time.at(metric))
         figures.columns.push_back(short_seconds(time.seconds));
-    figures.mean = [&](size_t r, size_t c) -> const std::optional<LogMean>& {
-        return table.rows[r].error_at_time.at(metric)[c].error;
+    figures.figure = [&](size_t r, size_t c) -> std::optional<Figure> {
+        if (!at(r, c).mean) return std::nullopt;
+        return Figure{at(r, c).mean->upper_end(), error_html(*at(r, c).mean)};
     };
-    figures.reached = [&](size_t r, size_t c) { return table.rows[r].error_at_time.at(metric)[c].reached; };
-    return figures_table(table, figures, "Error after ... ; – : outside the curve of some seed.");
+    figures.reached = [&](size_t r, size_t c) { return at(r, c).reached; };
+    return figures_table(table, figures,
+                         "Error after ... ; small: 95 % interval over the seeds, and (ref.) what the references' noise "
+                         "leaves open, at 90 %; &lt; : not told apart from 0; – : outside the curve of some seed; the "
+                         "lowest, by its upper end, is marked.");
 }
 
 std::string cost_table(const ComparisonTable& table) {
@@ -132,7 +162,8 @@ std::string cost_table(const ComparisonTable& table) {
     for (const char* column : {"peak memory", "efficiency", "Pareto front"}) columns.emplace_back(column);
     std::string html =
         "<div class=\"scroll\"><table><caption>At the end of each job. Seconds: from the quickest to the slowest seed. "
-        "Memory: the largest seed's, beside the idle process. Efficiency: 1 / (mean squared error × seconds)."
+        "Memory: the largest seed's, beside the idle process. Efficiency: 1 / (mean squared error × seconds), – where "
+        "that error is not told apart from 0."
         "</caption>" +
         head(columns) + "<tbody>";
     for (size_t r = 0; r < table.rows.size(); ++r) {

@@ -81,8 +81,12 @@ std::string short_bytes(uint64_t bytes) {
     return number(value, 3) + kUnits[unit];
 }
 
-std::string interval(const LogMean& mean, std::string (*written)(double)) {
-    return mean.low && mean.high ? written(*mean.low) + " – " + written(*mean.high) : "";
+std::string range(double from, double to, std::string (*written)(double)) {
+    return written(from) + " – " + written(to);
+}
+
+std::string interval(const SeedMean& mean, std::string (*written)(double)) {
+    return mean.low && mean.high ? range(*mean.low, *mean.high, written) : "";
 }
 
 std::string base64(std::span<const uint8_t> bytes) {

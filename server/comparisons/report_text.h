@@ -21,8 +21,10 @@ std::string exact_number(double value);
 std::string short_seconds(double seconds);
 /// "12.3 MB".
 std::string short_bytes(uint64_t bytes);
-/// Of whichever of the above: "0.50 – 0.55"; empty without an interval.
-std::string interval(const LogMean& mean, std::string (*written)(double));
+/// Of whichever of the above: "0.50 – 0.55".
+std::string range(double from, double to, std::string (*written)(double));
+/// Over the seeds, likewise; empty without an interval.
+std::string interval(const SeedMean& mean, std::string (*written)(double));
 std::string base64(std::span<const uint8_t> bytes);
 /// base64 of the SHA-256 of a text: what a content-security policy names an inline script or style by.
 std::string sha256_base64(std::string_view text);

@@ -37,11 +37,18 @@ std::vector<RowRange> row_ranges(std::span<const MeasuredJob> jobs) {
     return ranges;
 }
 
-/// The worst last error of a row's seeds that have begun: every level from here on was reached by them.
+void widen(std::optional<Spread>& spread, double value) {
+    if (!spread)
+        spread = Spread{value, value};
+    else
+        spread = Spread{std::min(spread->min, value), std::max(spread->max, value)};
+}
+
+/// The worst of what a row's seeds that have begun came to: every level from here on was reached by them.
 std::optional<double> reached_by_all(const Curves& curves, const RowRange& row) {
     std::optional<double> worst;
     for (size_t i = row.begin; i < row.end; ++i)
-        if (!curves[i].empty()) worst = std::max(worst.value_or(0), curves[i].back().error);
+        if (const auto reached = errors_reached(curves[i])) worst = std::max(worst.value_or(0), reached->least);
     return worst;
 }
 
@@ -51,7 +58,7 @@ std::vector<double> error_levels(const Curves& curves, std::span<const RowRange>
     for (const RowRange& row : rows)
         if (const auto reached = reached_by_all(curves, row)) best = std::min(best, *reached);
     for (const auto& curve : curves)
-        if (!curve.empty()) worst_first = std::max(worst_first, curve.front().error);
+        if (const auto reached = errors_reached(curve)) worst_first = std::max(worst_first, reached->greatest);
     std::vector<double> levels;
     if (worst_first > 0) {
         // A level that every curve begins below tells nothing.
@@ -83,63 +90,78 @@ std::vector<double> time_levels(const Curves& curves, std::optional<double> wish
 }
 
 /// log_mean where there is a value for each of `wanted`.
-std::optional<LogMean> mean_of_all(const std::vector<double>& values, size_t wanted) {
+std::optional<SeedMean> mean_of_all(const std::vector<double>& values, size_t wanted) {
     return values.size() == wanted ? log_mean(values) : std::nullopt;
 }
 
-std::vector<TimeToError> times_to_errors(const Curves& curves, std::span<const MeasuredJob> jobs, const RowRange& row,
-                                         std::span<const double> levels, bool ended_by_time) {
-    std::vector<TimeToError> found;
-    const bool disturbed = std::any_of(jobs.begin() + static_cast<std::ptrdiff_t>(row.begin),
-                                       jobs.begin() + static_cast<std::ptrdiff_t>(row.end),
-                                       [](const MeasuredJob& job) { return job.loss; });
-    for (const double error : levels) {
-        std::vector<double> seconds, earliest;
-        bool at_most = false;
-        for (size_t i = row.begin; i < row.end; ++i) {
-            const auto time = time_to_error(curves[i], error);
-            if (time) {
-                seconds.push_back(*time);
-                at_most = at_most || *time == curves[i].front().seconds;
-            }
-            // Whenever in its course the processors were missing.
-            const double too_long = jobs[i].loss ? jobs[i].loss->clock_seconds : 0;
-            if (time || ended_by_time)
-                earliest.push_back(std::max(time.value_or(jobs[i].seconds) - too_long, kShortest_s));
+std::optional<double> figure_of_all(const std::vector<double>& values, size_t wanted) {
+    const auto mean = mean_of_all(values, wanted);
+    return mean ? std::optional(mean->mean) : std::nullopt;
+}
+
+TimeToError time_of_row(const Curves& curves, std::span<const MeasuredJob> jobs, const RowRange& row, double error,
+                        bool ended_by_time) {
+    std::vector<double> seconds, earliest, undisturbed;
+    TimeToError found{.error = error, .seconds = {}};
+    bool disturbed = false, intervals = false;
+    for (size_t i = row.begin; i < row.end; ++i) {
+        const auto time = time_to_error(curves[i], error), first = earliest_time_to_error(curves[i], error);
+        if (time) {
+            seconds.push_back(*time);
+            found.at_most = found.at_most || *time == curves[i].front().seconds;
         }
-        const size_t seeds = row.end - row.begin;
-        found.push_back({error, mean_of_all(seconds, seeds), seconds.size(), at_most,
-                         disturbed ? mean_of_all(earliest, seeds) : std::nullopt});
+        if (first) earliest.push_back(*first);
+        intervals = intervals || first;
+        disturbed = disturbed || jobs[i].loss;
+        // Whenever in its course the processors were missing.
+        const double too_long = jobs[i].loss ? jobs[i].loss->clock_seconds : 0;
+        if (time || ended_by_time)
+            undisturbed.push_back(std::max(time.value_or(jobs[i].seconds) - too_long, kShortest_s));
     }
+    const size_t seeds = row.end - row.begin;
+    found.seconds = mean_of_all(seconds, seeds);
+    found.reached = seconds.size();
+    found.earliest = figure_of_all(earliest, seeds);
+    if (intervals) found.latest = figure_of_all(seconds, seeds);
+    if (disturbed) found.undisturbed = mean_of_all(undisturbed, seeds);
     return found;
+}
+
+/// What the row's curves are at a time, of those that span it.
+std::vector<TimedError> errors_at(const Curves& curves, const RowRange& row, double time) {
+    std::vector<TimedError> errors;
+    for (size_t i = row.begin; i < row.end; ++i)
+        if (const auto error = error_at_time(curves[i], time)) errors.push_back(*error);
+    return errors;
 }
 
 std::vector<ErrorAtTime> errors_at_times(const Curves& curves, const RowRange& row, std::span<const double> times) {
     std::vector<ErrorAtTime> found;
     for (const double time : times) {
-        std::vector<double> errors;
-        for (size_t i = row.begin; i < row.end; ++i)
-            if (const auto error = error_at_time(curves[i], time)) errors.push_back(*error);
-        found.push_back({time, mean_of_all(errors, row.end - row.begin), errors.size()});
+        const std::vector<TimedError> errors = errors_at(curves, row, time);
+        found.push_back(
+            {time, errors.size() == row.end - row.begin ? mean_error(errors) : std::nullopt, errors.size()});
     }
     return found;
 }
 
 /// Of at least one.
-Spread spread_of(const std::vector<double>& values) {
-    const auto [min, max] = std::minmax_element(values.begin(), values.end());
-    return {*min, *max};
+MeanPoint mean_point(double seconds, std::span<const TimedError> errors) {
+    std::optional<Spread> seeds;
+    for (const TimedError& error : errors) widen(seeds, error.error);
+    return {seconds, *mean_error(errors), *seeds};
 }
 
 /// The mean of the seeds' last points.
 MeanPoint mean_end(const Curves& curves, const RowRange& row) {
-    std::vector<double> seconds, errors;
+    std::vector<double> seconds;
+    std::vector<TimedError> errors;
     for (size_t i = row.begin; i < row.end; ++i)
         if (!curves[i].empty()) {
             seconds.push_back(curves[i].back().seconds);
-            errors.push_back(curves[i].back().error);
+            errors.push_back(curves[i].back());
         }
-    return {log_mean(seconds)->mean, *log_mean(errors), spread_of(errors)};
+    return mean_point(log_mean(seconds)->mean, errors);
 }
 
 std::vector<MeanPoint> mean_curve(const Curves& curves, const RowRange& row) {
@@ -158,57 +180,63 @@ std::vector<MeanPoint> mean_curve(const Curves& curves, const RowRange& row) {
         if (point.seconds > from && point.seconds < to) times.push_back(point.seconds);
     if (to > from) times.push_back(to);
     std::vector<MeanPoint> points;
-    for (const double time : times) {
-        std::vector<double> errors;
-        for (size_t i = row.begin; i < row.end; ++i)
-            if (const auto error = error_at_time(curves[i], time)) errors.push_back(*error);
-        if (const auto mean = log_mean(errors)) points.push_back({time, *mean, spread_of(errors)});
-    }
+    for (const double time : times) points.push_back(mean_point(time, errors_at(curves, row, time)));
     return points;
 }
 
-void widen(std::optional<Spread>& spread, double value) {
-    if (!spread)
-        spread = Spread{value, value};
-    else
-        spread = Spread{std::min(spread->min, value), std::max(spread->max, value)};
+/// A metric of a finished job: what its statistics say, else the last point of its curve. Like timed_errors() it takes
+/// the root of what was estimated below 0 for 0.
+std::optional<TimedError> final_error(const MeasuredJob& job, const std::string& metric) {
+    const auto value = job.error.find(metric);
+    const auto interval = job.error_interval.find(metric);
+    if (value == job.error.end() && interval == job.error_interval.end()) {
+        if (job.curve.empty()) return std::nullopt;
+        const std::vector<TimedError> last = timed_errors(std::span(job.curve).last(1), metric);
+        return last.empty() ? std::nullopt : std::optional(last.front());
+    }
+    TimedError error{job.seconds, value != job.error.end() ? value->second : 0};
+    if (interval != job.error_interval.end()) error.interval = interval->second;
+    return error;
 }
 
-/// A metric of a finished job: what its statistics say, else the last point of its curve.
-std::optional<double> final_error(const MeasuredJob& job, const std::string& metric) {
-    if (const auto found = job.error.find(metric); found != job.error.end()) return found->second;
-    if (job.curve.empty()) return std::nullopt;
-    const auto found = job.curve.back().metrics.find(metric);
-    return found != job.curve.back().metrics.end() ? found->second : std::nullopt;
+bool is_near_reference(const MeanError& mean, std::optional<double> noise) {
+    if (mean.interval) return 0.5 * (mean.interval->greatest - mean.interval->least) > mean.error.mean / kNearReference;
+    return noise && mean.error.mean <= kNearReference * *noise;
 }
 
 FinalError final_error(std::span<const MeasuredJob> jobs, const std::string& metric, std::optional<double> reference) {
-    std::vector<double> values;
+    std::vector<TimedError> errors;
     for (const MeasuredJob& job : jobs)
         if (job.succeeded())
-            if (const auto error = final_error(job, metric)) values.push_back(*error);
-    FinalError result{log_mean(values), reference, false};
-    result.near_reference = result.error && reference && result.error->mean <= kNearReference * *reference;
+            if (const auto error = final_error(job, metric)) errors.push_back(*error);
+    FinalError result{mean_error(errors), reference, false};
+    result.near_reference = result.mean && is_near_reference(*result.mean, reference);
     return result;
 }
 
-/// "indirect:rmse" for "indirect:relative_mse".
-std::string rmse_beside(const std::string& metric) {
+/// "indirect:mse" for "indirect:relative_mse".
+std::string beside(const std::string& metric, const char* measure) {
     const size_t colon = metric.find(':');
-    return (colon == std::string::npos ? "" : metric.substr(0, colon + 1)) + "rmse";
+    return (colon == std::string::npos ? "" : metric.substr(0, colon + 1)) + measure;
 }
 
-std::optional<double> efficiency(std::span<const MeasuredJob> jobs, const std::string& rmse) {
+/// The mean square beside a metric; of results of before, which may lack it, by its root.
+std::optional<double> final_mse(const MeasuredJob& job, const std::string& metric) {
+    if (const auto mse = final_error(job, beside(metric, "mse"))) return mse->error;
+    const auto rmse = final_error(job, beside(metric, "rmse"));
+    return rmse ? std::optional(rmse->error * rmse->error) : std::nullopt;
+}
+
+std::optional<double> efficiency(std::span<const MeasuredJob> jobs, const std::string& metric) {
     double sum = 0;
     size_t count = 0;
     for (const MeasuredJob& job : jobs) {
-        const auto error = job.succeeded() ? final_error(job, rmse) : std::nullopt;
-        if (!error || !(*error > 0) || !(job.seconds > 0)) continue;
-        sum += 1 / (*error * *error * job.seconds);
+        const auto mse = job.succeeded() ? final_mse(job, metric) : std::nullopt;
+        if (!mse || !(job.seconds > 0)) continue;
+        sum += *mse * job.seconds;
         ++count;
     }
-    if (count == 0) return std::nullopt;
-    return sum / static_cast<double>(count);
+    return sum > 0 ? std::optional(static_cast<double>(count) / sum) : std::nullopt;
 }
 
 std::optional<double> reference_noise(std::span<const MeasuredJob> jobs, const std::string& metric) {
@@ -248,7 +276,9 @@ void add_metric(ComparisonTable& table, std::span<const MeasuredJob> jobs, std::
     for (size_t r = 0; r < ranges.size(); ++r) {
         TableRow& row = table.rows[r];
         const RowRange& range = ranges[r];
-        row.time_to_error[metric] = times_to_errors(curves, jobs, range, levels, wishes.seconds.has_value());
+        std::vector<TimeToError>& times_to_errors = row.time_to_error[metric];
+        for (const double error : levels)
+            times_to_errors.push_back(time_of_row(curves, jobs, range, error, wishes.seconds.has_value()));
         row.error_at_time[metric] = errors_at_times(curves, range, times);
         row.mean_curve[metric] = mean_curve(curves, range);
         row.error[metric] = final_error(jobs.subspan(range.begin, range.end - range.begin), metric, reference);
@@ -260,7 +290,7 @@ void mark_pareto(ComparisonTable& table) {
     for (const TableRow& row : table.rows) {
         curves.emplace_back();
         for (const MeanPoint& point : row.mean_curve.at(table.metrics.front()))
-            curves.back().push_back({point.seconds, point.error.mean});
+            if (const double error = point.mean.upper_end(); error > 0) curves.back().push_back({point.seconds, error});
     }
     const std::vector<bool> front = pareto_front(curves);
     for (size_t r = 0; r < table.rows.size(); ++r) table.rows[r].pareto = front[r];
@@ -277,11 +307,33 @@ json counts_json(const std::optional<Spread>& spread) {
     return {{"min", static_cast<uint64_t>(spread->min)}, {"max", static_cast<uint64_t>(spread->max)}};
 }
 
-/// The mean as `name`, and its interval.
-void put_mean(json& object, const char* name, const std::optional<LogMean>& mean) {
+/// The mean as `name`, and its interval over the seeds.
+void put_mean(json& object, const char* name, const std::optional<SeedMean>& mean) {
     object[name] = mean ? json(mean->mean) : json();
     object["low"] = mean ? or_null(mean->low) : json();
     object["high"] = mean ? or_null(mean->high) : json();
+}
+
+/// Likewise, and what the references' noise leaves open.
+void put_mean(json& object, const char* name, const std::optional<MeanError>& mean) {
+    put_mean(object, name, mean ? std::optional(mean->error) : std::nullopt);
+    object["interval"] = nullptr;
+    if (mean && mean->interval) object["interval"] = {mean->interval->least, mean->interval->greatest};
+}
+
+json bias_json(const TableRow& row) {
+    if (!row.bias) return nullptr;
+    json metrics = json::object();
+    for (const auto& [metric, parts] : *row.bias)
+        metrics[metric] = {{"squared_bias", parts.squared_bias},
+                           {"low", parts.low},
+                           {"high", parts.high},
+                           {"variance", parts.variance},
+                           {"variance_low", or_null(parts.variance_low)},
+                           {"variance_high", or_null(parts.variance_high)},
+                           {"floor", parts.floor},
+                           {"text", parts.text}};
+    return metrics;
 }
 
 json row_json(const TableRow& row) {
@@ -289,7 +341,11 @@ json row_json(const TableRow& row) {
     for (const auto& [metric, levels] : row.time_to_error) {
         json& list = time_to_error[metric] = json::array();
         for (const TimeToError& level : levels) {
-            json item{{"error", level.error}, {"reached", level.reached}, {"at_most", level.at_most}};
+            json item{{"error", level.error},
+                      {"reached", level.reached},
+                      {"at_most", level.at_most},
+                      {"earliest", or_null(level.earliest)},
+                      {"latest", or_null(level.latest)}};
             put_mean(item, "seconds", level.seconds);
             list.push_back(std::move(item));
         }
@@ -298,13 +354,13 @@ json row_json(const TableRow& row) {
         json& list = error_at_time[metric] = json::array();
         for (const ErrorAtTime& time : times) {
             json item{{"seconds", time.seconds}, {"reached", time.reached}};
-            put_mean(item, "error", time.error);
+            put_mean(item, "error", time.mean);
             list.push_back(std::move(item));
         }
     }
     for (const auto& [metric, error] : row.error) {
         json item{{"reference", or_null(error.reference)}, {"near_reference", error.near_reference}};
-        put_mean(item, "value", error.error);
+        put_mean(item, "value", error.mean);
         errors[metric] = std::move(item);
     }
     return {{"label", row.label},
@@ -321,10 +377,38 @@ json row_json(const TableRow& row) {
             {"error_at_time", std::move(error_at_time)},
             {"peak_bytes", or_null(row.peak_bytes)},
             {"efficiency", or_null(row.efficiency)},
-            {"pareto", row.pareto}};
+            {"pareto", row.pareto},
+            {"bias", bias_json(row)}};
 }
 
 }  // namespace
+
+std::optional<double> MeanError::drawn() const {
+    if (!is_bound()) return error.mean;
+    if (!interval) return std::nullopt;
+    const double bound = interval->greatest > 0 ? interval->greatest : 0.5 * (interval->greatest - interval->least);
+    return bound > 0 ? std::optional(bound) : std::nullopt;
+}
+
+std::optional<MeanError> mean_error(std::span<const TimedError> errors) {
+    std::vector<double> values;
+    bool as_they_are = false, intervals = true;
+    for (const TimedError& error : errors) {
+        values.push_back(error.error);
+        as_they_are = as_they_are || error.interval || !(error.error > 0);
+        intervals = intervals && error.interval;
+    }
+    const auto mean = as_they_are ? arithmetic_mean(values) : log_mean(values);
+    if (!mean) return std::nullopt;
+    MeanError result{*mean};
+    if (!intervals) return result;
+    Interval& ends = result.interval.emplace();
+    for (const TimedError& error : errors) {
+        ends.least += error.interval->least / static_cast<double>(errors.size());
+        ends.greatest += error.interval->greatest / static_cast<double>(errors.size());
+    }
+    return result;
+}
 
 ComparisonTable make_table(std::span<const MeasuredJob> jobs, const std::vector<std::string>& metrics,
                            const TableWishes& wishes) {
@@ -334,7 +418,7 @@ ComparisonTable make_table(std::span<const MeasuredJob> jobs, const std::vector<
     for (const RowRange& range : ranges) {
         const auto of_row = jobs.subspan(range.begin, range.end - range.begin);
         table.rows.push_back(make_row(of_row));
-        if (!metrics.empty()) table.rows.back().efficiency = efficiency(of_row, rmse_beside(metrics.front()));
+        if (!metrics.empty()) table.rows.back().efficiency = efficiency(of_row, metrics.front());
     }
     for (const std::string& metric : metrics) add_metric(table, jobs, ranges, metric, wishes);
     if (!metrics.empty()) mark_pareto(table);
@@ -353,7 +437,7 @@ json mean_curves_json(const TableRow& row) {
         json& list = curves[metric] = json::array();
         for (const MeanPoint& point : points) {
             json item{{"seconds", point.seconds}, {"min", point.seeds.min}, {"max", point.seeds.max}};
-            put_mean(item, "error", point.error);
+            put_mean(item, "error", point.mean);
             list.push_back(std::move(item));
         }
     }

@@ -22,9 +22,10 @@ struct MeasuredJob {
     uint64_t seed = 1;
     std::string state;
     std::vector<CurvePoint> curve;
-    std::map<std::string, double> error;            // at the end
-    std::map<std::string, double> reference_error;  // the reference's own noise, by metric
-    std::optional<uint64_t> peak_bytes;             // that rendering took beside the idle process, host and device
+    std::map<std::string, double> error;             // at the end
+    std::map<std::string, Interval> error_interval;  // of these, where the reference is two films
+    std::map<std::string, double> reference_error;   // the reference's own noise, by metric
+    std::optional<uint64_t> peak_bytes;              // that rendering took beside the idle process, host and device
     uint64_t passes = 0;
     std::optional<uint64_t> photons;
     double seconds = 0;
@@ -36,24 +37,50 @@ struct MeasuredJob {
 
 struct TimeToError {
     double error = 0;
-    std::optional<LogMean> seconds;  // where every seed reached it, for good
-    size_t reached = 0;              // seeds that did
-    bool at_most = false;            // some seed was there at its first point: the time is an upper bound
+    std::optional<SeedMean> seconds;  // where every seed reached it: time_to_error(), the mean of logarithms
+    size_t reached = 0;               // seeds that did
+    bool at_most = false;             // some seed was there at its first point: the time is an upper bound
+    /// What the references' noise leaves open, of every seed the earliest and the latest that its intervals let it have
+    /// reached the error; means of logarithms. Empty where not every seed has one, and without intervals.
+    std::optional<double> earliest = {}, latest = {};
     /// Of a row with disturbed jobs: when it might have been there with all processors that they wanted, at the
     /// earliest; a seed that was not there when its time was over, from that time on.
-    std::optional<LogMean> earliest = {};
+    std::optional<SeedMean> undisturbed = {};
 };
+
+/// An error over seeds. One rule: an error that has an interval is averaged as it is, for then the mean is as free of
+/// the references' noise as each, may be below 0, and is what squared bias and variance add up to; so is a list in
+/// which an error is 0. All others are positive, spread over decades, and known to no better than a factor: the mean is
+/// that of their logarithms.
+struct MeanError {
+    SeedMean error;
+    /// What the references' noise leaves open, at kConfidence: it is the same in all seeds, so that the mean's interval
+    /// is as wide as theirs are on average, however many there are. Empty where an error has none.
+    std::optional<Interval> interval = {};
+
+    /// The error as it is drawn on a logarithmic axis: where it is not positive, an upper bound, which is its
+    /// interval's upper end (where that is not positive either, by luck, half of the width). Empty where there is none.
+    std::optional<double> drawn() const;
+    /// By which rows are compared where they cannot be asked about each time: TimedError::upper_end().
+    double upper_end() const { return TimedError{0, error.mean, interval}.upper_end(); }
+    /// Whether drawn() is such a bound.
+    bool is_bound() const { return !(error.mean > 0); }
+};
+
+/// Empty for no errors.
+std::optional<MeanError> mean_error(std::span<const TimedError> errors);
 
 struct ErrorAtTime {
     double seconds = 0;
-    std::optional<LogMean> error;  // where every seed's curve spans that time
-    size_t reached = 0;            // seeds whose curve does
+    std::optional<MeanError> mean;  // where every seed's curve spans that time
+    size_t reached = 0;             // seeds whose curve does
 };
 
 struct FinalError {
-    std::optional<LogMean> error;     // over the seeds that are over
+    std::optional<MeanError> mean;    // over the seeds that are over
     std::optional<double> reference;  // the reference's own noise by the same metric
-    /// Whether that noise is at least a third of what is measured: the figure is then partly the reference's.
+    /// Whether the reference spoils the figure. With an interval: it is not known to a third of itself, half of the
+    /// interval's width being more than that. Without: the reference's noise is at least a third of it, and part of it.
     bool near_reference = false;
 };
 
@@ -63,8 +90,21 @@ struct Spread {
 
 struct MeanPoint {
     double seconds = 0;
-    LogMean error;
+    MeanError mean;
     Spread seeds;  // from the lowest to the highest of the seeds' errors
+};
+
+/// What a row's error is made of, of one quadratic metric: from films of different seeds against two references.
+struct BiasApart {
+    double squared_bias = 0, low = 0, high = 0;         // 90 % by Student's t over seeds
+    double variance = 0;                                // of one film
+    std::optional<double> variance_low, variance_high;  // likewise; two seeds have none
+    /// The row's parameters are fixed: more passes will not go below the squared bias. Else it is that at these passes.
+    bool floor = false;
+    std::string text;  // a sentence
+
+    /// The least that the row comes to whatever its passes, as far as its seeds tell; empty where that may be 0.
+    std::optional<double> least() const { return floor && low > 0 ? std::optional(low) : std::nullopt; }
 };
 
 /// The jobs of one label and one set of parameters; they differ by their seed.
@@ -81,8 +121,10 @@ struct TableRow {
     /// The mean over the seeds where all their curves overlap, at the times of the first seed's points.
     std::map<std::string, std::vector<MeanPoint>> mean_curve;
     std::optional<uint64_t> peak_bytes;  // the largest of the seeds'
-    std::optional<double> efficiency;    // 1 / (mse x seconds) at the end, mean over the seeds
-    bool pareto = false;                 // at some time no other row's mean curve is better
+    std::optional<double> efficiency;    // 1 / the mean over the seeds of mse x seconds at the end, where above 0
+    bool pareto = false;                 // at some time no other row's mean curve is better, by upper ends
+    /// By metric; empty for one seed, while it is not finished, and where the reference is not two films.
+    std::optional<std::map<std::string, BiasApart>> bias = {};
 };
 
 struct ComparisonTable {
@@ -103,7 +145,7 @@ ComparisonTable make_table(std::span<const MeasuredJob> jobs, const std::vector<
 
 /// Array of rows as on the wire (protocol.md, "Shapes").
 nlohmann::json to_json(const ComparisonTable& table);
-/// {metric: [{"seconds", "error", "low", "high", "min", "max"}]} of a row's mean curves.
+/// {metric: [{"seconds", "error", "low", "high", "min", "max", "interval"}]} of a row's mean curves.
 nlohmann::json mean_curves_json(const TableRow& row);
 
 /// "photon mapping, photons 5000": the label and what the sweep gave.

@@ -9,13 +9,33 @@ namespace {
 
 using nlohmann::json;
 
-bool overlap(const LogMean& a, const LogMean& b) {
-    return a.low && a.high && b.low && b.high && *a.high >= *b.low && *b.high >= *a.low;
+Interval span_of(const SeedMean& mean) { return {mean.low.value_or(mean.mean), mean.high.value_or(mean.mean)}; }
+
+/// Where a row's time may lie: by its seeds, else by the references' noise. It reaches the error.
+Interval span_of(const TimeToError& time) {
+    if (!time.seconds->low && time.earliest && time.latest) return {*time.earliest, *time.latest};
+    return span_of(*time.seconds);
 }
+
+bool overlap(const Interval& a, const Interval& b) { return a.greatest >= b.least && b.greatest >= a.least; }
 
 /// Whether what a row's disturbed jobs lost is enough for it to have been there as soon as the one that was first.
 bool might_be_first(const TimeToError& row, const TimeToError& first) {
-    return row.earliest && (row.earliest->mean <= first.seconds->mean || overlap(*row.earliest, *first.seconds));
+    return row.undisturbed &&
+           (row.undisturbed->mean <= first.seconds->mean || overlap(span_of(*row.undisturbed), span_of(first)));
+}
+
+/// Whether a row that does not reach the error by its upper ends may have been there by then all the same.
+bool is_open(const TimeToError& row, const TimeToError& first) {
+    return !row.seconds && row.earliest && *row.earliest <= span_of(first).greatest;
+}
+
+/// The least that a row comes to by a metric, where that is more than `error`.
+std::optional<double> least_above(const TableRow& row, const std::string& metric, double error) {
+    if (!row.bias) return std::nullopt;
+    const auto parts = row.bias->find(metric);
+    const auto least = parts != row.bias->end() ? parts->second.least() : std::nullopt;
+    return least && *least > error ? least : std::nullopt;
 }
 
 /// Of the level at this index; without a row that arrives where there is none.
@@ -29,18 +49,53 @@ Verdict verdict_at(const ComparisonTable& table, const std::string& metric, size
                      [&](size_t a, size_t b) { return at(a).seconds->mean < at(b).seconds->mean; });
     if (verdict.arrived.empty()) return verdict;
     const TimeToError& first = at(verdict.arrived[0]);
-    verdict.close = verdict.arrived.size() > 1 && !can_be_told_apart(first, at(verdict.arrived[1]));
-    for (size_t r = 0; r < table.rows.size(); ++r)
+    for (const size_t r : std::span(verdict.arrived).subspan(1))
+        if (!can_be_told_apart(first, at(r))) verdict.rivals.push_back(r);
+    for (size_t r = 0; r < table.rows.size(); ++r) {
         if (r != verdict.arrived[0] && might_be_first(at(r), first)) verdict.doubtful.push_back(r);
-    verdict.close = verdict.close || !verdict.doubtful.empty();
+        if (is_open(at(r), first) && !least_above(table.rows[r], metric, verdict.error)) verdict.open.push_back(r);
+    }
+    verdict.close = !verdict.rivals.empty() || !verdict.doubtful.empty() || !verdict.open.empty();
     return verdict;
 }
 
 /// The same rows are named first; where a second is there, by how much is told.
 bool same_outcome(const Verdict& a, const Verdict& b) {
     if (a.close != b.close || (a.arrived.size() > 1) != (b.arrived.size() > 1)) return false;
-    if (a.arrived[0] != b.arrived[0] || a.doubtful != b.doubtful) return false;
-    return !a.close || a.arrived.size() == 1 || a.arrived[1] == b.arrived[1];
+    return a.arrived[0] == b.arrived[0] && a.rivals == b.rivals && a.doubtful == b.doubtful && a.open == b.open;
+}
+
+std::string name_of(const ComparisonTable& table, size_t row) {
+    return row_name(table.rows[row].label, table.rows[row].parameters);
+}
+
+/// "a, b and c"; empty for none.
+std::string enumerated(const std::vector<std::string>& names) {
+    std::string text;
+    for (size_t i = 0; i < names.size(); ++i) text += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + names[i];
+    return text;
+}
+
+bool is_among(const std::vector<size_t>& rows, size_t row) {
+    return std::find(rows.begin(), rows.end(), row) != rows.end();
+}
+
+/// "; not in its time: b; c reaches no less than relative_mse 0.02; by the references' noise it cannot be told when, or
+/// whether: d"
+std::string missing_text(const ComparisonTable& table, const Verdict& verdict) {
+    std::string late, floors, open;
+    for (const size_t row : verdict.missing) {
+        const std::string name = name_of(table, row);
+        if (const auto least = least_above(table.rows[row], verdict.metric, verdict.error))
+            floors += "; " + name + " reaches no less than " + verdict.metric + " " + short_number(*least);
+        else if (is_among(verdict.open, row))
+            open += (open.empty() ? "" : ", ") + name;
+        else
+            late += (late.empty() ? "" : ", ") + name;
+    }
+    if (!late.empty()) late.insert(0, "; not in its time: ");
+    if (!open.empty()) open = "; by the references' noise it cannot be told when, or whether: " + open;
+    return late + floors + open;
 }
 
 std::vector<size_t> disturbed_rows(const ComparisonTable& table) {
@@ -54,10 +109,8 @@ std::vector<size_t> disturbed_rows(const ComparisonTable& table) {
 std::string disturbance_text(const ComparisonTable& table, const Verdict& verdict) {
     std::string doubtful, harmless;
     for (const size_t row : disturbed_rows(table)) {
-        const bool in_doubt =
-            std::find(verdict.doubtful.begin(), verdict.doubtful.end(), row) != verdict.doubtful.end();
-        std::string& names = in_doubt ? doubtful : harmless;
-        names += (names.empty() ? "" : ", ") + row_name(table.rows[row].label, table.rows[row].parameters);
+        std::string& names = is_among(verdict.doubtful, row) ? doubtful : harmless;
+        names += (names.empty() ? "" : ", ") + name_of(table, row);
     }
     std::string text;
     if (!doubtful.empty())
@@ -80,7 +133,7 @@ const TimeToError& Verdict::time(const ComparisonTable& table, size_t row) const
 
 bool can_be_told_apart(const TimeToError& a, const TimeToError& b) {
     const bool in_order = a.seconds->mean < b.seconds->mean;
-    return a.seconds->mean != b.seconds->mean && !overlap(*a.seconds, *b.seconds) && !(a.at_most && b.at_most) &&
+    return !overlap(span_of(a), span_of(b)) && !(a.at_most && b.at_most) &&
            !might_be_first(in_order ? b : a, in_order ? a : b);
 }
 
@@ -105,27 +158,33 @@ std::vector<Verdict> verdicts(const ComparisonTable& table) {
 }
 
 std::string verdict_text(const ComparisonTable& table, const Verdict& verdict) {
-    const auto name = [&](size_t row) { return row_name(table.rows[row].label, table.rows[row].parameters); };
-    const auto named = [&](size_t row) { return name(row) + " (" + time_text(verdict.time(table, row)) + ")"; };
+    const auto named = [&](size_t row) {
+        return name_of(table, row) + " (" + time_text(verdict.time(table, row)) + ")";
+    };
     const std::string goal = verdict.metric + " " + exact_number(verdict.error);
+    const size_t first_row = verdict.arrived[0];
+    std::vector<size_t> said{first_row};
     std::string text, others;
     if (verdict.close) {
-        text = "too close to call at " + goal + ": " + named(verdict.arrived[0]);
-        if (verdict.arrived.size() > 1) text += " and " + named(verdict.arrived[1]);
+        std::vector<std::string> names{named(first_row)};
+        said.insert(said.end(), verdict.rivals.begin(), verdict.rivals.end());
+        if (verdict.rivals.empty() && verdict.arrived.size() > 1) said.push_back(verdict.arrived[1]);
+        for (const size_t row : std::span(said).subspan(1)) names.push_back(named(row));
+        text = "too close to call at " + goal + ": " + enumerated(names);
     } else {
-        const TimeToError& first = verdict.time(table, verdict.arrived[0]);
-        text = name(verdict.arrived[0]) + " reaches " + goal + " first, after " + time_text(first);
-        if (verdict.arrived.size() > 1)
+        const TimeToError& first = verdict.time(table, first_row);
+        text = name_of(table, first_row) + " reaches " + goal + " first, after " + time_text(first);
+        if (verdict.arrived.size() > 1) {
+            said.push_back(verdict.arrived[1]);
             text += std::string(": ") + (first.at_most ? "at least " : "") +
-                    short_number(verdict.seconds(table, verdict.arrived[1]) / first.seconds->mean) +
-                    " times sooner than " + named(verdict.arrived[1]);
+                    short_number(verdict.seconds(table, said[1]) / first.seconds->mean) + " times sooner than " +
+                    named(said[1]);
+        }
     }
-    for (size_t i = 2; i < verdict.arrived.size(); ++i)
-        others += (others.empty() ? "" : ", ") + named(verdict.arrived[i]);
+    for (const size_t row : verdict.arrived)
+        if (!is_among(said, row)) others += (others.empty() ? "" : ", ") + named(row);
     if (!others.empty()) text += "; then " + others;
-    std::string missing;
-    for (const size_t row : verdict.missing) missing += (missing.empty() ? "" : ", ") + name(row);
-    if (!missing.empty()) text += "; not in its time: " + missing;
+    text += missing_text(table, verdict);
     text += disturbance_text(table, verdict);
     if (verdict.easiest > verdict.error) text += "; likewise from " + exact_number(verdict.easiest) + " on";
     return text;

@@ -47,6 +47,16 @@ std::optional<int64_t> first_start(const std::vector<JobProgress>& jobs) {
     return first;
 }
 
+/// ", 0.001, is within 3 times the reference's own, 0.0005" of a figure that is near the reference.
+std::string near_reference_text(const FinalError& figure) {
+    const MeanError& mean = *figure.mean;
+    if (!mean.interval)
+        return ", " + short_number(mean.error.mean) + ", is within 3 times the reference's own, " +
+               short_number(*figure.reference);
+    return ", between " + short_number(mean.interval->least) + " and " + short_number(mean.interval->greatest) +
+           " by the references' noise, is not known to a third of itself";
+}
+
 /// "its own noise": of the metrics that were measured, and where that is too near to what it is compared with.
 json reference_json(const ComparisonRow& row, const ComparisonState& state, const std::vector<MeasuredJob>& jobs,
                     const ComparisonTable& table) {
@@ -58,9 +68,8 @@ json reference_json(const ComparisonRow& row, const ComparisonState& state, cons
     for (const TableRow& table_row : table.rows)
         for (const auto& [metric, figure] : table_row.error)
             if (figure.near_reference)
-                warnings.push_back("the " + metric + " of " + row_name(table_row.label, table_row.parameters) + ", " +
-                                   short_number(figure.error->mean) + ", is within 3 times the reference's own, " +
-                                   short_number(*figure.reference) + ": take a reference of more passes");
+                warnings.push_back("the " + metric + " of " + row_name(table_row.label, table_row.parameters) +
+                                   near_reference_text(figure) + ": take a reference of more passes");
     const bool image = asked.is_string() && asked.get_ref<const std::string&>().starts_with("image:");
     json films;
     for (const JobProgress& film : state.references) films.push_back(job_id(film.seq));

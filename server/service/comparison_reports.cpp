@@ -22,12 +22,17 @@ std::string cache_prefix(const json& comparison, const char* what) {
 json curve_json(const MeasuredJob& job) {
     json points = json::array();
     for (const CurvePoint& point : job.curve) {
-        json metrics = json::object();
+        json metrics = json::object(), intervals = json::object();
         for (const auto& [metric, value] : point.metrics) metrics[metric] = value ? json(*value) : json();
+        for (const auto& [metric, ends] : point.intervals) {
+            intervals[metric] = {ends.least, ends.greatest};
+            metrics.emplace(metric, nullptr);  // the root of what was estimated below 0
+        }
         points.push_back({{"seconds", point.seconds},
                           {"passes", point.passes},
                           {"photons", point.photons ? json(*point.photons) : json()},
-                          {"metrics", metrics}});
+                          {"metrics", metrics},
+                          {"intervals", intervals}});
     }
     return points;
 }

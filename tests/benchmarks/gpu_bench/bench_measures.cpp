@@ -200,8 +200,9 @@ json time_to_error(const Entry& entry, Place& place, bool on_gpu) {
     CurveSchedule schedule;
     std::vector<TimedError> on_clock, of_passes, of_gpu;
     json points = json::array();
+    // A time is known once another point bears it out.
     while (on_clock.empty() ||
-           (run.seconds - run.begin_seconds < wanted.most_seconds && on_clock.back().error > least)) {
+           (run.seconds - run.begin_seconds < wanted.most_seconds && !photond::time_to_error(on_clock, least))) {
         run.pass(!schedule.is_due(run.film.passes() + 1, run.seconds));
         if (!schedule.is_due(run.film.passes(), run.seconds)) continue;
         run.settle();

@@ -19,7 +19,7 @@ namespace {
 
 using nlohmann::json;
 
-/// error = scale / seconds.
+/// error = scale / seconds, from 0.5 s to 16 s and, which bears that out, at 32 s.
 MeasuredJob job(const std::string& label, uint64_t seed, double scale) {
     MeasuredJob made;
     made.id = "J" + std::to_string(seed);
@@ -27,10 +27,10 @@ MeasuredJob job(const std::string& label, uint64_t seed, double scale) {
     made.parameters = json::object();
     made.seed = seed;
     made.state = "succeeded";
-    for (double seconds = 0.5; seconds <= 16; seconds *= 2)
+    for (double seconds = 0.5; seconds <= 32; seconds *= 2)
         made.curve.push_back({seconds, static_cast<uint32_t>(seconds * 2), {}, {{"relative_mse", scale / seconds}}});
-    made.passes = 32;
-    made.seconds = 16;
+    made.passes = 64;
+    made.seconds = 32;
     return made;
 }
 
@@ -120,6 +120,120 @@ TEST(ReportHtml, SaysHowMuchSooner) {
     EXPECT_TRUE(found[1]["factor"].is_null());
 }
 
+/// A curve against two references: known to that half of a width.
+MeasuredJob cross_job(const std::string& label, uint64_t seed, double scale, double half) {
+    MeasuredJob made = job(label, seed, scale);
+    for (CurvePoint& point : made.curve) {
+        const double error = *point.metrics["relative_mse"];
+        point.intervals["relative_mse"] = {error - half, error + half};
+    }
+    return made;
+}
+
+TEST(ReportHtml, TellsSingleSeedsApartByTheReferencesNoise) {
+    // 1 / t and 1.2 / t: at 0.1 after 10 s and 12 s, where 0.001 is a hundredth of the error and 0.02 a fifth.
+    const auto text = [](double half) {
+        const ComparisonTable table =
+            make_table(std::vector{cross_job("a", 1, 1, half), cross_job("b", 1, 1.2, half)}, {"relative_mse"});
+        const std::vector<Verdict> found = verdicts(table);
+        return verdict_text(table, found.back());
+    };
+    EXPECT_EQ(text(0.0001).find("a reaches relative_mse 0.1 first"), 0u) << text(0.0001);
+    EXPECT_EQ(text(0.02).find("too close to call at relative_mse 0.1: a"), 0u) << text(0.02);
+}
+
+TEST(ReportHtml, WhatIsNotShownToArriveMayHave) {
+    // b's noise is greater: 0.1 it never shows to have reached, by its lower ends it may have at once.
+    const ComparisonTable table =
+        make_table(std::vector{cross_job("a", 1, 1, 0.001), cross_job("b", 1, 1, 0.2)}, {"relative_mse"});
+    const std::vector<Verdict> found = verdicts(table);
+    EXPECT_TRUE(found.back().close);
+    EXPECT_EQ(found.back().open, std::vector<size_t>{1});
+    EXPECT_EQ(verdict_text(table, found.back()),
+              "too close to call at relative_mse 0.1: a (10.1 s); by the references' noise it cannot be told when, or "
+              "whether: b; likewise from 0.2 on");
+}
+
+TEST(ReportHtml, NamesAllThatCannotBeToldApart) {
+    // b and c are known less well and arrive later, and might be as soon as a; d arrives between them and cannot.
+    const ComparisonTable table = make_table(std::vector{cross_job("a", 1, 1, 0.0001), cross_job("b", 1, 1.01, 0.03),
+                                                         cross_job("c", 1, 1.1, 0.03), cross_job("d", 1, 1.5, 0.0001)},
+                                             {"relative_mse"});
+    const std::vector<Verdict> found = verdicts(table);
+    EXPECT_EQ(found.back().rivals, (std::vector<size_t>{1, 2})) << verdict_text(table, found.back());
+    EXPECT_NE(verdict_text(table, found.back()).find("; then d ("), std::string::npos);
+}
+
+TEST(ReportHtml, SaysWhatABiasedRowComesTo) {
+    std::vector<MeasuredJob> jobs{cross_job("a", 1, 1, 0.001), cross_job("b", 1, 3, 0.001)};
+    ComparisonTable table = make_table(jobs, {"relative_mse"});
+    table.rows[1].bias.emplace()["relative_mse"] = {0.0816, 0.0792, 0.084, 0.01, {}, {}, true, "biased"};
+    Verdict last = verdicts(table).back();
+    EXPECT_EQ(last.error, 0.1);
+    EXPECT_EQ(verdict_text(table, last), "a reaches relative_mse 0.1 first, after 10.1 s; not in its time: b");
+    table.rows[1].bias->at("relative_mse").low = 0.132;
+    EXPECT_EQ(verdict_text(table, last),
+              "a reaches relative_mse 0.1 first, after 10.1 s; b reaches no less than relative_mse 0.132");
+    table.rows[1].bias->at("relative_mse").floor = false;
+    EXPECT_NE(verdict_text(table, last).find("not in its time: b"), std::string::npos);
+
+    Report report = report_of(jobs, "scene");
+    report.table.rows[1].bias = table.rows[1].bias;
+    EXPECT_EQ(report_html(report).find("class=\"bias-floor"), std::string::npos);
+    EXPECT_NE(report_html(report).find("b: biased</li>"), std::string::npos);
+    report.table.rows[1].bias->at("relative_mse").floor = true;
+    EXPECT_NE(report_html(report).find("class=\"bias-floor line-1\""), std::string::npos);
+    EXPECT_NE(report_html(report).find("b: squared bias 0.0816"), std::string::npos);
+}
+
+TEST(ReportHtml, MarksUpperBounds) {
+    MeasuredJob made = cross_job("a", 1, 1, 0.05);
+    for (size_t i = 5; i < made.curve.size(); ++i) {  // from 16 s on
+        made.curve[i].metrics["relative_mse"] = -0.01;
+        made.curve[i].intervals["relative_mse"] = {-0.06, 0.04};
+    }
+    const std::string page = report_html(report_of({made}, "scene"));
+    size_t arrows = 0;
+    for (size_t at = page.find("<path class=\"bound"); at != std::string::npos;
+         at = page.find("<path class=\"bound", at + 1))
+        ++arrows;
+    EXPECT_EQ(arrows, 2u);
+    EXPECT_NE(page.find("&lt; 0.04<small>ref. -0.06 – 0.04</small>"), std::string::npos);
+    EXPECT_NE(page.find("class=\"whisker line-0\""), std::string::npos);
+    EXPECT_NE(page.find("arrows down: upper bounds"), std::string::npos);
+    EXPECT_NE(page.find("not known to a third (!)"), std::string::npos);
+    EXPECT_EQ(page.find("nan"), std::string::npos);
+}
+
+TEST(Plot, NoLuckyPointDrawsTheAxisDown) {
+    const auto height_of_first = [](double lucky) {
+        const Plot plot{"t",
+                        "e",
+                        {{"a", {{1, {{1, {}, {}}, Interval{0.9, 1.1}}}, {10, {{lucky, {}, {}}, Interval{-0.2, 0.3}}}}}},
+                        {}};
+        const std::string svg = log_log_plot(plot);
+        double x = 0, y = 0;
+        EXPECT_EQ(std::sscanf(svg.c_str() + svg.find("<circle"), "<circle class=\"point line-0\" cx=\"%lf\" cy=\"%lf",
+                              &x, &y),
+                  2);
+        return y;
+    };
+    EXPECT_EQ(height_of_first(1e-9), height_of_first(0.03)) << "an error is drawn to a tenth of its upper end";
+    EXPECT_NE(height_of_first(1e-9), height_of_first(0.1));
+}
+
+TEST(ReportHtml, SaysHowErrorsWereMeasured) {
+    Report report = report_of({job("a", 1, 1)}, "scene");
+    const auto says = [&](const char* what) { return report_html(report).find(what) != std::string::npos; };
+    EXPECT_FALSE(says("Measured against"));
+    report.comparison["reference"] = {{"form", "two_films"}, {"warnings", json::array()}};
+    EXPECT_TRUE(says("Measured against two films"));
+    report.comparison["reference"]["form"] = "image";
+    EXPECT_TRUE(says("Measured against one image"));
+    report.comparison["reference"].erase("form");  // as before there were two films
+    EXPECT_TRUE(says("Measured against one film"));
+}
+
 TEST(ReportHtml, BeginsWithTheHeadline) {
     const std::string page = report_html(report_of({job("a & c", 1, 1), job("b", 2, 2)}, "scene"));
     EXPECT_NE(page.find("By relative_mse: a &amp; c is better here.</p>"), std::string::npos);
@@ -135,7 +249,7 @@ TEST(ReportHtml, MarksWhatIsUnfinished) {
 }
 
 TEST(Plot, PlacesADecadeAsLongAsTheNext) {
-    Plot plot{"t", "e", {{"a", {{1, {1, {}, {}}}, {10, {0.1, 0.05, 0.2}}, {100, {0.01, {}, {}}}}}}, 0.02};
+    Plot plot{"t", "e", {{"a", {{1, {{1, {}, {}}}}, {10, {{0.1, 0.05, 0.2}}}, {100, {{0.01, {}, {}}}}}}}, 0.02};
     const std::string svg = log_log_plot(plot);
     const size_t begin = svg.find("<polyline");
     const std::string points = svg.substr(svg.find("points=\"", begin) + 8, 60);

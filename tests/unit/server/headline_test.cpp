@@ -35,7 +35,7 @@ ComparisonTable table_of(const std::vector<std::vector<double>>& seconds) {
         std::vector<TimeToError> times;
         for (const double second : of_row) {
             times.push_back({kLevels[times.size()], {}, 1, false});
-            if (second > 0) times.back().seconds = LogMean{second, {}, {}};
+            if (second > 0) times.back().seconds = SeedMean{second, {}, {}};
         }
         table.rows.push_back(row_of(std::string(1, static_cast<char>('a' + table.rows.size())), times));
     }
@@ -114,8 +114,8 @@ TEST(Headline, IsGivenForEachMetric) {
     ComparisonTable table = table_of({{1, 2}, {2, 3}});
     table.metrics = {"mse", "unreached", kMetric};
     for (TableRow& row : table.rows) row.time_to_error["unreached"] = {{1, {}, 0, false}};
-    table.rows[0].time_to_error["mse"] = {{0.5, LogMean{2, {}, {}}, 1, false}, {0.25, {}, 0, false}};
-    table.rows[1].time_to_error["mse"] = {{0.5, LogMean{1, {}, {}}, 1, false}, {0.25, LogMean{9, {}, {}}, 1, false}};
+    table.rows[0].time_to_error["mse"] = {{0.5, SeedMean{2, {}, {}}, 1, false}, {0.25, {}, 0, false}};
+    table.rows[1].time_to_error["mse"] = {{0.5, SeedMean{1, {}, {}}, 1, false}, {0.25, SeedMean{9, {}, {}}, 1, false}};
     EXPECT_EQ(headlines_json(table, verdicts(table)), json::parse(R"([
         {"metric": "mse", "text": "b is better here", "row": 1, "best": true, "verdict": 0,
          "stretches": [{"row": 1, "easiest": 0.5, "error": 0.25}]},
@@ -149,8 +149,10 @@ Firsts firsts_of(const ComparisonTable& table) {
             if (const auto& seconds = at(table, row, level).seconds) order.emplace_back(seconds->mean, row);
         if (order.empty()) break;
         std::sort(order.begin(), order.end());
-        const bool clear = order.size() == 1 ||
-                           is_clearly_before(at(table, order[0].second, level), at(table, order[1].second, level));
+        const TimeToError& first = at(table, order[0].second, level);
+        const bool clear = std::all_of(order.begin() + 1, order.end(), [&](const auto& other) {
+            return is_clearly_before(first, at(table, other.second, level));
+        });
         firsts.push_back(clear ? std::optional(order[0].second) : std::nullopt);
     }
     return firsts;
@@ -319,7 +321,7 @@ ComparisonTable random_table(std::mt19937& random) {
             const double spread = std::exp(width * uniform());
             if (level < reached)
                 times.back().seconds =
-                    intervals ? LogMean{seconds, seconds / spread, seconds * spread} : LogMean{seconds, {}, {}};
+                    intervals ? SeedMean{seconds, seconds / spread, seconds * spread} : SeedMean{seconds, {}, {}};
         }
         table.rows.push_back(row_of(std::string(1, static_cast<char>('a' + row)), times));
     }
