@@ -5,6 +5,7 @@
 #include <optional>
 #include <ostream>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "clients/cli/job_follower.h"
@@ -21,11 +22,40 @@ namespace {
 constexpr size_t kMostRowsAcross = 4;  // more are written down the page
 constexpr size_t kMostColumns = 6;     // of places then
 
-/// A figure with its interval; empty where the row has none.
+using Format = std::function<std::string(double)>;
+
+/// A figure and where it lies: by its seeds or, of one seed, by the references' noise.
 struct Figure {
     double value = 0;
-    std::optional<double> low, high;
+    std::optional<std::pair<double, double>> between;
+    std::optional<double> at_most;  // of an error that is not positive: its upper bound
+
+    std::string text(const Format& format) const { return at_most ? "< " + format(*at_most) : format(value); }
+    std::string text_with_interval(const Format& format) const {
+        if (!between || at_most) return text(format);
+        return format(value) + " (" + format(between->first) + " to " + format(between->second) + ")";
+    }
 };
+
+std::optional<std::pair<double, double>> pair_of(const json& from, const json& to) {
+    if (!from.is_number() || !to.is_number()) return std::nullopt;
+    return std::pair(from.get<double>(), to.get<double>());
+}
+
+/// Of a mean as tables hold it: `value` is its member's name.
+std::optional<Figure> figure_of(const json& mean, const char* value) {
+    if (!member(mean, value).is_number()) return std::nullopt;
+    Figure figure{mean[value].get<double>(), pair_of(member(mean, "low"), member(mean, "high")), {}};
+    if (!figure.between) figure.between = pair_of(member(mean, "earliest"), member(mean, "latest"));
+    const json ends = member(mean, "interval");
+    if (!ends.is_array() || ends.size() != 2) return figure;
+    const auto noise = pair_of(ends[0], ends[1]);
+    if (!figure.between) figure.between = noise;
+    // An interval that lies below 0 as a whole is too low by luck: half of its width is what an error of 0 would have.
+    if (noise && figure.value <= 0)
+        figure.at_most = noise->second > 0 ? noise->second : 0.5 * (noise->second - noise->first);
+    return figure;
+}
 
 /// The metrics of the tables, in the order they were asked for.
 std::vector<std::string> metrics_of(const json& comparison) {
@@ -61,22 +91,9 @@ std::set<double> places(const json& table, const Curve& curve, const std::string
 std::optional<Figure> figure_at(const json& row, const Curve& curve, const std::string& metric, double place) {
     for (const json& point : points_of(row, curve, metric)) {
         if (!member(point, curve.at).is_number() || point[curve.at].get<double>() != place) continue;
-        if (!member(point, curve.value).is_number()) return std::nullopt;
-        Figure figure{point[curve.value].get<double>(), {}, {}};
-        if (member(point, "low").is_number()) figure.low = point["low"].get<double>();
-        if (member(point, "high").is_number()) figure.high = point["high"].get<double>();
-        return figure;
+        return figure_of(point, curve.value);
     }
     return std::nullopt;
-}
-
-using Format = std::function<std::string(double)>;
-
-std::string cell(const std::optional<Figure>& figure, const Format& format) {
-    if (!figure) return "-";
-    std::string text = format(figure->value);
-    if (figure->low && figure->high) text += " (" + format(*figure->low) + " to " + format(*figure->high) + ")";
-    return text;
 }
 
 /// What is asked of one metric of the table: where its figures are, and how places and figures are written.
@@ -87,7 +104,8 @@ struct CurveTable {
     Format place_text, figure_text;
 
     std::string cell_at(const json& row, double place) const {
-        return cell(figure_at(row, curve, metric, place), figure_text);
+        const std::optional<Figure> figure = figure_at(row, curve, metric, place);
+        return figure ? figure->text_with_interval(figure_text) : "-";
     }
 };
 
@@ -119,7 +137,7 @@ void print_rows_down(std::ostream& out, const CurveTable& table, const std::stri
         std::vector<std::string> cells{comparison_row_name(row)};
         for (const double place : chosen) {
             const std::optional<Figure> figure = figure_at(row, table.curve, table.metric, place);
-            cells.push_back(figure ? table.figure_text(figure->value) : "-");
+            cells.push_back(figure ? figure->text(table.figure_text) : "-");
         }
         text.add_row(std::move(cells));
     }
@@ -148,8 +166,11 @@ void print_ends(std::ostream& out, const json& rows, const std::vector<std::stri
         if (member(passes, "max") != member(passes, "min")) cells.back() += " to " + plain_text(passes["max"]);
         for (const std::string& metric : metrics) {
             const json error = member(member(row, "error"), metric.c_str());
-            const json value = member(error, "value");
-            cells.push_back(value.is_number() ? three_digit_number(value.get<double>()) : "-");
+            const std::optional<Figure> figure = figure_of(error, "value");
+            const bool has_space = rows.size() <= kMostRowsAcross;
+            cells.push_back(!figure     ? "-"
+                            : has_space ? figure->text_with_interval(three_digit_number)
+                                        : figure->text(three_digit_number));
             if (member(error, "near_reference") == true) cells.back() += "!";
         }
         const json bytes = member(row, "peak_bytes");
@@ -162,21 +183,39 @@ void print_ends(std::ostream& out, const json& rows, const std::vector<std::stri
     text.print(out << '\n', "  ");
 }
 
-/// The reference's own noise, and what it spoils.
+/// The reference's own noise, or that it is in the intervals, and what it spoils.
 void print_noise(std::ostream& out, const json& rows, const std::vector<std::string>& metrics) {
     for (const std::string& metric : metrics) {
         std::optional<double> noise;
+        bool crossed = false;
         std::string spoilt;
         for (const json& row : rows) {
             const json error = member(member(row, "error"), metric.c_str());
             if (member(error, "reference").is_number()) noise = error["reference"].get<double>();
+            crossed = crossed || member(error, "interval").is_array();
             if (member(error, "near_reference") == true)
                 spoilt += (spoilt.empty() ? "" : "; ") + comparison_row_name(row);
         }
-        if (!noise) continue;
-        out << "  the reference's own noise: " << metric << ' ' << three_digit_number(*noise) << '\n';
+        if (crossed)
+            out << "  " << metric << " is free of the references' noise; what is left of it is in the intervals of one "
+                << "seed, at 90 %\n";
+        else if (noise)
+            out << "  the reference's own noise: " << metric << ' ' << three_digit_number(*noise) << '\n';
         if (!spoilt.empty())
-            out << "  ! within three times that noise, which then is part of the figure: " << spoilt << '\n';
+            out << (crossed ? "  ! not known to a third of itself, by the references' noise: "
+                            : "  ! within three times that noise, which then is part of the figure: ")
+                << spoilt << '\n';
+    }
+}
+
+/// What each row's errors are made of, bias and variance.
+void print_bias(std::ostream& out, const json& rows) {
+    for (const json& row : rows) {
+        const json bias = member(row, "bias");
+        if (!bias.is_object()) continue;
+        for (const auto& [metric, parts] : bias.items())
+            if (member(parts, "text").is_string())
+                out << "  " << comparison_row_name(row) << ": " << plain_text(parts["text"]) << '\n';
     }
 }
 
@@ -204,6 +243,7 @@ void print_comparison_tables(std::ostream& out, const json& comparison) {
     }
     print_ends(out, table, metrics);
     print_noise(out, table, metrics);
+    print_bias(out, table);
 }
 
 void print_disturbances(std::ostream& out, const json& comparison) {

@@ -10,9 +10,10 @@ namespace photond::cli {
 /// "photon mapping, photons 5000" of a row or job of a comparison: its label and what the sweep gave it.
 std::string comparison_row_name(const nlohmann::json& row);
 
-/// For every metric time to error and error at time, each figure with its 95 % interval over the seeds where there is
-/// one; then each row's last errors, memory, efficiency and whether it is on the Pareto front, and the reference's own
-/// noise. `comparison`: protocol.md, "Shapes".
+/// For every metric time to error and error at time, each figure with its 95 % interval over the seeds or, of one seed,
+/// with what the references' noise leaves open, an error that is not positive as its upper bound; then each row's last
+/// errors, memory, efficiency and whether it is on the Pareto front, what is known of the references' noise, and what
+/// rows' errors are made of. `comparison`: protocol.md, "Shapes".
 void print_comparison_tables(std::ostream& out, const nlohmann::json& comparison);
 
 /// Says which jobs were disturbed, what became of that, and how those that count are run again.
