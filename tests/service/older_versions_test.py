@@ -1,0 +1,149 @@
+"""Data folders of older versions are brought up to date, whatever is killed meanwhile, and what was rendered then stays:
+it is read, gone on with, and says what it does not know.
+"""
+
+import shutil
+import subprocess
+import time
+import unittest
+
+import tiny_scene
+from film_versions import NEWEST, as_version, passes_of, version_of
+from older_store import make_older, migrations, rows_of
+from older_store import version_of as version_of_store
+from photond_daemon import BIN, Daemon, small_job, wait_until
+
+STORE_VERSION = 8  # before references of two films
+FILM_VERSION = 5   # before films kept the means of their passes
+KILLS = 12
+# Members that results of that time did not have.
+AS_THEN = ("UPDATE jobs SET statistics = json_remove(statistics, '$.error_interval', '$.reference.form', "
+           "'$.reference.confidence', '$.reference.denominators') WHERE statistics <> ''",
+           "UPDATE jobs SET error_now = json_remove(error_now, '$.interval') WHERE error_now <> ''",
+           "UPDATE jobs SET curve = (SELECT json_group_array(json_remove(value, '$.intervals')) FROM json_each(curve)) "
+           "WHERE curve <> ''")
+
+
+class OlderVersionsTest(unittest.TestCase):
+    """One folder that a daemon filled, made what one of before would have left."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.daemon = daemon = Daemon("--threads", 1)
+        daemon.wait_ready()
+        cls.data = daemon.data_dir
+        cls.store = cls.data / "store.sqlite"
+        scene = daemon.request("POST", "/v1/scenes", body=tiny_scene.glb(3), headers={"Content-Type": "model/gltf-binary"})
+        assert scene.status == 201, scene
+        cls.judge = daemon.run_job(small_job(passes=64, seed=9))
+        cls.longer = daemon.run_job(small_job(passes=5, reference=f"job:{cls.judge['id']}", metrics=["indirect:rmse"]))
+        cls.measured = daemon.run_job(small_job(passes=3, reference=f"job:{cls.judge['id']}", metrics=["indirect:rmse"]))
+        cls.other_scene = daemon.run_job(small_job(scene=scene.json["id"], size=8, labels={"study": "old"}))
+        compared = daemon.request("POST", "/v1/comparisons", json_body={
+            "scene": "cornell-box", "image": {"width": 16, "height": 16}, "stop": {"passes": 4}, "seeds": [1, 2],
+            "reference": {"method": {"name": "path_tracing"}, "stop": {"passes": 16}},
+            "entries": [{"label": "a", "method": {"name": "path_tracing"}}]})
+        assert compared.status == 202, compared
+        cls.comparison = f"/v1/comparisons/{compared.json['id']}"
+        wait_until(lambda: daemon.request("GET", cls.comparison).json["state"] == "succeeded", "the comparison does not end")
+        assert daemon.stop() == 0
+        make_older(cls.store, STORE_VERSION, AS_THEN)
+        for film in (cls.data / "films").glob("*.film"):
+            film.write_bytes(as_version(film.read_bytes(), FILM_VERSION))
+        cls.rows = rows_of(cls.store, STORE_VERSION)
+        cls.kept = cls.data.with_name(cls.data.name + ".kept")
+        cls.data.rename(cls.kept)
+        cls.addClassCleanup(shutil.rmtree, cls.kept)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.daemon.close()
+
+    def setUp(self):
+        self.restore()
+        self.addCleanup(self.daemon.kill)
+
+    def restore(self):
+        shutil.rmtree(self.data, ignore_errors=True)
+        shutil.copytree(self.kept, self.data, symlinks=True)
+
+    def check_nothing_is_lost(self):
+        """After a daemon, started on it, has stopped."""
+        self.assertEqual(version_of_store(self.store), len(migrations()))
+        rows, changing = rows_of(self.store, STORE_VERSION), ("events", "meta")  # a start may number events anew
+        self.assertEqual({table: rows[table] for table in rows if table not in changing},
+                         {table: self.rows[table] for table in rows if table not in changing})
+        self.assertFalse((self.data / "quarantine").exists() and any((self.data / "quarantine").iterdir()))
+
+    def test_a_start_that_is_killed_at_any_time(self):
+        """The unit test StoreMigration has every moment of the migration itself; this is the program's start whole."""
+        begun = time.monotonic()
+        self.daemon.start()
+        self.daemon.wait_ready()
+        whole = time.monotonic() - begun
+        self.assertEqual(self.daemon.stop(), 0)
+        self.check_nothing_is_lost()
+        versions = []
+        for kill in range(KILLS):
+            self.restore()
+            started = subprocess.Popen([BIN / "photond", "--data", self.data, "--listen", "127.0.0.1:0"],
+                                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            time.sleep(whole * (kill / KILLS) ** 2)  # more of them early, where the store is brought up to date
+            started.kill()
+            started.wait()
+            kept = self.data.parent / (self.data.name + ".killed")
+            kept.mkdir()
+            try:  # a copy, since looking at a store carries on what its log has
+                for file in self.data.glob("store.sqlite*"):
+                    shutil.copy(file, kept)
+                versions.append(version_of_store(kept / "store.sqlite"))
+                self.assertEqual(rows_of(kept / "store.sqlite", STORE_VERSION)["jobs"], self.rows["jobs"])
+            finally:
+                shutil.rmtree(kept)
+        print("the store's version when the start was killed:", versions)
+        self.assertEqual(versions[0], STORE_VERSION)
+        self.daemon.start()
+        self.daemon.wait_ready()
+        self.assertEqual(self.daemon.job(self.other_scene["id"])["request"]["labels"], {"study": "old"})
+        self.assertEqual(self.daemon.stop(), 0)
+        self.check_nothing_is_lost()
+
+    def test_results_stay_readable(self):
+        self.daemon.start()
+        self.daemon.wait_ready()
+        for before in (self.judge, self.measured, self.other_scene):
+            job = self.daemon.job(before["id"])
+            self.assertEqual(job["statistics"]["pixel_hash"], before["statistics"]["pixel_hash"])
+            self.assertEqual(job["reference_job"], before["reference_job"])
+            self.assertEqual(self.daemon.request("GET", job["links"]["image"]).status, 200)
+        self.assertEqual(self.daemon.job(self.measured["id"])["statistics"]["error"],
+                         self.measured["statistics"]["error"])
+        for path in ("", "/report.csv", "/report.json", "/report.html"):
+            self.assertEqual(self.daemon.request("GET", self.comparison + path).status, 200, path)
+        self.assertEqual(self.daemon.request("GET", self.comparison).json["state"], "succeeded")
+
+    def test_a_film_is_gone_on_with_and_says_what_it_does_not_know(self):
+        path = self.data / "films" / f"{self.measured['id']}-1.film"
+        self.assertEqual((version_of(path.read_bytes()), passes_of(path.read_bytes())), (FILM_VERSION, 3))
+        self.daemon.start()
+        self.daemon.wait_ready()
+        extended = self.daemon.request("POST", f"/v1/jobs/{self.measured['id']}/extend", json_body={"stop": {"passes": 5}})
+        self.assertEqual(extended.status, 202, extended)
+        statistics = self.daemon.wait_for_job(self.measured["id"])["statistics"]
+        self.assertEqual(statistics["resumed_passes"], 3)
+        self.assertEqual(statistics["pixel_hash"], self.longer["statistics"]["pixel_hash"])
+        error, expected = statistics["error"], dict(self.longer["statistics"]["error"])
+        for name in ("bias_standard_error", "indirect:bias_standard_error"):
+            self.assertEqual(len(expected[name]), 3)
+            expected[name] = None
+        for values in (error, expected):
+            del values["estimated_relative_mse"]  # by what the job saw on the way
+        self.assertEqual(error, expected)
+        self.assertIn("bias_standard_error: unknown, for 3 of the 5 passes are from a film that an older version saved, "
+                      "without their means", statistics["reference"]["notes"])
+        (film,) = (self.data / "films").glob(f"{self.measured['id']}-*.film")
+        self.assertEqual((version_of(film.read_bytes()), passes_of(film.read_bytes())), (NEWEST, 5))
+
+
+if __name__ == "__main__":
+    unittest.main()
