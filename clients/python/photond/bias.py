@@ -14,9 +14,9 @@ if TYPE_CHECKING:
 
 
 class BiasMap:
-    """Of one row and one layer, block by block of pixels: how far the mean of the seeds is from the reference, relative to
-    that, and whether chance explains it [Jung et al. 2020] (Welch's test, with Holm's correction over the image). Shown in
-    a notebook, it is its picture."""
+    """Of one row and one layer, block by block of pixels: how far the mean luminance of the seeds is from the reference's,
+    relative to that, and whether chance explains it, the blocks of the image judged together [Jung et al. 2020]. Shown in a
+    notebook, it is its picture."""
 
     def __init__(self, data: WelchMap, png: bytes) -> None:
         #: The whole object as the daemon sent it.

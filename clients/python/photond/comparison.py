@@ -193,11 +193,12 @@ class Comparison(Work):
         """By a row's name, what its error comes to at least, whatever its passes (at 90 %): of rows of fixed parameters
         whose bias is told apart from 0."""
         metric = self._metric(metric)
+        is_root = metric.rpartition(":")[2] == "rmse"  # bias and variance are told apart of the mean of squares
         floors = {}
         for row in self.table:
-            bias = (row.get("bias") or {}).get(metric)
+            bias = (row.get("bias") or {}).get(metric[:-len("rmse")] + "mse" if is_root else metric)
             if bias and bias["floor"] and bias["low"] > 0:
-                floors[row_name(row["label"], row["parameters"])] = bias["low"]
+                floors[row_name(row["label"], row["parameters"])] = bias["low"] ** 0.5 if is_root else bias["low"]
         return floors
 
     def bias_map(self, row: Union[int, str], layer: str = "beauty") -> BiasMap:

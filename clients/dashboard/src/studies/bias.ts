@@ -1,6 +1,6 @@
 // What the seeds of a row have in common, their bias, and what each has of its own: which is drawn and listed of it.
 
-import type { BiasAndVariance, ComparisonReport, ComparisonRow } from "../api/types";
+import { isOver, type BiasAndVariance, type ComparisonReport, type ComparisonRow } from "../api/types";
 import { alwaysLayers, isMeasured } from "../api/vocabulary";
 import { errorWithInterval } from "../ui/error_interval";
 import { numberText } from "../ui/format";
@@ -13,13 +13,22 @@ export interface Floor {
   error: number;
 }
 
+/** The mean of squares that a metric is, or that it is the root of: bias and variance are told apart of those. */
+export const meanSquare = (metric: string): string => metric.replace(/\brmse$/, "mse");
+
 /** Of the rows whose bias is told apart from 0, and does not shrink with the passes: the least that it may be. */
 export function floorsOf(rows: ComparisonRow[], metric: string): Floor[] {
+  const square = meanSquare(metric);
   return rows.flatMap((row, index) => {
-    const bias = row.bias?.[metric];
-    return bias?.floor && bias.squared_bias > 0 && bias.low > 0 ? [{ row: index, name: rowName(row), error: bias.low }] : [];
+    const bias = row.bias?.[square];
+    if (!bias?.floor || !(bias.squared_bias > 0) || !(bias.low > 0)) return [];
+    return [{ row: index, name: rowName(row), error: square === metric ? bias.low : Math.sqrt(bias.low) }];
   });
 }
+
+/** Whether bias is still to come: it is measured when a comparison is over, and a job that renders comes first. */
+export const awaitsBias = (report: ComparisonReport): boolean =>
+  isOver(report.state) && report.reference?.form === "two_films" && report.table.some((row) => row.seeds > 1 && row.succeeded === row.seeds && !row.bias);
 
 export interface BiasLine {
   row: number;
@@ -30,7 +39,7 @@ export interface BiasLine {
 
 export const biasLines = (rows: ComparisonRow[], metric: string): BiasLine[] =>
   rows.flatMap((row, index) => {
-    const bias = row.bias?.[metric];
+    const bias = row.bias?.[meanSquare(metric)];
     return bias ? [{ row: index, name: rowName(row), seeds: row.seeds, bias }] : [];
   });
 

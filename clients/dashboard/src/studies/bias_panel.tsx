@@ -7,7 +7,7 @@ import type { ComparisonReport, WelchMap } from "../api/types";
 import { plainName } from "../ui/format";
 import { Picture, useSeen } from "../ui/picture";
 import { useRemote } from "../ui/remote";
-import { biasLines, biasText, layerOf, mapLayers, varianceText, type BiasLine } from "./bias";
+import { biasLines, biasText, layerOf, mapLayers, meanSquare, varianceText, type BiasLine } from "./bias";
 import { Swatch } from "./error_figure";
 import { rowName } from "./series";
 
@@ -19,7 +19,7 @@ function BiasTable({ lines, metric }: { lines: BiasLine[]; metric: string }) {
           <tr>
             <th scope="col">Entry</th>
             <th scope="col" class="number">Seeds</th>
-            <th scope="col" class="number">{metric}: squared bias</th>
+            <th scope="col" class="number">{meanSquare(metric)}: squared bias</th>
             <th scope="col" class="number">variance of one film</th>
             <th scope="col">What that says</th>
           </tr>
@@ -53,7 +53,7 @@ interface MapProps {
 function BiasMap({ study, row, name, layer, ratio }: MapProps) {
   const [seen, watch] = useSeen<HTMLLIElement>();
   const path = (kind: "png" | "json") => withQuery(`/v1/comparisons/${study}/rows/${row}/bias.${kind}`, { layer });
-  const { data, failure } = useRemote<WelchMap>(seen ? path("json") : null);
+  const { data, failure } = useRemote<WelchMap>(seen ? path("json") : null, true);
   return (
     <li ref={watch}>
       <Picture path={path("png")} ratio={ratio} alt={`Where ${name} is biased, ${plainName(layer)}`} waiting="…" />

@@ -6,11 +6,15 @@ import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { listen } from "../api/events";
 import { isOver, type ComparisonReport, type JobState } from "../api/types";
 import { useRemote, type Remote } from "../ui/remote";
+import { awaitsBias } from "./bias";
 import { referenceJobs } from "./series";
 
 /** The least time between two reports of a comparison that runs. */
 const kBetweenMs = 2000;
 const kSoonMs = 150;
+/** Bias is measured after the jobs, and never where a film is lost: it is asked for this often, and this many times. */
+const kBiasMs = 3000;
+const kBiasTries = 20;
 
 export interface LiveJob {
   state: JobState;
@@ -68,6 +72,14 @@ export function useLiveStudy(id: string): LiveStudy {
       stop();
     };
   }, [remote.reload]);
+
+  const awaited = remote.data !== null && awaitsBias(remote.data);
+  useEffect(() => {
+    if (!awaited) return;
+    let tries = 0;
+    const timer = setInterval(() => (++tries > kBiasTries ? clearInterval(timer) : remote.reload()), kBiasMs);
+    return () => clearInterval(timer);
+  }, [awaited, remote.reload]);
 
   const jobs = useMemo(() => {
     const found = new Map<string, LiveJob>();

@@ -15,8 +15,8 @@ export interface Remote<T> {
   patch: (change: (data: T) => T) => void;
 }
 
-/** What is at a path; nothing for null. */
-export function useRemote<T>(path: string | null): Remote<T> {
+/** What is at a path; nothing for null. `patient`: where it waits for a job that renders it is asked for again. */
+export function useRemote<T>(path: string | null, patient = false): Remote<T> {
   const [state, setState] = useState<{ path: string | null; data: T | null; failure: Error | null; loading: boolean }>({
     path,
     data: null,
@@ -28,7 +28,8 @@ export function useRemote<T>(path: string | null): Remote<T> {
     if (path === null) return setState({ path, data: null, failure: null, loading: false });
     const stop = new AbortController();
     setState((old) => ({ path, data: old.path === path ? old.data : null, failure: null, loading: true }));
-    getJson<T>(path, {}, stop.signal).then(
+    const answer = patient ? askPatiently(path, { signal: stop.signal }).then((found) => found.json() as Promise<T>) : getJson<T>(path, {}, stop.signal);
+    answer.then(
       (data) => setState({ path, data, failure: null, loading: false }),
       (failure: Error) => {
         if (!stop.signal.aborted) setState((old) => ({ ...old, failure, loading: false }));
