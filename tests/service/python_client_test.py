@@ -356,6 +356,52 @@ class Jobs(Case):
         self.assertEqual({job.state for job in jobs}, {"succeeded"})
 
 
+class Bounds(unittest.TestCase):
+    """Errors that are not told apart from 0, and results of before, of a report as the daemon would send it."""
+
+    def comparison(self, points, **row):
+        mean = [{"low": None, "high": None, "min": 0, "max": 1, **point} for point in points]
+        curve = [{"seconds": point["seconds"], "passes": i + 1, "metrics": {"rmse": point["error"]},
+                  **({"intervals": {"rmse": point["interval"]}} if "interval" in point else {})}
+                 for i, point in enumerate(points)]
+        end = {"value": points[-1]["error"], "low": None, "high": None, "reference": None, "near_reference": True,
+               "interval": points[-1].get("interval")}
+        table = [{"label": "a", "parameters": {}, "seeds": 1, "passes": None, "seconds": None, "error": {"rmse": end},
+                  "mean_curve": {"rmse": mean}, "peak_bytes": None, "efficiency": None, "pareto": True, **row}]
+        request = {"metrics": ["rmse"], "scene": "s", "image": {"width": 1, "height": 1}, "entries": []}
+        made = photond.Comparison(None, {"id": "C1", "state": "succeeded", "request": request, "table": table,
+                                         "reference": {"error": {"rmse": 0.3}}, "headlines": [], "warnings": []})
+        made._report = {"table": table, "curves": [{"job": "J1", "points": curve}],
+                        "jobs": [{"id": "J1", "label": "a", "parameters": {}, "seed": 1}]}
+        return made
+
+    def test_they_are_bounds_in_curves_tables_and_plots(self):
+        import matplotlib
+        matplotlib.use("agg")
+        points = [{"seconds": 1, "error": 0.5, "interval": [0.4, 0.6]}, {"seconds": 2, "error": -0.1, "interval": [-0.3, 0.1]},
+                  {"seconds": 4, "error": -0.4, "interval": [-0.6, -0.2]}]
+        bias = {"squared_bias": 0.05, "low": 0.04, "high": 0.06, "floor": True}
+        made = self.comparison(points, bias={"mse": bias})
+        for curve in [*made.curves(), *made.mean_curves()]:
+            self.assertEqual((curve.seconds, curve.errors, list(curve.intervals)), ([1], [0.5], [(0.4, 0.6)]))
+            self.assertEqual([(bound.seconds, round(bound.below, 9)) for bound in curve.bounds], [(2, 0.1), (4, 0.2)])
+        self.assertEqual(made.floors(), {"a": 0.2})
+        lines = {line.get_label(): line for line in made.plot().get_lines()}
+        self.assertIn("a: reaches no less than 0.2", lines)
+        self.assertNotIn("the reference's own noise", lines)
+        self.assertEqual(made.rows()[0]["greatest"], -0.2)
+        points[-1] = {"seconds": 4, "error": None, "interval": [0, 0.2]}
+        self.assertIn("below 0.2 (not told apart from 0)", self.comparison(points).table_text())
+
+    def test_results_of_before_are_read_as_they_were(self):
+        made = self.comparison([{"seconds": 1, "error": 0.5}, {"seconds": 2, "error": 0.2}, {"seconds": 4, "error": 0.1}])
+        [curve] = made.mean_curves()
+        self.assertEqual((curve.errors, list(curve.intervals), list(curve.bounds)), ([0.5, 0.2, 0.1], [None] * 3, []))
+        self.assertEqual((made.rows()[0]["least"], made.rows()[0]["bias"], made.floors()), (None, None, {}))
+        self.assertIn("the reference's own noise", [line.get_label() for line in made.plot().get_lines()])
+        self.assertIn("near the reference's noise", made.table_text())
+
+
 class Comparisons(Case):
     @classmethod
     def setUpClass(cls):
@@ -410,6 +456,39 @@ class Comparisons(Case):
                         compared += 1
         self.assertGreater(compared, 0)
 
+    def test_errors_have_what_the_reference_leaves_open(self):
+        self.assertEqual(self.comparison.reference["form"], "two_films")
+        for curve in self.comparison.curves():
+            self.assertEqual(len(curve.intervals), len(curve.errors))
+            for error, interval in zip(curve.errors, curve.intervals):
+                self.assertLess(interval.least, error)
+                self.assertLess(error, interval.greatest)
+        job = self.client.job(self.comparison.job_ids[0])
+        self.assertEqual(job.reference_jobs, self.comparison.reference["jobs"])
+        least, greatest = job.error_intervals["relative_mse"]
+        self.assertLess(least, job.errors["relative_mse"])
+        self.assertLess(job.errors["relative_mse"], greatest)
+        row = self.comparison.rows()[0]
+        self.assertLess(row["least"], row["greatest"])
+
+    def test_bias_and_its_map(self):
+        while not all(row["bias"] for row in self.comparison.rows()):  # it is measured when nothing renders
+            self.comparison.refresh()
+        for row in self.comparison.rows():
+            bias = row["bias"]
+            self.assertLess(bias["low"], bias["squared_bias"])
+            self.assertLess(bias["variance_low"], bias["variance_high"])
+            self.assertTrue(bias["text"])
+        map = self.comparison.bias_map("map, photons 500", layer="indirect")
+        self.assertEqual((map.data["row"], map.data["layer"], map.png[:4]), (1, "indirect", b"\x89PNG"))
+        self.assertEqual(map.array().shape, (map.data["height"], map.data["width"]))
+        self.assertEqual(sum(found for row in map.found for found in row), map.data["found"])
+        map.save(self.folder / "map.png")
+        self.assertEqual((self.folder / "map.png").read_bytes(), map._repr_png_())
+        self.assertIn(map.text, repr(map))
+        with self.assertRaisesRegex(ValueError, "map, photons 2000"):
+            self.comparison.bias_map("map")
+
     def test_tables(self):
         rows = self.comparison.rows("indirect:relative_mse")
         self.assertEqual([row["name"] for row in rows], ["paths", "map, photons 500", "map, photons 2000"])
@@ -429,7 +508,8 @@ class Comparisons(Case):
         self.assertEqual(html.count("<tr>"), 4)
         self.assertIn(f"By relative_mse: {self.comparison.headlines['relative_mse']}.", html)
         reached = self.comparison.time_to_error(1e9)
-        self.assertTrue(all(seconds > 0 for seconds in reached.values()))
+        for mean in self.comparison.mean_curves():  # one point alone is borne out by no other
+            self.assertEqual(reached[mean.name], mean.seconds[0] if len(mean.seconds) > 1 else None)
         self.assertEqual(set(self.comparison.time_to_error(1e-9).values()), {None})
 
     def test_a_plot(self):
@@ -438,11 +518,12 @@ class Comparisons(Case):
         axes = self.comparison.plot()
         self.assertEqual((axes.get_xscale(), axes.get_yscale(), axes.get_ylabel()), ("log", "log", "relative_mse"))
         means = self.comparison.mean_curves()
-        for line, mean in zip(axes.get_lines(), means):
-            self.assertEqual((line.get_label(), list(line.get_xdata()), list(line.get_ydata())),
-                             (mean.name, mean.seconds, mean.errors))
-        self.assertEqual(len(axes.collections), 3)  # bands
-        self.assertEqual(len(axes.get_lines()), 4)  # and the reference's noise
+        lines = [line for line in axes.get_lines() if not line.get_label().startswith("_")]
+        for line, mean in zip(lines, means):
+            drawn = [(time, error) for time, error in zip(line.get_xdata(), line.get_ydata()) if error == error]
+            self.assertEqual((line.get_label(), drawn), (mean.name, list(zip(mean.seconds, mean.errors))))
+        floors = self.comparison.floors()
+        self.assertEqual(len(lines), 3 + len(floors))  # the reference's noise has no part in the errors
         axes.figure.savefig(self.folder / "plot.svg")
         with unittest.mock.patch.dict(sys.modules, {"matplotlib.pyplot": None}):
             with self.assertRaisesRegex(photond.MissingPackage, "matplotlib"):
