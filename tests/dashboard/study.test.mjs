@@ -56,8 +56,10 @@ test("a study is followed to its verdict without a reload", async () => {
   const said = report.verdicts.filter((one) => one.metric === "relative_mse").map((one) => one.text.slice(1));
   const text = await verdict.textContent();
   assert.ok(said.length > 0 && said.every((one) => text.includes(one)), `${text}\n${said.join("\n")}`);
-  await page.locator(".study-strip").scrollIntoViewIfNeeded();
-  await seen(() => page.locator(".study-strip img").count(), 4);
+  for (const [name, images] of [["Pictures", 4], ["Bias and noise apart", 3]]) {
+    await section(name).locator(".study-strip").scrollIntoViewIfNeeded();
+    await seen(() => section(name).locator("img").count(), images);
+  }
   await shoot(page, "study", { fullPage: true });
   await axeClean(page);
 });
@@ -79,6 +81,37 @@ test("the tables say what the daemon says", async () => {
   await table.getByRole("button", { name: "LaTeX" }).click();
   const latex = await table.getByLabel("LaTeX table").textContent();
   for (const part of ["\\toprule", "\\bottomrule", "photons \\& rays, photons 500 &", "time to a relative\\_mse of", `\\begin{tabular}{l${"r".repeat(levels.length)}}`]) assert.ok(latex.includes(part), `${part}\n${latex}`);
+});
+
+test("bias stands apart from noise, with maps of where it is", async () => {
+  const report = await daemon.get(`/v1/comparisons/${study.id}/report.json`);
+  const bias = section("Bias and noise apart");
+  for (const row of report.table) await bias.getByRole("cell", { name: row.bias.relative_mse.text, exact: true }).first().waitFor();
+  const map = await daemon.get(`/v1/comparisons/${study.id}/rows/1/bias.json?layer=indirect`);
+  await bias.getByRole("combobox", { name: "Layer" }).selectOption("indirect");
+  await bias.getByRole("img", { name: "Where photons & rays, photons 500 is biased, indirect" }).waitFor();
+  await bias.getByText(map.text, { exact: true }).first().waitFor();
+});
+
+test("what is not told apart from 0 is an upper bound, and what is not gone below a line", async () => {
+  const report = await daemon.get(`/v1/comparisons/${study.id}/report.json`);
+  const { mean_curve, error, error_at_time, bias } = report.table[0];
+  const unknown = (value) => Object.assign(value, { low: null, high: null, interval: [-0.006, 0.004] });
+  Object.assign(unknown(mean_curve.relative_mse.at(-1)), { error: -0.001 });
+  Object.assign(unknown(error.relative_mse), { value: -0.001, near_reference: true });
+  Object.assign(unknown(error_at_time.relative_mse[0]), { error: -0.001 });
+  Object.assign(bias.relative_mse, { squared_bias: 0.02, low: 0.01, high: 0.03, floor: true });
+  await page.route("**/report.json", (route) => route.fulfill({ json: report }));
+  await page.reload();
+  await page.getByText("paths: reaches no less than 0.01").waitFor();
+  assert.equal(await page.locator(".study-plot-holder").first().locator('path[d^="M-5 0"]').count(), 1);
+  await page.getByText("Arrows: upper bounds").waitFor();
+  assert.match(await section("relative_mse after a time").locator("tbody tr").first().innerText(), /below 0\.004\s+\(-0\.006 to 0\.004\)/);
+  assert.match(await section("What it cost").locator("tbody tr").first().innerText(), /below 0\.004\s+not told apart from 0/);
+  await shoot(page, "study-bounds");
+  await page.unroute("**/report.json");
+  await page.reload();
+  await page.locator(".study-plot-holder svg").first().waitFor();
 });
 
 test("entries are switched and the metric chosen in the address", async () => {
