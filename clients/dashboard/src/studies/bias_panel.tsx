@@ -98,6 +98,10 @@ export function BiasPanel({ report, metric }: { report: ComparisonReport; metric
           </label>
         )}
       </div>
+      <p class="muted small">
+        Blue: the mean of the seeds is darker, red: brighter, full from 10 % on. In a black frame: more than chance explains, the blocks of the image judged
+        together; pale: what chance explains.
+      </p>
       <ul class="study-strip">
         {report.table.map((row, index) => row.bias && <BiasMap key={index} study={report.id} row={index} name={rowName(row)} layer={layer} ratio={width / height} />)}
       </ul>

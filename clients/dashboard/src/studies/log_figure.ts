@@ -129,12 +129,14 @@ export class LogFigure {
     }
   }
 
-  /** Across the whole figure, with what it is above it. */
-  level(value: number, note: string, anchor: "start" | "end", attributes: Attributes): void {
+  /** Across the whole figure, with what it is above it, and above the place `under`; the place of that note. */
+  level(value: number, note: string, anchor: "start" | "end", attributes: Attributes, under = Infinity): number {
     const [left, right] = this.x.range;
     const y = this.y.at(value);
+    const place = Math.min(y - 6, under - kNoteSize - 2);
     this.add("path", { d: `M${left} ${y.toFixed(2)}H${right}`, ...attributes });
-    this.add("text", { x: anchor === "start" ? left + 4 : right - 4, y: y - 6, fill: attributes.stroke, "font-size": kNoteSize, "text-anchor": anchor }, note);
+    this.add("text", { x: anchor === "start" ? left + 4 : right - 4, y: place.toFixed(2), fill: attributes.stroke, "font-size": kNoteSize, "text-anchor": anchor }, note);
+    return place;
   }
 
   private mark(point: FigurePoint, path: string, scale: number, attributes: Attributes): void {

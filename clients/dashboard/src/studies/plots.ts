@@ -92,9 +92,10 @@ export function errorTimePlot(input: ErrorTimeInput, look: PlotLook): LogFigure 
         seriesLook(row, look.dark).colour,
       );
   if (input.noise) figure.level(input.noise, "noise of the reference", "end", { stroke: inks.muted, "stroke-dasharray": "2 4" });
-  for (const { row, name, error } of floors) {
-    const stroke = seriesLook(row, look.dark).colour;
-    figure.level(error, `${name}: reaches no less than ${numberText(error)}`, "start", { stroke, "stroke-dasharray": "1.5 4", "stroke-linecap": "round", "stroke-width": 1.8 });
+  let under: number | undefined; // floors that lie close have their notes one above the other
+  for (const { row, name, error } of [...floors].sort((a, b) => a.error - b.error)) {
+    const dots = { stroke: seriesLook(row, look.dark).colour, "stroke-dasharray": "1.5 4", "stroke-linecap": "round", "stroke-width": 1.8 };
+    under = figure.level(error, `${name}: reaches no less than ${numberText(error)}`, "start", dots, under);
   }
   const guide = input.ideal === null ? [] : guideOf(shown, input.ideal, y[1]);
   if (guide.length > 0) {
