@@ -108,12 +108,11 @@ void ErrorFollower::note_error(const CurvePoint& point) {
 }
 
 std::optional<bool> ErrorFollower::below_target(const CurvePoint& point) const {
-    const std::string name = plan_.target->name();
-    if (const auto interval = point.intervals.find(name); interval != point.intervals.end())
-        return interval->second.greatest <= plan_.target_value;
-    const auto value = point.metrics.find(name);
-    if (value == point.metrics.end() || !value->second) return std::nullopt;
-    return *value->second <= plan_.target_value;
+    CurvePoint now = point;
+    now.seconds = 1;  // timed_errors() takes points of a clock that runs
+    const std::vector<TimedError> errors = timed_errors(std::span(&now, 1), plan_.target->name());
+    if (errors.empty()) return std::nullopt;
+    return errors.front().upper_end() <= plan_.target_value;
 }
 
 bool ErrorFollower::is_met(const CurvePoint& point) {
@@ -134,7 +133,13 @@ bool ErrorFollower::after_pass(const Film& film, double seconds) {
     if (!plan_.target || film.passes() < std::ceil((1 + kTargetGrowth) * checked_passes_) ||
         !there_is_time_for(target_cost_, seconds))
         return false;
-    return is_met(measure_target(film));
+    const CurvePoint look = measure_target(film);
+    if (!was_below_ && below_target(look).value_or(false)) {
+        // With the last point, which every job has, this one shows on the curve too that the target was met twice.
+        ResolvedFilm resolved(film);
+        measure_point(resolved, seconds, false);
+    }
+    return is_met(look);
 }
 
 CurvePoint ErrorFollower::measure_target(const Film& film) {

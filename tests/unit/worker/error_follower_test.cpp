@@ -205,6 +205,11 @@ TEST_F(ErrorFollowerTest, ATargetIsMetBySuccessiveLooks) {
     EXPECT_TRUE(render_to(40, 1));  // measuring takes no time: every pass is looked at
     EXPECT_EQ(film.passes(), second + 1);
     EXPECT_EQ(follower->error_now()->value, errors_by_pass[second]);
+    finish(film.passes());
+    const auto reached = time_to_error(timed_errors(follower->curve(), "relative_mse"), target);
+    ASSERT_TRUE(reached) << "what a job ended by is in its curve";
+    EXPECT_GT(*reached, static_cast<double>(second) - 1);
+    EXPECT_LE(*reached, static_cast<double>(second));
 
     film = Film{kSize, LayerSet()};
     tick = 1000;  // only points are looked at
