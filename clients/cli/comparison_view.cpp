@@ -33,7 +33,8 @@ struct Figure {
     std::string text(const Format& format) const { return at_most ? "< " + format(*at_most) : format(value); }
     std::string text_with_interval(const Format& format) const {
         if (!between || at_most) return text(format);
-        return format(value) + " (" + format(between->first) + " to " + format(between->second) + ")";
+        const std::string from = format(between->first), to = format(between->second);
+        return from == to ? text(format) : format(value) + " (" + from + " to " + to + ")";
     }
 };
 

@@ -55,8 +55,8 @@ std::string error_html(const MeanError& mean) {
 std::string time_html(const TimeToError& time) {
     std::string html = (time.at_most ? "≤ " : "") + short_seconds(time.seconds->mean);
     if (time.seconds->low) return html + small(interval(*time.seconds, short_seconds));
-    const bool open = time.earliest && time.latest && *time.earliest < *time.latest;
-    return html + (open ? small("ref. " + range(*time.earliest, *time.latest, short_seconds)) : "");
+    if (!time.earliest || !time.latest || short_seconds(*time.earliest) == short_seconds(*time.latest)) return html;
+    return html + small("ref. " + range(*time.earliest, *time.latest, short_seconds));
 }
 
 /// A table of one figure for each row and column.
