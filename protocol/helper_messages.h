@@ -195,6 +195,31 @@ struct MeasureRequest {
     }
 };
 
+struct MeasureSeedsReply {
+    /// {layer: {"errors": {metric: {"squared_bias", "low", "high", "variance", "variance_low", "variance_high"}},
+    /// "map"}} of those layers that all films have; "map" is the schema BiasMap but for row, label and layer
+    /// (openapi_comparisons.cpp).
+    nlohmann::json layers;
+
+    void visit(MessageVisitor& visitor) { visitor.member("layers", layers); }
+};
+
+/// Films of one method that differ by their seed, against a reference of two films: bias and noise apart, and where the
+/// bias is.
+struct MeasureSeedsRequest {
+    static constexpr const char* kType = "measure_seeds";
+    using Reply = MeasureSeedsReply;
+    std::vector<std::filesystem::path> films;
+    ReferenceSource reference;
+    std::vector<std::string> layers;
+
+    void visit(MessageVisitor& visitor) {
+        visitor.member("films", films);
+        visitor.member("reference", reference);
+        visitor.member("layers", layers);
+    }
+};
+
 /// What the bytes of a file do not say that was encoded, as far as it applies to one of its kind.
 struct EncodedReply {
     std::optional<uint32_t> width, height, channels;  // of raw pixels
@@ -278,6 +303,19 @@ struct EncodeErrorMapRequest {
         visitor.member("image", image);
         visitor.member("reference", reference);
         visitor.or_default("layer", layer);
+        visitor.member("out", out);
+    }
+};
+
+/// PNG of the map of a MeasureSeedsReply.
+struct EncodeBiasMapRequest {
+    static constexpr const char* kType = "encode_bias_map";
+    using Reply = EncodedReply;
+    nlohmann::json map;
+    std::filesystem::path out;
+
+    void visit(MessageVisitor& visitor) {
+        visitor.member("map", map);
         visitor.member("out", out);
     }
 };
@@ -375,7 +413,8 @@ struct EncodePixelsRequest {
 using HelperRequest =
     std::variant<JudgeSceneRequest, UnpackRequest, ThumbnailRequest, PreviewSceneRequest, BakeRequest,
                  JudgeImageRequest, MeasureRequest, EncodeDifferenceRequest, EncodeFlipRequest, EncodeFlipMapRequest,
-                 EncodeErrorMapRequest, MergeFilmsRequest, EncodeExrRequest, EncodePreviewRequest, EncodePixelsRequest>;
+                 EncodeErrorMapRequest, MeasureSeedsRequest, EncodeBiasMapRequest, MergeFilmsRequest, EncodeExrRequest,
+                 EncodePreviewRequest, EncodePixelsRequest>;
 /// Throws Error where it cannot be read; ErrorCode::UnknownName at /type for one that is none of these.
 HelperRequest read_helper_request(const nlohmann::json& message);
 

@@ -212,6 +212,34 @@ json estimate_schema() {
                                "rows of the table to come, in its order")}});
 }
 
+/// Differences and standard errors are over sqrt(r^2 + 0.01 m^2): r the block's mean luminance in the reference, m the
+/// image's.
+json bias_map_schema() {
+    const json block = given({{"difference", typed("number", "of the mean luminance over the seeds, over the block's")},
+                              {"standard_error", typed("number", "by the seeds and the reference's noise")},
+                              {"degrees", typed("number", "of freedom, by Satterthwaite")},
+                              {"p", in_range(typed("number", "of as large a difference by chance"), 0, 1)},
+                              {"found", typed("boolean", "it differs, at that level for the image as a whole")}});
+    return given({{"row", count("of the table")},
+                  {"label", typed("string")},
+                  {"layer", typed("string")},
+                  {"block", count("pixels a side")},
+                  {"width", count("in blocks; those at the right and at the bottom may be cut")},
+                  {"height", count()},
+                  {"image_width", count("in pixels")},
+                  {"image_height", count()},
+                  {"seeds", count()},
+                  {"level", typed("number", "chance of finding any block of an image without bias")},
+                  {"blocks", with_text(list_of(block), "row by row from the top")},
+                  {"tested", count("blocks that have a finite pixel")},
+                  {"found", count("blocks that differ")},
+                  {"share_below_level", typed("number", "of blocks whose own p is below the level")},
+                  {"detectable", typed("number", "the bias that half of the blocks would have shown, as difference")},
+                  {"heavy_tailed", typed("boolean", "few pixels carry most of the noise: p is not to be relied on")},
+                  {"heavy_blocks", count("in which they do")},
+                  {"text", typed("string", "the same as a sentence")}});
+}
+
 json report_schema(const json& comparison) {
     json schema = comparison;
     schema["properties"]["curves"] =
@@ -241,7 +269,8 @@ json comparison_schemas(const json& job_request) {
             {"ComparisonSummary", summary_schema()},
             {"ComparisonEstimate", estimate_schema()},
             {"ComparisonPage", page_of("ComparisonSummary")},
-            {"ComparisonReport", report_schema(comparison)}};
+            {"ComparisonReport", report_schema(comparison)},
+            {"BiasMap", bias_map_schema()}};
 }
 
 }  // namespace photond::openapi

@@ -320,7 +320,7 @@ std::vector<Operation> job_output_operations(const ApiVocabulary& vocabulary) {
     return all;
 }
 
-std::vector<Operation> comparison_operations() {
+std::vector<Operation> comparison_operations(const ApiVocabulary& vocabulary) {
     return {
         {"post",
          "/v1/comparisons",
@@ -345,6 +345,20 @@ std::vector<Operation> comparison_operations() {
          {{200, object("Comparison")}, {202, object("Comparison")}},
          nullptr,
          {{"purge", flag("remove it with its files")}}},
+        {"get",
+         "/v1/comparisons/{id}/rows/{index}/bias.json",
+         "getBiasMap",
+         "Where row `index` of the table is biased, by blocks of pixels; 404 with the reason where that cannot be told",
+         {{200, object("BiasMap")}},
+         nullptr,
+         {{"layer", measured_layer(vocabulary)}}},
+        {"get",
+         "/v1/comparisons/{id}/rows/{index}/bias.png",
+         "getBiasPicture",
+         "The same as a picture: red brighter, blue darker, full at 10 %; blocks that are found have a frame",
+         {{200, file("image/png")}},
+         nullptr,
+         {{"layer", measured_layer(vocabulary)}}},
         {"get",
          "/v1/comparisons/{id}/report.json",
          "getComparisonReport",
@@ -453,7 +467,7 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
     std::vector<Operation> all;
     for (std::vector<Operation>& some :
          std::array{scene_operations(), catalogue_operations(), job_operations(), job_output_operations(vocabulary),
-                    comparison_operations(), image_operations(vocabulary), daemon_operations(vocabulary)})
+                    comparison_operations(vocabulary), image_operations(vocabulary), daemon_operations(vocabulary)})
         all.insert(all.end(), std::move_iterator(some.begin()), std::move_iterator(some.end()));
     return all;
 }

@@ -17,6 +17,7 @@
 #include "server/service/purges.h"
 #include "server/service/recovery.h"
 #include "server/service/references.h"
+#include "server/service/row_biases.h"
 #include "server/service/scenes.h"
 #include "server/service/service_core.h"
 #include "server/service/store_upkeep.h"
@@ -43,6 +44,8 @@ struct Service::Impl {
     Attempts attempts{core, pictures, scenes, references, waiting, purges};
     Jobs jobs{core, artefact_files, pictures, scenes, references, waiting, purges, attempts};
     Comparisons comparisons{core, scenes, references, purges, attempts, jobs};
+    RowBiases biases{core, artefact_files, pictures, jobs.films,
+                     [this](const std::string& id) { return comparisons.read_comparison(id); }};
     ComparisonReports reports{artefact_files, jobs, comparisons};
     Recovery recovery{core, attempts, purges};
     StoreUpkeep upkeep{core, recovery};
@@ -55,6 +58,7 @@ Service::Impl::Impl(Options given) : core(std::move(given)) {
     recovery.begin();
     processes.start();
     upkeep.start();
+    biases.start();
     const auto took = std::chrono::duration_cast<std::chrono::milliseconds>(SteadyClock::now() - core.begun);
     const std::lock_guard lock(core.mutex);  // workers take jobs already
     spdlog::info("store open after {} ms, {} jobs queued", took.count(), core.queue.size());
@@ -136,7 +140,10 @@ Artefact Service::log(const std::string& id) { return impl_->jobs.artefacts.log(
 json Service::submit_comparison(const ComparisonRequest& request, const std::optional<std::string>& idempotency_key) {
     return impl_->comparisons.submit_comparison(request, idempotency_key);
 }
-json Service::get_comparison(const std::string& id) { return impl_->comparisons.get_comparison(id); }
+json Service::get_comparison(const std::string& id) {
+    impl_->biases.settle(id);
+    return impl_->comparisons.get_comparison(id);
+}
 Page Service::list_comparisons(uint32_t limit, const std::string& cursor) {
     return impl_->comparisons.list_comparisons(limit, cursor);
 }
@@ -150,9 +157,21 @@ Service::Cancelled Service::purge_comparison(const std::string& id) {
 json Service::estimate_comparison(const ComparisonRequest& request) {
     return impl_->comparisons.estimate_comparison(request);
 }
-Artefact Service::comparison_json(const std::string& id) { return impl_->reports.comparison_json(id); }
+Artefact Service::bias_map(const std::string& id, uint32_t row, const std::string& layer) {
+    return impl_->biases.map_json(id, row, layer);
+}
+Artefact Service::bias_picture(const std::string& id, uint32_t row, const std::string& layer) {
+    return impl_->biases.map_picture(id, row, layer);
+}
+Artefact Service::comparison_json(const std::string& id) {
+    impl_->biases.settle(id);
+    return impl_->reports.comparison_json(id);
+}
 Artefact Service::comparison_csv(const std::string& id) { return impl_->reports.comparison_csv(id); }
-Artefact Service::comparison_html(const std::string& id) { return impl_->reports.comparison_html(id); }
+Artefact Service::comparison_html(const std::string& id) {
+    impl_->biases.settle(id);
+    return impl_->reports.comparison_html(id);
+}
 Page Service::devices() { return impl_->system.devices(); }
 json Service::make_backup() { return impl_->backups.make(); }
 json Service::get_backup(const std::string& id) { return impl_->backups.get(id); }

@@ -152,6 +152,10 @@ public:
     Cancelled cancel_comparison(const std::string& id);
     /// Removes its jobs and their files too; what runs when its worker has let go of it.
     Cancelled purge_comparison(const std::string& id);
+    /// Where a row of its table is biased (renderer/error/welch_map.h), as JSON and as a picture. NotFound, with the
+    /// reason, where that cannot be told; UnknownName at /layer; TryLater.
+    Artefact bias_map(const std::string& id, uint32_t row, const std::string& layer);
+    Artefact bias_picture(const std::string& id, uint32_t row, const std::string& layer);
     /// get_comparison() and every curve.
     Artefact comparison_json(const std::string& id);
     Artefact comparison_csv(const std::string& id);

@@ -298,6 +298,16 @@ private:
 
 }  // namespace
 
+const std::optional<SeedError>& SeedErrors::of(Metric mean_square) const {
+    assert(is_quadratic(mean_square) && mean_square_of(mean_square) == mean_square);
+    return mean_square == Metric::RelativeMse ? relative_mse : mse;
+}
+
+Metric mean_square_of(Metric metric) {
+    assert(is_quadratic(metric));
+    return metric == Metric::Rmse ? Metric::Mse : metric;
+}
+
 SeedErrors seed_errors(const CrossMeter& references, std::span<const std::vector<float>> films) {
     assert(films.size() >= 2);
     const Size2 size = references.size();

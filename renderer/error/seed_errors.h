@@ -46,6 +46,7 @@
 
 #include "renderer/error/cross_meter.h"
 #include "renderer/error/interval.h"
+#include "renderer/error/metric.h"
 
 namespace photond {
 
@@ -61,7 +62,13 @@ struct SeedErrors {
     std::optional<SeedError> mse, relative_mse;
     Denominators denominators = Denominators::Pixel;  // of relative_mse, the references' choice
     uint64_t left_out = 0;                            // values that are not finite in one of the images
+
+    /// By a mean square (asserted).
+    const std::optional<SeedError>& of(Metric mean_square) const;
 };
+
+/// Of a quadratic metric (asserted): that whose root it is, or itself. A root has no bias and noise that add up to it.
+Metric mean_square_of(Metric metric);
 
 /// `films`: two or more images of one method with different seeds, of the references' size (asserted).
 SeedErrors seed_errors(const CrossMeter& references, std::span<const std::vector<float>> films);

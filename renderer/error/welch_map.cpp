@@ -23,8 +23,8 @@ constexpr double kRounding = 1e-6;
 
 // A block is heavy-tailed where kFewPixels of those that have noise carry more than kMostShare of it.
 constexpr double kFewPixels = 0.01, kMostShare = 0.5;
-constexpr size_t kLeastPixels = 100;       // fewer say nothing of tails
-constexpr double kMostHeavyBlocks = 0.05;  // of those judged, in an image that is not heavy-tailed
+constexpr size_t kLeastPixels = 100;      // fewer say nothing of tails
+constexpr double kMostHeavyBlocks = 0.1;  // of those judged, in an image that is not heavy-tailed
 
 constexpr double kPower = 0.9;  // with which a bias that is called detectable is found
 

@@ -66,6 +66,8 @@ struct MethodInfo {
     std::vector<MethodVariant> variants;  // empty: the method as it is by default
     std::vector<KnownLimit> limits;       // the first that fits is said
     std::vector<CaseRefusal> refusals;
+    /// Parameters and their words with which, all together, its bias falls with the passes; empty: with none it does.
+    std::vector<ParamSetting> bias_falls_with;
     std::unique_ptr<MethodParams> (*make_params)() = nullptr;
     std::unique_ptr<Method> (*make)(const MethodParams& params) = nullptr;      // null where it does not run on the CPU
     std::unique_ptr<Method> (*make_gpu)(const MethodParams& params) = nullptr;  // null where it does not run on a GPU

@@ -1,5 +1,7 @@
 #include "protocol/comparison.h"
 
+#include <charconv>
+
 #include "protocol/strict_json.h"
 #include "server/routes/file_reply.h"
 #include "server/routes/idempotency.h"
@@ -39,6 +41,14 @@ Reply remove_comparison(Service& service, Call& call) {
     return json_reply(cancelled.was_over ? 200 : 202, cancelled.object);
 }
 
+uint32_t row_index(const std::string& text) {
+    uint32_t index = 0;
+    const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), index);
+    if (fault != std::errc() || end != text.data() + text.size())
+        throw Error(ErrorCode::NotFound, "'" + text + "' is no row of a table: 0, 1, ...");
+    return index;
+}
+
 }  // namespace
 
 void add_comparison_routes(std::vector<Route>& routes, Service& service) {
@@ -56,6 +66,17 @@ void add_comparison_routes(std::vector<Route>& routes, Service& service) {
     });
     add("DELETE", "/v1/comparisons/{id}", BodyKind::None,
         [&service](Call& call) { return remove_comparison(service, call); });
+    const auto add_map = [&](const char* pattern,
+                             Artefact (Service::*map)(const std::string&, uint32_t, const std::string&)) {
+        add("GET", pattern, BodyKind::None, [&service, map](Call& call) {
+            Query query(call.query);
+            const std::string layer = query.text("layer", "beauty");
+            query.finish();
+            return file_reply(call, (service.*map)(call.path_parameters[0], row_index(call.path_parameters[1]), layer));
+        });
+    };
+    add_map("/v1/comparisons/{id}/rows/{index}/bias.json", &Service::bias_map);
+    add_map("/v1/comparisons/{id}/rows/{index}/bias.png", &Service::bias_picture);
     const auto add_report = [&](const char* pattern, Artefact (Service::*report)(const std::string&)) {
         add("GET", pattern, BodyKind::None, [&service, report](Call& call) {
             Query(call.query).finish();

@@ -11,6 +11,7 @@
 #include "server/comparisons/report_text.h"
 #include "server/comparisons/verdict.h"
 #include "server/row_text.h"
+#include "server/service/row_films.h"
 
 namespace photond {
 
@@ -237,6 +238,7 @@ Judged judge(const Compared& compared) {
     }
     const json& request = object["request"];
     judged.table = make_table(judged.jobs, request.at("metrics").get<std::vector<std::string>>(), wishes_of(request));
+    add_biases(judged.table, compared);
     object["table"] = to_json(judged.table);
     const std::vector<Verdict> found = verdicts(judged.table);
     object["verdicts"] = verdicts_json(judged.table, found);

@@ -34,6 +34,8 @@ struct Compared {
     ComparisonRow row;
     ComparisonState state;
     std::vector<std::pair<ComparisonJob, JobRow>> jobs;
+    std::vector<JobRow> references;  // as in `state`
+    std::vector<RowBias> biases;     // that have been measured
 };
 
 /// What follows from that.

@@ -60,7 +60,9 @@ ComparisonState Comparisons::comparison_state(const ComparisonRow& row) {
 }
 
 Compared Comparisons::read_comparison(const ComparisonRow& row) {
-    Compared compared{row, comparison_state(row), {}};
+    Compared compared{row, comparison_state(row), {}, {}, core_.store.row_biases(row.seq)};
+    for (const JobProgress& film : compared.state.references)
+        if (auto reference = core_.store.job(film.seq)) compared.references.push_back(*std::move(reference));
     for (ComparisonJob& planned : core_.store.comparison_jobs(row.seq)) {
         auto job = core_.store.job(planned.job);
         if (!job) continue;  // being purged

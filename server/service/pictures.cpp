@@ -76,6 +76,16 @@ Artefact Pictures::picture(const std::string& name, const std::string& key, cons
     return drawn_beside(name, [this, drawn_by] { return drawn_by({*background_, std::nullopt}); });
 }
 
+Artefact Pictures::drawn_beside(const std::string& name, const std::string& key, const std::string& media_type,
+                                const Draw& draw) {
+    if (auto kept = artefact_files_.kept(key, media_type)) return *std::move(kept);
+    return drawn_beside(name, [this, key, media_type, draw] {
+        return artefact_files_.artefact(key, media_type, [&](const fs::path& path) {
+            return draw({*background_, std::nullopt}, path);
+        });
+    });
+}
+
 Artefact Pictures::drawn_beside(const std::string& name, const std::function<Artefact()>& draw) {
     std::unique_lock lock(mutex_);
     const auto picture = line_.want(name, draw, PictureLine::Clock::now());

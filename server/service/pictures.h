@@ -44,6 +44,9 @@ public:
     /// the helper. Throws TryLater when it is not drawn within kPatience because a job renders, and what `draw` throws.
     /// Whoever asks again then, by the same `name` (say, of a job's newest picture), gets what was drawn meanwhile.
     Artefact picture(const std::string& name, const std::string& key, const std::string& media_type, const Draw& draw);
+    /// The same, always by the helper beside jobs: of what nobody waits for, and may take long.
+    Artefact drawn_beside(const std::string& name, const std::string& key, const std::string& media_type,
+                          const Draw& draw);
     /// Whether `draw` was called, as no job renders on the host's processors.
     bool drawn_at_once(const std::function<void(const Draughtsman& by)>& draw);
 

@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -89,6 +90,7 @@ struct ServiceCore {
     Totals totals;
     bool stopping = false;
     uint64_t event_ids_until = 1;
+    std::set<int64_t> comparisons_to_look_at;  // of which a job has ended: RowBiases (attempt_changed)
 
     /// Made while the processes start, before anybody calls the service. Its call() waits: never under the lock.
     std::unique_ptr<Helper> helper;       // what somebody waits for: images, pictures, measures

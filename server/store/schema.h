@@ -128,6 +128,13 @@ inline constexpr const char* kMigrations[] = {
     CREATE INDEX jobs_by_second_reference ON jobs (second_reference_job, state)
         WHERE second_reference_job IS NOT NULL;
     )sql",
+    // 10: bias and noise apart of the films of a comparison's row, by what those are called, and layer
+    R"sql(
+    CREATE TABLE row_biases (
+        comparison INTEGER NOT NULL REFERENCES comparisons (seq) ON DELETE CASCADE, films TEXT NOT NULL,
+        layer TEXT NOT NULL, errors TEXT NOT NULL, map TEXT NOT NULL,
+        PRIMARY KEY (comparison, films, layer)) WITHOUT ROWID;
+    )sql",
 };
 
 inline constexpr int kSchemaVersion = static_cast<int>(std::size(kMigrations));

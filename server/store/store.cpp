@@ -363,6 +363,34 @@ std::vector<ComparisonRow> Store::comparisons_to_purge() {
     return read_comparisons(read);
 }
 
+void Store::put_row_bias(int64_t comparison, const RowBias& bias, const std::string& map) {
+    database_
+        .prepare(
+            "INSERT OR REPLACE INTO row_biases (comparison, films, layer, errors, map) VALUES (?1, ?2, ?3, ?4, ?5)")
+        .bind(1, comparison)
+        .bind(2, bias.films)
+        .bind(3, bias.layer)
+        .bind(4, bias.errors)
+        .bind(5, map)
+        .run();
+}
+
+std::vector<RowBias> Store::row_biases(int64_t comparison) {
+    Statement read = database_.prepare("SELECT films, layer, errors FROM row_biases WHERE comparison = ?1");
+    read.bind(1, comparison);
+    std::vector<RowBias> biases;
+    while (read.step()) biases.push_back({read.text(0), read.text(1), read.text(2)});
+    return biases;
+}
+
+std::optional<std::string> Store::row_bias_map(int64_t comparison, const std::string& films, const std::string& layer) {
+    Statement read =
+        database_.prepare("SELECT map FROM row_biases WHERE comparison = ?1 AND films = ?2 AND layer = ?3");
+    read.bind(1, comparison).bind(2, films).bind(3, layer);
+    if (!read.step()) return std::nullopt;
+    return read.text(0);
+}
+
 std::vector<ComparisonJob> Store::comparison_jobs(int64_t seq) {
     Statement read = database_.prepare(
         "SELECT job, label, parameters, seed, repeat_of FROM comparison_jobs WHERE comparison = ?1 ORDER BY place");

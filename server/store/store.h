@@ -79,6 +79,12 @@ struct ComparisonJob {
     int64_t planned() const { return repeat_of.value_or(job); }
 };
 
+/// Bias and noise of the films of a row, apart.
+struct RowBias {
+    std::string films, layer;  // what the films are called, in one hash
+    std::string errors;        // JSON {metric: {"squared_bias", "low", "high", ...}}
+};
+
 /// What the state of a comparison follows from, for one of its jobs.
 struct JobProgress {
     int64_t seq = 0;
@@ -227,6 +233,10 @@ public:
     /// Likewise; those jobs that are still there.
     std::vector<JobProgress> comparison_progress(int64_t seq);
     std::vector<ComparisonRow> comparisons_to_purge();
+    /// Instead of what is there of the same films and layer. `map`: JSON.
+    void put_row_bias(int64_t comparison, const RowBias& bias, const std::string& map);
+    std::vector<RowBias> row_biases(int64_t comparison);
+    std::optional<std::string> row_bias_map(int64_t comparison, const std::string& films, const std::string& layer);
     struct ComparisonKeyRow {
         std::string body_sha256;
         int64_t comparison;

@@ -17,6 +17,7 @@
 #include "server/worker/helper_errors.h"
 #include "server/worker/helper_merge.h"
 #include "server/worker/helper_pictures.h"
+#include "server/worker/helper_seeds.h"
 #include "server/worker/job_runner.h"
 #include "server/worker/preview_image.h"
 #include "server/worker/process_memory.h"
@@ -108,6 +109,8 @@ struct Tasks {
     EncodedReply run(const EncodeErrorMapRequest& asked) const {
         return encode_error_map(asked, memory_bytes), EncodedReply();
     }
+    MeasureSeedsReply run(const MeasureSeedsRequest& asked) const { return measure_seeds(asked, memory_bytes); }
+    EncodedReply run(const EncodeBiasMapRequest& asked) const { return encode_bias_map(asked), EncodedReply(); }
     MergeFilmsReply run(const MergeFilmsRequest& asked) const { return merge_films(asked, memory_bytes); }
     EncodedReply run(const EncodeExrRequest& asked) const { return encode_exr(asked, memory_bytes); }
     EncodedReply run(const EncodePreviewRequest& asked) const {

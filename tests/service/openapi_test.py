@@ -217,6 +217,8 @@ class OpenApiTest(unittest.TestCase):
         self.assertEqual(len(ask("GET", "/v1/comparisons").json["items"]), 1)
         for name in ("report.json", "report.csv", "report.html"):
             self.assertEqual(ask("GET", f"/v1/comparisons/{compared['id']}/{name}").status, 200, name)
+        for name in ("bias.json", "bias.png"):
+            self.assertEqual(ask("GET", f"/v1/comparisons/{compared['id']}/rows/0/{name}").status, 200, name)
         long = ask("POST", "/v1/comparisons", json_body={**COMPARISON, "stop": {"seconds": 3600}}).json
         self.assertEqual(ask("DELETE", f"/v1/comparisons/{long['id']}").status, 202)
         while ask("GET", f"/v1/comparisons/{long['id']}").json["state"] != "cancelled":
