@@ -33,7 +33,8 @@ bool bias_falls(const JobRow& job) {
 
 std::string sentence(const BiasApart& bias, const std::string& metric) {
     if (!(bias.low > 0))
-        return "no bias is seen: the " + metric + " that is left of it is at most " + short_number(bias.high);
+        return "no bias is seen" +
+               (bias.high > 0 ? ": it adds at most " + short_number(bias.high) + " to the " + metric : "");
     const std::string figure = short_number(bias.squared_bias) + " (between " + short_number(bias.low) + " and " +
                                short_number(bias.high) + ")";
     if (bias.floor) return "more passes reach no " + metric + " below the squared bias, " + figure;

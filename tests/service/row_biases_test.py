@@ -122,6 +122,18 @@ class RowBiases(DaemonTestCase):
         self.assertIn("not two films", self.get(f"{self.rows(named)}/0/bias.png").json["detail"])
 
 
+class BesideAJob(DaemonTestCase):
+    def test_it_is_measured_in_the_background(self):
+        identity = self.daemon.request("POST", "/v1/comparisons", json_body=comparison(seeds=(1, 2))).json["id"]
+        endless = self.daemon.submit(small_job(size=64, passes=100_000_000))["id"]
+        deadline = deadline_after(120)
+        while not (found := self.daemon.request("GET", f"/v1/comparisons/{identity}").json)["table"][-1]["bias"]:
+            self.assertLess(time.monotonic(), deadline, found["state"])
+            time.sleep(0.1)
+        self.assertEqual((found["state"], self.daemon.job(endless)["state"]), ("succeeded", "running"))
+        self.daemon.request("DELETE", f"/v1/jobs/{endless}")
+
+
 class KeptOverARestart(unittest.TestCase):
     def test_what_was_measured_is_not_measured_again(self):
         with Daemon() as daemon:
