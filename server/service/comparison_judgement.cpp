@@ -55,7 +55,7 @@ std::string near_reference_text(const FinalError& figure) {
         return ", " + short_number(mean.error.mean) + ", is within 3 times the reference's own, " +
                short_number(*figure.reference);
     return ", between " + short_number(mean.interval->least) + " and " + short_number(mean.interval->greatest) +
-           " by the references' noise, is not known to a third of itself";
+           " by the references' noise, is not known to half of itself";
 }
 
 /// "its own noise": of the metrics that were measured, and where that is too near to what it is compared with.

@@ -201,7 +201,7 @@ TEST(ReportHtml, MarksUpperBounds) {
     EXPECT_NE(page.find("&lt; 0.04<small>ref. -0.06 – 0.04</small>"), std::string::npos);
     EXPECT_NE(page.find("class=\"whisker line-0\""), std::string::npos);
     EXPECT_NE(page.find("arrows down: upper bounds"), std::string::npos);
-    EXPECT_NE(page.find("not known to a third (!)"), std::string::npos);
+    EXPECT_NE(page.find("not known to half (!)"), std::string::npos);
     EXPECT_EQ(page.find("nan"), std::string::npos);
 }
 
