@@ -56,8 +56,8 @@ std::string error_text(const json& job) {
     const bool below = interval.is_array() && !(value.is_number() && value.get<double>() > 0);
     if (!below && !value.is_number()) return "";
     const std::string metric = plain_text(error.value("metric", json()));
-    std::string text = ", " + metric + (below ? " below " : " ") +
-                       three_digit_number((below ? interval.at(1) : value).get<double>());
+    std::string text =
+        ", " + metric + (below ? " below " : " ") + three_digit_number((below ? interval.at(1) : value).get<double>());
     const json stop = job.contains("request") ? job["request"].value("stop", json()) : json();
     const json target = stop.is_object() ? stop.value("target", json()) : json();
     if (target.is_object() && plain_text(target.value("metric", json())) == metric)
