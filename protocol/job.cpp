@@ -162,7 +162,7 @@ std::optional<ErrorTarget> read_target(const json& source, const std::string& po
                                        bool has_reference, BodyFaults& faults) {
     ObjectReader reader(source, pointer, faults);
     const auto metric = reader.string("metric", kMaxNameBytes, true);
-    const auto value = reader.number("value", {0, 1e30}, true);
+    const auto value = reader.number("value", {0, ErrorTarget::kGreatest}, true);
     reader.finish();
     if (!metric || !value) return std::nullopt;
     check_metric_name(*metric, reader.at("metric"), vocabulary, faults);
@@ -349,7 +349,7 @@ StopConditions read_stop_conditions(const json& source, const std::string& point
     const size_t faults_before = faults.size();
     ObjectReader reader(source, pointer, faults);
     StopConditions stop;
-    stop.seconds = reader.number("seconds", {1e-3, kMaxSeconds, "s"});
+    stop.seconds = reader.number("seconds", {StopConditions::kLeastSeconds, kMaxSeconds, "s"});
     if (const auto passes = reader.integer("passes", 1, kMaxPasses)) stop.passes = static_cast<uint32_t>(*passes);
     if (const json* target = reader.member("target"))
         stop.target = read_target(*target, reader.at("target"), vocabulary, has_reference, faults);

@@ -31,12 +31,16 @@ struct JobCamera {
 
 /// Met when the metric's value is at most this.
 struct ErrorTarget {
+    static constexpr double kGreatest = 1e30;
+
     std::string metric;  // "relative_mse", "indirect:rmse"
     double value = 0;
 };
 
 /// The first one met ends the job; all of them count from the film's first pass, whatever attempt rendered it.
 struct StopConditions {
+    static constexpr double kLeastSeconds = 1e-3;
+
     std::optional<double> seconds;
     std::optional<uint32_t> passes;
     std::optional<ErrorTarget> target;

@@ -60,8 +60,8 @@ struct StartedMessage {
 /// The error of the film so far.
 struct ErrorNow {
     std::string metric;
-    std::optional<double>
-        value;  // none: it is not finite, for which JSON has no number, or the root of a figure below 0
+    /// None: it is not finite, for which JSON has no number, or the root of a figure below 0.
+    std::optional<double> value;
     std::optional<std::vector<double>> interval;  // {least, greatest}: of a figure against two films
 
     void visit(MessageVisitor& visitor) {

@@ -88,17 +88,20 @@ double TimedError::upper_end() const {
     return error > 0 ? interval->greatest : std::max(interval->greatest, 0.5 * (interval->greatest - interval->least));
 }
 
+std::optional<TimedError> timed_error(const CurvePoint& point, const std::string& metric) {
+    const auto found = point.metrics.find(metric);
+    const auto value = found != point.metrics.end() ? found->second : std::nullopt;
+    const auto ends = point.intervals.find(metric);
+    TimedError error{point.seconds, value.value_or(0)};
+    if (ends != point.intervals.end()) error.interval = ends->second;
+    const bool shows = value || (error.interval && error.upper_end() > 0);
+    return shows && std::isfinite(error.error) ? std::optional(error) : std::nullopt;
+}
+
 std::vector<TimedError> timed_errors(std::span<const CurvePoint> curve, const std::string& metric) {
     std::vector<TimedError> errors;
-    for (const CurvePoint& point : curve) {
-        const auto found = point.metrics.find(metric);
-        const auto value = found != point.metrics.end() ? found->second : std::nullopt;
-        const auto ends = point.intervals.find(metric);
-        TimedError error{point.seconds, value.value_or(0)};
-        if (ends != point.intervals.end()) error.interval = ends->second;
-        const bool shows = value || (error.interval && error.upper_end() > 0);
-        if (shows && positive(error.seconds) && std::isfinite(error.error)) errors.push_back(error);
-    }
+    for (const CurvePoint& point : curve)
+        if (const auto error = timed_error(point, metric); error && positive(error->seconds)) errors.push_back(*error);
     // Of points that the clock does not tell apart the last stands: it has the most passes.
     std::stable_sort(errors.begin(), errors.end(),
                      [](const TimedError& a, const TimedError& b) { return a.seconds < b.seconds; });

@@ -51,8 +51,11 @@ struct TimedError {
     double upper_end() const;
 };
 
-/// The curve of one metric: points that have a value or an interval, by rising seconds. A root has none of what was
-/// estimated below 0: it counts as 0, and is left out where even its upper end is 0, for then it shows nothing.
+/// What one point shows of a metric; empty where that is nothing. A root has no value of what was estimated below 0: it
+/// counts as 0, and shows nothing where even its upper end is 0.
+std::optional<TimedError> timed_error(const CurvePoint& point, const std::string& metric);
+
+/// The curve of one metric: what its points show, by rising seconds.
 std::vector<TimedError> timed_errors(std::span<const CurvePoint> curve, const std::string& metric);
 
 /// The non-increasing sequence whose squared distance from `values` is least, all weighing the same: pooled adjacent

@@ -21,8 +21,8 @@ std::string named(int64_t seq) { return "its reference, job " + job_id(seq) + ",
 /// What is left to each film of a whole that is to stop there.
 StopConditions part_of(StopConditions stop) {
     if (stop.passes) stop.passes = *stop.passes / References::kFilms + (*stop.passes % References::kFilms != 0);
-    if (stop.seconds) *stop.seconds /= References::kFilms;
-    if (stop.target) stop.target->value *= References::kFilms;
+    if (stop.seconds) stop.seconds = std::max(*stop.seconds / References::kFilms, StopConditions::kLeastSeconds);
+    if (stop.target) stop.target->value = std::min(stop.target->value * References::kFilms, ErrorTarget::kGreatest);
     return stop;
 }
 

@@ -33,6 +33,7 @@ void WaitingJobs::cancel(JobRow& row, const std::string& line) {
     core_.commit_state(row, line);
     core_.queue.remove(row.seq);
     ended(row);
+    cancel_unneeded_references(row);
 }
 
 void WaitingJobs::cancel_unneeded_references(const JobRow& of) {

@@ -18,13 +18,14 @@ public:
     /// A job is over and its row says so: it is counted, and those that were waiting for it are queued, or fail where
     /// it left nothing to measure against.
     void ended(const JobRow& row);
-    /// Cancels a job that is queued; `line` is for its log.
+    /// Cancels a job that is queued, and what waits to be rendered for it alone; `line` is for its log.
     void cancel(JobRow& row, const std::string& line);
     /// Fails a job that has lost what it is measured against; `reason` says how.
     void fail_for_reference(JobRow row, const std::string& reason);
 
 private:
-    /// Films of its reference that only wait, for nobody: the other one is lost.
+    /// Films of its reference that wait to be rendered, now for nobody; one that is being rendered is finished and
+    /// kept.
     void cancel_unneeded_references(const JobRow& of);
     void release_waiting(const JobRow& over);
 

@@ -71,7 +71,8 @@ bool ErrorFollower::go_on_from(const Film& film, std::vector<CurvePoint> curve, 
     const auto before = std::find_if(curve_.rbegin(), curve_.rend(),
                                      [&](const CurvePoint& point) { return point.passes < film.passes(); });
     was_below_ = before != curve_.rend() && below_target(*before).value_or(false);
-    return is_met(measure_target(film));
+    ResolvedFilm resolved(film);
+    return is_met(measure_target(resolved));
 }
 
 bool ErrorFollower::there_is_time_for(double cost_seconds, double seconds) const {
@@ -108,11 +109,9 @@ void ErrorFollower::note_error(const CurvePoint& point) {
 }
 
 std::optional<bool> ErrorFollower::below_target(const CurvePoint& point) const {
-    CurvePoint now = point;
-    now.seconds = 1;  // timed_errors() takes points of a clock that runs
-    const std::vector<TimedError> errors = timed_errors(std::span(&now, 1), plan_.target->name());
-    if (errors.empty()) return std::nullopt;
-    return errors.front().upper_end() <= plan_.target_value;
+    const std::optional<TimedError> error = timed_error(point, plan_.target->name());
+    if (!error) return std::nullopt;
+    return error->upper_end() <= plan_.target_value;
 }
 
 bool ErrorFollower::is_met(const CurvePoint& point) {
@@ -133,36 +132,39 @@ bool ErrorFollower::after_pass(const Film& film, double seconds) {
     if (!plan_.target || film.passes() < std::ceil((1 + kTargetGrowth) * checked_passes_) ||
         !there_is_time_for(target_cost_, seconds))
         return false;
-    const CurvePoint look = measure_target(film);
+    ResolvedFilm resolved(film);
+    const CurvePoint look = measure_target(resolved);
     if (!was_below_ && below_target(look).value_or(false)) {
         // With the last point, which every job has, this one shows on the curve too that the target was met twice.
-        ResolvedFilm resolved(film);
+        begin_point(film, seconds);
+        curve_.back().metrics = look.metrics, curve_.back().intervals = look.intervals;
         measure_point(resolved, seconds, false);
     }
     return is_met(look);
 }
 
-CurvePoint ErrorFollower::measure_target(const Film& film) {
+CurvePoint ErrorFollower::measure_target(ResolvedFilm& resolved) {
     const OffTheClock measuring(stats_, kErrorMeasuringStage, meters_);
     const double start = now_();
-    ResolvedFilm resolved(film);
     CurvePoint point;
     errors_.measure(resolved, std::span(&*plan_.target, 1), point);
     target_cost_ = now_() - start;
     measured_seconds_ += target_cost_;
-    checked_passes_ = film.passes();
+    checked_passes_ = resolved.film().passes();
     return point;
+}
+
+void ErrorFollower::begin_point(const Film& film, double seconds) {
+    const uint64_t photons = stats_.counts.photons_emitted;
+    curve_.push_back({seconds, film.passes(), photons ? std::optional(photons) : std::nullopt, {}, {}});
 }
 
 void ErrorFollower::measure_point(ResolvedFilm& resolved, double seconds, bool in_the_end) {
     const OffTheClock measuring(stats_, kErrorMeasuringStage, meters_);
     const double start = now_();
     const Film& film = resolved.film();
-    const bool again = !curve_.empty() && curve_.back().passes == film.passes();  // some of it was left for the end
-    if (!again) {
-        const uint64_t photons = stats_.counts.photons_emitted;
-        curve_.push_back({seconds, film.passes(), photons ? std::optional(photons) : std::nullopt, {}, {}});
-    }
+    // One of these passes has some of its metrics already.
+    if (curve_.empty() || curve_.back().passes != film.passes()) begin_point(film, seconds);
     CurvePoint& point = curve_.back();
     errors_.measure(resolved, plan_.cheap, point);
     cheap_cost_ = now_() - start;

@@ -65,7 +65,8 @@ public:
 private:
     void measure_point(ResolvedFilm& resolved, double seconds, bool in_the_end);
     /// What the target's metric comes to now.
-    CurvePoint measure_target(const Film& film);
+    CurvePoint measure_target(ResolvedFilm& resolved);
+    void begin_point(const Film& film, double seconds);
     bool point_is_due(const Film& film, double seconds) const;
     bool there_is_time_for(double cost_seconds, double seconds) const;
     double guessed_last_cost() const;

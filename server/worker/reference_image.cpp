@@ -92,10 +92,17 @@ ReferenceImage mean_of(ReferenceImage one, const ReferenceImage& other) {
     return one;
 }
 
-LoadedReference load_reference(const ReferenceSource& source, uint64_t limit_bytes) {
-    LoadedReference loaded{load_image(source.first, limit_bytes), std::nullopt};
+LoadedReference load_reference(const ReferenceSource& source, const std::set<std::string>& layers,
+                               uint64_t limit_bytes) {
+    const auto load = [&](const ImageSource& of, uint64_t limit) {
+        ReferenceImage image = load_image(of, limit);
+        for (auto* images : {&image.layers, &image.standard_error})
+            std::erase_if(*images, [&](const auto& layer) { return !layers.contains(layer.first); });
+        return image;
+    };
+    LoadedReference loaded{load(source.first, limit_bytes), std::nullopt};
     if (!source.second) return loaded;
-    loaded.second = load_image(*source.second, limit_bytes - std::min(limit_bytes, loaded.first.bytes()));
+    loaded.second = load(*source.second, limit_bytes - std::min(limit_bytes, loaded.first.bytes()));
     if (loaded.second->size != loaded.first.size)
         throw Error(ErrorCode::Conflict, "/reference", "the two films of the reference differ in size");
     return loaded;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -46,7 +47,9 @@ ReferenceImage mean_of(ReferenceImage one, const ReferenceImage& other);
 /// ErrorCode::BadImage for an image file that cannot be read, ErrorCode::Internal for a film that is missing or damaged
 /// or has no pass, ErrorCode::MissingField when `source` names neither.
 ReferenceImage load_image(const ImageSource& source, uint64_t limit_bytes = UINT64_MAX);
-/// Both images of `source`. Throws likewise, and ErrorCode::Conflict where they differ in size.
-LoadedReference load_reference(const ReferenceSource& source, uint64_t limit_bytes = UINT64_MAX);
+/// Both images of `source`, of their layers those named. Throws likewise, and ErrorCode::Conflict where they differ in
+/// size.
+LoadedReference load_reference(const ReferenceSource& source, const std::set<std::string>& layers,
+                               uint64_t limit_bytes = UINT64_MAX);
 
 }  // namespace photond

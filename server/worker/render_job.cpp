@@ -125,7 +125,7 @@ void RenderJob::prepare_measuring() {
     std::optional<LoadedReference> reference;
     if (with_reference) {
         const OffTheClock loading(stats_, kReferenceLoadStage, meters_);
-        reference = load_reference(*order_.reference,
+        reference = load_reference(*order_.reference, plan.layers,
                                    order_.memory_bytes - std::min(order_.memory_bytes, budget_.accounted_bytes()));
         const auto passes = [](const ReferenceImage& image) {
             return image.passes ? std::to_string(*image.passes) + " passes" : "an image";

@@ -209,7 +209,7 @@ class Disturbed(unittest.TestCase):
             cursor = page["next_cursor"] and f"&cursor={page['next_cursor']}"
         plain = [job for job in jobs if job["role"] == "render" and job["comparison"] is None]
         self.assertLessEqual(len(plain) - SEEDS, len(self.seeds), "more jobs than requests")
-        self.assertEqual(len([job for job in jobs if job["role"] == "reference"]), 1, "one reference for all")
+        self.assertEqual(len([job for job in jobs if job["role"] == "reference"]), 2, "two films of one reference for all")
         listed = self.daemon.request("GET", "/v1/comparisons?limit=1000").json["items"]
         self.assertEqual(len(listed), len(comparisons) + 1)
         films = {film.name.split("-")[0] for film in (self.daemon.data_dir / "films").iterdir()}

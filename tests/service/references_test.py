@@ -153,6 +153,7 @@ class ReferencesTest(unittest.TestCase):
         self.assertEqual(films({"passes": 7}), {"passes": 4})
         self.assertEqual(films({"passes": 1}), {"passes": 1})
         self.assertEqual(films({"seconds": 0.5}), {"seconds": 0.25})
+        self.assertEqual(films({"seconds": 0.0015}), {"seconds": 0.001}, "the least there is")
         self.assertEqual(films({"passes": 64, "target": {"metric": "estimated_relative_mse", "value": 0.25}}),
                          {"passes": 32, "target": {"metric": "estimated_relative_mse", "value": 0.5}})
 
@@ -225,6 +226,11 @@ class ReferencesTest(unittest.TestCase):
             self.assertIn(f"job {reference}, was cancelled", job["failure"]["detail"])
             self.assertEqual(job["attempts"], [])
         self.daemon.wait_for_job(second, ("cancelled",))  # nobody needs it any more
+        # Nor for a job that is cancelled: one film may run, the other one does not begin.
+        lonely = self.daemon.submit(small_job(reference=made(ENDLESS, parameters={"indirect_bounces": 1})))
+        self.daemon.request("DELETE", f"/v1/jobs/{lonely['id']}")
+        self.daemon.wait_for_job(lonely["reference_jobs"][1], ("cancelled",))
+        self.daemon.request("DELETE", f"/v1/jobs/{lonely['reference_job']}")
         # Asked for again it is made anew, and so for a job that is tried again.
         again = self.daemon.request("POST", f"/v1/jobs/{waiting[0]['id']}/retry").json
         self.assertNotEqual(again["reference_job"], reference)

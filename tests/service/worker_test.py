@@ -263,7 +263,7 @@ class RenderWorker(WorkerTest):
         self.assertTrue(finished["error_now"]["value"] <= 0.05 or finished["passes_done"] == 64)
         self.assertIn("curve", [m["type"] for m in before])
         for point in finished["curve"]:
-            self.assertEqual(sorted(point), ["metrics", "passes", "photons", "seconds"])
+            self.assertEqual(sorted(point), ["intervals", "metrics", "passes", "photons", "seconds"])
             self.assertIn("flip_ldr", point["metrics"])
         self.assertIsInstance(finished["curve"][-1]["metrics"]["flip_ldr"], float)
 

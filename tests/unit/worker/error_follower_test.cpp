@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdio>
 #include <random>
+#include <span>
 
 #include "protocol/error.h"
 #include "renderer/core/rng.h"
@@ -259,6 +260,21 @@ TEST_F(ErrorFollowerTest, AgainstTwoFilmsTheUpperEndOfTheIntervalMeetsATarget) {
     // Saved and read again, a point has its intervals.
     const FilmHistory read = FilmHistory::parse(FilmHistory{1, {}, {}, {}, follower->curve(), {}}.text());
     EXPECT_EQ(read.curve.back().intervals, last.intervals);
+}
+
+TEST_F(ErrorFollowerTest, TheLookThatFirstMeetsACostlyTargetIsOnTheCurveWithItsValue) {
+    request.stop.target = ErrorTarget{"flip_ldr", 0.1};
+    tick = 0.001;
+    make(ramp());
+    EXPECT_TRUE(render_to(4000, 1));
+    finish(film.passes());
+    const std::vector<CurvePoint>& curve = follower->curve();
+    ASSERT_GE(curve.size(), 2u);
+    for (const CurvePoint& point : std::span(curve).last(2)) {
+        ASSERT_TRUE(point.metrics.at("flip_ldr")) << point.passes;
+        EXPECT_LE(*point.metrics.at("flip_ldr"), 0.1);
+        EXPECT_TRUE(point.metrics.at("mae"));
+    }
 }
 
 /// 500 jobs each against references of a third and of three times the noise that the film has where it reaches its
