@@ -67,16 +67,17 @@ double chance_of(double difference, const BlockNoise& noise) {
     const auto& [films, reference] = noise;
     if (!(difference > 0)) return 1;
     if (!(films.variance + reference.variance > 0)) return 0;
-    // Steps of the logarithm of chi^2, where its density is smooth; below and above is less than 1e-7 of it.
+    // Steps of the logarithm of chi^2, where its density is smooth. Below is less than 1e-17 of it, which is what a
+    // chance may lack; above 1e-7, where differences are least likely.
     const double half = films.degrees / 2, step = std::min(0.5, 0.7 / std::sqrt(half));
     const double greatest = std::log(films.degrees + 12 * std::sqrt(films.degrees) + 24);
     const double log_norm = std::lgamma(half) + half * std::numbers::ln2;
     constexpr double kNegligible = 1e-9, kNormalDegrees = 2000;
     double chance = 0, mass = 0;
-    for (double log_square = -16 / half; log_square <= greatest; log_square += step) {
+    for (double log_square = -40 / half; log_square <= greatest; log_square += step) {
         const double square = std::exp(log_square), density = std::exp(half * log_square - square / 2 - log_norm);
         mass += density;
-        if (density < kNegligible) continue;
+        if (density < kNegligible && square > films.degrees) continue;
         const double variance = films.variance * films.degrees / square + reference.variance;
         const double share = reference.variance / variance, degrees = reference.degrees / (share * share);
         const bool normal = !(degrees < kNormalDegrees);
@@ -192,7 +193,7 @@ double detectable_bias(std::vector<TestedBlock*> blocks) {
         return a->block.standard_error < b->block.standard_error;
     });
     const TestedBlock& typical = **middle;
-    double low = 0, high = 1e7 * typical.block.standard_error;  // two seeds, a million blocks
+    double low = 0, high = 1e8 * typical.block.standard_error;  // two seeds, 1.57 million blocks
     for (int i = 0; i < 60; ++i) {
         const double difference = (low + high) / 2;
         (chance_of(difference, typical.noise) > WelchMap::kLevel / static_cast<double>(blocks.size()) ? low : high) =

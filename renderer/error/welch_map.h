@@ -1,7 +1,6 @@
 #pragma once
 // Where a method is biased: per block of pixels, whether the mean of its images differs from the references' by more
-// than both noises explain (believing-errors.md,
-// "Where a method is biased").
+// than both noises explain (believing-errors.md, "Where a method is biased").
 //
 // [Jung et al. 2020] Detecting Bias in Monte Carlo Renderers using Welch's t-test. JCGT 9(2). Departures:
 //   * Variances of a method come from images of different seeds, never from its pixels or passes, which share photons,
@@ -19,9 +18,9 @@
 //
 // Few seeds have few degrees of freedom, and their t has long tails: to be found as the one block of 64 a difference
 // has to be 3.8 standard errors with any number of seeds, 4.9 with 17, 10 with 6, 80 with three and 4,100 with two,
-// unless the references' noise is the larger one. A bias of 1 % at a standard error of 0.18 %
-// of the block is found nine times of ten with kSeedsToTell seeds, eight times with 20 (or with 8, where three quarters
-// of the variance are the references').
+// unless the references' noise is the larger one. A bias of 1 % at a standard error of 0.18 % of the block is found
+// nine times of ten with kSeedsToTell seeds, eight times with 20 (or with 8, where three quarters of the variance are
+// the references').
 
 #include <cstdint>
 #include <span>

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "renderer/core/rng.h"
 #include "renderer/error/student_t.h"
@@ -47,6 +48,36 @@ TEST(WelchMap, FollowsWelchsTest) {
     // Of the cut one the reference has no noise.
     EXPECT_NEAR(map.blocks[1].degrees, 2, 1e-9);
     EXPECT_NEAR(map.blocks[1].p, student_t_tails(std::sqrt(3.0), 2), 1e-5);
+}
+
+TEST(WelchMap, RareChancesKeepTheirDigits) {
+    // Beside references without noise t is Student's. Two films of 32 pixels differ in one, by less and less.
+    const CrossMeter references({32, 1}, std::vector<float>(96, 0), std::vector<float>(96, 0));
+    for (const float apart : {1e-2f, 1e-4f, 1e-6f, 1e-8f}) {
+        std::vector<float> values(32, 0);
+        values[0] = 1;
+        std::vector<std::vector<float>> films(2, grey(values));
+        values[1] = apart;
+        films[1] = grey(values);
+        const WelchMap map = welch_map(references, films);
+        const WelchBlock& block = map.blocks[0];
+        ASSERT_EQ(block.degrees, 1);
+        const double chance = student_t_tails(block.difference / block.standard_error, 1);
+        EXPECT_NEAR(block.p / chance, 1, 1e-5) << chance;  // 1e-6 of a difference is rounding
+    }
+}
+
+TEST(WelchMap, SaysWhatWouldBeFoundByTwoSeedsInManyBlocks) {
+    // Blocks of a pixel, all alike: each has to have a chance of 1 % over their number, that is 2 / (pi t).
+    constexpr uint32_t kBlocks = 200'000;
+    const std::vector<float> reference(3 * kBlocks, 1);
+    const CrossMeter references({kBlocks, 1}, reference, reference);
+    const std::vector<std::vector<float>> films{std::vector<float>(3 * kBlocks, 1 - 0x1p-10f),
+                                                std::vector<float>(3 * kBlocks, 1 + 0x1p-10f)};
+    const WelchMap map = welch_map(references, films, 1);
+    const WelchBlock& block = map.blocks[0];
+    const double t = 2 * kBlocks / (std::numbers::pi * WelchMap::kLevel);
+    EXPECT_NEAR(map.detectable / block.standard_error / t, 1, 1e-4);
 }
 
 TEST(WelchMap, SaysHowManyBlocksDifferAndTheWorst) {
