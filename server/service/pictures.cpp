@@ -13,7 +13,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr double kMostSeconds = 1;               // of rendering, by the helper that others wait for
-constexpr int kMostCallers = 4;                  // others need the threads that answer
 constexpr std::chrono::milliseconds kLook{250};  // whether the jobs are over
 
 TryLater not_now(const char* why) {

@@ -61,6 +61,7 @@ public:
     const Helper* background() const { return background_.get(); }
 
     static constexpr std::chrono::seconds kPatience{5};
+    static constexpr int kMostCallers = 4;  // that wait: others need the threads that answer
 
 private:
     Artefact drawn_beside(const std::string& name, const std::function<Artefact()>& draw);

@@ -7,7 +7,7 @@ import time
 import unittest
 import zlib
 
-from photond_daemon import OVER, Daemon, DaemonTestCase, deadline_after, small_job
+from photond_daemon import OVER, Daemon, DaemonTestCase, deadline_after, small_job, wait_until
 
 SIZE = 48  # blocks of 32 pixels, cut at the right and at the bottom
 BLURRED = {"name": "photon_mapping", "parameters": {"gather": "direct", "photons": 2000, "radius": 0.5}}
@@ -132,6 +132,26 @@ class BesideAJob(DaemonTestCase):
             time.sleep(0.1)
         self.assertEqual((found["state"], self.daemon.job(endless)["state"]), ("succeeded", "running"))
         self.daemon.request("DELETE", f"/v1/jobs/{endless}")
+
+
+class MeasuredAgain(DaemonTestCase):
+    def test_what_could_not_be_kept_is_measured_later(self):
+        cache, away = self.daemon.data_dir / "cache", self.daemon.data_dir / "away"
+        cache.rename(away)
+        body = comparison(seeds=(1, 2), metrics=["relative_mse", "direct:relative_mse"])
+        path = "/v1/comparisons/" + self.daemon.request("POST", "/v1/comparisons", json_body=body).json["id"]
+        found = wait_until(lambda: (now := self.daemon.request("GET", path).json)["state"] in OVER and now, "not over")
+        # Six figures, each by itself: no layer waits for another's.
+        wait_until(lambda: self.daemon.log().count("are not measured now: cannot write") >= 6, self.daemon.log())
+        self.assertEqual([row["bias"] for row in found["table"]], [None] * 3)
+        away.rename(cache)
+
+        def measured():
+            table = self.daemon.request("GET", path).json["table"]
+            return all(row["bias"] and len(row["bias"]) == 2 for row in table) and table
+
+        for row in wait_until(measured, "not measured"):
+            self.assertEqual(row["bias"].keys(), set(body["metrics"]))
 
 
 class KeptOverARestart(unittest.TestCase):
