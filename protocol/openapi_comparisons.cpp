@@ -60,10 +60,10 @@ json noise_interval() {
 json bias_schema() {
     return given(
         {{"squared_bias", typed("number")},
-         {"low", typed("number", "90 % over the seeds")},
+         {"low", typed("number", "90 %, from the seeds and the references' noise")},
          {"high", typed("number")},
          {"variance", typed("number", "of one film")},
-         {"variance_low", nullable("number", "null for two seeds")},
+         {"variance_low", nullable("number", "90 %, from the seeds; null for two")},
          {"variance_high", nullable("number")},
          {"floor", typed("boolean",
                          "parameters are fixed: more passes will not go below squared_bias; else it is that at "
@@ -104,8 +104,10 @@ json row_schema() {
          {"peak_bytes", nullable("integer", "the largest of the seeds', beside the idle process")},
          {"efficiency", nullable("number", "1 / the mean over the seeds of mse x seconds; null: not above 0")},
          {"pareto", typed("boolean", "at some time no other row is better, by upper ends")},
-         {"bias", with_text(or_null(map_of(bias_schema())),
-                            "by quadratic metric; null for one seed, while jobs run, without two references")}});
+         {"bias",
+          with_text(
+              or_null(map_of(bias_schema())),
+              "by quadratic metric, {} where none is; null for one seed, while jobs run, without two references")}});
 }
 
 json summary_schema() {
@@ -215,11 +217,12 @@ json estimate_schema() {
 /// Differences and standard errors are over sqrt(r^2 + 0.01 m^2): r the block's mean luminance in the reference, m the
 /// image's.
 json bias_map_schema() {
-    const json block = given({{"difference", typed("number", "of the mean luminance over the seeds, over the block's")},
-                              {"standard_error", typed("number", "by the seeds and the reference's noise")},
-                              {"degrees", typed("number", "of freedom, by Satterthwaite")},
-                              {"p", in_range(typed("number", "of as large a difference by chance"), 0, 1)},
-                              {"found", typed("boolean", "it differs, at that level for the image as a whole")}});
+    const json block =
+        given({{"difference", typed("number", "of the mean luminance over the seeds, over the block's")},
+               {"standard_error", typed("number", "by the seeds and the reference's noise")},
+               {"degrees", typed("number", "of freedom, by Satterthwaite: stated only, p is not by them")},
+               {"p", in_range(typed("number", "of as large a difference by chance"), 0, 1)},
+               {"found", typed("boolean", "it differs, at that level for the image as a whole")}});
     return given({{"row", count("of the table")},
                   {"label", typed("string")},
                   {"layer", typed("string")},

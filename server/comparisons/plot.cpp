@@ -152,7 +152,7 @@ std::string floor_line(const PlotSeries& series, size_t index, const Axis& x, co
     if (!series.floor) return "";
     const double at = y.at(*series.floor);
     return line(("bias-floor line-" + std::to_string(index)).c_str(), x.from, at, x.to, at) +
-           text_at(x.from + 6, at - 6, "start", series.name + ": squared bias " + short_number(*series.floor));
+           text_at(x.from + 6, at - 6, "start", series.name + ": no less than " + short_number(*series.floor));
 }
 
 }  // namespace

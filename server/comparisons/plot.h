@@ -12,7 +12,7 @@ namespace photond {
 struct PlotSeries {
     std::string name;
     std::vector<MeanPoint> points;     // by rising seconds
-    std::optional<double> floor = {};  // that more passes will not go below: a dotted line
+    std::optional<double> floor = {};  // floor_of(): a dotted line
 };
 
 struct Plot {

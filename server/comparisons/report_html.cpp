@@ -141,17 +141,6 @@ std::string legend(const ComparisonTable& table) {
     return html + "</ul>\n";
 }
 
-const BiasApart* bias_of(const TableRow& row, const std::string& metric) {
-    if (!row.bias) return nullptr;
-    const auto parts = row.bias->find(metric);
-    return parts != row.bias->end() ? &parts->second : nullptr;
-}
-
-std::optional<double> floor_of(const TableRow& row, const std::string& metric) {
-    const BiasApart* parts = bias_of(row, metric);
-    return parts && parts->least() ? std::optional(parts->squared_bias) : std::nullopt;
-}
-
 /// What the lines of a metric's plot are.
 std::string key_text(const ComparisonTable& table, const std::string& metric) {
     bool intervals = false, floors = false;
@@ -163,7 +152,7 @@ std::string key_text(const ComparisonTable& table, const std::string& metric) {
     return std::string(
                "Lines: the mean over the seeds; bands: its 95 % interval; whiskers: where the references' noise "
                "lets it lie, at 90 %; arrows down: upper bounds, where it is not told apart from 0") +
-           (floors ? "; dotted: the squared bias, which more passes will not go below" : "") + ".";
+           (floors ? "; dotted: the least that bias leaves of it, which more passes will not go below" : "") + ".";
 }
 
 std::string bias_list(const ComparisonTable& table, const std::string& metric) {

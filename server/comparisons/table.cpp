@@ -5,6 +5,8 @@
 #include <functional>
 #include <limits>
 
+#include "renderer/error/cross_meter.h"
+#include "renderer/error/seed_errors.h"
 #include "server/comparisons/levels.h"
 #include "server/comparisons/pareto.h"
 
@@ -386,9 +388,28 @@ json row_json(const TableRow& row) {
 
 std::optional<double> MeanError::drawn() const {
     if (!is_bound()) return error.mean;
-    if (!interval) return std::nullopt;
-    const double bound = interval->greatest > 0 ? interval->greatest : 0.5 * (interval->greatest - interval->least);
+    const double bound = upper_end();
     return bound > 0 ? std::optional(bound) : std::nullopt;
+}
+
+std::optional<LayerMetric> mean_square_named(const std::string& metric) {
+    const auto named = layer_metric_named(metric);
+    if (!named || !is_quadratic(named->metric)) return std::nullopt;
+    return LayerMetric{named->layer, mean_square_of(named->metric)};
+}
+
+const BiasApart* bias_of(const TableRow& row, const std::string& metric) {
+    const auto mean_square = mean_square_named(metric);
+    if (!row.bias || !mean_square) return nullptr;
+    const auto parts = row.bias->find(mean_square->name());
+    return parts != row.bias->end() ? &parts->second : nullptr;
+}
+
+std::optional<double> floor_of(const TableRow& row, const std::string& metric) {
+    const BiasApart* parts = bias_of(row, metric);
+    const auto least = parts ? parts->least() : std::nullopt;
+    if (!least) return std::nullopt;
+    return mean_square_named(metric)->name() == metric ? *least : std::sqrt(*least);
 }
 
 std::optional<MeanError> mean_error(std::span<const TimedError> errors) {

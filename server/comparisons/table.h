@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "renderer/error/curve.h"
+#include "renderer/error/metric.h"
 #include "server/core_loss.h"
 
 namespace photond {
@@ -58,8 +59,8 @@ struct MeanError {
     /// is as wide as theirs are on average, however many there are. Empty where an error has none.
     std::optional<Interval> interval = {};
 
-    /// The error as it is drawn on a logarithmic axis: where it is not positive, an upper bound, which is its
-    /// interval's upper end (where that is not positive either, by luck, half of the width). Empty where there is none.
+    /// The error as it is drawn on a logarithmic axis: where it is not positive, an upper bound, upper_end(). Empty
+    /// where there is none.
     std::optional<double> drawn() const;
     /// By which rows are compared where they cannot be asked about each time: TimedError::upper_end().
     double upper_end() const { return TimedError{0, error.mean, interval}.upper_end(); }
@@ -96,9 +97,9 @@ struct MeanPoint {
 
 /// What a row's error is made of, of one quadratic metric: from films of different seeds against two references.
 struct BiasApart {
-    double squared_bias = 0, low = 0, high = 0;         // 90 % by Student's t over seeds
+    double squared_bias = 0, low = 0, high = 0;         // 90 %, from the seeds and the references' noise: seed_errors.h
     double variance = 0;                                // of one film
-    std::optional<double> variance_low, variance_high;  // likewise; two seeds have none
+    std::optional<double> variance_low, variance_high;  // 90 %, from the seeds; two have none
     /// The row's parameters are fixed: more passes will not go below the squared bias. Else it is that at these passes.
     bool floor = false;
     std::string text;  // a sentence
@@ -123,9 +124,16 @@ struct TableRow {
     std::optional<uint64_t> peak_bytes;  // the largest of the seeds'
     std::optional<double> efficiency;    // 1 / the mean over the seeds of mse x seconds at the end, where above 0
     bool pareto = false;                 // at some time no other row's mean curve is better, by upper ends
-    /// By metric; empty for one seed, while it is not finished, and where the reference is not two films.
+    /// By metric, a mean square; empty for one seed, until it is measured, and where the reference is not two films.
     std::optional<std::map<std::string, BiasApart>> bias = {};
 };
+
+/// The mean square that a metric is or is the root of: "indirect:mse" of "indirect:rmse". Empty for other metrics.
+std::optional<LayerMetric> mean_square_named(const std::string& metric);
+/// Of that, what the row's error is made of; null where that is not known.
+const BiasApart* bias_of(const TableRow& row, const std::string& metric);
+/// The error that the row does not go below, whatever its passes: BiasApart::least(), of an rmse its root.
+std::optional<double> floor_of(const TableRow& row, const std::string& metric);
 
 struct ComparisonTable {
     std::vector<std::string> metrics;

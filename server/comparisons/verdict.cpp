@@ -32,9 +32,7 @@ bool is_open(const TimeToError& row, const TimeToError& first) {
 
 /// The least that a row comes to by a metric, where that is more than `error`.
 std::optional<double> least_above(const TableRow& row, const std::string& metric, double error) {
-    if (!row.bias) return std::nullopt;
-    const auto parts = row.bias->find(metric);
-    const auto least = parts != row.bias->end() ? parts->second.least() : std::nullopt;
+    const auto least = floor_of(row, metric);
     return least && *least > error ? least : std::nullopt;
 }
 
@@ -80,22 +78,24 @@ bool is_among(const std::vector<size_t>& rows, size_t row) {
     return std::find(rows.begin(), rows.end(), row) != rows.end();
 }
 
-/// "; not in its time: b; c reaches no less than relative_mse 0.02; by the references' noise it cannot be told when, or
-/// whether: d"
+/// "; not in its time: b; c reaches no less than relative_mse 0.02; the references' noise leaves open whether d was
+/// there sooner"
 std::string missing_text(const ComparisonTable& table, const Verdict& verdict) {
-    std::string late, floors, open;
+    std::string late, floors;
+    std::vector<std::string> open;
     for (const size_t row : verdict.missing) {
         const std::string name = name_of(table, row);
         if (const auto least = least_above(table.rows[row], verdict.metric, verdict.error))
             floors += "; " + name + " reaches no less than " + verdict.metric + " " + short_number(*least);
         else if (is_among(verdict.open, row))
-            open += (open.empty() ? "" : ", ") + name;
+            open.push_back(name);
         else
             late += (late.empty() ? "" : ", ") + name;
     }
     if (!late.empty()) late.insert(0, "; not in its time: ");
-    if (!open.empty()) open = "; by the references' noise it cannot be told when, or whether: " + open;
-    return late + floors + open;
+    if (open.empty()) return late + floors;
+    return late + floors + "; the references' noise leaves open whether " + enumerated(open) +
+           (open.size() > 1 ? " were" : " was") + " there sooner";
 }
 
 std::vector<size_t> disturbed_rows(const ComparisonTable& table) {
@@ -168,7 +168,6 @@ std::string verdict_text(const ComparisonTable& table, const Verdict& verdict) {
     if (verdict.close) {
         std::vector<std::string> names{named(first_row)};
         said.insert(said.end(), verdict.rivals.begin(), verdict.rivals.end());
-        if (verdict.rivals.empty() && verdict.arrived.size() > 1) said.push_back(verdict.arrived[1]);
         for (const size_t row : std::span(said).subspan(1)) names.push_back(named(row));
         text = "too close to call at " + goal + ": " + enumerated(names);
     } else {

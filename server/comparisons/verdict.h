@@ -37,12 +37,11 @@ bool can_be_told_apart(const TimeToError& a, const TimeToError& b);
 std::vector<Verdict> verdicts(const ComparisonTable& table);
 
 /// "photon mapping reaches relative_mse 0.01 first, after 1.2 s: 3.75 times sooner than path tracing (4.5 s)"; of rows
-/// that do not reach it because of their bias (BiasApart::least()) what they come to instead.
+/// that do not reach it because of their bias (floor_of()) what they come to instead.
 std::string verdict_text(const ComparisonTable& table, const Verdict& verdict);
 
 /// [{"metric", "error", "easiest", "close", "factor", "arrived": [{"row", "seconds"}], "missing": [row],
-/// "disturbed": [row], "text"}]; a
-/// row is its index in the table, the factor the second's time over the first's.
+/// "disturbed": [row], "text"}]; a row is its index in the table, the factor the second's time over the first's.
 nlohmann::json verdicts_json(const ComparisonTable& table, std::span<const Verdict> verdicts);
 
 }  // namespace photond

@@ -249,7 +249,7 @@ class FinalError(_FinalError, total=False):
 
 class BiasAndVariance(TypedDict):
     """What the seeds of a row have in common (`squared_bias`), and what each has of its own (`variance`, of one film), by
-    a metric that is a mean of squares. `low`, `high`: 90 % by Student's t over the seeds; of the variance null for two.
+    a metric that is a mean of squares. `low`, `high`: 90 %, by the seeds and the references' noise; of the variance by the seeds, null for two.
     `floor`: more passes do not go below the squared bias; else it is the one at these passes."""
 
     squared_bias: float

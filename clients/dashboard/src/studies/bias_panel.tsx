@@ -81,7 +81,7 @@ export function BiasPanel({ report, metric }: { report: ComparisonReport; metric
       {lines.length > 0 ? <BiasTable lines={lines} metric={metric} /> : <p class="muted">{metric} is no mean of squares, so that it has no such parts.</p>}
       <p class="muted small">
         Squared bias: what the films of all seeds have in common, which no number of seeds averages away; variance: what each film has of its own. In brackets
-        90 % over the seeds.
+        where they lie at 90 %: squared bias by the seeds and the references' noise, variance by the seeds.
       </p>
       <div class="row study-controls">
         <h3 class="study-fill">Where the mean is not the reference</h3>
