@@ -11,6 +11,7 @@
 #include "server/comparisons/report_text.h"
 #include "server/comparisons/verdict.h"
 #include "server/row_text.h"
+#include "server/service/references.h"
 #include "server/service/row_films.h"
 
 namespace photond {
@@ -58,28 +59,41 @@ std::string near_reference_text(const FinalError& figure) {
            " by the references' noise, is not known to half of itself";
 }
 
+/// Whether all finished jobs were measured against two films (statistics of before there were any do not say how);
+/// where none is finished, whether all will be.
+bool is_measured_by_two(const Compared& compared, const std::vector<json>& statistics) {
+    const json::json_pointer form("/reference/form");
+    const auto is_known = [](const json& of_job) { return of_job.is_object(); };
+    const auto by_two = [&](const json& of_job) {
+        return !is_known(of_job) || (of_job.contains(form) && of_job.at(form) == ReferenceSource::kTwoFilms);
+    };
+    if (std::any_of(statistics.begin(), statistics.end(), is_known))
+        return std::all_of(statistics.begin(), statistics.end(), by_two);
+    return std::all_of(compared.state.jobs.begin(), compared.state.jobs.end(),
+                       [](const JobProgress& job) { return job.reference_jobs.size() == References::kFilms; });
+}
+
 /// "its own noise": of the metrics that were measured, and where that is too near to what it is compared with.
-json reference_json(const ComparisonRow& row, const ComparisonState& state, const std::vector<MeasuredJob>& jobs,
-                    const ComparisonTable& table) {
-    const json asked = json::parse(row.request).value("reference", json());
+json reference_json(const Judged& judged, const Compared& compared) {
+    const json asked = json::parse(compared.row.request).value("reference", json());
     if (asked.is_null()) return nullptr;
     json error = json::object(), warnings = json::array();
-    for (const MeasuredJob& job : jobs)
+    for (const MeasuredJob& job : judged.jobs)
         for (const auto& [metric, noise] : job.reference_error) error[metric] = noise;
-    for (const TableRow& table_row : table.rows)
+    for (const TableRow& table_row : judged.table.rows)
         for (const auto& [metric, figure] : table_row.error)
             if (figure.near_reference)
                 warnings.push_back("the " + metric + " of " + row_name(table_row.label, table_row.parameters) +
                                    near_reference_text(figure) + ": take a reference of more passes");
     const bool image = asked.is_string() && asked.get_ref<const std::string&>().starts_with("image:");
     json films;
-    for (const JobProgress& film : state.references) films.push_back(job_id(film.seq));
-    const std::optional<JobState> reached = state.reference_state();
+    for (const JobProgress& film : compared.state.references) films.push_back(job_id(film.seq));
+    const std::optional<JobState> reached = compared.state.reference_state();
     return {{"job", films.is_null() ? json() : films.front()},
             {"jobs", films},
-            {"form", image               ? ReferenceSource::kImage
-                     : films.size() == 2 ? ReferenceSource::kTwoFilms
-                                         : ReferenceSource::kFilm},
+            {"form", image                                             ? ReferenceSource::kImage
+                     : is_measured_by_two(compared, judged.statistics) ? ReferenceSource::kTwoFilms
+                                                                       : ReferenceSource::kFilm},
             {"image", image ? json(asked.get<std::string>().substr(6)) : json()},
             {"state", reached ? json(job_state_name(*reached)) : json()},
             {"error", error.empty() ? json() : error},
@@ -163,6 +177,14 @@ std::optional<JobState> ComparisonState::reference_state() const {
     return references.empty() ? std::nullopt : std::optional(JobState::Succeeded);
 }
 
+std::vector<int64_t> references_of(const std::vector<JobProgress>& jobs) {
+    std::vector<int64_t> references;
+    for (const JobProgress& job : jobs)
+        for (const int64_t seq : job.reference_jobs)
+            if (std::find(references.begin(), references.end(), seq) == references.end()) references.push_back(seq);
+    return references;
+}
+
 JobState ComparisonState::state() const {
     const std::vector<JobState> states = places();
     const auto there_is = [&](JobState state) {
@@ -243,7 +265,7 @@ Judged judge(const Compared& compared) {
     const std::vector<Verdict> found = verdicts(judged.table);
     object["verdicts"] = verdicts_json(judged.table, found);
     object["headlines"] = headlines_json(judged.table, found);
-    object["reference"] = reference_json(compared.row, state, judged.jobs, judged.table);
+    object["reference"] = reference_json(judged, compared);
     return judged;
 }
 

@@ -16,7 +16,7 @@ namespace photond {
 /// Where the jobs are, and those that they are measured against.
 struct ComparisonState {
     std::vector<JobProgress> jobs;  // repeats after all that were planned
-    /// One that was named, or the two films of a reference.
+    /// One that was named, or the two films of a reference; several such where jobs differ (references_of()).
     std::vector<JobProgress> references;
     std::vector<JobProgress> own_references;  // of these, those made for this comparison
 
@@ -28,6 +28,10 @@ struct ComparisonState {
     /// Of all references; empty where they are no jobs. That of the one that is not over, or has not succeeded, first.
     std::optional<JobState> reference_state() const;
 };
+
+/// All that any of the jobs is measured against, each once, in the order in which they come to it. It is the same for
+/// all, unless it was lost and made anew for some, or a job is repeated by a daemon that makes references otherwise.
+std::vector<int64_t> references_of(const std::vector<JobProgress>& jobs);
 
 /// All that is known of a comparison and its jobs.
 struct Compared {

@@ -43,12 +43,8 @@ JobProgress Comparisons::progress_now(JobProgress job) const {
 
 ComparisonState Comparisons::comparison_state(const ComparisonRow& row) {
     ComparisonState state;
-    std::vector<int64_t> references;
-    for (const JobProgress& job : core_.store.comparison_progress(row.seq)) {
-        if (!job.reference_jobs.empty()) references = job.reference_jobs;
-        state.jobs.push_back(progress_now(job));
-    }
-    for (const int64_t seq : references) {
+    for (const JobProgress& job : core_.store.comparison_progress(row.seq)) state.jobs.push_back(progress_now(job));
+    for (const int64_t seq : references_of(state.jobs)) {
         const auto found = core_.store.job(seq);
         if (!found) continue;
         state.references.push_back(progress_now({found->seq, found->state, found->device, found->progress,

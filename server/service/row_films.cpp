@@ -5,7 +5,6 @@
 #include "renderer/core/sha256.h"
 #include "renderer/error/cross_meter.h"
 #include "renderer/error/metric.h"
-#include "renderer/error/seed_errors.h"
 #include "renderer/methods/registry.h"
 #include "server/comparisons/report_text.h"
 #include "server/service/references.h"
@@ -41,7 +40,7 @@ std::string sentence(const BiasApart& bias, const std::string& metric) {
     return "the squared bias at these passes is " + figure + ", and falls with more";
 }
 
-BiasApart bias_of(const json& measured, bool floor, const std::string& metric) {
+BiasApart bias_read(const json& measured, bool floor, const std::string& metric) {
     const auto optional = [&](const char* name) {
         const json& value = measured.at(name);
         return value.is_null() ? std::optional<double>() : std::optional(value.get<double>());
@@ -63,21 +62,26 @@ RowFilms none(std::string why_not) { return {{}, {}, "", std::move(why_not)}; }
 RowFilms films_of_row(const Compared& compared, const TableRow& row) {
     if (row.seeds < 2) return none("it has one seed, whose bias and noise cannot be told apart");
     if (row.succeeded < row.seeds) return none("not all of its jobs have succeeded");
-    if (compared.references.size() != References::kFilms) return none("its reference is not two films");
     RowFilms films;
     std::string names;
-    const auto add = [&names](const JobRow& job, std::vector<int64_t>& seqs) {
-        seqs.push_back(job.seq);
-        names += job.film + "\n";
-        return !job.film.empty();
-    };
-    for (const JobRow& film : compared.references)
-        if (film.state != JobState::Succeeded || !add(film, films.references))
-            return none("a film of its reference is lost");
     for (const std::string& id : row.jobs) {
         const auto job = std::find_if(compared.jobs.begin(), compared.jobs.end(),
                                       [&](const auto& any) { return job_id(any.second.seq) == id; });
-        if (job == compared.jobs.end() || !add(job->second, films.jobs)) return none("a film of its jobs is lost");
+        if (job == compared.jobs.end()) return none("a film of its jobs is lost");
+        const JobRow& of_seed = job->second;
+        if (films.jobs.empty()) films.references = of_seed.reference_jobs;
+        if (of_seed.reference_jobs != films.references) return none("its jobs have different references");
+        if (of_seed.film.empty()) films.why_not = "a film of its jobs is lost";
+        films.jobs.push_back(of_seed.seq);
+        names += id + "/" + std::to_string(of_seed.attempt) + "\n";
+    }
+    if (films.references.size() != References::kFilms) return none("its reference is not two films");
+    for (const int64_t seq : films.references) {
+        const auto film = std::find_if(compared.references.begin(), compared.references.end(),
+                                       [&](const JobRow& any) { return any.seq == seq; });
+        if (film == compared.references.end() || film->state != JobState::Succeeded || film->film.empty())
+            films.why_not = "a film of its reference is lost";
+        names += job_id(seq) + "\n";
     }
     films.name = sha256_hex(names.data(), names.size());
     return films;
@@ -95,26 +99,26 @@ std::vector<std::string> layers_of_bias(const Compared& compared) {
 }
 
 void add_biases(ComparisonTable& table, const Compared& compared) {
-    if (compared.biases.empty()) return;
     for (TableRow& row : table.rows) {
         const RowFilms films = films_of_row(compared, row);
-        if (!films.measurable()) continue;
+        std::vector<const RowBias*> kept;
+        for (const RowBias& measured : compared.biases)
+            if (measured.films == films.name) kept.push_back(&measured);
+        if (films.name.empty() || kept.empty()) continue;
         const auto job = std::find_if(compared.jobs.begin(), compared.jobs.end(),
                                       [&](const auto& any) { return any.second.seq == films.jobs.front(); });
         const bool floor = !bias_falls(job->second);
-        std::map<std::string, BiasApart> biases;
+        std::map<std::string, BiasApart>& biases = row.bias.emplace();
         for (const std::string& name : table.metrics) {
-            const auto named = layer_metric_named(name);
-            if (!named || !is_quadratic(named->metric)) continue;
-            const LayerMetric metric{named->layer, mean_square_of(named->metric)};
-            for (const RowBias& measured : compared.biases) {
-                if (measured.films != films.name || measured.layer != metric.layer) continue;
-                const json errors = json::parse(measured.errors);
-                if (const auto error = errors.find(std::string(metric_info(metric.metric).name)); error != errors.end())
-                    biases[metric.name()] = bias_of(*error, floor, metric.name());
+            const auto metric = mean_square_named(name);
+            if (!metric) continue;
+            for (const RowBias* measured : kept) {
+                if (measured->layer != metric->layer) continue;
+                const json errors = json::parse(measured->errors);
+                const auto error = errors.find(std::string(metric_info(metric->metric).name));
+                if (error != errors.end()) biases[metric->name()] = bias_read(*error, floor, metric->name());
             }
         }
-        if (!biases.empty()) row.bias = std::move(biases);
     }
 }
 

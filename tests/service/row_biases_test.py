@@ -168,8 +168,19 @@ class KeptOverARestart(unittest.TestCase):
                 film.write_bytes(b"")  # nothing can be measured any more
             daemon.stop()
             daemon.start()
-            after = daemon.request("GET", path).json["table"], daemon.request("GET", f"{path}/rows/1/bias.json").body
-            self.assertEqual(before, after)
+
+            def now():
+                return daemon.request("GET", path).json["table"], daemon.request("GET", f"{path}/rows/1/bias.json").body
+
+            self.assertEqual(before, now())
+            for film in found["reference"]["jobs"]:
+                self.assertLess(daemon.request("DELETE", f"/v1/jobs/{film}?purge=true").status, 300)
+                wait_until(lambda: daemon.request("GET", f"/v1/jobs/{film}").status == 404, "not removed")
+            self.assertEqual(before, now())
+            self.assertEqual(daemon.request("GET", path).json["reference"]["form"], "two_films")
+            reply = daemon.request("GET", f"{path}/rows/1/bias.json?layer=direct")
+            self.assertEqual(reply.status, 404)
+            self.assertIn("a film of its reference is lost", reply.json["detail"])
 
 
 if __name__ == "__main__":
