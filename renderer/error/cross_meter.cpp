@@ -55,16 +55,19 @@ std::optional<CrossFigure> figure_of(const CrossErrors& errors, Metric metric) {
 struct CrossMeter::Sums {
     /// Of terms divided by one kind of D.
     struct Divided {
-        double products = 0;       // x y / D
-        double squared_terms = 0;  // q^2, by pixel
+        double products = 0;          // x y / D
+        double squared_terms = 0;     // q^2, by pixel
+        double squared_products = 0;  // of x y / D, by pixel
 
         Divided& operator+=(const Divided& other) {
             products += other.products, squared_terms += other.squared_terms;
+            squared_products += other.squared_products;
             return *this;
         }
-        CrossError error(uint64_t count) const {
+        CrossError error(uint64_t count, uint64_t pixels) const {
             const auto n = static_cast<double>(count);
-            return {products / n, std::sqrt(squared_terms) / n};
+            const double scatter = squared_products - products * products / static_cast<double>(pixels);
+            return {products / n, std::sqrt(std::min(squared_terms, std::max(scatter, 0.0))) / n};
         }
     };
     Divided plain, relative;
@@ -113,10 +116,10 @@ private:
         FloatLanes plain = 0, relative = 0, shared_noise = 0;
         uint32_t blocks = 0;
     };
-    /// d e / D of a block's values, and the sums of their pixels' squares.
+    /// d e / D or x y / D of a block's values, and the sums of their pixels' squares.
     struct Terms {
         std::array<float, kBlockValues> terms;
-        float squares = 0;
+        float squares = 0;  // by pixel
 
         void keep(size_t v, const FloatLanes& value) { value.copy_to(&terms[v * kLanes], kUnaligned); }
         void end_block() {
@@ -125,7 +128,7 @@ private:
                 squares += pixel * pixel;
             }
         }
-        double take() { return 4 * double{std::exchange(squares, 0.0f)}; }
+        double take() { return double{std::exchange(squares, 0.0f)}; }
     };
 
     /// In units, or of lanes of them; `weight` is 1 / D in them.
@@ -155,14 +158,16 @@ private:
             run_.plain += product, run_.relative += product * weight;
             if (shares_noise_) run_.shared_noise += shared_noise<FloatLanes>(e[v], d[v], r[v], weight);
             plain_.keep(v, term), relative_.keep(v, term * weight);
+            plain_products_.keep(v, product), relative_products_.keep(v, product * weight);
         }
-        plain_.end_block(), relative_.end_block();
+        for (Terms* terms : {&plain_, &relative_, &plain_products_, &relative_products_}) terms->end_block();
         if (++run_.blocks == kRun) end_run();
     }
 
     void end_run() {
-        sums_.plain += {total(run_.plain) * square_, plain_.take() * square_ * square_};
-        sums_.relative += {total(run_.relative), relative_.take()};
+        const double fourth = square_ * square_;
+        sums_.plain += {total(run_.plain) * square_, 4 * plain_.take() * fourth, plain_products_.take() * fourth};
+        sums_.relative += {total(run_.relative), 4 * relative_.take(), relative_products_.take()};
         sums_.shared_noise += total(run_.shared_noise);
         sums_.count += run_.blocks * kBlockValues;
         run_ = Run{};
@@ -171,19 +176,19 @@ private:
     /// [first, last), whole pixels.
     void add_values(size_t first, size_t last) {
         for (size_t pixel = first; pixel < last; pixel += 3) {
-            double plain = 0, relative = 0;
+            double plain = 0, relative = 0, plain_product = 0, relative_product = 0;
             for (size_t i = pixel; i < pixel + 3; ++i) {
                 const double r = double{meter_.mean_reference_[i]}, d = double{meter_.half_difference_[i]};
                 const double e = double{image_[i]} - r, weight = double{meter_.weights_[i]} / square_;
                 if (!std::isfinite(e) || !std::isfinite(d)) continue;
                 const double product = (e - d) * (e + d), term = -2 * d * e;
-                sums_.plain.products += product, plain += term;
-                sums_.relative.products += product * weight, relative += term * weight;
+                plain_product += product, plain += term;
+                relative_product += product * weight, relative += term * weight;
                 if (shares_noise_) sums_.shared_noise += shared_noise(e, d, r, weight);
                 ++sums_.count;
             }
-            sums_.plain.squared_terms += plain * plain;
-            sums_.relative.squared_terms += relative * relative;
+            sums_.plain += {plain_product, plain * plain, plain_product * plain_product};
+            sums_.relative += {relative_product, relative * relative, relative_product * relative_product};
         }
     }
 
@@ -193,7 +198,7 @@ private:
     const float inverse_, limit_;
     const double square_;
     Run run_;
-    Terms plain_, relative_;
+    Terms plain_, relative_, plain_products_, relative_products_;
     Sums sums_;
 };
 
@@ -278,9 +283,9 @@ CrossErrors CrossMeter::measure(std::span<const float> image) const {
     errors.denominators = denominators_;
     errors.left_out = image.size() - sums.count;
     if (sums.count == 0) return errors;
-    errors.mse = sums.plain.error(sums.count);
+    errors.mse = sums.plain.error(sums.count, size_.pixels());
     if (mean_ == 0) return errors;
-    errors.relative_mse = sums.relative.error(sums.count);
+    errors.relative_mse = sums.relative.error(sums.count, size_.pixels());
     errors.relative_mse->value -= sums.shared_noise / static_cast<double>(sums.count);
     return errors;
 }

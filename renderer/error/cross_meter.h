@@ -5,9 +5,14 @@
 // A is the image, biased or not, I the truth; U and V are films of an unbiased method with different seeds. With
 // x = A - U and y = A - V the mean of x y is that of (A - I)^2, whatever the noise of U and V. It may be negative near
 // zero. A is what is measured, so that its spread over pixels is no error of sampling: the interval is of the
-// references' noise alone. With q the sum of (x^2 - y^2) / (2 D) over a pixel's channels, D what is divided by, E q^2
-// is the variance of the pixel's term (at least that, where noise has longer tails than a normal distribution's);
-// pixels of a reference are taken for independent, as those of path tracing with a box filter are.
+// references' noise alone, whose pixels are taken for independent, as those of path tracing with a box filter are. With
+// a = A - I and s^2 the variance of a reference's value, that of x y is 2 a^2 s^2 + s^4 whatever the distribution. Two
+// sums over pixels are at least that in the mean, and the lesser of both is taken:
+//
+//   q^2, q the sum of (x^2 - y^2) / (2 D) over a pixel's channels: right where noise is normal, and too large by its
+//   excess of fourth moments where rare values are bright;
+//   (t - the mean of t)^2, t the sum of x y / D: too large by how a^2 is spread over the image, and so right where the
+//   references' noise is what there is: no bright value of one of them is at a pixel where the other one has one.
 //
 // What relative_mse divides by is the references' alone, b^2 + 0.01 m^2 with m the mean of R = (U + V) / 2: an image's
 // own fireflies would forgive themselves. It is chosen once, by the references, for all images, times and seeds. b is R

@@ -1,6 +1,6 @@
 // The stated 90 % intervals of errors measured against two references hold the truth in 88 to 92 of 100 cases, and the
-// mean is right: synthetic images of known error, 2,000 of each kind. Where a reference has rare bright values the
-// intervals are wider than need be (E q^2 has the fourth moment of its noise): there they hold it in at least 86.
+// mean is right: synthetic images of known error, 2,000 of each kind. Where a reference has rare bright values they
+// hold it in at least 86.
 //
 // The films have local bias and noise that is white, shared by the whole image, or heavy-tailed. They are what is
 // measured, so that their noise belongs to the error and not to the interval. A share may leave its range by what its
