@@ -34,7 +34,7 @@
 //
 // Measured, how often stated 90 % hold the truth (2,000 trials of each kind; LongSeedErrorsStatistics), for 2, 3 and 5
 // seeds. B: 89 to 92 for pixels' own noise, with a bias or without; 88 to 94 for one pattern, 94 and 95 with noisy
-// references and two seeds; 95 to 97 for both kinds of noise at once (89 with two seeds). V: 89 to 91 for either kind;
+// references and two seeds; 92 to 97 for both kinds of noise at once (89 with two seeds). V: 89 to 91 for either kind;
 // 77 for both at once, where three seeds whose pattern was weak do not show it. Rare bright values (9 in one case of
 // ten, else -1): B 94 to 98, V 86 to 88. What they cannot hold is references whose pixels share their noise: less than
 // half.
