@@ -70,11 +70,13 @@ double chance_of(double difference, const BlockNoise& noise) {
     // Steps of the logarithm of chi^2, where its density is smooth. Below is less than 1e-17 of it, which is what a
     // chance may lack; above 1e-7, where differences are least likely.
     const double half = films.degrees / 2, step = std::min(0.5, 0.7 / std::sqrt(half));
-    const double greatest = std::log(films.degrees + 12 * std::sqrt(films.degrees) + 24);
+    const double least = -40 / half, greatest = std::log(films.degrees + 12 * std::sqrt(films.degrees) + 24);
+    const auto steps = static_cast<size_t>((greatest - least) / step);
     const double log_norm = std::lgamma(half) + half * std::numbers::ln2;
     constexpr double kNegligible = 1e-9, kNormalDegrees = 2000;
     double chance = 0, mass = 0;
-    for (double log_square = -40 / half; log_square <= greatest; log_square += step) {
+    for (size_t i = 0; i <= steps; ++i) {
+        const double log_square = least + static_cast<double>(i) * step;
         const double square = std::exp(log_square), density = std::exp(half * log_square - square / 2 - log_norm);
         mass += density;
         if (density < kNegligible && square > films.degrees) continue;

@@ -183,6 +183,7 @@ std::vector<MeanPoint> mean_curve(const Curves& curves, const RowRange& row) {
         if (point.seconds > from && point.seconds < to) times.push_back(point.seconds);
     if (to > from) times.push_back(to);
     std::vector<MeanPoint> points;
+    points.reserve(times.size());
     for (const double time : times) points.push_back(mean_point(time, errors_at(curves, row, time)));
     return points;
 }

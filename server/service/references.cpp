@@ -111,6 +111,7 @@ int64_t References::insert_reference(const JobRow& film, Insertion& inserted) {
 
 std::vector<int64_t> References::insert_references(const std::vector<JobRow>& references, Insertion& inserted) {
     std::vector<int64_t> seqs;
+    seqs.reserve(references.size());
     for (const JobRow& reference : references) seqs.push_back(insert_reference(reference, inserted));
     return seqs;
 }
