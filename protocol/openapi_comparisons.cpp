@@ -88,7 +88,7 @@ json row_schema() {
           with_text(map_of(mean("value", {{"reference", nullable("number", "the reference's own noise")},
                                           {"near_reference", typed("boolean",
                                                                    "within 3 times of that; with an interval: not "
-                                                                   "known to half of itself")},
+                                                                   "known to a third of itself")},
                                           {"interval", noise_interval()}})),
                     "the mean over the seeds of an error with an interval, which may be below 0; of the "
                     "logarithms of others. The root of what is below 0 counts as 0")},

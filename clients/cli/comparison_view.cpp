@@ -203,7 +203,7 @@ void print_noise(std::ostream& out, const json& rows, const std::vector<std::str
         else if (noise)
             out << "  the reference's own noise: " << metric << ' ' << three_digit_number(*noise) << '\n';
         if (!spoilt.empty())
-            out << (crossed ? "  ! not known to half of itself, by the references' noise: "
+            out << (crossed ? "  ! not known to a third of itself, by the references' noise: "
                             : "  ! within three times that noise, which then is part of the figure: ")
                 << spoilt << '\n';
     }

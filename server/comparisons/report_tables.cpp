@@ -115,7 +115,7 @@ std::string error_cell(const FinalError& figure) {
     const bool has_noise = figure.reference && !figure.mean->interval;  // else it is in the interval
     if (has_noise || figure.near_reference)
         html += std::string("<small") + (figure.near_reference ? " class=\"warning\"" : "") + ">" +
-                (has_noise ? "reference " + short_number(*figure.reference) : "not known to half") +
+                (has_noise ? "reference " + short_number(*figure.reference) : "not known to a third") +
                 (figure.near_reference ? " (!)" : "") + "</small>";
     return html + "</td>";
 }

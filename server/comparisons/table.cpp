@@ -20,7 +20,6 @@ constexpr size_t kMostLevels = 12;            // of errors and of times in a tab
 constexpr double kShortestTime_s = 0.1;       // of the tables, unless everything was over before
 constexpr double kShortest_s = 1e-6;          // of a clock less what it may be too long
 constexpr double kNearReference = 3;          // what is measured over the reference's own noise
-constexpr double kLeastKnown = 0.5;           // half of the width of an interval over what is measured
 constexpr double kSpanOfShortTables = 1.0e2;  // longest over shortest time, where all was over within ten seconds
 
 /// A row's jobs: a part of the whole list.
@@ -204,7 +203,7 @@ std::optional<TimedError> final_error(const MeasuredJob& job, const std::string&
 }
 
 bool is_near_reference(const MeanError& mean, std::optional<double> noise) {
-    if (mean.interval) return 0.5 * (mean.interval->greatest - mean.interval->least) > kLeastKnown * mean.error.mean;
+    if (mean.interval) return 0.5 * (mean.interval->greatest - mean.interval->least) > mean.error.mean / kNearReference;
     return noise && mean.error.mean <= kNearReference * *noise;
 }
 

@@ -80,7 +80,7 @@ struct ErrorAtTime {
 struct FinalError {
     std::optional<MeanError> mean;    // over the seeds that are over
     std::optional<double> reference;  // the reference's own noise by the same metric
-    /// Whether the reference spoils the figure. With an interval: it is not known to half of itself, half of the
+    /// Whether the reference spoils the figure. With an interval: it is not known to a third of itself, half of the
     /// interval's width being more than that. Without: the reference's noise is at least a third of it, and part of it.
     bool near_reference = false;
 };

@@ -56,7 +56,7 @@ std::string near_reference_text(const FinalError& figure) {
         return ", " + short_number(mean.error.mean) + ", is within 3 times the reference's own, " +
                short_number(*figure.reference);
     return ", between " + short_number(mean.interval->least) + " and " + short_number(mean.interval->greatest) +
-           " by the references' noise, is not known to half of itself";
+           " by the references' noise, is not known to a third of itself";
 }
 
 /// Whether all finished jobs were measured against two films (statistics of before there were any do not say how);

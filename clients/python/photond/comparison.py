@@ -252,7 +252,7 @@ class Comparison(Work):
                 error = f"{human_number(row['error'])} ({human_number(row['low'])} to {human_number(row['high'])})"
             else:
                 error = human_error(row["error"], interval)
-            near = "near the reference's noise" if interval is None else "not known to half of itself"
+            near = "near the reference's noise" if interval is None else "not known to a third of itself"
             remarks = ["Pareto"] * bool(row["pareto"]) + [near] * bool(row["near_reference"])
             table.add([row["name"], human_number(row["passes"]), human_seconds(row["seconds"]), error,
                        human_bytes(row["peak_bytes"]), ", ".join(remarks)])

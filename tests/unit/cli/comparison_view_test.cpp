@@ -47,7 +47,7 @@ TEST(ComparisonView, SaysWhatTheReferencesNoiseLeavesOpen) {
     EXPECT_TRUE(has(text, "0.25 (0.2 to 0.3)")) << text;
     EXPECT_TRUE(has(text, "0.0012 (-0.002 to 0.0044)!")) << text;
     EXPECT_TRUE(has(text, "mse is free of the references' noise")) << text;
-    EXPECT_TRUE(has(text, "! not known to half of itself, by the references' noise: a")) << text;
+    EXPECT_TRUE(has(text, "! not known to a third of itself, by the references' noise: a")) << text;
     EXPECT_TRUE(has(text, "a: its bias is known")) << text;
     one["time_to_error"]["mse"][0]["earliest"] = 1.9999;
     EXPECT_TRUE(has(printed({one}), "2.00 s\n")) << "of which the noise leaves nothing open";

@@ -240,7 +240,7 @@ TEST(ReportHtml, MarksUpperBounds) {
         << "half of the width, for the upper end is lower by luck";
     EXPECT_NE(page.find("class=\"whisker line-0\""), std::string::npos);
     EXPECT_NE(page.find("arrows down: upper bounds"), std::string::npos);
-    EXPECT_NE(page.find("not known to half (!)"), std::string::npos);
+    EXPECT_NE(page.find("not known to a third (!)"), std::string::npos);
     EXPECT_EQ(page.find("nan"), std::string::npos);
 }
 

@@ -122,7 +122,7 @@ const spreadText = (spread: { min: number; max: number } | null, text: (value: n
 
 /** Why an error says little. */
 const nearText = ({ value, interval }: FinalError): string =>
-  !interval ? "near the reference's own noise" : (value ?? 0) > 0 ? "not known to half of itself" : "not told apart from 0";
+  !interval ? "near the reference's own noise" : (value ?? 0) > 0 ? "not known to a third of itself" : "not told apart from 0";
 
 interface CostProps {
   rows: ComparisonRow[];
