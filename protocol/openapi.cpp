@@ -135,7 +135,9 @@ json job_request_schema(const ApiVocabulary& vocabulary) {
                                             0, 1e9))},
          {"labels", or_null(labels)},
          {"environment", or_null(environment)},
-         {"glass", or_null(one_of_words({"as_stored", "solid"}))},
+         {"glass", with_text(or_null(one_of_words({"as_stored", "solid"})),
+                             "solid: what transmits light and is closed, up to rounding, refracts as a solid; the log "
+                             "warns of what is not closed, with the number of its open edges")},
          {"time", or_null({{"const", 0}, {"description", "s; animation is not built yet"}})}},
         {"scene", "image", "method", "stop"});
     if (!narrowed.empty()) request["allOf"] = narrowed;
