@@ -27,7 +27,7 @@ struct VplLobes {
     float table_row;
     vec3 specular_f0;
     float specular_f90;
-    vec3 coat_f0;
+    float coat_f0;
     float coat_f90;
 };
 
@@ -38,7 +38,7 @@ struct VplGatherPush {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(VplLobes) == 80 && sizeof(VplGatherPush) == 8, "must match the scalar layout of GLSL");
+static_assert(sizeof(VplLobes) == 72 && sizeof(VplGatherPush) == 8, "must match the scalar layout of GLSL");
 }  // namespace photond::gpu
 #endif
 

@@ -12,6 +12,7 @@ namespace photond {
 namespace {
 
 Rgb schlick(const Rgb& f0, float f90, float cos_theta) { return f0 + (Rgb(f90) - f0) * schlick_weight(cos_theta); }
+float schlick(float f0, float f90, float cos_theta) { return f0 + (f90 - f0) * schlick_weight(cos_theta); }
 
 /// Whether a direction leaves to the far side of both the shading and the geometric surface.
 bool is_transmitted(const vec3& wi, const vec3& geometric_normal) {
@@ -29,19 +30,20 @@ Bsdf Bsdf::layered(const Parameters& p) {
     layers.specular_delta = p.roughness < DELTA_ROUGHNESS;
     layers.table_row = AlbedoTable::row(p.roughness);
     layers.alpha = sqr(p.roughness);
-    layers.coat_f0 = glm::min(normal_reflectance(p.ior) * p.specular_color, Rgb(1)) * p.specular;
+    const Rgb coat_f0 = glm::min(normal_reflectance(p.ior) * p.specular_color, Rgb(1)) * p.specular;
+    layers.coat_f0 = max_component(coat_f0);
     // An index equal to its surroundings reflects nowhere; Schlick's curve would still rise to 1 at the horizon.
     layers.coat_f90 = p.ior == 1.0f ? 0.0f : p.specular;
 
     const float dielectric = 1.0f - p.metallic;
     const float coated = dielectric * (p.solid ? 1.0f - p.transmission : 1.0f);
-    layers.specular_f0 = coated * layers.coat_f0 + p.metallic * p.base_color;
+    layers.specular_f0 = coated * coat_f0 + p.metallic * p.base_color;
     layers.specular_f90 = coated * layers.coat_f90 + p.metallic;
     if (p.solid) {
         layers.glass = dielectric * p.transmission;
         layers.glass_tint = p.base_color;
-        layers.glass_f0_scale = p.specular * p.specular_color;
-        layers.glass_f90_scale = p.specular;
+        layers.glass_color = p.specular_color;
+        layers.glass_specular = p.specular;
         layers.eta = p.eta;
     } else {
         layers.sheet = dielectric * p.transmission * p.base_color;
@@ -49,9 +51,9 @@ Bsdf Bsdf::layered(const Parameters& p) {
     const Rgb base = dielectric * (1.0f - p.transmission) * p.base_color;
     if (!is_black(base)) {
         const vec2 average = AlbedoTable::get().average(layers.table_row);
-        const Rgb passed = Rgb(1) - (layers.coat_f0 * average.x + layers.coat_f90 * average.y);
+        const float passed = 1.0f - (layers.coat_f0 * average.x + layers.coat_f90 * average.y);
         // A coat that reflects all leaves nothing for the base; the quotient would be 0/0.
-        for (int i = 0; i < 3; ++i) bsdf.diffuse_[i] = passed[i] > 2e-3f ? base[i] / passed[i] : 0.0f;
+        if (passed > 2e-3f) bsdf.diffuse_ = base / passed;
     }
 
     layers.glass_delta = layers.specular_delta || layers.alpha * std::fabs(layers.eta - 1.0f) < DELTA_REFRACTION;
@@ -100,19 +102,20 @@ Bsdf Bsdf::with_geometric_normal(const vec3& geometric_normal) const {
     return turned;
 }
 
-Rgb Bsdf::coat_albedo(float cos_theta) const {
-    if (layers_.coat_f90 <= 0 && is_black(layers_.coat_f0)) return Rgb(0);
+float Bsdf::coat_albedo(float cos_theta) const {
+    if (layers_.coat_f90 <= 0 && layers_.coat_f0 <= 0) return 0;
     const vec2 ab = AlbedoTable::get().directional(cos_theta, layers_.table_row);
-    return glm::min(layers_.coat_f0 * ab.x + layers_.coat_f90 * ab.y, Rgb(1));  // the table may pass 1 by its margin
+    return std::min(layers_.coat_f0 * ab.x + layers_.coat_f90 * ab.y, 1.0f);  // the table may pass 1 by its margin
 }
 
 /// Fresnel reflectance of the solid's interface, scaled by KHR_materials_specular: the colour holds at normal incidence
-/// and fades towards the horizon of the thinner medium, so that both sides agree. Total reflection stays total.
+/// and fades towards the horizon of the thinner medium, so that both sides agree. Total reflection stays total. What is
+/// transmitted is 1 - the greatest channel.
 Rgb Bsdf::glass_reflectance(float cos_o, float fresnel, float cos_t) const {
     if (cos_t <= 0) return Rgb(1);
     const float weight = schlick_weight(std::min(cos_o, cos_t));
-    const Rgb scale = layers_.glass_f0_scale + (Rgb(layers_.glass_f90_scale) - layers_.glass_f0_scale) * weight;
-    return glm::min(fresnel * scale, Rgb(1));
+    const Rgb color = layers_.glass_color + (Rgb(1) - layers_.glass_color) * weight;
+    return layers_.glass_specular * glm::min(fresnel * color, Rgb(1));
 }
 
 /// Lobes are chosen in proportion to the light they would scatter of a uniform field.
@@ -120,16 +123,16 @@ Bsdf::LobeProbabilities Bsdf::lobe_probabilities(const vec3& wo) const {
     LobeProbabilities p;
     vec2 ab(0);
     const bool needs_table = layers_.specular_f90 > 0 || !is_black(layers_.specular_f0) || !is_black(layers_.sheet) ||
-                             layers_.coat_f90 > 0 || !is_black(layers_.coat_f0);
+                             layers_.coat_f90 > 0 || layers_.coat_f0 > 0;
     if (needs_table) ab = AlbedoTable::get().directional(wo.z, layers_.table_row);
-    const Rgb coat = glm::min(layers_.coat_f0 * ab.x + layers_.coat_f90 * ab.y, Rgb(1));
-    p.diffuse = mean(diffuse_ * (Rgb(1) - coat));
+    const float coat = std::min(layers_.coat_f0 * ab.x + layers_.coat_f90 * ab.y, 1.0f);
+    p.diffuse = mean(diffuse_) * (1.0f - coat);
     p.specular = mean(layers_.specular_f0) * ab.x + layers_.specular_f90 * ab.y;
-    p.sheet = mean(layers_.sheet * glm::max(Rgb(ab.x + ab.y) - coat, Rgb(0)));
+    p.sheet = mean(layers_.sheet) * std::max(ab.x + ab.y - coat, 0.0f);
     if (layers_.glass > 0) {
         const DielectricFresnel fresnel = fresnel_dielectric(wo.z, layers_.eta);
         const Rgb reflected = glass_reflectance(wo.z, fresnel.reflectance, fresnel.cos_t);
-        p.glass = layers_.glass * mean(reflected + (Rgb(1) - reflected) * layers_.glass_tint);
+        p.glass = layers_.glass * (mean(reflected) + (1.0f - max_component(reflected)) * mean(layers_.glass_tint));
         // Rough facets reflect where the mean surface would not: never starve the lobe.
         p.glass = std::max(p.glass, 0.05f * layers_.glass);
     }
@@ -151,7 +154,7 @@ BsdfValue Bsdf::evaluate_layered(const vec3& wo, const vec3& wi, TransportMode m
             const Ggx ggx{layers_.alpha};
             const vec3 mirrored(wi.x, wi.y, -wi.z);
             const vec3 h = glm::normalize(wo + mirrored);
-            const Rgb passed = Rgb(1) - schlick(layers_.coat_f0, layers_.coat_f90, glm::dot(wo, h));
+            const float passed = 1.0f - schlick(layers_.coat_f0, layers_.coat_f90, glm::dot(wo, h));
             const float lobe = 0.25f * ggx.d(h) * ggx.g2_over_cosines(wo, mirrored) * mirrored.z;
             return {layers_.sheet * passed * lobe, p.sheet * ggx.reflection_pdf(wo, h)};
         }
@@ -162,7 +165,7 @@ BsdfValue Bsdf::evaluate_layered(const vec3& wo, const vec3& wi, TransportMode m
     BsdfValue value;
     if (p.diffuse > 0) {
         // [Kelemen and Szirmay-Kalos 2001, Eq. 4]
-        const Rgb coupling = (Rgb(1) - p.coat) * (Rgb(1) - coat_albedo(wi.z));
+        const float coupling = (1.0f - p.coat) * (1.0f - coat_albedo(wi.z));
         value.f_cos = diffuse_ * coupling * (wi.z * kInvPi);
         value.pdf_sa = p.diffuse * wi.z * kInvPi;
     }
@@ -189,7 +192,7 @@ BsdfValue Bsdf::evaluate_layered(const vec3& wo, const vec3& wi, TransportMode m
 
 /// Share of the samples of a facet of the solid's interface that are reflected.
 float Bsdf::reflection_probability(const Rgb& reflected) const {
-    const float r = mean(reflected), t = mean((Rgb(1) - reflected) * layers_.glass_tint);
+    const float r = mean(reflected), t = (1.0f - max_component(reflected)) * mean(layers_.glass_tint);
     return r + t > 0 ? r / (r + t) : 0.0f;
 }
 
@@ -211,8 +214,9 @@ BsdfValue Bsdf::evaluate_refraction(const vec3& wo, const vec3& wi, TransportMod
     const float visible = ggx.visible_pdf(wo, h) * jacobian;
     const float shadowing = ggx.g1_over_cos(wi) * -wi.z;
     const float compression = mode == TransportMode::Radiance ? 1.0f / sqr(layers_.eta) : 1.0f;
-    return {layers_.glass * layers_.glass_tint * (Rgb(1) - reflected) * (visible * shadowing * compression),
-            probability * (1.0f - reflection_probability(reflected)) * visible};
+    return {
+        layers_.glass * (1.0f - max_component(reflected)) * layers_.glass_tint * (visible * shadowing * compression),
+        probability * (1.0f - reflection_probability(reflected)) * visible};
 }
 
 BsdfSample Bsdf::sample_layered(const vec3& wo, float u_lobe, vec2 u, TransportMode mode) const {
@@ -231,7 +235,7 @@ BsdfSample Bsdf::sample_layered(const vec3& wo, float u_lobe, vec2 u, TransportM
         if (layers_.specular_delta) {
             const float side = glm::dot(s.wi, geometric_normal_);
             if (s.transmission ? side >= 0 : side <= 0) return s;
-            const Rgb passed = Rgb(1) - schlick(layers_.coat_f0, layers_.coat_f90, wo.z);
+            const float passed = 1.0f - schlick(layers_.coat_f0, layers_.coat_f90, wo.z);
             s.delta = true;
             s.pdf_sa = s.transmission ? p.sheet : p.specular;
             s.weight =
@@ -283,7 +287,7 @@ BsdfSample Bsdf::sample_glass(const vec3& wo, float u_choice, vec2 u, float prob
         const float chosen = s.transmission ? 1.0f - reflection : reflection;
         s.pdf_sa = probability * chosen;
         s.weight = layers_.glass / s.pdf_sa *
-                   (s.transmission ? (Rgb(1) - reflected) * layers_.glass_tint * compression : reflected);
+                   (s.transmission ? (1.0f - max_component(reflected)) * compression * layers_.glass_tint : reflected);
     }
     return s;
 }
@@ -291,14 +295,15 @@ BsdfSample Bsdf::sample_glass(const vec3& wo, float u_choice, vec2 u, float prob
 Rgb Bsdf::albedo() const {
     if (kind_ != Kind::Layered) return diffuse_;
     const vec2 average = AlbedoTable::get().average(layers_.table_row);
-    const Rgb coat = layers_.coat_f0 * average.x + layers_.coat_f90 * average.y;
-    Rgb sum = diffuse_ * (Rgb(1) - coat) * (Rgb(1) - coat) + layers_.specular_f0 * average.x +
-              layers_.specular_f90 * average.y + layers_.sheet * (Rgb(average.x + average.y) - coat);
+    const float coat = layers_.coat_f0 * average.x + layers_.coat_f90 * average.y;
+    Rgb sum = diffuse_ * sqr(1.0f - coat) + layers_.specular_f0 * average.x + layers_.specular_f90 * average.y +
+              layers_.sheet * (average.x + average.y - coat);
     if (layers_.glass > 0) {
         // Mean of Schlick's curve over the hemisphere: F0 + (1 - F0)/21. Near enough for a picture of reflectance.
         const float f0 = normal_reflectance(layers_.eta);
-        const Rgb reflected = glm::min(layers_.glass_f0_scale * (f0 + (1.0f - f0) / 21.0f), Rgb(1));
-        sum += layers_.glass * (reflected + (Rgb(1) - reflected) * layers_.glass_tint);
+        const Rgb reflected =
+            layers_.glass_specular * glm::min(layers_.glass_color * (f0 + (1.0f - f0) / 21.0f), Rgb(1));
+        sum += layers_.glass * (reflected + (1.0f - max_component(reflected)) * layers_.glass_tint);
     }
     return sum;
 }

@@ -26,8 +26,8 @@ const BsdfValue NO_BSDF_VALUE = BsdfValue(vec3(0.0), 0.0);
 /// One sampled direction. A sample with pdf_sa = 0 is to be dropped (the path ends).
 struct BsdfSample {
     vec3 wi;
-    vec3 weight;        // f |cos| / pdf; of a delta lobe its reflectance over its probability
-    float pdf_sa;       // what bsdf_evaluate() says; of a delta lobe the probability of having chosen it, no density
+    vec3 weight;   // f |cos| / pdf; of a delta lobe its reflectance over its probability
+    float pdf_sa;  // what bsdf_evaluate() says; of a delta lobe the probability of having chosen it, no density
     bool delta;
     bool transmission;  // wi is on the other side
     bool refraction;    // ... and inside (or outside) of a solid: the medium changed
@@ -57,19 +57,19 @@ struct Bsdf {
     float table_row;
     vec3 specular_f0;
     float specular_f90;
-    vec3 coat_f0;  // of the dielectric alone: what the diffuse lobe and the sheet lie under
+    float coat_f0;  // of the dielectric alone, its greatest channel: what the diffuse lobe and the sheet lie under
     float coat_f90;
     vec3 tint;
-    float glass;            // share of the solid's interface
-    vec3 glass_f0_scale;    // specular and specular_color of the interface ...
-    float glass_f90_scale;  // ... towards grazing angles
+    float glass;           // share of the solid's interface
+    vec3 glass_color;      // specular_color of the interface; white towards grazing angles
+    float glass_specular;  // share of the interface that reflects at all
     float eta;
 };
 
 /// Scatters nothing (unlit surfaces).
 Bsdf bsdf_nothing() {
-    return Bsdf(0u, vec3(0.0, 0.0, 1.0), vec3(0.0), 1.0, 0.0, vec3(0.0), 0.0, vec3(0.0), 0.0, vec3(0.0), 0.0, vec3(1.0),
-                1.0, 1.0);
+    return Bsdf(0u, vec3(0.0, 0.0, 1.0), vec3(0.0), 1.0, 0.0, vec3(0.0), 0.0, 0.0, 0.0, vec3(0.0), 0.0, vec3(1.0), 1.0,
+                1.0);
 }
 
 /// `geometric_normal` local; `reflectance` in [0, 1].
@@ -97,16 +97,15 @@ struct BsdfParameters {
 
 bool bsdf_is(Bsdf bsdf, uint flag) { return (bsdf.flags & flag) != 0u; }
 bool bsdf_is_layered(Bsdf bsdf) { return !ONLY_LAMBERT && bsdf_is(bsdf, BSDF_LAYERED); }
-bool bsdf_specular_delta(Bsdf bsdf) {
-    return NEEDS_DELTA && (!NEEDS_GLOSSY || bsdf_is(bsdf, BSDF_SPECULAR_DELTA));
-}
+bool bsdf_specular_delta(Bsdf bsdf) { return NEEDS_DELTA && (!NEEDS_GLOSSY || bsdf_is(bsdf, BSDF_SPECULAR_DELTA)); }
 bool bsdf_glass_delta(Bsdf bsdf) { return bsdf_is(bsdf, BSDF_GLASS_DELTA); }
 vec3 bsdf_sheet(Bsdf bsdf) { return !NEEDS_TRANSMISSION || bsdf_is(bsdf, BSDF_SOLID) ? vec3(0.0) : bsdf.tint; }
 float bsdf_glass(Bsdf bsdf) { return NEEDS_SOLID_GLASS ? bsdf.glass : 0.0; }
 bool bsdf_has_specular(Bsdf bsdf) { return bsdf.specular_f90 > 0 || !is_black(bsdf.specular_f0); }
-bool bsdf_has_coat(Bsdf bsdf) { return bsdf.coat_f90 > 0 || !is_black(bsdf.coat_f0); }
+bool bsdf_has_coat(Bsdf bsdf) { return bsdf.coat_f90 > 0 || bsdf.coat_f0 > 0; }
 
 vec3 schlick(vec3 f0, float f90, float cos_theta) { return f0 + (vec3(f90) - f0) * schlick_weight(cos_theta); }
+float schlick(float f0, float f90, float cos_theta) { return f0 + (f90 - f0) * schlick_weight(cos_theta); }
 
 /// Whether a direction leaves to the far side of both the shading and the geometric surface.
 bool is_transmitted(vec3 wi, vec3 geometric_normal) { return wi.z < 0 && dot(wi, geometric_normal) < 0; }
@@ -132,7 +131,8 @@ Bsdf bsdf_layered(BsdfParameters p) {
     if (p.roughness < DELTA_ROUGHNESS) bsdf.flags |= BSDF_SPECULAR_DELTA;
     bsdf.table_row = albedo_table_row(p.roughness);
     bsdf.alpha = sqr(p.roughness);
-    bsdf.coat_f0 = min(normal_reflectance(p.ior) * p.specular_color, vec3(1.0)) * p.specular;
+    const vec3 coat_f0 = min(normal_reflectance(p.ior) * p.specular_color, vec3(1.0)) * p.specular;
+    bsdf.coat_f0 = max_component(coat_f0);
     // An index equal to its surroundings reflects nowhere; Schlick's curve would still rise to 1 at the horizon.
     bsdf.coat_f90 = p.ior == 1.0 ? 0.0 : p.specular;
 
@@ -140,14 +140,14 @@ Bsdf bsdf_layered(BsdfParameters p) {
     const float transmission = NEEDS_TRANSMISSION ? p.transmission : 0.0;
     const float dielectric = 1.0 - p.metallic;
     const float coated = dielectric * (solid ? 1.0 - transmission : 1.0);
-    bsdf.specular_f0 = coated * bsdf.coat_f0 + p.metallic * p.base_color;
+    bsdf.specular_f0 = coated * coat_f0 + p.metallic * p.base_color;
     bsdf.specular_f90 = coated * bsdf.coat_f90 + p.metallic;
     if (solid) {
         bsdf.flags |= BSDF_SOLID;
         bsdf.glass = dielectric * transmission;
         bsdf.tint = p.base_color;
-        bsdf.glass_f0_scale = p.specular * p.specular_color;
-        bsdf.glass_f90_scale = p.specular;
+        bsdf.glass_color = p.specular_color;
+        bsdf.glass_specular = p.specular;
         bsdf.eta = p.eta;
     } else {
         bsdf.tint = dielectric * transmission * p.base_color;
@@ -155,9 +155,9 @@ Bsdf bsdf_layered(BsdfParameters p) {
     const vec3 base = dielectric * (1.0 - transmission) * p.base_color;
     if (!is_black(base)) {
         const vec2 average = albedo_table_average(bsdf.table_row);
-        const vec3 passed = vec3(1.0) - (bsdf.coat_f0 * average.x + bsdf.coat_f90 * average.y);
+        const float passed = 1.0 - (bsdf.coat_f0 * average.x + bsdf.coat_f90 * average.y);
         // A coat that reflects all leaves nothing for the base; the quotient would be 0/0.
-        bsdf.diffuse = mix(vec3(0.0), base / passed, greaterThan(passed, vec3(2e-3)));
+        if (passed > 2e-3) bsdf.diffuse = base / passed;
     }
 
     if (bsdf_is(bsdf, BSDF_SPECULAR_DELTA) || bsdf.alpha * abs(bsdf.eta - 1.0) < DELTA_REFRACTION)
@@ -184,9 +184,7 @@ bool bsdf_is_diffuse(Bsdf bsdf) {
     return !bsdf_has_specular(bsdf) && is_black(bsdf_sheet(bsdf)) && bsdf_glass(bsdf) <= 0;
 }
 /// Index on the far side of a solid's interface over that on wo's side; 0 where nothing is refracted.
-float bsdf_refraction_eta(Bsdf bsdf) {
-    return bsdf_is_layered(bsdf) && bsdf_glass(bsdf) > 0 ? bsdf.eta : 0.0;
-}
+float bsdf_refraction_eta(Bsdf bsdf) { return bsdf_is_layered(bsdf) && bsdf_glass(bsdf) > 0 ? bsdf.eta : 0.0; }
 /// The same lobes about another shading normal: in its frame the geometric normal is this.
 Bsdf bsdf_with_geometric_normal(Bsdf bsdf, vec3 geometric_normal) {
     bsdf.geometric_normal = geometric_normal;
@@ -216,19 +214,20 @@ Bsdf bsdf_part(Bsdf bsdf, bool specular, float glossy_threshold) {
 Bsdf bsdf_specular_part(Bsdf bsdf, float glossy_threshold) { return bsdf_part(bsdf, true, glossy_threshold); }
 Bsdf bsdf_rough_part(Bsdf bsdf, float glossy_threshold) { return bsdf_part(bsdf, false, glossy_threshold); }
 
-vec3 bsdf_coat_albedo(Bsdf bsdf, float cos_theta) {
-    if (!bsdf_has_coat(bsdf)) return vec3(0.0);
+float bsdf_coat_albedo(Bsdf bsdf, float cos_theta) {
+    if (!bsdf_has_coat(bsdf)) return 0.0;
     const vec2 ab = albedo_table_directional(cos_theta, bsdf.table_row);
-    return min(bsdf.coat_f0 * ab.x + bsdf.coat_f90 * ab.y, vec3(1.0));  // the table may pass 1 by its margin
+    return min(bsdf.coat_f0 * ab.x + bsdf.coat_f90 * ab.y, 1.0);  // the table may pass 1 by its margin
 }
 
 /// Fresnel reflectance of the solid's interface, scaled by KHR_materials_specular: the colour holds at normal incidence
-/// and fades towards the horizon of the thinner medium, so that both sides agree. Total reflection stays total.
+/// and fades towards the horizon of the thinner medium, so that both sides agree. Total reflection stays total. What is
+/// transmitted is 1 - the greatest channel.
 vec3 bsdf_glass_reflectance(Bsdf bsdf, float cos_o, DielectricFresnel fresnel) {
     if (fresnel.cos_t <= 0) return vec3(1.0);
     const float weight = schlick_weight(min(cos_o, fresnel.cos_t));
-    const vec3 scale = bsdf.glass_f0_scale + (vec3(bsdf.glass_f90_scale) - bsdf.glass_f0_scale) * weight;
-    return min(fresnel.reflectance * scale, vec3(1.0));
+    const vec3 color = bsdf.glass_color + (vec3(1.0) - bsdf.glass_color) * weight;
+    return bsdf.glass_specular * min(fresnel.reflectance * color, vec3(1.0));
 }
 
 /// Probability of each lobe to be sampled from wo; they sum to 1, or are all 0 where nothing is scattered. And what the
@@ -238,7 +237,7 @@ struct LobeProbabilities {
     float specular;
     float sheet;
     float glass;
-    vec3 coat;
+    float coat;
 };
 
 /// Lobes are chosen in proportion to the light they would scatter of a uniform field.
@@ -248,27 +247,27 @@ LobeProbabilities bsdf_lobe_probabilities(Bsdf bsdf, vec3 wo) {
     vec2 ab = vec2(0.0);
     if (bsdf_has_specular(bsdf) || !is_black(sheet) || bsdf_has_coat(bsdf))
         ab = albedo_table_directional(wo.z, bsdf.table_row);
-    p.coat = min(bsdf.coat_f0 * ab.x + bsdf.coat_f90 * ab.y, vec3(1.0));
-    p.diffuse = mean(bsdf.diffuse * (vec3(1.0) - p.coat));
+    p.coat = min(bsdf.coat_f0 * ab.x + bsdf.coat_f90 * ab.y, 1.0);
+    p.diffuse = mean(bsdf.diffuse) * (1.0 - p.coat);
     p.specular = mean(bsdf.specular_f0) * ab.x + bsdf.specular_f90 * ab.y;
-    p.sheet = mean(sheet * max(vec3(ab.x + ab.y) - p.coat, vec3(0.0)));
+    p.sheet = mean(sheet) * max(ab.x + ab.y - p.coat, 0.0);
     p.glass = 0.0;
     const float glass = bsdf_glass(bsdf);
     if (glass > 0) {
         const vec3 reflected = bsdf_glass_reflectance(bsdf, wo.z, fresnel_dielectric(wo.z, bsdf.eta));
-        p.glass = glass * mean(reflected + (vec3(1.0) - reflected) * bsdf.tint);
+        p.glass = glass * (mean(reflected) + (1.0 - max_component(reflected)) * mean(bsdf.tint));
         // Rough facets reflect where the mean surface would not: never starve the lobe.
         p.glass = max(p.glass, 0.05 * glass);
     }
     const float sum = p.diffuse + p.specular + p.sheet + p.glass;
-    if (!(sum > 0)) return LobeProbabilities(0.0, 0.0, 0.0, 0.0, vec3(0.0));
+    if (!(sum > 0)) return LobeProbabilities(0.0, 0.0, 0.0, 0.0, 0.0);
     const float scale = 1.0 / sum;
     return LobeProbabilities(p.diffuse * scale, p.specular * scale, p.sheet * scale, p.glass * scale, p.coat);
 }
 
 /// Share of the samples of a facet of the solid's interface that are reflected.
 float bsdf_reflection_probability(Bsdf bsdf, vec3 reflected) {
-    const float r = mean(reflected), t = mean((vec3(1.0) - reflected) * bsdf.tint);
+    const float r = mean(reflected), t = (1.0 - max_component(reflected)) * mean(bsdf.tint);
     return r + t > 0 ? r / (r + t) : 0.0;
 }
 
@@ -290,8 +289,9 @@ BsdfValue bsdf_evaluate_refraction(Bsdf bsdf, vec3 wo, vec3 wi, uint mode, float
     const float visible = ggx_visible_pdf(ggx, wo, h) * jacobian;
     const float shadowing = ggx_g1_over_cos(ggx, wi) * -wi.z;
     const float compression = mode == TRANSPORT_RADIANCE ? 1.0 / sqr(bsdf.eta) : 1.0;
-    return BsdfValue(bsdf_glass(bsdf) * bsdf.tint * (vec3(1.0) - reflected) * (visible * shadowing * compression),
-                     probability * (1.0 - bsdf_reflection_probability(bsdf, reflected)) * visible);
+    return BsdfValue(
+        bsdf_glass(bsdf) * (1.0 - max_component(reflected)) * bsdf.tint * (visible * shadowing * compression),
+        probability * (1.0 - bsdf_reflection_probability(bsdf, reflected)) * visible);
 }
 
 BsdfValue bsdf_evaluate_layered(Bsdf bsdf, vec3 wo, vec3 wi, uint mode, LobeProbabilities p) {
@@ -303,7 +303,7 @@ BsdfValue bsdf_evaluate_layered(Bsdf bsdf, vec3 wo, vec3 wi, uint mode, LobeProb
             const Ggx ggx = Ggx(bsdf.alpha);
             const vec3 mirrored = vec3(wi.x, wi.y, -wi.z);
             const vec3 h = normalize(wo + mirrored);
-            const vec3 passed = vec3(1.0) - schlick(bsdf.coat_f0, bsdf.coat_f90, dot(wo, h));
+            const float passed = 1.0 - schlick(bsdf.coat_f0, bsdf.coat_f90, dot(wo, h));
             const float lobe = 0.25 * ggx_d(ggx, h) * ggx_g2_over_cosines(ggx, wo, mirrored) * mirrored.z;
             return BsdfValue(bsdf_sheet(bsdf) * passed * lobe, p.sheet * ggx_reflection_pdf(ggx, wo, h));
         }
@@ -314,7 +314,7 @@ BsdfValue bsdf_evaluate_layered(Bsdf bsdf, vec3 wo, vec3 wi, uint mode, LobeProb
     BsdfValue value = NO_BSDF_VALUE;
     if (p.diffuse > 0) {
         // [Kelemen and Szirmay-Kalos 2001, Eq. 4]
-        const vec3 coupling = (vec3(1.0) - p.coat) * (vec3(1.0) - bsdf_coat_albedo(bsdf, wi.z));
+        const float coupling = (1.0 - p.coat) * (1.0 - bsdf_coat_albedo(bsdf, wi.z));
         value.f_cos = bsdf.diffuse * coupling * (wi.z * INV_PI);
         value.pdf_sa = p.diffuse * wi.z * INV_PI;
     }
@@ -381,7 +381,7 @@ BsdfSample bsdf_sample_glass(Bsdf bsdf, vec3 wo, float u_choice, vec2 u, float p
         const float chosen = s.transmission ? 1.0 - reflection : reflection;
         s.pdf_sa = probability * chosen;
         s.weight = bsdf_glass(bsdf) / s.pdf_sa *
-                   (s.transmission ? (vec3(1.0) - reflected) * bsdf.tint * compression : reflected);
+                   (s.transmission ? (1.0 - max_component(reflected)) * compression * bsdf.tint : reflected);
     }
     return s;
 }
@@ -403,12 +403,12 @@ BsdfSample bsdf_sample_layered(Bsdf bsdf, vec3 wo, float u_lobe, vec2 u, uint mo
         if (specular_delta) {
             const float side = dot(s.wi, bsdf.geometric_normal);
             if (s.transmission ? side >= 0 : side <= 0) return s;
-            const vec3 passed = vec3(1.0) - schlick(bsdf.coat_f0, bsdf.coat_f90, wo.z);
+            const float passed = 1.0 - schlick(bsdf.coat_f0, bsdf.coat_f90, wo.z);
             s.delta = true;
             s.pdf_sa = s.transmission ? p.sheet : p.specular;
-            s.weight = (s.transmission ? bsdf_sheet(bsdf) * passed
-                                       : schlick(bsdf.specular_f0, bsdf.specular_f90, wo.z)) /
-                       s.pdf_sa;
+            s.weight =
+                (s.transmission ? bsdf_sheet(bsdf) * passed : schlick(bsdf.specular_f0, bsdf.specular_f90, wo.z)) /
+                s.pdf_sa;
             return s;
         }
     } else if (NEEDS_SOLID_GLASS && p.glass > 0) {
@@ -447,15 +447,15 @@ BsdfSample bsdf_sample(Bsdf bsdf, vec3 wo, float u_lobe, vec2 u) {
 vec3 bsdf_albedo(Bsdf bsdf) {
     if (!bsdf_is_layered(bsdf)) return bsdf_is_lambert(bsdf) ? bsdf.diffuse : vec3(0.0);
     const vec2 average = albedo_table_average(bsdf.table_row);
-    const vec3 coat = bsdf.coat_f0 * average.x + bsdf.coat_f90 * average.y;
-    vec3 sum = bsdf.diffuse * (vec3(1.0) - coat) * (vec3(1.0) - coat) + bsdf.specular_f0 * average.x +
-               bsdf.specular_f90 * average.y + bsdf_sheet(bsdf) * (vec3(average.x + average.y) - coat);
+    const float coat = bsdf.coat_f0 * average.x + bsdf.coat_f90 * average.y;
+    vec3 sum = bsdf.diffuse * sqr(1.0 - coat) + bsdf.specular_f0 * average.x + bsdf.specular_f90 * average.y +
+               bsdf_sheet(bsdf) * (average.x + average.y - coat);
     const float glass = bsdf_glass(bsdf);
     if (glass > 0) {
         // Mean of Schlick's curve over the hemisphere: F0 + (1 - F0)/21. Near enough for a picture of reflectance.
         const float f0 = normal_reflectance(bsdf.eta);
-        const vec3 reflected = min(bsdf.glass_f0_scale * (f0 + (1.0 - f0) / 21.0), vec3(1.0));
-        sum += glass * (reflected + (vec3(1.0) - reflected) * bsdf.tint);
+        const vec3 reflected = bsdf.glass_specular * min(bsdf.glass_color * (f0 + (1.0 - f0) / 21.0), vec3(1.0));
+        sum += glass * (reflected + (1.0 - max_component(reflected)) * bsdf.tint);
     }
     return sum;
 }

@@ -3,16 +3,18 @@
 //
 // Directions are local to the shading frame (+z is the shading normal, on the eye's side), unit, and leave the surface:
 // `wo` towards the eye, `wi` towards the light. Lobes:
-//   diffuse       Lambert, under the dielectric coat. glTF's plain mix of coat and base can reflect more than it gets
-//                 and is not reciprocal; here the base gets what the coat lets in and out, after [Kelemen and
-//                 Szirmay-Kalos 2001]:
+//   diffuse       Lambert, under the dielectric coat. glTF's plain mix of coat and base reflects more than it gets at
+//                 grazing angles (conventions.md, "Materials"); here the base gets what the coat lets in and out, after
+//                 [Kelemen and Szirmay-Kalos 2001]:
 //                   f_d = rho / pi (1 - E(wo)) (1 - E(wi)) / (1 - E_avg),  E the coat's directional albedo,
-//                 which is reciprocal and whose reflectance is rho (1 - E(wo)).
+//                 which is reciprocal and whose reflectance is rho (1 - E(wo)). Of a coat that reflects colours E is
+//                 that of its greatest channel, for all: the base does not take on the coat's complement.
 //   specular      GGX with height-correlated Smith shadowing [Heitz 2014] and Schlick's Fresnel, single scattering. The
 //                 coat and metal share the distribution, so they are one lobe with F0 and F90 mixed by `metallic`.
 //   glass         a solid's interface: exact Fresnel, reflection and refraction [Walter et al. 2007].
 //   thin sheet    what the coat does not reflect goes straight through (rough: scattered about straight through, with
-//                 the specular lobe mirrored), tinted by the base colour.
+//                 the specular lobe mirrored), tinted by the base colour. Of a coloured coat or interface, here and
+//                 in glass, what passes is 1 - the greatest channel of F (KHR_materials_specular).
 // Lobes with a roughness below DELTA_ROUGHNESS are delta: only sample() finds them.
 // Every lobe reflects only to the geometric eye side, and transmits only to the other.
 //
@@ -143,7 +145,7 @@ private:
         float specular = 0;
         float sheet = 0;
         float glass = 0;
-        Rgb coat{0};
+        float coat = 0;
     };
 
     /// Layered lobes; weights by `metallic` and `transmission` are in the colours.
@@ -152,19 +154,20 @@ private:
         float table_row = 0;  // AlbedoTable's, of the roughness
         Rgb specular_f0{0};
         float specular_f90 = 0;
-        Rgb coat_f0{0};  // of the dielectric alone: what the diffuse lobe and the sheet lie under
+        float coat_f0 =
+            0;  // of the dielectric alone, its greatest channel: what the diffuse lobe and the sheet lie under
         float coat_f90 = 0;
-        Rgb sheet{0};               // tint of the thin sheet
-        float glass = 0;            // share of the solid's interface
-        Rgb glass_tint{0};          // of what is refracted
-        Rgb glass_f0_scale{1};      // specular and specular_color of the interface ...
-        float glass_f90_scale = 1;  // ... towards grazing angles
+        Rgb sheet{0};              // tint of the thin sheet
+        float glass = 0;           // share of the solid's interface
+        Rgb glass_tint{0};         // of what is refracted
+        Rgb glass_color{1};        // specular_color of the interface; white towards grazing angles
+        float glass_specular = 1;  // share of the interface that reflects at all
         float eta = 1;
         bool specular_delta = false;  // and the sheet's
         bool glass_delta = false;
     };
 
-    Rgb coat_albedo(float cos_theta) const;
+    float coat_albedo(float cos_theta) const;
     Rgb glass_reflectance(float cos_o, float fresnel, float cos_t) const;
     LobeProbabilities lobe_probabilities(const vec3& wo) const;
     BsdfValue evaluate_layered(const vec3& wo, const vec3& wi, TransportMode mode) const;

@@ -30,8 +30,8 @@ BsdfEvaluator::BsdfEvaluator(const Bsdf& bsdf, const vec3& wo) : bsdf_(bsdf), wo
     }
     const Bsdf::Layers& layers = bsdf_.layers_;
     lobes_ = bsdf_.lobe_probabilities(wo);
-    if (lobes_.diffuse > 0) diffuse_ = bsdf_.diffuse_ * (Rgb(1) - lobes_.coat) * kInvPi;
-    has_coat_ = lobes_.diffuse > 0 && (layers.coat_f90 > 0 || !is_black(layers.coat_f0));
+    if (lobes_.diffuse > 0) diffuse_ = bsdf_.diffuse_ * (1.0f - lobes_.coat) * kInvPi;
+    has_coat_ = lobes_.diffuse > 0 && (layers.coat_f90 > 0 || layers.coat_f0 > 0);
     has_glass_ = lobes_.glass > 0 && !layers.glass_delta;
     has_others_below_ = has_glass_ || (lobes_.sheet > 0 && !layers.specular_delta);
     has_specular_ = lobes_.specular > 0 && !layers.specular_delta;
@@ -58,9 +58,8 @@ Vec3Lanes BsdfEvaluator::diffuse(const FloatLanes& cos_i) const {
     if (!has_coat_) return lambert;
     FloatLanes a, b;
     AlbedoTable::get().directional(cos_i, bsdf_.layers_.table_row, a, b);
-    const Vec3Lanes coat = mix_reflectance(bsdf_.layers_.coat_f0, bsdf_.layers_.coat_f90, a, b);
-    const FloatLanes none = 0;
-    return lambert * Vec3Lanes{max(1.0f - coat.x, none), max(1.0f - coat.y, none), max(1.0f - coat.z, none)};
+    const FloatLanes coat = bsdf_.layers_.coat_f0 * a + bsdf_.layers_.coat_f90 * b;
+    return max(1.0f - coat, FloatLanes(0)) * lambert;
 }
 
 /// GGX as in Bsdf::evaluate_layered().
