@@ -91,7 +91,7 @@ constexpr auto kTextureInfo =
     members(must("index", kToTexture), may("texCoord", kUvSet), extends("KHR_texture_transform", object(kTransform)));
 constexpr auto kNormalInfo = members(must("index", kToTexture), may("texCoord", kUvSet),
                                      extends("KHR_texture_transform", object(kTransform)), may("scale", kNumber));
-constexpr JsonType kTextureRef = object(kTextureInfo, rules::texture_info);
+constexpr JsonType kTextureRef = object(kTextureInfo);
 constexpr auto kRoughness = members(may("baseColorFactor", list(kFactor, 4, 4)), may("baseColorTexture", kTextureRef),
                                     may("metallicFactor", kFactor), may("roughnessFactor", kFactor),
                                     may("metallicRoughnessTexture", kTextureRef));
@@ -105,7 +105,7 @@ constexpr auto kVolume = members(may("thicknessFactor", kPositive), may("attenua
 // The emissive factor's range of 1 predates the strength extension and files pass it; radiance has no upper bound here.
 constexpr auto kMaterial = members(
     may("name", kText), may("pbrMetallicRoughness", object(kRoughness)),
-    may("normalTexture", object(kNormalInfo, rules::texture_info)), may("occlusionTexture", kTextureRef),
+    may("normalTexture", object(kNormalInfo)), may("occlusionTexture", kTextureRef),
     extends("KHR_materials_emissive_strength", object(kStrength)), may("emissiveFactor", kPositive3),
     may("emissiveTexture", kTextureRef), extends("KHR_materials_ior", object(kIor)),
     extends("KHR_materials_specular", object(kSpecular)), extends("KHR_materials_transmission", object(kTransmission)),

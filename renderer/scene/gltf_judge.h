@@ -28,7 +28,6 @@ void image(const Json& root, const Json& image);
 void primitive(const Json& root, const Json& primitive);
 void mesh(const Json& root, const Json& mesh);
 void skin(const Json& root, const Json& skin);
-void texture_info(const Json& root, const Json& info);
 void material(const Json& root, const Json& material);
 // gltf_rules_nodes.cpp
 void camera(const Json& root, const Json& camera);

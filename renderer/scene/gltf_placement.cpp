@@ -180,6 +180,9 @@ private:
         if (!is_new) return found->second;
         Material material = index < 0 ? Material{} : read_gltf_material(model_.materials[index]);
         if (index < 0) material.name = "default";
+        visit_texture_refs(material, [&](TextureRef& reference) {
+            if (reference.used() && !has_source(model_.textures[reference.texture])) reference = {};
+        });
         UvSlots slots;
         visit_texture_refs(material, [&](TextureRef& reference) {
             if (reference.used() && reference.uv_set < 2) slots.set[reference.uv_set] = reference.uv_set;
@@ -347,6 +350,9 @@ private:
         if (normal_texture.used() && mesh.tangents.empty()) build_tangents(mesh, normal_texture);
     }
 
+    /// Extensions that are not supported may say where else the image is.
+    static bool has_source(const tinygltf::Texture& texture) { return texture.source >= 0; }
+
     [[noreturn]] static void fail_position(uint32_t node) {
         throw Error(ErrorCode::BadScene, gltf_pointer("nodes", node),
                     "the node's transform moves a vertex out of float's range");
@@ -406,6 +412,8 @@ private:
         note(tally_.missing_uv_sets, "primitives lack texture coordinates that their material reads; (0, 0) is used");
         note(skinned_, "skinned meshes are posed by their joints' own transforms, at rest");
         note(morphed_, "meshes with morph targets are posed at their stored weights, at rest");
+        note(std::ranges::count_if(model_.textures, [](const auto& texture) { return !has_source(texture); }),
+             "textures have no source image in a supported format; materials do without them");
         note(model_.animations.size(), "animations are not played: the scene is posed at rest");
         scene_.warnings.insert(scene_.warnings.end(), warnings_.begin(), warnings_.end());
         scene_.animation_count = static_cast<uint32_t>(model_.animations.size());

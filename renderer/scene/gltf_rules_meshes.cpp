@@ -147,12 +147,6 @@ void skin(const Json& root, const Json& skin) {
              "has " + accessor["count"].dump() + " matrices for " + std::to_string(skin["joints"].size()) + " joints");
 }
 
-void texture_info(const Json& root, const Json& info) {
-    if (!root["textures"][info["index"].get<size_t>()].contains("source"))
-        fail(info["index"], "texture " + info["index"].dump() + " has no source image in a supported format",
-             ErrorCode::Unsupported);
-}
-
 void material(const Json&, const Json& material) {
     const auto number = [&](const char* extension, const char* key, double absent) {
         const Json* found = find_extension(material, std::string("KHR_materials_") + extension);

@@ -281,7 +281,6 @@ def edits():
     yield "/samplers/0/minFilter", "LINEAR", bad, None
     yield "/textures/0/source", 1, bad, None
     yield "/textures/0/sampler", 1, bad, None
-    yield "/textures/0/source", REMOVE, unsupported, "/materials/0/pbrMetallicRoughness/baseColorTexture/index"
 
     pbr = "/materials/0/pbrMetallicRoughness"
     extensions = "/materials/0/extensions/KHR_materials_"

@@ -253,6 +253,25 @@ TEST(GltfScene, ExtensionsRequiredAreRefusedByNameAndUsedOnesWarnedOf) {
     }
 }
 
+// As files look whose images are of an extension: materials of such a texture are loaded without it.
+TEST(GltfScene, TexturesWithoutASourceAreWarnedOf) {
+    TexturedTriangle file;
+    file.set("extensionsUsed", R"(["EXT_texture_webp"])");
+    file.set("textures", R"([{"extensions":{"EXT_texture_webp":{"source":0}}},{"source":0},{"name":"none"}])");
+    const Scene scene = file.load_with(R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":0},
+        "metallicRoughnessTexture":{"index":1}},"normalTexture":{"index":2,"texCoord":5},
+        "emissiveFactor":[1,1,1],"emissiveTexture":{"index":0}})");
+    EXPECT_TRUE(has_warning(scene, "2 textures have no source image")) << scene.warnings.size();
+    EXPECT_TRUE(has_warning(scene, "EXT_texture_webp"));
+    EXPECT_FALSE(has_warning(scene, "texture coordinates"));
+    const Material& material = scene.materials.at(0);
+    EXPECT_FALSE(material.base_color_texture.used() || material.normal_texture.used());
+    EXPECT_TRUE(material.metallic_roughness_texture.used() && material.emissive());
+    EXPECT_EQ(scene.textures.size(), 1u);
+    file.set("textures", R"([{"source":0},{"source":0}])");
+    EXPECT_FALSE(has_warning(file.load_with(R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}})"), "source"));
+}
+
 // tinygltf wants a znear and a zfar, indices in a buffer view, whole numbers without a point, and every image there.
 TEST(GltfScene, WhatTheParserWantsAndGltfDoesNotIsNoFault) {
     TexturedTriangle file;
