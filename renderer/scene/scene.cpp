@@ -4,6 +4,7 @@
 
 #include "protocol/error.h"
 #include "protocol/nearest_name.h"
+#include "renderer/scene/touching_solids.h"
 #include "renderer/scene/triangle_lights.h"
 
 namespace photond {
@@ -68,6 +69,7 @@ void finish_scene(Scene& scene) {
         assert(instance.mesh < scene.meshes.size() && "every instance has a mesh");
         scene.triangle_count += scene.meshes[instance.mesh].triangles.size();
     }
+    overlap_touching_solids(scene);
     scene.bounds = world_bounds(scene);
     scene.triangle_lights = find_triangle_lights(scene);
     scene.needs = find_needs(scene);

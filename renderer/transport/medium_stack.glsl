@@ -43,10 +43,13 @@ uint medium_stack_outside_of(MediumStack media, uint material, bool seen_from_wi
     if (seen_from_within) medium_stack_leave(media, material);
     return medium_stack_top(media);
 }
-/// Index of refraction of what lies outside of a surface; 1 where that is no solid.
+/// Index of refraction of what lies outside of a surface: 1 where that is no solid, the material's own where the
+/// surface bends nothing, another solid having been entered since.
 float medium_stack_outside_ior(MediumStack media, uint material, bool seen_from_within) {
     if (!NEEDS_SOLID_GLASS) return 1.0;
-    const uint outside = medium_stack_outside_of(media, material, seen_from_within);
+    const bool within_another =
+        seen_from_within && media.materials.x != material && any(equal(media.materials.yzw, uvec3(material)));
+    const uint outside = within_another ? material : medium_stack_outside_of(media, material, seen_from_within);
     return outside == VACUUM ? 1.0 : scene_materials[outside].ior;
 }
 

@@ -10,6 +10,10 @@
 namespace photond {
 
 /// The solids a ray is in, innermost last. Deeper nesting than kDepth replaces the innermost.
+///
+/// Where solids overlap, the last one entered fills the place: entered through its front, it bends the ray; left while
+/// another was entered since, it does not, for on both sides of its surface is that other one. So a liquid may reach
+/// into its glass, and solids that touch are made to (scene/touching_solids.h).
 class MediumStack {
 public:
     static constexpr uint32_t kDepth = 4;
@@ -25,9 +29,11 @@ public:
         rest.leave(material);
         return rest.top();
     }
-    /// Index of refraction of what lies outside of a surface; 1 where that is no solid.
+    /// Index of refraction of what lies outside of a surface: 1 where that is no solid, the material's own where the
+    /// surface bends nothing.
     float outside_ior(const Scene& scene, uint32_t material, bool seen_from_within) const {
-        const uint32_t outside = outside_of(material, seen_from_within);
+        const bool within_another = seen_from_within && top() != material && holds(material);
+        const uint32_t outside = within_another ? material : outside_of(material, seen_from_within);
         return outside == kVacuum ? 1.0f : scene.materials[outside].ior;
     }
 
@@ -49,6 +55,12 @@ public:
     void cross(uint32_t material, bool from_front) { from_front ? enter(material) : leave(material); }
 
 private:
+    bool holds(uint32_t material) const {
+        for (uint32_t i = 0; i < size_; ++i)
+            if (materials_[i] == material) return true;
+        return false;
+    }
+
     uint32_t size_ = 0;
     std::array<uint32_t, kDepth> materials_;
 };

@@ -82,7 +82,7 @@ Scene load_scene(const SceneSource& source, const SceneVariant& variant, Stats& 
     if (variant.time_s != 0 && scene.animation_count > 0)
         throw Error(ErrorCode::Unsupported, "/time", "animation is not built yet; time must be 0");
     const StageTimer timer(stats, "needs");
-    if (variant.solid_glass) make_closed_glass_solid(scene);
+    if (variant.solid_glass && make_closed_glass_solid(scene)) finish_scene(scene);  // solids that touch
     if (scene.environment) scene.needs = find_needs(scene);
     if (variant.light_if_dark) light_if_dark(scene);
     return scene;
