@@ -383,7 +383,7 @@ json statistics_schema() {
                                                    {"standard_error_scale", nullable("number")},
                                                    {"confidence", nullable("number")},
                                                    {"within_confidence", nullable("number")}})),
-                                    "what the passes alone tell of the beauty's error")}}),
+                                    "what the passes alone tell of the beauty's error; null after one pass")}}),
         later);
 }
 

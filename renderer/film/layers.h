@@ -88,7 +88,7 @@ inline constexpr std::array<LayerInfo, kLayerCount> kLayers = [] {
         {Position, "position", "XYZ", Hits, P::None, All, "m", "world-space position [m]"},
         {Depth, "depth", "Z", Hits, P::None, All, "m", "distance along the camera's forward axis [m]"},
         {StandardError, "standard_error", "RGB", Hits, P::None, All, kRadiance,
-         "standard error of beauty from the passes"},
+         "standard error of beauty from the passes; infinite after a single one, which does not tell it"},
         {PhotonCount, "photon_count", "Y", Hits, P::None, Some, "", "photons that a pass used in its estimates"},
         {Overlap, "overlap", "Y", Hits, P::HeatMap, Some, "", "splats that lie over the pixel in a pass"},
         {Clamped, "clamped", "RGB", Radiance, P::Light, Some, kRadiance, "light that the clamp of connections takes"},

@@ -40,7 +40,14 @@ json bias_standard_error(const Film& film, const std::string& layer, uint64_t le
     constexpr std::pair<std::string_view, PassMeans::Of> kOf[] = {
         {"beauty", PassMeans::Of::Beauty}, {"direct", PassMeans::Of::Direct}, {"indirect", PassMeans::Of::Indirect}};
     const auto of = std::find_if(std::begin(kOf), std::end(kOf), [&](const auto& row) { return row.first == layer; });
-    if (of == std::end(kOf) || film.passes() < 2) return nullptr;
+    if (of == std::end(kOf)) {
+        add_note(notes, named(layer, "bias_standard_error") + ": unknown, for passes keep no means of this layer");
+        return nullptr;
+    }
+    if (film.passes() < 2) {
+        add_note(notes, "bias_standard_error: unknown after one pass, which has no spread");
+        return nullptr;
+    }
     if (const uint32_t unknown = film.passes() - film.pass_means().passes()) {
         add_note(notes, "bias_standard_error: unknown, for " + std::to_string(unknown) + " of the " +
                             std::to_string(film.passes()) +

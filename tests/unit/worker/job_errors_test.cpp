@@ -203,6 +203,26 @@ TEST_F(JobErrors, ImagesAreReferencesWhoseNoiseIsUnknown) {
     EXPECT_EQ(run(measured_order(nullptr))["failure"]["code"], "internal");
 }
 
+TEST_F(JobErrors, OnePassTellsNothingOfItsSpread) {
+    const json statistics = run(measured_order(
+        reference(8), {{"stop", {{"passes", 1}}}, {"layers", {"standard_error", "caustic"}}}))["statistics"];
+    EXPECT_TRUE(statistics["estimate"].is_null());
+    EXPECT_TRUE(statistics["error"]["bias"][0].is_number());
+    EXPECT_TRUE(statistics["error"]["bias_standard_error"].is_null());
+    EXPECT_NE(statistics["reference"]["notes"].dump().find("bias_standard_error: unknown after one pass"),
+              std::string::npos)
+        << statistics["reference"]["notes"];
+    for (const json& point : points_sent())
+        EXPECT_TRUE(point["metrics"].value("estimated_relative_mse", json()).is_null());
+
+    for (const Precision precision : {Precision::Float, Precision::Half}) {
+        const uint64_t overflowed = write_exr(FilmFile::load(film_path()).film, precision, {}, path("one.exr"));
+        EXPECT_EQ(overflowed, 0u);  // it was infinite before
+        const LayeredImage image = read_image(path("one.exr"));
+        for (const float error : image.layers.at("standard_error")) ASSERT_TRUE(std::isinf(error));
+    }
+}
+
 TEST_F(JobErrors, PassesDoNotSayHowFarABiasIsKnownThatLeavesValuesOut) {
     reference(8);
     std::vector<float> pixels = FilmFile::load(path("reference.film")).film.resolve_beauty();
