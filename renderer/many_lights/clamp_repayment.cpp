@@ -84,6 +84,38 @@ void ClampRepayment::add(uint32_t point, bool narrow, const Rgb& light) {
     (narrow ? left_out_.narrow : left_out_.clamped)[point] += light;
 }
 
+/// Lists a part of the first vertex or a later one. `may_meet_lights`: also where only a light is still to be met.
+void ClampRepayment::add_part(const Path& path, Bsdf bsdf, bool narrow, bool blind, float share, bool may_meet_lights) {
+    const float scattered = bsdf.scatters() ? share * max_component(bsdf.albedo()) : 0.0f;
+    if (!(scattered > 0)) return;
+    const bool goes_on = path.left > 0 || (may_meet_lights && !blind);
+    parts_.push_back({std::move(bsdf), share, narrow, blind, goes_on ? scattered : 0.0f});
+}
+
+/// What connections leave out: of the part that connects what the clamp took, of the other all.
+void ClampRepayment::list_first_parts(const RepaymentScene& shared, const Path& path, const Bsdf& whole,
+                                      float clamped_share) {
+    const Bsdf connecting = connecting_part(whole, shared.connect_threshold);
+    if (clamped_share > 0) add_part(path, connecting, false, false, clamped_share, false);
+    if (left_out_.narrow.empty()) return;
+    const Bsdf narrow = connecting.scatters() ? whole.specular_part(shared.connect_threshold) : whole;
+    if (!shared.caustics) return add_part(path, narrow, true, false, 1, true);
+    add_part(path, narrow.rough_part(shared.caustics->glossy_threshold), true, false, 1, true);
+    add_part(path, narrow.specular_part(shared.caustics->glossy_threshold), true, true, 1, true);
+}
+
+/// The same where the path has been reflected before: everything.
+void ClampRepayment::list_parts(const RepaymentScene& shared, const Path& path, const Bsdf& whole) {
+    if (!shared.caustics || whole.is_lambert()) {
+        // Light that the path on from here may meet is found in two ways; a last vertex has light samples alone.
+        const bool goes_on = path.left > 0 || (whole.has_delta() && !shared.caustics);
+        if (whole.scatters()) parts_.push_back({whole, 1, path.narrow, false, goes_on ? 1.0f : 0.0f});
+        return;
+    }
+    add_part(path, whole.rough_part(shared.caustics->glossy_threshold), path.narrow, false, 1, false);
+    add_part(path, whole.specular_part(shared.caustics->glossy_threshold), path.narrow, true, 1, false);
+}
+
 /// Adds the light at the end of ray i, and sends the path on.
 void ClampRepayment::scatter(const RepaymentScene& shared, const PassSampler& sampler, uint32_t vertex, size_t i) {
     const Scene& scene = shared.eye.scene;
@@ -92,24 +124,7 @@ void ClampRepayment::scatter(const RepaymentScene& shared, const PassSampler& sa
     const Hit& hit = batch_.hits[i];
     const vec3& direction = batch_.rays[i].direction;
     if (hit.valid()) path.throughput *= shared.eye.absorption.transmittance(path.media, hit.t);
-    if (vertex > 0) {  // light met by the path on from y
-        Rgb radiance(0);
-        float light_pdf = 0;
-        if (!hit.valid()) {
-            if (!scene.environment) return;
-            radiance = shared.eye.lights.environment_radiance(direction);
-            if (!path.delta) light_pdf = shared.eye.lights.pdf_environment(path.position, path.lit_normal, direction);
-        } else {
-            const ShadingPoint met = make_shading_point(scene, hit, direction);
-            radiance = emitted_radiance(scene, {hit.instance, hit.triangle, hit.u, hit.v}, met.front_side);
-            if (!path.delta && !is_black(radiance))
-                light_pdf = shared.eye.lights.pdf_triangle(path.position, path.lit_normal, hit.instance, hit.triangle,
-                                                           direction, hit.t);
-        }
-        if (!is_black(radiance))
-            add(path.point, path.narrow,
-                path.throughput * radiance * (path.delta ? 1.0f : power_heuristic(path.pdf_sa, light_pdf)));
-    }
+    if (vertex > 0 && !path.blind) add_light_met(shared, path, hit, direction);
     if (!hit.valid() || path.left == 0) return;
     --path.left;
 
@@ -118,49 +133,61 @@ void ClampRepayment::scatter(const RepaymentScene& shared, const PassSampler& sa
     const Bsdf whole = make_bsdf(scene, at, path.media.outside_ior(scene, at.material, !at.front_side));
     const vec3 wo = at.shading.to_local(-direction);
     path.position = at.position;
-    if (vertex > 0) {
-        path.lit_normal = lit_normal_of(whole, at);
-        // Light that the path on from here may meet is found in two ways; a last vertex has light samples alone.
-        const bool goes_on = path.left > 0 || whole.has_delta();
-        if (whole.has_non_delta())
-            sample_light(shared, sampler, key, vertex, path, at, whole, wo, goes_on ? 1.0f : 0.0f);
-        if (goes_on) leave(sampler, key, vertex, path, at, whole, wo, 1);
-        return;
-    }
-
-    // What connections leave out: of the part that connects what the clamp took, of the other all.
-    const Bsdf connecting = connecting_part(whole, shared.connect_threshold);
-    const Bsdf narrow = left_out_.narrow.empty() ? Bsdf()
-                        : connecting.scatters()  ? whole.specular_part(shared.connect_threshold)
-                                                 : whole;
-    const float share = left_out_.clamped.empty() ? 0 : 1 - std::min(sqr(hit.t) / clamp_sq_m2_, 1.0f);
-    const float by_clamp = connecting.scatters() ? share * max_component(connecting.albedo()) : 0;
-    const float by_narrow = narrow.scatters() ? max_component(narrow.albedo()) : 0;
-    // One path goes on from here, by one of the two; by a narrow lobe also where only a light is still to be met.
-    const float goes_on_by_clamp = by_clamp > 0 && path.left > 0 ? by_clamp / (by_clamp + by_narrow) : 0.0f;
-    const bool by_clamp_now = sampler.sample_2d(key, sample_set(vertex + 1, VertexSet::Lobe)).y < goes_on_by_clamp;
-    if (by_clamp > 0) {
-        Path clamped = path;
-        clamped.throughput *= share;
-        clamped.lit_normal = lit_normal_of(connecting, at);
-        sample_light(shared, sampler, key, vertex, clamped, at, connecting, wo, goes_on_by_clamp);
-        if (by_clamp_now) leave(sampler, key, vertex, clamped, at, connecting, wo, goes_on_by_clamp);
-    }
-    if (by_narrow > 0) {
-        path.narrow = true;
-        path.lit_normal = lit_normal_of(narrow, at);
-        if (narrow.has_non_delta())
-            sample_light(shared, sampler, key, vertex, path, at, narrow, wo, 1 - goes_on_by_clamp);
-        if (!by_clamp_now) leave(sampler, key, vertex, path, at, narrow, wo, 1 - goes_on_by_clamp);
+    parts_.clear();
+    if (vertex == 0)
+        list_first_parts(shared, path, whole,
+                         left_out_.clamped.empty() ? 0 : 1 - std::min(sqr(hit.t) / clamp_sq_m2_, 1.0f));
+    else
+        list_parts(shared, path, whole);
+    float total = 0;
+    for (const Part& part : parts_) total += part.weight;
+    const vec2 choice = sampler.sample_2d(key, sample_set(vertex + 1, VertexSet::Lobe));
+    float below = 0;  // of the choice by which part the path goes on
+    for (const Part& part : parts_) {
+        const float chance = part.weight > 0 ? part.weight / total : 0.0f;
+        Path by_part = path;
+        by_part.throughput *= part.share;
+        by_part.narrow = part.narrow;
+        by_part.blind = part.blind;
+        by_part.lit_normal = lit_normal_of(part.bsdf, at);
+        if (!part.blind && part.bsdf.has_non_delta()) {
+            sample_light(shared, sampler, key, vertex, by_part, at, part.bsdf, wo, chance);
+            if (shared.caustics && path.left > 0)
+                add(path.point, part.narrow,
+                    by_part.throughput * shared.caustics->radiance(at, part.bsdf, wo, path.left, neighbours_));
+        }
+        if (choice.y >= below && choice.y < below + chance)
+            leave(sampler, key, vertex, by_part, at, part, wo, chance, {choice.x, (choice.y - below) / chance});
+        below += chance;
     }
 }
 
-/// Draws the path's next ray by that BSDF; `chance`: for it to have come to that.
+/// Adds the light that a path on from y meets at its ray's end.
+void ClampRepayment::add_light_met(const RepaymentScene& shared, const Path& path, const Hit& hit,
+                                   const vec3& direction) {
+    Rgb radiance(0);
+    float light_pdf = 0;
+    if (!hit.valid()) {
+        if (!shared.eye.scene.environment) return;
+        radiance = shared.eye.lights.environment_radiance(direction);
+        if (!path.delta) light_pdf = shared.eye.lights.pdf_environment(path.position, path.lit_normal, direction);
+    } else {
+        const ShadingPoint met = make_shading_point(shared.eye.scene, hit, direction);
+        radiance = emitted_radiance(shared.eye.scene, {hit.instance, hit.triangle, hit.u, hit.v}, met.front_side);
+        if (!path.delta && !is_black(radiance))
+            light_pdf = shared.eye.lights.pdf_triangle(path.position, path.lit_normal, hit.instance, hit.triangle,
+                                                       direction, hit.t);
+    }
+    if (!is_black(radiance))
+        add(path.point, path.narrow,
+            path.throughput * radiance * (path.delta ? 1.0f : power_heuristic(path.pdf_sa, light_pdf)));
+}
+
+/// Draws the path's next ray by that part; `chance`: for it to have come to that. `choice`: of a lobe, and of roulette.
 void ClampRepayment::leave(const PassSampler& sampler, uint32_t key, uint32_t vertex, const Path& path,
-                           const ShadingPoint& at, const Bsdf& bsdf, const vec3& wo, float chance) {
-    const vec2 choice = sampler.sample_2d(key, sample_set(vertex + 1, VertexSet::Lobe));
+                           const ShadingPoint& at, const Part& part, const vec3& wo, float chance, const vec2& choice) {
     const BsdfSample next =
-        bsdf.sample(wo, choice.x, sampler.sample_2d(key, sample_set(vertex + 1, VertexSet::Direction)));
+        part.bsdf.sample(wo, choice.x, sampler.sample_2d(key, sample_set(vertex + 1, VertexSet::Direction)));
     if (!next.valid()) return;
     Path& on = batch_.next_path();
     on = path;

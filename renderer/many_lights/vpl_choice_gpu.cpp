@@ -11,9 +11,9 @@ namespace {
 constexpr uint64_t kMostChosenBytes = 64u << 20;  // more points are chosen for piece by piece
 
 /// Lights or nodes that a point looks at while it chooses, about.
-uint64_t looked_at(uint32_t most_lights, const VplChoiceSettings& settings) {
+uint64_t looked_at(uint32_t lights, const VplChoiceSettings& settings) {
     constexpr uint64_t kNodesALight = 4;
-    return settings.lightcut ? kNodesALight * settings.lights : uint64_t{most_lights} + settings.lights;
+    return settings.lightcut ? kNodesALight * settings.lights : uint64_t{lights} + settings.lights;
 }
 
 /// Points that there is room for.
@@ -22,9 +22,9 @@ uint64_t roomy_points(uint64_t points, const VplChoiceSettings& settings) {
     return std::max<uint64_t>(most / SPLIT_GROUP, 1) * SPLIT_GROUP;
 }
 
-uint32_t points_of_piece(const gpu::Device& device, uint64_t points, uint32_t most_lights,
+uint32_t points_of_piece(const gpu::Device& device, uint64_t points, uint32_t lights,
                          const VplChoiceSettings& settings) {
-    const uint64_t by_time = device.paths_per_submit() / looked_at(most_lights, settings);
+    const uint64_t by_time = device.paths_per_submit() / looked_at(lights, settings);
     const uint64_t most = std::min(by_time, roomy_points(points, settings));
     return static_cast<uint32_t>(std::max<uint64_t>(most / SPLIT_GROUP, 1) * SPLIT_GROUP);
 }
@@ -45,7 +45,7 @@ VplChoiceGpu::VplChoiceGpu(const gpu::DeviceScene& scene, GBufferGpu& buffer, Vp
       lights_(lights),
       lighting_(lighting),
       counters_(counters),
-      points_at_once_(points_of_piece(scene.device(), buffer.layout().points(), lights.most(), settings)),
+      points_at_once_(points_of_piece(scene.device(), buffer.layout().points(), lights.likely(), settings)),
       pieces_((buffer.layout().points() + points_at_once_ - 1) / points_at_once_),
       chosen_(scene.device(), "vpl_choice",
               roomy_points(buffer.layout().points(), settings) * settings.lights * sizeof(gpu::ChosenVplRecord)),
@@ -72,7 +72,7 @@ uint64_t VplChoiceGpu::device_bytes(Size2 film_size, uint32_t most_lights, const
            (settings.lightcut ? VplTreeGpu::device_bytes(most_lights) : 0);
 }
 
-uint64_t VplChoiceGpu::work_of_piece() const { return points_at_once_ * looked_at(lights_.most(), settings_); }
+uint64_t VplChoiceGpu::work_of_piece() const { return points_at_once_ * looked_at(lights_.likely(), settings_); }
 
 void VplChoiceGpu::record_lights(gpu::CommandList& commands) {
     if (tree_) tree_->record(commands, lights_.vpls(), {lights_.counts(), VPL_COUNT});

@@ -17,9 +17,8 @@ static_assert(VPL_VISIBILITY_SVO == static_cast<uint32_t>(VplVisibility::Svo) &&
 /// Lights that a point goes through at a time: the mean that roulette goes by is theirs.
 constexpr uint32_t kLightsAtOnce = 4096;
 
-/// At most.
-uint32_t lights_of_tile(const VplSetGpu& lights, const GBufferGpu& buffer) {
-    return (lights.most() + buffer.layout().tiles() - 1) / buffer.layout().tiles();
+uint32_t lights_of_tile(uint32_t lights, const GBufferGpu& buffer) {
+    return (lights + buffer.layout().tiles() - 1) / buffer.layout().tiles();
 }
 
 }  // namespace
@@ -49,10 +48,10 @@ VplLightingGpu::VplLightingGpu(const gpu::DeviceScene& scene, GBufferGpu& buffer
       counters_(counters),
       seed_(seed),
       settings_(settings),
-      lights_at_once_(std::min(lights_of_tile(lights, buffer), kLightsAtOnce)),
+      lights_at_once_(std::min(lights_of_tile(lights.likely(), buffer), kLightsAtOnce)),
       points_at_once_(std::max(scene.device().paths_per_submit() / lights_at_once_ / SPLIT_GROUP, 1u) * SPLIT_GROUP),
       point_pieces_((buffer.layout().points() + points_at_once_ - 1) / points_at_once_),
-      light_pieces_((lights_of_tile(lights, buffer) + lights_at_once_ - 1) / lights_at_once_),
+      light_pieces_((lights_of_tile(lights.most(), buffer) + lights_at_once_ - 1) / lights_at_once_),
       constants_(scene.device(), "vpl_constants", sizeof(gpu::VplLightingConstants)) {
     if (settings.lights_all)
         light_.emplace(scene.device(),

@@ -29,7 +29,7 @@ void trace_path(uint number) {
 void main() {
     const uint number = flat_index();
     reflection =
-        ReflectionLimits(push.bounces, push.paths * push.bounces, push.surface_capacity, push.connect_threshold, true, false);
+        ReflectionLimits(push.bounces, push.photon_capacity, push.surface_capacity, push.connect_threshold, true, false);
     if (number >= push.paths) return;
     trace_path(number);
     count(COUNTER_PHOTONS_EMITTED, 1);

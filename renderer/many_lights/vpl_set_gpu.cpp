@@ -1,11 +1,14 @@
 #include "renderer/many_lights/vpl_set_gpu.h"
 
+#include <algorithm>
+
 #include "renderer/scene/scene.h"
 
 namespace photond {
 
-VplSetGpu::VplSetGpu(const gpu::DeviceScene& scene, uint32_t most, float connect_threshold)
+VplSetGpu::VplSetGpu(const gpu::DeviceScene& scene, uint32_t most, float connect_threshold, uint32_t likely)
     : most_(most),
+      likely_(std::min(most, likely)),
       connect_threshold_(connect_threshold),
       vpls_(scene.device(), "vpls", uint64_t{most} * sizeof(gpu::Vpl)),
       lobes_(scene.device(), "vpls", (scene.scene().needs.only_lambert() ? 1 : uint64_t{most}) * sizeof(gpu::VplLobes)),

@@ -11,8 +11,8 @@ namespace photond {
 class VplSetGpu {
 public:
     /// `most`: lights of a pass, at least 1; photons past it are left out. `connect_threshold`: lobes with GGX alpha
-    /// below it send nothing.
-    VplSetGpu(const gpu::DeviceScene& scene, uint32_t most, float connect_threshold);
+    /// below it send nothing. `likely`: what work is cut into pieces by where a pass may have far fewer.
+    VplSetGpu(const gpu::DeviceScene& scene, uint32_t most, float connect_threshold, uint32_t likely = UINT32_MAX);
     static uint64_t device_bytes(uint32_t most, bool lambert);
 
     /// Photons as ReflectedPhotonsGpu and VplTracerGpu leave them, none a beam.
@@ -25,12 +25,13 @@ public:
     uint32_t lights_of_pass() const { return host_counts_.as<uint32_t>()[VPL_COUNT]; }
 
     uint32_t most() const { return most_; }
+    uint32_t likely() const { return likely_; }
     gpu::Buffer& vpls() { return vpls_; }      // Vpl
     gpu::Buffer& lobes() { return lobes_; }    // VplLobes at Vpl::surface; one where every surface is Lambert
     gpu::Buffer& counts() { return counts_; }  // VPL_COUNT ...
 
 private:
-    const uint32_t most_;
+    const uint32_t most_, likely_;
     const float connect_threshold_;
     gpu::Buffer vpls_, lobes_, counts_, host_counts_;
     gpu::ComputePipeline gather_;

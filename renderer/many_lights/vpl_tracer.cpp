@@ -275,7 +275,8 @@ uint64_t VplTracer::scratch_bytes(const VplTracing& tracing, size_t threads, uin
 }
 uint64_t VplTracer::result_bytes(const VplTracing& tracing) {
     // Twice: in the batches, and in the order they come back in.
-    return 2 * uint64_t{tracing.vpls} * tracing.bounces * (sizeof(ReflectedPhoton) + sizeof(ReflectingSurface) + 16);
+    return 2 * expected_vpls(tracing.vpls, tracing.bounces) *
+           (sizeof(ReflectedPhoton) + sizeof(ReflectingSurface) + 16);
 }
 
 }  // namespace photond

@@ -9,11 +9,14 @@
 // [Keller 1997] Instant Radiosity. SIGGRAPH.
 // [Dachsbacher and Stamminger 2006] Splatting Indirect Illumination. I3D.
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
 #include <memory>
 
 #include "renderer/photons/photon_tracer.h"
 #include "renderer/photons/texel_map.h"
+#include "renderer/transport/roulette_shared.h"
 
 namespace photond {
 
@@ -25,6 +28,23 @@ struct VplTracing {
     float connect_threshold = 0.2f;
     SamplerKind sampler = SamplerKind::Sobol;
 };
+
+/// About how many lights a pass has for so many light paths and bounces: in rooms each bounce leaves three fifths of
+/// those before it (1.6 to 2.1 lights a path in the built-in ones where bounces have no end).
+inline uint64_t expected_vpls(uint64_t paths, uint32_t bounces) {
+    constexpr double kKept = 0.6;
+    const double lights = (1 - std::pow(kKept, static_cast<double>(bounces))) / (1 - kKept);
+    return static_cast<uint64_t>(std::ceil(static_cast<double>(paths) * lights));
+}
+
+/// Room for the lights of a pass. Roulette keeps a path with a probability of 0.98 at most: where a white scene
+/// lets it, paths have fifty surfaces in the mean, and their sum passes this by a chance below 1e-9.
+inline uint64_t most_vpls(uint64_t paths, uint32_t bounces) {
+    constexpr double kMostMean = 1 / (1 - double{ROULETTE_MOST_SURVIVAL});
+    const double n = static_cast<double>(paths);
+    const auto most = static_cast<uint64_t>(kMostMean * (n + 8 * std::sqrt(n) + 24));
+    return std::min(paths * std::max(bounces, 1u), most);
+}
 
 /// A factor on the flux that a texel is chosen by: not negative. The photon: position, normal and reflected power_w of
 /// the texel's hit; it has one scattering, its direction is the normal. Called from several threads at a time.
@@ -63,7 +83,7 @@ public:
 
     /// Bytes of scratch; `lights` with power, triangles one by one.
     static uint64_t scratch_bytes(const VplTracing& tracing, size_t threads, uint64_t lights);
-    /// Of what trace() gives, at most.
+    /// Of what trace() gives, as many lights as are expected.
     static uint64_t result_bytes(const VplTracing& tracing);
 
 private:

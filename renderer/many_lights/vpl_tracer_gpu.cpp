@@ -19,7 +19,7 @@ uint64_t most_chosen(const TexelMap& map) {
 
 uint32_t levels_of(const VplTracing& tracing) { return static_cast<uint32_t>(std::countr_zero(tracing.map_side)); }
 
-uint64_t most_photons(const VplTracing& tracing) { return uint64_t{tracing.vpls} * std::max(tracing.bounces, 1u); }
+uint64_t most_photons(const VplTracing& tracing) { return most_vpls(tracing.vpls, tracing.bounces); }
 
 }  // namespace
 
@@ -140,6 +140,7 @@ void VplTracerGpu::record_vpls(gpu::CommandList& commands) {
         .sequence = VplTracer::path_numbers(tracing_, *pass_).device_key(),
         .paths = tracing_.vpls,
         .bounces = tracing_.bounces,
+        .photon_capacity = most_lights(),
         .surface_capacity = static_cast<uint32_t>(surfaces_.bytes() / sizeof(gpu::ReflectingSurfaceRecord)),
         .connect_threshold = tracing_.connect_threshold,
     });

@@ -43,7 +43,7 @@ public:
     /// The rest, stage `vpl_generation`.
     void record_vpls(gpu::CommandList& commands);
 
-    uint32_t most_lights() const { return tracing_.vpls * tracing_.bounces; }
+    uint32_t most_lights() const { return static_cast<uint32_t>(most_vpls(tracing_.vpls, tracing_.bounces)); }
 
     gpu::Buffer& photons() { return photons_; }    // ReflectedPhotonRecord
     gpu::Buffer& order() { return order_; }        // uint

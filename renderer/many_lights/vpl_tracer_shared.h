@@ -70,12 +70,14 @@ struct VplPathsPush {
     SequenceKey sequence;  // of what comes after the first ray
     uint paths;
     uint bounces;
+    uint photon_capacity;
     uint surface_capacity;
     float connect_threshold;
+    uint unused;
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(VplTexelsPush) == 40 && sizeof(VplStartsPush) == 40 && sizeof(VplPathsPush) == 32 &&
+static_assert(sizeof(VplTexelsPush) == 40 && sizeof(VplStartsPush) == 40 && sizeof(VplPathsPush) == 40 &&
                   sizeof(VplStart) == 48,
               "must match the scalar layout of GLSL");
 }  // namespace photond::gpu

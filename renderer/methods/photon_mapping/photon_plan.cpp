@@ -2,19 +2,6 @@
 
 namespace photond {
 
-bool has_specular_surface(const Scene& scene, float glossy_threshold) {
-    if (scene.needs.delta) return true;
-    for (const Instance& instance : scene.instances) {
-        const Mesh& mesh = scene.meshes[instance.mesh];
-        const Material& m = scene.materials[mesh.material];
-        if (mesh.triangles.empty() || m.unlit) continue;
-        if (m.metallic == 0 && m.specular == 0 && m.transmission == 0) continue;
-        const float least_roughness = m.metallic_roughness_texture.used() ? 0.0f : m.roughness;
-        if (sqr(least_roughness) < glossy_threshold) return true;
-    }
-    return false;
-}
-
 PhotonPlan::PhotonPlan(const PhotonMappingParams& params, bool lights, bool specular_surfaces) {
     const uint32_t scatterings = params.max_scatterings();
     // `less` scatterings of a path are the eye's.

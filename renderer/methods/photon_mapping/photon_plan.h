@@ -4,16 +4,13 @@
 #include <string>
 
 #include "renderer/methods/photon_mapping/photon_mapping.h"
+#include "renderer/photons/caustic_photons.h"
 
 namespace photond {
 
 /// Of scenes in which nobody has measured it: the global map of a closed room with reflectances about a half (as in the
 /// Cornell box), and the caustic map when specular surfaces fill a tenth.
 inline constexpr PhotonYield kExpectedYield{.global = 0.905, .caustic = 0.1, .caustic_unguided = 0.1};
-
-/// Whether any surface has a lobe that is specular at the threshold. Textures can only lower a roughness: where there
-/// is one, any is taken for possible.
-bool has_specular_surface(const Scene& scene, float glossy_threshold);
 
 struct PhotonPlan {
     /// One of the maps: the greatest number of scatterings of its photons, 0: no such map, and why.

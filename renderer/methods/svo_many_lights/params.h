@@ -1,6 +1,7 @@
 #pragma once
 // The parameters of many lights with a sparse voxel octree: each is a field here, and a line of visit().
 
+#include <algorithm>
 #include <optional>
 
 #include "protocol/param_info.h"
@@ -18,7 +19,7 @@ enum class DirectShadows : uint8_t { Rays, ShadowMaps };
 
 struct SvoManyLightsParams final : MethodParams {
     uint32_t vpls = 1024;
-    uint32_t bounces = 1;
+    uint32_t bounces = 254;
     uint32_t map_resolution = 128;
     VplPlacement placement = VplPlacement::Flux;
     VplBounces bounce_tracing = VplBounces::Rays;
@@ -33,6 +34,8 @@ struct SvoManyLightsParams final : MethodParams {
     std::optional<float> clamp_m2;
     bool repay = true;
     bool narrow_lobes = true;
+    uint32_t caustic_photons = 100'000;
+    std::optional<float> caustic_radius_m;
     uint32_t filter = 0;
     float filter_normal = 0.9f;
     float filter_distance = 0.02f;
@@ -52,6 +55,8 @@ struct SvoManyLightsParams final : MethodParams {
         return layers.has(Layer::Voxels) || visibility == VplVisibility::Svo ||
                (bounces > 1 && bounce_tracing == VplBounces::Voxels);
     }
+    /// GGX alpha of lobes below which light through them alone is the caustic map's: such connect in no case.
+    float caustic_threshold() const { return std::min(glossy_threshold, connect_threshold); }
     /// Pixels along a side of the blocks whose pixels share out the lights.
     uint32_t split_side() const { return vpl_choice == VplChoice::Interleaved ? interleave : 1; }
 };
@@ -65,7 +70,8 @@ inline void SvoManyLightsParams::visit(ParamVisitor& visitor) {
     static constexpr std::string_view kDirect[] = {"rays", "shadow_maps"};
 
     visitor.field("vpls", vpls, {Light, "lights", 1, 1e6, "virtual point lights of the first bounce, a pass"});
-    visitor.field("bounces", bounces, {Light, "", 0, 254, "greatest number of bounces in the indirect layer"});
+    visitor.field("bounces", bounces,
+                  {Light, "", 0, 254, "greatest number of bounces in the indirect layer; 254: all"});
     visit_map_resolution(visitor, map_resolution);
     visitor.enumeration("placement", placement,
                         {Light, kPlacements, "lights go where flux is, or where what they bring to the picture is"});
@@ -96,8 +102,17 @@ inline void SvoManyLightsParams::visit(ParamVisitor& visitor) {
     visitor.flag("repay", repay, {NoiseAndBias, "what the clamp takes is found by one short ray a pixel"});
     visitor.flag("narrow_lobes", narrow_lobes,
                  {NoiseAndBias,
-                  "light that lobes below connect_threshold send to visible points, caustics among it, is path traced "
-                  "by that ray, which has no end then; without, it is left out"});
+                  "light that lobes below connect_threshold send to visible points is path traced by that ray, which "
+                  "has no end then, and caustics are looked up; without, both are left out"});
+    visitor.field(
+        "caustic_photons", caustic_photons,
+        {Light, "photons", 0, 1e9,
+         "light paths a pass for the caustic map, with narrow_lobes; 0: caustics are path traced too, without "
+         "bias and with bright dots"});
+    visitor.field("caustic_radius", caustic_radius_m,
+                  {DensityEstimate, "m", 1e-9, 1e9,
+                   "radius of the caustic map's lookups in the first pass, from which it shrinks; by a pilot's photons "
+                   "when not given"});
     visit_geometry_filter(visitor, filter, filter_normal, filter_distance);
     visitor.enumeration("direct", direct,
                         {LightMaps, kDirect,

@@ -12,7 +12,7 @@ MethodInfo svo_many_lights_row() {
     MethodInfo info = row_of_classes<SvoManyLights, SvoManyLightsGpu>();
     info.title = "Many lights, sparse voxel octree";
     info.line =
-        "Bounced light as many small lights, shadows by voxels. Very fast on diffuse scenes; corners lose some light.";
+        "Bounced light as many small lights, caustics by photons. Very fast on diffuse scenes; by voxels it darkens.";
     info.family = "many lights";
     info.sources = {{"Sun", 2015, "Many-Light Real-Time Global Illumination using Sparse Voxel Octree"},
                     {"Keller", 1997, "Instant Radiosity"},
@@ -25,6 +25,7 @@ MethodInfo svo_many_lights_row() {
     info.limits = {
         kStartsByPower,
         {{}, "furnace", "as many bounces as it was given here, where the answer has all of them"},
+        {{}, "caustic", "photons smear light within the radius of a lookup, which shrinks from pass to pass"},
         {{{"visibility", "svo"}},
          "thin wall",
          "where both ends lie within a voxel or two of a wall thinner than one, the voxels they are freed of "

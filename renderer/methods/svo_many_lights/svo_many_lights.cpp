@@ -12,6 +12,7 @@
 #include "renderer/many_lights/vpl_shadow_maps.h"
 #include "renderer/many_lights/vpl_tracer.h"
 #include "renderer/methods/svo_many_lights/svo_layers.h"
+#include "renderer/methods/svo_many_lights/svo_memory.h"
 #include "renderer/methods/svo_many_lights/svo_settings.h"
 #include "renderer/voxels/sparse_voxel_octree.h"
 #include "renderer/voxels/voxel_intersector.h"
@@ -22,32 +23,6 @@ namespace {
 
 constexpr uint32_t kPointsAtOnce = SplitLayout::kGroup;
 constexpr uint64_t kRotationStream = 0;  // of RandomDomain::Splats in a pass
-
-/// Values a point has besides its place: what lights bring it, what is repaid, and what the filter leaves.
-uint64_t values_of_point(const SvoManyLightsParams& params) { return 2 + (params.filter > 0 ? 1 : 0); }
-
-uint64_t light_count(const SvoManyLightsParams& params) {
-    return uint64_t{params.vpls} * std::clamp(params.bounces, 1u, 8u);
-}
-
-/// What lights take beside their photons: lists in subsets, surfaces where not all is Lambert.
-uint64_t light_bytes(const SvoManyLightsParams& params, const Needs& needs) {
-    const uint64_t lights = light_count(params);
-    const uint64_t maps =
-        params.visibility == VplVisibility::ShadowMaps ? VplShadowMaps::bytes_for(lights, params.shadow_resolution) : 0;
-    const uint64_t padding = uint64_t{params.split_side()} * params.split_side() * sizeof(VplBlock);
-    return lights * (sizeof(Vpl) + sizeof(VplBlock) / kLanes + (needs.only_lambert() ? 0 : sizeof(RoughOrigin))) +
-           padding + maps;
-}
-
-/// Of the octree where nothing is known of the scene but that it has rooms: surfaces of some times the cube's side.
-uint64_t tree_bytes(const SvoManyLightsParams& params) {
-    constexpr double kSurface = 8, kNodesABrick = 3, kVoxelsABrick = 16;
-    const double side = params.voxel_resolution / double{BRICK_SIDE};
-    const double bricks = std::min(kSurface * side * side, side * side * side);
-    const double surfaces = traces_voxels(params) ? (1 + kVoxelsABrick) * sizeof(uint32_t) : 0;
-    return static_cast<uint64_t>(bricks * (kNodesABrick * sizeof(gpu::SvoNode) + sizeof(gpu::SvoBrick) + surfaces));
-}
 
 }  // namespace
 
@@ -61,9 +36,10 @@ struct SvoManyLights::State {
         std::vector<ClampedPoint> clamped;
         std::vector<uint32_t> places;  // of those in the G-buffer
         std::vector<Rgb> repaid, narrow;
+        Neighbours neighbours;
         Counts counts;
         EyeSeconds seconds;
-        double lit_seconds = 0, repaid_seconds = 0;
+        double lit_seconds = 0, gathered_seconds = 0, repaid_seconds = 0;
     };
 
     State(const RenderContext& context, const SvoManyLightsParams& params)
@@ -91,6 +67,7 @@ struct SvoManyLights::State {
     std::optional<VplTracer> tracer;  // none: nothing is lit
     std::optional<VplShadowMaps> maps;
     std::optional<LightDepthMaps> light_maps;  // none: direct light by rays alone
+    std::optional<CausticPhotons> caustics;    // none: what narrow lobes send is path traced
     std::unique_ptr<VplChooser> chooser;       // null: interleaved
     float clamp_sq_m2 = 0;                     // B
     ThreadLocal<PerThread> threads;
@@ -99,6 +76,7 @@ struct SvoManyLights::State {
     GBuffer buffer;
     VplSet set;  // of the pass
     VplSubsets subsets;
+    CausticMap caustic_map;                           // of the pass
     std::vector<Rgb> sums, repaid, narrow, filtered;  // by point
     PassImage image;
     bool pass_complete = false;  // image holds a whole pass
@@ -106,25 +84,6 @@ struct SvoManyLights::State {
 
 SvoManyLights::SvoManyLights(const SvoManyLightsParams& params) : params_(params) {}
 SvoManyLights::~SvoManyLights() = default;
-
-uint64_t SvoManyLights::estimate_bytes(const SvoManyLightsParams& params, const Workload& workload) {
-    const bool lights = workload.lights > 0 || workload.environment_size.pixels() > 0;
-    uint64_t bytes = PassImage::bytes_for(workload.film_size, workload.layers) +
-                     workload.threads * SpecularWalk::bytes_per_thread(GBuffer::kTileSide) +
-                     LightSampler::estimate_bytes(workload.lights, workload.environment_size) +
-                     GBuffer::estimate_bytes(workload.film_size, workload.needs) +
-                     values_of_point(params) * workload.film_size.pixels() * sizeof(Rgb);
-    if (has_light_maps(params, workload.needs)) {
-        constexpr uint64_t kMaps = 2;  // a spot has one, a point six
-        bytes += kMaps * params.direct_resolution * params.direct_resolution * sizeof(float);
-    }
-    if (!lights || params.bounces == 0) return bytes;
-    bytes += EmissionSampler::estimate_bytes(workload.lights, workload.environment_size) +
-             VplTracer::scratch_bytes(tracing_of(params), workload.threads, workload.lights) +
-             VplTracer::result_bytes(tracing_of(params)) + light_bytes(params, workload.needs);
-    if (params.needs_voxels(workload.layers)) bytes += tree_bytes(params);
-    return bytes;
-}
 
 void SvoManyLights::begin(const RenderContext& context, Stats& stats) {
     const Scene& scene = context.scene;
@@ -174,7 +133,7 @@ void SvoManyLights::begin(const RenderContext& context, Stats& stats) {
         if (traces_voxels(params_)) state.voxels.emplace(scene, *state.tree);
     } else {
         stats.skipped.push_back(
-            {"sparse voxel octree", "neither visibility, bounces nor layers ask for it", tree_bytes(params_)});
+            {"sparse voxel octree", "neither visibility, bounces nor layers ask for it", voxel_tree_bytes(params_)});
     }
     const Intersector& further = state.voxels ? static_cast<const Intersector&>(*state.voxels) : *context.intersector;
     state.tracer.emplace(scene, *context.intersector, further, *state.emission, tracing_of(params_));
@@ -186,7 +145,27 @@ void SvoManyLights::begin(const RenderContext& context, Stats& stats) {
     if (params_.visibility == VplVisibility::ShadowMaps) state.maps.emplace(params_.shadow_resolution);
     const auto lit_area_m2 = [&] { return static_cast<float>(state.tracer->lit_area_m2(context.seed)); };
     state.clamp_sq_m2 = params_.clamp_m2 ? *params_.clamp_m2 : default_clamp_sq_m2(lit_area_m2(), params_.vpls);
+    make_caustics(context, stats);
     if (!scene.needs.solid_glass) stats.skipped.push_back({"absorption", "no solid refracts", 0});
+}
+
+/// What sends caustic photons, where there are any.
+void SvoManyLights::make_caustics(const RenderContext& context, Stats& stats) {
+    const Scene& scene = context.scene;
+    State& state = *state_;
+    const CausticSettings settings = caustics_of(params_);
+    if (const char* why = why_no_caustics(params_, has_specular_surface(scene, settings.glossy_threshold))) {
+        stats.skipped.push_back(
+            {"caustic map", why,
+             params_.caustic_photons > 0 ? CausticPhotons::map_bytes(settings, kExpectedCausticYield) : 0});
+        return;
+    }
+    const uint64_t most =
+        CausticPhotons::estimate_bytes(scene.triangle_lights.size() + scene.punctual_lights.size(), most_threads());
+    context.budget.require("caustic_photons", most);
+    state.caustics.emplace(scene, *context.intersector, *state.emission, settings, context.seed, stats);
+    // What building it took beside it has been given back, but it was there.
+    context.budget.record("caustic_photons", most);
 }
 
 void SvoManyLights::run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) {
@@ -194,6 +173,8 @@ void SvoManyLights::run_pass(uint32_t pass, Stats& stats, const CancelToken& can
     look_from_eye(pass, stats, cancel);
     if (cancel.cancelled()) return;
     make_lights(pass, stats, cancel);
+    if (cancel.cancelled()) return;
+    send_caustic_photons(pass, stats, cancel);
     if (cancel.cancelled()) return;
     light_points(pass, stats, cancel);
     if (cancel.cancelled()) return;
@@ -254,6 +235,14 @@ void SvoManyLights::make_lights(uint32_t pass, Stats& stats, const CancelToken& 
                              photons.surfaces.capacity() * sizeof(ReflectingSurface));
 }
 
+void SvoManyLights::send_caustic_photons(uint32_t pass, Stats& stats, const CancelToken& cancel) {
+    State& state = *state_;
+    if (!state.caustics) return;
+    state.caustic_map = {};
+    state.caustic_map = state.caustics->trace(pass, stats, cancel);
+    state.record("caustic_map", PhotonMap::bytes_for(state.caustic_map.map.size()));
+}
+
 /// What the lights bring to the points, and what the clamp takes.
 void SvoManyLights::light_points(uint32_t pass, Stats& stats, const CancelToken& cancel) {
     State& state = *state_;
@@ -273,7 +262,7 @@ void SvoManyLights::light_points(uint32_t pass, Stats& stats, const CancelToken&
                            .seed = state.eye.seed,
                            .pass = pass};
     const PassSampler sampler(state.eye.sampler, state.eye.seed, RandomDomain::Splats, pass);
-    const RepaymentScene repayment{state.eye, params_.connect_threshold};
+    const RepaymentScene repayment{state.eye, params_.connect_threshold, state.caustics ? &state.caustic_map : nullptr};
     const uint32_t points = state.buffer.layout().points();
     parallel_for(points / kPointsAtOnce, 1, [&](size_t group) {
         if (cancel.cancelled()) return;
@@ -287,6 +276,8 @@ void SvoManyLights::light_points(uint32_t pass, Stats& stats, const CancelToken&
         else
             mine.lighting.light(lighting, state.buffer, first, end, of_group(state.sums), mine.counts);
         laps.lap(mine.lit_seconds);
+        if (state.caustics) gather_caustics(first, end, mine.neighbours);
+        laps.lap(mine.gathered_seconds);
         if (!repays() && !asks_narrow_lobes(params_, state.eye.scene.needs)) return;
         mine.clamped.clear();
         mine.places.clear();
@@ -305,18 +296,36 @@ void SvoManyLights::light_points(uint32_t pass, Stats& stats, const CancelToken&
                              {.clamped = mine.repaid, .narrow = mine.narrow}, mine.counts);
         for (size_t i = 0; i < mine.places.size(); ++i) {
             if (!mine.repaid.empty()) state.repaid[mine.places[i]] = mine.repaid[i];
-            if (!mine.narrow.empty()) state.narrow[mine.places[i]] = mine.narrow[i];
+            if (!mine.narrow.empty()) state.narrow[mine.places[i]] += mine.narrow[i];
         }
         laps.lap(mine.repaid_seconds);
     });
-    double lit_seconds = 0, repaid_seconds = 0;
+    double lit_seconds = 0, gathered_seconds = 0, repaid_seconds = 0;
     for (State::PerThread& thread : state.threads) {
         lit_seconds += std::exchange(thread.lit_seconds, 0);
+        gathered_seconds += std::exchange(thread.gathered_seconds, 0);
         repaid_seconds += std::exchange(thread.repaid_seconds, 0);
     }
     state.take_counts(stats);
     add_interleaved_stages(stats, wall_now_seconds() - wall_start,
-                           {{"indirect", lit_seconds}, {"repay", repaid_seconds}});
+                           {{"indirect", lit_seconds}, {"gather", gathered_seconds}, {"repay", repaid_seconds}});
+}
+
+/// Caustics at the points [first, end).
+void SvoManyLights::gather_caustics(uint32_t first, uint32_t end, Neighbours& scratch) {
+    State& state = *state_;
+    for (uint32_t i = first; i < end; ++i) {
+        const gpu::GBufferPoint& point = state.buffer.points()[i];
+        const uint32_t most = point.kind & GBUFFER_SCATTERINGS;
+        if (point.kind == 0) continue;
+        if ((point.kind & GBUFFER_GENERAL) != 0) {
+            const VisiblePoint& general = state.buffer.general(i);
+            state.narrow[i] = state.caustic_map.radiance(general.surface, general.rough, general.wo, most, scratch);
+        } else {
+            state.narrow[i] =
+                state.caustic_map.irradiance(point.position, point.geometric_normal, point.normal, most, scratch);
+        }
+    }
 }
 
 /// From the split buffer into the image.

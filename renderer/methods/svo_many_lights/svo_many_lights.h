@@ -1,6 +1,7 @@
 #pragma once
 #include "renderer/frame/method.h"
 #include "renderer/methods/svo_many_lights/params.h"
+#include "renderer/photons/neighbours.h"
 
 namespace photond {
 
@@ -16,16 +17,17 @@ namespace photond {
 /// takes is found by one short ray a point (clamp_repayment.h, layer `clamped`). The next pass has other lights, and
 /// other pixels ask them: with `visibility` rays and `repay`, and without `filter`, the mean over the passes is the
 /// light's transport up to `bounces`: what narrow lobes (GGX alpha below `connect_threshold`, mirrors, glass) send
-/// towards a visible point, caustics among it, does not connect, and is found by the same short ray, which has no end
-/// then (`narrow_lobes`, where a scene has such).
+/// towards a visible point does not connect, and is found by the same short ray, which has no end then (`narrow_lobes`,
+/// where a scene has such). Caustics, light that came by specular scatterings alone (GGX alpha below
+/// `glossy_threshold`), are looked up in a map of `caustic_photons` instead, at the visible points and at the vertices
+/// of those rays' paths (photons/caustic_photons.h): blurred within a radius that shrinks from pass to pass, so that
+/// the mean converges. With none they are path traced: no bias, and fireflies.
 ///
 /// Strong where light is smooth: a thousand lights light every pixel, and the octree answers for V without the scene.
 /// Weak: voxels darken within about a voxel of edges and contacts, and between thin things (the interior of the
 /// built-in scene by a tenth at 256^3), and leak where both ends are within two voxels of a thin wall; `clamp` = 0
-/// makes the variance at corners infinite; caustics are path traced, so those of small lights are noise, and those of
-/// point lights by mirrors and smooth glass are never met. The layer `caustic` is not told apart. Not implemented:
-/// participating media, dispersion, animated geometry (the tree is built once); incremental reuse of lights [Laine et
-/// al. 2007].
+/// makes the variance at corners infinite. The layer `caustic` is not told apart. Not implemented: participating media,
+/// dispersion, animated geometry (the tree is built once); incremental reuse of lights [Laine et al. 2007].
 ///
 /// [Sun 2015] Many-Light Real-Time Global Illumination using Sparse Voxel Octree. Thesis, WPI.
 /// [Keller 1997] Instant Radiosity. SIGGRAPH. [Kollig and Keller 2004] Illumination in the Presence of Weak
@@ -48,7 +50,10 @@ private:
     struct State;  // svo_many_lights.cpp
 
     void look_from_eye(uint32_t pass, Stats& stats, const CancelToken& cancel);
+    void make_caustics(const RenderContext& context, Stats& stats);
     void make_lights(uint32_t pass, Stats& stats, const CancelToken& cancel);
+    void send_caustic_photons(uint32_t pass, Stats& stats, const CancelToken& cancel);
+    void gather_caustics(uint32_t first, uint32_t end, Neighbours& scratch);
     void light_points(uint32_t pass, Stats& stats, const CancelToken& cancel);
     void merge(Stats& stats);
     bool repays() const;

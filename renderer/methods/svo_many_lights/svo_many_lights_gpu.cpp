@@ -27,7 +27,13 @@ gpu::GeometryFilter filter_of(const SvoManyLightsParams& params) {
     return {params.filter, params.filter_normal, params.filter_distance};
 }
 
-uint32_t most_lights(const SvoManyLightsParams& params) { return params.vpls * params.bounces; }
+uint32_t most_lights(const SvoManyLightsParams& params) {
+    return static_cast<uint32_t>(most_vpls(params.vpls, params.bounces));
+}
+/// Twice what is expected, so that few passes have more.
+uint32_t likely_lights(const SvoManyLightsParams& params) {
+    return static_cast<uint32_t>(2 * expected_vpls(params.vpls, params.bounces));
+}
 bool is_interleaved(const SvoManyLightsParams& params) { return params.vpl_choice == VplChoice::Interleaved; }
 VplChoiceSettings choice_of(const SvoManyLightsParams& params) {
     const bool lightcut = params.vpl_choice == VplChoice::Lightcut;
@@ -64,7 +70,7 @@ struct SvoLights {
           tree(std::move(voxels)),
           tracer(scene, emission, tracing_of(params), image.counters(), by_camera(params),
                  bounces_of(params, tree.get())),
-          set(scene, most_lights(params), params.connect_threshold),
+          set(scene, most_lights(params), params.connect_threshold, likely_lights(params)),
           lighting(scene, buffer, set, image.counters(), seed,
                    {.visibility = params.visibility,
                     .clamp_sq_m2 = clamp_sq_m2,
@@ -157,14 +163,14 @@ void SvoManyLightsGpu::State::add_light_steps(uint32_t pass, DeviceFrame::Steps&
                  }});
     }
     steps.push_back(
-        {most_lights(params), [this](gpu::CommandList& commands) {
+        {likely_lights(params), [this](gpu::CommandList& commands) {
              VplTracerGpu& tracer = lights->tracer;
              tracer.record_vpls(commands);
              lights->set.record(commands, {tracer.state(), tracer.photons(), tracer.order(), tracer.surfaces()});
              if (lights->choice) lights->choice->record_lights(commands);
          }});
     if (lights->maps)
-        steps.push_back({uint64_t{most_lights(params)} * params.shadow_resolution * params.shadow_resolution,
+        steps.push_back({uint64_t{likely_lights(params)} * params.shadow_resolution * params.shadow_resolution,
                          [this](gpu::CommandList& commands) {
                              lights->maps->record(commands, lights->set.vpls(), {lights->set.counts(), VPL_COUNT});
                          }});
@@ -299,6 +305,8 @@ void SvoManyLightsGpu::begin(const RenderContext& context, Stats& stats) {
         };
         clamp_sq_m2 = params_.clamp_m2 ? *params_.clamp_m2 : default_clamp_sq_m2(lit_area_m2(), params_.vpls);
     }
+    if (!why_no_caustics(params_, has_specular_surface(scene, params_.caustic_threshold())))
+        stats.skipped.push_back({"caustic map", "GPUs have none yet: caustics are path traced", 0});
     const RepaymentAsks asks{.clamped = clamp_sq_m2 > 0 && (params_.repay || state.layers.has(Layer::Clamped)),
                              .repaid = params_.repay,
                              .narrow = asks_narrow_lobes(params_, scene.needs)};

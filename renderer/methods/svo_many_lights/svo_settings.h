@@ -3,6 +3,7 @@
 
 #include "renderer/many_lights/vpl_tracer.h"
 #include "renderer/methods/svo_many_lights/svo_many_lights.h"
+#include "renderer/photons/caustic_photons.h"
 
 namespace photond {
 
@@ -22,6 +23,23 @@ inline VplTracing tracing_of(const SvoManyLightsParams& params) {
 /// Whether the light by narrow lobes is looked for, and there may be any.
 inline bool asks_narrow_lobes(const SvoManyLightsParams& params, const Needs& needs) {
     return params.narrow_lobes && (needs.delta || needs.glossy || needs.transmission);
+}
+
+inline CausticSettings caustics_of(const SvoManyLightsParams& params) {
+    return {.photons = params.caustic_photons,
+            .most_scatterings = params.bounces,
+            .glossy_threshold = params.caustic_threshold(),
+            .sampler = params.sampler,
+            .radius_m = params.caustic_radius_m};
+}
+
+/// Why there is no map of caustic photons; null: there is one, if the scene has light.
+inline const char* why_no_caustics(const SvoManyLightsParams& params, bool specular_surfaces) {
+    return !params.narrow_lobes            ? "narrow_lobes is off"
+           : params.caustic_photons == 0   ? "caustic_photons is 0: they are path traced"
+           : !specular_surfaces            ? "no specular surface"
+           : params.max_scatterings() <= 1 ? "bounces is 0"
+                                           : nullptr;
 }
 
 /// Whether depth maps tell of the shadows of direct light.

@@ -29,6 +29,7 @@ Settings by_rays(uint32_t side, uint32_t passes) {
     settings.size = {side, side};
     settings.passes = passes;
     settings.params.visibility = VplVisibility::Rays;
+    settings.params.bounces = 1;
     return settings;
 }
 

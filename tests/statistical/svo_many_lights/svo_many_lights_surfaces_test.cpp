@@ -37,6 +37,7 @@ TEST_P(SvoManyLightsSurfaces, AreLitAsByPaths) {
     lights.params.map_resolution = 32;
     lights.params.bounces = which.bounces;
     lights.params.sampler = SamplerKind::Random;
+    lights.params.caustic_photons = 0;  // which blur (svo_many_lights_caustic_test.cpp)
     which.set(lights.params);
     const test::RenderedBlocks expected = test::render_blocks(scene, paths, which.block);
     const test::RenderedBlocks found = test::render_blocks(scene, lights, which.block);

@@ -19,6 +19,8 @@ test::RenderSettingsOf<M> settings_for(uint32_t passes, VplVisibility visibility
     settings.size = {40, 30};  // tiles cut at both edges
     settings.passes = passes;
     settings.params.vpls = 96;
+    settings.params.bounces = 1;
+    settings.params.caustic_photons = 0;  // the CPU's alone
     settings.params.map_resolution = 32;
     settings.params.voxel_resolution = 64;
     settings.params.shadow_resolution = 16;
@@ -80,7 +82,10 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"interior", VplVisibility::Rays, [](SvoManyLightsParams& p) { p.repay = false; }},
                     Case{"cornell-box-spot", VplVisibility::ShadowMaps, [](SvoManyLightsParams& p) { p.clamp_m2 = 0; }},
                     Case{"cornell-box-glass", VplVisibility::None,
-                         [](SvoManyLightsParams& p) { p.placement = VplPlacement::Camera; }},
+                         [](SvoManyLightsParams& p) {
+                             p.placement = VplPlacement::Camera;
+                             p.bounces = SvoManyLightsParams{}.bounces;
+                         }},
                     Case{"cornell-box", VplVisibility::Svo,
                          [](SvoManyLightsParams& p) {
                              p.bounces = 3;
@@ -155,6 +160,7 @@ TEST(GpuSvoManyLightsMemory, IsWhatItSays) {
         const Scene scene = make_builtin_scene(name);
         auto settings = settings_for<SvoManyLightsGpu>(1, VplVisibility::Svo);
         settings.params.vpls = 10'000;
+        settings.params.bounces = 2;
         settings.params.clamp_m2 = 0.01f;  // else the device's rays are asked, which belong to the scene
         test::expect_device_bytes_as_estimated(test::SceneOnDevice(scene), settings);
     }

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "protocol/error.h"
+#include "renderer/many_lights/vpl_tracer.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/hard_scenes.h"
 #include "tests/support/render.h"
@@ -22,6 +23,8 @@ Settings small(uint32_t passes = 1) {
     settings.size = {40, 35};  // tiles cut at both edges
     settings.passes = passes;
     settings.params.vpls = 100;
+    settings.params.bounces = 1;
+    settings.params.caustic_photons = 0;
     settings.params.map_resolution = 32;
     settings.params.voxel_resolution = 64;
     return settings;
@@ -33,7 +36,7 @@ struct Mode {
 };
 /// Every way through the code.
 constexpr Mode kModes[] = {
-    {"as it is", [](Params&) {}},
+    {"all bounces, caustics by photons", [](Params& p) { p.bounces = Params{}.bounces, p.caustic_photons = 2000; }},
     {"voxels, interleaved",
      [](Params& p) { p.visibility = VplVisibility::Svo, p.vpl_choice = VplChoice::Interleaved; }},
     {"three bounces through voxels, by the camera",
@@ -41,6 +44,7 @@ constexpr Mode kModes[] = {
          p.bounces = 3, p.bounce_tracing = VplBounces::Voxels, p.placement = VplPlacement::Camera;
          p.visibility = VplVisibility::Svo;
      }},
+    {"one bounce, caustics path traced", [](Params&) {}},
     {"lightcut, two bounces by rays", [](Params& p) { p.vpl_choice = VplChoice::Lightcut, p.bounces = 2; }},
     {"depth maps", [](Params& p) { p.visibility = VplVisibility::ShadowMaps, p.shadow_resolution = 8; }},
     {"nobody asks V", [](Params& p) { p.visibility = VplVisibility::None, p.repay = p.narrow_lobes = false; }},
@@ -81,10 +85,11 @@ void expect_sane(const Film& film) {
 }
 
 TEST(SvoManyLights, PixelHashIsTheSameForAnyNumberOfThreads) {
-    for (const char* name : {"cornell-box-glossy", "cornell-box-spot", "interior"}) {
+    for (const char* name : {"cornell-box-glossy", "cornell-box-spot", "cornell-box-glass", "interior"}) {
         const Scene scene = make_builtin_scene(name);
         for (const Mode& mode : kModes) {
             if (std::string_view(name) == "interior" && &mode != &kModes[2]) continue;
+            if (std::string_view(name) == "cornell-box-glass" && &mode != &kModes[0]) continue;
             Settings settings = in_mode(mode, 2);
             ask_for_all(settings);
             std::vector<std::string> hashes;
@@ -98,7 +103,7 @@ TEST(SvoManyLights, PixelHashIsTheSameForAnyNumberOfThreads) {
 
 TEST(SvoManyLights, RangesOfPassesMergeToTheSameBits) {
     const Scene scene = make_builtin_scene("cornell-box-glass");
-    for (const Mode& mode : {kModes[0], kModes[1], kModes[2], kModes[6]}) {
+    for (const Mode& mode : {kModes[0], kModes[1], kModes[2], kModes[7]}) {
         Settings settings = in_mode(mode, 4);
         ask_for_all(settings);
         const Film whole = test::render(scene, settings);
@@ -130,7 +135,7 @@ TEST(SvoManyLights, StaysFiniteInEveryBuiltinScene) {
     for (const std::string_view name : builtin_scene_names()) {
         const Scene scene = make_builtin_scene(name);
         for (const Mode& mode : kModes) {
-            if (name == "interior" && &mode != &kModes[2] && &mode != &kModes[6]) continue;
+            if (name == "interior" && &mode != &kModes[2] && &mode != &kModes[7]) continue;
             Settings settings = in_mode(mode);
             settings.size = {24, 16};
             ask_for_all(settings);
@@ -181,16 +186,52 @@ TEST(SvoManyLights, CountsStagesAndMemoryAreReported) {
     Stats two;
     test::render(scene, settings, &two);
     EXPECT_GT(two.counts.vpls, by_rays.counts.vpls * 5 / 4);
+    // Without end of bounces roulette ends the paths: about as many lights as memory is set aside for.
+    settings.params.bounces = Params{}.bounces;
+    Stats all;
+    test::render(scene, settings, &all);
+    EXPECT_GT(all.counts.vpls, two.counts.vpls);
+    EXPECT_LT(double(all.counts.vpls), 1.2 * 2 * double(expected_vpls(settings.params.vpls, settings.params.bounces)));
+    EXPECT_LT(all.counts.vpls, 2 * most_vpls(settings.params.vpls, settings.params.bounces));
+}
+
+const Skipped* skipped(const Stats& stats, std::string_view what) {
+    for (const Skipped& part : stats.skipped)
+        if (part.what == what) return &part;
+    return nullptr;
+}
+
+/// A map of caustic photons is made where a surface is specular, and the result says why where there is none.
+TEST(SvoManyLights, CausticPhotonsAreSentWhereSomethingIsSpecular) {
+    const auto render = [](const char* scene, void (*set)(Params&)) {
+        Settings settings = small();
+        settings.params.caustic_photons = 2000;
+        set(settings.params);
+        Stats stats;
+        MemoryBudget budget;
+        test::render(make_builtin_scene(scene), settings, &stats, &budget);
+        EXPECT_EQ(skipped(stats, "caustic map") == nullptr, budget.structures().contains("caustic_map"));
+        EXPECT_EQ(budget.structures().contains("caustic_map"), stats.stage("photon_tracing").cpu_seconds > 0);
+        const Skipped* map = skipped(stats, "caustic map");
+        return map ? map->why : std::string("there is one");
+    };
+    EXPECT_EQ(render("cornell-box-glass", [](Params&) {}), "there is one");
+    EXPECT_EQ(render("cornell-box", [](Params&) {}), "no specular surface");
+    EXPECT_EQ(render("cornell-box-glass", [](Params& p) { p.narrow_lobes = false; }), "narrow_lobes is off");
+    EXPECT_EQ(render("cornell-box-glass", [](Params& p) { p.caustic_photons = 0; }),
+              "caustic_photons is 0: they are path traced");
 }
 
 /// As far as the estimate is one: to a factor of two either way.
 TEST(SvoManyLights, TakesTheMemoryItSays) {
-    for (const char* name : {"cornell-box", "interior"}) {
+    for (const char* name : {"cornell-box", "cornell-box-glass", "interior"}) {
         const Scene scene = make_builtin_scene(name);
-        for (const Mode& mode : {kModes[0], kModes[1], kModes[2], kModes[4]}) {
+        for (const Mode& mode : {kModes[0], kModes[1], kModes[2], kModes[5]}) {
+            if (std::string_view(name) == "cornell-box-glass" && &mode != &kModes[0]) continue;
             Settings settings = in_mode(mode);
             settings.size = {160, 120};
             settings.params.vpls = 1000;
+            if (&mode == &kModes[0]) settings.params.caustic_photons = Params{}.caustic_photons;
             MemoryBudget budget;
             Stats stats;
             test::render(scene, settings, &stats, &budget);

@@ -1,0 +1,170 @@
+#include "renderer/photons/caustic_photons.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "renderer/core/rng.h"
+#include "renderer/photons/projection_map.h"
+#include "renderer/photons/radius_schedule.h"
+
+namespace photond {
+
+namespace {
+
+// The pilot's photons share no numbers with a pass's, nor do they depend on its seed: nor does then the bias.
+constexpr uint64_t kPilotSeed = reference_seed(0);
+constexpr uint32_t kPilotPaths = 16'384;
+constexpr uint32_t kPilotNearest = 8;    // photons among which the pilot's density is measured
+constexpr size_t kPilotPlaces = 2048;    // at most, where it is
+constexpr double kPhotonsInRadius = 40;  // of a pass, where caustics are bright
+constexpr double kBrightShare = 0.25;    // of the power is where they are brighter
+constexpr float kMostRelative = 0.03f;   // of the radius of the scene's bounding sphere
+constexpr float kLeastRelative = 1e-5f;
+
+/// The radius at which a pass's photons are as many as are wanted: of each place that of its density, and of the places
+/// the one that a quarter of the power is within.
+float radius_of_pilot(std::vector<Photon> photons, const PhotonSearch& search, double paths_over_pilot) {
+    PhotonMap map(std::move(photons), search);
+    if (map.size() < kPilotNearest) return search.radius_m;
+    struct Place {
+        float radius_m, power_w;
+    };
+    std::vector<Place> places;
+    double total_w = 0;
+    Neighbours found;
+    const size_t step = std::max<size_t>(map.size() / kPilotPlaces, 1);
+    for (size_t i = 0; i < map.size(); i += step) {
+        const auto index = static_cast<uint32_t>(i);
+        map.find(map.position(index), found);
+        places.push_back({found.radius_m, max_component(map.payload(index).power_w)});
+        total_w += double{places.back().power_w};
+    }
+    std::ranges::sort(places, {}, &Place::radius_m);
+    double below_w = 0;
+    float radius_m = search.radius_m;
+    for (const Place& place : places) {
+        radius_m = place.radius_m;
+        below_w += double{place.power_w};
+        if (below_w >= kBrightShare * total_w) break;
+    }
+    // k - 1 of the k nearest lie within the k-th's distance.
+    const double photons_within = (kPilotNearest - 1) * paths_over_pilot;
+    return static_cast<float>(double{radius_m} * std::sqrt(kPhotonsInRadius / photons_within));
+}
+
+std::string guiding_text(const ProjectionMap& map) {
+    char text[160];
+    std::snprintf(text, sizeof text, "%.1f %% of the photons meet specular surfaces unguided, %.1f %% would guided",
+                  100 * map.specular_share(), 100 * map.guided_share());
+    return text;
+}
+
+}  // namespace
+
+bool has_specular_surface(const Scene& scene, float glossy_threshold) {
+    if (scene.needs.delta) return true;
+    for (const Instance& instance : scene.instances) {
+        const Mesh& mesh = scene.meshes[instance.mesh];
+        const Material& m = scene.materials[mesh.material];
+        if (mesh.triangles.empty() || m.unlit) continue;
+        if (m.metallic == 0 && m.specular == 0 && m.transmission == 0) continue;
+        const float least_roughness = m.metallic_roughness_texture.used() ? 0.0f : m.roughness;
+        if (sqr(least_roughness) < glossy_threshold) return true;
+    }
+    return false;
+}
+
+Rgb CausticMap::radiance(const ShadingPoint& point, const Bsdf& rough, const vec3& wo, uint32_t most_scatterings,
+                         Neighbours& scratch) const {
+    if (map.empty() || most_scatterings == 0) return Rgb(0);
+    return estimate_radiance(map, estimate, point, rough, wo, most_scatterings, scratch).radiance;
+}
+
+Rgb CausticMap::irradiance(const vec3& position, const vec3& geometric_normal, const vec3& normal,
+                           uint32_t most_scatterings, Neighbours& scratch) const {
+    if (map.empty() || most_scatterings == 0) return Rgb(0);
+    ShadingPoint point;
+    point.position = position;
+    point.geometric_normal = geometric_normal;
+    point.smooth_normal = normal;
+    point.shading = Frame(normal);
+    const Bsdf white = Bsdf::lambert(point.shading.to_local(geometric_normal), Rgb(1));
+    return kPi * radiance(point, white, vec3(0, 0, 1), most_scatterings, scratch);
+}
+
+struct CausticPhotons::Shared {
+    Shared(const Scene& scene, const Intersector& intersector, const EmissionSampler& emission,
+           const CausticSettings& asked, uint64_t of_seed)
+        : settings(asked), seed(of_seed), guide(scene, intersector, emission, asked.glossy_threshold, of_seed) {}
+
+    PhotonTracing tracing(uint32_t paths) const {
+        return {.kind = PhotonMapKind::Caustic,
+                .photons = paths,
+                .most_scatterings = settings.most_scatterings,
+                .glossy_threshold = settings.glossy_threshold,
+                .sampler = settings.sampler,
+                .guide = guide.helps() ? &guide : nullptr};
+    }
+
+    const CausticSettings settings;
+    const uint64_t seed;
+    const ProjectionMap guide;
+    std::optional<PhotonTracer> tracer;
+    float radius_m = 0;  // of the first pass
+};
+
+CausticPhotons::CausticPhotons(const Scene& scene, const Intersector& intersector, const EmissionSampler& emission,
+                               const CausticSettings& settings, uint64_t seed, Stats& stats) {
+    const StageTimer timer(stats, "photon_emission");
+    auto shared = std::make_unique<Shared>(scene, intersector, emission, settings, seed);
+    stats.counts.photon_rays += shared->guide.pilot_rays();
+    if (!shared->guide.helps())
+        stats.skipped.push_back({"projection map", guiding_text(shared->guide), shared->guide.bytes()});
+    shared->tracer.emplace(scene, intersector, emission, shared->tracing(settings.photons));
+    // A scene without extent holds nothing to be found, but a search wants a radius.
+    const float scene_radius_m = std::max(scene.bounds.radius(), 1e-16f);
+    const float most_m = kMostRelative * scene_radius_m, least_m = kLeastRelative * scene_radius_m;
+    if (settings.radius_m) {
+        shared->radius_m = *settings.radius_m;
+    } else {
+        const uint32_t paths = std::min(settings.photons, kPilotPaths);
+        TracedPhotons pilot =
+            PhotonTracer(scene, intersector, emission, shared->tracing(paths)).trace(kPilotSeed, 0, CancelToken{});
+        stats.counts.photon_rays += pilot.counts.photon_rays;
+        const PhotonSearch search{PhotonSearch::Kind::Nearest, kPilotNearest, most_m};
+        const float wanted_m = radius_of_pilot(std::move(pilot.photons), search,
+                                               static_cast<double>(settings.photons) / static_cast<double>(paths));
+        shared->radius_m = std::clamp(wanted_m, least_m, most_m);
+    }
+    shared_ = std::move(shared);
+}
+CausticPhotons::~CausticPhotons() = default;
+
+float CausticPhotons::radius_m(uint32_t pass) const { return shared_->radius_m * radius_share(pass); }
+
+CausticMap CausticPhotons::trace(uint32_t pass, Stats& stats, const CancelToken& cancel) const {
+    TracedPhotons traced;
+    {
+        const StageTimer timer(stats, "photon_tracing");
+        traced = shared_->tracer->trace(shared_->seed, pass, cancel);
+    }
+    stats.counts += traced.counts;
+    if (cancel.cancelled()) return {};
+    const StageTimer timer(stats, "photon_map_build");
+    // A kernel that falls to its rim: of the same noise it has less bias at edges of caustics than a constant one.
+    return {.map = PhotonMap(std::move(traced.photons), {PhotonSearch::Kind::Radius, 2, radius_m(pass)}),
+            .estimate = {.kernel = Kernel(KernelShape::Epanechnikov), .disc_thickness_m = {}, .soft_disc = false},
+            .glossy_threshold = shared_->settings.glossy_threshold};
+}
+
+uint64_t CausticPhotons::bytes() const { return shared_->guide.bytes(); }
+
+uint64_t CausticPhotons::estimate_bytes(uint64_t lights, size_t threads) {
+    return ProjectionMap::estimate_bytes(lights) + PhotonTracer::scratch_bytes(threads);
+}
+
+uint64_t CausticPhotons::map_bytes(const CausticSettings& settings, double yield) {
+    return PhotonMap::bytes_for(static_cast<uint64_t>(yield * settings.photons) + 1);
+}
+
+}  // namespace photond
