@@ -12,6 +12,7 @@
 #include "renderer/scene/intersector.h"
 #include "renderer/scene/scene.h"
 #include "renderer/scene/surface_color.h"
+#include "renderer/transport/ray_start.h"
 
 namespace photond {
 
@@ -60,6 +61,19 @@ inline FloatLanes offset_coordinate(const FloatLanes& p, const FloatLanes& n) {
         stdx::static_simd_cast<IntLanes>(photond::select(p < 0, FloatLanes(-kIntScale), kIntScale) * n);
     const FloatLanes moved = float_from_bits(bits_of(p) + offset);
     return photond::select(stdx::fabs(p) < kOrigin, p + kFloatScale * n, moved);
+}
+
+/// surface_clearance(), lane by lane.
+inline FloatLanes surface_clearance(const Vec3Lanes& a, const Vec3Lanes& b, const Vec3Lanes& c) {
+    const auto farthest = [](const FloatLanes& p, const FloatLanes& q, const FloatLanes& r) {
+        return stdx::max(stdx::max(stdx::fabs(p), stdx::fabs(q)), stdx::fabs(r));
+    };
+    return kClearance * farthest(farthest(a.x, b.x, c.x), farthest(a.y, b.y, c.y), farthest(a.z, b.z, c.z));
+}
+
+/// step_off(), lane by lane.
+inline FloatLanes step_off_coordinate(const FloatLanes& p, const FloatLanes& n) {
+    return p + kStepOff * n * stdx::fabs(p);
 }
 
 /// sample_unit_disk(), lane by lane.
@@ -218,11 +232,11 @@ struct LambertGroup {
         using namespace lambert_lanes;
         const FloatLanes weight_u(u, kAligned), weight_v(v, kAligned), weight_w = 1.0f - weight_u - weight_v;
         const Vec3Lanes a = corners[0].load(), b = corners[1].load(), c = corners[2].load(), d = direction.load();
-        const Vec3Lanes point = weight_w * a + weight_u * b + weight_v * c;
         Vec3Lanes geometric = FloatLanes(flip, kAligned) * unit(cross(b - a, c - a));
         const FloatMask from_front = dot(geometric, d) < 0;
         geometric = photond::select(from_front, FloatLanes(1), FloatLanes(-1)) * geometric;
         photond::select(from_front, FloatLanes(1), FloatLanes(0)).copy_to(front, kAligned);
+        const Vec3Lanes point = weight_w * a + weight_u * b + weight_v * c + surface_clearance(a, b, c) * geometric;
 
         const Vec3Lanes sum =
             weight_w * normals[0].load() + weight_u * normals[1].load() + weight_v * normals[2].load();
@@ -235,8 +249,8 @@ struct LambertGroup {
         geometric_normal.store(geometric);
         smooth_normal.store(turned);
         normal.store(lambert_lanes::select(dot(turned, d) < 0, turned, geometric));
-        start.store({offset_coordinate(point.x, geometric.x), offset_coordinate(point.y, geometric.y),
-                     offset_coordinate(point.z, geometric.z)});
+        start.store({step_off_coordinate(point.x, geometric.x), step_off_coordinate(point.y, geometric.y),
+                     step_off_coordinate(point.z, geometric.z)});
     }
 
     /// Bsdf::lambert() and, if asked for, Russian roulette, which no path passes with more than `most_survival`.

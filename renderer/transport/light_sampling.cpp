@@ -9,6 +9,7 @@
 #include "renderer/transport/light_tree.h"
 #include "renderer/transport/light_triangle.h"
 #include "renderer/transport/punctual.h"
+#include "renderer/transport/ray_start.h"
 #include "renderer/transport/sampling.h"
 #include "renderer/transport/solid_angle_sampling.h"
 
@@ -236,7 +237,10 @@ bool LightSampler::Lights::sample_emitter(const Emitter& e, const vec3& p, const
     out.distance = std::sqrt(distance_sq);
     const float inverse = 1 / out.distance;  // divisions are what this function's time goes into
     out.wi = inverse * to_light;
-    out.target = offset_ray_origin(point, height > 0 ? e.normal : -e.normal);
+    // Found from p, whose own coordinates round the ray too.
+    const float clearance_m =
+        std::max(patch_clearance(e.corner, e.edge1, e.edge2), kClearance * max_component(glm::abs(p)));
+    out.target = clear_of_surface(point, height > 0 ? e.normal : -e.normal, clearance_m);
     out.delta = false;
     const float cosine = std::fabs(height) * inverse;  // exact at grazing angles, where a product of units is not
     const float solid_angle = spherical ? seen.omega() : e.area_m2 * cosine * inverse * inverse;

@@ -10,6 +10,7 @@
 #include "renderer/transport/light_tree.glsl"
 #include "renderer/transport/light_triangle.glsl"
 #include "renderer/transport/punctual.glsl"
+#include "renderer/transport/ray_start.glsl"
 #include "renderer/transport/sampling.glsl"
 #include "renderer/transport/solid_angle_sampling.glsl"
 
@@ -162,7 +163,9 @@ bool sample_area_emitter(EmitterRecord e, vec3 p, vec2 u, float probability, out
     light_sample.distance = sqrt(distance_sq);
     const float inverse = 1.0 / light_sample.distance;
     light_sample.wi = inverse * to_light;
-    light_sample.target = offset_ray_origin(point, height > 0.0 ? e.normal : -e.normal);
+    // Found from p, whose own coordinates round the ray too.
+    const float clearance_m = max(patch_clearance(e.corner, e.edge1, e.edge2), CLEARANCE * max_component(abs(p)));
+    light_sample.target = clear_of_surface(point, height > 0.0 ? e.normal : -e.normal, clearance_m);
     light_sample.delta = false;
     const float cosine = abs(height) * inverse;  // exact at grazing angles, where a product of units is not
     const float solid_angle = spherical ? seen_omega(seen) : e.area_m2 * cosine * inverse * inverse;

@@ -6,10 +6,11 @@
 #include "renderer/backends/gpu/bvh.glsl"
 #include "renderer/core/geometry.glsl"
 #include "renderer/scene/surface_color.glsl"
+#include "renderer/transport/ray_start.glsl"
 
 /// A hit made ready for shading, seen from the side the ray came from, as surface.h says.
 struct ShadingPoint {
-    vec3 position;          // world space [m]
+    vec3 position;          // world space [m]; clearance_m off the triangle, on the ray's side
     vec3 geometric_normal;  // unit, on the ray's side
     vec3 smooth_normal;     // unit, on the geometric normal's side
     Frame shading;          // about normal_seen(); its tangents are arbitrary, as all BSDFs are isotropic
@@ -18,13 +19,15 @@ struct ShadingPoint {
     float u;  // barycentrics, as in Hit
     float v;
     uint material;
+    float clearance_m;  // surface_clearance()
     bool front_side;  // the ray came from the side the triangle's winding faces
 };
 
 /// Where a ray that leaves the point towards `direction` (unit) starts, on the side it leaves to.
 vec3 ray_origin(ShadingPoint point, vec3 direction) {
-    const bool eye_side = dot(direction, point.geometric_normal) > 0.0;
-    return offset_ray_origin(point.position, eye_side ? point.geometric_normal : -point.geometric_normal);
+    const vec3 n = point.geometric_normal;
+    if (dot(direction, n) > 0.0) return step_off(point.position, n);
+    return step_off(point.position - 2.0 * point.clearance_m * n, -n);
 }
 
 /// `normal` (of any length) made unit and turned to the geometric normal's side; the geometric normal where it is
@@ -89,12 +92,14 @@ ShadingPoint make_plain_shading_point(Hit hit, vec3 ray_direction) {
     point.u = hit.u;
     point.v = hit.v;
     point.material = scene_meshes[mesh].material;
-    // Interpolated rather than taken along the ray: its error is that of the corners, not that of the distance.
-    point.position = w * corners.p[0] + hit.u * corners.p[1] + hit.v * corners.p[2];
+    point.clearance_m = surface_clearance(corners.p[0], corners.p[1], corners.p[2]);
     vec3 ng = unit_cross(corners.p[1] - corners.p[0], corners.p[2] - corners.p[0]);
     if (flips_orientation(hit.instance)) ng = -ng;
     point.front_side = dot(ng, ray_direction) < 0.0;
     point.geometric_normal = point.front_side ? ng : -ng;
+    // Interpolated rather than taken along the ray: its error is that of the corners, not that of the distance.
+    point.position = w * corners.p[0] + hit.u * corners.p[1] + hit.v * corners.p[2] +
+                     point.clearance_m * point.geometric_normal;
     point.smooth_normal = point.geometric_normal;
     vec3 seen = point.geometric_normal;
     if (NEEDS_SMOOTH_NORMALS) {

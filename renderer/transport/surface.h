@@ -4,6 +4,7 @@
 #include "renderer/core/rgb.h"
 #include "renderer/scene/intersector.h"
 #include "renderer/scene/scene.h"
+#include "renderer/transport/ray_start.h"
 
 namespace photond {
 
@@ -14,7 +15,7 @@ namespace photond {
 /// faces away from the eye, the shading frame is about the geometric normal instead (such places would be black
 /// otherwise): eyes see one of two frames, and the geometric one near silhouettes only.
 struct ShadingPoint {
-    vec3 position{0};
+    vec3 position{0};                // clearance_m off the triangle, on the ray's side
     vec3 geometric_normal{0, 0, 1};  // unit, on the ray's side
     vec3 smooth_normal{0, 0, 1};     // unit, on the geometric normal's side
     Frame shading{vec3(0, 0, 1)};    // about normal_seen(); its tangents are arbitrary, as all BSDFs are isotropic
@@ -23,6 +24,7 @@ struct ShadingPoint {
     float u = 0;  // barycentrics, as in Hit
     float v = 0;
     uint32_t material = 0;
+    float clearance_m = 0;   // surface_clearance()
     bool front_side = true;  // the ray came from the side the triangle's winding faces
 };
 
@@ -34,8 +36,9 @@ inline ShadingPoint make_plain_shading_point(const Scene& scene, const Hit& hit,
 
 /// Where a ray that leaves the point towards `direction` (unit) starts, on the side it leaves to.
 inline vec3 ray_origin(const ShadingPoint& point, const vec3& direction) {
-    const bool eye_side = glm::dot(direction, point.geometric_normal) > 0;
-    return offset_ray_origin(point.position, eye_side ? point.geometric_normal : -point.geometric_normal);
+    const vec3& n = point.geometric_normal;
+    if (glm::dot(direction, n) > 0) return step_off(point.position, n);
+    return step_off(point.position - 2 * point.clearance_m * n, -n);
 }
 
 /// `normal` (of any length) made unit and turned to the geometric normal's side; the geometric normal where it is
@@ -75,12 +78,13 @@ inline ShadingPoint make_plain_shading_point(const Scene& scene, const Hit& hit,
     point.u = hit.u;
     point.v = hit.v;
     point.material = mesh.material;
-    // Interpolated rather than taken along the ray: its error is that of the corners, not that of the distance.
-    point.position = w * p[0] + hit.u * p[1] + hit.v * p[2];
+    point.clearance_m = surface_clearance(p[0], p[1], p[2]);
     vec3 ng = unit_cross(p[1] - p[0], p[2] - p[0]);
     if (instance.flips_orientation) ng = -ng;
     point.front_side = glm::dot(ng, ray_direction) < 0;
     point.geometric_normal = point.front_side ? ng : -ng;
+    // Interpolated rather than taken along the ray: its error is that of the corners, not that of the distance.
+    point.position = w * p[0] + hit.u * p[1] + hit.v * p[2] + point.clearance_m * point.geometric_normal;
     if (mesh.normals.empty()) {
         point.smooth_normal = point.geometric_normal;
         point.shading = Frame(point.geometric_normal);

@@ -11,7 +11,7 @@ class SmallSceneIntersector final : public Intersector {
 public:
     static constexpr uint64_t kMaxTriangles = 64;
 
-    /// Whether all of the scene's surfaces are opaque and few.
+    /// Whether all of the scene's surfaces are opaque, few, and of sizes that float tells apart.
     static bool suits(const Scene& scene);
     explicit SmallSceneIntersector(const Scene& scene);
 

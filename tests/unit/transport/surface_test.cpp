@@ -69,7 +69,8 @@ TEST(Surface, TransformsMoveAndMirror) {
     Scene scene = triangle_scene();
     scene.meshes[0].normals.assign(3, vec3(0, 0, 1));
     place(scene, mat3(2, 0, 0, 0, 1, 0, 0, 0, 1), {5, 0, 0});
-    expect_near(make_shading_point(scene, kHit, {0, 0, -1}).position, {5.5f, 0.5f, 0});
+    const ShadingPoint moved = make_shading_point(scene, kHit, {0, 0, -1});
+    expect_near(moved.position - moved.clearance_m * moved.geometric_normal, {5.5f, 0.5f, 0});
     place(scene, mat3(-1, 0, 0, 0, 1, 0, 0, 0, 1), {0, 0, 0});
     const ShadingPoint point = make_shading_point(scene, kHit, {0, 0, -1});
     EXPECT_TRUE(point.front_side);
