@@ -1,6 +1,7 @@
 #include "renderer/transport/emission_sampling.h"
 
 #include <cassert>
+#include <map>
 
 #include "renderer/transport/discrete_distribution.h"
 #include "renderer/transport/emission.h"
@@ -9,6 +10,7 @@
 #include "renderer/transport/lambert_lanes.h"
 #include "renderer/transport/light_sampling.h"
 #include "renderer/transport/light_triangle.h"
+#include "renderer/transport/ray_start.h"
 #include "renderer/transport/sampling.h"
 
 namespace photond {
@@ -19,6 +21,24 @@ vec3 sample_sphere(const vec2& u) {
     const float z = 1 - 2 * u.x;
     const float r = 2 * std::sqrt(std::max(0.0f, u.x * (1 - u.x)));
     return {r * std::cos(2 * kPi * u.y), r * std::sin(2 * kPi * u.y), z};
+}
+
+/// By which light paths choose their lights: the powers, but for kShared of the paths, which all sources
+/// (light_source_of_*) have in equal parts, for a light far dimmer than another may be all that there is where it
+/// shines. No path carries more for it than 1 / (1 - kShared) of what it would by power alone, and where all sources
+/// have one power nothing changes: within a source it is power alone that counts.
+std::vector<double> choice_weights(const std::vector<double>& powers_w, const std::vector<uint32_t>& sources) {
+    constexpr double kShared = 1.0 / 16;
+    std::map<uint32_t, double> source_power_w;
+    double total_w = 0;
+    for (size_t i = 0; i < powers_w.size(); ++i)
+        if (powers_w[i] > 0) source_power_w[sources[i]] += powers_w[i], total_w += powers_w[i];
+    if (source_power_w.size() < 2) return powers_w;
+    std::vector<double> weights(powers_w);
+    const double share_w = kShared * total_w / static_cast<double>(source_power_w.size());
+    for (size_t i = 0; i < powers_w.size(); ++i)
+        if (powers_w[i] > 0) weights[i] *= 1 - kShared + share_w / source_power_w[sources[i]];
+    return weights;
 }
 
 }  // namespace
@@ -90,8 +110,9 @@ void EmissionSampler::Lights::sample_triangle(uint32_t index, const vec2& u_posi
     out.power_w = radiance * (light.area_m2 * kPi * (light.two_sided ? 2.0f : 1.0f));
     const vec3 normal = front ? triangle.normal : -triangle.normal;
     const vec3 point = triangle.corner + st.x * triangle.edge1 + st.y * triangle.edge2;
-    out.ray = {offset_ray_origin(point, normal), Frame(normal).to_world(sample_cosine_hemisphere(u_direction)),
-               kInfinity};
+    const float clearance_m = patch_clearance(triangle.corner, triangle.edge1, triangle.edge2);
+    out.ray = {clear_of_surface(point, normal, clearance_m),
+               Frame(normal).to_world(sample_cosine_hemisphere(u_direction)), kInfinity};
     out.range_m = kInfinity;
     out.source = light_source_of_instance(light.instance);
 }
@@ -144,7 +165,7 @@ void EmissionSampler::Lights::sample_triangles(const EmissionNumbers& numbers, s
                                                std::span<EmissionSample> samples) const {
     using namespace lambert_lanes;
     Vec3Array corner, edge1, edge2, normal, start, direction;
-    alignas(kLaneAlignment) LaneFloats sides;
+    alignas(kLaneAlignment) LaneFloats sides, clearance;
     for (size_t first = 0; first < places.size(); first += kLanes) {
         const std::span<const uint32_t> mine = places.subspan(first, std::min(kLanes, places.size() - first));
         for (size_t lane = 0; lane < kLanes; ++lane) {  // lanes past the end repeat the last sample and are not read
@@ -153,6 +174,7 @@ void EmissionSampler::Lights::sample_triangles(const EmissionNumbers& numbers, s
             corner.set(lane, triangle.corner), normal.set(lane, triangle.normal);
             edge1.set(lane, triangle.edge1), edge2.set(lane, triangle.edge2);
             sides[lane] = scene.triangle_lights[light].two_sided ? 2.0f : 1.0f;
+            clearance[lane] = patch_clearance(triangle.corner, triangle.edge1, triangle.edge2);
         }
         // As photond::sample_triangle().
         const FloatLanes x = gather(numbers.position_x, mine), y = gather(numbers.position_y, mine);
@@ -163,9 +185,10 @@ void EmissionSampler::Lights::sample_triangles(const EmissionNumbers& numbers, s
         const FloatLanes side = FloatLanes(sides, kAligned) * gather(numbers.direction_x, mine);
         const FloatMask back = side >= 1.0f;  // of two-sided ones only: numbers are below 1
         const Vec3Lanes n = photond::select(back, FloatLanes(-1), FloatLanes(1)) * normal.load();
-        const Vec3Lanes point = corner.load() + s * edge1.load() + t * edge2.load();
+        const Vec3Lanes point =
+            corner.load() + s * edge1.load() + t * edge2.load() + FloatLanes(clearance, kAligned) * n;
         start.store(
-            {offset_coordinate(point.x, n.x), offset_coordinate(point.y, n.y), offset_coordinate(point.z, n.z)});
+            {step_off_coordinate(point.x, n.x), step_off_coordinate(point.y, n.y), step_off_coordinate(point.z, n.z)});
         direction.store(to_world(
             n, cosine_hemisphere(photond::select(back, side - 1.0f, side), gather(numbers.direction_y, mine))));
         for (size_t lane = 0; lane < mine.size(); ++lane) {
@@ -209,20 +232,26 @@ void EmissionSampler::Lights::sample_directional(const EmissionNumbers& numbers,
 EmissionSampler::EmissionSampler(const Scene& scene) {
     auto lights = std::make_unique<Lights>(scene);
     std::vector<double> powers_w;
+    std::vector<uint32_t> sources;
     lights->triangles.reserve(scene.triangle_lights.size());
     for (const TriangleLight& light : scene.triangle_lights) {
         lights->triangles.push_back(make_light_triangle(scene, light));
         powers_w.push_back(lights->triangle_power_w(light));
+        sources.push_back(light_source_of_instance(light.instance));
     }
-    for (const PunctualLight& light : scene.punctual_lights) powers_w.push_back(lights->punctual_power_w(light));
+    for (uint32_t i = 0; i < scene.punctual_lights.size(); ++i) {
+        powers_w.push_back(lights->punctual_power_w(scene.punctual_lights[i]));
+        sources.push_back(light_source_of_punctual(scene, i));
+    }
     if (scene.environment) {
         lights->environment = std::make_unique<EnvironmentSampler>(*scene.environment);
         powers_w.push_back(4 * kPi * double{lights->environment->mean_radiance()} * lights->disc_m2());
+        sources.push_back(light_source_of_environment(scene));
     }
     // Without a surface there is nothing to light, nor a sphere for light from outside.
     if (!scene.bounds.empty()) {
         for (const double power_w : powers_w) lights->total_power_w += power_w;
-        lights->choice = DiscreteDistribution(powers_w);
+        lights->choice = DiscreteDistribution(choice_weights(powers_w, sources));
     }
     lights_ = std::move(lights);
 }

@@ -11,6 +11,7 @@
 #include "renderer/transport/environment_sampling.glsl"
 #include "renderer/transport/light_triangle.glsl"
 #include "renderer/transport/punctual.glsl"
+#include "renderer/transport/ray_start.glsl"
 #include "renderer/transport/sampling.glsl"
 
 DISCRETE_DISTRIBUTION(light_distribution, light_floats, light_words)
@@ -59,7 +60,8 @@ void sample_triangle_emission(uint index, vec2 u_position, vec2 u_direction, ino
     emission.power_w = radiance * (light.area_m2 * PI * (two_sided ? 2.0 : 1.0));
     const vec3 normal = front ? light.normal : -light.normal;
     const vec3 point = light.corner + st.x * light.edge1 + st.y * light.edge2;
-    emission.ray = Ray(offset_ray_origin(point, normal),
+    const float clearance_m = patch_clearance(light.corner, light.edge1, light.edge2);
+    emission.ray = Ray(clear_of_surface(point, normal, clearance_m),
                        to_world(make_frame(normal), sample_cosine_hemisphere(u_direction)), INFINITY);
     emission.range_m = INFINITY;
     emission.source = light_source_of_instance(light.instance);
@@ -132,8 +134,8 @@ bool sample_emission_light(uint light, float probability, vec2 u_position, vec2 
     return max_component(emission.power_w) > 0.0;
 }
 
-/// Draws a light by its power, then a point and a direction. All numbers uniform in [0, 1). False when the sample
-/// carries nothing (a black texel, a masked one): a light path without light, which counts as emitted.
+/// Draws a light as EmissionSampler does, then a point and a direction. All numbers uniform in [0, 1). False when the
+/// sample carries nothing (a black texel, a masked one): a light path without light, which counts as emitted.
 bool sample_emission(float u_light, vec2 u_position, vec2 u_direction, out EmissionSample emission) {
     const uint guides = light_constants.choice_guides;
     if (guides == 0u) {

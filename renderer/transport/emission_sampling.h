@@ -1,5 +1,6 @@
 #pragma once
-// Light paths' first step: a light by its power, a point and a direction on it, and the flux the photon carries,
+// Light paths' first step: a light by its power (and a few of the paths for each, however dim), a point and a direction
+// on it, and the flux the photon carries,
 //   dPhi = L_e cos / (p_l p_y p_w)            (methods.md, "Departures")
 // All kinds of lights behind one call. Directional lights and the environment send photons from a disc of the bounding
 // sphere's radius that faces their direction.
@@ -41,8 +42,9 @@ public:
     EmissionSampler(EmissionSampler&&) noexcept;
     EmissionSampler& operator=(EmissionSampler&&) noexcept;
 
-    /// Draws a light by its power, then a point and a direction. All numbers uniform in [0, 1). False when the sample
-    /// carries nothing (a black texel, a masked one): a light path without light, which counts as emitted.
+    /// Draws a light by its power, but for one of 16 paths that all sources share, whatever their power; then a point
+    /// and a direction. All numbers uniform in [0, 1). False when the sample carries nothing (a black texel, a masked
+    /// one): a light path without light, which counts as emitted.
     ///
     /// Triangles send cosine-distributed light from points uniform by area; a two-sided one by its front for the lower
     /// half of u_direction.x, by its back for the upper. Points use u_direction alone, evenly over the sphere, spots in

@@ -4,6 +4,8 @@
 #include <array>
 #include <cassert>
 
+#include "renderer/transport/light_tree_shared.h"
+
 namespace photond {
 
 namespace {
@@ -219,6 +221,13 @@ float LightTree::irradiance_estimate(const vec3& p, const vec3& n) const {
     return nodes_.empty() ? 0.0f : importance(nodes_[0], p, n);
 }
 
+/// Probability of the left one of two clusters of these importances; negative where neither can be reached.
+inline float LightTree::share_of_left(float left, float right) {
+    if (left > 0 && right > 0)
+        return std::clamp(left / (left + right), LIGHT_TREE_LEAST_SHARE, 1 - LIGHT_TREE_LEAST_SHARE);
+    return left > 0 ? 1.0f : right > 0 ? 0.0f : -1.0f;
+}
+
 bool LightTree::sample(const vec3& p, const vec3& n, float u, Choice& choice) const {
     if (nodes_.empty()) return false;
     const Node* node = &nodes_[0];
@@ -226,17 +235,14 @@ bool LightTree::sample(const vec3& p, const vec3& n, float u, Choice& choice) co
     while (!node->leaf) {
         const Node& left = node[1];
         const Node& right = nodes_[node->right_or_light];
-        const float left_importance = importance(left, p, n), right_importance = importance(right, p, n);
-        const float sum = left_importance + right_importance;
-        if (!(sum > 0)) return false;
-        const float left_share = left_importance / sum;
+        const float left_share = share_of_left(importance(left, p, n), importance(right, p, n));
+        if (!(left_share >= 0)) return false;
         if (u < left_share) {
             u /= left_share;
             probability *= left_share;
             node = &left;
         } else {
-            const float right_share = right_importance / sum;
-            if (!(right_share > 0)) return false;  // left_share rounded below 1
+            const float right_share = 1 - left_share;
             u = (u - left_share) / right_share;
             probability *= right_share;
             node = &right;
@@ -255,11 +261,10 @@ float LightTree::probability(const vec3& p, const vec3& n, uint32_t light) const
     for (uint32_t depth = 0; depth < leaf.depth; ++depth) {
         const Node& left = node[1];
         const Node& right = nodes_[node->right_or_light];
-        const float left_importance = importance(left, p, n), right_importance = importance(right, p, n);
-        const float sum = left_importance + right_importance;
-        if (!(sum > 0)) return 0.0f;
+        const float left_share = share_of_left(importance(left, p, n), importance(right, p, n));
+        if (!(left_share >= 0)) return 0.0f;
         const bool goes_right = (leaf.path >> depth) & 1u;
-        probability *= (goes_right ? right_importance : left_importance) / sum;
+        probability *= goes_right ? 1 - left_share : left_share;
         node = goes_right ? &right : &left;
     }
     return probability;

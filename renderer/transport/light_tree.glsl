@@ -4,6 +4,7 @@
 
 #include "renderer/core/angles.glsl"
 #include "renderer/transport/light_tables.glsl"
+#include "renderer/transport/light_tree_shared.h"
 
 layout(set = SCENE_SET, binding = LIGHT_NODES_BINDING, scalar) readonly buffer LightNodes {
     LightNodeRecord light_nodes[];
@@ -63,6 +64,13 @@ float light_tree_irradiance_estimate(vec3 p, vec3 n) {
     return light_tree_empty() ? 0.0 : light_tree_importance(light_nodes[0], p, n);
 }
 
+/// Probability of the left one of two clusters of these importances; negative where neither can be reached.
+float light_tree_share_of_left(float left, float right) {
+    if (left > 0.0 && right > 0.0)
+        return clamp(left / (left + right), LIGHT_TREE_LEAST_SHARE, 1.0 - LIGHT_TREE_LEAST_SHARE);
+    return left > 0.0 ? 1.0 : right > 0.0 ? 0.0 : -1.0;
+}
+
 bool light_tree_sample(vec3 p, vec3 n, float u, out LightTreeChoice choice) {
     if (light_tree_empty()) return false;
     uint node = 0u;
@@ -71,19 +79,16 @@ bool light_tree_sample(vec3 p, vec3 n, float u, out LightTreeChoice choice) {
     while (!has_flag(link, LIGHT_NODE_LEAF)) {
         const uint left = node + 1u, right = link & LIGHT_NODE_INDEX;
         const LightNodeRecord left_node = light_nodes[left], right_node = light_nodes[right];
-        const float left_importance = light_tree_importance(left_node, p, n);
-        const float right_importance = light_tree_importance(right_node, p, n);
-        const float sum = left_importance + right_importance;
-        if (!(sum > 0.0)) return false;
-        const float left_share = left_importance / sum;
+        const float left_share =
+            light_tree_share_of_left(light_tree_importance(left_node, p, n), light_tree_importance(right_node, p, n));
+        if (!(left_share >= 0.0)) return false;
         if (u < left_share) {
             u /= left_share;
             probability *= left_share;
             node = left;
             link = left_node.link;
         } else {
-            const float right_share = right_importance / sum;
-            if (!(right_share > 0.0)) return false;  // left_share rounded below 1
+            const float right_share = 1.0 - left_share;
             u = (u - left_share) / right_share;
             probability *= right_share;
             node = right;
@@ -106,12 +111,11 @@ float light_tree_probability(vec3 p, vec3 n, uint light) {
     for (uint depth = 0u; depth < leaf_depth; ++depth) {
         const uint left = node + 1u, right = link & LIGHT_NODE_INDEX;
         const LightNodeRecord left_node = light_nodes[left], right_node = light_nodes[right];
-        const float left_importance = light_tree_importance(left_node, p, n);
-        const float right_importance = light_tree_importance(right_node, p, n);
-        const float sum = left_importance + right_importance;
-        if (!(sum > 0.0)) return 0.0;
+        const float left_share =
+            light_tree_share_of_left(light_tree_importance(left_node, p, n), light_tree_importance(right_node, p, n));
+        if (!(left_share >= 0.0)) return 0.0;
         const bool goes_right = (((depth < 32u ? path.x : path.y) >> (depth & 31u)) & 1u) != 0u;
-        probability *= (goes_right ? right_importance : left_importance) / sum;
+        probability *= goes_right ? 1.0 - left_share : left_share;
         node = goes_right ? right : left;
         link = goes_right ? right_node.link : left_node.link;
     }

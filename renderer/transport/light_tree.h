@@ -71,6 +71,7 @@ public:
 
 private:
     static float importance(const Node& node, const vec3& p, const vec3& n);
+    static float share_of_left(float left, float right);
     struct Builder;
 
     std::vector<Node> nodes_;
