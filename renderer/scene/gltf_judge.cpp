@@ -104,10 +104,9 @@ constexpr auto kVolume = members(may("thicknessFactor", kPositive), may("attenua
                                  may("attenuationDistance", above(0, kAny)));
 // The emissive factor's range of 1 predates the strength extension and files pass it; radiance has no upper bound here.
 constexpr auto kMaterial = members(
-    may("name", kText), may("pbrMetallicRoughness", object(kRoughness)),
-    may("normalTexture", object(kNormalInfo)), may("occlusionTexture", kTextureRef),
-    extends("KHR_materials_emissive_strength", object(kStrength)), may("emissiveFactor", kPositive3),
-    may("emissiveTexture", kTextureRef), extends("KHR_materials_ior", object(kIor)),
+    may("name", kText), may("pbrMetallicRoughness", object(kRoughness)), may("normalTexture", object(kNormalInfo)),
+    may("occlusionTexture", kTextureRef), extends("KHR_materials_emissive_strength", object(kStrength)),
+    may("emissiveFactor", kPositive3), may("emissiveTexture", kTextureRef), extends("KHR_materials_ior", object(kIor)),
     extends("KHR_materials_specular", object(kSpecular)), extends("KHR_materials_transmission", object(kTransmission)),
     extends("KHR_materials_volume", object(kVolume)), may("alphaMode", one_of("OPAQUE|MASK|BLEND")),
     may("alphaCutoff", kPositive), may("doubleSided", kBoolean), extends("KHR_materials_unlit", object({})));
