@@ -8,10 +8,15 @@
 #define COUNTERS_BINDING 1
 #define EYE_BINDING 2
 #define SAMPLER_BINDING 3
+#define GRID_STARTS_BINDING 8
+#define GRID_PLACES_BINDING 9
+#define MAP_POWERS_BINDING 10
+#define CAUSTIC_ESTIMATE_BINDING 11
+#define NEAREST_GROUP SPLIT_GROUP
 #include "renderer/backends/gpu/invocation.glsl"
+#include "renderer/many_lights/vpl_lighting_shared.h"
 #include "renderer/many_lights/clamp_repayment.glsl"
 #include "renderer/gbuffer/gbuffer_walk_shared.h"
-#include "renderer/many_lights/vpl_lighting_shared.h"
 
 layout(constant_id = PLANE_CLAMPED_ID) const uint PLANE_CLAMPED = NO_PLANE;
 layout(constant_id = CLAMP_IS_ASKED_ID) const bool CLAMP_IS_ASKED = true;

@@ -2,6 +2,7 @@
 // ClampRepayment (clamp_repayment.h) on a device, for the points of a GBufferGpu.
 
 #include "renderer/gbuffer/gbuffer_gpu.h"
+#include "renderer/photons/caustic_photons_gpu.h"
 
 namespace photond {
 
@@ -14,11 +15,11 @@ struct RepaymentAsks {
 
 class ClampRepaymentGpu {
 public:
-    /// Borrows the points and the image. `adds`: what is found is added to the points' sums; the layer `clamped` gets
-    /// it where it is kept.
+    /// Borrows the points, the image and the caustics. The layer `clamped` gets what the clamp takes where it is kept.
+    /// `caustics`: null, or photons in the place of lights behind specular scatterings; the points' own are added too.
     ClampRepaymentGpu(const gpu::DeviceScene& scene, GBufferGpu& buffer, DeviceImage& image, uint64_t seed,
-                      SamplerKind sampler, const RepaymentAsks& asks);
-    static uint64_t device_bytes() { return sizeof(gpu::PassSamplerData); }
+                      SamplerKind sampler, const RepaymentAsks& asks, CausticPhotonsGpu* caustics = nullptr);
+    static uint64_t device_bytes() { return sizeof(gpu::PassSamplerData) + NoCausticPhotons::device_bytes(); }
 
     /// A pass is done in that many pieces, 0 ..., each short enough for one submit; scope `repay`. `constants`:
     /// VplLightingGpu's.
@@ -28,6 +29,8 @@ public:
 private:
     GBufferGpu& buffer_;
     DeviceImage& image_;
+    CausticPhotonsGpu* const caustics_;
+    NoCausticPhotons no_caustics_;
     const uint64_t seed_;
     const SamplerKind sampler_kind_;
     const uint32_t points_at_once_, pieces_;

@@ -111,6 +111,7 @@ struct CausticPhotons::Shared {
     const ProjectionMap guide;
     std::optional<PhotonTracer> tracer;
     float radius_m = 0;  // of the first pass
+    double photons_a_path = kExpectedCausticYield;
 };
 
 CausticPhotons::CausticPhotons(const Scene& scene, const Intersector& intersector, const EmissionSampler& emission,
@@ -131,6 +132,7 @@ CausticPhotons::CausticPhotons(const Scene& scene, const Intersector& intersecto
         TracedPhotons pilot =
             PhotonTracer(scene, intersector, emission, shared->tracing(paths)).trace(kPilotSeed, 0, CancelToken{});
         stats.counts.photon_rays += pilot.counts.photon_rays;
+        shared->photons_a_path = static_cast<double>(pilot.photons.size()) / paths;
         const PhotonSearch search{PhotonSearch::Kind::Nearest, kPilotNearest, most_m};
         const float wanted_m = radius_of_pilot(std::move(pilot.photons), search,
                                                static_cast<double>(settings.photons) / static_cast<double>(paths));
@@ -151,11 +153,18 @@ CausticMap CausticPhotons::trace(uint32_t pass, Stats& stats, const CancelToken&
     stats.counts += traced.counts;
     if (cancel.cancelled()) return {};
     const StageTimer timer(stats, "photon_map_build");
-    // A kernel that falls to its rim: of the same noise it has less bias at edges of caustics than a constant one.
     return {.map = PhotonMap(std::move(traced.photons), {PhotonSearch::Kind::Radius, 2, radius_m(pass)}),
-            .estimate = {.kernel = Kernel(KernelShape::Epanechnikov), .disc_thickness_m = {}, .soft_disc = false},
+            .estimate = estimate(),
             .glossy_threshold = shared_->settings.glossy_threshold};
 }
+
+/// A kernel that falls to its rim: of the same noise it has less bias at edges of caustics than a constant one.
+EstimateSettings CausticPhotons::estimate() {
+    return {.kernel = Kernel(KernelShape::Epanechnikov), .disc_thickness_m = {}, .soft_disc = false};
+}
+
+PhotonTracing CausticPhotons::tracing() const { return shared_->tracing(shared_->settings.photons); }
+double CausticPhotons::photons_a_path() const { return shared_->photons_a_path; }
 
 uint64_t CausticPhotons::bytes() const { return shared_->guide.bytes(); }
 

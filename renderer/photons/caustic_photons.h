@@ -7,7 +7,8 @@
 // light of lights that a path from the eye meets behind a specular scattering is then the map's, and must not be added.
 //
 // The estimate blurs within its radius, which shrinks from pass to pass (radius_schedule.h): the mean of the passes
-// converges. The first radius is a pilot's: so wide that where caustics are brightest some forty photons are within it.
+// converges. The first radius is a pilot's: so wide that where caustics are bright some forty photons are within it.
+// GPU twin: caustic_photons_gpu.h.
 
 #include <memory>
 #include <optional>
@@ -18,6 +19,10 @@
 #include "renderer/photons/radiance_estimate.h"
 
 namespace photond {
+
+/// Of scenes in which nobody has measured it: caustic photons a light path, where specular surfaces fill a tenth of
+/// what the lights see.
+inline constexpr double kExpectedCausticYield = 0.1;
 
 /// Whether any surface has a lobe that is specular at the threshold. Textures can only lower a roughness: where there
 /// is one, any is taken for possible.
@@ -58,6 +63,12 @@ public:
     /// `photon_map_build`. Cancelled: what comes back is incomplete and must not be used.
     CausticMap trace(uint32_t pass, Stats& stats, const CancelToken& cancel) const;
     float radius_m(uint32_t pass) const;
+
+    // For the twin in caustic_photons_gpu.h: the paths, whose guide stays this one's; how passes estimate; and how many
+    // photons a path left in the pilot, or is taken to.
+    PhotonTracing tracing() const;
+    static EstimateSettings estimate();
+    double photons_a_path() const;
 
     /// Of what passes share.
     uint64_t bytes() const;

@@ -51,6 +51,12 @@ uint64_t tree_bytes(const SvoManyLightsParams& params, uint64_t triangles) {
                                  kBytesATriangle * static_cast<double>(triangles));
 }
 
+uint64_t caustic_device_bytes(const SvoManyLightsParams& params, uint64_t lights,
+                              const std::optional<PhotonYield>& yield) {
+    if (params.caustic_photons == 0) return 0;
+    return CausticPhotonsGpu::device_bytes(caustics_of(params), yield ? yield->caustic : kExpectedCausticYield, lights);
+}
+
 VplBounceShader bounces_of(const SvoManyLightsParams& params, SparseVoxelOctreeGpu* tree) {
     if (!traces_voxels(params)) return {};
     return {.name = "renderer/methods/svo_many_lights/vpl_bounces_voxels.comp",
@@ -65,7 +71,7 @@ VplBounceShader bounces_of(const SvoManyLightsParams& params, SparseVoxelOctreeG
 struct SvoLights {
     SvoLights(const gpu::DeviceScene& scene, const SvoManyLightsParams& params, uint64_t seed, float clamp_sq_m2,
               EmissionSampler sampler, std::unique_ptr<SparseVoxelOctreeGpu> voxels, GBufferGpu& buffer,
-              DeviceImage& image, const RepaymentAsks& asks)
+              DeviceImage& image, const RepaymentAsks& asks, std::unique_ptr<CausticPhotons> caustic_pilot)
         : emission(std::move(sampler)),
           tree(std::move(voxels)),
           tracer(scene, emission, tracing_of(params), image.counters(), by_camera(params),
@@ -83,7 +89,9 @@ struct SvoLights {
         if (by_camera(params)) importance.emplace(scene, buffer, tree.get(), seed, clamp_sq_m2, tracer.map_texels());
         if (!is_interleaved(params))
             choice.emplace(scene, buffer, set, lighting, image.counters(), params.visibility, choice_of(params));
-        if (asks.clamped || asks.narrow) repayment.emplace(scene, buffer, image, seed, params.sampler, asks);
+        if (caustic_pilot) caustics.emplace(scene, std::move(caustic_pilot), seed);
+        if (asks.clamped || asks.narrow)
+            repayment.emplace(scene, buffer, image, seed, params.sampler, asks, caustics ? &*caustics : nullptr);
     }
 
     VplVisibilityGpu visibility(VplVisibility kind) { return {kind, tree.get(), maps ? &*maps : nullptr}; }
@@ -95,7 +103,8 @@ struct SvoLights {
     VplLightingGpu lighting;
     std::optional<VplShadowMapsGpu> maps;
     std::optional<CameraImportanceGpu> importance;
-    std::optional<VplChoiceGpu> choice;  // none: interleaved
+    std::optional<VplChoiceGpu> choice;         // none: interleaved
+    std::optional<CausticPhotonsGpu> caustics;  // none: caustics are path traced, or not asked for
     std::optional<ClampRepaymentGpu> repayment;
 };
 
@@ -190,6 +199,9 @@ void SvoManyLightsGpu::State::add_lighting_steps(uint32_t pass, DeviceFrame::Ste
                  lights->lighting.record(commands, lights->visibility(params.visibility), piece);
              }});
     steps.push_back({0, [this](gpu::CommandList& commands) { record_layers(commands); }});
+    for (uint32_t piece = 0; lights->caustics && piece < lights->caustics->pieces(); ++piece)
+        steps.push_back({device.paths_per_submit(),
+                         [=, this](gpu::CommandList& commands) { lights->caustics->record(commands, pass, piece); }});
     if (!lights->repayment) return;
     for (uint32_t piece = 0; piece < lights->repayment->pieces(); ++piece)
         steps.push_back({buffer.layout().points() / lights->repayment->pieces(), [=, this](gpu::CommandList& commands) {
@@ -239,7 +251,8 @@ SvoManyLightsGpu::~SvoManyLightsGpu() = default;
 
 uint64_t SvoManyLightsGpu::estimate_bytes(const SvoManyLightsParams& params, const Workload& workload) {
     return DeviceFrame::estimate_bytes(workload) +
-           (params.bounces > 0 ? EmissionSampler::estimate_bytes(workload.lights, workload.environment_size) : 0);
+           (params.bounces > 0 ? EmissionSampler::estimate_bytes(workload.lights, workload.environment_size) : 0) +
+           (sends_caustics(params, workload) ? CausticPhotons::estimate_bytes(workload.lights, 1) : 0);
 }
 
 uint64_t SvoManyLightsGpu::estimate_device_bytes(const SvoManyLightsParams& params, const Workload& workload) {
@@ -255,6 +268,7 @@ uint64_t SvoManyLightsGpu::estimate_device_bytes(const SvoManyLightsParams& para
     if (params.visibility == VplVisibility::ShadowMaps)
         bytes += VplShadowMapsGpu::device_bytes(params.shadow_resolution, most_lights(params));
     if (params.needs_voxels(workload.layers)) bytes += tree_bytes(params, workload.triangles);
+    if (sends_caustics(params, workload)) bytes += caustic_device_bytes(params, workload.lights, workload.photon_yield);
     if (!is_interleaved(params))
         bytes += VplChoiceGpu::device_bytes(workload.film_size, most_lights(params), choice_of(params));
     return bytes;
@@ -305,21 +319,32 @@ void SvoManyLightsGpu::begin(const RenderContext& context, Stats& stats) {
         };
         clamp_sq_m2 = params_.clamp_m2 ? *params_.clamp_m2 : default_clamp_sq_m2(lit_area_m2(), params_.vpls);
     }
-    if (!why_no_caustics(params_, has_specular_surface(scene, params_.caustic_threshold())))
-        stats.skipped.push_back({"caustic map", "GPUs have none yet: caustics are path traced", 0});
+    const CausticSettings caustics = caustics_of(params_);
+    std::unique_ptr<CausticPhotons> caustic_pilot;
+    if (const char* why = why_no_caustics(params_, has_specular_surface(scene, caustics.glossy_threshold)))
+        stats.skipped.push_back(
+            {"caustic map", why,
+             caustic_device_bytes(params_, scene.triangle_lights.size() + scene.punctual_lights.size(), {})});
+    else
+        caustic_pilot =
+            std::make_unique<CausticPhotons>(scene, *context.intersector, *emission, caustics, context.seed, stats);
+    if (caustic_pilot) context.budget.record("caustic_photons", caustic_pilot->bytes());
     const RepaymentAsks asks{.clamped = clamp_sq_m2 > 0 && (params_.repay || state.layers.has(Layer::Clamped)),
                              .repaid = params_.repay,
                              .narrow = asks_narrow_lobes(params_, scene.needs)};
     const StageTimer timer(stats, "pipelines");
     state.lights.emplace(*context.device_scene, params_, context.seed, clamp_sq_m2, std::move(*emission),
-                         std::move(tree), state.buffer, state.device_image, asks);
+                         std::move(tree), state.buffer, state.device_image, asks, std::move(caustic_pilot));
 }
 
 void SvoManyLightsGpu::run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) {
     State& state = *state_;
     const StageTimer timer(stats, "indirect");
-    if (!state.frame.run(pass, stats, cancel)) return;
+    do {
+        if (!state.frame.run(pass, stats, cancel)) return;
+    } while (state.lights && state.lights->caustics && state.lights->caustics->grow_if_short());
     if (state.lights) {
+        if (state.lights->caustics) state.lights->caustics->add_to(stats.counts);
         state.lights->tracer.add_to(stats.counts);
         stats.counts.vpls += state.lights->set.lights_of_pass();
     }

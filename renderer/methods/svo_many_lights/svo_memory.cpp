@@ -53,9 +53,7 @@ uint64_t SvoManyLights::estimate_bytes(const SvoManyLightsParams& params, const 
              VplTracer::scratch_bytes(tracing_of(params), workload.threads, workload.lights) +
              VplTracer::result_bytes(tracing_of(params)) + light_bytes(params, workload.needs);
     if (params.needs_voxels(workload.layers)) bytes += voxel_tree_bytes(params);
-    // Narrow glossy lobes show in what was measured alone.
-    const bool specular = workload.needs.delta || (workload.photon_yield && workload.photon_yield->caustic > 0);
-    if (!why_no_caustics(params, specular))
+    if (sends_caustics(params, workload))
         bytes += CausticPhotons::estimate_bytes(workload.lights, workload.threads) +
                  CausticPhotons::map_bytes(caustics_of(params), workload.photon_yield ? workload.photon_yield->caustic
                                                                                       : kExpectedCausticYield);

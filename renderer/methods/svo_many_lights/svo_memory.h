@@ -5,10 +5,6 @@
 
 namespace photond {
 
-/// Of scenes in which nobody has measured it: caustic photons a light path, where specular surfaces fill a tenth of
-/// what the lights see.
-inline constexpr double kExpectedCausticYield = 0.1;
-
 /// What lights take beside their photons: lists in subsets, surfaces where not all is Lambert.
 uint64_t light_bytes(const SvoManyLightsParams& params, const Needs& needs);
 /// Of the octree where nothing is known of the scene but that it has rooms: surfaces of some times the cube's side.

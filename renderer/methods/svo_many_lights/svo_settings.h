@@ -42,6 +42,12 @@ inline const char* why_no_caustics(const SvoManyLightsParams& params, bool specu
                                            : nullptr;
 }
 
+/// Whether there is one, as far as that is known before: narrow glossy lobes show in what was measured alone.
+inline bool sends_caustics(const SvoManyLightsParams& params, const Workload& workload) {
+    const bool specular = workload.needs.delta || (workload.photon_yield && workload.photon_yield->caustic > 0);
+    return !why_no_caustics(params, specular);
+}
+
 /// Whether depth maps tell of the shadows of direct light.
 inline bool has_light_maps(const SvoManyLightsParams& params, const Needs& needs) {
     return params.direct == DirectShadows::ShadowMaps && needs.punctual_lights;

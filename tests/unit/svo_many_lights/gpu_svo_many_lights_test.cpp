@@ -20,7 +20,7 @@ test::RenderSettingsOf<M> settings_for(uint32_t passes, VplVisibility visibility
     settings.passes = passes;
     settings.params.vpls = 96;
     settings.params.bounces = 1;
-    settings.params.caustic_photons = 0;  // the CPU's alone
+    settings.params.caustic_photons = 0;  // but where they are asked for
     settings.params.map_resolution = 32;
     settings.params.voxel_resolution = 64;
     settings.params.shadow_resolution = 16;
@@ -70,6 +70,7 @@ TEST_P(GpuSvoManyLights, FollowsTheCpu) {
     EXPECT_EQ(a.camera_rays, b.camera_rays);
     EXPECT_NEAR(double(a.vpls), double(b.vpls), 0.01 * double(a.vpls));
     EXPECT_EQ(a.voxels, b.voxels);
+    EXPECT_NEAR(double(a.photons_stored), double(b.photons_stored), 0.01 * double(a.photons_stored));
     EXPECT_NEAR(double(a.shadow_rays), double(b.shadow_rays), 0.01 * double(a.shadow_rays));
     EXPECT_NEAR(double(a.bounce_rays), double(b.bounce_rays), 0.01 * double(a.bounce_rays));
     EXPECT_EQ(gpu.nan_count() + gpu.infinity_count(), 0u);
@@ -85,6 +86,12 @@ INSTANTIATE_TEST_SUITE_P(
                          [](SvoManyLightsParams& p) {
                              p.placement = VplPlacement::Camera;
                              p.bounces = SvoManyLightsParams{}.bounces;
+                         }},
+                    Case{"cornell-box-glass", VplVisibility::None,
+                         [](SvoManyLightsParams& p) {
+                             p.bounces = SvoManyLightsParams{}.bounces;
+                             p.caustic_photons = 20'000;  // of which more are stored than there is room for at first
+                             p.caustic_radius_m = 0.1f;
                          }},
                     Case{"cornell-box", VplVisibility::Svo,
                          [](SvoManyLightsParams& p) {

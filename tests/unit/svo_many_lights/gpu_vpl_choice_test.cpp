@@ -21,7 +21,7 @@ test::RenderSettingsOf<M> settings_for(VplChoice choice, uint32_t passes, uint64
     settings.params.map_resolution = 32;
     settings.params.visibility = VplVisibility::Rays;
     settings.params.bounces = 2;
-    settings.params.caustic_photons = 0;  // the CPU's alone
+    settings.params.caustic_photons = 0;
     settings.params.vpl_choice = choice;
     settings.params.cut_size = 20;
     settings.params.resampled_vpls = 5;
