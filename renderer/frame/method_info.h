@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "renderer/frame/left_out.h"
 #include "renderer/frame/method.h"
 
 namespace photond {
@@ -68,6 +69,8 @@ struct MethodInfo {
     std::vector<CaseRefusal> refusals;
     /// Parameters and their words with which, all together, its bias falls with the passes; empty: with none it does.
     std::vector<ParamSetting> bias_falls_with;
+    /// Kinds of path that it leaves out with these parameters in a scene with these needs, whatever its passes.
+    PathsLeftOut (*left_out)(const MethodParams& params, const Needs& needs) = nullptr;
     std::unique_ptr<MethodParams> (*make_params)() = nullptr;
     std::unique_ptr<Method> (*make)(const MethodParams& params) = nullptr;      // null where it does not run on the CPU
     std::unique_ptr<Method> (*make_gpu)(const MethodParams& params) = nullptr;  // null where it does not run on a GPU

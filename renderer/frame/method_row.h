@@ -55,6 +55,12 @@ MethodInfo row_of_classes() {
     return info;
 }
 
+/// MethodInfo::left_out by a function of the method's own parameters.
+template <class Params, PathsLeftOut (*kLeftOut)(const Params& params, const Needs& needs)>
+PathsLeftOut left_out_of(const MethodParams& params, const Needs& needs) {
+    return kLeftOut(method_row_detail::as<Params>(params), needs);
+}
+
 /// Why light that starts at the lights misses the hard case of two lights of very different power.
 inline constexpr KnownLimit kStartsByPower{
     {}, "dynamic range", "light paths start from lights by their power: next to none from the dim one"};

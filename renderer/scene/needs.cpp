@@ -52,7 +52,11 @@ void add_material_needs(const Scene& scene, const Material& material, bool verte
         const bool hardly_bends =
             transmits && material.solid && sqr(least_roughness) * std::fabs(material.ior - 1) < DELTA_REFRACTION;
         needs.delta |= least_roughness < DELTA_ROUGHNESS || hardly_bends;
-        needs.glossy |= most_roughness >= DELTA_ROUGHNESS;
+        if (most_roughness >= DELTA_ROUGHNESS) {
+            needs.glossy = true;
+            needs.least_glossy_alpha =
+                std::min(needs.least_glossy_alpha, sqr(std::max(least_roughness, DELTA_ROUGHNESS)));
+        }
     }
     needs.transmission |= transmits;
     needs.solid_glass |= transmits && material.solid;

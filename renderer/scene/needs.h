@@ -2,6 +2,7 @@
 // What a scene contains, asked once. Whatever it does not need is not built.
 
 #include <cstdint>
+#include <limits>
 
 namespace photond {
 
@@ -23,7 +24,8 @@ struct Needs {
     bool area_lights = false;
     bool punctual_lights = false;
     bool environment = false;
-    bool instances = false;  // a mesh used more than once
+    bool instances = false;                                             // a mesh used more than once
+    float least_glossy_alpha = std::numeric_limits<float>::infinity();  // GGX, of rough specular lobes
 
     /// Every surface is a plain Lambert reflector without textures, alpha or vertex colours.
     bool only_lambert() const {
@@ -31,7 +33,7 @@ struct Needs {
                !material_textures && !emission_textures && !vertex_colors && !unlit;
     }
 
-    /// Calls visitor(name, bool) for each need; the names are the wire's.
+    /// Calls visitor(name, bool) for each need that there is or is not; the names are the wire's.
     template <class Visitor>
     void visit(Visitor&& visitor) const {
         visit(*this, visitor);

@@ -5,10 +5,19 @@
 
 namespace photond {
 
+namespace {
+
+PathsLeftOut paths_left_out(const ImperfectShadowMapsParams& params, const Needs& needs) {
+    return left_out_by_connections(params.bounces, params.glossy_threshold, params.connect_threshold, needs);
+}
+
+}  // namespace
+
 MethodInfo imperfect_shadow_maps_row();
 
 MethodInfo imperfect_shadow_maps_row() {
     MethodInfo info = row_of_classes<void, ImperfectShadowMapsGpu>();
+    info.left_out = left_out_of<ImperfectShadowMapsParams, paths_left_out>;
     info.title = "Imperfect shadow maps";
     info.line = "Many small lights with coarse shadow maps. For real time, one bounce, approximate shadows.";
     info.family = "many lights";

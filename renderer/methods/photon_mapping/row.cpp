@@ -23,12 +23,17 @@ uint64_t photon_map_file_bytes(const MethodParams& params, const Workload& workl
     return photon_cloud_bytes(static_cast<uint64_t>(photons));
 }
 
+PathsLeftOut paths_left_out(const PhotonMappingParams& params, const Needs& needs) {
+    return left_out_by_photons(bounces_of_scatterings(params.max_scatterings()), params.glossy_threshold, needs);
+}
+
 }  // namespace
 
 MethodInfo photon_mapping_row();
 
 MethodInfo photon_mapping_row() {
     MethodInfo info = row_of_classes<PhotonMapping, PhotonMappingGpu>();
+    info.left_out = left_out_of<PhotonMappingParams, paths_left_out>;
     info.title = "Photon mapping";
     info.line =
         "Stores light paths' hits and gathers them. Good at caustics and in rooms lit indirectly; slightly blurred.";

@@ -6,10 +6,21 @@
 
 namespace photond {
 
+namespace {
+
+PathsLeftOut paths_left_out(const PhotonSplattingParams& params, const Needs& needs) {
+    uint32_t bounces = bounces_of_scatterings(params.max_scatterings());
+    if (params.injection == PhotonInjection::ReflectiveShadowMap) bounces = std::min(bounces, 1u);
+    return left_out_by_photons(bounces, params.glossy_threshold, needs);
+}
+
+}  // namespace
+
 MethodInfo photon_splatting_row();
 
 MethodInfo photon_splatting_row() {
     MethodInfo info = row_of_classes<PhotonSplatting, PhotonSplattingGpu>();
+    info.left_out = left_out_of<PhotonSplattingParams, paths_left_out>;
     info.title = "Photon splatting";
     info.line = "Light paths connect to all that is visible near them. First pictures soon, with little memory.";
     info.family = "photon splatting";

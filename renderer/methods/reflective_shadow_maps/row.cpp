@@ -5,10 +5,19 @@
 
 namespace photond {
 
+namespace {
+
+PathsLeftOut paths_left_out(const ReflectiveShadowMapsParams& params, const Needs& needs) {
+    return left_out_by_connections(params.bounces, params.glossy_threshold, params.connect_threshold, needs);
+}
+
+}  // namespace
+
 MethodInfo reflective_shadow_maps_row();
 
 MethodInfo reflective_shadow_maps_row() {
     MethodInfo info = row_of_classes<void, ReflectiveShadowMapsGpu>();
+    info.left_out = left_out_of<ReflectiveShadowMapsParams, paths_left_out>;
     info.title = "Reflective shadow maps";
     info.line = "One bounce without shadows of its own. The fastest and the least exact.";
     info.family = "many lights";

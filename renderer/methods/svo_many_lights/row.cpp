@@ -6,10 +6,24 @@
 
 namespace photond {
 
+namespace {
+
+PathsLeftOut paths_left_out(const SvoManyLightsParams& params, const Needs& needs) {
+    const uint32_t bounces = bounces_of_scatterings(params.max_scatterings());
+    if (!params.narrow_lobes)
+        return left_out_by_connections(bounces, params.glossy_threshold, params.connect_threshold, needs);
+    PathsLeftOut left_out = left_out_by_photons(bounces, params.glossy_threshold, needs);
+    if (params.caustic_photons == 0 && has_delta_light_by_delta(needs)) left_out.add(PathKind::DeltaLightCaustics);
+    return left_out;
+}
+
+}  // namespace
+
 MethodInfo svo_many_lights_row();
 
 MethodInfo svo_many_lights_row() {
     MethodInfo info = row_of_classes<SvoManyLights, SvoManyLightsGpu>();
+    info.left_out = left_out_of<SvoManyLightsParams, paths_left_out>;
     info.title = "Many lights, sparse voxel octree";
     info.line =
         "Bounced light as many small lights, caustics by photons. Very fast on diffuse scenes; by voxels it darkens.";
