@@ -194,6 +194,7 @@ std::vector<Part> parts() {
          {"svo_build"},
          0},
         {kLights, "absorption", box, set_nothing, glass, set_nothing, {}, {}},
+        {kLights, "caustic map", box, set_nothing, glass, set_nothing, {"caustic_map"}, {"photon_tracing"}, 3},
     };
 }
 
@@ -224,7 +225,8 @@ TEST(NeedsOfMethods, WhatIsNotNeededIsNotBuilt) {
 }
 
 TEST(NeedsOfMethods, AllThatIsSkippedAnywhereIsInTheTable) {
-    std::set<std::pair<std::string, std::string>> known{{"photon_mapping", "projection map"}};  // projection_map_test
+    std::set<std::pair<std::string, std::string>> known{{"photon_mapping", "projection map"},  // projection_map_test
+                                                        {"svo_many_lights", "projection map"}};
     for (const Part& part : parts()) known.emplace(part.method, part.what);
     for (const MethodInfo& method : all_methods()) {
         if (!method.make) continue;  // runs on GPUs alone: in its own test
