@@ -291,6 +291,8 @@ json statistics_schema() {
     json pass_range = list_of(count());
     pass_range["minItems"] = pass_range["maxItems"] = 2;
     const json later{
+        {"left_out", left_out_list("kinds of path that its method, with its parameters, leaves out in this scene")},
+        {"least_glossy_alpha", nullable("number", "GGX, of the scene's narrowest rough specular lobe; null: none")},
         {"error_interval", with_text(or_null(map_of(interval_of("at reference.confidence"))),
                                      "where the noise of a reference of two films lets the errors lie that have one")}};
     return with_later(
@@ -545,6 +547,7 @@ json estimate_schema() {
                   {"device_memory_bytes", nullable("integer", "likewise, of a GPU's memory; null on the CPU")},
                   {"seconds", nullable("number", "of rendering; null while the method has rendered nothing here")},
                   {"pass_seconds", nullable("number", "of one pass; likewise")},
+                  {"left_out", left_out_list("kinds of path that the image will not have, as in statistics")},
                   {"warnings", with_text(list_of(typed("string")), "of seconds that cannot be kept")}});
 }
 

@@ -107,7 +107,11 @@ json row_schema() {
          {"bias",
           with_text(
               or_null(map_of(bias_schema())),
-              "by quadratic metric, {} where none is; null for one seed, while jobs run, without two references")}});
+              "by quadratic metric, {} where none is; null for one seed, while jobs run, without two references")},
+         {"left_out", left_out_list("as in its jobs' statistics; null before there are any")},
+         {"mark", nullable("string",
+                           "of a row that has light which the reference lacks, and which counts as its error: what "
+                           "that is")}});
 }
 
 json summary_schema() {
@@ -193,6 +197,7 @@ json comparison_schema() {
                                     {"image", nullable("string")},
                                     {"state", {{"type", {"string", "null"}}}},
                                     {"error", with_text(or_null(map_of(typed("number"))), "its own noise")},
+                                    {"left_out", left_out_list("by it; null of an image")},
                                     {"warnings", list_of(typed("string"))}})));
     return schema;
 }
@@ -206,11 +211,14 @@ json estimate_schema() {
                               "of rendering once the reference is there: on each device one job after another, on all "
                               "at the same time; null where it cannot be told")},
          {"reference_seconds", nullable("number", "of the reference that is still to be made; 0: none is")},
-         {"warnings", with_text(list_of(typed("string")), "of seconds that cannot be kept")},
+         {"warnings", with_text(list_of(typed("string")),
+                                "of seconds that cannot be kept, and of entries with light that the reference lacks")},
          {"entries", with_text(list_of(given({{"label", typed("string")},
                                               {"parameters", typed("object", "those the sweep gave")},
                                               {"memory_bytes", count()},
-                                              {"seconds", seconds}})),
+                                              {"seconds", seconds},
+                                              {"left_out", left_out_list("as of a job's dry run")},
+                                              {"mark", nullable("string", "as the row's will be")}})),
                                "rows of the table to come, in its order")}});
 }
 

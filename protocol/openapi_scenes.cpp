@@ -52,33 +52,35 @@ json scene_schema() {
     const json view = with_text(
         given({{"eye", corner}, {"target", corner}, {"up", corner}, {"yfov", typed("number", "radians")}}),
         "as a job's camera.look_at takes it; the target lies as deep in the view as the middle of the bounds");
-    return given(
-        {{"id", typed("string")},
-         {"name", nullable("string")},
-         {"bytes", nullable("integer", "of its files")},
-         {"memory_bytes", nullable("integer", "about what it takes in a worker, ray structure included")},
-         {"acceleration_bytes", nullable("integer", "of them the ray structure's")},
-         {"triangles", nullable("integer")},
-         {"vertices", nullable("integer")},
-         {"materials", nullable("integer")},
-         {"textures", nullable("integer")},
-         {"lights", or_null(given({{"area", count()}, {"punctual", count()}, {"environment", typed("boolean")}}))},
-         {"cameras",
-          list_of(
-              given({{"name", typed("string")}, {"yfov", nullable("number", "radians")}, {"look_at", or_null(view)}}))},
-         {"default_view", with_text(or_null(view),
-                                    "of a job that names no camera: the first one's, or one framed on "
-                                    "the bounds; null only in lists, for scenes of an earlier version")},
-         {"animations", nullable("integer")},
-         {"bounds", or_null(given({{"min", corner}, {"max", corner}}))},
-         {"needs", or_null(map_of(typed("boolean")))},
-         {"photon_yield", with_text(or_null(given({{"global", typed("number")},
-                                                   {"caustic", typed("number")},
-                                                   {"caustic_unguided", typed("number")}})),
-                                    "photons stored for each light path, as a few paths had it")},
-         {"warnings", list_of(typed("string"))},
-         {"builtin", typed("boolean")},
-         {"known_answer", nullable_ref("KnownAnswer")}});
+    return with_later(
+        given(
+            {{"id", typed("string")},
+             {"name", nullable("string")},
+             {"bytes", nullable("integer", "of its files")},
+             {"memory_bytes", nullable("integer", "about what it takes in a worker, ray structure included")},
+             {"acceleration_bytes", nullable("integer", "of them the ray structure's")},
+             {"triangles", nullable("integer")},
+             {"vertices", nullable("integer")},
+             {"materials", nullable("integer")},
+             {"textures", nullable("integer")},
+             {"lights", or_null(given({{"area", count()}, {"punctual", count()}, {"environment", typed("boolean")}}))},
+             {"cameras",
+              list_of(given(
+                  {{"name", typed("string")}, {"yfov", nullable("number", "radians")}, {"look_at", or_null(view)}}))},
+             {"default_view", with_text(or_null(view),
+                                        "of a job that names no camera: the first one's, or one framed on "
+                                        "the bounds; null only in lists, for scenes of an earlier version")},
+             {"animations", nullable("integer")},
+             {"bounds", or_null(given({{"min", corner}, {"max", corner}}))},
+             {"needs", or_null(map_of(typed("boolean")))},
+             {"photon_yield", with_text(or_null(given({{"global", typed("number")},
+                                                       {"caustic", typed("number")},
+                                                       {"caustic_unguided", typed("number")}})),
+                                        "photons stored for each light path, as a few paths had it")},
+             {"warnings", list_of(typed("string"))},
+             {"builtin", typed("boolean")},
+             {"known_answer", nullable_ref("KnownAnswer")}}),
+        {{"least_glossy_alpha", nullable("number", "GGX, of the narrowest rough specular lobe; null: none")}});
 }
 
 }  // namespace

@@ -55,6 +55,13 @@ inline json interval_of(const char* text) {
     ends["minItems"] = ends["maxItems"] = 2;
     return with_text(std::move(ends), text);
 }
+/// Kinds of path that an image leaves out; null where that is not known.
+inline json left_out_list(const char* text) {
+    json kind = given({{"kind", typed("string", "its name; more may be added later")},
+                       {"text", typed("string", "a phrase")},
+                       {"most_bounces", nullable("integer", "of further_bounces: paths of more are left out")}});
+    return with_text({{"type", {"array", "null"}}, {"items", std::move(kind)}}, text);
+}
 /// What the service takes: nothing beside what is declared.
 inline json taken(json properties, const std::vector<std::string>& required) {
     return {{"type", "object"},

@@ -220,6 +220,13 @@ void print_bias(std::ostream& out, const json& rows) {
     }
 }
 
+/// Rows that have light which the reference lacks.
+void print_marks(std::ostream& out, const json& rows) {
+    for (const json& row : rows)
+        if (const json mark = member(row, "mark"); mark.is_string())
+            out << "  ! " << comparison_row_name(row) << ": " << plain_text(mark) << '\n';
+}
+
 }  // namespace
 
 std::string comparison_row_name(const json& row) {
@@ -245,6 +252,7 @@ void print_comparison_tables(std::ostream& out, const json& comparison) {
     print_ends(out, table, metrics);
     print_noise(out, table, metrics);
     print_bias(out, table);
+    print_marks(out, table);
 }
 
 void print_disturbances(std::ostream& out, const json& comparison) {

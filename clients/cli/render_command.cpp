@@ -67,6 +67,8 @@ ExitCode print_estimate(Session& session, const json& request) {
               << (seconds.is_number() ? human_seconds(seconds.get<double>())
                                       : "not known: the daemon has rendered nothing with this method yet")
               << '\n';
+    for (const json& kind : estimate.value("left_out", json::array()))
+        std::cout << "left out: " << plain_text(kind.at("text")) << '\n';
     for (const json& warning : estimate.value("warnings", json::array()))
         std::cout << "warning: " << plain_text(warning) << '\n';
     return ExitCode::Ok;

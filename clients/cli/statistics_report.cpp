@@ -124,6 +124,7 @@ void print_origin(std::ostream& out, const json& statistics) {
     const json skipped = member(statistics, "skipped");
     if (skipped.is_array())
         for (const json& item : skipped) add("skipped", skipped_text(item));
+    for (const json& item : member(statistics, "left_out")) add("left out", plain_text(member(item, "text")));
     const json device = member(statistics, "device");
     add("device", plain_text(device.is_object() ? member(device, "name") : device));
     add("driver", plain_text(member(device, "driver")));

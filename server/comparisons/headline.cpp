@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
+#include "server/comparisons/left_out_marks.h"
 #include "server/comparisons/report_text.h"
 
 namespace photond {
@@ -97,6 +98,23 @@ std::string changes_text(const Headline& headline, const std::vector<std::string
            exact_number(before.error);
 }
 
+/// Who is first, where.
+std::string outcome_text(const ComparisonTable& table, const Headline& headline) {
+    std::vector<std::string> names;
+    for (const TableRow& row : table.rows) names.push_back(row_name(row.label, row.parameters));
+    const std::vector<size_t> leaders = headline.leaders();
+    const bool many = headline.stretches.size() > kMostStretches;
+    if (leaders.empty()) return "Too close to call";
+    if (headline.best) return names[*headline.row] + " is better here";
+    if (leaders.size() > 1)
+        return "It depends on the error you need: " +
+               (many ? changes_text(headline, names) : stretches_text(headline, names));
+    if (many) return names[*headline.row] + " is first wherever it is not too close to call";
+    std::string text = stretches_text(headline, names);
+    if (!headline.stretches.front().row) text.front() = 'I';  // "it is too close"
+    return text;
+}
+
 }  // namespace
 
 std::vector<size_t> Headline::leaders() const {
@@ -117,19 +135,7 @@ std::vector<Headline> headlines(const ComparisonTable& table, std::span<const Ve
 }
 
 std::string headline_text(const ComparisonTable& table, const Headline& headline) {
-    std::vector<std::string> names;
-    for (const TableRow& row : table.rows) names.push_back(row_name(row.label, row.parameters));
-    const std::vector<size_t> leaders = headline.leaders();
-    const bool many = headline.stretches.size() > kMostStretches;
-    if (leaders.empty()) return "Too close to call";
-    if (headline.best) return names[*headline.row] + " is better here";
-    if (leaders.size() > 1)
-        return "It depends on the error you need: " +
-               (many ? changes_text(headline, names) : stretches_text(headline, names));
-    if (many) return names[*headline.row] + " is first wherever it is not too close to call";
-    std::string text = stretches_text(headline, names);
-    if (!headline.stretches.front().row) text.front() = 'I';  // "it is too close"
-    return text;
+    return outcome_text(table, headline) + lacking_reference_text(table, headline.metric);
 }
 
 json headlines_json(const ComparisonTable& table, std::span<const Verdict> verdicts) {

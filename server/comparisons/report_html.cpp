@@ -6,6 +6,7 @@
 
 #include "renderer/error/color_map.h"
 #include "server/comparisons/headline.h"
+#include "server/comparisons/left_out_marks.h"
 #include "server/comparisons/plot.h"
 #include "server/comparisons/report_page.h"
 #include "server/comparisons/report_tables.h"
@@ -106,6 +107,24 @@ std::string reference_warnings(const Report& report) {
     std::string html;
     for (const json& warning : reference["warnings"]) html += "<li>" + escaped(plain(warning)) + "</li>";
     return html.empty() ? "" : "<ul class=\"first warning\">" + html + "</ul>\n";
+}
+
+/// Which rows have light that the reference lacks.
+std::string marks_list(const Report& report) {
+    std::string html;
+    for (const TableRow& row : report.table.rows)
+        if (const std::string mark = mark_text(report.table, row); !mark.empty())
+            html += "<li>" + escaped(row_name(row.label, row.parameters) + ": " + mark) + ".</li>";
+    return html.empty() ? "" : "<ul class=\"first warning\">" + html + "</ul>\n";
+}
+
+std::string left_out_list(const ComparisonTable& table) {
+    const auto item = [](const std::string& name, const std::optional<PathsLeftOut>& left_out) {
+        return left_out && !left_out->empty() ? "<li>" + escaped(name + ": " + left_out->text()) + ".</li>" : "";
+    };
+    std::string html = item("The reference", table.reference_left_out);
+    for (const TableRow& row : table.rows) html += item(row_name(row.label, row.parameters), row.left_out);
+    return html.empty() ? "" : heading("What is left out") + "<ul class=\"first\">" + html + "</ul>\n";
 }
 
 /// Which jobs were disturbed, and what became of that.
@@ -370,10 +389,10 @@ std::string report_html(const Report& report) {
                        "</title><meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<style>" +
                        kReportCss + styles_of_series(report.table.rows.size()) + "</style></head><body>\n";
     html += header(report) + state_note(report) + disturbance_warnings(report) + verdict_section(report) +
-            reference_warnings(report);
+            reference_warnings(report) + marks_list(report);
     for (const std::string& metric : report.table.metrics) html += metric_section(report.table, metric);
     html += heading("What it cost") + cost_table(report.table) + structures_table(report) + stages_table(report);
-    html += pictures(report) + repetition(report);
+    html += pictures(report) + left_out_list(report.table) + repetition(report);
     html +=
         "<footer>Times run on the jobs' own clocks: the method's beginning, its passes and its end; loading, "
         "building and measuring are outside. Errors as photond's conventions define them.</footer>\n";

@@ -7,8 +7,10 @@
 
 #include "renderer/error/cross_meter.h"
 #include "renderer/error/seed_errors.h"
+#include "server/comparisons/left_out_marks.h"
 #include "server/comparisons/levels.h"
 #include "server/comparisons/pareto.h"
+#include "server/left_out_json.h"
 
 namespace photond {
 namespace {
@@ -256,6 +258,7 @@ TableRow make_row(std::span<const MeasuredJob> jobs) {
     row.seeds = jobs.size();
     for (const MeasuredJob& job : jobs) {
         row.jobs.push_back(job.id);
+        if (!row.left_out) row.left_out = job.left_out;
         if (!job.succeeded()) continue;
         ++row.succeeded;
         row.disturbed += job.loss.has_value();
@@ -339,7 +342,7 @@ json bias_json(const TableRow& row) {
     return metrics;
 }
 
-json row_json(const TableRow& row) {
+json row_json(const TableRow& row, const std::string& mark) {
     json time_to_error = json::object(), error_at_time = json::object(), errors = json::object();
     for (const auto& [metric, levels] : row.time_to_error) {
         json& list = time_to_error[metric] = json::array();
@@ -381,7 +384,9 @@ json row_json(const TableRow& row) {
             {"peak_bytes", or_null(row.peak_bytes)},
             {"efficiency", or_null(row.efficiency)},
             {"pareto", row.pareto},
-            {"bias", bias_json(row)}};
+            {"bias", bias_json(row)},
+            {"left_out", row.left_out ? to_json(*row.left_out) : json()},
+            {"mark", mark.empty() ? json() : json(mark)}};
 }
 
 }  // namespace
@@ -449,7 +454,7 @@ ComparisonTable make_table(std::span<const MeasuredJob> jobs, const std::vector<
 
 json to_json(const ComparisonTable& table) {
     json rows = json::array();
-    for (const TableRow& row : table.rows) rows.push_back(row_json(row));
+    for (const TableRow& row : table.rows) rows.push_back(row_json(row, mark_text(table, row)));
     return rows;
 }
 

@@ -12,6 +12,7 @@
 
 #include "renderer/error/curve.h"
 #include "renderer/error/metric.h"
+#include "renderer/frame/left_out.h"
 #include "server/core_loss.h"
 
 namespace photond {
@@ -31,6 +32,7 @@ struct MeasuredJob {
     std::optional<uint64_t> photons;
     double seconds = 0;
     std::optional<CoreLoss> loss;  // of a job that was disturbed
+    std::optional<PathsLeftOut> left_out;
 
     bool succeeded() const { return state == "succeeded"; }
     bool is_over() const { return succeeded() || state == "failed" || state == "cancelled"; }
@@ -126,6 +128,7 @@ struct TableRow {
     bool pareto = false;                 // at some time no other row's mean curve is better, by upper ends
     /// By metric, a mean square; empty for one seed, until it is measured, and where the reference is not two films.
     std::optional<std::map<std::string, BiasApart>> bias = {};
+    std::optional<PathsLeftOut> left_out = {};  // by the first job that says so
 };
 
 /// The mean square that a metric is or is the root of: "indirect:mse" of "indirect:rmse". Empty for other metrics.
@@ -138,6 +141,7 @@ std::optional<double> floor_of(const TableRow& row, const std::string& metric);
 struct ComparisonTable {
     std::vector<std::string> metrics;
     std::vector<TableRow> rows;
+    std::optional<PathsLeftOut> reference_left_out = {};  // left_out_marks.h
 };
 
 /// What is asked for beside the levels and times of the tables' own choice.

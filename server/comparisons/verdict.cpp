@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/comparisons/left_out_marks.h"
 #include "server/comparisons/report_text.h"
 
 namespace photond {
@@ -65,13 +66,6 @@ bool same_outcome(const Verdict& a, const Verdict& b) {
 
 std::string name_of(const ComparisonTable& table, size_t row) {
     return row_name(table.rows[row].label, table.rows[row].parameters);
-}
-
-/// "a, b and c"; empty for none.
-std::string enumerated(const std::vector<std::string>& names) {
-    std::string text;
-    for (size_t i = 0; i < names.size(); ++i) text += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + names[i];
-    return text;
 }
 
 bool is_among(const std::vector<size_t>& rows, size_t row) {
@@ -185,6 +179,7 @@ std::string verdict_text(const ComparisonTable& table, const Verdict& verdict) {
     if (!others.empty()) text += "; then " + others;
     text += missing_text(table, verdict);
     text += disturbance_text(table, verdict);
+    text += marked_text(table, verdict.metric);
     if (verdict.easiest > verdict.error) text += "; likewise from " + exact_number(verdict.easiest) + " on";
     return text;
 }

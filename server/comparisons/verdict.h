@@ -37,7 +37,8 @@ bool can_be_told_apart(const TimeToError& a, const TimeToError& b);
 std::vector<Verdict> verdicts(const ComparisonTable& table);
 
 /// "photon mapping reaches relative_mse 0.01 first, after 1.2 s: 3.75 times sooner than path tracing (4.5 s)"; of rows
-/// that do not reach it because of their bias (floor_of()) what they come to instead.
+/// that do not reach it because of their bias (floor_of()) what they come to instead; and of rows that are marked
+/// (left_out_marks.h) that they are.
 std::string verdict_text(const ComparisonTable& table, const Verdict& verdict);
 
 /// [{"metric", "error", "easiest", "close", "factor", "arrived": [{"row", "seconds"}], "missing": [row],

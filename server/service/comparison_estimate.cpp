@@ -5,6 +5,8 @@
 #include <mutex>
 #include <set>
 
+#include "server/comparisons/left_out_marks.h"
+#include "server/left_out_json.h"
 #include "server/service/comparisons.h"
 
 namespace photond {
@@ -34,6 +36,7 @@ struct Row {
     uint64_t memory_bytes = 0;
     Sum seconds;
     std::string warning;  // empty: none
+    std::optional<PathsLeftOut> left_out = {};
 };
 
 }  // namespace
@@ -57,12 +60,13 @@ json Comparisons::estimate_comparison(const ComparisonRequest& request) {
         const PlannedJob& planned = request.jobs[i];
         if (rows.empty() || rows.back().first->entry != planned.entry ||
             rows.back().first->parameters != planned.parameters)
-            rows.push_back({&planned, 0, {}, {}});
+            rows.push_back({&planned, 0, {}, {}, {}});
         const TimeEstimate time = jobs_.estimates.estimate_time(planned.request, *scene, earlier);
         const uint64_t bytes = jobs_.estimates.estimate_memory_bytes(planned.request, *scene);
         rows.back().seconds.add(time.seconds);
         rows.back().warning = time.warning;
         rows.back().memory_bytes = std::max(rows.back().memory_bytes, bytes);
+        rows.back().left_out = jobs_.estimates.paths_left_out(planned.request, *scene);
         devices[prepared[i].row.device].add(time.seconds);
         memory_bytes = std::max(memory_bytes, bytes);
         for (uint32_t film = 0; film < prepared[i].references.size(); ++film) {
@@ -78,13 +82,22 @@ json Comparisons::estimate_comparison(const ComparisonRequest& request) {
         longest = longest && seconds.value() ? std::optional(std::max(*longest, *seconds.value())) : std::nullopt;
     json entries = json::array();
     json warnings = json::array();
+    ComparisonTable marks;  // with no more than decides who is marked
+    if (const JobRequest& first = request.jobs.front().request; first.reference && first.reference->rendering)
+        marks.reference_left_out = jobs_.estimates.paths_left_out(References::reference_request(first, 0), *scene);
     for (const Row& row : rows) {
-        if (!row.warning.empty())
-            warnings.push_back(row_name(row.first->label, row.first->parameters) + ": " + row.warning);
+        TableRow of_table;
+        of_table.left_out = row.left_out;
+        const std::string mark = mark_text(marks, of_table);
+        for (const std::string& warning : {row.warning, mark})
+            if (!warning.empty())
+                warnings.push_back(row_name(row.first->label, row.first->parameters) + ": " + warning);
         entries.push_back({{"label", row.first->label},
                            {"parameters", row.first->parameters},
                            {"memory_bytes", row.memory_bytes},
-                           {"seconds", row.seconds.to_json()}});
+                           {"seconds", row.seconds.to_json()},
+                           {"left_out", row.left_out ? to_json(*row.left_out) : json()},
+                           {"mark", mark.empty() ? json() : json(mark)}});
     }
     return {{"jobs", prepared.size()},
             {"memory_bytes", memory_bytes},

@@ -10,6 +10,7 @@
 #include "server/comparisons/repeats.h"
 #include "server/comparisons/report_text.h"
 #include "server/comparisons/verdict.h"
+#include "server/left_out_json.h"
 #include "server/row_text.h"
 #include "server/service/references.h"
 #include "server/service/row_films.h"
@@ -73,6 +74,27 @@ bool is_measured_by_two(const Compared& compared, const std::vector<json>& stati
                        [](const JobProgress& job) { return job.reference_jobs.size() == References::kFilms; });
 }
 
+json method_of(const JobRow& row) {
+    const json request = parsed_or_null(row.request);
+    return request.is_object() ? request.value("method", json()) : json();
+}
+
+/// What the reference leaves out. Where its job's statistics do not tell, its method does, by the needs of the scene as
+/// `statistics` of the jobs measured against it have them.
+std::optional<PathsLeftOut> left_out_of_reference(const Compared& compared, const std::vector<json>& statistics) {
+    json method = json::parse(compared.row.request).value(json::json_pointer("/reference/method"), json());
+    for (const JobRow& reference : compared.references) {
+        method = method_of(reference);
+        if (const auto known = left_out_of_job(parsed_or_null(reference.statistics), method)) return known;
+    }
+    for (json of_job : statistics) {
+        if (!of_job.is_object()) continue;
+        of_job.erase("left_out");  // which is its own
+        if (const auto known = left_out_of_job(of_job, method)) return known;
+    }
+    return std::nullopt;
+}
+
 /// "its own noise": of the metrics that were measured, and where that is too near to what it is compared with.
 json reference_json(const Judged& judged, const Compared& compared) {
     const json asked = json::parse(compared.row.request).value("reference", json());
@@ -97,6 +119,7 @@ json reference_json(const Judged& judged, const Compared& compared) {
             {"image", image ? json(asked.get<std::string>().substr(6)) : json()},
             {"state", reached ? json(job_state_name(*reached)) : json()},
             {"error", error.empty() ? json() : error},
+            {"left_out", judged.table.reference_left_out ? to_json(*judged.table.reference_left_out) : json()},
             {"warnings", warnings}};
 }
 
@@ -120,6 +143,7 @@ std::vector<Place> places_of(const Compared& compared) {
         job.seconds = row.seconds;
         json statistics = parsed_or_null(row.statistics);
         add_measurements(job, parsed_or_null(row.curve), statistics);
+        job.left_out = left_out_of_job(statistics, method_of(row));
         const auto [place, is_new] = place_of.emplace(planned.planned(), places.size());
         if (is_new) places.emplace_back();
         places[place->second].runs.push_back(std::move(job));
@@ -260,6 +284,7 @@ Judged judge(const Compared& compared) {
     }
     const json& request = object["request"];
     judged.table = make_table(judged.jobs, request.at("metrics").get<std::vector<std::string>>(), wishes_of(request));
+    judged.table.reference_left_out = left_out_of_reference(compared, judged.statistics);
     add_biases(judged.table, compared);
     object["table"] = to_json(judged.table);
     const std::vector<Verdict> found = verdicts(judged.table);

@@ -9,6 +9,7 @@
 #include "renderer/film/film.h"
 #include "renderer/methods/registry.h"
 #include "server/comparisons/report_text.h"
+#include "server/left_out_json.h"
 
 namespace photond {
 
@@ -99,8 +100,7 @@ Workload Estimates::workload_of(const JobRequest& request, const json& summary) 
     const json lights = summary.value("lights", json::object());
     workload.lights = lights.value("area", uint64_t{0}) + lights.value("punctual", uint64_t{0});
     workload.triangles = summary.value("triangles", uint64_t{0});
-    const json needs = summary.value("needs", json::object());
-    workload.needs.visit([&](const char* name, bool& needed) { needed = needs.value(name, false); });
+    workload.needs = needs_read(summary);
     const json yield = summary.value("photon_yield", json());
     if (yield.is_object() && !request.environment)  // whose light takes other ways
         workload.photon_yield = {yield.value("global", 0.0), yield.value("caustic", 0.0),
@@ -138,6 +138,13 @@ uint64_t Estimates::estimate_disk_bytes(const JobRequest& request, const SceneRe
     const Workload workload = workload_of(request, scenes_.summary_of(scene));
     // A film that is saved again lies beside the one before until it is whole.
     return 2 * film_bytes(request) + ask_method(request, workload, &MethodInfo::estimate_artefact_bytes);
+}
+
+PathsLeftOut Estimates::paths_left_out(const JobRequest& request, const SceneRef& scene) {
+    const Needs needs = workload_of(request, scenes_.summary_of(scene)).needs;
+    const auto left_out = left_out_by(request.method.name, request.method.parameters, needs);
+    if (!left_out) throw Error(ErrorCode::Internal, "a request for a method that is not there");
+    return *left_out;
 }
 
 std::optional<double> Estimates::estimate_pass_seconds(const JobRequest& request, const SceneRef& scene,

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "protocol/job.h"
+#include "renderer/frame/left_out.h"
 #include "renderer/frame/render_context.h"
 #include "server/service/scenes.h"
 #include "server/service/service_core.h"
@@ -44,6 +45,8 @@ public:
     uint64_t estimate_memory_bytes(const JobRequest& request, const SceneRef& scene);
     /// What it will take of a GPU's memory, its scene included; nothing on the CPU.
     std::optional<uint64_t> estimate_device_bytes(const JobRequest& request, const SceneRef& scene);
+    /// Kinds of path that it will not show.
+    PathsLeftOut paths_left_out(const JobRequest& request, const SceneRef& scene);
     /// What a job will leave on the disk.
     uint64_t estimate_disk_bytes(const JobRequest& request, const SceneRef& scene);
 

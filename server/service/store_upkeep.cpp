@@ -13,7 +13,7 @@ using nlohmann::json;
 
 namespace {
 
-constexpr std::chrono::seconds kPause{1};  // between two tries
+constexpr std::chrono::seconds kBetweenTries{1};  // between two tries
 constexpr int kNice = 10;                  // who serves and renders goes first
 
 }  // namespace
@@ -42,7 +42,7 @@ void StoreUpkeep::run() {
             spdlog::error("the store's upkeep: {}", error.what());
         }
         std::unique_lock lock(mutex_);
-        woken_.wait_for(lock, kPause, [this] { return stopping_.load(); });
+        woken_.wait_for(lock, kBetweenTries, [this] { return stopping_.load(); });
     }
 }
 

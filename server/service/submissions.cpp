@@ -2,6 +2,7 @@
 
 #include "renderer/core/sha256.h"
 #include "server/clock_text.h"
+#include "server/left_out_json.h"
 #include "server/service/idempotency_key.h"
 
 namespace photond {
@@ -61,6 +62,7 @@ json Submissions::estimate_job(const JobRequest& request) {
             {"device_memory_bytes", on_device ? json(*on_device) : json()},
             {"seconds", time.seconds ? json(*time.seconds) : json()},
             {"pass_seconds", time.pass_seconds ? json(*time.pass_seconds) : json()},
+            {"left_out", to_json(estimates_.paths_left_out(request, scene))},
             {"warnings", time.warning.empty() ? json::array() : json::array({time.warning})}};
 }
 

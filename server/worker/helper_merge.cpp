@@ -64,7 +64,7 @@ json statistics_of(const JoinedFilms& joined, const JobRequest& request, const s
                                        .settings_hash = joined.saved.identity.settings,
                                        .resumed_passes = 0,
                                        .errors = nullptr});
-    for (const char* unknown : {"needs", "threads", "host_cores", "device_shared", "host_shared"})
+    for (const char* unknown : {"needs", "left_out", "threads", "host_cores", "device_shared", "host_shared"})
         statistics[unknown] = nullptr;
     for (const char* unknown : {"accounted_bytes", "baseline_resident_bytes", "peak_resident_bytes"})
         statistics["memory"][unknown] = nullptr;

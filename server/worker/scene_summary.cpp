@@ -57,6 +57,7 @@ json scene_summary(const Scene& scene, const std::string& name, bool builtin) {
                   {"max", in_file_coordinates(scene, scene.bounds.max)}};
     json needs = json::object();
     scene.needs.visit([&](const char* need, bool needed) { needs[need] = needed; });
+    const float alpha = scene.needs.least_glossy_alpha;
     MemoryBudget held;
     scene.account(held);
     const uint64_t acceleration_bytes = estimate_acceleration_bytes(scene);
@@ -82,6 +83,7 @@ json scene_summary(const Scene& scene, const std::string& name, bool builtin) {
             {"animations", scene.animation_count},
             {"bounds", bounds},
             {"needs", needs},
+            {"least_glossy_alpha", std::isfinite(alpha) ? json(shortest(alpha)) : json()},
             {"photon_yield", yield},
             {"warnings", scene.warnings},
             {"builtin", builtin}};

@@ -4,7 +4,9 @@
 
 #include <cmath>
 
+#include "protocol/param_json.h"
 #include "renderer/core/sha256.h"
+#include "server/left_out_json.h"
 
 namespace photond {
 
@@ -76,6 +78,9 @@ json statistics_json(const StatisticsInput& input) {
                           {"gpu_seconds", stage.gpu_seconds > 0 ? json(stage.gpu_seconds) : json(nullptr)}});
     json needs = json::object();
     input.needs.visit([&](const char* name, bool needed) { needs[name] = needed; });
+    const float alpha = input.needs.least_glossy_alpha;
+    const JobMethod& method = input.request.method;
+    const auto left_out = left_out_by(method.name, method.parameters, input.needs);
     json skipped = json::array();
     for (const Skipped& part : input.stats.skipped)
         skipped.push_back({{"what", part.what}, {"why", part.why}, {"bytes_saved", part.bytes_saved}});
@@ -120,6 +125,8 @@ json statistics_json(const StatisticsInput& input) {
               {"device_structures", on_device ? json(on_device->structures) : json(nullptr)},
               {"peak_device_bytes", on_device ? json(on_device->peak_bytes) : json(nullptr)}}},
             {"needs", needs},
+            {"least_glossy_alpha", std::isfinite(alpha) ? json(shortest_double(alpha)) : json()},
+            {"left_out", left_out ? to_json(*left_out) : json()},
             {"skipped", skipped},
             {"device",
              {{"id", input.device.id},

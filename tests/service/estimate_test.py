@@ -22,7 +22,7 @@ class EstimateTest(DaemonTestCase):
     def estimate(self, body, **options):
         reply = self.daemon.request("POST", "/v1/jobs?dry_run=true", json_body=body, **options)
         self.assertEqual(reply.status, 200, reply)
-        self.assertEqual(set(reply.json), {"memory_bytes", "device_memory_bytes", "seconds", "pass_seconds", "warnings"})
+        self.assertEqual(set(reply.json), {"memory_bytes", "device_memory_bytes", "seconds", "pass_seconds", "left_out", "warnings"})
         return reply.json
 
     def hold_to_measured(self, body):

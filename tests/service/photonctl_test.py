@@ -111,7 +111,7 @@ class Rendering(Case):
         for layers in ([], ["--layers", "albedo,normal,position,depth"]):
             size = ["--width", 64, "--height", 48, "--passes", 3]
             [estimate] = json_lines(self.run_ok("render", "cornell-box", *size, *layers, "--dry-run", "--json"))
-            self.assertEqual(set(estimate), {"memory_bytes", "device_memory_bytes", "seconds", "pass_seconds", "warnings"})
+            self.assertEqual(set(estimate), {"memory_bytes", "device_memory_bytes", "seconds", "pass_seconds", "left_out", "warnings"})
             self.assertGreater(estimate["memory_bytes"], 288 * 64 * 48)
             self.assertGreater(estimate["seconds"], 0)
             shown = self.run_ok("render", "cornell-box", *size, *layers, "--dry-run").stdout

@@ -56,7 +56,7 @@ MAY_INCLUDE = [
     # The daemon never renders: of the renderer it knows what it needs to judge a request and to name files.
     ("server/worker/*", ["server/*", "protocol/*", "renderer/methods/registry.h", *BELOW_METHODS]),
     ("server/*", ["server/*", "protocol/*", "renderer/methods/registry.h", "renderer/frame/render_context.h",
-                  "renderer/core/*", "renderer/film/*.h", "renderer/error/*.h", "renderer/scene/*.h"]),
+                  "renderer/frame/left_out.h", "renderer/core/*", "renderer/film/*.h", "renderer/error/*.h", "renderer/scene/*.h"]),
     ("clients/{room}/*", ["clients/{room}/*", "protocol/*"]),
 ]
 

@@ -88,6 +88,11 @@ class Comparison(Work):
         return cast(List[str], self._whole()["warnings"])
 
     @property
+    def marks(self) -> Dict[str, str]:
+        """By the names of the rows that have light which the reference lacks: what that is. It counts as their error."""
+        return {row_name(row["label"], row["parameters"]): cast(str, row["mark"]) for row in self.table if row.get("mark")}
+
+    @property
     def verdicts(self) -> List[str]:
         """Who reaches which error first, as sentences, for each metric by falling error."""
         return [verdict["text"] for verdict in self._whole().get("verdicts") or []]
@@ -270,7 +275,7 @@ class Comparison(Work):
         self.download(f"report.{suffix}", path)
 
     def _warning_texts(self) -> List[str]:
-        return [f"{text}." for text in self.warnings]
+        return [f"{text}." for text in self.warnings] + [f"{name}: {text}." for name, text in self.marks.items()]
 
     def _headline_texts(self) -> List[str]:
         return [f"By {metric}: {text}." for metric, text in self.headlines.items()]

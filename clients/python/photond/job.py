@@ -106,6 +106,17 @@ class Job(Work):
         return cast(Optional[str], (self.statistics.get("shared") or {}).get("warning"))
 
     @property
+    def left_out(self) -> List[str]:
+        """Kinds of path that its image does not have, as phrases; empty until the job is over.
+
+        >>> one_bounce = client.methods["path_tracing"](indirect_bounces=1)
+        >>> job = client.render("cornell-box", one_bounce, width=8, height=8, passes=1)
+        >>> job.left_out
+        ['light of more than 1 bounce']
+        """
+        return [kind["text"] for kind in self.statistics.get("left_out") or []]
+
+    @property
     def reference_jobs(self) -> List[str]:
         """The jobs it is measured against: two films of different seeds where the reference was made by a method, one where
         a job was named; empty where it was an image, and without a reference."""

@@ -152,6 +152,14 @@ class Stage(TypedDict):
     gpu_seconds: Optional[float]
 
 
+class LeftOut(TypedDict):
+    """A kind of path that an image leaves out, and the same as a phrase; `most_bounces` of further_bounces alone."""
+
+    kind: str
+    text: str
+    most_bounces: Optional[int]
+
+
 class Statistics(TypedDict, total=False):
     stages: List[Stage]
     counts: Json
@@ -159,6 +167,8 @@ class Statistics(TypedDict, total=False):
     memory: Json
     needs: Optional[Json]
     skipped: List[Json]
+    left_out: Optional[List[LeftOut]]
+    least_glossy_alpha: Optional[float]
     device: Json
     version: str
     host_cores: Optional[int]
@@ -311,9 +321,11 @@ class _TableRow(TypedDict):
 class TableRow(_TableRow, total=False):
     """A label and one combination of its sweep, over all seeds: `low` and `high` are of 95 % over the seeds, intervals of
     90 % by the reference's noise. `bias` is by metric; None of one seed, while it runs, and where the reference is not two
-    films."""
+    films. `mark`: of a row that has light which the reference lacks."""
 
     bias: Optional[Dict[str, BiasAndVariance]]
+    left_out: Optional[List[LeftOut]]
+    mark: Optional[str]
 
 
 class Measurement(TypedDict):

@@ -121,6 +121,15 @@ export interface Shared {
   warning: string;
 }
 
+/** A kind of path that an image leaves out. */
+export interface LeftOut {
+  kind: string;
+  /** The same as a phrase. */
+  text: string;
+  /** Of further bounces: paths of more are left out. */
+  most_bounces: number | null;
+}
+
 export interface Statistics {
   stages: Stage[];
   counts: { rays: Record<string, number>; [name: string]: number | null | Record<string, number> };
@@ -134,6 +143,8 @@ export interface Statistics {
   };
   needs: Record<string, Json>;
   skipped: string[];
+  /** Results of before do not say. */
+  left_out?: LeftOut[] | null;
   device: string;
   version: string;
   host_cores: number;
@@ -511,6 +522,9 @@ export interface ComparisonRow {
   pareto: boolean;
   /** By metric; null for one seed, while it runs, and where the reference is not two films. */
   bias?: Record<string, BiasAndVariance> | null;
+  left_out?: LeftOut[] | null;
+  /** Of a row that has light which the reference lacks, and which counts as its error: what that is. */
+  mark?: string | null;
 }
 
 /** Who is first to an error, as the daemon judges it. */

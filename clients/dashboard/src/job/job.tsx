@@ -106,6 +106,7 @@ function Facts({ job }: { job: Job }) {
   const references = referenceJobs(job);
   const error = errorWithInterval(job.error_now?.value, job.error_now?.interval);
   const labels = Object.entries(request.labels);
+  const leftOut = job.statistics?.left_out ?? [];
   return (
     <dl class="facts">
       <dt>Scene</dt>
@@ -156,6 +157,16 @@ function Facts({ job }: { job: Job }) {
               </span>
             ))}
             {references.length > 1 && <span class="muted">, two films of one image</span>}
+          </dd>
+        </>
+      )}
+      {leftOut.length > 0 && (
+        <>
+          <dt>Left out</dt>
+          <dd>
+            {leftOut.map(({ kind, text }) => (
+              <div key={kind}>{text}</div>
+            ))}
           </dd>
         </>
       )}

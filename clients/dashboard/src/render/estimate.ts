@@ -3,11 +3,12 @@
 import { useEffect, useState } from "preact/hooks";
 
 import { Problem, sendJson } from "../api/client";
-import type { JobRequest } from "../api/types";
+import type { JobRequest, LeftOut } from "../api/types";
 
 export interface Estimate {
   memory_bytes: number;
   device_memory_bytes: number | null;
+  left_out: LeftOut[] | null;
   seconds: number | null;
   warnings: string[];
 }

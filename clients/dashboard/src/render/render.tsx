@@ -72,6 +72,16 @@ function Estimated({ judgement }: { judgement: Judgement }) {
             <dd>{bytesText(estimate.device_memory_bytes)}</dd>
           </>
         )}
+        {estimate.left_out && estimate.left_out.length > 0 && (
+          <>
+            <dt>Left out</dt>
+            <dd>
+              {estimate.left_out.map(({ kind, text }) => (
+                <div key={kind}>{text}</div>
+              ))}
+            </dd>
+          </>
+        )}
       </dl>
       {estimate.warnings.map((warning) => (
         <p class="notice" key={warning}>

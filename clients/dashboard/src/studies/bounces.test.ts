@@ -17,6 +17,7 @@ describe("bounces of both sides", () => {
     expect(bouncesOf({ name: "path_tracing", parameters: { indirect_bounces: 3 } }, methods)).toBe(3);
     expect(bouncesOf({ name: "photon_splatting" }, methods)).toBe(1);
     expect(bouncesOf({ name: "photon_splatting", parameters: { bounces: 0 } })).toBe(0);
+    expect(bouncesOf({ name: "photon_splatting", parameters: { bounces: 254 } })).toBe(Infinity);
     expect(bouncesOf({ name: "unheard_of" }, methods)).toBeNull();
   });
   it("are set by the name the method has, as far as it can", () => {

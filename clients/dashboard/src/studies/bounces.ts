@@ -9,13 +9,16 @@ const kNames = ["indirect_bounces", "bounces"] as const;
 /** As many as leave next to nothing over in rooms as bright as most. */
 export const kManyBounces = 6;
 
+/** Methods that count them do no more than these, which are as good as all. */
+const kAllBounces = 254;
+
 /** Infinity where there is no end to them; null of a method that has no such parameter, or is not known. */
 export function bouncesOf(choice: MethodChoice, methods: Method[] = []): number | null {
   const schemas = methods.find((method) => method.name === choice.name)?.parameters.properties ?? {};
   for (const name of kNames) {
     const given = choice.parameters?.[name];
     const value = given === undefined ? schemas[name]?.default : given;
-    if (typeof value === "number") return value;
+    if (typeof value === "number") return value < kAllBounces ? value : Infinity;
     if (value === null) return Infinity;
   }
   return null;

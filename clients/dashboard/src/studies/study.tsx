@@ -107,6 +107,24 @@ function Disturbances({ study, report }: { study: LiveStudy; report: ComparisonR
   );
 }
 
+/** Rows that have light which the reference lacks. */
+function Marks({ report }: { report: ComparisonReport }) {
+  const marked = report.table.filter((row) => row.mark);
+  if (marked.length === 0) return null;
+  return (
+    <div class="notice">
+      Measured against a reference without some of their light:
+      <ul>
+        {marked.map((row) => (
+          <li key={row.jobs[0]}>
+            {rowName(row)}: {row.mark}.
+          </li>
+        ))}
+      </ul>
+    </div>
+  );
+}
+
 function Progress({ report }: { report: ComparisonReport }) {
   if (isOver(report.state)) {
     if (report.state === "succeeded") return null;
@@ -222,6 +240,7 @@ function Body({ study, report }: { study: LiveStudy; report: ComparisonReport })
       <StudyNow report={report} jobs={study.jobs} />
       <VerdictPanel report={report} metric={metric} />
       {unequal.length > 0 && <p class="notice">{unequal.join(" ")} What is missing stays as error, however long it renders.</p>}
+      <Marks report={report} />
       {report.reference && report.reference.warnings.length > 0 && (
         <div class="notice">
           {report.reference.form === "two_films" ? "What the reference's noise leaves little of:" : "Errors near the reference's own noise are partly the reference's:"}
