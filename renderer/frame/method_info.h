@@ -69,6 +69,9 @@ struct MethodInfo {
     std::vector<CaseRefusal> refusals;
     /// Parameters and their words with which, all together, its bias falls with the passes; empty: with none it does.
     std::vector<ParamSetting> bias_falls_with;
+    /// What stands for a parameter that a request kept since before lacks, where that is not the default of now: the
+    /// request is of a time when there was no such parameter, or another default, and is done as it was then.
+    std::vector<ParamSetting> settings_before;
     /// Kinds of path that it leaves out with these parameters in a scene with these needs, whatever its passes.
     PathsLeftOut (*left_out)(const MethodParams& params, const Needs& needs) = nullptr;
     std::unique_ptr<MethodParams> (*make_params)() = nullptr;

@@ -5,6 +5,8 @@
 #include <map>
 #include <string>
 
+#include "server/service/older_requests.h"
+
 namespace photond {
 
 void Recovery::begin() {
@@ -37,6 +39,7 @@ bool Recovery::finish() {
 }
 
 void Recovery::recover_rows() {
+    complete_requests(core_.store, core_.vocabulary);
     const auto rendered = [this](int64_t seq) { return is_rendered(seq); };
     for (const LeftFilm& left : find_left_films(core_.files, core_.store, rendered)) {
         adopt(core_.store, left);

@@ -564,6 +564,44 @@ void Store::set_event_ids_until(uint64_t id) {
         .run();
 }
 
+std::string Store::requests_are_of() {
+    Statement read = database_.prepare("SELECT value FROM meta WHERE key = 'requests_are_of'");
+    return read.step() ? read.text(0) : "";
+}
+
+void Store::set_requests_are_of(const std::string& text) {
+    database_.prepare("INSERT OR REPLACE INTO meta (key, value) VALUES ('requests_are_of', ?1)").bind(1, text).run();
+}
+
+void Store::change_requests(const std::function<bool(KeptRequest&)>& change) {
+    std::vector<std::pair<int64_t, KeptRequest>> changed;
+    {
+        Statement read = database_.prepare("SELECT seq, request, scene, content FROM jobs");
+        while (read.step())
+            if (KeptRequest kept{read.text(1), read.text(2), read.text(3)}; change(kept))
+                changed.emplace_back(read.integer(0), std::move(kept));
+    }
+    if (!changed.empty()) ++jobs_version_;
+    for (const auto& [seq, kept] : changed)
+        database_.prepare("UPDATE jobs SET request = ?2, content = ?3 WHERE seq = ?1")
+            .bind(1, seq)
+            .bind(2, kept.request)
+            .bind(3, kept.content)
+            .run();
+    changed.clear();
+    {
+        Statement read = database_.prepare("SELECT seq, request, scene FROM comparisons");
+        while (read.step())
+            if (KeptRequest kept{read.text(1), read.text(2)}; change(kept))
+                changed.emplace_back(read.integer(0), std::move(kept));
+    }
+    for (const auto& [seq, kept] : changed)
+        database_.prepare("UPDATE comparisons SET request = ?2 WHERE seq = ?1")
+            .bind(1, seq)
+            .bind(2, kept.request)
+            .run();
+}
+
 void Store::note_unnamed_file(const std::string& path) {
     for (const std::string& gone : std::exchange(gone_files_, {})) forget_unnamed_file(gone);
     database_.prepare("INSERT OR IGNORE INTO unnamed_files (path) VALUES (?1)").bind(1, path).run();

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -155,6 +156,13 @@ struct FilmRow {
     bool operator==(const FilmRow&) const = default;
 };
 
+/// What a job or a comparison was asked for by, and what else follows from it.
+struct KeptRequest {
+    std::string request;       // JSON
+    std::string scene;         // id
+    std::string content = {};  // as in JobRow
+};
+
 struct QueuedJob {
     int64_t seq;
     int priority;
@@ -205,6 +213,13 @@ public:
     std::vector<FilmRow> films();
     /// The newest succeeded jobs of a method, at most `limit`; for estimates.
     std::vector<JobRow> latest_succeeded(const std::string& method, uint32_t limit);
+
+    /// Shows it the request of every job and of every comparison; where it changes one it says so, and request and
+    /// content are written.
+    void change_requests(const std::function<bool(KeptRequest&)>& change);
+    /// A text that stands for what the requests were last brought up to; empty: nothing.
+    std::string requests_are_of();
+    void set_requests_are_of(const std::string& text);
 
     void append_log(int64_t seq, int64_t at_ms, const std::string& line);
     std::vector<std::pair<int64_t, std::string>> log(int64_t seq);

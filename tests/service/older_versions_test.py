@@ -144,6 +144,79 @@ class OlderVersionsTest(unittest.TestCase):
         (film,) = (self.data / "films").glob(f"{self.measured['id']}-*.film")
         self.assertEqual((version_of(film.read_bytes()), passes_of(film.read_bytes())), (NEWEST, 5))
 
+# Of parameters that are new or had other defaults: what was done before, as MethodInfo::settings_before has it.
+BEFORE = {"photon_mapping": {"boundary": "none"}, "photon_splatting": {"bounces": 1},
+          "svo_many_lights": {"bounces": 1, "caustic_photons": 0}}
+
+
+class OlderDefaultsTest(unittest.TestCase):
+    """Jobs and comparisons that were kept without parameters which are new, or whose defaults have changed since."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.daemon = daemon = Daemon("--threads", 1)
+        daemon.wait_ready()
+        cls.jobs, cls.longer, removed = {}, {}, []
+        for method, parameters in BEFORE.items():
+            of_method = {"name": method, "parameters": {"photons" if "photon" in method else "vpls": 300, **parameters}}
+            job = {**small_job(scene="cornell-box-glass", size=16, passes=2), "method": of_method}
+            cls.jobs[method] = daemon.run_job(job)
+            cls.longer[method] = daemon.run_job({**job, "stop": {"passes": 3}})
+            removed += [f"'{place}.method.parameters.{name}'" for place in ("$", "$.reference") for name in parameters]
+        compared = daemon.request("POST", "/v1/comparisons", json_body={
+            "scene": "cornell-box", "image": {"width": 8, "height": 8}, "stop": {"passes": 1},
+            "reference": {"method": {"name": "photon_mapping", "parameters": {"photons": 300, "boundary": "none"}},
+                          "stop": {"passes": 2}},
+            "entries": [{"label": "a", "method": {"name": "photon_splatting", "parameters": {"photons": 50, "bounces": 1}}}]})
+        assert compared.status == 202, compared
+        cls.comparison = f"/v1/comparisons/{compared.json['id']}"
+        wait_until(lambda: daemon.request("GET", cls.comparison).json["state"] == "succeeded", "the comparison does not end")
+        cls.references = daemon.request("GET", cls.comparison).json["reference"]["jobs"]
+        assert daemon.stop() == 0
+        removed = ", ".join(removed)
+        make_older(daemon.data_dir / "store.sqlite", len(migrations()), [
+            f"UPDATE jobs SET request = json_remove(request, {removed}), "
+            "content = CASE content WHEN '' THEN '' ELSE 'one of two films: as it was called' || seq END",
+            "UPDATE comparisons SET request = json_remove(request, '$.reference.method.parameters.boundary', "
+            "'$.entries[0].method.parameters.bounces')",
+            "DELETE FROM meta WHERE key = 'requests_are_of'"])
+        daemon.start()
+        daemon.wait_ready()
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.daemon.close()
+
+    def parameters_of(self, job):
+        return {name: job["request"]["method"]["parameters"][name] for name in BEFORE[job["request"]["method"]["name"]]}
+
+    def test_a_repeat_does_what_was_done(self):
+        for method, before in self.jobs.items():
+            self.assertEqual(self.daemon.job(before["id"])["request"], before["request"])
+            answer = self.daemon.request("POST", f"/v1/jobs/{before['id']}/repeat")
+            self.assertEqual(answer.status, 202, answer)
+            repeat = self.daemon.wait_for_job(answer.json["id"])
+            self.assertEqual(self.parameters_of(repeat), BEFORE[method])
+            self.assertEqual(repeat["statistics"]["pixel_hash"], before["statistics"]["pixel_hash"])
+
+    def test_an_extended_job_goes_on_with_what_it_was_made_with(self):
+        for method, before in self.jobs.items():
+            answer = self.daemon.request("POST", f"/v1/jobs/{before['id']}/extend", json_body={"stop": {"passes": 3}})
+            self.assertEqual(answer.status, 202, answer)
+            job = self.daemon.wait_for_job(before["id"])
+            self.assertEqual(self.parameters_of(job), BEFORE[method])
+            self.assertEqual(job["statistics"]["resumed_passes"], 2)
+            self.assertEqual(job["statistics"]["pixel_hash"], self.longer[method]["statistics"]["pixel_hash"])
+
+    def test_a_comparison_asked_for_again_finds_its_reference_and_its_defaults(self):
+        compared = self.daemon.request("GET", self.comparison).json
+        self.assertEqual(compared["request"]["reference"]["method"]["parameters"]["boundary"], "none")
+        self.assertEqual(compared["request"]["entries"][0]["method"]["parameters"]["bounces"], 1)
+        again = self.daemon.request("POST", "/v1/comparisons", json_body=compared["request"])
+        self.assertEqual(again.status, 202, again)
+        self.assertEqual(self.daemon.request("GET", f"/v1/comparisons/{again.json['id']}").json["reference"]["jobs"],
+                         self.references)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -45,6 +45,7 @@ MethodInfo photon_mapping_row() {
     info.layers.add(Layer::PhotonCount);
     info.artefacts = {{PhotonMapping::kArtefact, "model/gltf-binary", "keep_photon_map", "photon map"}};
     info.estimate_artefact_bytes = photon_map_file_bytes;
+    info.settings_before = {{"boundary", "none"}};
     info.variants = {{"final", {{"gather", "final"}}}, {"direct", {{"gather", "direct"}}}};
     info.limits = {kStartsByPower,
                    {{}, "thin wall", "a disc of the density estimate does not see a wall thinner than its radius"},

@@ -30,6 +30,7 @@ MethodInfo photon_splatting_row() {
     info.layers.add(Layer::Overlap);
     info.layers.remove(Layer::Caustic);
     info.bias_falls_with = {{"shrink", "true"}, {"weighting", "radiometric"}};
+    info.settings_before = {{"bounces", "1"}};
     info.variants = {{"connect", {{"weighting", "radiometric"}, {"estimator", "connect"}}},
                      {"kernel", {{"weighting", "radiometric"}, {"estimator", "kernel"}}},
                      {"normalised", {{"weighting", "normalised"}}}};
@@ -42,7 +43,7 @@ MethodInfo photon_splatting_row() {
                     "thin wall",
                     "a depth map lights borderline depths, to a texel's width, which is more than the wall's"},
                    {{}, "furnace", "as many bounces as it was given here, where the answer has all of them"},
-                   {{}, "glass", "beams from specular surfaces are as wide as a quarter of a splat"},
+                   {{{"estimator", "kernel"}}, "glass", "beams from specular surfaces are as wide as a splat"},
                    {{{"estimator", "kernel"}}, "corner", "the kernel darkens within a radius of edges, by half there"},
                    {{{"estimator", "kernel"}}, "facing", "the kernel darkens within a radius of edges, by half there"}};
     return info;

@@ -35,6 +35,7 @@ MethodInfo svo_many_lights_row() {
     for (const Layer layer : {Layer::Clamped, Layer::Voxels, Layer::Vpls, Layer::SplitNormal, Layer::SplitIndirect})
         info.layers.add(layer);
     info.layers.remove(Layer::Caustic);
+    info.settings_before = {{"bounces", "1"}, {"caustic_photons", "0"}};
     info.variants = {{"rays", {{"visibility", "rays"}}}, {"voxels", {{"visibility", "svo"}}}};
     info.limits = {
         kStartsByPower,
