@@ -8,6 +8,7 @@
 #include "renderer/core/sha256.h"
 #include "renderer/methods/registry.h"
 #include "server/clock_text.h"
+#include "server/row_text.h"
 #include "server/service/idempotency_key.h"
 #include "server/service/saved_film.h"
 
@@ -92,7 +93,10 @@ JobRow merged_row(const std::vector<JobRow>& parts, const MergeFilmsReply& merge
     request["first_pass"] = first_pass;
     request["stop"] = {{"seconds", nullptr}, {"passes", row.passes_done}, {"target", nullptr}};
     row.request = request.dump();
-    row.statistics = merged.statistics.dump(-1, ' ', false, json::error_handler_t::replace);
+    json statistics = merged.statistics;
+    if (const json of_part = parsed_or_null(parts.front().statistics); of_part.is_object())
+        statistics["left_out"] = of_part.value("left_out", json());  // alike in all: scene and settings are
+    row.statistics = statistics.dump(-1, ' ', false, json::error_handler_t::replace);
     row.pixel_hash = merged.pixel_hash;
     row.failure.clear();
     row.attempts = row.artefacts = "[]";

@@ -2,8 +2,10 @@
 
 #include <spdlog/spdlog.h>
 
+#include <map>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "protocol/param_json.h"
 #include "renderer/core/sha256.h"
@@ -16,8 +18,8 @@ using nlohmann::json;
 
 namespace {
 
-/// All parameters of a method, as those are done that a request of before lacks.
-json parameters_before(const MethodInfo& method) {
+/// All parameters of a method, as what a request of before lacks is done.
+json make_parameters_before(const MethodInfo& method) {
     json before = json::object();
     for (const ParamSetting& setting : method.settings_before) {
         const json number = json::parse(setting.word, nullptr, false);
@@ -30,6 +32,16 @@ json parameters_before(const MethodInfo& method) {
     return params_to_json(*params);
 }
 
+/// The same; of a store's many requests each asks for them.
+const json& parameters_before(const MethodInfo& method) {
+    static const std::map<std::string_view, json> kBefore = [] {
+        std::map<std::string_view, json> before;
+        for (const MethodInfo& any : all_methods()) before[any.name] = make_parameters_before(any);
+        return before;
+    }();
+    return kBefore.at(method.name);
+}
+
 bool complete_method(json& holder) {
     json* method = holder.is_object() && holder.contains("method") ? &holder["method"] : nullptr;
     if (!method || !method->is_object()) return false;
@@ -38,8 +50,7 @@ bool complete_method(json& holder) {
     json& parameters = (*method)["parameters"];
     if (!parameters.is_object()) parameters = json::object();
     const size_t given = parameters.size();
-    const json before = parameters_before(*info);
-    for (const auto& [name, value] : before.items()) parameters.emplace(name, value);
+    for (const auto& [name, value] : parameters_before(*info).items()) parameters.emplace(name, value);
     return parameters.size() > given;
 }
 

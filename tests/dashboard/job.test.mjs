@@ -15,7 +15,7 @@ const repository = resolve(dirname(fileURLToPath(import.meta.url)), "../..");
 const daemon = await startDaemon({ data: historyOf(60) });
 const measured = await daemon.run(
   smallJob({
-    method: { name: "photon_mapping", parameters: { photons: 2000, gather: "direct", keep_photon_map: true } },
+    method: { name: "photon_mapping", parameters: { photons: 2000, gather: "direct", keep_photon_map: true, indirect_bounces: 5 } },
     stop: { passes: 6, target: { metric: "relative_mse", value: 1e-9 } },
     reference: { method: { name: "path_tracing" }, stop: { passes: 8 } },
     layers: ["albedo", "depth", "caustic"],
@@ -30,6 +30,7 @@ test("shows what became of it and what it took", async () => {
   await panel("Error").locator("canvas").waitFor();
   await panel("Facts").getByText("photon mapping").waitFor();
   await panel("Facts").getByText("6 passes or relative_mse ≤ 1e-9").waitFor();
+  await panel("Facts").getByText("light of more than 5 bounces").waitFor();
   const life = panel("State over time").getByRole("row");
   assert.match(await life.last().innerText(), /attempt 1.*cpu.*6.*succeeded/s);
   const stages = panel("Time by stage");

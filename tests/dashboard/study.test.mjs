@@ -101,9 +101,11 @@ test("what is not told apart from 0 is an upper bound, and what is not gone belo
   Object.assign(unknown(error.relative_mse), { value: -0.001, near_reference: true });
   Object.assign(unknown(error_at_time.relative_mse[0]), { error: -0.001 });
   Object.assign(bias.relative_mse, { squared_bias: 0.02, low: 0.01, high: 0.03, floor: true });
+  report.table[1].mark = "the reference lacks some light: what this entry has of it counts as error";
   await page.route("**/report.json", (route) => route.fulfill({ json: report }));
   await page.reload();
   await page.getByText("paths: reaches no less than 0.01").waitFor();
+  await page.getByText(`: ${report.table[1].mark}.`).waitFor();
   assert.equal(await page.locator(".study-plot-holder").first().locator('path[d^="M-5 0"]').count(), 1);
   await page.getByText("Arrows: upper bounds").waitFor();
   assert.match(await section("relative_mse after a time").locator("tbody tr").first().innerText(), /below 0\.004\s+\(-0\.006 to 0\.004\)/);

@@ -8,6 +8,7 @@ import unittest
 
 import tiny_scene
 from photond_daemon import BIN, Daemon, small_job, wait_until
+from python_client_case import photond
 
 CAUSTICS = ["delta_light_caustics", "delta_light_after_caustics"]
 
@@ -113,6 +114,9 @@ class LeftOutTest(unittest.TestCase):
         printed = subprocess.run([BIN / "photonctl", "--server", self.url(), "comparisons", "show", compared["id"]],
                                  capture_output=True, text=True, check=True).stdout
         self.assertIn("! photons: the reference lacks", printed)
+        client = photond.Client(self.url())
+        self.assertEqual(client.comparison(compared["id"]).marks, {"photons": photons["mark"]})
+        self.assertIn(f"photons: {photons['mark']}.", str(client.comparison(compared["id"])))
 
     def test_a_reference_that_has_it_marks_nobody(self):
         _, compared, report = self.compare(self.method("photon_mapping", photons=2000))
@@ -130,6 +134,12 @@ class LeftOutTest(unittest.TestCase):
         path = f"/v1/comparisons/{made.json['id']}"
         wait_until(lambda: self.daemon.request("GET", path).json["state"] == "succeeded", "the comparison does not end")
         self.assertTrue(self.daemon.request("GET", path).json["table"][0]["mark"])
+
+    def test_a_merged_job_leaves_out_what_its_parts_do(self):
+        parts = [self.daemon.run_job(small_job(scene=self.scene["id"], size=8, first_pass=first)) for first in (0, 1)]
+        merged = self.daemon.request("POST", "/v1/jobs/merge", json_body={"jobs": [part["id"] for part in parts]})
+        self.assertEqual(merged.status, 201, merged)
+        self.assertEqual(kinds(merged.json["statistics"]["left_out"]), CAUSTICS)
 
     def test_photonctl_prints_it(self):
         run = [BIN / "photonctl", "--server", self.url(), "render", self.scene["id"], "--width", "8", "--height", "8",
