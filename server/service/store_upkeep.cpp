@@ -14,7 +14,7 @@ using nlohmann::json;
 namespace {
 
 constexpr std::chrono::seconds kBetweenTries{1};  // between two tries
-constexpr int kNice = 10;                  // who serves and renders goes first
+constexpr int kNice = 10;                         // who serves and renders goes first
 
 }  // namespace
 
