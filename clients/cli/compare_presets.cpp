@@ -24,8 +24,8 @@ ComparePreset photon_splatting_thesis() {
     comparison.metrics = {"indirect:relative_mse", "indirect:fitted_relative_mse", "indirect:rmse",
                           "indirect:fitted_rmse", "rmse_8bit"};
     comparison.entries = {
-        "photon mapping=photon_mapping,gather=direct,indirect_bounces=1",
-        "photon mapping (many bounces)=photon_mapping,gather=direct,nearest_photons=200",
+        "photon mapping=photon_mapping,gather=direct,boundary=none,indirect_bounces=1",
+        "photon mapping (many bounces)=photon_mapping,gather=direct,boundary=none,nearest_photons=200",
         "small splats=photon_splatting,weighting=normalised,splat_size_relative=0.25",
         "large splats=photon_splatting,weighting=normalised,splat_size_relative=0.75",
         ("stratified=photon_splatting,weighting=normalised,splat_size_relative=0.25,stratify=true,minimum_photons=1,"

@@ -10,12 +10,14 @@ layout(set = 0, binding = CAUSTIC_ESTIMATE_BINDING, scalar) readonly buffer Caus
     EstimateConstants caustic_estimate;
 };
 #define ESTIMATE caustic_estimate
+#define COVERAGE ESTIMATE.coverage  // discs are whole: DISC_COVERAGE stays false
+#define EDGE_CELL_WORD(index) 0u
 #include "renderer/photons/radiance_estimate.glsl"
 
 /// Towards `wo`, by photons of at most so many scatterings.
 vec3 caustic_radiance(ShadingPoint point, Bsdf rough, vec3 wo, uint most_scatterings) {
     if (most_scatterings == 0u) return vec3(0.0);
-    return estimate_radiance(PHOTON_MAP_CAUSTIC, point, rough, wo, most_scatterings).radiance;
+    return estimate_radiance(PHOTON_MAP_CAUSTIC, point, rough, wo, most_scatterings, 0u).radiance;
 }
 
 /// Irradiance [W m^-2] of a Lambert reflector: `normal` is the one that shades.

@@ -2,6 +2,7 @@
 
 #include "renderer/core/parallel.h"
 #include "renderer/core/thread_local.h"
+#include "renderer/photons/disc_coverage.h"
 
 namespace photond {
 
@@ -24,8 +25,8 @@ PrecomputedIrradiance::PrecomputedIrradiance(const PhotonMap& map, const Estimat
         const vec3 normal = map.payload(index).normal();
         normals_[i] = Octahedral<16>::encode(normal);
         Neighbours& neighbours = scratch.local();
-        found_[i].irradiance =
-            estimate_irradiance(map, settings, map.position(index), normal, most_scatterings, neighbours);
+        found_[i].irradiance = estimate_irradiance(map, settings, map.position(index), normal, most_scatterings,
+                                                   neighbours, disc_turn(vec2(map.position(index))));
         found_[i].radius_m = neighbours.radius_m;
     });
 }

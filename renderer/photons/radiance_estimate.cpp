@@ -3,7 +3,7 @@
 #include <array>
 #include <bit>
 
-#include "renderer/photons/surface_boundary.h"
+#include "renderer/photons/disc_coverage.h"
 #include "renderer/transport/bsdf_evaluator.h"
 
 namespace photond {
@@ -21,6 +21,7 @@ struct Disc {
     vec3 normal;  // unit, geometric
     bool both_sides;
     uint32_t most_scatterings;
+    uint32_t turn;
 };
 
 /// Calls take(payload, weight, side) for each of the photons found that lies on the disc; `weight` is K r^2, `side` the
@@ -71,16 +72,22 @@ DiscSum sum_over_disc(const PhotonMap& map, const EstimateSettings& settings, co
     const float area = sqr(scratch.radius_m);
     if (scratch.found.empty() || !(area >= std::numeric_limits<float>::min() && area < kInfinity)) return sum;
     const float thickness_m = settings.disc_thickness_m.value_or(0.25f * scratch.radius_m);
+    DiscCoverage::Found coverage;
+    if (settings.coverage != nullptr)
+        coverage = settings.coverage->look_up(settings.kernel, disc.position, disc.normal, scratch.radius_m,
+                                              thickness_m, disc.turn);
+    if (coverage.hides) {
+        std::erase_if(scratch.found, [&](const Neighbours::Found& f) {
+            return !settings.coverage->sees(coverage, disc.normal, scratch.radius_m, map.position(f.index));
+        });
+    }
     if (const KdTree* tree = map.kd_tree()) {
         sum.photons = take_photons(*tree, map, settings, disc, thickness_m, scratch, take);
     } else {
         sum.photons = take_photons(*map.hash_grid(), map, settings, disc, thickness_m, scratch, take);
     }
     if (sum.photons == 0) return sum;
-    sum.scale_per_m2 = 1 / area;
-    if (settings.boundary != nullptr)
-        sum.scale_per_m2 /= settings.boundary->mass_on_surface(settings.kernel, disc.position, disc.normal,
-                                                               scratch.radius_m, thickness_m);
+    sum.scale_per_m2 = coverage.inverse_mass / area;
     return sum;
 }
 
@@ -161,11 +168,12 @@ private:
 }  // namespace
 
 RadianceEstimate estimate_radiance(const PhotonMap& map, const EstimateSettings& settings, const ShadingPoint& point,
-                                   const Bsdf& bsdf, const vec3& wo, uint32_t most_scatterings, Neighbours& scratch) {
+                                   const Bsdf& bsdf, const vec3& wo, uint32_t most_scatterings, Neighbours& scratch,
+                                   uint32_t turn) {
     RadianceEstimate estimate;
     if (!bsdf.has_non_delta()) return estimate;
     const vec3 normal = point.geometric_normal;
-    const Disc disc{point.position, normal, bsdf.has_non_delta_transmission(), most_scatterings};
+    const Disc disc{point.position, normal, bsdf.has_non_delta_transmission(), most_scatterings, turn};
     Rgb factor(1);
     DiscSum sum;
     if (bsdf.is_lambert() && point.shading.normal == normal) {
@@ -193,8 +201,8 @@ RadianceEstimate estimate_radiance(const PhotonMap& map, const EstimateSettings&
 }
 
 Rgb estimate_irradiance(const PhotonMap& map, const EstimateSettings& settings, const vec3& position,
-                        const vec3& normal, uint32_t most_scatterings, Neighbours& scratch) {
-    const Disc disc{position, normal, false, most_scatterings};
+                        const vec3& normal, uint32_t most_scatterings, Neighbours& scratch, uint32_t turn) {
+    const Disc disc{position, normal, false, most_scatterings, turn};
     Rgb irradiance(0);
     const DiscSum sum =
         sum_over_disc(map, settings, disc, scratch,

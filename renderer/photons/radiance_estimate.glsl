@@ -1,6 +1,6 @@
 // GLSL twin of photons/radiance_estimate.h: reflected radiance from the photons about a point. Define
 // GRID_STARTS_BINDING, GRID_PLACES_BINDING, MAP_POWERS_BINDING (of set 0), NEAREST_GROUP (threads of the group) and
-// ESTIMATE (an EstimateConstants) before.
+// ESTIMATE (an EstimateConstants) before, and what disc_coverage.glsl wants.
 //
 // The k nearest are found exactly, in two sweeps through the cells or three, without a list of candidates: a histogram
 // of the squared distances says in which of its buckets the k-th is; among the few in there it is selected. Where they
@@ -8,6 +8,7 @@
 #ifndef PHOTOND_RADIANCE_ESTIMATE_GLSL
 #define PHOTOND_RADIANCE_ESTIMATE_GLSL
 
+#include "renderer/photons/disc_coverage.glsl"
 #include "renderer/photons/hash_grid.glsl"
 #include "renderer/photons/kernel.glsl"
 #include "renderer/photons/photon.glsl"
@@ -17,6 +18,7 @@
 
 layout(constant_id = SEARCH_NEAREST_ID) const bool SEARCH_NEAREST = true;
 layout(constant_id = SOFT_DISC_ID) const bool SOFT_DISC = false;
+layout(constant_id = DISC_COVERAGE_ID) const bool DISC_COVERAGE = false;
 
 layout(set = 0, binding = MAP_POWERS_BINDING, std430) readonly buffer MapPowers { uvec4 map_powers[]; };  // PhotonPower
 
@@ -139,7 +141,8 @@ RadianceEstimate no_radiance() { return RadianceEstimate(vec3(0.0), vec3(0.0), 0
 
 /// Reflected (and, by rough transmission, transmitted) radiance towards `wo` (local to point.shading) by the non-delta
 /// lobes of `bsdf`, from that map. Photons with more than `most_scatterings` are left out.
-RadianceEstimate estimate_radiance(uint map_kind, ShadingPoint point, Bsdf bsdf, vec3 wo, uint most_scatterings) {
+RadianceEstimate estimate_radiance(uint map_kind, ShadingPoint point, Bsdf bsdf, vec3 wo, uint most_scatterings,
+                                   uint turn) {
     RadianceEstimate estimate = no_radiance();
     if (!bsdf_has_non_delta(bsdf)) return estimate;
     const vec3 normal = point.geometric_normal;
@@ -160,6 +163,10 @@ RadianceEstimate estimate_radiance(uint map_kind, ShadingPoint point, Bsdf bsdf,
     const float thickness_m = ESTIMATE.disc_thickness_m < 0.0 ? 0.25 * disc.radius_m : ESTIMATE.disc_thickness_m;
     const uint same_normal = octahedral_encode(11u, normal);
     const vec3 normal_local = to_local(point.shading, normal);
+    DiscFound coverage = whole_disc();
+    if (DISC_COVERAGE)
+        coverage =
+            look_disc_up(ESTIMATE.kernel, CoverageDisc(point.position, normal, disc.radius_m, thickness_m), turn);
 
     uint index;
     uvec4 found;
@@ -178,6 +185,8 @@ RadianceEstimate estimate_radiance(uint map_kind, ShadingPoint point, Bsdf bsdf,
             if (side < 0.0 && !both_sides) continue;
             if (!SOFT_DISC && abs(side) < DISC_COSINE) continue;
         }
+        if (DISC_COVERAGE && coverage.hides && !disc_sees(coverage, normal, disc.radius_m, uintBitsToFloat(found.xyz)))
+            continue;
         float weight = kernel_evaluate(ESTIMATE.kernel, distance_sq / area);
         if (SOFT_DISC) weight *= abs(side) * (thickness_m > 0.0 ? 1.0 - height_m / thickness_m : 1.0);
         const uvec4 power = map_powers[map.grid.first_point + index];
@@ -194,8 +203,8 @@ RadianceEstimate estimate_radiance(uint map_kind, ShadingPoint point, Bsdf bsdf,
         ++estimate.photons;
     }
     const vec3 factor = plain ? bsdf_f_cos(bsdf, wo, vec3(0.0, 0.0, 1.0)) : vec3(1.0);
-    estimate.radiance *= factor / area;
-    estimate.delta_radiance *= factor / area;
+    estimate.radiance *= coverage.inverse_mass / area * factor;
+    estimate.delta_radiance *= coverage.inverse_mass / area * factor;
     return estimate;
 }
 

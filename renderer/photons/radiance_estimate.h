@@ -14,7 +14,7 @@
 
 namespace photond {
 
-class SurfaceBoundary;
+class DiscCoverage;
 
 struct EstimateSettings {
     Kernel kernel;
@@ -23,8 +23,8 @@ struct EstimateSettings {
     /// Weight photons by |n . n_p| times (1 - distance from the plane / thickness) instead of refusing at 60 degrees
     /// and at the thickness. Loses energy; for comparison only.
     bool soft_disc = false;
-    /// Divide by the part of the kernel that lies on the surface; nullptr: by all of it.
-    const SurfaceBoundary* boundary = nullptr;
+    /// Divide by the part of the kernel that lies on surface which light can reach; nullptr: by all of it.
+    const DiscCoverage* coverage = nullptr;
 };
 
 /// Photons whose geometric normal makes more than 60 degrees with that of the point are refused.
@@ -38,12 +38,14 @@ struct RadianceEstimate {
 };
 
 /// Reflected (and, by rough transmission, transmitted) radiance towards `wo` (local to point.shading) by the non-delta
-/// lobes of `bsdf`. Photons with more than `most_scatterings` are left out. `scratch` is the calling thread's.
+/// lobes of `bsdf`. Photons with more than `most_scatterings` are left out. `scratch` is the calling thread's. `turn`,
+/// a random number, is for the coverage of the disc.
 RadianceEstimate estimate_radiance(const PhotonMap& map, const EstimateSettings& settings, const ShadingPoint& point,
-                                   const Bsdf& bsdf, const vec3& wo, uint32_t most_scatterings, Neighbours& scratch);
+                                   const Bsdf& bsdf, const vec3& wo, uint32_t most_scatterings, Neighbours& scratch,
+                                   uint32_t turn = 0);
 
 /// Irradiance [W m^-2] at a place with that geometric normal (unit, the side that is lit).
 Rgb estimate_irradiance(const PhotonMap& map, const EstimateSettings& settings, const vec3& position,
-                        const vec3& normal, uint32_t most_scatterings, Neighbours& scratch);
+                        const vec3& normal, uint32_t most_scatterings, Neighbours& scratch, uint32_t turn = 0);
 
 }  // namespace photond

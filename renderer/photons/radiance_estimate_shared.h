@@ -3,6 +3,7 @@
 #ifndef PHOTOND_RADIANCE_ESTIMATE_SHARED_H
 #define PHOTOND_RADIANCE_ESTIMATE_SHARED_H
 
+#include "renderer/photons/disc_coverage_shared.h"
 #include "renderer/photons/hash_grid_shared.h"
 #include "renderer/photons/kernel_shared.h"
 #include "renderer/photons/photon_shared.h"
@@ -29,10 +30,11 @@ struct EstimateConstants {
     PhotonMapConstants maps[2];
     KernelRecord kernel;
     float disc_thickness_m;  // negative: a quarter of the disc's radius
+    DiscCoverageConstants coverage;
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(EstimateConstants) == 2 * 68 + 16);
+static_assert(sizeof(EstimateConstants) == 2 * 68 + 16 + sizeof(DiscCoverageConstants));
 }  // namespace photond::gpu
 #endif
 

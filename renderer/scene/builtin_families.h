@@ -25,6 +25,15 @@ Scene make_splatting_plate();
 Scene make_splatting_skimming_ray();
 Scene make_splatting_chairs();
 
+// builtin_details.cpp: what stands at the foot of a wall and hangs on it.
+Scene make_detail_bar();
+Scene make_detail_bar_at_mid_height();
+Scene make_detail_stepped_bars();
+Scene make_detail_moulding();
+Scene make_detail_bevel();
+Scene make_detail_shelf();
+Scene make_detail_books();
+
 /// A matte material without the 4 % specular lobe of a glTF non-metal: pure Lambert.
 Material lambert(const char* name, const Rgb& albedo);
 Material metal(const char* name, const Rgb& reflectance, float roughness);

@@ -33,6 +33,16 @@ constexpr std::array kSplattingFigures = {
     BuiltinScene{"photon-splatting/chairs", make_splatting_chairs},
 };
 
+constexpr std::array kDetails = {
+    BuiltinScene{"details/bar", make_detail_bar},
+    BuiltinScene{"details/bar-at-mid-height", make_detail_bar_at_mid_height},
+    BuiltinScene{"details/stepped-bars", make_detail_stepped_bars},
+    BuiltinScene{"details/moulding", make_detail_moulding},
+    BuiltinScene{"details/bevel", make_detail_bevel},
+    BuiltinScene{"details/shelf", make_detail_shelf},
+    BuiltinScene{"details/books", make_detail_books},
+};
+
 template <size_t N>
 constexpr std::array<std::string_view, N> names_of(const std::array<BuiltinScene, N>& scenes) {
     std::array<std::string_view, N> names;
@@ -41,13 +51,23 @@ constexpr std::array<std::string_view, N> names_of(const std::array<BuiltinScene
 }
 constexpr auto kNames = names_of(kBuiltinScenes);
 constexpr auto kSplattingNames = names_of(kSplattingFigures);
+constexpr auto kDetailNames = names_of(kDetails);
+
+const BuiltinScene* find_builtin(std::string_view name) {
+    for (const std::span<const BuiltinScene> scenes :
+         {std::span<const BuiltinScene>(kBuiltinScenes), std::span<const BuiltinScene>(kSplattingFigures),
+          std::span<const BuiltinScene>(kDetails)})
+        for (const BuiltinScene& builtin : scenes)
+            if (builtin.name == name) return &builtin;
+    return nullptr;
+}
 
 }  // namespace
 
 std::span<const std::string_view> builtin_scene_names() { return kNames; }
 
 std::span<const std::string_view> builtin_family_names() {
-    static constexpr std::string_view kFamilies[] = {"hard-cases", "photon-splatting"};
+    static constexpr std::string_view kFamilies[] = {"hard-cases", "photon-splatting", "details"};
     return kFamilies;
 }
 
@@ -60,17 +80,14 @@ std::span<const std::string_view> builtin_scene_names(std::string_view family) {
     }();
     if (family == builtin_family_names()[0]) return kHardCases;
     if (family == builtin_family_names()[1]) return kSplattingNames;
+    if (family == builtin_family_names()[2]) return kDetailNames;
     std::string known;
     for (const std::string_view name : builtin_family_names()) known += (known.empty() ? "" : ", ") + std::string(name);
     throw Error(ErrorCode::UnknownName,
                 "there is no family of scenes \"" + std::string(family) + "\"; there are " + known);
 }
 
-bool is_builtin_scene(std::string_view name) {
-    return std::find(kNames.begin(), kNames.end(), name) != kNames.end() ||
-           std::find(kSplattingNames.begin(), kSplattingNames.end(), name) != kSplattingNames.end() ||
-           find_hard_case(name);
-}
+bool is_builtin_scene(std::string_view name) { return find_builtin(name) || find_hard_case(name); }
 
 Scene make_builtin_scene(std::string_view name) {
     const auto finished = [name](Scene scene) {
@@ -78,10 +95,7 @@ Scene make_builtin_scene(std::string_view name) {
         finish_scene(scene);
         return scene;
     };
-    for (const BuiltinScene& builtin : kBuiltinScenes)
-        if (builtin.name == name) return finished(builtin.make());
-    for (const BuiltinScene& figure : kSplattingFigures)
-        if (figure.name == name) return finished(figure.make());
+    if (const BuiltinScene* builtin = find_builtin(name)) return finished(builtin->make());
     if (const HardCase* hard_case = find_hard_case(name)) return finished(hard_case->make());
     throw Error(ErrorCode::NotFound, "there is no built-in scene named \"" + std::string(name) + "\"");
 }

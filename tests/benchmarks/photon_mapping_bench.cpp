@@ -24,7 +24,7 @@
 #include "renderer/error/error_meter.h"
 #include "renderer/methods/path_tracing/path_tracing.h"
 #include "renderer/methods/photon_mapping/photon_mapping.h"
-#include "renderer/photons/surface_boundary.h"
+#include "renderer/photons/disc_coverage.h"
 #include "renderer/scene/mesh_builder.h"
 #include "renderer/scene/scene.h"
 #include "renderer/transport/sampling.h"
@@ -44,17 +44,14 @@ std::vector<Setting> settings() {
     std::vector<Setting> list(6);
     list[0].name = "direct";
     list[0].params.gather = Gather::Direct;
+    list[0].params.boundary = list[2].params.boundary = DiscBoundary::None;
     list[1].name = "direct, clip";
     list[1].params.gather = Gather::Direct;
-    list[1].params.boundary = DiscBoundary::Clip;
     list[2].name = "final";
     list[3].name = "final, clip";
-    list[3].params.boundary = DiscBoundary::Clip;
     list[4].name = "final, clip, irradiance";
-    list[4].params.boundary = DiscBoundary::Clip;
     list[4].params.precompute_irradiance = true;
     list[5].name = "final, clip, 8 rays";
-    list[5].params.boundary = DiscBoundary::Clip;
     list[5].params.gather_rays = 8;
     return list;
 }
@@ -219,10 +216,9 @@ void measure_clip() {
         const Scene scene = name == std::string("interior") ? make_builtin_scene(name) : make_heap_of_chips();
         const auto intersector = build(scene);
         const double start = wall_now_seconds();
-        const SurfaceBoundary boundary(scene, *intersector,
-                                       PhotonMappingParams().search_radius_m(scene.bounds.radius()));
-        std::printf("  %s: %zu edges, built in %.3f s, %.1f MB\n", name, boundary.edges(), wall_now_seconds() - start,
-                    1e-6 * double(boundary.bytes()));
+        const DiscCoverage coverage(scene, *intersector, PhotonMappingParams().search_radius_m(scene.bounds.radius()));
+        std::printf("  %s: built in %.3f s, %.1f MB\n", name, wall_now_seconds() - start,
+                    1e-6 * double(coverage.bytes()));
         for (const Gather gather : {Gather::Direct, Gather::Final}) {
             std::vector<double> none, clip, ratios;
             for (int i = 0; i < kRepeats; ++i) {

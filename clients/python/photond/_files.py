@@ -17,7 +17,7 @@ Path = Union[str, "os.PathLike[str]"]
 
 SCENE_SUFFIXES = (".glb", ".gltf", ".zip")
 IMAGE_SUFFIXES = {".exr": "image/x-exr", ".hdr": "image/vnd.radiance"}
-FAMILIES = ("hard-case/", "photon-splatting/")  # built-in scenes of a family alone have names with a slash
+FAMILIES = ("hard-case/", "photon-splatting/", "details/")  # built-in scenes of a family alone have names with a slash
 
 
 class FilesBody:

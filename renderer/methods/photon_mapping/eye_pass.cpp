@@ -55,9 +55,16 @@ private:
 /// Light of the maps that visible points scatter, and what they gather.
 class EyePass::Lookups final : public VisiblePointSink {
 public:
-    Lookups(EyePass& pass, const PhotonMappingScene& shared, const PassMaps& maps, const SplitSamplers& gather,
+    Lookups(EyePass& pass, const PhotonMappingScene& shared, const PassMaps& maps, const PassSamplers& samplers,
             PassImage& image, Counts& counts, const CancelToken& cancel)
-        : pass_(pass), shared_(shared), maps_(maps), gather_(gather), image_(image), counts_(counts), cancel_(cancel) {}
+        : pass_(pass),
+          shared_(shared),
+          maps_(maps),
+          sampler_(samplers.path),
+          gather_(samplers.gather),
+          image_(image),
+          counts_(counts),
+          cancel_(cancel) {}
 
     void take(std::span<const LambertVisiblePoint> lambert, std::span<const VisiblePoint> others) override {
         pass_.gather_points_.clear();
@@ -70,15 +77,18 @@ public:
 private:
     void look_up(const VisiblePoint& point) {
         const uint32_t most = shared_.photon_scatterings(point.scatterings + 1);
+        const uint32_t turn =
+            disc_turn(sampler_.sample_2d(point.path_key, sample_set(point.vertex, VertexSet::Direction)));
         const RadianceEstimate caustic =
-            estimate_caustic(shared_, maps_, point.surface, point.rough, point.wo, most, pass_.neighbours_);
+            estimate_caustic(shared_, maps_, point.surface, point.rough, point.wo, most, pass_.neighbours_, turn);
         RadianceEstimate global;
         if (shared_.final_gather()) {
             pass_.gather_points_.push_back({point, FinalGather::key(point.path_key, point.vertex),
                                             split_of(shared_.splits.gather_rays, point.throughput, point.eta_scale),
                                             split_of(shared_.splits.light_samples, point.throughput, point.eta_scale)});
         } else {
-            global = estimate_global(shared_, maps_, point.surface, point.rough, point.wo, most, pass_.neighbours_);
+            global =
+                estimate_global(shared_, maps_, point.surface, point.rough, point.wo, most, pass_.neighbours_, turn);
         }
         image_.of<Layer::Indirect>()[point.pixel] += point.throughput * (caustic.radiance + global.radiance);
         if (image_.layers.has(Layer::Caustic) && point.scatterings == 0)
@@ -90,6 +100,7 @@ private:
     EyePass& pass_;
     const PhotonMappingScene& shared_;
     const PassMaps& maps_;
+    const PassSampler& sampler_;
     const SplitSamplers& gather_;
     PassImage& image_;
     Counts& counts_;
@@ -107,7 +118,7 @@ void EyePass::trace_tile(const PhotonMappingScene& shared, const PassMaps& maps,
                          const Tile& tile, PassImage& image, Counts& counts, EyeSeconds& seconds,
                          const CancelToken& cancel) {
     Guide guide(shared, maps, neighbours_);
-    Lookups lookups(*this, shared, maps, samplers.gather, image, counts, cancel);
+    Lookups lookups(*this, shared, maps, samplers, image, counts, cancel);
     const WalkSettings settings{shared.params.glossy_threshold, Guide::needed(shared, maps) ? &guide : nullptr};
     walk_.trace_tile(shared, settings, {samplers.path, samplers.light.all()}, tile, image, counts, seconds, cancel,
                      lookups);

@@ -191,11 +191,11 @@ void FinalGather::shade(const PhotonMappingScene& shared, const PassMaps& maps, 
                 }
             }
         }
-        const uint32_t most = shared.photon_scatterings(path.scatterings + 1);
-        const RadianceEstimate caustic = estimate_caustic(shared, maps, surface, rough, wo, most, neighbours_);
+        const uint32_t most = shared.photon_scatterings(path.scatterings + 1), turn = disc_turn(direction);
+        const RadianceEstimate caustic = estimate_caustic(shared, maps, surface, rough, wo, most, neighbours_, turn);
         // A ray shorter than the radius of the lookup at its end begins where the disc is: in a corner, where density
         // is smeared and lost at the edge, and where all short rays see the same error. It goes on for one bounce.
-        RadianceEstimate global = estimate_global_at_end(shared, maps, surface, rough, wo, most, neighbours_);
+        RadianceEstimate global = estimate_global_at_end(shared, maps, surface, rough, wo, most, neighbours_, turn);
         const bool goes_on = vertex == 1 && hit.t < global.radius_m;
         if (goes_on) global = {};
         if (goes_on || looks_for_lights) {

@@ -119,11 +119,11 @@ bool shade_end(inout GatherPath path, uint key, uint ray_index, inout Gathered g
                     gathered.indirect += radiance;
             }
         }
-        const uint most = photon_scatterings_left(path.scatterings + 1);
-        const RadianceEstimate caustic = estimate_caustic(surface, rough, wo, most);
+        const uint most = photon_scatterings_left(path.scatterings + 1), turn = disc_turn(direction);
+        const RadianceEstimate caustic = estimate_caustic(surface, rough, wo, most, turn);
         // A ray shorter than the radius of the lookup at its end begins where the disc is: in a corner, where density is
         // smeared and lost at the edge, and where all short rays see the same error. It goes on for one bounce.
-        RadianceEstimate global = estimate_global(surface, rough, wo, most);
+        RadianceEstimate global = estimate_global(surface, rough, wo, most, turn);
         const bool goes_on = path.vertex == 1 && hit.t < global.radius_m;
         if (goes_on) global = no_radiance();
         gathered.indirect += path.throughput * (caustic.radiance + global.radiance);

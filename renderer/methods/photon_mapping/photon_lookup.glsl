@@ -22,6 +22,9 @@ layout(constant_id = CAUSTIC_MAP_ID) const bool CAUSTIC_MAP = true;
 layout(set = 0, binding = MAPPING_BINDING, scalar) readonly buffer Mapping { PhotonMappingConstants mapping; };
 
 #define ESTIMATE mapping.estimate
+#define COVERAGE mapping.estimate.coverage
+#define EDGE_CELL_WORD(index) grid_starts[index]  // behind those of the grids
+#include "renderer/photons/hash_grid.glsl"
 #include "renderer/photons/radiance_estimate.glsl"
 
 SplitSamplers light_samplers() { return SplitSamplers(mapping.light_samples, 0u); }
@@ -39,14 +42,14 @@ uint photon_scatterings_left(uint scatterings) {
 }
 
 /// Light of the caustic map that is scattered by `rough` (f_d). None when `most_scatterings` is 0.
-RadianceEstimate estimate_caustic(ShadingPoint surface, Bsdf rough, vec3 wo, uint most_scatterings) {
+RadianceEstimate estimate_caustic(ShadingPoint surface, Bsdf rough, vec3 wo, uint most_scatterings, uint turn) {
     if (!CAUSTIC_MAP || most_scatterings == 0) return no_radiance();
-    return estimate_radiance(PHOTON_MAP_CAUSTIC, surface, rough, wo, most_scatterings);
+    return estimate_radiance(PHOTON_MAP_CAUSTIC, surface, rough, wo, most_scatterings, turn);
 }
 /// The same of the global map.
-RadianceEstimate estimate_global(ShadingPoint surface, Bsdf rough, vec3 wo, uint most_scatterings) {
+RadianceEstimate estimate_global(ShadingPoint surface, Bsdf rough, vec3 wo, uint most_scatterings, uint turn) {
     if (!GLOBAL_MAP || most_scatterings == 0) return no_radiance();
-    return estimate_radiance(PHOTON_MAP_GLOBAL, surface, rough, wo, most_scatterings);
+    return estimate_radiance(PHOTON_MAP_GLOBAL, surface, rough, wo, most_scatterings, turn);
 }
 
 #endif

@@ -5,9 +5,9 @@
 
 #include "renderer/eye/eye_scene.h"
 #include "renderer/methods/photon_mapping/photon_mapping.h"
+#include "renderer/photons/disc_coverage.h"
 #include "renderer/photons/precomputed_irradiance.h"
 #include "renderer/photons/shadow_photons.h"
-#include "renderer/photons/surface_boundary.h"
 
 namespace photond {
 
@@ -29,7 +29,7 @@ struct PhotonMappingScene : EyeScene {
                    .disc_thickness_m = parameters.disc_thickness_m,
                    .soft_disc = parameters.soft_disc} {
         if (parameters.boundary == DiscBoundary::Clip)
-            estimate.boundary = &boundary.emplace(scene, intersector, search_radius_m);
+            estimate.coverage = &coverage.emplace(scene, intersector, search_radius_m);
     }
 
     bool final_gather() const { return params.gather == Gather::Final; }
@@ -42,34 +42,34 @@ struct PhotonMappingScene : EyeScene {
     const Splits splits;
     const float search_radius_m;
     const bool lights_can_be_met = !scene.triangle_lights.empty() || scene.environment.has_value();
-    std::optional<SurfaceBoundary> boundary;
+    std::optional<DiscCoverage> coverage;
     EstimateSettings estimate;
 };
 
 /// Light of the caustic map that is scattered by `rough` (f_d). None when `most_scatterings` is 0.
 inline RadianceEstimate estimate_caustic(const PhotonMappingScene& shared, const PassMaps& maps,
                                          const ShadingPoint& surface, const Bsdf& rough, const vec3& wo,
-                                         uint32_t most_scatterings, Neighbours& scratch) {
+                                         uint32_t most_scatterings, Neighbours& scratch, uint32_t turn) {
     if (maps.caustic.empty() || most_scatterings == 0) return {};
-    return estimate_radiance(maps.caustic, shared.estimate, surface, rough, wo, most_scatterings, scratch);
+    return estimate_radiance(maps.caustic, shared.estimate, surface, rough, wo, most_scatterings, scratch, turn);
 }
 
 /// The same of the global map.
 inline RadianceEstimate estimate_global(const PhotonMappingScene& shared, const PassMaps& maps,
                                         const ShadingPoint& surface, const Bsdf& rough, const vec3& wo,
-                                        uint32_t most_scatterings, Neighbours& scratch) {
+                                        uint32_t most_scatterings, Neighbours& scratch, uint32_t turn) {
     if (maps.global.empty() || most_scatterings == 0) return {};
-    return estimate_radiance(maps.global, shared.estimate, surface, rough, wo, most_scatterings, scratch);
+    return estimate_radiance(maps.global, shared.estimate, surface, rough, wo, most_scatterings, scratch, turn);
 }
 
 /// The same at the end of a gather ray: from the precomputed irradiance where that fits.
 inline RadianceEstimate estimate_global_at_end(const PhotonMappingScene& shared, const PassMaps& maps,
                                                const ShadingPoint& surface, const Bsdf& rough, const vec3& wo,
-                                               uint32_t most_scatterings, Neighbours& scratch) {
+                                               uint32_t most_scatterings, Neighbours& scratch, uint32_t turn) {
     // Irradiance was summed for one number of scatterings; a gather ray that followed specular surfaces has fewer left.
     if (!maps.irradiance || maps.irradiance->most_scatterings() != most_scatterings ||
         rough.has_non_delta_transmission())
-        return estimate_global(shared, maps, surface, rough, wo, most_scatterings, scratch);
+        return estimate_global(shared, maps, surface, rough, wo, most_scatterings, scratch, turn);
     const auto found = maps.irradiance->find(surface.position, surface.geometric_normal);
     RadianceEstimate estimate;
     // Where nothing is found the disc is as large as discs get.

@@ -52,14 +52,14 @@ void leave_point(WalkVertex met, uint key, uint rays, uint light_samples) {
 }
 
 /// Light of the maps that a visible point scatters.
-void look_up(WalkVertex point, inout PathLight light) {
+void look_up(WalkVertex point, uint turn, inout PathLight light) {
     const uint most = photon_scatterings_left(point.scatterings + 1);
-    const RadianceEstimate caustic = estimate_caustic(point.surface, point.rough, point.wo, most);
+    const RadianceEstimate caustic = estimate_caustic(point.surface, point.rough, point.wo, most, turn);
     photons += caustic.photons;
     light.indirect += point.throughput * caustic.radiance;
     if (layer_kept(PLANE_CAUSTIC) && point.scatterings == 0) light.caustic += point.throughput * caustic.delta_radiance;
     if (FINAL_GATHER) return;
-    const RadianceEstimate global = estimate_global(point.surface, point.rough, point.wo, most);
+    const RadianceEstimate global = estimate_global(point.surface, point.rough, point.wo, most, turn);
     photons += global.photons;
     light.indirect += point.throughput * global.radiance;
 }
@@ -76,7 +76,7 @@ bool step_path(uint vertex, uint key, inout EyePath path, inout Ray ray, inout P
         if (path.scatterings == 0) light.direct += lit; else light.indirect += lit;
     }
     if (met.waits) {
-        look_up(met, light);
+        look_up(met, disc_turn(sample_2d(key, sample_set(vertex, SET_DIRECTION))), light);
         if (FINAL_GATHER) leave_point(met, gather_key(key, vertex), rays, light_samples);
     }
     const float roulette =

@@ -95,6 +95,7 @@ uint64_t PhotonMapping::estimate_bytes(const PhotonMappingParams& params, const 
     if (plan.global.wanted() || plan.caustic.wanted() || plan.shadow)
         bytes += EmissionSampler::estimate_bytes(workload.lights, workload.environment_size);
     if (plan.global.wanted() || plan.caustic.wanted()) bytes += PhotonTracer::scratch_bytes(workload.threads);
+    if (params.boundary == DiscBoundary::Clip) bytes += EdgeCells::estimate_bytes(workload.triangles);
     const uint64_t copies = params.keep_photon_map ? 2 : 1;
     uint64_t build = 0;  // of one map at a time
     if (plan.global.wanted()) {
@@ -133,7 +134,7 @@ void PhotonMapping::begin(const RenderContext& context, Stats& stats) {
     budget.record("wavefronts", most_threads() * EyePass::bytes_per_thread());
     budget.record("light_sampler", state.shared.lights.bytes());
     budget.record("split_samplers", split_sampler_bytes(state_->shared.splits));
-    if (state.shared.boundary) budget.record("surface_boundary", state.shared.boundary->bytes());
+    if (state.shared.coverage) budget.record("disc_coverage", state.shared.coverage->bytes());
 
     if (!state.shared.lights.empty()) {
         const StageTimer timer(stats, "photon_emission");

@@ -25,7 +25,7 @@ namespace photond {
 /// drawn by f_d beside it.
 ///
 /// Strong on caustics, also those seen in mirrors, which no path from the eye finds; noise is low-frequency. Biased by
-/// the kernel's radius: density is smeared within it, and lost at edges unless `boundary` is "clip". Passes are
+/// the kernel's radius: density is smeared within it, and lost at edges if `boundary` is "none". Passes are
 /// averaged: noise falls with their number, bias with the radius only.
 /// Where `shadow_photons` is on, shadows smaller than the distance of photons can be missed; it saves four of five
 /// shadow rays in a Cornell box, but pays only where a ray costs more than a search among photons. With

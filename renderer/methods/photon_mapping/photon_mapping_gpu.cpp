@@ -10,8 +10,10 @@
 #include "renderer/frame/device_frame.h"
 #include "renderer/methods/photon_mapping/photon_mapping_shared.h"
 #include "renderer/methods/photon_mapping/photon_plan.h"
+#include "renderer/photons/disc_coverage.h"
 #include "renderer/photons/hash_grid_gpu.h"
 #include "renderer/photons/projection_map.h"
+#include "renderer/photons/surface_edges.h"
 #include "renderer/transport/roulette_shared.h"
 
 namespace photond {
@@ -103,6 +105,10 @@ struct PhotonMappingGpu::State {
           search_radius_m(parameters.search_radius_m(context.scene.bounds.radius())),
           tiles(eye_tile_count(size)),
           tiles_a_piece(tiles_of_piece(device.paths_per_submit(), tiles, splits)),
+          cells(
+              parameters.boundary == DiscBoundary::Clip
+                  ? std::optional<EdgeCells>(std::in_place, find_surface_edges(scene, search_radius_m), search_radius_m)
+                  : std::nullopt),
           eye(device, "eye", sizeof(gpu::EyeConstants)),
           mapping(device, "photon_mapping", sizeof(gpu::PhotonMappingConstants)),
           split_samplers(device, "renderer/methods/photon_mapping/split_samplers.comp", sizeof(gpu::SplitSamplersPush),
@@ -151,6 +157,7 @@ struct PhotonMappingGpu::State {
     const uint64_t seed;
     const float search_radius_m;
     const uint32_t tiles, tiles_a_piece;
+    const std::optional<EdgeCells> cells;
     gpu::Buffer eye, mapping;
     gpu::ComputePipeline split_samplers;
     std::optional<gpu::ComputePipeline> eye_pass, gather_pass, gather_sum;
@@ -180,7 +187,6 @@ void PhotonMappingGpu::check_gpu(const PhotonMappingParams& params) {
     refuse(params.precompute_irradiance, "/precompute_irradiance", "irradiance is not precomputed");
     refuse(params.gather_sampling == GatherSampling::Photons, "/gather_sampling",
            "gather rays are not drawn by the photons");
-    refuse(params.boundary == DiscBoundary::Clip, "/boundary", "discs are not clipped");
     refuse(params.keep_photon_map, "/keep_photon_map", "photons are not kept");
 }
 
@@ -196,6 +202,7 @@ uint64_t PhotonMappingGpu::estimate_device_bytes(const PhotonMappingParams& para
     const Splits splits = params.splits(workload.film_size.pixels());
     uint64_t bytes = DeviceFrame::estimate_device_bytes(workload) + sizeof(gpu::PassSamplerData) + split_bytes(splits) +
                      sizeof(gpu::EyeConstants) + sizeof(gpu::PhotonMappingConstants);
+    if (params.boundary == DiscBoundary::Clip) bytes += EdgeCells::estimate_bytes(workload.triangles);
     if (params.gather == Gather::Final) {  // what is a piece differs from device to device: the largest
         const uint64_t pixels = workload.film_size.pixels();
         const bool only_lambert = workload.needs.only_lambert();
@@ -246,8 +253,13 @@ void PhotonMappingGpu::State::make_room() {
         most = std::max(most, map.capacity);
         starts += map.grid.slots + 1;
     }
+    // Behind the grids' own words: shaders may bind no more buffers.
+    const std::vector<uint32_t> words = cells ? cells->device_words() : std::vector<uint32_t>();
     photons.emplace(device, static_cast<uint32_t>(most));
-    grid_photons.emplace(device, starts, std::max<uint64_t>(all, 1));
+    grid_photons.emplace(device, starts + words.size(), std::max<uint64_t>(all, 1));
+    if (cells) constants.estimate.coverage = cells->device_constants(static_cast<uint32_t>(starts));
+    if (!words.empty())
+        gpu::upload(device, grid_photons->starts, std::as_bytes(std::span(words)), starts * sizeof(uint32_t));
     points = {}, gathered = {};
     points = gpu::Buffer(device, "gather_points", point_capacity * sizeof(gpu::GatherPointRecord));
     gathered = gpu::Buffer(device, "gather_points", point_capacity * gather_lanes * sizeof(gpu::GatheredRecord));
@@ -258,7 +270,8 @@ void PhotonMappingGpu::State::make_room() {
 
 void PhotonMappingGpu::State::prepare_passes(bool lights_can_be_met) {
     constants = {.estimate = {.kernel = Kernel(params.kernel, params.cone_k).device_record(),
-                              .disc_thickness_m = params.disc_thickness_m.value_or(-1.0f)},
+                              .disc_thickness_m = params.disc_thickness_m.value_or(-1.0f),
+                              .coverage = {}},
                  .glossy_threshold = params.glossy_threshold,
                  .light_samples = splits.light_samples,
                  .gather_rays = splits.gather_rays,
@@ -271,8 +284,8 @@ void PhotonMappingGpu::State::prepare_passes(bool lights_can_be_met) {
     fixed.insert(fixed.end(),
                  {frame.image().plane(PLANE_PHOTON_COUNT_ID, Layer::PhotonCount),
                   gpu::specialize(SEARCH_NEAREST_ID, params.search == PhotonSearch::Kind::Nearest),
-                  gpu::specialize(SOFT_DISC_ID, params.soft_disc), gpu::specialize(FINAL_GATHER_ID, gathers()),
-                  gpu::specialize(GATHER_LANES_ID, gather_lanes),
+                  gpu::specialize(SOFT_DISC_ID, params.soft_disc), gpu::specialize(DISC_COVERAGE_ID, cells.has_value()),
+                  gpu::specialize(FINAL_GATHER_ID, gathers()), gpu::specialize(GATHER_LANES_ID, gather_lanes),
                   gpu::specialize(GLOBAL_MAP_ID, maps[PHOTON_MAP_GLOBAL].tracer.has_value()),
                   gpu::specialize(CAUSTIC_MAP_ID, maps[PHOTON_MAP_CAUSTIC].tracer.has_value())});
     fixed = on_device.specialization(fixed);

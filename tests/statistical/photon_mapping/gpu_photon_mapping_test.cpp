@@ -15,6 +15,7 @@ struct Choice {
     const char* scene;
     Gather gather;
     PhotonSearch::Kind search;
+    DiscBoundary boundary = DiscBoundary::None;
 };
 
 template <class M>
@@ -29,6 +30,7 @@ test::RenderSettingsOf<M> settings_for(const Choice& choice, uint64_t seed) {
     settings.params.gather = choice.gather;
     settings.params.gather_rays = 4;
     settings.params.search = choice.search;
+    settings.params.boundary = choice.boundary;
     return settings;
 }
 
@@ -58,12 +60,12 @@ std::string name_of(const Info& info) {
     return test::test_name(info.param.scene, info.index);
 }
 INSTANTIATE_TEST_SUITE_P(Choices, GpuPhotonMappingImages,
-                         testing::Values(Choice{"cornell-box", Gather::Direct, kRadius},
+                         testing::Values(Choice{"cornell-box", Gather::Direct, kRadius, DiscBoundary::Clip},
                                          Choice{"cornell-box-glass", Gather::Direct, kNearest}),
                          name_of<testing::TestParamInfo<Choice>>);
 INSTANTIATE_TEST_SUITE_P(LongChoices, GpuPhotonMappingImages,
                          testing::Values(Choice{"cornell-box", Gather::Final, kNearest},
-                                         Choice{"cornell-box-glass", Gather::Final, kRadius}),
+                                         Choice{"cornell-box-glass", Gather::Final, kRadius, DiscBoundary::Clip}),
                          name_of<testing::TestParamInfo<Choice>>);
 
 }  // namespace

@@ -62,7 +62,6 @@ void compare(uint64_t films, uint32_t path_passes, uint32_t photon_passes, doubl
     photons.params.gather = Gather::Direct;
     photons.params.search = PhotonSearch::Kind::Radius;
     photons.params.radius_m = 0.05f;
-    photons.params.boundary = DiscBoundary::Clip;
     const auto expected = region_means(paths, films);
     const auto measured = region_means(photons, films);
     const double t = test::two_sided_t(test::share_of_false_alarm(kFalseAlarm, kChecks), double(films) - 1);

@@ -238,6 +238,7 @@ struct Choice {
     KernelShape kernel = KernelShape::Constant;
     bool soft_disc = false;
     std::optional<float> disc_thickness_m{};
+    DiscBoundary boundary = DiscBoundary::None;  // clipped discs take long where a processor plays the device
 };
 
 template <class M>
@@ -257,6 +258,7 @@ test::RenderSettingsOf<M> settings_for(const Choice& choice) {
     settings.params.kernel = choice.kernel;
     settings.params.soft_disc = choice.soft_disc;
     settings.params.disc_thickness_m = choice.disc_thickness_m;
+    settings.params.boundary = choice.boundary;
     return settings;
 }
 
@@ -296,11 +298,17 @@ std::string name_of(const Info& info) {
 }
 INSTANTIATE_TEST_SUITE_P(
     Choices, GpuPhotonMapping,
-    testing::Values(Choice{"cornell-box", Gather::Direct, kRadius}, Choice{"cornell-box", Gather::Final, kNearest},
-                    Choice{"cornell-box-spot", Gather::Direct, kNearest, KernelShape::Cone},
-                    Choice{"cornell-box-glass", Gather::Final, kRadius, KernelShape::Gaussian},
-                    Choice{"cornell-box-glass", Gather::Direct, kNearest, KernelShape::Epanechnikov},
-                    Choice{"cornell-box-glossy", Gather::Direct, kRadius, KernelShape::Constant, true}),
+    testing::Values(
+        Choice{.scene = "cornell-box", .gather = Gather::Direct, .search = kRadius, .boundary = DiscBoundary::Clip},
+        Choice{"cornell-box", Gather::Final, kNearest},
+        Choice{.scene = "cornell-box-spot",
+               .gather = Gather::Direct,
+               .search = kNearest,
+               .kernel = KernelShape::Cone,
+               .boundary = DiscBoundary::Clip},
+        Choice{"cornell-box-glass", Gather::Final, kRadius, KernelShape::Gaussian},
+        Choice{"cornell-box-glass", Gather::Direct, kNearest, KernelShape::Epanechnikov},
+        Choice{"cornell-box-glossy", Gather::Direct, kRadius, KernelShape::Constant, true}),
     name_of<testing::TestParamInfo<Choice>>);
 INSTANTIATE_TEST_SUITE_P(LongChoices, GpuPhotonMapping,
                          testing::Values(Choice{"cornell-box-glossy", Gather::Final, kNearest, KernelShape::Constant,
@@ -399,7 +407,6 @@ TEST(GpuPhotonMapping, RefusesWhatOnlyTheCpuHas) {
     EXPECT_EQ(pointer_of([](PhotonMappingParams& p) { p.precompute_irradiance = true; }), "/precompute_irradiance");
     EXPECT_EQ(pointer_of([](PhotonMappingParams& p) { p.gather_sampling = GatherSampling::Photons; }),
               "/gather_sampling");
-    EXPECT_EQ(pointer_of([](PhotonMappingParams& p) { p.boundary = DiscBoundary::Clip; }), "/boundary");
     EXPECT_EQ(pointer_of([](PhotonMappingParams& p) { p.keep_photon_map = true; }), "/keep_photon_map");
 }
 

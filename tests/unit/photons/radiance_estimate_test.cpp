@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "renderer/core/rng.h"
-#include "renderer/photons/surface_boundary.h"
+#include "renderer/photons/disc_coverage.h"
 #include "renderer/scene/mesh_builder.h"
 #include "tests/support/rays.h"
 
@@ -234,22 +234,45 @@ TEST(RadianceEstimate, IsDividedByTheShareOfTheDiscOnTheSurface) {
     scene.instances.emplace_back();
     scene.materials.emplace_back();
     finish_scene(scene);
-    const SurfaceBoundary boundary(scene, *test::intersector_of(scene), kRadius.radius_m);
+    const auto intersector = test::intersector_of(scene);
+    const DiscCoverage coverage(scene, *intersector, kRadius.radius_m);
     const PhotonMap map({photon_at({0.1f, 0, 0})}, kRadius);
     const ShadingPoint point = flat_point({0.05f, 0, 0});
     const Bsdf lambert = Bsdf::lambert(kUp, Rgb(0.5f));
     Neighbours scratch;
     for (const KernelShape shape : {KernelShape::Constant, KernelShape::Epanechnikov}) {
-        const EstimateSettings none{.kernel = Kernel(shape)}, clip{.kernel = Kernel(shape), .boundary = &boundary};
-        const float mass =
-            boundary.mass_on_surface(clip.kernel, point.position, kUp, kRadius.radius_m, kRadius.radius_m / 4);
-        EXPECT_LT(mass, 0.9f);
-        EXPECT_GT(mass, 0.5f);
+        const EstimateSettings none{.kernel = Kernel(shape)}, clip{.kernel = Kernel(shape), .coverage = &coverage};
+        const float inverse =
+            coverage.look_up(clip.kernel, point.position, kUp, kRadius.radius_m, kRadius.radius_m / 4, 0).inverse_mass;
+        EXPECT_GT(inverse, 1.1f);
+        EXPECT_LT(inverse, 2.5f);
         EXPECT_FLOAT_EQ(estimate_irradiance(map, clip, point.position, kUp, kAny, scratch).x,
-                        estimate_irradiance(map, none, point.position, kUp, kAny, scratch).x / mass);
+                        estimate_irradiance(map, none, point.position, kUp, kAny, scratch).x * inverse);
         EXPECT_FLOAT_EQ(estimate_radiance(map, clip, point, lambert, kUp, kAny, scratch).radiance.x,
-                        estimate_radiance(map, none, point, lambert, kUp, kAny, scratch).radiance.x / mass);
+                        estimate_radiance(map, none, point, lambert, kUp, kAny, scratch).radiance.x * inverse);
     }
+}
+
+TEST(RadianceEstimate, ClippedDiscsTakeNoPhotonFromBehindAPartition) {
+    Scene scene;
+    MeshBuilder builder;
+    builder.quad({-2, -2, 0}, {2, -2, 0}, {2, 2, 0}, {-2, 2, 0});
+    builder.quad({0, -2, 0}, {0, 2, 0}, {0, 2, 1}, {0, -2, 1});
+    scene.meshes.push_back(builder.build(0));
+    scene.instances.emplace_back();
+    scene.materials.emplace_back();
+    finish_scene(scene);
+    const auto intersector = test::intersector_of(scene);
+    const DiscCoverage coverage(scene, *intersector, kRadius.radius_m);
+    const EstimateSettings clip{.coverage = &coverage};
+    Neighbours scratch;
+    const auto irradiance = [&](float x) {
+        return estimate_irradiance(PhotonMap({photon_at({x, 0.01f, 0})}, kRadius), clip, {-0.05f, 0, 0}, kUp, kAny,
+                                   scratch)
+            .x;
+    };
+    EXPECT_EQ(irradiance(0.05f), 0.0f);
+    EXPECT_GT(irradiance(-0.06f), 0.0f);
 }
 
 TEST(RadianceEstimate, NothingIsLookedUpForNothing) {

@@ -1,0 +1,122 @@
+// GLSL twin of photons/disc_coverage.h: how much of a disc of density estimation lies on surface that light can reach.
+// Define COVERAGE (a DiscCoverageConstants) and EDGE_CELL_WORD(index), the tables' words, before.
+#ifndef PHOTOND_DISC_COVERAGE_GLSL
+#define PHOTOND_DISC_COVERAGE_GLSL
+
+#include "renderer/backends/gpu/bvh.glsl"
+#include "renderer/core/rng.glsl"
+#include "renderer/photons/disc_coverage_shared.h"
+#include "renderer/photons/kernel.glsl"
+
+/// EdgeCells::may_have_edges(): false: no edge within `radius_m` of p.
+bool may_have_edges(vec3 p, float radius_m) {
+    uint index = 0;
+    for (float next_m = COVERAGE.radius_m / EDGE_CELL_STEP; index + 1 < EDGE_CELL_LEVELS && radius_m <= next_m;
+         next_m /= EDGE_CELL_STEP)
+        ++index;
+    const EdgeCellsLevel level = COVERAGE.levels[index];
+    if (level.empty != 0) return false;
+    precise const vec3 cell = floor((p - level.origin) * level.per_m);
+    const uint64_t mask = 0x1fffffUL;
+    const uint64_t key = (uint64_t(int64_t(cell.x)) & mask) | ((uint64_t(int64_t(cell.y)) & mask) << 21) |
+                         ((uint64_t(int64_t(cell.z)) & mask) << 42);
+    const uint bit = uint(hash64(key) >> level.bit_shift);
+    return ((EDGE_CELL_WORD(level.first_word + bit / 32) >> (bit % 32)) & 1u) != 0;
+}
+
+struct DiscFound {
+    float inverse_mass;
+    bool hides;
+    vec3 eye;  // above the centre
+};
+DiscFound whole_disc() { return DiscFound(1.0, false, vec3(0.0)); }
+
+/// A random number made from two.
+uint disc_turn(vec2 u) { return hash32(floatBitsToUint(u.x) ^ hash32(floatBitsToUint(u.y))); }
+
+struct CoverageDisc {
+    vec3 centre, normal;
+    float radius_m, thickness_m;
+};
+
+/// Area of the surface that was hit over that of its projection to the disc: one over the cosine. 0 where there is none
+/// that makes at most 60 degrees with the disc.
+float area_over_disc(Hit hit, vec3 normal) {
+    if (!hit_valid(hit)) return 0.0;
+    const TriangleCorners t = world_triangle(hit.instance, hit.triangle);
+    const vec3 across = cross(t.p[1] - t.p[0], t.p[2] - t.p[0]);
+    const float cosine = abs(dot(across, normal)) / length(across);
+    return cosine >= 0.5 ? 1.0 / cosine : 0.0;
+}
+
+/// From above a disc to just above a point of a surface.
+Ray ray_between(vec3 eye, vec3 point, vec3 normal, float radius_m) {
+    const vec3 to = point + DISC_ABOVE_POINT * radius_m * normal - eye;
+    const float length_m = length(to);
+    return Ray(eye, length_m > 0.0 ? to / length_m : normal, length_m);
+}
+
+/// Looks the place up at that offset from the disc's centre: the area of the surface there over the place's own, 0 where
+/// there is none, and whether it is seen from the eye, `lift_m` above the centre.
+float look_place_up(CoverageDisc disc, vec3 eye, float lift_m, vec3 offset, float u_sq_m2, out bool covered) {
+    const float length_m = sqrt(u_sq_m2 + sqr(lift_m));
+    const Hit slanted =
+        closest_hit(Ray(eye, (offset - lift_m * disc.normal) / length_m, (1.0 + DISC_SAME_PLANE) * length_m));
+    float area = 0.0;
+    if (abs(lift_m * (1.0 - slanted.t / length_m)) <= min(DISC_SAME_PLANE * disc.radius_m, 0.5 * lift_m))
+        area = area_over_disc(slanted, disc.normal);
+    covered = area > 0.0;
+    if (covered) return area;
+    const Hit below = closest_hit(Ray(eye + offset, -disc.normal, lift_m + disc.thickness_m));
+    const float height_m = lift_m - below.t;
+    if (abs(height_m) <= disc.thickness_m && u_sq_m2 + sqr(height_m) <= sqr(disc.radius_m))
+        area = area_over_disc(below, disc.normal);
+    if (area > 0.0)
+        covered =
+            !occluded(ray_between(eye, disc.centre + offset + height_m * disc.normal, disc.normal, disc.radius_m));
+    return area;
+}
+
+/// DiscCoverage::look_up().
+DiscFound look_disc_up(KernelRecord kernel, CoverageDisc disc, uint turn) {
+    DiscFound result = whole_disc();
+    if (!may_have_edges(disc.centre, disc.radius_m)) return result;
+    const Frame frame = make_frame(disc.normal);
+    const float wanted = max(disc.thickness_m, DISC_LEAST_LIFT * disc.radius_m);
+    const Hit above = closest_hit(Ray(offset_ray_origin(disc.centre, disc.normal), disc.normal, wanted));
+    const float lift_m = hit_valid(above) ? 0.5 * above.t : wanted;
+    result.eye = disc.centre + lift_m * disc.normal;
+    uint batch = 0, covered = 0;
+    float area = 0.0, product = 1.0;
+    while (batch < DISC_MOST_BATCHES && product != 0.0 && (batch < 2 || covered < DISC_COVERED)) {
+        const vec3 start = vec3(to_unit_float(hash32(turn + 3 * batch)), to_unit_float(hash32(turn + 3 * batch + 1)),
+                                to_unit_float(hash32(turn + 3 * batch + 2)));
+        float of_batch = 0.0;
+        for (uint i = 0; i < DISC_BATCH; ++i) {
+            const vec3 place = fract(start + float(i) * vec3(DISC_STEP_X, DISC_STEP_Y, DISC_STEP_Z));
+            const float u_m = kernel_sample_disc(kernel, place.x) * sqrt(place.z) * disc.radius_m;
+            const float angle = 2.0 * PI * place.y;
+            const vec3 offset = u_m * (cos(angle) * frame.tangent + sin(angle) * frame.bitangent);
+            bool seen;
+            const float of_place = look_place_up(disc, result.eye, lift_m, offset, sqr(u_m), seen);
+            result.hides = result.hides || (of_place > 0.0 && !seen);
+            if (!seen) continue;
+            of_batch += of_place;
+            ++covered;
+        }
+        ++batch;
+        area += of_batch;
+        product *= 1.0 - of_batch / float(DISC_BATCH);
+        result.inverse_mass += product;
+    }
+    result.inverse_mass += product * (float(batch * DISC_BATCH) - area) / max(area, 1.0);
+    result.inverse_mass = min(result.inverse_mass, 1.0 / DISC_LEAST_MASS);
+    return result;
+}
+
+/// DiscCoverage::sees().
+bool disc_sees(DiscFound found, vec3 normal, float radius_m, vec3 photon) {
+    return !occluded(ray_between(found.eye, photon, normal, radius_m));
+}
+
+#endif

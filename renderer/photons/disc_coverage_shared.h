@@ -1,0 +1,52 @@
+// How places of a disc of density estimation are looked up: for both compilers. CPU twins: disc_coverage.h,
+// edge_cells.h.
+#ifndef PHOTOND_DISC_COVERAGE_SHARED_H
+#define PHOTOND_DISC_COVERAGE_SHARED_H
+
+#define EDGE_CELL_LEVELS 3
+#define EDGE_CELL_STEP 4.0f  // radius of a level over the next one's
+
+#define DISC_LEAST_MASS 0.05f   // of a disc's, that sums are divided by
+#define DISC_BATCH 8            // places that are looked up at once
+#define DISC_COVERED 8          // places that are waited for
+#define DISC_MOST_BATCHES 16    // that are looked up
+#define DISC_LEAST_LIFT 0.1f    // of the radius: how far above the disc places are looked for at least
+#define DISC_SAME_PLANE 0.02f   // of the radius: how far from the disc's plane a slanted ray may end
+#define DISC_ABOVE_POINT 0.01f  // of the radius: where a ray to a point of a surface ends above it
+
+// Steps of the three-dimensional sequence whose places are spread most evenly: the second is taken for the angle, the
+// third for the distance from the axis, the first for the disc that the kernel is a mixture of. [Roberts 2018] The
+// Unreasonable Effectiveness of Quasirandom Sequences.
+#define DISC_STEP_X 0.8191725134f
+#define DISC_STEP_Y 0.6710436067f
+#define DISC_STEP_Z 0.5497004779f
+
+// Specialisation constants.
+#define DISC_COVERAGE_ID 54  // whether discs are clipped
+
+#ifdef __cplusplus
+#include "renderer/core/geometry.h"
+
+namespace photond::gpu {
+using uint = uint32_t;
+#endif
+
+struct EdgeCellsLevel {
+    vec3 origin;
+    float per_m;      // cells [1/m]
+    uint first_word;  // of the level's table of bits
+    uint bit_shift;   // of the cells' hashes; the table has 2^(64 - bit_shift) bits
+    uint empty;       // 1: there is no edge, and no table
+};
+
+struct DiscCoverageConstants {
+    EdgeCellsLevel levels[EDGE_CELL_LEVELS];
+    float radius_m;  // the greatest
+};
+
+#ifdef __cplusplus
+static_assert(sizeof(DiscCoverageConstants) == EDGE_CELL_LEVELS * 28 + 4);
+}  // namespace photond::gpu
+#endif
+
+#endif
