@@ -26,10 +26,10 @@ ComparePreset photon_splatting_thesis() {
     comparison.entries = {
         "photon mapping=photon_mapping,gather=direct,boundary=none,indirect_bounces=1",
         "photon mapping (many bounces)=photon_mapping,gather=direct,boundary=none,nearest_photons=200",
-        "small splats=photon_splatting,weighting=normalised,splat_size_relative=0.25",
-        "large splats=photon_splatting,weighting=normalised,splat_size_relative=0.75",
-        ("stratified=photon_splatting,weighting=normalised,splat_size_relative=0.25,stratify=true,minimum_photons=1,"
-         "representative=closest_to_mean"),
+        "small splats=photon_splatting,bounces=1,weighting=normalised,splat_size_relative=0.25",
+        "large splats=photon_splatting,bounces=1,weighting=normalised,splat_size_relative=0.75",
+        ("stratified=photon_splatting,bounces=1,weighting=normalised,splat_size_relative=0.25,stratify=true,"
+         "minimum_photons=1,representative=closest_to_mean"),
         "ours=photon_splatting,bounces=1",
     };
     comparison.sweeps = {

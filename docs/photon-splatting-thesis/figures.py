@@ -14,9 +14,9 @@ HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))
 from strips import render, save, shown, side_by_side  # noqa: E402  docs/strips.py
 
-NORMALISED = "photon_splatting,weighting=normalised"
-KERNEL = "photon_splatting,estimator=kernel,shrink=false"
-OURS = "photon_splatting,photons=10000"
+NORMALISED = "photon_splatting,bounces=1,weighting=normalised"
+KERNEL = "photon_splatting,bounces=1,estimator=kernel,shrink=false"
+OURS = "photon_splatting,bounces=1,photons=10000"
 TRUTH = "path_tracing,indirect_bounces=1"
 SIZE = (320, 240)  # pixels of a panel
 

@@ -18,7 +18,7 @@ import photond
 from photond import entry
 
 ONE_BOUNCE = {"indirect_bounces": 1}
-SPLATS = {"weighting": "normalised"}
+SPLATS = {"bounces": 1, "weighting": "normalised"}
 
 # Number and title of each graph, and its entry: the method, what all its rows share, and what is swept.
 GRAPHS = [

@@ -57,6 +57,7 @@ Errors errors_of_run(const Scene& scene, const Plan& plan, const Regions& region
     settings.passes = plan.last;
     settings.seed = seed;
     settings.params.photons = plan.photons;
+    settings.params.bounces = 1;  // as the reference has
     settings.params.estimator = SplatEstimator::Kernel;
     settings.params.splat_size_m = kSplatSize;
     settings.params.shadow_resolution = plan.shadow_resolution;
@@ -126,6 +127,7 @@ NormalisedErrors normalised_errors(const Scene& scene, const ErrorMeter& meter, 
     settings.size = meter.size();
     settings.passes = passes;
     settings.params.photons = plan.photons;
+    settings.params.bounces = 1;  // as the reference has
     settings.params.weighting = SplatWeighting::Normalised;
     settings.params.splat_size_m = kSplatSize;
     settings.params.shadow_resolution = 4;

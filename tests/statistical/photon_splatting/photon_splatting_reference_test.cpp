@@ -33,6 +33,7 @@ Settings settings_of(float splat_size_m, uint32_t side, uint32_t photons) {
     settings.size = {side, side};
     settings.params.splat_size_m = splat_size_m;
     settings.params.photons = photons;
+    settings.params.bounces = 1;  // as the reference has
     return settings;
 }
 

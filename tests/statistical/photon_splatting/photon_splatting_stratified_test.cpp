@@ -37,6 +37,7 @@ std::vector<std::array<test::RelativeBias, 3>> biases_of(Representative represen
     settings.size = {kSide, kSide};
     settings.passes = plan.passes;
     settings.params.photons = 20'000;
+    settings.params.bounces = 1;  // as the reference has
     settings.params.splat_size_m = 0.5f;
     settings.params.stratify = true;
     settings.params.grid_cells = 32;  // a third of the cells that hold photons hold more than two
