@@ -22,7 +22,7 @@ SPLATS = {"bounces": 1, "weighting": "normalised"}
 
 # Number and title of each graph, and its entry: the method, what all its rows share, and what is swept.
 GRAPHS = [
-    (1, "photon mapping", "photon_mapping", {"gather": "direct", **ONE_BOUNCE},
+    (1, "photon mapping", "photon_mapping", {"gather": "direct", "boundary": "none", **ONE_BOUNCE},
      {"photons": [5000, 50000], "nearest_photons": [50, 200]}),
     (2, "small splats", "photon_splatting", {**SPLATS, "splat_size_relative": 0.25}, {"photons": [2500, 8000, 25000]}),
     (3, "large splats", "photon_splatting", {**SPLATS, "splat_size_relative": 0.75}, {"photons": [250, 800, 2500]}),
