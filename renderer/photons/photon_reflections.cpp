@@ -92,7 +92,8 @@ bool PhotonReflections::reflect_other(const Vertex& vertex, size_t place) {
               .normal = parted.point.geometric_normal,
               .direction = wavefront.batch.next_ray().direction,
               .smooth_normal = Octahedral<16>::encode(parted.point.smooth_normal),
-              .scatterings_and_spread = ReflectedPhoton::pack(vertex.scatterings + 1, ReflectedPhoton::Spread::Beam)});
+              .scatterings_and_spread = ReflectedPhoton::pack(vertex.scatterings + 1, ReflectedPhoton::Spread::Beam,
+                                                              wavefront.batch.hits[i].instance)});
     return vertex.goes_on;
 }
 

@@ -9,6 +9,7 @@ namespace photond {
 
 struct ReflectedPhoton {
     static constexpr uint32_t kNoSurface = ~0u;
+    static constexpr uint32_t kMostCaster = (1u << 22) - 1;
 
     /// How the light is spread over the directions it may leave to.
     enum class Spread : uint8_t {
@@ -33,12 +34,15 @@ struct ReflectedPhoton {
     uint32_t surface = kNoSurface;  // of Rough: index into TracedReflections::surfaces
     uint32_t scatterings_and_spread = 0;
 
-    static uint32_t pack(uint32_t scatterings, Spread spread) {
-        return std::min(scatterings, 255u) | static_cast<uint32_t>(spread) << 8;
+    /// `caster`: of Beam, the instance that scattered it.
+    static uint32_t pack(uint32_t scatterings, Spread spread, uint32_t caster = 0) {
+        return std::min(scatterings, 255u) | static_cast<uint32_t>(spread) << 8 | std::min(caster, kMostCaster) << 10;
     }
     /// Scatterings since the light, the one here included: at least 1.
     uint32_t scatterings() const { return scatterings_and_spread & 0xffu; }
     Spread spread() const { return static_cast<Spread>(scatterings_and_spread >> 8 & 0x3u); }
+    /// Of Beam: the instance that scattered it; kMostCaster stands for all from there.
+    uint32_t caster() const { return scatterings_and_spread >> 10; }
     /// Flux along `w` (unit, world) over that of a Lambert reflector without shading normals.
     float correction_towards(const vec3& w) const {
         if (correction == 1) return 1;

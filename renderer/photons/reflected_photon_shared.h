@@ -14,6 +14,8 @@
 #define SPREAD_ROUGH 1u
 #define SPREAD_BEAM 2u
 #define SPREAD_SHIFT 8          // above the scatterings, which have the byte below
+#define CASTER_SHIFT 10         // of SPREAD_BEAM: the instance that scattered it
+#define MOST_CASTER 0x3fffffu   // ReflectedPhoton::kMostCaster
 #define NO_SURFACE 0xffffffffu  // ReflectedPhoton::kNoSurface
 
 #define JITTER_SET 0x80000000u  // kJitterSet

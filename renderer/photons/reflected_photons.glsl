@@ -139,7 +139,7 @@ bool reflect_parted(uint number, PhotonVertex vertex, Hit hit, PhotonNumbers num
         photon.smooth_normal = octahedral_encode(16u, vertex.point.smooth_normal);
         photon.correction = 1.0;
         photon.surface = NO_SURFACE;
-        photon.scatterings_and_spread = pack_spread(path.scatterings, SPREAD_BEAM);
+        photon.scatterings_and_spread = pack_spread(path.scatterings, SPREAD_BEAM) | min(hit.instance, MOST_CASTER) << CASTER_SHIFT;
         keep(number, photon);
     }
     return goes_on;

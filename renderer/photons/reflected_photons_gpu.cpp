@@ -12,7 +12,8 @@ static_assert(sizeof(gpu::ReflectedPhotonRecord) == sizeof(ReflectedPhoton) &&
               sizeof(gpu::ReflectingSurfaceRecord) == sizeof(ReflectingSurface));
 static_assert(SPREAD_LAMBERT == static_cast<uint32_t>(ReflectedPhoton::Spread::Lambert) &&
               SPREAD_ROUGH == static_cast<uint32_t>(ReflectedPhoton::Spread::Rough) &&
-              SPREAD_BEAM == static_cast<uint32_t>(ReflectedPhoton::Spread::Beam));
+              SPREAD_BEAM == static_cast<uint32_t>(ReflectedPhoton::Spread::Beam) &&
+              MOST_CASTER == ReflectedPhoton::kMostCaster);
 
 uint32_t most_scatterings(const PhotonTracing& tracing) {
     return tracing.injection == PhotonInjection::ReflectiveShadowMap ? std::min(tracing.most_scatterings, 1u)

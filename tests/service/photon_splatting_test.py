@@ -81,7 +81,7 @@ class PhotonSplattingTest(DaemonTestCase):
         self.assertEqual(properties["estimator"]["enum"], ["connect", "kernel"])
         self.assertEqual(properties["weighting"]["enum"], ["normalised", "radiometric"])
         self.assertEqual(properties["injection"]["enum"], ["paths", "reflective_shadow_map"])
-        self.assertEqual(properties["bounces"]["default"], 1)
+        self.assertEqual(properties["bounces"]["default"], 254)
         self.assertEqual(properties["splat_size"]["x-unit"], "m")
 
     def test_memory_is_estimated(self):

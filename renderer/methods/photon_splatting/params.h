@@ -23,8 +23,10 @@ constexpr uint32_t blur_pixels(BlurWidth width) {
 }
 
 struct PhotonSplattingParams final : MethodParams {
+    static constexpr uint32_t kMostBounces = 254;  // a photon's scatterings are a byte
+
     uint32_t photons = 10'000;
-    uint32_t bounces = 1;
+    uint32_t bounces = kMostBounces;
     PhotonInjection injection = PhotonInjection::Paths;
     uint32_t rays_per_photon = 1;
     bool stratify = false;
@@ -79,7 +81,8 @@ inline void PhotonSplattingParams::visit(ParamVisitor& visitor) {
     static constexpr std::string_view kBlurs[] = {"none", "3", "5", "7", "9"};
 
     visitor.field("photons", photons, {Light, "photons", 1, 1e9, "light paths a pass"});
-    visitor.field("bounces", bounces, {Light, "", 0, 254, "greatest number of bounces in the indirect layer"});
+    visitor.field("bounces", bounces,
+                  {Light, "", 0, kMostBounces, "greatest number of bounces in the indirect layer; the thesis has 1"});
     visitor.enumeration("injection", injection,
                         {Light, kInjections,
                          "light paths from the lights, or a jittered reflective shadow map of each light, which knows "
@@ -99,16 +102,17 @@ inline void PhotonSplattingParams::visit(ParamVisitor& visitor) {
                         {Stratification, kRepresentatives,
                          "stratification: which photons splat for their cell; the last two are biased, as in the "
                          "thesis"});
-    visitor.field(
-        "splat_size", splat_size_m,
-        {Light, "m", 1e-9, 1e9, "side of a splat; its radius is half of that; of beams beside connections a quarter"});
+    visitor.field("splat_size", splat_size_m,
+                  {Light, "m", 1e-9, 1e9,
+                   "side of a splat; its radius is half of that; of beams beside connections a quarter, with "
+                   "adaptive_size at most half"});
     visitor.field(
         "splat_size_relative", splat_size_relative,
         {Light, "", 1e-9, 1e3, "the same, over the radius of the scene's bounding sphere; 0.2 when neither is given"});
     visitor.flag("adaptive_size", adaptive_size,
                  {Splats,
                   "connect: splats are smaller where light is dense and larger where it is rare, by a pilot's photons; "
-                  "exact in the mean like any size"});
+                  "exact in the mean like any size. Beams hold few photons, and are no wider than what casts them"});
     visitor.enumeration("filter", filter, {Splats, kFilters, "weight of a splat across its axis, radial"});
     visitor.enumeration("weighting", weighting,
                         {Splats, kWeightings, "normalised: the thesis' colour over weight; radiometric: watts"});

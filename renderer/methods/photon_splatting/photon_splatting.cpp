@@ -7,7 +7,7 @@
 #include "renderer/gbuffer/indirect_blur.h"
 #include "renderer/many_lights/clamp_repayment.h"
 #include "renderer/methods/photon_splatting/splat_accumulation.h"
-#include "renderer/methods/photon_splatting/splat_sizes.h"
+#include "renderer/methods/photon_splatting/splat_pilot.h"
 
 namespace photond {
 
@@ -16,11 +16,13 @@ namespace {
 constexpr uint32_t kTileSide = 32;
 constexpr float kSplitRadii = 0.75f;  // clusters wider than that are halved
 
-/// Photons a light path leaves at each of its scatterings where nothing is known of the scene, a furnished closed room.
+/// Photons a light path leaves at its first scattering, and at each further one of those it leaves at the one before,
+/// where nothing is known of the scene, a furnished closed room.
 constexpr double kExpectedYield = 0.6;
 
 double expected_photons(const PhotonSplattingParams& params) {
-    return kExpectedYield * params.photons * std::clamp(params.bounces, 1u, 8u);
+    const double lost = std::pow(kExpectedYield, std::max(params.bounces, 1u));
+    return params.photons * kExpectedYield * (1 - lost) / (1 - kExpectedYield);
 }
 uint64_t photon_bytes(const PhotonSplattingParams& params) {
     return static_cast<uint64_t>(expected_photons(params)) * sizeof(ReflectedPhoton);
@@ -95,7 +97,7 @@ struct PhotonSplatting::State {
     std::optional<EmissionSampler> emission;
     std::optional<PhotonTracer> tracer;
     std::optional<ShaftVisibility> shafts;
-    SplatSizes sizes{settings.radius_m};
+    PilotSizes sizes{SplatSizes(settings.radius_m), BeamSizes(settings.beam_radius_m)};
     ThreadLocal<PerThread> threads;
     std::map<std::string, uint64_t> most_bytes;
 
@@ -191,11 +193,11 @@ void PhotonSplatting::begin(const RenderContext& context, Stats& stats) {
         state.shafts.emplace(scene);
         budget.record("shaft_visibility", state.shafts->bytes());
     }
-    if (params_.connects() && params_.adaptive_size) {
+    {
         const StageTimer timer(stats, "photon_tracing");
-        state.sizes = SplatSizes::by_pilot(state.settings.radius_m, scene, *context.intersector, *state.emission,
-                                           tracing, context.seed, stats.counts);
-        budget.record("splat_sizes", state.sizes.bytes());
+        state.sizes = sizes_by_pilot(state.settings, params_, scene, *context.intersector, *state.emission, tracing,
+                                     context.seed, stats);
+        budget.record("splat_sizes", state.sizes.splats.bytes() + state.sizes.beams.bytes());
     }
     if (params_.connects() && !scene.needs.delta && !scene.needs.glossy)
         stats.skipped.push_back({"depth maps of beams", "no surface reflects but by its rough part", 0});
@@ -243,7 +245,7 @@ void PhotonSplatting::look_from_eye(uint32_t pass, Stats& stats, const CancelTok
     parallel_for(clusters.size(), 64, [&](size_t i) {
         VisibleCluster& cluster = clusters[i];
         const vec3 normal = state.tiles[cluster.tile].blocks[cluster.first_block].geometric_normal.get(0);
-        cluster.splat_radius_m = state.sizes.radius_m(cluster.target.centre, normal);
+        cluster.splat_radius_m = state.sizes.splats.radius_m(cluster.target.centre, normal);
     });
     state.clusters.build(std::move(clusters), state.eye.scene.bounds);
     state.record("visible_points", bytes + state.clusters.bytes());
@@ -282,9 +284,17 @@ void PhotonSplatting::splat_photons(uint32_t pass, Stats& stats, const CancelTok
         if (state.sources.empty()) return;
     }
 
-    const SplatPass splat_pass{
-        state.eye.scene, state.eye.intersector, state.settings, params_,        state.shafts ? &*state.shafts : nullptr,
-        state.photons,   state.sources,         state.clusters, state.eye.seed, pass};
+    const SplatPass splat_pass{state.eye.scene,
+                               state.eye.intersector,
+                               state.settings,
+                               state.sizes.beams,
+                               params_,
+                               state.shafts ? &*state.shafts : nullptr,
+                               state.photons,
+                               state.sources,
+                               state.clusters,
+                               state.eye.seed,
+                               pass};
     const size_t count = splat_pass.source_count();
     const size_t at_once = SplatBatch::sources(params_.rays_per_photon);
     for (size_t first = 0; first < count && !cancel.cancelled(); first += at_once) {

@@ -23,7 +23,8 @@ namespace photond {
 ///               its points at once, where they are few (transport/shaft_visibility.h), else by shadow rays.
 ///   kernel      Phi K(u) max(0, n . -w) V, V by an orthographic depth map across the ray (splat_depth_maps.h), for x
 ///               within a frustum about the hit of the ray. Blurs by h; darkens to half within h of edges. Consistent
-///               with `shrink`. Delta and narrow lobes splat so with any estimator: caustics.
+///               with `shrink`. Delta and narrow lobes splat so with any estimator: caustics. Beside connections their
+///               h follows where a pilot's photons land, and is no wider than what casts them (beam_sizes.h).
 ///   normalised  the thesis: colour max(0, n . -w) C K and weight K add up, their quotient is the pass's light. It
 ///               discards the density of photons: no exposure makes it converge to the truth.
 ///

@@ -5,9 +5,9 @@
 #include "renderer/frame/device_frame.h"
 #include "renderer/gbuffer/indirect_blur.h"
 #include "renderer/methods/photon_splatting/splat_depth_atlas.h"
+#include "renderer/methods/photon_splatting/splat_pilot.h"
 #include "renderer/methods/photon_splatting/splat_settings.h"
 #include "renderer/methods/photon_splatting/splat_shared.h"
-#include "renderer/methods/photon_splatting/splat_sizes.h"
 #include "renderer/methods/photon_splatting/splat_volumes.h"
 #include "renderer/methods/photon_splatting/stratification_gpu.h"
 #include "renderer/photons/reflected_photons_gpu.h"
@@ -55,7 +55,8 @@ bool has_edges(const PhotonSplattingParams& params) { return params.blur_edges &
 
 /// Splats of a batch: a whole number of photons'.
 uint32_t batch_splats(const PhotonSplattingParams& params, const Needs& needs) {
-    const uint64_t all = uint64_t{params.photons} * std::min(params.bounces, 255u) * 2 * params.rays_per_photon;
+    // Light paths leave fewer than two photons each in most scenes, however many bounces they may have.
+    const uint64_t all = params.bounces == 0 ? 0 : uint64_t{params.photons} * 2 * params.rays_per_photon;
     uint64_t splats = std::min<uint64_t>(all, kBatchSplats);
     if (const uint64_t texels = texels_of_splat(params, needs); texels > 0)
         splats = std::min(splats, kDepthBytes / (texels * sizeof(float)));
@@ -89,6 +90,8 @@ struct PhotonSplattingGpu::State {
           repay_sampler(device, "sampler", sizeof(gpu::PassSamplerData)),
           constants(device, "splat_constants", sizeof(gpu::SplatConstants)),
           size_factors(device, "splat_sizes", sizeof(float)),
+          beam_cells(device, "splat_sizes", sizeof(gpu::BeamCell)),
+          beam_casters(device, "splat_sizes", sizeof(float)),
           counts(device, "visible_points", SPLAT_COUNTS * sizeof(uint32_t)),
           host_counts(device, "readback", SPLAT_COUNTS * sizeof(uint32_t), gpu::MemoryKind::Readback),
           heads(device, "visible_points", size.pixels() * sizeof(uint32_t)),
@@ -170,9 +173,10 @@ struct PhotonSplattingGpu::State {
     const SplatSettings settings;
     const uint32_t splats_at_once;
     uint32_t point_capacity = 0, cluster_capacity = 0;
-    std::optional<SplatSizes> sizes;
+    PilotSizes sizes{SplatSizes(settings.radius_m), BeamSizes(settings.beam_radius_m)};
 
-    gpu::Buffer eye, sampler, repay_sampler, constants, size_factors, counts, host_counts, heads, edges, host_edges;
+    gpu::Buffer eye, sampler, repay_sampler, constants, size_factors, beam_cells, beam_casters, counts, host_counts,
+        heads, edges, host_edges;
     gpu::Buffer points, general_points, sums, clusters, splats, depth_maps;
     std::unique_ptr<gpu::ComputePipeline> walk, bound, make, depth, light, repay, combine;
     std::optional<EmissionSampler> emission;
@@ -192,8 +196,12 @@ gpu::SplatConstants PhotonSplattingGpu::State::constants_of(uint32_t pass) const
     of_pass.kernel = settings.filter.device_record();
     of_pass.radius_m = settings.radius_m;
     of_pass.beam_radius_m = settings.beam_radius_m;
-    of_pass.step_back_m = settings.step_back_m;
-    of_pass.depth_m = settings.depth_m;
+    of_pass.beam_step_back_m = settings.step_back_m;
+    of_pass.beam_step_back_radii = settings.step_back_radii;
+    of_pass.beam_depth_m = settings.depth_m;
+    of_pass.beam_depth_radii = settings.depth_radii;
+    of_pass.beam_levels = sizes.beams.levels();
+    of_pass.beam_casters = static_cast<uint32_t>(sizes.beams.casters().size());
     of_pass.shadow_resolution = settings.shadow_resolution;
     of_pass.rays_per_photon = params.rays_per_photon;
     of_pass.connects = settings.connects;
@@ -204,7 +212,7 @@ gpu::SplatConstants PhotonSplattingGpu::State::constants_of(uint32_t pass) const
     of_pass.ambient = params.ambient;
     of_pass.point_capacity = point_capacity;
     of_pass.cluster_capacity = cluster_capacity;
-    if (const auto grid = sizes ? sizes->grid() : std::nullopt) {
+    if (const auto grid = sizes.splats.grid()) {
         of_pass.sizes_low = grid->low;
         of_pass.sizes_cell_m = grid->cell_m;
         of_pass.sizes_cells = grid->cells;
@@ -302,7 +310,8 @@ void PhotonSplattingGpu::State::add_batch(uint32_t first_photon, uint32_t end_ph
                               gpu::read("constants", constants), gpu::read("state", photons->state()),
                               gpu::read("photons", photons->photons()), gpu::read("order", photons->order()),
                               gpu::read("surfaces", photons->surfaces()), gpu::write("splats", splats),
-                              gpu::read("sources", stratification ? stratification->sources() : counts)});
+                              gpu::read("sources", stratification ? stratification->sources() : counts),
+                              gpu::read("beam_cells", beam_cells), gpu::read("beam_casters_m", beam_casters)});
         commands.push(gpu::SplatMakePush{first_photon, end_photon, count});
         commands.dispatch_threads(count, SPLAT_GROUP);
     });
@@ -479,14 +488,18 @@ void PhotonSplattingGpu::begin(const RenderContext& context, Stats& stats) {
     }
     if (draws_depth_maps(params_, scene.needs, scene.triangle_count))
         state.depth_atlas.emplace(state.device_scene, params_.shadow_resolution, state.splats_at_once);
-    if (params_.connects() && params_.adaptive_size) {
+    {
         const StageTimer timer(stats, "photon_tracing");
-        state.sizes = SplatSizes::by_pilot(state.settings.radius_m, scene, *context.intersector, *state.emission,
-                                           tracing, context.seed, stats.counts);
-        if (const auto grid = state.sizes->grid()) {
-            state.size_factors = {};
-            state.size_factors = gpu::make_buffer(state.device, "splat_sizes", grid->factors);
-        }
+        state.sizes = sizes_by_pilot(state.settings, params_, scene, *context.intersector, *state.emission, tracing,
+                                     context.seed, stats);
+        const auto upload = [&](gpu::Buffer& buffer, const auto& values) {
+            if (values.empty()) return;
+            buffer = {};
+            buffer = gpu::make_buffer(state.device, "splat_sizes", values);
+        };
+        if (const auto grid = state.sizes.splats.grid()) upload(state.size_factors, grid->factors);
+        upload(state.beam_cells, state.sizes.beams.cells());
+        upload(state.beam_casters, state.sizes.beams.casters());
     }
     if (!has_beams(params_, scene.needs))
         stats.skipped.push_back({"depth maps of beams", "no surface reflects but by its rough part", 0});

@@ -34,8 +34,7 @@ MethodInfo photon_splatting_row() {
     info.variants = {{"connect", {{"weighting", "radiometric"}, {"estimator", "connect"}}},
                      {"kernel", {{"weighting", "radiometric"}, {"estimator", "kernel"}}},
                      {"normalised", {{"weighting", "normalised"}}}};
-    info.limits = {kStartsByPower,
-                   {{{"weighting", "normalised"}},
+    info.limits = {{{{"weighting", "normalised"}},
                     "",
                     "a weighted mean of the photons' colours: it discards how dense they are, so no exposure makes it "
                     "converge"},

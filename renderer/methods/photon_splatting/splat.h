@@ -26,6 +26,7 @@ struct Splat {
     vec3 shadow_target{0};     // Connect: where shadow rays to y end, just off its surface
     float weight = 1;          // `normalised`: of its cell
     uint32_t photon = 0;       // index into TracedReflections::photons
+    uint32_t caster = 0;       // Beam: ReflectedPhoton::caster()
     uint32_t slot = 0;         // Beam: in the depth maps of its chunk; ConnectRough: in its origins
     uint16_t scatterings = 1;  // of the photon
     Kind kind = Kind::Connect;

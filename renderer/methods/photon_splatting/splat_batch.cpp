@@ -28,7 +28,7 @@ public:
             add_ray(source, photon, rays == 1 ? photon.direction : direction(photon, offset, i), rays, random.next());
     }
 
-    /// Beams begin some way before the first surface their photons meet, and need depth maps there.
+    /// Beams are as wide as they should be about the first surface their photons meet, and begin some way before it.
     void place_beams() {
         std::vector<Splat>& splats = chunk_.splats;
         rays_.clear();
@@ -38,44 +38,53 @@ public:
         hits_.resize(rays_.size());
         pass_.intersector.closest_hits(rays_, hits_, Coherence::Incoherent);
         chunk_.counts.photon_rays += rays_.size();
-        frusta_.clear();
         size_t ray = 0, kept = 0;
         for (const Splat& placed : splats) {
             Splat splat = placed;
             if (splat.kind == Splat::Kind::Beam) {
                 const Hit& hit = hits_[ray++];
                 if (!hit.valid()) continue;  // it lights nothing
-                place(splat, hit.t);
+                if (!place(splat, hit.t)) continue;
             }
             splats[kept++] = splat;
         }
         splats.resize(kept);
-        if (settings_.visibility) {
-            chunk_.depth_maps = SplatDepthMaps(settings_.shadow_resolution);
-            chunk_.depth_maps.trace(frusta_, pass_.intersector, chunk_.counts);
-        }
     }
 
     void find_clusters() {
+        frusta_.clear();
         for (uint32_t i = 0; i < chunk_.splats.size(); ++i)
             chunk_.splats[i].kind == Splat::Kind::Beam ? find_of_beam(i) : find_of_connection(i);
     }
 
+    /// Depth maps of the beams that found clusters.
+    void trace_depth_maps() {
+        if (frusta_.empty() || !settings_.visibility) return;
+        chunk_.depth_maps = SplatDepthMaps(settings_.shadow_resolution);
+        chunk_.depth_maps.trace(frusta_, pass_.intersector, chunk_.counts);
+    }
+
 private:
-    /// Where a beam begins and ends whose ray meets a surface at that distance.
-    void place(Splat& splat, float hit_m) {
+    /// How wide a beam is whose ray meets a surface at that distance, and where it begins and ends. False: it cannot
+    /// be.
+    bool place(Splat& splat, float hit_m) const {
+        const BeamLanding landing{splat.origin + hit_m * splat.axis, hit_m, splat.caster};
+        const float alone_m = pass_.beam_sizes.radius_m(landing, 1);
+        splat.radius = shrink_ * pass_.beam_sizes.radius_m(landing, splat.weight);
+        if (!settings_.normalised) splat.intensity /= sqr(splat.radius);
+        if (!is_finite(splat.intensity)) return false;
+        const float step_back_m = settings_.step_back_m + settings_.step_back_radii * alone_m;
         // Not before the whole bundle has left the surface it comes from, whose back would shadow it.
         const float cosine = std::max(std::fabs(glm::dot(splat.normal, splat.axis)), 1e-3f);
         const float leaves_m = splat.radius * std::sqrt(std::max(1 - sqr(cosine), 0.0f)) / cosine;
-        splat.near_m = std::max(hit_m - settings_.step_back_m, std::min(leaves_m, hit_m));
-        splat.far_m = std::max(hit_m - settings_.step_back_m + settings_.depth_m, splat.near_m);
-        splat.slot = static_cast<uint32_t>(frusta_.size());
-        frusta_.push_back({splat.origin + splat.near_m * splat.axis, splat.axis, splat.radius,
-                           std::max(splat.far_m - splat.near_m, 1e-6f * splat.radius)});
+        splat.near_m = std::max(hit_m - step_back_m, std::min(leaves_m, hit_m));
+        splat.far_m = std::max(hit_m - step_back_m + settings_.depth_m + settings_.depth_radii * alone_m, splat.near_m);
+        return true;
     }
 
     void find_of_beam(uint32_t index) {
-        const Splat& splat = chunk_.splats[index];
+        Splat& splat = chunk_.splats[index];
+        const size_t found = chunk_.found.size();
         pass_.clusters.find(
             {splat.origin, splat.axis, splat.near_m, splat.far_m, splat.radius, 0}, 0,
             [](const ShaftTarget&, int) { return 0; },
@@ -83,6 +92,10 @@ private:
                 if (faces(pass_.clusters.clusters()[cluster], splat, true))
                     chunk_.found.push_back({cluster, index, SplatBatch::kClear});
             });
+        if (chunk_.found.size() == found) return;
+        splat.slot = static_cast<uint32_t>(frusta_.size());
+        frusta_.push_back({splat.origin + splat.near_m * splat.axis, splat.axis, splat.radius,
+                           std::max(splat.far_m - splat.near_m, 1e-6f * splat.radius)});
     }
 
     /// The states on the way down: what may stand in the shaft to a node, as an index into shafts_, or clear.
@@ -152,11 +165,12 @@ private:
         splat.shadow_target =
             offset_ray_origin(photon.position, glm::dot(photon.normal, axis) < 0 ? -photon.normal : photon.normal);
         const bool connects = settings_.connects && photon.spread() != Spread::Beam;
-        splat.radius = std::sqrt(source.photons) * (connects ? 1.0f : settings_.beam_radius_m * shrink_);
+        splat.radius = std::sqrt(source.photons);
         splat.disc = settings_.filter.sample_disc(u);
         Rgb power_w = source.power_w / static_cast<float>(rays);
         if (!connects) {
             splat.kind = Splat::Kind::Beam;
+            splat.caster = photon.spread() == Spread::Beam ? photon.caster() : ReflectedPhoton::kMostCaster;
             if (photon.spread() == Spread::Lambert) power_w *= photon.correction_towards(axis);
             if (settings_.normalised) {
                 // A colour, what the scene's surfaces would get on average if all photons were like this one, with the
@@ -174,7 +188,7 @@ private:
         } else {
             splat.corrected = photon.correction != 1;
         }
-        if (!settings_.normalised) splat.intensity = connects ? power_w : power_w / sqr(splat.radius);
+        if (!settings_.normalised) splat.intensity = power_w;
         if (is_black(splat.intensity) || !is_finite(splat.intensity)) return;
         chunk_.splats.push_back(splat);
     }
@@ -214,9 +228,10 @@ void SplatBatch::make(const SplatPass& pass, size_t first, size_t last, Stats& s
             }
         }
         maker.place_beams();
-        laps.lap(chunk.seconds_depth);
         maker.find_clusters();
         laps.lap(chunk.seconds_finding);
+        maker.trace_depth_maps();
+        laps.lap(chunk.seconds_depth);
         chunk.counts.splats += chunk.splats.size();
     });
     double depth = 0, finding = 0;

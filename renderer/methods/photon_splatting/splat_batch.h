@@ -10,6 +10,7 @@
 #include "renderer/core/cancel.h"
 #include "renderer/core/stats.h"
 #include "renderer/many_lights/vpl_set.h"
+#include "renderer/methods/photon_splatting/beam_sizes.h"
 #include "renderer/methods/photon_splatting/splat.h"
 #include "renderer/methods/photon_splatting/splat_depth_maps.h"
 #include "renderer/methods/photon_splatting/splat_settings.h"
@@ -23,6 +24,7 @@ struct SplatPass {
     const Scene& scene;
     const Intersector& intersector;
     const SplatSettings& settings;
+    const BeamSizes& beam_sizes;
     const PhotonSplattingParams& params;
     const ShaftVisibility* shafts;  // null: shadow rays alone
     const TracedReflections& photons;

@@ -28,6 +28,8 @@ layout(set = 0, binding = 4, scalar) readonly buffer Order { uint order[]; };
 layout(set = 0, binding = 5, scalar) readonly buffer Surfaces { ReflectingSurfaceRecord surfaces[]; };
 layout(set = 0, binding = 6, scalar) writeonly buffer Splats { Splat splats[]; };
 layout(set = 0, binding = 7, scalar) readonly buffer Sources { SplatSourceRecord sources[]; };  // SPLAT_STRATIFIED
+layout(set = 0, binding = 8, scalar) readonly buffer BeamCells { BeamCell beam_cells[]; };
+layout(set = 0, binding = 9, scalar) readonly buffer BeamCasters { float beam_casters_m[]; };
 
 const uint64_t STREAM_STEP = 0x9e3779b97f4a7c15ul;  // of RandomStream: from a number to the next
 
@@ -38,13 +40,35 @@ vec3 splat_direction(vec3 normal, vec2 offset, uint i) {
     return to_world(make_frame(normal), sample_cosine_hemisphere(min(u, vec2(BELOW_ONE))));
 }
 
-/// Where a beam begins and ends whose ray meets a surface at that distance.
-void place_beam(inout Splat splat, float hit_m) {
+/// Twin of BeamSizes::radius_m().
+float beam_radius_m(vec3 landing, float distance_m, uint caster, float photons) {
+    float radius_m = constants.beam_radius_m;
+    if (constants.beam_levels > 0) {
+        uint node = 1;
+        for (uint level = 0; level < constants.beam_levels; ++level)
+            node = 2 * node + (landing[beam_cells[node].axis] < beam_cells[node].split_or_radius ? 0 : 1);
+        radius_m = beam_cells[node].split_or_radius;
+    }
+    radius_m *= sqrt(photons);
+    if (constants.beam_casters == 0) return radius_m;
+    if (caster < constants.beam_casters) radius_m = min(radius_m, beam_casters_m[caster]);
+    return min(radius_m, max(BEAM_WAY_SHARE * distance_m, BEAM_LEAST_SHARE * constants.beam_radius_m));
+}
+
+/// How wide a beam is whose ray meets a surface at that distance, and where it begins and ends. False: it cannot be.
+bool place_beam(inout Splat splat, uint caster, float hit_m) {
+    const vec3 landing = splat.origin + hit_m * splat.axis;
+    const float alone_m = beam_radius_m(landing, hit_m, caster, 1.0);
+    splat.radius = constants.shrink * beam_radius_m(landing, hit_m, caster, splat.weight);
+    if (!SPLAT_NORMALISED) splat.intensity /= sqr(splat.radius);
+    if (!is_finite(splat.intensity)) return false;
+    const float step_back_m = constants.beam_step_back_m + constants.beam_step_back_radii * alone_m;
     // Not before the whole bundle has left the surface it comes from, whose back would shadow it.
     const float cosine = max(abs(dot(splat.normal, splat.axis)), 1e-3);
     const float leaves_m = splat.radius * sqrt(max(1.0 - sqr(cosine), 0.0)) / cosine;
-    splat.near_m = max(hit_m - constants.step_back_m, min(leaves_m, hit_m));
-    splat.far_m = max(hit_m - constants.step_back_m + constants.depth_m, splat.near_m);
+    splat.near_m = max(hit_m - step_back_m, min(leaves_m, hit_m));
+    splat.far_m = max(hit_m - step_back_m + constants.beam_depth_m + constants.beam_depth_radii * alone_m, splat.near_m);
+    return true;
 }
 
 /// False: it lights nothing.
@@ -67,7 +91,7 @@ bool make_splat(SplatSourceRecord source, uint ray, ReflectedPhotonRecord photon
     splat.correction = photon.correction;
     splat.surface = photon.surface;
     const bool connects = constants.connects != 0 && spread != SPREAD_BEAM;
-    splat.radius = sqrt(source.photons) * (connects ? 1.0 : constants.beam_radius_m * constants.shrink);
+    splat.radius = sqrt(source.photons);
     vec3 power_w = source.power_w / float(rays);
     if (!connects) {
         splat.kind |= SPLAT_BEAM;
@@ -80,7 +104,7 @@ bool make_splat(SplatSourceRecord source, uint ray, ReflectedPhotonRecord photon
         if (SPLAT_NORMALISED)
             splat.intensity = power_w * (splat.weight * float(rays) * constants.colour_scale);
         else
-            splat.intensity = power_w / sqr(splat.radius);
+            splat.intensity = power_w;
     } else if (spread == SPREAD_ROUGH) {
         splat.kind |= SPLAT_CONNECT_ROUGH;
         const float own = max_component(photon.power_w);
@@ -95,8 +119,8 @@ bool make_splat(SplatSourceRecord source, uint ray, ReflectedPhotonRecord photon
     ++photon_rays;
     const Hit hit = closest_hit(Ray(offset_ray_origin(splat.origin, side), splat.axis, INFINITY));
     if (!hit_valid(hit)) return false;
-    place_beam(splat, hit.t);
-    return true;
+    const uint caster = spread == SPREAD_BEAM ? photon.scatterings_and_spread >> CASTER_SHIFT : MOST_CASTER;
+    return place_beam(splat, caster, hit.t);
 }
 
 void main() {

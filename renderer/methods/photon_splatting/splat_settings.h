@@ -13,10 +13,12 @@ struct SplatSettings {
     bool visibility;
     Kernel filter;
     float radius_m;       // half of splat_size: of a photon that splats alone
-    float beam_radius_m;  // the same of beams, in the first pass; beside connections, which do not blur, a quarter
-    float step_back_m;    // of beams, before the hit of the photon's ray
-    float depth_m;        // of beams, from there
-    float shrink_alpha;   // 1: no shrinking
+    float beam_radius_m;  // the most of beams, in the first pass; beside connections, which do not blur, a quarter
+    // Beams begin so far before the hit of their photon's ray, and light so far from there: metres, and radii that they
+    // have in the first pass.
+    float step_back_m, step_back_radii;
+    float depth_m, depth_radii;
+    float shrink_alpha;  // 1: no shrinking
     uint32_t shadow_resolution;
     float surface_area_m2;  // of the scene; `normalised` makes powers colours with it
 

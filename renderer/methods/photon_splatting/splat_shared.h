@@ -9,9 +9,11 @@
 #define SPLAT_GROUP 64  // threads of a group that lights a cluster, and most points of one: a tile of EYE_TILE squared
 #define MOST_DEPTH_TEXELS 64  // SplatDepthMaps::kMostResolution
 
-#define SPLAT_MOST_SLOPE 6.0f    // of depth maps, depth over distance across: 80.5 degrees of incidence
-#define SPLAT_OFF_PLANE 1e-6f    // that points on a plane may lie beside it, over their coordinates
-#define SPLAT_CLAMP_SHARE 0.16f  // of a splat's radius: connections are clamped within it, and repaid by short rays
+#define SPLAT_MOST_SLOPE 6.0f  // of depth maps, depth over distance across: 80.5 degrees of incidence
+#define SPLAT_OFF_PLANE 1e-6f  // that points on a plane may lie beside it, over their coordinates
+#define BEAM_WAY_SHARE 0.5f    // of the way that a beam has come, which its radius is no more than; both of BeamSizes
+#define BEAM_LEAST_SHARE 0.015625f  // of the greatest radius: no beam is narrower, though light may meet in a point
+#define SPLAT_CLAMP_SHARE 0.16f     // of a splat's radius: connections are clamped within it, and repaid by short rays
 
 // Specialisation constants of the shaders here, after those of device_image_shared.h.
 #define PLANE_OVERLAP_ID 38  // of the layer
@@ -49,7 +51,14 @@ using glm::uvec4;
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #endif
 
-/// Lengths and choices of the method in a scene: SplatSettings, SplatSizes, and what changes from pass to pass.
+/// A cell of BeamSizes that is cut in two, by the coordinate along an axis; or one that is not, with the radius of
+/// beams that land there [m].
+struct BeamCell {
+    float split_or_radius;
+    uint axis;
+};
+
+/// Lengths and choices of the method in a scene: SplatSettings, sizes by the pilot, and what changes from pass to pass.
 struct SplatConstants {
     uint64_t seed;
     uint pass;
@@ -57,8 +66,12 @@ struct SplatConstants {
     KernelRecord kernel;  // SplatSettings::filter
     float radius_m;
     float beam_radius_m;
-    float step_back_m;
-    float depth_m;
+    float beam_step_back_m;  // SplatSettings
+    float beam_step_back_radii;
+    float beam_depth_m;
+    float beam_depth_radii;
+    uint beam_levels;  // BeamSizes; of beam_casters as many as there are instances, or none
+    uint beam_casters;
     uint shadow_resolution;
     uint rays_per_photon;
     uint connects;           // 0: rough photons light along their rays too
@@ -147,7 +160,7 @@ struct SplatPointPush {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(SplatConstants) == 112 && sizeof(SplatPoint) == 64 && sizeof(SplatSum) == 20 &&
+static_assert(sizeof(SplatConstants) == 128 && sizeof(SplatPoint) == 64 && sizeof(SplatSum) == 20 &&
                   sizeof(SplatCluster) == 56 && sizeof(Splat) == 84,
               "must match the scalar layout of GLSL");
 }  // namespace photond::gpu

@@ -10,7 +10,6 @@ namespace photond {
 namespace {
 
 constexpr float kMostFactor = 3;
-constexpr uint64_t kPilotSeed = 0x5a1f'0b1d'91c3'7e55;
 
 /// Sums of each cell and its neighbours along one axis, `stride` apart.
 void box_filter(std::vector<float>& values, const uvec3& cells, int axis) {
@@ -24,18 +23,6 @@ void box_filter(std::vector<float>& values, const uvec3& cells, int axis) {
 }
 
 }  // namespace
-
-SplatSizes SplatSizes::by_pilot(float radius_m, const Scene& scene, const Intersector& intersector,
-                                const EmissionSampler& emission, const PhotonTracing& tracing, uint64_t seed,
-                                Counts& counts) {
-    PhotonTracing pilot = tracing;
-    pilot.photons = kPilotPhotons;
-    // Numbers of its own: as little as the seed of a reference does this one show in the passes.
-    const TracedReflections photons =
-        PhotonTracer(scene, intersector, emission, pilot).trace_reflected(hash64(seed) ^ kPilotSeed, 0, CancelToken{});
-    counts.photon_rays += photons.counts.photon_rays;  // none of them is a pass's
-    return SplatSizes(radius_m, scene.bounds, photons, intersector, counts);
-}
 
 SplatSizes::SplatSizes(float radius_m, const Bounds3& bounds, const TracedReflections& pilot,
                        const Intersector& intersector, Counts& counts)

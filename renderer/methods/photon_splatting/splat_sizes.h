@@ -3,8 +3,8 @@
 // the light: small where many photons pass by, large where few do, so that all visible points get alike numbers of
 // splats. The relative error of the image is then as even as that of the k nearest photons, without their bias.
 //
-// The density of photons in space comes from a pilot: some photons of their own random numbers, whose rays leave their
-// length in the cells of a coarse grid. It is a pure function of (scene, parameters, seed), and no pass sees another.
+// The density of photons in space comes from a pilot (splat_pilot.h), whose rays leave their length in the cells of a
+// coarse grid.
 
 #include <optional>
 #include <span>
@@ -16,16 +16,8 @@ namespace photond {
 
 class SplatSizes {
 public:
-    static constexpr uint32_t kPilotPhotons = 8192;
-
     /// The same radius everywhere.
     explicit SplatSizes(float radius_m) : radius_m_(radius_m) {}
-
-    /// By a pilot for a render of that seed, whose photons are traced as `tracing` says but for their number. Adds to
-    /// counts.photon_rays.
-    static SplatSizes by_pilot(float radius_m, const Scene& scene, const Intersector& intersector,
-                               const EmissionSampler& emission, const PhotonTracing& tracing, uint64_t seed,
-                               Counts& counts);
 
     /// From a pilot's photons, whose rays are followed to their ends. Adds to counts.photon_rays.
     SplatSizes(float radius_m, const Bounds3& bounds, const TracedReflections& pilot, const Intersector& intersector,
