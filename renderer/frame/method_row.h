@@ -61,8 +61,4 @@ PathsLeftOut left_out_of(const MethodParams& params, const Needs& needs) {
     return kLeftOut(method_row_detail::as<Params>(params), needs);
 }
 
-/// Why light that starts at the lights misses the hard case of two lights of very different power.
-inline constexpr KnownLimit kStartsByPower{
-    {}, "dynamic range", "light paths start from lights by their power: next to none from the dim one"};
-
 }  // namespace photond

@@ -74,16 +74,20 @@ Needs find_needs(const Scene& scene) {
     std::vector<uint32_t> uses(scene.meshes.size(), 0);
     for (const Instance& instance : scene.instances) ++uses[instance.mesh];
 
+    uint32_t solids = 0;                                                // as placed
     std::vector<uint8_t> material_seen(2 * scene.materials.size(), 0);  // without and with vertex colours
     for (size_t m = 0; m < scene.meshes.size(); ++m) {
         const Mesh& mesh = scene.meshes[m];
         if (uses[m] == 0 || mesh.triangles.empty()) continue;
         needs.instances |= uses[m] > 1;
         needs.vertex_colors |= !mesh.colors.empty();
+        if (scene.materials[mesh.material].solid) solids += uses[m];
         uint8_t& seen = material_seen[2 * mesh.material + (mesh.colors.empty() ? 0 : 1)];
         if (!seen) add_material_needs(scene, scene.materials[mesh.material], !mesh.colors.empty(), needs);
         seen = 1;
     }
+    // Where one solid lies within another, a surface, however rough, may bend nothing: light goes straight through.
+    needs.delta |= needs.solid_glass && solids > 1;
     needs.area_lights = !scene.triangle_lights.empty();
     needs.punctual_lights = !scene.punctual_lights.empty();
     needs.environment = scene.environment.has_value();

@@ -26,7 +26,6 @@ MethodInfo imperfect_shadow_maps_row() {
         {"Marroquim et al.", 2007, "Efficient Point-Based Rendering Using Image Reconstruction"}};
     info.layers.remove(Layer::Caustic);
     info.limits = {
-        kStartsByPower,
         {{}, "", "maps of a few texels, by points instead of triangles, and what the clamp takes is not given back"}};
     return info;
 }

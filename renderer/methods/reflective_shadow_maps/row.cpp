@@ -23,8 +23,7 @@ MethodInfo reflective_shadow_maps_row() {
     info.family = "many lights";
     info.sources = {{"Dachsbacher and Stamminger", 2005, "Reflective Shadow Maps"}};
     info.layers.remove(Layer::Caustic);
-    info.limits = {kStartsByPower,
-                   {{}, "", "nobody asks what stands between, and what the clamp takes is not given back"}};
+    info.limits = {{{}, "", "nobody asks what stands between, and what the clamp takes is not given back"}};
     return info;
 }
 

@@ -38,7 +38,6 @@ MethodInfo svo_many_lights_row() {
     info.settings_before = {{"bounces", "1"}, {"caustic_photons", "0"}};
     info.variants = {{"rays", {{"visibility", "rays"}}}, {"voxels", {{"visibility", "svo"}}}};
     info.limits = {
-        kStartsByPower,
         {{}, "furnace", "as many bounces as it was given here, where the answer has all of them"},
         {{}, "caustic", "photons smear light within the radius of a lookup, which shrinks from pass to pass"},
         {{{"visibility", "svo"}},

@@ -108,6 +108,18 @@ TEST(TouchingSolids, WhatDoesNotTouchStaysAsItIs) {
     EXPECT_EQ(overlap_touching_solids(scene), 0u) << "thin sheets have no inside";
 }
 
+TEST(TouchingSolids, RoughOnesNeedTheWayStraightThrough) {
+    // Where one lies within another, a back bends nothing, and what bends nothing is a delta.
+    Material rough = glass();
+    rough.roughness = 0.5f;
+    for (const bool both : {false, true}) {
+        Scene scene = scene_of({box({-0.5f, -0.5f, -0.5f}, {0.5f, 0, 0.5f})}, rough);
+        if (both) scene = scene_of({scene.meshes[0], box({-0.5f, 0, -0.5f}, {0.5f, 0.5f, 0.5f})}, rough);
+        finish_scene(scene);
+        EXPECT_EQ(scene.needs.delta, both);
+    }
+}
+
 TEST(TouchingSolids, OfAMeshPlacedOftenItsNeighbourMoves) {
     const Mesh small = box({0, 0, 0}, {0.5f, 0.5f, 0.5f});
     Scene scene = scene_of({box({-1, -1, -1}, {2, 0, 2}), small});
