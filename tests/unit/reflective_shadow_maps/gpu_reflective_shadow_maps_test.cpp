@@ -136,6 +136,7 @@ TEST(GpuRsm, IsManyLightsWhoseVisibilityNobodyAsksAndTooBright) {
     same.size = settings.size;
     same.passes = settings.passes;
     same.seed = 8;
+    same.params.bounces = 1;
     same.params.vpls = settings.params.samples;
     same.params.map_resolution = settings.params.map_resolution;
     same.params.visibility = VplVisibility::None;
