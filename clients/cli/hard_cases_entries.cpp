@@ -12,7 +12,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr uint32_t kManyBounces = 8;  // for answers with all of them, where a number must be named
+constexpr uint32_t kManyBounces = 254;  // for answers with all of them, where a number must be named
 
 const Parameter* find_parameter(const CatalogueMethod& method, const std::string& name) {
     const auto found = std::find_if(method.parameters.begin(), method.parameters.end(),

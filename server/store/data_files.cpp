@@ -9,10 +9,12 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <memory>
+#include <thread>
 
 #include "protocol/error.h"
 #include "renderer/core/atomic_file.h"
@@ -64,6 +66,19 @@ void make(const fs::path& folder) {
     if (error) fail("making", folder, error.value());
 }
 
+/// 0, or what went wrong. A process that a photond was about to start when it was killed holds its lock until it runs
+/// its own program: it is waited for.
+int take_lock(int file) {
+    constexpr int kTries = 100;
+    constexpr std::chrono::milliseconds kBetween{10};
+    for (int i = 0; flock(file, LOCK_EX | LOCK_NB) != 0; ++i) {
+        if (errno == EINTR) continue;
+        if (errno != EWOULDBLOCK || i == kTries) return errno;
+        std::this_thread::sleep_for(kBetween);
+    }
+    return 0;
+}
+
 }  // namespace
 
 DataFiles::DataFiles(const fs::path& folder, Use use)
@@ -81,8 +96,7 @@ DataFiles::DataFiles(const fs::path& folder, Use use)
     const fs::path lock_file = directory / "photond.lock";
     lock_ = open(lock_file.c_str(), (use == Use::Serve ? O_RDWR | O_CREAT : O_RDONLY) | O_CLOEXEC, 0600);
     if (lock_ < 0 && !(use == Use::Read && errno == ENOENT)) fail("opening", lock_file, errno);
-    if (lock_ >= 0 && flock(lock_, LOCK_EX | LOCK_NB) != 0) {
-        const int error = errno;
+    if (const int error = lock_ >= 0 ? take_lock(lock_) : 0) {
         close(lock_);
         if (error == EWOULDBLOCK)
             throw Error(ErrorCode::Unavailable, "another photond uses the data directory " + directory.string());
