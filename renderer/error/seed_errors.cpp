@@ -161,6 +161,9 @@ Cases chi_square_cases(double degrees) {
     return cases;
 }
 
+/// Pixels' own noise alone looks like a pattern of a tenth of V at the most.
+constexpr double kSurePattern = 0.12;
+
 /// What the sums of one kind of D say, over the number of values, and the error of the films' mean.
 class Estimate {
 public:
@@ -208,13 +211,12 @@ private:
         if (films_ < 3 || !(centred_trace_ > 0)) return;
         const double traceless = squares - centred_trace_ * centred_trace_ / (k_ - 1);
         product_variance_ = std::max(0.0, traceless) / ((k_ - 2) * (k_ + 1));
-        const double of_pattern = product_variance_ * (k_ - 1) * (k_ + 1) / (centred_trace_ * centred_trace_);
-        pattern_weight_ = std::min(1.0, of_pattern * of_pattern);
+        pattern_share_ = std::min(1.0, std::sqrt(product_variance_ * (k_ - 1) * (k_ + 1)) / centred_trace_);
     }
 
     Interval interval_of_bias() const {
         const double value = squared_bias_, h = half_width();
-        const double w = pattern_weight_;
+        const double w = std::pow(pattern_share_, 4);
         Interval interval{value - h, value + h};
         if (w == 0) return interval;
         const Interval of_pattern = interval_of_pattern();
@@ -274,12 +276,23 @@ private:
         // 2 Q / (k - 1).
         const double deviation = std::sqrt(spread * k_ / ((k_ - 1) * (k_ - 2))) / variance;
         const double h = two_sided_student_t(kConfidence, k_ - 1) * deviation;
-        const auto of_pattern = [&](double probability) {
-            return std::log((k_ - 1) / chi_square_quantile(probability, normal_quantile(probability), k_ - 1));
+        // What one pattern makes of V, and what pixels' own noise does.
+        const double of_pattern = pattern_share_ * variance, of_pixels = variance - of_pattern;
+        const auto pattern_end = [&](double probability) {
+            return of_pixels +
+                   of_pattern * (k_ - 1) / chi_square_quantile(probability, normal_quantile(probability), k_ - 1);
         };
-        const double w = pattern_weight_;
-        return {variance * std::exp(-(1 - w) * h + w * of_pattern((1 + kConfidence) / 2)),
-                variance * std::exp((1 - w) * h + w * of_pattern((1 - kConfidence) / 2))};
+        const Interval narrow{variance * std::exp(-h), variance * std::exp(h)};
+        const Interval of_both{pattern_end((1 + kConfidence) / 2), pattern_end((1 - kConfidence) / 2)};
+        const Interval wide{std::min(narrow.least, of_both.least), std::max(narrow.greatest, of_both.greatest)};
+        return mixed(mixed(wide, of_both, std::sqrt(pattern_share_)), narrow,
+                     1 - std::min(1.0, std::pow(pattern_share_ / kSurePattern, 2)));
+    }
+
+    /// The share `of_second` of the second on a logarithmic scale; ends above 0.
+    static Interval mixed(const Interval& first, const Interval& second, double of_second) {
+        return {std::pow(first.least, 1 - of_second) * std::pow(second.least, of_second),
+                std::pow(first.greatest, 1 - of_second) * std::pow(second.greatest, of_second)};
     }
 
     const double k_;
@@ -293,7 +306,7 @@ private:
     double centred_trace_ = 0;
     double spread_ = 0;            // a
     double product_variance_ = 0;  // Q
-    double pattern_weight_ = 0;    // f^2
+    double pattern_share_ = 0;     // f
 };
 
 }  // namespace

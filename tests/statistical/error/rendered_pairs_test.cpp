@@ -7,6 +7,9 @@
 // mse is printed alone: its few bright values, of rare paths that a reference of 64 passes has or has not, carry more
 // of its noise than a normal distribution's tails, and its intervals are too narrow (79 of 100 films of path tracing).
 //
+// So do those of squared bias and variance, of 200 rows of three films each, and by the same references: what they are
+// is told by all films of the method together.
+//
 // Seeds are fixed. By chance a share of 90 % would leave that range once in about 200 choices of them (binomial): it is
 // the design's range, and not widened here.
 
@@ -18,6 +21,7 @@
 
 #include "renderer/core/rng.h"
 #include "renderer/error/cross_meter.h"
+#include "renderer/error/seed_errors.h"
 #include "renderer/methods/photon_mapping/photon_mapping.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/render.h"
@@ -30,7 +34,9 @@ constexpr Size2 kSize{64, 64};
 constexpr uint32_t kPairs = 200;
 constexpr uint32_t kFilmPasses = 4, kReferencePasses = 64, kTruthPasses = 65'536;
 constexpr double kLeastShare = 0.84, kGreatestShare = 0.96;
+constexpr uint32_t kSeeds = 3;                                                         // of a row
 constexpr uint64_t kFirstFilm = 1, kFirstReference = 10'001, kFirstTruth = 1'000'001;  // seeds
+constexpr const char* kMethods[] = {"path_tracing", "photon_mapping"};
 
 template <class M>
 std::vector<float> image(const Scene& scene, test::RenderSettingsOf<M> settings, uint32_t passes, uint64_t seed) {
@@ -49,9 +55,23 @@ std::vector<float> photon_mapped(const Scene& scene, uint32_t passes, uint64_t s
     return image(scene, settings, passes, seed);
 }
 
+std::vector<float> film_of(const Scene& scene, size_t method, uint64_t seed) {
+    return method == 0 ? path_traced(scene, kFilmPasses, seed) : photon_mapped(scene, kFilmPasses, seed);
+}
+
+CrossMeter references_of(const Scene& scene, uint32_t pair) {
+    return CrossMeter(kSize, path_traced(scene, kReferencePasses, reference_seed(kFirstReference + 2 * pair)),
+                      path_traced(scene, kReferencePasses, reference_seed(kFirstReference + 2 * pair + 1)));
+}
+
 /// By two films of it.
 class Truth {
 public:
+    static const Truth& of_cornell_box() {
+        static const Truth kTruth(make_builtin_scene("cornell-box"));
+        return kTruth;
+    }
+
     explicit Truth(const Scene& scene)
         : first_(path_traced(scene, kTruthPasses / 2, reference_seed(kFirstTruth))),
           second_(path_traced(scene, kTruthPasses / 2, reference_seed(kFirstTruth + 1))) {
@@ -78,14 +98,15 @@ public:
         return mean_square(film, [&](size_t i) { return double{meter.weights()[i]} / unit_sq; });
     }
 
-private:
-    template <class Weight>
-    double mean_square(const std::vector<float>& film, const Weight& weight) const {
+    template <class Image, class Weight>
+    double mean_square(const Image& film, const Weight& weight) const {
         double sum = 0;
         for (size_t i = 0; i < film.size(); ++i)
             sum += (double{film[i]} - double{first_[i]}) * (double{film[i]} - double{second_[i]}) * weight(i);
         return sum / double(film.size());
     }
+
+private:
     double mean_of_neighbours(size_t value) const {
         const int width = int(kSize.width), height = int(kSize.height);
         const int x = int(value / 3) % width, y = int(value / 3) / width;
@@ -109,9 +130,12 @@ private:
 class Tally {
 public:
     void add(const CrossError& measured, double truth) {
-        const Interval interval = measured.interval();
+        add(measured.value, measured.interval(), measured.standard_error, truth);
+    }
+    /// `deviation`: what distances are measured in.
+    void add(double value, const Interval& interval, double deviation, double truth) {
         held_ += interval.least <= truth && truth <= interval.greatest;
-        distance_.add((measured.value - truth) / measured.standard_error);
+        distance_.add((value - truth) / deviation);
         error_.add(truth);
     }
     uint32_t held() const { return held_; }
@@ -128,38 +152,89 @@ private:
     test::RunningMean distance_, error_;
 };
 
+/// The mean and the variance of a method's films, value by value.
+class ManyFilms {
+public:
+    void add(const std::vector<float>& film) {
+        means_.resize(film.size());
+        for (size_t i = 0; i < film.size(); ++i) means_[i].add(double{film[i]});
+    }
+    double variance(const CrossMeter& meter) const {
+        double sum = 0;
+        for (size_t i = 0; i < means_.size(); ++i) sum += means_[i].variance() * weight(meter, i);
+        return sum / double(means_.size());
+    }
+    double squared_bias(const Truth& truth, const CrossMeter& meter) const {
+        std::vector<double> mean;
+        for (const test::RunningMean& value : means_) mean.push_back(value.mean());
+        return truth.mean_square(mean, [&](size_t i) { return weight(meter, i); }) -
+               variance(meter) / double(means_.front().count());
+    }
+
+private:
+    static double weight(const CrossMeter& meter, size_t value) {
+        return double{meter.weights()[value]} / (meter.unit() * meter.unit());
+    }
+    std::vector<test::RunningMean> means_;
+};
+
+/// Of both methods together a share in the design's range; of each the mean distance is none that chance does not make.
+void expect_as_often_as_stated(const Tally (&tallies)[2], const char* kind, double z) {
+    const double share = double(tallies[0].held() + tallies[1].held()) / kPairs;
+    EXPECT_GE(share, kLeastShare) << kind;
+    EXPECT_LE(share, kGreatestShare) << kind;
+    for (size_t method = 0; method < 2; ++method) {
+        tallies[method].print(kMethods[method], kind);
+        const test::RunningMean& distance = tallies[method].distance();
+        EXPECT_LE(std::fabs(distance.mean()), z * distance.standard_error()) << kMethods[method] << ", " << kind;
+    }
+}
+
 TEST(LongRenderedPairs, IntervalsHoldTheTruthAsOftenAsStated) {
     const Scene scene = make_builtin_scene("cornell-box");
-    const Truth truth(scene);
-    constexpr const char* kMethods[] = {"path_tracing", "photon_mapping"};
-    enum { kStated, kOfTruth, kMse };
-    constexpr const char* kKinds[] = {"relative_mse", "relative_mse over the truth's denominators", "mse"};
-    Tally tallies[3][2];
+    const Truth& truth = Truth::of_cornell_box();
+    Tally stated[2], of_truth[2], mse[2];
     for (uint32_t pair = 0; pair < kPairs; ++pair) {
         const size_t method = pair % 2;
-        const std::vector<float> film = method == 0 ? path_traced(scene, kFilmPasses, kFirstFilm + pair)
-                                                    : photon_mapped(scene, kFilmPasses, kFirstFilm + pair);
-        const CrossMeter meter(kSize, path_traced(scene, kReferencePasses, reference_seed(kFirstReference + 2 * pair)),
-                               path_traced(scene, kReferencePasses, reference_seed(kFirstReference + 2 * pair + 1)));
+        const std::vector<float> film = film_of(scene, method, kFirstFilm + pair);
+        const CrossMeter meter = references_of(scene, pair);
         const CrossErrors errors = meter.measure(film);
         ASSERT_TRUE(errors.relative_mse && errors.mse);
-        tallies[kStated][method].add(*errors.relative_mse, truth.relative_mse(film, meter));
-        tallies[kOfTruth][method].add(*errors.relative_mse, truth.relative_mse(film, errors.denominators));
-        tallies[kMse][method].add(*errors.mse, truth.mse(film));
+        stated[method].add(*errors.relative_mse, truth.relative_mse(film, meter));
+        of_truth[method].add(*errors.relative_mse, truth.relative_mse(film, errors.denominators));
+        mse[method].add(*errors.mse, truth.mse(film));
     }
-    for (size_t kind = 0; kind < 3; ++kind)
-        for (size_t method = 0; method < 2; ++method) tallies[kind][method].print(kMethods[method], kKinds[kind]);
     const double z = test::two_sided_z(test::share_of_false_alarm(1e-6, 4));
-    for (const size_t kind : {size_t{kStated}, size_t{kOfTruth}}) {
-        const double share = double(tallies[kind][0].held() + tallies[kind][1].held()) / kPairs;
-        EXPECT_GE(share, kLeastShare) << kKinds[kind];
-        EXPECT_LE(share, kGreatestShare) << kKinds[kind];
-        for (size_t method = 0; method < 2; ++method) {
-            const test::RunningMean& distance = tallies[kind][method].distance();
-            EXPECT_LE(std::fabs(distance.mean()), z * distance.standard_error())
-                << kMethods[method] << ", " << kKinds[kind];
-        }
+    expect_as_often_as_stated(stated, "relative_mse", z);
+    expect_as_often_as_stated(of_truth, "relative_mse over the truth's denominators", z);
+    for (size_t method = 0; method < 2; ++method) mse[method].print(kMethods[method], "mse");
+}
+
+TEST(LongRenderedPairs, IntervalsOfBiasAndVarianceHoldTheTruthAsOftenAsStated) {
+    const Scene scene = make_builtin_scene("cornell-box");
+    const Truth& truth = Truth::of_cornell_box();
+    ManyFilms all[2];
+    std::vector<std::vector<float>> films;
+    for (uint32_t i = 0; i < kSeeds * kPairs; ++i) {
+        const size_t method = i / kSeeds % 2;
+        films.push_back(film_of(scene, method, kFirstFilm + i));
+        all[method].add(films.back());
     }
+    Tally bias[2], variance[2];
+    for (uint32_t pair = 0; pair < kPairs; ++pair) {
+        const size_t method = pair % 2;
+        const CrossMeter meter = references_of(scene, pair);
+        const SeedErrors errors = seed_errors(meter, std::span(films).subspan(size_t{kSeeds} * pair, size_t{kSeeds}));
+        ASSERT_TRUE(errors.relative_mse && errors.relative_mse->variance_interval);
+        const SeedError& measured = *errors.relative_mse;
+        const double true_variance = all[method].variance(meter);
+        bias[method].add(measured.squared_bias, measured.squared_bias_interval, true_variance,
+                         all[method].squared_bias(truth, meter));
+        variance[method].add(measured.variance, *measured.variance_interval, true_variance, true_variance);
+    }
+    const double z = test::two_sided_z(test::share_of_false_alarm(1e-6, 4));
+    expect_as_often_as_stated(bias, "squared bias (in variances)", z);
+    expect_as_often_as_stated(variance, "variance (in variances)", z);
 }
 
 }  // namespace
