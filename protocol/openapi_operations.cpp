@@ -108,7 +108,7 @@ std::vector<Operation> scene_operations() {
          "Scenes, newest first; or the built-in scenes of a family",
          {{200, object("ScenePage")}},
          nullptr,
-         {{"family", with_text(one_of_words({"hard-cases", "photon-splatting", "details"}),
+         {{"family", with_text(one_of_words({"hard-cases", "photon-splatting", "details", "caustics"}),
                                "built-in scenes that are listed only so")},
           {"limit", page_size()},
           {"cursor", word()}}},

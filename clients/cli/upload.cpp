@@ -165,9 +165,9 @@ size_t SegmentedBody::read(uint64_t offset, char* buffer, size_t capacity) {
 
 bool looks_like_scene_path(const std::string& argument) {
     std::error_code ignored;
-    // Built-in scenes of a family alone have names with a slash.
-    const bool of_family = (argument.starts_with("hard-case/") || argument.starts_with("photon-splatting/") ||
-                            argument.starts_with("details/")) &&
+    // Built-in scenes of a family have one slash within their names.
+    const bool of_family = std::count(argument.begin(), argument.end(), '/') == 1 && !argument.ends_with('/') &&
+                           std::string("./~").find(argument.front()) == std::string::npos &&
                            !fs::exists(argument, ignored);
     return is_scene_suffix(suffix_of(argument)) || (argument.find('/') != std::string::npos && !of_family) ||
            fs::is_directory(argument, ignored);

@@ -34,6 +34,9 @@ Scene make_detail_bevel();
 Scene make_detail_shelf();
 Scene make_detail_books();
 
+// builtin_caustics.cpp: light that glass and mirrors cast.
+Scene make_glass_on_floor();
+
 /// A matte material without the 4 % specular lobe of a glTF non-metal: pure Lambert.
 Material lambert(const char* name, const Rgb& albedo);
 Material metal(const char* name, const Rgb& reflectance, float roughness);

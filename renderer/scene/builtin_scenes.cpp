@@ -43,6 +43,10 @@ constexpr std::array kDetails = {
     BuiltinScene{"details/books", make_detail_books},
 };
 
+constexpr std::array kCaustics = {
+    BuiltinScene{"caustics/glass-on-floor", make_glass_on_floor},
+};
+
 template <size_t N>
 constexpr std::array<std::string_view, N> names_of(const std::array<BuiltinScene, N>& scenes) {
     std::array<std::string_view, N> names;
@@ -52,11 +56,12 @@ constexpr std::array<std::string_view, N> names_of(const std::array<BuiltinScene
 constexpr auto kNames = names_of(kBuiltinScenes);
 constexpr auto kSplattingNames = names_of(kSplattingFigures);
 constexpr auto kDetailNames = names_of(kDetails);
+constexpr auto kCausticNames = names_of(kCaustics);
 
 const BuiltinScene* find_builtin(std::string_view name) {
     for (const std::span<const BuiltinScene> scenes :
          {std::span<const BuiltinScene>(kBuiltinScenes), std::span<const BuiltinScene>(kSplattingFigures),
-          std::span<const BuiltinScene>(kDetails)})
+          std::span<const BuiltinScene>(kDetails), std::span<const BuiltinScene>(kCaustics)})
         for (const BuiltinScene& builtin : scenes)
             if (builtin.name == name) return &builtin;
     return nullptr;
@@ -67,7 +72,7 @@ const BuiltinScene* find_builtin(std::string_view name) {
 std::span<const std::string_view> builtin_scene_names() { return kNames; }
 
 std::span<const std::string_view> builtin_family_names() {
-    static constexpr std::string_view kFamilies[] = {"hard-cases", "photon-splatting", "details"};
+    static constexpr std::string_view kFamilies[] = {"hard-cases", "photon-splatting", "details", "caustics"};
     return kFamilies;
 }
 
@@ -81,6 +86,7 @@ std::span<const std::string_view> builtin_scene_names(std::string_view family) {
     if (family == builtin_family_names()[0]) return kHardCases;
     if (family == builtin_family_names()[1]) return kSplattingNames;
     if (family == builtin_family_names()[2]) return kDetailNames;
+    if (family == builtin_family_names()[3]) return kCausticNames;
     std::string known;
     for (const std::string_view name : builtin_family_names()) known += (known.empty() ? "" : ", ") + std::string(name);
     throw Error(ErrorCode::UnknownName,

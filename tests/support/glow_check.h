@@ -1,7 +1,6 @@
 #pragma once
 // Whether glass lights its surroundings as path tracing says.
 
-#include "tests/support/glass_on_floor.h"
 #include "tests/support/render.h"
 #include "tests/support/statistics.h"
 

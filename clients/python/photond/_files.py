@@ -17,7 +17,6 @@ Path = Union[str, "os.PathLike[str]"]
 
 SCENE_SUFFIXES = (".glb", ".gltf", ".zip")
 IMAGE_SUFFIXES = {".exr": "image/x-exr", ".hdr": "image/vnd.radiance"}
-FAMILIES = ("hard-case/", "photon-splatting/", "details/")  # built-in scenes of a family alone have names with a slash
 
 
 class FilesBody:
@@ -74,8 +73,9 @@ def _whole(source: BinaryIO, size: int, file: pathlib.Path) -> Iterator[bytes]:
 
 
 def looks_like_scene_path(text: str) -> bool:
-    """Whether a scene given as text is meant as a path: something lies there, or it is written like one."""
-    of_family = text.startswith(FAMILIES) and not os.path.exists(text)
+    """Whether a scene given as text is meant as a path: something lies there, or it is written like one. Built-in scenes of
+    a family have one slash within their names."""
+    of_family = text.count("/") == 1 and text[0] not in "./~" and not text.endswith("/") and not os.path.exists(text)
     return text.lower().endswith(SCENE_SUFFIXES) or ("/" in text and not of_family) or os.path.isdir(text)
 
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "renderer/methods/photon_splatting/photon_splatting_gpu.h"
-#include "tests/support/glass_on_floor.h"
+#include "renderer/scene/builtin_scenes.h"
 #include "tests/support/gpu_render.h"
 
 namespace photond::gpu_photon_splatting_glow_test {
@@ -21,7 +21,7 @@ test::RenderSettingsOf<M> settings_for() {
 }
 
 TEST(GpuPhotonSplattingGlow, ItsBeamsAreTheCpus) {
-    const Scene scene = test::glass_on_floor();
+    const Scene scene = make_builtin_scene("caustics/glass-on-floor");
     const test::SceneOnDevice where(scene);
     Stats stats;
     const Film cpu = test::render(scene, settings_for<PhotonSplatting>(), &stats);

@@ -10,7 +10,7 @@ namespace photond::photon_splatting_glow_test {
 namespace {
 
 TEST(PhotonSplattingGlow, AGlassOnALargeFloorHasNone) {
-    const Scene scene = test::glass_on_floor();
+    const Scene scene = make_builtin_scene("caustics/glass-on-floor");
     test::RenderSettingsOf<PhotonSplatting> settings;
     settings.passes = 2;
     test::expect_same_glow(test::glow([&](uint64_t seed) {

@@ -7,8 +7,8 @@
 #include "renderer/core/rng.h"
 #include "renderer/methods/photon_splatting/photon_splatting.h"
 #include "renderer/scene/builtin_scenes.h"
-#include "tests/support/glass_on_floor.h"
 #include "tests/support/render.h"
+#include "tests/support/scene_parts.h"
 
 namespace photond::beam_sizes_test {
 namespace {
@@ -120,7 +120,7 @@ std::string said_of_beams(const Scene& scene, const PhotonSplattingParams& param
 }
 
 TEST(BeamSizes, BeamsWiderThanTheirCasterAreSaid) {
-    const Scene floor = test::glass_on_floor(), box = make_builtin_scene("cornell-box-glass");
+    const Scene floor = make_builtin_scene("caustics/glass-on-floor"), box = make_builtin_scene("cornell-box-glass");
     PhotonSplattingParams params;
     EXPECT_EQ(said_of_beams(floor, params), "");
     params.adaptive_size = false;
