@@ -85,11 +85,12 @@ void ClampRepayment::add(uint32_t point, bool narrow, const Rgb& light) {
 }
 
 /// Lists a part of the first vertex or a later one. `may_meet_lights`: also where only a light is still to be met.
-void ClampRepayment::add_part(const Path& path, Bsdf bsdf, bool narrow, bool blind, float share, bool may_meet_lights) {
+void ClampRepayment::add_part(const Path& path, const Bsdf& bsdf, bool narrow, bool blind, float share,
+                              bool may_meet_lights) {
     const float scattered = bsdf.scatters() ? share * max_component(bsdf.albedo()) : 0.0f;
     if (!(scattered > 0)) return;
     const bool goes_on = path.left > 0 || (may_meet_lights && !blind);
-    parts_.push_back({std::move(bsdf), share, narrow, blind, goes_on ? scattered : 0.0f});
+    parts_.push_back({bsdf, share, narrow, blind, goes_on ? scattered : 0.0f});
 }
 
 /// What connections leave out: of the part that connects what the clamp took, of the other all.

@@ -88,7 +88,7 @@ private:
     void scatter(const RepaymentScene& shared, const PassSampler& sampler, uint32_t vertex, size_t i);
     void list_first_parts(const RepaymentScene& shared, const Path& path, const Bsdf& whole, float clamped_share);
     void list_parts(const RepaymentScene& shared, const Path& path, const Bsdf& whole);
-    void add_part(const Path& path, Bsdf bsdf, bool narrow, bool blind, float share, bool may_meet_lights);
+    void add_part(const Path& path, const Bsdf& bsdf, bool narrow, bool blind, float share, bool may_meet_lights);
     void add_light_met(const RepaymentScene& shared, const Path& path, const Hit& hit, const vec3& direction);
     void leave(const PassSampler& sampler, uint32_t key, uint32_t vertex, const Path& path, const ShadingPoint& at,
                const Part& part, const vec3& wo, float chance, const vec2& choice);

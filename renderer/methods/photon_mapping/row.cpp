@@ -47,8 +47,13 @@ MethodInfo photon_mapping_row() {
     info.estimate_artefact_bytes = photon_map_file_bytes;
     info.settings_before = {{"boundary", "none"}};
     info.variants = {{"final", {{"gather", "final"}}}, {"direct", {{"gather", "direct"}}}};
-    info.limits = {{{}, "thin wall", "a disc of the density estimate does not see a wall thinner than its radius"},
-                   {{}, "corner", "lookups of the density estimate reach past the edge"},
+    info.limits = {{{{"boundary", "none"}},
+                    "thin wall",
+                    "a disc of the density estimate does not see a wall thinner than its radius"},
+                   {{},
+                    "thin wall",
+                    "places of a disc are looked up at random: a sliver of it behind a wall is missed now and then"},
+                   {{{"boundary", "none"}}, "corner", "lookups of the density estimate reach past the edge"},
                    {{}, "facing", "the density estimate loses light within its radius of edges"},
                    {{}, "caustic", "the density estimate smears light within its radius"},
                    {{{"gather", "direct"}}, "sphere", "the density estimate takes a curved surface for a flat one"}};

@@ -34,17 +34,19 @@ MethodInfo photon_splatting_row() {
     info.variants = {{"connect", {{"weighting", "radiometric"}, {"estimator", "connect"}}},
                      {"kernel", {{"weighting", "radiometric"}, {"estimator", "kernel"}}},
                      {"normalised", {{"weighting", "normalised"}}}};
-    info.limits = {{{{"weighting", "normalised"}},
-                    "",
-                    "a weighted mean of the photons' colours: it discards how dense they are, so no exposure makes it "
-                    "converge"},
-                   {{{"estimator", "kernel"}},
-                    "thin wall",
-                    "a depth map lights borderline depths, to a texel's width, which is more than the wall's"},
-                   {{}, "furnace", "as many bounces as it was given here, where the answer has all of them"},
-                   {{{"estimator", "kernel"}}, "glass", "beams from specular surfaces are as wide as a splat"},
-                   {{{"estimator", "kernel"}}, "corner", "the kernel darkens within a radius of edges, by half there"},
-                   {{{"estimator", "kernel"}}, "facing", "the kernel darkens within a radius of edges, by half there"}};
+    info.limits = {
+        {{{"weighting", "normalised"}},
+         "",
+         "a weighted mean of the photons' colours: it discards how dense they are, so no exposure makes it "
+         "converge"},
+        {{{"estimator", "kernel"}},
+         "thin wall",
+         "a depth map lights borderline depths, to a texel's width, which is more than the wall's"},
+        {{}, "furnace", "as many bounces as it was given here, where the answer has all of them"},
+        {{{"estimator", "kernel"}}, "glass", "beams from specular surfaces are as wide as a splat"},
+        {{{"estimator", "kernel"}}, "corner", "the kernel darkens within a radius of edges, by half there"},
+        {{{"estimator", "kernel"}}, "two colours", "the kernel darkens within a radius of edges, by half there"},
+        {{{"estimator", "kernel"}}, "facing", "the kernel darkens within a radius of edges, by half there"}};
     return info;
 }
 
