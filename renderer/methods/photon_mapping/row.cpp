@@ -54,6 +54,7 @@ MethodInfo photon_mapping_row() {
                     "thin wall",
                     "places of a disc are looked up at random: a sliver of it behind a wall is missed now and then"},
                    {{{"boundary", "none"}}, "corner", "lookups of the density estimate reach past the edge"},
+                   {{}, "corner", "the density estimate smears light within its radius"},
                    {{}, "facing", "the density estimate loses light within its radius of edges"},
                    {{}, "caustic", "the density estimate smears light within its radius"},
                    {{{"gather", "direct"}}, "sphere", "the density estimate takes a curved surface for a flat one"}};
