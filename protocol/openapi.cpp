@@ -209,7 +209,7 @@ json method_schema() {
          {"family", typed("string")},
          {"devices", list_of(one_of_words({"cpu", "gpu"}))},
          {"sources", list_of(typed("string"))},
-         {"mergeable", typed("boolean")},
+         {"mergeable", typed("boolean", "with the default parameters")},
          {"deterministic", map_of(nullable("boolean"))},
          {"layers", with_text(list_of(typed("string")), "on request, those it can fill")},
          {"artefacts", list_of(given({{"name", typed("string", "a file beside the image: /v1/jobs/ID/NAME")},
@@ -228,7 +228,7 @@ json layer_schema() {
          {"channels", typed("string", "suffixes of the EXR's channels, a letter each")},
          {"always", typed("boolean", "every image has it; the others are asked for")},
          {"measured", typed("boolean", "it is a part of the light: errors of it can be measured")},
-         {"preview", with_text(or_null(one_of_words({"light", "heat_map", "directions", "dots"})),
+         {"preview", with_text(or_null(one_of_words({"light", "heat_map", "directions", "dots", "scale", "signed"})),
                                "how /preview.png shows it; null: not at all, it is numbers to look at closely")},
          {"exposure", typed("boolean", "exposure and tone curve change its preview")},
          {"unit", typed("string", "SI; empty for plain numbers")},
@@ -292,6 +292,9 @@ json statistics_schema() {
     pass_range["minItems"] = pass_range["maxItems"] = 2;
     const json later{
         {"left_out", left_out_list("kinds of path that its method, with its parameters, leaves out in this scene")},
+        {"mergeable", nullable("boolean",
+                               "whether its passes stand alone, so that its film can be merged with others; "
+                               "null where the method is not known")},
         {"least_glossy_alpha", nullable("number", "GGX, of the scene's narrowest rough specular lobe; null: none")},
         {"error_interval", with_text(or_null(map_of(interval_of("at reference.confidence"))),
                                      "where the noise of a reference of two films lets the errors lie that have one")}};

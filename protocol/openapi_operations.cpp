@@ -8,6 +8,7 @@
 #include "protocol/error.h"
 #include "protocol/openapi_schemas.h"
 #include "protocol/problem.h"
+#include "protocol/scene_families.h"
 
 namespace photond {
 namespace {
@@ -108,7 +109,7 @@ std::vector<Operation> scene_operations() {
          "Scenes, newest first; or the built-in scenes of a family",
          {{200, object("ScenePage")}},
          nullptr,
-         {{"family", with_text(one_of_words({"hard-cases", "photon-splatting", "details", "caustics"}),
+         {{"family", with_text(one_of_words({kSceneFamilies.begin(), kSceneFamilies.end()}),
                                "built-in scenes that are listed only so")},
           {"limit", page_size()},
           {"cursor", word()}}},
@@ -259,7 +260,8 @@ std::vector<Operation> job_output_operations(const ApiVocabulary& vocabulary) {
          "/v1/jobs/{id}/preview.png",
          "getPreview",
          "The image, or one layer, on a display, by its kind of preview (listLayers): light and dots by exposure and "
-         "curve; heat_map as blue 0, green 200, red 400, white 600; directions as (n + 1) / 2",
+         "curve; heat_map as blue 0, green 200, red 400, white 600; directions as (n + 1) / 2; scale from "
+         "dark at 0 to bright at the 99th percentile; signed as blue below 0, white at 0 and red above",
          {{200, file("image/png")}, {202, nullptr}},
          nullptr,
          {{"layer", one_of_beauty_and(vocabulary.preview_layers)},

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "protocol/param_json.h"
 #include "renderer/methods/registry.h"
+#include "server/method_params.h"
 
 namespace photond {
 
@@ -41,10 +41,7 @@ json to_json(const PathsLeftOut& left_out) {
 std::optional<PathsLeftOut> left_out_by(const std::string& method, const json& parameters, const Needs& needs) {
     const MethodInfo* info = find_method(method);
     if (!info) return std::nullopt;
-    const std::unique_ptr<MethodParams> params = info->make_params();
-    std::vector<Fault> other_versions;
-    read_params(*params, parameters, "", other_versions);
-    return info->left_out(*params, needs);
+    return info->left_out(*params_of(*info, parameters), needs);
 }
 
 Needs needs_read(const json& object) {

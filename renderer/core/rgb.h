@@ -11,7 +11,10 @@ namespace photond {
 using Rgb = vec3;
 
 /// Relative luminance of Rec.709 primaries.
-inline float luminance(const Rgb& c) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
+inline constexpr Rgb kLuminanceWeights{0.2126f, 0.7152f, 0.0722f};
+inline float luminance(const Rgb& c) {
+    return kLuminanceWeights.x * c.x + kLuminanceWeights.y * c.y + kLuminanceWeights.z * c.z;
+}
 inline float max_component(const Rgb& c) { return std::max({c.x, c.y, c.z}); }
 inline float mean(const Rgb& c) { return (c.x + c.y + c.z) / 3.0f; }
 inline bool is_black(const Rgb& c) { return c.x == 0.0f && c.y == 0.0f && c.z == 0.0f; }

@@ -82,6 +82,19 @@ std::array<Entry, 256> make_table() {
     return table;
 }
 
+/// 99th percentile of the finite magnitudes above 0; 1 where there is none.
+float brightest(std::span<const float> values) {
+    std::vector<float> magnitudes;
+    for (const float value : values)
+        if (const float magnitude = std::fabs(value); std::isfinite(magnitude) && magnitude > 0)
+            magnitudes.push_back(magnitude);
+    if (magnitudes.empty()) return 1;
+    const auto place =
+        magnitudes.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(magnitudes.size() - 1));
+    std::nth_element(magnitudes.begin(), place, magnitudes.end());
+    return *place;
+}
+
 }  // namespace
 
 std::vector<uint8_t> color_mapped(std::span<const float> values) {
@@ -91,6 +104,30 @@ std::vector<uint8_t> color_mapped(std::span<const float> values) {
     for (const float value : values) {
         const auto index = [value] { return static_cast<size_t>(std::lround(255 * std::clamp(value, 0.0f, 1.0f))); };
         const Entry& entry = std::isnan(value) ? kMidGrey : table[index()];
+        rgb.insert(rgb.end(), entry.begin(), entry.end());
+    }
+    return rgb;
+}
+
+std::vector<uint8_t> scaled_color_map(std::span<const float> values) {
+    std::vector<float> shares(values.begin(), values.end());
+    const float greatest = brightest(values);
+    for (float& share : shares) share /= greatest;
+    return color_mapped(shares);
+}
+
+std::vector<uint8_t> signed_color_map(std::span<const float> values) {
+    std::vector<uint8_t> rgb;
+    rgb.reserve(3 * values.size());
+    const float greatest = brightest(values);
+    for (const float value : values) {
+        if (std::isnan(value)) {
+            rgb.insert(rgb.end(), kMidGrey.begin(), kMidGrey.end());
+            continue;
+        }
+        const float share = std::clamp(value / greatest, -1.0f, 1.0f);
+        const auto faded = static_cast<uint8_t>(std::lround(255 * (1 - std::fabs(share))));
+        const Entry entry = share < 0 ? Entry{faded, faded, 255} : Entry{255, faded, faded};
         rgb.insert(rgb.end(), entry.begin(), entry.end());
     }
     return rgb;

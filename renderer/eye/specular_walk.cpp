@@ -63,6 +63,26 @@ void SpecularWalk::trace_tile(const EyeScene& shared, const WalkSettings& settin
     }
 }
 
+VisiblePoint SpecularWalk::general(const LambertVisiblePoint& point) const {
+    const EyePath& path = this->path(point);
+    VisiblePoint general;
+    general.surface.position = point.position;
+    general.surface.geometric_normal = point.geometric_normal;
+    general.surface.smooth_normal = point.normal;
+    general.surface.shading = Frame(point.normal);
+    general.rough = Bsdf::lambert(general.surface.shading.to_local(point.geometric_normal), point.reflectance);
+    general.wo = vec3(0, 0, 1);  // to a Lambert reflector all directions above the horizon are one
+    general.throughput = path.throughput;
+    general.eta_scale = path.eta_scale;
+    general.pixel = point.pixel;
+    general.scatterings = point.scatterings;
+    general.media = path.media;
+    general.path_key = path_key(point);
+    general.vertex = vertex_;
+    general.lit_normal = point.normal;
+    return general;
+}
+
 void SpecularWalk::draw_numbers(const Pass& pass) {
     const std::span<const uint32_t> keys = batch_.keys_under_way();
     const WalkSamplers& samplers = pass.samplers;

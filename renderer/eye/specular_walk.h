@@ -76,6 +76,8 @@ public:
     /// The path that ends at the point, and its key of the sampler. Within VisiblePointSink::take() alone.
     const EyePath& path(const LambertVisiblePoint& point) const { return batch_.former_path(point.path); }
     uint32_t path_key(const LambertVisiblePoint& point) const { return batch_.former_key(point.path); }
+    /// The point with the general form's BSDF and surface, as far as lookups ask for them. Within take() alone.
+    VisiblePoint general(const LambertVisiblePoint& point) const;
     /// Number of the vertex whose points are being handed over; 0 is the first.
     uint32_t vertex() const { return vertex_; }
 

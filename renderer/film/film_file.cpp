@@ -17,11 +17,12 @@ namespace photond {
 namespace {
 
 constexpr char kMagic[8] = {'P', 'H', 'O', 'T', 'F', 'I', 'L', 'M'};
-constexpr uint32_t kVersion = 6;
+constexpr uint32_t kVersion = 7;
 constexpr uint32_t kOldestVersion = 1;
 constexpr uint32_t kVersionOfIdentity = 3;  // identity, history and ranges follow the header
 constexpr uint32_t kVersionOfOrigin = 5;    // and then the origin
 constexpr uint32_t kVersionOfMeans = 6;     // and then what passes say of the image's mean
+constexpr uint32_t kVersionOfState = 7;     // and then the method's state
 constexpr size_t kLayersOfVersion1 = 9;     // all up to standard_error
 constexpr size_t kLayersOfVersion3 = 11;    // all up to overlap
 constexpr uint32_t kVersionOfAllLayers = 4;
@@ -31,6 +32,7 @@ constexpr size_t kDigestBytes = 32;       // as hexadecimal digits
 constexpr uint32_t kMaxSide = 1u << 20;
 constexpr uint64_t kMaxTextBytes = 64ull << 20;
 constexpr uint64_t kMaxRanges = 1u << 20;
+constexpr size_t kStatePieceBytes = 1 << 20;
 
 struct Header {
     char magic[8];
@@ -161,6 +163,24 @@ std::string read_text(Reader& reader, const std::filesystem::path& path, uint64_
     return block.substr(sizeof bytes);
 }
 
+/// The state's length, then pieces of it; `take` is called for each.
+template <class Take>
+void read_state(Reader& reader, const std::filesystem::path& path, uint64_t limit_bytes, const Take& take) {
+    const std::string length = read_text(reader, path, sizeof(uint64_t));
+    uint64_t bytes = 0;
+    if (length.size() != sizeof bytes) damaged(path, "it does not say how long its state is");
+    std::memcpy(&bytes, length.data(), sizeof bytes);
+    if (bytes > limit_bytes)
+        throw Error(ErrorCode::OutOfMemory, "the film's state takes " + std::to_string(bytes) +
+                                                " bytes; the limit is " + std::to_string(limit_bytes) + " bytes");
+    while (bytes > 0) {
+        const std::string piece = read_text(reader, path, kStatePieceBytes);
+        if (piece.size() != std::min<uint64_t>(bytes, kStatePieceBytes)) damaged(path, "its state is not whole");
+        bytes -= piece.size();
+        take(piece);
+    }
+}
+
 PassRanges read_ranges(Reader& reader, const std::filesystem::path& path) {
     const std::string bytes = read_text(reader, path, kMaxRanges * sizeof(PassRanges::Range));
     if (bytes.size() % sizeof(PassRanges::Range) != 0) damaged(path, "its ranges are not whole");
@@ -242,7 +262,7 @@ void FilmFile::for_each_array(FilmType& film, const Visitor& visitor) {
 }
 
 void FilmFile::save(const Film& film, const FilmIdentity& identity, const std::string& history,
-                    const std::filesystem::path& path, const std::string& origin) {
+                    const std::filesystem::path& path, const std::string& origin, const std::string& state) {
     AtomicFile file(path);
     Header header{};
     std::memcpy(header.magic, kMagic, sizeof kMagic);
@@ -259,6 +279,14 @@ void FilmFile::save(const Film& film, const FilmIdentity& identity, const std::s
           encode_text(history), encode_text(ranges.data(), ranges.size() * sizeof(PassRanges::Range)),
           encode_text(origin), encode_text(film.pass_means_.bytes())})
         file.write(part.data(), part.size());
+    const uint64_t state_bytes = state.size();
+    const std::string length = encode_text(&state_bytes, sizeof state_bytes);
+    file.write(length.data(), length.size());
+    for (size_t first = 0; first < state.size(); first += kStatePieceBytes) {
+        const std::string piece =
+            encode_text(state.data() + first, std::min<uint64_t>(kStatePieceBytes, state.size() - first));
+        file.write(piece.data(), piece.size());
+    }
 
     for_each_array(film, [&](const auto& values) {
         const size_t blocks = (values.size() + kBlockValues - 1) / kBlockValues;
@@ -284,11 +312,13 @@ SavedFilm FilmFile::load(const std::filesystem::path& path, uint64_t limit_bytes
     if (bytes > limit_bytes)
         throw Error(ErrorCode::OutOfMemory, "the film takes " + std::to_string(bytes) + " bytes; the limit is " +
                                                 std::to_string(limit_bytes) + " bytes");
-    SavedFilm saved{Film(size, layers), {}, {}};
+    SavedFilm saved{Film(size, layers), {}, {}, {}};
     Film& film = saved.film;
     Texts texts = read_texts(reader, path, header);
     saved.identity = std::move(texts.identity);
     saved.history = std::move(texts.history);
+    if (header.version >= kVersionOfState)
+        read_state(reader, path, limit_bytes - bytes, [&](const std::string& piece) { saved.state += piece; });
     film.pass_ranges_ = std::move(texts.ranges);
     film.pass_means_ = texts.means;
     film.next_pass_ = film.pass_ranges_.end();
@@ -305,6 +335,7 @@ FilmFacts FilmFile::examine(const std::filesystem::path& path) {
     Reader reader(path);
     const Header header = read_header(reader, path);
     Texts texts = read_texts(reader, path, header);
+    if (header.version >= kVersionOfState) read_state(reader, path, UINT64_MAX, [](const std::string&) {});
     Film pixel({1, 1}, layers_of(header));  // as many sums an array as a film has for each of its pixels
     const size_t pixels = size_t{header.width} * header.height;
     for_each_array(pixel, [&](auto& values) {

@@ -21,6 +21,7 @@ struct SavedFilm {
     Film film;
     FilmIdentity identity;
     std::string history;  // what its owner wants to find again with it (JSON); opaque here
+    std::string state;    // what the method that goes on with it needs (Method::state()); opaque here
 };
 
 /// What a film's file says of itself, without its sums.
@@ -31,17 +32,18 @@ struct FilmFacts {
 };
 
 /// Format: a header (magic, version, size, layers, passes, counts), identity, history, pass ranges, origin and pass
-/// means, then each array of sums in blocks; a block holds its sums with as many bytes each as its widest one needs,
-/// and ends with the first 16 bytes of its SHA-256. Little-endian. Files of versions 1 (without the layers added
-/// since), 2 (without identity, history and ranges), 4 (without origin) and 5 (without pass means) are read all the
-/// same: their identity is empty and their passes begin at 0, their origin is empty, their pass means are of no pass.
+/// means, the method's state in pieces, then each array of sums in blocks; a block holds its sums with as many bytes
+/// each as its widest one needs, and ends with the first 16 bytes of its SHA-256. Little-endian. Files of versions 1
+/// (without the layers added since), 2 (without identity, history and ranges), 4 (without origin), 5 (without pass
+/// means) and 6 (without state) are read all the same: their identity is empty and their passes begin at 0, their
+/// origin is empty, their pass means are of no pass, their state is empty.
 class FilmFile {
 public:
     /// Writes beside, fsyncs and renames. Throws ErrorCode::NoSpace when the disk is full.
     static void save(const Film& film, const FilmIdentity& identity, const std::string& history,
-                     const std::filesystem::path& path, const std::string& origin = {});
+                     const std::filesystem::path& path, const std::string& origin = {}, const std::string& state = {});
     /// Throws ErrorCode::Internal when the file is missing, cut short or damaged, ErrorCode::OutOfMemory when the film
-    /// would take more than `limit_bytes`.
+    /// and its state would take more than `limit_bytes`.
     static SavedFilm load(const std::filesystem::path& path, uint64_t limit_bytes = UINT64_MAX);
     /// Reads all of the file and holds it to its checksums, in little memory. Throws as load().
     static FilmFacts examine(const std::filesystem::path& path);

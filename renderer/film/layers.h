@@ -26,8 +26,10 @@ enum class Layer : uint8_t {
     SplitNormal,
     SplitIndirect,
     GeometricNormal,
+    Radius,
+    BiasEstimate,
 };
-inline constexpr size_t kLayerCount = 17;
+inline constexpr size_t kLayerCount = 19;
 
 /// How the passes' values become the image's.
 enum class LayerMean : uint8_t {
@@ -42,6 +44,8 @@ enum class LayerPreview : uint8_t {
     Light,       // by exposure and tone curve, as the beauty
     HeatMap,     // splats over a pixel: blue 0, green 200, red 400, white 600
     Directions,  // (n + 1) / 2 as display values
+    Scale,       // dark at 0, bright at the greatest that is not one of the rarest
+    Signed,      // blue below 0, white, red above it; as bright as the greatest magnitude that is not one of the rarest
     Dots,        // what a pass puts on a pixel, as grey light: 1 is white
 };
 /// Whether exposure and tone curve mean anything to it.
@@ -89,7 +93,7 @@ inline constexpr std::array<LayerInfo, kLayerCount> kLayers = [] {
         {Depth, "depth", "Z", Hits, P::None, All, "m", "distance along the camera's forward axis [m]"},
         {StandardError, "standard_error", "RGB", Hits, P::None, All, kRadiance,
          "standard error of beauty from the passes; infinite after a single one, which does not tell it"},
-        {PhotonCount, "photon_count", "Y", Hits, P::None, Some, "", "photons that a pass used in its estimates"},
+        {PhotonCount, "photon_count", "Y", Hits, P::Scale, Some, "", "photons that a pass used in its estimates"},
         {Overlap, "overlap", "Y", Hits, P::HeatMap, Some, "", "splats that lie over the pixel in a pass"},
         {Clamped, "clamped", "RGB", Radiance, P::Light, Some, kRadiance, "light that the clamp of connections takes"},
         {Voxels, "voxels", "RGB", Passes, P::Light, Some, "", "the first voxel on the pixel's ray, shaded"},
@@ -98,6 +102,10 @@ inline constexpr std::array<LayerInfo, kLayerCount> kLayers = [] {
         {SplitIndirect, "split_indirect", "RGB", Passes, P::Light, Some, "W m^-2", "irradiance before the merge"},
         {GeometricNormal, "geometric_normal", "XYZ", Hits, P::Directions, All, "",
          "world-space normal of the triangle itself facing the eye, no smoothing and no normal map"},
+        {Radius, "radius", "Y", Hits, P::Scale, Some, "m",
+         "of the discs that photons were counted on, the larger of two maps'"},
+        {BiasEstimate, "bias_estimate", "Y", Passes, P::Signed, Some, kRadiance,
+         "how much too bright the discs make the pixel's luminance, as the photons on them tell"},
     }};
 }();
 constexpr const LayerInfo& layer_info(Layer layer) { return kLayers[static_cast<size_t>(layer)]; }

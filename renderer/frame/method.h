@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "protocol/error.h"
 #include "protocol/param_info.h"
 #include "renderer/core/cancel.h"
 #include "renderer/core/stats.h"
@@ -26,6 +27,11 @@ class Method {
 public:
     virtual ~Method() = default;
 
+    /// Said before begin(): passes before the one that comes first left this state(). Throws ErrorCode::Conflict where
+    /// that is not of this method.
+    virtual void go_on_from(const std::string& state) {
+        if (!state.empty()) throw Error(ErrorCode::Conflict, "the method keeps no state from pass to pass");
+    }
     /// Builds what the passes need. Called once. Throws ErrorCode::OutOfMemory before allocating past the budget.
     virtual void begin(const RenderContext& context, Stats& stats) = 0;
     /// Renders one pass, a pure function of (scene, view, parameters, seed, pass), whatever the number of threads. When
@@ -39,6 +45,9 @@ public:
     virtual void settle() {}
     /// Folds the pass just finished into the film.
     virtual void resolve(Film& film) = 0;
+    /// What later passes follow from beside the pass's index, as it is after the last resolve(): kept with the film, so
+    /// that another run goes on to the same bits. Empty where passes stand alone.
+    virtual std::string state() const { return {}; }
     /// What the passes leave for whoever wants to look inside. Asked once, after the last pass, when at least one was
     /// resolved; borrows from the method.
     virtual std::vector<MethodArtefact> artefacts() const { return {}; }

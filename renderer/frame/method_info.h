@@ -3,6 +3,7 @@
 // clients and the tests read it from there.
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -59,7 +60,7 @@ struct MethodInfo {
     std::string_view line;  // for who does not know it: what it does, where it is good and where it is not
     std::string_view family;
     std::vector<Source> sources;
-    bool mergeable = true;
+    bool mergeable = true;          // by default: see passes_stand_alone
     bool deterministic_cpu = true;  // same pixel hash for any number of threads
     bool deterministic_gpu = true;  // same pixel hash on one device and driver
     LayerSet layers;                // those it can fill
@@ -67,11 +68,15 @@ struct MethodInfo {
     std::vector<MethodVariant> variants;  // empty: the method as it is by default
     std::vector<KnownLimit> limits;       // the first that fits is said
     std::vector<CaseRefusal> refusals;
-    /// Parameters and their words with which, all together, its bias falls with the passes; empty: with none it does.
-    std::vector<ParamSetting> bias_falls_with;
+    /// Parameters and their words with which, all together, its bias falls with the passes; an empty list: it always
+    /// does; none: it never does.
+    std::optional<std::vector<ParamSetting>> bias_falls_with;
     /// What stands for a parameter that a request kept since before lacks, where that is not the default of now: the
     /// request is of a time when there was no such parameter, or another default, and is done as it was then.
     std::vector<ParamSetting> settings_before;
+    /// Whether its passes stand alone with these parameters: they can be rendered in any order and anywhere, and their
+    /// films merged. Null: they do.
+    bool (*passes_stand_alone)(const MethodParams& params) = nullptr;
     /// Kinds of path that it leaves out with these parameters in a scene with these needs, whatever its passes.
     PathsLeftOut (*left_out)(const MethodParams& params, const Needs& needs) = nullptr;
     std::unique_ptr<MethodParams> (*make_params)() = nullptr;

@@ -44,6 +44,10 @@ struct PhotonYield {
     double caustic_unguided = 0;  // without
 };
 
+/// Of scenes in which nobody has measured it: the global map of a closed room with reflectances about a half (as in the
+/// Cornell box), and the caustic map when specular surfaces fill a tenth.
+inline constexpr PhotonYield kExpectedPhotonYield{.global = 0.905, .caustic = 0.1, .caustic_unguided = 0.1};
+
 /// What a method's own memory depends on, as far as it is known before anything is loaded.
 struct Workload {
     Size2 film_size;

@@ -3,12 +3,16 @@
 #include <algorithm>
 
 // A method is a line here: the name of its room, whose row.cpp says the rest.
-#define PHOTOND_METHODS(METHOD)    \
-    METHOD(imperfect_shadow_maps)  \
-    METHOD(path_tracing)           \
-    METHOD(photon_mapping)         \
-    METHOD(photon_splatting)       \
-    METHOD(reflective_shadow_maps) \
+#define PHOTOND_METHODS(METHOD)                      \
+    METHOD(imperfect_shadow_maps)                    \
+    METHOD(path_tracing)                             \
+    METHOD(photon_mapping)                           \
+    METHOD(photon_splatting)                         \
+    METHOD(probabilistic_progressive_photon_mapping) \
+    METHOD(progressive_photon_mapping)               \
+    METHOD(reflective_shadow_maps)                   \
+    METHOD(reverse_photon_mapping)                   \
+    METHOD(stochastic_progressive_photon_mapping)    \
     METHOD(svo_many_lights)
 
 namespace photond {

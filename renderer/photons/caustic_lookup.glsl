@@ -14,21 +14,19 @@ layout(set = 0, binding = CAUSTIC_ESTIMATE_BINDING, scalar) readonly buffer Caus
 #define EDGE_CELL_WORD(index) 0u
 #include "renderer/photons/radiance_estimate.glsl"
 
+DiscQuery caustic_query() { return DiscQuery(0u, DISC_FINE_BATCH, INFINITY); }
+
 /// Towards `wo`, by photons of at most so many scatterings.
 vec3 caustic_radiance(ShadingPoint point, Bsdf rough, vec3 wo, uint most_scatterings) {
     if (most_scatterings == 0u) return vec3(0.0);
-    return estimate_radiance(PHOTON_MAP_CAUSTIC, point, rough, wo, most_scatterings, 0u).radiance;
+    return estimate_radiance(PHOTON_MAP_CAUSTIC, point, rough, wo, most_scatterings, caustic_query()).radiance;
 }
 
 /// Irradiance [W m^-2] of a Lambert reflector: `normal` is the one that shades.
 vec3 caustic_irradiance(vec3 position, vec3 geometric_normal, vec3 normal, uint most_scatterings) {
-    ShadingPoint point;
-    point.position = position;
-    point.geometric_normal = geometric_normal;
-    point.smooth_normal = normal;
-    point.shading = make_frame(normal);
-    const Bsdf white = bsdf_lambert(to_local(point.shading, geometric_normal), vec3(1.0));
-    return PI * caustic_radiance(point, white, vec3(0.0, 0.0, 1.0), most_scatterings);
+    if (most_scatterings == 0u) return vec3(0.0);
+    return estimate_irradiance(PHOTON_MAP_CAUSTIC, position, geometric_normal, normal, most_scatterings, caustic_query())
+        .irradiance;
 }
 
 #endif

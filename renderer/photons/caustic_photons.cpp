@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "renderer/core/rng.h"
+#include "renderer/photons/pilot_radius.h"
 #include "renderer/photons/projection_map.h"
 #include "renderer/photons/radius_schedule.h"
 
@@ -15,49 +16,10 @@ namespace {
 constexpr uint64_t kPilotSeed = reference_seed(0);
 constexpr uint32_t kPilotPaths = 16'384;
 constexpr uint32_t kPilotNearest = 8;    // photons among which the pilot's density is measured
-constexpr size_t kPilotPlaces = 2048;    // at most, where it is
 constexpr double kPhotonsInRadius = 40;  // of a pass, where caustics are bright
 constexpr double kBrightShare = 0.25;    // of the power is where they are brighter
 constexpr float kMostRelative = 0.03f;   // of the radius of the scene's bounding sphere
 constexpr float kLeastRelative = 1e-5f;
-
-/// The radius at which a pass's photons are as many as are wanted: of each place that of its density, and of the places
-/// the one that a quarter of the power is within.
-float radius_of_pilot(std::vector<Photon> photons, const PhotonSearch& search, double paths_over_pilot) {
-    PhotonMap map(std::move(photons), search);
-    if (map.size() < kPilotNearest) return search.radius_m;
-    struct Place {
-        float radius_m, power_w;
-    };
-    std::vector<Place> places;
-    double total_w = 0;
-    Neighbours found;
-    const size_t step = std::max<size_t>(map.size() / kPilotPlaces, 1);
-    for (size_t i = 0; i < map.size(); i += step) {
-        const auto index = static_cast<uint32_t>(i);
-        map.find(map.position(index), found);
-        places.push_back({found.radius_m, max_component(map.payload(index).power_w)});
-        total_w += double{places.back().power_w};
-    }
-    std::ranges::sort(places, {}, &Place::radius_m);
-    double below_w = 0;
-    float radius_m = search.radius_m;
-    for (const Place& place : places) {
-        radius_m = place.radius_m;
-        below_w += double{place.power_w};
-        if (below_w >= kBrightShare * total_w) break;
-    }
-    // k - 1 of the k nearest lie within the k-th's distance.
-    const double photons_within = (kPilotNearest - 1) * paths_over_pilot;
-    return static_cast<float>(double{radius_m} * std::sqrt(kPhotonsInRadius / photons_within));
-}
-
-std::string guiding_text(const ProjectionMap& map) {
-    char text[160];
-    std::snprintf(text, sizeof text, "%.1f %% of the photons meet specular surfaces unguided, %.1f %% would guided",
-                  100 * map.specular_share(), 100 * map.guided_share());
-    return text;
-}
 
 }  // namespace
 
@@ -120,7 +82,7 @@ CausticPhotons::CausticPhotons(const Scene& scene, const Intersector& intersecto
     auto shared = std::make_unique<Shared>(scene, intersector, emission, settings, seed);
     stats.counts.photon_rays += shared->guide.pilot_rays();
     if (!shared->guide.helps())
-        stats.skipped.push_back({"projection map", guiding_text(shared->guide), shared->guide.bytes()});
+        stats.skipped.push_back({"projection map", shared->guide.text(), shared->guide.bytes()});
     shared->tracer.emplace(scene, intersector, emission, shared->tracing(settings.photons));
     // A scene without extent holds nothing to be found, but a search wants a radius.
     const float scene_radius_m = std::max(scene.bounds.radius(), 1e-16f);
@@ -134,8 +96,11 @@ CausticPhotons::CausticPhotons(const Scene& scene, const Intersector& intersecto
         stats.counts.photon_rays += pilot.counts.photon_rays;
         shared->photons_a_path = static_cast<double>(pilot.photons.size()) / paths;
         const PhotonSearch search{PhotonSearch::Kind::Nearest, kPilotNearest, most_m};
-        const float wanted_m = radius_of_pilot(std::move(pilot.photons), search,
-                                               static_cast<double>(settings.photons) / static_cast<double>(paths));
+        const float wanted_m =
+            radius_of_pilot(PhotonMap(std::move(pilot.photons), search),
+                            {.photons_in_radius = kPhotonsInRadius,
+                             .bright_share = kBrightShare,
+                             .paths_over_pilot = static_cast<double>(settings.photons) / static_cast<double>(paths)});
         shared->radius_m = std::clamp(wanted_m, least_m, most_m);
     }
     shared_ = std::move(shared);

@@ -6,13 +6,15 @@
 #define EDGE_CELL_LEVELS 3
 #define EDGE_CELL_STEP 4.0f  // radius of a level over the next one's
 
-#define DISC_LEAST_MASS 0.05f   // of a disc's, that sums are divided by
-#define DISC_BATCH 8            // places that are looked up at once
-#define DISC_COVERED 8          // places that are waited for
-#define DISC_MOST_BATCHES 16    // that are looked up
-#define DISC_LEAST_LIFT 0.1f    // of the radius: how far above the disc places are looked for at least
-#define DISC_SAME_PLANE 0.02f   // of the radius: how far from the disc's plane a slanted ray may end
-#define DISC_ABOVE_POINT 0.01f  // of the radius: where a ray to a point of a surface ends above it
+#define DISC_COSINE 0.5f         // between normals: surface and photons that are turned more are another's
+#define DISC_LEAST_MASS 0.05f    // of a disc's, that sums are divided by
+#define DISC_FINE_BATCH 8        // places that are looked up at once, and covered ones that are waited for
+#define DISC_COARSE_BATCH 4      // the same where many discs are averaged
+#define DISC_MOST_PLACES 128     // that are looked up
+#define DISC_NOTHING_LOST 1e-3f  // of the series' last term: less is rounding
+#define DISC_LEAST_LIFT 0.1f     // of the radius: how far above the disc places are looked for at least
+#define DISC_SAME_PLANE 0.02f    // of the radius: how far from the disc's plane a slanted ray may end
+#define DISC_ABOVE_POINT 0.01f   // of the radius: where a ray to a point of a surface ends above it
 
 // Steps of the three-dimensional sequence whose places are spread most evenly: the second is taken for the angle, the
 // third for the distance from the axis, the first for the disc that the kernel is a mixture of. [Roberts 2018] The

@@ -6,6 +6,7 @@
 
 #include "renderer/core/parallel.h"
 #include "renderer/core/rng.h"
+#include "renderer/photons/lane_blocks.h"
 
 #if defined(__AVX2__)
 #include <immintrin.h>
@@ -29,16 +30,11 @@ constexpr float kMostCells = 0x1p20f;
 
 constexpr size_t kBlock = 1 << 15;       // points that are counted and moved at a time
 constexpr uint32_t kMostBuckets = 1024;  // of the first, coarse distribution
-constexpr size_t kPadding = 8;           // floats a vector may be read beyond the end
+constexpr uint32_t kPadding = 16;        // floats that may be read beyond the end
 
 uint64_t table_size(uint64_t points) { return std::bit_ceil(std::max<uint64_t>(points, 64)); }
 
 size_t blocks(size_t points) { return (points + kBlock - 1) / kBlock; }
-
-/// Points of the grid's order, [begin, end).
-struct Run {
-    uint32_t begin, end;
-};
 
 /// Found points on their way to the caller: stored whole vectors at a time, which a std::vector does not allow.
 class FoundBuffer {
@@ -81,9 +77,10 @@ constexpr auto kCompress = [] {
 #endif
 
 /// Appends the points of a run that are nearer than the radius.
-void scan(const float* x, const float* y, const float* z, const vec3& p, float radius_sq, Run run, FoundBuffer& out) {
+void scan(const float* x, const float* y, const float* z, const vec3& p, float radius_sq, uint32_t begin, uint32_t end,
+          FoundBuffer& out) {
     static_assert(sizeof(Neighbours::Found) == 8 && offsetof(Neighbours::Found, index) == 4);
-    uint32_t i = run.begin;
+    uint32_t i = begin;
 #if defined(__AVX512F__) && defined(__AVX512VL__)
     const __m256 px = _mm256_set1_ps(p.x), py = _mm256_set1_ps(p.y), pz = _mm256_set1_ps(p.z);
     const __m256 limit = _mm256_set1_ps(radius_sq);
@@ -91,8 +88,8 @@ void scan(const float* x, const float* y, const float* z, const vec3& p, float r
     constexpr __mmask8 kAll = 0xff;
     __m512i index = _mm512_maskz_slli_epi64(
         kAll, _mm512_add_epi64(_mm512_set1_epi64(i), _mm512_setr_epi64(0, 1, 2, 3, 4, 5, 6, 7)), 32);
-    for (; i < run.end; i += 8) {
-        const uint32_t left = run.end - i;
+    for (; i < end; i += 8) {
+        const uint32_t left = end - i;
         const __mmask8 valid = static_cast<__mmask8>(left < 8 ? (1u << left) - 1 : 0xffu);
         const __m256 dx = _mm256_sub_ps(_mm256_loadu_ps(x + i), px);
         const __m256 dy = _mm256_sub_ps(_mm256_loadu_ps(y + i), py);
@@ -109,8 +106,8 @@ void scan(const float* x, const float* y, const float* z, const vec3& p, float r
     const __m256 px = _mm256_set1_ps(p.x), py = _mm256_set1_ps(p.y), pz = _mm256_set1_ps(p.z);
     const __m256 limit = _mm256_set1_ps(radius_sq);
     const __m256i lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-    for (; i < run.end; i += 8) {
-        const uint32_t left = run.end - i;
+    for (; i < end; i += 8) {
+        const uint32_t left = end - i;
         const __m256 dx = _mm256_sub_ps(_mm256_loadu_ps(x + i), px);
         const __m256 dy = _mm256_sub_ps(_mm256_loadu_ps(y + i), py);
         const __m256 dz = _mm256_sub_ps(_mm256_loadu_ps(z + i), pz);
@@ -132,7 +129,7 @@ void scan(const float* x, const float* y, const float* z, const vec3& p, float r
         }
     }
 #else
-    for (; i < run.end; ++i) {
+    for (; i < end; ++i) {
         const float d_sq = HashGrid::distance_sq_m2(p, vec3(x[i], y[i], z[i]));
         out.make_room(1);
         *out.end() = {d_sq, i};
@@ -254,24 +251,10 @@ void HashGrid::sort(std::span<const vec3> points, std::span<uint32_t> order) {
     });
 }
 
-void HashGrid::find_within(const vec3& p, float radius_m, Neighbours& out) const {
-    assert(radius_m <= radius_m_ && "the cells are made for a smaller radius");
-    out.found.clear();
-    out.radius_m = radius_m;
-    if (size_ == 0) return;
-
-    // All roundings on the way to a cell are monotonic: a radius that is more than the distance's own rounding too
-    // large misses no cell.
-    const vec3 reach(radius_m * 1.000001f);
-    const Cells low = cell_of(p - reach), high = cell_of(p + reach);
-    assert(high.y - low.y < static_cast<int32_t>(kMostRows) && high.z - low.z < static_cast<int32_t>(kMostRows));
-    std::array<Run, 2 * kMostRows * kMostRows> runs;
-    size_t count = 0;
-    const auto add = [&](uint32_t first_slot, uint32_t slots) {
-        runs[count] = {start_[first_slot], start_[first_slot + slots]};
-        count += runs[count].begin != runs[count].end;  // without a branch: most rows are empty, and which is chance
-    };
-    const uint32_t columns = static_cast<uint32_t>(high.x - low.x + 1);
+/// Calls add(first slot, slots) for the parts of the table that hold the points of those cells.
+template <class Add>
+inline void HashGrid::visit_runs(const Cells& low, const Cells& high, const Add& add) const {
+    const auto columns = static_cast<uint32_t>(high.x - low.x + 1);
     for (int32_t z = low.z; z <= high.z; ++z) {
         for (int32_t y = low.y; y <= high.y; ++y) {
             uint32_t slot = row(y, z) + static_cast<uint32_t>(low.x);
@@ -285,15 +268,36 @@ void HashGrid::find_within(const vec3& p, float radius_m, Neighbours& out) const
             if (before_end < columns) add(0, columns - before_end);
         }
     }
-    if (hashed_) {
-        // Rows that meet in the table: no point twice.
-        std::sort(runs.begin(), runs.begin() + count, [](const Run& a, const Run& b) { return a.begin < b.begin; });
-        uint32_t done = 0;
-        for (size_t i = 0; i < count; ++i) {
-            runs[i].begin = std::max(runs[i].begin, done);
-            done = std::max(done, runs[i].end);
-        }
+}
+
+/// Of rows that meet in a hashed table no point is left twice. Sorts the runs; some may end up empty.
+inline void HashGrid::take_doubles_out(std::span<Run> runs) {
+    std::sort(runs.begin(), runs.end(), [](const Run& a, const Run& b) { return a.begin < b.begin; });
+    uint32_t done = 0;
+    for (Run& run : runs) {
+        run = {std::max(run.begin, done), std::max(run.end, done)};
+        done = run.end;
     }
+}
+
+void HashGrid::find_within(const vec3& p, float radius_m, Neighbours& out) const {
+    assert(radius_m <= radius_m_ && "the cells are made for a smaller radius");
+    out.found.clear();
+    out.radius_m = radius_m;
+    if (size_ == 0) return;
+
+    // All roundings on the way to a cell are monotonic: a radius that is more than the distance's own rounding too
+    // large misses no cell.
+    const vec3 reach(radius_m * 1.000001f);
+    const Cells low = cell_of(p - reach), high = cell_of(p + reach);
+    assert(high.y - low.y < static_cast<int32_t>(kMostRows) && high.z - low.z < static_cast<int32_t>(kMostRows));
+    std::array<Run, 2 * kMostRows * kMostRows> runs;
+    size_t count = 0;
+    visit_runs(low, high, [&](uint32_t first_slot, uint32_t slots) {
+        runs[count] = {start_[first_slot], start_[first_slot + slots]};
+        count += runs[count].begin != runs[count].end;  // without a branch: most rows are empty, and which is chance
+    });
+    if (hashed_) take_doubles_out(std::span(runs).first(count));
     for (const Run& run : std::span(runs).first(count)) {
         for (const float* coordinates : {x_.data(), y_.data(), z_.data()}) {
             __builtin_prefetch(coordinates + run.begin);
@@ -301,8 +305,46 @@ void HashGrid::find_within(const vec3& p, float radius_m, Neighbours& out) const
         }
     }
     FoundBuffer buffer(out.found);
-    for (size_t i = 0; i < count; ++i) scan(x_.data(), y_.data(), z_.data(), p, radius_m * radius_m, runs[i], buffer);
+    for (size_t i = 0; i < count; ++i)
+        scan(x_.data(), y_.data(), z_.data(), p, radius_m * radius_m, runs[i].begin, runs[i].end, buffer);
     buffer.flush();
+}
+
+void HashGrid::find_near_box(const Bounds3& box, float radius_m, std::vector<uint32_t>& out) const {
+    assert(radius_m <= radius_m_ && "the cells are made for a smaller radius");
+    if (size_ == 0) return;
+    const vec3 reach(radius_m * 1.000001f);
+    const Cells low = cell_of(box.min - reach), high = cell_of(box.max + reach);
+    std::vector<Run> runs;
+    visit_runs(low, high, [&](uint32_t first_slot, uint32_t slots) {
+        const Run run{start_[first_slot], start_[first_slot + slots]};
+        if (run.begin != run.end) runs.push_back(run);
+    });
+    if (hashed_) take_doubles_out(runs);
+    const float limit_sq = sqr(radius_m) * 1.00001f;
+    for (const Run& run : runs) {
+        size_t count = out.size();
+        out.resize(count + (run.end - run.begin) + kPadding);
+        for (uint32_t first = run.begin; first < run.end; first += kPadding) {
+            alignas(64) std::array<float, kPadding> distances_sq{};
+            std::array<uint32_t, kPadding> indices;
+            const auto add_axis = [&](const std::vector<float>& coordinates, float from, float to) {
+                for (uint32_t lane = 0; lane < kPadding; ++lane) {
+                    const float x = coordinates[first + lane];
+                    const float outside = std::max(std::max(from - x, x - to), 0.0f);
+                    distances_sq[lane] += outside * outside;
+                }
+            };
+            add_axis(x_, box.min.x, box.max.x);
+            add_axis(y_, box.min.y, box.max.y);
+            add_axis(z_, box.min.z, box.max.z);
+            for (uint32_t lane = 0; lane < kPadding; ++lane) indices[lane] = first + lane;
+            for (uint32_t lane = run.end - first; lane < kPadding; ++lane) distances_sq[lane] = kInfinity;
+            std::array<float, kPadding> kept;
+            count += LaneBlock(distances_sq.data(), indices.data()).store_below(limit_sq, kept.data(), &out[count]);
+        }
+        out.resize(count);
+    }
 }
 
 uint64_t HashGrid::bytes() const {

@@ -49,8 +49,7 @@ GridSearch grid_search(HashGridConstants grid, vec3 centre, float radius_m) {
     // large misses no cell.
     const vec3 reach = vec3(radius_m * 1.000001);
     const ivec3 low = grid_cell_of(grid, centre - reach), high = grid_cell_of(grid, centre + reach);
-    return GridSearch(centre, low.x, low.y, high.y, high.z, uint(high.x - low.x + 1), low.y - 1, low.z,
-                      0u, 0u, 0u);
+    return GridSearch(centre, low.x, low.y, high.y, high.z, uint(high.x - low.x + 1), low.y - 1, low.z, 0u, 0u, 0u);
 }
 
 /// The squared distance as searches round it.
@@ -60,8 +59,8 @@ float grid_distance_sq(vec3 p, vec3 q) {
     return distance_sq;
 }
 
-/// To the next run of points, which may be empty: the next row's, or the rest of one that ran over the table's end. False:
-/// there is none.
+/// To the next run of points, which may be empty: the next row's, or the rest of one that ran over the table's end.
+/// False: there is none.
 bool grid_next_run(HashGridConstants grid, inout GridSearch search) {
     uint slot = 0, columns = search.wrapped;
     search.wrapped = 0;
@@ -83,9 +82,9 @@ bool grid_next_run(HashGridConstants grid, inout GridSearch search) {
     return true;
 }
 
-/// The next point at squared distances up to `bound_sq`, which is not beyond the search's radius, each point once; `index`
-/// counts from the grid's first. False: there is none. One loop over runs and points: threads that run together need not
-/// wait for each other's runs to end.
+/// The next point at squared distances up to `bound_sq`, which is not beyond the search's radius, each point once;
+/// `index` counts from the grid's first. False: there is none. One loop over runs and points: threads that run together
+/// need not wait for each other's runs to end.
 bool grid_next(HashGridConstants grid, inout GridSearch search, float bound_sq, out uint index, out uvec4 point,
                out float distance_sq) {
     while (true) {

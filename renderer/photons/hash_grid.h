@@ -33,6 +33,10 @@ public:
     /// All points strictly nearer to p than `radius_m` (at most that of the grid), each once.
     void find_within(const vec3& p, float radius_m, Neighbours& out) const;
 
+    /// Appends the indices of points that may be nearer than `radius_m` (at most that of the grid) to some place of the
+    /// box, in ascending order: all that are, and hardly any other.
+    void find_near_box(const Bounds3& box, float radius_m, std::vector<uint32_t>& out) const;
+
     /// The squared distance [m^2] as searches round it: q is found when it is below radius_m * radius_m.
     static float distance_sq_m2(const vec3& p, const vec3& q) { return length_sq(q.x - p.x, q.y - p.y, q.z - p.z); }
 
@@ -45,10 +49,17 @@ public:
 private:
     /// Cells of a query or of the grid along each axis, or a cell.
     using Cells = glm::ivec3;
+    /// Points of the grid's order, [begin, end).
+    struct Run {
+        uint32_t begin, end;
+    };
 
     void lay_out(std::span<const vec3> points);
     void sort(std::span<const vec3> points, std::span<uint32_t> order);
     Cells cell_of(const vec3& p) const;
+    template <class Add>
+    void visit_runs(const Cells& low, const Cells& high, const Add& add) const;
+    static void take_doubles_out(std::span<Run> runs);
     /// Where the row of cells (y, z) begins in the table; hashed: to be taken modulo its size.
     uint32_t row(int32_t y, int32_t z) const;
     uint32_t slot_of(const vec3& p) const;

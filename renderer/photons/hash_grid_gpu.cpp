@@ -40,13 +40,14 @@ gpu::HashGridConstants lay_out_grid(const Bounds3& bounds, float cell_m, uint64_
 
 uint64_t grid_starts_for(uint64_t points) { return table_size(points) + 1; }
 
-GridPhotons::GridPhotons(gpu::Device& device, uint64_t start_words, uint64_t capacity)
+GridPhotons::GridPhotons(gpu::Device& device, uint64_t start_words, uint64_t capacity, uint64_t more)
     : starts(device, "photon_maps", start_words * sizeof(uint32_t)),
       places(device, "photon_maps", capacity * sizeof(gpu::PhotonPlace)),
-      powers(device, "photon_maps", capacity * sizeof(gpu::PhotonPower)) {}
+      powers(device, "photon_maps", (capacity + more) * sizeof(gpu::PhotonPower)) {}
 
-uint64_t GridPhotons::bytes_for(uint64_t starts, uint64_t capacity) {
-    return starts * sizeof(uint32_t) + capacity * (sizeof(gpu::PhotonPlace) + sizeof(gpu::PhotonPower));
+uint64_t GridPhotons::bytes_for(uint64_t starts, uint64_t capacity, uint64_t more) {
+    return starts * sizeof(uint32_t) + capacity * sizeof(gpu::PhotonPlace) +
+           (capacity + more) * sizeof(gpu::PhotonPower);
 }
 
 HashGridGpu::HashGridGpu(gpu::Device& device)

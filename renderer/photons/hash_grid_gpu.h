@@ -14,8 +14,9 @@ uint64_t grid_starts_for(uint64_t points);
 
 /// Photons in the order of their grids, of one grid or more; hash_grid.glsl searches them.
 struct GridPhotons {
-    GridPhotons(gpu::Device& device, uint64_t starts, uint64_t capacity);
-    static uint64_t bytes_for(uint64_t starts, uint64_t capacity);
+    /// `more`: room behind the powers for so many records of 16 bytes that are the caller's.
+    GridPhotons(gpu::Device& device, uint64_t starts, uint64_t capacity, uint64_t more = 0);
+    static uint64_t bytes_for(uint64_t starts, uint64_t capacity, uint64_t more = 0);
 
     gpu::Buffer starts, places, powers;
 };

@@ -116,4 +116,16 @@ void KdTree::find_nearest(const vec3& p, uint32_t k, float max_radius_m, Neighbo
     }
 }
 
+void KdTree::find_within(const vec3& p, float radius_m, Neighbours& out) const {
+    out.found.clear();
+    out.radius_m = radius_m;
+    traverse(p, sqr(radius_m), [&](uint32_t bucket, float bound_sq) {
+        float distances_sq[kBucket];
+        uint32_t indices[kBucket];
+        const uint32_t count = buckets_[bucket].append_nearer(p, bound_sq, bucket * kBucket, distances_sq, indices);
+        for (uint32_t i = 0; i < count; ++i) out.found.push_back({distances_sq[i], indices[i]});
+        return bound_sq;
+    });
+}
+
 }  // namespace photond

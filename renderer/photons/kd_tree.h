@@ -41,6 +41,9 @@ public:
     /// disc of fewer than k.
     void find_nearest(const vec3& p, uint32_t k, float max_radius_m, Neighbours& out) const;
 
+    /// All points strictly nearer to p than radius_m, each once; the radius is `out`'s.
+    void find_within(const vec3& p, float radius_m, Neighbours& out) const;
+
     /// The point nearest to p among those strictly nearer than max_radius_m that `accept(index)` takes; size() when
     /// there is none. accept is asked in no particular order, of few points that are not the answer.
     template <class Accept>

@@ -13,6 +13,15 @@ namespace {
 /// Of the Gaussian: the share of 1 - exp(-beta q^2 / 2) in its shape.
 double gaussian_fall(double beta) { return 1 / (1 - std::exp(-beta)); }
 
+/// Mean of function(q^2) over q^2 from 0 to 1, to 1e-5 for kernels: 2 q dq = d(q^2).
+template <class Function>
+float mean_over_disc(const Function& function) {
+    constexpr int kSteps = 512;
+    double sum = 0;
+    for (int i = 0; i < kSteps; ++i) sum += function((i + 0.5) / kSteps);
+    return static_cast<float>(sum / kSteps);
+}
+
 /// Integral of the Gaussian's shape over q^2 from 0 to t.
 double gaussian_integral(double beta, double t) {
     return t - gaussian_fall(beta) * (t - (1 - std::exp(-0.5 * beta * t)) * 2 / beta);
@@ -52,6 +61,18 @@ float Kernel::mass_within(float q) const {
         case KernelShape::Epanechnikov: mass = x * x * (2 - x * x); break;
     }
     return static_cast<float>(mass);
+}
+
+float Kernel::mean_q_sq() const {
+    return mean_over_disc(
+        [this](double q_sq) { return std::numbers::pi * q_sq * double{(*this)(static_cast<float>(q_sq))}; });
+}
+
+float Kernel::roughness() const {
+    return mean_over_disc([this](double q_sq) {
+        const double k = std::numbers::pi * double{(*this)(static_cast<float>(q_sq))};
+        return k * k;
+    });
 }
 
 float Kernel::sample_disc(float u) const {

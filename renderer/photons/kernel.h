@@ -53,6 +53,12 @@ public:
     /// Share of the kernel within q = u / r of the centre: 0 at 0, 1 at 1 and beyond, closed form.
     float mass_within(float q) const;
 
+    /// Mean of q^2 under the kernel: the bias in light that varies quadratically is twice that times the constant
+    /// one's.
+    float mean_q_sq() const;
+    /// pi r^2 times the integral of K^2: the variance of a sum of photons over the constant kernel's.
+    float roughness() const;
+
     /// Every kernel that does not rise outwards is a mixture of constant discs. Draws the radius of one of them, over
     /// r: the mean over `u`, uniform in [0, 1), of discs of integral 1 is the kernel.
     float sample_disc(float u) const;

@@ -3,6 +3,7 @@
 #define PHOTOND_PHOTON_GLSL
 
 #include "renderer/core/geometry.glsl"
+#include "renderer/core/rng.glsl"
 #include "renderer/photons/photon_shared.h"
 
 uint octahedral_mask(uint bits) { return (1u << bits) - 1u; }
@@ -25,15 +26,20 @@ vec3 octahedral_decode(uint bits, uint codes) {
 }
 
 // PhotonPayload::normal_and_path. `normal`: geometric, on the side the photon arrived at.
-const uint PHOTON_NORMAL_BITS = (1u << 22) - 1u;
-
-uint pack_normal_and_path(vec3 normal, uint scatterings, bool all_delta) {
-    const uint path = min(scatterings, PHOTON_MOST_SCATTERINGS) | (all_delta ? 1u << 8 : 0u);
+uint pack_normal_and_path(vec3 normal, uint scatterings, bool all_delta, bool marked) {
+    const uint path =
+        min(scatterings, PHOTON_MOST_SCATTERINGS) | (all_delta ? 1u << 8 : 0u) | (marked ? 1u << 9 : 0u);
     return octahedral_encode(11u, normal) | path << 22;
 }
 vec3 photon_normal(uint normal_and_path) { return octahedral_decode(11u, normal_and_path); }
 uint photon_scatterings(uint normal_and_path) { return normal_and_path >> 22 & 0xffu; }
 bool photon_all_delta(uint normal_and_path) { return (normal_and_path >> 30 & 1u) != 0u; }
+bool photon_marked(uint normal_and_path) { return normal_and_path >> 31 != 0u; }
+
+/// is_marked_photon() of photon.h; `element`: its low 32 bits.
+bool is_marked_photon(uint element, uint scatterings) {
+    return hash32(hash32(element) + scatterings) % PHOTONS_A_MARK == 0u;
+}
 
 uint pack_photon_direction(vec3 wi_world) { return octahedral_encode(16u, wi_world); }
 vec3 photon_direction(uint direction) { return octahedral_decode(16u, direction); }

@@ -4,6 +4,8 @@
 // [Jensen 1996] Global Illumination using Photon Maps. Eurographics Workshop on Rendering.
 
 #include "renderer/core/rgb.h"
+#include "renderer/core/rng.h"
+#include "renderer/photons/photon_shared.h"
 
 namespace photond {
 
@@ -49,10 +51,11 @@ struct PhotonPayload {
     static constexpr uint32_t kMostScatterings = 255;  // more count as so many
 
     /// `normal`: geometric, on the side the photon arrived at. `all_delta`: every scattering on the way was a delta
-    /// lobe's; true without any.
+    /// lobe's; true without any. `marked`: is_marked_photon().
     static PhotonPayload make(const Rgb& power_w, const vec3& wi_world, const vec3& normal, uint32_t scatterings,
-                              bool all_delta) {
-        const uint32_t path = std::min(scatterings, kMostScatterings) | (all_delta ? 1u << 8 : 0u);
+                              bool all_delta, bool marked = false) {
+        const uint32_t path =
+            std::min(scatterings, kMostScatterings) | (all_delta ? 1u << 8 : 0u) | (marked ? 1u << 9 : 0u);
         return {power_w, Octahedral<16>::encode(wi_world), Octahedral<11>::encode(normal) | path << 22};
     }
     vec3 wi_world() const { return Octahedral<16>::decode(direction); }
@@ -60,7 +63,15 @@ struct PhotonPayload {
     /// Scatterings since the light, 0: it came from the light straight.
     uint32_t scatterings() const { return normal_and_path >> 22 & 0xffu; }
     bool all_delta() const { return normal_and_path >> 30 & 1u; }
+    bool marked() const { return normal_and_path >> 31; }
 };
+
+/// Whether the photon that the path with this element of the sequence leaves after so many scatterings is one of those
+/// where irradiance may be worked out beforehand (precomputed_irradiance.h): one of PHOTONS_A_MARK, at random, and the
+/// same ones on all devices.
+constexpr bool is_marked_photon(uint64_t element, uint32_t scatterings) {
+    return hash32(hash32(static_cast<uint32_t>(element)) + scatterings) % PHOTONS_A_MARK == 0;
+}
 
 struct Photon {
     vec3 position;  // world [m], on the surface

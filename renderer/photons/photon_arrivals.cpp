@@ -12,6 +12,7 @@ std::span<const Photon> PhotonArrivals::trace(PhotonWavefront& wavefront, const 
                                               const SequenceSampler& sampler, const PhotonBatch& batch,
                                               PhotonCounts& counts) {
     photon_count_ = 0;
+    first_element_ = batch.run * SequenceSampler::kRun;
     wavefront.start_paths(shared, sampler, batch, counts.counts);
     const bool caustic = shared.tracing.kind == PhotonMapKind::Caustic;
     for (uint32_t scatterings = 0; wavefront.batch.count > 0; ++scatterings) {
@@ -33,10 +34,13 @@ std::span<const Photon> PhotonArrivals::trace(PhotonWavefront& wavefront, const 
     return {photons_.data(), photon_count_};
 }
 
-void PhotonArrivals::store(const LightPath& path, const vec3& position, const vec3& normal, const vec3& wi_world,
+/// Where that path of the batch has arrived.
+void PhotonArrivals::store(const PhotonWavefront& wavefront, uint32_t path, const vec3& position, const vec3& normal,
                            uint32_t scatterings) {
-    photons_[photon_count_++] = {position,
-                                 PhotonPayload::make(path.power_w, wi_world, normal, scatterings, path.all_delta)};
+    const LightPath& carrier = wavefront.batch.paths[path];
+    const bool marked = is_marked_photon(first_element_ + wavefront.batch.keys[path], scatterings);
+    photons_[photon_count_++] = {position, PhotonPayload::make(carrier.power_w, -wavefront.batch.rays[path].direction,
+                                                               normal, scatterings, carrier.all_delta, marked)};
 }
 
 /// Hits on plain Lambert reflectors: always rough, so that caustic paths end there.
@@ -49,9 +53,7 @@ void PhotonArrivals::shade_lambert(PhotonWavefront& wavefront, const PhotonTraci
     wavefront.scatter_lambert(shared, [&](const KeptPath& kept, const LambertGroup& group, size_t lane) {
         const uint32_t i = wavefront.order[kept.place];
         const LightPath& path = wavefront.batch.paths[i];
-        if (kept.stores)
-            store(path, group.position.get(lane), group.geometric_normal.get(lane), -wavefront.batch.rays[i].direction,
-                  scatterings);
+        if (kept.stores) store(wavefront, i, group.position.get(lane), group.geometric_normal.get(lane), scatterings);
         if (!scatters || group.scattered[lane] == 0) return;
         const float hope = kept.hope * group.correction[lane];
         const float survival = std::min(hope, ROULETTE_MOST_SURVIVAL);
@@ -77,7 +79,7 @@ bool PhotonArrivals::scatter_other(PhotonWavefront& wavefront, const PhotonTraci
     const bool caustic = tracing.kind == PhotonMapKind::Caustic;
     if (scatterings == 0 && parted.specular.scatters()) ++counts.first_hits_specular;
     if ((caustic ? scatterings > 0 : path.rough) && (parted.rough.scatters() || shared.shading[point.instance].stores))
-        store(path, point.position, point.geometric_normal, parted.wi_world, scatterings);
+        store(wavefront, i, point.position, point.geometric_normal, scatterings);
     if (scatterings >= tracing.most_scatterings) return false;
     return wavefront.scatter_parted(parted, place, !caustic, counts.counts).goes_on;
 }

@@ -27,9 +27,10 @@ private:
                        Counts& counts);
     bool scatter_other(PhotonWavefront& wavefront, const PhotonTracingScene& shared, size_t place, uint32_t scatterings,
                        PhotonCounts& counts);
-    void store(const LightPath& path, const vec3& position, const vec3& normal, const vec3& wi_world,
+    void store(const PhotonWavefront& wavefront, uint32_t path, const vec3& position, const vec3& normal,
                uint32_t scatterings);
 
+    uint64_t first_element_ = 0;   // of the batch's run
     std::vector<Photon> photons_;  // grows; the first photon_count_ count
     size_t photon_count_ = 0;
 };

@@ -48,6 +48,17 @@ void PhotonMap::find(const vec3& p, Neighbours& out) const {
     }
 }
 
+void PhotonMap::find_within(const vec3& p, float radius_m, Neighbours& out) const {
+    if (const KdTree* tree = kd_tree()) {
+        tree->find_within(p, radius_m, out);
+    } else if (const HashGrid* grid = hash_grid()) {
+        grid->find_within(p, radius_m, out);
+    } else {
+        out.found.clear();
+        out.radius_m = radius_m;
+    }
+}
+
 uint64_t PhotonMap::bytes() const {
     uint64_t bytes = payloads_.capacity() * sizeof(PhotonPayload);
     if (const KdTree* tree = kd_tree()) bytes += tree->bytes();

@@ -33,6 +33,8 @@ public:
 
     /// Photons about p, as search() says. Empty when the map is.
     void find(const vec3& p, Neighbours& out) const;
+    /// Photons nearer to p than radius_m, which must not be more than search() has where that is a fixed radius.
+    void find_within(const vec3& p, float radius_m, Neighbours& out) const;
     /// The structure, where one is wanted by name; nullptr when the map has the other (or is empty).
     const KdTree* kd_tree() const { return std::get_if<KdTree>(&structure_); }
     const HashGrid* hash_grid() const { return std::get_if<HashGrid>(&structure_); }

@@ -5,6 +5,8 @@
 #define PHOTON_MAP_GLOBAL 0  // PhotonMapKind
 #define PHOTON_MAP_CAUSTIC 1
 #define PHOTON_MOST_SCATTERINGS 255u  // PhotonPayload::kMostScatterings
+#define PHOTON_NORMAL_BITS 0x3fffffu  // of PhotonPayload::normal_and_path
+#define PHOTONS_A_MARK 4u             // of which one is marked: Christensen found no difference to be seen
 
 // What of a path's sets of numbers its emission uses: sample_set(EmissionSet) of photon_tracing_scene.h.
 #define PHOTON_SET_DIRECTION 0u

@@ -46,7 +46,9 @@ bool start_walk(uint number, out Walk walk) {
 void store(Walk walk, PhotonVertex vertex) {
     const uint place = atomicAdd(state[PHOTONS_STORED_WORD], 1u);
     if (place >= push.capacity) return;
-    const uint packed = pack_normal_and_path(vertex.point.geometric_normal, walk.path.scatterings, walk.path.all_delta);
+    const bool marked = is_marked_photon(uint(push.first_element) + walk.number, walk.path.scatterings);
+    const uint packed =
+        pack_normal_and_path(vertex.point.geometric_normal, walk.path.scatterings, walk.path.all_delta, marked);
     places[place] = uvec4(floatBitsToUint(vertex.point.position), packed);
     powers[place] = uvec4(floatBitsToUint(walk.path.power_w), pack_photon_direction(vertex.wi_world));
     paths[place] = walk.number;

@@ -1,6 +1,7 @@
 #include "renderer/photons/projection_map.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <numeric>
 
 #include "renderer/core/parallel.h"
@@ -331,6 +332,13 @@ ProjectionMap::ProjectionMap(ProjectionMap&&) noexcept = default;
 double ProjectionMap::specular_share() const { return bins_->specular_share; }
 double ProjectionMap::guided_share() const { return bins_->guided_share; }
 bool ProjectionMap::helps() const { return can_help(specular_share()) && guided_share() >= 2 * specular_share(); }
+
+std::string ProjectionMap::text() const {
+    char text[160];
+    std::snprintf(text, sizeof text, "%.1f %% of the photons meet specular surfaces unguided, %.1f %% would guided",
+                  100 * specular_share(), 100 * guided_share());
+    return text;
+}
 
 bool ProjectionMap::sample(float u_select, const vec2& u_position, const vec2& u_direction, EmissionSample& out) const {
     return bins_->sample(u_select, u_position, u_direction, out);

@@ -8,6 +8,7 @@
 // preferred; every other bin keeps a share, so that nothing is missed.
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "renderer/core/memory_budget.h"
@@ -33,6 +34,9 @@ public:
     /// Whether guiding pays: the guided share is at least twice the unguided one, and something was seen at all. Where
     /// it cannot (no specular surface, or hardly any other), sample() is unguided.
     bool helps() const;
+
+    /// Both shares in words, for what is skipped where it does not help.
+    std::string text() const;
 
     /// As EmissionSampler::sample(), preferring the bins that saw specular surfaces; the power makes up for it. No
     /// number is used twice: u_select chooses light and bin.

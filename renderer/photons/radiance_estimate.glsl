@@ -124,11 +124,9 @@ PhotonDisc find_nearest(PhotonMapConstants map, vec3 p) {
     return PhotonDisc(sqrt(kth_sq), kth_sq, rank - 1);
 }
 
-/// A photon's flux is L |cos_g| dw dA; the estimate divides by |cos_g| where the shading normal differs, but by no less
-/// than this.
+/// A photon's flux is L |cos_p| dw dA; the estimate divides by |cos_p|, the cosine to the normal of the surface it lies on,
+/// where the shading normal differs, but by no less than this.
 const float LEAST_COSINE = 1e-3;
-/// Photons whose geometric normal makes more than 60 degrees with that of the point are refused.
-const float DISC_COSINE = 0.5;
 const float LEAST_NORMAL_FLOAT = 1.17549435e-38;
 
 struct RadianceEstimate {
@@ -137,12 +135,23 @@ struct RadianceEstimate {
     uint photons;         // that passed the tests
     float radius_m;       // of the disc
 };
+/// How one lookup is made.
+struct DiscQuery {
+    uint turn;            // a random number, for the coverage of the disc
+    uint batch_size;      // DISC_FINE_BATCH or DISC_COARSE_BATCH
+    float most_radius_m;  // of a larger disc only the radius is wanted
+};
 RadianceEstimate no_radiance() { return RadianceEstimate(vec3(0.0), vec3(0.0), 0u, 0.0); }
+
+/// How far from its plane a disc of that radius counts photons.
+float disc_thickness_m(float radius_m) {
+    return ESTIMATE.disc_thickness_m < 0.0 ? 0.25 * radius_m : ESTIMATE.disc_thickness_m;
+}
 
 /// Reflected (and, by rough transmission, transmitted) radiance towards `wo` (local to point.shading) by the non-delta
 /// lobes of `bsdf`, from that map. Photons with more than `most_scatterings` are left out.
 RadianceEstimate estimate_radiance(uint map_kind, ShadingPoint point, Bsdf bsdf, vec3 wo, uint most_scatterings,
-                                   uint turn) {
+                                   DiscQuery query) {
     RadianceEstimate estimate = no_radiance();
     if (!bsdf_has_non_delta(bsdf)) return estimate;
     const vec3 normal = point.geometric_normal;
@@ -156,56 +165,98 @@ RadianceEstimate estimate_radiance(uint map_kind, ShadingPoint point, Bsdf bsdf,
     PhotonDisc disc = PhotonDisc(map.radius_m, map.radius_m * map.radius_m, 0u);
     if (SEARCH_NEAREST) disc = find_nearest(map, point.position);
     estimate.radius_m = disc.radius_m;
+    if (disc.radius_m > query.most_radius_m) return estimate;
     // As many photons as are looked for in one place leave no disc to spread them over: no density, and of that place
     // without area no light. Nor is there one where a disc is without end.
     const float area = sqr(disc.radius_m);
     if (!(area >= LEAST_NORMAL_FLOAT && area < INFINITY)) return estimate;
-    const float thickness_m = ESTIMATE.disc_thickness_m < 0.0 ? 0.25 * disc.radius_m : ESTIMATE.disc_thickness_m;
+    const float thickness_m = disc_thickness_m(disc.radius_m);
     const uint same_normal = octahedral_encode(11u, normal);
-    const vec3 normal_local = to_local(point.shading, normal);
-    DiscFound coverage = whole_disc();
-    if (DISC_COVERAGE)
-        coverage =
-            look_disc_up(ESTIMATE.kernel, CoverageDisc(point.position, normal, disc.radius_m, thickness_m), turn);
+    const bool cut = DISC_COVERAGE && may_have_edges(point.position, disc.radius_m);
+    DiscProbe probe;
+    DiscMass mass = DiscMass(1.0, false);
+    if (cut) {
+        probe = probe_disc(CoverageDisc(point.position, normal, disc.radius_m, thickness_m));
+        mass = disc_mass(ESTIMATE.kernel, probe, query.turn, query.batch_size);
+    }
 
-    uint index;
-    uvec4 found;
-    float distance_sq;
-    GridSearch search = grid_search(map.grid, point.position, disc.radius_m);
-    while (grid_next(map.grid, search, disc.bound_sq, index, found, distance_sq)) {
-        if (distance_sq == disc.bound_sq) {
-            if (disc.equals == 0) continue;
-            --disc.equals;
+    // All photons are asked for where a place was hidden. Else some are, and all of them, from the start, once one of
+    // these is hidden: a wall may stand where none of the places came to be.
+    bool asks = mass.hides;
+    for (bool again = true; again;) {
+        again = false;
+        estimate.radiance = estimate.delta_radiance = vec3(0.0);
+        estimate.photons = 0;
+        uint next_asked = 0;  // number of the photon
+        uint equals = disc.equals;
+        uint index;
+        uvec4 found;
+        float distance_sq;
+        GridSearch search = grid_search(map.grid, point.position, disc.radius_m);
+        while (grid_next(map.grid, search, disc.bound_sq, index, found, distance_sq)) {
+            if (distance_sq == disc.bound_sq) {
+                if (equals == 0) continue;
+                --equals;
+            }
+            const vec3 position = uintBitsToFloat(found.xyz);
+            const float height_m = abs(dot(normal, position - point.position));
+            if (height_m > thickness_m || photon_scatterings(found.w) > most_scatterings) continue;
+            float side = 1.0;
+            if ((found.w & PHOTON_NORMAL_BITS) != same_normal) {
+                side = dot(photon_normal(found.w), normal);
+                if (side < 0.0 && !both_sides) continue;
+                if (!SOFT_DISC && abs(side) < DISC_COSINE) continue;
+            }
+            if (cut && (asks || estimate.photons == next_asked)) {
+                next_asked = 2 * estimate.photons + 1;
+                if (!disc_sees(probe, position)) {
+                    if (asks) continue;
+                    asks = again = true;
+                    break;
+                }
+            }
+            float weight = kernel_evaluate(ESTIMATE.kernel, distance_sq / area);
+            if (SOFT_DISC) weight *= abs(side) * (thickness_m > 0.0 ? 1.0 - height_m / thickness_m : 1.0);
+            const uvec4 power = map_powers[map.grid.first_point + index];
+            vec3 reflected = weight * uintBitsToFloat(power.xyz);
+            if (!plain) {
+                const vec3 direction = photon_direction(power.w);
+                const vec3 wi = to_local(point.shading, direction);
+                const bool same = (found.w & PHOTON_NORMAL_BITS) == same_normal;
+                const float cos_p = dot(direction, same ? normal : photon_normal(found.w));
+                // A photon of a curved surface's next facet may have come from below this one's horizon.
+                const bool same_side = (dot(direction, normal) > 0.0) == (side > 0.0);
+                const float share = same_side ? 1.0 / max(abs(cos_p), LEAST_COSINE) : 0.0;
+                reflected *= share * bsdf_f_cos(bsdf, wo, wi);
+            }
+            estimate.radiance += reflected;
+            if (photon_all_delta(found.w)) estimate.delta_radiance += reflected;
+            ++estimate.photons;
         }
-        const float height_m = abs(dot(normal, uintBitsToFloat(found.xyz) - point.position));
-        if (height_m > thickness_m || photon_scatterings(found.w) > most_scatterings) continue;
-        float side = 1.0;
-        if ((found.w & PHOTON_NORMAL_BITS) != same_normal) {
-            side = dot(photon_normal(found.w), normal);
-            if (side < 0.0 && !both_sides) continue;
-            if (!SOFT_DISC && abs(side) < DISC_COSINE) continue;
-        }
-        if (DISC_COVERAGE && coverage.hides && !disc_sees(coverage, normal, disc.radius_m, uintBitsToFloat(found.xyz)))
-            continue;
-        float weight = kernel_evaluate(ESTIMATE.kernel, distance_sq / area);
-        if (SOFT_DISC) weight *= abs(side) * (thickness_m > 0.0 ? 1.0 - height_m / thickness_m : 1.0);
-        const uvec4 power = map_powers[map.grid.first_point + index];
-        vec3 reflected = weight * uintBitsToFloat(power.xyz);
-        if (!plain) {
-            const vec3 wi = to_local(point.shading, photon_direction(power.w));
-            const float cos_g = dot(wi, normal_local);
-            // A photon of a curved surface's next facet may have come from below this one's horizon.
-            const float share = (cos_g > 0.0) == (side > 0.0) ? 1.0 / max(abs(cos_g), LEAST_COSINE) : 0.0;
-            reflected *= share * bsdf_f_cos(bsdf, wo, wi);
-        }
-        estimate.radiance += reflected;
-        if (photon_all_delta(found.w)) estimate.delta_radiance += reflected;
-        ++estimate.photons;
     }
     const vec3 factor = plain ? bsdf_f_cos(bsdf, wo, vec3(0.0, 0.0, 1.0)) : vec3(1.0);
-    estimate.radiance *= coverage.inverse_mass / area * factor;
-    estimate.delta_radiance *= coverage.inverse_mass / area * factor;
+    estimate.radiance *= mass.inverse / area * factor;
+    estimate.delta_radiance *= mass.inverse / area * factor;
     return estimate;
+}
+
+struct IrradianceEstimate {
+    vec3 irradiance;  // [W m^-2]
+    float radius_m;   // of the disc
+};
+
+/// Of a Lambert reflector there; `normal` is the one that shades.
+IrradianceEstimate estimate_irradiance(uint map_kind, vec3 position, vec3 geometric_normal, vec3 normal,
+                                       uint most_scatterings, DiscQuery query) {
+    ShadingPoint point;
+    point.position = position;
+    point.geometric_normal = geometric_normal;
+    point.smooth_normal = normal;
+    point.shading = make_frame(normal);
+    const Bsdf white = bsdf_lambert(to_local(point.shading, geometric_normal), vec3(1.0));
+    const RadianceEstimate estimate =
+        estimate_radiance(map_kind, point, white, vec3(0.0, 0.0, 1.0), most_scatterings, query);
+    return IrradianceEstimate(PI * estimate.radiance, estimate.radius_m);
 }
 
 #endif

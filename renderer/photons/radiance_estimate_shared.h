@@ -31,10 +31,11 @@ struct EstimateConstants {
     KernelRecord kernel;
     float disc_thickness_m;  // negative: a quarter of the disc's radius
     DiscCoverageConstants coverage;
+    uint first_irradiance;  // where precomputed ones stand behind the powers, one for each of the global map's photons
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(EstimateConstants) == 2 * 68 + 16 + sizeof(DiscCoverageConstants));
+static_assert(sizeof(EstimateConstants) == 2 * 68 + 16 + sizeof(DiscCoverageConstants) + 4);
 }  // namespace photond::gpu
 #endif
 

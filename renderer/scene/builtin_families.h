@@ -37,6 +37,15 @@ Scene make_detail_books();
 // builtin_caustics.cpp: light that glass and mirrors cast.
 Scene make_glass_on_floor();
 
+// builtin_progressive.cpp: scenes of the papers on progressive photon mapping, lit through glass.
+Scene make_progressive_lamp();
+Scene make_progressive_box();
+Scene make_progressive_torus();
+Scene make_progressive_torus_spot();
+// builtin_bathroom.cpp, builtin_flashlight.cpp: two more of them.
+Scene make_progressive_mirror_bathroom();
+Scene make_progressive_flashlight();
+
 /// A matte material without the 4 % specular lobe of a glTF non-metal: pure Lambert.
 Material lambert(const char* name, const Rgb& albedo);
 Material metal(const char* name, const Rgb& reflectance, float roughness);

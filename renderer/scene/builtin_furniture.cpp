@@ -239,4 +239,30 @@ void add_tumbler(MeshBuilder& glass) {
     glass.lathe(profile, 96);
 }
 
+void add_glass_globe(MeshBuilder& glass, float radius, float wall, uint32_t rings, float wave) {
+    constexpr uint32_t kSlices = 40, kInsideSteps = 24;
+    const auto arc = [](uint32_t i, uint32_t steps, float r) {
+        const float angle = kPi * static_cast<float>(i) / static_cast<float>(steps);
+        return vec2(i == 0 || i == steps ? 0.0f : r * std::sin(angle), -r * std::cos(angle));
+    };
+    std::vector<vec2> outside, inside;  // upwards, and downwards: the glass lies between
+    const uint32_t steps = std::max(kInsideSteps, 10 * rings);
+    for (uint32_t i = 0; i <= steps; ++i) {
+        const float turns = static_cast<float>(rings * i) / static_cast<float>(steps);
+        outside.push_back(arc(i, steps, radius * (1 + wave * std::cos(kTwoPi * turns))));
+    }
+    for (uint32_t i = kInsideSteps + 1; i-- > 0;) inside.push_back(arc(i, kInsideSteps, radius - wall));
+    glass.lathe(outside, kSlices).lathe(inside, kSlices);
+}
+
+void add_reflector(MeshBuilder& mirror, float radius, float depth, uint32_t slices) {
+    constexpr uint32_t kSteps = 24;
+    std::vector<vec2> profile;  // downwards: the inside is the front
+    for (uint32_t i = kSteps + 1; i-- > 0;) {
+        const float t = static_cast<float>(i) / kSteps;
+        profile.emplace_back(radius * t, depth * (t * t - 1));
+    }
+    mirror.lathe(profile, slices);
+}
+
 }  // namespace photond::furniture

@@ -1,6 +1,6 @@
 #pragma once
-// Pieces the built-in interior is furnished with. Each stands on y = 0 about the origin of its own space and looks
-// towards +z; lengths in metres.
+// Pieces that built-in scenes are furnished with. Unless said otherwise, each stands on y = 0 about the origin of its
+// own space and looks towards +z; lengths in metres.
 
 #include <span>
 
@@ -26,5 +26,11 @@ void add_vase(MeshBuilder& clay);
 void add_plate(MeshBuilder& china);
 /// A drinking glass: one closed surface.
 void add_tumbler(MeshBuilder& glass);
+/// A hollow globe of glass about the origin, for a light within: two closed surfaces. `rings` waves from pole to pole
+/// make the glass thicker and thinner by `wave` of its radius.
+void add_glass_globe(MeshBuilder& glass, float radius, float wall, uint32_t rings, float wave);
+/// The inside of a paraboloid that opens at y = 0 towards +y, `depth` deep. Its focus is radius^2 / (4 depth) above its
+/// apex.
+void add_reflector(MeshBuilder& mirror, float radius, float depth, uint32_t slices);
 
 }  // namespace photond::furniture

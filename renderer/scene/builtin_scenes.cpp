@@ -4,6 +4,7 @@
 #include <array>
 
 #include "protocol/error.h"
+#include "protocol/scene_families.h"
 #include "renderer/scene/builtin_families.h"
 #include "renderer/scene/hard_cases.h"
 
@@ -47,6 +48,15 @@ constexpr std::array kCaustics = {
     BuiltinScene{"caustics/glass-on-floor", make_glass_on_floor},
 };
 
+constexpr std::array kProgressive = {
+    BuiltinScene{"progressive/lamp", make_progressive_lamp},
+    BuiltinScene{"progressive/box", make_progressive_box},
+    BuiltinScene{"progressive/torus", make_progressive_torus},
+    BuiltinScene{"progressive/torus-spot", make_progressive_torus_spot},
+    BuiltinScene{"progressive/mirror-bathroom", make_progressive_mirror_bathroom},
+    BuiltinScene{"progressive/flashlight", make_progressive_flashlight},
+};
+
 template <size_t N>
 constexpr std::array<std::string_view, N> names_of(const std::array<BuiltinScene, N>& scenes) {
     std::array<std::string_view, N> names;
@@ -57,11 +67,13 @@ constexpr auto kNames = names_of(kBuiltinScenes);
 constexpr auto kSplattingNames = names_of(kSplattingFigures);
 constexpr auto kDetailNames = names_of(kDetails);
 constexpr auto kCausticNames = names_of(kCaustics);
+constexpr auto kProgressiveNames = names_of(kProgressive);
 
 const BuiltinScene* find_builtin(std::string_view name) {
     for (const std::span<const BuiltinScene> scenes :
          {std::span<const BuiltinScene>(kBuiltinScenes), std::span<const BuiltinScene>(kSplattingFigures),
-          std::span<const BuiltinScene>(kDetails), std::span<const BuiltinScene>(kCaustics)})
+          std::span<const BuiltinScene>(kDetails), std::span<const BuiltinScene>(kCaustics),
+          std::span<const BuiltinScene>(kProgressive)})
         for (const BuiltinScene& builtin : scenes)
             if (builtin.name == name) return &builtin;
     return nullptr;
@@ -71,11 +83,6 @@ const BuiltinScene* find_builtin(std::string_view name) {
 
 std::span<const std::string_view> builtin_scene_names() { return kNames; }
 
-std::span<const std::string_view> builtin_family_names() {
-    static constexpr std::string_view kFamilies[] = {"hard-cases", "photon-splatting", "details", "caustics"};
-    return kFamilies;
-}
-
 std::span<const std::string_view> builtin_scene_names(std::string_view family) {
     static const std::vector<std::string_view> kHardCases = [] {
         std::vector<std::string_view> names;
@@ -83,12 +90,14 @@ std::span<const std::string_view> builtin_scene_names(std::string_view family) {
             if (hard_case.make) names.push_back(hard_case.name);
         return names;
     }();
-    if (family == builtin_family_names()[0]) return kHardCases;
-    if (family == builtin_family_names()[1]) return kSplattingNames;
-    if (family == builtin_family_names()[2]) return kDetailNames;
-    if (family == builtin_family_names()[3]) return kCausticNames;
+    const std::span<const std::string_view> of_families[] = {kHardCases, kSplattingNames, kDetailNames, kCausticNames,
+                                                             kProgressiveNames};
+    static_assert(std::size(of_families) == kSceneFamilies.size());
     std::string known;
-    for (const std::string_view name : builtin_family_names()) known += (known.empty() ? "" : ", ") + std::string(name);
+    for (size_t i = 0; i < kSceneFamilies.size(); ++i) {
+        if (family == kSceneFamilies[i]) return of_families[i];
+        known += (known.empty() ? "" : ", ") + std::string(kSceneFamilies[i]);
+    }
     throw Error(ErrorCode::UnknownName,
                 "there is no family of scenes \"" + std::string(family) + "\"; there are " + known);
 }

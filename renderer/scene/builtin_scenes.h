@@ -9,9 +9,7 @@ struct Scene;
 /// Names of the scenes made in code (protocol.md, "Built-in scenes"), each with a camera named "camera".
 std::span<const std::string_view> builtin_scene_names();
 
-/// Families of further built-in scenes, which are listed only when asked for.
-std::span<const std::string_view> builtin_family_names();
-/// Names of a family's scenes; throws ErrorCode::UnknownName for an unknown family.
+/// Names of the scenes of one of kSceneFamilies; throws ErrorCode::UnknownName for an unknown family.
 std::span<const std::string_view> builtin_scene_names(std::string_view family);
 
 /// Whether there is a built-in scene of that name, in whatever family.

@@ -96,6 +96,8 @@ std::string_view preview_name(LayerPreview preview) {
         case LayerPreview::HeatMap: return "heat_map";
         case LayerPreview::Directions: return "directions";
         case LayerPreview::Dots: return "dots";
+        case LayerPreview::Scale: return "scale";
+        case LayerPreview::Signed: return "signed";
         case LayerPreview::None: break;
     }
     return "";

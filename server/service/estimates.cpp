@@ -4,12 +4,12 @@
 #include <set>
 #include <thread>
 
-#include "protocol/param_json.h"
 #include "renderer/error/estimate.h"
 #include "renderer/film/film.h"
 #include "renderer/methods/registry.h"
 #include "server/comparisons/report_text.h"
 #include "server/left_out_json.h"
+#include "server/method_params.h"
 
 namespace photond {
 
@@ -52,10 +52,7 @@ uint64_t ask_method(const JobRequest& request, const Workload& workload,
                     uint64_t (*MethodInfo::*estimate)(const MethodParams&, const Workload&)) {
     const MethodInfo* method = find_method(request.method.name);
     if (!method) throw Error(ErrorCode::Internal, "a request for a method that is not there");
-    const std::unique_ptr<MethodParams> params = method->make_params();
-    std::vector<Fault> faults;  // none: the reader of jobs has seen to that
-    read_params(*params, request.method.parameters, "/method/parameters", faults);
-    return (method->*estimate)(*params, workload);
+    return (method->*estimate)(*params_of(*method, request.method.parameters), workload);
 }
 
 /// How long a pass of the request would take, going by an earlier job: what that spent on photons, by their number; all

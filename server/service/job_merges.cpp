@@ -8,6 +8,7 @@
 #include "renderer/core/sha256.h"
 #include "renderer/methods/registry.h"
 #include "server/clock_text.h"
+#include "server/method_params.h"
 #include "server/row_text.h"
 #include "server/service/idempotency_key.h"
 #include "server/service/saved_film.h"
@@ -125,8 +126,10 @@ std::vector<JobRow> JobMerges::jobs_to_merge(const std::vector<std::string>& ids
         rows.push_back(*std::move(row));
     }
     const MethodInfo* method = find_method(rows.front().method);
-    if (rows.size() > 1 && method && !method->mergeable)
-        throw Error(ErrorCode::Unsupported, at(0), "films of " + rows.front().method + " cannot be merged");
+    if (rows.size() > 1 && method && !passes_stand_alone(*method, first["method"]["parameters"]))
+        throw Error(ErrorCode::Unsupported, at(0),
+                    "films of " + rows.front().method +
+                        " cannot be merged with these parameters: their passes build on those before");
     return rows;
 }
 

@@ -3,10 +3,11 @@
 #include <algorithm>
 
 #include "protocol/nearest_name.h"
-#include "protocol/param_json.h"
+#include "protocol/scene_families.h"
 #include "renderer/methods/registry.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "server/device_memory.h"
+#include "server/method_params.h"
 #include "server/service/references.h"
 
 namespace photond {
@@ -68,13 +69,10 @@ void check_same_size(const JobRequest& request, const std::string& reference, in
 void RequestChecks::check_parameters(const JobMethod& method, const std::string& prefix) {
     const MethodInfo* info = find_method(method.name);
     if (!info || method.device == "cpu") return;
-    const std::unique_ptr<MethodParams> params = info->make_params();
-    std::vector<Fault> faults;  // none: the reader of jobs has seen to that
-    read_params(*params, method.parameters, "/method/parameters", faults);
     try {
-        info->check_gpu(*params);
+        info->check_gpu(*params_of(*info, method.parameters));
     } catch (const Error& error) {
-        faults = error.faults;
+        std::vector<Fault> faults = error.faults;
         for (Fault& fault : faults) fault.pointer.insert(0, prefix);
         throw Error(error.code, error.what(), std::move(faults));
     }
@@ -83,11 +81,16 @@ void RequestChecks::check_parameters(const JobMethod& method, const std::string&
 SceneRef RequestChecks::check_request(const JobRequest& request) {
     core_.device_of(request.method);
     check_parameters(request.method, "");
+    if (const MethodInfo* info = find_method(request.method.name);
+        info && request.first_pass > 0 && !passes_stand_alone(*info, request.method.parameters))
+        throw Error(ErrorCode::Unsupported, "/first_pass",
+                    "passes of " + request.method.name +
+                        " build on those before with these parameters: its jobs begin at pass 0");
     auto scene = scenes_.find_scene(request.scene);
     if (!scene) {
         std::vector<std::string> known;
         for (const std::string_view name : builtin_scene_names()) known.emplace_back(name);
-        for (const std::string_view family : builtin_family_names())
+        for (const std::string_view family : kSceneFamilies)
             for (const std::string_view name : builtin_scene_names(family)) known.emplace_back(name);
         for (const SceneRow& row : core_.store.scenes(INT64_MAX, 1000)) known.push_back(row.name);
         throw Error(ErrorCode::UnknownName, "/scene",

@@ -20,10 +20,10 @@ std::string parameter_text(const json& value) { return value.is_string() ? value
 /// Whether more passes lower its bias (MethodInfo::bias_falls_with).
 bool bias_falls(const JobRow& job) {
     const MethodInfo* method = find_method(job.method);
-    if (!method || method->bias_falls_with.empty()) return false;
+    if (!method || !method->bias_falls_with) return false;
     const json request = json::parse(job.request),
                parameters = request.at("method").value("parameters", json::object());
-    return std::all_of(method->bias_falls_with.begin(), method->bias_falls_with.end(),
+    return std::all_of(method->bias_falls_with->begin(), method->bias_falls_with->end(),
                        [&](const ParamSetting& setting) {
                            const auto parameter = parameters.find(std::string(setting.name));
                            return parameter != parameters.end() && parameter_text(*parameter) == setting.word;

@@ -81,7 +81,10 @@ MergeFilmsReply merge_films(const MergeFilmsRequest& asked, uint64_t memory_byte
     const Film& film = joined.saved.film;
     if (film.passes() == 0) throw Error(ErrorCode::Internal, "/films", "the films have no pass");
     json statistics = statistics_of(joined, request, asked.scene_id);
-    FilmFile::save(film, joined.saved.identity, joined.history.text(), asked.out, asked.origin);
+    // The state of several runs is that of none.
+    const bool is_one = asked.films.size() == 1;
+    FilmFile::save(film, joined.saved.identity, joined.history.text(), asked.out, asked.origin,
+                   is_one ? joined.saved.state : std::string());
     std::string pixel_hash = statistics["pixel_hash"];
     return {film.passes(), joined.history.seconds, std::move(statistics), std::move(pixel_hash)};
 }

@@ -38,6 +38,8 @@ PreviewImage preview_image(const Film& film, const LayerInfo* layer, float expos
         case LayerPreview::HeatMap: return {size, overlap_heat_map(values)};
         case LayerPreview::Directions: return {size, directions(values)};
         case LayerPreview::Dots: return {size, tone_mapped(grey(values), exposure_stops, curve)};
+        case LayerPreview::Scale: return {size, scaled_color_map(values)};
+        case LayerPreview::Signed: return {size, signed_color_map(values)};
         case LayerPreview::None: break;
     }
     assert(!"the layer has a preview");

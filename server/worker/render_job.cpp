@@ -150,6 +150,7 @@ std::optional<Film> RenderJob::film_to_go_on_with() {
         require_own_film(saved, saver_->identity(), {request.width, request.height}, layers_named(request.layers),
                          request.first_pass);
         FilmHistory before = FilmHistory::parse(saved.history);
+        method_->go_on_from(saved.state);
         stats_.counts += before.counts;
         counts_before_ = before.counts;
         cores_before_ = before.cores;
@@ -272,7 +273,7 @@ FilmHistory RenderJob::history(double seconds) {
 }
 
 void RenderJob::save(const Film& film, double seconds, const std::filesystem::path& path, bool tell) {
-    saver_->save(film, history(seconds).text(), path, order_.origin);
+    saver_->save(film, history(seconds).text(), path, order_.origin, method_->state());
     if (!tell) return;
     send_(message_json(FilmSavedMessage{order_.job, order_.attempt, path, film.passes()}));
 }

@@ -6,7 +6,9 @@
 
 #include "protocol/param_json.h"
 #include "renderer/core/sha256.h"
+#include "renderer/methods/registry.h"
 #include "server/left_out_json.h"
+#include "server/method_params.h"
 
 namespace photond {
 
@@ -80,6 +82,7 @@ json statistics_json(const StatisticsInput& input) {
     input.needs.visit([&](const char* name, bool needed) { needs[name] = needed; });
     const float alpha = input.needs.least_glossy_alpha;
     const JobMethod& method = input.request.method;
+    const MethodInfo* known_method = find_method(method.name);
     const auto left_out = left_out_by(method.name, method.parameters, input.needs);
     json skipped = json::array();
     for (const Skipped& part : input.stats.skipped)
@@ -142,6 +145,7 @@ json statistics_json(const StatisticsInput& input) {
             {"passes", input.film.passes()},
             {"pass_ranges", pass_ranges},
             {"resumed_passes", input.resumed_passes},
+            {"mergeable", known_method ? json(passes_stand_alone(*known_method, method.parameters)) : json()},
             {"settings_hash", input.settings_hash.empty() ? json(nullptr) : json(input.settings_hash)},
             {"job_hash", job_hash(input.request, input.scene_id)},
             {"pixel_hash", input.film.passes() ? json(input.film.pixel_hash()) : json(nullptr)},

@@ -46,28 +46,34 @@ void measure(std::string_view name, uint32_t passes) {
     path_tracing.passes = passes;
     path_tracing.seed = 7;
     const std::vector<double> truth = row_means(test::render(scene, path_tracing));
+    struct Variant {
+        const char* name;
+        DiscBoundary boundary;
+        bool precomputed;
+    };
+    constexpr Variant kVariants[] = {{"whole", DiscBoundary::None, false},
+                                     {"clipped", DiscBoundary::Clip, false},
+                                     {"clipped, precomputed", DiscBoundary::Clip, true}};
     for (const Gather gather : {Gather::Direct, Gather::Final})
         for (const uint32_t photons : {10'000u, 200'000u}) {
             std::printf("%-28s %-6s %6u photons:", std::string(name).c_str(),
                         gather == Gather::Direct ? "direct" : "final", photons);
-            double none_seconds = 0;
-            for (const DiscBoundary boundary : {DiscBoundary::None, DiscBoundary::Clip}) {
+            double whole_seconds = 0;
+            for (const Variant& variant : kVariants) {
+                if (variant.precomputed && gather == Gather::Direct) continue;
                 test::RenderSettingsOf<PhotonMapping> settings;
                 settings.size = kSize;
                 settings.passes = gather == Gather::Direct ? 64 : 16;
                 settings.params.gather = gather;
                 settings.params.photons = photons;
-                settings.params.boundary = boundary;
+                settings.params.boundary = variant.boundary;
+                settings.params.precompute_irradiance = variant.precomputed;
                 const double start = cpu_now_seconds();
                 const Error error = error_of(row_means(test::render(scene, settings)), truth);
                 const double seconds = cpu_now_seconds() - start;
-                std::printf("  %s mean %+6.2f %%, worst row %+7.2f %% (%zu), %.1f s",
-                            boundary == DiscBoundary::None ? "none" : "clip", 100 * error.mean, 100 * error.worst,
-                            error.row, seconds);
-                if (boundary == DiscBoundary::None)
-                    none_seconds = seconds;
-                else
-                    std::printf(" (%.2f)", seconds / none_seconds);
+                if (whole_seconds == 0) whole_seconds = seconds;
+                std::printf("  %s mean %+6.2f %%, worst row %+7.2f %% (%zu), %.1f s (%.2f)", variant.name,
+                            100 * error.mean, 100 * error.worst, error.row, seconds, seconds / whole_seconds);
             }
             std::printf("\n"), std::fflush(stdout);
         }

@@ -20,7 +20,7 @@ inline std::string film_digest(const std::string& bytes) {
 }
 
 /// Of the parts between header and sums, the first one being 0: those that versions brought.
-inline constexpr int kOriginPart = 5, kMeansPart = 6;
+inline constexpr int kOriginPart = 5, kMeansPart = 6, kStatePart = 7;
 
 /// Where a part begins; how long it is there.
 inline std::pair<size_t, size_t> place_of_part(const std::string& film, int part) {
@@ -41,9 +41,10 @@ inline std::string relabelled(const std::string& film, uint32_t version, uint32_
     return head + film_digest(head) + film.substr(80);
 }
 
-/// A film of this version as version 5 or 4 wrote it.
+/// A film of this version, without a method's state, as version 6, 5 or 4 wrote it.
 inline std::string film_of_version(std::string film, uint32_t version) {
-    for (const auto& [part, last] : {std::pair{kMeansPart, 5u}, std::pair{kOriginPart, 4u}}) {
+    for (const auto& [part, last] :
+         {std::pair{kStatePart, 6u}, std::pair{kMeansPart, 5u}, std::pair{kOriginPart, 4u}}) {
         if (version > last) continue;
         const auto [at, length] = place_of_part(film, part);
         film.erase(at, length);

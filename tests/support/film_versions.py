@@ -3,7 +3,7 @@
 import hashlib
 import struct
 
-NEWEST = 6
+NEWEST = 7
 HEADER_BYTES = 80
 DIGEST_BYTES = 32
 
@@ -18,10 +18,11 @@ def passes_of(film):
 
 
 def as_version(film, version):
-    """The bytes of a film of the newest version as version 5 (without means of passes) or 4 (nor origin) has them."""
-    assert version_of(film) == NEWEST and version in (4, 5)
+    """The bytes of a film of the newest version, without a method's state, as version 6, 5 (without means of passes) or
+    4 (nor origin) has them."""
+    assert version_of(film) == NEWEST and version in (4, 5, 6)
     places, at = [], HEADER_BYTES
-    for _ in range(7):
+    for _ in range(8):
         length = 8 + struct.unpack_from("<Q", film, at)[0] + DIGEST_BYTES
         places.append((at, at + length))
         at += length

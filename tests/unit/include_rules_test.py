@@ -19,7 +19,8 @@ SHADERS = {".glsl", ".comp", ".vert", ".frag"}
 SUFFIXES = {".h", ".cpp"} | SHADERS
 
 # What of protocol/ the renderer may see; each of these headers includes the standard library only (checked below).
-PLAIN_PROTOCOL = ["protocol/error.h", "protocol/nearest_name.h", "protocol/param_info.h"]
+PLAIN_PROTOCOL = ["protocol/error.h", "protocol/nearest_name.h", "protocol/param_info.h",
+                  "protocol/scene_families.h"]
 
 # From the ground up: a folder sees those of the storeys below its own, and itself.
 STOREYS = [
@@ -31,6 +32,8 @@ STOREYS = [
     ["eye"],
     ["gbuffer"],
     ["many_lights"],
+    ["gathering"],
+    ["progressive"],
 ]
 
 
@@ -289,6 +292,12 @@ PLANTED = [
     ("renderer/gbuffer/a.h", '"renderer/eye/b.h"', True),
     ("renderer/many_lights/a.h", '"renderer/photons/b.h"', True),
     ("renderer/many_lights/a.h", '"renderer/methods/registry.h"', False),
+    ("renderer/gathering/a.h", '"renderer/methods/one/b.h"', False),
+    ("renderer/gathering/a.h", '"renderer/photons/b.h"', True),
+    ("renderer/eye/a.h", '"renderer/gathering/b.h"', False),
+    ("renderer/gathering/a.h", '"renderer/progressive/b.h"', False),
+    ("renderer/progressive/a.h", '"renderer/methods/one/b.h"', False),
+    ("renderer/progressive/a.h", '"renderer/gathering/b.h"', True),
     ("renderer/voxels/a.h", '"renderer/frame/method.h"', False),
     ("renderer/methods/one/a.h", '"renderer/methods/two/b.h"', False),
     ("renderer/methods/one/a.h", '"renderer/methods/one/b.h"', True),

@@ -74,7 +74,14 @@ def _whole(source: BinaryIO, size: int, file: pathlib.Path) -> Iterator[bytes]:
 
 def looks_like_scene_path(text: str) -> bool:
     """Whether a scene given as text is meant as a path: something lies there, or it is written like one. Built-in scenes of
-    a family have one slash within their names."""
+    a family have one slash within their names.
+
+    >>> from photond._files import looks_like_scene_path
+    >>> [looks_like_scene_path(t) for t in ("room.glb", "details/room.GLTF", "./room", "~/room", "rooms/", "a/b/c", "/a/b")]
+    [True, True, True, True, True, True, True]
+    >>> [looks_like_scene_path(t) for t in ("room", "cornell-box", "details/books", "hard-case/thin-wall-1e-3")]
+    [False, False, False, False]
+    """
     of_family = text.count("/") == 1 and text[0] not in "./~" and not text.endswith("/") and not os.path.exists(text)
     return text.lower().endswith(SCENE_SUFFIXES) or ("/" in text and not of_family) or os.path.isdir(text)
 

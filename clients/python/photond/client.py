@@ -140,7 +140,7 @@ class Client(Daemon):
 
     # --- scenes and images ----------------------------------------------------------------------------------------------
     def scenes(self, *, family: Optional[str] = None) -> List[Scene]:
-        """Newest first; or the built-in scenes of a family, hard-cases, photon-splatting or details."""
+        """Newest first; or the built-in scenes of a family, hard-cases, photon-splatting, details, caustics or progressive."""
         return [Scene(self, item) for item in self.items("/v1/scenes", {"family": family})]
 
     def scene(self, name: str) -> Scene:

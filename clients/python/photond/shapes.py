@@ -168,6 +168,7 @@ class Statistics(TypedDict, total=False):
     needs: Optional[Json]
     skipped: List[Json]
     left_out: Optional[List[LeftOut]]
+    mergeable: Optional[bool]
     least_glossy_alpha: Optional[float]
     device: Json
     version: str

@@ -5,7 +5,7 @@
 
 #define NEAREST_GROUP GATHER_GROUP
 #include "renderer/backends/gpu/invocation.glsl"
-#include "renderer/methods/photon_mapping/final_gather.glsl"
+#include "renderer/gathering/final_gather.glsl"
 
 layout(local_size_x = GATHER_GROUP) in;
 layout(constant_id = GATHER_LANES_ID) const uint GATHER_LANES = 8;

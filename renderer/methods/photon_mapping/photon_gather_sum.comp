@@ -9,7 +9,7 @@
 #include "renderer/backends/gpu/invocation.glsl"
 #include "renderer/frame/device_image.glsl"
 #include "renderer/eye/eye_scene.glsl"
-#include "renderer/methods/photon_mapping/photon_mapping_shared.h"
+#include "renderer/gathering/gathering_shared.h"
 
 layout(local_size_x = EYE_TILE * EYE_TILE) in;
 layout(constant_id = PLANE_PHOTON_COUNT_ID) const uint PLANE_PHOTON_COUNT = NO_PLANE;

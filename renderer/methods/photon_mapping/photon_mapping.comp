@@ -8,12 +8,12 @@
 #define NEAREST_GROUP (EYE_TILE * EYE_TILE)
 #include "renderer/backends/gpu/invocation.glsl"
 #include "renderer/eye/eye_shared.h"
-#include "renderer/methods/photon_mapping/photon_lookup.glsl"
+#include "renderer/gathering/photon_lookup.glsl"
 
 layout(constant_id = PLANE_PHOTON_COUNT_ID) const uint PLANE_PHOTON_COUNT = NO_PLANE;
 
 layout(local_size_x = EYE_TILE * EYE_TILE) in;
-layout(push_constant, scalar) uniform Push { PhotonMappingPush push; };
+layout(push_constant, scalar) uniform Push { EyePassPush push; };
 
 layout(set = 0, binding = 9, scalar) buffer PointState { uint point_state[POINT_STATE_WORDS]; };
 layout(set = 0, binding = 10, scalar) writeonly buffer Points { GatherPointRecord points[]; };
@@ -54,14 +54,12 @@ void leave_point(WalkVertex met, uint key, uint rays, uint light_samples) {
 /// Light of the maps that a visible point scatters.
 void look_up(WalkVertex point, uint turn, inout PathLight light) {
     const uint most = photon_scatterings_left(point.scatterings + 1);
-    const RadianceEstimate caustic = estimate_caustic(point.surface, point.rough, point.wo, most, turn);
-    photons += caustic.photons;
-    light.indirect += point.throughput * caustic.radiance;
-    if (layer_kept(PLANE_CAUSTIC) && point.scatterings == 0) light.caustic += point.throughput * caustic.delta_radiance;
-    if (FINAL_GATHER) return;
-    const RadianceEstimate global = estimate_global(point.surface, point.rough, point.wo, most, turn);
-    photons += global.photons;
-    light.indirect += point.throughput * global.radiance;
+    const DiscQuery query = DiscQuery(turn, DISC_FINE_BATCH, INFINITY);
+    const MapEstimates maps = estimate_maps(point.surface, point.rough, point.wo, most, !FINAL_GATHER, query);
+    photons += maps.caustic.photons + maps.global.photons;
+    light.indirect += point.throughput * (maps.caustic.radiance + maps.global.radiance);
+    if (layer_kept(PLANE_CAUSTIC) && point.scatterings == 0)
+        light.caustic += point.throughput * maps.caustic.delta_radiance;
 }
 
 /// One vertex of a path: what it finds, light samples, its visible point, and the next ray. False: it ends.

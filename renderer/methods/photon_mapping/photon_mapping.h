@@ -40,7 +40,6 @@ namespace photond {
 class PhotonMapping final : public Method {
 public:
     static constexpr const char* kName = "photon_mapping";
-    static constexpr const char* kArtefact = "photon_map.glb";
     using Params = PhotonMappingParams;
 
     explicit PhotonMapping(const PhotonMappingParams& params);
@@ -56,10 +55,6 @@ public:
 
 private:
     struct State;  // photon_mapping.cpp
-
-    void build_projection_map(const RenderContext& context, Stats& stats);
-    void trace_photons(uint32_t pass, Stats& stats, const CancelToken& cancel);
-    void look_from_eye(uint32_t pass, Stats& stats, const CancelToken& cancel);
 
     const PhotonMappingParams params_;
     std::unique_ptr<State> state_;

@@ -8,8 +8,8 @@
 #include "protocol/error.h"
 #include "renderer/eye/eye_constants.h"
 #include "renderer/frame/device_frame.h"
-#include "renderer/methods/photon_mapping/photon_mapping_shared.h"
-#include "renderer/methods/photon_mapping/photon_plan.h"
+#include "renderer/gathering/gathering_shared.h"
+#include "renderer/gathering/photon_plan.h"
 #include "renderer/photons/disc_coverage.h"
 #include "renderer/photons/hash_grid_gpu.h"
 #include "renderer/photons/projection_map.h"
@@ -33,7 +33,7 @@ uint32_t paths_of(const PhotonMappingParams& params, PhotonMapKind kind) {
 
 /// How many photons a map is laid out for, whatever it then stores: its order must be the same in each pass.
 uint64_t expected_photons(const PhotonMappingParams& params, PhotonMapKind kind) {
-    const double yield = kind == PhotonMapKind::Global ? kExpectedYield.global : kExpectedYield.caustic;
+    const double yield = kind == PhotonMapKind::Global ? kExpectedPhotonYield.global : kExpectedPhotonYield.caustic;
     return static_cast<uint64_t>(yield * paths_of(params, kind)) + 1;
 }
 
@@ -84,13 +84,6 @@ uint64_t last_points_bytes(const PhotonMappingParams& params, uint32_t tiles_a_p
     return pixels * sizeof(uint32_t);
 }
 
-std::string projection_text(const ProjectionMap& map) {
-    char text[160];
-    std::snprintf(text, sizeof text, "%.1f %% of the photons meet specular surfaces unguided, %.1f %% would guided",
-                  100 * map.specular_share(), 100 * map.guided_share());
-    return text;
-}
-
 }  // namespace
 
 struct PhotonMappingGpu::State {
@@ -110,7 +103,7 @@ struct PhotonMappingGpu::State {
                   ? std::optional<EdgeCells>(std::in_place, find_surface_edges(scene, search_radius_m), search_radius_m)
                   : std::nullopt),
           eye(device, "eye", sizeof(gpu::EyeConstants)),
-          mapping(device, "photon_mapping", sizeof(gpu::PhotonMappingConstants)),
+          mapping(device, "photon_mapping", sizeof(gpu::GatheringConstants)),
           split_samplers(device, "renderer/methods/photon_mapping/split_samplers.comp", sizeof(gpu::SplitSamplersPush),
                          &on_device.set()),
           hash_grid(device),
@@ -132,13 +125,15 @@ struct PhotonMappingGpu::State {
 
     void add_map(PhotonMapKind kind, uint32_t most_scatterings, const ProjectionMap* guide);
     void make_room();
-    void prepare_passes(bool lights_can_be_met);
+    void prepare_passes(bool lights_can_be_met, uint32_t irradiance_scatterings);
     void add_steps(uint32_t pass, DeviceFrame::Steps& steps);
     void record_samplers(uint32_t pass, gpu::CommandList& commands);
     void record_photons(uint32_t pass, PhotonMapKind kind, uint32_t piece, gpu::CommandList& commands);
+    void record_irradiance(gpu::CommandList& commands);
     void record_eye(uint32_t piece, gpu::CommandList& commands);
     void record_gather(uint32_t first_tile, uint32_t end_tile, gpu::CommandList& commands);
     bool gathers() const { return params.gather == Gather::Final; }
+    bool precomputes() const { return constants.irradiance_scatterings > 0; }
     bool grow_if_short();
     std::span<const uint32_t> photon_state(size_t kind) const {
         return host_photon_states.as<const uint32_t>().subspan(kind * PHOTON_STATE_WORDS, PHOTON_STATE_WORDS);
@@ -160,7 +155,7 @@ struct PhotonMappingGpu::State {
     const std::optional<EdgeCells> cells;
     gpu::Buffer eye, mapping;
     gpu::ComputePipeline split_samplers;
-    std::optional<gpu::ComputePipeline> eye_pass, gather_pass, gather_sum;
+    std::optional<gpu::ComputePipeline> precompute, eye_pass, gather_pass, gather_sum;
     HashGridGpu hash_grid;
     Map maps[kMaps];  // by kind
     std::optional<UnsortedPhotons> photons;
@@ -169,7 +164,7 @@ struct PhotonMappingGpu::State {
     uint64_t point_capacity = 1;
     // Points that gather, of a piece: their state, themselves, what they gathered, and each pixel's last one.
     gpu::Buffer point_state, points, gathered, last_points;
-    gpu::PhotonMappingConstants constants{};
+    gpu::GatheringConstants constants{};
     gpu::Buffer sampler, split_points;
     gpu::Buffer host_photon_states;  // of the maps' tracers
     gpu::Buffer host_point_state;
@@ -184,7 +179,6 @@ void PhotonMappingGpu::check_gpu(const PhotonMappingParams& params) {
         if (asked) throw Error(ErrorCode::Unsupported, pointer, std::string(what) + " on a GPU; the CPU has it");
     };
     refuse(params.shadow_photons, "/shadow_photons", "there are no shadow photons");
-    refuse(params.precompute_irradiance, "/precompute_irradiance", "irradiance is not precomputed");
     refuse(params.gather_sampling == GatherSampling::Photons, "/gather_sampling",
            "gather rays are not drawn by the photons");
     refuse(params.keep_photon_map, "/keep_photon_map", "photons are not kept");
@@ -195,13 +189,11 @@ uint64_t PhotonMappingGpu::estimate_bytes(const PhotonMappingParams& /*params*/,
 }
 
 uint64_t PhotonMappingGpu::estimate_device_bytes(const PhotonMappingParams& params, const Workload& workload) {
-    const bool lights = workload.lights > 0 || workload.environment_size.pixels() > 0;
-    const PhotonYield yield = workload.photon_yield.value_or(kExpectedYield);
-    const bool specular = workload.needs.delta || (workload.photon_yield && yield.caustic > 0);
-    const PhotonPlan plan(params, lights, specular);
+    const PhotonYield yield = workload.photon_yield.value_or(kExpectedPhotonYield);
+    const PhotonPlan plan = plan_of(params, workload);
     const Splits splits = params.splits(workload.film_size.pixels());
     uint64_t bytes = DeviceFrame::estimate_device_bytes(workload) + sizeof(gpu::PassSamplerData) + split_bytes(splits) +
-                     sizeof(gpu::EyeConstants) + sizeof(gpu::PhotonMappingConstants);
+                     sizeof(gpu::EyeConstants) + sizeof(gpu::GatheringConstants);
     if (params.boundary == DiscBoundary::Clip) bytes += EdgeCells::estimate_bytes(workload.triangles);
     if (params.gather == Gather::Final) {  // what is a piece differs from device to device: the largest
         const uint64_t pixels = workload.film_size.pixels();
@@ -218,7 +210,8 @@ uint64_t PhotonMappingGpu::estimate_device_bytes(const PhotonMappingParams& para
         const uint64_t expected = expected_photons(params, kind);
         const uint64_t capacity = room_for(std::max(measured * paths_of(params, kind), static_cast<double>(expected)));
         most = std::max(most, capacity);
-        bytes += GridPhotons::bytes_for(grid_starts_for(expected), capacity);
+        const bool precomputes = global && plan.irradiance_scatterings > 0;
+        bytes += GridPhotons::bytes_for(grid_starts_for(expected), capacity, precomputes ? capacity : 0);
         if (!global && params.projection_maps) bytes += ProjectionMap::estimate_bytes(workload.lights);
     }
     return bytes + UnsortedPhotons::bytes_for(most);
@@ -256,7 +249,12 @@ void PhotonMappingGpu::State::make_room() {
     // Behind the grids' own words: shaders may bind no more buffers.
     const std::vector<uint32_t> words = cells ? cells->device_words() : std::vector<uint32_t>();
     photons.emplace(device, static_cast<uint32_t>(most));
-    grid_photons.emplace(device, starts + words.size(), std::max<uint64_t>(all, 1));
+    const uint64_t irradiances = precomputes() ? maps[PHOTON_MAP_GLOBAL].capacity : 0;
+    if (all + irradiances > UINT32_MAX)
+        throw Error(ErrorCode::OutOfMemory, "the maps have " + std::to_string(all + irradiances) +
+                                                " records, and at most 4294967295 can be numbered");
+    grid_photons.emplace(device, starts + words.size(), std::max<uint64_t>(all, 1), irradiances);
+    constants.estimate.first_irradiance = static_cast<uint32_t>(std::max<uint64_t>(all, 1));
     if (cells) constants.estimate.coverage = cells->device_constants(static_cast<uint32_t>(starts));
     if (!words.empty())
         gpu::upload(device, grid_photons->starts, std::as_bytes(std::span(words)), starts * sizeof(uint32_t));
@@ -268,14 +266,16 @@ void PhotonMappingGpu::State::make_room() {
     gpu::upload(device, mapping, std::as_bytes(std::span(&constants, 1)));
 }
 
-void PhotonMappingGpu::State::prepare_passes(bool lights_can_be_met) {
+void PhotonMappingGpu::State::prepare_passes(bool lights_can_be_met, uint32_t irradiance_scatterings) {
     constants = {.estimate = {.kernel = Kernel(params.kernel, params.cone_k).device_record(),
                               .disc_thickness_m = params.disc_thickness_m.value_or(-1.0f),
-                              .coverage = {}},
+                              .coverage = {},
+                              .first_irradiance = 0},
                  .glossy_threshold = params.glossy_threshold,
                  .light_samples = splits.light_samples,
                  .gather_rays = splits.gather_rays,
-                 .lights_can_be_met = lights_can_be_met};
+                 .lights_can_be_met = lights_can_be_met,
+                 .irradiance_scatterings = irradiance_scatterings};
     if (gathers()) point_capacity = points_of_piece(tiles_a_piece, scene.needs.only_lambert());
     point_state = gpu::Buffer(device, "gather_points", POINT_STATE_WORDS * sizeof(uint32_t));
     last_points = gpu::Buffer(device, "gather_points", last_points_bytes(params, tiles_a_piece));
@@ -287,9 +287,13 @@ void PhotonMappingGpu::State::prepare_passes(bool lights_can_be_met) {
                   gpu::specialize(SOFT_DISC_ID, params.soft_disc), gpu::specialize(DISC_COVERAGE_ID, cells.has_value()),
                   gpu::specialize(FINAL_GATHER_ID, gathers()), gpu::specialize(GATHER_LANES_ID, gather_lanes),
                   gpu::specialize(GLOBAL_MAP_ID, maps[PHOTON_MAP_GLOBAL].tracer.has_value()),
-                  gpu::specialize(CAUSTIC_MAP_ID, maps[PHOTON_MAP_CAUSTIC].tracer.has_value())});
+                  gpu::specialize(CAUSTIC_MAP_ID, maps[PHOTON_MAP_CAUSTIC].tracer.has_value()),
+                  gpu::specialize(PRECOMPUTED_IRRADIANCE_ID, precomputes())});
     fixed = on_device.specialization(fixed);
-    eye_pass.emplace(device, "renderer/methods/photon_mapping/photon_mapping.comp", sizeof(gpu::PhotonMappingPush),
+    if (precomputes())
+        precompute.emplace(device, "renderer/photons/precomputed_irradiance.comp", sizeof(gpu::PrecomputePush),
+                           &on_device.set(), fixed);
+    eye_pass.emplace(device, "renderer/methods/photon_mapping/photon_mapping.comp", sizeof(gpu::EyePassPush),
                      &on_device.set(), fixed);
     if (gathers()) {
         gather_pass.emplace(device, "renderer/methods/photon_mapping/photon_gather.comp", sizeof(gpu::GatherPush),
@@ -334,9 +338,21 @@ void PhotonMappingGpu::State::record_photons(uint32_t pass, PhotonMapKind kind, 
     if (end < paths) return;
     const gpu::Scope scope(commands, "photon_map_build");
     hash_grid.record(commands, map.grid, map.tracer->state(), paths, *photons, *grid_photons);
+    if (kind == PhotonMapKind::Global && precomputes()) record_irradiance(commands);
     commands.copy(map.tracer->state(), 0, host_photon_states, index * PhotonTracerGpu::kStateBytes,
                   PhotonTracerGpu::kStateBytes);
     commands.host_reads(host_photon_states);
+}
+
+/// At the global map's marked photons.
+void PhotonMappingGpu::State::record_irradiance(gpu::CommandList& commands) {
+    commands.bind(*precompute,
+                  {gpu::read("grid_starts", grid_photons->starts), gpu::read("grid_places", grid_photons->places),
+                   gpu::read("map_powers", grid_photons->powers), gpu::read("estimate_constants", mapping),
+                   gpu::write("irradiances", grid_photons->powers)});
+    commands.push(gpu::PrecomputePush{constants.irradiance_scatterings});
+    const uint64_t groups = (maps[PHOTON_MAP_GLOBAL].capacity + PRECOMPUTE_PHOTONS - 1) / PRECOMPUTE_PHOTONS;
+    commands.dispatch_threads(groups * PRECOMPUTE_GROUP, PRECOMPUTE_GROUP);
 }
 
 void PhotonMappingGpu::State::record_eye(uint32_t piece, gpu::CommandList& commands) {
@@ -354,7 +370,7 @@ void PhotonMappingGpu::State::record_eye(uint32_t piece, gpu::CommandList& comma
              gpu::read("grid_places", grid_photons->places), gpu::read("map_powers", grid_photons->powers),
              gpu::read_write("point_state", point_state), gpu::write("points", points),
              gpu::write("last_points", last_points)});
-        commands.push(gpu::PhotonMappingPush{first, end, static_cast<uint32_t>(point_capacity)});
+        commands.push(gpu::EyePassPush{first, end, static_cast<uint32_t>(point_capacity)});
         commands.dispatch_threads(uint64_t{end - first} * kTilePixels, kTilePixels);
     }
     if (gathers()) record_gather(first, end, commands);
@@ -417,7 +433,8 @@ void PhotonMappingGpu::begin(const RenderContext& context, Stats& stats) {
         emission.emplace(scene);
         if (!(emission->total_power_w() > 0)) emission.reset();
     }
-    const PhotonPlan plan(params_, emission.has_value(), has_specular_surface(scene, params_.glossy_threshold));
+    const PhotonPlan plan(params_, context.view.film_size.pixels(), emission.has_value(),
+                          has_specular_surface(scene, params_.glossy_threshold));
     const auto skip_map = [&](const char* what, PhotonMapKind kind, const std::string& why) {
         const uint64_t room = room_for(static_cast<double>(expected_photons(params_, kind)));
         stats.skipped.push_back(
@@ -425,6 +442,10 @@ void PhotonMappingGpu::begin(const RenderContext& context, Stats& stats) {
     };
     if (!plan.global.wanted()) skip_map("global map", PhotonMapKind::Global, plan.global.why_not);
     if (!plan.caustic.wanted()) skip_map("caustic map", PhotonMapKind::Caustic, plan.caustic.why_not);
+    if (const char* why = plan.why_not_precomputed(params_)) {
+        const uint64_t room = room_for(static_cast<double>(expected_photons(params_, PhotonMapKind::Global)));
+        stats.skipped.push_back({"precomputed irradiance", why, room * sizeof(gpu::PhotonPower)});
+    }
     if (!scene.needs.solid_glass) stats.skipped.push_back({"absorption", "no solid refracts", 0});
 
     if (plan.global.wanted()) state.add_map(PhotonMapKind::Global, plan.global.most_scatterings, nullptr);
@@ -435,13 +456,13 @@ void PhotonMappingGpu::begin(const RenderContext& context, Stats& stats) {
             projection.emplace(scene, *context.intersector, *emission, params_.glossy_threshold, context.seed);
             stats.counts.photon_rays += projection->pilot_rays();
             if (!projection->helps()) {
-                stats.skipped.push_back({"projection map", projection_text(*projection), projection->bytes()});
+                stats.skipped.push_back({"projection map", projection->text(), projection->bytes()});
                 projection.reset();
             }
         }
         state.add_map(PhotonMapKind::Caustic, plan.caustic.most_scatterings, projection ? &*projection : nullptr);
     }
-    state.prepare_passes(!scene.triangle_lights.empty() || scene.environment.has_value());
+    state.prepare_passes(!scene.triangle_lights.empty() || scene.environment.has_value(), plan.irradiance_scatterings);
 }
 
 void PhotonMappingGpu::run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) {

@@ -17,8 +17,8 @@ public:
 
     explicit PhotonMappingGpu(const PhotonMappingParams& params);
     ~PhotonMappingGpu() override;
-    /// Throws ErrorCode::Unsupported for what only the CPU has: `shadow_photons`, `precompute_irradiance`,
-    /// `gather_sampling` "photons" and `keep_photon_map`.
+    /// Throws ErrorCode::Unsupported for what only the CPU has: `shadow_photons`, `gather_sampling` "photons" and
+    /// `keep_photon_map`.
     static void check_gpu(const PhotonMappingParams& params);
     /// Bytes of the host's memory that begin() will record.
     static uint64_t estimate_bytes(const PhotonMappingParams& params, const Workload& workload);

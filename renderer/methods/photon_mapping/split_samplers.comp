@@ -6,7 +6,7 @@
 
 #define SAMPLER_BINDING 0
 #include "renderer/backends/gpu/invocation.glsl"
-#include "renderer/methods/photon_mapping/split_samplers.glsl"
+#include "renderer/gathering/split_samplers.glsl"
 
 layout(local_size_x = SPLIT_SAMPLERS_GROUP) in;
 layout(push_constant, scalar) uniform Push { SplitSamplersPush push; };

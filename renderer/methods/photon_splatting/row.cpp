@@ -29,7 +29,7 @@ MethodInfo photon_splatting_row() {
                     {"Kollig and Keller", 2004, "Illumination in the Presence of Weak Singularities"}};
     info.layers.add(Layer::Overlap);
     info.layers.remove(Layer::Caustic);
-    info.bias_falls_with = {{"shrink", "true"}, {"weighting", "radiometric"}};
+    info.bias_falls_with = {{{"shrink", "true"}, {"weighting", "radiometric"}}};
     info.settings_before = {{"bounces", "1"}};
     info.variants = {{"connect", {{"weighting", "radiometric"}, {"estimator", "connect"}}},
                      {"kernel", {{"weighting", "radiometric"}, {"estimator", "kernel"}}},

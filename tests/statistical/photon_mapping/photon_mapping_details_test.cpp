@@ -67,7 +67,7 @@ void compare(std::string_view name, Gather gather, uint32_t photons, double allo
     }
 }
 
-constexpr Run kShort{8, 24, 4, 0.04}, kLong{16, 256, 16, 0.01};
+constexpr Run kShort{8, 24, 4, 0.04}, kLong{16, 256, 24, 0.01};
 
 TEST(PhotonMappingDetails, MeansAreThoseOfPathTracing) {
     compare("details/stepped-bars", Gather::Direct, 10'000, 0.1, kShort);

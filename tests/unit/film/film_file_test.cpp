@@ -174,8 +174,8 @@ TEST_F(FilmFileTest, ReadsTheVersionsBeforeIdentity) {
     EXPECT_NE(refusal().find("cut short"), std::string::npos);
     write(old_film(1, kPhotonCount));  // a layer that version did not have
     EXPECT_NE(refusal().find("layers"), std::string::npos);
-    write(old_film(7));
-    EXPECT_NE(refusal(ErrorCode::Unsupported).find("reads 1 to 6"), std::string::npos);
+    write(old_film(8));
+    EXPECT_NE(refusal(ErrorCode::Unsupported).find("reads 1 to 7"), std::string::npos);
     write(old_film(0));
     EXPECT_NE(refusal(ErrorCode::Unsupported).find("version 0"), std::string::npos);
 }
@@ -237,17 +237,44 @@ TEST_F(FilmFileTest, ReadsTheVersionBeforeTheMeansOfPassesAndClaimsNoneOfThem) {
     EXPECT_TRUE(FilmFile::load(path).film == known);
 }
 
+TEST_F(FilmFileTest, KeepsAStateOfAnyLength) {
+    const Film film = film_of_range({9, 5}, LayerSet(), 0, 2);
+    for (const size_t length : {size_t{0}, size_t{1}, size_t{1} << 20, (size_t{5} << 19) + 3}) {
+        std::string state(length, '\0');
+        for (size_t i = 0; i < length; ++i) state[i] = static_cast<char>(hash32(static_cast<uint32_t>(i)));
+        FilmFile::save(film, kIdentity, kHistory, path, "", state);
+        const SavedFilm loaded = FilmFile::load(path);
+        EXPECT_TRUE(loaded.state == state) << length;
+        EXPECT_TRUE(loaded.film == film) << length;
+        EXPECT_EQ(FilmFile::examine(path).passes, 2u);
+    }
+    EXPECT_THROW(FilmFile::load(path, Film::bytes_for({9, 5}, LayerSet()) + (1 << 20)), Error) << "more than allowed";
+    EXPECT_NO_THROW(FilmFile::load(path, Film::bytes_for({9, 5}, LayerSet()) + (4 << 20)));
+}
+
+TEST_F(FilmFileTest, ReadsTheVersionBeforeStates) {
+    const Film film = film_of_range({9, 5}, LayerSet::all(), 0, 3);
+    FilmFile::save(film, kIdentity, kHistory, path);
+    write(test::film_of_version(bytes(), 6));
+    const SavedFilm loaded = FilmFile::load(path);
+    EXPECT_TRUE(loaded.film == film);
+    EXPECT_EQ(loaded.state, "");
+    EXPECT_EQ(FilmFile::examine(path).passes, 3u);
+}
+
 // --- Damage
 
 TEST_F(FilmFileTest, RefusesEveryDamage) {
     Film film = film_of_range({9, 5}, LayerSet::all(), 4, 6);
     film.merge(film_of_range({9, 5}, LayerSet::all(), 0, 1));
-    FilmFile::save(film, kIdentity, kHistory, path);
+    const std::string state = "radii of passes";
+    FilmFile::save(film, kIdentity, kHistory, path, "", state);
     const std::string good = bytes();
     ASSERT_EQ(refusal(), "");
-    const size_t texts = kIdentity.scene.size() + kIdentity.settings.size() + kIdentity.device.size() + kHistory.size();
+    const size_t texts = kIdentity.scene.size() + kIdentity.settings.size() + kIdentity.device.size() +
+                         kHistory.size() + sizeof(uint64_t) + state.size();
     const size_t sums_at =
-        80 + texts + 2 * sizeof(PassRanges::Range) + PassMeans().bytes().size() + 7 * (sizeof(uint64_t) + 32);
+        80 + texts + 2 * sizeof(PassRanges::Range) + PassMeans().bytes().size() + 9 * (sizeof(uint64_t) + 32);
     for (size_t at = 0; at < good.size(); at += at < sums_at ? 1 : 61)  // every byte of what comes before the sums
         for (const char bit : {'\x01', '\x10'}) {
             std::string changed = good;

@@ -8,11 +8,12 @@
 #include <set>
 
 #include "renderer/backends/cpu/embree_intersector.h"
+#include "renderer/gathering/gathering_params.h"
 #include "renderer/methods/path_tracing/params.h"
-#include "renderer/methods/photon_mapping/params.h"
 #include "renderer/methods/photon_splatting/params.h"
 #include "renderer/methods/registry.h"
 #include "renderer/methods/svo_many_lights/params.h"
+#include "renderer/progressive/progressive_params.h"
 #include "tests/support/lit_rooms.h"
 #include "tests/support/render.h"
 #include "tests/support/statistics.h"
@@ -64,8 +65,10 @@ std::unique_ptr<MethodParams> params_of(const MethodInfo& info, bool narrow_lobe
     std::unique_ptr<MethodParams> params = info.make_params();
     if (auto* p = dynamic_cast<PathTracingParams*>(params.get()))
         p->indirect_bounces = kBounces, p->sampler = SamplerKind::Random;
-    if (auto* p = dynamic_cast<PhotonMappingParams*>(params.get()))
+    if (auto* p = dynamic_cast<GatheringParams*>(params.get()))
         p->indirect_bounces = kBounces, p->photons = 2500, p->gather_rays = 4, p->sampler = SamplerKind::Random;
+    if (auto* p = dynamic_cast<ProgressiveParams*>(params.get()))
+        p->indirect_bounces = kBounces, p->photons = 2500, p->sampler = SamplerKind::Random;
     if (auto* p = dynamic_cast<PhotonSplattingParams*>(params.get()))
         p->bounces = kBounces, p->photons = 3000, p->sampler = SamplerKind::Random;
     if (auto* p = dynamic_cast<SvoManyLightsParams*>(params.get()))
@@ -100,7 +103,7 @@ std::set<std::string> names(const PathsLeftOut& left_out) {
 }
 
 /// Chance of a false alarm of a check: 1e-6 of all.
-double most_standard_errors() { return test::two_sided_t(test::share_of_false_alarm(1e-6, 12), kPasses - 1); }
+double most_standard_errors() { return test::two_sided_t(test::share_of_false_alarm(1e-6, 15), kPasses - 1); }
 
 TEST(LeftOut, LightIsMissingWhereAMethodSaysSoAndThereAlone) {
     const MethodInfo& mapping = *find_method("photon_mapping");
@@ -152,7 +155,7 @@ TEST(LeftOut, FollowsFromParametersAndNeeds) {
         const MethodInfo& info = *find_method(name);
         const std::unique_ptr<MethodParams> params = info.make_params();
         if (auto* p = dynamic_cast<PathTracingParams*>(params.get())) p->indirect_bounces = bounces;
-        if (auto* p = dynamic_cast<PhotonMappingParams*>(params.get())) p->indirect_bounces = bounces;
+        if (auto* p = dynamic_cast<GatheringParams*>(params.get())) p->indirect_bounces = bounces;
         return names(info.left_out(*params, needs));
     };
     const Names caustics{"delta_light_caustics", "delta_light_after_caustics"};
@@ -165,6 +168,8 @@ TEST(LeftOut, FollowsFromParametersAndNeeds) {
     EXPECT_EQ(said("path_tracing", needs_of(true, true, 0.01f)).count("delta_light_in_gloss"), 1u);
     EXPECT_EQ(said("photon_mapping", needs_of(true, true, 0.01f)), Names{"delta_light_in_gloss"});
     EXPECT_EQ(said("photon_mapping", needs_of(true, true, 0.1f)), Names{}) << "that is looked up";
+    EXPECT_EQ(said("reverse_photon_mapping", needs_of(true, true, 0.01f)), Names{"delta_light_in_gloss"});
+    EXPECT_EQ(said("reverse_photon_mapping", needs_of(true, true, 0.1f)), Names{});
     EXPECT_EQ(said("photon_mapping", needs_of(true, true, none), 3), Names{"further_bounces"});
     for (const char* baseline : {"reflective_shadow_maps", "imperfect_shadow_maps"}) {
         EXPECT_EQ(said(baseline, needs_of(false, true, 0.3f)), Names{"further_bounces"});

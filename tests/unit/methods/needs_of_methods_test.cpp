@@ -11,7 +11,9 @@
 #include "renderer/methods/photon_mapping/photon_mapping.h"
 #include "renderer/methods/photon_splatting/photon_splatting.h"
 #include "renderer/methods/registry.h"
+#include "renderer/methods/reverse_photon_mapping/reverse_photon_mapping.h"
 #include "renderer/methods/svo_many_lights/svo_many_lights.h"
+#include "renderer/progressive/progressive_params.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/hard_scenes.h"
 
@@ -94,8 +96,12 @@ Scene dark() {
 
 void one_gathered_bounce(PhotonMappingParams& p) { p.indirect_bounces = 1, p.gather_rays = 2; }
 void gathered(PhotonMappingParams& p) { p.gather_rays = 2; }
-void direct(PhotonMappingParams& p) { p.gather = Gather::Direct, p.precompute_irradiance = true; }
-void precomputed(PhotonMappingParams& p) { p.gather_rays = 2, p.precompute_irradiance = true; }
+void one_reversed_bounce(ReversePhotonMappingParams& p) { p.indirect_bounces = 1, p.gather_rays = 2; }
+void reversed(ReversePhotonMappingParams& p) { p.gather_rays = 2; }
+void direct(PhotonMappingParams& p) { p.photons = 5000, p.gather = Gather::Direct; }
+void precomputed(PhotonMappingParams& p) { p.photons = 5000, p.gather_rays = 16; }
+void progressive(ProgressiveParams& p) { p.photons = 5000; }
+void progressive_without_bounces(ProgressiveParams& p) { p.photons = 5000, p.indirect_bounces = 0; }
 void kernel(PhotonSplattingParams& p) { p.estimator = SplatEstimator::Kernel; }
 void blind(PhotonSplattingParams& p) { p.visibility = false; }
 void no_bounces(PhotonSplattingParams& p) { p.bounces = 0; }
@@ -116,11 +122,12 @@ struct Part {
 
 std::vector<Part> parts() {
     constexpr SetParams kGathered = set_as<PhotonMappingParams, gathered>;
+    constexpr SetParams kReversed = set_as<ReversePhotonMappingParams, reversed>;
     constexpr SetParams kKernel = set_as<PhotonSplattingParams, kernel>;
     const std::string_view kTracing = "path_tracing", kMapping = "photon_mapping", kSplatting = "photon_splatting",
-                           kLights = "svo_many_lights";
+                           kLights = "svo_many_lights", kReverse = "reverse_photon_mapping";
     const MakeScene box = builtin<kBox>, glass = builtin<kGlass>, glossy = builtin<kGlossy>;
-    return {
+    std::vector<Part> all{
         {kTracing, "layered shading", box, set_nothing, glossy, set_nothing, {}, {"direct", "indirect"}},
         {kTracing, "absorption", box, set_nothing, glass, set_nothing, {}, {}},
         {kTracing, "alpha test of rays", box, set_nothing, leaves, set_nothing, {}, {}},
@@ -141,9 +148,20 @@ std::vector<Part> parts() {
          box,
          set_as<PhotonMappingParams, precomputed>,
          {"precomputed_irradiance"},
-         {"precompute_irradiance"},
+         {"photon_map_build"},
          1.5},
         {kMapping, "absorption", box, kGathered, glass, kGathered, {}, {}},
+        {kReverse, "caustic map", box, kReversed, glass, kReversed, {"caustic_map"}, {"photon_tracing"}, 4},
+        {kReverse,
+         "global map",
+         box,
+         set_as<ReversePhotonMappingParams, one_reversed_bounce>,
+         box,
+         kReversed,
+         {"global_map"},
+         {"photon_tracing", "photon_map_build"},
+         3},
+        {kReverse, "absorption", box, kReversed, glass, kReversed, {}, {}},
         {kSplatting,
          "splats",
          dark,
@@ -196,6 +214,24 @@ std::vector<Part> parts() {
         {kLights, "absorption", box, set_nothing, glass, set_nothing, {}, {}},
         {kLights, "caustic map", box, set_nothing, glass, set_nothing, {"caustic_map"}, {"photon_tracing"}, 3},
     };
+    constexpr SetParams kProgressive = set_as<ProgressiveParams, progressive>,
+                        kWithoutBounces = set_as<ProgressiveParams, progressive_without_bounces>;
+    for (const std::string_view method : {"progressive_photon_mapping", "stochastic_progressive_photon_mapping",
+                                          "probabilistic_progressive_photon_mapping"}) {
+        all.push_back(
+            {method, "caustic map", box, kProgressive, glass, kProgressive, {"caustic_map"}, {"photon_tracing"}});
+        all.push_back({method,
+                       "global map",
+                       box,
+                       kWithoutBounces,
+                       box,
+                       kProgressive,
+                       {"global_map"},
+                       {"photon_tracing", "photon_map_build"},
+                       4});
+        all.push_back({method, "absorption", box, kProgressive, glass, kProgressive, {}, {}});
+    }
+    return all;
 }
 
 TEST(NeedsOfMethods, WhatIsNotNeededIsNotBuilt) {
@@ -226,6 +262,10 @@ TEST(NeedsOfMethods, WhatIsNotNeededIsNotBuilt) {
 
 TEST(NeedsOfMethods, AllThatIsSkippedAnywhereIsInTheTable) {
     std::set<std::pair<std::string, std::string>> known{{"photon_mapping", "projection map"},  // projection_map_test
+                                                        {"progressive_photon_mapping", "projection map"},
+                                                        {"stochastic_progressive_photon_mapping", "projection map"},
+                                                        {"probabilistic_progressive_photon_mapping", "projection map"},
+                                                        {"reverse_photon_mapping", "projection map"},
                                                         {"svo_many_lights", "projection map"}};
     for (const Part& part : parts()) known.emplace(part.method, part.what);
     for (const MethodInfo& method : all_methods()) {
@@ -233,7 +273,8 @@ TEST(NeedsOfMethods, AllThatIsSkippedAnywhereIsInTheTable) {
         size_t skipped = 0;
         for (const MakeScene make : {MakeScene(builtin<kBox>), MakeScene(builtin<kGlass>), MakeScene(dark)}) {
             const Outcome all = run(method.name, make(), [](MethodParams& params) {
-                if (auto* p = dynamic_cast<PhotonMappingParams*>(&params)) p->photons = 2000, gathered(*p);
+                if (auto* p = dynamic_cast<GatheringParams*>(&params)) p->photons = 2000, p->gather_rays = 2;
+                if (auto* p = dynamic_cast<ProgressiveParams*>(&params)) p->photons = 2000;
                 if (auto* p = dynamic_cast<PhotonSplattingParams*>(&params)) p->photons = 500;
             });
             std::set<std::string> names;

@@ -59,7 +59,7 @@ size_t without_like(const std::vector<Photon>& a, std::vector<Photon> b, float r
              i < b.size() && b[i].position.x <= photon.position.x + apart_m && !found; ++i) {
             const PhotonPayload &p = photon.payload, &q = b[i].payload;
             found = !taken[i] && glm::length(b[i].position - photon.position) < apart_m &&
-                    p.scatterings() == q.scatterings() && p.all_delta() == q.all_delta() &&
+                    p.scatterings() == q.scatterings() && p.all_delta() == q.all_delta() && p.marked() == q.marked() &&
                     glm::length(p.power_w - q.power_w) < 1e-3f * glm::length(q.power_w) &&
                     glm::length(p.wi_world() - q.wi_world()) < 1e-3f && glm::length(p.normal() - q.normal()) < 1e-2f;
             if (found) taken[i] = true;
@@ -239,6 +239,7 @@ struct Choice {
     bool soft_disc = false;
     std::optional<float> disc_thickness_m{};
     DiscBoundary boundary = DiscBoundary::None;  // clipped discs take long where a processor plays the device
+    bool precomputed = false;
 };
 
 template <class M>
@@ -259,6 +260,7 @@ test::RenderSettingsOf<M> settings_for(const Choice& choice) {
     settings.params.soft_disc = choice.soft_disc;
     settings.params.disc_thickness_m = choice.disc_thickness_m;
     settings.params.boundary = choice.boundary;
+    settings.params.precompute_irradiance = choice.precomputed;
     return settings;
 }
 
@@ -300,7 +302,11 @@ INSTANTIATE_TEST_SUITE_P(
     Choices, GpuPhotonMapping,
     testing::Values(
         Choice{.scene = "cornell-box", .gather = Gather::Direct, .search = kRadius, .boundary = DiscBoundary::Clip},
-        Choice{"cornell-box", Gather::Final, kNearest},
+        Choice{.scene = "cornell-box",
+               .gather = Gather::Final,
+               .search = kNearest,
+               .boundary = DiscBoundary::Clip,
+               .precomputed = true},
         Choice{.scene = "cornell-box-spot",
                .gather = Gather::Direct,
                .search = kNearest,
@@ -310,10 +316,13 @@ INSTANTIATE_TEST_SUITE_P(
         Choice{"cornell-box-glass", Gather::Direct, kNearest, KernelShape::Epanechnikov},
         Choice{"cornell-box-glossy", Gather::Direct, kRadius, KernelShape::Constant, true}),
     name_of<testing::TestParamInfo<Choice>>);
-INSTANTIATE_TEST_SUITE_P(LongChoices, GpuPhotonMapping,
-                         testing::Values(Choice{"cornell-box-glossy", Gather::Final, kNearest, KernelShape::Constant,
-                                                false, 0.01f}),
-                         name_of<testing::TestParamInfo<Choice>>);
+INSTANTIATE_TEST_SUITE_P(
+    LongChoices, GpuPhotonMapping,
+    testing::Values(
+        Choice{"cornell-box-glossy", Gather::Final, kNearest, KernelShape::Constant, false, 0.01f},
+        Choice{"cornell-box", Gather::Final, kNearest},
+        Choice{.scene = "cornell-box-glossy", .gather = Gather::Final, .search = kRadius, .precomputed = true}),
+    name_of<testing::TestParamInfo<Choice>>);
 
 TEST(GpuPhotonMapping, SameDeviceSameBits) {
     const Scene scene = make_builtin_scene("cornell-box-glass");
@@ -385,8 +394,10 @@ TEST(GpuPhotonMapping, ACancelledPassIsNoPass) {
 
 TEST(GpuPhotonMapping, TakesTheMemoryItSays) {
     const Scene scene = make_builtin_scene("cornell-box-glass");
-    auto settings = settings_for<PhotonMappingGpu>({"", Gather::Direct, kNearest});
+    auto settings = settings_for<PhotonMappingGpu>({"", Gather::Final, kNearest});
     settings.params.photons = 200'000;
+    settings.params.gather_rays = 512;  // enough for irradiance to be precomputed
+    settings.params.precompute_irradiance = true;
     test::expect_device_bytes_as_estimated(test::SceneOnDevice(scene), settings);
 }
 
@@ -404,7 +415,6 @@ TEST(GpuPhotonMapping, RefusesWhatOnlyTheCpuHas) {
     };
     EXPECT_EQ(pointer_of([](PhotonMappingParams& p) { p.soft_disc = true; }), "");
     EXPECT_EQ(pointer_of([](PhotonMappingParams& p) { p.shadow_photons = true; }), "/shadow_photons");
-    EXPECT_EQ(pointer_of([](PhotonMappingParams& p) { p.precompute_irradiance = true; }), "/precompute_irradiance");
     EXPECT_EQ(pointer_of([](PhotonMappingParams& p) { p.gather_sampling = GatherSampling::Photons; }),
               "/gather_sampling");
     EXPECT_EQ(pointer_of([](PhotonMappingParams& p) { p.keep_photon_map = true; }), "/keep_photon_map");

@@ -60,6 +60,17 @@ TEST(PhotonMapping, PixelHashIsTheSameForAnyNumberOfThreads) {
     }
 }
 
+TEST(PhotonMapping, PrecomputesIrradianceWhereRaysAreManyEnough) {
+    const Scene scene = make_builtin_scene("cornell-box");
+    for (const uint32_t photons : {2000u, 200'000u}) {  // some 450 and 45,000 are marked, for 11,200 gather rays
+        Settings settings = settings_for(Gather::Final);
+        settings.params.photons = photons;
+        Stats stats;
+        test::render(scene, settings, &stats);
+        EXPECT_EQ(find_skipped(stats, "precomputed irradiance") != nullptr, photons > 2000);
+    }
+}
+
 TEST(PhotonMapping, APassIsAPureFunctionOfItsIndex) {
     const Scene scene = make_builtin_scene("cornell-box-glass");
     Settings settings = settings_for(Gather::Final);

@@ -58,19 +58,26 @@ struct Place {
           radius_m(radius),
           coverage(scene, counting, radius) {}
 
-    DiscCoverage::Found at(const vec3& p, const vec3& normal = kUp, const Kernel& kernel = Kernel()) const {
-        return coverage.look_up(kernel, p, normal, radius_m, 0.25f * radius_m, static_cast<uint32_t>(hash_position(p)));
+    DiscProbe::Mass at(const vec3& p, const vec3& normal = kUp, const Kernel& kernel = Kernel(),
+                       DiscCare care = DiscCare::Fine) const {
+        if (!coverage.may_be_cut(p, radius_m)) return {};
+        return DiscProbe(coverage, kernel, {p, normal, radius_m, 0.25f * radius_m},
+                         static_cast<uint32_t>(hash_position(p)), care)
+            .mass();
     }
     /// Mean of 1 / m over places along `along` from p, which all have the same m.
     void expect_mass(double mass, const vec3& p, const vec3& along, const vec3& normal = kUp,
                      const Kernel& kernel = Kernel()) const {
-        test::RunningMean inverse;
-        for (int i = 0; i < 2000; ++i)
-            inverse.add(double{at(p + (static_cast<float>(i) / 2000) * along, normal, kernel).inverse_mass});
-        const double z = test::two_sided_z(test::share_of_false_alarm(kFalseAlarm, kChecks));
-        EXPECT_LE(std::abs(inverse.mean() - 1 / mass), z * inverse.standard_error() + 1e-9)
-            << name_of(kernel) << ": " << inverse.mean() << " for " << 1 / mass;
-        EXPECT_LE(z * inverse.standard_error(), 0.05 / mass) << "too noisy to notice a defect";
+        for (const DiscCare care : {DiscCare::Fine, DiscCare::Coarse}) {
+            test::RunningMean inverse;
+            for (int i = 0; i < 2000; ++i)
+                inverse.add(double{at(p + (static_cast<float>(i) / 2000) * along, normal, kernel, care).inverse});
+            const double z = test::two_sided_z(test::share_of_false_alarm(kFalseAlarm, kChecks));
+            EXPECT_LE(std::abs(inverse.mean() - 1 / mass), z * inverse.standard_error() + 1e-9)
+                << name_of(kernel) << (care == DiscCare::Fine ? ", fine: " : ", coarse: ") << inverse.mean() << " for "
+                << 1 / mass;
+            EXPECT_LE(z * inverse.standard_error(), 0.05 / mass) << "too noisy to notice a defect";
+        }
     }
 
     Scene scene;
@@ -100,17 +107,17 @@ TEST(DiscCoverage, StraightEdgeByTheClosedForm) {
 TEST(DiscCoverage, WholeDiscsAreExactAndFarFromEdgesTakeNoRay) {
     const Place place(scene_of({floor_mesh({-2, -2}, {2, 2})}), 0.2f);
     const size_t before = place.counting.rays;
-    for (int i = 0; i < 100; ++i) EXPECT_EQ(place.at({0.01f * static_cast<float>(i), 0, 0.3f}).inverse_mass, 1.0f);
+    for (int i = 0; i < 100; ++i) EXPECT_EQ(place.at({0.01f * static_cast<float>(i), 0, 0.3f}).inverse, 1.0f);
     EXPECT_EQ(place.counting.rays, before);
     // Near enough to an edge to be asked, and not cut by it.
     size_t asked = 0;
     for (int i = 0; i < 100; ++i) {
         const size_t rays = place.counting.rays;
         const auto found = place.at({1.79f - 0.001f * static_cast<float>(i), 0, 0.3f});
-        EXPECT_EQ(found.inverse_mass, 1.0f);
+        EXPECT_EQ(found.inverse, 1.0f);
         EXPECT_FALSE(found.hides);
         asked += place.counting.rays > rays;
-        EXPECT_LE(place.counting.rays - rays, 1 + DiscCoverage::kBatch);
+        EXPECT_LE(place.counting.rays - rays, 1 + DiscProbe::kMostInBatch);
     }
     EXPECT_GT(asked, 50u);
 }
@@ -118,8 +125,8 @@ TEST(DiscCoverage, WholeDiscsAreExactAndFarFromEdgesTakeNoRay) {
 TEST(DiscCoverage, NeedleOfSurfaceIsTheLeastMassAtABoundedNumberOfRays) {
     const Place place(scene_of({floor_mesh({-1, -1e-4f}, {1, 1e-4f})}), 0.5f);
     const size_t before = place.counting.rays;
-    EXPECT_EQ(place.at({0, 0, 0}).inverse_mass, 1 / DiscCoverage::kLeastMass);
-    EXPECT_LE(place.counting.rays - before, 1 + 3 * DiscCoverage::kBatch * DiscCoverage::kMostBatches);
+    EXPECT_EQ(place.at({0, 0, 0}).inverse, 1 / DiscCoverage::kLeastMass);
+    EXPECT_LE(place.counting.rays - before, 1 + 3 * DiscProbe::kMostPlaces);
 }
 
 TEST(DiscCoverage, TwoSheetsThatEndAtOnePlaceAreTakenAwayOnce) {
@@ -146,8 +153,11 @@ TEST(DiscCoverage, FloorBelowABoxAndBehindAPartitionDoesNotCount) {
         place.expect_mass(1 - mass_beyond_line(Kernel(), 0.2), {-0.04f, 0, -0.5f}, {0, 0, 1});
         const auto found = place.at({-0.04f, 0, 0});
         EXPECT_TRUE(found.hides);
-        EXPECT_TRUE(place.coverage.sees(found, kUp, 0.2f, {-0.1f, 0, 0.1f}));
-        EXPECT_FALSE(place.coverage.sees(found, kUp, 0.2f, {0.1f, 0, 0.1f}));
+        const Kernel kernel;
+        const CoverageDisc disc{{-0.04f, 0, 0}, kUp, 0.2f, 0.05f};
+        const DiscProbe probe(place.coverage, kernel, disc, 0, DiscCare::Fine);
+        EXPECT_TRUE(probe.sees({-0.1f, 0, 0.1f}));
+        EXPECT_FALSE(probe.sees({0.1f, 0, 0.1f}));
     }
 }
 
@@ -155,17 +165,18 @@ TEST(DiscCoverage, RimOfACarpetDoesNotCountWhereTheFloorIsWithinTheDisc) {
     // Half of the carpet hangs over the end of the floor.
     const Place place(scene_of({floor_mesh({0, 0}, {2, 2}), floor_mesh({0.5f, 0.5f}, {1.5f, 3}, 0.01f)}), 0.2f);
     for (const float z : {0.9f, 1.0f, 1.1f}) {
-        EXPECT_LT(place.at({0.55f, 0.01f, z}).inverse_mass, 1.3f) << "on the carpet, whose rim hides a strip of floor";
-        EXPECT_LT(place.at({0.45f, 0, z}).inverse_mass, 1.3f) << "beside it";
+        EXPECT_LT(place.at({0.55f, 0.01f, z}).inverse, 1.3f) << "on the carpet, whose rim hides a strip of floor";
+        EXPECT_LT(place.at({0.45f, 0, z}).inverse, 1.3f) << "beside it";
     }
     place.expect_mass(1 - mass_beyond_line(Kernel(), 0.25), {0.55f, 0.01f, 2.3f}, {0, 0, 0.4f});  // no floor below
     // The floor is too far below for the disc's thickness.
+    const Kernel kernel;
     test::RunningMean inverse;
-    for (int i = 0; i < 500; ++i)
-        inverse.add(double{place.coverage
-                               .look_up(Kernel(), {0.55f, 0.01f, 0.8f + 0.001f * static_cast<float>(i)}, kUp, 0.2f,
-                                        0.008f, static_cast<uint32_t>(i) * 0x9e3779b9u)
-                               .inverse_mass});
+    for (int i = 0; i < 500; ++i) {
+        const CoverageDisc disc{{0.55f, 0.01f, 0.8f + 0.001f * static_cast<float>(i)}, kUp, 0.2f, 0.008f};
+        const uint32_t turn = static_cast<uint32_t>(i) * 0x9e3779b9u;
+        inverse.add(double{DiscProbe(place.coverage, kernel, disc, turn, DiscCare::Fine).mass().inverse});
+    }
     EXPECT_NEAR(inverse.mean(), 1 / (1 - mass_beyond_line(Kernel(), 0.25)), 6 * inverse.standard_error());
 }
 

@@ -42,6 +42,22 @@ std::vector<Found> brute_force(const std::vector<vec3>& points, const vec3& p, f
     return found;
 }
 
+/// All that are near a box are found, in ascending order, and none that is a little farther.
+void expect_near_box(const std::vector<vec3>& points, const Built& built, const Bounds3& box, float radius_m) {
+    std::vector<uint32_t> found{7};  // of an earlier search
+    built.grid.find_near_box(box, radius_m, found);
+    ASSERT_EQ(found.front(), 7u);
+    found.erase(found.begin());
+    ASSERT_TRUE(std::is_sorted(found.begin(), found.end(), std::less_equal<>()) && "each once");
+    std::vector<uint8_t> near(points.size());
+    for (const uint32_t index : found) near[built.order[index]] = 1;
+    for (size_t i = 0; i < points.size(); ++i) {
+        const float distance_m = glm::length(points[i] - glm::clamp(points[i], box.min, box.max));
+        ASSERT_TRUE(near[i] || distance_m > 0.9999f * radius_m);
+        ASSERT_TRUE(!near[i] || distance_m < 1.0001f * radius_m);
+    }
+}
+
 void expect_exact(const std::vector<vec3>& points, float grid_radius_m, const std::vector<vec3>& queries) {
     const Built built(points, grid_radius_m);
     ASSERT_EQ(built.grid.size(), points.size());
@@ -50,6 +66,10 @@ void expect_exact(const std::vector<vec3>& points, float grid_radius_m, const st
     for (uint32_t i = 0; i < sorted.size(); ++i) ASSERT_EQ(sorted[i], i) << "order is no permutation";
     for (uint32_t i = 0; i < points.size(); ++i) ASSERT_EQ(built.grid.position(i), points[built.order[i]]);
     EXPECT_LE(built.grid.bytes(), HashGrid::bytes_for(points.size()));
+    for (size_t i = 0; i < queries.size(); i += 8) {
+        const Bounds3 box{queries[i] - 0.2f * grid_radius_m, queries[i] + vec3(0.4f, 0, 0.1f) * grid_radius_m};
+        for (const float share : {1.0f, 0.37f}) expect_near_box(points, built, box, share * grid_radius_m);
+    }
     for (const vec3& p : queries)
         for (const float share : {1.0f, 0.37f})
             ASSERT_EQ(search(built, p, share * grid_radius_m), brute_force(points, p, share * grid_radius_m))

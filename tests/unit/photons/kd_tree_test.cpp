@@ -162,6 +162,29 @@ TEST(KdTree, KeepsToTheRadius) {
     }
 }
 
+TEST(KdTree, FindsAllWithinARadius) {
+    Neighbours found;
+    for (const Cloud& cloud : clouds(2000)) {
+        const Built built(cloud.points);
+        for (uint32_t i = 0; i < 50; ++i) {
+            const vec3 p = cloud.points[i * 37 % cloud.points.size()];
+            const float radius_m = glm::length(p - cloud.points[i]) * 1.1f + 1e-6f;
+            built.tree.find_within(p, radius_m, found);
+            std::vector<uint32_t> expected;
+            for (uint32_t k = 0; k < built.points.size(); ++k)
+                if (built.distance_sq(p, k) < radius_m * radius_m) expected.push_back(k);
+            std::vector<uint32_t> indices;
+            for (const Neighbours::Found& f : found.found) {
+                indices.push_back(f.index);
+                ASSERT_EQ(f.distance_sq_m2, built.distance_sq(p, f.index)) << cloud.name;
+            }
+            std::ranges::sort(indices);
+            ASSERT_EQ(indices, expected) << cloud.name;
+            ASSERT_EQ(found.radius_m, radius_m);
+        }
+    }
+}
+
 TEST(KdTree, ThePointAtTheRadiusIsNotNearer) {
     const std::vector<vec3> points = {vec3(0), vec3(1, 0, 0), vec3(2, 0, 0)};
     const Built built(points);

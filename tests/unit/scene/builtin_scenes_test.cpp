@@ -85,7 +85,11 @@ TEST(BuiltinScenes, AllAreThereWithACameraAndSoundMeshes) {
         EXPECT_TRUE(figure.starts_with("photon-splatting/") && is_builtin_scene(figure)) << figure;
         names.insert(figure);
     }
-    EXPECT_EQ(names.size(), 11u);
+    for (const std::string_view name : builtin_scene_names("progressive")) {
+        EXPECT_TRUE(name.starts_with("progressive/") && is_builtin_scene(name)) << name;
+        names.insert(name);
+    }
+    EXPECT_EQ(names.size(), 17u);
     for (const std::string_view name : names) {
         const Scene scene = make_builtin_scene(name);
         EXPECT_EQ(scene.name, name);
@@ -172,7 +176,10 @@ TEST(BuiltinScenes, FurnaceIsClosedAndEmitsInwards) {
 TEST(BuiltinScenes, SolidGlassIsClosed) {
     // Beer's law and refraction follow a path in and out: a crack would let it out on the wrong side.
     size_t solids = 0;
-    for (const char* name : {"cornell-box-glass", "interior"}) {
+    std::vector<std::string_view> names = {"cornell-box-glass", "interior"};
+    const auto progressive = builtin_scene_names("progressive");
+    names.insert(names.end(), progressive.begin(), progressive.end());
+    for (const std::string_view name : names) {
         const Scene scene = make_builtin_scene(name);
         for (const Mesh& mesh : scene.meshes) {
             if (!scene.materials[mesh.material].solid) continue;
@@ -184,7 +191,7 @@ TEST(BuiltinScenes, SolidGlassIsClosed) {
             ++solids;
         }
     }
-    EXPECT_EQ(solids, 2u);
+    EXPECT_EQ(solids, 10u);
 }
 
 TEST(BuiltinScenes, InteriorIsDetailedAndTheSameEveryTime) {

@@ -116,7 +116,7 @@ TEST(OlderRequests, AStoreIsCompletedOnceAndReferencesAreFoundByWhatTheyShow) {
         json::parse(store.comparison(comparison.seq)->request)["entries"][0]["method"]["parameters"]["caustic_photons"],
         0);
     json explicitly = film;
-    explicitly["method"]["parameters"]["boundary"] = "none";
+    explicitly["method"]["parameters"].update({{"boundary", "none"}, {"precompute_irradiance", false}});
     EXPECT_EQ(store.job(reference.seq)->content,
               References::reference_content(parse_job_request(explicitly, vocabulary), "0123"));
     EXPECT_EQ(store.job(other.seq)->content, "of before there were two");

@@ -335,7 +335,7 @@ export interface Layer {
   always: boolean;
   measured: boolean;
   /** How /preview.png shows it; null: it is numbers to look at closely. */
-  preview: "light" | "heat_map" | "directions" | "dots" | null;
+  preview: "light" | "heat_map" | "directions" | "dots" | "scale" | "signed" | null;
   /** Exposure and tone curve change its preview. */
   exposure: boolean;
   /** Empty for plain numbers. */

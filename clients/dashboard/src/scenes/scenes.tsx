@@ -19,6 +19,9 @@ const kFamilies = [
   { family: "", text: "Scenes" },
   { family: "hard-cases", text: "Hard cases" },
   { family: "photon-splatting", text: "Photon splatting's figures" },
+  { family: "details", text: "Details of rooms" },
+  { family: "caustics", text: "Caustics" },
+  { family: "progressive", text: "Progressive photon mapping" },
 ];
 const kWaiting = [0, 1, 2, 3, 4, 5, 6, 7];
 

@@ -1,7 +1,8 @@
-// What the shaders of photon mapping's second pass are told: for both compilers.
-#ifndef PHOTOND_PHOTON_MAPPING_SHARED_H
-#define PHOTOND_PHOTON_MAPPING_SHARED_H
+// What the shaders of a second pass that gathers are told: for both compilers.
+#ifndef PHOTOND_GATHERING_SHARED_H
+#define PHOTOND_GATHERING_SHARED_H
 
+#include "renderer/photons/precomputed_irradiance_shared.h"
 #include "renderer/photons/radiance_estimate_shared.h"
 
 #define SPLIT_SAMPLERS_GROUP 64  // threads
@@ -19,15 +20,16 @@ namespace photond::gpu {
 using uvec4 = glm::uvec4;
 #endif
 
-struct PhotonMappingConstants {
+struct GatheringConstants {
     EstimateConstants estimate;
     float glossy_threshold;
-    uint light_samples;      // of a vertex, at most
-    uint gather_rays;        // the same
-    uint lights_can_be_met;  // by rays: area lights or an environment
+    uint light_samples;           // of a vertex, at most
+    uint gather_rays;             // the same
+    uint lights_can_be_met;       // by rays: area lights or an environment
+    uint irradiance_scatterings;  // of the photons that the precomputed irradiance is of
 };
 
-struct PhotonMappingPush {
+struct EyePassPush {
     uint first_tile;
     uint end_tile;
     uint capacity;  // gather points there is room for; what comes after is counted alone
@@ -81,7 +83,7 @@ struct SplitSamplersPush {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(PhotonMappingConstants) == sizeof(EstimateConstants) + 16 && sizeof(GatherPointRecord) == 84 &&
+static_assert(sizeof(GatheringConstants) == sizeof(EstimateConstants) + 20 && sizeof(GatherPointRecord) == 84 &&
               sizeof(GatheredRecord) == 28);
 }  // namespace photond::gpu
 #endif

@@ -1,10 +1,10 @@
-// GLSL twin of methods/photon_mapping/final_gather.h: rays from a point the eye sees, and the light that leaves the surfaces
+// GLSL twin of gathering/final_gather.h: rays from a point the eye sees, and the light that leaves the surfaces
 // where they end. A thread follows one ray. Its path may part at its first end, into one by the specular and one by the rough
 // part; the latter waits until the former has ended.
 #ifndef PHOTOND_FINAL_GATHER_GLSL
 #define PHOTOND_FINAL_GATHER_GLSL
 
-#include "renderer/methods/photon_mapping/photon_lookup.glsl"
+#include "renderer/gathering/photon_lookup.glsl"
 #include "renderer/transport/roulette_shared.h"
 
 /// The direct light of a vertex, of which a ray that meets a light there is a sample.
@@ -119,15 +119,16 @@ bool shade_end(inout GatherPath path, uint key, uint ray_index, inout Gathered g
                     gathered.indirect += radiance;
             }
         }
-        const uint most = photon_scatterings_left(path.scatterings + 1), turn = disc_turn(direction);
-        const RadianceEstimate caustic = estimate_caustic(surface, rough, wo, most, turn);
+        const uint most = photon_scatterings_left(path.scatterings + 1);
         // A ray shorter than the radius of the lookup at its end begins where the disc is: in a corner, where density is
         // smeared and lost at the edge, and where all short rays see the same error. It goes on for one bounce.
-        RadianceEstimate global = estimate_global(surface, rough, wo, most, turn);
-        const bool goes_on = path.vertex == 1 && hit.t < global.radius_m;
-        if (goes_on) global = no_radiance();
-        gathered.indirect += path.throughput * (caustic.radiance + global.radiance);
-        gathered.photons += caustic.photons + global.photons;
+        const DiscQuery query =
+            DiscQuery(disc_turn(direction), DISC_COARSE_BATCH, path.vertex == 1 ? hit.t : INFINITY);
+        MapEstimates maps = estimate_maps_at_end(surface, rough, wo, most, query);
+        const bool goes_on = maps.global.radius_m > query.most_radius_m;
+        if (goes_on) maps.global = no_radiance();
+        gathered.indirect += path.throughput * (maps.caustic.radiance + maps.global.radiance);
+        gathered.photons += maps.caustic.photons + maps.global.photons;
         if (goes_on || looks_for_lights) {
             const BsdfSample next = bsdf_sample(rough, wo, choice.y, direction);
             apart = path;

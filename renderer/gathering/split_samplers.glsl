@@ -1,10 +1,10 @@
-// GLSL twin of methods/photon_mapping/split_samplers.h: the numbers of vertices at which a path splits, into gather rays or
+// GLSL twin of gathering/split_samplers.h: the numbers of vertices at which a path splits, into gather rays or
 // into light samples. Define SPLIT_POINTS_BINDING (of set 0) beside SAMPLER_BINDING before: what split_samplers.comp made
 // of the pass.
 #ifndef PHOTOND_SPLIT_SAMPLERS_GLSL
 #define PHOTOND_SPLIT_SAMPLERS_GLSL
 
-#include "renderer/methods/photon_mapping/photon_mapping_shared.h"
+#include "renderer/gathering/gathering_shared.h"
 #include "renderer/transport/sobol.glsl"
 
 /// How many of `all` samples a vertex gets: all for light that reaches the eye unweakened; fewer, in proportion, behind dim

@@ -1,4 +1,4 @@
-#include "renderer/methods/photon_mapping/final_gather.h"
+#include "renderer/gathering/final_gather.h"
 
 #include <algorithm>
 
@@ -26,44 +26,42 @@ uint64_t FinalGather::bytes_per_thread() {
            kPaths * (sizeof(uint64_t) + sizeof(uint32_t)) + kRays * (sizeof(uint32_t) + 4 * sizeof(float));
 }
 
-void FinalGather::gather(const PhotonMappingScene& shared, const PassMaps& maps, const SplitSamplers& samplers,
-                         std::span<const GatherPoint> points, PassImage& image, Counts& counts,
-                         const CancelToken& cancel) {
+void FinalGather::gather(const GatherPass& pass, std::span<const GatherPoint> points, const CancelToken& cancel) {
     while (!points.empty() && !cancel.cancelled()) {
         size_t batch = 0;
         for (uint32_t rays = 0; batch < points.size() && rays + points[batch].rays <= kRays; ++batch)
             rays += points[batch].rays;
-        gather_batch(shared, maps, samplers, points.first(batch), image, counts);
+        gather_batch(pass, points.first(batch));
         points = points.subspan(batch);
     }
 }
 
-void FinalGather::gather_batch(const PhotonMappingScene& shared, const PassMaps& maps, const SplitSamplers& samplers,
-                               std::span<const GatherPoint> points, PassImage& image, Counts& counts) {
-    start_rays(shared, maps, samplers, points);
+void FinalGather::gather_batch(const GatherPass& pass, std::span<const GatherPoint> points) {
+    const GatheringScene& shared = pass.shared;
+    start_rays(pass, points);
     for (uint32_t vertex = 1; batch_.count > 0; ++vertex) {
         batch_.find_hits(shared.intersector, Coherence::Incoherent);
-        counts.bounce_rays += batch_.count;
-        sort_hits(shared, points, image);
+        pass.counts.bounce_rays += batch_.count;
+        sort_hits(shared, points, pass.image);
         for (size_t k = 0; k < indices_.size(); ++k) {
             prefetch_ahead(shared.scene, batch_.hits, indices_, k);
-            shade(shared, maps, samplers, points[batch_.paths[indices_[k]].point], vertex, indices_[k], image);
+            shade(pass, points[batch_.paths[indices_[k]].point], vertex, indices_[k]);
         }
         batch_.advance();
-        counts.shadow_rays += shadows_.trace(
+        pass.counts.shadow_rays += shadows_.trace(
             shared.intersector, Coherence::Incoherent,
-            [&](const WaitingRadiance& light) { image.of<Layer::Indirect>()[light.pixel] += light.radiance; });
+            [&](const WaitingRadiance& light) { pass.image.of<Layer::Indirect>()[light.pixel] += light.radiance; });
     }
 }
 
-void FinalGather::start_rays(const PhotonMappingScene& shared, const PassMaps& maps, const SplitSamplers& samplers,
-                             std::span<const GatherPoint> points) {
+void FinalGather::start_rays(const GatherPass& pass, std::span<const GatherPoint> points) {
+    const GatheringScene& shared = pass.shared;
     const bool by_photons = shared.params.gather_sampling == GatherSampling::Photons;
     distributions_.clear();
     if (by_photons)
         for (const GatherPoint& point : points)
-            distributions_.emplace_back(maps.global, point.surface, shared.photon_scatterings(point.scatterings + 1),
-                                        neighbours_);
+            distributions_.emplace_back(pass.maps.global, point.surface,
+                                        shared.photon_scatterings(point.scatterings + 1), neighbours_);
     const bool lights = samples_lights(shared.params);
     batch_.count = 0;
     uint32_t most_rays = 0;
@@ -77,10 +75,10 @@ void FinalGather::start_rays(const PhotonMappingScene& shared, const PassMaps& m
             indices_.push_back(p);
         }
         const size_t n = indices_.size();
-        samplers[ray].sample_2d({keys_.data(), n}, sample_set(0, VertexSet::Direction), {direction_x_.data(), n},
-                                {direction_y_.data(), n});
-        samplers[ray].sample_2d({keys_.data(), n}, sample_set(0, VertexSet::Lobe), {lobe_x_.data(), n},
-                                {lobe_y_.data(), n});
+        pass.samplers[ray].sample_2d({keys_.data(), n}, sample_set(0, VertexSet::Direction), {direction_x_.data(), n},
+                                     {direction_y_.data(), n});
+        pass.samplers[ray].sample_2d({keys_.data(), n}, sample_set(0, VertexSet::Lobe), {lobe_x_.data(), n},
+                                     {lobe_y_.data(), n});
         for (size_t k = 0; k < n; ++k) {
             const uint32_t p = indices_[k];
             const GatherPoint& point = points[p];
@@ -114,7 +112,7 @@ void FinalGather::start_rays(const PhotonMappingScene& shared, const PassMaps& m
 }
 
 /// Hits in the order of a curve that fills space: those that look at the same photons and triangles follow each other.
-void FinalGather::sort_hits(const PhotonMappingScene& shared, std::span<const GatherPoint> points, PassImage& image) {
+void FinalGather::sort_hits(const GatheringScene& shared, std::span<const GatherPoint> points, PassImage& image) {
     order_.clear();
     indices_.clear();
     for (uint32_t i = 0; i < batch_.count; ++i) {
@@ -144,9 +142,10 @@ void FinalGather::add_direct(PassImage& image, const GatherPoint& origin, const 
         weight * origin.throughput * path.throughput * radiance;
 }
 
-void FinalGather::shade(const PhotonMappingScene& shared, const PassMaps& maps, const SplitSamplers& samplers,
-                        const GatherPoint& origin, uint32_t vertex, uint32_t i, PassImage& image) {
+void FinalGather::shade(const GatherPass& pass, const GatherPoint& origin, uint32_t vertex, uint32_t i) {
+    const GatheringScene& shared = pass.shared;
     const Scene& scene = shared.scene;
+    PassImage& image = pass.image;
     GatherPath path = batch_.paths[i];
     const Hit& hit = batch_.hits[i];
     const Ray& ray = batch_.rays[i];
@@ -166,7 +165,7 @@ void FinalGather::shade(const PhotonMappingScene& shared, const PassMaps& maps, 
     const Bsdf rough = bsdf.is_lambert() ? bsdf : bsdf.rough_part(shared.params.glossy_threshold);
     const vec3 wo = surface.shading.to_local(-ray.direction);
     const uint32_t number = batch_.keys[i];
-    const PassSampler& sampler = samplers[number];
+    const PassSampler& sampler = pass.samplers[number];
     const vec2 direction = sampler.sample_2d(origin.key, sample_set(vertex, VertexSet::Direction));
     const Rgb to_pixel = origin.throughput * path.throughput * (1 / static_cast<float>(origin.rays));
 
@@ -182,7 +181,7 @@ void FinalGather::shade(const PhotonMappingScene& shared, const PassMaps& maps, 
             const float weight = looks_for_lights && !light.delta ? power_heuristic(light.pdf_sa, f.pdf_sa) : 1.0f;
             const Rgb radiance = weight * to_pixel * f.f_cos * light.radiance_over_pdf;
             if (!is_black(radiance)) {
-                switch (light_seen(maps, surface.position, surface.geometric_normal, light.source, neighbours_)) {
+                switch (light_seen(pass.maps, surface.position, surface.geometric_normal, light.source, neighbours_)) {
                     case LightSeen::Whole: image.of<Layer::Indirect>()[origin.pixel] += radiance; break;
                     case LightSeen::Nothing: break;
                     case LightSeen::Unknown:
@@ -191,13 +190,17 @@ void FinalGather::shade(const PhotonMappingScene& shared, const PassMaps& maps, 
                 }
             }
         }
-        const uint32_t most = shared.photon_scatterings(path.scatterings + 1), turn = disc_turn(direction);
-        const RadianceEstimate caustic = estimate_caustic(shared, maps, surface, rough, wo, most, neighbours_, turn);
         // A ray shorter than the radius of the lookup at its end begins where the disc is: in a corner, where density
         // is smeared and lost at the edge, and where all short rays see the same error. It goes on for one bounce.
-        RadianceEstimate global = estimate_global_at_end(shared, maps, surface, rough, wo, most, neighbours_, turn);
-        const bool goes_on = vertex == 1 && hit.t < global.radius_m;
-        if (goes_on) global = {};
+        const RayEnd end{surface,
+                         rough,
+                         wo,
+                         to_pixel,
+                         origin.pixel,
+                         shared.photon_scatterings(path.scatterings + 1),
+                         disc_turn(direction),
+                         vertex == 1 ? hit.t : kInfinity};
+        const bool goes_on = !pass.ends.add(end, image);
         if (goes_on || looks_for_lights) {
             const BsdfSample next = rough.sample(wo, choice.y, direction);
             if (GatherPath* const followed = follow(path, number, surface, next, kCertain)) {
@@ -205,9 +208,6 @@ void FinalGather::shade(const PhotonMappingScene& shared, const PassMaps& maps, 
                 followed->light = {surface.position, lit_normal, looks_for_lights ? next.pdf_sa : 0.0f};
             }
         }
-        image.of<Layer::Indirect>()[origin.pixel] += to_pixel * (caustic.radiance + global.radiance);
-        if (image.layers.has(Layer::PhotonCount))
-            image.of<Layer::PhotonCount>()[origin.pixel] += static_cast<float>(caustic.photons + global.photons);
     }
     if (bsdf.is_lambert()) return;
 

@@ -1,6 +1,4 @@
-#include "renderer/methods/photon_mapping/params.h"
-
-#include "protocol/error.h"
+#include "renderer/gathering/gathering_params.h"
 
 namespace photond {
 
@@ -22,7 +20,7 @@ constexpr uint32_t kGatherRaysToLightSample = 4;
 constexpr uint64_t kGatherRaysOfPass = 1 << 20;
 constexpr uint64_t kMostGatherRays = 8;
 
-float given_radius_m(const PhotonMappingParams& params, float relative, float scene_radius_m) {
+float given_radius_m(const GatheringParams& params, float relative, float scene_radius_m) {
     if (params.radius_m) return *params.radius_m;
     // A scene without extent holds nothing to be found, but a search wants a radius.
     return std::max(params.radius_relative.value_or(relative) * scene_radius_m, 1e-20f);
@@ -30,24 +28,21 @@ float given_radius_m(const PhotonMappingParams& params, float relative, float sc
 
 }  // namespace
 
-void PhotonMappingParams::check() const {
-    if (radius_m && radius_relative)
-        throw Error(ErrorCode::Conflict, "/radius_relative", "radius and radius_relative exclude each other");
-}
+void GatheringParams::check() const { require_one_radius(radius_m, radius_relative); }
 
-Splits PhotonMappingParams::splits(uint64_t pixels) const {
+Splits GatheringParams::splits(uint64_t pixels) const {
     const uint64_t fitting =
         std::clamp<uint64_t>(kGatherRaysOfPass / std::max<uint64_t>(pixels, 1), 1, kMostGatherRays);
-    const uint32_t rays = gather == Gather::Final ? gather_rays.value_or(static_cast<uint32_t>(fitting)) : 0;
+    const uint32_t rays = final_gather() ? gather_rays.value_or(static_cast<uint32_t>(fitting)) : 0;
     return {light_samples.value_or(std::max(rays / kGatherRaysToLightSample, 1u)), rays};
 }
 
-float PhotonMappingParams::search_radius_m(float scene_radius_m) const {
-    const float relative = search == PhotonSearch::Kind::Nearest ? kLimitRelative : kRadiusRelative;
+float GatheringParams::search_radius_m(float scene_radius_m) const {
+    const float relative = search_kind() == PhotonSearch::Kind::Nearest ? kLimitRelative : kRadiusRelative;
     return given_radius_m(*this, relative, scene_radius_m);
 }
 
-float PhotonMappingParams::shadow_radius_m(float scene_radius_m) const {
+float GatheringParams::shadow_radius_m(float scene_radius_m) const {
     return given_radius_m(*this, kRadiusRelative, scene_radius_m);
 }
 

@@ -16,8 +16,8 @@
 #include "renderer/core/cancel.h"
 #include "renderer/core/stats.h"
 #include "renderer/eye/visible_point.h"
-#include "renderer/methods/photon_mapping/photon_lookup.h"
-#include "renderer/methods/photon_mapping/split_samplers.h"
+#include "renderer/gathering/photon_lookup.h"
+#include "renderer/gathering/split_samplers.h"
 #include "renderer/photons/gather_distribution.h"
 #include "renderer/transport/path_batch.h"
 
@@ -28,6 +28,16 @@ struct GatherPoint : VisiblePoint {
     uint32_t key;            // names its numbers
     uint32_t rays;           // split_of() the gather rays
     uint32_t light_samples;  // drawn there
+};
+
+/// What all points of a tile are gathered with.
+struct GatherPass {
+    const GatheringScene& shared;
+    const PassMaps& maps;
+    const SplitSamplers& samplers;
+    RayEndLookups& ends;
+    PassImage& image;
+    Counts& counts;
 };
 
 /// Scratch of one thread; reused from tile to tile.
@@ -41,14 +51,13 @@ public:
     /// Name of the numbers of the point that the eye path with that key reached at that vertex.
     static uint32_t key(uint32_t path_key, uint32_t vertex) { return hash32(path_key ^ (0x9e3779b9u * (vertex + 1))); }
     /// Whether rays take part in direct light.
-    static bool samples_lights(const PhotonMappingParams& params) {
-        return params.gather == Gather::Final && params.gather_sampling == GatherSampling::Bsdf;
+    static bool samples_lights(const GatheringParams& params) {
+        return params.final_gather() && params.gather_sampling == GatherSampling::Bsdf;
     }
 
     /// Adds what the points gather, or some of it when cancelled: to the indirect layer, and of direct light what
-    /// samples_lights() says.
-    void gather(const PhotonMappingScene& shared, const PassMaps& maps, const SplitSamplers& samplers,
-                std::span<const GatherPoint> points, PassImage& image, Counts& counts, const CancelToken& cancel);
+    /// samples_lights() says. What GatherPass::ends does later it adds later.
+    void gather(const GatherPass& pass, std::span<const GatherPoint> points, const CancelToken& cancel);
 
 private:
     /// The direct light of a vertex, of which a ray that meets a light there is a sample.
@@ -75,13 +84,10 @@ private:
         uint32_t pixel;
     };
 
-    void gather_batch(const PhotonMappingScene& shared, const PassMaps& maps, const SplitSamplers& samplers,
-                      std::span<const GatherPoint> points, PassImage& image, Counts& counts);
-    void start_rays(const PhotonMappingScene& shared, const PassMaps& maps, const SplitSamplers& samplers,
-                    std::span<const GatherPoint> points);
-    void sort_hits(const PhotonMappingScene& shared, std::span<const GatherPoint> points, PassImage& image);
-    void shade(const PhotonMappingScene& shared, const PassMaps& maps, const SplitSamplers& samplers,
-               const GatherPoint& origin, uint32_t vertex, uint32_t i, PassImage& image);
+    void gather_batch(const GatherPass& pass, std::span<const GatherPoint> points);
+    void start_rays(const GatherPass& pass, std::span<const GatherPoint> points);
+    void sort_hits(const GatheringScene& shared, std::span<const GatherPoint> points, PassImage& image);
+    void shade(const GatherPass& pass, const GatherPoint& origin, uint32_t vertex, uint32_t i);
     GatherPath* follow(const GatherPath& path, uint32_t ray, const ShadingPoint& surface, const BsdfSample& sample,
                        float roulette);
     static void add_direct(PassImage& image, const GatherPoint& origin, const GatherPath& path, const Rgb& radiance,

@@ -1,0 +1,11 @@
+#pragma once
+#include <array>
+#include <string_view>
+
+namespace photond {
+
+/// Families of built-in scenes, which are listed only when a family is asked for.
+inline constexpr std::array<std::string_view, 5> kSceneFamilies = {"hard-cases", "photon-splatting", "details",
+                                                                   "caustics", "progressive"};
+
+}  // namespace photond

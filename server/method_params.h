@@ -1,0 +1,25 @@
+#pragma once
+// A method's parameters from the JSON of a request that has been read already.
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "protocol/param_json.h"
+#include "renderer/methods/registry.h"
+
+namespace photond {
+
+/// What another version wrote and this one does not know is left out.
+inline std::unique_ptr<MethodParams> params_of(const MethodInfo& method, const nlohmann::json& parameters) {
+    std::unique_ptr<MethodParams> params = method.make_params();
+    std::vector<Fault> faults;  // none of a request of now: the reader of jobs has seen to that
+    read_params(*params, parameters, "/method/parameters", faults);
+    return params;
+}
+
+/// MethodInfo::passes_stand_alone.
+inline bool passes_stand_alone(const MethodInfo& method, const nlohmann::json& parameters) {
+    return method.passes_stand_alone == nullptr || method.passes_stand_alone(*params_of(method, parameters));
+}
+
+}  // namespace photond
