@@ -7,11 +7,12 @@ import { join } from "node:path";
 import { test } from "node:test";
 import { promisify } from "node:util";
 
-import { axeClean, bin, openPage, shoot, startDaemon } from "./support.mjs";
+import { axeClean, bin, eventually, openPage, shoot, startDaemon } from "./support.mjs";
 
 const daemon = await startDaemon();
 const file = join(daemon.data, "hard-cases.json");
 const page = await openPage(daemon, "/studies/hard-cases");
+const counts = (what, wanted) => eventually(async () => assert.equal(await what.count(), wanted));
 const open = (path) => page.getByLabel("Report of hard cases").setInputFiles(path);
 
 test("without a report it says how to make one", async () => {
@@ -26,9 +27,9 @@ test("a report is shown case by method, and kept", async () => {
   const report = JSON.parse(await readFile(file, "utf8"));
   await open(file);
   await page.getByRole("heading", { name: `${report.summary.holds} of ` }).waitFor();
-  assert.equal(await page.locator(".hard-table tbody tr").count(), 2);
-  assert.equal(await page.locator(".hard-cell").count(), 2 * report.entries.length);
-  assert.equal(await page.locator(".hard-cell.holds").count(), report.summary.holds);
+  await counts(page.locator(".hard-table tbody tr"), 2);
+  await counts(page.locator(".hard-cell"), 2 * report.entries.length);
+  await counts(page.locator(".hard-cell.holds"), report.summary.holds);
   await shoot(page, "hard-cases");
   await axeClean(page);
   await page.reload();
@@ -42,7 +43,7 @@ test("a cell says what was checked and links to its jobs", async () => {
   await page.keyboard.press("Enter");
   await page.waitForURL(/cell=furnace-albedo-50/);
   const detail = page.locator(".hard-detail");
-  assert.equal(await detail.locator("tbody tr").count(), cell.checks.length);
+  await counts(detail.locator("tbody tr"), cell.checks.length);
   await axeClean(page);
   await detail.getByRole("link", { name: cell.jobs[0], exact: true }).click();
   await page.waitForURL(`**/jobs/${cell.jobs[0]}`);
@@ -61,7 +62,7 @@ test("what does not break is hidden on demand", async () => {
   await writeFile(broken, JSON.stringify(report));
   await open(broken);
   await page.locator(".hard-cell.breaks").waitFor();
-  assert.deepEqual(await page.locator(".hard-table tbody th").allTextContents(), [report.cases[1].name]);
+  await eventually(async () => assert.deepEqual(await page.locator(".hard-table tbody th").allTextContents(), [report.cases[1].name]));
   await axeClean(page);
 });
 

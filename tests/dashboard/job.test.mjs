@@ -4,11 +4,11 @@ import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { readFileSync } from "node:fs";
 import { dirname, resolve } from "node:path";
-import { test } from "node:test";
+import { afterEach, test } from "node:test";
 import { fileURLToPath } from "node:url";
 
 import { historyOf } from "./history.mjs";
-import { axeClean, expectNoComplaints, openPage, shoot, smallJob, startDaemon } from "./support.mjs";
+import { axeClean, eventually, expectNoComplaints, fitsItsWidth, openPage, shoot, smallJob, startDaemon } from "./support.mjs";
 
 const repository = resolve(dirname(fileURLToPath(import.meta.url)), "../..");
 // Old jobs among which some have failed.
@@ -23,6 +23,11 @@ const measured = await daemon.run(
   }),
 );
 const page = await openPage(daemon, `/jobs/${measured.id}`);
+afterEach(async () => {
+  await page.unrouteAll({ behavior: "ignoreErrors" });
+  await daemon.idle();
+});
+
 const panel = (title) => page.getByRole("region", { name: title, exact: true });
 
 test("shows what became of it and what it took", async () => {
@@ -32,7 +37,7 @@ test("shows what became of it and what it took", async () => {
   await panel("Facts").getByText("6 passes or relative_mse ≤ 1e-9").waitFor();
   await panel("Facts").getByText("light of more than 5 bounces").waitFor();
   const life = panel("State over time").getByRole("row");
-  assert.match(await life.last().innerText(), /attempt 1.*cpu.*6.*succeeded/s);
+  await eventually(async () => assert.match(await life.last().innerText(), /attempt 1.*cpu.*6.*succeeded/s));
   const stages = panel("Time by stage");
   for (const { name } of measured.statistics.stages) await stages.getByRole("cell", { name: name.replaceAll("_", " "), exact: true }).waitFor();
   const memory = panel("Memory");
@@ -109,11 +114,13 @@ test("the curve's axis ends, whatever moment it begins at", async () => {
 
 test("the request says what was asked for, and the rest when asked", async () => {
   const request = panel("Request");
-  assert.equal(await request.getByText("gather", { exact: true }).count(), 1);
-  assert.equal(await request.getByText("gather rays").count(), 0);
+  await page.goto(`${daemon.url}/jobs/${measured.id}`);
+  await eventually(async () => assert.equal(await request.getByText("gather", { exact: true }).count(), 1));
+  // Which settings are as by default the page knows once it has the methods.
+  await eventually(async () => assert.equal(await request.getByText("gather rays").count(), 0));
   await request.getByRole("button", { name: /Show the \d+ settings that are as by default/ }).click();
   await request.getByText("gather rays").waitFor();
-  assert.ok((await request.getByText("asked for", { exact: true }).count()) > 5);
+  await eventually(async () => assert.ok((await request.getByText("asked for", { exact: true }).count()) > 5));
 });
 
 test("its curl and Python lines give the same job", async () => {
@@ -128,6 +135,7 @@ test("its curl and Python lines give the same job", async () => {
   assert.equal(await page.evaluate(() => navigator.clipboard.readText()), curl);
   await repeat.getByRole("button", { name: "Python" }).click();
   // Without numpy there is no array to look at; the job is the same.
+  await repeat.getByLabel("Python to repeat the job").waitFor();
   const python = (await repeat.locator("pre").innerText()).replace(/^image = .*$/m, "print(job.id)");
   const id = execFileSync("python3", ["-c", python], { env: { ...process.env, PYTHONPATH: resolve(repository, "clients/python") } }).toString().trim();
   assert.deepEqual((await daemon.get(`/v1/jobs/${id}`)).request, measured.request);
@@ -148,14 +156,14 @@ test("its files are fetched", async () => {
 });
 
 test("lives while it runs: progress, picture, curve; is steered; and goes on", async () => {
-  const job = await daemon.submit(smallJob({ image: { width: 96, height: 96 }, stop: { seconds: 60, passes: 100000 } }));
+  const job = await daemon.submit(smallJob({ image: { width: 96, height: 96 }, stop: { seconds: 600, passes: 1_000_000 } }));
   const waiting = await daemon.submit(smallJob({ stop: { passes: 1 } }));
   await page.goto(`${daemon.url}/jobs/${job.id}`);
   await page.locator(".job-standing .state").getByText("running").waitFor();
   await panel("Image").locator(".picture-frame > img").first().waitFor();
   const shown = () => panel("Image").locator(".picture-frame > img").first().getAttribute("src");
   const first = await shown();
-  await page.waitForFunction((old) => document.querySelector(".job-picture .picture-frame > img").src !== old, first, { timeout: 15_000 });
+  await page.waitForFunction((old) => ![undefined, old].includes(document.querySelector(".job-picture .picture-frame > img")?.src), first);
   await panel("Error").locator("canvas").waitFor();
   await shoot(page, "job-running");
   await page.keyboard.press("c");
@@ -173,7 +181,7 @@ test("lives while it runs: progress, picture, curve; is steered; and goes on", a
   await dialog.getByLabel("or after").fill("");
   await dialog.getByRole("button", { name: "Extend" }).click();
   await page.locator(".job-standing .state").getByText("succeeded").waitFor();
-  assert.equal((await daemon.get(`/v1/jobs/${job.id}`)).passes_done, cancelled.passes_done + 5);
+  await eventually(async () => assert.equal((await daemon.get(`/v1/jobs/${job.id}`)).passes_done, cancelled.passes_done + 5));
   await panel("State over time").getByText("attempt 2, going on").waitFor();
   // The next by its key.
   await page.keyboard.press("]");
@@ -183,7 +191,7 @@ test("lives while it runs: progress, picture, curve; is steered; and goes on", a
 });
 
 test("a waiting job's priority is changed, and it is removed", async () => {
-  const busy = await daemon.submit(smallJob({ image: { width: 128, height: 128 }, stop: { seconds: 60 } }));
+  await daemon.submit(smallJob({ image: { width: 128, height: 128 }, stop: { seconds: 600 } })); // keeps the worker busy
   const job = await daemon.submit(smallJob());
   await page.goto(`${daemon.url}/jobs/${job.id}`);
   await page.getByRole("button", { name: "Priority 0" }).click();
@@ -194,8 +202,7 @@ test("a waiting job's priority is changed, and it is removed", async () => {
   await page.getByRole("button", { name: "Remove" }).click();
   await page.getByRole("dialog").getByRole("button", { name: "Remove" }).click();
   await page.waitForURL("**/jobs");
-  assert.equal((await fetch(`${daemon.url}/v1/jobs/${job.id}`)).status, 404);
-  await daemon.json("DELETE", `/v1/jobs/${busy.id}`);
+  await eventually(async () => assert.equal((await fetch(`${daemon.url}/v1/jobs/${job.id}`)).status, 404));
 });
 
 test("a job that failed says why, and one that is not there says so", async () => {
@@ -213,12 +220,16 @@ test("fits a telephone", async () => {
   await page.goto(`${daemon.url}/jobs/${measured.id}`);
   await panel("Error").locator("canvas").waitFor();
   await panel("Image").locator(".picture-frame > img").first().waitFor();
-  assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= 390, "the page scrolls sideways");
+  await fitsItsWidth(page);
   await shoot(page, "job-narrow");
 });
 
-/** The page with the complaints of a request that was to be refused, or that found nothing, taken out. */
+/**
+ * The page with the complaints of a request that was to be refused, or that found nothing, taken out. The browser may
+ * complain a moment after the page has said so.
+ */
 async function allowing(of, pattern) {
+  await eventually(() => assert.ok(of.complaints.some((text) => pattern.test(text)), `nothing like ${pattern}`));
   of.complaints = of.complaints.filter((text) => !pattern.test(text));
   return of;
 }

@@ -2,23 +2,39 @@
 // PHOTOND_MANY_JOBS=100000 measures it over the history that the page is made for.
 
 import assert from "node:assert/strict";
-import { test } from "node:test";
+import { afterEach, test } from "node:test";
 
 import { historyOf } from "./history.mjs";
-import { axeClean, expectNoComplaints, openPage, shoot, smallJob, startDaemon } from "./support.mjs";
+import { axeClean, eventually, expectNoComplaints, fitsItsWidth, openPage, shoot, smallJob, startDaemon } from "./support.mjs";
 
 const kJobs = Number(process.env.PHOTOND_MANY_JOBS ?? 4000);
 const daemon = await startDaemon({ data: historyOf(kJobs) });
 // Made-up jobs have no films, so there is no picture of them where one is opened or compared for long enough.
 const page = await openPage(daemon, "/jobs", { expected: /ERR_CONNECTION_REFUSED|ERR_INCOMPLETE_CHUNKED|ERR_EMPTY_RESPONSE|ERR_CONNECTION_RESET|status of 409|status of 404.*\/(preview\.png|pixels\?)/ });
 
+afterEach(async () => {
+  await page.unrouteAll({ behavior: "ignoreErrors" });
+  await daemon.idle();
+});
+
 const grid = page.getByRole("grid");
 const rowOf = (id) => grid.getByRole("row").filter({ has: page.getByRole("link", { name: id, exact: true }) });
-const total = () => grid.getAttribute("aria-rowcount").then((count) => Number(count) - 1);
 const matching = (count) => page.waitForFunction((wanted) => document.querySelector("[role=grid]").getAttribute("aria-rowcount") === String(wanted + 1), count);
-const loaded = () => page.waitForFunction(() => document.querySelectorAll(".jobs-space .jobs-row").length > 0 && !document.querySelector(".jobs-row.waits"));
+/** The rows of the place scrolled to are there, all of those in view, and none waits for its job. */
+const loaded = () =>
+  page.waitForFunction(() => {
+    const rows = [...document.querySelectorAll(".jobs-space .jobs-row")];
+    if (rows.length === 0 || document.querySelector(".jobs-row.waits")) return false;
+    const view = document.querySelector("[role=grid]");
+    const { top, bottom } = view.getBoundingClientRect();
+    const isAt = (row, index) => row.getAttribute("aria-rowindex") === String(index);
+    const reachesUp = isAt(rows[0], 2) || rows[0].getBoundingClientRect().top <= top;
+    const reachesDown = isAt(rows.at(-1), view.getAttribute("aria-rowcount")) || rows.at(-1).getBoundingClientRect().bottom >= bottom;
+    return reachesUp && reachesDown;
+  });
+/** Requests that the page has made of the daemon since it was opened. */
+const requests = () => page.evaluate(() => performance.getEntriesByType("resource").filter(({ name }) => new URL(name).pathname.startsWith("/v1/")).map(({ name }) => name));
 const shownIds = () => page.$$eval(".jobs-space .jobs-row .jobs-job a", (links) => links.map((link) => link.textContent));
-const activeId = () => page.evaluate(() => document.getElementById(document.querySelector("[role=grid]").getAttribute("aria-activedescendant"))?.querySelector("a")?.textContent);
 /** The active row is drawn a frame after the key that made it active. */
 const becomesActive = (id) => page.waitForFunction((wanted) => document.getElementById(document.querySelector("[role=grid]").getAttribute("aria-activedescendant"))?.querySelector("a")?.textContent === wanted, id);
 async function go(path) {
@@ -26,7 +42,7 @@ async function go(path) {
   await loaded();
 }
 
-test("is usable within a second over a long history", async () => {
+test("is usable over a long history after a few requests for a few rows", async () => {
   await loaded();
   const times = [];
   for (let i = 0; i < 3; ++i) {
@@ -34,18 +50,26 @@ test("is usable within a second over a long history", async () => {
     await loaded();
     times.push(await page.evaluate(() => performance.now()));
   }
-  console.log(`# ${kJobs} jobs: usable after ${times.map((time) => time.toFixed(0)).join(", ")} ms`);
-  assert.equal(await total(), kJobs);
-  assert.ok(Math.min(...times) < 1000, `usable after ${times} ms`);
+  const made = await requests();
+  console.log(`# ${kJobs} jobs: usable after ${times.map((time) => time.toFixed(0)).join(", ")} ms and ${made.length} requests`);
+  await matching(kJobs);
+  assert.ok(made.length < 12, made.join("\n"));
   await becomesActive(`J${kJobs}`);
 });
 
 test("scrolls by fetching what is looked at, and draws little meanwhile", async () => {
   const frames = await page.evaluate(async () => {
     const grid = document.querySelector("[role=grid]");
+    let drawn = 0;
+    const watcher = new MutationObserver((changes) => {
+      for (const { addedNodes } of changes) drawn += [...addedNodes].filter((node) => node.classList?.contains("jobs-row")).length;
+    });
+    watcher.observe(document.querySelector(".jobs-space"), { childList: true });
     const frame = () => new Promise((done) => requestAnimationFrame(done));
     const measure = async (steps, move) => {
       const times = [];
+      performance.clearResourceTimings();
+      drawn = 0;
       let last = performance.now();
       for (let i = 0; i < steps; ++i) {
         move(i / steps);
@@ -54,20 +78,26 @@ test("scrolls by fetching what is looked at, and draws little meanwhile", async 
         last = performance.now();
       }
       times.sort((a, b) => a - b);
-      return { median: times[times.length >> 1], p95: times[Math.floor(times.length * 0.95)], rows: document.querySelectorAll(".jobs-space .jobs-row").length };
+      const rows = document.querySelectorAll(".jobs-space .jobs-row").length;
+      return { median: times[times.length >> 1], p95: times[Math.floor(times.length * 0.95)], rows, drawn, requests: performance.getEntriesByType("resource").length };
     };
     const wheel = await measure(90, () => (grid.scrollTop += 240));
     const drag = await measure(90, (share) => (grid.scrollTop = share * (grid.scrollHeight - grid.clientHeight)));
     return { wheel, drag };
   });
-  console.log(`# frames, ms: wheel median ${frames.wheel.median.toFixed(1)} p95 ${frames.wheel.p95.toFixed(1)}, scrollbar median ${frames.drag.median.toFixed(1)} p95 ${frames.drag.p95.toFixed(1)}`);
-  assert.ok(frames.drag.rows < 80, "only rows in view are there");
-  assert.ok(frames.wheel.median < 50, `a frame takes ${frames.wheel.median} ms`);
+  const said = ({ median, p95, drawn, requests }) => `${median.toFixed(1)} ms a frame, p95 ${p95.toFixed(1)}, ${drawn} rows drawn, ${requests} requests`;
+  console.log(`# wheel: ${said(frames.wheel)}; scrollbar: ${said(frames.drag)}`);
+  for (const { rows } of [frames.wheel, frames.drag]) assert.ok(rows < 80, "only rows in view are there");
+  // The wheel passes 600 rows, each drawn once and in one answer; the scrollbar's every place is another view of 35.
+  assert.ok(frames.wheel.drawn <= 640, `the wheel draws ${frames.wheel.drawn} rows`);
+  assert.ok(frames.wheel.requests <= 12, `the wheel makes ${frames.wheel.requests} requests`);
+  assert.ok(frames.drag.drawn <= 90 * 40, `the scrollbar draws ${frames.drag.drawn} rows`);
+  assert.ok(frames.drag.requests <= 90, `the scrollbar makes ${frames.drag.requests} requests`);
   await grid.press("End");
   await loaded();
   await becomesActive("J1");
   const last = rowOf("J1");
-  assert.equal(await last.getAttribute("aria-rowindex"), String(kJobs + 1));
+  await eventually(async () => assert.equal(await last.getAttribute("aria-rowindex"), String(kJobs + 1)));
 });
 
 test("is read and picked by keys", async () => {
@@ -83,7 +113,7 @@ test("is read and picked by keys", async () => {
   await page.getByText("3 jobs selected").waitFor();
   await page.keyboard.press("Shift+ArrowUp");
   await page.getByText("2 jobs selected").waitFor();
-  assert.equal(await grid.locator("[aria-selected=true]").count(), 2);
+  await eventually(async () => assert.equal(await grid.locator("[aria-selected=true]").count(), 2));
   await shoot(page, "jobs");
   await axeClean(page);
   await page.keyboard.press("v");
@@ -96,17 +126,18 @@ test("is read and picked by keys", async () => {
 test("opens a job and comes back to the place", async () => {
   await page.evaluate(() => (document.querySelector("[role=grid]").scrollTop = 20_000));
   await loaded();
-  await page.waitForTimeout(100);
   const before = await shownIds();
-  await grid.locator(".jobs-space .jobs-row").nth(12).locator(".jobs-scene").click();
-  const id = await activeId();
+  const chosen = grid.locator(".jobs-space .jobs-row").nth(12);
+  const id = await chosen.locator(".jobs-job a").textContent();
+  await chosen.locator(".jobs-scene").click();
+  await becomesActive(id);
   await grid.focus();
   await page.keyboard.press("Enter");
   await page.waitForURL(`**/jobs/${id}`);
   await page.goBack();
   await loaded();
   await page.waitForFunction((wanted) => document.querySelector(`.jobs-job a[href="/jobs/${wanted}"]`), id);
-  assert.deepEqual((await shownIds()).slice(10, 20), before.slice(10, 20));
+  await eventually(async () => assert.deepEqual((await shownIds()).slice(10, 20), before.slice(10, 20)));
   await becomesActive(id);
 });
 
@@ -124,7 +155,7 @@ test("is filtered by words, with suggestions, and by its address", async () => {
   const failed = (await daemon.get("/v1/jobs?view=summary&state=failed&limit=1")).total;
   await matching(failed);
   await loaded();
-  assert.equal(await grid.locator(".state:not(.failed)").count(), 0);
+  await eventually(async () => assert.equal(await grid.locator(".state:not(.failed)").count(), 0));
   await shoot(page, "jobs-failed");
   await page.keyboard.type("method:path_tracing ");
   const both = (await daemon.get("/v1/jobs?view=summary&state=failed&method=path_tracing&limit=1")).total;
@@ -133,8 +164,8 @@ test("is filtered by words, with suggestions, and by its address", async () => {
   // The chips count what matches the other words.
   await page.getByRole("button", { name: /^failed/, pressed: true }).waitFor();
   await go("/jobs?method=path_tracing&state=failed");
-  assert.equal(await total(), both);
-  assert.equal(await page.locator("#jobs-filter").inputValue(), "state:failed method:path_tracing");
+  await matching(both);
+  await eventually(async () => assert.equal(await page.locator("#jobs-filter").inputValue(), "state:failed method:path_tracing"));
   await page.locator("#jobs-filter").fill("state:nonsense");
   await page.keyboard.press("Escape");
   await page.getByText("“nonsense” is none of queued, running, succeeded, failed, cancelled").waitFor();
@@ -150,7 +181,6 @@ test("new jobs come on top and leave what is read in its place", async () => {
   await go("/jobs");
   await page.evaluate(() => (document.querySelector("[role=grid]").scrollTop = 7200));
   await loaded();
-  await page.waitForTimeout(200);
   const placeOf = (id) => page.evaluate((wanted) => document.querySelector(`.jobs-job a[href="/jobs/${wanted}"]`)?.getBoundingClientRect().top, id);
   const read = (await shownIds())[15];
   const before = await placeOf(read);
@@ -159,12 +189,13 @@ test("new jobs come on top and leave what is read in its place", async () => {
   assert.ok(Math.abs((await placeOf(read)) - before) < 1, "the row that was read has moved");
   await page.getByRole("button", { name: /1 new job/ }).click();
   await rowOf(job.id).getByText("succeeded").waitFor();
-  assert.equal(await total(), kJobs + 1);
+  await matching(kJobs + 1);
   // And a job that is watched changes where it stands.
-  const long = await daemon.submit(smallJob({ image: { width: 128, height: 128 }, stop: { seconds: 60 } }));
+  const long = await daemon.submit(smallJob({ image: { width: 128, height: 128 }, stop: { seconds: 600 } }));
   await rowOf(long.id).getByText("running").waitFor();
   await grid.focus();
   await page.keyboard.press("Home");
+  await becomesActive(long.id);
   await page.keyboard.press("c");
   await rowOf(long.id).getByText("cancelled").waitFor();
 });
@@ -172,11 +203,12 @@ test("new jobs come on top and leave what is read in its place", async () => {
 test("many jobs are cancelled, given another priority, retried and removed, and what fails is said", async () => {
   const labels = { bulk: "yes" };
   const ids = [];
-  for (let i = 0; i < 6; ++i) ids.push((await daemon.submit(smallJob({ image: { width: 128, height: 128 }, stop: { seconds: 120 }, labels }))).id);
+  for (let i = 0; i < 6; ++i) ids.push((await daemon.submit(smallJob({ image: { width: 128, height: 128 }, stop: { seconds: 600 }, labels }))).id);
   await go("/jobs?label=bulk%3Dyes");
-  assert.equal(await total(), 6);
+  await matching(6);
   // One by its key.
   await grid.focus();
+  await becomesActive(ids[5]);
   await page.keyboard.press("+");
   await page.getByText(`${ids[5]} has priority 10.`).waitFor();
   assert.equal((await daemon.get(`/v1/jobs/${ids[5]}`)).request.priority, 10);
@@ -215,13 +247,13 @@ test("many jobs are cancelled, given another priority, retried and removed, and 
   await dialog.getByText("That cannot be undone").waitFor();
   await dialog.getByRole("button", { name: "Remove 6 jobs" }).click();
   await page.getByText("No job matches.").waitFor();
-  assert.equal((await daemon.get("/v1/jobs?view=summary&label=bulk%3Dyes&limit=1")).total, 0);
+  await eventually(async () => assert.equal((await daemon.get("/v1/jobs?view=summary&label=bulk%3Dyes&limit=1")).total, 0));
 });
 
 test("fits a telephone", async () => {
   await page.setViewportSize({ width: 390, height: 844 });
   await go("/jobs");
-  assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= 390, "the page scrolls sideways");
+  await fitsItsWidth(page);
   await shoot(page, "jobs-narrow");
   await axeClean(page);
   await page.setViewportSize({ width: 1440, height: 900 });

@@ -3,12 +3,15 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { axeClean, openPage, shoot, smallJob, startDaemon } from "./support.mjs";
+import { axeClean, eventually, fitsItsWidth, openPage, shoot, smallJob, startDaemon } from "./support.mjs";
 
 const daemon = await startDaemon();
 const page = await openPage(daemon, "/render", { expected: /status of 422/ });
 const estimate = page.locator(".render-estimate");
 const json = () => page.getByLabel("The request as JSON");
+/** A form says what it came to a moment after it is written into. */
+const has = (field, value) => eventually(async () => assert.equal(await field.inputValue(), value));
+const says = (path, value) => eventually(async () => assert.deepEqual(JSON.parse(await json().inputValue())[path], value));
 const submitted = async () => {
   await page.getByRole("button", { name: "Render", exact: true }).click();
   await page.waitForURL(/\/jobs\/J\d+$/);
@@ -54,10 +57,10 @@ test("parameters are checked at once in the daemon's words, and reset", async ()
   await photons.fill("5000");
   await page.getByText("1 changed").first().waitFor();
   await page.locator(".render-json summary").click();
-  assert.deepEqual(JSON.parse(await json().inputValue()).method, { name: "photon_mapping", parameters: { photons: 5000 } });
+  await says("method", { name: "photon_mapping", parameters: { photons: 5000 } });
   await page.getByRole("button", { name: "Reset photons" }).click();
-  assert.deepEqual(JSON.parse(await json().inputValue()).method, { name: "photon_mapping" });
-  assert.equal(await photons.inputValue(), "");
+  await says("method", { name: "photon_mapping" });
+  await has(photons, "");
 });
 
 test("every fault the daemon finds stands at its field", async () => {
@@ -74,16 +77,15 @@ test("every fault the daemon finds stands at its field", async () => {
   await shoot(page, "render-faults");
   await axeClean(page);
   await page.locator(".render-faults").getByRole("button").first().click();
-  assert.equal(await page.evaluate(() => document.activeElement.id), "render-labels");
+  await page.waitForFunction(() => document.activeElement.id === "render-labels");
   await page.getByLabel("Labels").fill("study=x");
   await estimate.getByText(/MiB|KiB/).waitFor();
   // What was changed is there after the page was loaded again, and is given up when one starts over.
   await page.reload();
-  await page.getByLabel("Width").waitFor();
-  assert.equal(await page.getByLabel("Width").inputValue(), "256");
+  await has(page.getByLabel("Width"), "256");
   await page.getByRole("button", { name: "Start over" }).click();
-  assert.equal(await page.getByLabel("Width").inputValue(), "512");
-  assert.equal(await page.getByRole("button", { name: "Start over" }).count(), 0);
+  await has(page.getByLabel("Width"), "512");
+  await page.getByRole("button", { name: "Start over" }).waitFor({ state: "detached" });
 });
 
 test("a job is cloned and changed: what is sent is what is shown", async () => {
@@ -101,7 +103,7 @@ test("a job is cloned and changed: what is sent is what is shown", async () => {
   );
   await page.goto(`${daemon.url}/render?from=${first.id}`);
   await page.locator(".render-json summary").click();
-  assert.equal(await page.locator("#render-method-photons").inputValue(), "300");
+  await has(page.locator("#render-method-photons"), "300");
   await page.locator("#render-seed").waitFor({ state: "attached" });
   const same = await submitted();
   assert.deepEqual(same.request, first.request);
@@ -118,10 +120,9 @@ test("a job is cloned and changed: what is sent is what is shown", async () => {
 test("a view of the scene's page, and a scene by its name, are what the form starts with", async () => {
   await page.goto(`${daemon.url}/render?scene=keyhole&eye=0,1,4&target=0,1,0&yfov=0.6`);
   await page.locator(".render-json summary").click();
-  const request = JSON.parse(await json().inputValue());
-  assert.equal(request.scene, "keyhole");
-  assert.deepEqual(request.camera.look_at.target.map(Math.round), [0, 1, 0]);
-  assert.equal(await page.getByLabel("Camera").inputValue(), "own");
+  await says("scene", "keyhole");
+  await eventually(async () => assert.deepEqual(JSON.parse(await json().inputValue()).camera.look_at.target.map(Math.round), [0, 1, 0]));
+  await has(page.getByLabel("Camera"), "own");
 });
 
 test("the JSON is another face of the form", async () => {
@@ -131,8 +132,8 @@ test("the JSON is another face of the form", async () => {
   await json().fill("{ not yet");
   await page.getByText(/This is no JSON/).waitFor();
   await json().fill(text);
-  assert.equal(await page.getByLabel("Width").inputValue(), "40");
-  assert.equal(await page.locator("#render-method-gather").inputValue(), "direct");
+  await has(page.getByLabel("Width"), "40");
+  await has(page.locator("#render-method-gather"), "direct");
   await json().press("Control+Enter");
   await page.waitForURL(/\/jobs\/J\d+$/);
   const job = await daemon.finished(page.url().split("/").at(-1));
@@ -143,7 +144,7 @@ test("fits a telephone", async () => {
   await page.setViewportSize({ width: 390, height: 844 });
   await page.goto(`${daemon.url}/render`);
   await estimate.getByText(/MiB|KiB/).waitFor();
-  assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= 390, "the page scrolls sideways");
+  await fitsItsWidth(page);
   await shoot(page, "render-narrow", { fullPage: true });
   await axeClean(page);
 });

@@ -1,17 +1,20 @@
 // Scenes: found, brought, looked at from anywhere, deleted.
 
 import assert from "node:assert/strict";
-import { test } from "node:test";
+import { afterEach, test } from "node:test";
 
-import { axeClean, expectNoComplaints, openPage, shoot, smallJob, startDaemon } from "./support.mjs";
+import { axeClean, eventually, expectNoComplaints, fitsItsWidth, openPage, shoot, smallJob, startDaemon } from "./support.mjs";
 import { tinyGlb, tinyGltf } from "./tiny_glb.mjs";
 
 const daemon = await startDaemon({ arguments: ["--threads", "1"] });
 
-const cards = (page) => page.locator(".scenes-card:not(.scenes-waits) strong").allInnerTexts();
+afterEach(() => daemon.idle());
+
+/** The first of the cards come to be these. */
+const cardsAre = (page, names) =>
+  eventually(async () => assert.deepEqual((await page.locator(".scenes-card:not(.scenes-waits) strong").allInnerTexts()).slice(0, names.length), names));
 const listed = (page, count) => page.waitForFunction((wanted) => document.querySelectorAll(".scenes-card:not(.scenes-waits)").length === wanted, count);
 const query = (page) => Object.fromEntries(new URL(page.url()).searchParams);
-const took = (page) => page.locator("[data-testid=took]");
 const numbers = (text) => text.split(",").map(Number);
 
 /** Drops files on the page as a desktop would. */
@@ -30,10 +33,10 @@ async function drop(page, files) {
 test("the gallery shows what there is, and its address says what is looked for", async () => {
   const page = await openPage(daemon, "/scenes");
   await listed(page, 8);
-  assert.deepEqual((await cards(page)).slice(0, 2), ["cornell-box", "cornell-box-spot"]);
+  await cardsAre(page, ["cornell-box", "cornell-box-spot"]);
   const first = page.locator(".scenes-card img").first();
   await first.waitFor();
-  assert.equal(await first.evaluate((image) => image.complete && image.naturalWidth), 256);
+  await eventually(async () => assert.equal(await first.evaluate((image) => image.complete && image.naturalWidth), 256));
   await shoot(page, "scenes");
   await axeClean(page);
 
@@ -41,20 +44,22 @@ test("the gallery shows what there is, and its address says what is looked for",
   await page.keyboard.type("box gl");
   await listed(page, 2);
   await page.getByLabel("Order").selectOption("triangles");
-  assert.deepEqual(await cards(page), ["cornell-box-glass", "cornell-box-glossy"]);
-  assert.deepEqual(query(page), { q: "box gl", sort: "triangles" });
+  await cardsAre(page, ["cornell-box-glass", "cornell-box-glossy"]);
+  await eventually(() => assert.deepEqual(query(page), { q: "box gl", sort: "triangles" }));
   await page.reload();
   await listed(page, 2);
-  assert.deepEqual(await cards(page), ["cornell-box-glass", "cornell-box-glossy"]);
-  assert.equal(await page.getByLabel("Search").inputValue(), "box gl");
+  await cardsAre(page, ["cornell-box-glass", "cornell-box-glossy"]);
+  await eventually(async () => assert.equal(await page.getByLabel("Search").inputValue(), "box gl"));
 
   await page.getByLabel("Search").fill("no such");
   await page.getByText("No scene has “no such” in its name.").waitFor();
-  await page.getByRole("link", { name: "Photon splatting's figures" }).click();
-  await listed(page, 3);
+  for (const [family, scenes] of [["Details of rooms", 7], ["Caustics", 1], ["Progressive photon mapping", 6], ["Photon splatting's figures", 3]]) {
+    await page.getByRole("link", { name: family }).click();
+    await listed(page, scenes);
+  }
   await page.getByRole("link", { name: "photon-splatting/plate" }).click();
   await page.getByRole("heading", { level: 1, name: "photon-splatting/plate" }).waitFor();
-  assert.equal(new URL(page.url()).pathname, "/scenes/photon-splatting%2Fplate");
+  await eventually(() => assert.equal(new URL(page.url()).pathname, "/scenes/photon-splatting%2Fplate"));
   // The daemon itself serves the page for a name with a slash.
   await page.reload();
   await page.getByRole("heading", { level: 1, name: "photon-splatting/plate" }).waitFor();
@@ -67,7 +72,7 @@ test("scenes are brought by a drop or by choice, and what is wrong with one is s
   await drop(page, [{ name: "squares.glb", content: tinyGlb() }]);
   await page.getByText("squares is here.").waitFor();
   await listed(page, 9);
-  assert.equal((await cards(page))[0], "squares");
+  await cardsAre(page, ["squares"]);
 
   // The same bytes again are the same scene.
   await drop(page, [{ name: "squares again.glb", content: tinyGlb() }]);
@@ -81,7 +86,7 @@ test("scenes are brought by a drop or by choice, and what is wrong with one is s
   await drop(page, [{ name: "broken.glb", content: broken }]);
   const faults = page.locator(".scenes-upload.failed", { hasText: "broken" });
   await faults.waitFor();
-  assert.match(await faults.innerText(), /\/meshes\/0\/primitives\/0/);
+  await eventually(async () => assert.match(await faults.innerText(), /\/meshes\/0\/primitives\/0/));
   await drop(page, [{ name: "notes.txt", content: Buffer.from("?") }]);
   await page.getByText("notes.txt is not a scene").waitFor();
   await shoot(page, "scenes-uploads");
@@ -105,28 +110,37 @@ test("a scene is looked at from anywhere, and its address brings the view back",
   await page.mouse.down();
   for (let step = 1; step <= 10; ++step) await page.mouse.move(middle.x + 6 * step, middle.y + 3 * step);
   await page.mouse.up();
-  await page.waitForFunction(() => new URLSearchParams(location.search).has("eye"));
-  const orbited = query(page);
+  // The link leads to the view as it is; the address follows once that is at rest, which it may have seemed before.
+  const forward = page.getByRole("link", { name: "Render from here" });
+  const atRest = () =>
+    eventually(async () => {
+      const now = query(page);
+      const linked = new URL(await forward.getAttribute("href"), page.url()).searchParams;
+      assert.ok(now.eye);
+      assert.deepEqual(Object.fromEntries(linked), { scene: "cornell-box", ...now });
+      return now;
+    });
+  const orbited = await atRest();
   assert.equal(orbited.camera, undefined);
   await page.waitForFunction((before) => document.querySelector(".scene-picture img")?.getAttribute("src") !== before, exact);
 
   const distance = ({ eye, target }) => Math.hypot(...numbers(eye).map((value, k) => value - numbers(target)[k]));
   await page.mouse.wheel(0, -300);
   await page.waitForFunction((before) => new URLSearchParams(location.search).get("eye") !== before, orbited.eye);
-  const nearer = query(page);
+  const nearer = await atRest();
   assert.equal(nearer.target, orbited.target);
   assert.ok(Math.abs(distance(nearer) / distance(orbited) - 1.1 ** -3) < 1e-3);
 
   await stage.focus();
   await page.keyboard.press("Shift+ArrowLeft");
   await page.waitForFunction((before) => new URLSearchParams(location.search).get("target") !== before, nearer.target);
-  const panned = query(page);
+  const panned = await atRest();
   assert.ok(Math.abs(distance(panned) - distance(nearer)) < 1e-3);
 
   await page.getByText(/512 × 384, 16 passes in/).waitFor();
-  const link = new URL(await page.getByRole("link", { name: "Render from here" }).getAttribute("href"), page.url());
-  assert.deepEqual(Object.fromEntries(link.searchParams), { scene: "cornell-box", ...panned });
+  assert.deepEqual(await atRest(), panned);
   await page.getByRole("button", { name: "Copy camera" }).click();
+  await page.getByText("The camera is copied").waitFor();
   const { look_at } = JSON.parse(await page.evaluate(() => navigator.clipboard.readText()));
   assert.deepEqual(look_at.eye, numbers(panned.eye));
   // A job takes what was copied.
@@ -135,13 +149,13 @@ test("a scene is looked at from anywhere, and its address brings the view back",
 
   await page.reload();
   await image.waitFor();
-  assert.deepEqual(query(page), panned);
+  assert.deepEqual(await atRest(), panned);
   await page.getByRole("button", { name: /^camera/ }).click();
   await page.waitForFunction(() => new URLSearchParams(location.search).get("camera") === "camera");
-  assert.equal(await page.getByRole("button", { name: /^camera/ }).getAttribute("aria-pressed"), "true");
+  await page.getByRole("button", { name: /^camera/, pressed: true }).waitFor();
   await page.goBack();
   await page.waitForFunction((eye) => new URLSearchParams(location.search).get("eye") === eye, panned.eye);
-  assert.equal(await page.getByRole("button", { name: /^camera/ }).getAttribute("aria-pressed"), "false");
+  await page.getByRole("button", { name: /^camera/, pressed: false }).waitFor();
   expectNoComplaints(page);
 });
 
@@ -150,7 +164,7 @@ test("a scene is deleted once nothing needs it, and an unknown one is said to be
   const page = await openPage(daemon, `/scenes/${id}`, { expected: /status of 4/, width: 390, height: 844 });
   await page.getByText(/16 passes in/).waitFor();
   await page.getByText("The file has none").waitFor();
-  assert.equal(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), true);
+  await fitsItsWidth(page);
   await shoot(page, "scene-narrow", { fullPage: true });
 
   // Only now: beside a job the picture above would be drawn with what the job leaves.

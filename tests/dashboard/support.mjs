@@ -2,6 +2,7 @@
 //
 //   const daemon = await startDaemon();            // stopped when the file's tests are over
 //   const page = await openPage(daemon, "/jobs");  // closed likewise; every complaint of the browser fails the test
+//   await eventually(async () => assert.equal(await page.locator("li").count(), 2));  // what a page comes to
 //   await shoot(page, "jobs-empty");               // a picture to look at, in both themes: $PHOTOND_SCREENSHOTS
 //   await axeClean(page);                          // WCAG A and AA, in both themes
 //
@@ -23,6 +24,23 @@ const here = dirname(fileURLToPath(import.meta.url));
 export const bin = process.env.PHOTOND_BIN ?? resolve(here, "../../build/bin");
 const screenshots = process.env.PHOTOND_SCREENSHOTS ?? resolve(bin, "../dashboard_screenshots");
 const axeSource = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+
+/**
+ * How long is waited for what is to come. A machine with two cores that runs several tests at once may take long for it,
+ * and only who waits in vain notices how long it is.
+ */
+export const kPatienceMs = 200_000;
+
+/** What `check` gives once it does not throw any more; when it still does after a long time, its last word stands. */
+export async function eventually(check) {
+  for (const end = Date.now() + kPatienceMs; ; await new Promise((done) => setTimeout(done, 50))) {
+    try {
+      return await check();
+    } catch (failure) {
+      if (Date.now() > end) throw failure;
+    }
+  }
+}
 
 const kChromiumArguments = [
   "--no-sandbox",
@@ -86,6 +104,30 @@ class Daemon {
     }
   }
 
+  /** The job once it runs. */
+  running(id) {
+    return eventually(async () => {
+      const job = await this.get(`/v1/jobs/${id}`);
+      assert.equal(job.state, "running");
+      return job;
+    });
+  }
+
+  /** Cancels what a test has left queued or running: a test that fails midway must not take the next one along. */
+  async idle() {
+    if (this.process.exitCode !== null || this.process.signalCode !== null) return;
+    const left = (await this.get("/v1/jobs?view=summary&state=queued,running&limit=1000")).items;
+    for (const { id } of left) await fetch(`${this.url}/v1/jobs/${id}`, { method: "DELETE" }).then((answer) => answer.arrayBuffer());
+    for (const { id } of left) await eventually(async () => assert.ok(!["queued", "running"].includes(await this.stateOf(id)), `${id} goes on`));
+  }
+
+  /** Null for a job that is not there any more. */
+  async stateOf(id) {
+    const answer = await fetch(`${this.url}/v1/jobs/${id}`);
+    const { state } = await answer.json();
+    return answer.ok ? state : null;
+  }
+
   /** Submits a job and gives it once it has succeeded. */
   async run(job) {
     const done = await this.finished((await this.submit(job)).id);
@@ -146,7 +188,7 @@ export async function startDaemon({ data, listen = "127.0.0.1:0", arguments: mor
 let started;
 /** The file's one browser. */
 export function browser() {
-  started ??= chromium.launch({ executablePath: "/usr/bin/chromium", args: kChromiumArguments }).then((found) => {
+  started ??= chromium.launch({ executablePath: "/usr/bin/chromium", args: kChromiumArguments, timeout: 2 * kPatienceMs }).then((found) => {
     closing.push(() => found.close());
     return found;
   });
@@ -166,7 +208,7 @@ export async function openPage(daemon, path = "/", { width = 1440, height = 900,
   ofTest?.push(context);
   await context.grantPermissions(["clipboard-read", "clipboard-write"], { origin: daemon.url });
   const page = await context.newPage();
-  page.setDefaultTimeout(20_000);
+  page.setDefaultTimeout(kPatienceMs);
   page.complaints = [];
   const complain = (text) => {
     if (!expected?.test(text) && !WAITING_PICTURE.test(text)) page.complaints.push(text);
@@ -177,6 +219,15 @@ export async function openPage(daemon, path = "/", { width = 1440, height = 900,
   });
   await page.goto(daemon.url + path);
   return page;
+}
+
+/** Waits until nothing of the page is wider than its window. */
+export async function fitsItsWidth(page) {
+  const { width } = page.viewportSize();
+  await eventually(async () => {
+    const wide = await page.evaluate(() => document.documentElement.scrollWidth);
+    assert.ok(wide <= width, `the page scrolls sideways: ${wide} pixels in ${width}`);
+  });
 }
 
 /** Fails by whatever the browser has complained of on this page. */

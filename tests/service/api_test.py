@@ -13,14 +13,14 @@ import unittest
 import urllib.parse
 
 import tiny_scene
-from photond_daemon import BIN, Daemon, DaemonTestCase, small_job
+from photond_daemon import BIN, Daemon, DaemonTestCase, patience, small_job, wait_until
 
 
 class EventStream:
     """Reads server-sent events."""
 
     def __init__(self, daemon, path, last_event_id=None, headers=None):
-        self.connection = http.client.HTTPConnection(daemon.address, daemon.port, timeout=60)
+        self.connection = http.client.HTTPConnection(daemon.address, daemon.port, timeout=patience())
         headers = dict(headers or {})
         if last_event_id is not None:
             headers["Last-Event-ID"] = str(last_event_id)
@@ -279,10 +279,7 @@ class ApiTest(DaemonTestCase):
         self.assertEqual((reply.status, reply.json["id"]), (202, job_id))
         self.daemon.wait_for_job(job_id, states=("running",))
         self.assertIn(self.request("DELETE", f"/v1/jobs/{job_id}?purge=true").status, (200, 202))
-        for _ in range(500):
-            if self.request("GET", f"/v1/jobs/{job_id}").status == 404:
-                break
-            time.sleep(0.02)
+        wait_until(lambda: self.request("GET", f"/v1/jobs/{job_id}").status == 404, "it is not removed")
         self.assert_problem(self.request("GET", f"/v1/jobs/{job_id}"), 404, "not_found")
 
     def test_the_film_so_far(self):
@@ -396,16 +393,24 @@ class TokensTest(unittest.TestCase):
                 return daemon.request("GET", "/v1/jobs", headers={"Authorization": f"Bearer {token}"})
             replies = [status(f"guess-{i}") for i in range(10)]
             self.assertEqual([reply.status for reply in replies], [401] * 10)
-            guesser = http.client.HTTPConnection(daemon.address, daemon.port, timeout=60)
-            guesser.request("GET", "/v1/jobs", headers={"Authorization": "Bearer guess-10"})
-            # Others are answered before the guesser is; the right token is, from the same address too.
-            for _ in range(3):
-                self.assertEqual(status(tokens["read"]).status, 200)
-            self.assertEqual(select.select([guesser.sock], [], [], 0)[0], [])
-            response = guesser.getresponse()
-            self.assertEqual((response.status, json.loads(response.read())["code"]), (429, "too_many_requests"))
-            self.assertGreaterEqual(int(response.headers["Retry-After"]), 1)
-            guesser.close()
+
+            def answered_after_others():
+                guesser = http.client.HTTPConnection(daemon.address, daemon.port, timeout=patience())
+                guesser.request("GET", "/v1/jobs", headers={"Authorization": "Bearer guess-10"})
+                for _ in range(3):
+                    self.assertEqual(status(tokens["read"]).status, 200)
+                waits = not select.select([guesser.sock], [], [], 0)[0]
+                response = guesser.getresponse()
+                answer = json.loads(response.read())
+                guesser.close()
+                if response.status == 401:  # it took so long to get here that one more guess is free
+                    return False
+                self.assertEqual((response.status, answer["code"]), (429, "too_many_requests"))
+                self.assertGreaterEqual(int(response.headers["Retry-After"]), 1)
+                return waits
+            # Others are answered before the guesser is; the right token is, from the same address too. A guesser is held
+            # for a second, in which a busy machine may not get three answers done: then the next one is looked at.
+            self.assertTrue(any(answered_after_others() for _ in range(10)), "a guesser is answered as soon as others")
             log = daemon.log()
             self.assertIn("not known, from 127.0.0.1", log)
             self.assertLessEqual(log.count("not known, from"), 12)

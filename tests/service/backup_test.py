@@ -13,7 +13,7 @@ import time
 import unittest
 
 import tiny_scene
-from photond_daemon import BIN, Daemon, PATIENCE, small_job, wait_until
+from photond_daemon import BIN, Daemon, patience, small_job, wait_until
 
 OK, FAULTS, FAILED = 0, 2, 1
 LONGER = {"size": 64, "passes": 1500}
@@ -48,7 +48,7 @@ class DataCase(unittest.TestCase):
         return scene.json["id"], image.json["id"]
 
     def photond(self, *arguments, status):
-        ended = subprocess.run([BIN / "photond", *arguments], capture_output=True, text=True, timeout=PATIENCE * 60,
+        ended = subprocess.run([BIN / "photond", *arguments], capture_output=True, text=True, timeout=patience(),
                                check=False)
         self.assertEqual(ended.returncode, status, ended)
         return ended
@@ -72,7 +72,7 @@ class DataCase(unittest.TestCase):
     def photonctl(self, *arguments, daemon=None, status=0):
         daemon = daemon or self.daemon
         ended = subprocess.run([BIN / "photonctl", *map(str, arguments)], capture_output=True, text=True,
-                               timeout=PATIENCE * 60, check=False,
+                               timeout=patience(), check=False,
                                env={**os.environ, "PHOTOND_URL": f"http://127.0.0.1:{daemon.port}"})
         self.assertEqual(ended.returncode, status, ended)
         return ended

@@ -30,8 +30,8 @@ def submit(daemon, body):
     return reply.json["id"]
 
 
-def wait_until(daemon, comparison_id, condition, timeout_s=120, look_every_s=0.02):
-    deadline = deadline_after(timeout_s)
+def wait_until(daemon, comparison_id, condition, look_every_s=0.02):
+    deadline = deadline_after()
     while True:
         found = get(daemon, comparison_id)
         if condition(found):

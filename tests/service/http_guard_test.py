@@ -9,10 +9,9 @@ import os
 import pathlib
 import resource
 import socket
-import time
 import unittest
 
-from photond_daemon import UNDER_SANITIZER, Daemon, small_job
+from photond_daemon import UNDER_SANITIZER, Daemon, small_job, wait_until
 
 # Over each probe: peak resident while it runs, minus resident before. A sanitizer keeps a shadow of what was touched.
 GROWTH_LIMIT_MIB = 128 if UNDER_SANITIZER else 32
@@ -300,11 +299,7 @@ class GuardTest(unittest.TestCase):
             client.send(request * 30)
             before = self.connections_to_daemon()
             self.assertGreaterEqual(before, 1)
-            for _ in range(600):
-                if self.connections_to_daemon() < before:
-                    break
-                time.sleep(0.05)
-            self.assertLess(self.connections_to_daemon(), before)
+            wait_until(lambda: self.connections_to_daemon() < before, "its connection stays")
 
     def connections_to_daemon(self):
         """Sockets the daemon holds that are connected to a client."""
@@ -462,14 +457,12 @@ class LimitsTest(unittest.TestCase):
             for client in held[1:]:  # they are not disturbed
                 client.send(get())
                 self.assertEqual(client.read_answer()[0], 200)
-            reply = None
-            for _ in range(200):  # the closed one's place is free once the daemon has seen it
+
+            def served():
                 with RawClient(daemon) as one_more, contextlib.suppress(ConnectionError):
                     one_more.send(get())
-                    reply = one_more.read_answer()
-                if reply and reply[0] == 200:
-                    break
-            self.assertEqual(reply[0], 200)
+                    return one_more.read_answer()[0] == 200
+            wait_until(served, "the closed one's place is not free")  # it is once the daemon has seen it
 
     def test_the_rate_limit_knows_clients_by_their_real_address(self):
         with Daemon("--max-rate", "0.5") as daemon:

@@ -21,7 +21,7 @@ import unittest
 
 from api_test import make_tokens
 from many_jobs import fill_history
-from photond_daemon import UNDER_SANITIZER, Daemon, deadline_after, needs_root, small_job
+from photond_daemon import UNDER_SANITIZER, Daemon, deadline_after, needs_root, patience, small_job
 
 LIMIT_MIB = 160  # resident, whatever clients do
 LONG_LIST = "/v1/jobs?limit=1000"
@@ -39,7 +39,7 @@ def resident_mib(daemon, field="VmRSS"):
 
 def asked(daemon, path, token=None, method="GET", body=None):
     """A socket on which a request was sent and nothing is read."""
-    client = socket.create_connection((daemon.address, daemon.port), timeout=60)
+    client = socket.create_connection((daemon.address, daemon.port), timeout=patience())
     head = f"{method} {path} HTTP/1.1\r\nHost: {daemon.address}\r\n"
     if token:
         head += f"Authorization: Bearer {token}\r\n"
@@ -76,8 +76,8 @@ class LoadCase(unittest.TestCase):
         lines = self.get("/metrics").text.splitlines()
         return sum(float(line.split()[-1]) for line in lines if line.startswith(series))
 
-    def wait_for(self, what, done, seconds=60):
-        deadline = deadline_after(seconds)
+    def wait_for(self, what, done):
+        deadline = deadline_after()
         while not done():
             self.assertLess(time.monotonic(), deadline, what)
             time.sleep(0.02)
@@ -156,7 +156,7 @@ class Load(LoadCase):
         self.assertEqual(page["next_cursor"], seen[9][1:])
         for job in page["items"]:
             self.assertEqual(job, self.get("/v1/jobs/" + job["id"]).json)
-        connection = http.client.HTTPConnection(self.daemon.address, self.daemon.port, timeout=60)
+        connection = http.client.HTTPConnection(self.daemon.address, self.daemon.port, timeout=patience())
         self.addCleanup(connection.close)
         connection.request("HEAD", "/v1/jobs?limit=50")
         head = connection.getresponse()
@@ -200,7 +200,7 @@ class Shares(LoadCase):
 class Descriptors(unittest.TestCase):
     def idle(self, stack, daemon, clients):
         for _ in range(clients):
-            stack.enter_context(socket.create_connection((daemon.address, daemon.port), timeout=60))
+            stack.enter_context(socket.create_connection((daemon.address, daemon.port), timeout=patience()))
 
     def test_few_are_enough_to_say_that_it_is_alive(self):
         with Daemon(open_files=64) as daemon, contextlib.ExitStack() as stack:
@@ -213,7 +213,7 @@ class Descriptors(unittest.TestCase):
             self.assertEqual((reply.status, reply.headers["retry-after"]), (503, "1"))
             self.assertIn("connections are taken", reply.text)
             stack.close()
-            deadline = deadline_after(60)
+            deadline = deadline_after()
             while daemon.request("GET", "/v1/jobs").status != 200:
                 self.assertLess(time.monotonic(), deadline)
             self.assertEqual(daemon.run_job(small_job())["state"], "succeeded")
@@ -228,7 +228,7 @@ class Descriptors(unittest.TestCase):
             resource.prlimit(daemon.process.pid, resource.RLIMIT_NOFILE, (taken, taken))
             self.idle(stack, daemon, 20)
             for _ in range(5):
-                self.assertEqual(daemon.request("GET", "/healthz", timeout_s=30).status, 200)
+                self.assertEqual(daemon.request("GET", "/healthz").status, 200)
 
 
 @unittest.skipUnless("PHOTOND_LONG" in os.environ, "takes an idle machine")
@@ -251,7 +251,7 @@ class LongLoad(LoadCase):
         milliseconds = []
 
         def ask():
-            connection = http.client.HTTPConnection(self.daemon.address, self.daemon.port, timeout=60)
+            connection = http.client.HTTPConnection(self.daemon.address, self.daemon.port, timeout=patience())
             for _ in range(200):
                 begun = time.perf_counter()
                 connection.request("GET", "/v1/jobs")

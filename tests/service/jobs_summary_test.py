@@ -62,7 +62,7 @@ class SummaryTest(Lists):
         job_id = self.daemon.submit(small_job(size=16, passes=ENDLESS, labels={"study": "now"}))["id"]
         self.addCleanup(self.daemon.wait_for_job, job_id)
         self.addCleanup(self.daemon.request, "DELETE", f"/v1/jobs/{job_id}")
-        deadline = deadline_after(60)
+        deadline = deadline_after()
         while True:
             (summary,) = self.page("view=summary&state=queued,running&label=study%3Dnow")["items"]
             if summary["passes_done"] > 0:
@@ -74,6 +74,7 @@ class SummaryTest(Lists):
 
     def test_waiting_jobs_are_listed_as_they_will_run(self):
         endless = self.daemon.submit(small_job(size=16, passes=ENDLESS, priority=100))["id"]
+        self.daemon.wait_for_job(endless, states=("running",))  # and so in the queue no more
         reference = {"method": {"name": "path_tracing"}, "stop": {"passes": 3}}
         plain = self.daemon.submit(small_job(labels={"study": "order"}))["id"]
         measured = self.daemon.submit(small_job(labels={"study": "order"}, reference=reference))

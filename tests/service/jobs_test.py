@@ -24,7 +24,7 @@ class JobsTest(DaemonTestCase):
     def endless(self):
         """A job that runs until it is cancelled; returned when its first pass is done."""
         job = self.daemon.submit(small_job(size=16, passes=ENDLESS))
-        deadline = deadline_after(60)
+        deadline = deadline_after()
         while not self.daemon.job(job["id"])["passes_done"]:
             self.assertLess(time.monotonic(), deadline, "no pass was done")
             time.sleep(0.02)
@@ -109,7 +109,7 @@ class JobsTest(DaemonTestCase):
         self.assertFalse(list(films.glob(job["id"] + "-*")))
         running = self.endless()
         self.assertEqual(self.daemon.request("DELETE", f"/v1/jobs/{running}?purge=true").status, 202)
-        deadline = deadline_after(30)
+        deadline = deadline_after()
         while self.daemon.request("GET", f"/v1/jobs/{running}").status != 404:
             self.assertLess(time.monotonic(), deadline)
             time.sleep(0.02)

@@ -22,6 +22,9 @@ from photond_daemon import Daemon, small_job, wait_until  # noqa: E402
 
 SEEDS = 3
 CLIENTS = 2
+# Clients are paced by kills, not by the clock, so that a slow machine does the same work as a fast one.
+KILLS_PER_JOB = 3          # of one client
+KILLS_PER_COMPARISON = 40
 PASSES = 300
 SIZE = 48
 COMPARISON = {
@@ -76,6 +79,8 @@ class Disturbed(unittest.TestCase):
         self.seeds = {}     # key -> seed of a job; none for a comparison
         self.done = threading.Event()
         self.lock = threading.Lock()
+        self.struck = threading.Condition()
+        self.strikes = 0    # kills so far
 
     # --- looking ------------------------------------------------------------------------------------------------------
     @staticmethod
@@ -88,7 +93,7 @@ class Disturbed(unittest.TestCase):
         return reply.json
 
     def comparison_over(self, comparison_id):
-        wait_until(lambda: self.comparison(comparison_id)["state"] in OVER, f"{comparison_id} does not end", 600)
+        wait_until(lambda: self.comparison(comparison_id)["state"] in OVER, f"{comparison_id} does not end")
         return self.comparison(comparison_id)
 
     def report_of(self, comparison):
@@ -114,17 +119,25 @@ class Disturbed(unittest.TestCase):
             if self.done.wait(0.02):
                 return False
 
+    def wait_for_strikes(self, count):
+        """False when the test ends first."""
+        with self.struck:
+            self.struck.wait_for(lambda: self.strikes >= count or self.done.is_set())
+        return not self.done.is_set()
+
     def submit_jobs(self, name):
         for number in range(1_000_000):
             key, seed = f"{name}-{number}", number % SEEDS + 1
             self.seeds[key] = seed
-            if not self.submit_until_answered("/v1/jobs", job_of(seed), key) or self.done.wait(1.0):
+            if not (self.submit_until_answered("/v1/jobs", job_of(seed), key)
+                    and self.wait_for_strikes((number + 1) * KILLS_PER_JOB)):
                 return
 
     def submit_comparisons(self):
         for number in range(1_000_000):
             key = f"comparison-{number}"
-            if not self.submit_until_answered("/v1/comparisons", COMPARISON, key) or self.done.wait(20):
+            if not (self.submit_until_answered("/v1/comparisons", COMPARISON, key)
+                    and self.wait_for_strikes((number + 1) * KILLS_PER_COMPARISON)):
                 return
 
     def kill_daemon(self):
@@ -152,7 +165,7 @@ class Disturbed(unittest.TestCase):
     def succeeded(self, job_id):
         """The job, over; one that was hit at every attempt is retried until it is through."""
         while True:
-            job = self.daemon.wait_for_job(job_id, timeout_s=600)
+            job = self.daemon.wait_for_job(job_id)
             if job["state"] == "succeeded":
                 return job
             self.assertEqual((job["state"], job["failure"]["code"]), ("failed", "worker_lost"), job["failure"])
@@ -176,8 +189,13 @@ class Disturbed(unittest.TestCase):
                     hit["daemon"] += 1
                 elif self.kill_worker():
                     hit["worker"] += 1
+                with self.struck:
+                    self.strikes = sum(hit.values())
+                    self.struck.notify_all()
         finally:
-            self.done.set()
+            with self.struck:
+                self.done.set()
+                self.struck.notify_all()
             for thread in threads:
                 thread.join()
 

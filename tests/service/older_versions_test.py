@@ -101,7 +101,7 @@ class OlderVersionsTest(unittest.TestCase):
             finally:
                 shutil.rmtree(kept)
         print("the store's version when the start was killed:", versions)
-        self.assertEqual(versions[0], STORE_VERSION)
+        self.assertIn(STORE_VERSION, versions, "no kill came before the store was brought up to date")
         self.daemon.start()
         self.daemon.wait_ready()
         self.assertEqual(self.daemon.job(self.other_scene["id"])["request"]["labels"], {"study": "old"})

@@ -6,6 +6,7 @@ import re
 import signal
 import struct
 import subprocess
+import threading
 import time
 import unittest
 import zipfile
@@ -13,7 +14,7 @@ import zipfile
 import OpenImageIO as oiio
 
 from bad_weather import BadWeather
-from photond_daemon import BIN, Daemon
+from photond_daemon import BIN, Daemon, patience, wait_until
 from photonctl_case import (CANCELLED, INTERRUPTED, LOCAL_FILE, OK, REFUSED, SMALL, TIMED_OUT, UNREACHABLE, USAGE, Case, cli,
                             json_lines)
 
@@ -138,9 +139,9 @@ class Rendering(Case):
 
 
 class Waiting(Case):
-    """Jobs that would take a minute: stopping to watch is not stopping to render."""
+    """Jobs that would take minutes: stopping to watch is not stopping to render."""
 
-    LONG = ["render", "cornell-box", "--width", "32", "--height", "32", "--seconds", "60"]
+    LONG = ["render", "cornell-box", "--width", "32", "--height", "32", "--seconds", "600"]
 
     def start_long(self, *more):
         process = cli.popen(*self.LONG, *more)
@@ -157,7 +158,7 @@ class Waiting(Case):
     def test_an_interrupt_leaves_the_job_running(self):
         process, job = self.start_long()
         process.send_signal(signal.SIGINT)
-        self.assertEqual(process.wait(30), INTERRUPTED)
+        self.assertEqual(process.wait(patience()), INTERRUPTED)
         self.assertIn(f"photonctl jobs watch {job}", process.stderr.read())
         self.assertEqual(daemon.job(job)["state"], "running")
 
@@ -168,7 +169,7 @@ class Waiting(Case):
             time.sleep(0.02)
             daemon_job = daemon.job(job)
         process.send_signal(signal.SIGINT)
-        self.assertEqual(process.wait(30), CANCELLED)
+        self.assertEqual(process.wait(patience()), CANCELLED)
         self.assertEqual(daemon.job(job)["state"], "cancelled")
         self.assertTrue((folder / "interrupted.exr").read_bytes().startswith(b"\x76\x2f\x31\x01"))
 
@@ -418,21 +419,30 @@ class Weather(Case):
         self.through([("GET", "image.exr", "drop")], OK, "jobs", "fetch", job["id"], "-o", "whole.exr")
         self.assertEqual((folder / "whole.exr").read_bytes(), daemon.request("GET", f"/v1/jobs/{job['id']}/image.exr").body)
 
-    def watch(self, faults):
-        """Watches a job of a second or so through `faults`."""
-        job = self.run_ok("render", "cornell-box", "--width", 32, "--height", 32, "--seconds", 1.5, "--no-wait").stdout.strip()
-        _, seen = self.through(faults, OK, "jobs", "watch", job)
-        self.assertEqual(daemon.job(job)["state"], "succeeded")
-        return [headers for method, path, headers in seen if path.endswith("/events")]
+    def watch(self, faults, streams, then=0):
+        """Watches a job through `faults` until it is cancelled, once the proxy has_seen() that; the streams asked for."""
+        job = self.run_ok("render", "cornell-box", "--width", 32, "--height", 32, "--seconds", 600, "--no-wait").stdout.strip()
+        self.addCleanup(daemon.request, "DELETE", f"/v1/jobs/{job}")
+        with BadWeather(cli.url(), faults) as proxy:
+            def cancel():
+                wait_until(lambda: proxy.has_seen(streams, then), "it does not ask so often")
+                daemon.request("DELETE", f"/v1/jobs/{job}")
+            canceller = threading.Thread(target=cancel)
+            canceller.start()
+            self.run_for(CANCELLED, "jobs", "watch", job, PHOTOND_URL=proxy.url)
+            canceller.join()
+            self.assertEqual(proxy.faults, [], "not every fault was met")
+        self.assertEqual(daemon.job(job)["state"], "cancelled")
+        return proxy.streams()
 
     def test_a_broken_event_stream_is_taken_up_where_it_broke(self):
-        streams = self.watch([("GET", "/events$", "cut")])
+        streams = self.watch([("GET", "/events$", "cut")], 2)
         self.assertGreaterEqual(len(streams), 2)
         self.assertNotIn("Last-Event-ID", streams[0])
         self.assertTrue(streams[1]["Last-Event-ID"].isdigit())
 
     def test_without_event_streams_the_job_is_asked_again_and_again(self):
-        self.assertEqual(len(self.watch([("GET", "/events$", "404")] * 3)), 3)
+        self.assertEqual(len(self.watch([("GET", "/events$", "404")] * 3, 3, then=3)), 3)
 
 
 if __name__ == "__main__":

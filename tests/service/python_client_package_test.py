@@ -12,14 +12,14 @@ import tempfile
 import unittest
 import zipfile
 
-from photond_daemon import PATIENCE, Daemon
+from photond_daemon import Daemon, patience
 from python_client_case import PACKAGE, SOURCE, url_of
 
 PYTHON = "/usr/bin/python3"
 
 
 def run(*command, **more):
-    result = subprocess.run([str(word) for word in command], capture_output=True, text=True, timeout=PATIENCE * 300,
+    result = subprocess.run([str(word) for word in command], capture_output=True, text=True, timeout=patience(),
                             **more)
     if result.returncode != 0:
         raise AssertionError(f"{command}: {result.returncode}\n{result.stdout}\n{result.stderr}")
@@ -88,7 +88,7 @@ class PackageTest(unittest.TestCase):
             file = self.folder / "uses.py"
             file.write_text(f"import photond\nclient = photond.Client()\n{line}\n")
             result = subprocess.run([PYTHON, "-m", "mypy", "--strict", "--cache-dir", str(self.folder / "mypy"), str(file)],
-                                    capture_output=True, text=True, timeout=300,
+                                    capture_output=True, text=True, timeout=patience(),
                                     env={**self.environment, "MYPYPATH": str(PACKAGE)})
             return result.stdout
 

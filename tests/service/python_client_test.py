@@ -19,7 +19,7 @@ import numpy
 import OpenImageIO as oiio
 
 import tiny_scene
-from photond_daemon import BIN, Daemon
+from photond_daemon import BIN, Daemon, patience, wait_until
 from python_client_case import PACKAGE, SMALL, Case, fixture, gltf_folder, photond, url_of
 
 setUpModule, tearDownModule = fixture.start, fixture.stop
@@ -57,7 +57,7 @@ class Examples(Case):
         self.client.render("cornell-box", **SMALL).save(place / "fine.exr")
         script = place / "readme.py"
         script.write_text("\n".join(blocks))
-        result = subprocess.run([sys.executable, script.name], cwd=place, capture_output=True, text=True, timeout=300,
+        result = subprocess.run([sys.executable, script.name], cwd=place, capture_output=True, text=True, timeout=patience(),
                                 env={**os.environ, "PHOTOND_URL": url_of(self.daemon), "PYTHONPATH": str(PACKAGE),
                                      "MPLBACKEND": "agg"})
         self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
@@ -87,7 +87,9 @@ class Scenes(Case):
     def test_views(self):
         scene = self.client.scene("cornell-box")
         view = scene.default_view
-        self.assertEqual(scene.preview(), scene.preview({"look_at": view}))
+        # One pass: a picture of more is given what passes it got in its time, which differ on a busy machine.
+        small = {"width": 96, "height": 72, "passes": 1}
+        self.assertEqual(scene.preview(**small), scene.preview({"look_at": view}, **small))
         self.assertEqual(scene.preview("camera", width=64, height=32, passes=2)[16:24], b"\0\0\0\x40\0\0\0\x20")
         with self.assertRaises(photond.Invalid):
             scene.preview("camera", width=4096)
@@ -269,7 +271,7 @@ class Jobs(Case):
             job.wait(timeout=0.5)
         self.assertIsInstance(raised.exception, TimeoutError)
         self.assertIn(job.id, str(raised.exception))
-        self.assertEqual(job.refresh().state, "running")
+        wait_until(lambda: job.refresh().state == "running", "it does not go on")
 
     def test_cancel_retry_priority_purge(self):
         first, job = self.long_job(), self.long_job(labels={"changed": "1"})
@@ -352,7 +354,7 @@ class Jobs(Case):
         for thread in threads:
             thread.start()
         for thread in threads:
-            thread.join(60)
+            thread.join(patience())
         self.assertEqual({job.state for job in jobs}, {"succeeded"})
 
 
@@ -537,13 +539,15 @@ class Comparisons(Case):
             self.comparison.save_report("report.pdf")
 
     def test_one_from_the_list_gets_its_table_when_it_is_asked_for(self):
-        listed = next(found for found in self.client.comparisons() if found.id == self.comparison.id)
-        self.assertNotIn("table", listed.data)
-        self.assertEqual(listed.table, self.comparison.table)
+        def listed_alike():
+            listed = next(found for found in self.client.comparisons() if found.id == self.comparison.id)
+            self.assertNotIn("table", listed.data)
+            return listed.table == self.comparison.refresh().table and listed  # bias comes into it after the last job
+        listed = wait_until(listed_alike, "its table is another one")
         self.assertEqual([job.id for job in listed.jobs], self.comparison.job_ids)
 
     def test_a_comparison_that_is_cancelled(self):
-        comparison = self.client.submit_comparison("cornell-box", ["path_tracing"], width=32, height=32, seconds=60,
+        comparison = self.client.submit_comparison("cornell-box", ["path_tracing"], width=32, height=32, seconds=600,
                                                    reference="path_tracing:2")
         with self.assertRaises(photond.TimedOut):
             comparison.wait(timeout=0.3)

@@ -9,7 +9,7 @@ import unittest
 import unittest.mock
 
 from bad_weather import BadWeather
-from photond_daemon import Daemon
+from photond_daemon import Daemon, wait_until
 from python_client_case import SMALL, Case, fixture, photond, url_of
 
 setUpModule, tearDownModule = fixture.start, fixture.stop
@@ -99,22 +99,29 @@ class Weather(Case):
         self.assertEqual(client.upload_image(path).width, 24)
         self.assertEqual(len(proxy.seen), 3)
 
-    def streams(self, *faults):
-        """What was asked of the event stream of a job of a second or so."""
+    def streams(self, count, *faults, then=0):
+        """What was asked of a job's event stream until it was cancelled, once the proxy has_seen() that."""
         client, proxy = self.through(*faults)
-        job = client.submit("cornell-box", width=32, height=32, seconds=1.5)
-        job.wait()
+        job = self.long_job(client)
+
+        def cancel():
+            wait_until(lambda: proxy.has_seen(count, then), "it does not ask so often")
+            self.daemon.request("DELETE", f"/v1/jobs/{job.id}")
+        canceller = threading.Thread(target=cancel)
+        canceller.start()
+        self.assertEqual(job.wait(check=False).state, "cancelled")
+        canceller.join()
         self.assertEqual(job.data, self.daemon.job(job.id))
-        return [headers for _, path, headers in proxy.seen if path.endswith("/events")]
+        return proxy.streams()
 
     def test_a_broken_event_stream_is_taken_up_where_it_broke(self):
-        streams = self.streams(("GET", "/events$", "cut"))
+        streams = self.streams(2, ("GET", "/events$", "cut"))
         self.assertGreaterEqual(len(streams), 2)
         self.assertNotIn("Last-Event-ID", streams[0])
         self.assertTrue(streams[1]["Last-Event-ID"].isdigit())
 
     def test_without_event_streams_the_job_is_asked_again_and_again(self):
-        self.assertEqual(len(self.streams(*[("GET", "/events$", "404")] * 3)), 3)
+        self.assertEqual(len(self.streams(3, *[("GET", "/events$", "404")] * 3, then=3)), 3)
 
 
 class Restarts(Case):
@@ -135,7 +142,7 @@ class Restarts(Case):
                     restarted.append(threading.Thread(target=restart))
                     restarted[0].start()
 
-            job.wait(timeout=90, on_event=watch)
+            job.wait(timeout=240, on_event=watch)
             restarted[0].join()
             self.assertEqual(job.state, "succeeded")
             self.assertEqual(job.data, daemon.job(job.id))

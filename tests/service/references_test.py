@@ -331,7 +331,7 @@ class WaitingTest(unittest.TestCase):
             daemon.wait_ready()
             job = daemon.submit({**small_job(), "reference": made(ENDLESS)})
             for attempt in (1, 2):
-                deadline = deadline_after(60)
+                deadline = deadline_after()
                 while len(daemon.job(job["reference_job"])["attempts"]) < attempt or \
                         not daemon.job(job["reference_job"])["passes_done"]:
                     self.assertLess(time.monotonic(), deadline)

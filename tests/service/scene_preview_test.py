@@ -2,7 +2,6 @@
 
 import os
 import sqlite3
-import statistics
 import tempfile
 import time
 import unittest
@@ -149,7 +148,8 @@ class ScenePreviewTest(unittest.TestCase):
             load("cornell-box")
             cold.append(load("interior"))
         warm = [seconds(0.01 * k) for k in range(9)]
-        self.assertLess(statistics.median(warm), 0.5 * min(cold), (warm, cold))
+        # What else runs on the machine only adds to either.
+        self.assertLess(min(warm), 0.5 * min(cold), (warm, cold))
 
     def test_nothing_is_left_on_the_disk(self):
         def files():

@@ -63,7 +63,7 @@ class StatusTest(unittest.TestCase):
 
     def test_what_runs_is_counted_and_what_was_lost_stays_counted(self):
         job_id = self.daemon.submit(small_job(size=16, passes=ENDLESS))["id"]
-        deadline = deadline_after(60)
+        deadline = deadline_after()
         while self.status()["totals"]["passes"] < 10:
             self.assertLess(time.monotonic(), deadline, "the passes of a running job are not counted")
             time.sleep(0.05)
@@ -83,14 +83,20 @@ class StatusTest(unittest.TestCase):
 
 class StatusEventsTest(DaemonTestCase):
     def test_the_stream_of_the_whole_daemon_tells_it_every_second(self):
+        def first_after():
+            begun = time.monotonic()
+            with EventStream(self.daemon, "/v1/events") as stream:
+                stream.next()
+                return time.monotonic() - begun
+        # How late one is may be the machine's; of some that came by the tick of a second, not all would be late.
+        self.assertTrue(any(first_after() < 0.9 for _ in range(5)), "the first comes at once")
+        begun = time.monotonic()
         with EventStream(self.daemon, "/v1/events") as stream:
             told = []
-            begun = time.monotonic()
             for _ in range(4):
                 event = stream.next()
                 self.assertEqual((event["event"], "id" in event), ("status", False), "it is nothing to resume by")
                 told.append((time.monotonic(), json.loads(event["data"])))
-            self.assertLess(told[0][0] - begun, 0.9, "the first comes at once")
             # At most one a second, and without end; how late they are is the machine's.
             self.assertGreater(told[3][0] - begun, 2.9)
             asked = self.daemon.request("GET", "/v1/status").json
@@ -104,8 +110,9 @@ class StatusEventsTest(DaemonTestCase):
         job_id = self.daemon.submit(small_job(size=16, passes=ENDLESS))["id"]
         kinds = set()
         with EventStream(self.daemon, f"/v1/jobs/{job_id}/events") as stream:
-            deadline = time.monotonic() + 3
-            while time.monotonic() < deadline:
+            least, deadline = time.monotonic() + 3, deadline_after()
+            while time.monotonic() < least or "progress" not in kinds:
+                self.assertLess(time.monotonic(), deadline, kinds)
                 event = stream.next()
                 kinds.add(event["event"])
                 self.assertEqual(json.loads(event["data"])["id"], job_id)
@@ -116,7 +123,7 @@ class StatusEventsTest(DaemonTestCase):
 
     def test_who_listens_is_counted(self):
         def wait_for_clients(count):
-            deadline = deadline_after(30)
+            deadline = deadline_after()
             while self.daemon.request("GET", "/v1/status").json["event_clients"] != count:
                 self.assertLess(time.monotonic(), deadline)
                 time.sleep(0.02)

@@ -14,7 +14,7 @@ import unittest
 
 import tiny_scene
 from film_versions import as_version, passes_of
-from photond_daemon import BIN, Daemon, small_job, wait_until
+from photond_daemon import BIN, Daemon, patience, small_job, wait_until
 
 ENDLESS = 100_000_000  # passes: over long after the test
 LONGER = {"size": 64, "passes": 1000}  # a second or two, in which SAVES saves often
@@ -314,7 +314,7 @@ class FolderTest(StoreCase):
             address = f"127.0.0.1:{taken.getsockname()[1]}"
             for folder in (self.daemon.data_dir, self.daemon.data_dir / "not-there-yet"):
                 ended = subprocess.run([BIN / "photond", "--data", folder, "--listen", address], capture_output=True,
-                                       timeout=60, check=False)
+                                       timeout=patience(), check=False)
                 self.assertEqual(ended.returncode, 1)
                 self.assertIn(b"Address already in use", ended.stderr)
         self.assertEqual(lying_there(), before)

@@ -55,7 +55,7 @@ class StandInsTest(Case):
 
     @classmethod
     def setUpClass(cls):
-        result = cli.run(*PRESET, "--builtin", *SMALL, "-o", "svo.html", "--json-report", "svo.json", timeout=300)
+        result = cli.run(*PRESET, "--builtin", *SMALL, "-o", "svo.html", "--json-report", "svo.json")
         cls.output, cls.messages, cls.code = result.stdout, result.stderr, result.returncode
         cls.reports = {part: json.loads((cli.folder / f"svo-{part}.json").read_text())
                        for part in STAND_INS} if cls.code == OK else {}

@@ -29,7 +29,7 @@ class PresetTest(Case):
 
     @classmethod
     def setUpClass(cls):
-        result = cli.run(*PRESET, *SMALL, "-o", "thesis.html", "--json-report", "thesis.json", timeout=300)
+        result = cli.run(*PRESET, *SMALL, "-o", "thesis.html", "--json-report", "thesis.json")
         cls.output, cls.messages, cls.code = result.stdout, result.stderr, result.returncode
         cls.reports = {scene: json.loads((cli.folder / f"thesis-{scene}.json").read_text())
                        for scene in ("cornell-box-spot", "interior")} if cls.code == OK else {}

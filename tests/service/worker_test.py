@@ -12,7 +12,7 @@ import zipfile
 import numpy
 import OpenImageIO as oiio
 
-from worker_process import WorkerProcess
+from worker_process import DEADLINE_SECONDS, WorkerProcess
 
 
 def read_exr(path):
@@ -155,17 +155,17 @@ class RenderWorker(WorkerTest):
         self.assertEqual((finished["state"], finished["stopping"]), ("cancelled", True))
         self.assertIn("film_saved", [m["type"] for m in before])
         self.assertTrue(os.path.exists(finished["film"]))
-        self.assertEqual(self.worker.process.wait(60), 0)
+        self.assertEqual(self.worker.process.wait(DEADLINE_SECONDS), 0)
 
     def test_ends_when_the_socket_closes_in_the_middle_of_a_job(self):
         self.worker.send(**self.order(stop={"seconds": 3600}, image={"width": 1024, "height": 1024}))
         self.worker.wait_for("started")
         self.worker.socket.close()
-        self.assertEqual(self.worker.process.wait(60), 0)
+        self.assertEqual(self.worker.process.wait(DEADLINE_SECONDS), 0)
 
     def test_a_message_that_is_none_ends_it(self):
         self.worker.socket.sendall(b"\x00\xff not json\n")
-        self.assertEqual(self.worker.process.wait(60), 0)
+        self.assertEqual(self.worker.process.wait(DEADLINE_SECONDS), 0)
 
     def test_bad_scenes_fail_the_job_and_not_the_worker(self):
         bad = {
@@ -473,7 +473,7 @@ class Helper(WorkerTest):
         self.assertEqual(self.failure("dance")["code"], "unknown_name")
         self.assertEqual(self.failure("judge_image")["code"], "missing_field")
         self.worker.send(type="stop")
-        self.assertEqual(self.worker.process.wait(60), 0)
+        self.assertEqual(self.worker.process.wait(DEADLINE_SECONDS), 0)
 
 
 del WorkerTest  # a base, not a test case

@@ -31,6 +31,15 @@ class BadWeather(http.server.ThreadingHTTPServer):
     def url(self):
         return f"http://127.0.0.1:{self.server_port}"
 
+    def streams(self):
+        """The headers of what asked for an event stream."""
+        return [headers for _, path, headers in list(self.seen) if path.endswith("/events")]
+
+    def has_seen(self, streams, then=0):
+        """Whether event streams were asked for that often, and `then` times for something else after the last."""
+        asked = [path.endswith("/events") for _, path, _ in list(self.seen)]
+        return sum(asked) >= streams and asked[::-1].index(True) >= then
+
     def fault_for(self, method, path):
         with self.lock:
             for fault in self.faults:
@@ -67,7 +76,7 @@ class Forwarder(http.server.BaseHTTPRequestHandler):
         upstream = urllib.request.Request(self.server.upstream + self.path, data=body or None, headers=headers,
                                           method=self.command)
         try:
-            reply = urllib.request.urlopen(upstream, timeout=60)
+            reply = urllib.request.urlopen(upstream, timeout=400)
         except urllib.error.HTTPError as refusal:
             reply = refusal
         except OSError:  # the daemon is away, or went

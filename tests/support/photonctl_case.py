@@ -17,7 +17,7 @@ import subprocess
 import tempfile
 import unittest
 
-from photond_daemon import BIN, PATIENCE, Daemon
+from photond_daemon import BIN, Daemon, patience
 
 PHOTONCTL = str(BIN / "photonctl")
 SMALL = ["--width", "24", "--height", "16", "--passes", "2"]
@@ -46,8 +46,8 @@ class Cli:
         variables = {k: v for k, v in os.environ.items() if not k.startswith("PHOTOND_") and k != "NO_COLOR"}
         return {**variables, "PHOTOND_URL": self.url(), **more}
 
-    def run(self, *arguments, timeout=120, input=None, **variables):
-        return subprocess.run([PHOTONCTL, *map(str, arguments)], capture_output=True, text=True, timeout=PATIENCE * timeout,
+    def run(self, *arguments, timeout=0, input=None, **variables):
+        return subprocess.run([PHOTONCTL, *map(str, arguments)], capture_output=True, text=True, timeout=patience(timeout),
                               cwd=self.folder, env=self.environment(**variables), input=input)
 
     def popen(self, *arguments):
@@ -59,9 +59,9 @@ class Cli:
         words = bash_words(line)
         script = (f'source <("{PHOTONCTL}" completion bash); compopt() {{ :; }}; COMP_LINE="$1"; COMP_POINT=${{#1}}; shift; '
                   'COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _photonctl; printf "%s\\n" "${COMPREPLY[@]}"')
-        patience = PATIENCE * 60
-        environment = self.environment(PATH=f"{BIN}:{os.environ['PATH']}", PHOTOND_COMPLETION_SECONDS=str(patience))
-        return subprocess.run(["bash", "-c", script, "bash", line, *words], capture_output=True, text=True, timeout=patience,
+        limit = patience()
+        environment = self.environment(PATH=f"{BIN}:{os.environ['PATH']}", PHOTOND_COMPLETION_SECONDS=str(limit))
+        return subprocess.run(["bash", "-c", script, "bash", line, *words], capture_output=True, text=True, timeout=limit,
                               cwd=self.folder, env=environment)
 
 

@@ -26,20 +26,28 @@ import unittest
 BIN = pathlib.Path(os.environ.get("PHOTOND_BIN", pathlib.Path(__file__).resolve().parents[2] / "build" / "bin"))
 LISTENING = re.compile(r"^photond listening on http://(\S+):(\d+)\s*$")
 OVER = ("succeeded", "failed", "cancelled")
-# How many times as long as usual is waited before something is given up: programs under a sanitizer are slow.
+# How many times as long as usual programs take: those under a sanitizer are slow.
 PATIENCE = float(os.environ.get("PHOTOND_TEST_PATIENCE", "1"))
+# Nothing is given up sooner than that. CI's machine may be several times slower than the one that a test was written on,
+# and nobody but who waits in vain notices how long it is.
+LEAST_PATIENCE_S = 400
 UNDER_SANITIZER = "PHOTOND_UNDER_SANITIZER" in os.environ
 
 # The daemon is not dumpable, so that its files in /proc are root's.
 needs_root = unittest.skipUnless(os.geteuid() == 0, "only root sees into the daemon's process")
 
 
-def deadline_after(seconds):
+def patience(seconds=LEAST_PATIENCE_S):
+    """How long is waited for what is expected within so many seconds."""
+    return PATIENCE * max(seconds, LEAST_PATIENCE_S)
+
+
+def deadline_after(seconds=LEAST_PATIENCE_S):
     """Of time.monotonic()."""
-    return time.monotonic() + PATIENCE * seconds
+    return time.monotonic() + patience(seconds)
 
 
-def wait_until(condition, what, timeout_s=120):
+def wait_until(condition, what, timeout_s=LEAST_PATIENCE_S):
     """What `condition` gives once that is true; raises with the words of `what` when it does not come to that."""
     deadline = deadline_after(timeout_s)
     while not (value := condition()):
@@ -47,6 +55,23 @@ def wait_until(condition, what, timeout_s=120):
             raise TimeoutError(what)
         time.sleep(0.01)
     return value
+
+
+def processor_ticks(pid):
+    """What a process has computed, in the kernel's ticks."""
+    fields = pathlib.Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
+    return int(fields[11]) + int(fields[12])
+
+
+def wait_until_at_rest(pids, what, timeout_s=LEAST_PATIENCE_S):
+    """Until those processes, `pids()`, are the same for two seconds and compute nothing meanwhile."""
+    deadline = deadline_after(timeout_s)
+    looks = [None]
+    while len(looks) < 5 or any(look != looks[-1] for look in looks[-5:]):
+        if time.monotonic() > deadline:
+            raise TimeoutError(what)
+        time.sleep(0.5)
+        looks.append(sorted((pid, processor_ticks(pid)) for pid in pids()))
 
 
 class Reply:
@@ -74,7 +99,7 @@ class Daemon:
     `open_files` the file descriptors that the system grants it, `address_space` the bytes that it grants each process.
     """
 
-    def __init__(self, *extra, data_dir=None, start=True, start_timeout_s=60, environment=None, open_files=None,
+    def __init__(self, *extra, data_dir=None, start=True, start_timeout_s=LEAST_PATIENCE_S, environment=None, open_files=None,
                  address_space=None):
         self.extra = [str(argument) for argument in extra]
         if PATIENCE > 1:
@@ -112,35 +137,35 @@ class Daemon:
         lines = []
         reader = threading.Thread(target=lambda: lines.append(self.process.stdout.readline()), daemon=True)
         reader.start()
-        reader.join(PATIENCE * self.start_timeout_s)
+        reader.join(patience(self.start_timeout_s))
         match = LISTENING.match(lines[0].decode()) if lines else None
         if not match:
             self.kill()
             raise RuntimeError(f"photond did not start: {' '.join(command)}\nstdout: {lines}\n{self.log()[-4000:]}")
         self.address, self.port = match.group(1), int(match.group(2))
 
-    def wait_ready(self, timeout_s=60):
+    def wait_ready(self, timeout_s=LEAST_PATIENCE_S):
         """Until /readyz answers 200; returns the seconds it took."""
         begun = time.monotonic()
         while True:
             reply = self.request("GET", "/readyz")
             if reply.status == 200:
                 return time.monotonic() - begun
-            if time.monotonic() - begun > PATIENCE * timeout_s:
+            if time.monotonic() - begun > patience(timeout_s):
                 raise TimeoutError(f"not ready after {timeout_s} s: {reply!r}\n{self.log()[-4000:]}")
             time.sleep(0.02)
 
     def running(self):
         return self.process is not None and self.process.poll() is None
 
-    def stop(self, timeout_s=60):
+    def stop(self, timeout_s=LEAST_PATIENCE_S):
         """SIGTERM and wait; returns the exit status."""
         if self.process is None:
             return None
         if self.process.poll() is None:
             self.process.send_signal(signal.SIGTERM)
         try:
-            return self.process.wait(PATIENCE * timeout_s)
+            return self.process.wait(patience(timeout_s))
         except subprocess.TimeoutExpired:
             self.kill()
             raise
@@ -182,7 +207,7 @@ class Daemon:
         return {worker["device"]: worker["pid"] for worker in status["workers"] if worker["device"] != "none"}
 
     # --- talking ------------------------------------------------------------------------------------------------------
-    def request(self, method, path, body=None, headers=None, json_body=None, timeout_s=120):
+    def request(self, method, path, body=None, headers=None, json_body=None, timeout_s=LEAST_PATIENCE_S):
         """One request over its own connection."""
         headers = dict(headers or {})
         if json_body is not None:
@@ -210,7 +235,7 @@ class Daemon:
             raise AssertionError(f"job {job_id}: {reply!r}")
         return reply.json
 
-    def wait_for_job(self, job_id, states=OVER, timeout_s=120, look_every_s=0.01):
+    def wait_for_job(self, job_id, states=OVER, timeout_s=LEAST_PATIENCE_S, look_every_s=0.01):
         """The job's object once it is in one of `states`. Looking costs processor time, which a job that is timed may
         miss: seldom, then."""
         begun = time.monotonic()
@@ -218,7 +243,7 @@ class Daemon:
             job = self.job(job_id)
             if job["state"] in states:
                 return job
-            if time.monotonic() - begun > PATIENCE * timeout_s:
+            if time.monotonic() - begun > patience(timeout_s):
                 raise TimeoutError(f"job {job_id} is {job['state']} after {timeout_s} s\n{self.log()[-4000:]}")
             time.sleep(look_every_s)
 

@@ -72,7 +72,7 @@ class Case(unittest.TestCase):
 
     def long_job(self, client=None, **more):
         """One that ends when the test does."""
-        job = (client or self.client).submit("cornell-box", width=32, height=32, seconds=60, **more)
+        job = (client or self.client).submit("cornell-box", width=32, height=32, seconds=600, **more)
         self.addCleanup(self.daemon.request, "DELETE", f"/v1/jobs/{job.id}?purge=true")
         return job
 

@@ -8,7 +8,7 @@ import subprocess
 import time
 
 BIN = os.environ.get("PHOTOND_BIN", "build/bin")
-DEADLINE_SECONDS = 120  # against hanging for ever; not a measure of speed
+DEADLINE_SECONDS = 400  # against hanging for ever; not a measure of speed
 
 
 class WorkerProcess:
