@@ -51,6 +51,15 @@ bool DeviceFrame::run(uint32_t pass, Stats& stats, const CancelToken& cancel) {
     return queue_->finish(stats, cancel) && !cancel.cancelled();
 }
 
+bool DeviceFrame::run_with_room(uint32_t pass, Stats& stats, const CancelToken& cancel,
+                                const std::function<bool()>& grows) {
+    do {
+        if (!run(pass, stats, cancel)) return false;
+    } while (grows());
+    read(stats);
+    return true;
+}
+
 bool DeviceFrame::run_more(std::vector<PieceQueue::Record> pieces, Stats& stats, const CancelToken& cancel) {
     return queue_->run(std::move(pieces), stats, cancel) && !cancel.cancelled();
 }

@@ -38,6 +38,9 @@ public:
     /// Runs its steps, or what is left of them. The device's times are added to the stages of their scopes. False:
     /// cancelled. To run the same pass again is to make it anew.
     bool run(uint32_t pass, Stats& stats, const CancelToken& cancel);
+    /// run(), once more for as long as `grows`, asked after each whole pass, says that it lacked room and has more now;
+    /// and read().
+    bool run_with_room(uint32_t pass, Stats& stats, const CancelToken& cancel, const std::function<bool()>& grows);
     /// Goes on with the pass, a submit a piece, where what is to be done depends on what was found before.
     bool run_more(std::vector<PieceQueue::Record> pieces, Stats& stats, const CancelToken& cancel);
     /// The pass is done: its image goes to the host's, what it counted to the counts.

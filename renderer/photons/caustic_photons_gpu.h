@@ -4,7 +4,7 @@
 
 #include "renderer/backends/gpu/command_list.h"
 #include "renderer/photons/caustic_photons.h"
-#include "renderer/photons/hash_grid_gpu.h"
+#include "renderer/photons/photon_maps_gpu.h"
 #include "renderer/photons/radiance_estimate_shared.h"
 
 namespace photond {
@@ -18,30 +18,20 @@ public:
 
     /// A pass's photons come in that many pieces, 0 ..., each short enough for one submit; with the last one the map is
     /// built. Scopes `photon_tracing` and `photon_map_build`.
-    uint32_t pieces() const;
+    uint32_t pieces() const { return maps_.pieces(PHOTON_MAP_CAUSTIC); }
     void record(gpu::CommandList& commands, uint32_t pass, uint32_t piece);
     /// Of a whole pass: true where there was too little room for its photons. Now there is, and it is to be done again.
     bool grow_if_short();
-    void add_to(Counts& counts) const { tracer_.add_to(counts, state()); }
+    void add_to(Counts& counts) const { maps_.add_to(counts, PHOTON_MAP_CAUSTIC); }
 
     /// What caustic_lookup.glsl reads.
     void append_to(std::vector<gpu::Binding>& bindings);
 
 private:
-    std::span<const uint32_t> state() const { return host_state_.as<const uint32_t>(); }
-    void make_room(uint64_t capacity);
-
-    gpu::Device& device_;
-    const Bounds3 bounds_;
     const std::unique_ptr<CausticPhotons> host_;
     const uint64_t seed_;
-    const uint64_t expected_;  // what the map is laid out for: its order must be the same whatever a pass stores
-    PhotonTracerGpu tracer_;
-    HashGridGpu hash_grid_;
-    uint32_t capacity_ = 0;
-    std::optional<UnsortedPhotons> photons_;
-    std::optional<GridPhotons> map_;
-    gpu::Buffer estimate_, host_state_;
+    PhotonMapsGpu maps_;  // one
+    gpu::Buffer estimate_;
 };
 
 /// Stands where there is no such map, for shaders that then look nothing up.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <numbers>
 
 #include "protocol/error.h"
 #include "renderer/eye/eye_constants.h"
@@ -11,7 +10,7 @@
 #include "renderer/gathering/gathering_shared.h"
 #include "renderer/gathering/photon_plan.h"
 #include "renderer/photons/disc_coverage.h"
-#include "renderer/photons/hash_grid_gpu.h"
+#include "renderer/photons/photon_maps_gpu.h"
 #include "renderer/photons/projection_map.h"
 #include "renderer/photons/surface_edges.h"
 #include "renderer/transport/roulette_shared.h"
@@ -22,10 +21,7 @@ namespace {
 
 constexpr uint32_t kTilePixels = EYE_TILE * EYE_TILE;
 constexpr std::array kKinds{PhotonMapKind::Global, PhotonMapKind::Caustic};
-constexpr size_t kMaps = kKinds.size();
-
-/// Room for a map's photons: a quarter more than expected.
-uint64_t room_for(double stored) { return static_cast<uint64_t>(1.25 * stored) + 1024; }
+constexpr size_t index_of(PhotonMapKind kind) { return static_cast<size_t>(kind); }
 
 uint32_t paths_of(const PhotonMappingParams& params, PhotonMapKind kind) {
     return kind == PhotonMapKind::Global ? params.photons : params.caustic_photons.value_or(params.photons);
@@ -42,22 +38,10 @@ uint32_t nearest_of(const PhotonMappingParams& params, PhotonMapKind kind) {
     return params.caustic_nearest_photons.value_or(params.nearest_photons);
 }
 
-/// By what the cells of a map are cut: the radius, or what a search for the k nearest begins with: less than the radius
-/// of their disc where the photons spread over the walls of the scene's box. Searches go farther where there are fewer;
-/// to have begun with too many costs more.
+/// By what the cells of a map are cut: the radius, or what a search for the k nearest begins with.
 float cell_size_m(const PhotonMappingParams& params, PhotonMapKind kind, const Bounds3& bounds, float radius_m) {
-    if (params.search == PhotonSearch::Kind::Radius || bounds.empty()) return radius_m;
-    constexpr float kCausticShare = 1.0f / 32;  // of the walls
-    constexpr float kBegin = 0.7f;              // of the disc
-    constexpr float kMostCells = 16;            // along the farthest search
-    const vec3 d = bounds.diagonal();
-    const float walls_m2 =
-        2 * (d.x * d.y + d.y * d.z + d.z * d.x) * (kind == PhotonMapKind::Caustic ? kCausticShare : 1);
-    const float photons_per_m2 = static_cast<float>(expected_photons(params, kind)) / walls_m2;
-    const float disc_m =
-        std::sqrt(static_cast<float>(nearest_of(params, kind)) / (std::numbers::pi_v<float> * photons_per_m2));
-    const float least_m = std::min(radius_m, 2 * bounds.radius()) / kMostCells;
-    return std::clamp(kBegin * disc_m, std::min(least_m, radius_m), radius_m);
+    if (params.search == PhotonSearch::Kind::Radius) return radius_m;
+    return cell_for_nearest(bounds, kind, expected_photons(params, kind), nearest_of(params, kind), radius_m);
 }
 
 uint32_t paths_a_pixel(const Splits& splits) { return splits.light_samples + splits.gather_rays; }
@@ -106,22 +90,14 @@ struct PhotonMappingGpu::State {
           mapping(device, "photon_mapping", sizeof(gpu::GatheringConstants)),
           split_samplers(device, "renderer/methods/photon_mapping/split_samplers.comp", sizeof(gpu::SplitSamplersPush),
                          &on_device.set()),
-          hash_grid(device),
+          maps(on_device),
           sampler(device, "sampler", sizeof(gpu::PassSamplerData)),
           split_points(device, "split_samplers", split_bytes(splits)),
-          host_photon_states(device, "readback", kMaps * PhotonTracerGpu::kStateBytes, gpu::MemoryKind::Readback),
           host_point_state(device, "readback", POINT_STATE_WORDS * sizeof(uint32_t), gpu::MemoryKind::Readback),
           frame(context, [this](uint32_t pass, DeviceFrame::Steps& steps) { add_steps(pass, steps); }) {
         const gpu::EyeConstants constants = make_eye_constants(context.view, params.max_scatterings(), ROULETTE_START);
         gpu::upload(device, eye, std::as_bytes(std::span(&constants, 1)));
     }
-
-    /// One of the maps; without a tracer there is none.
-    struct Map {
-        std::optional<PhotonTracerGpu> tracer;
-        uint64_t capacity = 0;
-        gpu::HashGridConstants grid{};
-    };
 
     void add_map(PhotonMapKind kind, uint32_t most_scatterings, const ProjectionMap* guide);
     void make_room();
@@ -135,13 +111,6 @@ struct PhotonMappingGpu::State {
     bool gathers() const { return params.gather == Gather::Final; }
     bool precomputes() const { return constants.irradiance_scatterings > 0; }
     bool grow_if_short();
-    std::span<const uint32_t> photon_state(size_t kind) const {
-        return host_photon_states.as<const uint32_t>().subspan(kind * PHOTON_STATE_WORDS, PHOTON_STATE_WORDS);
-    }
-    uint32_t pieces_of(const Map& map) const {
-        const uint32_t most = device.paths_per_submit();
-        return map.tracer ? (map.tracer->tracing().photons + most - 1) / most : 0;
-    }
 
     const PhotonMappingParams params;
     const gpu::DeviceScene& on_device;
@@ -156,17 +125,13 @@ struct PhotonMappingGpu::State {
     gpu::Buffer eye, mapping;
     gpu::ComputePipeline split_samplers;
     std::optional<gpu::ComputePipeline> precompute, eye_pass, gather_pass, gather_sum;
-    HashGridGpu hash_grid;
-    Map maps[kMaps];  // by kind
-    std::optional<UnsortedPhotons> photons;
-    std::optional<GridPhotons> grid_photons;
+    PhotonMapsGpu maps;  // by kind
     const uint32_t gather_lanes = device.report().software ? kSoftwareGatherLanes : kGatherLanes;
     uint64_t point_capacity = 1;
     // Points that gather, of a piece: their state, themselves, what they gathered, and each pixel's last one.
     gpu::Buffer point_state, points, gathered, last_points;
     gpu::GatheringConstants constants{};
     gpu::Buffer sampler, split_points;
-    gpu::Buffer host_photon_states;  // of the maps' tracers
     gpu::Buffer host_point_state;
     DeviceFrame frame;  // last: its going waits for work that uses the others
 };
@@ -208,61 +173,42 @@ uint64_t PhotonMappingGpu::estimate_device_bytes(const PhotonMappingParams& para
         if (!(global ? plan.global : plan.caustic).wanted()) continue;
         const double measured = global ? yield.global : params.projection_maps ? yield.caustic : yield.caustic_unguided;
         const uint64_t expected = expected_photons(params, kind);
-        const uint64_t capacity = room_for(std::max(measured * paths_of(params, kind), static_cast<double>(expected)));
+        const uint64_t capacity =
+            PhotonMapsGpu::room_for(std::max(measured * paths_of(params, kind), static_cast<double>(expected)));
         most = std::max(most, capacity);
         const bool precomputes = global && plan.irradiance_scatterings > 0;
-        bytes += GridPhotons::bytes_for(grid_starts_for(expected), capacity, precomputes ? capacity : 0);
+        bytes += PhotonMapsGpu::map_bytes(expected, capacity, precomputes ? capacity : 0);
         if (!global && params.projection_maps) bytes += ProjectionMap::estimate_bytes(workload.lights);
     }
-    return bytes + UnsortedPhotons::bytes_for(most);
+    return bytes + PhotonMapsGpu::shared_bytes(most);
 }
 
 void PhotonMappingGpu::State::add_map(PhotonMapKind kind, uint32_t most_scatterings, const ProjectionMap* guide) {
-    Map& map = maps[static_cast<size_t>(kind)];
-    map.tracer.emplace(on_device, PhotonTracing{.kind = kind,
-                                                .photons = paths_of(params, kind),
-                                                .most_scatterings = most_scatterings,
-                                                .glossy_threshold = params.glossy_threshold,
-                                                .sampler = params.sampler,
-                                                .guide = guide});
-    const uint64_t expected = expected_photons(params, kind);
-    map.capacity = room_for(static_cast<double>(expected));
-    map.grid = lay_out_grid(scene.bounds, cell_size_m(params, kind, scene.bounds, search_radius_m), expected);
+    maps.add(index_of(kind),
+             PhotonTracing{.kind = kind,
+                           .photons = paths_of(params, kind),
+                           .most_scatterings = most_scatterings,
+                           .glossy_threshold = params.glossy_threshold,
+                           .sampler = params.sampler,
+                           .guide = guide},
+             expected_photons(params, kind));
 }
 
 /// For as many photons as the maps say, and for as many points that gather as is said.
 void PhotonMappingGpu::State::make_room() {
-    photons.reset(), grid_photons.reset();  // not both at once
-    uint64_t all = 0, most = 1, starts = 1;
-    for (Map& map : maps) {
-        if (!map.tracer) continue;
-        if (map.capacity > uint64_t{1} << 31)
-            throw Error(ErrorCode::OutOfMemory, "photons of one map are " + std::to_string(map.capacity) +
-                                                    ", and at most 2147483648 can be sorted");
-        map.grid.first_point = static_cast<uint32_t>(all);
-        map.grid.first_start = static_cast<uint32_t>(starts);
-        map.grid.capacity = static_cast<uint32_t>(map.capacity);
-        all += map.capacity;
-        most = std::max(most, map.capacity);
-        starts += map.grid.slots + 1;
-    }
     // Behind the grids' own words: shaders may bind no more buffers.
     const std::vector<uint32_t> words = cells ? cells->device_words() : std::vector<uint32_t>();
-    photons.emplace(device, static_cast<uint32_t>(most));
-    const uint64_t irradiances = precomputes() ? maps[PHOTON_MAP_GLOBAL].capacity : 0;
-    if (all + irradiances > UINT32_MAX)
-        throw Error(ErrorCode::OutOfMemory, "the maps have " + std::to_string(all + irradiances) +
-                                                " records, and at most 4294967295 can be numbered");
-    grid_photons.emplace(device, starts + words.size(), std::max<uint64_t>(all, 1), irradiances);
-    constants.estimate.first_irradiance = static_cast<uint32_t>(std::max<uint64_t>(all, 1));
-    if (cells) constants.estimate.coverage = cells->device_constants(static_cast<uint32_t>(starts));
-    if (!words.empty())
-        gpu::upload(device, grid_photons->starts, std::as_bytes(std::span(words)), starts * sizeof(uint32_t));
+    maps.make_room(words, precomputes() ? maps.room(PHOTON_MAP_GLOBAL) : 0);
+    constants.estimate.first_irradiance = maps.first_record();
+    if (cells) constants.estimate.coverage = cells->device_constants(maps.first_word());
     points = {}, gathered = {};
     points = gpu::Buffer(device, "gather_points", point_capacity * sizeof(gpu::GatherPointRecord));
     gathered = gpu::Buffer(device, "gather_points", point_capacity * gather_lanes * sizeof(gpu::GatheredRecord));
-    for (size_t kind = 0; kind < kMaps; ++kind)
-        constants.estimate.maps[kind] = {maps[kind].grid, search_radius_m, nearest_of(params, kKinds[kind])};
+    for (const PhotonMapKind kind : kKinds) {
+        const float cell_m = cell_size_m(params, kind, scene.bounds, search_radius_m);
+        constants.estimate.maps[index_of(kind)] = {maps.cut_cells(index_of(kind), cell_m), search_radius_m,
+                                                   nearest_of(params, kind)};
+    }
     gpu::upload(device, mapping, std::as_bytes(std::span(&constants, 1)));
 }
 
@@ -286,8 +232,8 @@ void PhotonMappingGpu::State::prepare_passes(bool lights_can_be_met, uint32_t ir
                   gpu::specialize(SEARCH_NEAREST_ID, params.search == PhotonSearch::Kind::Nearest),
                   gpu::specialize(SOFT_DISC_ID, params.soft_disc), gpu::specialize(DISC_COVERAGE_ID, cells.has_value()),
                   gpu::specialize(FINAL_GATHER_ID, gathers()), gpu::specialize(GATHER_LANES_ID, gather_lanes),
-                  gpu::specialize(GLOBAL_MAP_ID, maps[PHOTON_MAP_GLOBAL].tracer.has_value()),
-                  gpu::specialize(CAUSTIC_MAP_ID, maps[PHOTON_MAP_CAUSTIC].tracer.has_value()),
+                  gpu::specialize(GLOBAL_MAP_ID, maps.has(PHOTON_MAP_GLOBAL)),
+                  gpu::specialize(CAUSTIC_MAP_ID, maps.has(PHOTON_MAP_CAUSTIC)),
                   gpu::specialize(PRECOMPUTED_IRRADIANCE_ID, precomputes())});
     fixed = on_device.specialization(fixed);
     if (precomputes())
@@ -308,7 +254,7 @@ void PhotonMappingGpu::State::add_steps(uint32_t pass, DeviceFrame::Steps& steps
     const uint64_t whole_submit = device.paths_per_submit();  // each piece has one of its own
     steps.push_back({0, [=, this](gpu::CommandList& commands) { record_samplers(pass, commands); }});
     for (const PhotonMapKind kind : kKinds)
-        for (uint32_t piece = 0; piece < pieces_of(maps[static_cast<size_t>(kind)]); ++piece)
+        for (uint32_t piece = 0; piece < maps.pieces(index_of(kind)); ++piece)
             steps.push_back(
                 {whole_submit, [=, this](gpu::CommandList& commands) { record_photons(pass, kind, piece, commands); }});
     for (uint32_t piece = 0; piece * tiles_a_piece < tiles; ++piece)
@@ -326,32 +272,19 @@ void PhotonMappingGpu::State::record_samplers(uint32_t pass, gpu::CommandList& c
 /// Some of a map's light paths; with the last of them it is built.
 void PhotonMappingGpu::State::record_photons(uint32_t pass, PhotonMapKind kind, uint32_t piece,
                                              gpu::CommandList& commands) {
-    const auto index = static_cast<size_t>(kind);
-    Map& map = maps[index];
-    const uint32_t paths = map.tracer->tracing().photons, most = device.paths_per_submit();
-    const uint32_t first = piece * most, end = paths - first > most ? first + most : paths;
-    {
-        const gpu::Scope scope(commands, "photon_tracing");
-        if (piece == 0) map.tracer->record_start(commands);
-        map.tracer->record_paths(commands, seed, pass, first, end, *photons, map.grid.capacity);
-    }
-    if (end < paths) return;
-    const gpu::Scope scope(commands, "photon_map_build");
-    hash_grid.record(commands, map.grid, map.tracer->state(), paths, *photons, *grid_photons);
+    if (!maps.record(commands, index_of(kind), seed, pass, piece)) return;
     if (kind == PhotonMapKind::Global && precomputes()) record_irradiance(commands);
-    commands.copy(map.tracer->state(), 0, host_photon_states, index * PhotonTracerGpu::kStateBytes,
-                  PhotonTracerGpu::kStateBytes);
-    commands.host_reads(host_photon_states);
 }
 
 /// At the global map's marked photons.
 void PhotonMappingGpu::State::record_irradiance(gpu::CommandList& commands) {
+    const gpu::Scope scope(commands, "photon_map_build");
     commands.bind(*precompute,
-                  {gpu::read("grid_starts", grid_photons->starts), gpu::read("grid_places", grid_photons->places),
-                   gpu::read("map_powers", grid_photons->powers), gpu::read("estimate_constants", mapping),
-                   gpu::write("irradiances", grid_photons->powers)});
+                  {gpu::read("grid_starts", maps.photons().starts), gpu::read("grid_places", maps.photons().places),
+                   gpu::read("map_powers", maps.photons().powers), gpu::read("estimate_constants", mapping),
+                   gpu::write("irradiances", maps.photons().powers)});
     commands.push(gpu::PrecomputePush{constants.irradiance_scatterings});
-    const uint64_t groups = (maps[PHOTON_MAP_GLOBAL].capacity + PRECOMPUTE_PHOTONS - 1) / PRECOMPUTE_PHOTONS;
+    const uint64_t groups = (maps.room(PHOTON_MAP_GLOBAL) + PRECOMPUTE_PHOTONS - 1) / PRECOMPUTE_PHOTONS;
     commands.dispatch_threads(groups * PRECOMPUTE_GROUP, PRECOMPUTE_GROUP);
 }
 
@@ -366,8 +299,8 @@ void PhotonMappingGpu::State::record_eye(uint32_t piece, gpu::CommandList& comma
             *eye_pass,
             {gpu::read_write("device_layers", image.layers()), gpu::read_write("device_counters", image.counters()),
              gpu::read("eye", eye), gpu::read("pass_sampler", sampler), gpu::read("split_points", split_points),
-             gpu::read("mapping", mapping), gpu::read("grid_starts", grid_photons->starts),
-             gpu::read("grid_places", grid_photons->places), gpu::read("map_powers", grid_photons->powers),
+             gpu::read("mapping", mapping), gpu::read("grid_starts", maps.photons().starts),
+             gpu::read("grid_places", maps.photons().places), gpu::read("map_powers", maps.photons().powers),
              gpu::read_write("point_state", point_state), gpu::write("points", points),
              gpu::write("last_points", last_points)});
         commands.push(gpu::EyePassPush{first, end, static_cast<uint32_t>(point_capacity)});
@@ -388,8 +321,8 @@ void PhotonMappingGpu::State::record_gather(uint32_t first_tile, uint32_t end_ti
         *gather_pass,
         {gpu::read_write("device_layers", image.layers()), gpu::read_write("device_counters", image.counters()),
          gpu::read("eye", eye), gpu::read("pass_sampler", sampler), gpu::read("split_points", split_points),
-         gpu::read("mapping", mapping), gpu::read("grid_starts", grid_photons->starts),
-         gpu::read("grid_places", grid_photons->places), gpu::read("map_powers", grid_photons->powers),
+         gpu::read("mapping", mapping), gpu::read("grid_starts", maps.photons().starts),
+         gpu::read("grid_places", maps.photons().places), gpu::read("map_powers", maps.photons().powers),
          gpu::read("point_state", point_state), gpu::read("points", points), gpu::write("gathered_light", gathered)});
     commands.push(gpu::GatherPush{static_cast<uint32_t>(point_capacity)});
     commands.dispatch_threads(point_capacity * gather_lanes, GATHER_GROUP);
@@ -403,15 +336,7 @@ void PhotonMappingGpu::State::record_gather(uint32_t first_tile, uint32_t end_ti
 
 /// Of a whole pass: true where there was too little room for photons, or for points that gather. Now there is.
 bool PhotonMappingGpu::State::grow_if_short() {
-    bool short_of_room = false;
-    for (size_t kind = 0; kind < kMaps; ++kind) {
-        Map& map = maps[kind];
-        if (!map.tracer) continue;
-        const uint64_t stored = photon_state(kind)[PHOTONS_STORED_WORD];
-        if (stored <= map.capacity) continue;
-        map.capacity = room_for(static_cast<double>(stored));
-        short_of_room = true;
-    }
+    bool short_of_room = maps.is_short();
     if (const uint64_t most = host_point_state.as<const uint32_t>()[MOST_POINTS_WORD]; most > point_capacity) {
         point_capacity = most + most / 4;
         short_of_room = true;
@@ -436,14 +361,16 @@ void PhotonMappingGpu::begin(const RenderContext& context, Stats& stats) {
     const PhotonPlan plan(params_, context.view.film_size.pixels(), emission.has_value(),
                           has_specular_surface(scene, params_.glossy_threshold));
     const auto skip_map = [&](const char* what, PhotonMapKind kind, const std::string& why) {
-        const uint64_t room = room_for(static_cast<double>(expected_photons(params_, kind)));
+        const uint64_t expected = expected_photons(params_, kind);
+        const uint64_t room = PhotonMapsGpu::room_for(static_cast<double>(expected));
         stats.skipped.push_back(
-            {what, why, UnsortedPhotons::bytes_for(room) + GridPhotons::bytes_for(grid_starts_for(room), room)});
+            {what, why, PhotonMapsGpu::shared_bytes(room) + PhotonMapsGpu::map_bytes(expected, room)});
     };
     if (!plan.global.wanted()) skip_map("global map", PhotonMapKind::Global, plan.global.why_not);
     if (!plan.caustic.wanted()) skip_map("caustic map", PhotonMapKind::Caustic, plan.caustic.why_not);
     if (const char* why = plan.why_not_precomputed(params_)) {
-        const uint64_t room = room_for(static_cast<double>(expected_photons(params_, PhotonMapKind::Global)));
+        const uint64_t room =
+            PhotonMapsGpu::room_for(static_cast<double>(expected_photons(params_, PhotonMapKind::Global)));
         stats.skipped.push_back({"precomputed irradiance", why, room * sizeof(gpu::PhotonPower)});
     }
     if (!scene.needs.solid_glass) stats.skipped.push_back({"absorption", "no solid refracts", 0});
@@ -468,12 +395,9 @@ void PhotonMappingGpu::begin(const RenderContext& context, Stats& stats) {
 void PhotonMappingGpu::run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) {
     State& state = *state_;
     const StageTimer timer(stats, "gather");
-    do {
-        if (!state.frame.run(pass, stats, cancel)) return;
-    } while (state.grow_if_short());
-    state.frame.read(stats);
-    for (size_t kind = 0; kind < kMaps; ++kind)
-        if (state.maps[kind].tracer) state.maps[kind].tracer->add_to(stats.counts, state.photon_state(kind));
+    if (!state.frame.run_with_room(pass, stats, cancel, [&] { return state.grow_if_short(); })) return;
+    for (const PhotonMapKind kind : kKinds)
+        if (state.maps.has(index_of(kind))) state.maps.add_to(stats.counts, index_of(kind));
 }
 
 DeviceFrame& PhotonMappingGpu::frame() { return state_->frame; }

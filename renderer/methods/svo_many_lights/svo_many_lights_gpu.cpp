@@ -340,15 +340,13 @@ void SvoManyLightsGpu::begin(const RenderContext& context, Stats& stats) {
 void SvoManyLightsGpu::run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) {
     State& state = *state_;
     const StageTimer timer(stats, "indirect");
-    do {
-        if (!state.frame.run(pass, stats, cancel)) return;
-    } while (state.lights && state.lights->caustics && state.lights->caustics->grow_if_short());
-    if (state.lights) {
-        if (state.lights->caustics) state.lights->caustics->add_to(stats.counts);
-        state.lights->tracer.add_to(stats.counts);
-        stats.counts.vpls += state.lights->set.lights_of_pass();
-    }
-    state.frame.read(stats);
+    const auto grows = [&] {
+        return state.lights && state.lights->caustics && state.lights->caustics->grow_if_short();
+    };
+    if (!state.frame.run_with_room(pass, stats, cancel, grows) || !state.lights) return;
+    if (state.lights->caustics) state.lights->caustics->add_to(stats.counts);
+    state.lights->tracer.add_to(stats.counts);
+    stats.counts.vpls += state.lights->set.lights_of_pass();
 }
 
 DeviceFrame& SvoManyLightsGpu::frame() { return state_->frame; }
