@@ -16,7 +16,8 @@ struct Ray {
 float sqr(float x) { return x * x; }
 
 /// Relative luminance of Rec.709 primaries.
-float luminance(vec3 c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; }
+const vec3 LUMINANCE_WEIGHTS = vec3(0.2126, 0.7152, 0.0722);
+float luminance(vec3 c) { return LUMINANCE_WEIGHTS.x * c.x + LUMINANCE_WEIGHTS.y * c.y + LUMINANCE_WEIGHTS.z * c.z; }
 float max_component(vec3 c) { return max(max(c.x, c.y), c.z); }
 float mean(vec3 c) { return (c.x + c.y + c.z) / 3.0; }
 bool is_black(vec3 c) { return c.x == 0.0 && c.y == 0.0 && c.z == 0.0; }

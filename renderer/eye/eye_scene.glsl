@@ -49,6 +49,12 @@ bool pixel_of_tile(uint tile, uint place, out uint pixel) {
     return x < eye.width && y < eye.height;
 }
 
+/// Scatterings left to a photon that is looked up after so many of the eye's path, the lookup's own included.
+uint photon_scatterings_left(uint scatterings) {
+    const uint most = eye.max_scatterings;
+    return most == 0xffffffffu ? most : most - min(most, scatterings);
+}
+
 /// The path of a pixel, its camera ray and its key of the sampler. Twin: start_eye_paths() of tiles.cpp.
 void start_eye_path(uint pixel, out EyePath path, out Ray ray, out uint key) {
     key = pixel_key(pixel);

@@ -10,7 +10,7 @@ class DeviceMethod : public Method {
 public:
     void expect_pass(uint32_t pass) final;
     void settle() final;
-    void resolve(Film& film) final;
+    void resolve(Film& film) override;
 
 private:
     /// Asked after begin() only.

@@ -122,8 +122,8 @@ bool shade_end(inout GatherPath path, uint key, uint ray_index, inout Gathered g
         const uint most = photon_scatterings_left(path.scatterings + 1);
         // A ray shorter than the radius of the lookup at its end begins where the disc is: in a corner, where density is
         // smeared and lost at the edge, and where all short rays see the same error. It goes on for one bounce.
-        const DiscQuery query =
-            DiscQuery(disc_turn(direction), DISC_COARSE_BATCH, path.vertex == 1 ? hit.t : INFINITY);
+        DiscQuery query = disc_query(disc_turn(direction), DISC_COARSE_BATCH);
+        if (path.vertex == 1) query.most_radius_m = hit.t;
         MapEstimates maps = estimate_maps_at_end(surface, rough, wo, most, query);
         const bool goes_on = maps.global.radius_m > query.most_radius_m;
         if (goes_on) maps.global = no_radiance();

@@ -36,12 +36,6 @@ SplitSamplers gather_samplers() {
 /// Name of the numbers of the point that the eye path with that key reached at that vertex.
 uint gather_key(uint path_key, uint vertex) { return hash32(path_key ^ (0x9e3779b9u * (vertex + 1u))); }
 
-/// Scatterings left to a photon that is looked up after so many of the eye's path, the lookup's own included.
-uint photon_scatterings_left(uint scatterings) {
-    const uint most = eye.max_scatterings;
-    return most == 0xffffffffu ? most : most - min(most, scatterings);
-}
-
 /// Light of the maps that is scattered by `rough` (f_d).
 struct MapEstimates {
     RadianceEstimate caustic, global;
@@ -79,7 +73,7 @@ MapEstimates estimate_maps_at_end(ShadingPoint surface, Bsdf rough, vec3 wo, uin
         const float search_radius_m = mapping.estimate.maps[PHOTON_MAP_GLOBAL].radius_m;
         if (find_irradiance(surface.position, surface.geometric_normal, found, is_dark)) {
             is_at_hand = true;
-            at_hand = RadianceEstimate(bsdf_albedo(rough) * INV_PI * found.irradiance, vec3(0.0), 1u, found.radius_m);
+            at_hand = RadianceEstimate(bsdf_albedo(rough) * INV_PI * found.irradiance, vec3(0.0), 1u, 1u, found.radius_m);
         } else if (is_dark) {
             // A disc here is as large as discs get, costs the most and holds next to nothing: one of four is asked.
             is_at_hand = query.most_radius_m < search_radius_m || disc_lot(query.turn) >= DARK_DISC_SHARE;

@@ -14,7 +14,7 @@ layout(set = 0, binding = CAUSTIC_ESTIMATE_BINDING, scalar) readonly buffer Caus
 #define EDGE_CELL_WORD(index) 0u
 #include "renderer/photons/radiance_estimate.glsl"
 
-DiscQuery caustic_query() { return DiscQuery(0u, DISC_FINE_BATCH, INFINITY); }
+DiscQuery caustic_query() { return disc_query(0u, DISC_FINE_BATCH); }
 
 /// Towards `wo`, by photons of at most so many scatterings.
 vec3 caustic_radiance(ShadingPoint point, Bsdf rough, vec3 wo, uint most_scatterings) {

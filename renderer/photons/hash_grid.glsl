@@ -34,6 +34,8 @@ layout(set = 0, binding = GRID_PLACES_BINDING, std430) readonly buffer GridPlace
     uvec4 grid_places[];  // position, and a word of the point's own
 };
 
+bool is_empty(HashGridConstants grid) { return grid_starts[grid.first_start + grid.slots] == 0; }
+
 /// A walk through the rows of cells that a sphere touches, point after point.
 struct GridSearch {
     vec3 centre;

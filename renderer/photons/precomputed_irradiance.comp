@@ -30,7 +30,7 @@ void work_out(uint photon) {
     const uvec4 place = grid_places[grid.first_point + photon];
     const vec3 position = uintBitsToFloat(place.xyz), normal = photon_normal(place.w);
     const uint direction = map_powers[grid.first_point + photon].w;
-    const DiscQuery query = DiscQuery(hash32(direction), DISC_FINE_BATCH, INFINITY);
+    const DiscQuery query = disc_query(hash32(direction), DISC_FINE_BATCH);
     const IrradianceEstimate found =
         estimate_irradiance(PHOTON_MAP_GLOBAL, position, normal, normal, push.most_scatterings, query);
     irradiances[ESTIMATE.first_irradiance + photon] = floatBitsToUint(vec4(found.irradiance, found.radius_m));

@@ -19,6 +19,7 @@
 layout(constant_id = SEARCH_NEAREST_ID) const bool SEARCH_NEAREST = true;
 layout(constant_id = SOFT_DISC_ID) const bool SOFT_DISC = false;
 layout(constant_id = DISC_COVERAGE_ID) const bool DISC_COVERAGE = false;
+layout(constant_id = DISC_MOMENTS_ID) const bool DISC_MOMENTS = false;  // whether they are asked for
 
 layout(set = 0, binding = MAP_POWERS_BINDING, std430) readonly buffer MapPowers { uvec4 map_powers[]; };  // PhotonPower
 
@@ -133,6 +134,7 @@ struct RadianceEstimate {
     vec3 radiance;        // [W m^-2 sr^-1], all photons that passed
     vec3 delta_radiance;  // the part of those whose scatterings were all delta (layer "caustic")
     uint photons;         // that passed the tests
+    uint scattered;       // of them: that bring any light
     float radius_m;       // of the disc
 };
 /// How one lookup is made.
@@ -140,8 +142,30 @@ struct DiscQuery {
     uint turn;            // a random number, for the coverage of the disc
     uint batch_size;      // DISC_FINE_BATCH or DISC_COARSE_BATCH
     float most_radius_m;  // of a larger disc only the radius is wanted
+    float radius_m;       // of the disc; 0: the map's own search says
+    vec3 channels;        // with which the moments add those of light
 };
-RadianceEstimate no_radiance() { return RadianceEstimate(vec3(0.0), vec3(0.0), 0u, 0.0); }
+RadianceEstimate no_radiance() { return RadianceEstimate(vec3(0.0), vec3(0.0), 0u, 0u, 0.0); }
+DiscQuery disc_query(uint turn, uint batch_size) { return DiscQuery(turn, batch_size, INFINITY, 0.0, vec3(0.0)); }
+
+/// DiscMoments of the last disc, where they are asked for.
+struct DiscMoments {
+    float w_sq, w_t;
+    float sectors[DISC_SECTORS];
+};
+DiscMoments disc_moments;
+void clear_disc_moments() {
+    disc_moments.w_sq = disc_moments.w_t = 0.0;
+    for (uint s = 0; s < DISC_SECTORS; ++s) disc_moments.sectors[s] = 0.0;
+}
+/// `light`: what a photon there brings, its channels added; `offset` from the centre, `q_sq` its square over the radius'.
+void add_to_disc_moments(float light, Frame frame, vec3 offset, float q_sq) {
+    const float x = dot(offset, frame.tangent), y = dot(offset, frame.bitangent);
+    const uint sector = (x < 0.0 ? 1u : 0u) | (y < 0.0 ? 2u : 0u) | (abs(x) < abs(y) ? 4u : 0u);
+    disc_moments.w_sq += light * light;
+    disc_moments.w_t += light * (2.0 * q_sq - 1.0);
+    disc_moments.sectors[sector] += light;
+}
 
 /// How far from its plane a disc of that radius counts photons.
 float disc_thickness_m(float radius_m) {
@@ -153,6 +177,7 @@ float disc_thickness_m(float radius_m) {
 RadianceEstimate estimate_radiance(uint map_kind, ShadingPoint point, Bsdf bsdf, vec3 wo, uint most_scatterings,
                                    DiscQuery query) {
     RadianceEstimate estimate = no_radiance();
+    if (DISC_MOMENTS) clear_disc_moments();
     if (!bsdf_has_non_delta(bsdf)) return estimate;
     const vec3 normal = point.geometric_normal;
     const bool both_sides = bsdf_has_non_delta_transmission(bsdf);
@@ -161,8 +186,9 @@ RadianceEstimate estimate_radiance(uint map_kind, ShadingPoint point, Bsdf bsdf,
     if (plain && wo.z <= 0.0) return estimate;
 
     const PhotonMapConstants map = ESTIMATE.maps[map_kind];
-    if (grid_starts[map.grid.first_start + map.grid.slots] == 0) return estimate;  // an empty map
-    PhotonDisc disc = PhotonDisc(map.radius_m, map.radius_m * map.radius_m, 0u);
+    if (is_empty(map.grid)) return estimate;
+    const float radius_m = query.radius_m > 0.0 ? query.radius_m : map.radius_m;
+    PhotonDisc disc = PhotonDisc(radius_m, radius_m * radius_m, 0u);
     if (SEARCH_NEAREST) disc = find_nearest(map, point.position);
     estimate.radius_m = disc.radius_m;
     if (disc.radius_m > query.most_radius_m) return estimate;
@@ -172,6 +198,8 @@ RadianceEstimate estimate_radiance(uint map_kind, ShadingPoint point, Bsdf bsdf,
     if (!(area >= LEAST_NORMAL_FLOAT && area < INFINITY)) return estimate;
     const float thickness_m = disc_thickness_m(disc.radius_m);
     const uint same_normal = octahedral_encode(11u, normal);
+    const vec3 factor = plain ? bsdf_f_cos(bsdf, wo, vec3(0.0, 0.0, 1.0)) : vec3(1.0);
+    const Frame disc_frame = make_frame(normal);
     const bool cut = DISC_COVERAGE && may_have_edges(point.position, disc.radius_m);
     DiscProbe probe;
     DiscMass mass = DiscMass(1.0, false);
@@ -186,7 +214,8 @@ RadianceEstimate estimate_radiance(uint map_kind, ShadingPoint point, Bsdf bsdf,
     for (bool again = true; again;) {
         again = false;
         estimate.radiance = estimate.delta_radiance = vec3(0.0);
-        estimate.photons = 0;
+        estimate.photons = estimate.scattered = 0;
+        if (DISC_MOMENTS) clear_disc_moments();
         uint next_asked = 0;  // number of the photon
         uint equals = disc.equals;
         uint index;
@@ -218,7 +247,7 @@ RadianceEstimate estimate_radiance(uint map_kind, ShadingPoint point, Bsdf bsdf,
             float weight = kernel_evaluate(ESTIMATE.kernel, distance_sq / area);
             if (SOFT_DISC) weight *= abs(side) * (thickness_m > 0.0 ? 1.0 - height_m / thickness_m : 1.0);
             const uvec4 power = map_powers[map.grid.first_point + index];
-            vec3 reflected = weight * uintBitsToFloat(power.xyz);
+            vec3 brought = uintBitsToFloat(power.xyz);
             if (!plain) {
                 const vec3 direction = photon_direction(power.w);
                 const vec3 wi = to_local(point.shading, direction);
@@ -227,14 +256,20 @@ RadianceEstimate estimate_radiance(uint map_kind, ShadingPoint point, Bsdf bsdf,
                 // A photon of a curved surface's next facet may have come from below this one's horizon.
                 const bool same_side = (dot(direction, normal) > 0.0) == (side > 0.0);
                 const float share = same_side ? 1.0 / max(abs(cos_p), LEAST_COSINE) : 0.0;
-                reflected *= share * bsdf_f_cos(bsdf, wo, wi);
+                brought *= share * bsdf_f_cos(bsdf, wo, wi);
             }
+            const vec3 reflected = weight * brought;
             estimate.radiance += reflected;
             if (photon_all_delta(found.w)) estimate.delta_radiance += reflected;
             ++estimate.photons;
+            if (plain || !is_black(brought)) {
+                ++estimate.scattered;
+                if (DISC_MOMENTS)
+                    add_to_disc_moments(dot(query.channels * factor, brought), disc_frame, position - point.position,
+                                        distance_sq / area);
+            }
         }
     }
-    const vec3 factor = plain ? bsdf_f_cos(bsdf, wo, vec3(0.0, 0.0, 1.0)) : vec3(1.0);
     estimate.radiance *= mass.inverse / area * factor;
     estimate.delta_radiance *= mass.inverse / area * factor;
     return estimate;

@@ -14,6 +14,9 @@
 // Specialisation constants.
 #define SEARCH_NEAREST_ID 42  // PhotonSearch::Kind
 #define SOFT_DISC_ID 43
+#define DISC_MOMENTS_ID 56
+
+#define DISC_SECTORS 8  // DiscMoments::kSectors
 
 #ifdef __cplusplus
 namespace photond::gpu {

@@ -1,11 +1,10 @@
 #include "renderer/progressive/point_radii.h"
 
 #include <algorithm>
-#include <cstring>
 #include <vector>
 
-#include "protocol/error.h"
 #include "renderer/core/parallel.h"
+#include "renderer/progressive/point_records.h"
 #include "renderer/scene/scene.h"
 
 namespace photond {
@@ -13,101 +12,6 @@ namespace photond {
 namespace {
 
 constexpr size_t kGrain = 4096;
-constexpr float kFirstTest = 16;        // photons since the last change after which curved light is first looked for
-constexpr float kHalved = 0.70710678f;  // the radius, where its square is halved
-
-// What is known of a pixel's discs in one map: 4-byte numbers alone, as they are saved. `radius_m` 0: never asked for.
-// The same record sums what one pass gathers.
-
-struct LocalPoint {
-    float radius_m = 0;
-    float photons = 0;  // N
-
-    static constexpr bool kWantsMoments = false;
-    void gather(const RadianceEstimate& found, const DiscMoments&) { photons += static_cast<float>(found.scattered); }
-    void take(const LocalPoint& pass, float alpha) {
-        if (pass.photons == 0) return;
-        const float kept = photons + alpha * pass.photons;
-        radius_m *= std::sqrt(kept / (photons + pass.photons));
-        photons = kept;
-    }
-};
-
-/// What both tests have in common; sums are since the last change.
-template <class Point>
-struct TestedPoint {
-    float radius_m = 0;
-    float photons = 0;
-    float w_sq = 0;
-    float next_test = kFirstTest;
-
-    static constexpr bool kWantsMoments = true;
-    void take(const Point& pass, float) {
-        if (pass.photons == 0) return;
-        auto& self = static_cast<Point&>(*this);
-        photons += pass.photons, w_sq += pass.w_sq;
-        self.add(pass);
-        if (photons < next_test) return;
-        while (photons >= next_test) next_test *= 2;
-        if (!self.is_curved()) return;
-        const float halved_m = kHalved * radius_m;
-        self = Point();
-        radius_m = halved_m;
-    }
-
-protected:
-    void gather_common(const RadianceEstimate& found, const DiscMoments& moments) {
-        photons += static_cast<float>(found.scattered);
-        w_sq += static_cast<float>(moments.w_sq);
-    }
-};
-
-struct RadialPoint : TestedPoint<RadialPoint> {
-    float w_t = 0;
-
-    void gather(const RadianceEstimate& found, const DiscMoments& moments) {
-        gather_common(found, moments);
-        w_t += static_cast<float>(moments.w_t);
-    }
-    void add(const RadialPoint& pass) { w_t += pass.w_t; }
-    /// By z = sqrt(3) w_t / sqrt(w_sq), which even light makes standard normal: chance does it once in 80 times.
-    bool is_curved() const {
-        constexpr float kCurved = 2.5f;
-        return 3 * sqr(w_t) > sqr(kCurved) * w_sq;
-    }
-};
-
-struct SectorPoint : TestedPoint<SectorPoint> {
-    std::array<float, DiscMoments::kSectors> sectors{};
-
-    void gather(const RadianceEstimate& found, const DiscMoments& moments) {
-        gather_common(found, moments);
-        for (size_t s = 0; s < sectors.size(); ++s) sectors[s] += static_cast<float>(moments.sectors[s]);
-    }
-    void add(const SectorPoint& pass) {
-        for (size_t s = 0; s < sectors.size(); ++s) sectors[s] += pass.sectors[s];
-    }
-    /// By chi-squared of seven degrees of freedom, as seldom by chance as the radial test.
-    bool is_curved() const {
-        constexpr float kCurved = 18.0f;
-        float mean = 0, squares = 0;
-        for (const float w : sectors) mean += w / static_cast<float>(sectors.size());
-        for (const float w : sectors) squares += sqr(w - mean);
-        return static_cast<float>(sectors.size()) * squares > kCurved * w_sq;
-    }
-};
-
-/// Before the points in a saved state.
-struct StateHeader {
-    uint32_t version = 1;
-    uint32_t point_bytes = 0;
-    uint32_t sets = 0;
-    uint32_t reserved = 0;
-    uint64_t pixels = 0;
-    PerMap<uint64_t> points{};
-
-    bool operator==(const StateHeader&) const = default;
-};
 
 template <class Point>
 class PointRadii final : public DiscRadii {
@@ -127,8 +31,7 @@ public:
 
 private:
     Point& of(std::vector<Point>& points, uint32_t pixel) { return points[set_ * pixels_ + pixel]; }
-    StateHeader header() const;
-    void restore(const std::string& state);
+    SavedPoints kind_of_points() const { return {sizeof(Point), sets_, pixels_}; }
 
     const float alpha_;
     const uint32_t sets_;
@@ -158,7 +61,11 @@ PointRadii<Point>::PointRadii(const DiscRadiiInputs& inputs, Stats& stats)
         pilots_[index_of(kind)] =
             PhotonMap(std::move(pilot), {PhotonSearch::Kind::Nearest, inputs.params.nearest_photons, limits_.most_m});
     }
-    if (!inputs.state.empty()) restore(inputs.state);
+    if (!inputs.state.empty()) {
+        PerMap<std::span<std::byte>> saved;
+        for (size_t map = 0; map < saved.size(); ++map) saved[map] = std::as_writable_bytes(std::span(points_[map]));
+        restore_points(inputs.state, kind_of_points(), saved);
+    }
 }
 
 template <class Point>
@@ -191,35 +98,10 @@ void PointRadii<Point>::end_pass() {
 }
 
 template <class Point>
-StateHeader PointRadii<Point>::header() const {
-    StateHeader header{.point_bytes = sizeof(Point), .sets = sets_, .pixels = pixels_};
-    for (size_t map = 0; map < points_.size(); ++map) header.points[map] = points_[map].size();
-    return header;
-}
-
-template <class Point>
 std::string PointRadii<Point>::state() const {
-    const StateHeader own = header();
-    std::string state(reinterpret_cast<const char*>(&own), sizeof own);
-    for (const std::vector<Point>& points : points_)
-        state.append(reinterpret_cast<const char*>(points.data()), points.size() * sizeof(Point));
-    return state;
-}
-
-template <class Point>
-void PointRadii<Point>::restore(const std::string& state) {
-    size_t bytes = sizeof(StateHeader);
-    for (const std::vector<Point>& points : points_) bytes += points.size() * sizeof(Point);
-    StateHeader saved;
-    if (state.size() >= sizeof saved) std::memcpy(&saved, state.data(), sizeof saved);
-    if (state.size() != bytes || !(saved == header()))
-        throw Error(ErrorCode::Conflict, "the radii kept with the film are not of this job");
-    size_t at = sizeof saved;
-    for (std::vector<Point>& points : points_) {
-        const size_t size = points.size() * sizeof(Point);
-        if (size > 0) std::memcpy(points.data(), state.data() + at, size);
-        at += size;
-    }
+    PerMap<std::span<const std::byte>> points;
+    for (size_t map = 0; map < points.size(); ++map) points[map] = std::as_bytes(std::span(points_[map]));
+    return save_points(kind_of_points(), points);
 }
 
 template <class Point>
@@ -228,14 +110,6 @@ uint64_t PointRadii<Point>::bytes() const {
     for (size_t map = 0; map < points_.size(); ++map)
         bytes += (points_[map].capacity() + pass_[map].capacity()) * sizeof(Point) + pilots_[map].bytes();
     return bytes;
-}
-
-/// Calls function(point) with a record of the rule's kind.
-template <class Function>
-auto with_point_of(const ProgressiveParams& params, const Function& function) {
-    if (params.radius_rule == RadiusRule::Local) return function(LocalPoint());
-    if (params.test == CurvatureTest::Radial) return function(RadialPoint());
-    return function(SectorPoint());
 }
 
 }  // namespace
@@ -249,7 +123,7 @@ std::unique_ptr<DiscRadii> make_point_radii(const DiscRadiiInputs& inputs, Stats
 DiscRadiiBytes point_radii_bytes(const ProgressiveParams& params, uint32_t hit_point_sets, const Workload& workload) {
     const uint64_t point_bytes = with_point_of(params, [](const auto& point) { return uint64_t{sizeof point}; });
     const uint64_t points_of_set = workload.film_size.pixels() * point_bytes;
-    DiscRadiiBytes bytes{.state = sizeof(StateHeader)};
+    DiscRadiiBytes bytes{.state = SavedPoints::kHeaderBytes};
     for (const PhotonMapKind kind : kPhotonMapKinds) {
         const uint64_t photons = ProgressivePhotons::expected_photons(kind, params, workload);
         if (photons == 0) continue;

@@ -9,6 +9,7 @@
 #include "renderer/eye/specular_walk.h"
 #include "renderer/gathering/photon_gathering.h"
 #include "renderer/progressive/disc_radii.h"
+#include "renderer/progressive/point_records.h"
 #include "renderer/progressive/progressive_photons.h"
 #include "renderer/scene/scene.h"
 
@@ -86,9 +87,6 @@ private:
     PassImage& image_;
 };
 
-/// The state of a render that needs no photons.
-constexpr const char* kNoPhotons = "no photons";
-
 uint64_t scratch_bytes(size_t threads) { return threads * SpecularWalk::bytes_per_thread(kTileSide); }
 
 }  // namespace
@@ -139,9 +137,7 @@ uint64_t ProgressiveMapping::estimate_state_bytes(const ProgressiveParams& param
 }
 
 void ProgressiveMapping::go_on_from(const std::string& state) {
-    if (state.empty() != params_->passes_stand_alone())
-        throw Error(ErrorCode::Conflict, state.empty() ? "the film lacks the radii that its passes left"
-                                                       : "the film has radii that its passes have no need of");
+    check_points_to_go_on_from(*params_, state);
     state_before_ = state;
 }
 
@@ -223,7 +219,7 @@ void ProgressiveMapping::resolve(Film& film) {
 std::string ProgressiveMapping::state() const {
     if (params_->passes_stand_alone()) return {};
     if (!state_) return state_before_;
-    return state_->radii ? state_->radii->state() : kNoPhotons;
+    return state_->radii ? state_->radii->state() : kNoPoints;
 }
 
 }  // namespace photond

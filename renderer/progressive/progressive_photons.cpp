@@ -22,10 +22,6 @@ const char* why_not(PhotonMapKind kind, const ProgressiveParams& params, bool li
     return nullptr;
 }
 
-uint32_t paths_of(PhotonMapKind kind, const ProgressiveParams& params) {
-    return kind == PhotonMapKind::Global ? params.photons : params.caustic_photons.value_or(params.photons);
-}
-
 uint64_t light_count(const Scene& scene) { return scene.triangle_lights.size() + scene.punctual_lights.size(); }
 
 }  // namespace
@@ -47,7 +43,7 @@ ProgressivePhotons::ProgressivePhotons(const RenderContext& context, const Progr
     }
     const bool specular = has_specular_surface(scene, params.glossy_threshold);
     for (const PhotonMapKind kind : kPhotonMapKinds) {
-        const uint32_t paths = paths_of(kind, params);
+        const uint32_t paths = this->paths(kind);
         if (const char* why = why_not(kind, params, emission_ != nullptr, specular)) {
             const double yield =
                 kind == PhotonMapKind::Global ? kExpectedPhotonYield.global : kExpectedPhotonYield.caustic;
@@ -71,7 +67,7 @@ ProgressivePhotons::ProgressivePhotons(const RenderContext& context, const Progr
             }
         }
         tracers_[index_of(kind)] =
-            std::make_unique<const PhotonTracer>(scene, *context.intersector, emission_->sampler, tracing(kind, paths));
+            std::make_unique<const PhotonTracer>(scene, *context.intersector, emission_->sampler, tracing(kind));
     }
     if (!any()) {
         emission_.reset();
@@ -82,16 +78,16 @@ ProgressivePhotons::ProgressivePhotons(const RenderContext& context, const Progr
 }
 ProgressivePhotons::~ProgressivePhotons() = default;
 
-uint32_t ProgressivePhotons::paths(PhotonMapKind kind) const { return paths_of(kind, params_); }
-
-PhotonTracing ProgressivePhotons::tracing(PhotonMapKind kind, uint32_t paths) const {
+PhotonTracing ProgressivePhotons::tracing(PhotonMapKind kind) const {
     return {.kind = kind,
-            .photons = paths,
+            .photons = paths(kind),
             .most_scatterings = params_.photon_scatterings(1),
             .glossy_threshold = params_.glossy_threshold,
             .sampler = params_.sampler,
             .guide = kind == PhotonMapKind::Caustic && emission_->guide ? &*emission_->guide : nullptr};
 }
+
+uint64_t ProgressivePhotons::pilot_seed() const { return hash64(context_.seed) ^ kPilotSeed; }
 
 PhotonMap ProgressivePhotons::trace(PhotonMapKind kind, uint32_t pass, const PhotonSearch& search, Stats& stats,
                                     const CancelToken& cancel) {
@@ -125,7 +121,7 @@ std::vector<Photon> ProgressivePhotons::trace_pilot(PhotonMapKind kind, uint32_t
     const StageTimer timer(stats, "photon_tracing");
     std::vector<Photon> photons;
     for (uint32_t pass = 0; pass < passes; ++pass) {
-        TracedPhotons traced = tracers_[index_of(kind)]->trace(hash64(context_.seed) ^ kPilotSeed, pass, CancelToken{});
+        TracedPhotons traced = tracers_[index_of(kind)]->trace(pilot_seed(), pass, CancelToken{});
         stats.counts.photon_rays += traced.counts.photon_rays;
         photons.insert(photons.end(), traced.photons.begin(), traced.photons.end());
     }
@@ -142,7 +138,7 @@ uint64_t ProgressivePhotons::expected_photons(PhotonMapKind kind, const Progress
     const double share = kind == PhotonMapKind::Global ? yield.global
                          : params.projection_maps      ? yield.caustic
                                                        : yield.caustic_unguided;
-    return static_cast<uint64_t>(share * paths_of(kind, params)) + 1;
+    return static_cast<uint64_t>(share * paths(kind, params)) + 1;
 }
 
 uint64_t ProgressivePhotons::estimate_bytes(const ProgressiveParams& params, const Workload& workload) {

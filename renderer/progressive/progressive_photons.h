@@ -30,7 +30,13 @@ public:
 
     bool wanted(PhotonMapKind kind) const { return tracers_[index_of(kind)] != nullptr; }
     bool any() const { return wanted(PhotonMapKind::Global) || wanted(PhotonMapKind::Caustic); }
-    uint32_t paths(PhotonMapKind kind) const;
+    uint32_t paths(PhotonMapKind kind) const { return paths(kind, params_); }
+    static uint32_t paths(PhotonMapKind kind, const ProgressiveParams& params) {
+        return kind == PhotonMapKind::Global ? params.photons : params.caustic_photons.value_or(params.photons);
+    }
+    /// As the passes' photons of that kind, which is wanted, are traced; its guide is kept here.
+    PhotonTracing tracing(PhotonMapKind kind) const;
+    uint64_t pilot_seed() const;
 
     /// One pass's map: a pure function of (scene, parameters, seed, pass). Stages `photon_tracing` and
     /// `photon_map_build`; its bytes go to the budget. Empty where it is not wanted, or cancelled.
@@ -46,8 +52,6 @@ public:
 
 private:
     struct Emission;
-
-    PhotonTracing tracing(PhotonMapKind kind, uint32_t paths) const;
 
     const RenderContext context_;
     const ProgressiveParams& params_;

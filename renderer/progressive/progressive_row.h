@@ -11,9 +11,10 @@ inline PathsLeftOut left_out_by_progressive_photons(const ProgressiveParams& par
     return left_out_by_photons(bounces_of_scatterings(params.max_scatterings()), params.glossy_threshold, needs);
 }
 
-template <class Cpu>
+/// `Gpu`: void where there is none.
+template <class Cpu, class Gpu>
 MethodInfo progressive_row() {
-    MethodInfo info = row_of_classes<Cpu, void>();
+    MethodInfo info = row_of_classes<Cpu, Gpu>();
     info.family = "photon mapping";
     info.left_out = left_out_of<ProgressiveParams, left_out_by_progressive_photons>;
     info.layers.add(Layer::PhotonCount);

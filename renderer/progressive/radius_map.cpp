@@ -1,6 +1,7 @@
 #include "renderer/progressive/radius_map.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "renderer/core/rng.h"
@@ -9,7 +10,7 @@ namespace photond {
 
 namespace {
 
-constexpr uint32_t kIsLeaf = 3;
+constexpr uint32_t kIsLeaf = RADIUS_MAP_LEAF;
 
 }  // namespace
 
@@ -62,6 +63,26 @@ float RadiusMap::radius_m(const vec3& p, uint32_t turn) const {
         moved[axis] += width_m[axis] * (to_unit_float(bits) - 0.5f);
     }
     return leaf_at(moved).radius_m;
+}
+
+float RadiusMap::median_m() const {
+    if (leaves_.empty()) return most_m_;
+    std::vector<float> radii;
+    for (const Leaf& leaf : leaves_) radii.push_back(leaf.radius_m);
+    const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
+    std::ranges::nth_element(radii, middle);
+    return *middle;
+}
+
+std::vector<gpu::RadiusMapRecord> RadiusMap::device_records() const {
+    std::vector<gpu::RadiusMapRecord> records;
+    records.reserve(nodes_.size() + leaves_.size());
+    for (const Node& node : nodes_) records.push_back({node.plane, node.axis, node.left, node.right});
+    for (const Leaf& leaf : leaves_) {
+        const auto width = [&](int axis) { return std::bit_cast<uint32_t>(leaf.width_m[axis]); };
+        records.push_back({leaf.radius_m, width(0), width(1), width(2)});
+    }
+    return records;
 }
 
 uint64_t RadiusMap::bytes_for(uint64_t places) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "renderer/core/geometry.h"
+#include "renderer/progressive/radius_map_shared.h"
 
 namespace photond {
 
@@ -24,9 +25,15 @@ public:
     /// mean of many has no steps where leaves meet.
     float radius_m(const vec3& p, uint32_t turn) const;
     float most_m() const { return most_m_; }
+    /// Half of the leaves have less.
+    float median_m() const;
     uint64_t bytes() const { return nodes_.capacity() * sizeof(Node) + leaves_.capacity() * sizeof(Leaf); }
     /// At most, of so many places, what its building takes for a while included.
     static uint64_t bytes_for(uint64_t places);
+
+    /// For the twin in radius_map.glsl: the nodes, and the leaves behind them, a record of 16 bytes each.
+    std::vector<gpu::RadiusMapRecord> device_records() const;
+    uint32_t device_leaves() const { return static_cast<uint32_t>(nodes_.size()); }  // the first leaf's record
 
     /// Places of a leaf, at most.
     static constexpr size_t kLeafPlaces = 12;

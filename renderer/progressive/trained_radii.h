@@ -29,6 +29,9 @@ public:
     void begin_pass(uint32_t pass) override;
     float radius_m(PhotonMapKind kind, const DiscPlace& place, Neighbours& scratch) override;
     uint64_t bytes() const override;
+    /// For a device: the radii of a pass whose share is 1, and the share of the pass begun.
+    const RadiusMap& first_m(PhotonMapKind kind) const { return first_m_[index_of(kind)]; }
+    float share() const { return share_; }
     static DiscRadiiBytes bytes_for(const ProgressiveParams& params, const Workload& workload);
 
 private:

@@ -11,6 +11,10 @@ from photond_daemon import small_job
 GPU = able_gpus()[0] if able_gpus() else None
 JOB = small_job(size=32, passes=4)
 JOB["method"]["device"] = "gpu"
+# Its passes build on what those before have counted, on the device.
+JOB_WITH_STATE = small_job(size=32, passes=4)
+JOB_WITH_STATE["method"] = {"name": "stochastic_progressive_photon_mapping", "device": "gpu",
+                            "parameters": {"photons": 2000, "boundary": "none"}}
 
 
 def hash_of(job):
@@ -24,7 +28,7 @@ def some_of(count):
 
 @needs_gpu
 class FaultTest(unittest.TestCase):
-    expected = None
+    expected = {}  # hashes, by method
 
     def setUp(self):
         temporary = tempfile.TemporaryDirectory()
@@ -36,29 +40,30 @@ class FaultTest(unittest.TestCase):
         return gpu_daemon("--save-seconds", "0.000001", devices="gpu",
                           environment=fault_environment(self.folder, call, at, **fault))
 
-    def calls_of_a_job(self, call):
+    def check_hash(self, job):
+        """Of a job, that of its method's undisturbed run: the first that is seen."""
+        self.assertEqual(hash_of(job), self.expected.setdefault(job["request"]["method"]["name"], hash_of(job)))
+
+    def calls_of_a_job(self, call, job=JOB):
         """How many there are until the job's end; its undisturbed hash is kept."""
         with self.daemon(call) as daemon:
-            job = daemon.run_job(JOB)
-            if FaultTest.expected:
-                self.assertEqual(hash_of(job), FaultTest.expected)
-            FaultTest.expected = hash_of(job)
+            self.check_hash(daemon.run_job(job))
         count = counted_calls(self.folder)
         self.assertGreater(count, 0, call)
         return count
 
-    def lost(self, call):
-        for at in some_of(self.calls_of_a_job(call)):
+    def lost(self, call, body=JOB, choose=some_of):
+        for at in choose(self.calls_of_a_job(call, body)):
             with self.subTest(call=call, at=at), self.daemon(call, at) as daemon:
                 pid = daemon.workers()[GPU["id"]]
-                job = daemon.run_job(JOB)
+                job = daemon.run_job(body)
                 self.assertTrue((self.folder / "once").exists(), "the fault never came")
                 if len(job["attempts"]) == 1:  # lost while it tidied up: the next job finds out
-                    self.assertEqual(hash_of(job), FaultTest.expected)
-                    job = daemon.run_job(JOB)
+                    self.check_hash(job)
+                    job = daemon.run_job(body)
                 self.assertEqual([a["outcome"] for a in job["attempts"]], ["device_lost", "succeeded"])
                 self.assertIn("the GPU stopped answering", job["attempts"][0]["reason"])
-                self.assertEqual(hash_of(job), FaultTest.expected)
+                self.check_hash(job)
                 self.assertNotEqual(daemon.workers()[GPU["id"]], pid, "a process with a lost device went on")
 
     def test_lost_while_submitting(self):
@@ -66,6 +71,9 @@ class FaultTest(unittest.TestCase):
 
     def test_lost_while_waiting(self):
         self.lost("vkWaitSemaphores")
+
+    def test_lost_between_passes_that_build_on_one_another(self):
+        self.lost("vkWaitSemaphores", JOB_WITH_STATE, lambda count: (count // 2, count - 4))
 
     def test_lost_twice_the_job_fails(self):
         with self.daemon("vkQueueSubmit2", 2, once=False) as daemon:
@@ -87,7 +95,7 @@ class FaultTest(unittest.TestCase):
                 self.assertEqual((job["state"], job["failure"]["code"]), ("failed", code), job)
                 self.assertRegex(job["failure"]["detail"], reason)
                 self.assertEqual(len(job["attempts"]), 1)
-                self.assertEqual(hash_of(daemon.run_job(JOB)), FaultTest.expected)
+                self.check_hash(daemon.run_job(JOB))
                 self.assertEqual(daemon.workers()[GPU["id"]], pid, "the worker did not live on")
 
     def test_no_memory_on_the_device(self):

@@ -54,7 +54,7 @@ void leave_point(WalkVertex met, uint key, uint rays, uint light_samples) {
 /// Light of the maps that a visible point scatters.
 void look_up(WalkVertex point, uint turn, inout PathLight light) {
     const uint most = photon_scatterings_left(point.scatterings + 1);
-    const DiscQuery query = DiscQuery(turn, DISC_FINE_BATCH, INFINITY);
+    const DiscQuery query = disc_query(turn, DISC_FINE_BATCH);
     const MapEstimates maps = estimate_maps(point.surface, point.rough, point.wo, most, !FINAL_GATHER, query);
     photons += maps.caustic.photons + maps.global.photons;
     light.indirect += point.throughput * (maps.caustic.radiance + maps.global.radiance);

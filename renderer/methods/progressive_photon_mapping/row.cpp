@@ -14,7 +14,7 @@ void ProgressivePhotonMappingParams::visit(ParamVisitor& visitor) {
 MethodInfo progressive_photon_mapping_row();
 
 MethodInfo progressive_photon_mapping_row() {
-    MethodInfo info = progressive_row<ProgressivePhotonMapping>();
+    MethodInfo info = progressive_row<ProgressivePhotonMapping, void>();
     info.title = "Progressive photon mapping";
     info.line =
         "Photon mapping at fixed hit points with radii that shrink. Good at light through glass seen through glass; "

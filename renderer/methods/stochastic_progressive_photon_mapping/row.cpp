@@ -1,6 +1,7 @@
 // What the house asks of this method.
 
 #include "renderer/methods/stochastic_progressive_photon_mapping/stochastic_progressive_photon_mapping.h"
+#include "renderer/methods/stochastic_progressive_photon_mapping/stochastic_progressive_photon_mapping_gpu.h"
 #include "renderer/progressive/progressive_row.h"
 
 namespace photond {
@@ -8,7 +9,7 @@ namespace photond {
 MethodInfo stochastic_progressive_photon_mapping_row();
 
 MethodInfo stochastic_progressive_photon_mapping_row() {
-    MethodInfo info = progressive_row<StochasticProgressivePhotonMapping>();
+    MethodInfo info = progressive_row<StochasticProgressivePhotonMapping, StochasticProgressivePhotonMappingGpu>();
     info.title = "Stochastic progressive photon mapping";
     info.line =
         "New hit points each pass, one radius a pixel that shrinks as photons come. Good at light through glass seen "
