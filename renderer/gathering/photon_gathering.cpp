@@ -34,7 +34,7 @@ uint64_t PhotonGathering::estimate_bytes(const GatheringParams& params, const Wo
     if (plan.global.wanted() || plan.caustic.wanted() || plan.shadow)
         bytes += EmissionSampler::estimate_bytes(workload.lights, workload.environment_size);
     if (plan.global.wanted() || plan.caustic.wanted()) bytes += PhotonTracer::scratch_bytes(workload.threads);
-    if (params.boundary == DiscBoundary::Clip) bytes += EdgeCells::estimate_bytes(workload.triangles);
+    if (params.boundary == DiscBoundary::Clip) bytes += EdgeTree::estimate_bytes(workload.triangles);
     const uint64_t copies = params.keep_photon_map ? 2 : 1;
     uint64_t build = 0;  // of one map at a time
     if (plan.global.wanted()) {

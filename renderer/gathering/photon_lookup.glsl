@@ -23,7 +23,7 @@ layout(set = 0, binding = MAPPING_BINDING, scalar) readonly buffer Mapping { Gat
 
 #define ESTIMATE mapping.estimate
 #define COVERAGE mapping.estimate.coverage
-#define EDGE_CELL_WORD(index) grid_starts[index]  // behind those of the grids
+#define EDGE_WORD(index) grid_starts[index]  // behind those of the grids
 #include "renderer/photons/hash_grid.glsl"
 #include "renderer/photons/precomputed_irradiance.glsl"
 #include "renderer/photons/radiance_estimate.glsl"

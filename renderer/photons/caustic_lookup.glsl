@@ -11,7 +11,7 @@ layout(set = 0, binding = CAUSTIC_ESTIMATE_BINDING, scalar) readonly buffer Caus
 };
 #define ESTIMATE caustic_estimate
 #define COVERAGE ESTIMATE.coverage  // discs are whole: DISC_COVERAGE stays false
-#define EDGE_CELL_WORD(index) 0u
+#define EDGE_WORD(index) 0u
 #include "renderer/photons/radiance_estimate.glsl"
 
 DiscQuery caustic_query() { return disc_query(0u, DISC_FINE_BATCH); }

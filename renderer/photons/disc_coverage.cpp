@@ -23,7 +23,7 @@ Ray ray_between(const vec3& eye, const vec3& point, const vec3& normal, float ra
 }  // namespace
 
 DiscCoverage::DiscCoverage(const Scene& scene, const Intersector& intersector, float radius_m)
-    : scene_(scene), intersector_(intersector), cells_(find_surface_edges(scene, radius_m), radius_m) {}
+    : scene_(scene), intersector_(intersector), edges_(find_surface_edges(scene, radius_m)) {}
 
 bool PlaceProbe::sees(const vec3& photon) {
     const float distance_m = glm::length(photon - place_);

@@ -1,5 +1,5 @@
 // GLSL twin of photons/disc_coverage.h: how much of a disc of density estimation lies on surface that light can reach.
-// Define COVERAGE (a DiscCoverageConstants) and EDGE_CELL_WORD(index), the tables' words, before.
+// Define COVERAGE (a DiscCoverageConstants) and EDGE_WORD(index), the tables' words, before.
 #ifndef PHOTOND_DISC_COVERAGE_GLSL
 #define PHOTOND_DISC_COVERAGE_GLSL
 
@@ -8,20 +8,46 @@
 #include "renderer/photons/disc_coverage_shared.h"
 #include "renderer/photons/kernel.glsl"
 
-/// EdgeCells::may_have_edges(): false: no edge within `radius_m` of p.
-bool may_have_edges(vec3 p, float radius_m) {
-    uint index = 0;
-    for (float next_m = COVERAGE.radius_m / EDGE_CELL_STEP; index + 1 < EDGE_CELL_LEVELS && radius_m <= next_m;
-         next_m /= EDGE_CELL_STEP)
-        ++index;
-    const EdgeCellsLevel level = COVERAGE.levels[index];
-    if (level.empty != 0) return false;
-    precise const vec3 cell = floor((p - level.origin) * level.per_m);
-    const uint64_t mask = 0x1fffffUL;
-    const uint64_t key = (uint64_t(int64_t(cell.x)) & mask) | ((uint64_t(int64_t(cell.y)) & mask) << 21) |
-                         ((uint64_t(int64_t(cell.z)) & mask) << 42);
-    const uint bit = uint(hash64(key) >> level.bit_shift);
-    return ((EDGE_CELL_WORD(level.first_word + bit / 32) >> (bit % 32)) & 1u) != 0;
+float edge_float(uint word) { return uintBitsToFloat(EDGE_WORD(word)); }
+vec3 edge_vec3(uint word) { return vec3(edge_float(word), edge_float(word + 1), edge_float(word + 2)); }
+
+bool edge_node_is_near(uint node, vec3 p, float radius_m) {
+    const uint word = COVERAGE.first_node_word + EDGE_NODE_WORDS * node;
+    if (edge_float(word + 6) >= radius_m) return false;
+    const vec3 d = max(max(edge_vec3(word) - p, p - edge_vec3(word + 3)), vec3(0.0));
+    return dot(d, d) <= sqr(radius_m);
+}
+
+bool edge_is_near(uint edge, vec3 p, float radius_m) {
+    const uint word = COVERAGE.first_edge_word + EDGE_WORDS * edge;
+    if (edge_float(word + 6) >= radius_m) return false;
+    const vec3 a = edge_vec3(word), along = edge_vec3(word + 3) - a, to = p - a;
+    const float length_sq = dot(along, along);
+    const vec3 d = to - (length_sq > 0.0 ? clamp(dot(to, along) / length_sq, 0.0, 1.0) : 0.0) * along;
+    return dot(d, d) <= sqr(radius_m);
+}
+
+uint first_edge_of_leaf(uint leaf) {
+    return uint(uint64_t(leaf) * uint64_t(COVERAGE.edges) / uint64_t(COVERAGE.leaves));
+}
+
+/// EdgeTree::has_edges().
+bool has_edges(vec3 p, float radius_m) {
+    if (COVERAGE.leaves == 0) return false;
+    for (uint node = 1;;) {
+        if (edge_node_is_near(node, p, radius_m)) {
+            if (node < COVERAGE.leaves) {
+                node *= 2;
+                continue;
+            }
+            const uint end = first_edge_of_leaf(node - COVERAGE.leaves + 1);
+            for (uint edge = first_edge_of_leaf(node - COVERAGE.leaves); edge < end; ++edge)
+                if (edge_is_near(edge, p, radius_m)) return true;
+        }
+        ++node;
+        node >>= findLSB(node);
+        if (node == 1) return false;
+    }
 }
 
 /// A random number made from two.
@@ -62,10 +88,10 @@ PlaceProbe probe_place(vec3 place, vec3 normal, float radius_m) { return PlacePr
 /// PlaceProbe::sees().
 bool place_sees(inout PlaceProbe probe, vec3 photon) {
     const float distance_m = length(photon - probe.place);
-    if (!may_have_edges(probe.place, distance_m)) return true;
+    if (!has_edges(probe.place, distance_m)) return true;
     if (probe.most_lift_m < 0.0) {
-        const Hit above = closest_hit(
-            Ray(offset_ray_origin(probe.place, probe.normal), probe.normal, 2.0 * probe.radius_m));
+        const Hit above =
+            closest_hit(Ray(offset_ray_origin(probe.place, probe.normal), probe.normal, 2.0 * probe.radius_m));
         probe.most_lift_m = hit_valid(above) ? 0.5 * above.t : probe.radius_m;
     }
     const vec3 eye = probe.place + min(probe.most_lift_m, distance_m) * probe.normal;
@@ -89,8 +115,8 @@ bool disc_sees(DiscProbe probe, vec3 photon) {
     return !occluded(ray_between(probe.eye, photon, probe.disc.normal, probe.disc.radius_m));
 }
 
-/// Looks the place up at that offset from the disc's centre: the area of the surface there over the place's own, 0 where
-/// there is none, and whether it is seen from the eye.
+/// Looks the place up at that offset from the disc's centre: the area of the surface there over the place's own, 0
+/// where there is none, and whether it is seen from the eye.
 float look_place_up(DiscProbe probe, vec3 offset, float u_sq_m2, out bool covered) {
     const CoverageDisc disc = probe.disc;
     const vec3 eye = probe.eye;

@@ -21,7 +21,7 @@
 // is covered everywhere is answered exactly, by one ray for each place of one batch. Else it is cut off where as many
 // places as a batch has were covered, and the rest taken for l_1 ... l_n l' / (1 - l') with l' the mean of all. (One
 // over the share of the places that were covered would be too large in the mean.) Discs far from all edges of surfaces
-// take no ray (EdgeCells).
+// take no ray (EdgeTree).
 //
 // A place is looked up by a ray from above the disc's centre to it: it is covered when the ray meets surface in the
 // disc's plane there. Where it meets something else, surface is looked for from as high above the place itself, and
@@ -34,8 +34,9 @@
 #include <optional>
 #include <span>
 
+#include "renderer/core/rng.h"
 #include "renderer/photons/disc_coverage_shared.h"
-#include "renderer/photons/edge_cells.h"
+#include "renderer/photons/edge_tree.h"
 #include "renderer/photons/kernel.h"
 
 namespace photond {
@@ -82,20 +83,19 @@ public:
     DiscCoverage(const Scene& scene, const Intersector& intersector, float radius_m);
 
     /// False: the disc is whole, and nothing hides in it. True: a DiscProbe tells.
-    bool may_be_cut(const vec3& centre, float radius_m) const { return cells_.may_have_edges(centre, radius_m); }
+    bool may_be_cut(const vec3& centre, float radius_m) const { return edges_.has_edges(centre, radius_m); }
 
     /// A disc's mass is not taken to be less: a needle of surface would turn one photon into a firefly.
     static constexpr float kLeastMass = DISC_LEAST_MASS;
 
     const Scene& scene() const { return scene_; }
     const Intersector& intersector() const { return intersector_; }
-    const EdgeCells& cells() const { return cells_; }
-    uint64_t bytes() const { return cells_.bytes(); }
+    uint64_t bytes() const { return edges_.bytes(); }
 
 private:
     const Scene& scene_;
     const Intersector& intersector_;
-    EdgeCells cells_;
+    EdgeTree edges_;
 };
 
 /// What a place on a surface sees of photons about it, over folds and ledges of the surface but not through walls.

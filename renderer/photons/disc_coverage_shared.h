@@ -1,10 +1,10 @@
 // How places of a disc of density estimation are looked up: for both compilers. CPU twins: disc_coverage.h,
-// edge_cells.h.
+// edge_tree.h.
 #ifndef PHOTOND_DISC_COVERAGE_SHARED_H
 #define PHOTOND_DISC_COVERAGE_SHARED_H
 
-#define EDGE_CELL_LEVELS 3
-#define EDGE_CELL_STEP 4.0f  // radius of a level over the next one's
+#define EDGE_NODE_WORDS 7  // EdgeTree::Node, SurfaceEdge
+#define EDGE_WORDS 7
 
 #define DISC_COSINE 0.5f         // between normals: surface and photons that are turned more are another's
 #define DISC_LEAST_MASS 0.05f    // of a disc's, that sums are divided by
@@ -33,21 +33,16 @@ namespace photond::gpu {
 using uint = uint32_t;
 #endif
 
-struct EdgeCellsLevel {
-    vec3 origin;
-    float per_m;      // cells [1/m]
-    uint first_word;  // of the level's table of bits
-    uint bit_shift;   // of the cells' hashes; the table has 2^(64 - bit_shift) bits
-    uint empty;       // 1: there is no edge, and no table
-};
-
+/// The tree of edges.
 struct DiscCoverageConstants {
-    EdgeCellsLevel levels[EDGE_CELL_LEVELS];
-    float radius_m;  // the greatest
+    uint first_node_word;  // of node 0, which is none: the root is node 1
+    uint first_edge_word;
+    uint leaves;  // 0: there is no edge
+    uint edges;
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(DiscCoverageConstants) == EDGE_CELL_LEVELS * 28 + 4);
+static_assert(sizeof(DiscCoverageConstants) == 16);
 }  // namespace photond::gpu
 #endif
 

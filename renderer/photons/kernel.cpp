@@ -76,7 +76,13 @@ float Kernel::roughness() const {
 }
 
 float Kernel::sample_disc(float u) const {
-    if (shape_ == KernelShape::Constant) return 1;
+    u = std::max(u, 0x1p-26f);  // no disc without area; numbers are multiples of 2^-24
+    switch (shape_) {
+        case KernelShape::Constant: return 1;
+        case KernelShape::Cone: return std::min(std::cbrt(3 * u / (kPi * slope_)), 1.0f);
+        case KernelShape::Epanechnikov: return std::sqrt(std::sqrt(u));
+        case KernelShape::Gaussian: break;
+    }
     // Discs up to radius q hold the kernel's mass within q less the part that larger discs have there, pi q^2 K(q).
     const auto share = [&](float q) { return mass_within(q) - kPi * q * q * (*this)(q * q); };
     float low = 0, high = 1;

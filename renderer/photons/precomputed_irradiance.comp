@@ -18,7 +18,7 @@ layout(set = 0, binding = 4, std430) writeonly buffer Irradiances { uvec4 irradi
 
 #define ESTIMATE estimate_constants
 #define COVERAGE estimate_constants.coverage
-#define EDGE_CELL_WORD(index) grid_starts[index]
+#define EDGE_WORD(index) grid_starts[index]
 #include "renderer/photons/hash_grid.glsl"
 #include "renderer/photons/radiance_estimate.glsl"
 

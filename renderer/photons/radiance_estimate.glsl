@@ -200,7 +200,7 @@ RadianceEstimate estimate_radiance(uint map_kind, ShadingPoint point, Bsdf bsdf,
     const uint same_normal = octahedral_encode(11u, normal);
     const vec3 factor = plain ? bsdf_f_cos(bsdf, wo, vec3(0.0, 0.0, 1.0)) : vec3(1.0);
     const Frame disc_frame = make_frame(normal);
-    const bool cut = DISC_COVERAGE && may_have_edges(point.position, disc.radius_m);
+    const bool cut = DISC_COVERAGE && has_edges(point.position, disc.radius_m);
     DiscProbe probe;
     DiscMass mass = DiscMass(1.0, false);
     if (cut) {

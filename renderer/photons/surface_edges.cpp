@@ -60,25 +60,26 @@ struct Side {
     bool same_edge(const Side& s) const { return (a == s.a && b == s.b) || (a == s.b && b == s.a); }
 };
 
-/// Whether the surface's radius of curvature across the edge is less than the disc's radius. A surface that bends less
-/// has left the disc's slab where it leaves the cone of 60 degrees: half its radius of curvature below the tangent
-/// plane.
-bool bends_sharply(const Side& s, const Side& t, float radius_m) {
+/// The surface's radius of curvature across the edge; infinite where it hardly bends. A surface that bends less than a
+/// disc of that radius has left the disc's slab where it leaves the cone of 60 degrees: half its radius of curvature
+/// below the tangent plane.
+float radius_of_curvature_m(const Side& s, const Side& t) {
     constexpr float kLeastBend = 0.02f;  // [rad]; below, sixty degrees take more edges than a disc should hold
     const float bend = std::acos(std::clamp(-glm::dot(s.inward, t.inward), -1.0f, 1.0f));
-    return bend > kLeastBend && radius_m * bend > std::min(s.height, t.height);
+    return bend > kLeastBend ? std::min(s.height, t.height) / bend : kInfinity;
 }
 
-/// Whether what meets at one edge is a surface that goes on straight, once coincident triangles are left out.
-bool goes_on(std::vector<Side>& sides, float radius_m) {
+/// Of what meets at one edge, once coincident triangles are left out: discs of at most that radius do not mind it. 0
+/// where the surface does not go on.
+float harmless_radius_m(std::vector<Side>& sides) {
     constexpr float kSameSide = 0.9998f;   // within about a degree: a coincident triangle, of either winding
     constexpr float kPassThrough = -0.5f;  // bent by less than 60 degrees
     for (size_t i = 0; i < sides.size(); ++i)
         for (size_t j = sides.size() - 1; j > i; --j)
             if (glm::dot(sides[i].inward, sides[j].inward) > kSameSide)
                 sides.erase(sides.begin() + static_cast<std::ptrdiff_t>(j));
-    return sides.size() == 2 && glm::dot(sides[0].inward, sides[1].inward) <= kPassThrough &&
-           !bends_sharply(sides[0], sides[1], radius_m);
+    const bool goes_on = sides.size() == 2 && glm::dot(sides[0].inward, sides[1].inward) <= kPassThrough;
+    return goes_on ? radius_of_curvature_m(sides[0], sides[1]) : 0;
 }
 
 /// Half-edges of equal keys side by side, in an order that is the same for any number of threads.
@@ -115,7 +116,8 @@ std::vector<SurfaceEdge> edges_among(const WorldTriangles& triangles, std::vecto
                 sides.clear();
                 const Side first = others.front();
                 std::erase_if(others, [&](const Side& s) { return s.same_edge(first) && (sides.push_back(s), true); });
-                if (!goes_on(sides, radius_m)) out.push_back({first.a, first.b});
+                const float harmless_m = harmless_radius_m(sides);
+                if (harmless_m < radius_m) out.push_back({first.a, first.b, harmless_m});
             }
         }
     });

@@ -26,7 +26,7 @@ layout(set = 0, binding = 4, scalar) readonly buffer Constants { ProgressiveCons
 #define PROGRESSIVE constants
 #define ESTIMATE constants.estimate
 #define COVERAGE constants.estimate.coverage
-#define EDGE_CELL_WORD(index) grid_starts[index]  // behind those of the grids
+#define EDGE_WORD(index) grid_starts[index]  // behind those of the grids
 #include "renderer/photons/hash_grid.glsl"
 #include "renderer/progressive/point_radii.glsl"
 #include "renderer/progressive/radius_map.glsl"

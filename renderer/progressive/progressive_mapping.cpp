@@ -127,7 +127,7 @@ uint64_t ProgressiveMapping::estimate_bytes(const ProgressiveParams& params, uin
     uint64_t bytes = PassImage::bytes_for(workload.film_size, workload.layers) + scratch_bytes(workload.threads) +
                      LightSampler::estimate_bytes(workload.lights, workload.environment_size) + radii.kept +
                      std::max(ProgressivePhotons::estimate_bytes(params, workload), radii.before);
-    if (params.boundary == DiscBoundary::Clip) bytes += EdgeCells::estimate_bytes(workload.triangles);
+    if (params.boundary == DiscBoundary::Clip) bytes += EdgeTree::estimate_bytes(workload.triangles);
     return bytes;
 }
 

@@ -94,7 +94,7 @@ struct ProgressiveMappingGpu::State {
     std::optional<GlobalRadii> global;
     std::optional<TrainedRadii> trained;
     std::optional<PointRadiiGpu> points;
-    std::optional<EdgeCells> cells;
+    std::optional<EdgeTree> edges;
     PhotonMapsGpu maps;  // of the pass, by kind, and then the pilots
     bool pilots_stand = false;
     gpu::ProgressiveConstants constants{};
@@ -118,7 +118,7 @@ uint64_t ProgressiveMappingGpu::estimate_bytes(const ProgressiveParams& params, 
 uint64_t ProgressiveMappingGpu::estimate_device_bytes(const ProgressiveParams& params, const Workload& workload) {
     uint64_t bytes = DeviceFrame::estimate_device_bytes(workload) + sizeof(gpu::PassSamplerData) +
                      sizeof(gpu::EyeConstants) + sizeof(gpu::ProgressiveConstants);
-    if (params.boundary == DiscBoundary::Clip) bytes += EdgeCells::estimate_bytes(workload.triangles);
+    if (params.boundary == DiscBoundary::Clip) bytes += EdgeTree::estimate_bytes(workload.triangles);
     const DiscRadiiBytes radii = disc_radii_bytes(params, 1, workload);
     if (!params.passes_stand_alone())
         bytes += PointRadiiGpu::device_bytes(radii.state);
@@ -184,9 +184,9 @@ float ProgressiveMappingGpu::State::cell_m(PhotonMapKind kind) const {
 
 void ProgressiveMappingGpu::State::make_room() {
     // Behind the grids' own words: shaders may bind no more buffers.
-    const std::vector<uint32_t> words = cells ? cells->device_words() : std::vector<uint32_t>();
+    const std::vector<uint32_t> words = edges ? edges->device_words() : std::vector<uint32_t>();
     maps.make_room(words);
-    if (cells) constants.estimate.coverage = cells->device_constants(maps.first_word());
+    if (edges) constants.estimate.coverage = edges->device_constants(maps.first_word());
     pilots_stand = false;
     for (const PhotonMapKind kind : kPhotonMapKinds) {
         if (!maps.has(pilot_of(kind))) continue;
@@ -205,7 +205,7 @@ void ProgressiveMappingGpu::State::make_pipeline() {
         {frame.image().plane(PLANE_PHOTON_COUNT_ID, Layer::PhotonCount),
          frame.image().plane(PLANE_RADIUS_ID, Layer::Radius),
          frame.image().plane(PLANE_BIAS_ESTIMATE_ID, Layer::BiasEstimate), gpu::specialize(SEARCH_NEAREST_ID, false),
-         gpu::specialize(SOFT_DISC_ID, false), gpu::specialize(DISC_COVERAGE_ID, cells.has_value()),
+         gpu::specialize(SOFT_DISC_ID, false), gpu::specialize(DISC_COVERAGE_ID, edges.has_value()),
          gpu::specialize(DISC_MOMENTS_ID, layers.has(Layer::BiasEstimate) || params.radius_rule == RadiusRule::Tested),
          gpu::specialize(RADIUS_RULE_ID, rule_of(params)),
          gpu::specialize(GLOBAL_MAP_ID, wanted(PhotonMapKind::Global)),
@@ -235,7 +235,7 @@ void ProgressiveMappingGpu::begin(const RenderContext& context, Stats& stats) {
         .glossy_threshold = params_->glossy_threshold};
     if (params_->boundary == DiscBoundary::Clip && state.photons.any()) {
         const float most_m = first_m.value_or(state.limits.most_m);
-        state.cells.emplace(find_surface_edges(scene, most_m), most_m);
+        state.edges.emplace(find_surface_edges(scene, most_m));
     }
     state.make_radii(state_before_, stats);
     for (const PhotonMapKind kind : kPhotonMapKinds) {

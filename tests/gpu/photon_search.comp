@@ -13,7 +13,7 @@
 layout(set = 0, binding = 3, scalar) readonly buffer Constants { EstimateConstants constants; };
 #define ESTIMATE constants
 #define COVERAGE constants.coverage
-#define EDGE_CELL_WORD(index) 0u
+#define EDGE_WORD(index) 0u
 #include "renderer/photons/radiance_estimate.glsl"
 
 layout(set = 0, binding = 4, scalar) readonly buffer Queries { vec3 queries[]; };

@@ -82,10 +82,9 @@ struct PhotonMappingGpu::State {
           search_radius_m(parameters.search_radius_m(context.scene.bounds.radius())),
           tiles(eye_tile_count(size)),
           tiles_a_piece(tiles_of_piece(device.paths_per_submit(), tiles, splits)),
-          cells(
-              parameters.boundary == DiscBoundary::Clip
-                  ? std::optional<EdgeCells>(std::in_place, find_surface_edges(scene, search_radius_m), search_radius_m)
-                  : std::nullopt),
+          edges(parameters.boundary == DiscBoundary::Clip
+                    ? std::optional<EdgeTree>(std::in_place, find_surface_edges(scene, search_radius_m))
+                    : std::nullopt),
           eye(device, "eye", sizeof(gpu::EyeConstants)),
           mapping(device, "photon_mapping", sizeof(gpu::GatheringConstants)),
           split_samplers(device, "renderer/methods/photon_mapping/split_samplers.comp", sizeof(gpu::SplitSamplersPush),
@@ -121,7 +120,7 @@ struct PhotonMappingGpu::State {
     const uint64_t seed;
     const float search_radius_m;
     const uint32_t tiles, tiles_a_piece;
-    const std::optional<EdgeCells> cells;
+    const std::optional<EdgeTree> edges;
     gpu::Buffer eye, mapping;
     gpu::ComputePipeline split_samplers;
     std::optional<gpu::ComputePipeline> precompute, eye_pass, gather_pass, gather_sum;
@@ -159,7 +158,7 @@ uint64_t PhotonMappingGpu::estimate_device_bytes(const PhotonMappingParams& para
     const Splits splits = params.splits(workload.film_size.pixels());
     uint64_t bytes = DeviceFrame::estimate_device_bytes(workload) + sizeof(gpu::PassSamplerData) + split_bytes(splits) +
                      sizeof(gpu::EyeConstants) + sizeof(gpu::GatheringConstants);
-    if (params.boundary == DiscBoundary::Clip) bytes += EdgeCells::estimate_bytes(workload.triangles);
+    if (params.boundary == DiscBoundary::Clip) bytes += EdgeTree::estimate_bytes(workload.triangles);
     if (params.gather == Gather::Final) {  // what is a piece differs from device to device: the largest
         const uint64_t pixels = workload.film_size.pixels();
         const bool only_lambert = workload.needs.only_lambert();
@@ -197,10 +196,10 @@ void PhotonMappingGpu::State::add_map(PhotonMapKind kind, uint32_t most_scatteri
 /// For as many photons as the maps say, and for as many points that gather as is said.
 void PhotonMappingGpu::State::make_room() {
     // Behind the grids' own words: shaders may bind no more buffers.
-    const std::vector<uint32_t> words = cells ? cells->device_words() : std::vector<uint32_t>();
+    const std::vector<uint32_t> words = edges ? edges->device_words() : std::vector<uint32_t>();
     maps.make_room(words, precomputes() ? maps.room(PHOTON_MAP_GLOBAL) : 0);
     constants.estimate.first_irradiance = maps.first_record();
-    if (cells) constants.estimate.coverage = cells->device_constants(maps.first_word());
+    if (edges) constants.estimate.coverage = edges->device_constants(maps.first_word());
     points = {}, gathered = {};
     points = gpu::Buffer(device, "gather_points", point_capacity * sizeof(gpu::GatherPointRecord));
     gathered = gpu::Buffer(device, "gather_points", point_capacity * gather_lanes * sizeof(gpu::GatheredRecord));
@@ -230,7 +229,7 @@ void PhotonMappingGpu::State::prepare_passes(bool lights_can_be_met, uint32_t ir
     fixed.insert(fixed.end(),
                  {frame.image().plane(PLANE_PHOTON_COUNT_ID, Layer::PhotonCount),
                   gpu::specialize(SEARCH_NEAREST_ID, params.search == PhotonSearch::Kind::Nearest),
-                  gpu::specialize(SOFT_DISC_ID, params.soft_disc), gpu::specialize(DISC_COVERAGE_ID, cells.has_value()),
+                  gpu::specialize(SOFT_DISC_ID, params.soft_disc), gpu::specialize(DISC_COVERAGE_ID, edges.has_value()),
                   gpu::specialize(FINAL_GATHER_ID, gathers()), gpu::specialize(GATHER_LANES_ID, gather_lanes),
                   gpu::specialize(GLOBAL_MAP_ID, maps.has(PHOTON_MAP_GLOBAL)),
                   gpu::specialize(CAUSTIC_MAP_ID, maps.has(PHOTON_MAP_CAUSTIC)),
