@@ -40,4 +40,19 @@ private:
     std::unique_ptr<State> state_;
 };
 
+/// The twin of a method of the CPU's.
+template <class Cpu>
+class ProgressiveTwinGpu final : public ProgressiveMappingGpu {
+public:
+    using Params = typename Cpu::Params;
+
+    explicit ProgressiveTwinGpu(const Params& params) : ProgressiveMappingGpu(std::make_unique<Params>(params)) {}
+    static uint64_t estimate_bytes(const Params& params, const Workload& workload) {
+        return ProgressiveMappingGpu::estimate_bytes(params, workload);
+    }
+    static uint64_t estimate_device_bytes(const Params& params, const Workload& workload) {
+        return ProgressiveMappingGpu::estimate_device_bytes(params, workload);
+    }
+};
+
 }  // namespace photond

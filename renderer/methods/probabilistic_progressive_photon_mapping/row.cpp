@@ -1,7 +1,7 @@
 // What the house asks of this method.
 
 #include "renderer/methods/probabilistic_progressive_photon_mapping/probabilistic_progressive_photon_mapping.h"
-#include "renderer/methods/probabilistic_progressive_photon_mapping/probabilistic_progressive_photon_mapping_gpu.h"
+#include "renderer/progressive/progressive_mapping_gpu.h"
 #include "renderer/progressive/progressive_row.h"
 
 namespace photond {
@@ -9,8 +9,8 @@ namespace photond {
 MethodInfo probabilistic_progressive_photon_mapping_row();
 
 MethodInfo probabilistic_progressive_photon_mapping_row() {
-    MethodInfo info =
-        progressive_row<ProbabilisticProgressivePhotonMapping, ProbabilisticProgressivePhotonMappingGpu>();
+    MethodInfo info = progressive_row<ProbabilisticProgressivePhotonMapping,
+                                      ProgressiveTwinGpu<ProbabilisticProgressivePhotonMapping>>();
     info.title = "Probabilistic progressive photon mapping";
     info.line =
         "Photon mapping averaged over passes whose radii shrink, each place's found by a pilot. Good at light through "

@@ -3,8 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "renderer/methods/probabilistic_progressive_photon_mapping/probabilistic_progressive_photon_mapping_gpu.h"
-#include "renderer/methods/stochastic_progressive_photon_mapping/stochastic_progressive_photon_mapping_gpu.h"
+#include "renderer/methods/probabilistic_progressive_photon_mapping/probabilistic_progressive_photon_mapping.h"
+#include "renderer/methods/stochastic_progressive_photon_mapping/stochastic_progressive_photon_mapping.h"
+#include "renderer/progressive/progressive_mapping_gpu.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/block_test.h"
 #include "tests/support/gpu_render.h"
@@ -34,7 +35,7 @@ constexpr double kMostApart = 0.003;  // by the same numbers, pixel by pixel
 // Else some in a thousand do, each a sample of its own right.
 TEST(GpuProgressiveImages, StandingAloneAreTheCpusByTheSameNumbersAndInTheMean) {
     using Cpu = ProbabilisticProgressivePhotonMapping;
-    using Gpu = ProbabilisticProgressivePhotonMappingGpu;
+    using Gpu = ProgressiveTwinGpu<ProbabilisticProgressivePhotonMapping>;
     const Scene scene = test::turned(make_builtin_scene("cornell-box-glass"));
     const test::SceneOnDevice where(scene);
     const auto settings = settings_for<Cpu>(RadiusRule::Trained, 1);
@@ -60,7 +61,7 @@ TEST(GpuProgressiveImages, StandingAloneAreTheCpusByTheSameNumbersAndInTheMean) 
 // What a pixel has counted decides on the radii of all passes after: images may not part by more for that.
 TEST(GpuProgressiveImages, BuildingOnOneAnotherAreTheCpusByTheSameNumbers) {
     using Cpu = StochasticProgressivePhotonMapping;
-    using Gpu = StochasticProgressivePhotonMappingGpu;
+    using Gpu = ProgressiveTwinGpu<StochasticProgressivePhotonMapping>;
     const Scene scene = test::turned(make_builtin_scene("cornell-box-glass"));
     const test::SceneOnDevice where(scene);
     for (const RadiusRule rule : {RadiusRule::Local, RadiusRule::Tested}) {

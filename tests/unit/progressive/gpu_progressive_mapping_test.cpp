@@ -4,8 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "protocol/error.h"
-#include "renderer/methods/probabilistic_progressive_photon_mapping/probabilistic_progressive_photon_mapping_gpu.h"
-#include "renderer/methods/stochastic_progressive_photon_mapping/stochastic_progressive_photon_mapping_gpu.h"
+#include "renderer/methods/probabilistic_progressive_photon_mapping/probabilistic_progressive_photon_mapping.h"
+#include "renderer/methods/stochastic_progressive_photon_mapping/stochastic_progressive_photon_mapping.h"
+#include "renderer/progressive/progressive_mapping_gpu.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/gpu_render.h"
 #include "tests/support/scene_parts.h"
@@ -14,9 +15,9 @@ namespace photond::gpu_progressive_mapping_test {
 namespace {
 
 using Stochastic = StochasticProgressivePhotonMapping;
-using StochasticGpu = StochasticProgressivePhotonMappingGpu;
+using StochasticGpu = ProgressiveTwinGpu<StochasticProgressivePhotonMapping>;
 using Probabilistic = ProbabilisticProgressivePhotonMapping;
-using ProbabilisticGpu = ProbabilisticProgressivePhotonMappingGpu;
+using ProbabilisticGpu = ProgressiveTwinGpu<ProbabilisticProgressivePhotonMapping>;
 
 struct Choice {
     const char* scene;
