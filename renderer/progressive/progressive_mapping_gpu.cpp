@@ -323,7 +323,10 @@ void ProgressiveMappingGpu::run_pass(uint32_t pass, Stats& stats, const CancelTo
     for (const PhotonMapKind kind : kPhotonMapKinds) {
         if (!state.wanted(kind)) continue;
         state.maps.add_to(stats.counts, index_of(kind));
-        if (!state.pilots_stand && state.maps.has(pilot_of(kind))) state.maps.add_to(stats.counts, pilot_of(kind));
+        if (state.pilots_stand || !state.maps.has(pilot_of(kind))) continue;
+        Counts of_pilot;  // no part of the image
+        state.maps.add_to(of_pilot, pilot_of(kind));
+        stats.counts.photon_rays += of_pilot.photon_rays;
     }
     state.pilots_stand = true;
 }

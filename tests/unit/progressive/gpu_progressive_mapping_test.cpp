@@ -71,6 +71,9 @@ void expect_alike(const Choice& choice) {
     const auto about = [](uint64_t p, uint64_t q) { return std::fabs(double(p) - double(q)) <= 0.01 * double(p) + 10; };
     EXPECT_TRUE(about(x.bounce_rays, y.bounce_rays)) << x.bounce_rays << ", " << y.bounce_rays;
     EXPECT_TRUE(about(x.shadow_rays, y.shadow_rays)) << x.shadow_rays << ", " << y.shadow_rays;
+    EXPECT_EQ(x.photons_emitted, y.photons_emitted);
+    EXPECT_TRUE(about(x.photon_rays, y.photon_rays)) << x.photon_rays << ", " << y.photon_rays;
+    EXPECT_TRUE(about(x.photons_stored, y.photons_stored)) << x.photons_stored << ", " << y.photons_stored;
     EXPECT_EQ(gpu.nan_count() + gpu.infinity_count(), 0u);
 }
 
