@@ -45,6 +45,7 @@ PresetComparison radii_on(std::string_view scene, std::string_view name) {
     comparison.name = name;
     comparison.entries = {
         "rule=stochastic_progressive_photon_mapping",
+        "tested by sectors=stochastic_progressive_photon_mapping,radius_rule=tested,test=sector",
         "global=probabilistic_progressive_photon_mapping,radius_rule=global",
         "kernel=probabilistic_progressive_photon_mapping,radius_rule=global",
     };

@@ -107,6 +107,7 @@ void compare(const char* name, const Scene& scene, const Intersector& intersecto
         measure<PhotonMapping>(scene, intersector, setting, forward(empty, PhotonSearch::Kind::Radius));
     const Measured tree = gather_of(PhotonSearch::Kind::Nearest);
     ReversePhotonMappingParams params;
+    params.influence_radius = InfluenceRadius::Fixed;
     set(params, setting);
     const Measured reverse = measure<ReversePhotonMapping>(scene, intersector, setting, params);
     const Measured grid = gather_of(PhotonSearch::Kind::Radius);

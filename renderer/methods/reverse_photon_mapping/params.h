@@ -9,7 +9,7 @@ namespace photond {
 enum class InfluenceRadius : uint8_t { Fixed, Knn, Leaf };
 
 struct ReversePhotonMappingParams final : GatheringParams {
-    InfluenceRadius influence_radius = InfluenceRadius::Fixed;
+    InfluenceRadius influence_radius = InfluenceRadius::Leaf;
     uint32_t tile_points = 1 << 18;
 
     void visit(ParamVisitor& visitor) override;

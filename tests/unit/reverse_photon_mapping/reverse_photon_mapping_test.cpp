@@ -27,6 +27,7 @@ Reverse reverse_settings() {
     settings.params.photons = 20'000;
     settings.params.gather_rays = 16;
     settings.params.radius_relative = 0.06f;
+    settings.params.influence_radius = InfluenceRadius::Fixed;  // by which pairs are photon mapping's
     return settings;
 }
 
