@@ -56,7 +56,7 @@ void expect_mean(const Scene& scene, const test::RunningMean& truth, RadiusRule 
 TEST(ProgressiveImages, MeansAreThoseOfPathTracing) {
     const Scene scene = make_builtin_scene("cornell-box-glass");
     test::RenderSettings paths;
-    paths.passes = 400;
+    paths.passes = 520;
     const test::RunningMean truth = means_of(scene, paths);
     expect_mean<ProbabilisticProgressivePhotonMapping>(scene, truth, RadiusRule::Trained, 0.01, 0.05);
     expect_mean<ProbabilisticProgressivePhotonMapping>(scene, truth, RadiusRule::Global, 0.01, 0.05);
