@@ -1,6 +1,7 @@
 #include "renderer/photons/kernel.h"
 
 #include <algorithm>
+#include <array>
 #include <numbers>
 #include <string>
 
@@ -25,6 +26,15 @@ float mean_over_disc(const Function& function) {
 /// Integral of the Gaussian's shape over q^2 from 0 to t.
 double gaussian_integral(double beta, double t) {
     return t - gaussian_fall(beta) * (t - (1 - std::exp(-0.5 * beta * t)) * 2 / beta);
+}
+
+/// 1 - (1 + x) exp(-x) for x in [0, 1], as a series, which cancels little.
+float one_less_gaussian(float x) {
+    constexpr std::array kTerms = {-1.0 / 3991680, 1.0 / 403200, -1.0 / 45360, 1.0 / 5760, -1.0 / 840,
+                                   1.0 / 144,      -1.0 / 30,    1.0 / 8,      -1.0 / 3,   1.0 / 2};
+    float series = 0;
+    for (const double term : kTerms) series = series * x + static_cast<float>(term);
+    return x * x * series;
 }
 
 }  // namespace
@@ -83,14 +93,13 @@ float Kernel::sample_disc(float u) const {
         case KernelShape::Epanechnikov: return std::sqrt(std::sqrt(u));
         case KernelShape::Gaussian: break;
     }
-    // Discs up to radius q hold the kernel's mass within q less the part that larger discs have there, pi q^2 K(q).
-    const auto share = [&](float q) { return mass_within(q) - kPi * q * q * (*this)(q * q); };
-    float low = 0, high = 1;
-    for (int i = 0; i < 24; ++i) {
-        const float middle = 0.5f * (low + high);
-        (share(middle) <= u ? low : high) = middle;
-    }
-    return high;
+    // Discs up to radius q hold S(q) = integral of -pi t^2 K'(t) over t from 0 to q; of the Gaussian S = pi slope
+    // (2 / beta) (1 - (1 + x) exp(-x)) with x = beta q^2 / 2. That is inverted by Newton's method; S is convex here:
+    // after the first step, which may pass the end, all come from above.
+    const float end = 0.5f * kGaussianBeta, wanted = u * kGaussianBeta / (2 * kPi * slope_);
+    float x = std::min(std::sqrt(2 * wanted), end);  // of the first term, x^2 / 2, alone
+    for (int i = 0; i < 3; ++i) x = std::min(x + (wanted - one_less_gaussian(x)) / (x * std::exp(-x)), end);
+    return std::sqrt(x / end);
 }
 
 }  // namespace photond

@@ -19,8 +19,8 @@ float kernel_evaluate(KernelRecord kernel, float q_sq) {
 /// Every kernel that does not rise outwards is a mixture of constant discs. Draws the radius of one of them, over r: the
 /// mean over `u`, uniform in [0, 1), of discs of integral 1 is the kernel.
 ///
-/// The discs up to radius q hold S(q) = integral of -pi t^2 K'(t) over t from 0 to q, and those of radius 1 the rest. Of
-/// the Gaussian the twin finds q with S(q) = u by bisection in double precision; here S is inverted, to 1e-6.
+/// The discs up to radius q hold S(q) = integral of -pi t^2 K'(t) over t from 0 to q, and those of radius 1 the rest. S
+/// is inverted, to 1e-6.
 float kernel_sample_disc(KernelRecord kernel, float u) {
     u = max(u, 1.490116e-8);  // 2^-26
     switch (kernel.shape) {
