@@ -25,7 +25,7 @@ import time
 
 ALLOWED = 1.5
 LEAST_PROGRAMS = 10  # of which a median says something
-LEAST_SHARE = 4.0  # processor seconds: below that a program is mostly its own start
+LEAST_SHARE = 6.0  # processor seconds: below that a program is mostly its own start, and asks whether others are done
 
 
 def fixed_work(_):
