@@ -86,8 +86,9 @@ bool EdgeTree::has_edges(const vec3& p, float radius_m) const {
 }
 
 uint64_t EdgeTree::estimate_bytes(uint64_t triangles) {
-    // Every second triangle has an edge of its own.
-    const uint64_t edges = std::max<uint64_t>(triangles / 2, 16);
+    // A furnished room has about one for each triangle; smooth surfaces have none, and closed ones at most three
+    // halves.
+    const uint64_t edges = std::max<uint64_t>(triangles, 16);
     return edges * sizeof(SurfaceEdge) + 2 * std::bit_ceil(edges / kLeafEdges) * sizeof(Node);
 }
 

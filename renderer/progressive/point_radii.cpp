@@ -121,8 +121,7 @@ std::unique_ptr<DiscRadii> make_point_radii(const DiscRadiiInputs& inputs, Stats
 }
 
 DiscRadiiBytes point_radii_bytes(const ProgressiveParams& params, uint32_t hit_point_sets, const Workload& workload) {
-    const uint64_t point_bytes = with_point_of(params, [](const auto& point) { return uint64_t{sizeof point}; });
-    const uint64_t points_of_set = workload.film_size.pixels() * point_bytes;
+    const uint64_t points_of_set = workload.film_size.pixels() * bytes_of_point(params);
     DiscRadiiBytes bytes{.state = SavedPoints::kHeaderBytes};
     for (const PhotonMapKind kind : kPhotonMapKinds) {
         const uint64_t photons = ProgressivePhotons::expected_photons(kind, params, workload);

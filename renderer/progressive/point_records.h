@@ -97,6 +97,11 @@ auto with_point_of(const ProgressiveParams& params, const Function& function) {
     return function(SectorPoint());
 }
 
+/// Of the rule's record.
+inline uint64_t bytes_of_point(const ProgressiveParams& params) {
+    return with_point_of(params, [](const auto& point) { return uint64_t{sizeof point}; });
+}
+
 /// What a saved state is of.
 struct SavedPoints {
     uint64_t point_bytes, sets, pixels;  // sets of hit points

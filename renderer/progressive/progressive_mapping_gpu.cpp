@@ -69,9 +69,11 @@ struct ProgressiveMappingGpu::State {
           eye(device, "eye", sizeof(gpu::EyeConstants)),
           sampler(device, "sampler", sizeof(gpu::PassSamplerData)),
           told(device, "progressive_mapping", sizeof(gpu::ProgressiveConstants)),
+          nothing(device, "radii", sizeof(float)),
           frame(render, [this](uint32_t pass, DeviceFrame::Steps& steps) { add_steps(pass, steps); }) {}
 
     void make_radii(const std::string& state_before, Stats& stats);
+    void upload_radius_maps();
     void make_room();
     void make_pipeline();
     void add_steps(uint32_t pass, DeviceFrame::Steps& steps);
@@ -81,6 +83,11 @@ struct ProgressiveMappingGpu::State {
     bool grow_if_short();
     float cell_m(PhotonMapKind kind) const;
     bool wanted(PhotonMapKind kind) const { return photons.wanted(kind); }
+    /// Of the records of all points.
+    uint64_t points_bytes() const {
+        const uint64_t maps_with_points = uint64_t{wanted(PhotonMapKind::Global)} + wanted(PhotonMapKind::Caustic);
+        return maps_with_points * context.view.film_size.pixels() * bytes_of_point(params);
+    }
     gpu::Buffer& points_before() { return points ? points->before() : nothing; }
     gpu::Buffer& points_after() { return points ? points->after() : nothing; }
 
@@ -98,7 +105,7 @@ struct ProgressiveMappingGpu::State {
     PhotonMapsGpu maps;  // of the pass, by kind, and then the pilots
     bool pilots_stand = false;
     gpu::ProgressiveConstants constants{};
-    gpu::Buffer eye, sampler, told, radius_maps, nothing;
+    gpu::Buffer eye, sampler, told, nothing, radius_maps;
     std::optional<gpu::ComputePipeline> eye_pass;
     DeviceFrame frame;  // last: its going waits for work that uses the others
 };
@@ -143,33 +150,39 @@ void ProgressiveMappingGpu::go_on_from(const std::string& state) {
     state_before_ = state;
 }
 
-/// By the rule; those of the host's rules trace their pilots.
+/// By the rule, where there are photons; those of the host's rules trace their pilots.
 void ProgressiveMappingGpu::State::make_radii(const std::string& state_before, Stats& stats) {
     const DiscRadiiInputs inputs{
         .context = context, .params = params, .photons = photons, .hit_point_sets = 1, .state = state_before};
-    std::vector<gpu::RadiusMapRecord> records;
     switch (params.radius_rule) {
         case RadiusRule::Global: global.emplace(inputs, stats); break;
-        case RadiusRule::Trained:
-            trained.emplace(inputs, stats);
-            for (const PhotonMapKind kind : kPhotonMapKinds) {
-                gpu::MapRadiiConstants& radii = constants.radii[index_of(kind)];
-                const RadiusMap& map = trained->first_m(kind);
-                radii.first_node = static_cast<uint32_t>(records.size());
-                radii.first_leaf = radii.first_node + map.device_leaves();
-                const std::vector<gpu::RadiusMapRecord> of_map = map.device_records();
-                records.insert(records.end(), of_map.begin(), of_map.end());
-            }
-            break;
+        case RadiusRule::Trained: trained.emplace(inputs, stats); break;
         case RadiusRule::Local:
         case RadiusRule::Tested:
+            context.budget.require("radii", PointRadiiGpu::host_bytes(points_bytes()));
             points.emplace(device, params, context.view.film_size.pixels(), photons, state_before);
+            context.budget.record("radii", PointRadiiGpu::host_bytes(points_bytes()));
             for (const PhotonMapKind kind : kPhotonMapKinds)
                 constants.radii[index_of(kind)].first_word = points->first_word(kind);
             break;
     }
+}
+
+/// The trained radii, for the shader.
+void ProgressiveMappingGpu::State::upload_radius_maps() {
+    std::vector<gpu::RadiusMapRecord> records;
+    if (trained) {
+        for (const PhotonMapKind kind : kPhotonMapKinds) {
+            gpu::MapRadiiConstants& radii = constants.radii[index_of(kind)];
+            const RadiusMap& map = trained->first_m(kind);
+            radii.first_node = static_cast<uint32_t>(records.size());
+            radii.first_leaf = radii.first_node + map.device_leaves();
+            const std::vector<gpu::RadiusMapRecord> of_map = map.device_records();
+            records.insert(records.end(), of_map.begin(), of_map.end());
+        }
+        context.budget.record("radii", trained->bytes());
+    }
     radius_maps = gpu::make_buffer(device, "radii", std::span<const gpu::RadiusMapRecord>(records));
-    nothing = gpu::Buffer(device, "radii", sizeof(float));
 }
 
 /// By what the cells of a map are cut: most of its discs are about as large.
@@ -237,7 +250,8 @@ void ProgressiveMappingGpu::begin(const RenderContext& context, Stats& stats) {
         const float most_m = first_m.value_or(state.limits.most_m);
         state.edges.emplace(find_surface_edges(scene, most_m));
     }
-    state.make_radii(state_before_, stats);
+    if (state.photons.any()) state.make_radii(state_before_, stats);
+    state.upload_radius_maps();
     for (const PhotonMapKind kind : kPhotonMapKinds) {
         if (!state.wanted(kind)) continue;
         const PhotonTracing tracing = state.photons.tracing(kind);

@@ -73,6 +73,7 @@ class FaultTest(unittest.TestCase):
         self.lost("vkWaitSemaphores")
 
     def test_lost_between_passes_that_build_on_one_another(self):
+        """Midway, and near the end."""
         self.lost("vkWaitSemaphores", JOB_WITH_STATE, lambda count: (count // 2, count - 4))
 
     def test_lost_twice_the_job_fails(self):

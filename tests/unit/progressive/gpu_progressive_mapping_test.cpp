@@ -177,6 +177,30 @@ TEST(GpuProgressiveMapping, GoesOnFromTheCpusState) {
     }
 }
 
+// Without a bounce there is nothing that photons are for, and so there are no points either; a film goes on all the same.
+TEST(GpuProgressiveMapping, GoesOnWithoutPhotons) {
+    const Scene scene = make_builtin_scene("cornell-box");
+    const test::SceneOnDevice where(scene);
+    auto settings = settings_for<StochasticGpu>({"", RadiusRule::Local});
+    settings.params.indirect_bounces = 0;
+    settings.passes = 2;
+    Film film(settings.size, settings.layers);
+    std::string state;
+    while (film.passes() < settings.passes) {
+        MemoryBudget budget;
+        Stats stats;
+        StochasticGpu method(settings.params);
+        if (film.passes() > 0) method.go_on_from(state);
+        method.begin(context_of(where, settings, budget), stats);
+        method.run_pass(film.next_pass(), stats, CancelToken{});
+        method.resolve(film);
+        state = method.state();
+    }
+    EXPECT_EQ(film, test::render(where, settings));
+    EXPECT_EQ(test::mean_of(film.resolve(Layer::Indirect)), 0);
+    EXPECT_GT(test::mean_of(film.resolve(Layer::Direct)), 0);
+}
+
 // In a white room a path leaves a photon at nearly each of its scatterings: more than there is room for, in the pilot
 // as well.
 TEST(GpuProgressiveMapping, LosesNoPhotonWhereThereAreMoreThanExpected) {
