@@ -116,10 +116,11 @@ ProgressiveMappingGpu::~ProgressiveMappingGpu() = default;
 
 uint64_t ProgressiveMappingGpu::estimate_bytes(const ProgressiveParams& params, const Workload& workload) {
     const DiscRadiiBytes radii = disc_radii_bytes(params, 1, workload);
-    uint64_t bytes = DeviceFrame::estimate_bytes(workload) + ProgressivePhotons::estimate_bytes(params, workload);
+    // The maps are the device's. What pilots of the host's rules take is given back before the first pass.
+    const uint64_t bytes =
+        DeviceFrame::estimate_bytes(workload) + ProgressivePhotons::estimate_emission_bytes(params, workload);
     if (!params.passes_stand_alone()) return bytes + PointRadiiGpu::host_bytes(radii.state);
-    bytes += radii.kept + radii.before;
-    return bytes + LightSampler::estimate_bytes(workload.lights, workload.environment_size);
+    return bytes + radii.kept + radii.before + LightSampler::estimate_bytes(workload.lights, workload.environment_size);
 }
 
 uint64_t ProgressiveMappingGpu::estimate_device_bytes(const ProgressiveParams& params, const Workload& workload) {

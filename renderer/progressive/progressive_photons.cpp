@@ -141,6 +141,14 @@ uint64_t ProgressivePhotons::expected_photons(PhotonMapKind kind, const Progress
     return static_cast<uint64_t>(share * paths(kind, params)) + 1;
 }
 
+uint64_t ProgressivePhotons::estimate_emission_bytes(const ProgressiveParams& params, const Workload& workload) {
+    const bool caustic = expected_photons(PhotonMapKind::Caustic, params, workload) > 0;
+    if (!caustic && expected_photons(PhotonMapKind::Global, params, workload) == 0) return 0;
+    return EmissionSampler::estimate_bytes(workload.lights, workload.environment_size) +
+           PhotonTracer::scratch_bytes(workload.threads) +
+           (caustic && params.projection_maps ? ProjectionMap::estimate_bytes(workload.lights) : 0);
+}
+
 uint64_t ProgressivePhotons::estimate_bytes(const ProgressiveParams& params, const Workload& workload) {
     uint64_t bytes = 0, build = 0;  // of one map at a time
     for (const PhotonMapKind kind : kPhotonMapKinds) {
@@ -150,12 +158,8 @@ uint64_t ProgressivePhotons::estimate_bytes(const ProgressiveParams& params, con
             photons * sizeof(PhotonPayload) + std::max(KdTree::bytes_for(photons), HashGrid::bytes_for(photons));
         bytes += map;
         build = std::max(build, PhotonMap::bytes_for(photons) - map);
-        if (kind == PhotonMapKind::Caustic && params.projection_maps)
-            bytes += ProjectionMap::estimate_bytes(workload.lights);
     }
-    if (bytes == 0) return 0;
-    return bytes + build + EmissionSampler::estimate_bytes(workload.lights, workload.environment_size) +
-           PhotonTracer::scratch_bytes(workload.threads);
+    return bytes + build + estimate_emission_bytes(params, workload);
 }
 
 }  // namespace photond

@@ -45,6 +45,8 @@ public:
     /// So many passes' photons that no pass has: a pure function of the seed. In the same stages.
     std::vector<Photon> trace_pilot(PhotonMapKind kind, uint32_t passes, Stats& stats) const;
 
+    /// Of what stands before the first pass: the emission, its guide, and room to trace in.
+    static uint64_t estimate_emission_bytes(const ProgressiveParams& params, const Workload& workload);
     /// Of all that these record, at most.
     static uint64_t estimate_bytes(const ProgressiveParams& params, const Workload& workload);
     /// Photons that a pass stores, as far as that is known.
