@@ -177,7 +177,8 @@ TEST(GpuProgressiveMapping, GoesOnFromTheCpusState) {
     }
 }
 
-// Without a bounce there is nothing that photons are for, and so there are no points either; a film goes on all the same.
+// Without a bounce there is nothing that photons are for, and so there are no points either; a film goes on all the
+// same.
 TEST(GpuProgressiveMapping, GoesOnWithoutPhotons) {
     const Scene scene = make_builtin_scene("cornell-box");
     const test::SceneOnDevice where(scene);
