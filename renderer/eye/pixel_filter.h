@@ -32,6 +32,36 @@ public:
         return filter_ == PixelFilter::Box ? u : vec2(0.5f) + vec2(invert(u.x), invert(u.y));
     }
 
+    /// Whether a sample there, in pixels from the image's top left corner, can be one of any pixel.
+    bool reaches_image(vec2 place, Size2 size) const {
+        const float margin = filter_ == PixelFilter::Box ? 0.0f : kRadius - 0.5f;
+        return place.x >= -margin && place.y >= -margin && place.x < static_cast<float>(size.width) + margin &&
+               place.y < static_cast<float>(size.height) + margin;
+    }
+    /// Calls visit(pixel, density) for the pixels that draw samples there [1/pixel area].
+    template <class Visit>
+    void visit_pixels(vec2 place, Size2 size, const Visit& visit) const {
+        const auto width = static_cast<int>(size.width), height = static_cast<int>(size.height);
+        const auto pixel_of = [&](int x, int y) {
+            return static_cast<uint32_t>(y) * size.width + static_cast<uint32_t>(x);
+        };
+        if (filter_ == PixelFilter::Box) {
+            const int x = static_cast<int>(std::floor(place.x)), y = static_cast<int>(std::floor(place.y));
+            if (x >= 0 && y >= 0 && x < width && y < height) visit(pixel_of(x, y), 1.0f);
+            return;
+        }
+        const auto first = [](float p) { return std::max(static_cast<int>(std::ceil(p - 0.5f - kRadius)), 0); };
+        const auto last = [](float p, int end) {
+            return std::min(static_cast<int>(std::floor(p - 0.5f + kRadius)), end - 1);
+        };
+        for (int y = first(place.y); y <= last(place.y, height); ++y)
+            for (int x = first(place.x); x <= last(place.x, width); ++x) {
+                const float drawn = drawn_density(place.x - static_cast<float>(x) - 0.5f) *
+                                    drawn_density(place.y - static_cast<float>(y) - 0.5f);
+                if (drawn > 0) visit(pixel_of(x, y), drawn);
+            }
+    }
+
     static constexpr size_t kBins = 256;
     /// Of a smooth filter over its width, at the bins' edges; zeros for the box.
     std::span<const float, kBins + 1> cdf() const { return cdf_; }
@@ -45,6 +75,14 @@ private:
         // [Harris 1978] On the Use of Windows for Harmonic Analysis, four-term Blackman-Harris.
         const double phase = double(kPi) * (x / kRadius + 1);
         return 0.35875 - 0.48829 * std::cos(phase) + 0.14128 * std::cos(2 * phase) - 0.01168 * std::cos(3 * phase);
+    }
+
+    /// Of what invert() draws, constant over each bin [1/pixel].
+    float drawn_density(float x) const {
+        const float bin = (x + kRadius) / kBinWidth;
+        if (!(bin >= 0 && bin < static_cast<float>(kBins))) return 0;
+        const auto i = static_cast<size_t>(bin);
+        return (cdf_[i + 1] - cdf_[i]) / kBinWidth;
     }
 
     float invert(float u) const {

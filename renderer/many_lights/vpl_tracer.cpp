@@ -125,8 +125,8 @@ Counts VplTracer::Shared::see_texels(const TexelPass& pass, const CancelToken& c
     parallel_for(counts.size(), 1, [&](size_t i) {
         if (cancel.cancelled()) return;
         const auto first = static_cast<uint32_t>(i) * kRun;
-        const PhotonBatch batch{
-            .run = i, .first = 0, .last = std::min(kRun, pass.map.texels() - first), .map = &pass.map};
+        PhotonBatch batch{{i, 0, std::min(kRun, pass.map.texels() - first)}};
+        batch.map = &pass.map;
         Scratch& mine = threads.local();
         visit(mine.texels.see(mine.wavefront, *this, pass.numbers, batch, counts[i]), first);
     });
@@ -159,9 +159,9 @@ TracedReflections VplTracer::Shared::trace_paths(const TexelPass& pass, std::spa
         const uint32_t run = first / kRun, start = run * kRun;
         PathLights& mine = batches[i];
         Scratch& scratch = threads.local();
-        const ReflectedBatch left = scratch.reflections.trace(
-            scratch.wavefront, *this, numbers,
-            {.run = run, .first = first - start, .last = last - start, .chosen = &chosen}, mine.counts);
+        PhotonBatch batch{{run, first - start, last - start}};
+        batch.chosen = &chosen;
+        const ReflectedBatch left = scratch.reflections.trace(scratch.wavefront, *this, numbers, batch, mine.counts);
         mine.photons.assign(left.photons.begin(), left.photons.end());
         mine.surfaces.assign(left.surfaces.begin(), left.surfaces.end());
         for (const uint32_t element : left.elements) mine.paths.push_back(start + element);

@@ -82,24 +82,6 @@ private:
     PhotonCounts counts_;
 };
 
-/// Light paths of a pass, cut where the runs of numbers are.
-struct Batches {
-    uint64_t first, last;  // elements, half open
-    const ReflectiveShadowMapPass* texels = nullptr;
-
-    uint64_t first_run() const { return first / SequenceSampler::kRun; }
-    size_t count() const {
-        constexpr uint64_t kRun = SequenceSampler::kRun;
-        return static_cast<size_t>((last + kRun - 1) / kRun - first_run());
-    }
-    PhotonBatch operator[](size_t i) const {
-        constexpr uint64_t kRun = SequenceSampler::kRun;
-        const uint64_t run = first_run() + i, start = run * kRun;
-        return {run, static_cast<uint32_t>(std::max(first, start) - start),
-                static_cast<uint32_t>(std::min(last - start, kRun)), texels};
-    }
-};
-
 }  // namespace
 
 struct PhotonTracer::Shared : PhotonTracingScene {
@@ -120,15 +102,15 @@ struct PhotonTracer::Shared : PhotonTracingScene {
     SequenceSampler sampler(uint64_t seed) const {
         return {tracing.sampler, seed, RandomDomain::Photons, static_cast<uint32_t>(tracing.kind)};
     }
-    Batches batches(uint32_t pass) const {
+    SequenceRuns runs(uint32_t pass) const {
         const uint64_t first = uint64_t{pass} * tracing.photons;
         return {first, first + tracing.photons};
     }
     /// trace(scratch, place of the batch), in parallel. Threads take batches in their order, so that few wait for an
     /// earlier one to be kept.
     template <class Trace>
-    void for_each_batch(const Batches& batches, const CancelToken& cancel, const Trace& trace) {
-        const size_t count = batches.count();
+    void for_each_batch(const SequenceRuns& runs, const CancelToken& cancel, const Trace& trace) {
+        const size_t count = runs.count();
         std::atomic<size_t> next{0};
         parallel_for(std::min(count, most_threads()), 1, [&](size_t) {
             Scratch& mine = threads.local();
@@ -157,12 +139,12 @@ TracedPhotons PhotonTracer::trace(uint64_t seed, uint32_t pass, const CancelToke
         return traced;
     }
     const SequenceSampler sampler = shared_->sampler(seed);
-    const Batches batches = shared_->batches(pass);
-    PhotonsInOrder<Photon> in_order(batches.count());
-    shared_->for_each_batch(batches, cancel, [&](Shared::Scratch& mine, size_t i) {
+    const SequenceRuns runs = shared_->runs(pass);
+    PhotonsInOrder<Photon> in_order(runs.count());
+    shared_->for_each_batch(runs, cancel, [&](Shared::Scratch& mine, size_t i) {
         PhotonCounts counts;
         const std::span<const Photon> photons =
-            mine.arrivals.trace(mine.wavefront, *shared_, sampler, batches[i], counts);
+            mine.arrivals.trace(mine.wavefront, *shared_, sampler, {runs[i]}, counts);
         in_order.keep(i, photons, {}, counts);
     });
     traced.photons = in_order.take_photons();
@@ -182,12 +164,13 @@ TracedReflections PhotonTracer::trace_reflected(uint64_t seed, uint32_t pass, co
     std::optional<ReflectiveShadowMapPass> texels;
     if (shared_->maps) texels.emplace(*shared_->maps, seed, pass);
     const SequenceSampler sampler = shared_->sampler(texels ? texels->seed() : seed);
-    const Batches batches = texels ? Batches{0, texels->texels(), &*texels} : shared_->batches(pass);
-    PhotonsInOrder<ReflectedPhoton> in_order(batches.count());
-    shared_->for_each_batch(batches, cancel, [&](Shared::Scratch& mine, size_t i) {
+    const SequenceRuns runs = texels ? SequenceRuns{0, texels->texels()} : shared_->runs(pass);
+    const ReflectiveShadowMapPass* grid = texels ? &*texels : nullptr;
+    PhotonsInOrder<ReflectedPhoton> in_order(runs.count());
+    shared_->for_each_batch(runs, cancel, [&](Shared::Scratch& mine, size_t i) {
         PhotonCounts counts;
         const ReflectedBatch reflected =
-            mine.reflections.trace(mine.wavefront, *shared_, sampler, batches[i], counts.counts);
+            mine.reflections.trace(mine.wavefront, *shared_, sampler, {runs[i], grid}, counts.counts);
         in_order.keep(i, reflected.photons, reflected.surfaces, counts);
     });
     traced.photons = in_order.take_photons();

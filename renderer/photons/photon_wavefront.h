@@ -31,10 +31,8 @@ struct ChosenStarts {
     std::span<const ChosenStart> starts;
 };
 
-/// Light paths that are traced together: part of one run of the sequence of numbers (SequenceSampler::kRun).
-struct PhotonBatch {
-    uint64_t run;
-    uint32_t first, last;  // elements of the run, half open
+/// Light paths that are traced together.
+struct PhotonBatch : SequenceRun {
     /// Where the paths start: those texels, counted as the sequence's elements. nullptr: by the guide or the emission.
     const ReflectiveShadowMapPass* texels = nullptr;
     const TexelMapPass* map = nullptr;     // the same of another kind of map

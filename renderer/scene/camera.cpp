@@ -79,12 +79,16 @@ Ray CameraRays::operator()(vec2 film, vec2 lens) const {
     if (camera_.orthographic) origin += plane, direction = camera_.forward;
     if (camera_.aperture_radius_m > 0) {
         // Every lens point sees the same point of the plane of focus, which is perpendicular to `forward`.
-        const vec2 disc = camera_.aperture_radius_m * concentric_disc(lens);
-        const vec3 shift = disc.x * camera_.right + disc.y * camera_.up;
+        const vec3 shift = lens_offset(lens);
         direction -= shift / camera_.focus_distance_m;
         origin += shift;
     }
     return {origin, glm::normalize(direction), kInfinity};
+}
+
+vec3 CameraRays::lens_offset(vec2 lens) const {
+    const vec2 disc = camera_.aperture_radius_m * concentric_disc(lens);
+    return disc.x * camera_.right + disc.y * camera_.up;
 }
 
 Ray camera_ray(const Camera& camera, Size2 film_size, vec2 film, vec2 lens) {

@@ -31,6 +31,8 @@ public:
     /// Starts the ray through image position `film` (pixels; (0,0) is the top left corner) from lens position `lens`, a
     /// uniform pair in [0,1)^2. The direction is unit.
     Ray operator()(vec2 film, vec2 lens) const;
+    /// That position on the lens, from its centre [m].
+    vec3 lens_offset(vec2 lens) const;
 
     const Camera& camera() const { return camera_; }
     vec3 corner() const { return corner_; }

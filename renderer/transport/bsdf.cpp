@@ -102,6 +102,12 @@ Bsdf Bsdf::with_geometric_normal(const vec3& geometric_normal) const {
     return turned;
 }
 
+Bsdf Bsdf::from_far_side(const vec3& geometric_normal) const {
+    Bsdf turned = with_geometric_normal(geometric_normal);
+    if (layers_.eta > 0) turned.layers_.eta = 1.0f / layers_.eta;
+    return turned;
+}
+
 float Bsdf::coat_albedo(float cos_theta) const {
     if (layers_.coat_f90 <= 0 && layers_.coat_f0 <= 0) return 0;
     const vec2 ab = AlbedoTable::get().directional(cos_theta, layers_.table_row);

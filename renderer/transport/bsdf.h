@@ -130,6 +130,8 @@ public:
     float refraction_eta() const { return kind_ == Kind::Layered && layers_.glass > 0 ? layers_.eta : 0.0f; }
     /// The same lobes about another shading normal: in its frame the geometric normal is this.
     Bsdf with_geometric_normal(const vec3& geometric_normal) const;
+    /// As looked at from the far side, in a frame in which the geometric normal on that side is this.
+    Bsdf from_far_side(const vec3& geometric_normal) const;
 
     /// Share of uniform illumination of the eye's side that is scattered, transmission included; for the albedo layer.
     Rgb albedo() const;

@@ -339,6 +339,8 @@ std::span<const LightTriangle> EmissionSampler::triangles() const { return light
 
 const DiscreteDistribution& EmissionSampler::choice() const { return lights_->choice; }
 
+float EmissionSampler::disc_m2() const { return lights_->disc_m2(); }
+
 double EmissionSampler::total_power_w() const { return lights_->total_power_w; }
 
 uint64_t EmissionSampler::bytes() const {

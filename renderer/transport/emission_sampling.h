@@ -69,6 +69,7 @@ public:
     // What it is made of, for the device's copy (light_tables.h).
     std::span<const LightTriangle> triangles() const;  // beside Scene::triangle_lights
     const DiscreteDistribution& choice() const;        // of the lights
+    float disc_m2() const;                             // that light from outside starts on
 
     /// Flux of all lights [W], mean over the channels; 0: the scene is dark, or empty. That of points and spots is
     /// without the window of their range; that of textured triangles and of the environment is good to a few percent.

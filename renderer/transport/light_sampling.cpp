@@ -149,7 +149,8 @@ struct LightSampler::Lights {
     const Scene& scene;
     std::vector<Emitter> emitters;
     LightTree tree;
-    std::vector<uint32_t> directional;  // indices of punctual lights
+    std::vector<uint32_t> directional;          // indices of punctual lights
+    std::vector<uint32_t> emitter_of_punctual;  // kNoEmitter for the directional ones
     std::unique_ptr<EnvironmentSampler> environment;
     bool tree_only = false;  // no light at infinity
 
@@ -168,6 +169,13 @@ struct LightSampler::Lights {
         return mean(sun.intensity) * cosine;
     }
     float environment_estimate() const { return environment ? kPi * environment->mean_radiance() : 0.0f; }
+    /// With which sample() chooses an emitter.
+    float emitter_probability(const vec3& p, const vec3& n, uint32_t emitter) const {
+        const float probability = tree.probability(p, n, emitter);
+        if (tree_only || !(probability > 0)) return probability;
+        const Groups g = groups(p, n);
+        return probability * g.probability(g.tree);
+    }
 
     /// Sum of the groups' estimates at p and the number of groups that can reach it.
     struct Groups {
@@ -258,8 +266,9 @@ bool LightSampler::Lights::sample_emitter(const Emitter& e, const vec3& p, const
 bool LightSampler::Lights::sample_from_tree(const vec3& p, const vec3& n, float u_select, const vec2& u,
                                             float group_probability, LightSample& out) const {
     LightTree::Choice choice;
-    return tree.sample(p, n, u_select, choice) &&
-           sample_emitter(emitters[choice.light], p, u, choice.probability * group_probability, out);
+    if (!tree.sample(p, n, u_select, choice)) return false;
+    out.emitter = choice.light;
+    return sample_emitter(emitters[choice.light], p, u, choice.probability * group_probability, out);
 }
 
 bool LightSampler::Lights::sample_groups(const vec3& p, const vec3& n, float u_select, const vec2& u,
@@ -331,8 +340,10 @@ LightSampler::LightSampler(const Scene& scene) {
         const PunctualLight& light = scene.punctual_lights[i];
         if (light.kind == PunctualLight::Kind::Directional) {
             lights->directional.push_back(i);
+            lights->emitter_of_punctual.push_back(kNoEmitter);
             continue;
         }
+        lights->emitter_of_punctual.push_back(static_cast<uint32_t>(lights->emitters.size()));
         Emitter emitter{};
         emitter.corner = light.position;
         emitter.instance = i;
@@ -361,11 +372,7 @@ float LightSampler::pdf_triangle(const vec3& p, const vec3& n, uint32_t instance
     const uint32_t index = lights_->emitter_of(instance, triangle);
     if (index == kNoEmitter) return 0.0f;
     const Emitter& e = lights_->emitters[index];
-    float probability = lights_->tree.probability(p, n, index);
-    if (!lights_->tree_only && probability > 0) {
-        const Lights::Groups g = lights_->groups(p, n);
-        probability *= g.probability(g.tree);
-    }
+    const float probability = lights_->emitter_probability(p, n, index);
     const float cosine = std::fabs(glm::dot(e.normal, wi));
     if (!(probability > 0) || !(cosine > 0)) return 0.0f;
     const SeenFrom seen = see(e, p);
@@ -377,6 +384,16 @@ float LightSampler::pdf_environment(const vec3& p, const vec3& n, const vec3& wi
     if (!lights_->environment) return 0.0f;
     const float probability = lights_->groups(p, n).probability(lights_->environment_estimate());
     return probability > 0 ? probability * lights_->environment->pdf(wi) : 0.0f;
+}
+
+float LightSampler::probability_punctual(const vec3& p, const vec3& n, uint32_t light) const {
+    const uint32_t emitter = lights_->emitter_of_punctual[light];
+    if (emitter != kNoEmitter) return lights_->emitter_probability(p, n, emitter);
+    return lights_->groups(p, n).probability(lights_->directional_estimate(light, n));
+}
+
+uint32_t LightSampler::emitter_of(uint32_t instance, uint32_t triangle) const {
+    return lights_->emitter_of(instance, triangle);
 }
 
 Rgb LightSampler::environment_radiance(const vec3& wi) const {
@@ -402,8 +419,9 @@ bool LightSampler::empty() const {
 uint64_t LightSampler::bytes() const {
     const Lights& l = *lights_;
     return sizeof(Lights) + l.emitters.capacity() * sizeof(Emitter) + l.tree.bytes() +
-           l.directional.capacity() * sizeof(uint32_t) + l.first_of_instance.capacity() * sizeof(uint32_t) +
-           l.emitter_of_triangle.capacity() * sizeof(uint32_t) + (l.environment ? l.environment->bytes() : 0);
+           (l.directional.capacity() + l.emitter_of_punctual.capacity()) * sizeof(uint32_t) +
+           l.first_of_instance.capacity() * sizeof(uint32_t) + l.emitter_of_triangle.capacity() * sizeof(uint32_t) +
+           (l.environment ? l.environment->bytes() : 0);
 }
 
 uint64_t LightSampler::estimate_bytes(uint64_t lights, Size2 environment_size) {

@@ -150,8 +150,8 @@ bool sample_area_emitter(EmitterRecord e, vec3 p, vec2 u, float probability, out
         const bool first = u.x < share;
         const vec2 v = vec2(min(first ? u.x / share : (u.x - share) / (1.0 - share), BELOW_ONE), u.y);
         // One call for both halves: lanes that draw from either stay together.
-        const vec3 w = sample_spherical_triangle(first ? seen.a : seen.d, first ? seen.b : seen.c,
-                                                 first ? seen.c : seen.b, v);
+        const vec3 w =
+            sample_spherical_triangle(first ? seen.a : seen.d, first ? seen.b : seen.c, first ? seen.c : seen.b, v);
         st = meet_plane(e, p, w);
     } else {
         st = emitter_shape(e) == EMITTER_TRIANGLE ? sample_triangle(u) : u;

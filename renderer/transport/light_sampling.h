@@ -19,10 +19,11 @@ struct LightSample {
     vec3 wi;                     // unit, from the lit point to the light
     float distance = kInfinity;  // [m]; infinite for directional lights and the environment
     vec3 target;                 // end of the shadow ray where the distance is finite, just before the light's surface
-    Rgb radiance_over_pdf;  // [W m^-2]: estimate of L / pdf_sa; delta lights: perpendicular irradiance / probability
-    float pdf_sa = 0;       // [1/sr], choice of light included; delta lights: probability of the choice alone
-    bool delta = false;     // no other technique finds this light: its MIS weight is 1
-    uint32_t source = 0;    // what casts one shadow: see light_source_of_* below
+    Rgb radiance_over_pdf;   // [W m^-2]: estimate of L / pdf_sa; delta lights: perpendicular irradiance / probability
+    float pdf_sa = 0;        // [1/sr], choice of light included; delta lights: probability of the choice alone
+    bool delta = false;      // no other technique finds this light: its MIS weight is 1
+    uint32_t source = 0;     // what casts one shadow: see light_source_of_* below
+    uint32_t emitter = ~0u;  // of LightSampler::emitters(), where it is one of those
 
     /// The ray that must not be occluded. `origin`: the lit point, moved off its surface (offset_ray_origin).
     Ray shadow_ray(const vec3& origin) const {
@@ -65,6 +66,8 @@ public:
                        float distance) const;
     /// Density [1/sr] with which sample() draws `wi` (unit) from the environment; 0 without one.
     float pdf_environment(const vec3& p, const vec3& n, const vec3& wi) const;
+    /// Probability with which sample() chooses that punctual light.
+    float probability_punctual(const vec3& p, const vec3& n, uint32_t light) const;
 
     /// What arrives from outside the scene along -wi [W m^-2 sr^-1]; black without an environment.
     Rgb environment_radiance(const vec3& wi) const;
@@ -78,6 +81,8 @@ public:
     /// none. Both empty where no triangle emits.
     std::span<const uint32_t> first_of_instance() const;
     std::span<const uint32_t> emitter_of_triangle() const;
+    /// kNoEmitter where the triangle is no light.
+    uint32_t emitter_of(uint32_t instance, uint32_t triangle) const;
 
     /// Whether the scene has no light that sample() could draw.
     bool empty() const;

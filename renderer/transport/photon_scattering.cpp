@@ -10,12 +10,6 @@ namespace photond {
 
 namespace {
 
-/// Whether eyes may see two frames. Flat meshes with normals of their own differ by rounding alone.
-bool leans(const ShadingPoint& point) {
-    const vec3 difference = point.smooth_normal - point.geometric_normal;
-    return glm::dot(difference, difference) > 1e-10f;
-}
-
 /// The shading normal that an eye at the end of `direction` sees, turned to the photon's side.
 vec3 normal_of_eye(const ShadingPoint& point, const vec3& direction) {
     const float side = glm::dot(point.geometric_normal, direction) < 0 ? -1.0f : 1.0f;
@@ -65,23 +59,34 @@ PhotonScattering scatter_diffuse(const ShadingPoint& point, const Bsdf& bsdf, co
     // Again by the direction itself: a cosine of 0 has no density.
     const float cos_out = glm::dot(point.geometric_normal, scattering.direction);
     if (local.z <= 0 || cos_out <= 0) return scattering;
+    scattering.pdf_sa = cos_out * kInvPi;
     scattering.weight = scatter_density(point, bsdf, wi, scattering.direction) * (kPi / cos_out);
     return scattering;
 }
+
+/// Of any lobes where the smooth normal leans: the two normals that directions are drawn about, and how many of them
+/// about the geometric one.
+struct LeaningLobes {
+    LeaningLobes(const ShadingPoint& point, const Bsdf& bsdf, const vec3& wi)
+        : shading{point, bsdf, point.shading}, geometric{point, bsdf, Frame(point.geometric_normal)} {
+        // Light from below the smooth normal's plane is seen by eyes that use the geometric normal alone.
+        if (point.shading.normal == point.geometric_normal) return;
+        geometric_share = leaves_below(point, bsdf, wi) ? GEOMETRIC_SHARE_BELOW
+                          : bsdf.has_non_delta()        ? GEOMETRIC_SHARE
+                                                        : 0.0f;
+    }
+
+    FramedBsdf shading, geometric;
+    float geometric_share = 0;
+};
 
 /// Any lobes where the smooth normal leans: drawn about the normal that the photon's own side sees, or about the
 /// geometric one.
 PhotonScattering scatter_leaning(const ShadingPoint& point, const Bsdf& bsdf, const vec3& wi, float u_lobe,
                                  const vec2& u) {
-    // Light from below the smooth normal's plane is seen by eyes that use the geometric normal alone.
-    const bool one_frame = point.shading.normal == point.geometric_normal;
-    float geometric_share = 0;
-    if (!one_frame)
-        geometric_share = leaves_below(point, bsdf, wi) ? GEOMETRIC_SHARE_BELOW
-                          : bsdf.has_non_delta()        ? GEOMETRIC_SHARE
-                                                        : 0.0f;
-    const FramedBsdf shading{point, bsdf, point.shading};
-    const FramedBsdf geometric{point, bsdf, Frame(point.geometric_normal)};
+    const LeaningLobes lobes(point, bsdf, wi);
+    const FramedBsdf &shading = lobes.shading, &geometric = lobes.geometric;
+    const float geometric_share = lobes.geometric_share;
 
     const bool by_geometric = u_lobe < geometric_share;
     const float share = by_geometric ? geometric_share : 1.0f - geometric_share;
@@ -100,11 +105,13 @@ PhotonScattering scatter_leaning(const ShadingPoint& point, const Bsdf& bsdf, co
         // About another normal the lobe does not go this way.
         if (!seen_as_drawn) return {};
         scattering.weight = sample.weight * (change / share);
+        scattering.pdf_sa = share * sample.pdf_sa;
         return scattering;
     }
     const BsdfValue of_other = geometric_share > 0 ? other.evaluate(wi, scattering.direction) : BsdfValue{};
     const Rgb f_cos = seen_as_drawn ? sample.weight * sample.pdf_sa : of_other.f_cos;
-    scattering.weight = f_cos * (change / (share * sample.pdf_sa + (1.0f - share) * of_other.pdf_sa));
+    scattering.pdf_sa = share * sample.pdf_sa + (1.0f - share) * of_other.pdf_sa;
+    scattering.weight = f_cos * (change / scattering.pdf_sa);
     return scattering;
 }
 
@@ -112,18 +119,35 @@ PhotonScattering scatter_leaning(const ShadingPoint& point, const Bsdf& bsdf, co
 
 PhotonScattering scatter_photon(const ShadingPoint& point, const Bsdf& bsdf, const vec3& wi_world, float u_lobe,
                                 const vec2& u) {
-    if (leans(point))
+    if (has_two_frames(point))
         return bsdf.is_diffuse() ? scatter_diffuse(point, bsdf, wi_world, u)
                                  : scatter_leaning(point, bsdf, wi_world, u_lobe, u);
     const BsdfSample sample = bsdf.sample(point.shading.to_local(wi_world), u_lobe, u, TransportMode::Importance);
     if (!sample.valid()) return {};
-    return {point.shading.to_world(sample.wi), sample.weight, sample.delta, sample.refraction};
+    return {point.shading.to_world(sample.wi), sample.weight, sample.pdf_sa, sample.delta, sample.refraction};
 }
 
 Rgb scatter_density(const ShadingPoint& point, const Bsdf& bsdf, const vec3& wi_world, const vec3& out_world) {
     const Frame frame(normal_of_eye(point, out_world));
     const Rgb f_cos = FramedBsdf(point, bsdf, frame).evaluate(wi_world, out_world).f_cos;
     return f_cos * correction(point, frame.normal, wi_world, out_world);
+}
+
+float scatter_pdf(const ShadingPoint& point, const Bsdf& bsdf, const vec3& wi_world, const vec3& out_world) {
+    if (!has_two_frames(point))
+        return bsdf.evaluate(point.shading.to_local(wi_world), point.shading.to_local(out_world)).pdf_sa;
+    if (bsdf.is_diffuse()) return cosine_hemisphere_pdf(glm::dot(point.geometric_normal, out_world));
+    const LeaningLobes lobes(point, bsdf, wi_world);
+    float pdf_sa = (1.0f - lobes.geometric_share) * lobes.shading.evaluate(wi_world, out_world).pdf_sa;
+    if (lobes.geometric_share > 0)
+        pdf_sa += lobes.geometric_share * lobes.geometric.evaluate(wi_world, out_world).pdf_sa;
+    return pdf_sa;
+}
+
+/// Flat meshes with normals of their own differ by rounding alone.
+bool has_two_frames(const ShadingPoint& point) {
+    const vec3 difference = point.smooth_normal - point.geometric_normal;
+    return glm::dot(difference, difference) > 1e-10f;
 }
 
 }  // namespace photond

@@ -22,6 +22,7 @@ namespace photond {
 struct PhotonScattering {
     vec3 direction{0};  // world, unit: where the photon goes on to
     Rgb weight{0};      // power changes by this factor, over the probability of the direction
+    float pdf_sa = 0;   // of the direction [1/sr], as scatter_pdf() says; of a delta lobe the probability of its choice
     bool delta = false;
     bool refraction = false;  // the medium changes: MediumStack::cross()
 
@@ -37,5 +38,11 @@ PhotonScattering scatter_photon(const ShadingPoint& point, const Bsdf& bsdf, con
 /// What scatter_photon() draws from: the share of the light arriving from `wi_world` that lobes which are no delta send
 /// to each solid angle about `out_world` [1/sr] (both unit). 0 below the surface.
 Rgb scatter_density(const ShadingPoint& point, const Bsdf& bsdf, const vec3& wi_world, const vec3& out_world);
+
+/// Density [1/sr] with which it draws `out_world` by lobes that are no delta.
+float scatter_pdf(const ShadingPoint& point, const Bsdf& bsdf, const vec3& wi_world, const vec3& out_world);
+
+/// Whether eyes may see the point in two frames: its smooth normal is not its geometric one.
+bool has_two_frames(const ShadingPoint& point);
 
 }  // namespace photond

@@ -20,6 +20,7 @@
 // [Burley 2020] Practical Hash-Based Owen Scrambling. JCGT 9(4).
 // [Laine and Karras 2011] Stratified Sampling for Stochastic Transparency (the scrambling hash).
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -154,6 +155,27 @@ private:
 
     SamplerKind kind_;
     uint64_t key_;
+};
+
+/// Elements that are drawn together: part of one run.
+struct SequenceRun {
+    uint64_t run;
+    uint32_t first, last;  // elements of the run, half open
+};
+
+/// A stretch of the sequence, cut where its runs are.
+struct SequenceRuns {
+    uint64_t first, last;  // elements, half open
+
+    size_t count() const { return static_cast<size_t>((last + kRun - 1) / kRun - first / kRun); }
+    SequenceRun operator[](size_t i) const {
+        const uint64_t run = first / kRun + i, start = run * kRun;
+        return {run, static_cast<uint32_t>(std::max(first, start) - start),
+                static_cast<uint32_t>(std::min(last - start, kRun))};
+    }
+
+private:
+    static constexpr uint64_t kRun = SequenceSampler::kRun;
 };
 
 }  // namespace photond

@@ -44,7 +44,9 @@ public:
         const std::vector place{Place{hit, outside_ior, part, kThreshold}};
         std::vector<ScatteringAnswer> answers;
         for (const Answer& a : twin_.run<Answer>(queries.size(), {{"place", place}, {"queries", queries}}))
-            answers.push_back({{a.direction, a.weight, a.delta != 0, a.refraction != 0}, a.density});
+            answers.push_back(
+                {{.direction = a.direction, .weight = a.weight, .delta = a.delta != 0, .refraction = a.refraction != 0},
+                 a.density});
         return answers;
     }
 

@@ -29,7 +29,7 @@ PhotonScattering scatter_naively(const ShadingPoint& point, const Bsdf& bsdf, co
                                  const vec2& u) {
     const BsdfSample s = bsdf.sample(point.shading.to_local(wi), u_lobe, u, TransportMode::Importance);
     if (!s.valid()) return {};
-    return {point.shading.to_world(s.wi), s.weight, s.delta, s.refraction};
+    return {point.shading.to_world(s.wi), s.weight, s.pdf_sa, s.delta, s.refraction};
 }
 
 /// As ScatterMany: photon by photon.
