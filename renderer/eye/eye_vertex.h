@@ -13,36 +13,45 @@ struct EyeVertex {
     vec3 wo{0};  // local to surface.shading
 };
 
-/// Adds what the path sees at the end of its ray: the layers of the first hit, unlit radiance, emission, albedo. The
-/// place of its light samples is set. False: the path ends here.
-inline bool meet_surface(const EyeScene& shared, EyePath& path, uint32_t vertex, const Hit& hit, const Ray& ray,
-                         PassImage& image, EyeVertex& met) {
-    const Scene& scene = shared.scene;
-    met.surface = make_shading_point(scene, hit, ray.direction);
-    const ShadingPoint& surface = met.surface;
-    const Material& material = scene.materials[surface.material];
+/// The surface at the end of the path's ray, and what is seen of it: the layers of the first hit, unlit radiance.
+/// False: the path ends here, and nothing is emitted either.
+inline bool see_surface(const EyeScene& shared, const EyePath& path, uint32_t vertex, const Hit& hit, const Ray& ray,
+                        PassImage& image, ShadingPoint& surface) {
+    surface = make_shading_point(shared.scene, hit, ray.direction);
     if (vertex == 0)
         store_first_hit(image, shared, path.pixel, surface.position, surface.shading.normal, surface.geometric_normal);
-    const bool camera_walk = path.scatterings == 0;
-    if (material.unlit) {
-        if (!camera_walk) return false;
-        const Rgb radiance = unlit_radiance(scene, {hit.instance, hit.triangle, hit.u, hit.v});
-        add_radiance(image, path, path.throughput * radiance);
-        if (image.layers.has(Layer::Albedo)) image.of<Layer::Albedo>()[path.pixel] = radiance;
-        return false;
-    }
-    if (material.emissive()) add_emission(image, shared, path, hit, surface.front_side, ray.direction);
-    if (path.scatterings >= shared.max_scatterings) return false;
+    if (!shared.scene.materials[surface.material].unlit) return true;
+    if (path.scatterings > 0) return false;
+    const Rgb radiance = unlit_radiance(shared.scene, {hit.instance, hit.triangle, hit.u, hit.v});
+    add_radiance(image, path, path.throughput * radiance);
+    if (image.layers.has(Layer::Albedo)) image.of<Layer::Albedo>()[path.pixel] = radiance;
+    return false;
+}
 
-    met.bsdf = make_bsdf(scene, surface, path.media.outside_ior(scene, surface.material, !surface.front_side));
+/// Makes ready to scatter at the surface seen: its lobes, the place of its light samples, albedo. False: it scatters
+/// no more.
+inline bool open_surface(const EyeScene& shared, EyePath& path, const Ray& ray, PassImage& image, EyeVertex& met) {
+    if (path.scatterings >= shared.max_scatterings) return false;
+    const ShadingPoint& surface = met.surface;
+    met.bsdf =
+        make_bsdf(shared.scene, surface, path.media.outside_ior(shared.scene, surface.material, !surface.front_side));
     met.wo = surface.shading.to_local(-ray.direction);
     // The first non-delta surface: a walk that reaches another one left this one by a delta lobe.
-    if (camera_walk && image.layers.has(Layer::Albedo) && met.bsdf.has_non_delta() &&
+    if (path.scatterings == 0 && image.layers.has(Layer::Albedo) && met.bsdf.has_non_delta() &&
         is_black(image.of<Layer::Albedo>()[path.pixel]))
         image.of<Layer::Albedo>()[path.pixel] = met.bsdf.albedo();
     path.position = surface.position;
     path.lit_normal = met.bsdf.has_non_delta_transmission() ? vec3(0) : surface.shading.normal;
     return true;
+}
+
+/// Both, and between them the light that the surface emits, weighed against light samples.
+inline bool meet_surface(const EyeScene& shared, EyePath& path, uint32_t vertex, const Hit& hit, const Ray& ray,
+                         PassImage& image, EyeVertex& met) {
+    if (!see_surface(shared, path, vertex, hit, ray, image, met.surface)) return false;
+    if (shared.scene.materials[met.surface.material].emissive())
+        add_emission(image, shared, path, hit, met.surface.front_side, ray.direction);
+    return open_surface(shared, path, ray, image, met);
 }
 
 /// Sends the path on as sampled; with `roulette`, a number in [0, 1), it may end by Russian roulette. False: it ends.

@@ -1,5 +1,5 @@
 // One step of a path from the eye: what it finds where its ray ends, a light sample, and the next ray. CPU twin:
-// Wavefront::shade_vertex() of general_shading.cpp, with the same numbers.
+// PathWavefront::shade_vertex() of eye/path_wavefront_general.cpp, with the same numbers.
 #ifndef PHOTOND_PATH_STEP_GLSL
 #define PHOTOND_PATH_STEP_GLSL
 

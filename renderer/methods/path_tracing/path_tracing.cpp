@@ -1,13 +1,13 @@
 #include "renderer/methods/path_tracing/path_tracing.h"
 
 #include "renderer/core/thread_local.h"
-#include "renderer/methods/path_tracing/wavefront.h"
+#include "renderer/eye/path_wavefront.h"
 
 namespace photond {
 
 struct PathTracing::Scratch {
     struct PerThread {
-        Wavefront wavefront;
+        PathWavefront wavefront;
         Counts counts;
         EyeSeconds seconds;
     };
@@ -19,16 +19,16 @@ PathTracing::~PathTracing() = default;
 
 uint64_t PathTracing::estimate_bytes(const PathTracingParams& /*params*/, const Workload& workload) {
     return PassImage::bytes_for(workload.film_size, workload.layers) +
-           workload.threads * Wavefront::bytes_per_thread() +
+           workload.threads * PathWavefront::bytes_per_thread() +
            LightSampler::estimate_bytes(workload.lights, workload.environment_size);
 }
 
 void PathTracing::begin(const RenderContext& context, Stats& stats) {
     const uint64_t image_bytes = PassImage::bytes_for(context.view.film_size, context.view.layers);
-    const uint64_t wavefront_bytes = most_threads() * Wavefront::bytes_per_thread();
+    const uint64_t wavefront_bytes = most_threads() * PathWavefront::bytes_per_thread();
     context.budget.require("pass_image", image_bytes);
     context.budget.require("wavefronts", image_bytes + wavefront_bytes);
-    scene_ = std::make_unique<PathTracingScene>(context, params_);
+    scene_ = std::make_unique<PathScene>(context, params_.sampler, params_.max_scatterings(), params_.roulette_start);
     scratch_ = std::make_unique<Scratch>();
     image_ = PassImage(context.view.film_size, context.view.layers);
     context.budget.record("pass_image", image_bytes);
@@ -46,7 +46,7 @@ void PathTracing::run_pass(uint32_t pass, Stats& stats, const CancelToken& cance
     pass_complete_ = false;
     const double wall_start = wall_now_seconds();
     const PassSampler sampler(scene_->sampler, scene_->seed, RandomDomain::Camera, pass);
-    parallel_over_tiles(scene_->view.film_size, Wavefront::kTileSide, cancel, [&](const Tile& tile) {
+    parallel_over_tiles(scene_->view.film_size, PathWavefront::kTileSide, cancel, [&](const Tile& tile) {
         Scratch::PerThread& mine = scratch_->threads.local();
         mine.wavefront.trace_tile(*scene_, sampler, tile, image_, mine.counts, mine.seconds);
     });

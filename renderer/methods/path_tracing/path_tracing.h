@@ -38,7 +38,7 @@ private:
     struct Scratch;  // what a thread needs for the tile it traces
 
     const PathTracingParams params_;
-    std::unique_ptr<const struct PathTracingScene> scene_;
+    std::unique_ptr<const struct PathScene> scene_;
     std::unique_ptr<Scratch> scratch_;
     PassImage image_;
     bool pass_complete_ = false;  // image_ holds a whole pass

@@ -1,13 +1,13 @@
-#include "renderer/methods/path_tracing/wavefront.h"
+#include "renderer/eye/path_wavefront.h"
 
 namespace photond {
 
-uint64_t Wavefront::bytes_per_thread() {
+uint64_t PathWavefront::bytes_per_thread() {
     return EyeBatch::bytes_for(kPaths) + ShadowBatch<WaitingLight>::bytes_for(kPaths) + kPaths * 8 * sizeof(float);
 }
 
-void Wavefront::trace_tile(const PathTracingScene& shared, const PassSampler& sampler, const Tile& tile,
-                           PassImage& image, Counts& counts, EyeSeconds& seconds) {
+void PathWavefront::trace_tile(const PathScene& shared, const PassSampler& sampler, const Tile& tile, PassImage& image,
+                               Counts& counts, EyeSeconds& seconds) {
     ThreadLaps laps;
     batch_.start(shared, sampler, tile, image);
     for (uint32_t vertex = 0; batch_.count > 0; ++vertex) {
@@ -25,7 +25,7 @@ void Wavefront::trace_tile(const PathTracingScene& shared, const PassSampler& sa
     laps.lap(seconds.indirect);  // once: asking the thread's clock is a system call
 }
 
-void Wavefront::draw_numbers(const PassSampler& sampler, uint32_t vertex) {
+void PathWavefront::draw_numbers(const PassSampler& sampler, uint32_t vertex) {
     const std::span<const uint32_t> keys = batch_.keys_under_way();
     light_point_.draw(sampler, sample_set(vertex, VertexSet::LightPoint), keys);
     choice_.draw(sampler, sample_set(vertex, VertexSet::LightChoiceAndRoulette), keys);

@@ -1,14 +1,14 @@
-// Shading of hits on plain Lambert reflectors: what general_shading.cpp does, for as many paths at once as the machine
-// has lanes. Textures and the choice of a point on a light are left to one at a time.
+// Shading of hits on plain Lambert reflectors: what path_wavefront_general.cpp does, for as many paths at once as the
+// machine has lanes. Textures and the choice of a point on a light are left to one at a time.
 
 #include "renderer/eye/eye_contributions.h"
-#include "renderer/methods/path_tracing/wavefront.h"
+#include "renderer/eye/path_wavefront.h"
 #include "renderer/transport/lambert_lanes.h"
 #include "renderer/transport/roulette_shared.h"
 
 namespace photond {
 
-void Wavefront::shade_lambert(const PathTracingScene& shared, uint32_t vertex, PassImage& image) {
+void PathWavefront::shade_lambert(const PathScene& shared, uint32_t vertex, PassImage& image) {
     const bool roulette = vertex + 1 >= shared.roulette_start;
     LambertGroup group;
     for (size_t first = 0; first < batch_.lambert.size(); first += kLanes) {

@@ -1,13 +1,13 @@
 // Shading of any hit, one by one.
 
 #include "renderer/eye/eye_vertex.h"
-#include "renderer/methods/path_tracing/wavefront.h"
+#include "renderer/eye/path_wavefront.h"
 #include "renderer/transport/bsdf.h"
 #include "renderer/transport/hit_prefetch.h"
 
 namespace photond {
 
-void Wavefront::shade_general(const PathTracingScene& shared, uint32_t vertex, PassImage& image) {
+void PathWavefront::shade_general(const PathScene& shared, uint32_t vertex, PassImage& image) {
     for (size_t k = 0; k < batch_.general.size(); ++k) {
         prefetch_ahead(shared.scene, batch_.hits, batch_.general, k);
         const uint32_t i = batch_.general[k];
@@ -17,7 +17,7 @@ void Wavefront::shade_general(const PathTracingScene& shared, uint32_t vertex, P
 
 /// Adds what path i finds at the end of its ray, draws a light sample there and the next ray. False: the path ends, and
 /// what stands in the place of the next path does not count.
-bool Wavefront::shade_vertex(const PathTracingScene& shared, uint32_t vertex, uint32_t i, PassImage& image) {
+bool PathWavefront::shade_vertex(const PathScene& shared, uint32_t vertex, uint32_t i, PassImage& image) {
     EyePath& path = batch_.next_path();
     path = batch_.paths[i];
     const bool camera_walk = path.scatterings == 0;
