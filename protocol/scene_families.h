@@ -5,7 +5,7 @@
 namespace photond {
 
 /// Families of built-in scenes, which are listed only when a family is asked for.
-inline constexpr std::array<std::string_view, 5> kSceneFamilies = {"hard-cases", "photon-splatting", "details",
-                                                                   "caustics", "progressive"};
+inline constexpr std::array<std::string_view, 7> kSceneFamilies = {
+    "hard-cases", "photon-splatting", "details", "caustics", "progressive", "small-vcm", "doors"};
 
 }  // namespace photond

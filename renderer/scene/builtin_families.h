@@ -46,6 +46,13 @@ Scene make_progressive_torus_spot();
 Scene make_progressive_mirror_bathroom();
 Scene make_progressive_flashlight();
 
+// builtin_bidirectional.cpp: scenes for methods that join paths from the eye and from the lights.
+Scene make_small_vcm_sun();
+Scene make_small_vcm_ceiling();
+Scene make_small_vcm_point();
+Scene make_small_vcm_sky();
+Scene make_ajar_door();
+
 /// A matte material without the 4 % specular lobe of a glTF non-metal: pure Lambert.
 Material lambert(const char* name, const Rgb& albedo);
 Material metal(const char* name, const Rgb& reflectance, float roughness);

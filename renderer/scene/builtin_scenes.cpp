@@ -57,6 +57,17 @@ constexpr std::array kProgressive = {
     BuiltinScene{"progressive/flashlight", make_progressive_flashlight},
 };
 
+constexpr std::array kSmallVcm = {
+    BuiltinScene{"small-vcm/sun", make_small_vcm_sun},
+    BuiltinScene{"small-vcm/ceiling", make_small_vcm_ceiling},
+    BuiltinScene{"small-vcm/point", make_small_vcm_point},
+    BuiltinScene{"small-vcm/sky", make_small_vcm_sky},
+};
+
+constexpr std::array kDoors = {
+    BuiltinScene{"doors/ajar", make_ajar_door},
+};
+
 template <size_t N>
 constexpr std::array<std::string_view, N> names_of(const std::array<BuiltinScene, N>& scenes) {
     std::array<std::string_view, N> names;
@@ -68,12 +79,15 @@ constexpr auto kSplattingNames = names_of(kSplattingFigures);
 constexpr auto kDetailNames = names_of(kDetails);
 constexpr auto kCausticNames = names_of(kCaustics);
 constexpr auto kProgressiveNames = names_of(kProgressive);
+constexpr auto kSmallVcmNames = names_of(kSmallVcm);
+constexpr auto kDoorNames = names_of(kDoors);
 
 const BuiltinScene* find_builtin(std::string_view name) {
     for (const std::span<const BuiltinScene> scenes :
          {std::span<const BuiltinScene>(kBuiltinScenes), std::span<const BuiltinScene>(kSplattingFigures),
           std::span<const BuiltinScene>(kDetails), std::span<const BuiltinScene>(kCaustics),
-          std::span<const BuiltinScene>(kProgressive)})
+          std::span<const BuiltinScene>(kProgressive), std::span<const BuiltinScene>(kSmallVcm),
+          std::span<const BuiltinScene>(kDoors)})
         for (const BuiltinScene& builtin : scenes)
             if (builtin.name == name) return &builtin;
     return nullptr;
@@ -90,8 +104,8 @@ std::span<const std::string_view> builtin_scene_names(std::string_view family) {
             if (hard_case.make) names.push_back(hard_case.name);
         return names;
     }();
-    const std::span<const std::string_view> of_families[] = {kHardCases, kSplattingNames, kDetailNames, kCausticNames,
-                                                             kProgressiveNames};
+    const std::span<const std::string_view> of_families[] = {
+        kHardCases, kSplattingNames, kDetailNames, kCausticNames, kProgressiveNames, kSmallVcmNames, kDoorNames};
     static_assert(std::size(of_families) == kSceneFamilies.size());
     std::string known;
     for (size_t i = 0; i < kSceneFamilies.size(); ++i) {

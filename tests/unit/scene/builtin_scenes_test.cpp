@@ -85,16 +85,17 @@ TEST(BuiltinScenes, AllAreThereWithACameraAndSoundMeshes) {
         EXPECT_TRUE(figure.starts_with("photon-splatting/") && is_builtin_scene(figure)) << figure;
         names.insert(figure);
     }
-    for (const std::string_view name : builtin_scene_names("progressive")) {
-        EXPECT_TRUE(name.starts_with("progressive/") && is_builtin_scene(name)) << name;
-        names.insert(name);
-    }
-    EXPECT_EQ(names.size(), 17u);
+    for (const std::string_view family : {"progressive", "small-vcm", "doors"})
+        for (const std::string_view name : builtin_scene_names(family)) {
+            EXPECT_TRUE(name.starts_with(std::string(family) + "/") && is_builtin_scene(name)) << name;
+            names.insert(name);
+        }
+    EXPECT_EQ(names.size(), 22u);
     for (const std::string_view name : names) {
         const Scene scene = make_builtin_scene(name);
         EXPECT_EQ(scene.name, name);
         EXPECT_EQ(find_camera(scene, "camera").name, "camera");
-        EXPECT_TRUE(scene.needs.area_lights || scene.needs.punctual_lights) << name;
+        EXPECT_TRUE(scene.needs.area_lights || scene.needs.punctual_lights || scene.environment) << name;
         size_t degenerate = 0, against_normal = 0;
         std::string culprit;
         for (uint32_t i = 0; i < scene.instances.size(); ++i) {
