@@ -17,7 +17,9 @@ enum class RandomDomain : uint32_t {
     BuiltinScene = 5,
     ShadowPhotons = 6,
     Splats = 7,
-    Stratification = 8
+    Stratification = 8,
+    LightPaths = 9,
+    Connections = 10
 };
 
 /// A good 32-bit mixing function. [Wellons 2018] "Prospecting for Hash Functions", lowbias32.

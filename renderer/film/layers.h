@@ -28,8 +28,11 @@ enum class Layer : uint8_t {
     GeometricNormal,
     Radius,
     BiasEstimate,
+    Connections,
+    Merges,
+    LightImage,
 };
-inline constexpr size_t kLayerCount = 19;
+inline constexpr size_t kLayerCount = 22;
 
 /// How the passes' values become the image's.
 enum class LayerMean : uint8_t {
@@ -106,6 +109,12 @@ inline constexpr std::array<LayerInfo, kLayerCount> kLayers = [] {
          "of the discs that photons were counted on, the larger of two maps'"},
         {BiasEstimate, "bias_estimate", "Y", Passes, P::Signed, Some, kRadiance,
          "how much too bright the discs make the pixel's luminance, as the photons on them tell"},
+        {Connections, "connections", "RGB", Passes, P::Light, Some, kRadiance,
+         "the part of direct and indirect that connections of eye and light paths bring, as weighed"},
+        {Merges, "merges", "RGB", Passes, P::Light, Some, kRadiance,
+         "the part that merging of eye and light paths brings, as weighed"},
+        {LightImage, "light_image", "RGB", Passes, P::Light, Some, kRadiance,
+         "the part that light paths bring which the camera sees, as weighed"},
     }};
 }();
 constexpr const LayerInfo& layer_info(Layer layer) { return kLayers[static_cast<size_t>(layer)]; }

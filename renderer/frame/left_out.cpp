@@ -41,7 +41,7 @@ PathsLeftOut PathsLeftOut::without(const PathsLeftOut& other) const {
         difference.has_[static_cast<size_t>(info.kind)] =
             has(info.kind) && (info.kind == PathKind::FurtherBounces
                                    ? most_bounces_ < other.most_bounces_
-                                   : !other.has(info.kind) && info.least_bounces <= other.most_bounces_);
+                                   : !other.holds(info.kind) && info.least_bounces <= other.most_bounces_);
     return difference;
 }
 
@@ -49,6 +49,12 @@ PathsLeftOut left_out_by_eye_paths(uint32_t most_bounces, const Needs& needs) {
     PathsLeftOut left_out = left_out_by_photons(most_bounces, kNarrowAlpha, needs);
     if (has_delta_light_by_delta(needs))
         left_out.add(PathKind::DeltaLightCaustics).add(PathKind::DeltaLightAfterCaustics);
+    return left_out;
+}
+
+PathsLeftOut left_out_by_two_paths(uint32_t most_bounces, const Needs& needs) {
+    PathsLeftOut left_out(most_bounces, needs);
+    if (has_delta_light_by_delta(needs)) left_out.add(PathKind::DeltaLightCausticsInMirrors);
     return left_out;
 }
 

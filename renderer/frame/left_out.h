@@ -1,7 +1,7 @@
 #pragma once
 // Kinds of path that a method leaves out of its images, said once: statistics, dry runs and comparisons tell of them by
-// these names and sentences. Kinds have no path in common, so that what one image lacks and another has is their
-// difference.
+// these names and sentences. Kinds have no path in common (but for one, which is a part of another), so that what one
+// image lacks and another has is their difference.
 
 #include <array>
 #include <cstdint>
@@ -21,7 +21,8 @@ enum class PathKind : uint8_t {
     DeltaLightCaustics,       // delta light, delta scatterings, x_1
     DeltaLightAfterCaustics,  // delta light, delta scatterings, a surface, any scatterings, x_1
     DeltaLightInGloss,        // delta light, delta scatterings, x_1, a glossy lobe there that paths from the eye follow
-    Caustics,                 // other light whose last scattering before x_1 is a narrow or transmitting lobe's
+    DeltaLightCausticsInMirrors,  // of delta light caustics: those at an x_1 that the eye sees by delta scatterings
+    Caustics,                     // other light whose last scattering before x_1 is a narrow or transmitting lobe's
 };
 
 struct PathKindInfo {
@@ -31,7 +32,7 @@ struct PathKindInfo {
     uint32_t least_bounces;
 };
 
-inline constexpr std::array<PathKindInfo, 5> kPathKinds{{
+inline constexpr std::array<PathKindInfo, 6> kPathKinds{{
     {PathKind::FurtherBounces, "further_bounces", "light of more bounces", 0},
     {PathKind::DeltaLightCaustics, "delta_light_caustics",
      "light of points, spots and suns that mirrors or smooth glass send to a surface", 1},
@@ -39,6 +40,10 @@ inline constexpr std::array<PathKindInfo, 5> kPathKinds{{
      "light of points, spots and suns that mirrors or smooth glass sent to a surface, scattered on from there", 2},
     {PathKind::DeltaLightInGloss, "delta_light_in_gloss",
      "light of points, spots and suns that mirrors or smooth glass send to narrow gloss, as the eye sees it there", 1},
+    {PathKind::DeltaLightCausticsInMirrors, "delta_light_caustics_in_mirrors",
+     "light of points, spots and suns that mirrors or smooth glass send to a surface, as mirrors and smooth glass show "
+     "it",
+     1},
     {PathKind::Caustics, "caustics", "light that mirrors, glass and narrow gloss send to other surfaces", 1},
 }};
 
@@ -56,6 +61,10 @@ public:
     /// Unless none of the bounces that there are would be such a path.
     PathsLeftOut& add(PathKind kind);
     bool has(PathKind kind) const { return has_[static_cast<size_t>(kind)]; }
+    /// ... by itself or as a part of another.
+    bool holds(PathKind kind) const {
+        return has(kind) || (kind == PathKind::DeltaLightCausticsInMirrors && has(PathKind::DeltaLightCaustics));
+    }
     uint32_t most_bounces() const { return most_bounces_; }
     std::vector<PathKind> kinds() const;  // in the order of kPathKinds
     bool empty() const { return kinds().empty(); }
@@ -80,6 +89,8 @@ inline constexpr float kNarrowAlpha = 0.05f;
 
 /// What no path from the eye finds that samples lights at its vertices.
 PathsLeftOut left_out_by_eye_paths(uint32_t most_bounces, const Needs& needs);
+/// What neither eye nor light paths find, nor any connection of the two.
+PathsLeftOut left_out_by_two_paths(uint32_t most_bounces, const Needs& needs);
 /// What photons stored at rough lobes do not bring, where eye paths follow those with GGX alpha below
 /// `glossy_threshold`.
 PathsLeftOut left_out_by_photons(uint32_t most_bounces, float glossy_threshold, const Needs& needs);

@@ -4,6 +4,7 @@
 
 // A method is a line here: the name of its room, whose row.cpp says the rest.
 #define PHOTOND_METHODS(METHOD)                      \
+    METHOD(bidirectional_path_tracing)               \
     METHOD(imperfect_shadow_maps)                    \
     METHOD(path_tracing)                             \
     METHOD(photon_mapping)                           \
@@ -13,7 +14,8 @@
     METHOD(reflective_shadow_maps)                   \
     METHOD(reverse_photon_mapping)                   \
     METHOD(stochastic_progressive_photon_mapping)    \
-    METHOD(svo_many_lights)
+    METHOD(svo_many_lights)                          \
+    METHOD(vertex_connection_and_merging)
 
 namespace photond {
 

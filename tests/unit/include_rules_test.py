@@ -34,6 +34,7 @@ STOREYS = [
     ["many_lights"],
     ["gathering"],
     ["progressive"],
+    ["bidirectional"],
 ]
 
 
@@ -298,6 +299,9 @@ PLANTED = [
     ("renderer/gathering/a.h", '"renderer/progressive/b.h"', False),
     ("renderer/progressive/a.h", '"renderer/methods/one/b.h"', False),
     ("renderer/progressive/a.h", '"renderer/gathering/b.h"', True),
+    ("renderer/progressive/a.h", '"renderer/bidirectional/b.h"', False),
+    ("renderer/bidirectional/a.h", '"renderer/methods/one/b.h"', False),
+    ("renderer/bidirectional/a.h", '"renderer/progressive/b.h"', True),
     ("renderer/voxels/a.h", '"renderer/frame/method.h"', False),
     ("renderer/methods/one/a.h", '"renderer/methods/two/b.h"', False),
     ("renderer/methods/one/a.h", '"renderer/methods/one/b.h"', True),

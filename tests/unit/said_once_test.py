@@ -19,7 +19,7 @@ CHOOSE_METHODS = ("clients/cli/compare_preset", "clients/dashboard/src/studies/p
 LAYERS_OF_ALL = {"Emitted", "Direct", "Indirect", "StandardError"}
 # Who fills layers, and the way back from the device, where positions get the scene's origin.
 FILL_LAYERS = ("renderer/film/layers.h", "renderer/eye/", "renderer/gbuffer/", "renderer/many_lights/", "renderer/gathering/",
-               "renderer/progressive/", "renderer/methods/")
+               "renderer/progressive/", "renderer/bidirectional/", "renderer/methods/")
 FILL_ONE_LAYER = {("renderer/frame/device_image.cpp", "Position")}
 # Measures that are sums over pixels like any other: nobody outside asks for them by number.
 PLAIN_METRICS = ("Mse", "Mae", "Smape", "Rmse8bit", "FittedRmse", "FittedRelativeMse")

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "renderer/backends/cpu/embree_intersector.h"
+#include "renderer/bidirectional/bidirectional_params.h"
 #include "renderer/methods/photon_mapping/photon_mapping.h"
 #include "renderer/methods/photon_splatting/photon_splatting.h"
 #include "renderer/methods/registry.h"
@@ -102,6 +103,7 @@ void direct(PhotonMappingParams& p) { p.photons = 5000, p.gather = Gather::Direc
 void precomputed(PhotonMappingParams& p) { p.photons = 5000, p.gather_rays = 16; }
 void progressive(ProgressiveParams& p) { p.photons = 5000; }
 void progressive_without_bounces(ProgressiveParams& p) { p.photons = 5000, p.indirect_bounces = 0; }
+void all_techniques(BidirectionalParams& p) { p.adapt = false; }
 void kernel(PhotonSplattingParams& p) { p.estimator = SplatEstimator::Kernel; }
 void blind(PhotonSplattingParams& p) { p.visibility = false; }
 void no_bounces(PhotonSplattingParams& p) { p.bounces = 0; }
@@ -231,6 +233,11 @@ std::vector<Part> parts() {
                        4});
         all.push_back({method, "absorption", box, kProgressive, glass, kProgressive, {}, {}});
     }
+    constexpr SetParams kAll = set_as<BidirectionalParams, all_techniques>;
+    for (const std::string_view method : {"bidirectional_path_tracing", "vertex_connection_and_merging"}) {
+        all.push_back({method, "light paths", dark, kAll, box, kAll, {"light_vertices"}, {"light_paths"}, 3});
+        all.push_back({method, "absorption", box, set_nothing, glass, set_nothing, {}, {}});
+    }
     return all;
 }
 
@@ -261,7 +268,11 @@ TEST(NeedsOfMethods, WhatIsNotNeededIsNotBuilt) {
 }
 
 TEST(NeedsOfMethods, AllThatIsSkippedAnywhereIsInTheTable) {
-    std::set<std::pair<std::string, std::string>> known{{"photon_mapping", "projection map"},  // projection_map_test
+    // "connections" and "merging" are a pilot's choice: technique_choice_test.
+    std::set<std::pair<std::string, std::string>> known{{"bidirectional_path_tracing", "connections"},
+                                                        {"vertex_connection_and_merging", "connections"},
+                                                        {"vertex_connection_and_merging", "merging"},
+                                                        {"photon_mapping", "projection map"},  // projection_map_test
                                                         {"progressive_photon_mapping", "projection map"},
                                                         {"stochastic_progressive_photon_mapping", "projection map"},
                                                         {"probabilistic_progressive_photon_mapping", "projection map"},

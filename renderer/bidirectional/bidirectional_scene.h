@@ -1,0 +1,57 @@
+#pragma once
+// What all sub-paths of one render share: prepared once by begin(), read by all threads.
+
+#include "renderer/bidirectional/bidirectional_params.h"
+#include "renderer/eye/camera_connection.h"
+#include "renderer/eye/path_wavefront.h"
+#include "renderer/transport/light_ends.h"
+
+namespace photond {
+
+struct BidirectionalScene : PathScene {
+    BidirectionalScene(const RenderContext& context, const BidirectionalParams& params)
+        : PathScene(context, params.sampler, params.max_scatterings(), params.roulette_start),
+          emission(context.scene),
+          ends(context.scene, lights, emission),
+          camera(camera_rays),
+          mis(params.heuristic) {}
+
+    const EmissionSampler emission;
+    const LightEnds ends;
+    const CameraConnector camera;
+    const Mis mis;
+};
+
+/// How often each technique is tried in a pass, and where vertices merge.
+struct PassTechniques {
+    uint32_t light_paths = 0;
+    uint32_t connections_per_vertex = 0;  // of an eye vertex, with vertices drawn from the cache
+    bool own_path = false;                // with all vertices of one light path instead
+    float merge_radius_m = 0;             // 0: nothing merges
+    TechniqueNumbers numbers;
+
+    /// [m^2], for the weights.
+    float merge_acceptance() const { return kPi * sqr(merge_radius_m); }
+};
+
+/// What a contribution is a part of, beside the beauty.
+enum class Join : uint8_t { LightSample, Connection, Merge, LightImage };
+
+/// Adds light of a path with so many scatterings, all of them delta beyond x_1 where `caustic` says so.
+inline void add_joined(PassImage& image, uint32_t pixel, uint32_t scatterings, bool caustic, Join join,
+                       const Rgb& radiance) {
+    if (scatterings <= 1) {
+        image.of<Layer::Direct>()[pixel] += radiance;
+    } else {
+        image.of<Layer::Indirect>()[pixel] += radiance;
+        if (caustic && image.layers.has(Layer::Caustic)) image.of<Layer::Caustic>()[pixel] += radiance;
+    }
+    const auto add_to = [&]<Layer layer>() {
+        if (image.layers.has(layer)) image.of<layer>()[pixel] += radiance;
+    };
+    if (join == Join::Connection) add_to.template operator()<Layer::Connections>();
+    if (join == Join::Merge) add_to.template operator()<Layer::Merges>();
+    if (join == Join::LightImage) add_to.template operator()<Layer::LightImage>();
+}
+
+}  // namespace photond

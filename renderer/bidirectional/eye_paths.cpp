@@ -1,0 +1,354 @@
+#include "renderer/bidirectional/eye_paths.h"
+
+#include "renderer/eye/eye_batch.h"
+#include "renderer/eye/eye_vertex.h"
+#include "renderer/photons/disc_photons.h"
+
+namespace photond {
+
+namespace {
+
+constexpr size_t kPaths = size_t{EyePathTracer::kTileSide} * EyePathTracer::kTileSide;
+constexpr size_t kShadowRays = 4 * kPaths;
+
+struct JoinedEyePath : EyePath {
+    SubpathWeights weights;
+};
+
+/// A light sample or a connection that waits for its shadow ray.
+struct WaitingJoin {
+    Rgb radiance;
+    uint32_t pixel;
+    uint32_t scatterings;
+    Join join;
+    uint32_t pilot_sample;  // of a pilot
+};
+
+/// A sample of a pilot that waits likewise; its weights stand beside it.
+struct PilotSample {
+    TechniqueKind kind;
+    Rgb value;
+};
+
+}  // namespace
+
+struct EyePathTracer::State {
+    void trace(const BidirectionalScene& scene, const JoinedPass& joined, const Tile& tile, PassImage& pass_image,
+               Counts& pass_counts, EyeSeconds& seconds, PilotTile* pilot_tile) {
+        shared = &scene, pass = &joined, image = &pass_image, counts = &pass_counts, pilot = pilot_tile;
+        if (pilot) *pilot = {.moments = CandidateMoments(joined.candidates.size()), .counts = {}};
+        ThreadLaps laps;
+        start(tile);
+        for (uint32_t vertex = 0; batch.count > 0; ++vertex) {
+            batch.find_hits(scene.intersector, vertex == 0 ? Coherence::Coherent : Coherence::Incoherent);
+            (vertex == 0 ? counts->camera_rays : counts->bounce_rays) += batch.count;
+            if (vertex == 0) laps.lap(seconds.camera);
+            sort_hits(vertex);
+            const std::span<const uint32_t> keys{batch.keys.data(), batch.count};
+            light_point.draw(joined.sampler, sample_set(vertex, VertexSet::LightPoint), keys);
+            choice.draw(joined.sampler, sample_set(vertex, VertexSet::LightChoiceAndRoulette), keys);
+            direction.draw(joined.sampler, sample_set(vertex, VertexSet::Direction), keys);
+            lobe.draw(joined.sampler, sample_set(vertex, VertexSet::Lobe), keys);
+            for (size_t k = 0; k < order.size(); ++k) {
+                prefetch_ahead(scene.scene, batch.hits, order, k);
+                if (shade(vertex, order[k])) batch.keep_next(batch.keys[order[k]]);
+            }
+            batch.advance();
+            trace_shadow_rays();
+            if (vertex == 0) laps.lap(seconds.direct);
+        }
+        laps.lap(seconds.indirect);
+    }
+
+    void start(const Tile& tile) {
+        batch.count = tile.pixels();
+        starts.resize(batch.count);
+        start_eye_paths(*shared, pass->sampler, tile, {batch.rays.data(), batch.count}, starts,
+                        {batch.keys.data(), batch.count});
+        for (size_t i = 0; i < batch.count; ++i) {
+            static_cast<EyePath&>(batch.paths[i]) = starts[i];
+            const CameraPdf camera = shared->camera.pdf(batch.rays[i].direction);
+            batch.paths[i].weights = shared->mis.start_eye(camera.pdf);
+        }
+        for (uint32_t y = tile.y0; y < tile.y1; ++y)
+            image->clear(size_t{y} * image->size.width + tile.x0, tile.x1 - tile.x0);
+    }
+
+    /// Ends the paths that met nothing; `order` has the others.
+    void sort_hits(uint32_t vertex) {
+        order.clear();
+        for (uint32_t i = 0; i < batch.count; ++i) {
+            JoinedEyePath& path = batch.paths[i];
+            const Hit& hit = batch.hits[i];
+            path.throughput *= shared->absorption.transmittance(path.media, hit.t);
+            if (!hit.valid()) {
+                meet_environment(vertex, path, batch.rays[i].direction);
+                continue;
+            }
+            prefetch_index(shared->scene, hit);
+            order.push_back(i);
+        }
+    }
+
+    void meet_environment(uint32_t vertex, const JoinedEyePath& path, const vec3& towards) {
+        if (!shared->scene.environment) return;
+        const Rgb radiance = path.throughput * shared->lights.environment_radiance(towards);
+        if (is_black(radiance)) return;
+        add_met(vertex, path, radiance,
+                [&] { return shared->ends.of_environment(path.position, path.lit_normal, towards); });
+    }
+
+    void meet_light(uint32_t vertex, const JoinedEyePath& path, const Hit& hit, bool front, const vec3& towards) {
+        const Rgb emitted = emitted_radiance(shared->scene, {hit.instance, hit.triangle, hit.u, hit.v}, front);
+        if (is_black(emitted)) return;
+        add_met(vertex, path, path.throughput * emitted, [&] {
+            return shared->ends.on_triangle(path.position, path.lit_normal, hit.instance, hit.triangle, towards, hit.t);
+        });
+    }
+
+    /// `end()`: of the light that was met.
+    template <class End>
+    void add_met(uint32_t vertex, const JoinedEyePath& path, const Rgb& radiance, const End& end) {
+        if (vertex == 0) return add_radiance(*image, path, radiance);
+        const LightEnd met = end();
+        const auto weigh = [&](const TechniqueNumbers& n) { return shared->mis.light_met(path.weights, met, n); };
+        if (pilot) add_now(TechniqueKind::LightMet, radiance, weigh);
+        add_radiance(*image, path, weigh(numbers()) * radiance);
+    }
+
+    /// All that path i does at the surface it met. False: it ends, and what stands in the place of the next does not
+    /// count.
+    bool shade(uint32_t vertex, uint32_t i) {
+        JoinedEyePath& path = batch.next_path();
+        path = batch.paths[i];
+        const Hit& hit = batch.hits[i];
+        const Ray& ray = batch.rays[i];
+        EyeVertex met;
+        if (!see_surface(*shared, path, vertex, hit, ray, *image, met.surface)) return false;
+        arrive(vertex, path, hit, ray, met.surface);
+        if (shared->scene.materials[met.surface.material].emissive())
+            meet_light(vertex, path, hit, met.surface.front_side, ray.direction);
+        if (!open_surface(*shared, path, ray, *image, met)) return false;
+        const SurfaceVertex surface{met.surface, met.bsdf, -ray.direction};
+        path.lit_normal = lit_normal(surface);
+        if (pilot) ++pilot->counts.eye_vertices, pilot->counts.open_vertices += met.bsdf.has_non_delta() ? 1 : 0;
+        if (met.bsdf.has_non_delta()) {
+            sample_light(vertex, path, surface, i);
+            connect(vertex, path, surface, i);
+            merge(vertex, path, surface);
+        }
+        return leave(vertex, path, surface, met.wo, i);
+    }
+
+    void arrive(uint32_t vertex, JoinedEyePath& path, const Hit& hit, const Ray& ray, const ShadingPoint& point) {
+        const bool across = vertex == 0 && shared->view.camera.orthographic;
+        const float cosine = std::fabs(glm::dot(point.geometric_normal, ray.direction));
+        shared->mis.arrive(path.weights, across ? 1.0f : sqr(hit.t), std::max(cosine, 1e-12f));
+    }
+
+    bool leave(uint32_t vertex, JoinedEyePath& path, const SurfaceVertex& surface, const vec3& wo, uint32_t i) {
+        const BsdfSample next = surface.bsdf.sample(wo, lobe.x[i], {direction.x[i], direction.y[i]});
+        if (!leave_surface(path, surface.point, next, vertex + 1 >= shared->roulette_start, choice.y[i], *image,
+                           batch.next_ray()))
+            return false;
+        const vec3 towards = batch.next_ray().direction;
+        const float cos_out = std::fabs(glm::dot(surface.point.geometric_normal, towards));
+        if (next.delta) {
+            shared->mis.scatter_delta(path.weights, cos_out);
+        } else {
+            shared->mis.scatter(path.weights, side(vertex, light_pdf_back(surface, towards)), next.pdf_sa, cos_out);
+        }
+        return true;
+    }
+
+    void sample_light(uint32_t vertex, const JoinedEyePath& path, const SurfaceVertex& surface, uint32_t i) {
+        LightSample light;
+        if (!shared->lights.sample(path.position, path.lit_normal, choice.x[i], {light_point.x[i], light_point.y[i]},
+                                   light))
+            return;
+        const EyeScattering scattering = scatter_to_light(surface, light.wi);
+        if (is_black(scattering.f_cos)) return;
+        float pdf_direct_sa;
+        const LightEnd end = shared->ends.of_sample(light, pdf_direct_sa);
+        const float cosine = std::fabs(glm::dot(surface.point.geometric_normal, light.wi));
+        const auto weigh = [&](const TechniqueNumbers& n) {
+            return shared->mis.next_event(path.weights, side(vertex, scattering.light_pdf), scattering.eye_pdf,
+                                          pdf_direct_sa, cosine, end, n);
+        };
+        wait_for(light.shadow_ray(ray_origin(surface.point, light.wi)),
+                 path.throughput * scattering.f_cos * light.radiance_over_pdf, path.pixel, path.scatterings + 1,
+                 Join::LightSample, vertex == 0 ? TechniqueKind::FirstLightSample : TechniqueKind::LightSample, weigh);
+    }
+
+    void connect(uint32_t vertex, const JoinedEyePath& path, const SurfaceVertex& surface, uint32_t i) {
+        const PassTechniques& techniques = pass->techniques;
+        const std::vector<LightVertex>& cache = pass->light.vertices;
+        if (cache.empty()) return;
+        if (techniques.own_path) {
+            // Any of them: paths whose numbers lie in step with the image's pixels are alike.
+            RandomStream random(pass->connection_salt, RandomDomain::Connections, ~0u, batch.keys[i]);
+            const auto own = static_cast<uint32_t>(uint64_t{random.next_bits()} * techniques.light_paths >> 32);
+            const std::vector<uint32_t>& first = pass->light.first_of_path;
+            for (uint32_t k = first[own]; k < first[own + 1]; ++k)
+                connect_with(cache[pass->light.by_path[k]], static_cast<float>(techniques.light_paths), vertex, path,
+                             surface);
+            return;
+        }
+        const uint32_t tries = techniques.connections_per_vertex;
+        if (tries == 0) return;
+        RandomStream random(pass->connection_salt, RandomDomain::Connections, vertex, batch.keys[i]);
+        const float inverse_pdf = static_cast<float>(cache.size()) / static_cast<float>(tries);
+        for (uint32_t k = 0; k < tries; ++k) {
+            // One of each of as many equal parts of the cache.
+            const double place = (k + double{random.next()}) / tries * static_cast<double>(cache.size());
+            connect_with(cache[std::min(static_cast<size_t>(place), cache.size() - 1)], inverse_pdf, vertex, path,
+                         surface);
+        }
+    }
+
+    void connect_with(const LightVertex& light, float inverse_pdf, uint32_t vertex, const JoinedEyePath& path,
+                      const SurfaceVertex& surface) {
+        const uint32_t scatterings = path.scatterings + 1 + light.surfaces;
+        if (scatterings > shared->max_scatterings || scatterings < light.surfaces) return;
+        const vec3 offset = light.position - surface.point.position;
+        const float distance_sq = glm::dot(offset, offset);
+        if (!(distance_sq > 0)) return;
+        const float distance = std::sqrt(distance_sq);
+        const vec3 towards = offset / distance;
+        const EyeScattering eye = scatter_to_light(surface, towards);
+        if (is_black(eye.f_cos)) return;
+        const SurfaceVertex other = light.surface(shared->scene);
+        const LightScattering back = scatter_to_eye(other, -towards);
+        if (is_black(back.density)) return;
+        const float cos_eye = std::fabs(glm::dot(surface.point.geometric_normal, towards));
+        const float cos_light = std::fabs(glm::dot(other.point.geometric_normal, towards));
+        const float per_area = 1 / distance_sq;
+        const VertexSide eye_side = side(vertex, eye.light_pdf),
+                         light_side{light.first_surface(), back.eye_pdf, pass->techniques.merge_acceptance()};
+        const auto weigh = [&](const TechniqueNumbers& n) {
+            return shared->mis.connection(path.weights, eye_side, eye.eye_pdf * cos_light * per_area, light.weights,
+                                          light_side, back.light_pdf * cos_eye * per_area, n);
+        };
+        MediumStack media = path.media;
+        if (glm::dot(surface.point.geometric_normal, towards) < 0 && surface.bsdf.refraction_eta() > 0)
+            media.cross(surface.point.material, surface.point.front_side);
+        const Rgb radiance = (inverse_pdf * per_area) * path.throughput * eye.f_cos * back.density * light.power_w *
+                             shared->absorption.transmittance(media, distance);
+        if (is_black(radiance)) return;
+        const vec3 start = ray_origin(surface.point, towards);
+        wait_for({start, ray_origin(other.point, -towards) - start, 1.0f}, radiance, path.pixel, scatterings,
+                 Join::Connection, TechniqueKind::Connection, weigh);
+    }
+
+    void merge(uint32_t vertex, const JoinedEyePath& path, const SurfaceVertex& surface) {
+        if (pass->grid == nullptr) return;
+        const float radius_m = pass->techniques.merge_radius_m;
+        const ShadingPoint& point = surface.point;
+        pass->grid->find_within(point.position, radius_m, near);
+        if (near.found.empty()) return;
+        const Frame& frame = point.shading;
+        const vec3 wo = frame.to_local(surface.from);
+        const float most_height_m = 0.25f * radius_m;
+        const bool both_sides = surface.bsdf.has_non_delta_transmission();
+        const Rgb scale = path.throughput * (1 / (kPi * sqr(radius_m)));
+        for (const Neighbours::Found& found : near.found) {
+            const LightVertex& light = pass->light.vertices[pass->in_grid_order[found.index]];
+            const uint32_t scatterings = path.scatterings + light.surfaces;
+            if (scatterings > shared->max_scatterings) continue;
+            if (std::fabs(glm::dot(point.geometric_normal, light.position - point.position)) > most_height_m) continue;
+            const float side_cosine = glm::dot(light.normal, point.geometric_normal);
+            if ((side_cosine < 0 && !both_sides) || std::fabs(side_cosine) < kDiscCosine) continue;
+            // A vertex of a curved surface's next facet may have been lit from below this one's horizon.
+            if ((glm::dot(light.from, point.geometric_normal) > 0) != (side_cosine > 0)) continue;
+            const BsdfValue value = surface.bsdf.evaluate(wo, frame.to_local(light.from));
+            if (is_black(value.f_cos)) continue;
+            const VertexSide eye_side = side(vertex, light_pdf_back(surface, light.from)),
+                             light_side{light.first_surface(), value.pdf_sa, 0};
+            const auto weigh = [&](const TechniqueNumbers& n) {
+                return shared->mis.merging(path.weights, eye_side, light.weights, light_side, n);
+            };
+            const float share = 1 / std::max(std::fabs(glm::dot(light.from, light.normal)), kLeastCosine);
+            const Rgb radiance = share * scale * value.f_cos * light.power_w;
+            if (pilot) ++pilot->counts.found, add_now(TechniqueKind::Merge, radiance, weigh);
+            add_joined(*image, path.pixel, scatterings, path.scatterings == 0 && light.surfaces > 1 && light.all_delta,
+                       Join::Merge, weigh(numbers()) * radiance);
+        }
+    }
+
+    VertexSide side(uint32_t vertex, float pdf_back) const {
+        return {vertex == 0, pdf_back, pass->techniques.merge_acceptance()};
+    }
+    const TechniqueNumbers& numbers() const { return pass->techniques.numbers; }
+
+    /// `weigh(numbers)`: of the light that arrives where the ray is free.
+    template <class Weigh>
+    void wait_for(const Ray& ray, const Rgb& radiance, uint32_t pixel, uint32_t scatterings, Join join,
+                  TechniqueKind kind, const Weigh& weigh) {
+        const Rgb weighed = weigh(numbers()) * radiance;
+        if (is_black(weighed) && !pilot) return;
+        if (!shadows.has_room_for(1)) trace_shadow_rays();
+        shadows.add(ray, {weighed, pixel, scatterings, join, static_cast<uint32_t>(samples.size())});
+        if (!pilot) return;
+        weigh_by_all(weigh, sample_weights);
+        samples.push_back({kind, radiance});
+    }
+    void trace_shadow_rays() {
+        counts->shadow_rays +=
+            shadows.trace(shared->intersector, Coherence::Incoherent, [&](const WaitingJoin& waiting) {
+                add_joined(*image, waiting.pixel, waiting.scatterings, false, waiting.join, waiting.radiance);
+                if (pilot) add_sample(waiting.pilot_sample);
+            });
+        samples.clear();
+        sample_weights.clear();
+    }
+
+    // Of pilots.
+
+    /// Appends what each candidate would weigh.
+    template <class Weigh>
+    void weigh_by_all(const Weigh& weigh, std::vector<float>& weights) {
+        for (const WeighedCandidate& candidate : pass->candidates) weights.push_back(weigh(candidate.numbers));
+    }
+    void add_sample(size_t sample) {
+        const size_t candidates = pass->candidates.size();
+        pilot->moments.add(samples[sample].kind, samples[sample].value,
+                           std::span(sample_weights).subspan(sample * candidates, candidates), pass->candidates);
+    }
+    template <class Weigh>
+    void add_now(TechniqueKind kind, const Rgb& value, const Weigh& weigh) {
+        weights_now.clear();
+        weigh_by_all(weigh, weights_now);
+        pilot->moments.add(kind, value, weights_now, pass->candidates);
+    }
+
+    const BidirectionalScene* shared = nullptr;
+    const JoinedPass* pass = nullptr;
+    PassImage* image = nullptr;
+    Counts* counts = nullptr;
+    PilotTile* pilot = nullptr;
+
+    PathBatch<JoinedEyePath> batch{kPaths};
+    ShadowBatch<WaitingJoin> shadows{kShadowRays};
+    PathNumbers light_point{kPaths}, choice{kPaths}, direction{kPaths}, lobe{kPaths};
+    std::vector<EyePath> starts;
+    std::vector<uint32_t> order;
+    Neighbours near;
+    std::vector<PilotSample> samples;  // that wait
+    std::vector<float> sample_weights, weights_now;
+};
+
+EyePathTracer::EyePathTracer() : state_(std::make_unique<State>()) {}
+EyePathTracer::~EyePathTracer() = default;
+EyePathTracer::EyePathTracer(EyePathTracer&&) noexcept = default;
+
+uint64_t EyePathTracer::bytes_per_thread() {
+    return PathBatch<JoinedEyePath>::bytes_for(kPaths) + ShadowBatch<WaitingJoin>::bytes_for(kShadowRays) +
+           kPaths * (sizeof(EyePath) + sizeof(uint32_t) + 8 * sizeof(float));
+}
+
+void EyePathTracer::trace_tile(const BidirectionalScene& shared, const JoinedPass& pass, const Tile& tile,
+                               PassImage& image, Counts& counts, EyeSeconds& seconds, PilotTile* pilot) {
+    state_->trace(shared, pass, tile, image, counts, seconds, pilot);
+}
+
+}  // namespace photond

@@ -1,0 +1,33 @@
+// What the house asks of this method.
+
+#include "renderer/bidirectional/bidirectional_row.h"
+#include "renderer/methods/vertex_connection_and_merging/vertex_connection_and_merging.h"
+
+namespace photond {
+
+namespace {
+
+PathsLeftOut paths_left_out(const VertexConnectionAndMergingParams& params, const Needs& needs) {
+    return {bounces_of_scatterings(params.max_scatterings()), needs};
+}
+
+}  // namespace
+
+MethodInfo vertex_connection_and_merging_row();
+
+MethodInfo vertex_connection_and_merging_row() {
+    MethodInfo info = bidirectional_row<VertexConnectionAndMerging, void>();
+    info.left_out = left_out_of<VertexConnectionAndMergingParams, paths_left_out>;
+    info.title = "Vertex connection and merging";
+    info.line =
+        "Bidirectional path tracing and photon mapping, each where it is the better. Hidden lamps and caustics, in "
+        "mirrors too; biased while its radius shrinks.";
+    info.layers.add(Layer::Merges);
+    info.bias_falls_with.emplace();
+    info.sources = {
+        {"Georgiev et al.", 2012, "Light Transport Simulation with Vertex Connection and Merging"},
+        {"Hachisuka, Pantaleoni and Jensen", 2012, "A Path Space Extension for Robust Light Transport Simulation"}};
+    return info;
+}
+
+}  // namespace photond

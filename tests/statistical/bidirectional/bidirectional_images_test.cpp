@@ -1,0 +1,179 @@
+// Bidirectional path tracing makes the image that path tracing makes, and vertex connection and merging where its
+// radius is small: block by block of pixels, with lights and cameras of every kind, gloss, rough glass, sheets, leaning
+// normals, and bounces cut short.
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+
+#include "renderer/methods/bidirectional_path_tracing/bidirectional_path_tracing.h"
+#include "renderer/methods/vertex_connection_and_merging/vertex_connection_and_merging.h"
+#include "renderer/scene/builtin_scenes.h"
+#include "tests/support/lit_rooms.h"
+#include "tests/support/render.h"
+#include "tests/support/statistics.h"
+
+namespace photond::bidirectional_images_test {
+namespace {
+
+constexpr Size2 kSize{24, 24};
+constexpr uint32_t kBlock = 8;
+constexpr double kFalseAlarm = 1e-7;  // of a scene's blocks together
+
+/// A room that is open to the front, with three objects of those materials under a lamp.
+Scene room(const std::vector<Material>& materials) {
+    Scene scene;
+    MeshBuilder walls;
+    walls.quad({-2, 0, 2}, {2, 0, 2}, {2, 0, -2}, {-2, 0, -2});
+    walls.quad({-2, 0, -2}, {2, 0, -2}, {2, 3, -2}, {-2, 3, -2});
+    walls.quad({-2, 0, 2}, {-2, 0, -2}, {-2, 3, -2}, {-2, 3, 2});
+    test::add(scene, walls.build(0), test::lambert(0.6f));
+    float x = -1.1f;
+    for (const Material& material : materials) {
+        // Coarse and smooth: the shading normals lean.
+        test::add(scene, MeshBuilder().sphere({x, 0.7f, 0}, 0.5f, 12).build(0), material);
+        x += 1.1f;
+    }
+    scene.cameras.push_back(look_at_camera({0, 1.6f, 5}, {0, 1, 0}, {0, 1, 0}, 0.7f));
+    return scene;
+}
+
+Material rough(float metallic, float roughness, float transmission, bool solid) {
+    Material material;
+    material.base_color = {0.8f, 0.7f, 0.6f};
+    material.metallic = metallic, material.roughness = roughness;
+    material.transmission = transmission, material.solid = solid;
+    if (solid) material.attenuation_color = {0.5f, 0.8f, 0.6f}, material.attenuation_distance = 0.7f;
+    return material;
+}
+
+Scene gloss() { return room({rough(0, 0.5f, 0, false), rough(1, 0.45f, 0, false), rough(0, 0.4f, 0.7f, false)}); }
+Scene rough_glass() { return room({rough(0, 0.5f, 1, true), rough(0.5f, 0.6f, 0.6f, true), test::lambert(0.5f)}); }
+
+Scene with_lamp(Scene scene) {
+    Material lamp = test::lambert(0);
+    lamp.emission = Rgb(6, 5, 4);
+    test::add(
+        scene,
+        MeshBuilder().quad({-0.6f, 2.9f, -0.6f}, {0.6f, 2.9f, -0.6f}, {0.6f, 2.9f, 0.6f}, {-0.6f, 2.9f, 0.6f}).build(0),
+        lamp);
+    finish_scene(scene);
+    return scene;
+}
+Scene with_punctual_lights(Scene scene) {
+    scene.punctual_lights = {test::point_light({0.4f, 2.2f, 0.8f}),
+                             test::spot_light({1.6f, 2.6f, 1.7f}, {-1, -1.1f, -1}, 50), test::sun({0.4f, -1, -0.8f})};
+    scene.punctual_lights[0].intensity = Rgb(3);
+    scene.punctual_lights[0].range_m = 3;
+    scene.punctual_lights[1].intensity = Rgb(5, 4, 3);
+    finish_scene(scene);
+    return scene;
+}
+Scene with_sky(Scene scene) {
+    Environment sky;
+    sky.map = {{8, 4}, std::vector<Rgb>(32, Rgb(0.3f, 0.4f, 0.6f))};
+    sky.map.radiance[10] = Rgb(12, 10, 7);
+    scene.environment = std::move(sky);
+    finish_scene(scene);
+    return scene;
+}
+Scene with_all_lights(Scene scene) { return with_sky(with_punctual_lights(with_lamp(std::move(scene)))); }
+Scene orthographic(Scene scene) {
+    scene.cameras[0].orthographic = true;
+    scene.cameras[0].ymag = 1.7f;
+    return scene;
+}
+Scene with_lens(Scene scene) {
+    scene.cameras[0].aperture_radius_m = 0.15f;
+    scene.cameras[0].focus_distance_m = 4;
+    return scene;
+}
+
+/// Sums of blocks, pass by pass.
+template <class M>
+std::vector<test::RunningMean> block_means(const Scene& scene, test::RenderSettingsOf<M> settings) {
+    constexpr uint32_t kColumns = kSize.width / kBlock;
+    std::vector<test::RunningMean> means(kColumns * (kSize.height / kBlock));
+    settings.size = kSize;
+    settings.params.sampler = SamplerKind::Random;
+    test::run_passes(scene, settings, [&](M& method, uint32_t pass) {
+        Film film(settings.size, settings.layers, pass);
+        method.resolve(film);
+        EXPECT_EQ(film.nan_count() + film.infinity_count(), 0u);
+        // Without the lamps as they are seen, whose edges pixels cut.
+        std::vector<float> light = film.resolve(Layer::Direct);
+        const std::vector<float> indirect = film.resolve(Layer::Indirect);
+        for (size_t i = 0; i < light.size(); ++i) light[i] += indirect[i];
+        std::vector<double> sums(means.size());
+        for (uint32_t y = 0; y < kSize.height; ++y)
+            for (uint32_t x = 0; x < kSize.width; ++x)
+                for (uint32_t c = 0; c < 3; ++c)
+                    sums[(y / kBlock) * kColumns + x / kBlock] += double{light[3 * (y * kSize.width + x) + c]};
+        for (size_t i = 0; i < sums.size(); ++i) means[i].add(sums[i]);
+    });
+    return means;
+}
+
+/// The two have one mean in each block. What passes of either have as variance says how far apart they may lie.
+void expect_one_mean(const std::vector<test::RunningMean>& a, const std::vector<test::RunningMean>& b) {
+    const double limit = test::two_sided_z(test::share_of_false_alarm(kFalseAlarm, a.size()));
+    double noticed = 0, farthest = 0;
+    for (size_t i = 0; i < a.size(); ++i) {
+        const double deviation = std::hypot(a[i].standard_error(), b[i].standard_error());
+        const double z = (b[i].mean() - a[i].mean()) / deviation;
+        farthest = std::max(farthest, std::fabs(z));
+        noticed = std::max(noticed, limit * deviation / a[i].mean());
+        EXPECT_LE(std::fabs(z), limit) << "block " << i << ": " << b[i].mean() << " instead of " << a[i].mean();
+    }
+    std::printf("%zu blocks, |z| up to %.2f of %.2f; a block that differs by %.1f %% is noticed\n", a.size(), farthest,
+                limit, 100 * noticed);
+    EXPECT_LT(noticed, 0.1);
+}
+
+struct Case {
+    const char* name;
+    Scene scene;
+    std::optional<uint32_t> bounces = std::nullopt;
+    PixelFilter filter = PixelFilter::Box;
+};
+
+std::vector<Case> cases() {
+    std::vector<Case> list;
+    list.push_back({"gloss under a lamp", with_lamp(gloss())});
+    list.push_back({"gloss under points, spots and suns", with_punctual_lights(gloss())});
+    list.push_back({"gloss under a sky", with_sky(gloss())});
+    list.push_back({"rough glass under all lights", with_all_lights(rough_glass()), 3});
+    list.push_back({"orthographic", orthographic(with_all_lights(gloss())), 1});
+    list.push_back({"a lens", with_lens(with_lamp(gloss())), 0, PixelFilter::BlackmanHarris});
+    return list;
+}
+
+TEST(BidirectionalImages, AreThoseOfPathTracing) {
+    for (const Case& c : cases()) {
+        SCOPED_TRACE(c.name);
+        test::RenderSettings reference{.passes = 1200, .seed = 3};
+        reference.params.indirect_bounces = c.bounces;
+        reference.filter = c.filter;
+        const auto expected = block_means(c.scene, reference);
+        for (const Connections connections : {Connections::Cache, Connections::OwnPath}) {
+            test::RenderSettingsOf<BidirectionalPathTracing> settings{.passes = 300, .seed = 4};
+            settings.params.indirect_bounces = c.bounces;
+            settings.params.connections = connections;
+            settings.params.adapt = false;
+            settings.params.connections_per_vertex = 2;
+            settings.params.light_paths = connections == Connections::Cache ? 0.5f : 1;
+            settings.params.heuristic = connections == Connections::Cache ? MisHeuristic::Balance : MisHeuristic::Power;
+            settings.filter = c.filter;
+            expect_one_mean(expected, block_means(c.scene, settings));
+        }
+        test::RenderSettingsOf<VertexConnectionAndMerging> merging{.passes = 300, .seed = 5};
+        merging.params.indirect_bounces = c.bounces;
+        merging.params.adapt = false;
+        merging.params.merging_params.radius_m = 0.02f;
+        merging.filter = c.filter;
+        expect_one_mean(expected, block_means(c.scene, merging));
+    }
+}
+
+}  // namespace
+}  // namespace photond::bidirectional_images_test

@@ -1,0 +1,94 @@
+// The choice of techniques by a pilot: what the moments of candidates come to, that a simple scene gets no more than
+// paths from the eye and a hard one does, and that the choice is a function of the seed alone.
+
+#include "renderer/bidirectional/technique_pilot.h"
+
+#include <gtest/gtest.h>
+
+#include "renderer/methods/bidirectional_path_tracing/bidirectional_path_tracing.h"
+#include "renderer/methods/path_tracing/path_tracing.h"
+#include "renderer/methods/vertex_connection_and_merging/vertex_connection_and_merging.h"
+#include "renderer/scene/builtin_scenes.h"
+#include "tests/support/render.h"
+#include "tests/support/threads.h"
+
+namespace photond::technique_choice_test {
+namespace {
+
+TEST(TechniqueChoice, MomentsAreThoseOfSamplesTakenAsOftenAsTheCandidateDoes) {
+    // Two candidates: as the pilot, and with a quarter of its light paths, where samples weigh half.
+    const std::vector<WeighedCandidate> candidates{{.more_light_paths = 1, .more_connections = 1},
+                                                   {.more_light_paths = 4, .more_connections = 1}};
+    CandidateMoments moments(2);
+    const std::vector<float> weights{1, 0.5f};
+    for (int i = 0; i < 8; ++i) moments.add(TechniqueKind::Seen, Rgb(2), weights, candidates);
+    EXPECT_DOUBLE_EQ(moments.mean(0, 4), 4);
+    EXPECT_DOUBLE_EQ(moments.mean(1, 4), 2);
+    EXPECT_DOUBLE_EQ(moments.variance(0, 4), 8);  // of counts that vary as Poisson's do
+    EXPECT_DOUBLE_EQ(moments.variance(1, 4), 8);
+    CandidateMoments same(2);
+    for (int i = 0; i < 8; ++i) same.add(TechniqueKind::FirstLightSample, Rgb(3), weights, candidates);
+    EXPECT_DOUBLE_EQ(same.variance(0, 8), 0);  // every pixel's pass has this one sample
+    moments += same;
+    EXPECT_DOUBLE_EQ(moments.mean(0, 8), 5);
+}
+
+TEST(TechniqueChoice, WhatIsGivenStays) {
+    for (const TechniqueCandidate& candidate :
+         technique_candidates({.light_paths = 0.3f, .most_light_paths = 2, .connections = 3, .merges = true})) {
+        EXPECT_EQ(candidate.light_paths, 0.3f);
+        EXPECT_EQ(candidate.connections, 3u);
+    }
+    const auto all = technique_candidates({.most_light_paths = 0.6f, .merges = true});
+    EXPECT_EQ(all.size(), 1 + 3 * 5 * 2u);  // none; 1/4, 1/2 and the 0.6 that there is room for
+    EXPECT_EQ(all.back().light_paths, 0.6f);
+}
+
+template <class M>
+Stats begun(const char* name, Size2 size, uint64_t seed, int threads) {
+    const Scene scene = make_builtin_scene(name);
+    test::RenderSettingsOf<M> settings;
+    settings.size = size, settings.seed = seed, settings.passes = 1;
+    Stats stats;
+    test::on_threads(threads, [&] {
+        test::render(scene, settings, &stats);
+        return 0;
+    });
+    return stats;
+}
+
+bool skips(const Stats& stats, std::string_view what) {
+    return std::any_of(stats.skipped.begin(), stats.skipped.end(), [&](const Skipped& s) { return s.what == what; });
+}
+
+TEST(TechniqueChoice, ASimpleSceneDoesNotPay) {
+    const Stats stats = begun<VertexConnectionAndMerging>("cornell-box", {96, 96}, 1, 2);
+    EXPECT_TRUE(skips(stats, "light paths"));
+    EXPECT_EQ(stats.counts.photons_emitted, 0u);
+    // It is path tracing, to the bit.
+    const Scene scene = make_builtin_scene("cornell-box");
+    test::RenderSettings tracing{.size = {48, 48}, .passes = 2};
+    test::RenderSettingsOf<VertexConnectionAndMerging> merging{.size = {48, 48}, .passes = 2};
+    EXPECT_EQ(test::render(scene, merging).pixel_hash(), test::render(scene, tracing).pixel_hash());
+}
+
+TEST(TechniqueChoice, AHardSceneGetsLightPaths) {
+    for (const char* name : {"cornell-box-glossy", "keyhole"}) {
+        const Stats stats = begun<BidirectionalPathTracing>(name, {96, 96}, 1, 2);
+        EXPECT_FALSE(skips(stats, "light paths")) << name;
+        EXPECT_GT(stats.counts.photons_emitted, 0u) << name;
+    }
+}
+
+TEST(TechniqueChoice, FollowsFromTheSeedAlone) {
+    for (const uint64_t seed : {1, 2}) {
+        const Stats one = begun<VertexConnectionAndMerging>("cornell-box-glass", {64, 64}, seed, 1),
+                    many = begun<VertexConnectionAndMerging>("cornell-box-glass", {64, 64}, seed, 8);
+        EXPECT_EQ(one.counts.photons_emitted, many.counts.photons_emitted);
+        EXPECT_EQ(one.counts.shadow_rays, many.counts.shadow_rays);
+        EXPECT_EQ(skips(one, "merging"), skips(many, "merging"));
+    }
+}
+
+}  // namespace
+}  // namespace photond::technique_choice_test
