@@ -63,7 +63,7 @@ ComparePreset photon_splatting_thesis() {
 }  // namespace
 
 std::span<const ComparePreset> compare_presets() {
-    static const std::vector<ComparePreset> kPresets{photon_splatting_thesis(), svo_thesis(), progressive()};
+    static const std::vector<ComparePreset> kPresets{photon_splatting_thesis(), svo_thesis(), progressive(), vcm()};
     return kPresets;
 }
 

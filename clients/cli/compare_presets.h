@@ -69,6 +69,8 @@ const ComparePreset& compare_preset(const std::string& name);
 ComparePreset svo_thesis();
 /// compare_preset_progressive.cpp
 ComparePreset progressive();
+/// compare_preset_vcm.cpp
+ComparePreset vcm();
 
 /// "report.html" of comparison "a/b" as "report-a-b.html"; "-" and an empty name stay.
 std::string of_part(const std::string& file, std::string_view part);

@@ -130,7 +130,8 @@ void BidirectionalMethod::State::plan(const RenderContext& context, const Bidire
                               .connections = choices.connections.value_or(1),
                               .merges = choices.merges};
     if (params.adapt) {
-        chosen = choose_techniques({context, params, vertices, choices, first_radius_m}, stats);
+        const TechniquePilot judged = run_technique_pilot({context, params, vertices, choices, first_radius_m}, stats);
+        chosen = judged.candidates[judged.chosen].candidate;
         if (!(chosen.light_paths > 0))
             return skip_light_paths("paths from the eye alone are worth more here, a pilot says");
         constexpr const char* kNotWorth = "they are not worth their cost here, a pilot says";

@@ -87,7 +87,7 @@ struct PilotCounts {
     double found = 0;           // vertices within the radius of an open vertex
 };
 
-/// Of a pass, a pixel's, in the unit of a ray from the eye and what is done where it ends. technique_choice_bench
+/// Of a pass, a pixel's, in the unit of a ray from the eye and what is done where it ends. bidirectional_bench
 /// prints beside the clock what these come to.
 double counted_cost(const TechniqueCandidate& candidate, const PilotCounts& counts, uint64_t triangles);
 

@@ -49,7 +49,7 @@ struct PilotThread {
 
 }  // namespace
 
-TechniqueCandidate choose_techniques(const TechniquePilotInputs& inputs, Stats& stats) {
+TechniquePilot run_technique_pilot(const TechniquePilotInputs& inputs, Stats& stats) {
     RenderContext context = inputs.context;
     context.view.film_size = pilot_size(inputs.context.view.film_size);
     context.view.filter = PixelFilter::Box;
@@ -143,8 +143,8 @@ TechniqueCandidate choose_techniques(const TechniquePilotInputs& inputs, Stats& 
     double mean = 0;
     for (size_t b = 0; b < blocks.size(); ++b)
         mean += blocks[b].mean(tried, pixel_passes_of(b)) * pixel_passes_of(b) / (pixels * kPasses);
-    size_t best = 0;
-    double least = std::numeric_limits<double>::infinity();
+    TechniquePilot judged{.candidates = {}, .chosen = 0};
+    const auto worth = [](const JudgedCandidate& c) { return c.relative_variance * c.cost; };
     for (size_t c = 0; c < candidates.size(); ++c) {
         double variance = 0;
         for (size_t b = 0; b < blocks.size(); ++b) {
@@ -152,10 +152,11 @@ TechniqueCandidate choose_techniques(const TechniquePilotInputs& inputs, Stats& 
             variance += pixel_passes_of(b) * blocks[b].variance(c, pixel_passes_of(b)) /
                         (of_block * of_block + kLeastMean * mean * mean + 1e-30);
         }
-        const double worth = variance * counted_cost(candidates[c], counts, context.scene.triangle_count);
-        if (worth < least) least = worth, best = c;
+        judged.candidates.push_back({candidates[c], variance / (pixels * kPasses),
+                                     counted_cost(candidates[c], counts, context.scene.triangle_count)});
+        if (worth(judged.candidates[c]) < worth(judged.candidates[judged.chosen])) judged.chosen = c;
     }
-    return candidates[best];
+    return judged;
 }
 
 }  // namespace photond

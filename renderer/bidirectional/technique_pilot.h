@@ -14,7 +14,17 @@ struct TechniquePilotInputs {
     float merge_radius_m;  // of the first pass; 0: nothing merges
 };
 
-/// The candidate that costs the least for the same error: a pure function of scene, view, parameters and seed.
-TechniqueCandidate choose_techniques(const TechniquePilotInputs& inputs, Stats& stats);
+/// What a candidate would be.
+struct JudgedCandidate {
+    TechniqueCandidate candidate;
+    double relative_variance;  // of a pixel and pass, mean over the image
+    double cost;               // counted_cost()
+};
+struct TechniquePilot {
+    std::vector<JudgedCandidate> candidates;
+    size_t chosen;  // the one that costs the least for the same error
+};
+/// A pure function of scene, view, parameters and seed.
+TechniquePilot run_technique_pilot(const TechniquePilotInputs& inputs, Stats& stats);
 
 }  // namespace photond

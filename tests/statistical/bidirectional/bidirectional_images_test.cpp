@@ -89,6 +89,21 @@ Scene with_lens(Scene scene) {
     return scene;
 }
 
+/// The lamp is placed by a transform that mirrors, so that its front is where its corners run clockwise.
+Scene mirrored_lamp(Scene scene) {
+    Instance& lamp = scene.instances.back();
+    lamp.identity = false;
+    lamp.to_world = mat4x3(vec3(-1, 0, 0), vec3(0, 1, 0), vec3(0, 0, 1), vec3(0.3f, 0, 0));
+    lamp.normal_to_world = mat3(vec3(-1, 0, 0), vec3(0, 1, 0), vec3(0, 0, 1));
+    lamp.flips_orientation = true;
+    finish_scene(scene);
+    return scene;
+}
+Scene from_afar(Scene scene) {
+    scene.cameras[0] = look_at_camera({0, 3, 25}, {0, 1, 0}, {0, 1, 0}, 0.14f);
+    return scene;
+}
+
 /// Sums of blocks, pass by pass.
 template <class M>
 std::vector<test::RunningMean> block_means(const Scene& scene, test::RenderSettingsOf<M> settings) {
@@ -140,6 +155,7 @@ struct Case {
 std::vector<Case> cases() {
     std::vector<Case> list;
     list.push_back({"gloss under a lamp", with_lamp(gloss())});
+    list.push_back({"a mirrored lamp, from afar", from_afar(mirrored_lamp(with_lamp(gloss()))), 1});
     list.push_back({"gloss under points, spots and suns", with_punctual_lights(gloss())});
     list.push_back({"gloss under a sky", with_sky(gloss())});
     list.push_back({"rough glass under all lights", with_all_lights(rough_glass()), 3});
