@@ -76,7 +76,7 @@ class Client(Daemon):
     >>> client.status()["ready"]
     True
     >>> sorted(client.methods)[:2]
-    ['imperfect_shadow_maps', 'path_tracing']
+    ['bidirectional_path_tracing', 'imperfect_shadow_maps']
     """
 
     @functools.cached_property
