@@ -4,6 +4,7 @@
 #include "renderer/bidirectional/technique_pilot.h"
 #include "renderer/core/thread_local.h"
 #include "renderer/photons/pilot_radius.h"
+#include "renderer/photons/surface_edges.h"
 #include "renderer/progressive/disc_radii.h"
 
 namespace photond {
@@ -15,7 +16,6 @@ constexpr uint32_t kPilotPaths = 1u << 15;
 constexpr uint32_t kPilotNearest = 8;  // vertices among which a pilot's density is measured
 // Of the power is where they are denser than the first radius asks for.
 constexpr double kBrightShare = 0.5, kBrightCausticShare = 0.25;
-constexpr float kMostRadiusRelative = 0.003f;  // of the scene's bounding sphere, as SmallVCM's
 /// Vertices of a light path, while nobody has counted them.
 constexpr double kExpectedVertices = 3;
 /// Passes differ from the pilot; what they keep is let grow by this.
@@ -39,9 +39,8 @@ float first_merge_radius_m(const MergingParams& merging, const LightPaths& pilot
     const RadiusLimits limits(scene_radius_m);
     if (merging.radius_m) return *merging.radius_m;
     if (merging.radius_relative) return std::max(*merging.radius_relative * scene_radius_m, limits.least_m);
-    // Caustics are sharp and dense where the rest is smooth: the one radius is to suit both. And it is to be small:
-    // what wide discs lack near edges of surfaces, other techniques, which weigh the less for it, do not bring.
-    float wanted_m = std::min(kMostRadiusRelative * scene_radius_m, limits.most_m);
+    // Caustics are sharp and dense where the rest is smooth: the one radius is to suit both.
+    float wanted_m = limits.most_m;
     for (const bool caustic : {false, true}) {
         std::vector<Photon> photons;
         for (const LightVertex& v : pilot.vertices)
@@ -87,6 +86,7 @@ struct BidirectionalMethod::State {
     MemoryBudget& budget;
     PassTechniques techniques;
     float first_radius_m = 0;
+    std::optional<EdgeTree> edges;  // that merging keeps off
     uint64_t most_light_bytes = 0;
     ThreadLocal<PerThread> threads;
     PassImage image;
@@ -111,6 +111,8 @@ void BidirectionalMethod::State::plan(const RenderContext& context, const Bidire
             first_radius_m =
                 first_merge_radius_m(*params.merging(), paths, scene.scene.bounds.radius(),
                                      double{light_paths} * static_cast<double>(size.pixels()) / pilot.light_paths);
+            edges.emplace(find_surface_edges(scene.scene, first_radius_m));
+            budget.record("surface_edges", edges->bytes());
         }
     }
     const auto skip_light_paths = [&](const char* why) {
@@ -130,7 +132,8 @@ void BidirectionalMethod::State::plan(const RenderContext& context, const Bidire
                               .connections = choices.connections.value_or(1),
                               .merges = choices.merges};
     if (params.adapt) {
-        const TechniquePilot judged = run_technique_pilot({context, params, vertices, choices, first_radius_m}, stats);
+        const TechniquePilot judged =
+            run_technique_pilot({context, params, vertices, choices, first_radius_m, edges ? &*edges : nullptr}, stats);
         chosen = judged.candidates[judged.chosen].candidate;
         if (!(chosen.light_paths > 0))
             return skip_light_paths("paths from the eye alone are worth more here, a pilot says");
@@ -159,7 +162,8 @@ uint64_t BidirectionalMethod::estimate_bytes(const BidirectionalParams& params, 
            LightPathTracer::scratch_bytes(workload.threads) +
            LightSampler::estimate_bytes(workload.lights, workload.environment_size) +
            EmissionSampler::estimate_bytes(workload.lights, workload.environment_size) +
-           paths * bytes_of_path(kExpectedVertices, params.merging() != nullptr);
+           paths * bytes_of_path(kExpectedVertices, params.merging() != nullptr) +
+           (params.merging() != nullptr ? EdgeTree::estimate_bytes(workload.triangles) : 0);
 }
 
 void BidirectionalMethod::begin(const RenderContext& context, Stats& stats) {
@@ -186,6 +190,7 @@ void BidirectionalMethod::run_pass(uint32_t pass, Stats& stats, const CancelToke
     PassTechniques techniques = state.techniques;
     if (techniques.numbers.merges)
         techniques.merge_radius_m = state.first_radius_m * radius_share(pass, double{params_->merging()->alpha});
+    if (state.edges) techniques.edges = &*state.edges, techniques.edge_radius_m = techniques.merge_radius_m;
 
     std::vector<uint32_t> in_grid_order;
     std::optional<HashGrid> grid;

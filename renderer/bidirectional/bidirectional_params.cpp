@@ -50,8 +50,9 @@ void MergingParams::visit(ParamVisitor& visitor) {
                    "the passes' number to the power 2 alpha - 2; 1 keeps the radius"});
     visitor.field("nearest_vertices", nearest_vertices,
                   {DensityEstimate, "", 2, 100'000,
-                   "of a pass's light paths: that the first radius is to hold at most, as a pilot finds it where no "
-                   "radius is given; nor is it more than 0.003 of the scene's"});
+                   "of a pass's light paths: that the first radius is to hold where light is bright, as a pilot finds "
+                   "it where no "
+                   "radius is given"});
     visitor.field("radius", radius_m,
                   {DensityEstimate, "m", 1e-9, 1e9,
                    "within which vertices are merged in the first pass; a pilot's when not given"});

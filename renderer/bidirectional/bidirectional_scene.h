@@ -4,6 +4,7 @@
 #include "renderer/bidirectional/bidirectional_params.h"
 #include "renderer/eye/camera_connection.h"
 #include "renderer/eye/path_wavefront.h"
+#include "renderer/photons/edge_tree.h"
 #include "renderer/transport/light_ends.h"
 
 namespace photond {
@@ -28,10 +29,17 @@ struct PassTechniques {
     uint32_t connections_per_vertex = 0;  // of an eye vertex, with vertices drawn from the cache
     bool own_path = false;                // with all vertices of one light path instead
     float merge_radius_m = 0;             // 0: nothing merges
+    const EdgeTree* edges = nullptr;      // where there is merging
+    float edge_radius_m = 0;              // nothing merges that near to an edge of a surface
     TechniqueNumbers numbers;
 
-    /// [m^2], for the weights.
-    float merge_acceptance() const { return kPi * sqr(merge_radius_m); }
+    /// Of merging at a place: the area of its disc [m^2]. 0 where a disc may hang over an edge or reach behind a wall:
+    /// it would lack light there, and paths can be made in other ways. A function of place alone, as weights have to
+    /// be.
+    float merge_acceptance(const vec3& position) const {
+        if (!(merge_radius_m > 0) || edges->has_edges(position, edge_radius_m)) return 0;
+        return kPi * sqr(merge_radius_m);
+    }
 };
 
 /// What a contribution is a part of, beside the beauty.

@@ -131,6 +131,7 @@ struct EyePathTracer::State {
         if (!open_surface(*shared, path, ray, *image, met)) return false;
         const SurfaceVertex surface{met.surface, met.bsdf, -ray.direction};
         path.lit_normal = lit_normal(surface);
+        acceptance = met.bsdf.has_non_delta() ? pass->techniques.merge_acceptance(surface.point.position) : 0.0f;
         if (pilot) ++pilot->counts.eye_vertices, pilot->counts.open_vertices += met.bsdf.has_non_delta() ? 1 : 0;
         if (met.bsdf.has_non_delta()) {
             sample_light(vertex, path, surface, i);
@@ -224,7 +225,7 @@ struct EyePathTracer::State {
         const float cos_light = std::fabs(glm::dot(other.point.geometric_normal, towards));
         const float per_area = 1 / distance_sq;
         const VertexSide eye_side = side(vertex, eye.light_pdf),
-                         light_side{light.first_surface(), back.eye_pdf, pass->techniques.merge_acceptance()};
+                         light_side{light.first_surface(), back.eye_pdf, light.acceptance};
         const auto weigh = [&](const TechniqueNumbers& n) {
             return shared->mis.connection(path.weights, eye_side, eye.eye_pdf * cos_light * per_area, light.weights,
                                           light_side, back.light_pdf * cos_eye * per_area, n);
@@ -241,7 +242,7 @@ struct EyePathTracer::State {
     }
 
     void merge(uint32_t vertex, const JoinedEyePath& path, const SurfaceVertex& surface) {
-        if (pass->grid == nullptr) return;
+        if (pass->grid == nullptr || acceptance == 0) return;
         const float radius_m = pass->techniques.merge_radius_m;
         const ShadingPoint& point = surface.point;
         pass->grid->find_within(point.position, radius_m, near);
@@ -275,9 +276,7 @@ struct EyePathTracer::State {
         }
     }
 
-    VertexSide side(uint32_t vertex, float pdf_back) const {
-        return {vertex == 0, pdf_back, pass->techniques.merge_acceptance()};
-    }
+    VertexSide side(uint32_t vertex, float pdf_back) const { return {vertex == 0, pdf_back, acceptance}; }
     const TechniqueNumbers& numbers() const { return pass->techniques.numbers; }
 
     /// `weigh(numbers)`: of the light that arrives where the ray is free.
@@ -326,6 +325,7 @@ struct EyePathTracer::State {
     PassImage* image = nullptr;
     Counts* counts = nullptr;
     PilotTile* pilot = nullptr;
+    float acceptance = 0;  // of the vertex at hand
 
     PathBatch<JoinedEyePath> batch{kPaths};
     ShadowBatch<WaitingJoin> shadows{kShadowRays};

@@ -150,6 +150,7 @@ private:
                 path.weights, shared_->ends.direct_at_first_hit(starts_[i], point.position, lit_normal(vertex), hit.t));
         mis.arrive(path.weights, first && infinite_[i] ? 1.0f : sqr(hit.t), cosine);
         const uint32_t key = batch_.keys[i];
+        const float acceptance = vertex.bsdf.has_non_delta() ? techniques_->merge_acceptance(point.position) : 0.0f;
         if (vertex.bsdf.has_non_delta()) {
             out_->vertices.push_back({.position = point.position,
                                       .normal = point.geometric_normal,
@@ -161,16 +162,18 @@ private:
                                       .u = hit.u,
                                       .v = hit.v,
                                       .outside_ior = outside_ior,
+                                      .acceptance = acceptance,
                                       .path = static_cast<uint32_t>(run_->run * kPaths + key - first_of_pass_),
                                       .surfaces = surfaces,
                                       .all_delta = path.all_delta});
-            show_camera(vertex, path, surfaces, key);
+            show_camera(vertex, path, surfaces, key, acceptance);
         }
         if (surfaces >= shared_->max_scatterings) return;
-        go_on(i, vertex, first);
+        go_on(i, vertex, first, acceptance);
     }
 
-    void show_camera(const SurfaceVertex& vertex, const LightPathState& path, uint32_t surfaces, uint32_t key) {
+    void show_camera(const SurfaceVertex& vertex, const LightPathState& path, uint32_t surfaces, uint32_t key,
+                     float acceptance) {
         const ShadingPoint& point = vertex.point;
         const vec2 lens = shared_->view.camera.aperture_radius_m > 0
                               ? sampler_->sample_2d(run_->run * kPaths + key, kFirstLensSet + surfaces)
@@ -180,7 +183,7 @@ private:
         const LightScattering scattering = scatter_to_eye(vertex, seen->to_camera);
         if (is_black(scattering.density)) return;
         const float cosine = std::fabs(glm::dot(point.geometric_normal, seen->to_camera));
-        const VertexSide side{surfaces == 1, scattering.eye_pdf, techniques_->merge_acceptance()};
+        const VertexSide side{surfaces == 1, scattering.eye_pdf, acceptance};
         const auto weigh = [&](const TechniqueNumbers& n) {
             return shared_->mis.seen_by_camera(path.weights, side, seen->responsivity_per_m2 * cosine, n);
         };
@@ -196,7 +199,7 @@ private:
         for (const WeighedCandidate& candidate : candidates_) weights_.push_back(weigh(candidate.numbers));
     }
 
-    void go_on(uint32_t i, const SurfaceVertex& vertex, bool first) {
+    void go_on(uint32_t i, const SurfaceVertex& vertex, bool first, float acceptance) {
         const LightPathState& path = batch_.paths[i];
         const PhotonScattering next =
             scatter_photon(vertex.point, vertex.bsdf, vertex.from, choice_.y[i], {direction_.x[i], direction_.y[i]});
@@ -213,7 +216,7 @@ private:
         if (next.delta) {
             shared_->mis.scatter_delta(onward.weights, cos_out);
         } else {
-            const VertexSide side{first, eye_pdf_back(vertex, next.direction), techniques_->merge_acceptance()};
+            const VertexSide side{first, eye_pdf_back(vertex, next.direction), acceptance};
             shared_->mis.scatter(onward.weights, side, next.pdf_sa, cos_out);
         }
         if (next.refraction) onward.media.cross(vertex.point.material, vertex.point.front_side);

@@ -25,6 +25,7 @@ struct LightVertex {
     uint32_t triangle;
     float u, v;
     float outside_ior;  // as make_bsdf() wants it
+    float acceptance;   // PassTechniques::merge_acceptance() [m^2]
     uint32_t path;      // of the pass
     uint32_t surfaces;  // met so far, this one included
     bool all_delta;     // the scatterings before this vertex

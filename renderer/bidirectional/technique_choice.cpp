@@ -69,17 +69,20 @@ std::vector<TechniqueCandidate> technique_candidates(const TechniqueChoices& cho
     return all;
 }
 
-double counted_cost(const TechniqueCandidate& candidate, const PilotCounts& counts, uint64_t triangles) {
-    // Of rays, in the unit of what is done at their ends: few triangles are gone through without a structure.
-    const double ray = triangles <= 64 ? 0.2 : 0.6 + 0.1 * std::log2(static_cast<double>(triangles) / 64);
-    constexpr double kEyeAlone = 0.5, kEye = 1.0, kLight = 0.7, kSeen = 0.3, kConnection = 1.0, kQuery = 0.5,
-                     kFound = 0.3;
-    const double eye_rays = counts.eye_vertices + counts.open_vertices;  // and one to a light
-    if (!(candidate.light_paths > 0)) return eye_rays * ray + counts.eye_vertices * kEyeAlone;
-    double cost = eye_rays * ray + counts.eye_vertices * kEye;
+double counted_cost(const TechniqueCandidate& candidate, const PilotCounts& counts, const CostlyScene& scene) {
+    // Microseconds of one core of the machine that they were measured on: only what they are to each other counts. Few
+    // triangles are gone through without a structure; plain Lambert reflectors are shaded in lanes by the eye alone.
+    const bool small = scene.triangles <= 64;
+    const double ray = small ? 0.03 : 0.25 + 0.012 * std::log2(static_cast<double>(scene.triangles) / 64);
+    const double shading = scene.only_lambert ? 0.07 : 0.25, evaluation = scene.only_lambert ? 0.06 : 0.2;
+    constexpr double kWeights = 0.3, kLight = 0.3, kSeen = 0.1, kConnection = 0.25;
+    const double query = small ? 0.05 : 0.2;
+    double cost = (counts.eye_vertices + counts.open_vertices) * ray + counts.eye_vertices * shading;
+    if (!(candidate.light_paths > 0)) return cost;
+    cost += counts.eye_vertices * kWeights;
     cost += candidate.light_paths * (counts.light_vertices * (ray + kLight) + counts.seen * (ray + kSeen));
     cost += candidate.connections * counts.open_vertices * (0.6 * ray + kConnection);
-    if (candidate.merges) cost += counts.open_vertices * kQuery + candidate.light_paths * counts.found * kFound;
+    if (candidate.merges) cost += counts.open_vertices * query + candidate.light_paths * counts.found * evaluation;
     return cost;
 }
 

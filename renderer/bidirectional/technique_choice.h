@@ -87,9 +87,13 @@ struct PilotCounts {
     double found = 0;           // vertices within the radius of an open vertex
 };
 
-/// Of a pass, a pixel's, in the unit of a ray from the eye and what is done where it ends. bidirectional_bench
-/// prints beside the clock what these come to.
-double counted_cost(const TechniqueCandidate& candidate, const PilotCounts& counts, uint64_t triangles);
+/// What costs depend on besides.
+struct CostlyScene {
+    uint64_t triangles;
+    bool only_lambert;  // Needs::only_lambert()
+};
+/// Of a pass, a pixel's; only ratios mean anything. bidirectional_bench prints what it comes to beside the clock.
+double counted_cost(const TechniqueCandidate& candidate, const PilotCounts& counts, const CostlyScene& scene);
 
 /// What there is to choose from.
 struct TechniqueChoices {

@@ -66,6 +66,8 @@ TechniquePilot run_technique_pilot(const TechniquePilotInputs& inputs, Stats& st
     // As many vertices are to lie within the radius as in the image's own passes.
     const double denser = static_cast<double>(inputs.context.view.film_size.pixels()) / pixels;
     pilot.merge_radius_m = inputs.choices.merges ? inputs.merge_radius_m * static_cast<float>(std::sqrt(denser)) : 0.0f;
+    pilot.edges = inputs.edges;
+    pilot.edge_radius_m = inputs.merge_radius_m;
     pilot.numbers = {.light_paths = static_cast<float>(pilot.light_paths),
                      .connections = pilot.own_path ? 1 : static_cast<float>(1 / inputs.vertices_per_path),
                      .merges = pilot.merge_radius_m > 0};
@@ -143,6 +145,7 @@ TechniquePilot run_technique_pilot(const TechniquePilotInputs& inputs, Stats& st
     double mean = 0;
     for (size_t b = 0; b < blocks.size(); ++b)
         mean += blocks[b].mean(tried, pixel_passes_of(b)) * pixel_passes_of(b) / (pixels * kPasses);
+    const CostlyScene costly{context.scene.triangle_count, context.scene.needs.only_lambert()};
     TechniquePilot judged{.candidates = {}, .chosen = 0};
     const auto worth = [](const JudgedCandidate& c) { return c.relative_variance * c.cost; };
     for (size_t c = 0; c < candidates.size(); ++c) {
@@ -152,8 +155,8 @@ TechniquePilot run_technique_pilot(const TechniquePilotInputs& inputs, Stats& st
             variance += pixel_passes_of(b) * blocks[b].variance(c, pixel_passes_of(b)) /
                         (of_block * of_block + kLeastMean * mean * mean + 1e-30);
         }
-        judged.candidates.push_back({candidates[c], variance / (pixels * kPasses),
-                                     counted_cost(candidates[c], counts, context.scene.triangle_count)});
+        judged.candidates.push_back(
+            {candidates[c], variance / (pixels * kPasses), counted_cost(candidates[c], counts, costly)});
         if (worth(judged.candidates[c]) < worth(judged.candidates[judged.chosen])) judged.chosen = c;
     }
     return judged;

@@ -11,7 +11,8 @@ struct TechniquePilotInputs {
     const BidirectionalParams& params;
     double vertices_per_path;  // of light paths
     TechniqueChoices choices;
-    float merge_radius_m;  // of the first pass; 0: nothing merges
+    float merge_radius_m;   // of the first pass; 0: nothing merges
+    const EdgeTree* edges;  // where there is merging
 };
 
 /// What a candidate would be.

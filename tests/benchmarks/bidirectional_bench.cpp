@@ -12,6 +12,7 @@
 #include "renderer/bidirectional/light_paths.h"
 #include "renderer/bidirectional/technique_pilot.h"
 #include "renderer/methods/vertex_connection_and_merging/vertex_connection_and_merging.h"
+#include "renderer/photons/surface_edges.h"
 #include "tests/benchmarks/bench_scenes.h"
 #include "tests/benchmarks/timed_render.h"
 
@@ -20,14 +21,15 @@ namespace {
 
 constexpr Size2 kSize{128, 128};
 constexpr uint32_t kPasses = 6;
+constexpr float kMergeRadius = 0.015f;  // of the scene's: about a dozen vertices in a pass
 
 double seconds_of(const Scene& scene, const Intersector& intersector, const TechniqueCandidate& candidate) {
     VertexConnectionAndMergingParams params;
     params.adapt = false;
     params.light_paths = candidate.light_paths;
     params.connections_per_vertex = candidate.connections;
-    // Nothing is within the least radius.
-    params.merging_params.radius_relative = candidate.merges ? 0.003f : 1e-9f;
+    params.merging_params.radius_relative = kMergeRadius;
+    if (!candidate.merges) params.merging_params.radius_relative = 1e-9f;  // within which nothing is
     TimedRender<VertexConnectionAndMerging> render(scene, intersector, kSize, params);
     double least = 1e30;
     for (uint32_t pass = 0; pass < kPasses; ++pass) {
@@ -52,8 +54,14 @@ void show(const char* name) {
     const double vertices = static_cast<double>(tracer.trace(1, 0, light, counts, CancelToken{}).vertices.size()) /
                             static_cast<double>(kSize.pixels());
     Stats stats;
-    const TechniquePilot pilot = run_technique_pilot(
-        {context, params, vertices, {.most_light_paths = 2, .merges = true}, 0.003f * scene.bounds.radius()}, stats);
+    const EdgeTree edges(find_surface_edges(scene, kMergeRadius * scene.bounds.radius()));
+    const TechniquePilot pilot = run_technique_pilot({context,
+                                                      params,
+                                                      vertices,
+                                                      {.most_light_paths = 2, .merges = true},
+                                                      kMergeRadius * scene.bounds.radius(),
+                                                      &edges},
+                                                     stats);
     std::printf("%s, %u x %u: %.1f vertices of a light path\n", name, kSize.width, kSize.height, vertices);
     std::printf("  light paths  connections  merges      clock    counted   variance  worth\n");
     double alone_s = 0;
