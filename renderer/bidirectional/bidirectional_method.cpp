@@ -3,6 +3,7 @@
 #include "renderer/bidirectional/eye_paths.h"
 #include "renderer/bidirectional/technique_pilot.h"
 #include "renderer/core/thread_local.h"
+#include "renderer/frame/left_out.h"
 #include "renderer/photons/pilot_radius.h"
 #include "renderer/photons/surface_edges.h"
 #include "renderer/progressive/disc_radii.h"
@@ -18,12 +19,15 @@ constexpr uint32_t kPilotNearest = 8;  // vertices among which a pilot's density
 constexpr double kBrightShare = 0.5, kBrightCausticShare = 0.25;
 /// Vertices of a light path, while nobody has counted them.
 constexpr double kExpectedVertices = 3;
+/// Of merging near edges, where there are delta lobes: PassTechniques::edge_share.
+constexpr float kEdgeShare = 1e-3f;
 /// Passes differ from the pilot; what they keep is let grow by this.
 constexpr double kMargin = 1.1;
 
 uint64_t bytes_of_path(double vertices, bool merges) {
     const double grid = merges ? static_cast<double>(HashGrid::bytes_for(1u << 20)) / (1u << 20) + sizeof(uint32_t) : 0;
-    return static_cast<uint64_t>(vertices * (sizeof(LightVertex) + sizeof(LightSplat) + grid));
+    // As they are traced, and put one behind the other.
+    return static_cast<uint64_t>(vertices * (2.0 * (sizeof(LightVertex) + sizeof(LightSplat)) + grid));
 }
 
 /// Light paths a pixel that the cache has room for.
@@ -123,17 +127,25 @@ void BidirectionalMethod::State::plan(const RenderContext& context, const Bidire
     if (!(vertices > 0))
         return skip_light_paths(scene.emission.total_power_w() > 0 ? "light_paths is 0" : "the scene has no light");
 
+    // Light of points, spots and suns by mirrors and glass: no path from the eye ends there, and what mirrors show of
+    // it is connected, or merged.
+    const bool by_delta_alone = has_delta_light_by_delta(scene.scene.needs);
+    techniques.edge_share = scene.scene.needs.delta ? kEdgeShare : 0.0f;
     const TechniqueChoices choices{
         .light_paths = params.light_paths,
         .most_light_paths = most_light_paths(params, size, vertices),
         .connections = techniques.own_path ? std::optional<uint32_t>(1) : params.connections_per_vertex,
-        .merges = first_radius_m > 0};
+        .merges = first_radius_m > 0,
+        .needs_light_paths = by_delta_alone,
+        .needs_connections = by_delta_alone && !(first_radius_m > 0),
+        .needs_merges = by_delta_alone && first_radius_m > 0};
     TechniqueCandidate chosen{.light_paths = std::min(params.light_paths.value_or(1), choices.most_light_paths),
                               .connections = choices.connections.value_or(1),
                               .merges = choices.merges};
     if (params.adapt) {
-        const TechniquePilot judged =
-            run_technique_pilot({context, params, vertices, choices, first_radius_m, edges ? &*edges : nullptr}, stats);
+        const TechniquePilot judged = run_technique_pilot(
+            {context, params, vertices, choices, first_radius_m, edges ? &*edges : nullptr, techniques.edge_share},
+            stats);
         chosen = judged.candidates[judged.chosen].candidate;
         if (!(chosen.light_paths > 0))
             return skip_light_paths("paths from the eye alone are worth more here, a pilot says");
@@ -147,6 +159,7 @@ void BidirectionalMethod::State::plan(const RenderContext& context, const Bidire
     techniques.numbers = {.light_paths = static_cast<float>(techniques.light_paths),
                           .connections = techniques.own_path ? 1.0f : static_cast<float>(chosen.connections / vertices),
                           .merges = chosen.merges};
+    budget.require("light_vertices", techniques.light_paths * bytes_of_path(kMargin * vertices, chosen.merges));
 }
 
 BidirectionalMethod::BidirectionalMethod(std::unique_ptr<const BidirectionalParams> params)
@@ -207,8 +220,8 @@ void BidirectionalMethod::run_pass(uint32_t pass, Stats& stats, const CancelToke
         in_grid_order.resize(light.vertices.size());
         grid.emplace(light.grid(techniques.merge_radius_m, in_grid_order));
     }
-    state.most_light_bytes = std::max(
-        state.most_light_bytes, light.bytes() + (grid ? grid->bytes() : 0) + in_grid_order.size() * sizeof(uint32_t));
+    state.most_light_bytes = std::max(state.most_light_bytes, state.light.bytes() + (grid ? grid->bytes() : 0) +
+                                                                  in_grid_order.size() * sizeof(uint32_t));
     state.budget.record("light_vertices", state.most_light_bytes);
 
     const double wall_start = wall_now_seconds();

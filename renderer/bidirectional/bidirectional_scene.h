@@ -30,15 +30,18 @@ struct PassTechniques {
     bool own_path = false;                // with all vertices of one light path instead
     float merge_radius_m = 0;             // 0: nothing merges
     const EdgeTree* edges = nullptr;      // where there is merging
-    float edge_radius_m = 0;              // nothing merges that near to an edge of a surface
+    float edge_radius_m = 0;              // merging counts for less that near to an edge of a surface:
+    float edge_share = 0;                 // by this factor
     TechniqueNumbers numbers;
 
-    /// Of merging at a place: the area of its disc [m^2]. 0 where a disc may hang over an edge or reach behind a wall:
-    /// it would lack light there, and paths can be made in other ways. A function of place alone, as weights have to
-    /// be.
+    /// By which weights count merging at a place: the area of its disc [m^2], or less where the disc may hang over an
+    /// edge or reach behind a wall. It would lack light there, and paths can be made in other ways; but not those that
+    /// delta lobes alone lead from the light and to the eye: these are merged there, too, as nothing else competes. A
+    /// function of place alone, as weights have to be; 0: nothing merges.
     float merge_acceptance(const vec3& position) const {
-        if (!(merge_radius_m > 0) || edges->has_edges(position, edge_radius_m)) return 0;
-        return kPi * sqr(merge_radius_m);
+        if (!(merge_radius_m > 0)) return 0;
+        const float disc_m2 = kPi * sqr(merge_radius_m);
+        return edges->has_edges(position, edge_radius_m) ? edge_share * disc_m2 : disc_m2;
     }
 };
 

@@ -17,8 +17,7 @@ constexpr uint32_t kFirstLensSet = 1u << 30;
 /// A light path between two of its vertices; how many surfaces it has met all paths of a batch share.
 struct LightPathState {
     Rgb power_w{0};
-    float reference_inverse = 0;  // [1/W] of the greatest component at emission:
-                                  // roulette keeps the power near that
+    float reference_inverse = 0;  // [1/W] of the greatest component at emission: roulette keeps the power near that
     SubpathWeights weights;
     bool all_delta = true;
     MediumStack media;
@@ -301,6 +300,13 @@ struct LightPathTracer::Shared {
 
 LightPathTracer::LightPathTracer(const BidirectionalScene& shared) : shared_(new Shared{shared, {}, {}, {}}) {}
 LightPathTracer::~LightPathTracer() = default;
+
+uint64_t LightPathTracer::bytes() const {
+    uint64_t bytes = shared_->paths.bytes();
+    for (const RunPaths& run : shared_->runs)
+        bytes += run.vertices.capacity() * sizeof(LightVertex) + run.splats.capacity() * sizeof(LightSplat);
+    return bytes;
+}
 
 uint64_t LightPathTracer::scratch_bytes(size_t threads) { return threads * LightBatch::bytes_per_thread(); }
 

@@ -47,9 +47,9 @@ struct LightSplat {
 struct LightPaths {
     std::vector<LightVertex> vertices;  // run by run of the numbers, whatever the number of threads
     std::vector<LightSplat> splats;
-    std::vector<float> splat_weights;     // of a pilot: of each splat by each candidate
-    std::vector<uint32_t> first_of_path;  // where paths are asked for: path i has
-                                          // by_path[first_of_path[i] ...[i + 1])
+    std::vector<float> splat_weights;  // of a pilot: of each splat by each candidate
+    // Where paths are asked for: path i has by_path[first_of_path[i]] and on, until first_of_path[i + 1].
+    std::vector<uint32_t> first_of_path;
     std::vector<uint32_t> by_path;
 
     /// Which vertices each path has.
@@ -70,6 +70,8 @@ public:
     /// A pure function of (scene, techniques, seed, pass), until the next call. Cancelled: it is incomplete.
     LightPaths& trace(uint64_t seed, uint32_t pass, const PassTechniques& techniques, Counts& counts,
                       const CancelToken& cancel, std::span<const WeighedCandidate> candidates = {});
+    /// Of what trace() left, and of the room that it keeps for the next call.
+    uint64_t bytes() const;
     static uint64_t scratch_bytes(size_t threads);
 
 private:

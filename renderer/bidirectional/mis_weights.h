@@ -30,8 +30,7 @@ enum class MisHeuristic : uint8_t { Balance, Power };
 /// Sub-paths know nothing of these: the same ones can be weighed for any.
 template <class Real>
 struct BasicTechniqueNumbers {
-    Real light_paths = 0;  // of a pass: each is a sample of every pixel that sees
-                           // it, and can be merged with
+    Real light_paths = 0;  // of a pass: each is a sample of every pixel that sees it, and can be merged with
     Real connections = 1;  // expected, of an eye vertex with each vertex of one light path
     bool merges = false;
 };
@@ -42,8 +41,7 @@ using TechniqueNumbers = BasicTechniqueNumbers<float>;
 template <class Real>
 struct BasicSubpathWeights {
     Real last = 0;         // of the technique that ends this sub-path one vertex earlier
-    Real ends = 0;         // of a light path: light met and next event; of the eye's:
-                           // seen by the camera
+    Real ends = 0;         // of a light path: light met and next event; of the eye's: seen by the camera
     Real connections = 0;  // with one connection each
     Real merges = 0;       // with one light path and the acceptance of their places, pi r^2
 };
@@ -53,8 +51,7 @@ using SubpathWeights = BasicSubpathWeights<float>;
 template <class Real>
 struct BasicVertexSide {
     bool first_surface;  // of its sub-path
-    Real pdf_back;       // [1/sr] of scattering back along the sub-path, for a path
-                         // that comes the other way
+    Real pdf_back;       // [1/sr] of scattering back along the sub-path, for a path that comes the other way
     Real acceptance;     // of merging here: pi r^2 [m^2]
 };
 using VertexSide = BasicVertexSide<float>;

@@ -33,8 +33,7 @@ double CandidateMoments::variance(size_t candidate, double pixel_passes) const {
     double squared_means = 0;
     for (size_t kind = 0; kind < kTechniqueKinds; ++kind) {
         // Samples that many light paths share of a pixel's light have no mean worth the name each.
-        if (kind == static_cast<size_t>(TechniqueKind::FirstSeen) || kind == static_cast<size_t>(TechniqueKind::Seen) ||
-            kind == static_cast<size_t>(TechniqueKind::Merge))
+        if (kind == static_cast<size_t>(TechniqueKind::Seen) || kind == static_cast<size_t>(TechniqueKind::Merge))
             continue;
         const double mean = means_[candidate * kTechniqueKinds + kind] / pixel_passes;
         squared_means += mean * mean;
@@ -47,13 +46,14 @@ std::vector<TechniqueCandidate> technique_candidates(const TechniqueChoices& cho
     if (choices.light_paths) {
         light_paths = {std::min(*choices.light_paths, choices.most_light_paths)};
     } else {
-        light_paths = {0};
+        if (!choices.needs_light_paths) light_paths = {0};
         for (const float share : {0.25f, 0.5f, 0.75f, 1.0f, 2.0f}) {
             light_paths.push_back(std::min(share, choices.most_light_paths));
             if (share >= choices.most_light_paths) break;
         }
     }
-    std::vector<uint32_t> connections{0, 1, 2, 4, 8};
+    std::vector<uint32_t> connections{1, 2, 4, 8};
+    if (!choices.needs_connections) connections.insert(connections.begin(), 0);
     if (choices.connections) connections = {*choices.connections};
     std::vector<TechniqueCandidate> all;
     for (const float paths : light_paths) {
@@ -62,7 +62,7 @@ std::vector<TechniqueCandidate> technique_candidates(const TechniqueChoices& cho
             continue;
         }
         for (const uint32_t of_vertex : connections) {
-            all.push_back({paths, of_vertex, false});
+            if (!choices.needs_merges) all.push_back({paths, of_vertex, false});
             if (choices.merges) all.push_back({paths, of_vertex, true});
         }
     }

@@ -34,12 +34,11 @@ enum class TechniqueKind : uint8_t {
     FirstLightSample,  // at the eye path's first surface
     LightSample,       // beyond
     LightMet,
-    FirstSeen,  // by the camera: light paths of one surface
-    Seen,
+    Seen,  // by the camera, of a light path
     Connection,
     Merge,
 };
-inline constexpr size_t kTechniqueKinds = 7;
+inline constexpr size_t kTechniqueKinds = 6;
 
 /// A candidate as samples of a pilot are weighed by it.
 struct WeighedCandidate {
@@ -50,7 +49,6 @@ struct WeighedCandidate {
 
     float more(TechniqueKind kind) const {
         switch (kind) {
-            case TechniqueKind::FirstSeen:
             case TechniqueKind::Seen:
             case TechniqueKind::Merge: return more_light_paths;
             case TechniqueKind::Connection: return more_connections;
@@ -101,7 +99,10 @@ struct TechniqueChoices {
     float most_light_paths = 0;           // that there is room for
     std::optional<uint32_t> connections;  // given; of paths' own, which has nothing to choose: 1
     bool merges = false;                  // may
+    // Some paths of the scene are made in no other way (left_out.h): what lacks them is no candidate.
+    bool needs_light_paths = false, needs_connections = false, needs_merges = false;
 };
+/// At least one.
 std::vector<TechniqueCandidate> technique_candidates(const TechniqueChoices& choices);
 
 }  // namespace photond

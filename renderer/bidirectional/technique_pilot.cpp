@@ -68,6 +68,7 @@ TechniquePilot run_technique_pilot(const TechniquePilotInputs& inputs, Stats& st
     pilot.merge_radius_m = inputs.choices.merges ? inputs.merge_radius_m * static_cast<float>(std::sqrt(denser)) : 0.0f;
     pilot.edges = inputs.edges;
     pilot.edge_radius_m = inputs.merge_radius_m;
+    pilot.edge_share = inputs.edge_share;
     pilot.numbers = {.light_paths = static_cast<float>(pilot.light_paths),
                      .connections = pilot.own_path ? 1 : static_cast<float>(1 / inputs.vertices_per_path),
                      .merges = pilot.merge_radius_m > 0};
@@ -118,7 +119,7 @@ TechniquePilot run_technique_pilot(const TechniquePilotInputs& inputs, Stats& st
             scene.filter.visit_pixels(splat.film, size, [&](uint32_t pixel, float) {
                 const uint32_t x = pixel % size.width / kTile, y = pixel / size.width / kTile;
                 blocks[y * columns + x].add(
-                    splat.scatterings == 1 ? TechniqueKind::FirstSeen : TechniqueKind::Seen, splat.radiance,
+                    TechniqueKind::Seen, splat.radiance,
                     std::span(paths.splat_weights).subspan(i * candidates.size(), candidates.size()),
                     weighed_candidates);
             });

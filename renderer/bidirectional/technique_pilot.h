@@ -13,6 +13,7 @@ struct TechniquePilotInputs {
     TechniqueChoices choices;
     float merge_radius_m;   // of the first pass; 0: nothing merges
     const EdgeTree* edges;  // where there is merging
+    float edge_share;       // PassTechniques::edge_share
 };
 
 /// What a candidate would be.

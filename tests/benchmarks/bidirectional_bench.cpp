@@ -60,7 +60,8 @@ void show(const char* name) {
                                                       vertices,
                                                       {.most_light_paths = 2, .merges = true},
                                                       kMergeRadius * scene.bounds.radius(),
-                                                      &edges},
+                                                      &edges,
+                                                      0},
                                                      stats);
     std::printf("%s, %u x %u: %.1f vertices of a light path\n", name, kSize.width, kSize.height, vertices);
     std::printf("  light paths  connections  merges      clock    counted   variance  worth\n");

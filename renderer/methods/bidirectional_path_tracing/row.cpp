@@ -8,7 +8,14 @@ namespace photond {
 namespace {
 
 PathsLeftOut paths_left_out(const BidirectionalParams& params, const Needs& needs) {
-    return left_out_by_two_paths(bounces_of_scatterings(params.max_scatterings()), needs);
+    const uint32_t bounces = bounces_of_scatterings(params.max_scatterings());
+    if (params.light_paths == 0.0f) return left_out_by_eye_paths(bounces, needs);
+    PathsLeftOut left_out = left_out_by_two_paths(bounces, needs);
+    // What mirrors show of what caustics light is connected, or not made at all.
+    if (params.connections == Connections::Cache && params.connections_per_vertex == 0u &&
+        has_delta_light_by_delta(needs))
+        left_out.add(PathKind::DeltaLightAfterCaustics);
+    return left_out;
 }
 
 }  // namespace

@@ -8,7 +8,8 @@ namespace photond {
 namespace {
 
 PathsLeftOut paths_left_out(const VertexConnectionAndMergingParams& params, const Needs& needs) {
-    return {bounces_of_scatterings(params.max_scatterings()), needs};
+    const uint32_t bounces = bounces_of_scatterings(params.max_scatterings());
+    return params.light_paths == 0.0f ? left_out_by_eye_paths(bounces, needs) : PathsLeftOut(bounces, needs);
 }
 
 }  // namespace

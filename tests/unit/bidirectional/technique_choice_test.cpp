@@ -44,6 +44,17 @@ TEST(TechniqueChoice, WhatIsGivenStays) {
     EXPECT_EQ(all.back().light_paths, 0.6f);
 }
 
+TEST(TechniqueChoice, WhatAloneMakesSomePathsIsInEveryCandidate) {
+    for (const TechniqueCandidate& candidate : technique_candidates(
+             {.most_light_paths = 2, .merges = true, .needs_light_paths = true, .needs_merges = true})) {
+        EXPECT_GT(candidate.light_paths, 0);
+        EXPECT_TRUE(candidate.merges);
+    }
+    for (const TechniqueCandidate& candidate :
+         technique_candidates({.most_light_paths = 2, .needs_light_paths = true, .needs_connections = true}))
+        EXPECT_GT(candidate.connections, 0u);
+}
+
 template <class M>
 Stats begun(const char* name, Size2 size, uint64_t seed, int threads) {
     const Scene scene = make_builtin_scene(name);
@@ -77,6 +88,15 @@ TEST(TechniqueChoice, AHardSceneGetsLightPaths) {
         const Stats stats = begun<BidirectionalPathTracing>(name, {96, 96}, 1, 2);
         EXPECT_FALSE(skips(stats, "light paths")) << name;
         EXPECT_GT(stats.counts.photons_emitted, 0u) << name;
+    }
+}
+
+TEST(TechniqueChoice, LightThatNothingElseBringsIsKept) {
+    for (const char* name : {"small-vcm/sun", "small-vcm/point"}) {
+        const Stats joined = begun<BidirectionalPathTracing>(name, {48, 48}, 1, 2),
+                    merged = begun<VertexConnectionAndMerging>(name, {48, 48}, 1, 2);
+        EXPECT_FALSE(skips(joined, "light paths") || skips(joined, "connections")) << name;
+        EXPECT_FALSE(skips(merged, "light paths") || skips(merged, "merging")) << name;
     }
 }
 

@@ -67,7 +67,7 @@ std::unique_ptr<MethodParams> params_of(const MethodInfo& info, bool narrow_lobe
     if (auto* p = dynamic_cast<PathTracingParams*>(params.get()))
         p->indirect_bounces = kBounces, p->sampler = SamplerKind::Random;
     if (auto* p = dynamic_cast<BidirectionalParams*>(params.get()))
-        p->indirect_bounces = kBounces, p->sampler = SamplerKind::Random, p->adapt = false;
+        p->indirect_bounces = kBounces, p->sampler = SamplerKind::Random;
     if (auto* p = dynamic_cast<GatheringParams*>(params.get()))
         p->indirect_bounces = kBounces, p->photons = 2500, p->gather_rays = 4, p->sampler = SamplerKind::Random;
     if (auto* p = dynamic_cast<ProgressiveParams*>(params.get()))
