@@ -7,6 +7,7 @@
 
 namespace photond {
 
+inline constexpr uint32_t kEyeTilePixels = EYE_TILE * EYE_TILE;
 /// Tiles of EYE_TILE pixels a side that cover an image.
 constexpr uint32_t eye_tile_count(Size2 size) {
     return (size.width + EYE_TILE - 1) / EYE_TILE * ((size.height + EYE_TILE - 1) / EYE_TILE);

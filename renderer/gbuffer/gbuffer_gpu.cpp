@@ -8,11 +8,7 @@
 
 namespace photond {
 
-namespace {
-
-constexpr uint32_t kTilePixels = EYE_TILE * EYE_TILE;
-
-}  // namespace
+namespace {}  // namespace
 
 GBufferGpu::GBufferGpu(const gpu::DeviceScene& scene, const View& view, uint64_t seed, const GBufferWalk& walk,
                        DeviceImage& image, LightDepthMapsGpu* shadows)
@@ -23,7 +19,7 @@ GBufferGpu::GBufferGpu(const gpu::DeviceScene& scene, const View& view, uint64_t
       layout_(view.film_size, walk.split_side),
       seed_(seed),
       tiles_(eye_tile_count(view.film_size)),
-      tiles_a_piece_(std::max(device_.paths_per_submit() / kTilePixels, 1u)),
+      tiles_a_piece_(std::max(device_.paths_per_submit() / kEyeTilePixels, 1u)),
       pieces_((tiles_ + tiles_a_piece_ - 1) / tiles_a_piece_),
       eye_(device_, "eye", sizeof(gpu::EyeConstants)),
       sampler_(device_, "sampler", sizeof(gpu::PassSamplerData)),
@@ -69,7 +65,7 @@ void GBufferGpu::record(gpu::CommandList& commands, uint32_t pass, uint32_t piec
                                          gpu::read("light_depths_m", shadows_->depths())});
     commands.bind(pipeline_, bindings);
     commands.push(gpu::GBufferWalkPush{split(), first, end, walk_.glossy_threshold});
-    commands.dispatch_threads(uint64_t{end - first} * kTilePixels, kTilePixels);
+    commands.dispatch_threads(uint64_t{end - first} * kEyeTilePixels, kEyeTilePixels);
 }
 
 }  // namespace photond

@@ -25,8 +25,6 @@ namespace photond {
 
 namespace {
 
-constexpr uint32_t kTilePixels = EYE_TILE * EYE_TILE;
-
 static_assert(DISC_SECTORS == DiscMoments::kSectors);
 
 /// Of PhotonMapsGpu: where the pilot of a map stands.
@@ -63,7 +61,7 @@ struct ProgressiveMappingGpu::State {
           device(on_device.device()),
           limits(render.scene.bounds.radius()),
           tiles(eye_tile_count(render.view.film_size)),
-          tiles_a_piece(std::clamp(device.paths_per_submit() / kTilePixels, 1u, std::max(tiles, 1u))),
+          tiles_a_piece(std::clamp(device.paths_per_submit() / kEyeTilePixels, 1u, std::max(tiles, 1u))),
           photons(render, parameters, stats),
           maps(on_device),
           eye(device, "eye", sizeof(gpu::EyeConstants)),
@@ -316,7 +314,7 @@ void ProgressiveMappingGpu::State::record_eye(uint32_t piece, gpu::CommandList& 
              gpu::read("map_powers", found.powers), gpu::read("radius_maps", radius_maps),
              gpu::read("points_before", points_before()), gpu::write("points_after", points_after())});
         commands.push(gpu::ProgressivePush{first, end});
-        commands.dispatch_threads(uint64_t{end - first} * kTilePixels, kTilePixels);
+        commands.dispatch_threads(uint64_t{end - first} * kEyeTilePixels, kEyeTilePixels);
     }
     if (end < tiles) return;
     image.record_readback(commands);

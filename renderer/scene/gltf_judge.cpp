@@ -58,12 +58,14 @@ constexpr JsonType kRequiredExtension{.rule = required_extension};
 constexpr auto kFallback = members(may("fallback", kBoolean));
 constexpr auto kBuffer =
     members(must("byteLength", kLength), may("uri", kText), extends("EXT_meshopt_compression", object(kFallback)));
-constexpr auto kMeshopt = members(must("buffer", kToBuffer), may("byteOffset", kOffset), must("byteLength", kLength),
-                                  must("byteStride", whole(1, 256)), must("count", whole(1, kMaxCount)),
-                                  must("mode", one_of("ATTRIBUTES|TRIANGLES|INDICES")),
-                                  may("filter", one_of("NONE|OCTAHEDRAL|QUATERNION|EXPONENTIAL")));
-constexpr auto kView = members(must("buffer", kToBuffer), may("byteOffset", kOffset), must("byteLength", kLength),
-                               may("byteStride", whole(4, 252)), extends("EXT_meshopt_compression", object(kMeshopt)));
+constexpr auto kMeshoptCompression =
+    members(must("buffer", kToBuffer), may("byteOffset", kOffset), must("byteLength", kLength),
+            must("byteStride", whole(1, 256)), must("count", whole(1, kMaxCount)),
+            must("mode", one_of("ATTRIBUTES|TRIANGLES|INDICES")),
+            may("filter", one_of("NONE|OCTAHEDRAL|QUATERNION|EXPONENTIAL")));
+constexpr auto kView =
+    members(must("buffer", kToBuffer), may("byteOffset", kOffset), must("byteLength", kLength),
+            may("byteStride", whole(4, 252)), extends("EXT_meshopt_compression", object(kMeshoptCompression)));
 constexpr auto kSparseIndices = members(must("componentType", one_of("5121|5123|5125")), must("bufferView", kToView),
                                         may("byteOffset", kShortOffset));
 constexpr auto kSparseValues = members(must("bufferView", kToView), may("byteOffset", kShortOffset));

@@ -1,6 +1,6 @@
 #include "renderer/methods/path_tracing/path_wavefront_gpu.h"
 
-#include "renderer/eye/eye_shared.h"
+#include "renderer/eye/eye_constants.h"
 #include "renderer/methods/path_tracing/path_tracing_shared.h"
 #include "renderer/scene/intersector.h"
 
@@ -8,10 +8,9 @@ namespace photond {
 
 namespace {
 
-constexpr uint32_t kTilePixels = EYE_TILE * EYE_TILE;
 constexpr uint32_t kPush = sizeof(gpu::PathWavePush);
 
-std::string shader(const char* kernel) {
+std::string wave_shader(const char* kernel) {
     return std::string("renderer/methods/path_tracing/path_wave_") + kernel + ".comp";
 }
 
@@ -19,13 +18,13 @@ std::string shader(const char* kernel) {
 
 PathWavefrontGpu::PathWavefrontGpu(const gpu::DeviceScene& scene, uint32_t most_tiles,
                                    std::span<const gpu::Specialization> constants)
-    : capacity_(most_tiles * kTilePixels),
-      start_(scene.device(), shader("start"), kPush, &scene.set(), constants),
-      queue_(scene.device(), shader("queue"), 0),
-      extend_(scene.device(), shader("extend"), kPush, &scene.set(), constants),
-      shade_(scene.device(), shader("shade"), kPush, &scene.set(), constants),
-      shadow_(scene.device(), shader("shadow"), kPush, &scene.set(), constants),
-      tail_(scene.device(), shader("tail"), kPush, &scene.set(), constants),
+    : capacity_(most_tiles * kEyeTilePixels),
+      start_(scene.device(), wave_shader("start"), kPush, &scene.set(), constants),
+      queue_(scene.device(), wave_shader("queue"), 0),
+      extend_(scene.device(), wave_shader("extend"), kPush, &scene.set(), constants),
+      shade_(scene.device(), wave_shader("shade"), kPush, &scene.set(), constants),
+      shadow_(scene.device(), wave_shader("shadow"), kPush, &scene.set(), constants),
+      tail_(scene.device(), wave_shader("tail"), kPush, &scene.set(), constants),
       counts_(scene.device(), "path_queues", PATH_COUNT_WORDS * sizeof(uint32_t)),
       queues_(scene.device(), "path_queues", uint64_t{2} * capacity_ * sizeof(uint32_t)),
       states_(scene.device(), "path_states", uint64_t{capacity_} * sizeof(gpu::PathState)),
@@ -33,7 +32,7 @@ PathWavefrontGpu::PathWavefrontGpu(const gpu::DeviceScene& scene, uint32_t most_
       shadows_(scene.device(), "path_shadows", uint64_t{capacity_} * sizeof(gpu::ShadowState)) {}
 
 uint64_t PathWavefrontGpu::device_bytes(uint32_t most_tiles) {
-    const uint64_t paths = uint64_t{most_tiles} * kTilePixels;
+    const uint64_t paths = uint64_t{most_tiles} * kEyeTilePixels;
     return paths * (2 * sizeof(uint32_t) + sizeof(gpu::PathState) + sizeof(Hit) + sizeof(gpu::ShadowState)) +
            PATH_COUNT_WORDS * sizeof(uint32_t);
 }
@@ -56,7 +55,7 @@ void PathWavefrontGpu::record(gpu::CommandList& commands, DeviceImage& image, gp
     {
         const gpu::Scope scope(commands, "g_buffer");
         bind(start_, {first_tile, end_tile, capacity_});
-        commands.dispatch_threads(uint64_t{end_tile - first_tile} * kTilePixels, PATH_QUEUE_GROUP);
+        commands.dispatch_threads(uint64_t{end_tile - first_tile} * kEyeTilePixels, PATH_QUEUE_GROUP);
         turn_queues();
     }
     for (uint32_t vertex = 0; vertex < vertices; ++vertex) {

@@ -19,7 +19,6 @@ namespace photond {
 
 namespace {
 
-constexpr uint32_t kTilePixels = EYE_TILE * EYE_TILE;
 constexpr std::array kKinds{PhotonMapKind::Global, PhotonMapKind::Caustic};
 constexpr size_t index_of(PhotonMapKind kind) { return static_cast<size_t>(kind); }
 
@@ -52,7 +51,7 @@ uint64_t split_bytes(const Splits& splits) {
 
 /// Room for points that gather, of a piece: about one a pixel; a few more where a path may leave several.
 uint64_t points_of_piece(uint32_t tiles, bool only_lambert) {
-    const uint64_t pixels = uint64_t{tiles} * kTilePixels;
+    const uint64_t pixels = uint64_t{tiles} * kEyeTilePixels;
     return only_lambert ? pixels : pixels + pixels / 4;
 }
 constexpr uint32_t kGatherLanes = 8;           // threads of a point
@@ -60,11 +59,11 @@ constexpr uint32_t kSoftwareGatherLanes = 64;  // lavapipe leaves the loops of a
 constexpr uint64_t kPointBytes = sizeof(gpu::GatherPointRecord) + kGatherLanes * sizeof(gpu::GatheredRecord);
 
 uint32_t tiles_of_piece(uint32_t paths_per_submit, uint32_t tiles, const Splits& splits) {
-    return std::clamp(paths_per_submit / (kTilePixels * paths_a_pixel(splits)), 1u, std::max(tiles, 1u));
+    return std::clamp(paths_per_submit / (kEyeTilePixels * paths_a_pixel(splits)), 1u, std::max(tiles, 1u));
 }
 
 uint64_t last_points_bytes(const PhotonMappingParams& params, uint32_t tiles_a_piece) {
-    const uint64_t pixels = params.gather == Gather::Final ? uint64_t{tiles_a_piece} * kTilePixels : 1;
+    const uint64_t pixels = params.gather == Gather::Final ? uint64_t{tiles_a_piece} * kEyeTilePixels : 1;
     return pixels * sizeof(uint32_t);
 }
 
@@ -162,7 +161,7 @@ uint64_t PhotonMappingGpu::estimate_device_bytes(const PhotonMappingParams& para
     if (params.gather == Gather::Final) {  // what is a piece differs from device to device: the largest
         const uint64_t pixels = workload.film_size.pixels();
         const bool only_lambert = workload.needs.only_lambert();
-        const auto film_tiles = static_cast<uint32_t>((pixels + kTilePixels - 1) / kTilePixels);
+        const auto film_tiles = static_cast<uint32_t>((pixels + kEyeTilePixels - 1) / kEyeTilePixels);
         const uint32_t most_tiles = tiles_of_piece(gpu::Device::kMostPathsPerSubmit, film_tiles, splits);
         bytes += points_of_piece(most_tiles, only_lambert) * kPointBytes + last_points_bytes(params, most_tiles);
     }
@@ -303,7 +302,7 @@ void PhotonMappingGpu::State::record_eye(uint32_t piece, gpu::CommandList& comma
              gpu::read_write("point_state", point_state), gpu::write("points", points),
              gpu::write("last_points", last_points)});
         commands.push(gpu::EyePassPush{first, end, static_cast<uint32_t>(point_capacity)});
-        commands.dispatch_threads(uint64_t{end - first} * kTilePixels, kTilePixels);
+        commands.dispatch_threads(uint64_t{end - first} * kEyeTilePixels, kEyeTilePixels);
     }
     if (gathers()) record_gather(first, end, commands);
     if (end < tiles) return;
@@ -330,7 +329,7 @@ void PhotonMappingGpu::State::record_gather(uint32_t first_tile, uint32_t end_ti
                                 gpu::read("points", points), gpu::read("gathered_light", gathered),
                                 gpu::read("last_points", last_points)});
     commands.push(gpu::GatherSumPush{first_tile, end_tile});
-    commands.dispatch_threads(uint64_t{end_tile - first_tile} * kTilePixels, kTilePixels);
+    commands.dispatch_threads(uint64_t{end_tile - first_tile} * kEyeTilePixels, kEyeTilePixels);
 }
 
 /// Of a whole pass: true where there was too little room for photons, or for points that gather. Now there is.

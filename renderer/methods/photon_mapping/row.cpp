@@ -9,10 +9,6 @@ namespace photond {
 
 namespace {
 
-uint64_t artefact_bytes(const MethodParams& params, const Workload& workload) {
-    return photon_map_file_bytes_of<PhotonMapping>(params, workload);
-}
-
 PathsLeftOut paths_left_out(const PhotonMappingParams& params, const Needs& needs) {
     return left_out_by_photons(bounces_of_scatterings(params.max_scatterings()), params.glossy_threshold, needs);
 }
@@ -34,7 +30,7 @@ MethodInfo photon_mapping_row() {
                     {"Christensen", 1999, "Faster Photon Map Global Illumination"}};
     info.layers.add(Layer::PhotonCount);
     info.artefacts = {{kPhotonMapFile, "model/gltf-binary", "keep_photon_map", "photon map"}};
-    info.estimate_artefact_bytes = artefact_bytes;
+    info.estimate_artefact_bytes = photon_map_file_bytes_of<PhotonMapping>;
     info.settings_before = {{"boundary", "none"}, {"precompute_irradiance", "false"}};
     info.variants = {{"final", {{"gather", "final"}}}, {"direct", {{"gather", "direct"}}}};
     info.limits = limits_of_density_estimates();

@@ -18,19 +18,18 @@ namespace photond {
 
 namespace {
 
-constexpr uint32_t kTilePixels = EYE_TILE * EYE_TILE;
-static_assert(kTilePixels == SPLAT_GROUP);
+static_assert(kEyeTilePixels == SPLAT_GROUP);
 constexpr uint32_t kBatchSplats = 1u << 16;
 constexpr uint64_t kDepthBytes = 256ull << 20;  // of one batch's depth maps
 
-std::string shader(const char* name) { return "renderer/methods/photon_splatting/" + std::string(name); }
+std::string splatting_shader(const char* name) { return "renderer/methods/photon_splatting/" + std::string(name); }
 
 /// Points of a pixel, and clusters of a tile, that room is made for at first: one where no path goes on past its first
 /// point.
 constexpr double kSpecularPoints = 1.3, kSpecularClusters = 3;
 bool one_point_a_pixel(const Needs& needs) { return !needs.delta && !needs.glossy; }
 uint32_t expected_points(Size2 size, const Needs& needs) {
-    const auto all = static_cast<double>(eye_tile_count(size)) * kTilePixels;
+    const auto all = static_cast<double>(eye_tile_count(size)) * kEyeTilePixels;
     return static_cast<uint32_t>(all * (one_point_a_pixel(needs) ? 1 : kSpecularPoints));
 }
 uint32_t expected_clusters(Size2 size, const Needs& needs) {
@@ -111,7 +110,8 @@ struct PhotonSplattingGpu::State {
         fixed.push_back(gpu::specialize(SPLAT_EDGES_ID, has_edges(p)));
         fixed = device_scene.specialization(fixed);
         const auto pipeline = [&](const char* name, size_t push_bytes, bool reads_scene) {
-            return std::make_unique<gpu::ComputePipeline>(device, shader(name), static_cast<uint32_t>(push_bytes),
+            return std::make_unique<gpu::ComputePipeline>(device, splatting_shader(name),
+                                                          static_cast<uint32_t>(push_bytes),
                                                           reads_scene ? &device_scene.set() : nullptr, fixed);
         };
         walk = pipeline("splat_eye.comp", sizeof(gpu::SplatEyePush), true);
@@ -222,7 +222,7 @@ gpu::SplatConstants PhotonSplattingGpu::State::constants_of(uint32_t pass) const
 
 /// Direct light and the visible points.
 void PhotonSplattingGpu::State::add_eye_steps(uint32_t pass, DeviceFrame::Steps& steps) {
-    const uint32_t tiles = eye_tile_count(size), at_once = std::max(device.paths_per_submit() / kTilePixels, 1u);
+    const uint32_t tiles = eye_tile_count(size), at_once = std::max(device.paths_per_submit() / kEyeTilePixels, 1u);
     for (uint32_t first = 0; first < tiles; first += at_once) {
         const uint32_t end = std::min(first + at_once, tiles);
         const auto record = [=, this](gpu::CommandList& commands) {
@@ -245,7 +245,7 @@ void PhotonSplattingGpu::State::add_eye_steps(uint32_t pass, DeviceFrame::Steps&
                                gpu::write("points", points), gpu::write("general_points", general_points),
                                gpu::write("sums", sums), gpu::write("clusters", clusters)});
                 commands.push(gpu::SplatEyePush{first, end});
-                commands.dispatch_threads(uint64_t{end - first} * kTilePixels, kTilePixels);
+                commands.dispatch_threads(uint64_t{end - first} * kEyeTilePixels, kEyeTilePixels);
             }
             if (end < tiles) return;
             const gpu::Scope scope(commands, "g_buffer");
@@ -257,7 +257,7 @@ void PhotonSplattingGpu::State::add_eye_steps(uint32_t pass, DeviceFrame::Steps&
             commands.copy(counts, 0, host_counts, 0, host_counts.bytes());
             commands.host_reads(host_counts);
         };
-        steps.push_back({uint64_t{end - first} * kTilePixels, record});
+        steps.push_back({uint64_t{end - first} * kEyeTilePixels, record});
     }
 }
 

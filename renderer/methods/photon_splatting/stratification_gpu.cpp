@@ -18,7 +18,9 @@ static_assert(REPRESENTATIVE_RANDOM == static_cast<uint32_t>(Representative::Ran
 constexpr const char* kStructure = "stratification";
 constexpr uint32_t kKeyBits = 32;
 
-std::string shader(const char* name) { return "renderer/methods/photon_splatting/" + std::string(name); }
+std::string stratify_shader(const char* step) {
+    return std::string("renderer/methods/photon_splatting/stratify_") + step + ".comp";
+}
 
 /// Bits of a key: the codes of cells, of what is outside, and one more for photons without power.
 uint32_t key_bits(uint32_t cells) { return 3 * static_cast<uint32_t>(std::bit_width(cells + 3)) + 1; }
@@ -31,12 +33,12 @@ StratificationGpu::StratificationGpu(gpu::Device& device, const StratificationSe
       wide_(key_bits(settings.cells) > kKeyBits),
       state_(device, kStructure, STRATIFICATION_STATE_WORDS * sizeof(uint32_t)),
       host_state_(device, "readback", state_.bytes(), gpu::MemoryKind::Readback),
-      key_(device, shader("stratify_keys.comp"), sizeof(gpu::StratificationConstants)),
-      join_(device, shader("stratify_join.comp"), sizeof(gpu::StratificationConstants), nullptr,
+      key_(device, stratify_shader("keys"), sizeof(gpu::StratificationConstants)),
+      join_(device, stratify_shader("join"), sizeof(gpu::StratificationConstants), nullptr,
             {gpu::specialize(STRATIFICATION_WIDE_ID, wide_)}),
-      count_(device, shader("stratify_count.comp"), sizeof(gpu::StratificationConstants), nullptr,
+      count_(device, stratify_shader("count"), sizeof(gpu::StratificationConstants), nullptr,
              {gpu::specialize(STRATIFICATION_WIDE_ID, wide_)}),
-      choose_(device, shader("stratify_choose.comp"), sizeof(gpu::StratificationConstants), nullptr,
+      choose_(device, stratify_shader("choose"), sizeof(gpu::StratificationConstants), nullptr,
               {gpu::specialize(STRATIFICATION_WIDE_ID, wide_)}) {}
 
 uint64_t StratificationGpu::device_bytes(uint64_t photons, uint32_t minimum_photons) {

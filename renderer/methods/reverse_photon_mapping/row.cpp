@@ -8,10 +8,6 @@ namespace photond {
 
 namespace {
 
-uint64_t artefact_bytes(const MethodParams& params, const Workload& workload) {
-    return photon_map_file_bytes_of<ReversePhotonMapping>(params, workload);
-}
-
 PathsLeftOut paths_left_out(const ReversePhotonMappingParams& params, const Needs& needs) {
     return left_out_by_photons(bounces_of_scatterings(params.max_scatterings()), params.glossy_threshold, needs);
 }
@@ -31,7 +27,7 @@ MethodInfo reverse_photon_mapping_row() {
                     {"Jensen", 1996, "Global Illumination using Photon Maps"}};
     info.layers.add(Layer::PhotonCount);
     info.artefacts = {{kPhotonMapFile, "model/gltf-binary", "keep_photon_map", "photon map"}};
-    info.estimate_artefact_bytes = artefact_bytes;
+    info.estimate_artefact_bytes = photon_map_file_bytes_of<ReversePhotonMapping>;
     info.variants = {{"fixed", {{"influence_radius", "fixed"}}}, {"knn", {{"influence_radius", "knn"}}}};
     info.limits = limits_of_density_estimates();
     return info;
