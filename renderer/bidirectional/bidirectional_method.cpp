@@ -24,16 +24,24 @@ constexpr float kEdgeShare = 1e-3f;
 /// Passes differ from the pilot; what they keep is let grow by this.
 constexpr double kMargin = 1.1;
 
-uint64_t bytes_of_path(double vertices, bool merges) {
-    const double grid = merges ? static_cast<double>(HashGrid::bytes_for(1u << 20)) / (1u << 20) + sizeof(uint32_t) : 0;
+/// Of the cache, a vertex. `merging`: nullptr where nothing merges.
+uint64_t bytes_of_vertex(const MergingParams* merging) {
+    const bool places = merging != nullptr && merging->weights == MergeWeights::CorrelationAware;
+    return sizeof(LightVertex) + (places ? sizeof(LightPlace) : 0);
+}
+uint64_t bytes_of_path(double vertices, const MergingParams* merging) {
+    const double grid =
+        merging != nullptr ? static_cast<double>(HashGrid::bytes_for(1u << 20)) / (1u << 20) + sizeof(uint32_t) : 0;
     // As they are traced, and put one behind the other.
-    return static_cast<uint64_t>(vertices * (2.0 * (sizeof(LightVertex) + sizeof(LightSplat)) + grid));
+    return static_cast<uint64_t>(vertices *
+                                 (2.0 * static_cast<double>(bytes_of_vertex(merging) + sizeof(LightSplat)) + grid));
 }
 
 /// Light paths a pixel that the cache has room for.
 float most_light_paths(const BidirectionalParams& params, Size2 size, double vertices_per_path) {
-    const double room = static_cast<double>(params.light_cache_mib) * (1 << 20) /
-                        (kMargin * std::max(vertices_per_path, 0.1) * sizeof(LightVertex));
+    const double room =
+        static_cast<double>(params.light_cache_mib) * (1 << 20) /
+        (kMargin * std::max(vertices_per_path, 0.1) * static_cast<double>(bytes_of_vertex(params.merging())));
     return static_cast<float>(std::min(room, 1e9) / static_cast<double>(size.pixels()));
 }
 
@@ -101,6 +109,7 @@ void BidirectionalMethod::State::plan(const RenderContext& context, const Bidire
     const StageTimer timer(stats, "pilot");
     const Size2 size = scene.view.film_size;
     techniques.own_path = params.connections == Connections::OwnPath;
+    techniques.correlated = params.merging() != nullptr && params.merging()->weights == MergeWeights::CorrelationAware;
     double vertices = 0;  // of a light path
     if (scene.emission.total_power_w() > 0 && params.light_paths.value_or(1) > 0) {
         PassTechniques pilot;
@@ -121,8 +130,7 @@ void BidirectionalMethod::State::plan(const RenderContext& context, const Bidire
     }
     const auto skip_light_paths = [&](const char* why) {
         const uint64_t paths = paths_of_pass(params.light_paths.value_or(1), size);
-        stats.skipped.push_back(
-            {"light paths", why, paths * bytes_of_path(kExpectedVertices, params.merging() != nullptr)});
+        stats.skipped.push_back({"light paths", why, paths * bytes_of_path(kExpectedVertices, params.merging())});
     };
     if (!(vertices > 0))
         return skip_light_paths(scene.emission.total_power_w() > 0 ? "light_paths is 0" : "the scene has no light");
@@ -159,7 +167,9 @@ void BidirectionalMethod::State::plan(const RenderContext& context, const Bidire
     techniques.numbers = {.light_paths = static_cast<float>(techniques.light_paths),
                           .connections = techniques.own_path ? 1.0f : static_cast<float>(chosen.connections / vertices),
                           .merges = chosen.merges};
-    budget.require("light_vertices", techniques.light_paths * bytes_of_path(kMargin * vertices, chosen.merges));
+    techniques.correlated = techniques.correlated && chosen.merges;
+    budget.require("light_vertices", techniques.light_paths *
+                                         bytes_of_path(kMargin * vertices, chosen.merges ? params.merging() : nullptr));
 }
 
 BidirectionalMethod::BidirectionalMethod(std::unique_ptr<const BidirectionalParams> params)
@@ -175,7 +185,7 @@ uint64_t BidirectionalMethod::estimate_bytes(const BidirectionalParams& params, 
            LightPathTracer::scratch_bytes(workload.threads) +
            LightSampler::estimate_bytes(workload.lights, workload.environment_size) +
            EmissionSampler::estimate_bytes(workload.lights, workload.environment_size) +
-           paths * bytes_of_path(kExpectedVertices, params.merging() != nullptr) +
+           paths * bytes_of_path(kExpectedVertices, params.merging()) +
            (params.merging() != nullptr ? EdgeTree::estimate_bytes(workload.triangles) : 0);
 }
 

@@ -17,12 +17,19 @@ enum class Connections : uint8_t {
     OwnPath,  // all those of one light path
 };
 
+/// How much merging counts for beside the other ways to make a path.
+enum class MergeWeights : uint8_t {
+    Recursive,         // mis_weights.h alone
+    CorrelationAware,  // merging_correlation.h
+};
+
 /// How eye and light paths are merged.
 struct MergingParams {
     float alpha = static_cast<float>(kRadiusAlpha);
     uint32_t nearest_vertices = 12;
     std::optional<float> radius_m;
     std::optional<float> radius_relative;
+    MergeWeights weights = MergeWeights::CorrelationAware;
 
     void visit(ParamVisitor& visitor);
     /// `radius` and `radius_relative` exclude each other.

@@ -2,6 +2,7 @@
 // What all sub-paths of one render share: prepared once by begin(), read by all threads.
 
 #include "renderer/bidirectional/bidirectional_params.h"
+#include "renderer/bidirectional/merging_correlation.h"
 #include "renderer/eye/camera_connection.h"
 #include "renderer/eye/path_wavefront.h"
 #include "renderer/photons/edge_tree.h"
@@ -33,6 +34,7 @@ struct PassTechniques {
     float edge_radius_m = 0;              // merging counts for less that near to an edge of a surface:
     float edge_share = 0;                 // by this factor
     TechniqueNumbers numbers;
+    bool correlated = false;  // merging is weighed by merging_correlation.h: paths keep their vertices
 
     /// By which weights count merging at a place: the area of its disc [m^2], or less where the disc may hang over an
     /// edge or reach behind a wall. It would lack light there, and paths can be made in other ways; but not those that
@@ -42,6 +44,10 @@ struct PassTechniques {
         if (!(merge_radius_m > 0)) return 0;
         const float disc_m2 = kPi * sqr(merge_radius_m);
         return edges->has_edges(position, edge_radius_m) ? edge_share * disc_m2 : disc_m2;
+    }
+    /// Of a path whose first surface lies so far from the camera.
+    MergingCorrelation correlation(const Mis& mis, float first_distance_m) const {
+        return {mis.heuristic(), first_distance_m, numbers.light_paths};
     }
 };
 

@@ -10,9 +10,14 @@ namespace {
 
 constexpr size_t kPaths = size_t{EyePathTracer::kTileSide} * EyePathTracer::kTileSide;
 constexpr size_t kShadowRays = 4 * kPaths;
+constexpr size_t kExpectedVertices = 16;  // of the longest paths that are kept
 
 struct JoinedEyePath : EyePath {
     SubpathWeights weights;
+    // Where vertices are kept:
+    uint32_t kept = 0;         // the path's number in the tile
+    float first_distance = 0;  // from the camera [m]
+    float density = 0;         // of going on, [1/sr], an orthographic camera's [1/m^2]; infinite: by a delta lobe
 };
 
 /// A light sample or a connection that waits for its shadow ray.
@@ -27,6 +32,7 @@ struct WaitingJoin {
 /// A sample of a pilot that waits likewise; its weights stand beside it.
 struct PilotSample {
     TechniqueKind kind;
+    uint32_t path;  // JoinedEyePath::kept
     Rgb value;
 };
 
@@ -36,7 +42,10 @@ struct EyePathTracer::State {
     void trace(const BidirectionalScene& scene, const JoinedPass& joined, const Tile& tile, PassImage& pass_image,
                Counts& pass_counts, EyeSeconds& seconds, PilotTile* pilot_tile) {
         shared = &scene, pass = &joined, image = &pass_image, counts = &pass_counts, pilot = pilot_tile;
-        if (pilot) *pilot = {.moments = CandidateMoments(joined.candidates.size()), .counts = {}};
+        if (pilot) {
+            pilot->counts = {};
+            pilot->paths.assign(tile.pixels() * joined.candidates.size(), {});
+        }
         ThreadLaps laps;
         start(tile);
         for (uint32_t vertex = 0; batch.count > 0; ++vertex) {
@@ -69,6 +78,8 @@ struct EyePathTracer::State {
             static_cast<EyePath&>(batch.paths[i]) = starts[i];
             const CameraPdf camera = shared->camera.pdf(batch.rays[i].direction);
             batch.paths[i].weights = shared->mis.start_eye(camera.pdf);
+            batch.paths[i].kept = static_cast<uint32_t>(i);
+            batch.paths[i].density = camera.pdf;
         }
         for (uint32_t y = tile.y0; y < tile.y1; ++y)
             image->clear(size_t{y} * image->size.width + tile.x0, tile.x1 - tile.x0);
@@ -94,6 +105,7 @@ struct EyePathTracer::State {
         if (!shared->scene.environment) return;
         const Rgb radiance = path.throughput * shared->lights.environment_radiance(towards);
         if (is_black(radiance)) return;
+        if (correlated()) collect_eye_vertices(path, vertex);
         add_met(vertex, path, radiance,
                 [&] { return shared->ends.of_environment(path.position, path.lit_normal, towards); });
     }
@@ -111,8 +123,15 @@ struct EyePathTracer::State {
     void add_met(uint32_t vertex, const JoinedEyePath& path, const Rgb& radiance, const End& end) {
         if (vertex == 0) return add_radiance(*image, path, radiance);
         const LightEnd met = end();
-        const auto weigh = [&](const TechniqueNumbers& n) { return shared->mis.light_met(path.weights, met, n); };
-        if (pilot) add_now(TechniqueKind::LightMet, radiance, weigh);
+        SubpathWeights weights = path.weights;
+        if (correlated()) {
+            const std::span<const PathVertex> before{eye_vertices.data(), vertex};
+            const PathVertex first = first_of_light(met, before.back().per_area, 1.0f);
+            const float inverse_cos = met.infinite ? 1.0f : eye_vertices[vertex].inverse_cos;
+            weights.merges = correlation_of(path).light_met(before, inverse_cos, first).eye;
+        }
+        const auto weigh = [&](const TechniqueNumbers& n) { return shared->mis.light_met(weights, met, n); };
+        if (pilot) add_now(TechniqueKind::Alone, path, radiance, weigh);
         add_radiance(*image, path, weigh(numbers()) * radiance);
     }
 
@@ -126,12 +145,14 @@ struct EyePathTracer::State {
         EyeVertex met;
         if (!see_surface(*shared, path, vertex, hit, ray, *image, met.surface)) return false;
         arrive(vertex, path, hit, ray, met.surface);
+        if (correlated()) collect_eye_vertices(path, vertex + 1);
         if (shared->scene.materials[met.surface.material].emissive())
             meet_light(vertex, path, hit, met.surface.front_side, ray.direction);
         if (!open_surface(*shared, path, ray, *image, met)) return false;
         const SurfaceVertex surface{met.surface, met.bsdf, -ray.direction};
         path.lit_normal = lit_normal(surface);
         acceptance = met.bsdf.has_non_delta() ? pass->techniques.merge_acceptance(surface.point.position) : 0.0f;
+        if (correlated()) kept(path, vertex).acceptance = eye_vertices.back().acceptance = acceptance;
         if (pilot) ++pilot->counts.eye_vertices, pilot->counts.open_vertices += met.bsdf.has_non_delta() ? 1 : 0;
         if (met.bsdf.has_non_delta()) {
             sample_light(vertex, path, surface, i);
@@ -143,8 +164,15 @@ struct EyePathTracer::State {
 
     void arrive(uint32_t vertex, JoinedEyePath& path, const Hit& hit, const Ray& ray, const ShadingPoint& point) {
         const bool across = vertex == 0 && shared->view.camera.orthographic;
-        const float cosine = std::fabs(glm::dot(point.geometric_normal, ray.direction));
-        shared->mis.arrive(path.weights, across ? 1.0f : sqr(hit.t), std::max(cosine, 1e-12f));
+        const float cosine = std::max(std::fabs(glm::dot(point.geometric_normal, ray.direction)), 1e-12f);
+        const float distance_sq = across ? 1.0f : sqr(hit.t);
+        shared->mis.arrive(path.weights, distance_sq, cosine);
+        if (!correlated()) return;
+        if (vertex == 0)
+            path.first_distance = hit.t;
+        else
+            kept(path, vertex - 1).per_area /= distance_sq;
+        kept(path, vertex) = {.density = path.density * cosine / distance_sq, .inverse_cos = 1 / cosine};
     }
 
     bool leave(uint32_t vertex, JoinedEyePath& path, const SurfaceVertex& surface, const vec3& wo, uint32_t i) {
@@ -154,10 +182,14 @@ struct EyePathTracer::State {
             return false;
         const vec3 towards = batch.next_ray().direction;
         const float cos_out = std::fabs(glm::dot(surface.point.geometric_normal, towards));
-        if (next.delta) {
+        const VertexSide here = side(vertex, next.delta ? 0 : light_pdf_back(surface, towards));
+        if (next.delta)
             shared->mis.scatter_delta(path.weights, cos_out);
-        } else {
-            shared->mis.scatter(path.weights, side(vertex, light_pdf_back(surface, towards)), next.pdf_sa, cos_out);
+        else
+            shared->mis.scatter(path.weights, here, next.pdf_sa, cos_out);
+        if (correlated()) {
+            path.density = next.delta ? kInfinity : next.pdf_sa;
+            kept(path, vertex).go_on(cos_out, path.density, here.pdf_back);
         }
         return true;
     }
@@ -172,13 +204,19 @@ struct EyePathTracer::State {
         float pdf_direct_sa;
         const LightEnd end = shared->ends.of_sample(light, pdf_direct_sa);
         const float cosine = std::fabs(glm::dot(surface.point.geometric_normal, light.wi));
+        SubpathWeights weights = path.weights;
+        VertexSide here = side(vertex, scattering.light_pdf);
+        if (correlated()) {
+            const PathVertex first = first_of_light(end, cosine, sqr(light.distance));
+            const CorrelatedMerges merges = correlation_of(path).next_event(eye_vertices, here.pdf_back, first);
+            weights.merges = merges.eye, here.acceptance *= merges.eye_share;
+        }
         const auto weigh = [&](const TechniqueNumbers& n) {
-            return shared->mis.next_event(path.weights, side(vertex, scattering.light_pdf), scattering.eye_pdf,
-                                          pdf_direct_sa, cosine, end, n);
+            return shared->mis.next_event(weights, here, scattering.eye_pdf, pdf_direct_sa, cosine, end, n);
         };
         wait_for(light.shadow_ray(ray_origin(surface.point, light.wi)),
-                 path.throughput * scattering.f_cos * light.radiance_over_pdf, path.pixel, path.scatterings + 1,
-                 Join::LightSample, vertex == 0 ? TechniqueKind::FirstLightSample : TechniqueKind::LightSample, weigh);
+                 path.throughput * scattering.f_cos * light.radiance_over_pdf, path, path.scatterings + 1,
+                 Join::LightSample, TechniqueKind::Alone, weigh);
     }
 
     void connect(uint32_t vertex, const JoinedEyePath& path, const SurfaceVertex& surface, uint32_t i) {
@@ -224,11 +262,20 @@ struct EyePathTracer::State {
         const float cos_eye = std::fabs(glm::dot(surface.point.geometric_normal, towards));
         const float cos_light = std::fabs(glm::dot(other.point.geometric_normal, towards));
         const float per_area = 1 / distance_sq;
-        const VertexSide eye_side = side(vertex, eye.light_pdf),
-                         light_side{light.first_surface(), back.eye_pdf, light.acceptance};
+        VertexSide eye_side = side(vertex, eye.light_pdf),
+                   light_side{light.first_surface(), back.eye_pdf, light.acceptance};
+        const float to_light = eye.eye_pdf * cos_light * per_area, to_eye = back.light_pdf * cos_eye * per_area;
+        SubpathWeights eye_weights = path.weights, light_weights = light.weights;
+        if (correlated()) {
+            const MergingCorrelation correlation = correlation_of(path);
+            const CorrelatedMerges merges =
+                correlation.connection(eye_vertices, eye_side.pdf_back, to_light, vertices_of(light, correlation),
+                                       light_side.pdf_back, to_eye);
+            eye_weights.merges = merges.eye, eye_side.acceptance *= merges.eye_share;
+            light_weights.merges = merges.light, light_side.acceptance *= merges.light_share;
+        }
         const auto weigh = [&](const TechniqueNumbers& n) {
-            return shared->mis.connection(path.weights, eye_side, eye.eye_pdf * cos_light * per_area, light.weights,
-                                          light_side, back.light_pdf * cos_eye * per_area, n);
+            return shared->mis.connection(eye_weights, eye_side, to_light, light_weights, light_side, to_eye, n);
         };
         MediumStack media = path.media;
         if (glm::dot(surface.point.geometric_normal, towards) < 0 && surface.bsdf.refraction_eta() > 0)
@@ -237,7 +284,7 @@ struct EyePathTracer::State {
                              shared->absorption.transmittance(media, distance);
         if (is_black(radiance)) return;
         const vec3 start = ray_origin(surface.point, towards);
-        wait_for({start, ray_origin(other.point, -towards) - start, 1.0f}, radiance, path.pixel, scatterings,
+        wait_for({start, ray_origin(other.point, -towards) - start, 1.0f}, radiance, path, scatterings,
                  Join::Connection, TechniqueKind::Connection, weigh);
     }
 
@@ -263,17 +310,48 @@ struct EyePathTracer::State {
             if ((glm::dot(light.from, point.geometric_normal) > 0) != (side_cosine > 0)) continue;
             const BsdfValue value = surface.bsdf.evaluate(wo, frame.to_local(light.from));
             if (is_black(value.f_cos)) continue;
-            const VertexSide eye_side = side(vertex, light_pdf_back(surface, light.from)),
-                             light_side{light.first_surface(), value.pdf_sa, 0};
+            VertexSide eye_side = side(vertex, light_pdf_back(surface, light.from));
+            const VertexSide light_side{light.first_surface(), value.pdf_sa, 0};
+            SubpathWeights eye_weights = path.weights, light_weights = light.weights;
+            if (correlated()) {
+                const MergingCorrelation correlation = correlation_of(path);
+                const CorrelatedMerges merges = correlation.merging(
+                    eye_vertices, eye_side.pdf_back, vertices_of(light, correlation), light_side.pdf_back);
+                eye_weights.merges = merges.eye, eye_side.acceptance *= merges.eye_share;
+                light_weights.merges = merges.light;
+            }
             const auto weigh = [&](const TechniqueNumbers& n) {
-                return shared->mis.merging(path.weights, eye_side, light.weights, light_side, n);
+                return shared->mis.merging(eye_weights, eye_side, light_weights, light_side, n);
             };
             const float share = 1 / std::max(std::fabs(glm::dot(light.from, light.normal)), kLeastCosine);
             const Rgb radiance = share * scale * value.f_cos * light.power_w;
-            if (pilot) ++pilot->counts.found, add_now(TechniqueKind::Merge, radiance, weigh);
+            if (pilot) ++pilot->counts.found, add_now(TechniqueKind::Merge, path, radiance, weigh);
             add_joined(*image, path.pixel, scatterings, path.scatterings == 0 && light.surfaces > 1 && light.all_delta,
                        Join::Merge, weigh(numbers()) * radiance);
         }
+    }
+
+    // What merging_correlation.h asks for.
+
+    bool correlated() const { return pass->techniques.correlated; }
+    MergingCorrelation correlation_of(const JoinedEyePath& path) const {
+        return pass->techniques.correlation(shared->mis, path.first_distance);
+    }
+    PathVertex& kept(const JoinedEyePath& path, uint32_t vertex) {
+        const size_t end = (size_t{vertex} + 1) * kPaths;
+        if (kept_vertices.size() < end) kept_vertices.resize(end);
+        return kept_vertices[size_t{vertex} * kPaths + path.kept];
+    }
+    /// The path's first so many, with their reach.
+    void collect_eye_vertices(const JoinedEyePath& path, uint32_t count) {
+        eye_vertices.clear();
+        for (uint32_t v = 0; v < count; ++v) eye_vertices.push_back(kept(path, v));
+        correlation_of(path).find_reach(eye_vertices);
+    }
+    std::span<const PathVertex> vertices_of(const LightVertex& light, const MergingCorrelation& correlation) {
+        collect_light_vertices(pass->light.places, light.place, light_vertices);
+        correlation.find_reach(light_vertices);
+        return light_vertices;
     }
 
     VertexSide side(uint32_t vertex, float pdf_back) const { return {vertex == 0, pdf_back, acceptance}; }
@@ -281,15 +359,15 @@ struct EyePathTracer::State {
 
     /// `weigh(numbers)`: of the light that arrives where the ray is free.
     template <class Weigh>
-    void wait_for(const Ray& ray, const Rgb& radiance, uint32_t pixel, uint32_t scatterings, Join join,
+    void wait_for(const Ray& ray, const Rgb& radiance, const JoinedEyePath& path, uint32_t scatterings, Join join,
                   TechniqueKind kind, const Weigh& weigh) {
         const Rgb weighed = weigh(numbers()) * radiance;
         if (is_black(weighed) && !pilot) return;
         if (!shadows.has_room_for(1)) trace_shadow_rays();
-        shadows.add(ray, {weighed, pixel, scatterings, join, static_cast<uint32_t>(samples.size())});
+        shadows.add(ray, {weighed, path.pixel, scatterings, join, static_cast<uint32_t>(samples.size())});
         if (!pilot) return;
         weigh_by_all(weigh, sample_weights);
-        samples.push_back({kind, radiance});
+        samples.push_back({kind, path.kept, radiance});
     }
     void trace_shadow_rays() {
         counts->shadow_rays +=
@@ -310,14 +388,17 @@ struct EyePathTracer::State {
     }
     void add_sample(size_t sample) {
         const size_t candidates = pass->candidates.size();
-        pilot->moments.add(samples[sample].kind, samples[sample].value,
-                           std::span(sample_weights).subspan(sample * candidates, candidates), pass->candidates);
+        add_to_path(samples[sample], std::span(sample_weights).subspan(sample * candidates, candidates));
     }
     template <class Weigh>
-    void add_now(TechniqueKind kind, const Rgb& value, const Weigh& weigh) {
+    void add_now(TechniqueKind kind, const JoinedEyePath& path, const Rgb& value, const Weigh& weigh) {
         weights_now.clear();
         weigh_by_all(weigh, weights_now);
-        pilot->moments.add(kind, value, weights_now, pass->candidates);
+        add_to_path({kind, path.kept, value}, weights_now);
+    }
+    void add_to_path(const PilotSample& sample, std::span<const float> weights) {
+        EyePathSum* sums = &pilot->paths[sample.path * weights.size()];
+        for (size_t c = 0; c < weights.size(); ++c) sums[c].add(sample.kind, weights[c] * sample.value);
     }
 
     const BidirectionalScene* shared = nullptr;
@@ -333,7 +414,9 @@ struct EyePathTracer::State {
     std::vector<EyePath> starts;
     std::vector<uint32_t> order;
     Neighbours near;
-    std::vector<PilotSample> samples;  // that wait
+    std::vector<PathVertex> kept_vertices;                 // of all paths of the tile, vertex by vertex
+    std::vector<PathVertex> eye_vertices, light_vertices;  // of the paths at hand
+    std::vector<PilotSample> samples;                      // that wait
     std::vector<float> sample_weights, weights_now;
 };
 
@@ -343,7 +426,7 @@ EyePathTracer::EyePathTracer(EyePathTracer&&) noexcept = default;
 
 uint64_t EyePathTracer::bytes_per_thread() {
     return PathBatch<JoinedEyePath>::bytes_for(kPaths) + ShadowBatch<WaitingJoin>::bytes_for(kShadowRays) +
-           kPaths * (sizeof(EyePath) + sizeof(uint32_t) + 8 * sizeof(float));
+           kPaths * (kExpectedVertices * sizeof(PathVertex) + sizeof(EyePath) + sizeof(uint32_t) + 8 * sizeof(float));
 }
 
 void EyePathTracer::trace_tile(const BidirectionalScene& shared, const JoinedPass& pass, const Tile& tile,

@@ -24,8 +24,8 @@ struct JoinedPass {
 
 /// What a pilot's tile tells besides.
 struct PilotTile {
-    CandidateMoments moments;
-    PilotCounts counts;  // sums, of the eye's path alone
+    std::vector<EyePathSum> paths;  // pixel by pixel of the tile, by candidate
+    PilotCounts counts;             // sums, of the eye's path alone
 };
 
 /// Scratch of one thread; reused from tile to tile.

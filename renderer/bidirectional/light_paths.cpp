@@ -21,6 +21,9 @@ struct LightPathState {
     SubpathWeights weights;
     bool all_delta = true;
     MediumStack media;
+    // Where places are kept:
+    float density = 0;                    // of going on, [1/sr]; infinite: by a delta lobe
+    uint32_t place = LightPlace::kFirst;  // the newest
 };
 
 /// A splat whose ray to the camera is still to be traced.
@@ -32,12 +35,14 @@ struct WaitingSplat {
 /// What one run left.
 struct RunPaths {
     std::vector<LightVertex> vertices;
+    std::vector<LightPlace> places;
     std::vector<LightSplat> splats;
     std::vector<float> splat_weights;
     Counts counts;
 
     void clear() {
         vertices.clear();
+        places.clear();
         splats.clear();
         splat_weights.clear();
         counts = {};
@@ -49,7 +54,7 @@ class LightBatch {
 public:
     static constexpr uint64_t bytes_per_thread() {
         return PathBatch<LightPathState>::bytes_for(kPaths) + ShadowBatch<WaitingSplat>::bytes_for(kPaths) +
-               kPaths * (2 * sizeof(EmissionSample) + sizeof(uint32_t) + 6 * sizeof(float));
+               kPaths * (2 * sizeof(EmissionSample) + sizeof(LightEnd) + sizeof(uint32_t) + 6 * sizeof(float));
     }
 
     void trace(const BidirectionalScene& shared, const PassTechniques& techniques, const SequenceSampler& sampler,
@@ -119,7 +124,7 @@ private:
             path.weights = shared_->mis.start_light(end);
             batch_.rays[batch_.count] = start.ray;
             starts_[batch_.count] = start;  // behind i, or i itself
-            infinite_[batch_.count] = end.infinite;
+            ends_[batch_.count] = end;
             batch_.keys[batch_.count++] = run_->first + i;
         }
     }
@@ -147,9 +152,10 @@ private:
         if (first)
             mis.direct_at_first_hit(
                 path.weights, shared_->ends.direct_at_first_hit(starts_[i], point.position, lit_normal(vertex), hit.t));
-        mis.arrive(path.weights, first && infinite_[i] ? 1.0f : sqr(hit.t), cosine);
+        mis.arrive(path.weights, first && ends_[i].infinite ? 1.0f : sqr(hit.t), cosine);
         const uint32_t key = batch_.keys[i];
         const float acceptance = vertex.bsdf.has_non_delta() ? techniques_->merge_acceptance(point.position) : 0.0f;
+        if (techniques_->correlated) keep_place(i, path, first, hit.t, cosine, acceptance);
         if (vertex.bsdf.has_non_delta()) {
             out_->vertices.push_back({.position = point.position,
                                       .normal = point.geometric_normal,
@@ -163,12 +169,26 @@ private:
                                       .outside_ior = outside_ior,
                                       .acceptance = acceptance,
                                       .path = static_cast<uint32_t>(run_->run * kPaths + key - first_of_pass_),
+                                      .place = path.place,
                                       .surfaces = surfaces,
                                       .all_delta = path.all_delta});
             show_camera(vertex, path, surfaces, key, acceptance);
         }
         if (surfaces >= shared_->max_scatterings) return;
         go_on(i, vertex, first, acceptance);
+    }
+
+    void keep_place(uint32_t i, LightPathState& path, bool first, float distance_m, float cosine, float acceptance) {
+        std::vector<LightPlace>& places = out_->places;
+        LightPlace place{.vertex = {.density = path.density * cosine / sqr(distance_m)}, .before = path.place};
+        if (first)
+            place.vertex = first_of_light(ends_[i], cosine, sqr(distance_m));
+        else
+            places[path.place].vertex.per_area /= sqr(distance_m);
+        place.vertex.acceptance = acceptance;
+        place.vertex.inverse_cos = 1 / cosine;
+        path.place = static_cast<uint32_t>(places.size());
+        places.push_back(place);
     }
 
     void show_camera(const SurfaceVertex& vertex, const LightPathState& path, uint32_t surfaces, uint32_t key,
@@ -183,8 +203,16 @@ private:
         if (is_black(scattering.density)) return;
         const float cosine = std::fabs(glm::dot(point.geometric_normal, seen->to_camera));
         const VertexSide side{surfaces == 1, scattering.eye_pdf, acceptance};
+        SubpathWeights weights = path.weights;
+        const float camera_pdf = seen->responsivity_per_m2 * cosine;
+        if (techniques_->correlated) {
+            collect_light_vertices(out_->places, path.place, path_);
+            const MergingCorrelation correlation = techniques_->correlation(shared_->mis, seen->distance);
+            correlation.find_reach(path_);
+            weights.merges = correlation.seen_by_camera(path_, side.pdf_back, camera_pdf).light;
+        }
         const auto weigh = [&](const TechniqueNumbers& n) {
-            return shared_->mis.seen_by_camera(path.weights, side, seen->responsivity_per_m2 * cosine, n);
+            return shared_->mis.seen_by_camera(weights, side, camera_pdf, n);
         };
         Rgb radiance = seen->responsivity_per_m2 * path.power_w * scattering.density;
         if (candidates_.empty()) radiance *= weigh(techniques_->numbers);
@@ -212,11 +240,14 @@ private:
         onward.power_w = power_w / survival;
         onward.all_delta = path.all_delta && next.delta;
         const float cos_out = std::fabs(glm::dot(vertex.point.geometric_normal, next.direction));
-        if (next.delta) {
+        const VertexSide side{first, next.delta ? 0 : eye_pdf_back(vertex, next.direction), acceptance};
+        if (next.delta)
             shared_->mis.scatter_delta(onward.weights, cos_out);
-        } else {
-            const VertexSide side{first, eye_pdf_back(vertex, next.direction), acceptance};
+        else
             shared_->mis.scatter(onward.weights, side, next.pdf_sa, cos_out);
+        if (techniques_->correlated) {
+            onward.density = next.delta ? kInfinity : next.pdf_sa;
+            out_->places[path.place].vertex.go_on(cos_out, onward.density, side.pdf_back);
         }
         if (next.refraction) onward.media.cross(vertex.point.material, vertex.point.front_side);
         batch_.next_ray() = {ray_origin(vertex.point, next.direction), next.direction, kInfinity};
@@ -235,7 +266,8 @@ private:
     PathBatch<LightPathState> batch_{kPaths};
     ShadowBatch<WaitingSplat> splats_{kPaths};
     std::vector<EmissionSample> starts_ = std::vector<EmissionSample>(kPaths);
-    std::vector<uint8_t> infinite_ = std::vector<uint8_t>(kPaths);
+    std::vector<LightEnd> ends_ = std::vector<LightEnd>(kPaths);
+    std::vector<PathVertex> path_;
     std::vector<uint32_t> order_;
     Numbers direction_, position_, choice_;
 };
@@ -249,6 +281,13 @@ SurfaceVertex LightVertex::surface(const Scene& scene) const {
         make_shading_point(scene, {.t = 0, .instance = instance, .triangle = triangle, .u = u, .v = v}, -from);
     vertex.bsdf = make_bsdf(scene, vertex.point, outside_ior);
     return vertex;
+}
+
+void collect_light_vertices(std::span<const LightPlace> places, uint32_t last, std::vector<PathVertex>& vertices) {
+    vertices.clear();
+    for (uint32_t place = last; place != LightPlace::kFirst; place = places[place].before)
+        vertices.push_back(places[place].vertex);
+    std::reverse(vertices.begin(), vertices.end());
 }
 
 void LightPaths::sort_by_path(uint32_t paths) {
@@ -286,8 +325,8 @@ void LightPaths::add_splats(const PixelFilterSampler& filter, PassImage& image) 
 }
 
 uint64_t LightPaths::bytes() const {
-    return vertices.capacity() * sizeof(LightVertex) + splats.capacity() * sizeof(LightSplat) +
-           (first_of_path.capacity() + by_path.capacity()) * sizeof(uint32_t);
+    return vertices.capacity() * sizeof(LightVertex) + places.capacity() * sizeof(LightPlace) +
+           splats.capacity() * sizeof(LightSplat) + (first_of_path.capacity() + by_path.capacity()) * sizeof(uint32_t);
 }
 
 struct LightPathTracer::Shared {
@@ -304,7 +343,8 @@ LightPathTracer::~LightPathTracer() = default;
 uint64_t LightPathTracer::bytes() const {
     uint64_t bytes = shared_->paths.bytes();
     for (const RunPaths& run : shared_->runs)
-        bytes += run.vertices.capacity() * sizeof(LightVertex) + run.splats.capacity() * sizeof(LightSplat);
+        bytes += run.vertices.capacity() * sizeof(LightVertex) + run.places.capacity() * sizeof(LightPlace) +
+                 run.splats.capacity() * sizeof(LightSplat);
     return bytes;
 }
 
@@ -314,6 +354,7 @@ LightPaths& LightPathTracer::trace(uint64_t seed, uint32_t pass, const PassTechn
                                    const CancelToken& cancel, std::span<const WeighedCandidate> candidates) {
     LightPaths& paths = shared_->paths;
     paths.vertices.clear();
+    paths.places.clear();
     paths.splats.clear();
     paths.splat_weights.clear();
     if (techniques.light_paths == 0 || !(shared_->scene.emission.total_power_w() > 0)) return paths;
@@ -327,11 +368,20 @@ LightPaths& LightPathTracer::trace(uint64_t seed, uint32_t pass, const PassTechn
         if (cancel.cancelled()) return;
         shared_->threads.local().trace(shared_->scene, techniques, sampler, runs[i], first, candidates, found[i]);
     });
-    size_t vertices = 0, splats = 0;
-    for (const RunPaths& run : found) vertices += run.vertices.size(), splats += run.splats.size();
+    size_t vertices = 0, places = 0, splats = 0;
+    for (const RunPaths& run : found)
+        vertices += run.vertices.size(), places += run.places.size(), splats += run.splats.size();
     paths.vertices.reserve(vertices);
+    paths.places.reserve(places);
     paths.splats.reserve(splats);
-    for (const RunPaths& run : found) {
+    for (RunPaths& run : found) {
+        const auto first_place = static_cast<uint32_t>(paths.places.size());
+        if (techniques.correlated) {
+            for (LightVertex& vertex : run.vertices) vertex.place += first_place;
+            for (LightPlace& place : run.places)
+                if (place.before != LightPlace::kFirst) place.before += first_place;
+            paths.places.insert(paths.places.end(), run.places.begin(), run.places.end());
+        }
         paths.vertices.insert(paths.vertices.end(), run.vertices.begin(), run.vertices.end());
         paths.splats.insert(paths.splats.end(), run.splats.begin(), run.splats.end());
         paths.splat_weights.insert(paths.splat_weights.end(), run.splat_weights.begin(), run.splat_weights.end());

@@ -65,6 +65,7 @@ public:
     using End = BasicLightEnd<Real>;
 
     explicit BasicMis(MisHeuristic heuristic) : squares_(heuristic == MisHeuristic::Power) {}
+    MisHeuristic heuristic() const { return squares_ ? MisHeuristic::Power : MisHeuristic::Balance; }
 
     /// A light path, at its light. To be told when its first hit is known: direct_at_first_hit().
     Weights start_light(const End& end) const {

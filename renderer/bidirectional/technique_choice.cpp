@@ -5,40 +5,40 @@
 
 namespace photond {
 
-void CandidateMoments::add(TechniqueKind kind, const Rgb& value, std::span<const float> weights,
-                           std::span<const WeighedCandidate> candidates) {
-    const double mean = (double{value.x} + double{value.y} + double{value.z}) / 3;
-    const double square =
-        (double{value.x} * double{value.x} + double{value.y} * double{value.y} + double{value.z} * double{value.z}) / 3;
-    for (size_t c = 0; c < candidates.size(); ++c) {
-        const double weight = double{weights[c]};
-        squares_[c] += weight * weight * square * double{candidates[c].more(kind)};
-        means_[c * kTechniqueKinds + static_cast<size_t>(kind)] += weight * mean;
-    }
+namespace {
+
+double mean_of(const Rgb& value) { return (double{value.x} + double{value.y} + double{value.z}) / 3; }
+double mean_square_of(const Rgb& value) {
+    return (double{value.x} * double{value.x} + double{value.y} * double{value.y} + double{value.z} * double{value.z}) /
+           3;
 }
 
-CandidateMoments& CandidateMoments::operator+=(const CandidateMoments& other) {
-    for (size_t i = 0; i < squares_.size(); ++i) squares_[i] += other.squares_[i];
-    for (size_t i = 0; i < means_.size(); ++i) means_[i] += other.means_[i];
-    return *this;
+}  // namespace
+
+void EyePathSum::add(TechniqueKind kind, const Rgb& value) {
+    all += value;
+    if (kind == TechniqueKind::Connection) connected_squared += static_cast<float>(mean_square_of(value));
+    if (kind == TechniqueKind::Merge) merged_squared += static_cast<float>(mean_square_of(value));
 }
 
-double CandidateMoments::mean(size_t candidate, double pixel_passes) const {
-    double sum = 0;
-    for (size_t kind = 0; kind < kTechniqueKinds; ++kind) sum += means_[candidate * kTechniqueKinds + kind];
-    return sum / pixel_passes;
+void PixelMoments::add(const EyePathSum& path, const WeighedCandidate& candidate) {
+    sum_ += path.all;
+    squares_ += static_cast<float>(mean_square_of(path.all));
+    thinned_ += (candidate.more_connections - 1) * path.connected_squared +
+                (candidate.more_light_paths - 1) * path.merged_squared;
 }
 
-double CandidateMoments::variance(size_t candidate, double pixel_passes) const {
-    double squared_means = 0;
-    for (size_t kind = 0; kind < kTechniqueKinds; ++kind) {
-        // Samples that many light paths share of a pixel's light have no mean worth the name each.
-        if (kind == static_cast<size_t>(TechniqueKind::Seen) || kind == static_cast<size_t>(TechniqueKind::Merge))
-            continue;
-        const double mean = means_[candidate * kTechniqueKinds + kind] / pixel_passes;
-        squared_means += mean * mean;
-    }
-    return std::max(squares_[candidate] / pixel_passes - squared_means, 0.0);
+void PixelMoments::add_seen(const Rgb& weighed, const WeighedCandidate& candidate) {
+    // What is seen of many light paths has no mean worth the name in each.
+    seen_ += static_cast<float>(mean_of(weighed));
+    seen_squares_ += candidate.more_light_paths * static_cast<float>(mean_square_of(weighed));
+}
+
+double PixelMoments::mean(uint32_t passes) const { return (mean_of(sum_) + double{seen_}) / passes; }
+
+double PixelMoments::variance(uint32_t passes) const {
+    return (double{squares_} - mean_square_of(sum_) / passes) / (passes - 1) +
+           (double{thinned_} + double{seen_squares_}) / passes;
 }
 
 std::vector<TechniqueCandidate> technique_candidates(const TechniqueChoices& choices) {

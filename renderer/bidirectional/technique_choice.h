@@ -4,9 +4,13 @@
 //
 // A small pilot of the same view tries all techniques. Of each of its samples it is known what it would weigh, and how
 // often it would be taken, with any other choice of numbers; so one pilot estimates the second moment of every
-// candidate [Grittmann et al. 2022, Sec. 4]: a sample of value C, taken n times of n' that the candidate takes, brings
-// (w C)^2 n / n'. What the variance lacks to that are the squared means of the techniques, which are taken from blocks
-// of pixels. The choice is the candidate whose relative variance times cost is the least. Cost is counted (rays,
+// candidate [Grittmann et al. 2022, Sec. 4]. Samples that belong to one path from the eye are no independent ones: all
+// vertices that merge with one of its vertices share what the eye's path is worth. So the second moment is of the whole
+// path. With T the sum of all its weighed samples, of which the candidate takes as many as the pilot but for some,
+// taken n' times for the pilot's n, whose squares sum to S, it is T^2 + (n / n' - 1) S; and the variance is taken from
+// the passes of each pixel, for what differs from pixel to pixel is the image. What the camera sees of light paths has
+// nothing to do with the eye's; a sample of value C brings (w C)^2 n / n'. Variances are relative to the light around
+// the pixel. The choice is the candidate whose relative variance times cost is the least. Cost is counted (rays,
 // vertices, connections, merges), never timed: choices are part of the image, and the image is a pure function of the
 // seed.
 //
@@ -29,16 +33,8 @@ struct TechniqueCandidate {
     bool merges = false;
 };
 
-/// What a sample of a pilot was made by; means are subtracted from moments by these.
-enum class TechniqueKind : uint8_t {
-    FirstLightSample,  // at the eye path's first surface
-    LightSample,       // beyond
-    LightMet,
-    Seen,  // by the camera, of a light path
-    Connection,
-    Merge,
-};
-inline constexpr size_t kTechniqueKinds = 6;
+/// What a sample of an eye's path was made by.
+enum class TechniqueKind : uint8_t { Alone, Connection, Merge };
 
 /// A candidate as samples of a pilot are weighed by it.
 struct WeighedCandidate {
@@ -46,34 +42,30 @@ struct WeighedCandidate {
     // How many samples the pilot takes for each that the candidate takes; 0 where the candidate takes none.
     float more_light_paths = 0;
     float more_connections = 0;
-
-    float more(TechniqueKind kind) const {
-        switch (kind) {
-            case TechniqueKind::Seen:
-            case TechniqueKind::Merge: return more_light_paths;
-            case TechniqueKind::Connection: return more_connections;
-            default: return 1;
-        }
-    }
 };
 
-/// What samples of a part of a pilot's image come to.
-class CandidateMoments {
-public:
-    explicit CandidateMoments(size_t candidates = 0) : squares_(candidates), means_(candidates * kTechniqueKinds) {}
+/// What one path from the eye brought in a pilot, as a candidate weighs it.
+struct EyePathSum {
+    Rgb all{0};
+    float connected_squared = 0, merged_squared = 0;  // sums of squares, means of the channels
+    void add(TechniqueKind kind, const Rgb& value);
+};
 
-    /// `weights`: of the sample by each candidate.
-    void add(TechniqueKind kind, const Rgb& value, std::span<const float> weights,
-             std::span<const WeighedCandidate> candidates);
-    CandidateMoments& operator+=(const CandidateMoments& other);
-    /// Of the sum of all samples over `pixel_passes` pixels and passes: the mean, and the variance of one pixel and
-    /// pass.
-    double mean(size_t candidate, double pixel_passes) const;
-    double variance(size_t candidate, double pixel_passes) const;
+/// What a pixel of a pilot comes to for a candidate.
+class PixelMoments {
+public:
+    void add(const EyePathSum& path, const WeighedCandidate& candidate);
+    /// What the camera sees of a light path.
+    void add_seen(const Rgb& weighed, const WeighedCandidate& candidate);
+    double mean(uint32_t passes) const;
+    /// Of one pass; two passes or more.
+    double variance(uint32_t passes) const;
 
 private:
-    std::vector<double> squares_;  // by candidate
-    std::vector<double> means_;    // candidate after candidate, by kind
+    Rgb sum_{0};  // of the eye's paths
+    float squares_ = 0;
+    float seen_ = 0, seen_squares_ = 0;
+    float thinned_ = 0;  // what squares have to gain where the candidate takes fewer samples
 };
 
 /// All that a pilot counted, a pixel and a pass.

@@ -11,8 +11,11 @@ constexpr uint64_t kPilotSeed = reference_seed(0x9a57);
 constexpr uint64_t kPixels = 4096;  // about
 constexpr uint32_t kPasses = 4;
 constexpr uint32_t kTile = EyePathTracer::kTileSide;
-/// Of the whole image's mean: blocks that are darker count as if they were as bright.
+constexpr uint32_t kAround = 2;  // pixels to each side whose mean says how bright it is
+/// Of the whole image's mean, squared: what is darker counts as if it were about as bright.
 constexpr double kLeastMean = 0.05;
+
+double sqr_of(double x) { return x * x; }
 
 Size2 pilot_size(Size2 size) {
     const double share = std::sqrt(static_cast<double>(kPixels) / static_cast<double>(size.pixels()));
@@ -62,6 +65,7 @@ TechniquePilot run_technique_pilot(const TechniquePilotInputs& inputs, Stats& st
     PassTechniques pilot;
     pilot.light_paths = static_cast<uint32_t>(size.pixels());
     pilot.own_path = inputs.params.connections == Connections::OwnPath;
+    pilot.correlated = inputs.choices.merges && inputs.params.merging()->weights == MergeWeights::CorrelationAware;
     pilot.connections_per_vertex = 1;
     // As many vertices are to lie within the radius as in the image's own passes.
     const double denser = static_cast<double>(inputs.context.view.film_size.pixels()) / pixels;
@@ -81,8 +85,8 @@ TechniquePilot run_technique_pilot(const TechniquePilotInputs& inputs, Stats& st
     LightPathTracer light(scene);
     ThreadLocal<PilotThread> threads;
     const uint32_t columns = (size.width + kTile - 1) / kTile, rows = (size.height + kTile - 1) / kTile;
-    std::vector<CandidateMoments> blocks(size_t{columns} * rows, CandidateMoments(candidates.size()));
-    std::vector<PilotTile> tiles(blocks.size());
+    std::vector<PixelMoments> moments(size.pixels() * candidates.size());  // pixel after pixel, by candidate
+    std::vector<PilotTile> tiles(size_t{columns} * rows);
     PilotCounts counts;
     PassImage image(size, context.view.layers);
     const CancelToken never;
@@ -108,22 +112,26 @@ TechniquePilot run_technique_pilot(const TechniquePilotInputs& inputs, Stats& st
             mine.eye.trace_tile(scene, joined, tile, image, mine.counts, mine.seconds,
                                 &tiles[(tile.y0 / kTile) * columns + tile.x0 / kTile]);
         });
-        for (size_t i = 0; i < blocks.size(); ++i) {
-            blocks[i] += tiles[i].moments;
+        for (size_t i = 0; i < tiles.size(); ++i) {
+            const auto x0 = static_cast<uint32_t>(i % columns) * kTile, y0 = static_cast<uint32_t>(i / columns) * kTile;
+            const uint32_t width = std::min(kTile, size.width - x0);
+            for (size_t k = 0; k < tiles[i].paths.size(); ++k) {
+                const auto in_tile = static_cast<uint32_t>(k / candidates.size());
+                const size_t pixel = size_t{y0 + in_tile / width} * size.width + x0 + in_tile % width;
+                const size_t c = k % candidates.size();
+                moments[pixel * candidates.size() + c].add(tiles[i].paths[k], weighed_candidates[c]);
+            }
             counts.eye_vertices += tiles[i].counts.eye_vertices;
             counts.open_vertices += tiles[i].counts.open_vertices;
             counts.found += tiles[i].counts.found;
         }
-        for (size_t i = 0; i < paths.splats.size(); ++i) {
-            const LightSplat& splat = paths.splats[i];
-            scene.filter.visit_pixels(splat.film, size, [&](uint32_t pixel, float) {
-                const uint32_t x = pixel % size.width / kTile, y = pixel / size.width / kTile;
-                blocks[y * columns + x].add(
-                    TechniqueKind::Seen, splat.radiance,
-                    std::span(paths.splat_weights).subspan(i * candidates.size(), candidates.size()),
-                    weighed_candidates);
+        for (size_t i = 0; i < paths.splats.size(); ++i)
+            scene.filter.visit_pixels(paths.splats[i].film, size, [&](uint32_t pixel, float) {
+                for (size_t c = 0; c < candidates.size(); ++c)
+                    moments[pixel * candidates.size() + c].add_seen(
+                        paths.splat_weights[i * candidates.size() + c] * paths.splats[i].radiance,
+                        weighed_candidates[c]);
             });
-        }
     }
     for (PilotThread& thread : threads) rays += thread.counts;
     stats.counts.photon_rays += rays.photon_rays;
@@ -134,30 +142,34 @@ TechniquePilot run_technique_pilot(const TechniquePilotInputs& inputs, Stats& st
          {&counts.eye_vertices, &counts.open_vertices, &counts.light_vertices, &counts.seen, &counts.found})
         *count /= pixels * kPasses;
 
-    // What the pilot itself did says how bright each block is.
-    const auto tried = static_cast<size_t>(
-        std::find_if(candidates.begin(), candidates.end(), [](const auto& c) { return c.light_paths > 0; }) -
-        candidates.begin());
-    const auto pixel_passes_of = [&](size_t block) {
-        const auto x0 = static_cast<uint32_t>(block % columns) * kTile,
-                   y0 = static_cast<uint32_t>(block / columns) * kTile;
-        return double(std::min(kTile, size.width - x0)) * double(std::min(kTile, size.height - y0)) * kPasses;
+    // The pilot says how bright it is around each pixel, too.
+    const size_t most = candidates.size() - 1;  // of all techniques: its samples are the least noisy
+    const auto mean_of_pixel = [&](uint32_t x, uint32_t y) {
+        return moments[(size_t{y} * size.width + x) * candidates.size() + most].mean(kPasses);
     };
     double mean = 0;
-    for (size_t b = 0; b < blocks.size(); ++b)
-        mean += blocks[b].mean(tried, pixel_passes_of(b)) * pixel_passes_of(b) / (pixels * kPasses);
+    for (uint32_t y = 0; y < size.height; ++y)
+        for (uint32_t x = 0; x < size.width; ++x) mean += mean_of_pixel(x, y) / pixels;
+    std::vector<double> relative_variance(candidates.size());
+    for (uint32_t y = 0; y < size.height; ++y)
+        for (uint32_t x = 0; x < size.width; ++x) {
+            double around = 0;
+            uint32_t seen = 0;
+            for (uint32_t v = std::max(y, kAround) - kAround; v < std::min(y + kAround + 1, size.height); ++v)
+                for (uint32_t u = std::max(x, kAround) - kAround; u < std::min(x + kAround + 1, size.width);
+                     ++u, ++seen)
+                    around += mean_of_pixel(u, v);
+            const double scale = 1 / (sqr_of(around / seen) + kLeastMean * sqr_of(mean) + 1e-30);
+            for (size_t c = 0; c < candidates.size(); ++c)
+                relative_variance[c] +=
+                    scale * moments[(size_t{y} * size.width + x) * candidates.size() + c].variance(kPasses) / pixels;
+        }
     const CostlyScene costly{context.scene.triangle_count, context.scene.needs.only_lambert()};
     TechniquePilot judged{.candidates = {}, .chosen = 0};
     const auto worth = [](const JudgedCandidate& c) { return c.relative_variance * c.cost; };
     for (size_t c = 0; c < candidates.size(); ++c) {
-        double variance = 0;
-        for (size_t b = 0; b < blocks.size(); ++b) {
-            const double of_block = blocks[b].mean(tried, pixel_passes_of(b));
-            variance += pixel_passes_of(b) * blocks[b].variance(c, pixel_passes_of(b)) /
-                        (of_block * of_block + kLeastMean * mean * mean + 1e-30);
-        }
         judged.candidates.push_back(
-            {candidates[c], variance / (pixels * kPasses), counted_cost(candidates[c], counts, costly)});
+            {candidates[c], std::max(relative_variance[c], 0.0), counted_cost(candidates[c], counts, costly)});
         if (worth(judged.candidates[c]) < worth(judged.candidates[judged.chosen])) judged.chosen = c;
     }
     return judged;

@@ -27,7 +27,9 @@ MethodInfo vertex_connection_and_merging_row() {
     info.bias_falls_with.emplace();
     info.sources = {
         {"Georgiev et al.", 2012, "Light Transport Simulation with Vertex Connection and Merging"},
-        {"Hachisuka, Pantaleoni and Jensen", 2012, "A Path Space Extension for Robust Light Transport Simulation"}};
+        {"Hachisuka, Pantaleoni and Jensen", 2012, "A Path Space Extension for Robust Light Transport Simulation"},
+        {"Grittmann, Georgiev and Slusallek", 2021,
+         "Correlation-Aware Multiple Importance Sampling for Bidirectional Rendering Algorithms"}};
     return info;
 }
 

@@ -182,12 +182,15 @@ TEST(BidirectionalImages, AreThoseOfPathTracing) {
             settings.filter = c.filter;
             expect_one_mean(expected, block_means(c.scene, settings));
         }
-        test::RenderSettingsOf<VertexConnectionAndMerging> merging{.passes = 300, .seed = 5};
-        merging.params.indirect_bounces = c.bounces;
-        merging.params.adapt = false;
-        merging.params.merging_params.radius_m = 0.02f;
-        merging.filter = c.filter;
-        expect_one_mean(expected, block_means(c.scene, merging));
+        for (const MergeWeights weights : {MergeWeights::Recursive, MergeWeights::CorrelationAware}) {
+            test::RenderSettingsOf<VertexConnectionAndMerging> merging{.passes = 300, .seed = 5};
+            merging.params.indirect_bounces = c.bounces;
+            merging.params.adapt = false;
+            merging.params.merging_params.radius_m = 0.02f;
+            merging.params.merging_params.weights = weights;
+            merging.filter = c.filter;
+            expect_one_mean(expected, block_means(c.scene, merging));
+        }
     }
 }
 

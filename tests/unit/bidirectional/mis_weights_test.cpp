@@ -7,8 +7,10 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
 #include <vector>
 
+#include "renderer/bidirectional/merging_correlation.h"
 #include "renderer/core/rng.h"
 
 namespace photond::mis_weights_test {
@@ -26,6 +28,7 @@ struct Path {
     std::vector<double> cos_back, cos_ahead;  // at x_i, of the directions to x_(i-1) and x_(i+1)
     std::vector<double> eye_pdf, light_pdf;   // [1/sr] at x_i: of eye paths to x_(i-1), of light paths to x_(i+1)
     std::vector<double> acceptance;           // of merging at x_i
+    double first_distance;                    // by which correlated merging counts
     std::vector<bool> delta;
     size_t surfaces() const { return delta.size() - 2; }  // x_0 and x_k have places, too
 };
@@ -41,6 +44,7 @@ Path random_path(RandomStream& random, size_t surfaces, Light light) {
                 .infinite = light == Light::Directional || light == Light::Environment};
     path.camera_pdf = number(10, 1e5);
     path.orthographic = random.next() < 0.3f;
+    path.first_distance = number(1, 60);
     for (size_t i = 0; i < surfaces + 2; ++i) {
         path.distance_sq.push_back(number(0.05, 5));
         path.cos_back.push_back(number(0.05, 1)), path.cos_ahead.push_back(number(0.05, 1));
@@ -54,7 +58,8 @@ Path random_path(RandomStream& random, size_t surfaces, Light light) {
 /// Over the common measure of all techniques; delta scatterings have the density 1 on both sides.
 class Densities {
 public:
-    Densities(const Path& path, const BasicTechniqueNumbers<double>& numbers) : path_(path), n_(numbers) {}
+    Densities(const Path& path, const BasicTechniqueNumbers<double>& numbers, bool correlated)
+        : path_(path), n_(numbers), correlated_(correlated) {}
 
     /// Of the eye's path having x_i, i > 0 its surface, from the camera; of i = 0 the light it meets.
     double eye(size_t i) const {
@@ -95,20 +100,38 @@ public:
     /// ... with x_i merged.
     double merged(size_t i) const {
         if (!n_.merges || path_.delta[i]) return 0;
-        return n_.light_paths * path_.acceptance[i] * lights(0, i) * eyes(i);
+        return n_.light_paths * path_.acceptance[i] * lights(0, i) * eyes(i) * (correlated_ ? share(i) : 1);
+    }
+    /// kappa at x_i, as its source defines it.
+    double share(size_t i) const {
+        if (i == path_.surfaces()) return 1;
+        const double radius = path_.first_distance * std::tan(std::numbers::pi / 180);
+        const double region = std::numbers::pi * radius * radius;
+        const bool from_surface = path_.light == Light::Area;
+        double camera = 1, light_reach = std::min(1.0, light(1) * region * (from_surface ? region : 1));
+        for (size_t j = i; j <= path_.surfaces(); ++j)
+            if (j == path_.surfaces() || !path_.delta[j + 1]) camera *= std::min(1.0, eye(j) * region);
+        for (size_t j = 2; j <= i; ++j)
+            if (!path_.delta[j - 1]) light_reach *= std::min(1.0, light(j) * region);
+        return std::max(camera / (camera + light_reach - camera * light_reach), 1 / n_.light_paths);
     }
 
 private:
     const Path& path_;
     const BasicTechniqueNumbers<double>& n_;
+    const bool correlated_;
 };
 
 /// Sub-paths as the renderer builds them, step by step.
 template <class Real>
 class Walk {
 public:
-    Walk(const Path& path, const BasicMis<Real>& mis, const BasicTechniqueNumbers<Real>& numbers)
-        : path_(path), mis_(mis), n_(numbers) {
+    using Vertex = BasicPathVertex<Real>;
+
+    /// `correlation`: nullptr where weights know nothing of it.
+    Walk(const Path& path, const BasicMis<Real>& mis, const BasicTechniqueNumbers<Real>& numbers,
+         const BasicMergingCorrelation<Real>* correlation)
+        : path_(path), mis_(mis), n_(numbers), correlation_(correlation) {
         end_ = {Real(path.end.direct), Real(path.end.emission), Real(path.end.cosine), path.end.delta,
                 path.end.infinite};
     }
@@ -147,24 +170,61 @@ public:
 
     Real joined(size_t lit) const {
         const size_t k = path_.surfaces() + 1;
-        if (lit == 0) return mis_.light_met(eye(0), end_, n_);
+        const Real first_sq = end_.infinite ? Real(1) : real(path_.distance_sq[0]);
+        const auto first = first_of_light(end_, real(path_.cos_back[1]), first_sq);
+        if (lit == 0) {
+            auto w = eye(0);
+            if (correlation_) {
+                const Real inverse_cos = end_.infinite ? Real(1) : 1 / end_.cosine;
+                w.merges = correlation_->light_met(eye_vertices(1), inverse_cos, first).eye;
+            }
+            return mis_.light_met(w, end_, n_);
+        }
         if (lit == 1) {
             Real direct_sa = end_.direct;
             if (!end_.infinite) direct_sa *= real(path_.distance_sq[0]) / end_.cosine;
-            return mis_.next_event(eye(1), eye_side(1), real(path_.eye_pdf[1]), direct_sa, real(path_.cos_back[1]),
-                                   end_, n_);
+            auto w = eye(1);
+            auto side = eye_side(1);
+            if (correlation_) {
+                const auto merges = correlation_->next_event(eye_vertices(1), side.pdf_back, first);
+                w.merges = merges.eye, side.acceptance *= merges.eye_share;
+            }
+            return mis_.next_event(w, side, real(path_.eye_pdf[1]), direct_sa, real(path_.cos_back[1]), end_, n_);
         }
-        if (lit == k)
-            return mis_.seen_by_camera(
-                light(k - 1), light_side(k - 1),
-                real(path_.camera_pdf * path_.cos_ahead[k - 1] / (path_.orthographic ? 1 : path_.distance_sq[k - 1])),
-                n_);
+        if (lit == k) {
+            const Real camera =
+                real(path_.camera_pdf * path_.cos_ahead[k - 1] / (path_.orthographic ? 1 : path_.distance_sq[k - 1]));
+            auto w = light(k - 1);
+            const auto side = light_side(k - 1);
+            if (correlation_)
+                w.merges = correlation_->seen_by_camera(light_vertices(k - 1), side.pdf_back, camera).light;
+            return mis_.seen_by_camera(w, side, camera, n_);
+        }
         const Real d = real(path_.distance_sq[lit - 1]);
-        return mis_.connection(eye(lit), eye_side(lit), real(path_.eye_pdf[lit] * path_.cos_ahead[lit - 1]) / d,
-                               light(lit - 1), light_side(lit - 1),
-                               real(path_.light_pdf[lit - 1] * path_.cos_back[lit]) / d, n_);
+        const Real to_light = real(path_.eye_pdf[lit] * path_.cos_ahead[lit - 1]) / d,
+                   to_eye = real(path_.light_pdf[lit - 1] * path_.cos_back[lit]) / d;
+        auto from_eye = eye(lit), from_light = light(lit - 1);
+        auto at_eye = eye_side(lit), at_light = light_side(lit - 1);
+        if (correlation_) {
+            const auto merges = correlation_->connection(eye_vertices(lit), at_eye.pdf_back, to_light,
+                                                         light_vertices(lit - 1), at_light.pdf_back, to_eye);
+            from_eye.merges = merges.eye, at_eye.acceptance *= merges.eye_share;
+            from_light.merges = merges.light, at_light.acceptance *= merges.light_share;
+        }
+        return mis_.connection(from_eye, at_eye, to_light, from_light, at_light, to_eye, n_);
     }
-    Real merged(size_t i) const { return mis_.merging(eye(i), eye_side(i), light(i), light_side(i), n_); }
+    Real merged(size_t i) const {
+        auto from_eye = eye(i), from_light = light(i);
+        auto at_eye = eye_side(i);
+        const auto at_light = light_side(i);
+        if (correlation_) {
+            const auto merges =
+                correlation_->merging(eye_vertices(i), at_eye.pdf_back, light_vertices(i), at_light.pdf_back);
+            from_eye.merges = merges.eye, at_eye.acceptance *= merges.eye_share;
+            from_light.merges = merges.light;
+        }
+        return mis_.merging(from_eye, at_eye, from_light, at_light, n_);
+    }
 
 private:
     static Real real(double x) { return static_cast<Real>(x); }
@@ -175,14 +235,63 @@ private:
         return {i == path_.surfaces(), real(path_.light_pdf[i]), real(path_.acceptance[i])};
     }
 
+    /// x_1 ... x_last as the light's path met them.
+    std::vector<Vertex> light_vertices(size_t last) const {
+        std::vector<Vertex> vertices;
+        for (size_t i = 1; i <= last; ++i) {
+            const Real pdf = path_.delta[i] ? Real(1) : real(path_.light_pdf[i]);
+            Vertex v{.acceptance = real(path_.acceptance[i]),
+                     .inverse_cos = 1 / real(path_.cos_back[i]),
+                     .onward = real(path_.cos_ahead[i]) / pdf,
+                     .pdf_back = real(path_.eye_pdf[i]),
+                     .per_area = real(path_.cos_ahead[i]) / real(path_.distance_sq[i]),
+                     .delta = path_.delta[i]};
+            const Real cosine = real(path_.cos_back[i]), distance_sq = real(path_.distance_sq[i - 1]);
+            if (i == 1) {
+                const Vertex first = first_of_light(end_, cosine, distance_sq);
+                v.density = first.density, v.of_two_areas = first.of_two_areas;
+            } else {
+                v.density = path_.delta[i - 1] ? kInfinite : real(path_.light_pdf[i - 1]) * cosine / distance_sq;
+            }
+            vertices.push_back(v);
+        }
+        correlation_->find_reach(vertices);
+        return vertices;
+    }
+    /// x_(k-1) ... x_last as the eye's path met them.
+    std::vector<Vertex> eye_vertices(size_t last) const {
+        std::vector<Vertex> vertices;
+        const size_t k = path_.surfaces() + 1;
+        for (size_t i = k - 1; i >= last; --i) {
+            const Real pdf = path_.delta[i] ? Real(1) : real(path_.eye_pdf[i]);
+            Vertex v{
+                .acceptance = real(path_.acceptance[i]),
+                .inverse_cos = 1 / real(path_.cos_ahead[i]),
+                .onward = real(path_.cos_back[i]) / pdf,
+                .pdf_back = real(path_.light_pdf[i]),
+                .per_area = real(path_.cos_back[i]) / (i == 1 && end_.infinite ? 1 : real(path_.distance_sq[i - 1])),
+                .delta = path_.delta[i]};
+            const Real cosine = real(path_.cos_ahead[i]), distance_sq = real(path_.distance_sq[i]);
+            if (i == k - 1)
+                v.density = real(path_.camera_pdf) * cosine / (path_.orthographic ? 1 : distance_sq);
+            else
+                v.density = path_.delta[i + 1] ? kInfinite : real(path_.eye_pdf[i + 1]) * cosine / distance_sq;
+            vertices.push_back(v);
+        }
+        correlation_->find_reach(vertices);
+        return vertices;
+    }
+
+    static constexpr Real kInfinite = std::numeric_limits<Real>::infinity();
     const Path& path_;
     const BasicMis<Real>& mis_;
     const BasicTechniqueNumbers<Real>& n_;
+    const BasicMergingCorrelation<Real>* correlation_;
     BasicLightEnd<Real> end_;
 };
 
 template <class Real>
-void expect_weights_of_densities(MisHeuristic heuristic, double tolerance) {
+void expect_weights_of_densities(MisHeuristic heuristic, double tolerance, bool correlated) {
     RandomStream random(7, RandomDomain::Test, 0, 0);
     const BasicMis<Real> mis(heuristic);
     size_t techniques = 0;
@@ -193,8 +302,9 @@ void expect_weights_of_densities(MisHeuristic heuristic, double tolerance) {
                                                       .connections = repeat % 3 == 0 ? 0 : 4 * double{random.next()},
                                                       .merges = repeat % 2 == 0};
             const BasicTechniqueNumbers<Real> numbers{Real(exact.light_paths), Real(exact.connections), exact.merges};
-            const Densities densities(path, exact);
-            const Walk<Real> walk(path, mis, numbers);
+            const BasicMergingCorrelation<Real> correlation(heuristic, Real(path.first_distance), numbers.light_paths);
+            const Densities densities(path, exact, correlated);
+            const Walk<Real> walk(path, mis, numbers, correlated ? &correlation : nullptr);
             const auto squared = [&](double p) { return heuristic == MisHeuristic::Power ? p * p : p; };
             const size_t k = path.surfaces() + 1;
             double all = 0;
@@ -221,13 +331,17 @@ void expect_weights_of_densities(MisHeuristic heuristic, double tolerance) {
 }
 
 TEST(MisWeights, AreDensitiesOverTheSumOfAll) {
-    expect_weights_of_densities<double>(MisHeuristic::Balance, 1e-10);
-    expect_weights_of_densities<double>(MisHeuristic::Power, 1e-10);
+    for (const bool correlated : {false, true}) {
+        expect_weights_of_densities<double>(MisHeuristic::Balance, 1e-10, correlated);
+        expect_weights_of_densities<double>(MisHeuristic::Power, 1e-10, correlated);
+    }
 }
 
 TEST(MisWeights, InFloatToo) {
-    expect_weights_of_densities<float>(MisHeuristic::Balance, 1e-5);
-    expect_weights_of_densities<float>(MisHeuristic::Power, 1e-5);
+    for (const bool correlated : {false, true}) {
+        expect_weights_of_densities<float>(MisHeuristic::Balance, 1e-5, correlated);
+        expect_weights_of_densities<float>(MisHeuristic::Power, 1e-5, correlated);
+    }
 }
 
 TEST(MisWeights, DensitiesPastTheRangeOfFloatWeighNothing) {

@@ -15,22 +15,39 @@
 namespace photond::technique_choice_test {
 namespace {
 
-TEST(TechniqueChoice, MomentsAreThoseOfSamplesTakenAsOftenAsTheCandidateDoes) {
-    // Two candidates: as the pilot, and with a quarter of its light paths, where samples weigh half.
-    const std::vector<WeighedCandidate> candidates{{.more_light_paths = 1, .more_connections = 1},
-                                                   {.more_light_paths = 4, .more_connections = 1}};
-    CandidateMoments moments(2);
-    const std::vector<float> weights{1, 0.5f};
-    for (int i = 0; i < 8; ++i) moments.add(TechniqueKind::Seen, Rgb(2), weights, candidates);
-    EXPECT_DOUBLE_EQ(moments.mean(0, 4), 4);
-    EXPECT_DOUBLE_EQ(moments.mean(1, 4), 2);
-    EXPECT_DOUBLE_EQ(moments.variance(0, 4), 8);  // of counts that vary as Poisson's do
-    EXPECT_DOUBLE_EQ(moments.variance(1, 4), 8);
-    CandidateMoments same(2);
-    for (int i = 0; i < 8; ++i) same.add(TechniqueKind::FirstLightSample, Rgb(3), weights, candidates);
-    EXPECT_DOUBLE_EQ(same.variance(0, 8), 0);  // every pixel's pass has this one sample
-    moments += same;
-    EXPECT_DOUBLE_EQ(moments.mean(0, 8), 5);
+// Two candidates: as the pilot, and with a quarter of its light paths.
+const WeighedCandidate kAsPilot{.more_light_paths = 1, .more_connections = 1},
+    kQuarter{.more_light_paths = 4, .more_connections = 1};
+
+TEST(TechniqueChoice, WhatTheCameraSeesVariesAsCountsDo) {
+    PixelMoments as_pilot, quarter;
+    for (int i = 0; i < 8; ++i) as_pilot.add_seen(Rgb(2), kAsPilot), quarter.add_seen(Rgb(1), kQuarter);
+    EXPECT_DOUBLE_EQ(as_pilot.mean(4), 4);
+    EXPECT_DOUBLE_EQ(as_pilot.variance(4), 8);
+    EXPECT_DOUBLE_EQ(quarter.mean(4), 2);
+    EXPECT_DOUBLE_EQ(quarter.variance(4), 8);
+}
+
+TEST(TechniqueChoice, APathsSamplesVaryTogether) {
+    // Four vertices merge in each pass, all worth the same: the eye's path tells what they are worth, 1 or 3.
+    PixelMoments as_pilot, quarter;
+    for (const float worth : {1.0f, 3.0f}) {
+        EyePathSum path;
+        for (int i = 0; i < 4; ++i) path.add(TechniqueKind::Merge, Rgb(worth));
+        as_pilot.add(path, kAsPilot), quarter.add(path, kQuarter);
+    }
+    EXPECT_DOUBLE_EQ(as_pilot.mean(2), 8);
+    EXPECT_DOUBLE_EQ(as_pilot.variance(2), 32);  // of 4 and 12
+    // One of each four is taken, for four times as much: 4 w^2 (4 - 1) more, on average 60.
+    EXPECT_DOUBLE_EQ(quarter.variance(2), 32 + 60);
+    // Without noise there is no variance, whatever the image is.
+    PixelMoments same;
+    for (int pass = 0; pass < 4; ++pass) {
+        EyePathSum path;
+        path.add(TechniqueKind::Alone, Rgb(3));
+        same.add(path, kQuarter);
+    }
+    EXPECT_DOUBLE_EQ(same.variance(4), 0);
 }
 
 TEST(TechniqueChoice, WhatIsGivenStays) {
