@@ -30,6 +30,7 @@ PresetComparison on_scene(std::string_view scene, Reference reference) {
         "stochastic progressive=stochastic_progressive_photon_mapping",
         "vertex connection and merging=vertex_connection_and_merging",
         "all techniques=vertex_connection_and_merging,adapt=false",
+        "recursive weights=vertex_connection_and_merging,weights=recursive",
         "own paths=bidirectional_path_tracing,adapt=false,connections=own_path",
     };
     return comparison;

@@ -25,7 +25,7 @@ class PresetTest(Case):
         self.assertEqual(report["request"]["reference"]["method"]["name"], "bidirectional_path_tracing")
         self.assertEqual({row["label"] for row in report["table"]},
                          {"path tracing", "bidirectional", "stochastic progressive", "vertex connection and merging",
-                          "all techniques", "own paths"})
+                          "all techniques", "recursive weights", "own paths"})
         for row in report["table"]:
             self.assertIsNotNone(row["error"]["relative_mse"], row["label"])
 
