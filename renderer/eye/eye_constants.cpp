@@ -1,7 +1,5 @@
 #include "renderer/eye/eye_constants.h"
 
-#include <algorithm>
-
 #include "renderer/eye/pixel_filter.h"
 
 namespace photond {

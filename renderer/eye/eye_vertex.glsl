@@ -6,42 +6,65 @@
 #include "renderer/transport/bsdf_material.glsl"
 #include "renderer/transport/roulette_shared.h"
 
+/// A light sample that waits for its shadow ray; `wanted`: there is one.
+struct PendingLight {
+    Ray ray;
+    vec3 radiance;
+    bool indirect;
+    bool wanted;
+};
+PendingLight no_pending_light() {
+    return PendingLight(Ray(vec3(0.0), vec3(0.0), 0.0), vec3(0.0), false, false);
+}
+
 struct EyeVertex {
     ShadingPoint surface;
     Bsdf bsdf;
     vec3 wo;  // local to surface.shading
 };
 
-/// Adds what the path sees at the end of its ray: the layers of the first hit, unlit radiance, emission, albedo. The place
-/// of its light samples is set. False: the path ends here.
-bool meet_surface(inout EyePath path, uint vertex, Hit hit, Ray ray, inout PathLight light, out EyeVertex met) {
-    met.surface = make_shading_point(hit, ray.direction);
+/// The surface at the end of the path's ray, and what is seen of it: the layers of the first hit, unlit radiance. False:
+/// the path ends here, and nothing is emitted either.
+bool see_surface(EyePath path, uint vertex, Hit hit, Ray ray, inout PathLight light, out ShadingPoint surface) {
+    surface = make_shading_point(hit, ray.direction);
+    if (vertex == 0)
+        store_first_hit(path.pixel, surface.position, surface.shading.normal, surface.geometric_normal);
+    if (!NEEDS_UNLIT || !has_flag(scene_materials[surface.material].flags, MATERIAL_UNLIT)) return true;
+    if (path.scatterings > 0) return false;
+    const vec3 radiance = unlit_radiance(hit.instance, hit.triangle, hit.u, hit.v);
+    add_radiance(light, path, path.throughput * radiance);
+    light.albedo = radiance;
+    return false;
+}
+
+bool is_emissive(uint material) {
+    return NEEDS_AREA_LIGHTS && max_component(scene_materials[material].emission) > 0.0;
+}
+
+/// Makes ready to scatter at the surface seen, which is met.surface: its lobes, the place of its light samples, albedo.
+/// False: it scatters no more.
+bool open_surface(inout EyePath path, Ray ray, inout PathLight light, inout EyeVertex met) {
     met.bsdf = bsdf_nothing();
     met.wo = vec3(0.0, 0.0, 1.0);
-    const uint flags = scene_materials[met.surface.material].flags;
-    if (vertex == 0)
-        store_first_hit(path.pixel, met.surface.position, met.surface.shading.normal, met.surface.geometric_normal);
-    const bool camera_walk = path.scatterings == 0;
-    if (NEEDS_UNLIT && has_flag(flags, MATERIAL_UNLIT)) {
-        if (!camera_walk) return false;
-        const vec3 radiance = unlit_radiance(hit.instance, hit.triangle, hit.u, hit.v);
-        add_radiance(light, path, path.throughput * radiance);
-        light.albedo = radiance;
-        return false;
-    }
-    if (NEEDS_AREA_LIGHTS && max_component(scene_materials[met.surface.material].emission) > 0.0)
-        add_emission(light, path, hit, met.surface.front_side, ray.direction);
     if (path.scatterings >= eye.max_scatterings) return false;
-
     met.bsdf = make_bsdf(met.surface,
                          medium_stack_outside_ior(path.media, met.surface.material, !met.surface.front_side));
     met.wo = to_local(met.surface.shading, -ray.direction);
     // The first non-delta surface: a walk that reaches another one left this one by a delta lobe.
-    if (camera_walk && layer_kept(PLANE_ALBEDO) && bsdf_has_non_delta(met.bsdf) && is_black(light.albedo))
+    if (path.scatterings == 0 && layer_kept(PLANE_ALBEDO) && bsdf_has_non_delta(met.bsdf) && is_black(light.albedo))
         light.albedo = bsdf_albedo(met.bsdf);
     path.position = met.surface.position;
     path.lit_normal = bsdf_has_non_delta_transmission(met.bsdf) ? vec3(0.0) : met.surface.shading.normal;
     return true;
+}
+
+/// Both, and between them the light that the surface emits, weighed against light samples.
+bool meet_surface(inout EyePath path, uint vertex, Hit hit, Ray ray, inout PathLight light, out EyeVertex met) {
+    met.bsdf = bsdf_nothing();
+    met.wo = vec3(0.0, 0.0, 1.0);
+    if (!see_surface(path, vertex, hit, ray, light, met.surface)) return false;
+    if (is_emissive(met.surface.material)) add_emission(light, path, hit, met.surface.front_side, ray.direction);
+    return open_surface(path, ray, light, met);
 }
 
 /// Sends the path on as sampled; with `roulette`, a number in [0, 1), it may end by Russian roulette. False: it ends.

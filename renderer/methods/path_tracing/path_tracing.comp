@@ -9,7 +9,7 @@
 #define EYE_BINDING 2
 #define SAMPLER_BINDING 3
 #include "renderer/backends/gpu/invocation.glsl"
-#include "renderer/methods/path_tracing/path_step.glsl"
+#include "renderer/eye/path_step.glsl"
 
 layout(local_size_x = EYE_TILE * EYE_TILE) in;
 layout(push_constant, scalar) uniform Push { PathTracingPush push; };

@@ -2,9 +2,9 @@
 
 #include "renderer/backends/gpu/device_scene.h"
 #include "renderer/eye/eye_constants.h"
+#include "renderer/eye/path_wavefront_gpu.h"
 #include "renderer/frame/device_frame.h"
 #include "renderer/methods/path_tracing/path_tracing_shared.h"
-#include "renderer/methods/path_tracing/path_wavefront_gpu.h"
 #include "renderer/scene/scene.h"
 
 namespace photond {
@@ -12,11 +12,6 @@ namespace photond {
 namespace {
 
 constexpr std::string_view kShader = "renderer/methods/path_tracing/path_tracing.comp";
-constexpr uint32_t kTilePixels = EYE_TILE * EYE_TILE;
-
-uint32_t tiles_of_piece(uint32_t tiles, uint32_t paths_per_submit) {
-    return std::clamp(paths_per_submit / kTilePixels, 1u, std::max(tiles, 1u));
-}
 
 }  // namespace
 
@@ -27,7 +22,7 @@ struct PathTracingGpu::State {
           seed(context.seed),
           sampler_kind(params.sampler),
           tiles(eye_tile_count(size)),
-          tiles_a_piece(tiles_of_piece(tiles, device.paths_per_submit())),
+          tiles_a_piece(eye_tiles_at_once(tiles, device.paths_per_submit())),
           eye(device, "eye", sizeof(gpu::EyeConstants)),
           sampler(device, "sampler", sizeof(gpu::PassSamplerData)),
           frame(context, [this](uint32_t pass, DeviceFrame::Steps& steps) { add_steps(pass, steps); }) {
@@ -49,7 +44,7 @@ struct PathTracingGpu::State {
                          }});
         for (uint32_t first = 0; first < tiles; first += tiles_a_piece) {
             const uint32_t end = std::min(first + tiles_a_piece, tiles);
-            steps.push_back({uint64_t{end - first} * kTilePixels,
+            steps.push_back({uint64_t{end - first} * kEyeTilePixels,
                              [=, this](gpu::CommandList& commands) { record_paths(first, end, commands); }});
         }
         steps.push_back({0, [this](gpu::CommandList& commands) { frame.image().record_readback(commands); }});
@@ -58,14 +53,14 @@ struct PathTracingGpu::State {
     void record_paths(uint32_t first, uint32_t end, gpu::CommandList& commands) {
         DeviceImage& image = frame.image();
         if (wavefront) {
-            wavefront->record(commands, image, eye, sampler, first, end);
+            wavefront->record(commands, {image, eye, sampler}, first, end);
         } else {
             const gpu::Scope scope(commands, "indirect");
             commands.bind(*megakernel, {gpu::read_write("device_layers", image.layers()),
                                         gpu::read_write("device_counters", image.counters()), gpu::read("eye", eye),
                                         gpu::read("pass_sampler", sampler)});
             commands.push(gpu::PathTracingPush{first, end});
-            commands.dispatch_threads(uint64_t{end - first} * kTilePixels, kTilePixels);
+            commands.dispatch_threads(uint64_t{end - first} * kEyeTilePixels, kEyeTilePixels);
         }
     }
 
@@ -92,7 +87,7 @@ uint64_t PathTracingGpu::estimate_device_bytes(const PathTracingParams& params, 
         DeviceFrame::estimate_device_bytes(workload) + sizeof(gpu::PassSamplerData) + sizeof(gpu::EyeConstants);
     if (params.gpu_kernels == PathKernels::Wavefront)
         bytes += PathWavefrontGpu::device_bytes(
-            tiles_of_piece(eye_tile_count(workload.film_size), gpu::Device::kMostPathsPerSubmit));
+            eye_tiles_at_once(eye_tile_count(workload.film_size), gpu::Device::kMostPathsPerSubmit));
     return bytes;
 }
 

@@ -3,7 +3,8 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 
-#include "renderer/methods/path_tracing/path_wave.glsl"
+#include "renderer/eye/path_wave.glsl"
+#include "renderer/eye/path_step.glsl"
 
 void main() {
     uint place;
@@ -16,14 +17,6 @@ void main() {
     PendingLight pending;
     const bool goes_on = shade_path(push.vertex, state.key, path_hits[place], path, ray, light, pending);
     store_light(path.pixel, light);
-    if (goes_on) {
-        path_states[place] = pack_path(path, ray, state.key);
-        path_queues[(1 - push.odd) * push.capacity + take_place(PATHS_NEXT)] = place;
-    }
-    if (pending.wanted) {
-        ShadowState shadow;
-        shadow.origin = pending.ray.origin, shadow.direction = pending.ray.direction, shadow.t_max = pending.ray.t_max;
-        shadow.pixel = path.pixel, shadow.radiance = pending.radiance, shadow.indirect = pending.indirect ? 1 : 0;
-        path_shadows[take_place(SHADOWS_NEXT)] = shadow;
-    }
+    if (goes_on) keep_path(place, path, ray, state.key);
+    if (pending.wanted) add_shadow(pending, path.pixel);
 }

@@ -5,18 +5,10 @@
 
 #include "renderer/eye/eye_vertex.glsl"
 
-/// A light sample that waits for its shadow ray; `wanted`: there is one.
-struct PendingLight {
-    Ray ray;
-    vec3 radiance;
-    bool indirect;
-    bool wanted;
-};
-
 /// Shades the hit. False: the path ends; `pending` may be wanted all the same.
 bool shade_path(uint vertex, uint key, Hit hit, inout EyePath path, inout Ray ray, inout PathLight light,
                 out PendingLight pending) {
-    pending = PendingLight(Ray(vec3(0.0), vec3(0.0), 0.0), vec3(0.0), false, false);
+    pending = no_pending_light();
     path.throughput *= transmittance(path.media, hit.t);
     if (!hit_valid(hit)) {
         add_environment(light, path, ray.direction);

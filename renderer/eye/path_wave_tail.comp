@@ -3,7 +3,9 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 
-#include "renderer/methods/path_tracing/path_wave.glsl"
+#define PATH_WAVE_TAIL
+#include "renderer/eye/path_wave.glsl"
+#include "renderer/eye/path_step.glsl"
 
 void main() {
     uint place;

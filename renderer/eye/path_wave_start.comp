@@ -3,7 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 
-#include "renderer/methods/path_tracing/path_wave.glsl"
+#include "renderer/eye/path_wave.glsl"
 
 /// push: `vertex` is the first tile, `odd` the one after the last.
 void main() {
@@ -14,6 +14,6 @@ void main() {
     uint key;
     if (!start_eye_path(tile, push.odd, place % (EYE_TILE * EYE_TILE), path, ray, key)) return;
     path_states[place] = pack_path(path, ray, key);
-    path_queues[take_place(PATHS_NEXT)] = place;
+    wave_queues[WAVE_COUNT_WORDS + take_place(WAVE_PATHS)] = place;
     count(COUNTER_CAMERA_RAYS, 1);
 }

@@ -3,7 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 
-#include "renderer/methods/path_tracing/path_wave.glsl"
+#include "renderer/eye/path_wave.glsl"
 
 void main() {
     uint place;

@@ -3,11 +3,11 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 
-#include "renderer/methods/path_tracing/path_wave.glsl"
+#include "renderer/eye/path_wave.glsl"
 
 void main() {
     const uint i = flat_index();
-    if (i >= path_counts[SHADOWS_NOW]) return;
+    if (i >= wave_queues[WAVE_NOW(WAVE_SHADOWS)]) return;
     const ShadowState shadow = path_shadows[i];
     count(COUNTER_SHADOW_RAYS, 1);
     if (occluded(Ray(shadow.origin, shadow.direction, shadow.t_max))) return;
