@@ -7,6 +7,7 @@
 #define EDGE_WORDS 7
 
 #define DISC_COSINE 0.5f         // between normals: surface and photons that are turned more are another's
+#define DISC_LEAST_COSINE 1e-3f  // between a photon and the normal of where it lies, that sums are divided by
 #define DISC_LEAST_MASS 0.05f    // of a disc's, that sums are divided by
 #define DISC_FINE_BATCH 8        // places that are looked up at once, and covered ones that are waited for
 #define DISC_COARSE_BATCH 4      // the same where many discs are averaged

@@ -13,7 +13,7 @@ namespace photond {
 /// A photon's flux is L |cos_p| dw dA; the estimate divides by |cos_p| where the shading normal differs. Below this it
 /// divides by this: directions are stored to 7e-5 rad, normals to 2e-3, and weights without a bound would have no
 /// variance. Uniform light about a shading normal tilted by a loses at most 1e-3 sin(a) of its irradiance.
-inline constexpr float kLeastCosine = 1e-3f;
+inline constexpr float kLeastCosine = DISC_LEAST_COSINE;
 
 /// Where photons are counted.
 struct Disc {

@@ -14,8 +14,6 @@ constexpr float kMostCells = 0x1p20f;
 
 uint64_t table_size(uint64_t points) { return std::bit_ceil(std::max<uint64_t>(points, 64)); }
 
-uint32_t bits_of(uint32_t values) { return std::max(static_cast<uint32_t>(std::bit_width(values - 1)), 1u); }
-
 }  // namespace
 
 gpu::HashGridConstants lay_out_grid(const Bounds3& bounds, float cell_m, uint64_t points) {
@@ -40,6 +38,8 @@ gpu::HashGridConstants lay_out_grid(const Bounds3& bounds, float cell_m, uint64_
 
 uint64_t grid_starts_for(uint64_t points) { return table_size(points) + 1; }
 
+uint32_t key_bits_of(uint32_t values) { return std::max(static_cast<uint32_t>(std::bit_width(values - 1)), 1u); }
+
 GridPhotons::GridPhotons(gpu::Device& device, uint64_t start_words, uint64_t capacity, uint64_t more)
     : starts(device, "photon_maps", start_words * sizeof(uint32_t)),
       places(device, "photon_maps", capacity * sizeof(gpu::PhotonPlace)),
@@ -58,21 +58,30 @@ HashGridGpu::HashGridGpu(gpu::Device& device)
 void HashGridGpu::record(gpu::CommandList& commands, const gpu::HashGridConstants& grid, gpu::Buffer& tracer_state,
                          uint32_t paths, UnsortedPhotons& photons, GridPhotons& to) {
     const gpu::DeviceWord count(tracer_state, PHOTONS_STORED_WORD);
-    photons.sort.record(commands, photons.paths, photons.order, count, bits_of(paths));
-    commands.bind(keys_, {gpu::read("count", tracer_state), gpu::read("order", photons.order),
-                          gpu::read("places", photons.places), gpu::write("keys", photons.paths)});
-    commands.push(grid);
-    commands.dispatch_threads(grid.capacity, HASH_GRID_GROUP);
-    photons.sort.record(commands, photons.paths, photons.order, count, bits_of(grid.slots));
-    commands.bind(
-        starts_, {gpu::read("count", tracer_state), gpu::read("keys", photons.paths), gpu::write("starts", to.starts)});
-    commands.push(grid);
-    commands.dispatch_threads(uint64_t{grid.slots} + 1, HASH_GRID_GROUP);
+    photons.sort.record(commands, photons.paths, photons.order, count, key_bits_of(paths));
+    record_cells(commands, grid, {tracer_state, photons.places, photons.paths, photons.order, photons.sort}, to.starts);
     commands.bind(order_, {gpu::read("count", tracer_state), gpu::read("order", photons.order),
                            gpu::read("places", photons.places), gpu::read("powers", photons.powers),
                            gpu::write("map_places", to.places), gpu::write("map_powers", to.powers)});
     commands.push(grid);
     commands.dispatch_threads(grid.capacity, HASH_GRID_GROUP);
+}
+
+void HashGridGpu::record_cells(gpu::CommandList& commands, const gpu::HashGridConstants& grid, const Points& points,
+                               gpu::Buffer& starts) {
+    commands.bind(keys_, {gpu::read("count", points.count), gpu::read("order", points.order),
+                          gpu::read("places", points.places), gpu::write("keys", points.keys)});
+    commands.push(grid);
+    commands.dispatch_threads(grid.capacity, HASH_GRID_GROUP);
+    points.sort.record(commands, points.keys, points.order, points.count, key_bits_of(grid.slots));
+    record_starts(commands, grid, points.count, points.keys, starts);
+}
+
+void HashGridGpu::record_starts(gpu::CommandList& commands, const gpu::HashGridConstants& grid, gpu::Buffer& count,
+                                gpu::Buffer& keys, gpu::Buffer& starts) {
+    commands.bind(starts_, {gpu::read("count", count), gpu::read("keys", keys), gpu::write("starts", starts)});
+    commands.push(grid);
+    commands.dispatch_threads(uint64_t{grid.slots} + 1, HASH_GRID_GROUP);
 }
 
 }  // namespace photond

@@ -12,6 +12,9 @@ gpu::HashGridConstants lay_out_grid(const Bounds3& bounds, float cell_m, uint64_
 /// Most words of the table that lay_out_grid() asks for: slots and one more.
 uint64_t grid_starts_for(uint64_t points);
 
+/// Of keys that are below `values`.
+uint32_t key_bits_of(uint32_t values);
+
 /// Photons in the order of their grids, of one grid or more; hash_grid.glsl searches them.
 struct GridPhotons {
     /// `more`: room behind the powers for so many records of 16 bytes that are the caller's.
@@ -29,6 +32,21 @@ public:
     /// the same order every time.
     void record(gpu::CommandList& commands, const gpu::HashGridConstants& grid, gpu::Buffer& tracer_state,
                 uint32_t paths, UnsortedPhotons& photons, GridPhotons& to);
+
+    /// Points of any kind, as many as the first word of `count` says: `order` names them, in an order that those of one
+    /// cell keep. It is sorted by cell; `keys` are those of its points then, and `starts` say where each slot's begin.
+    struct Points {
+        gpu::Buffer& count;
+        gpu::Buffer& places;  // a position, and a word of the point's own
+        gpu::Buffer& keys;
+        gpu::Buffer& order;
+        gpu::RadixSort& sort;
+    };
+    void record_cells(gpu::CommandList& commands, const gpu::HashGridConstants& grid, const Points& points,
+                      gpu::Buffer& starts);
+    /// Where the points of each slot begin, of keys in their order.
+    void record_starts(gpu::CommandList& commands, const gpu::HashGridConstants& grid, gpu::Buffer& count,
+                       gpu::Buffer& keys, gpu::Buffer& starts);
 
 private:
     gpu::ComputePipeline keys_, starts_, order_;

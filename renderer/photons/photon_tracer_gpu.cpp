@@ -17,8 +17,6 @@ static_assert(PHOTON_SET_DIRECTION == sample_set(EmissionSet::Direction) &&
               PHOTON_SET_POSITION == sample_set(EmissionSet::Position) &&
               PHOTON_SET_LIGHT == sample_set(EmissionSet::Light));
 
-constexpr uint32_t kMostThreads = 1u << 17;  // each takes path after path: what a large card runs at once
-
 constexpr uint64_t kPhotonBytes = sizeof(gpu::PhotonPlace) + sizeof(gpu::PhotonPower) + 2 * sizeof(uint32_t);
 
 gpu::Buffer make_stores(const gpu::DeviceScene& scene) {
@@ -68,7 +66,7 @@ void PhotonTracerGpu::record_start(gpu::CommandList& commands) { commands.fill(s
 void PhotonTracerGpu::record_paths(gpu::CommandList& commands, uint64_t seed, uint32_t pass, uint32_t first,
                                    uint32_t end, UnsortedPhotons& photons, uint32_t capacity) {
     const SequenceSampler sampler(tracing_.sampler, seed, RandomDomain::Photons, static_cast<uint32_t>(tracing_.kind));
-    const uint32_t threads = std::min(end - first, kMostThreads);
+    const uint32_t threads = std::min(end - first, kMostPathThreads);
     commands.fill(state_, 0, NEXT_PATH_WORD * sizeof(uint32_t), sizeof(uint32_t));
     commands.bind(pipeline_, {gpu::read_write("state", state_), gpu::write("places", photons.places),
                               gpu::write("powers", photons.powers), gpu::write("paths", photons.paths),

@@ -9,6 +9,9 @@
 
 namespace photond {
 
+/// Threads that follow light paths, each one after another: what a large card runs at once.
+inline constexpr uint32_t kMostPathThreads = 1u << 17;
+
 /// Photons as a tracer appended them, in whatever order its threads came; several tracers may use it in turn.
 struct UnsortedPhotons {
     /// `capacity`: most photons of one map.

@@ -127,7 +127,7 @@ PhotonDisc find_nearest(PhotonMapConstants map, vec3 p) {
 
 /// A photon's flux is L |cos_p| dw dA; the estimate divides by |cos_p|, the cosine to the normal of the surface it lies on,
 /// where the shading normal differs, but by no less than this.
-const float LEAST_COSINE = 1e-3;
+const float LEAST_COSINE = DISC_LEAST_COSINE;
 const float LEAST_NORMAL_FLOAT = 1.17549435e-38;
 
 struct RadianceEstimate {
