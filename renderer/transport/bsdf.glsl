@@ -191,6 +191,13 @@ Bsdf bsdf_with_geometric_normal(Bsdf bsdf, vec3 geometric_normal) {
     return bsdf;
 }
 
+/// As looked at from the far side, in a frame in which the geometric normal on that side is this.
+Bsdf bsdf_from_far_side(Bsdf bsdf, vec3 geometric_normal) {
+    bsdf.geometric_normal = geometric_normal;
+    if (bsdf.eta > 0) bsdf.eta = 1.0 / bsdf.eta;
+    return bsdf;
+}
+
 /// The two parts of f = f_s + f_d, by which light paths are classified (methods.md, "photon_mapping"). Specular: delta
 /// lobes, and GGX lobes with alpha below the threshold; rough: all others.
 Bsdf bsdf_part(Bsdf bsdf, bool specular, float glossy_threshold) {

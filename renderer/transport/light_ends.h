@@ -2,6 +2,7 @@
 // Densities of a light's points and directions by both samplers: the one that lights a point from them
 // (light_sampling.h) and the one that starts light paths there (emission_sampling.h). For methods that weigh the two.
 
+#include <span>
 #include <vector>
 
 #include "renderer/transport/emission_sampling.h"
@@ -40,6 +41,9 @@ public:
     /// ... at the path's first hit, which is p.
     float direct_at_first_hit(const EmissionSample& sample, const vec3& p, const vec3& n, float distance) const;
 
+    /// By emitter: with which light paths start there [1/m^2]; of two-sided ones either side's.
+    std::span<const float> emission_per_m2() const { return emission_per_m2_; }
+
     uint64_t bytes() const { return emission_per_m2_.capacity() * sizeof(float); }
 
 private:
@@ -51,7 +55,6 @@ private:
     const LightSampler& lights_;
     const EmissionSampler& emission_;
     uint32_t triangles_;  // lights of the emission before the punctual ones
-    // By emitter: with which light paths start there [1/m^2]; of two-sided ones either side's.
     std::vector<float> emission_per_m2_;
 };
 

@@ -23,6 +23,7 @@ struct LightSample {
     float pdf_sa;            // [1/sr], choice of light included; delta lights: probability of the choice alone
     bool delta;              // no other technique finds this light: its MIS weight is 1
     uint source;             // what casts one shadow: light_source_of_*
+    uint emitter;            // NO_EMITTER where it is none: directional lights and the environment
 };
 
 /// The ray that must not be occluded. `origin`: the lit point, moved off its surface (offset_ray_origin).
@@ -184,8 +185,13 @@ bool sample_area_emitter(EmitterRecord e, vec3 p, vec2 u, float probability, out
 bool sample_emitter(uint emitter, vec3 p, vec2 u, float probability, out LightSample light_sample) {
     const EmitterRecord e = emitters[emitter];
     const bool punctual = NEEDS_PUNCTUAL_LIGHTS && (!NEEDS_AREA_LIGHTS || emitter_shape(e) >= EMITTER_POINT);
-    if (punctual) return sample_punctual_emitter(e, p, probability, light_sample);
-    return sample_area_emitter(e, p, u, probability, light_sample);
+    bool carries;
+    if (punctual)
+        carries = sample_punctual_emitter(e, p, probability, light_sample);
+    else
+        carries = sample_area_emitter(e, p, u, probability, light_sample);
+    light_sample.emitter = emitter;
+    return carries;
 }
 
 bool sample_light_from_tree(vec3 p, vec3 n, float u_select, vec2 u, float group_probability,
@@ -232,6 +238,7 @@ bool sample_light_groups(vec3 p, vec3 n, float u_select, vec2 u, out LightSample
             light_sample.pdf_sa = probability;
             light_sample.delta = true;
             light_sample.source = light_source_of_punctual(light);
+            light_sample.emitter = NO_EMITTER;
             return true;
         }
     }
@@ -243,15 +250,31 @@ bool sample_light_groups(vec3 p, vec3 n, float u_select, vec2 u, out LightSample
     light_sample.radiance_over_pdf = environment_radiance(light_sample.wi) / light_sample.pdf_sa;
     light_sample.delta = false;
     light_sample.source = light_source_of_environment();
+    light_sample.emitter = NO_EMITTER;
     return max_component(light_sample.radiance_over_pdf) > 0.0;
 }
 
 /// Draws one light and a direction to it. `u_select` and `u` uniform in [0,1). False when the sample carries nothing:
 /// the estimate is then zero, and nothing else of it means anything.
 bool sample_light(vec3 p, vec3 n, float u_select, vec2 u, out LightSample light_sample) {
-    light_sample = LightSample(vec3(0.0), INFINITY, vec3(0.0), vec3(0.0), 0.0, false, 0u);
+    light_sample = LightSample(vec3(0.0), INFINITY, vec3(0.0), vec3(0.0), 0.0, false, 0u, NO_EMITTER);
     if (NEEDS_LIGHT_GROUPS) return sample_light_groups(p, n, u_select, u, light_sample);
     return sample_light_from_tree(p, n, u_select, u, 1.0, light_sample);
+}
+
+/// With which sample_light() chooses an emitter.
+float light_emitter_probability(vec3 p, vec3 n, uint emitter) {
+    const float probability = light_tree_probability(p, n, emitter);
+    if (!NEEDS_LIGHT_GROUPS || !(probability > 0.0)) return probability;
+    const LightGroups g = light_groups(p, n);
+    return probability * light_groups_probability(g, g.tree);
+}
+
+/// With which it chooses that punctual light.
+float light_probability_punctual(vec3 p, vec3 n, uint light) {
+    const uint emitter = light_words[light_constants.emitter_of_punctual + light];
+    if (emitter != NO_EMITTER) return light_emitter_probability(p, n, emitter);
+    return light_groups_probability(light_groups(p, n), directional_estimate(punctual_lights[light], n));
 }
 
 /// Density [1/sr] with which sample_light() draws the direction `wi` (unit) that meets this triangle at `distance`; 0
@@ -260,11 +283,7 @@ float light_pdf_triangle(vec3 p, vec3 n, uint instance, uint triangle, vec3 wi, 
     const uint emitter = emitter_of(instance, triangle);
     if (emitter == NO_EMITTER) return 0.0;
     const EmitterRecord e = emitters[emitter];
-    float probability = light_tree_probability(p, n, emitter);
-    if (NEEDS_LIGHT_GROUPS && probability > 0.0) {
-        const LightGroups g = light_groups(p, n);
-        probability *= light_groups_probability(g, g.tree);
-    }
+    const float probability = light_emitter_probability(p, n, emitter);
     const float cosine = abs(dot(e.normal, wi));
     if (!(probability > 0.0) || !(cosine > 0.0)) return 0.0;
     const SeenFrom seen = see(e, p);

@@ -8,6 +8,7 @@
 #include "renderer/transport/emission_sampling.h"
 #include "renderer/transport/emitter.h"
 #include "renderer/transport/environment_sampling.h"
+#include "renderer/transport/light_ends.h"
 #include "renderer/transport/light_sampling.h"
 #include "renderer/transport/light_tree.h"
 #include "renderer/transport/light_triangle.h"
@@ -98,7 +99,7 @@ uint32_t append(std::vector<T>& to, std::span<const T> numbers) {
     return static_cast<uint32_t>(first);
 }
 
-void add_light_sampler(LightTables& tables, const LightSampler& sampler) {
+void add_light_sampler(LightTables& tables, const Scene& scene, const LightSampler& sampler) {
     if (sampler.tree().nodes().size() > LIGHT_NODE_INDEX)
         throw Error(ErrorCode::Unsupported, "",
                     std::to_string(sampler.emitters().size()) + " lights to choose from are more than the device's " +
@@ -120,6 +121,12 @@ void add_light_sampler(LightTables& tables, const LightSampler& sampler) {
     constants.first_of_instance = append(tables.words, sampler.first_of_instance());
     constants.emitter_of_triangle = append(tables.words, sampler.emitter_of_triangle());
     constants.directional = append(tables.words, sampler.directional());
+    std::vector<uint32_t> of_punctual(scene.punctual_lights.size(), kNoEmitter);
+    for (uint32_t e = 0; e < sampler.emitters().size(); ++e) {
+        const Emitter& emitter = sampler.emitters()[e];
+        if (emitter.shape >= Emitter::Shape::Point) of_punctual[emitter.instance] = e;
+    }
+    constants.emitter_of_punctual = append<uint32_t>(tables.words, of_punctual);
     constants.directional_lights = static_cast<uint32_t>(sampler.directional().size());
 }
 
@@ -164,7 +171,9 @@ LightTables make_light_tables(const Scene& scene) {
     const LightSampler light_sampler(scene);
     const EmissionSampler emission_sampler(scene);
     LightTables tables;
-    add_light_sampler(tables, light_sampler);
+    add_light_sampler(tables, scene, light_sampler);
+    const LightEnds ends(scene, light_sampler, emission_sampler);
+    for (size_t e = 0; e < tables.emitters.size(); ++e) tables.emitters[e].emission_per_m2 = ends.emission_per_m2()[e];
     add_emission_sampler(tables, scene, emission_sampler);
     if (scene.environment) add_environment(tables, *scene.environment, *light_sampler.environment());
     for (const PunctualLight& light : scene.punctual_lights) tables.punctual_lights.push_back(to_device(light));

@@ -31,7 +31,7 @@ struct EmitterRecord {
     vec3 normal;
     float area_m2;
     vec3 radiance;
-    uint unused;  // so that each begins where a load of 16 bytes can
+    float emission_per_m2;  // with which light paths start there: LightEnds::emission_per_m2()
 };
 
 // LightNodeRecord::link: what a node is and where it leads.
@@ -79,7 +79,8 @@ struct LightConstants {
     uint leaves;             // of emitters, two words each
     uint first_of_instance;  // LightSampler's
     uint emitter_of_triangle;
-    uint directional;  // indices of punctual lights
+    uint directional;          // indices of punctual lights
+    uint emitter_of_punctual;  // NO_EMITTER for the directional ones
     uint choice_guide;
     // LIGHT_FLOATS
     uint choice_cdf;
@@ -105,7 +106,7 @@ struct LightConstants {
 
 #ifdef __cplusplus
 static_assert(sizeof(EmitterRecord) == 80 && sizeof(LightNodeRecord) == 48 && sizeof(PunctualLightRecord) == 64 &&
-                  sizeof(LightConstants) == 100,
+                  sizeof(LightConstants) == 104,
               "scalar layout has no padding");
 }  // namespace photond::gpu
 #endif

@@ -11,15 +11,16 @@
 struct PhotonScattering {
     vec3 direction;  // world, unit: where the photon goes on to
     vec3 weight;     // power changes by this factor, over the probability of the direction
+    float pdf_sa;    // of the direction [1/sr], as scatter_pdf() says; of a delta lobe the probability of its choice
     bool delta;
     bool refraction;  // the medium changes: medium_stack_cross()
 };
-const PhotonScattering NO_PHOTON_SCATTERING = PhotonScattering(vec3(0.0), vec3(0.0), false, false);
+const PhotonScattering NO_PHOTON_SCATTERING = PhotonScattering(vec3(0.0), vec3(0.0), 0.0, false, false);
 
 bool photon_scattering_valid(PhotonScattering scattering) { return !is_black(scattering.weight); }
 
-/// Whether eyes may see two frames. Flat meshes with normals of their own differ by rounding alone.
-bool leans(ShadingPoint point) {
+/// Whether eyes may see the point in two frames. Flat meshes with normals of their own differ by rounding alone.
+bool has_two_frames(ShadingPoint point) {
     if (!NEEDS_SMOOTH_NORMALS && !NEEDS_NORMAL_MAPS) return false;
     const vec3 difference = point.smooth_normal - point.geometric_normal;
     return dot(difference, difference) > 1e-10;
@@ -75,21 +76,22 @@ PhotonScattering scatter_diffuse(ShadingPoint point, Bsdf bsdf, vec3 wi, vec2 u)
     // Again by the direction itself: a cosine of 0 has no density.
     const float cos_out = dot(point.geometric_normal, scattering.direction);
     if (local.z <= 0 || cos_out <= 0) return scattering;
+    scattering.pdf_sa = cos_out * INV_PI;
     scattering.weight = scatter_density(point, bsdf, wi, scattering.direction) * (PI / cos_out);
     return scattering;
+}
+
+/// Of any lobes where the smooth normal leans: how many directions are drawn about the geometric normal.
+float share_about_geometric(ShadingPoint point, Bsdf bsdf, vec3 wi) {
+    // Light from below the smooth normal's plane is seen by eyes that use the geometric normal alone.
+    if (point.shading.normal == point.geometric_normal) return 0.0;
+    return leaves_below(point, bsdf, wi) ? GEOMETRIC_SHARE_BELOW : bsdf_has_non_delta(bsdf) ? GEOMETRIC_SHARE : 0.0;
 }
 
 /// Any lobes where the smooth normal leans: drawn about the normal that the photon's own side sees, or about the
 /// geometric one.
 PhotonScattering scatter_leaning(ShadingPoint point, Bsdf bsdf, vec3 wi, float u_lobe, vec2 u) {
-    // Light from below the smooth normal's plane is seen by eyes that use the geometric normal alone.
-    const bool one_frame = point.shading.normal == point.geometric_normal;
-    float geometric_share = 0.0;
-    if (!one_frame)
-        geometric_share = leaves_below(point, bsdf, wi) ? GEOMETRIC_SHARE_BELOW
-                          : bsdf_has_non_delta(bsdf)    ? GEOMETRIC_SHARE
-                                                        : 0.0;
-
+    const float geometric_share = share_about_geometric(point, bsdf, wi);
     const bool by_geometric = u_lobe < geometric_share;
     const float share = by_geometric ? geometric_share : 1.0 - geometric_share;
     u_lobe = min((by_geometric ? u_lobe : u_lobe - geometric_share) / share, BELOW_ONE);
@@ -103,7 +105,7 @@ PhotonScattering scatter_leaning(ShadingPoint point, Bsdf bsdf, vec3 wi, float u
     const BsdfSample s = bsdf_sample(lobes, to_local(drawn, wi), u_lobe, u, TRANSPORT_IMPORTANCE);
     if (!bsdf_sample_valid(s)) return NO_PHOTON_SCATTERING;
 
-    PhotonScattering scattering = PhotonScattering(to_world(drawn, s.wi), vec3(0.0), s.delta, s.refraction);
+    PhotonScattering scattering = PhotonScattering(to_world(drawn, s.wi), vec3(0.0), 0.0, s.delta, s.refraction);
     const vec3 eye_normal = normal_of_eye(point, scattering.direction);
     const float change = correction(point, eye_normal, wi, scattering.direction);
     if (change <= 0) return NO_PHOTON_SCATTERING;
@@ -112,12 +114,14 @@ PhotonScattering scatter_leaning(ShadingPoint point, Bsdf bsdf, vec3 wi, float u
         // About another normal the lobe does not go this way.
         if (!seen_as_drawn) return NO_PHOTON_SCATTERING;
         scattering.weight = s.weight * (change / share);
+        scattering.pdf_sa = share * s.pdf_sa;
         return scattering;
     }
     BsdfValue of_other = NO_BSDF_VALUE;
     if (geometric_share > 0) of_other = evaluate_framed(point, bsdf, other, wi, scattering.direction);
     const vec3 f_cos = seen_as_drawn ? s.weight * s.pdf_sa : of_other.f_cos;
-    scattering.weight = f_cos * (change / (share * s.pdf_sa + (1.0 - share) * of_other.pdf_sa));
+    scattering.pdf_sa = share * s.pdf_sa + (1.0 - share) * of_other.pdf_sa;
+    scattering.weight = f_cos * (change / scattering.pdf_sa);
     return scattering;
 }
 
@@ -125,13 +129,31 @@ PhotonScattering scatter_leaning(ShadingPoint point, Bsdf bsdf, vec3 wi, float u
 /// the lobes in `bsdf`, which is part of (or all of) the BSDF at that point as looked at from wi_world. The numbers are
 /// uniform in [0, 1).
 PhotonScattering scatter_photon(ShadingPoint point, Bsdf bsdf, vec3 wi_world, float u_lobe, vec2 u) {
-    if (leans(point)) {
+    if (has_two_frames(point)) {
         if (bsdf_is_diffuse(bsdf)) return scatter_diffuse(point, bsdf, wi_world, u);
         return scatter_leaning(point, bsdf, wi_world, u_lobe, u);
     }
     const BsdfSample s = bsdf_sample(bsdf, to_local(point.shading, wi_world), u_lobe, u, TRANSPORT_IMPORTANCE);
     if (!bsdf_sample_valid(s)) return NO_PHOTON_SCATTERING;
-    return PhotonScattering(to_world(point.shading, s.wi), s.weight, s.delta, s.refraction);
+    return PhotonScattering(to_world(point.shading, s.wi), s.weight, s.pdf_sa, s.delta, s.refraction);
+}
+
+/// Density [1/sr] with which it draws `out_world` by lobes that are no delta.
+float scatter_pdf(ShadingPoint point, Bsdf bsdf, vec3 wi_world, vec3 out_world) {
+    const bool two_frames = has_two_frames(point);
+    if (two_frames && bsdf_is_diffuse(bsdf)) return cosine_hemisphere_pdf(dot(point.geometric_normal, out_world));
+    const float geometric_share = two_frames ? share_about_geometric(point, bsdf, wi_world) : 0.0;
+    // A loop: drivers copy functions into each of their callers.
+    const uint frames = geometric_share > 0.0 ? 2 : 1;
+    float pdf_sa = 0.0;
+    for (uint frame = 0; frame < frames; ++frame) {
+        const bool by_shading = frame == 0;
+        Frame about = point.shading;
+        if (!by_shading) about = make_frame(point.geometric_normal);
+        pdf_sa += (by_shading ? 1.0 - geometric_share : geometric_share) *
+                  evaluate_framed(point, bsdf, about, wi_world, out_world).pdf_sa;
+    }
+    return pdf_sa;
 }
 
 #endif

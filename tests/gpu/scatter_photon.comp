@@ -20,6 +20,7 @@ struct Query {
 struct Answer {
     PhotonScattering scattering;
     vec3 density;
+    float density_pdf_sa;
 };
 layout(set = 0, binding = 0, scalar) readonly buffer Places { Place place; };
 layout(set = 0, binding = 1, scalar) readonly buffer In { Query queries[]; };
@@ -34,5 +35,6 @@ void main() {
     if (place.part == 1) bsdf = bsdf_specular_part(bsdf, place.glossy_threshold);
     if (place.part == 2) bsdf = bsdf_rough_part(bsdf, place.glossy_threshold);
     answers[i] = Answer(scatter_photon(point, bsdf, query.wi, query.numbers.x, query.numbers.yz),
-                        scatter_density(point, bsdf, query.wi, query.outgoing));
+                        scatter_density(point, bsdf, query.wi, query.outgoing),
+                        scatter_pdf(point, bsdf, query.wi, query.outgoing));
 }

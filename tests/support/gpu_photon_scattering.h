@@ -18,6 +18,7 @@ struct ScatteringQuery {
 struct ScatteringAnswer {
     PhotonScattering scattering;
     Rgb density;
+    float pdf_sa;  // of it
 };
 
 class GpuPhotonScattering {
@@ -37,16 +38,17 @@ public:
         struct Answer {
             vec3 direction;
             Rgb weight;
+            float pdf_sa;
             uint32_t delta, refraction;
             Rgb density;
+            float density_pdf_sa;
         };
-        static_assert(sizeof(Place) == 32 && sizeof(Answer) == 44 && sizeof(ScatteringQuery) == 36);
+        static_assert(sizeof(Place) == 32 && sizeof(Answer) == 52 && sizeof(ScatteringQuery) == 36);
         const std::vector place{Place{hit, outside_ior, part, kThreshold}};
         std::vector<ScatteringAnswer> answers;
         for (const Answer& a : twin_.run<Answer>(queries.size(), {{"place", place}, {"queries", queries}}))
             answers.push_back(
-                {{.direction = a.direction, .weight = a.weight, .delta = a.delta != 0, .refraction = a.refraction != 0},
-                 a.density});
+                {{a.direction, a.weight, a.pdf_sa, a.delta != 0, a.refraction != 0}, a.density, a.density_pdf_sa});
         return answers;
     }
 

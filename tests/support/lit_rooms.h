@@ -52,6 +52,24 @@ inline Scene lit_room() {
     return scene;
 }
 
+/// The room with its punctual lights, two-sided, one-sided and mirrored lamps, and a sky.
+inline Scene room_of_all_lights() {
+    Scene scene = lit_room();
+    Material lamp = lambert(0);
+    lamp.emission = Rgb(3, 2, 1);
+    MeshBuilder quads, triangle;
+    quads.quad({-0.5f, 2.5f, -0.5f}, {-0.5f, 2.5f, 0.5f}, {0.5f, 2.5f, 0.5f}, {0.5f, 2.5f, -0.5f});
+    add(scene, quads.build(0), lamp);
+    triangle.triangle({-1.8f, 0.4f, 1}, {-1.7f, 0.9f, 1}, {-1.6f, 0.4f, 1.3f});
+    lamp.double_sided = true;
+    add(scene, triangle.build(0), lamp);
+    Environment sky;
+    sky.map = {{4, 2}, {Rgb(1), Rgb(2), Rgb(0.5f), Rgb(0.1f), Rgb(1), Rgb(4), Rgb(0.2f), Rgb(1)}};
+    scene.environment = sky;
+    finish_scene(scene);
+    return scene;
+}
+
 /// A point of a surface that faces a light.
 struct FacingPoint {
     vec3 position;

@@ -56,6 +56,7 @@ TEST(GpuTwinsScattering, PhotonsScatterAsOnTheCpu) {
                 ASSERT_LE(difference, 100 * tolerance(out));
             };
             compare(answers[i].density, scatter_density(point, bsdf, q.wi, q.outgoing), q.outgoing);
+            compare(Rgb(answers[i].pdf_sa), Rgb(scatter_pdf(point, bsdf, q.wi, q.outgoing)), q.outgoing);
             // On a border between lobes, frames or sides rounding decides.
             if (s.valid() != expected.valid() || s.delta != expected.delta || s.refraction != expected.refraction) {
                 ++other_choice;
@@ -66,6 +67,7 @@ TEST(GpuTwinsScattering, PhotonsScatterAsOnTheCpu) {
                 below += glm::dot(s.direction, point.smooth_normal) * glm::dot(s.direction, point.geometric_normal) < 0;
             ASSERT_LE(glm::distance(s.direction, expected.direction), 5e-5f);
             compare(s.weight, expected.weight, expected.direction);
+            compare(Rgb(s.pdf_sa), Rgb(expected.pdf_sa), expected.direction);
         }
     }
     EXPECT_LE(other_choice, 3u);
