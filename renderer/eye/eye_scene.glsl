@@ -1,5 +1,5 @@
-// GLSL twin of eye/eye_scene.h and eye_path.h: how paths from the eye start, and what they carry. Define EYE_BINDING and
-// SAMPLER_BINDING (of set 0) before.
+// GLSL twin of eye/eye_scene.h and eye_path.h: how paths from the eye start, and what they carry. Define EYE_BINDING
+// (of set 0) before, and SAMPLER_BINDING where paths start.
 #ifndef PHOTOND_EYE_SCENE_GLSL
 #define PHOTOND_EYE_SCENE_GLSL
 
@@ -55,6 +55,8 @@ uint photon_scatterings_left(uint scatterings) {
     return most == 0xffffffffu ? most : most - min(most, scatterings);
 }
 
+#ifdef SAMPLER_BINDING
+
 /// The path of a pixel, its camera ray and its key of the sampler. Twin: start_eye_paths() of tiles.cpp.
 void start_eye_path(uint pixel, out EyePath path, out Ray ray, out uint key) {
     key = pixel_key(pixel);
@@ -71,5 +73,7 @@ bool start_eye_path(uint tile, uint end_tile, uint place, out EyePath path, out 
     start_eye_path(pixel, path, ray, key);
     return true;
 }
+
+#endif
 
 #endif
