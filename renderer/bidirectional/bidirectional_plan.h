@@ -1,0 +1,40 @@
+#pragma once
+// What the passes of a bidirectional render are to do, found by pilots before the first: how many light paths and
+// connections, whether vertices merge and within which radius. The same on every device: a pure function of scene,
+// view, parameters and seed.
+
+#include <optional>
+
+#include "renderer/bidirectional/light_paths.h"
+
+namespace photond {
+
+/// Of the cache. `merging`: nullptr where nothing merges.
+uint64_t bytes_of_light_vertex(const MergingParams* merging);
+/// Light paths a pixel that the cache has room for.
+float most_light_paths(const BidirectionalParams& params, Size2 size, double vertices_per_path);
+uint32_t paths_of_pass(float light_paths, Size2 size);
+
+/// Vertices of a light path, while nobody has counted them.
+inline constexpr double kExpectedLightVertices = 3;
+/// Passes differ from the pilot; what they keep is let grow by this.
+inline constexpr double kLightVertexMargin = 1.1;
+
+struct BidirectionalPlan {
+    double vertices_per_path = 0;  // of light paths
+    PassTechniques techniques;     // but for what changes from pass to pass; no light path: there is only the eye
+    float first_radius_m = 0;
+    float alpha = 0;
+    std::optional<EdgeTree> edges;
+
+    /// The edges that merging keeps off stay the plan's.
+    PassTechniques of_pass(uint32_t pass) const;
+};
+
+/// `light`: traces the pilot. `bytes_of_path`: what skipping a light path of so many vertices saves.
+BidirectionalPlan make_bidirectional_plan(const RenderContext& context, const BidirectionalParams& params,
+                                          const BidirectionalScene& scene, LightPathTracer& light,
+                                          uint64_t (*bytes_of_path)(double vertices, const MergingParams* merging),
+                                          Stats& stats);
+
+}  // namespace photond
