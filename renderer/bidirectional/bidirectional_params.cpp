@@ -58,12 +58,12 @@ void MergingParams::visit(ParamVisitor& visitor) {
                    "within which vertices are merged in the first pass; a pilot's when not given"});
     visitor.field("radius_relative", radius_relative,
                   {DensityEstimate, "", 1e-9, 1e3, "the same, over the radius of the scene's bounding sphere"});
-    static constexpr std::string_view kWeights[] = {"recursive", "correlation_aware"};
+    static constexpr std::string_view kWeights[] = {"automatic", "recursive", "correlation_aware"};
     visitor.enumeration("weights", weights,
                         {NoiseAndBias, kWeights,
                          "how much merging counts for: as if all vertices that are merged with were independent "
                          "(recursive), or less where few light paths arrive, whose vertices many pixels share "
-                         "(correlation_aware)"});
+                         "(correlation_aware); automatic: the latter, but on a GPU, which has the former alone"});
 }
 
 void MergingParams::check() const { require_one_radius(radius_m, radius_relative); }

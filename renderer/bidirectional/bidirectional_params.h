@@ -19,6 +19,7 @@ enum class Connections : uint8_t {
 
 /// How much merging counts for beside the other ways to make a path.
 enum class MergeWeights : uint8_t {
+    Automatic,         // CorrelationAware, but on a GPU, which has only the other
     Recursive,         // mis_weights.h alone
     CorrelationAware,  // merging_correlation.h
 };
@@ -29,7 +30,9 @@ struct MergingParams {
     uint32_t nearest_vertices = 12;
     std::optional<float> radius_m;
     std::optional<float> radius_relative;
-    MergeWeights weights = MergeWeights::CorrelationAware;
+    MergeWeights weights = MergeWeights::Automatic;
+
+    bool correlated() const { return weights != MergeWeights::Recursive; }
 
     void visit(ParamVisitor& visitor);
     /// `radius` and `radius_relative` exclude each other.

@@ -46,7 +46,7 @@ float first_merge_radius_m(const MergingParams& merging, const LightPaths& pilot
 }  // namespace
 
 uint64_t bytes_of_light_vertex(const MergingParams* merging) {
-    const bool places = merging != nullptr && merging->weights == MergeWeights::CorrelationAware;
+    const bool places = merging != nullptr && merging->correlated();
     return sizeof(LightVertex) + (places ? sizeof(LightPlace) : 0);
 }
 
@@ -70,7 +70,7 @@ BidirectionalPlan make_bidirectional_plan(const RenderContext& context, const Bi
     BidirectionalPlan plan;
     PassTechniques& techniques = plan.techniques;
     techniques.own_path = params.connections == Connections::OwnPath;
-    techniques.correlated = params.merging() != nullptr && params.merging()->weights == MergeWeights::CorrelationAware;
+    techniques.correlated = params.merging() != nullptr && params.merging()->correlated();
     double& vertices = plan.vertices_per_path;
     float& first_radius_m = plan.first_radius_m;
     if (scene.emission.total_power_w() > 0 && params.light_paths.value_or(1) > 0) {

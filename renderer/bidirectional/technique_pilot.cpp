@@ -65,7 +65,7 @@ TechniquePilot run_technique_pilot(const TechniquePilotInputs& inputs, Stats& st
     PassTechniques pilot;
     pilot.light_paths = static_cast<uint32_t>(size.pixels());
     pilot.own_path = inputs.params.connections == Connections::OwnPath;
-    pilot.correlated = inputs.choices.merges && inputs.params.merging()->weights == MergeWeights::CorrelationAware;
+    pilot.correlated = inputs.choices.merges && inputs.params.merging()->correlated();
     pilot.connections_per_vertex = 1;
     // As many vertices are to lie within the radius as in the image's own passes.
     const double denser = static_cast<double>(inputs.context.view.film_size.pixels()) / pixels;

@@ -33,7 +33,9 @@ struct Answer {
 layout(set = 0, binding = 0, scalar) readonly buffer In { Query queries[]; };
 layout(set = 0, binding = 1, scalar) writeonly buffer Out { Answer answers[]; };
 
-VertexSide side_of(Query q, uint vertex) { return VertexSide(vertex % 2 == 0, q.pdf_back[vertex], q.acceptance[vertex]); }
+VertexSide side_of(Query q, uint vertex) {
+    return VertexSide(vertex % 2 == 0, q.pdf_back[vertex], q.acceptance[vertex]);
+}
 
 void follow(Query q, uint path, inout SubpathWeights w) {
     mis_arrive(w, q.distance_sq[2 * path], q.cos_in[2 * path]);

@@ -15,6 +15,10 @@ JOB["method"]["device"] = "gpu"
 JOB_WITH_STATE = small_job(size=32, passes=4)
 JOB_WITH_STATE["method"] = {"name": "stochastic_progressive_photon_mapping", "device": "gpu",
                             "parameters": {"photons": 2000, "boundary": "none"}}
+# How long its paths from the eye are under way the device says, submit by submit.
+JOB_IN_WAVES = small_job(size=32, passes=3)
+JOB_IN_WAVES["method"] = {"name": "vertex_connection_and_merging", "device": "gpu",
+                          "parameters": {"adapt": False, "indirect_bounces": 4}}
 
 
 def hash_of(job):
@@ -75,6 +79,9 @@ class FaultTest(unittest.TestCase):
     def test_lost_between_passes_that_build_on_one_another(self):
         """Midway, and near the end."""
         self.lost("vkWaitSemaphores", JOB_WITH_STATE, lambda count: (count // 2, count - 4))
+
+    def test_lost_while_waves_are_under_way(self):
+        self.lost("vkWaitSemaphores", JOB_IN_WAVES, lambda count: (count // 2,))
 
     def test_lost_twice_the_job_fails(self):
         with self.daemon("vkQueueSubmit2", 2, once=False) as daemon:

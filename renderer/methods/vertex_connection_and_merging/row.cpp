@@ -1,5 +1,6 @@
 // What the house asks of this method.
 
+#include "renderer/bidirectional/bidirectional_method_gpu.h"
 #include "renderer/bidirectional/bidirectional_row.h"
 #include "renderer/methods/vertex_connection_and_merging/vertex_connection_and_merging.h"
 
@@ -17,7 +18,7 @@ PathsLeftOut paths_left_out(const VertexConnectionAndMergingParams& params, cons
 MethodInfo vertex_connection_and_merging_row();
 
 MethodInfo vertex_connection_and_merging_row() {
-    MethodInfo info = bidirectional_row<VertexConnectionAndMerging, void>();
+    MethodInfo info = bidirectional_row<VertexConnectionAndMerging, BidirectionalTwinGpu<VertexConnectionAndMerging>>();
     info.left_out = left_out_of<VertexConnectionAndMergingParams, paths_left_out>;
     info.title = "Vertex connection and merging";
     info.line =

@@ -1,0 +1,201 @@
+// Vertex connection and merging on a GPU against its CPU twin: the same paths joined in the same ways, but for
+// rounding; and what a method promises beside.
+
+#include <gtest/gtest.h>
+
+#include "renderer/bidirectional/bidirectional_method_gpu.h"
+#include "renderer/methods/vertex_connection_and_merging/vertex_connection_and_merging.h"
+#include "renderer/scene/builtin_scenes.h"
+#include "tests/support/gpu_render.h"
+#include "tests/support/scene_parts.h"
+
+namespace photond::gpu_bidirectional_method_test {
+namespace {
+
+using Cpu = VertexConnectionAndMerging;
+using Gpu = BidirectionalTwinGpu<VertexConnectionAndMerging>;
+
+struct Choice {
+    const char* scene;
+    Connections connections = Connections::Cache;
+    MisHeuristic heuristic = MisHeuristic::Balance;
+    PixelFilter filter = PixelFilter::Box;
+    float aperture_relative = 0;
+    bool orthographic = false;
+    std::optional<uint32_t> bounces{};
+    uint32_t connections_per_vertex = 1;
+};
+
+template <class M>
+test::RenderSettingsOf<M> settings_for(const Choice& choice) {
+    test::RenderSettingsOf<M> settings;
+    settings.size = {28, 20};  // tiles cut at both edges
+    settings.passes = 2;
+    settings.filter = choice.filter;
+    for (const Layer layer : {Layer::Caustic, Layer::Connections, Layer::Merges, Layer::LightImage})
+        settings.layers.add(layer);
+    settings.params.adapt = false;
+    settings.params.light_paths = 4;
+    settings.params.merging_params.radius_relative = 0.02f;
+    settings.params.merging_params.weights = MergeWeights::Recursive;
+    settings.params.connections = choice.connections;
+    settings.params.heuristic = choice.heuristic;
+    settings.params.indirect_bounces = choice.bounces;
+    settings.params.connections_per_vertex = choice.connections_per_vertex;
+    return settings;
+}
+
+class GpuBidirectionalMethod : public testing::TestWithParam<Choice> {};
+
+// Turned out of its axes: along them a rounding error decides which of two frames a normal has, and all paths part. A
+// path of the light that does part leaves other vertices, and all connections of its pass may go elsewhere.
+TEST_P(GpuBidirectionalMethod, LooksLikeTheCpus) {
+    const Choice& choice = GetParam();
+    Scene scene = test::turned(make_builtin_scene(choice.scene));
+    Camera& camera = scene.cameras[0];
+    camera.orthographic = choice.orthographic;
+    camera.ymag = 0.5f * scene.bounds.radius();
+    camera.aperture_radius_m = choice.aperture_relative * scene.bounds.radius();
+    camera.focus_distance_m = scene.bounds.radius();
+    Stats cpu_stats, gpu_stats;
+    const Film cpu = test::render(scene, settings_for<Cpu>(choice), &cpu_stats);
+    const Film gpu = test::render(test::SceneOnDevice(scene), settings_for<Gpu>(choice), &gpu_stats);
+    for (const Layer layer : {Layer::Emitted, Layer::Direct, Layer::Indirect, Layer::Caustic, Layer::Connections,
+                              Layer::Merges, Layer::LightImage}) {
+        const std::vector<float> a = cpu.resolve(layer), b = gpu.resolve(layer);
+        EXPECT_LT(test::share_apart(a, b, 0.01), 0.02) << layer_info(layer).name;
+        EXPECT_NEAR(test::mean_of(a), test::mean_of(b), 2e-3 * test::mean_of(a)) << layer_info(layer).name;
+    }
+    for (const Layer layer : {Layer::Indirect, Layer::Connections, Layer::Merges, Layer::LightImage})
+        EXPECT_GT(test::mean_of(gpu.resolve(layer)), 0) << layer_info(layer).name;
+    const Counts &x = cpu_stats.counts, &y = gpu_stats.counts;
+    const auto about = [](uint64_t p, uint64_t q) { return std::fabs(double(p) - double(q)) <= 0.002 * double(p); };
+    EXPECT_EQ(x.camera_rays, y.camera_rays);
+    EXPECT_TRUE(about(x.bounce_rays, y.bounce_rays)) << x.bounce_rays << ", " << y.bounce_rays;
+    EXPECT_TRUE(about(x.shadow_rays, y.shadow_rays)) << x.shadow_rays << ", " << y.shadow_rays;
+    EXPECT_EQ(x.photons_emitted, y.photons_emitted);
+    EXPECT_TRUE(about(x.photon_rays, y.photon_rays)) << x.photon_rays << ", " << y.photon_rays;
+    EXPECT_TRUE(about(x.photons_stored, y.photons_stored)) << x.photons_stored << ", " << y.photons_stored;
+    EXPECT_EQ(gpu.nan_count() + gpu.infinity_count(), 0u);
+}
+INSTANTIATE_TEST_SUITE_P(
+    Choices, GpuBidirectionalMethod,
+    testing::Values(Choice{.scene = "cornell-box",
+                           .connections = Connections::OwnPath,
+                           .heuristic = MisHeuristic::Power,
+                           .filter = PixelFilter::BlackmanHarris},
+                    Choice{.scene = "cornell-box-glossy", .filter = PixelFilter::Gaussian, .connections_per_vertex = 3},
+                    Choice{.scene = "small-vcm/ceiling",
+                           .connections = Connections::OwnPath,
+                           .aperture_relative = 0.02f,
+                           .bounces = 4},
+                    Choice{.scene = "small-vcm/sky", .aperture_relative = 0.02f, .orthographic = true},
+                    Choice{.scene = "small-vcm/point"}),
+    [](const auto& info) { return test::test_name(info.param.scene, info.index); });
+
+/// What all else is tried in.
+struct Place {
+    Scene scene = make_builtin_scene("small-vcm/point");
+    test::SceneOnDevice on_device{scene};
+    test::RenderSettingsOf<Gpu> settings = settings_for<Gpu>({.scene = "", .connections_per_vertex = 2});
+};
+
+TEST(GpuBidirectionalMethod, PassesStandAloneByTheirIndex) {
+    Place place;
+    place.settings.passes = 3;
+    auto first = place.settings, rest = place.settings;
+    first.passes = 1;
+    rest.passes = 2, rest.first_pass = 1;
+    Film merged = test::render(place.on_device, first);
+    merged.merge(test::render(place.on_device, rest));
+    EXPECT_EQ(merged, test::render(place.on_device, place.settings));
+}
+
+// More pixels than paths a submit of a software device holds, and more light paths.
+TEST(GpuBidirectionalMethod, PiecesMakeOneImage) {
+    const Scene scene = test::turned(make_builtin_scene("small-vcm/point"));
+    const Choice choice{.scene = "", .bounces = 1};
+    auto settings = settings_for<Cpu>(choice);
+    auto on_gpu = settings_for<Gpu>(choice);
+    settings.size = on_gpu.size = {210, 170};
+    settings.passes = on_gpu.passes = 1;
+    settings.params.light_paths = on_gpu.params.light_paths = 1;
+    const Film cpu = test::render(scene, settings);
+    const Film gpu = test::render(test::SceneOnDevice(scene), on_gpu);
+    for (const Layer layer : {Layer::Direct, Layer::Merges, Layer::LightImage})
+        EXPECT_LT(test::share_apart(cpu.resolve(layer), gpu.resolve(layer), 0.01), 0.01) << layer_info(layer).name;
+    const double mean = test::mean_of(cpu.resolve_beauty());
+    EXPECT_NEAR(test::mean_of(gpu.resolve_beauty()), mean, 3e-3 * mean);
+}
+
+TEST(GpuBidirectionalMethod, CancelledPassesLeaveNothing) {
+    const Place place;
+    MemoryBudget budget;
+    Stats stats;
+    Gpu method(place.settings.params);
+    method.begin({place.scene, &place.on_device.intersector, test::view_of(place.scene, place.settings),
+                  place.settings.seed, budget, &place.on_device.device_scene},
+                 stats);
+    Film film(place.settings.size, place.settings.layers);
+    CancelToken cancel;
+    cancel.cancel();
+    method.run_pass(0, stats, cancel);
+    method.resolve(film);
+    EXPECT_EQ(film.passes(), 0u);
+    for (const uint32_t pass : {0u, 1u}) {
+        method.run_pass(pass, stats, CancelToken{});
+        method.resolve(film);
+    }
+    EXPECT_EQ(film, test::render(place.on_device, place.settings));
+}
+
+// In a white room paths are long, and the pilot of an image of 36 pixels is as few paths: it may expect too little.
+TEST(GpuBidirectionalMethod, LosesNoVertexWhereThereAreMoreThanExpected) {
+    Scene scene = test::turned(make_builtin_scene("cornell-box"));
+    for (Material& material : scene.materials) material.base_color = Rgb(0.99f);
+    const Choice choice{.scene = "", .heuristic = MisHeuristic::Power};
+    auto settings = settings_for<Cpu>(choice);
+    auto on_gpu = settings_for<Gpu>(choice);
+    settings.size = on_gpu.size = {6, 6};
+    settings.params.light_paths = on_gpu.params.light_paths = 16;
+    size_t grown = 0;
+    const test::SceneOnDevice where(scene);
+    for (uint64_t seed = 1; seed <= 8; ++seed) {
+        settings.seed = on_gpu.seed = seed;
+        Film gpu(on_gpu.size, on_gpu.layers);
+        uint64_t taken = 0;
+        test::run_passes(where, on_gpu, [&](Gpu& method, uint32_t) {
+            const uint64_t now = test::gpu_device().memory().used_bytes();
+            grown += taken > 0 && now > taken;
+            taken = now;
+            method.resolve(gpu);
+        });
+        // Of so many scatterings rounding changes some, and with them all connections.
+        const double mean = test::mean_of(test::render(scene, settings).resolve_beauty());
+        EXPECT_NEAR(test::mean_of(gpu.resolve_beauty()), mean, 0.01 * mean);
+    }
+    EXPECT_GT(grown, 0u);
+}
+
+// Where nothing is to be joined there is only the eye, on both devices.
+TEST(GpuBidirectionalMethod, WithoutLightPathsThereIsOnlyTheEye) {
+    const Scene scene = test::turned(make_builtin_scene("cornell-box"));
+    auto settings = settings_for<Cpu>({.scene = ""});
+    auto on_gpu = settings_for<Gpu>({.scene = ""});
+    settings.params.light_paths = on_gpu.params.light_paths = 0;
+    Stats stats;
+    const Film gpu = test::render(test::SceneOnDevice(scene), on_gpu, &stats);
+    EXPECT_LT(test::share_apart(test::render(scene, settings).resolve_beauty(), gpu.resolve_beauty(), 1e-3), 0.01);
+    EXPECT_EQ(stats.counts.photons_emitted, 0u);
+    EXPECT_EQ(test::mean_of(gpu.resolve(Layer::LightImage)), 0);
+}
+
+TEST(GpuBidirectionalMethod, TakesTheMemoryItSays) {
+    const Place place;
+    auto settings = place.settings;
+    settings.size = {256, 256};
+    test::expect_device_bytes_as_estimated(place.on_device, settings);
+}
+
+}  // namespace
+}  // namespace photond::gpu_bidirectional_method_test
