@@ -13,13 +13,30 @@ namespace {
 constexpr uint64_t kPilotSeed = reference_seed(0xb1d1);
 constexpr uint32_t kPilotPaths = 1u << 15;
 constexpr uint32_t kPilotNearest = 8;  // vertices among which a pilot's density is measured
+constexpr size_t kLeastSeen = 100;     // vertices whose density says something
 // Of the power is where they are denser than the first radius asks for.
 constexpr double kBrightShare = 0.5, kBrightCausticShare = 0.25;
 /// Of merging near edges, where there are delta lobes: PassTechniques::edge_share.
 constexpr float kEdgeShare = 1e-3f;
 
-/// `paths_over_pilot`: of a pass.
-float first_merge_radius_m(const MergingParams& merging, const LightPaths& pilot, float scene_radius_m,
+/// Those that the camera sees, whose density is what the image shows; all, where it sees hardly any: by mirrors alone.
+std::vector<LightVertex> seen_vertices(const BidirectionalScene& scene, const std::vector<LightVertex>& vertices,
+                                       Counts& counts) {
+    ShadowBatch<const LightVertex*> rays(vertices.size());
+    for (const LightVertex& vertex : vertices) {
+        const auto seen = scene.camera.connect(vertex.position, vec2(0.5f));
+        if (!seen || !scene.filter.reaches_image(seen->film, scene.view.film_size)) continue;
+        const vec3 start = ray_origin(vertex.surface(scene.scene).point, seen->to_camera);
+        rays.add({start, seen->target - start, 1.0f}, &vertex);
+    }
+    std::vector<LightVertex> found;
+    counts.shadow_rays += rays.trace(scene.intersector, Coherence::Incoherent,
+                                     [&](const LightVertex* vertex) { found.push_back(*vertex); });
+    return found.size() < kLeastSeen ? vertices : found;
+}
+
+/// `pilot`: vertices of its light paths. `paths_over_pilot`: of a pass.
+float first_merge_radius_m(const MergingParams& merging, std::span<const LightVertex> pilot, float scene_radius_m,
                            double paths_over_pilot) {
     const RadiusLimits limits(scene_radius_m);
     if (merging.radius_m) return *merging.radius_m;
@@ -28,7 +45,7 @@ float first_merge_radius_m(const MergingParams& merging, const LightPaths& pilot
     float wanted_m = limits.most_m;
     for (const bool caustic : {false, true}) {
         std::vector<Photon> photons;
-        for (const LightVertex& v : pilot.vertices)
+        for (const LightVertex& v : pilot)
             if (!caustic || (v.all_delta && v.surfaces > 1))
                 photons.push_back(
                     {v.position, PhotonPayload::make(v.power_w, v.from, v.normal, v.surfaces, v.all_delta)});
@@ -83,9 +100,9 @@ BidirectionalPlan make_bidirectional_plan(const RenderContext& context, const Bi
         if (params.merging() != nullptr && vertices > 0) {
             const float light_paths =
                 std::min(params.light_paths.value_or(1), most_light_paths(params, size, vertices));
-            first_radius_m =
-                first_merge_radius_m(*params.merging(), paths, scene.scene.bounds.radius(),
-                                     double{light_paths} * static_cast<double>(size.pixels()) / pilot.light_paths);
+            first_radius_m = first_merge_radius_m(
+                *params.merging(), seen_vertices(scene, paths.vertices, stats.counts), scene.scene.bounds.radius(),
+                double{light_paths} * static_cast<double>(size.pixels()) / pilot.light_paths);
             plan.alpha = params.merging()->alpha;
             plan.edges.emplace(find_surface_edges(scene.scene, first_radius_m));
         }
