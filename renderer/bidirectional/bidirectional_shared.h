@@ -13,6 +13,9 @@
 /// Places on the lens have independent numbers, a set a vertex.
 #define FIRST_LENS_SET 0x40000000u
 
+/// Of the radius: how far from the disc vertices lie that are merged.
+#define MERGE_MOST_HEIGHT 0.25f
+
 // Elements of a SequenceSampler's run, whose paths the CPU traces together: SequenceSampler::kRun.
 #define LIGHT_RUN_BITS 10
 

@@ -12,7 +12,7 @@ void merge_with(LightVertexRecord light_vertex, uint vertex, JoinVertex at, vec3
     const uint scatterings = at.path.scatterings + surfaces;
     if (scatterings > eye.max_scatterings) return;
     const ShadingPoint point = at.surface.point;
-    const float most_height_m = 0.25 * techniques.merge_radius_m;
+    const float most_height_m = MERGE_MOST_HEIGHT * techniques.merge_radius_m;
     if (abs(dot(point.geometric_normal, light_vertex.position - point.position)) > most_height_m) return;
     const float side_cosine = dot(light_vertex.normal, point.geometric_normal);
     if ((side_cosine < 0.0 && !bsdf_has_non_delta_transmission(at.surface.bsdf)) || abs(side_cosine) < DISC_COSINE)

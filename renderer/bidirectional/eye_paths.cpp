@@ -1,5 +1,6 @@
 #include "renderer/bidirectional/eye_paths.h"
 
+#include "renderer/bidirectional/bidirectional_shared.h"
 #include "renderer/eye/eye_batch.h"
 #include "renderer/eye/eye_vertex.h"
 #include "renderer/photons/disc_photons.h"
@@ -296,7 +297,7 @@ struct EyePathTracer::State {
         if (near.found.empty()) return;
         const Frame& frame = point.shading;
         const vec3 wo = frame.to_local(surface.from);
-        const float most_height_m = 0.25f * radius_m;
+        const float most_height_m = MERGE_MOST_HEIGHT * radius_m;
         const bool both_sides = surface.bsdf.has_non_delta_transmission();
         const Rgb scale = path.throughput * (1 / (kPi * sqr(radius_m)));
         for (const Neighbours::Found& found : near.found) {

@@ -1,5 +1,6 @@
 #include "renderer/bidirectional/light_paths.h"
 
+#include "renderer/bidirectional/bidirectional_shared.h"
 #include "renderer/core/parallel.h"
 #include "renderer/core/thread_local.h"
 #include "renderer/photons/photon_tracing_scene.h"
@@ -11,8 +12,6 @@ namespace photond {
 namespace {
 
 constexpr uint32_t kPaths = SequenceSampler::kRun;  // traced together
-/// Places on the lens have independent numbers, a set a vertex.
-constexpr uint32_t kFirstLensSet = 1u << 30;
 
 /// A light path between two of its vertices; how many surfaces it has met all paths of a batch share.
 struct LightPathState {
@@ -195,7 +194,7 @@ private:
                      float acceptance) {
         const ShadingPoint& point = vertex.point;
         const vec2 lens = shared_->view.camera.aperture_radius_m > 0
-                              ? sampler_->sample_2d(run_->run * kPaths + key, kFirstLensSet + surfaces)
+                              ? sampler_->sample_2d(run_->run * kPaths + key, FIRST_LENS_SET + surfaces)
                               : vec2(0);
         const auto seen = shared_->camera.connect(point.position, lens);
         if (!seen || !shared_->filter.reaches_image(seen->film, shared_->view.film_size)) return;
