@@ -64,7 +64,7 @@ float first_merge_radius_m(const MergingParams& merging, std::span<const LightVe
 
 uint64_t bytes_of_light_vertex(const MergingParams* merging) {
     const bool places = merging != nullptr && merging->correlated();
-    return sizeof(LightVertex) + (places ? sizeof(LightPlace) : 0);
+    return sizeof(LightVertex) + (places ? sizeof(PathVertex) : 0);
 }
 
 float most_light_paths(const BidirectionalParams& params, Size2 size, double vertices_per_path) {

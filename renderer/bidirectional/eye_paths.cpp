@@ -300,8 +300,9 @@ struct EyePathTracer::State {
         const float most_height_m = MERGE_MOST_HEIGHT * radius_m;
         const bool both_sides = surface.bsdf.has_non_delta_transmission();
         const Rgb scale = path.throughput * (1 / (kPi * sqr(radius_m)));
-        for (const Neighbours::Found& found : near.found) {
-            const LightVertex& light = pass->light.vertices[pass->in_grid_order[found.index]];
+        for (size_t k = 0; k < near.found.size(); ++k) {
+            prefetch_merged(k);
+            const LightVertex& light = merged(k);
             const uint32_t scatterings = path.scatterings + light.surfaces;
             if (scatterings > shared->max_scatterings) continue;
             if (std::fabs(glm::dot(point.geometric_normal, light.position - point.position)) > most_height_m) continue;
@@ -332,6 +333,15 @@ struct EyePathTracer::State {
         }
     }
 
+    const LightVertex& merged(size_t k) const { return pass->light.vertices[pass->in_grid_order[near.found[k].index]]; }
+    /// Vertices that lie together come from paths that lie anywhere.
+    void prefetch_merged(size_t k) const {
+        constexpr size_t kAhead = 4;
+        if (k + 2 * kAhead < near.found.size()) __builtin_prefetch(&merged(k + 2 * kAhead).surfaces);
+        if (correlated() && k + kAhead < near.found.size())
+            __builtin_prefetch(&pass->light.places[merged(k + kAhead).place]);
+    }
+
     // What merging_correlation.h asks for.
 
     bool correlated() const { return pass->techniques.correlated; }
@@ -350,7 +360,8 @@ struct EyePathTracer::State {
         correlation_of(path).find_reach(eye_vertices);
     }
     std::span<const PathVertex> vertices_of(const LightVertex& light, const MergingCorrelation& correlation) {
-        collect_light_vertices(pass->light.places, light.place, light_vertices);
+        const std::span<const PathVertex> path = pass->light.path_to(light);
+        light_vertices.assign(path.begin(), path.end());
         correlation.find_reach(light_vertices);
         return light_vertices;
     }

@@ -12,6 +12,16 @@ namespace photond {
 namespace {
 
 constexpr uint32_t kPaths = SequenceSampler::kRun;  // traced together
+/// Of a path, where they are kept.
+constexpr uint32_t kExpectedPlaces = 6;
+
+/// A surface that a path of a run met, in the order in which they were met.
+struct MetPlace {
+    PathVertex vertex;
+    uint32_t path;    // of the run
+    uint32_t before;  // place of the surface before; kFirst: it is the path's first
+    static constexpr uint32_t kFirst = ~0u;
+};
 
 /// A light path between two of its vertices; how many surfaces it has met all paths of a batch share.
 struct LightPathState {
@@ -21,8 +31,8 @@ struct LightPathState {
     bool all_delta = true;
     MediumStack media;
     // Where places are kept:
-    float density = 0;                    // of going on, [1/sr]; infinite: by a delta lobe
-    uint32_t place = LightPlace::kFirst;  // the newest
+    float density = 0;                  // of going on, [1/sr]; infinite: by a delta lobe
+    uint32_t place = MetPlace::kFirst;  // the newest
 };
 
 /// A splat whose ray to the camera is still to be traced.
@@ -34,7 +44,7 @@ struct WaitingSplat {
 /// What one run left.
 struct RunPaths {
     std::vector<LightVertex> vertices;
-    std::vector<LightPlace> places;
+    std::vector<PathVertex> places;
     std::vector<LightSplat> splats;
     std::vector<float> splat_weights;
     Counts counts;
@@ -53,7 +63,8 @@ class LightBatch {
 public:
     static constexpr uint64_t bytes_per_thread() {
         return PathBatch<LightPathState>::bytes_for(kPaths) + ShadowBatch<WaitingSplat>::bytes_for(kPaths) +
-               kPaths * (2 * sizeof(EmissionSample) + sizeof(LightEnd) + sizeof(uint32_t) + 6 * sizeof(float));
+               kPaths * (kExpectedPlaces * sizeof(MetPlace) + 2 * sizeof(EmissionSample) + sizeof(LightEnd) +
+                         sizeof(uint32_t) + 6 * sizeof(float));
     }
 
     void trace(const BidirectionalScene& shared, const PassTechniques& techniques, const SequenceSampler& sampler,
@@ -88,6 +99,7 @@ public:
                 });
             weights_.clear();
         }
+        if (techniques.correlated) put_places_in_rows();
     }
 
 private:
@@ -178,16 +190,38 @@ private:
     }
 
     void keep_place(uint32_t i, LightPathState& path, bool first, float distance_m, float cosine, float acceptance) {
-        std::vector<LightPlace>& places = out_->places;
-        LightPlace place{.vertex = {.density = path.density * cosine / sqr(distance_m)}, .before = path.place};
+        MetPlace place{.vertex = {.density = path.density * cosine / sqr(distance_m)},
+                       .path = batch_.keys[i] - run_->first,
+                       .before = path.place};
         if (first)
             place.vertex = first_of_light(ends_[i], cosine, sqr(distance_m));
         else
-            places[path.place].vertex.per_area /= sqr(distance_m);
+            met_[path.place].vertex.per_area /= sqr(distance_m);
         place.vertex.acceptance = acceptance;
         place.vertex.inverse_cos = 1 / cosine;
-        path.place = static_cast<uint32_t>(places.size());
-        places.push_back(place);
+        path.place = static_cast<uint32_t>(met_.size());
+        met_.push_back(place);
+    }
+    /// The path's vertices until that place, its surface of that number.
+    std::span<PathVertex> vertices_to(uint32_t place, uint32_t surfaces) {
+        if (vertices_.size() < surfaces) vertices_.resize(surfaces);
+        for (uint32_t i = surfaces; i-- > 0; place = met_[place].before) vertices_[i] = met_[place].vertex;
+        return {vertices_.data(), surfaces};
+    }
+    /// A path's places one behind the other: what is joined with it reads them all.
+    void put_places_in_rows() {
+        std::vector<uint32_t>& next = next_place_;
+        next.assign(run_->last - run_->first + 1, 0);
+        for (const MetPlace& place : met_) ++next[place.path + 1];
+        for (size_t path = 1; path < next.size(); ++path) next[path] += next[path - 1];
+        out_->places.resize(met_.size());
+        for (MetPlace& place : met_) {
+            const uint32_t row = next[place.path]++;
+            out_->places[row] = place.vertex;
+            place.before = row;  // nobody follows it any more
+        }
+        for (LightVertex& vertex : out_->vertices) vertex.place = met_[vertex.place].before;
+        met_.clear();
     }
 
     void show_camera(const SurfaceVertex& vertex, const LightPathState& path, uint32_t surfaces, uint32_t key,
@@ -205,10 +239,10 @@ private:
         SubpathWeights weights = path.weights;
         const float camera_pdf = seen->responsivity_per_m2 * cosine;
         if (techniques_->correlated) {
-            collect_light_vertices(out_->places, path.place, path_);
+            const std::span<PathVertex> vertices = vertices_to(path.place, surfaces);
             const MergingCorrelation correlation = techniques_->correlation(shared_->mis, seen->distance);
-            correlation.find_reach(path_);
-            weights.merges = correlation.seen_by_camera(path_, side.pdf_back, camera_pdf).light;
+            correlation.find_reach(vertices);
+            weights.merges = correlation.seen_by_camera(vertices, side.pdf_back, camera_pdf).light;
         }
         const auto weigh = [&](const TechniqueNumbers& n) {
             return shared_->mis.seen_by_camera(weights, side, camera_pdf, n);
@@ -246,7 +280,7 @@ private:
             shared_->mis.scatter(onward.weights, side, next.pdf_sa, cos_out);
         if (techniques_->correlated) {
             onward.density = next.delta ? kInfinity : next.pdf_sa;
-            out_->places[path.place].vertex.go_on(cos_out, onward.density, side.pdf_back);
+            met_[path.place].vertex.go_on(cos_out, onward.density, side.pdf_back);
         }
         if (next.refraction) onward.media.cross(vertex.point.material, vertex.point.front_side);
         batch_.next_ray() = {ray_origin(vertex.point, next.direction), next.direction, kInfinity};
@@ -266,7 +300,9 @@ private:
     ShadowBatch<WaitingSplat> splats_{kPaths};
     std::vector<EmissionSample> starts_ = std::vector<EmissionSample>(kPaths);
     std::vector<LightEnd> ends_ = std::vector<LightEnd>(kPaths);
-    std::vector<PathVertex> path_;
+    std::vector<MetPlace> met_;
+    std::vector<PathVertex> vertices_;  // of the path at hand
+    std::vector<uint32_t> next_place_;  // of a path's row
     std::vector<uint32_t> order_;
     Numbers direction_, position_, choice_;
 };
@@ -280,13 +316,6 @@ SurfaceVertex LightVertex::surface(const Scene& scene) const {
         make_shading_point(scene, {.t = 0, .instance = instance, .triangle = triangle, .u = u, .v = v}, -from);
     vertex.bsdf = make_bsdf(scene, vertex.point, outside_ior);
     return vertex;
-}
-
-void collect_light_vertices(std::span<const LightPlace> places, uint32_t last, std::vector<PathVertex>& vertices) {
-    vertices.clear();
-    for (uint32_t place = last; place != LightPlace::kFirst; place = places[place].before)
-        vertices.push_back(places[place].vertex);
-    std::reverse(vertices.begin(), vertices.end());
 }
 
 void LightPaths::sort_by_path(uint32_t paths) {
@@ -324,7 +353,7 @@ void LightPaths::add_splats(const PixelFilterSampler& filter, PassImage& image) 
 }
 
 uint64_t LightPaths::bytes() const {
-    return vertices.capacity() * sizeof(LightVertex) + places.capacity() * sizeof(LightPlace) +
+    return vertices.capacity() * sizeof(LightVertex) + places.capacity() * sizeof(PathVertex) +
            splats.capacity() * sizeof(LightSplat) + (first_of_path.capacity() + by_path.capacity()) * sizeof(uint32_t);
 }
 
@@ -342,7 +371,7 @@ LightPathTracer::~LightPathTracer() = default;
 uint64_t LightPathTracer::bytes() const {
     uint64_t bytes = shared_->paths.bytes();
     for (const RunPaths& run : shared_->runs)
-        bytes += run.vertices.capacity() * sizeof(LightVertex) + run.places.capacity() * sizeof(LightPlace) +
+        bytes += run.vertices.capacity() * sizeof(LightVertex) + run.places.capacity() * sizeof(PathVertex) +
                  run.splats.capacity() * sizeof(LightSplat);
     return bytes;
 }
@@ -377,8 +406,6 @@ LightPaths& LightPathTracer::trace(uint64_t seed, uint32_t pass, const PassTechn
         const auto first_place = static_cast<uint32_t>(paths.places.size());
         if (techniques.correlated) {
             for (LightVertex& vertex : run.vertices) vertex.place += first_place;
-            for (LightPlace& place : run.places)
-                if (place.before != LightPlace::kFirst) place.before += first_place;
             paths.places.insert(paths.places.end(), run.places.begin(), run.places.end());
         }
         paths.vertices.insert(paths.vertices.end(), run.vertices.begin(), run.vertices.end());

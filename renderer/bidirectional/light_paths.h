@@ -28,7 +28,7 @@ struct LightVertex {
     float outside_ior;  // as make_bsdf() wants it
     float acceptance;   // PassTechniques::merge_acceptance() [m^2]
     uint32_t path;      // of the pass
-    uint32_t place;     // of LightPaths::places, where they are kept
+    uint32_t place;     // of LightPaths::places, where those are kept
     uint32_t surfaces;  // met so far, this one included
     bool all_delta;     // the scatterings before this vertex
 
@@ -36,15 +36,6 @@ struct LightVertex {
     /// As the path met it.
     SurfaceVertex surface(const Scene& scene) const;
 };
-
-/// A surface that a light path met, kept where merging is weighed by merging_correlation.h.
-struct LightPlace {
-    PathVertex vertex;
-    uint32_t before;  // place of the surface before; kFirst: the path's first
-    static constexpr uint32_t kFirst = ~0u;
-};
-/// The vertices of a path until the last of those places, from its first.
-void collect_light_vertices(std::span<const LightPlace> places, uint32_t last, std::vector<PathVertex>& vertices);
 
 /// What the camera sees of a light path; of a pilot without its weight.
 struct LightSplat {
@@ -57,13 +48,19 @@ struct LightSplat {
 /// Of one pass.
 struct LightPaths {
     std::vector<LightVertex> vertices;  // run by run of the numbers, whatever the number of threads
-    std::vector<LightPlace> places;     // of all paths, delta surfaces among them
+    // Where merging is weighed by merging_correlation.h: the surfaces of all paths, delta ones among them, each path's
+    // in a row.
+    std::vector<PathVertex> places;
     std::vector<LightSplat> splats;
     std::vector<float> splat_weights;  // of a pilot: of each splat by each candidate
     // Where paths are asked for: path i has by_path[first_of_path[i]] and on, until first_of_path[i + 1].
     std::vector<uint32_t> first_of_path;
     std::vector<uint32_t> by_path;
 
+    /// The surfaces of a vertex's path up to it, from the first.
+    std::span<const PathVertex> path_to(const LightVertex& vertex) const {
+        return std::span(places).subspan(vertex.place + 1 - vertex.surfaces, vertex.surfaces);
+    }
     /// Which vertices each path has.
     void sort_by_path(uint32_t paths);
     /// Over the vertices; its point i is vertex order[i]. `order` is as long as those.

@@ -110,7 +110,7 @@ TEST(BidirectionalMethod, TheCacheIsAsLargeAsItMayBe) {
     settings.params.light_cache_mib = 4;
     Stats stats;
     test::render(scene, settings, &stats);
-    const uint64_t bytes = stats.counts.photons_stored * (sizeof(LightVertex) + sizeof(LightPlace));
+    const uint64_t bytes = stats.counts.photons_stored * (sizeof(LightVertex) + sizeof(PathVertex));
     EXPECT_LE(bytes, 4u << 20);
     EXPECT_GE(bytes, 3u << 20);
 }
