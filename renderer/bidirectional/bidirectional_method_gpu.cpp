@@ -17,7 +17,7 @@ constexpr uint32_t kMostEyePaths = 1u << 20;
 /// Of the device, that a light path's vertices take: what the plan says is saved without.
 uint64_t device_bytes_of_path(double vertices, const MergingParams* merging) {
     constexpr uint32_t kPaths = 1u << 20;
-    return LightPathsGpu::device_bytes(kPaths, vertices, merging != nullptr, {}) / kPaths;
+    return LightPathsGpu::device_bytes(kPaths, vertices, merging != nullptr, false, {}) / kPaths;
 }
 
 BidirectionalPlan pilot_plan(const RenderContext& context, const BidirectionalParams& params, Stats& stats) {
@@ -91,9 +91,13 @@ void BidirectionalMethodGpu::check_gpu(const BidirectionalParams& params) {
                     "weights of merging are not correlation-aware on a GPU; the CPU has them");
 }
 
-uint64_t BidirectionalMethodGpu::estimate_bytes(const BidirectionalParams& /*params*/, const Workload& workload) {
-    // What the pilots take is given back before the first pass.
-    return DeviceFrame::estimate_bytes(workload);
+uint64_t BidirectionalMethodGpu::estimate_bytes(const BidirectionalParams& params, const Workload& workload) {
+    // While the pilots choose there are two of each sampler, the image's and the pilot's; what they take is given back
+    // before the first pass. The edges stay, to be sent anew where the vertices ask for more room.
+    const uint64_t samplers = LightSampler::estimate_bytes(workload.lights, workload.environment_size) +
+                              EmissionSampler::estimate_bytes(workload.lights, workload.environment_size);
+    return DeviceFrame::estimate_bytes(workload) + 2 * samplers + LightPathTracer::scratch_bytes(workload.threads) +
+           (params.merging() != nullptr ? 2 * EdgeTree::estimate_bytes(workload.triangles) : 0);
 }
 
 uint64_t BidirectionalMethodGpu::estimate_device_bytes(const BidirectionalParams& params, const Workload& workload) {
@@ -103,7 +107,7 @@ uint64_t BidirectionalMethodGpu::estimate_device_bytes(const BidirectionalParams
     const uint32_t tiles = eye_tiles_at_once(eye_tile_count(workload.film_size), kMostEyePaths);
     return DeviceFrame::estimate_device_bytes(workload) + sizeof(gpu::PassSamplerData) + sizeof(gpu::EyeConstants) +
            LightPathsGpu::device_bytes(paths_of_pass(light_paths, workload.film_size), kExpectedLightVertices, merges,
-                                       workload.film_size) +
+                                       params.connections == Connections::OwnPath, workload.film_size) +
            EyePathsGpu::device_bytes(tiles) + (merges ? EdgeTree::estimate_bytes(workload.triangles) : 0);
 }
 

@@ -40,12 +40,22 @@ class BidirectionalTwinGpu final : public BidirectionalMethodGpu {
 public:
     using Params = typename Cpu::Params;
 
-    explicit BidirectionalTwinGpu(const Params& params) : BidirectionalMethodGpu(std::make_unique<Params>(params)) {}
+    explicit BidirectionalTwinGpu(const Params& params)
+        : BidirectionalMethodGpu(std::make_unique<Params>(on_gpu(params))) {}
     static uint64_t estimate_bytes(const Params& params, const Workload& workload) {
-        return BidirectionalMethodGpu::estimate_bytes(params, workload);
+        return BidirectionalMethodGpu::estimate_bytes(on_gpu(params), workload);
     }
     static uint64_t estimate_device_bytes(const Params& params, const Workload& workload) {
-        return BidirectionalMethodGpu::estimate_device_bytes(params, workload);
+        return BidirectionalMethodGpu::estimate_device_bytes(on_gpu(params), workload);
+    }
+
+private:
+    /// With what is automatic as a GPU has it: pilots are to judge what is rendered.
+    static Params on_gpu(Params params) {
+        if constexpr (requires { params.merging_params; })
+            if (params.merging_params.weights == MergeWeights::Automatic)
+                params.merging_params.weights = MergeWeights::Recursive;
+        return params;
     }
 };
 

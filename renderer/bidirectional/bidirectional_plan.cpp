@@ -112,7 +112,9 @@ BidirectionalPlan make_bidirectional_plan(const RenderContext& context, const Bi
         stats.skipped.push_back({"light paths", why, paths * bytes_of_path(kExpectedLightVertices, params.merging())});
     };
     if (!(vertices > 0)) {
-        skip_light_paths(scene.emission.total_power_w() > 0 ? "light_paths is 0" : "the scene has no light");
+        skip_light_paths(!(scene.emission.total_power_w() > 0) ? "the scene has no light"
+                         : params.light_paths.value_or(1) > 0  ? "light paths meet nothing that can be joined"
+                                                               : "light_paths is 0");
         return plan;
     }
 

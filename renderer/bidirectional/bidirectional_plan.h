@@ -1,7 +1,7 @@
 #pragma once
 // What the passes of a bidirectional render are to do, found by pilots before the first: how many light paths and
-// connections, whether vertices merge and within which radius. The same on every device: a pure function of scene,
-// view, parameters and seed.
+// connections, whether vertices merge and within which radius. The same on every device for the same weights of
+// merging: a pure function of scene, view, parameters and seed.
 
 #include <optional>
 

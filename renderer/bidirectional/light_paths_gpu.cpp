@@ -72,10 +72,11 @@ LightPathsGpu::LightPathsGpu(const gpu::DeviceScene& scene, const BidirectionalP
     make_room(vertex_room_for(static_cast<double>(expected_)));
 }
 
-uint64_t LightPathsGpu::device_bytes(uint32_t paths, double vertices_per_path, bool merges, Size2 film_size) {
+uint64_t LightPathsGpu::device_bytes(uint32_t paths, double vertices_per_path, bool merges, bool own_path,
+                                     Size2 film_size) {
     const uint64_t expected = static_cast<uint64_t>(vertices_per_path * paths) + 1;
     return vertex_room_for(static_cast<double>(expected)) * (kBytesOfVertex + kSortBytesOfVertex) +
-           (vertex_table_words(expected, merges, false, paths) + splat_cells(film_size).slots) * sizeof(uint32_t) +
+           (vertex_table_words(expected, merges, own_path, paths) + splat_cells(film_size).slots) * sizeof(uint32_t) +
            (merges ? vertex_room_for(static_cast<double>(expected)) * sizeof(gpu::PhotonPlace) : 0);
 }
 

@@ -15,7 +15,7 @@ public:
     /// scene.
     LightPathsGpu(const gpu::DeviceScene& scene, const BidirectionalPlan& plan, SamplerKind sampler, uint64_t seed,
                   Size2 film_size, std::span<const gpu::Specialization> constants);
-    static uint64_t device_bytes(uint32_t paths, double vertices_per_path, bool merges, Size2 film_size);
+    static uint64_t device_bytes(uint32_t paths, double vertices_per_path, bool merges, bool own_path, Size2 film_size);
 
     /// What the pass's paths and all that are joined with them go by. Its paths come in that many pieces, 0 ...
     uint32_t begin_pass(uint32_t pass, const PassTechniques& techniques);

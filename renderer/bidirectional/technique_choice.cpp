@@ -17,28 +17,34 @@ double mean_square_of(const Rgb& value) {
 
 void EyePathSum::add(TechniqueKind kind, const Rgb& value) {
     all += value;
-    if (kind == TechniqueKind::Connection) connected_squared += static_cast<float>(mean_square_of(value));
+    if (kind == TechniqueKind::Connection) {
+        connected += value;
+        connected_squared += static_cast<float>(mean_square_of(value));
+    }
     if (kind == TechniqueKind::Merge) merged_squared += static_cast<float>(mean_square_of(value));
 }
 
-void PixelMoments::add(const EyePathSum& path, const WeighedCandidate& candidate) {
-    sum_ += path.all;
+void PixelMoments::add(const EyePathSum& path) {
     squares_ += static_cast<float>(mean_square_of(path.all));
-    thinned_ += (candidate.more_connections - 1) * path.connected_squared +
-                (candidate.more_light_paths - 1) * path.merged_squared;
+    eye_.all += path.all, eye_.connected += path.connected;
+    eye_.connected_squared += path.connected_squared, eye_.merged_squared += path.merged_squared;
 }
 
-void PixelMoments::add_seen(const Rgb& weighed, const WeighedCandidate& candidate) {
-    // What is seen of many light paths has no mean worth the name in each.
+void PixelMoments::add_seen(const Rgb& weighed) {
     seen_ += static_cast<float>(mean_of(weighed));
-    seen_squares_ += candidate.more_light_paths * static_cast<float>(mean_square_of(weighed));
+    seen_squares_ += static_cast<float>(mean_square_of(weighed));
 }
 
-double PixelMoments::mean(uint32_t passes) const { return (mean_of(sum_) + double{seen_}) / passes; }
+double PixelMoments::mean(uint32_t passes) const { return (mean_of(eye_.all) + double{seen_}) / passes; }
 
-double PixelMoments::variance(uint32_t passes) const {
-    return (double{squares_} - mean_square_of(sum_) / passes) / (passes - 1) +
-           (double{thinned_} + double{seen_squares_}) / passes;
+double PixelMoments::variance(uint32_t passes, const WeighedCandidate& candidate) const {
+    const double connected = std::max(double{eye_.connected_squared} - mean_square_of(eye_.connected) / passes, 0.0);
+    // How many vertices merge, and how many the camera sees, is chance: as counts do, they vary by their squares.
+    const double merged = double{eye_.merged_squared}, seen = double{seen_squares_};
+    return (double{squares_} - mean_square_of(eye_.all) / passes) / (passes - 1) +
+           ((double{candidate.more_connections} - 1) * connected + (double{candidate.more_light_paths} - 1) * merged +
+            double{candidate.more_light_paths} * seen) /
+               passes;
 }
 
 std::vector<TechniqueCandidate> technique_candidates(const TechniqueChoices& choices) {

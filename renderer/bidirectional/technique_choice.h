@@ -7,12 +7,12 @@
 // candidate [Grittmann et al. 2022, Sec. 4]. Samples that belong to one path from the eye are no independent ones: all
 // vertices that merge with one of its vertices share what the eye's path is worth. So the second moment is of the whole
 // path. With T the sum of all its weighed samples, of which the candidate takes as many as the pilot but for some,
-// taken n' times for the pilot's n, whose squares sum to S, it is T^2 + (n / n' - 1) S; and the variance is taken from
-// the passes of each pixel, for what differs from pixel to pixel is the image. What the camera sees of light paths has
-// nothing to do with the eye's; a sample of value C brings (w C)^2 n / n'. Variances are relative to the light around
-// the pixel. The choice is the candidate whose relative variance times cost is the least. Cost is counted (rays,
-// vertices, connections, merges), never timed: choices are part of the image, and the image is a pure function of the
-// seed.
+// taken n' times for the pilot's n, whose squares sum to S, it is T^2 + (n / n' - 1) S, less the squared mean in S
+// where their number is no matter of chance (connections); and the variance is taken from the passes of each pixel, for
+// what differs from pixel to pixel is the image. What the camera sees of light paths has nothing to do with the eye's;
+// a sample of value C brings (w C)^2 n / n'. Variances are relative to the light around the pixel. The choice is the
+// candidate whose relative variance times cost is the least. Cost is counted (rays, vertices, connections, merges),
+// never timed: choices are part of the image, and the image is a pure function of the seed.
 //
 // [Grittmann et al. 2022] Efficiency-Aware Multiple Importance Sampling for Bidirectional Rendering Algorithms. ACM TOG
 // 41(4).
@@ -46,7 +46,7 @@ struct WeighedCandidate {
 
 /// What one path from the eye brought in a pilot, as a candidate weighs it.
 struct EyePathSum {
-    Rgb all{0};
+    Rgb all{0}, connected{0};
     float connected_squared = 0, merged_squared = 0;  // sums of squares, means of the channels
     void add(TechniqueKind kind, const Rgb& value);
 };
@@ -54,18 +54,17 @@ struct EyePathSum {
 /// What a pixel of a pilot comes to for a candidate.
 class PixelMoments {
 public:
-    void add(const EyePathSum& path, const WeighedCandidate& candidate);
+    void add(const EyePathSum& path);
     /// What the camera sees of a light path.
-    void add_seen(const Rgb& weighed, const WeighedCandidate& candidate);
+    void add_seen(const Rgb& weighed);
     double mean(uint32_t passes) const;
-    /// Of one pass; two passes or more.
-    double variance(uint32_t passes) const;
+    /// Of one pass of the candidate; two passes or more.
+    double variance(uint32_t passes, const WeighedCandidate& candidate) const;
 
 private:
-    Rgb sum_{0};  // of the eye's paths
-    float squares_ = 0;
+    EyePathSum eye_;
+    float squares_ = 0;  // of the eye's paths
     float seen_ = 0, seen_squares_ = 0;
-    float thinned_ = 0;  // what squares have to gain where the candidate takes fewer samples
 };
 
 /// All that a pilot counted, a pixel and a pass.

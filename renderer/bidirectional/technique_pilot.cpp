@@ -119,7 +119,7 @@ TechniquePilot run_technique_pilot(const TechniquePilotInputs& inputs, Stats& st
                 const auto in_tile = static_cast<uint32_t>(k / candidates.size());
                 const size_t pixel = size_t{y0 + in_tile / width} * size.width + x0 + in_tile % width;
                 const size_t c = k % candidates.size();
-                moments[pixel * candidates.size() + c].add(tiles[i].paths[k], weighed_candidates[c]);
+                moments[pixel * candidates.size() + c].add(tiles[i].paths[k]);
             }
             counts.eye_vertices += tiles[i].counts.eye_vertices;
             counts.open_vertices += tiles[i].counts.open_vertices;
@@ -128,9 +128,8 @@ TechniquePilot run_technique_pilot(const TechniquePilotInputs& inputs, Stats& st
         for (size_t i = 0; i < paths.splats.size(); ++i)
             scene.filter.visit_pixels(paths.splats[i].film, size, [&](uint32_t pixel, float) {
                 for (size_t c = 0; c < candidates.size(); ++c)
-                    moments[pixel * candidates.size() + c].add_seen(
-                        paths.splat_weights[i * candidates.size() + c] * paths.splats[i].radiance,
-                        weighed_candidates[c]);
+                    moments[pixel * candidates.size() + c].add_seen(paths.splat_weights[i * candidates.size() + c] *
+                                                                    paths.splats[i].radiance);
             });
     }
     for (PilotThread& thread : threads) rays += thread.counts;
@@ -161,8 +160,10 @@ TechniquePilot run_technique_pilot(const TechniquePilotInputs& inputs, Stats& st
                     around += mean_of_pixel(u, v);
             const double scale = 1 / (sqr_of(around / seen) + kLeastMean * sqr_of(mean) + 1e-30);
             for (size_t c = 0; c < candidates.size(); ++c)
-                relative_variance[c] +=
-                    scale * moments[(size_t{y} * size.width + x) * candidates.size() + c].variance(kPasses) / pixels;
+                relative_variance[c] += scale *
+                                        moments[(size_t{y} * size.width + x) * candidates.size() + c].variance(
+                                            kPasses, weighed_candidates[c]) /
+                                        pixels;
         }
     const CostlyScene costly{context.scene.triangle_count, context.scene.needs.only_lambert()};
     TechniquePilot judged{.candidates = {}, .chosen = 0};

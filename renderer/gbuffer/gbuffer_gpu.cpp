@@ -8,8 +8,6 @@
 
 namespace photond {
 
-namespace {}  // namespace
-
 GBufferGpu::GBufferGpu(const gpu::DeviceScene& scene, const View& view, uint64_t seed, const GBufferWalk& walk,
                        DeviceImage& image, LightDepthMapsGpu* shadows)
     : device_(scene.device()),

@@ -33,7 +33,7 @@ def silencing_comments():
 def preprocessed(entry):
     """The text that the compiler sees."""
     words = shlex.split(entry["command"])
-    while words and (pathlib.Path(words[0]).name in ("cmake", "ccache") or words[0] in ("-E", "env") or
+    while words and (pathlib.Path(words[0]).name in ("cmake", "ccache", "compile_cached") or words[0] in ("-E", "env") or
                      "=" in words[0]):
         words.pop(0)
     command, skip = [], False

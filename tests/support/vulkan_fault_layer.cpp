@@ -24,6 +24,8 @@ PFN_vkGetInstanceProcAddr g_next_instance_proc = nullptr;
 PFN_vkGetDeviceProcAddr g_next_device_proc = nullptr;
 PFN_vkQueueSubmit2 g_submit = nullptr;
 PFN_vkWaitSemaphores g_wait = nullptr;
+PFN_vkQueueWaitIdle g_queue_idle = nullptr;
+PFN_vkDeviceWaitIdle g_device_idle = nullptr;
 PFN_vkAllocateMemory g_allocate = nullptr;
 PFN_vkCreateComputePipelines g_create_pipelines = nullptr;
 
@@ -67,13 +69,21 @@ VkResult fault_of(const char* call) {
     return VK_ERROR_DEVICE_LOST;
 }
 
+// A device that is lost works no more. Lavapipe's threads do, on memory that is about to be freed: they end first.
+
 VKAPI_ATTR VkResult VKAPI_CALL submit(VkQueue queue, uint32_t count, const VkSubmitInfo2* submits, VkFence fence) {
-    if (const VkResult fault = fault_of("vkQueueSubmit2")) return fault;
+    if (const VkResult fault = fault_of("vkQueueSubmit2")) {
+        g_queue_idle(queue);
+        return fault;
+    }
     return g_lost ? VK_ERROR_DEVICE_LOST : g_submit(queue, count, submits, fence);
 }
 
 VKAPI_ATTR VkResult VKAPI_CALL wait(VkDevice device, const VkSemaphoreWaitInfo* info, uint64_t timeout) {
-    if (const VkResult fault = fault_of("vkWaitSemaphores")) return fault;
+    if (const VkResult fault = fault_of("vkWaitSemaphores")) {
+        g_device_idle(device);
+        return fault;
+    }
     return g_lost ? VK_ERROR_DEVICE_LOST : g_wait(device, info, timeout);
 }
 
@@ -126,6 +136,8 @@ VKAPI_ATTR VkResult VKAPI_CALL create_device(VkPhysicalDevice physical, const Vk
     const auto next = [&](const char* name) { return g_next_device_proc(*device, name); };
     g_submit = reinterpret_cast<PFN_vkQueueSubmit2>(next("vkQueueSubmit2"));
     g_wait = reinterpret_cast<PFN_vkWaitSemaphores>(next("vkWaitSemaphores"));
+    g_queue_idle = reinterpret_cast<PFN_vkQueueWaitIdle>(next("vkQueueWaitIdle"));
+    g_device_idle = reinterpret_cast<PFN_vkDeviceWaitIdle>(next("vkDeviceWaitIdle"));
     g_allocate = reinterpret_cast<PFN_vkAllocateMemory>(next("vkAllocateMemory"));
     g_create_pipelines = reinterpret_cast<PFN_vkCreateComputePipelines>(next("vkCreateComputePipelines"));
     return VK_SUCCESS;

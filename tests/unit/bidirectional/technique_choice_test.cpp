@@ -21,11 +21,11 @@ const WeighedCandidate kAsPilot{.more_light_paths = 1, .more_connections = 1},
 
 TEST(TechniqueChoice, WhatTheCameraSeesVariesAsCountsDo) {
     PixelMoments as_pilot, quarter;
-    for (int i = 0; i < 8; ++i) as_pilot.add_seen(Rgb(2), kAsPilot), quarter.add_seen(Rgb(1), kQuarter);
+    for (int i = 0; i < 8; ++i) as_pilot.add_seen(Rgb(2)), quarter.add_seen(Rgb(1));
     EXPECT_DOUBLE_EQ(as_pilot.mean(4), 4);
-    EXPECT_DOUBLE_EQ(as_pilot.variance(4), 8);
+    EXPECT_DOUBLE_EQ(as_pilot.variance(4, kAsPilot), 8);
     EXPECT_DOUBLE_EQ(quarter.mean(4), 2);
-    EXPECT_DOUBLE_EQ(quarter.variance(4), 8);
+    EXPECT_DOUBLE_EQ(quarter.variance(4, kQuarter), 8);
 }
 
 TEST(TechniqueChoice, APathsSamplesVaryTogether) {
@@ -34,20 +34,22 @@ TEST(TechniqueChoice, APathsSamplesVaryTogether) {
     for (const float worth : {1.0f, 3.0f}) {
         EyePathSum path;
         for (int i = 0; i < 4; ++i) path.add(TechniqueKind::Merge, Rgb(worth));
-        as_pilot.add(path, kAsPilot), quarter.add(path, kQuarter);
+        as_pilot.add(path), quarter.add(path);
     }
     EXPECT_DOUBLE_EQ(as_pilot.mean(2), 8);
-    EXPECT_DOUBLE_EQ(as_pilot.variance(2), 32);  // of 4 and 12
+    EXPECT_DOUBLE_EQ(as_pilot.variance(2, kAsPilot), 32);  // of 4 and 12
     // One of each four is taken, for four times as much: 4 w^2 (4 - 1) more, on average 60.
-    EXPECT_DOUBLE_EQ(quarter.variance(2), 32 + 60);
+    EXPECT_DOUBLE_EQ(quarter.variance(2, kQuarter), 32 + 60);
     // Without noise there is no variance, whatever the image is.
     PixelMoments same;
     for (int pass = 0; pass < 4; ++pass) {
         EyePathSum path;
         path.add(TechniqueKind::Alone, Rgb(3));
-        same.add(path, kQuarter);
+        path.add(TechniqueKind::Connection, Rgb(2));
+        same.add(path);
     }
-    EXPECT_DOUBLE_EQ(same.variance(4), 0);
+    EXPECT_DOUBLE_EQ(same.variance(4, kQuarter), 0);
+    EXPECT_DOUBLE_EQ(same.variance(4, {.more_light_paths = 1, .more_connections = 0.125f}), 0);
 }
 
 TEST(TechniqueChoice, WhatIsGivenStays) {
