@@ -82,7 +82,9 @@ def main():
         lines += [open(options.heading, encoding="utf-8").read().rstrip("\n"), ""]
     lines += [f"{total['holds']} cells hold, {total['breaks']} break, {total['not_applicable']} are not applicable; "
               f"{total['defects']} have NaN, infinity, negative radiance, a failed or a hanging job.", ""]
-    lines += ["## The table", ""] + table(cases, labels) + ["", "## What breaks", ""] + breaks(cases)
+    lines += ["## The table", ""] + table(cases, labels)
+    if broken := breaks(cases):
+        lines += ["", "## What breaks", ""] + broken
     with open(options.output, "w", encoding="utf-8") as page:
         page.write("\n".join(lines) + "\n")
 
