@@ -387,16 +387,16 @@ TEST(RadianceEstimate, MomentsAreTheirDefinition) {
 // Light that varies linearly leaves the statistic standard normal; of light that varies quadratically the moments tell
 // the kernel's bias: 2,000 discs of some 200 photons each; false-alarm rate 1e-6 for each of four checks.
 TEST(RadianceEstimate, MomentsTellCurvedLightAndNoOther) {
-    constexpr float kRadius_m = 0.5f;
+    constexpr PhotonSearch kSearch{.kind = PhotonSearch::Kind::Radius, .nearest = 50, .radius_m = 0.5f};
     constexpr int kDiscs = 2000;
     const double z = test::two_sided_z(1e-6);
     const auto statistics = [&](const auto& light_at, test::RunningMean& curvature, test::RunningMean& bias) {
         for (uint64_t disc = 0; disc < kDiscs; ++disc) {
-            const PhotonMap map(photons_by_light(1000, disc, light_at, 2), kRadius);
+            const PhotonMap map(photons_by_light(1000, disc, light_at, 2), kSearch);
             Neighbours scratch;
             DiscMoments moments;
             estimate_radiance(map, {}, flat_point(), Bsdf::lambert(kUp, Rgb(1)), kUp, kAny, scratch,
-                              {.radius_m = kRadius_m, .moments = &moments});
+                              {.moments = &moments});
             curvature.add(std::sqrt(3 / moments.w_sq) * moments.w_t);
             bias.add(3 * moments.w_t / moments.w);
         }
@@ -406,7 +406,7 @@ TEST(RadianceEstimate, MomentsTellCurvedLightAndNoOther) {
     EXPECT_NEAR(even.mean(), 0, z / std::sqrt(double(kDiscs)));
     EXPECT_NEAR(even.variance(), 1, z * std::sqrt(2.0 / kDiscs));
     // 1 + a d^2: the constant kernel is a r^2 / 2 too bright at the centre, of 1 + a r^2 / 2 in all.
-    constexpr double kBias = 0.5 * 0.8 * kRadius_m * kRadius_m;
+    constexpr double kBias = 0.5 * 0.8 * kSearch.radius_m * kSearch.radius_m;
     statistics([](const vec3& p) { return 1 + 0.8f * glm::dot(p, p); }, curved, curved_bias);
     EXPECT_GT(curved.mean(), z / std::sqrt(double(kDiscs)));
     EXPECT_NEAR(curved_bias.mean(), kBias / (1 + kBias), z * curved_bias.standard_error() + 2e-3) << "ratios of sums";
