@@ -9,10 +9,12 @@
 
 namespace photond {
 
-/// Of the cache. `merging`: nullptr where nothing merges.
+/// What the cache takes for one vertex, its row among the path's surfaces included where merging is weighed by them.
+/// `merging`: nullptr where nothing merges.
 uint64_t bytes_of_light_vertex(const MergingParams* merging);
 /// Light paths a pixel that the cache has room for.
 float most_light_paths(const BidirectionalParams& params, Size2 size, double vertices_per_path);
+/// Of all pixels together.
 uint32_t paths_of_pass(float light_paths, Size2 size);
 
 /// Vertices of a light path, while nobody has counted them.
@@ -23,8 +25,8 @@ inline constexpr double kLightVertexMargin = 1.1;
 struct BidirectionalPlan {
     double vertices_per_path = 0;  // of light paths
     PassTechniques techniques;     // but for what changes from pass to pass; no light path: there is only the eye
-    float first_radius_m = 0;
-    float alpha = 0;
+    float first_radius_m = 0;      // of merging, in pass 0; 0: nothing merges
+    float alpha = 0;               // by which it shrinks (radius_schedule.h)
     std::optional<EdgeTree> edges;
 
     /// The edges that merging keeps off stay the plan's.
