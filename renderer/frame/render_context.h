@@ -39,14 +39,18 @@ struct RenderContext {
 
 /// Photons that a scene stores for each light path started, on paths of any length.
 struct PhotonYield {
-    double global = 0;
-    double caustic = 0;           // by projection maps, where they help
-    double caustic_unguided = 0;  // without
+    struct OfMap {
+        double guided = 0;  // by projection maps, where they help
+        double unguided = 0;
+
+        double by(bool projection_maps) const { return projection_maps ? guided : unguided; }
+    };
+    OfMap global, caustic;
 };
 
 /// Of scenes in which nobody has measured it: the global map of a closed room with reflectances about a half (as in the
 /// Cornell box), and the caustic map when specular surfaces fill a tenth.
-inline constexpr PhotonYield kExpectedPhotonYield{.global = 0.905, .caustic = 0.1, .caustic_unguided = 0.1};
+inline constexpr PhotonYield kExpectedPhotonYield{.global = {0.905, 0.905}, .caustic = {0.1, 0.1}};
 
 /// What a method's own memory depends on, as far as it is known before anything is loaded.
 struct Workload {

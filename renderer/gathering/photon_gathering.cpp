@@ -17,6 +17,15 @@ struct MapBytes {
     uint64_t map, build;
 };
 
+uint64_t guide_bytes(const GatheringParams& params, const PhotonPlan& plan, const Workload& workload) {
+    if (!params.projection_maps) return 0;
+    uint64_t bytes = 0;
+    for (const PhotonMapKind kind : {PhotonMapKind::Global, PhotonMapKind::Caustic})
+        if ((kind == PhotonMapKind::Global ? plan.global : plan.caustic).wanted())
+            bytes += PhotonGuides::estimate_bytes(kind, workload.lights, workload.photon_yield);
+    return bytes;
+}
+
 uint64_t split_sampler_bytes(const Splits& splits) {
     return SplitSamplers::bytes_for(splits.light_samples) +
            (splits.gather_rays > 0 ? SplitSamplers::bytes_for(splits.gather_rays) : 0);
@@ -38,21 +47,20 @@ uint64_t PhotonGathering::estimate_bytes(const GatheringParams& params, const Wo
     const uint64_t copies = params.keep_photon_map ? 2 : 1;
     uint64_t build = 0;  // of one map at a time
     if (plan.global.wanted()) {
-        const uint64_t stored = expected_photons(params.photons, yield.global);
+        const uint64_t stored = expected_photons(params.photons, yield.global.by(params.projection_maps));
         const MapBytes global(stored, params.search_kind());
         bytes += copies * global.map;
         build = global.build;
         if (plan.irradiance_scatterings > 0) bytes += PrecomputedIrradiance::bytes_for(stored);
     }
     if (plan.caustic.wanted()) {
-        const MapBytes caustic(expected_photons(params.caustic_photons.value_or(params.photons),
-                                                params.projection_maps ? yield.caustic : yield.caustic_unguided),
-                               params.search_kind());
+        const MapBytes caustic(
+            expected_photons(params.caustic_photons.value_or(params.photons), yield.caustic.by(params.projection_maps)),
+            params.search_kind());
         bytes += copies * caustic.map;
         build = std::max(build, caustic.build);
-        if (params.projection_maps) bytes += ProjectionMap::estimate_bytes(workload.lights);
     }
-    bytes += build;
+    bytes += build + guide_bytes(params, plan, workload);
     // A light path meets two surfaces one behind the other in furnished rooms, fewer in empty ones.
     if (plan.shadow) bytes += ShadowPhotons::bytes_for(2 * uint64_t{params.photons});
     return bytes;
@@ -82,11 +90,18 @@ PhotonGathering::PhotonGathering(const RenderContext& context, const GatheringPa
     }
 
     budget_.record("emission_sampler", emission_->bytes());
-    if (plan_.global.wanted())
+    const auto guide = [&](PhotonMapKind kind) {
+        if (params_.projection_maps)
+            guides_.add(kind, scene, *context.intersector, *emission_, params_.glossy_threshold, context.seed, budget_,
+                        stats);
+    };
+    if (plan_.global.wanted()) {
+        guide(PhotonMapKind::Global);
         global_tracer_.emplace(scene, *context.intersector, *emission_,
                                tracing(PhotonMapKind::Global, params_.photons, plan_.global.most_scatterings));
+    }
     if (plan_.caustic.wanted()) {
-        if (params_.projection_maps) build_projection_map(context, stats);
+        guide(PhotonMapKind::Caustic);
         caustic_tracer_.emplace(scene, *context.intersector, *emission_,
                                 tracing(PhotonMapKind::Caustic, params_.caustic_photons.value_or(params_.photons),
                                         plan_.caustic.most_scatterings));
@@ -100,7 +115,7 @@ PhotonTracing PhotonGathering::tracing(PhotonMapKind kind, uint32_t photons, uin
             .most_scatterings = most_scatterings,
             .glossy_threshold = params_.glossy_threshold,
             .sampler = params_.sampler,
-            .guide = kind == PhotonMapKind::Caustic && projection_ ? &*projection_ : nullptr};
+            .guide = guides_.of(kind)};
 }
 
 void PhotonGathering::record(const std::string& structure, uint64_t bytes) {
@@ -110,34 +125,17 @@ void PhotonGathering::record(const std::string& structure, uint64_t bytes) {
 }
 
 void PhotonGathering::note_skipped(Stats& stats) const {
-    const uint64_t global = expected_photons(params_.photons, kExpectedPhotonYield.global);
+    const uint64_t global = expected_photons(params_.photons, kExpectedPhotonYield.global.unguided);
     if (!plan_.global.wanted())
         stats.skipped.push_back({"global map", plan_.global.why_not, PhotonMap::bytes_for(global)});
     if (!plan_.caustic.wanted())
         stats.skipped.push_back(
             {"caustic map", plan_.caustic.why_not,
-             PhotonMap::bytes_for(
-                 expected_photons(params_.caustic_photons.value_or(params_.photons), kExpectedPhotonYield.caustic))});
+             PhotonMap::bytes_for(expected_photons(params_.caustic_photons.value_or(params_.photons),
+                                                   kExpectedPhotonYield.caustic.unguided))});
     if (const char* why = plan_.why_not_precomputed(params_))
         stats.skipped.push_back({"precomputed irradiance", why, PrecomputedIrradiance::bytes_for(global)});
     if (!shared_.scene.needs.solid_glass) stats.skipped.push_back({"absorption", "no solid refracts", 0});
-}
-
-void PhotonGathering::build_projection_map(const RenderContext& context, Stats& stats) {
-    const StageTimer timer(stats, "photon_emission");
-    const Scene& scene = context.scene;
-    projection_.emplace(scene, *context.intersector, *emission_, params_.glossy_threshold, context.seed);
-    stats.counts.photon_rays += projection_->pilot_rays();
-    // What its building took beside it has been given back, but it was there.
-    const uint64_t most = ProjectionMap::estimate_bytes(scene.triangle_lights.size() + scene.punctual_lights.size());
-    const uint64_t kept = projection_->helps() ? projection_->bytes() : 0;
-    budget_.record("projection_map_build", most - std::min(most, kept));
-    if (kept > 0) {
-        budget_.record("projection_map", kept);
-        return;
-    }
-    stats.skipped.push_back({"projection map", projection_->text(), projection_->bytes()});
-    projection_.reset();
 }
 
 PhotonMap PhotonGathering::make_map(const std::optional<PhotonTracer>& tracer, const std::string& structure,

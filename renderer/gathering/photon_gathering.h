@@ -12,8 +12,8 @@
 #include "renderer/frame/method_info.h"
 #include "renderer/gathering/eye_pass.h"
 #include "renderer/gathering/photon_plan.h"
+#include "renderer/photons/photon_guides.h"
 #include "renderer/photons/photon_tracer.h"
-#include "renderer/photons/projection_map.h"
 
 namespace photond {
 
@@ -53,7 +53,6 @@ private:
 
     PhotonTracing tracing(PhotonMapKind kind, uint32_t photons, uint32_t most_scatterings) const;
     void note_skipped(Stats& stats) const;
-    void build_projection_map(const RenderContext& context, Stats& stats);
     PhotonMap make_map(const std::optional<PhotonTracer>& tracer, const std::string& structure, uint32_t nearest,
                        uint32_t pass, Stats& stats, const CancelToken& cancel);
 
@@ -62,7 +61,7 @@ private:
     MemoryBudget& budget_;
     PhotonPlan plan_{params_, 0, false, false};
     std::optional<EmissionSampler> emission_;
-    std::optional<ProjectionMap> projection_;
+    PhotonGuides guides_;
     std::optional<PhotonTracer> global_tracer_, caustic_tracer_;
     ThreadLocal<PerThread> threads_;
     std::map<std::string, uint64_t> most_bytes_;

@@ -36,7 +36,7 @@ PhotonPlan::PhotonPlan(const GatheringParams& params, uint64_t pixels, bool ligh
     // A disc at a photon costs about twice what one at a ray's end does, of which the few rays of a small image have
     // few.
     constexpr double kLeastRaysAMark = 2;
-    const double marks = kExpectedPhotonYield.global * params.photons / PHOTONS_A_MARK;
+    const double marks = kExpectedPhotonYield.global.unguided * params.photons / PHOTONS_A_MARK;
     few_rays_ = static_cast<double>(pixels * params.splits(pixels).gather_rays) < kLeastRaysAMark * marks;
     if (!few_rays_) irradiance_scatterings = left(2);
 }
@@ -44,7 +44,7 @@ PhotonPlan::PhotonPlan(const GatheringParams& params, uint64_t pixels, bool ligh
 PhotonPlan plan_of(const GatheringParams& params, const Workload& workload) {
     const bool lights = workload.lights > 0 || workload.environment_size.pixels() > 0;
     // Narrow glossy lobes show in what was measured alone.
-    const bool specular = workload.needs.delta || (workload.photon_yield && workload.photon_yield->caustic > 0);
+    const bool specular = workload.needs.delta || (workload.photon_yield && workload.photon_yield->caustic.guided > 0);
     return {params, workload.film_size.pixels(), lights, specular};
 }
 

@@ -57,7 +57,9 @@ Rgb CausticMap::irradiance(const vec3& position, const vec3& geometric_normal, c
 struct CausticPhotons::Shared {
     Shared(const Scene& scene, const Intersector& intersector, const EmissionSampler& emission,
            const CausticSettings& asked, uint64_t of_seed)
-        : settings(asked), seed(of_seed), guide(scene, intersector, emission, asked.glossy_threshold, of_seed) {}
+        : settings(asked),
+          seed(of_seed),
+          guide(scene, intersector, emission, ProjectionTarget::SpecularSurfaces, asked.glossy_threshold, of_seed) {}
 
     PhotonTracing tracing(uint32_t paths) const {
         return {.kind = PhotonMapKind::Caustic,

@@ -45,7 +45,9 @@ void visit_disc_boundary(ParamVisitor& visitor, DiscBoundary& boundary) {
 
 void visit_projection_maps(ParamVisitor& visitor, bool& projection_maps) {
     visitor.flag("projection_maps", projection_maps,
-                 {LightMaps, "send caustic photons where the lights see specular surfaces"});
+                 {LightMaps,
+                  "send caustic photons where the lights see specular surfaces, and others where they see any surface, "
+                  "where that doubles how many meet one"});
 }
 
 void visit_photon_glossy_threshold(ParamVisitor& visitor, float& threshold) {

@@ -21,9 +21,10 @@ constexpr uint32_t kBins = 65536;            // shared among guided lights by po
 constexpr int kLeastLevels = 3;              // ... at 4^3 to 4^7 bins each
 constexpr int kMostLevels = 7;
 constexpr uint32_t kFirstRays = 2;      // into every bin
-constexpr uint32_t kMoreRays = 8;       // into bins that saw something specular, and about them
+constexpr uint32_t kMoreRays = 8;       // into bins that saw what is looked for, and about them
 constexpr int kMostRounds = 4;          // of following the outlines of what was seen
 constexpr uint32_t kRestRays = 4096;    // for all lights without bins together
+constexpr uint32_t kFirstLook = 4096;   // unguided ones: whether so many meet any surface that no bins are needed
 constexpr uint32_t kCheckRays = 4096;   // guided ones, to measure what guiding does
 constexpr double kUnguidedShare = 0.1;  // of the photons: no power exceeds its inverse times the unguided one
 
@@ -31,23 +32,24 @@ constexpr double kUnguidedShare = 0.1;  // of the photons: no power exceeds its 
 constexpr uint32_t kPilotPass = UINT32_MAX;
 constexpr uint32_t kRestPass = UINT32_MAX - 1;
 constexpr uint32_t kCheckPass = UINT32_MAX - 2;
+constexpr uint32_t kFirstPass = UINT32_MAX - 3;
 
 constexpr size_t kBatch = 1024;  // rays
 
-/// Guiding helps where it doubles the share of specular first hits; no share can be doubled beyond 1.
-bool can_help(double specular_share) { return specular_share > 0 && specular_share <= 0.5; }
+/// Guiding helps where it doubles the share of first hits on the target; no share can be doubled beyond 1.
+bool can_help(double unguided_share) { return unguided_share > 0 && unguided_share <= 0.5; }
 
 /// What pilot rays of one bin (or group of lights) found: sums; powers are unguided ones over the scene's.
 struct Found {
     uint32_t rays = 0;
-    uint32_t specular_rays = 0;
+    uint32_t target_rays = 0;  // whose first hit is what is looked for
     float power = 0;
-    float specular_power = 0;    // of the specular rays
-    float specular_squares = 0;  // power^2 x reflectance by the specular part
+    float target_power = 0;    // of these
+    float target_squares = 0;  // power^2 x reflectance by the lobes that count
 
     Found& operator+=(const Found& more) {
-        rays += more.rays, specular_rays += more.specular_rays;
-        power += more.power, specular_power += more.specular_power, specular_squares += more.specular_squares;
+        rays += more.rays, target_rays += more.target_rays;
+        power += more.power, target_power += more.target_power, target_squares += more.target_squares;
         return *this;
     }
 };
@@ -55,9 +57,11 @@ struct Found {
 /// Follows rays from the lights to their first hit.
 class Pilot {
 public:
-    Pilot(const Scene& scene, const Intersector& intersector, const EmissionSampler& emission, float glossy_threshold)
+    Pilot(const Scene& scene, const Intersector& intersector, const EmissionSampler& emission, ProjectionTarget target,
+          float glossy_threshold)
         : scene_(scene),
           intersector_(intersector),
+          target_(target),
           glossy_threshold_(glossy_threshold),
           per_scene_power_(1 / emission.total_power_w()) {}
 
@@ -94,15 +98,17 @@ private:
         found.power += power;
         if (!hit.valid() || !(power > 0)) return;
         const ShadingPoint point = make_shading_point(scene_, hit, sample.ray.direction);
-        const Bsdf specular = make_bsdf(scene_, point).specular_part(glossy_threshold_);
-        if (!specular.scatters()) return;
-        ++found.specular_rays;
-        found.specular_power += power;
-        found.specular_squares += power * power * std::min(1.0f, mean(specular.albedo()));
+        Bsdf counts = make_bsdf(scene_, point);
+        if (target_ == ProjectionTarget::SpecularSurfaces) counts = counts.specular_part(glossy_threshold_);
+        if (!counts.scatters()) return;
+        ++found.target_rays;
+        found.target_power += power;
+        found.target_squares += power * power * std::min(1.0f, mean(counts.albedo()));
     }
 
     const Scene& scene_;
     const Intersector& intersector_;
+    ProjectionTarget target_;
     float glossy_threshold_;
     double per_scene_power_;
 };
@@ -117,7 +123,8 @@ struct ProjectionMap::Bins {
     uint32_t guided_bins = 0;         // of all grids; after them one bin for each light in `rest`
     std::vector<uint32_t> rest;       // lights without a grid
     DiscreteDistribution choice;      // of a bin
-    double specular_share = 0;
+    ProjectionTarget target{};
+    double unguided_share = 0;
     double guided_share = 0;
     uint64_t pilot_rays = 0;
 
@@ -147,7 +154,8 @@ struct ProjectionMap::Bins {
         return emission.probability(grid.light) / static_cast<double>(grid.resolution.bins());
     }
 
-    void divide_lights(const Scene& scene);
+    bool most_meet_target(const Pilot& pilot, uint64_t seed);
+    void divide_lights(const Scene& scene, bool into_bins);
     std::vector<Found> look(const Pilot& pilot, uint64_t seed);
     std::vector<Found> look_into(std::span<const uint32_t> bins, uint32_t first_ray, uint32_t rays, const Pilot& pilot,
                                  uint64_t seed);
@@ -174,12 +182,29 @@ struct ProjectionMap::Bins {
     }
 };
 
-/// Bins for the strongest lights.
-void ProjectionMap::Bins::divide_lights(const Scene& scene) {
+/// By a few unguided rays, which then stand for the share. Not for what may be so small that they all miss it.
+bool ProjectionMap::Bins::most_meet_target(const Pilot& pilot, uint64_t seed) {
+    if (target == ProjectionTarget::SpecularSurfaces) return false;
+    const std::vector<Found> each = pilot.trace(kFirstLook, 1, [&](size_t i, uint32_t, EmissionSample& sample) {
+        RandomStream random(seed, RandomDomain::Photons, kFirstPass, i);
+        const float u_select = random.next();
+        const vec2 u_position = random.next_2d(), u_direction = random.next_2d();
+        return emission.sample(u_select, u_position, u_direction, sample);
+    });
+    pilot_rays += kFirstLook;
+    Found all;
+    for (const Found& one : each) all += one;
+    if (!(all.power > 0)) return false;
+    unguided_share = guided_share = double{all.target_power} / double{all.power};
+    return unguided_share > 0.5;
+}
+
+/// Bins for the strongest lights, where they are wanted.
+void ProjectionMap::Bins::divide_lights(const Scene& scene, bool into_bins) {
     std::vector<uint32_t> lights;
     for (uint32_t light = 0; light < emission.lights(); ++light)
         if (emission.probability(light) > 0) lights.push_back(light);
-    const size_t guided = std::min<size_t>(lights.size(), kMostGuidedLights);
+    const size_t guided = into_bins ? std::min<size_t>(lights.size(), kMostGuidedLights) : 0;
     std::partial_sort(lights.begin(), lights.begin() + static_cast<std::ptrdiff_t>(guided), lights.end(),
                       [&](uint32_t a, uint32_t b) {
                           const float pa = emission.probability(a), pb = emission.probability(b);
@@ -220,12 +245,12 @@ std::vector<Found> ProjectionMap::Bins::look(const Pilot& pilot, uint64_t seed) 
     std::vector<Found> found = look_into(all, 0, kFirstRays, pilot, seed);
     found.push_back(rest.empty() ? Found{} : look_at_rest(pilot, seed));
     // By the first rays alone: where more follow depends on what these saw, and all together would see too little.
-    specular_share = guided_share = share_seen(found);
-    if (can_help(specular_share)) follow_outlines(found, pilot, seed);
+    unguided_share = guided_share = share_seen(found);
+    if (can_help(unguided_share)) follow_outlines(found, pilot, seed);
     return found;
 }
 
-/// More rays where something specular was seen and next to it, then next to what these rays see.
+/// More rays where the target was seen and next to it, then next to what these rays see.
 void ProjectionMap::Bins::follow_outlines(std::vector<Found>& found, const Pilot& pilot, uint64_t seed) {
     std::vector<uint32_t> bins;
     for (int round = 0; round < kMostRounds; ++round) {
@@ -233,7 +258,7 @@ void ProjectionMap::Bins::follow_outlines(std::vector<Found>& found, const Pilot
         for (uint32_t bin = 0; bin < guided_bins; ++bin) {
             if (found[bin].rays > kFirstRays) continue;
             bool near = false;
-            visit_neighbours(bin, [&](uint32_t other) { near |= found[other].specular_rays > 0; });
+            visit_neighbours(bin, [&](uint32_t other) { near |= found[other].target_rays > 0; });
             if (near) bins.push_back(bin);
         }
         if (bins.empty()) return;
@@ -258,39 +283,38 @@ Found ProjectionMap::Bins::look_at_rest(const Pilot& pilot, uint64_t seed) {
     return group;
 }
 
-/// Power-weighted share of specular first hits.
+/// Power-weighted share of first hits on the target.
 double ProjectionMap::Bins::share_seen(std::span<const Found> found) const {
-    double power = 0, specular_power = 0;
+    double power = 0, target_power = 0;
     for (uint32_t bin = 0; bin < guided_bins + rest.size(); ++bin) {
         const Found& seen = found[std::min(bin, guided_bins)];
         const double each = unguided_probability(bin) / seen.rays;
         power += each * seen.power;
-        specular_power += each * seen.specular_power;
+        target_power += each * seen.target_power;
     }
-    return power > 0 ? specular_power / power : 0;
+    return power > 0 ? target_power / power : 0;
 }
 
 /// The probability of each bin: the unguided share of its own, and the rest in proportion to the root mean square of
-/// the power that goes on specularly, which gives photons the least variance. Nothing was looked at or can help: its
-/// own.
+/// the power that goes on from the target, which gives photons the least variance. Nothing was looked at or can help:
+/// its own.
 void ProjectionMap::Bins::prefer(std::span<const Found> found) {
     const size_t bins = guided_bins + rest.size();
     std::vector<double> unguided(bins);
     for (uint32_t bin = 0; bin < bins; ++bin) unguided[bin] = unguided_probability(bin);
-    if (!can_help(specular_share)) {
+    if (!can_help(unguided_share)) {
         choice = DiscreteDistribution(unguided);
         return;
     }
     std::vector<double> weights(bins), least(bins);
     for (uint32_t bin = 0; bin < bins; ++bin) {
         const Found& seen = found[std::min(bin, guided_bins)];
-        double squares = seen.specular_squares;
-        if (bin < guided_bins && seen.specular_rays == 0) {
+        double squares = seen.target_squares;
+        if (bin < guided_bins && seen.target_rays == 0) {
             // As if a quarter of a ray had met what neighbours met.
             visit_neighbours(bin, [&](uint32_t other) {
                 const Found& there = found[other];
-                if (there.specular_rays > 0)
-                    squares = std::max(squares, 0.25 * there.specular_squares / there.specular_rays);
+                if (there.target_rays > 0) squares = std::max(squares, 0.25 * there.target_squares / there.target_rays);
             });
         }
         weights[bin] = unguided[bin] * std::sqrt(squares / seen.rays);
@@ -308,20 +332,22 @@ void ProjectionMap::Bins::check(const Pilot& pilot, uint64_t seed) {
         return sample(u_select, u_position, u_direction, drawn);
     });
     pilot_rays += kCheckRays;
-    uint32_t specular = 0;
-    for (const Found& one : found) specular += one.specular_rays;
-    guided_share = specular / double{kCheckRays};
+    uint32_t on_target = 0;
+    for (const Found& one : found) on_target += one.target_rays;
+    guided_share = on_target / double{kCheckRays};
 }
 
 ProjectionMap::ProjectionMap(const Scene& scene, const Intersector& intersector, const EmissionSampler& emission,
-                             float glossy_threshold, uint64_t seed) {
+                             ProjectionTarget target, float glossy_threshold, uint64_t seed) {
     auto bins = std::make_unique<Bins>(emission);
+    bins->target = target;
     if (emission.total_power_w() > 0) {
-        const Pilot pilot(scene, intersector, emission, glossy_threshold);
-        bins->divide_lights(scene);
-        const bool specular = scene.needs.delta || scene.needs.glossy;
-        bins->prefer(specular ? bins->look(pilot, seed) : std::vector<Found>{});
-        if (can_help(bins->specular_share)) bins->check(pilot, seed);
+        const Pilot pilot(scene, intersector, emission, target, glossy_threshold);
+        const bool there = target == ProjectionTarget::Surfaces || scene.needs.delta || scene.needs.glossy;
+        const bool look = there && !bins->most_meet_target(pilot, seed);
+        bins->divide_lights(scene, look);
+        bins->prefer(look ? bins->look(pilot, seed) : std::vector<Found>{});
+        if (can_help(bins->unguided_share)) bins->check(pilot, seed);
     }
     bins_ = std::move(bins);
 }
@@ -329,14 +355,16 @@ ProjectionMap::ProjectionMap(const Scene& scene, const Intersector& intersector,
 ProjectionMap::~ProjectionMap() = default;
 ProjectionMap::ProjectionMap(ProjectionMap&&) noexcept = default;
 
-double ProjectionMap::specular_share() const { return bins_->specular_share; }
+double ProjectionMap::unguided_share() const { return bins_->unguided_share; }
 double ProjectionMap::guided_share() const { return bins_->guided_share; }
-bool ProjectionMap::helps() const { return can_help(specular_share()) && guided_share() >= 2 * specular_share(); }
+bool ProjectionMap::has_bins() const { return bins_->guided_bins > 0; }
+bool ProjectionMap::helps() const { return can_help(unguided_share()) && guided_share() >= 2 * unguided_share(); }
 
 std::string ProjectionMap::text() const {
+    const char* const what = bins_->target == ProjectionTarget::Surfaces ? "a surface" : "specular surfaces";
     char text[160];
-    std::snprintf(text, sizeof text, "%.1f %% of the photons meet specular surfaces unguided, %.1f %% would guided",
-                  100 * specular_share(), 100 * guided_share());
+    std::snprintf(text, sizeof text, "%.1f %% of the photons meet %s unguided, %.1f %% would guided",
+                  100 * unguided_share(), what, 100 * guided_share());
     return text;
 }
 

@@ -9,8 +9,8 @@
 #include "renderer/frame/device_frame.h"
 #include "renderer/gathering/gathering_shared.h"
 #include "renderer/photons/disc_coverage.h"
+#include "renderer/photons/photon_guides.h"
 #include "renderer/photons/photon_maps_gpu.h"
-#include "renderer/photons/projection_map.h"
 #include "renderer/photons/surface_edges.h"
 #include "renderer/progressive/disc_radii.h"
 #include "renderer/progressive/global_radii.h"
@@ -42,8 +42,7 @@ uint32_t rule_of(const ProgressiveParams& params) {
 
 /// Photons that a map is laid out for, whatever it then stores: its order must be the same in each pass.
 uint64_t expected_photons(PhotonMapKind kind, uint32_t paths) {
-    const double yield = kind == PhotonMapKind::Global ? kExpectedPhotonYield.global : kExpectedPhotonYield.caustic;
-    return static_cast<uint64_t>(yield * paths) + 1;
+    return static_cast<uint64_t>(yield_of(kExpectedPhotonYield, kind).unguided * paths) + 1;
 }
 
 /// Whether points find their first radius by a pilot of their own on the device.

@@ -4,7 +4,7 @@
 
 #include "renderer/core/thread_local.h"
 #include "renderer/photons/caustic_photons.h"
-#include "renderer/photons/projection_map.h"
+#include "renderer/photons/photon_guides.h"
 #include "renderer/scene/scene.h"
 #include "renderer/transport/light_sampling.h"
 
@@ -30,7 +30,7 @@ struct ProgressivePhotons::Emission {
     explicit Emission(const Scene& scene) : sampler(scene) {}
 
     EmissionSampler sampler;
-    std::optional<ProjectionMap> guide;
+    PhotonGuides guides;
 };
 
 ProgressivePhotons::ProgressivePhotons(const RenderContext& context, const ProgressiveParams& params, Stats& stats)
@@ -45,27 +45,14 @@ ProgressivePhotons::ProgressivePhotons(const RenderContext& context, const Progr
     for (const PhotonMapKind kind : kPhotonMapKinds) {
         const uint32_t paths = this->paths(kind);
         if (const char* why = why_not(kind, params, emission_ != nullptr, specular)) {
-            const double yield =
-                kind == PhotonMapKind::Global ? kExpectedPhotonYield.global : kExpectedPhotonYield.caustic;
+            const double stored = yield_of(kExpectedPhotonYield, kind).unguided * paths;
             stats.skipped.push_back(
-                {std::string(name_of(kind)) + " map", why, PhotonMap::bytes_for(static_cast<uint64_t>(yield * paths))});
+                {std::string(name_of(kind)) + " map", why, PhotonMap::bytes_for(static_cast<uint64_t>(stored))});
             continue;
         }
-        if (kind == PhotonMapKind::Caustic && params.projection_maps) {
-            std::optional<ProjectionMap>& guide = emission_->guide;
-            guide.emplace(scene, *context.intersector, emission_->sampler, params.glossy_threshold, context.seed);
-            stats.counts.photon_rays += guide->pilot_rays();
-            // What its building took beside it has been given back, but it was there.
-            const uint64_t most = ProjectionMap::estimate_bytes(light_count(scene));
-            const uint64_t kept = guide->helps() ? guide->bytes() : 0;
-            context.budget.record("projection_map_build", most - std::min(most, kept));
-            if (guide->helps()) {
-                context.budget.record("projection_map", kept);
-            } else {
-                stats.skipped.push_back({"projection map", guide->text(), guide->bytes()});
-                guide.reset();
-            }
-        }
+        if (params.projection_maps)
+            emission_->guides.add(kind, scene, *context.intersector, emission_->sampler, params.glossy_threshold,
+                                  context.seed, context.budget, stats);
         tracers_[index_of(kind)] =
             std::make_unique<const PhotonTracer>(scene, *context.intersector, emission_->sampler, tracing(kind));
     }
@@ -84,7 +71,7 @@ PhotonTracing ProgressivePhotons::tracing(PhotonMapKind kind) const {
             .most_scatterings = params_.photon_scatterings(1),
             .glossy_threshold = params_.glossy_threshold,
             .sampler = params_.sampler,
-            .guide = kind == PhotonMapKind::Caustic && emission_->guide ? &*emission_->guide : nullptr};
+            .guide = emission_->guides.of(kind)};
 }
 
 uint64_t ProgressivePhotons::pilot_seed() const { return hash64(context_.seed) ^ kPilotSeed; }
@@ -133,20 +120,23 @@ uint64_t ProgressivePhotons::expected_photons(PhotonMapKind kind, const Progress
     const bool lights = workload.lights > 0 || workload.environment_size.pixels() > 0;
     const PhotonYield yield = workload.photon_yield.value_or(kExpectedPhotonYield);
     // Narrow glossy lobes show in what was measured alone.
-    const bool specular = workload.needs.delta || (workload.photon_yield && yield.caustic > 0);
+    const bool specular = workload.needs.delta || (workload.photon_yield && yield.caustic.guided > 0);
     if (why_not(kind, params, lights, specular)) return 0;
-    const double share = kind == PhotonMapKind::Global ? yield.global
-                         : params.projection_maps      ? yield.caustic
-                                                       : yield.caustic_unguided;
-    return static_cast<uint64_t>(share * paths(kind, params)) + 1;
+    return static_cast<uint64_t>(yield_of(yield, kind).by(params.projection_maps) * paths(kind, params)) + 1;
 }
 
 uint64_t ProgressivePhotons::estimate_emission_bytes(const ProgressiveParams& params, const Workload& workload) {
-    const bool caustic = expected_photons(PhotonMapKind::Caustic, params, workload) > 0;
-    if (!caustic && expected_photons(PhotonMapKind::Global, params, workload) == 0) return 0;
+    uint64_t guides = 0;
+    bool any = false;
+    for (const PhotonMapKind kind : kPhotonMapKinds) {
+        if (expected_photons(kind, params, workload) == 0) continue;
+        any = true;
+        if (params.projection_maps)
+            guides += PhotonGuides::estimate_bytes(kind, workload.lights, workload.photon_yield);
+    }
+    if (!any) return 0;
     return EmissionSampler::estimate_bytes(workload.lights, workload.environment_size) +
-           PhotonTracer::scratch_bytes(workload.threads) +
-           (caustic && params.projection_maps ? ProjectionMap::estimate_bytes(workload.lights) : 0);
+           PhotonTracer::scratch_bytes(workload.threads) + guides;
 }
 
 uint64_t ProgressivePhotons::estimate_bytes(const ProgressiveParams& params, const Workload& workload) {

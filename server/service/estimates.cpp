@@ -100,8 +100,10 @@ Workload Estimates::workload_of(const JobRequest& request, const json& summary) 
     workload.needs = needs_read(summary);
     const json yield = summary.value("photon_yield", json());
     if (yield.is_object() && !request.environment)  // whose light takes other ways
-        workload.photon_yield = {yield.value("global", 0.0), yield.value("caustic", 0.0),
-                                 yield.value("caustic_unguided", 0.0)};
+        workload.photon_yield = PhotonYield{
+            // Scenes uploaded before global photons were led have one number for both.
+            .global = {yield.value("global", 0.0), yield.value("global_unguided", yield.value("global", 0.0))},
+            .caustic = {yield.value("caustic", 0.0), yield.value("caustic_unguided", 0.0)}};
     if (request.environment)
         if (const auto image = core_.store.image(request.environment->image.substr(6))) {
             workload.environment_size = {static_cast<uint32_t>(image->width), static_cast<uint32_t>(image->height)};

@@ -1,8 +1,8 @@
 #include "server/worker/photon_yield.h"
 
 #include "renderer/backends/cpu/embree_intersector.h"
+#include "renderer/photons/photon_guides.h"
 #include "renderer/photons/photon_tracer.h"
-#include "renderer/photons/projection_map.h"
 #include "renderer/scene/scene.h"
 
 namespace photond {
@@ -29,15 +29,20 @@ std::optional<PhotonYield> measure_photon_yield(const Scene& scene) {
             PhotonTracer(scene, *intersector, emission, tracing).trace(kSeed, 0, CancelToken{});
         return static_cast<double>(traced.photons.size()) / kPaths;
     };
+    PhotonGuides guides;
+    const auto measure = [&](PhotonMapKind kind) {
+        tracing.kind = kind;
+        tracing.guide = nullptr;
+        PhotonYield::OfMap yield;
+        yield.unguided = yield.guided = share_stored();
+        guides.add(kind, scene, *intersector, emission, tracing.glossy_threshold, kSeed, unlimited, uncounted);
+        tracing.guide = guides.of(kind);
+        if (tracing.guide) yield.guided = share_stored();
+        return yield;
+    };
     PhotonYield yield;
-    tracing.kind = PhotonMapKind::Global;
-    yield.global = share_stored();
-    if (!scene.needs.delta && !scene.needs.glossy) return yield;
-    const ProjectionMap guide(scene, *intersector, emission, tracing.glossy_threshold, kSeed);
-    tracing.kind = PhotonMapKind::Caustic;
-    yield.caustic_unguided = share_stored();
-    tracing.guide = guide.helps() ? &guide : nullptr;
-    yield.caustic = tracing.guide ? share_stored() : yield.caustic_unguided;
+    yield.global = measure(PhotonMapKind::Global);
+    if (scene.needs.delta || scene.needs.glossy) yield.caustic = measure(PhotonMapKind::Caustic);
     return yield;
 }
 

@@ -63,9 +63,10 @@ json scene_summary(const Scene& scene, const std::string& name, bool builtin) {
     const uint64_t acceleration_bytes = estimate_acceleration_bytes(scene);
     json yield = nullptr;
     if (const auto measured = measure_photon_yield(scene))
-        yield = {{"global", measured->global},
-                 {"caustic", measured->caustic},
-                 {"caustic_unguided", measured->caustic_unguided}};
+        yield = {{"global", measured->global.guided},
+                 {"global_unguided", measured->global.unguided},
+                 {"caustic", measured->caustic.guided},
+                 {"caustic_unguided", measured->caustic.unguided}};
     return {{"name", name.empty() ? scene.name : name},
             {"bytes", scene.file_bytes},
             {"memory_bytes", held.accounted_bytes() + acceleration_bytes},

@@ -10,8 +10,8 @@
 #include "renderer/gathering/gathering_shared.h"
 #include "renderer/gathering/photon_plan.h"
 #include "renderer/photons/disc_coverage.h"
+#include "renderer/photons/photon_guides.h"
 #include "renderer/photons/photon_maps_gpu.h"
-#include "renderer/photons/projection_map.h"
 #include "renderer/photons/surface_edges.h"
 #include "renderer/transport/roulette_shared.h"
 
@@ -28,8 +28,7 @@ uint32_t paths_of(const PhotonMappingParams& params, PhotonMapKind kind) {
 
 /// How many photons a map is laid out for, whatever it then stores: its order must be the same in each pass.
 uint64_t expected_photons(const PhotonMappingParams& params, PhotonMapKind kind) {
-    const double yield = kind == PhotonMapKind::Global ? kExpectedPhotonYield.global : kExpectedPhotonYield.caustic;
-    return static_cast<uint64_t>(yield * paths_of(params, kind)) + 1;
+    return static_cast<uint64_t>(yield_of(kExpectedPhotonYield, kind).unguided * paths_of(params, kind)) + 1;
 }
 
 uint32_t nearest_of(const PhotonMappingParams& params, PhotonMapKind kind) {
@@ -169,14 +168,14 @@ uint64_t PhotonMappingGpu::estimate_device_bytes(const PhotonMappingParams& para
     for (const PhotonMapKind kind : kKinds) {
         const bool global = kind == PhotonMapKind::Global;
         if (!(global ? plan.global : plan.caustic).wanted()) continue;
-        const double measured = global ? yield.global : params.projection_maps ? yield.caustic : yield.caustic_unguided;
+        const double measured = yield_of(yield, kind).by(params.projection_maps);
         const uint64_t expected = expected_photons(params, kind);
         const uint64_t capacity =
             PhotonMapsGpu::room_for(std::max(measured * paths_of(params, kind), static_cast<double>(expected)));
         most = std::max(most, capacity);
         const bool precomputes = global && plan.irradiance_scatterings > 0;
         bytes += PhotonMapsGpu::map_bytes(expected, capacity, precomputes ? capacity : 0);
-        if (!global && params.projection_maps) bytes += ProjectionMap::estimate_bytes(workload.lights);
+        if (params.projection_maps) bytes += PhotonGuides::estimate_bytes(kind, workload.lights, workload.photon_yield);
     }
     return bytes + PhotonMapsGpu::shared_bytes(most);
 }
@@ -349,7 +348,7 @@ void PhotonMappingGpu::begin(const RenderContext& context, Stats& stats) {
     state_ = std::make_unique<State>(context, params_);
     State& state = *state_;
 
-    // On the host for as long as the projection map is being made.
+    // On the host for as long as the projection maps are being made.
     std::optional<EmissionSampler> emission;
     if (!scene.triangle_lights.empty() || !scene.punctual_lights.empty() || scene.environment) {
         const StageTimer timer(stats, "photon_emission");
@@ -373,20 +372,16 @@ void PhotonMappingGpu::begin(const RenderContext& context, Stats& stats) {
     }
     if (!scene.needs.solid_glass) stats.skipped.push_back({"absorption", "no solid refracts", 0});
 
-    if (plan.global.wanted()) state.add_map(PhotonMapKind::Global, plan.global.most_scatterings, nullptr);
-    if (plan.caustic.wanted()) {
-        std::optional<ProjectionMap> projection;
-        if (params_.projection_maps) {
-            const StageTimer timer(stats, "photon_emission");
-            projection.emplace(scene, *context.intersector, *emission, params_.glossy_threshold, context.seed);
-            stats.counts.photon_rays += projection->pilot_rays();
-            if (!projection->helps()) {
-                stats.skipped.push_back({"projection map", projection->text(), projection->bytes()});
-                projection.reset();
-            }
-        }
-        state.add_map(PhotonMapKind::Caustic, plan.caustic.most_scatterings, projection ? &*projection : nullptr);
-    }
+    PhotonGuides guides;  // which the device copies
+    const auto add_map = [&](PhotonMapKind kind, const auto& wanted) {
+        if (!wanted.wanted()) return;
+        if (params_.projection_maps)
+            guides.add(kind, scene, *context.intersector, *emission, params_.glossy_threshold, context.seed,
+                       context.budget, stats);
+        state.add_map(kind, wanted.most_scatterings, guides.of(kind));
+    };
+    add_map(PhotonMapKind::Global, plan.global);
+    add_map(PhotonMapKind::Caustic, plan.caustic);
     state.prepare_passes(!scene.triangle_lights.empty() || scene.environment.has_value(), plan.irradiance_scatterings);
 }
 

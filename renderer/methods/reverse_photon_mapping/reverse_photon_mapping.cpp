@@ -33,12 +33,12 @@ uint64_t streams_bytes(const ReversePhotonMappingParams& params, const Workload&
     const PhotonYield yield = workload.photon_yield.value_or(kExpectedPhotonYield);
     uint64_t bytes = 0;
     if (plan.global.wanted())
-        bytes += PhotonStream::bytes_for(expected_photons(params.photons, yield.global), params.influence_radius);
+        bytes += PhotonStream::bytes_for(expected_photons(params.photons, yield.global.by(params.projection_maps)),
+                                         params.influence_radius);
     if (plan.caustic.wanted())
-        bytes +=
-            PhotonStream::bytes_for(expected_photons(params.caustic_photons.value_or(params.photons),
-                                                     params.projection_maps ? yield.caustic : yield.caustic_unguided),
-                                    params.influence_radius);
+        bytes += PhotonStream::bytes_for(
+            expected_photons(params.caustic_photons.value_or(params.photons), yield.caustic.by(params.projection_maps)),
+            params.influence_radius);
     return bytes;
 }
 

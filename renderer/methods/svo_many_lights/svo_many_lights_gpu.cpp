@@ -54,7 +54,8 @@ uint64_t tree_bytes(const SvoManyLightsParams& params, uint64_t triangles) {
 uint64_t caustic_device_bytes(const SvoManyLightsParams& params, uint64_t lights,
                               const std::optional<PhotonYield>& yield) {
     if (params.caustic_photons == 0) return 0;
-    return CausticPhotonsGpu::device_bytes(caustics_of(params), yield ? yield->caustic : kExpectedCausticYield, lights);
+    return CausticPhotonsGpu::device_bytes(caustics_of(params), yield ? yield->caustic.guided : kExpectedCausticYield,
+                                           lights);
 }
 
 VplBounceShader bounces_of(const SvoManyLightsParams& params, SparseVoxelOctreeGpu* tree) {

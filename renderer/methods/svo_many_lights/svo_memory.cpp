@@ -54,9 +54,10 @@ uint64_t SvoManyLights::estimate_bytes(const SvoManyLightsParams& params, const 
              VplTracer::result_bytes(tracing_of(params)) + light_bytes(params, workload.needs);
     if (params.needs_voxels(workload.layers)) bytes += voxel_tree_bytes(params);
     if (sends_caustics(params, workload))
-        bytes += CausticPhotons::estimate_bytes(workload.lights, workload.threads) +
-                 CausticPhotons::map_bytes(caustics_of(params), workload.photon_yield ? workload.photon_yield->caustic
-                                                                                      : kExpectedCausticYield);
+        bytes +=
+            CausticPhotons::estimate_bytes(workload.lights, workload.threads) +
+            CausticPhotons::map_bytes(caustics_of(params), workload.photon_yield ? workload.photon_yield->caustic.guided
+                                                                                 : kExpectedCausticYield);
     return bytes;
 }
 

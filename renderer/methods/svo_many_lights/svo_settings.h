@@ -44,7 +44,7 @@ inline const char* why_no_caustics(const SvoManyLightsParams& params, bool specu
 
 /// Whether there is one, as far as that is known before: narrow glossy lobes show in what was measured alone.
 inline bool sends_caustics(const SvoManyLightsParams& params, const Workload& workload) {
-    const bool specular = workload.needs.delta || (workload.photon_yield && workload.photon_yield->caustic > 0);
+    const bool specular = workload.needs.delta || (workload.photon_yield && workload.photon_yield->caustic.guided > 0);
     return !why_no_caustics(params, specular);
 }
 

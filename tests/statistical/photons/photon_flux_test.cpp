@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "renderer/photons/projection_map.h"
+#include "renderer/photons/photon_guides.h"
 #include "renderer/scene/builtin_families.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "renderer/scene/mesh_builder.h"
@@ -237,10 +237,12 @@ TEST(PhotonFlux, OutOfAGlassBall) {
     expect_mean(dvec3(4 * double{kPi}), 0.03, [&](uint64_t seed) { return power_of(lit.trace(tracing, seed), kAny); });
 }
 
-TEST(PhotonFlux, DoesNotDependOnTheGuide) {
-    const PhotonScene lit(make_builtin_scene("cornell-box-glass"));
-    PhotonTracing tracing = photon_tracing(PhotonMapKind::Caustic, 20'000), guided = tracing;
-    const ProjectionMap guide(lit.scene, *lit.intersector, lit.emission, tracing.glossy_threshold, 1);
+// As many photons of the same power, whether the guide leads them or not.
+void expect_the_guide_changes_no_power(Scene scene, PhotonMapKind kind, uint32_t photons) {
+    const PhotonScene lit(std::move(scene));
+    PhotonTracing tracing = photon_tracing(kind, photons), guided = tracing;
+    const ProjectionMap guide(lit.scene, *lit.intersector, lit.emission, target_of(kind), tracing.glossy_threshold, 1);
+    ASSERT_TRUE(guide.helps());
     guided.guide = &guide;
     std::vector<double> difference;
     double mean = 0;
@@ -255,6 +257,26 @@ TEST(PhotonFlux, DoesNotDependOnTheGuide) {
     EXPECT_LE(std::abs(interval.mean), interval.half_width);
     EXPECT_LE(2 * interval.half_width, 0.1 * mean);
     EXPECT_GT(stored_guided, stored);
+}
+
+TEST(PhotonFlux, OfCausticPhotonsDoesNotDependOnTheGuide) {
+    expect_the_guide_changes_no_power(make_builtin_scene("cornell-box-glass"), PhotonMapKind::Caustic, 20'000);
+}
+
+// A yard of two walls below a low sun, whose light goes past it for the most part.
+TEST(PhotonFlux, OfGlobalPhotonsDoesNotDependOnTheGuide) {
+    Scene scene;
+    add_mesh(scene, MeshBuilder()
+                        .quad({-2, 0, 2}, {2, 0, 2}, {2, 0, -2}, {-2, 0, -2})
+                        .quad({1, 0, -1}, {1, 0, 1}, {1, 0.6f, 1}, {1, 0.6f, -1})
+                        .build(add_material(scene, lambert("yard", Rgb(0.6f)))));
+    PunctualLight sun;
+    sun.kind = PunctualLight::Kind::Directional;
+    sun.intensity = Rgb(3, 2, 1);
+    sun.direction = glm::normalize(vec3(1, -0.3f, 0.2f));
+    scene.punctual_lights = {sun};
+    finish_scene(scene);
+    expect_the_guide_changes_no_power(std::move(scene), PhotonMapKind::Global, 60'000);
 }
 
 }  // namespace

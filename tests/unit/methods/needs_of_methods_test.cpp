@@ -272,12 +272,11 @@ TEST(NeedsOfMethods, AllThatIsSkippedAnywhereIsInTheTable) {
     std::set<std::pair<std::string, std::string>> known{{"bidirectional_path_tracing", "connections"},
                                                         {"vertex_connection_and_merging", "connections"},
                                                         {"vertex_connection_and_merging", "merging"},
-                                                        {"photon_mapping", "projection map"},  // projection_map_test
-                                                        {"progressive_photon_mapping", "projection map"},
-                                                        {"stochastic_progressive_photon_mapping", "projection map"},
-                                                        {"probabilistic_progressive_photon_mapping", "projection map"},
-                                                        {"reverse_photon_mapping", "projection map"},
                                                         {"svo_many_lights", "projection map"}};
+    // Both are judged by photons: projection_map_test.
+    for (const char* method : {"photon_mapping", "reverse_photon_mapping", "progressive_photon_mapping",
+                               "stochastic_progressive_photon_mapping", "probabilistic_progressive_photon_mapping"})
+        for (const char* map : {"projection map", "global projection map"}) known.emplace(method, map);
     for (const Part& part : parts()) known.emplace(part.method, part.what);
     for (const MethodInfo& method : all_methods()) {
         if (!method.make) continue;  // runs on GPUs alone: in its own test

@@ -8,7 +8,7 @@
 #include "protocol/error.h"
 #include "renderer/methods/photon_mapping/photon_mapping_gpu.h"
 #include "renderer/photons/hash_grid_gpu.h"
-#include "renderer/photons/projection_map.h"
+#include "renderer/photons/photon_guides.h"
 #include "renderer/photons/radiance_estimate_shared.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/gpu_render.h"
@@ -79,11 +79,9 @@ TEST_P(GpuPhotonTracer, StoresTheCpusPhotons) {
     for (const PhotonMapKind kind : {PhotonMapKind::Global, PhotonMapKind::Caustic}) {
         PhotonTracing tracing = test::photon_tracing(kind, 5000);
         tracing.most_scatterings = 6;
-        std::optional<ProjectionMap> guide;
-        if (kind == PhotonMapKind::Caustic) {
-            guide.emplace(host.scene, *host.intersector, host.emission, tracing.glossy_threshold, 1);
-            if (guide->helps()) tracing.guide = &*guide;
-        }
+        const ProjectionMap guide(host.scene, *host.intersector, host.emission, target_of(kind),
+                                  tracing.glossy_threshold, 1);
+        if (guide.helps()) tracing.guide = &guide;
         const TracedPhotons cpu = host.trace(tracing, 1, 3);
         Counts counts;
         const std::vector<Photon> gpu = trace_on_device(device_scene, tracing, 3, counts);

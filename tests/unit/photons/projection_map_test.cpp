@@ -71,6 +71,15 @@ Scene with_punctual(PunctualLight::Kind kind) {
     return scene;
 }
 
+/// Whose rays pass over the floor for the most part.
+Scene low_sun() {
+    Scene scene = ball_on_floor();
+    scene.punctual_lights.push_back(punctual(PunctualLight::Kind::Directional));
+    scene.punctual_lights[0].direction = glm::normalize(vec3(1, -0.2f, 0.1f));
+    finish_scene(scene);
+    return scene;
+}
+
 Scene with_panel(bool two_sided) {
     Scene scene = ball_on_floor();
     Material panel = grey();
@@ -86,6 +95,19 @@ Scene with_environment() {
     Environment environment;
     environment.map.size = {8, 4};
     for (uint32_t i = 0; i < 32; ++i) environment.map.radiance.push_back(Rgb(i == 5 ? 10.0f : 1.0f, 1, 2));
+    scene.environment = environment;
+    finish_scene(scene);
+    return scene;
+}
+
+/// Two posts far apart below a bright sky: between them light finds nothing.
+Scene posts_in_the_open() {
+    Scene scene;
+    for (const float x : {-2.0f, 2.0f})
+        add(scene, MeshBuilder().box(vec3(x - 0.2f, 0, -0.2f), vec3(x + 0.2f, 1, 0.2f)).build(0), grey());
+    Environment environment;
+    environment.map.size = {8, 4};
+    for (uint32_t i = 0; i < 32; ++i) environment.map.radiance.push_back(Rgb(i < 16 ? 3.0f : 0.2f));
     scene.environment = environment;
     finish_scene(scene);
     return scene;
@@ -108,24 +130,27 @@ Scene with_many_panels() {
 }
 
 struct Guided {
-    explicit Guided(Scene made, uint64_t seed = 1)
+    explicit Guided(Scene made, ProjectionTarget target_of_map = ProjectionTarget::SpecularSurfaces)
         : scene(std::move(made)),
           intersector(make_embree_intersector(scene, budget, stats)),
           emission(scene),
-          map(scene, *intersector, emission, kGlossyThreshold, seed) {}
+          target(target_of_map),
+          map(scene, *intersector, emission, target, kGlossyThreshold, 1) {}
 
     MemoryBudget budget;
     Stats stats;
     Scene scene;
     std::unique_ptr<Intersector> intersector;
     EmissionSampler emission;
+    ProjectionTarget target;
     ProjectionMap map;
 
-    bool first_hit_is_specular(const Ray& ray) const {
+    bool first_hit_counts(const Ray& ray) const {
         const Hit hit = intersector->closest_hit(ray);
         if (!hit.valid()) return false;
         const ShadingPoint point = make_shading_point(scene, hit, ray.direction);
-        return make_bsdf(scene, point).specular_part(kGlossyThreshold).scatters();
+        const Bsdf bsdf = make_bsdf(scene, point);
+        return (target == ProjectionTarget::Surfaces ? bsdf : bsdf.specular_part(kGlossyThreshold)).scatters();
     }
     bool draw(RandomStream& random, bool guided, EmissionSample& sample) const {
         const float u_select = random.next();
@@ -138,6 +163,7 @@ struct Guided {
 struct MapCase {
     const char* name;
     std::function<Scene()> make;
+    ProjectionTarget target = ProjectionTarget::SpecularSurfaces;
 };
 void PrintTo(const MapCase& map_case, std::ostream* out) { *out << map_case.name; }
 
@@ -150,6 +176,9 @@ const MapCase kCases[] = {
     {"Environment", with_environment},
     {"ManyPanels", with_many_panels},
     {"CornellBoxGlass", [] { return make_builtin_scene("cornell-box-glass"); }},
+    {"AnySurfaceOfAPoint", [] { return with_punctual(PunctualLight::Kind::Point); }, ProjectionTarget::Surfaces},
+    {"AnySurfaceOfTheSun", low_sun, ProjectionTarget::Surfaces},
+    {"AnySurfaceOfAnEnvironment", posts_in_the_open, ProjectionTarget::Surfaces},
 };
 
 class ProjectionMapOf : public testing::TestWithParam<MapCase> {};
@@ -203,7 +232,7 @@ Flux measure_flux(const Guided& guided, bool by_map, uint32_t samples, uint64_t 
 TEST_P(ProjectionMapOf, IsUnbiased) {
     constexpr double kMustDetect = 0.02;
     constexpr uint32_t kSamples = 1000000, kLeastPhotons = 100;  // in a cell; cells with fewer are joined
-    const Guided guided(GetParam().make());
+    const Guided guided(GetParam().make(), GetParam().target);
     const Flux with = measure_flux(guided, true, kSamples, 1), without = measure_flux(guided, false, kSamples, 2);
     Flux::Sum few_with, few_without;
     std::vector<std::pair<Flux::Sum, Flux::Sum>> pairs;
@@ -231,31 +260,32 @@ TEST_P(ProjectionMapOf, IsUnbiased) {
 
 /// Both shares are what photons really do, guided or not.
 TEST_P(ProjectionMapOf, StatesItsShares) {
-    const Guided guided(GetParam().make());
+    const Guided guided(GetParam().make(), GetParam().target);
     constexpr uint32_t kSamples = 40000;
     RandomStream random(4, RandomDomain::Test, 0, 0);
-    double power_w = 0, specular_power_w = 0, squares = 0;
-    uint32_t specular = 0;
+    double power_w = 0, target_power_w = 0, squares = 0;
+    uint32_t on_target = 0;
     for (uint32_t i = 0; i < kSamples; ++i) {
         EmissionSample sample;
-        if (guided.draw(random, true, sample)) specular += guided.first_hit_is_specular(sample.ray) ? 1 : 0;
+        if (guided.draw(random, true, sample)) on_target += guided.first_hit_counts(sample.ray) ? 1 : 0;
         if (!guided.draw(random, false, sample)) continue;
         const double mean_w = mean(sample.power_w);
         power_w += mean_w, squares += mean_w * mean_w;
-        if (guided.first_hit_is_specular(sample.ray)) specular_power_w += mean_w;
+        if (guided.first_hit_counts(sample.ray)) target_power_w += mean_w;
     }
     // The map's own shares are estimates as well: the guided one of 4096 rays, the unguided one of far more than 8192.
     const double z = two_sided_z(share_of_false_alarm(kFalseAlarm, 2 * std::size(kCases)));
-    const double g = specular / double{kSamples}, u = specular_power_w / power_w;
+    const double g = on_target / double{kSamples}, u = target_power_w / power_w;
     const double spread = squares * kSamples / (power_w * power_w);  // of the powers: 1 when all are the same
     EXPECT_NEAR(guided.map.guided_share(), g, z * std::sqrt(g * (1 - g) * (1.0 / kSamples + 1.0 / 4096)));
-    EXPECT_NEAR(guided.map.specular_share(), u, z * std::sqrt(spread * u * (1 - u) * (1.0 / kSamples + 1.0 / 8192)));
+    EXPECT_NEAR(guided.map.unguided_share(), u, z * std::sqrt(spread * u * (1 - u) * (1.0 / kSamples + 1.0 / 8192)));
     EXPECT_TRUE(guided.map.helps());
-    EXPECT_GT(guided.map.guided_share(), 3 * guided.map.specular_share());
+    const bool any = guided.target == ProjectionTarget::Surfaces;  // of whose rays a third may meet one unguided
+    EXPECT_GT(guided.map.guided_share(), (any ? 2 : 3) * guided.map.unguided_share());
     EXPECT_LE(guided.map.bytes(), ProjectionMap::estimate_bytes(guided.emission.lights()));
-    RecordProperty("specular_share", std::to_string(guided.map.specular_share()));
+    RecordProperty("unguided_share", std::to_string(guided.map.unguided_share()));
     RecordProperty("guided_share", std::to_string(guided.map.guided_share()));
-    std::printf("%s: specular share %.4f, guided %.4f, %llu pilot rays\n", GetParam().name, guided.map.specular_share(),
+    std::printf("%s: share %.4f, guided %.4f, %llu pilot rays\n", GetParam().name, guided.map.unguided_share(),
                 guided.map.guided_share(), static_cast<unsigned long long>(guided.map.pilot_rays()));
 }
 
@@ -270,11 +300,12 @@ TEST(ProjectionMap, IsTheSameForAnyNumberOfThreads) {
     const EmissionSampler emission(scene);
     const auto make = [&](int threads, uint64_t seed) {
         return test::on_threads(threads, [&] {
-            return std::make_unique<ProjectionMap>(scene, *intersector, emission, kGlossyThreshold, seed);
+            return std::make_unique<ProjectionMap>(scene, *intersector, emission, ProjectionTarget::SpecularSurfaces,
+                                                   kGlossyThreshold, seed);
         });
     };
     const auto one = make(1, 5), four = make(4, 5), other = make(4, 6);
-    EXPECT_EQ(one->specular_share(), four->specular_share());
+    EXPECT_EQ(one->unguided_share(), four->unguided_share());
     EXPECT_EQ(one->guided_share(), four->guided_share());
     EXPECT_EQ(one->pilot_rays(), four->pilot_rays());
     EXPECT_NE(one->guided_share(), other->guided_share());
@@ -306,13 +337,13 @@ TEST(ProjectionMap, KnowsWhenItCannotHelp) {
     coated.specular = 1;
     coated.roughness = 0.5f;  // glossy, but above the threshold
     const Guided lambert(closed_box(grey())), mirrors(closed_box(mirror())), rough(closed_box(coated));
-    EXPECT_EQ(lambert.map.specular_share(), 0);
+    EXPECT_EQ(lambert.map.unguided_share(), 0);
     EXPECT_EQ(lambert.map.pilot_rays(), 0u) << "nothing there to look for";
-    EXPECT_EQ(rough.map.specular_share(), 0);
-    EXPECT_NEAR(mirrors.map.specular_share(), 1, 1e-6);
+    EXPECT_EQ(rough.map.unguided_share(), 0);
+    EXPECT_NEAR(mirrors.map.unguided_share(), 1, 1e-6);
     for (const Guided* guided : {&lambert, &mirrors, &rough}) {
         EXPECT_FALSE(guided->map.helps());
-        EXPECT_EQ(guided->map.guided_share(), guided->map.specular_share());
+        EXPECT_EQ(guided->map.guided_share(), guided->map.unguided_share());
         EmissionSample sample;
         ASSERT_TRUE(guided->map.sample(0.3f, vec2(0.2f), vec2(0.6f), sample));
         EXPECT_NEAR(mean(sample.power_w), guided->emission.total_power_w(), 1e-3 * guided->emission.total_power_w());
@@ -328,6 +359,21 @@ TEST(ProjectionMap, KnowsWhenItCannotHelp) {
     }
 }
 
+/// In a closed room every photon meets a surface: a few rays show it, and no bins are made.
+TEST(ProjectionMap, LooksAtOpenScenesAlone) {
+    Scene scene = make_builtin_scene("cornell-box");
+    const Guided box(std::move(scene), ProjectionTarget::Surfaces);
+    EXPECT_GT(box.map.unguided_share(), 0.5);
+    EXPECT_EQ(box.map.guided_share(), box.map.unguided_share());
+    EXPECT_FALSE(box.map.helps());
+    EXPECT_FALSE(box.map.has_bins());
+    EXPECT_LE(box.map.pilot_rays(), 4096u);
+    EmissionSample guided, unguided;
+    ASSERT_TRUE(box.map.sample(0.3f, vec2(0.2f), vec2(0.6f), guided));
+    ASSERT_TRUE(box.emission.sample(0.3f, vec2(0.2f), vec2(0.6f), unguided));
+    EXPECT_NEAR(mean(guided.power_w), mean(unguided.power_w), 1e-5 * mean(unguided.power_w));
+}
+
 /// A surface beyond a light's range is not lit: it draws no photons.
 TEST(ProjectionMap, KnowsTheRangeOfLights) {
     Scene scene = ball_on_floor();
@@ -335,7 +381,7 @@ TEST(ProjectionMap, KnowsTheRangeOfLights) {
     scene.punctual_lights[0].range_m = 0.5f;
     finish_scene(scene);
     const Guided guided(std::move(scene));
-    EXPECT_EQ(guided.map.specular_share(), 0);
+    EXPECT_EQ(guided.map.unguided_share(), 0);
     EXPECT_FALSE(guided.map.helps());
 }
 
