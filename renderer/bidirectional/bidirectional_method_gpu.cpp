@@ -6,6 +6,7 @@
 #include "renderer/eye/eye_constants.h"
 #include "renderer/eye/path_wavefront_gpu.h"
 #include "renderer/frame/device_frame.h"
+#include "renderer/transport/light_tables_shared.h"
 
 namespace photond {
 
@@ -49,7 +50,8 @@ struct BidirectionalMethodGpu::State {
         fixed.insert(fixed.end(),
                      {image.plane(PLANE_CONNECTIONS_ID, Layer::Connections),
                       image.plane(PLANE_MERGES_ID, Layer::Merges), image.plane(PLANE_LIGHT_IMAGE_ID, Layer::LightImage),
-                      gpu::specialize(MIS_POWER_ID, params.heuristic == MisHeuristic::Power)});
+                      gpu::specialize(MIS_POWER_ID, params.heuristic == MisHeuristic::Power),
+                      gpu::specialize(LIGHT_SAMPLES_COMPENSATED_ID, true)});
         const std::vector<gpu::Specialization> all = scene.specialization(fixed);
         if (plan.techniques.light_paths == 0) {
             // Nothing is joined, and paths from the eye need no weights but light samples' own: path tracing.

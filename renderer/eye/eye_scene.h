@@ -7,6 +7,7 @@
 #include "renderer/eye/eye_shared.h"
 #include "renderer/eye/pixel_filter.h"
 #include "renderer/frame/render_context.h"
+#include "renderer/transport/environment_sampling.h"
 #include "renderer/transport/lambert_lanes.h"
 #include "renderer/transport/light_sampling.h"
 #include "renderer/transport/medium_stack.h"
@@ -22,10 +23,12 @@ struct EyeScene {
         bool emits;
     };
 
-    EyeScene(const RenderContext& context, SamplerKind sampler_kind, uint32_t most_scatterings)
+    /// `environment`: how light samples are drawn from it (environment_sampling.h).
+    EyeScene(const RenderContext& context, SamplerKind sampler_kind, uint32_t most_scatterings,
+             EnvironmentDensity environment = EnvironmentDensity::Radiance)
         : scene(context.scene),
           intersector(*context.intersector),
-          lights(context.scene),
+          lights(context.scene, environment),
           absorption(context.scene),
           view(context.view),
           camera_rays(context.view.camera, context.view.film_size),

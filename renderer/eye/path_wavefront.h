@@ -6,11 +6,13 @@
 
 namespace photond {
 
-/// What all tiles and passes share.
+/// What all tiles and passes share. Each light sample is weighed against a sample of the BSDF whose ray is traced, at
+/// the last vertex, too: those of the environment may leave to it what it finds well.
 struct PathScene : EyeScene {
     PathScene(const RenderContext& context, SamplerKind sampler_kind, uint32_t most_scatterings,
               uint32_t roulette_starts_at)
-        : EyeScene(context, sampler_kind, most_scatterings), roulette_start(roulette_starts_at) {}
+        : EyeScene(context, sampler_kind, most_scatterings, EnvironmentDensity::Compensated),
+          roulette_start(roulette_starts_at) {}
 
     const uint32_t roulette_start;  // surface interactions after which Russian roulette may end a path
 };

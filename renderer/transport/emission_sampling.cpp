@@ -341,6 +341,8 @@ const DiscreteDistribution& EmissionSampler::choice() const { return lights_->ch
 
 float EmissionSampler::disc_m2() const { return lights_->disc_m2(); }
 
+const EnvironmentSampler* EmissionSampler::environment() const { return lights_->environment.get(); }
+
 double EmissionSampler::total_power_w() const { return lights_->total_power_w; }
 
 uint64_t EmissionSampler::bytes() const {

@@ -87,7 +87,7 @@ void sample_punctual_emission(PunctualLightRecord light, vec2 u_position, vec2 u
 bool sample_environment_emission(vec2 u_position, vec2 u_direction, inout EmissionSample emission) {
     vec3 wi;
     float pdf_sa;
-    if (!environment_sample(u_direction, wi, pdf_sa)) return false;
+    if (!environment_sample(environment_by_radiance(), u_direction, wi, pdf_sa)) return false;
     emission.ray = ray_from_outside(-wi, u_position);
     emission.power_w = environment_radiance(wi) * (emission_disc_m2() / pdf_sa);
     emission.range_m = INFINITY;

@@ -18,6 +18,7 @@ namespace photond {
 struct Scene;
 
 class DiscreteDistribution;
+class EnvironmentSampler;
 struct LightTriangle;
 
 /// The start of a light path.
@@ -70,6 +71,7 @@ public:
     std::span<const LightTriangle> triangles() const;  // beside Scene::triangle_lights
     const DiscreteDistribution& choice() const;        // of the lights
     float disc_m2() const;                             // that light from outside starts on
+    const EnvironmentSampler* environment() const;     // null without one
 
     /// Flux of all lights [W], mean over the channels; 0: the scene is dark, or empty. That of points and spots is
     /// without the window of their range; that of textured triangles and of the environment is good to a few percent.

@@ -11,6 +11,7 @@ namespace {
 
 constexpr float kTwoPi = 2 * kPi;
 constexpr float kBelowOne = 0x1.fffffep-1f;
+constexpr double kEven = 1e-6;  // a map whose brightest texel exceeds the mean by less, relatively, has one radiance
 
 /// Cosine of the polar angle of a row's upper edge.
 double exact_row_edge(uint32_t row, uint32_t height) {
@@ -33,18 +34,13 @@ void normalise(float* cdf, size_t count, const std::vector<double>& sums) {
     cdf[count] = 1;
 }
 
-}  // namespace
-
-EnvironmentSampler::EnvironmentSampler(const Environment& environment) : environment_(environment) {
-    const EnvironmentMap& map = environment.map;
+/// Calls visit(y, means) for each row from above: the mean of the bilinear interpolant over each texel, which weighs
+/// its neighbours 1 : 6 : 1 in each direction; so no place that shines has none.
+template <class Visit>
+void visit_texel_means(const EnvironmentMap& map, const Visit& visit) {
     const uint32_t width = map.size.width, height = map.size.height;
-    assert(width > 0 && height > 0 && map.radiance.size() == map.size.pixels());
-    row_cdf_.resize(size_t{height} + 1);
-    column_cdf_.resize(size_t{height} * (width + 1));
-
-    // The mean of the bilinear interpolant over a texel weighs its neighbours 1 : 6 : 1 in each direction; so no place
-    // that shines has density 0.
     std::vector<float> blurred(size_t{width} * 3);  // rows y-1, y, y+1 blurred along x
+    std::vector<double> means(width);
     const auto blur_row = [&](uint32_t y) {
         float* out = &blurred[size_t{y % 3} * width];
         const Rgb* row = &map.radiance[size_t{y} * width];
@@ -52,7 +48,6 @@ EnvironmentSampler::EnvironmentSampler(const Environment& environment) : environ
             out[x] =
                 (mean(row[x > 0 ? x - 1 : width - 1]) + 6 * mean(row[x]) + mean(row[x + 1 < width ? x + 1 : 0])) / 8;
     };
-    std::vector<double> row_sums(size_t{height} + 1, 0.0), column_sums(size_t{width} + 1, 0.0);
     blur_row(0);
     for (uint32_t y = 0; y < height; ++y) {
         if (y + 1 < height) blur_row(y + 1);
@@ -60,15 +55,45 @@ EnvironmentSampler::EnvironmentSampler(const Environment& environment) : environ
         const float* here = &blurred[size_t{y % 3} * width];
         const float* below = &blurred[size_t{(y + 1 < height ? y + 1 : y) % 3} * width];
         for (uint32_t x = 0; x < width; ++x)
-            column_sums[x + 1] =
-                column_sums[x] + std::max(0.0, (double{above[x]} + 6 * double{here[x]} + below[x]) / 8);
-        normalise(&column_cdf_[size_t{y} * (width + 1)], width, column_sums);
-        row_sums[y + 1] =
-            row_sums[y] + column_sums[width] * (exact_row_edge(y, height) - exact_row_edge(y + 1, height));
+            means[x] = std::max(0.0, (double{above[x]} + 6 * double{here[x]} + below[x]) / 8);
+        visit(y, means);
     }
-    normalise(row_cdf_.data(), height, row_sums);
+}
+
+}  // namespace
+
+EnvironmentSampler::EnvironmentSampler(const Environment& environment, EnvironmentDensity density)
+    : environment_(environment) {
+    const EnvironmentMap& map = environment.map;
+    const uint32_t width = map.size.width, height = map.size.height;
+    assert(width > 0 && height > 0 && map.radiance.size() == map.size.pixels());
+    row_cdf_.resize(size_t{height} + 1);
+    column_cdf_.resize(size_t{height} * (width + 1));
+
+    const auto solid_angle = [&](uint32_t y) {  // of a row, to a common factor
+        return exact_row_edge(y, height) - exact_row_edge(y + 1, height);
+    };
+    double sum = 0, most = 0;
+    visit_texel_means(map, [&](uint32_t y, std::span<const double> means) {
+        double row = 0;
+        for (const double value : means) row += value, most = std::max(most, value);
+        sum += row * solid_angle(y);
+    });
     // Texels of a row share its solid angle 2 pi (cos a - cos b); the mean is over 4 pi.
-    mean_radiance_ = environment.scale * static_cast<float>(row_sums[height] / (2.0 * width));
+    const double mean_of_map = sum / (2.0 * width);
+    mean_radiance_ = environment.scale * static_cast<float>(mean_of_map);
+
+    const bool compensated = density == EnvironmentDensity::Compensated;
+    const bool even = compensated && most - mean_of_map <= kEven * most;
+    const double taken = compensated ? mean_of_map : 0;
+    std::vector<double> row_sums(size_t{height} + 1, 0.0), column_sums(size_t{width} + 1, 0.0);
+    visit_texel_means(map, [&](uint32_t y, std::span<const double> means) {
+        for (uint32_t x = 0; x < width; ++x)
+            column_sums[x + 1] = column_sums[x] + (even ? 1.0 : std::max(0.0, means[x] - taken));
+        normalise(&column_cdf_[size_t{y} * (width + 1)], width, column_sums);
+        row_sums[y + 1] = row_sums[y] + column_sums[width] * solid_angle(y);
+    });
+    normalise(row_cdf_.data(), height, row_sums);
 }
 
 float EnvironmentSampler::row_edge(uint32_t row) const {

@@ -1,4 +1,5 @@
-// GLSL twin of transport/environment_sampling.cpp: an equirectangular environment, sampled by its radiance.
+// GLSL twin of transport/environment_sampling.cpp: an equirectangular environment, sampled by its radiance or by its
+// radiance's excess over the mean.
 #ifndef PHOTOND_ENVIRONMENT_SAMPLING_GLSL
 #define PHOTOND_ENVIRONMENT_SAMPLING_GLSL
 
@@ -14,13 +15,24 @@ float environment_mean_radiance() { return NEEDS_ENVIRONMENT ? light_constants.e
 /// Cosine of the polar angle of a row's upper edge.
 float environment_row_edge(uint row) { return light_floats[light_constants.row_edges + row]; }
 
-uint environment_columns(uint row) {
-    return light_constants.column_cdf + row * (light_constants.environment_width + 1u);
+/// Where the tables of an EnvironmentDensity are.
+struct EnvironmentDensity {
+    uint row_cdf, column_cdf;
+};
+EnvironmentDensity environment_by_radiance() {
+    return EnvironmentDensity(light_constants.row_cdf, light_constants.column_cdf);
+}
+EnvironmentDensity environment_compensated() {
+    return EnvironmentDensity(light_constants.compensated_row_cdf, light_constants.compensated_column_cdf);
+}
+
+uint environment_columns(EnvironmentDensity density, uint row) {
+    return density.column_cdf + row * (light_constants.environment_width + 1u);
 }
 
 /// Share of all directions' density that a texel has.
-float environment_probability(uint column, uint row) {
-    const uint rows = light_constants.row_cdf + row, columns = environment_columns(row) + column;
+float environment_probability(EnvironmentDensity density, uint column, uint row) {
+    const uint rows = density.row_cdf + row, columns = environment_columns(density, row) + column;
     return (light_floats[rows + 1u] - light_floats[rows]) * (light_floats[columns + 1u] - light_floats[columns]);
 }
 
@@ -50,12 +62,12 @@ vec2 environment_to_map(vec3 wi) {
     return vec2(min(column, BELOW_ONE), clamp(row, 0.0, BELOW_ONE));
 }
 
-bool environment_sample(vec2 u, out vec3 wi, out float pdf_sa) {
+bool environment_sample(EnvironmentDensity density, vec2 u, out vec3 wi, out float pdf_sa) {
     if (!(environment_mean_radiance() > 0.0)) return false;
     const uint width = light_constants.environment_width, height = light_constants.environment_height;
     float in_row, in_column;
-    const uint y = find_interval(light_constants.row_cdf, height, u.y, in_row);
-    const uint x = find_interval(environment_columns(y), width, u.x, in_column);
+    const uint y = find_interval(density.row_cdf, height, u.y, in_row);
+    const uint x = find_interval(environment_columns(density, y), width, u.x, in_column);
 
     const float top = environment_row_edge(y), bottom = environment_row_edge(y + 1u);
     const float cos_polar = top + in_row * (bottom - top);
@@ -63,18 +75,18 @@ bool environment_sample(vec2 u, out vec3 wi, out float pdf_sa) {
     const vec2 azimuth =
         sin_cos(2.0 * PI * ((float(x) + in_column) / float(width) - 0.5) - light_constants.environment_rotation);
     wi = vec3(sin_polar * azimuth.x, cos_polar, -sin_polar * azimuth.y);
-    pdf_sa = environment_probability(x, y) * float(width) / (2.0 * PI * (top - bottom));
+    pdf_sa = environment_probability(density, x, y) * float(width) / (2.0 * PI * (top - bottom));
     return pdf_sa > 0.0;
 }
 
-float environment_pdf(vec3 wi) {
+float environment_pdf(EnvironmentDensity density, vec3 wi) {
     if (!(environment_mean_radiance() > 0.0)) return 0.0;
     const uint width = light_constants.environment_width, height = light_constants.environment_height;
     const vec2 at = environment_to_map(wi);
     const uint y = min(uint(at.y * float(height)), height - 1u);
     const uint x = min(uint(at.x * float(width)), width - 1u);
     const float top = environment_row_edge(y), bottom = environment_row_edge(y + 1u);
-    return environment_probability(x, y) * float(width) / (2.0 * PI * (top - bottom));
+    return environment_probability(density, x, y) * float(width) / (2.0 * PI * (top - bottom));
 }
 
 vec3 environment_texel(int column, int row) {

@@ -10,12 +10,23 @@ namespace photond {
 
 struct Environment;
 
-/// Directions drawn with a density that is constant over each texel's solid angle and follows the mean radiance there.
-/// Immutable and thread-safe; borrows the environment.
+/// What the density of a direction follows.
+enum class EnvironmentDensity : uint8_t {
+    Radiance,
+    /// The radiance's excess over its mean over the sphere; evenly, where no texel exceeds it [Karlik et al. 2019,
+    /// docs/design/sources.md]. For light samples whose every contribution is weighed against a BSDF's
+    /// sample at the same point that is always traced: where this density is 0, only that finds the light. With the
+    /// same two samples the estimate has less variance, as light samples no longer do what the BSDF's do as well.
+    Compensated,
+};
+
+/// Directions drawn with a density that is constant over each texel's solid angle and follows the mean radiance there,
+/// or its excess. Immutable and thread-safe; borrows the environment.
 class EnvironmentSampler {
 public:
     /// The map must not be empty.
-    explicit EnvironmentSampler(const Environment& environment);
+    explicit EnvironmentSampler(const Environment& environment,
+                                EnvironmentDensity density = EnvironmentDensity::Radiance);
 
     /// Draws a unit direction from a uniform pair; its density [1/sr]. False when the map is black.
     bool sample(vec2 u, vec3& wi, float& pdf_sa) const;

@@ -44,7 +44,7 @@ float LightEnds::emission_punctual(uint32_t punctual, const vec3& direction) con
 }
 
 float LightEnds::emission_environment(const vec3& wi) const {
-    return emission_.probability(emission_.lights() - 1) * lights_.environment()->pdf(wi) / emission_.disc_m2();
+    return emission_.probability(emission_.lights() - 1) * emission_.environment()->pdf(wi) / emission_.disc_m2();
 }
 
 LightEnd LightEnds::on_triangle(const vec3& p, const vec3& n, uint32_t instance, uint32_t triangle, const vec3& wi,
@@ -61,7 +61,7 @@ LightEnd LightEnds::on_triangle(const vec3& p, const vec3& n, uint32_t instance,
 LightEnd LightEnds::of_environment(const vec3& p, const vec3& n, const vec3& wi) const {
     LightEnd end;
     end.infinite = true;
-    if (lights_.environment() == nullptr) return end;
+    if (emission_.environment() == nullptr) return end;
     end.direct = lights_.pdf_environment(p, n, wi);
     end.emission = emission_environment(wi);
     return end;

@@ -28,7 +28,7 @@ float emission_pdf_punctual(uint punctual, vec3 direction) {
 }
 
 float emission_pdf_environment(vec3 wi) {
-    return emission_probability(emission_lights() - 1u) * environment_pdf(wi) / emission_disc_m2();
+    return emission_probability(emission_lights() - 1u) * environment_pdf(environment_by_radiance(), wi) / emission_disc_m2();
 }
 
 /// A triangle that was met from p along `wi` (unit) at that distance, or that is to be drawn there.

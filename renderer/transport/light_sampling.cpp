@@ -311,7 +311,9 @@ bool LightSampler::Lights::sample_groups(const vec3& p, const vec3& n, float u_s
     return max_component(out.radiance_over_pdf) > 0;
 }
 
-LightSampler::LightSampler(const Scene& scene) {
+LightSampler::LightSampler(const Scene& scene) : LightSampler(scene, EnvironmentDensity::Radiance) {}
+
+LightSampler::LightSampler(const Scene& scene, EnvironmentDensity environment) {
     auto lights = std::make_unique<Lights>(scene);
     std::vector<LightBounds> bounds;
     const std::vector<TriangleLight>& triangles = scene.triangle_lights;
@@ -354,7 +356,7 @@ LightSampler::LightSampler(const Scene& scene) {
     lights->emitters.shrink_to_fit();
     lights->emitter_of_triangle.shrink_to_fit();
     lights->tree = LightTree(bounds);
-    if (scene.environment) lights->environment = std::make_unique<EnvironmentSampler>(*scene.environment);
+    if (scene.environment) lights->environment = std::make_unique<EnvironmentSampler>(*scene.environment, environment);
     lights->tree_only = lights->directional.empty() && !lights->environment;
     lights_ = std::move(lights);
 }

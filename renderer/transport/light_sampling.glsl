@@ -14,6 +14,9 @@
 #include "renderer/transport/sampling.glsl"
 #include "renderer/transport/solid_angle_sampling.glsl"
 
+/// Of the environment, as EnvironmentDensity::Compensated asks.
+layout(constant_id = LIGHT_SAMPLES_COMPENSATED_ID) const bool LIGHT_SAMPLES_COMPENSATED = false;
+
 /// One direction towards a light, before it is known whether anything is in between.
 struct LightSample {
     vec3 wi;                 // unit, from the lit point to the light
@@ -96,6 +99,10 @@ float directional_estimate(PunctualLightRecord sun, vec3 n) {
     return mean(sun.intensity) * cosine;
 }
 float environment_estimate() { return PI * environment_mean_radiance(); }
+EnvironmentDensity light_samples_density() {
+    if (LIGHT_SAMPLES_COMPENSATED) return environment_compensated();
+    return environment_by_radiance();
+}
 
 /// Sum of the groups' estimates at p and the number of groups that can reach it.
 struct LightGroups {
@@ -244,7 +251,8 @@ bool sample_light_groups(vec3 p, vec3 n, float u_select, vec2 u, out LightSample
     }
     if (!NEEDS_ENVIRONMENT) return false;
     const float probability = light_groups_probability(g, environment_estimate());
-    if (!(probability > 0.0) || !environment_sample(u, light_sample.wi, light_sample.pdf_sa)) return false;
+    if (!(probability > 0.0) || !environment_sample(light_samples_density(), u, light_sample.wi, light_sample.pdf_sa))
+        return false;
     light_sample.pdf_sa *= probability;
     light_sample.distance = INFINITY;
     light_sample.radiance_over_pdf = environment_radiance(light_sample.wi) / light_sample.pdf_sa;
@@ -295,7 +303,7 @@ float light_pdf_triangle(vec3 p, vec3 n, uint instance, uint triangle, vec3 wi, 
 float light_pdf_environment(vec3 p, vec3 n, vec3 wi) {
     if (!NEEDS_ENVIRONMENT) return 0.0;
     const float probability = light_groups_probability(light_groups(p, n), environment_estimate());
-    return probability > 0.0 ? probability * environment_pdf(wi) : 0.0;
+    return probability > 0.0 ? probability * environment_pdf(light_samples_density(), wi) : 0.0;
 }
 
 #endif

@@ -11,6 +11,7 @@
 namespace photond {
 
 class EnvironmentSampler;
+enum class EnvironmentDensity : uint8_t;
 class LightTree;
 struct Emitter;
 
@@ -52,7 +53,9 @@ inline uint32_t light_source_of_environment(const Scene& scene) {
 /// it by the irradiance they could bring to p.
 class LightSampler {
 public:
+    /// By radiance, unless every sample's contribution is weighed as EnvironmentDensity::Compensated asks.
     explicit LightSampler(const Scene& scene);
+    LightSampler(const Scene& scene, EnvironmentDensity environment);
     ~LightSampler();
     LightSampler(LightSampler&&) noexcept;
 

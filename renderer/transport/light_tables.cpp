@@ -162,6 +162,9 @@ void add_environment(LightTables& tables, const Environment& environment, const 
     constants.row_cdf = append(tables.floats, sampler.row_cdf());
     constants.row_edges = append<float>(tables.floats, row_edges);
     constants.column_cdf = append(tables.floats, sampler.column_cdf());
+    const EnvironmentSampler compensated(environment, EnvironmentDensity::Compensated);
+    constants.compensated_row_cdf = append(tables.floats, compensated.row_cdf());
+    constants.compensated_column_cdf = append(tables.floats, compensated.column_cdf());
     tables.environment = environment.map.radiance;
 }
 

@@ -20,6 +20,8 @@ using uint = uint32_t;
 
 #define NO_EMITTER 0xffffffffu
 
+#define LIGHT_SAMPLES_COMPENSATED_ID 59  // specialisation constant: by EnvironmentDensity::Compensated
+
 /// As photond::Emitter.
 struct EmitterRecord {
     vec3 corner;
@@ -84,9 +86,11 @@ struct LightConstants {
     uint choice_guide;
     // LIGHT_FLOATS
     uint choice_cdf;
-    uint row_cdf;     // EnvironmentSampler's
-    uint column_cdf;  // height rows of width + 1
-    uint row_edges;   // EnvironmentSampler::row_edge(), height + 1
+    uint row_cdf;              // EnvironmentSampler's
+    uint column_cdf;           // height rows of width + 1
+    uint row_edges;            // EnvironmentSampler::row_edge(), height + 1
+    uint compensated_row_cdf;  // the same two by EnvironmentDensity::Compensated
+    uint compensated_column_cdf;
 
     uint nodes;  // 0: no emitter
     uint directional_lights;
@@ -106,7 +110,7 @@ struct LightConstants {
 
 #ifdef __cplusplus
 static_assert(sizeof(EmitterRecord) == 80 && sizeof(LightNodeRecord) == 48 && sizeof(PunctualLightRecord) == 64 &&
-                  sizeof(LightConstants) == 104,
+                  sizeof(LightConstants) == 112,
               "scalar layout has no padding");
 }  // namespace photond::gpu
 #endif

@@ -2,6 +2,7 @@
 // The device's samples of lights, by the shaders themselves.
 
 #include "renderer/backends/gpu/device_scene.h"
+#include "renderer/transport/light_tables_shared.h"
 #include "tests/support/gpu_twin.h"
 #include "tests/support/light_samples.h"
 
@@ -9,10 +10,12 @@ namespace photond::test {
 
 class DeviceLights {
 public:
-    explicit DeviceLights(const Scene& scene)
+    explicit DeviceLights(const Scene& scene, EnvironmentDensity environment = EnvironmentDensity::Radiance)
         : scene_(gpu_device(), scene),
-          samples_("tests/gpu/light_samples.comp", &scene_.set(), scene_.specialization()),
-          pdfs_("tests/gpu/light_pdfs.comp", &scene_.set(), scene_.specialization()) {}
+          specialization_(scene_.specialization(std::vector{
+              gpu::specialize(LIGHT_SAMPLES_COMPENSATED_ID, environment == EnvironmentDensity::Compensated)})),
+          samples_("tests/gpu/light_samples.comp", &scene_.set(), specialization_),
+          pdfs_("tests/gpu/light_pdfs.comp", &scene_.set(), specialization_) {}
 
     std::vector<std::optional<LightSample>> sample(const std::vector<LightQuery>& queries) const {
         struct Answer {
@@ -50,6 +53,7 @@ public:
 
 private:
     gpu::DeviceScene scene_;
+    std::vector<gpu::Specialization> specialization_;
     Twin samples_, pdfs_;
 };
 

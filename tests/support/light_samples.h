@@ -7,6 +7,7 @@
 
 #include "renderer/core/rng.h"
 #include "renderer/transport/emission_sampling.h"
+#include "renderer/transport/environment_sampling.h"
 #include "renderer/transport/light_sampling.h"
 
 namespace photond::test {
@@ -59,7 +60,8 @@ inline std::vector<EmissionQuery> emission_queries(size_t count, RandomStream& r
 /// LightSampler's answers; nullopt where sample() is false.
 class HostLights {
 public:
-    explicit HostLights(const Scene& scene) : sampler_(scene) {}
+    explicit HostLights(const Scene& scene, EnvironmentDensity environment = EnvironmentDensity::Radiance)
+        : sampler_(scene, environment) {}
     std::vector<std::optional<LightSample>> sample(const std::vector<LightQuery>& queries) const {
         std::vector<std::optional<LightSample>> samples;
         samples.reserve(queries.size());

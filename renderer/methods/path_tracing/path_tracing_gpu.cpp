@@ -6,6 +6,7 @@
 #include "renderer/frame/device_frame.h"
 #include "renderer/methods/path_tracing/path_tracing_shared.h"
 #include "renderer/scene/scene.h"
+#include "renderer/transport/light_tables_shared.h"
 
 namespace photond {
 
@@ -30,7 +31,9 @@ struct PathTracingGpu::State {
             make_eye_constants(context.view, params.max_scatterings(), params.roulette_start);
         gpu::upload(device, eye, std::as_bytes(std::span(&eye_constants, 1)));
         const gpu::DeviceScene& on_device = *context.device_scene;
-        const std::vector<gpu::Specialization> constants = on_device.specialization(eye_specialization(frame.image()));
+        std::vector<gpu::Specialization> fixed = eye_specialization(frame.image());
+        fixed.push_back(gpu::specialize(LIGHT_SAMPLES_COMPENSATED_ID, true));  // as PathScene on the CPU
+        const std::vector<gpu::Specialization> constants = on_device.specialization(fixed);
         if (params.gpu_kernels == PathKernels::Wavefront)
             wavefront.emplace(on_device, tiles_a_piece, constants);
         else

@@ -38,6 +38,23 @@ Scene room(const std::vector<Material>& materials) {
     return scene;
 }
 
+/// The same room, and in it two boards that face each other like the covers of a book hardly opened: towards its spine
+/// vertices of both nearly touch, and what a connection carries before it is weighed knows no bound.
+Scene nearly_touching() {
+    Scene scene = room({});
+    MeshBuilder boards;
+    for (const float side : {-1.0f, 1.0f}) {
+        const vec3 spine(0, 0.4f, -0.9f), opening(side * 0.06f, 0.4f, 0.9f), up(0, 1.6f, 0);
+        if (side < 0)
+            boards.quad(spine, opening, opening + up, spine + up);
+        else
+            boards.quad(opening, spine, spine + up, opening + up);
+    }
+    test::add(scene, boards.build(0), test::lambert(0.8f));
+    scene.cameras[0] = look_at_camera({0, 1.2f, 2.6f}, {0, 1.2f, -0.9f}, {0, 1, 0}, 0.25f);
+    return scene;
+}
+
 Material rough(float metallic, float roughness, float transmission, bool solid) {
     Material material;
     material.base_color = {0.8f, 0.7f, 0.6f};
@@ -160,6 +177,7 @@ std::vector<Case> cases() {
     list.push_back({"gloss under a sky", with_sky(gloss())});
     list.push_back({"rough glass under all lights", with_all_lights(rough_glass()), 3});
     list.push_back({"orthographic", orthographic(with_all_lights(gloss())), 1});
+    list.push_back({"boards that nearly touch", with_lamp(nearly_touching())});
     list.push_back({"a lens", with_lens(with_lamp(gloss())), 0, PixelFilter::BlackmanHarris});
     return list;
 }

@@ -1,10 +1,11 @@
 // Closed surfaces and uniform surroundings, where the answer is known in closed form. Chance of a false alarm 1e-6 for
-// the file's 24 checks together (Sidak); each test says what relative error it must notice.
+// the file's 26 checks together (Sidak); each test says what relative error it must notice.
 
 #include <gtest/gtest.h>
 
 #include "renderer/scene/builtin_scenes.h"
 #include "renderer/scene/mesh_builder.h"
+#include "renderer/transport/environment_sampling.h"
 #include "tests/support/render.h"
 #include "tests/support/scene_parts.h"
 #include "tests/support/statistics.h"
@@ -15,7 +16,7 @@ namespace {
 using test::lambert;
 
 constexpr double kFalseAlarm = 1e-6;
-constexpr size_t kChecks = 24;
+constexpr size_t kChecks = 26;
 
 /// `measure(seed)` must have the mean `exact`, and vary so little that `must_detect` (relative) would be noticed.
 template <class Measure>
@@ -122,6 +123,41 @@ Scene ball_in_the_open(const Material& material, bool smooth) {
 TEST(Furnace, ConvexLambertShowsItsAlbedo) {
     const Scene scene = ball_in_the_open(lambert(0.7f, 0), false);
     expect_mean(0.7, 0.01, [&](uint64_t seed) { return mean_layer(scene, Layer::Direct, seed, 16); });
+}
+
+// A floor below a sky whose zenith is dimmer than its mean, where no light samples go: the last scattering's ray finds
+// that part, also where none may follow. What a Lambert floor of reflectance r shows is r / pi times the irradiance,
+// and that the sum over the rows of bands of one radiance, but for the blur between them: by quadrature of the lookup.
+TEST(Furnace, TheSkysDimPartsArriveAtTheLastBounce) {
+    Scene scene;
+    scene.materials = {lambert(0.6f, 0)};
+    scene.meshes = {MeshBuilder().quad({-2, 0, 2}, {2, 0, 2}, {2, 0, -2}, {-2, 0, -2}).build(0)};
+    scene.instances = {{}};
+    Environment sky;
+    sky.map.size = {8, 8};
+    for (uint32_t i = 0; i < 64; ++i) sky.map.radiance.push_back(Rgb(i / 8 == 3 ? 5.0f : 0.8f));
+    scene.environment = sky;
+    Camera camera;
+    camera.position = vec3(0, 3, 0);
+    camera.forward = vec3(0, -1, 0);
+    camera.right = vec3(1, 0, 0);
+    camera.up = vec3(0, 0, -1);
+    camera.yfov = 0.4f;
+    scene.cameras = {camera};
+    finish_scene(scene);
+    const EnvironmentSampler lookup(*scene.environment);
+    constexpr int kRows = 20'000;
+    double irradiance = 0;
+    for (int i = 0; i < kRows; ++i) {
+        const double cosine = (i + 0.5) / kRows;
+        const vec3 wi(static_cast<float>(std::sqrt(1 - cosine * cosine)), static_cast<float>(cosine), 0);
+        irradiance += 2 * M_PI * cosine * double{mean(lookup.radiance(wi))} / kRows;
+    }
+    const EnvironmentSampler light_samples(*scene.environment, EnvironmentDensity::Compensated);
+    ASSERT_EQ(light_samples.pdf(vec3(0, 1, 0)), 0);
+    for (const std::optional<uint32_t> bounces : {std::optional<uint32_t>(), std::optional<uint32_t>(0)})
+        expect_mean(0.6 * irradiance / M_PI, 0.01,
+                    [&](uint64_t seed) { return mean_layer(scene, Layer::Direct, seed, 64, bounces); });
 }
 
 // Smooth glass loses nothing: in uniform surroundings it cannot be seen.

@@ -318,14 +318,16 @@ inline Scene environment_scene(Size2 size, float rotation, const std::function<R
     return scene;
 }
 
-TYPED_TEST_P(LightSamplingDensity, Environment) {
+/// Samples of an environment by that density: one of a bright texel among dim ones.
+template <class Lights>
+void check_environment(EnvironmentDensity density) {
     constexpr uint32_t kWidth = 16, kHeight = 8;
     RandomStream random(5, RandomDomain::Test, 0, 0);
     const float rotation = 0.7f;
     const Scene scene = environment_scene({kWidth, kHeight}, rotation, [&](uint32_t x, uint32_t y) {
         return x == 5 && y == 2 ? Rgb(500, 400, 300) : Rgb(random.next() * random.next());
     });
-    const TypeParam sampler(scene);
+    const Lights sampler(scene, density);
     // Cells: texels, found from the direction by the convention itself (centre column at -z, columns towards +x, turned
     // counter-clockwise); the density is constant in each.
     const auto direction_of = [&](double column, double row) {
@@ -365,7 +367,8 @@ TYPED_TEST_P(LightSamplingDensity, Environment) {
     }
     EXPECT_GT(chi_square_probability(counts, expected), kLightSamplingFalseAlarm);
 
-    // The integral of radiance over the sphere, by midpoint quadrature of the lookup.
+    // The integral of radiance over all directions that are drawn, by midpoint quadrature of the lookup; and the
+    // texels' means, which the density has to follow.
     double integral = 0;
     constexpr uint32_t kFine = 24;
     std::vector<LightPdfQuery> directions;
@@ -378,12 +381,48 @@ TYPED_TEST_P(LightSamplingDensity, Environment) {
                                    std::sin(M_PI * row / kHeight));
         }
     const std::vector<LightPdfs> sky = sampler.pdfs(directions);
-    for (size_t i = 0; i < sky.size(); ++i) integral += solid_angles[i] * double{sky[i].environment_radiance.x};
+    std::vector<double> means(densities.size());
+    for (size_t i = 0; i < sky.size(); ++i) {
+        if (sky[i].environment > 0) integral += solid_angles[i] * double{sky[i].environment_radiance.x};
+        const size_t x = i % (kWidth * kFine) / kFine, y = i / (kWidth * kFine) / kFine;
+        means[y * kWidth + x] += double{mean(sky[i].environment_radiance)} / (kFine * kFine);
+    }
     const double half_width = two_sided_z(kLightSamplingFalseAlarm) * flux.standard_error();
     EXPECT_NEAR(flux.mean(), integral, half_width + 1e-3 * integral);
     EXPECT_LT(2 * half_width, 0.02 * integral) << "too noisy to notice a defect of 2 %";
+
+    std::vector<double> of_row(kHeight);
+    double mean_of_map = 0, sum = 0;
+    for (uint32_t y = 0; y < kHeight; ++y)
+        of_row[y] = 2 * M_PI / kWidth * (std::cos(M_PI * y / kHeight) - std::cos(M_PI * (y + 1) / kHeight));
+    for (size_t i = 0; i < means.size(); ++i) mean_of_map += means[i] * of_row[i / kWidth] / (4 * M_PI);
+    const bool compensated = density == EnvironmentDensity::Compensated;
+    for (double& value : means) value = std::max(0.0, value - (compensated ? mean_of_map : 0));
+    for (size_t i = 0; i < means.size(); ++i) sum += means[i] * of_row[i / kWidth];
+    size_t dark = 0;
+    for (size_t i = 0; i < means.size(); ++i) {
+        EXPECT_NEAR(densities[i].environment, means[i] / sum, 2e-3 * means[i] / sum + 1e-6);
+        dark += densities[i].environment == 0;
+    }
+    EXPECT_EQ(dark > means.size() / 2, compensated);
 }
 
+TYPED_TEST_P(LightSamplingDensity, Environment) { check_environment<TypeParam>(EnvironmentDensity::Radiance); }
+TYPED_TEST_P(LightSamplingDensity, EnvironmentsExcessOverItsMean) {
+    check_environment<TypeParam>(EnvironmentDensity::Compensated);
+}
+TYPED_TEST_P(LightSamplingDensity, AnEvenEnvironmentIsSampledEvenly) {
+    const Scene scene = environment_scene({16, 8}, 0, [](uint32_t, uint32_t) { return Rgb(0.1f, 0.7f, 0.3f); });
+    RandomStream random(6, RandomDomain::Test, 0, 0);
+    std::vector<LightPdfQuery> anywhere;
+    for (int i = 0; i < 500; ++i) {
+        const float z = 1 - 2 * random.next(), azimuth = 2 * kPi * random.next(), r = std::sqrt(1 - z * z);
+        anywhere.push_back({vec3(0), vec3(0), vec3(r * std::cos(azimuth), z, r * std::sin(azimuth))});
+    }
+    for (const EnvironmentDensity density : {EnvironmentDensity::Radiance, EnvironmentDensity::Compensated})
+        for (const LightPdfs& pdfs : TypeParam(scene, density).pdfs(anywhere))
+            EXPECT_NEAR(pdfs.environment, 1 / (4 * kPi), 1e-5f);
+}
 TYPED_TEST_P(LightSamplingDensity, EnvironmentLooksWhereTheConventionSays) {
     // One bright texel right of the centre column: seen towards -z and +x; turned by +90 degrees, seen towards -x, -z.
     const auto bright = [](uint32_t x, uint32_t y) { return x == 9 && y == 4 ? Rgb(100) : Rgb(0); };
@@ -552,7 +591,8 @@ TYPED_TEST_P(LightSamplingEstimate, MaskedAndTexturedLight) {
 
 REGISTER_TYPED_TEST_SUITE_P(LightSamplingDensity, OneTriangleNearAndFar, Parallelogram,
                             TwoSidedMirroredAndTexturedEmitters, TreeOfTriangles, PointLightsThroughTheTreeAndSuns,
-                            Environment, EnvironmentLooksWhereTheConventionSays);
+                            Environment, EnvironmentsExcessOverItsMean, AnEvenEnvironmentIsSampledEvenly,
+                            EnvironmentLooksWhereTheConventionSays);
 REGISTER_TYPED_TEST_SUITE_P(LightSamplingEstimate, RectangleAboveAPlane, RectangleInTinyHugeAndDistantScenes,
                             NeedleTriangles, TenThousandLightsAreTheSumOfTheirParts, LightsOfAllKindsTogether,
                             MaskedAndTexturedLight);

@@ -189,10 +189,15 @@ constexpr size_t kChosenOtherwise = 4;
 
 class GpuLights : public testing::TestWithParam<LitScene> {};
 
-TEST_P(GpuLights, DirectLightIsSampledAlike) {
-    const Scene scene = GetParam().make();
+/// The second one where there is an environment.
+std::vector<EnvironmentDensity> densities_of(const Scene& scene) {
+    if (!scene.environment) return {EnvironmentDensity::Radiance};
+    return {EnvironmentDensity::Radiance, EnvironmentDensity::Compensated};
+}
+
+void expect_samples_alike(const Scene& scene, EnvironmentDensity density) {
     const std::vector<LightQuery> queries = random_queries(scene, kQueries);
-    const auto host = HostLights(scene).sample(queries), device = DeviceLights(scene).sample(queries);
+    const auto host = HostLights(scene, density).sample(queries), device = DeviceLights(scene, density).sample(queries);
     Differences wi("direction", 1e-5, 5e-3), target("target", 1e-5, 5e-3);
     Differences pdf("density", 1e-5, 1e-3), radiance("radiance", 1e-4, 0.1);
     size_t chosen_otherwise = 0;
@@ -213,9 +218,13 @@ TEST_P(GpuLights, DirectLightIsSampledAlike) {
     EXPECT_LE(chosen_otherwise, kChosenOtherwise);
 }
 
-TEST_P(GpuLights, DensitiesAndTheEnvironmentAreAlike) {
+TEST_P(GpuLights, DirectLightIsSampledAlike) {
     const Scene scene = GetParam().make();
-    const HostLights host_lights(scene);
+    for (const EnvironmentDensity density : densities_of(scene)) expect_samples_alike(scene, density);
+}
+
+void expect_densities_alike(const Scene& scene, EnvironmentDensity density) {
+    const HostLights host_lights(scene, density);
     std::vector<LightPdfQuery> queries;
     RandomStream random(19, RandomDomain::Test, 0, 0);
     for (const LightQuery& q : random_queries(scene, kQueries)) {
@@ -228,7 +237,7 @@ TEST_P(GpuLights, DensitiesAndTheEnvironmentAreAlike) {
         query.distance = 0.1f + 5 * random.next();
         queries.push_back(query);
     }
-    const auto host = host_lights.pdfs(queries), device = DeviceLights(scene).pdfs(queries);
+    const auto host = host_lights.pdfs(queries), device = DeviceLights(scene, density).pdfs(queries);
     Differences triangle("triangles", 1e-5, 1e-3), environment("environment's density", 1e-5, 1e-3);
     Differences radiance("environment", 1e-4, 0.1);
     for (size_t i = 0; i < kQueries; ++i) {
@@ -236,6 +245,11 @@ TEST_P(GpuLights, DensitiesAndTheEnvironmentAreAlike) {
         environment.add(difference(host[i].environment, device[i].environment));
         radiance.add(difference(host[i].environment_radiance, device[i].environment_radiance));
     }
+}
+
+TEST_P(GpuLights, DensitiesAndTheEnvironmentAreAlike) {
+    const Scene scene = GetParam().make();
+    for (const EnvironmentDensity density : densities_of(scene)) expect_densities_alike(scene, density);
 }
 
 TEST_P(GpuLights, LightPathsStartAlike) {

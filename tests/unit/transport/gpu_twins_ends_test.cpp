@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "renderer/backends/gpu/device_scene.h"
+#include "renderer/transport/environment_sampling.h"
 #include "renderer/transport/light_ends.h"
+#include "renderer/transport/light_tables_shared.h"
 #include "renderer/transport/vertex_scattering.h"
 #include "tests/support/gpu_twin.h"
 #include "tests/support/leaning_triangle.h"
@@ -49,7 +51,7 @@ bool alike(const End& found, const LightEnd& end) {
 
 TEST(GpuTwinsEnds, LightsHaveTheDensitiesOfTheCpu) {
     const Scene scene = room_of_all_lights();
-    const LightSampler lights(scene);
+    const LightSampler lights(scene, EnvironmentDensity::Compensated);  // as those who weigh light's ends have it
     const EmissionSampler emission(scene);
     const LightEnds ends(scene, lights, emission);
     RandomStream random(7, RandomDomain::Test, 0, 0);
@@ -64,7 +66,9 @@ TEST(GpuTwinsEnds, LightsHaveTheDensitiesOfTheCpu) {
         q.u_position = random.next_2d(), q.u_direction = random.next_2d();
     }
     const gpu::DeviceScene on_device(gpu_device(), scene);
-    const auto answers = Twin("tests/gpu/light_ends.comp", &on_device.set(), on_device.specialization())
+    const std::vector<gpu::Specialization> fixed =
+        on_device.specialization(std::vector{gpu::specialize(LIGHT_SAMPLES_COMPENSATED_ID, true)});
+    const auto answers = Twin("tests/gpu/light_ends.comp", &on_device.set(), fixed)
                              .run<EndAnswer>(queries.size(), {{"queries", queries}});
     size_t sampled = 0, emitted = 0, apart = 0;
     for (size_t i = 0; i < queries.size(); ++i) {

@@ -6,6 +6,7 @@
 
 #include "renderer/backends/cpu/embree_intersector.h"
 #include "renderer/transport/emission.h"
+#include "renderer/transport/environment_sampling.h"
 #include "tests/support/lit_rooms.h"
 
 namespace photond::light_ends_test {
@@ -13,7 +14,7 @@ namespace {
 
 struct Lit {
     Scene scene = test::room_of_all_lights();
-    LightSampler lights{scene};
+    LightSampler lights{scene, EnvironmentDensity::Compensated};
     EmissionSampler emission{scene};
     LightEnds ends{scene, lights, emission};
 };
