@@ -73,12 +73,14 @@ void BidirectionalMethod::begin(const RenderContext& context, Stats& stats) {
     budget.record("light_sampler", state_->scene.lights.bytes() + state_->scene.ends.bytes());
     budget.record("emission_sampler", state_->scene.emission.bytes());
     if (!context.scene.needs.solid_glass) stats.skipped.push_back({"absorption", "no solid refracts", 0});
-    const BidirectionalPlan& plan = state_->plan =
-        make_bidirectional_plan(context, *params_, state_->scene, state_->light, bytes_of_path, stats);
+    const BidirectionalPlan& plan = state_->plan = make_bidirectional_plan(
+        context, *params_, state_->scene, state_->light, TechniquesBy::Block, bytes_of_path, stats);
     if (plan.edges) budget.record("surface_edges", plan.edges->bytes());
-    budget.require("light_vertices", plan.techniques.light_paths *
-                                         bytes_of_path(kLightVertexMargin * plan.vertices_per_path,
-                                                       plan.techniques.numbers.merges ? params_->merging() : nullptr));
+    if (plan.blocks) budget.record("technique_blocks", plan.blocks->bytes());
+    budget.require("light_vertices",
+                   plan.techniques.light_paths *
+                       bytes_of_path(kLightVertexMargin * plan.vertices_per_path,
+                                     plan.techniques.everywhere.numbers.merges ? params_->merging() : nullptr));
 }
 
 void BidirectionalMethod::run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) {
@@ -97,7 +99,7 @@ void BidirectionalMethod::run_pass(uint32_t pass, Stats& stats, const CancelToke
         return traced;
     }();
     if (cancel.cancelled()) return;
-    if (techniques.numbers.merges && !light.vertices.empty()) {
+    if (techniques.everywhere.numbers.merges && !light.vertices.empty()) {
         const StageTimer timer(stats, "photon_map_build");
         in_grid_order.resize(light.vertices.size());
         grid.emplace(light.grid(techniques.merge_radius_m, in_grid_order));
@@ -131,7 +133,7 @@ void BidirectionalMethod::run_pass(uint32_t pass, Stats& stats, const CancelToke
                            {{"g_buffer", cpu.camera}, {"direct", cpu.direct}, {"indirect", cpu.indirect}});
     if (cancel.cancelled()) return;
     const StageTimer timer(stats, "light_image");
-    light.add_splats(scene.filter, state.image);
+    light.add_splats(scene.filter, techniques.blocks, state.image);
     state.pass_complete = true;
 }
 

@@ -24,7 +24,7 @@ uint64_t device_bytes_of_path(double vertices, const MergingParams* merging) {
 BidirectionalPlan pilot_plan(const RenderContext& context, const BidirectionalParams& params, Stats& stats) {
     const BidirectionalScene scene(context, params);
     LightPathTracer light(scene);
-    return make_bidirectional_plan(context, params, scene, light, device_bytes_of_path, stats);
+    return make_bidirectional_plan(context, params, scene, light, TechniquesBy::Image, device_bytes_of_path, stats);
 }
 
 }  // namespace
@@ -47,11 +47,12 @@ struct BidirectionalMethodGpu::State {
         const gpu::DeviceScene& scene = *render.device_scene;
         const DeviceImage& image = frame.image();
         std::vector<gpu::Specialization> fixed = eye_specialization(image);
-        fixed.insert(fixed.end(),
-                     {image.plane(PLANE_CONNECTIONS_ID, Layer::Connections),
-                      image.plane(PLANE_MERGES_ID, Layer::Merges), image.plane(PLANE_LIGHT_IMAGE_ID, Layer::LightImage),
-                      gpu::specialize(MIS_POWER_ID, params.heuristic == MisHeuristic::Power),
-                      gpu::specialize(LIGHT_SAMPLES_COMPENSATED_ID, true)});
+        fixed.insert(
+            fixed.end(),
+            {image.plane(PLANE_CONNECTIONS_ID, Layer::Connections), image.plane(PLANE_MERGES_ID, Layer::Merges),
+             image.plane(PLANE_LIGHT_IMAGE_ID, Layer::LightImage), image.plane(PLANE_TECHNIQUES_ID, Layer::Techniques),
+             gpu::specialize(MIS_POWER_ID, params.heuristic == MisHeuristic::Power),
+             gpu::specialize(LIGHT_SAMPLES_COMPENSATED_ID, true)});
         const std::vector<gpu::Specialization> all = scene.specialization(fixed);
         if (plan.techniques.light_paths == 0) {
             // Nothing is joined, and paths from the eye need no weights but light samples' own: path tracing.

@@ -35,6 +35,16 @@ std::vector<LightVertex> seen_vertices(const BidirectionalScene& scene, const st
     return found.size() < kLeastSeen ? vertices : found;
 }
 
+/// All that any of them has: the most connections, and whether one merges. They share their light paths.
+TechniqueCandidate union_of(std::span<const TechniqueCandidate> of_blocks) {
+    TechniqueCandidate all = of_blocks.front();
+    for (const TechniqueCandidate& candidate : of_blocks) {
+        all.connections = std::max(all.connections, candidate.connections);
+        all.merges = all.merges || candidate.merges;
+    }
+    return all;
+}
+
 /// `pilot`: vertices of its light paths. `paths_over_pilot`: of a pass.
 float first_merge_radius_m(const MergingParams& merging, std::span<const LightVertex> pilot, float scene_radius_m,
                            double paths_over_pilot) {
@@ -79,7 +89,7 @@ uint32_t paths_of_pass(float light_paths, Size2 size) {
 }
 
 BidirectionalPlan make_bidirectional_plan(const RenderContext& context, const BidirectionalParams& params,
-                                          const BidirectionalScene& scene, LightPathTracer& light,
+                                          const BidirectionalScene& scene, LightPathTracer& light, TechniquesBy by,
                                           uint64_t (*bytes_of_path)(double vertices, const MergingParams* merging),
                                           Stats& stats) {
     const StageTimer timer(stats, "pilot");
@@ -133,11 +143,18 @@ BidirectionalPlan make_bidirectional_plan(const RenderContext& context, const Bi
     TechniqueCandidate chosen{.light_paths = std::min(params.light_paths.value_or(1), choices.most_light_paths),
                               .connections = choices.connections.value_or(1),
                               .merges = choices.merges};
+    std::vector<TechniqueCandidate> of_blocks;  // where they are asked for
+    uint32_t block_side = 0;
     if (params.adapt) {
         const TechniquePilot judged = run_technique_pilot({context, params, vertices, choices, first_radius_m,
                                                            plan.edges ? &*plan.edges : nullptr, techniques.edge_share},
                                                           stats);
-        chosen = judged.candidates[judged.chosen].candidate;
+        chosen = judged.candidates[judged.chosen.everywhere].candidate;
+        if (by == TechniquesBy::Block) {
+            block_side = judged.block_side;
+            for (const size_t c : judged.chosen.of_blocks) of_blocks.push_back(judged.candidates[c].candidate);
+            chosen = union_of(of_blocks);
+        }
         if (!(chosen.light_paths > 0)) {
             skip_light_paths("paths from the eye alone are worth more here, a pilot says");
             return plan;
@@ -148,19 +165,30 @@ BidirectionalPlan make_bidirectional_plan(const RenderContext& context, const Bi
         if (choices.merges && !chosen.merges) stats.skipped.push_back({"merging", kNotWorth, 0});
     }
     techniques.light_paths = std::max(paths_of_pass(chosen.light_paths, size), 1u);
-    techniques.connections_per_vertex = chosen.connections;
-    techniques.numbers = {.light_paths = static_cast<float>(techniques.light_paths),
-                          .connections = techniques.own_path ? 1.0f : static_cast<float>(chosen.connections / vertices),
-                          .merges = chosen.merges};
+    const auto of_pixel = [&](const TechniqueCandidate& candidate) {
+        return BlockTechniques{
+            .connections_per_vertex = candidate.connections,
+            .numbers = {
+                .light_paths = static_cast<float>(techniques.light_paths),
+                .connections = techniques.own_path ? 1.0f : static_cast<float>(candidate.connections / vertices),
+                .merges = candidate.merges}};
+    };
+    techniques.everywhere = of_pixel(chosen);
+    std::vector<BlockTechniques> blocks;
+    for (const TechniqueCandidate& candidate : of_blocks) blocks.push_back(of_pixel(candidate));
+    if (std::ranges::any_of(blocks, [&](const BlockTechniques& b) { return b != techniques.everywhere; }))
+        plan.blocks.emplace(size, block_side, std::move(blocks));
     techniques.correlated = techniques.correlated && chosen.merges;
     return plan;
 }
 
 PassTechniques BidirectionalPlan::of_pass(uint32_t pass) const {
     PassTechniques of_pass = techniques;
-    if (techniques.numbers.merges) of_pass.merge_radius_m = first_radius_m * radius_share(pass, double{alpha});
+    if (techniques.everywhere.numbers.merges)
+        of_pass.merge_radius_m = first_radius_m * radius_share(pass, double{alpha});
     of_pass.edge_radius_m = of_pass.merge_radius_m;
     if (edges) of_pass.edges = &*edges;
+    if (blocks) of_pass.blocks = &*blocks;
     return of_pass;
 }
 

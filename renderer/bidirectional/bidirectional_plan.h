@@ -28,14 +28,18 @@ struct BidirectionalPlan {
     float first_radius_m = 0;      // of merging, in pass 0; 0: nothing merges
     float alpha = 0;               // by which it shrinks (radius_schedule.h)
     std::optional<EdgeTree> edges;
+    std::optional<TechniqueBlocks> blocks;  // where they differ
 
-    /// The edges that merging keeps off stay the plan's.
+    /// The edges that merging keeps off and the blocks stay the plan's.
     PassTechniques of_pass(uint32_t pass) const;
 };
 
+/// Whether blocks of pixels may differ: a device's image has one choice.
+enum class TechniquesBy : uint8_t { Image, Block };
+
 /// `light`: traces the pilot. `bytes_of_path`: what skipping a light path of so many vertices saves.
 BidirectionalPlan make_bidirectional_plan(const RenderContext& context, const BidirectionalParams& params,
-                                          const BidirectionalScene& scene, LightPathTracer& light,
+                                          const BidirectionalScene& scene, LightPathTracer& light, TechniquesBy by,
                                           uint64_t (*bytes_of_path)(double vertices, const MergingParams* merging),
                                           Stats& stats);
 

@@ -13,6 +13,7 @@ MethodInfo bidirectional_row() {
     info.family = "bidirectional";
     info.layers.add(Layer::Connections);
     info.layers.add(Layer::LightImage);
+    info.layers.add(Layer::Techniques);
     return info;
 }
 

@@ -3,6 +3,7 @@
 
 #include "renderer/bidirectional/bidirectional_params.h"
 #include "renderer/bidirectional/merging_correlation.h"
+#include "renderer/bidirectional/technique_blocks.h"
 #include "renderer/eye/camera_connection.h"
 #include "renderer/eye/path_wavefront.h"
 #include "renderer/photons/edge_tree.h"
@@ -27,14 +28,19 @@ struct BidirectionalScene : PathScene {
 /// How often each technique is tried in a pass, and where vertices merge.
 struct PassTechniques {
     uint32_t light_paths = 0;
-    uint32_t connections_per_vertex = 0;  // of an eye vertex, with vertices drawn from the cache
-    bool own_path = false;                // with all vertices of one light path instead
-    float merge_radius_m = 0;             // 0: nothing merges
-    const EdgeTree* edges = nullptr;      // where there is merging
-    float edge_radius_m = 0;              // merging counts for less that near to an edge of a surface:
-    float edge_share = 0;                 // by this factor
-    TechniqueNumbers numbers;
-    bool correlated = false;  // merging is weighed by merging_correlation.h: paths keep their vertices
+    BlockTechniques everywhere;               // where there are no blocks
+    const TechniqueBlocks* blocks = nullptr;  // where they differ
+    bool own_path = false;                    // connections are with all vertices of one light path instead
+    float merge_radius_m = 0;                 // 0: nothing merges
+    const EdgeTree* edges = nullptr;          // where there is merging
+    float edge_radius_m = 0;                  // merging counts for less that near to an edge of a surface:
+    float edge_share = 0;                     // by this factor
+    bool correlated = false;                  // merging is weighed by merging_correlation.h: paths keep their vertices
+
+    /// Of a pixel.
+    const BlockTechniques& at(uint32_t x, uint32_t y) const {
+        return blocks ? (*blocks)[blocks->index_at(x, y)] : everywhere;
+    }
 
     /// By which weights count merging at a place: the area of its disc [m^2], or less where the disc may hang over an
     /// edge or reach behind a wall. It would lack light there, and paths can be made in other ways; but not those that
@@ -47,7 +53,7 @@ struct PassTechniques {
     }
     /// Of a path whose first surface lies so far from the camera.
     MergingCorrelation correlation(const Mis& mis, float first_distance_m) const {
-        return {mis.heuristic(), first_distance_m, numbers.light_paths};
+        return {mis.heuristic(), first_distance_m, static_cast<float>(light_paths)};
     }
 };
 

@@ -23,6 +23,7 @@
 #define PLANE_CONNECTIONS_ID 77  // of the layers
 #define PLANE_MERGES_ID 78
 #define PLANE_LIGHT_IMAGE_ID 79
+#define PLANE_TECHNIQUES_ID 80
 
 #ifdef __cplusplus
 namespace photond::gpu {
@@ -83,6 +84,7 @@ struct LightPathsPush {
 struct LightImagePush {
     uint columns;  // of the grid that splats are sorted into, which begins that many pixels before the image
     uint margin;
+    vec3 techniques;  // shown_techniques(), the same for all pixels
 };
 
 /// Words of the light paths' state.

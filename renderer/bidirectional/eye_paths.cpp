@@ -44,9 +44,10 @@ struct EyePathTracer::State {
                Counts& pass_counts, EyeSeconds& seconds, PilotTile* pilot_tile) {
         shared = &scene, pass = &joined, image = &pass_image, counts = &pass_counts, pilot = pilot_tile;
         if (pilot) {
-            pilot->counts = {};
+            pilot->counts.assign(tile.pixels(), {});
             pilot->paths.assign(tile.pixels() * joined.candidates.size(), {});
         }
+        of_tile = joined.techniques.at(tile.x0, tile.y0);
         ThreadLaps laps;
         start(tile);
         for (uint32_t vertex = 0; batch.count > 0; ++vertex) {
@@ -82,8 +83,14 @@ struct EyePathTracer::State {
             batch.paths[i].kept = static_cast<uint32_t>(i);
             batch.paths[i].density = camera.pdf;
         }
-        for (uint32_t y = tile.y0; y < tile.y1; ++y)
-            image->clear(size_t{y} * image->size.width + tile.x0, tile.x1 - tile.x0);
+        for (uint32_t y = tile.y0; y < tile.y1; ++y) {
+            const size_t first = size_t{y} * image->size.width + tile.x0;
+            image->clear(first, tile.x1 - tile.x0);
+            if (!image->layers.has(Layer::Techniques)) continue;
+            const Rgb shown = shown_techniques(of_tile, image->size);
+            for (size_t pixel = first; pixel < first + (tile.x1 - tile.x0); ++pixel)
+                image->of<Layer::Techniques>()[pixel] = shown;
+        }
     }
 
     /// Ends the paths that met nothing; `order` has the others.
@@ -152,9 +159,10 @@ struct EyePathTracer::State {
         if (!open_surface(*shared, path, ray, *image, met)) return false;
         const SurfaceVertex surface{met.surface, met.bsdf, -ray.direction};
         path.lit_normal = lit_normal(surface);
-        acceptance = met.bsdf.has_non_delta() ? pass->techniques.merge_acceptance(surface.point.position) : 0.0f;
+        const bool may_merge = numbers().merges && met.bsdf.has_non_delta();
+        acceptance = may_merge ? pass->techniques.merge_acceptance(surface.point.position) : 0.0f;
         if (correlated()) kept(path, vertex).acceptance = eye_vertices.back().acceptance = acceptance;
-        if (pilot) ++pilot->counts.eye_vertices, pilot->counts.open_vertices += met.bsdf.has_non_delta() ? 1 : 0;
+        if (pilot) ++counts_of(path).vertices, counts_of(path).open_vertices += met.bsdf.has_non_delta() ? 1 : 0;
         if (met.bsdf.has_non_delta()) {
             sample_light(vertex, path, surface, i);
             connect(vertex, path, surface, i);
@@ -234,7 +242,7 @@ struct EyePathTracer::State {
                              surface);
             return;
         }
-        const uint32_t tries = techniques.connections_per_vertex;
+        const uint32_t tries = of_tile.connections_per_vertex;
         if (tries == 0) return;
         RandomStream random(pass->connection_salt, RandomDomain::Connections, vertex, batch.keys[i]);
         const float inverse_pdf = static_cast<float>(cache.size()) / static_cast<float>(tries);
@@ -327,7 +335,7 @@ struct EyePathTracer::State {
             };
             const float share = 1 / std::max(std::fabs(glm::dot(light.from, light.normal)), kLeastCosine);
             const Rgb radiance = share * scale * value.f_cos * light.power_w;
-            if (pilot) ++pilot->counts.found, add_now(TechniqueKind::Merge, path, radiance, weigh);
+            if (pilot) ++counts_of(path).found, add_now(TechniqueKind::Merge, path, radiance, weigh);
             add_joined(*image, path.pixel, scatterings, path.scatterings == 0 && light.surfaces > 1 && light.all_delta,
                        Join::Merge, weigh(numbers()) * radiance);
         }
@@ -344,7 +352,7 @@ struct EyePathTracer::State {
 
     // What merging_correlation.h asks for.
 
-    bool correlated() const { return pass->techniques.correlated; }
+    bool correlated() const { return pass->techniques.correlated && numbers().merges; }
     MergingCorrelation correlation_of(const JoinedEyePath& path) const {
         return pass->techniques.correlation(shared->mis, path.first_distance);
     }
@@ -367,7 +375,7 @@ struct EyePathTracer::State {
     }
 
     VertexSide side(uint32_t vertex, float pdf_back) const { return {vertex == 0, pdf_back, acceptance}; }
-    const TechniqueNumbers& numbers() const { return pass->techniques.numbers; }
+    const TechniqueNumbers& numbers() const { return of_tile.numbers; }
 
     /// `weigh(numbers)`: of the light that arrives where the ray is free.
     template <class Weigh>
@@ -392,6 +400,8 @@ struct EyePathTracer::State {
     }
 
     // Of pilots.
+
+    EyePathCounts& counts_of(const JoinedEyePath& path) { return pilot->counts[path.kept]; }
 
     /// Appends what each candidate would weigh.
     template <class Weigh>
@@ -418,6 +428,7 @@ struct EyePathTracer::State {
     PassImage* image = nullptr;
     Counts* counts = nullptr;
     PilotTile* pilot = nullptr;
+    BlockTechniques of_tile;
     float acceptance = 0;  // of the vertex at hand
 
     PathBatch<JoinedEyePath> batch{kPaths};

@@ -25,13 +25,13 @@ struct JoinedPass {
 /// What a pilot's tile tells besides.
 struct PilotTile {
     std::vector<EyePathSum> paths;  // pixel by pixel of the tile, by candidate
-    PilotCounts counts;             // sums, of the eye's path alone
+    std::vector<EyePathCounts> counts;
 };
 
 /// Scratch of one thread; reused from tile to tile.
 class EyePathTracer {
 public:
-    static constexpr uint32_t kTileSide = 16;
+    static constexpr uint32_t kTileSide = 16;  // blocks of techniques have whole tiles
 
     EyePathTracer();
     ~EyePathTracer();

@@ -20,9 +20,9 @@ EyePathsGpu::EyePathsGpu(const gpu::DeviceScene& scene, const PassTechniques& te
       weights_(scene.device(), "path_states", uint64_t{wave_.capacity()} * sizeof(gpu::SubpathWeights)),
       joins_(scene.device(), "path_joins", uint64_t{wave_.capacity()} * sizeof(gpu::JoinState)),
       host_left_(scene.device(), "readback", sizeof(uint32_t), gpu::MemoryKind::Readback) {
-    if (techniques.own_path || techniques.connections_per_vertex > 0)
+    if (techniques.own_path || techniques.everywhere.connections_per_vertex > 0)
         connect_.emplace(scene.device(), joining_kernel("connect"), kJoiningPush, &scene.set(), constants);
-    if (techniques.numbers.merges)
+    if (techniques.everywhere.numbers.merges)
         merge_.emplace(scene.device(), joining_kernel("merge"), kJoiningPush, &scene.set(), constants);
 }
 

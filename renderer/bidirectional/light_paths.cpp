@@ -90,14 +90,7 @@ public:
                 meet(order_[k], surfaces);
             }
             batch_.advance();
-            out.counts.shadow_rays +=
-                splats_.trace(shared.intersector, Coherence::Incoherent, [&](const WaitingSplat& waiting) {
-                    out.splats.push_back(waiting.splat);
-                    const auto first = weights_.begin() + waiting.sample;
-                    out.splat_weights.insert(out.splat_weights.end(), first,
-                                             first + static_cast<std::ptrdiff_t>(candidates.size()));
-                });
-            weights_.clear();
+            trace_splats();
         }
         if (techniques.correlated) put_places_in_rows();
     }
@@ -247,16 +240,50 @@ private:
         const auto weigh = [&](const TechniqueNumbers& n) {
             return shared_->mis.seen_by_camera(weights, side, camera_pdf, n);
         };
-        Rgb radiance = seen->responsivity_per_m2 * path.power_w * scattering.density;
-        if (candidates_.empty()) radiance *= weigh(techniques_->numbers);
+        const Rgb radiance = seen->responsivity_per_m2 * path.power_w * scattering.density;
         if (is_black(radiance)) return;
         const vec3 start = ray_origin(point, seen->to_camera);
-        splats_.add({start, seen->target - start, 1.0f}, {{.film = seen->film,
-                                                           .radiance = radiance,
-                                                           .scatterings = surfaces,
-                                                           .caustic = surfaces > 1 && path.all_delta},
-                                                          static_cast<uint32_t>(weights_.size())});
-        for (const WeighedCandidate& candidate : candidates_) weights_.push_back(weigh(candidate.numbers));
+        const auto show = [&](float weight, uint32_t block) {
+            if (is_black(weight * radiance)) return;
+            if (!splats_.has_room_for(1)) trace_splats();
+            splats_.add({start, seen->target - start, 1.0f}, {{.film = seen->film,
+                                                               .radiance = weight * radiance,
+                                                               .scatterings = surfaces,
+                                                               .caustic = surfaces > 1 && path.all_delta,
+                                                               .block = block},
+                                                              static_cast<uint32_t>(weights_.size())});
+        };
+        const TechniqueBlocks* const blocks = techniques_->blocks;
+        if (!candidates_.empty()) {
+            show(1, TechniqueBlocks::kOfAll);
+            for (const WeighedCandidate& candidate : candidates_) weights_.push_back(weigh(candidate.numbers));
+        } else if (blocks == nullptr) {
+            show(weigh(techniques_->everywhere.numbers), TechniqueBlocks::kOfAll);
+        } else {
+            for (const uint32_t block : blocks_at(seen->film, *blocks)) show(weigh((*blocks)[block].numbers), block);
+        }
+    }
+
+    /// Of the pixels that a place of the film belongs to, each once.
+    std::span<const uint32_t> blocks_at(vec2 film, const TechniqueBlocks& blocks) {
+        blocks_.clear();
+        const Size2 size = shared_->view.film_size;
+        shared_->filter.visit_pixels(film, size, [&](uint32_t pixel, float) {
+            const uint32_t block = blocks.index_at(pixel % size.width, pixel / size.width);
+            if (std::ranges::find(blocks_, block) == blocks_.end()) blocks_.push_back(block);
+        });
+        return blocks_;
+    }
+
+    void trace_splats() {
+        out_->counts.shadow_rays +=
+            splats_.trace(shared_->intersector, Coherence::Incoherent, [&](const WaitingSplat& waiting) {
+                out_->splats.push_back(waiting.splat);
+                const auto first = weights_.begin() + waiting.sample;
+                out_->splat_weights.insert(out_->splat_weights.end(), first,
+                                           first + static_cast<std::ptrdiff_t>(candidates_.size()));
+            });
+        weights_.clear();
     }
 
     void go_on(uint32_t i, const SurfaceVertex& vertex, bool first, float acceptance) {
@@ -294,7 +321,8 @@ private:
     uint64_t first_of_pass_ = 0;
     RunPaths* out_ = nullptr;
     std::span<const WeighedCandidate> candidates_;
-    std::vector<float> weights_;  // by them, of splats that wait
+    std::vector<float> weights_;    // by them, of splats that wait
+    std::vector<uint32_t> blocks_;  // of the splat at hand
 
     PathBatch<LightPathState> batch_{kPaths};
     ShadowBatch<WaitingSplat> splats_{kPaths};
@@ -333,7 +361,7 @@ HashGrid LightPaths::grid(float radius_m, std::span<uint32_t> order) const {
     return HashGrid(positions, radius_m, order);
 }
 
-void LightPaths::add_splats(const PixelFilterSampler& filter, PassImage& image) const {
+void LightPaths::add_splats(const PixelFilterSampler& filter, const TechniqueBlocks* blocks, PassImage& image) const {
     // Rows of the image for each call: every pixel's sum is in the splats' order.
     constexpr uint32_t kRows = 32;
     parallel_for((image.size.height + kRows - 1) / kRows, 1, [&](size_t band) {
@@ -344,7 +372,9 @@ void LightPaths::add_splats(const PixelFilterSampler& filter, PassImage& image) 
                 continue;
             filter.visit_pixels(splat.film, image.size, [&](uint32_t pixel, float density) {
                 const uint32_t y = pixel / image.size.width;
-                if (y >= first && y < end)
+                const bool weighed = splat.block == TechniqueBlocks::kOfAll ||
+                                     splat.block == blocks->index_at(pixel % image.size.width, y);
+                if (y >= first && y < end && weighed)
                     add_joined(image, pixel, splat.scatterings, splat.caustic, Join::LightImage,
                                density * splat.radiance);
             });

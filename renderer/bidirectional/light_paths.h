@@ -43,6 +43,7 @@ struct LightSplat {
     Rgb radiance;  // of a pixel whose filter is 1 there
     uint32_t scatterings;
     bool caustic;
+    uint32_t block;  // of the pixels that it is weighed for; TechniqueBlocks::kOfAll: of all
 };
 
 /// Of one pass.
@@ -65,8 +66,8 @@ struct LightPaths {
     void sort_by_path(uint32_t paths);
     /// Over the vertices; its point i is vertex order[i]. `order` is as long as those.
     HashGrid grid(float radius_m, std::span<uint32_t> order) const;
-    /// Adds what the camera sees of them.
-    void add_splats(const PixelFilterSampler& filter, PassImage& image) const;
+    /// Adds what the camera sees of them. `blocks`: nullptr where there are none.
+    void add_splats(const PixelFilterSampler& filter, const TechniqueBlocks* blocks, PassImage& image) const;
     uint64_t bytes() const;
 };
 

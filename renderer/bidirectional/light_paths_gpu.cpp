@@ -53,7 +53,8 @@ LightPathsGpu::LightPathsGpu(const gpu::DeviceScene& scene, const BidirectionalP
       sampler_(sampler, seed, RandomDomain::LightPaths, 0),
       seed_(seed),
       expected_(static_cast<uint64_t>(plan.vertices_per_path * plan.techniques.light_paths) + 1),
-      edge_words_(plan.edges && plan.techniques.numbers.merges ? plan.edges->device_words() : std::vector<uint32_t>()),
+      edge_words_(plan.edges && plan.techniques.everywhere.numbers.merges ? plan.edges->device_words()
+                                                                          : std::vector<uint32_t>()),
       splat_grid_(splat_cells(film_size)),
       hash_grid_(device_),
       trace_(device_, "renderer/bidirectional/light_paths.comp", sizeof(gpu::LightPathsPush), &scene.set(), constants),
@@ -66,8 +67,8 @@ LightPathsGpu::LightPathsGpu(const gpu::DeviceScene& scene, const BidirectionalP
     if (plan_.light_paths > kMostLightPaths)
         throw Error(ErrorCode::OutOfMemory, std::to_string(plan_.light_paths) + " light paths are more than the " +
                                                 std::to_string(kMostLightPaths) + " that can be sorted");
-    const uint32_t first_edge =
-        static_cast<uint32_t>(vertex_table_words(expected_, plan_.numbers.merges, plan_.own_path, plan_.light_paths));
+    const uint32_t first_edge = static_cast<uint32_t>(
+        vertex_table_words(expected_, plan_.everywhere.numbers.merges, plan_.own_path, plan_.light_paths));
     if (!edge_words_.empty()) constants_.edges = plan.edges->device_constants(first_edge);
     make_room(vertex_room_for(static_cast<double>(expected_)));
 }
@@ -92,7 +93,8 @@ void LightPathsGpu::make_room(uint64_t vertices) {
         buffer.emplace(device_, structure, vertices * bytes_of_one);
     };
     sort_.emplace(device_, capacity);
-    const uint64_t words = vertex_table_words(expected_, plan_.numbers.merges, plan_.own_path, plan_.light_paths);
+    const uint64_t words =
+        vertex_table_words(expected_, plan_.everywhere.numbers.merges, plan_.own_path, plan_.light_paths);
     tables_.emplace(device_, "photon_maps", (words + edge_words_.size()) * sizeof(uint32_t));
     if (!edge_words_.empty())
         gpu::upload(device_, *tables_, std::as_bytes(std::span(edge_words_)), words * sizeof(uint32_t));
@@ -103,7 +105,8 @@ void LightPathsGpu::make_room(uint64_t vertices) {
     make(splat_places_, "light_image", sizeof(gpu::PhotonPlace));
     make(splats_, "light_image", sizeof(gpu::LightSplatRecord));
     make(splat_order_, "light_image", sizeof(uint32_t));
-    grid_places_.emplace(device_, "photon_maps", (plan_.numbers.merges ? vertices : 1) * sizeof(gpu::PhotonPlace));
+    grid_places_.emplace(device_, "photon_maps",
+                         (plan_.everywhere.numbers.merges ? vertices : 1) * sizeof(gpu::PhotonPlace));
     constants_.capacity = splat_grid_.capacity = capacity;
     // A pass with too little room is made of whatever stands here, and made again.
     gpu::CommandList commands(device_);
@@ -115,10 +118,10 @@ void LightPathsGpu::make_room(uint64_t vertices) {
 uint32_t LightPathsGpu::begin_pass(uint32_t pass, const PassTechniques& techniques) {
     pass_ = pass;
     constants_.connection_salt = hash64(seed_) + pass;
-    const TechniqueNumbers& numbers = techniques.numbers;
+    const TechniqueNumbers& numbers = techniques.everywhere.numbers;
     constants_.numbers = {numbers.light_paths, numbers.connections, numbers.merges};
     constants_.light_paths = techniques.light_paths;
-    constants_.connections_per_vertex = techniques.connections_per_vertex;
+    constants_.connections_per_vertex = techniques.everywhere.connections_per_vertex;
     constants_.own_path = techniques.own_path;
     constants_.merge_radius_m = techniques.merge_radius_m;
     constants_.edge_radius_m = techniques.edge_radius_m;
@@ -173,7 +176,7 @@ void LightPathsGpu::record_order(gpu::CommandList& commands) {
         by_path.capacity = constants_.capacity;
         hash_grid_.record_starts(commands, by_path, state_, *keys_, *tables_);
     }
-    if (plan_.numbers.merges) {
+    if (plan_.everywhere.numbers.merges) {
         commands.copy(*order_, 0, *splat_order_, 0, order_bytes);
         hash_grid_.record_cells(commands, constants_.vertex_grid, {state_, *places_, *keys_, *splat_order_, *sort_},
                                 *tables_);
@@ -195,7 +198,8 @@ void LightPathsGpu::record_image(gpu::CommandList& commands, DeviceImage& image,
     commands.bind(show_, {gpu::read_write("device_layers", image.layers()), gpu::read("eye", eye),
                           gpu::read("starts", splat_starts_), gpu::read("order", *splat_order_),
                           gpu::read("splat_places", *splat_places_), gpu::read("splats", *splats_)});
-    commands.push(gpu::LightImagePush{static_cast<uint32_t>(splat_grid_.cells.x), kSplatMargin});
+    commands.push(gpu::LightImagePush{static_cast<uint32_t>(splat_grid_.cells.x), kSplatMargin,
+                                      shown_techniques(plan_.everywhere, film_size_)});
     commands.dispatch_threads(film_size_.pixels(), LIGHT_PATHS_GROUP);
 }
 

@@ -33,6 +33,8 @@ struct BasicTechniqueNumbers {
     Real light_paths = 0;  // of a pass: each is a sample of every pixel that sees it, and can be merged with
     Real connections = 1;  // expected, of an eye vertex with each vertex of one light path
     bool merges = false;
+
+    bool operator==(const BasicTechniqueNumbers&) const = default;
 };
 using TechniqueNumbers = BasicTechniqueNumbers<float>;
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace photond {
 
@@ -90,6 +91,67 @@ double counted_cost(const TechniqueCandidate& candidate, const PilotCounts& coun
     cost += candidate.connections * counts.open_vertices * (0.6 * ray + kConnection);
     if (candidate.merges) cost += counts.open_vertices * query + candidate.light_paths * counts.found * evaluation;
     return cost;
+}
+
+namespace {
+
+/// A block's own best has to be better by more than that, of what is weighed.
+constexpr double kStay = 0.85;
+constexpr int kRounds = 4;
+
+/// The sums over all blocks.
+JudgedBlock sum_of(std::span<const JudgedBlock> judged, size_t candidates, std::span<const size_t> of_blocks) {
+    JudgedBlock sum;
+    for (size_t block = 0; block < of_blocks.size(); ++block) {
+        const JudgedBlock& here = judged[block * candidates + of_blocks[block]];
+        sum.relative_variance += here.relative_variance, sum.cost += here.cost;
+    }
+    return sum;
+}
+double worth(const JudgedBlock& judged) { return judged.relative_variance * judged.cost; }
+
+}  // namespace
+
+ChosenTechniques choose_techniques(std::span<const TechniqueCandidate> candidates,
+                                   std::span<const JudgedBlock> judged) {
+    const size_t count = candidates.size(), blocks = judged.size() / count;
+    std::vector<double> alone;  // what each would be everywhere
+    for (size_t c = 0; c < count; ++c) alone.push_back(worth(sum_of(judged, count, std::vector<size_t>(blocks, c))));
+    ChosenTechniques best;
+    best.everywhere = static_cast<size_t>(std::ranges::min_element(alone) - alone.begin());
+    double least = std::numeric_limits<double>::infinity();
+    for (size_t first = 0; first < count;) {
+        size_t end = first;
+        while (end < count && candidates[end].light_paths == candidates[first].light_paths) ++end;
+        const auto of_image = static_cast<size_t>(std::min_element(alone.begin() + static_cast<std::ptrdiff_t>(first),
+                                                                   alone.begin() + static_cast<std::ptrdiff_t>(end)) -
+                                                  alone.begin());
+        // The product of two sums is least where each block has the least variance and cost together, cost being worth
+        // what the sums' ratio says; which changes with what is chosen.
+        std::vector<size_t> of_blocks(blocks, of_image);
+        JudgedBlock sum = sum_of(judged, count, of_blocks);
+        for (int round = 0; round < kRounds && sum.cost > 0; ++round) {
+            const double per_cost = sum.relative_variance / sum.cost;
+            for (size_t block = 0; block < blocks; ++block) {
+                const auto weighed = [&](size_t c) {
+                    const JudgedBlock& here = judged[block * count + c];
+                    return here.relative_variance + per_cost * here.cost;
+                };
+                size_t own = of_image;
+                for (size_t c = first; c < end; ++c)
+                    if (weighed(c) < weighed(own)) own = c;
+                of_blocks[block] = weighed(own) < kStay * weighed(of_image) ? own : of_image;
+            }
+            sum = sum_of(judged, count, of_blocks);
+        }
+        if (worth(sum) < least) {
+            least = worth(sum);
+            best.of_blocks = std::move(of_blocks);
+        }
+        first = end;
+    }
+    best.gain = least > 0 ? alone[best.everywhere] / least : 1;
+    return best;
 }
 
 }  // namespace photond

@@ -67,6 +67,17 @@ private:
     float seen_ = 0, seen_squares_ = 0;
 };
 
+/// What one path from the eye counted in a pilot.
+struct EyePathCounts {
+    uint32_t vertices = 0;
+    uint32_t open_vertices = 0;  // of them with a lobe that connects
+    uint32_t found = 0;          // vertices within the radius of an open vertex
+    EyePathCounts& operator+=(const EyePathCounts& more) {
+        vertices += more.vertices, open_vertices += more.open_vertices, found += more.found;
+        return *this;
+    }
+};
+
 /// All that a pilot counted, a pixel and a pass.
 struct PilotCounts {
     double eye_vertices = 0;
@@ -83,6 +94,21 @@ struct CostlyScene {
 };
 /// Of a pass, a pixel's; only ratios mean anything. bidirectional_bench prints what it comes to beside the clock.
 double counted_cost(const TechniqueCandidate& candidate, const PilotCounts& counts, const CostlyScene& scene);
+
+/// What a candidate would be in a block of pixels: sums over these.
+struct JudgedBlock {
+    double relative_variance = 0;
+    double cost = 0;  // counted_cost()
+};
+struct ChosenTechniques {
+    size_t everywhere = 0;          // the one that would be best for the whole image
+    std::vector<size_t> of_blocks;  // block by block: candidates that share their light paths
+    double gain = 1;                // of variance times cost: the first one's over that of the blocks' choices
+};
+/// The least variance times cost, of the image's sums, by candidates of one number of light paths, which every block
+/// takes from. `judged`: block by block, by candidate. A block keeps to what is best for the image where its own best
+/// is hardly better: a pilot's variances are no better known.
+ChosenTechniques choose_techniques(std::span<const TechniqueCandidate> candidates, std::span<const JudgedBlock> judged);
 
 /// What there is to choose from.
 struct TechniqueChoices {

@@ -38,11 +38,87 @@ WeighedCandidate weighed(const TechniqueCandidate& candidate, const PassTechniqu
                       .connections = static_cast<float>(candidate.connections / vertices_per_path),
                       .merges = candidate.merges};
     if (pilot.own_path) result.numbers.connections = 1;
-    result.more_light_paths = pilot.numbers.light_paths / result.numbers.light_paths;
+    result.more_light_paths = pilot.everywhere.numbers.light_paths / result.numbers.light_paths;
     if (result.numbers.connections > 0)
-        result.more_connections = pilot.numbers.connections / result.numbers.connections;
+        result.more_connections = pilot.everywhere.numbers.connections / result.numbers.connections;
     return result;
 }
+
+/// Blocks of so many of the pilot's pixels a side, or a few more: their variances have to be known.
+constexpr double kLeastBlock = 4;
+
+uint32_t block_side(Size2 image, Size2 pilot) {
+    const double tiles = kLeastBlock * image.width / pilot.width / kTile;
+    return kTile * static_cast<uint32_t>(std::max(1.0, std::ceil(tiles)));
+}
+
+/// What candidates would be in the blocks of an image, from what they would be at a pilot's pixels.
+class BlockJudge {
+public:
+    BlockJudge(Size2 image, Size2 pilot, size_t candidates)
+        : image_(image),
+          pilot_(pilot),
+          side_(block_side(image, pilot)),
+          count_(TechniqueBlocks::count_of(image, side_)),
+          candidates_(candidates),
+          sums_(count_.pixels() * candidates),
+          pixels_(count_.pixels()),
+          counted_(count_.pixels()) {}
+
+    uint32_t side() const { return side_; }
+    /// A pixel of the pilot, with what its paths counted.
+    void add(uint32_t x, uint32_t y, std::span<const double> relative_variance, const EyePathCounts& counted) {
+        const auto along = [&](uint32_t p, uint32_t of_pilot, uint32_t of_image) {
+            const double at = (p + 0.5) * of_image / of_pilot;
+            return static_cast<uint32_t>(at) / side_;
+        };
+        const size_t block =
+            along(y, pilot_.height, image_.height) * count_.width + along(x, pilot_.width, image_.width);
+        ++pixels_[block];
+        counted_[block] += counted;
+        for (size_t c = 0; c < candidates_; ++c) sums_[block * candidates_ + c] += relative_variance[c];
+    }
+    /// The blocks, each judged together with those about it, whose paths are much like its own; `cost(counted, c)` is
+    /// of a pixel with these counts of all its passes.
+    template <class Cost>
+    std::vector<JudgedBlock> judge(uint32_t passes, const Cost& cost) const {
+        std::vector<JudgedBlock> judged(sums_.size());
+        for (uint32_t y = 0; y < count_.height; ++y)
+            for (uint32_t x = 0; x < count_.width; ++x) {
+                const size_t block = size_t{y} * count_.width + x;
+                double pixels = 0;
+                PilotCounts counts;
+                std::vector<double> variance(candidates_);
+                for (uint32_t v = std::max(y, 1u) - 1; v <= std::min(y + 1, count_.height - 1); ++v)
+                    for (uint32_t u = std::max(x, 1u) - 1; u <= std::min(x + 1, count_.width - 1); ++u) {
+                        const size_t other = size_t{v} * count_.width + u;
+                        const double weight = (u == x ? 2 : 1) * (v == y ? 2 : 1);
+                        pixels += weight * pixels_[other];
+                        counts.eye_vertices += weight * counted_[other].vertices;
+                        counts.open_vertices += weight * counted_[other].open_vertices;
+                        counts.found += weight * counted_[other].found;
+                        for (size_t c = 0; c < candidates_; ++c) variance[c] += weight * sums_[other * candidates_ + c];
+                    }
+                for (double* count : {&counts.eye_vertices, &counts.open_vertices, &counts.found})
+                    *count /= std::max(pixels, 1.0) * passes;
+                for (size_t c = 0; c < candidates_; ++c) {
+                    JudgedBlock& here = judged[block * candidates_ + c];
+                    here.relative_variance = pixels_[block] * std::max(variance[c], 0.0) / std::max(pixels, 1.0);
+                    here.cost = pixels_[block] * cost(counts, c);
+                }
+            }
+        return judged;
+    }
+
+private:
+    Size2 image_, pilot_;
+    uint32_t side_;
+    Size2 count_;
+    size_t candidates_;
+    std::vector<double> sums_;    // block by block, by candidate
+    std::vector<double> pixels_;  // of the pilot
+    std::vector<EyePathCounts> counted_;
+};
 
 struct PilotThread {
     EyePathTracer eye;
@@ -66,16 +142,17 @@ TechniquePilot run_technique_pilot(const TechniquePilotInputs& inputs, Stats& st
     pilot.light_paths = static_cast<uint32_t>(size.pixels());
     pilot.own_path = inputs.params.connections == Connections::OwnPath;
     pilot.correlated = inputs.choices.merges && inputs.params.merging()->correlated();
-    pilot.connections_per_vertex = 1;
     // As many vertices are to lie within the radius as in the image's own passes.
     const double denser = static_cast<double>(inputs.context.view.film_size.pixels()) / pixels;
     pilot.merge_radius_m = inputs.choices.merges ? inputs.merge_radius_m * static_cast<float>(std::sqrt(denser)) : 0.0f;
     pilot.edges = inputs.edges;
     pilot.edge_radius_m = inputs.merge_radius_m;
     pilot.edge_share = inputs.edge_share;
-    pilot.numbers = {.light_paths = static_cast<float>(pilot.light_paths),
-                     .connections = pilot.own_path ? 1 : static_cast<float>(1 / inputs.vertices_per_path),
-                     .merges = pilot.merge_radius_m > 0};
+    pilot.everywhere = {
+        .connections_per_vertex = 1,
+        .numbers = {.light_paths = static_cast<float>(pilot.light_paths),
+                    .connections = pilot.own_path ? 1 : static_cast<float>(1 / inputs.vertices_per_path),
+                    .merges = pilot.merge_radius_m > 0}};
 
     const std::vector<TechniqueCandidate> candidates = technique_candidates(inputs.choices);
     std::vector<WeighedCandidate> weighed_candidates;
@@ -86,6 +163,7 @@ TechniquePilot run_technique_pilot(const TechniquePilotInputs& inputs, Stats& st
     ThreadLocal<PilotThread> threads;
     const uint32_t columns = (size.width + kTile - 1) / kTile, rows = (size.height + kTile - 1) / kTile;
     std::vector<PixelMoments> moments(size.pixels() * candidates.size());  // pixel after pixel, by candidate
+    std::vector<EyePathCounts> counted(size.pixels());
     std::vector<PilotTile> tiles(size_t{columns} * rows);
     PilotCounts counts;
     PassImage image(size, context.view.layers);
@@ -115,15 +193,12 @@ TechniquePilot run_technique_pilot(const TechniquePilotInputs& inputs, Stats& st
         for (size_t i = 0; i < tiles.size(); ++i) {
             const auto x0 = static_cast<uint32_t>(i % columns) * kTile, y0 = static_cast<uint32_t>(i / columns) * kTile;
             const uint32_t width = std::min(kTile, size.width - x0);
-            for (size_t k = 0; k < tiles[i].paths.size(); ++k) {
-                const auto in_tile = static_cast<uint32_t>(k / candidates.size());
+            for (uint32_t in_tile = 0; in_tile < tiles[i].counts.size(); ++in_tile) {
                 const size_t pixel = size_t{y0 + in_tile / width} * size.width + x0 + in_tile % width;
-                const size_t c = k % candidates.size();
-                moments[pixel * candidates.size() + c].add(tiles[i].paths[k]);
+                counted[pixel] += tiles[i].counts[in_tile];
+                for (size_t c = 0; c < candidates.size(); ++c)
+                    moments[pixel * candidates.size() + c].add(tiles[i].paths[in_tile * candidates.size() + c]);
             }
-            counts.eye_vertices += tiles[i].counts.eye_vertices;
-            counts.open_vertices += tiles[i].counts.open_vertices;
-            counts.found += tiles[i].counts.found;
         }
         for (size_t i = 0; i < paths.splats.size(); ++i)
             scene.filter.visit_pixels(paths.splats[i].film, size, [&](uint32_t pixel, float) {
@@ -137,6 +212,11 @@ TechniquePilot run_technique_pilot(const TechniquePilotInputs& inputs, Stats& st
     stats.counts.camera_rays += rays.camera_rays;
     stats.counts.bounce_rays += rays.bounce_rays;
     stats.counts.shadow_rays += rays.shadow_rays;
+    for (const EyePathCounts& of_pixel : counted) {
+        counts.eye_vertices += of_pixel.vertices;
+        counts.open_vertices += of_pixel.open_vertices;
+        counts.found += of_pixel.found;
+    }
     for (double* count :
          {&counts.eye_vertices, &counts.open_vertices, &counts.light_vertices, &counts.seen, &counts.found})
         *count /= pixels * kPasses;
@@ -149,7 +229,8 @@ TechniquePilot run_technique_pilot(const TechniquePilotInputs& inputs, Stats& st
     double mean = 0;
     for (uint32_t y = 0; y < size.height; ++y)
         for (uint32_t x = 0; x < size.width; ++x) mean += mean_of_pixel(x, y) / pixels;
-    std::vector<double> relative_variance(candidates.size());
+    std::vector<double> relative_variance(candidates.size()), of_pixel(candidates.size());
+    BlockJudge blocks(inputs.context.view.film_size, size, candidates.size());
     for (uint32_t y = 0; y < size.height; ++y)
         for (uint32_t x = 0; x < size.width; ++x) {
             double around = 0;
@@ -159,20 +240,23 @@ TechniquePilot run_technique_pilot(const TechniquePilotInputs& inputs, Stats& st
                      ++u, ++seen)
                     around += mean_of_pixel(u, v);
             const double scale = 1 / (sqr_of(around / seen) + kLeastMean * sqr_of(mean) + 1e-30);
-            for (size_t c = 0; c < candidates.size(); ++c)
-                relative_variance[c] += scale *
-                                        moments[(size_t{y} * size.width + x) * candidates.size() + c].variance(
-                                            kPasses, weighed_candidates[c]) /
-                                        pixels;
+            const size_t pixel = size_t{y} * size.width + x;
+            for (size_t c = 0; c < candidates.size(); ++c) {
+                of_pixel[c] = scale * moments[pixel * candidates.size() + c].variance(kPasses, weighed_candidates[c]);
+                relative_variance[c] += of_pixel[c] / pixels;
+            }
+            blocks.add(x, y, of_pixel, counted[pixel]);
         }
     const CostlyScene costly{context.scene.triangle_count, context.scene.needs.only_lambert()};
-    TechniquePilot judged{.candidates = {}, .chosen = 0};
-    const auto worth = [](const JudgedCandidate& c) { return c.relative_variance * c.cost; };
-    for (size_t c = 0; c < candidates.size(); ++c) {
+    TechniquePilot judged{.candidates = {}, .block_side = blocks.side(), .chosen = {}};
+    for (size_t c = 0; c < candidates.size(); ++c)
         judged.candidates.push_back(
             {candidates[c], std::max(relative_variance[c], 0.0), counted_cost(candidates[c], counts, costly)});
-        if (worth(judged.candidates[c]) < worth(judged.candidates[judged.chosen])) judged.chosen = c;
-    }
+    judged.chosen = choose_techniques(candidates, blocks.judge(kPasses, [&](PilotCounts of_block, size_t c) {
+        // Light paths are the whole image's.
+        of_block.light_vertices = counts.light_vertices, of_block.seen = counts.seen;
+        return counted_cost(candidates[c], of_block, costly);
+    }));
     return judged;
 }
 

@@ -16,7 +16,7 @@ struct TechniquePilotInputs {
     float edge_share;       // PassTechniques::edge_share
 };
 
-/// What a candidate would be.
+/// What a candidate would be everywhere.
 struct JudgedCandidate {
     TechniqueCandidate candidate;
     double relative_variance;  // of a pixel and pass, mean over the image
@@ -24,7 +24,8 @@ struct JudgedCandidate {
 };
 struct TechniquePilot {
     std::vector<JudgedCandidate> candidates;
-    size_t chosen;  // the one that costs the least for the same error
+    uint32_t block_side;      // of the image's blocks [pixels]: whole tiles of the eye's
+    ChosenTechniques chosen;  // among the candidates
 };
 /// A pure function of scene, view, parameters and seed.
 TechniquePilot run_technique_pilot(const TechniquePilotInputs& inputs, Stats& stats);

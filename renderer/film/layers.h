@@ -31,8 +31,9 @@ enum class Layer : uint8_t {
     Connections,
     Merges,
     LightImage,
+    Techniques,
 };
-inline constexpr size_t kLayerCount = 22;
+inline constexpr size_t kLayerCount = 23;
 
 /// How the passes' values become the image's.
 enum class LayerMean : uint8_t {
@@ -115,6 +116,9 @@ inline constexpr std::array<LayerInfo, kLayerCount> kLayers = [] {
          "the part that merging of eye and light paths brings, as weighed"},
         {LightImage, "light_image", "RGB", Passes, P::Light, Some, kRadiance,
          "the part that light paths bring which the camera sees, as weighed"},
+        {Techniques, "techniques", "RGB", Passes, P::Light, Some, "",
+         "what a pilot chose: red where vertices merge, green connections of an eye vertex over 8, blue light paths a "
+         "pixel over 2"},
     }};
 }();
 constexpr const LayerInfo& layer_info(Layer layer) { return kLayers[static_cast<size_t>(layer)]; }

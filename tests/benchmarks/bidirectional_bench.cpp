@@ -76,7 +76,7 @@ void show(const char* name) {
                     c.candidate.connections, c.candidate.merges ? "yes" : "no", seconds / alone_s, c.cost / alone.cost,
                     c.relative_variance / alone.relative_variance,
                     c.relative_variance * c.cost / (alone.relative_variance * alone.cost),
-                    i == pilot.chosen ? "  chosen" : "");
+                    i == pilot.chosen.everywhere ? "  chosen" : "");
     }
 }
 

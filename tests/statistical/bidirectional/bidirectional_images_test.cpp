@@ -1,13 +1,16 @@
 // Bidirectional path tracing makes the image that path tracing makes, and vertex connection and merging where its
 // radius is small: block by block of pixels, with lights and cameras of every kind, gloss, rough glass, sheets, leaning
-// normals, and bounces cut short.
+// normals, and bounces cut short; and where blocks of pixels have techniques of their own.
 
 #include <gtest/gtest.h>
 
 #include <cstdio>
 
+#include "renderer/bidirectional/eye_paths.h"
+#include "renderer/core/thread_local.h"
 #include "renderer/methods/bidirectional_path_tracing/bidirectional_path_tracing.h"
 #include "renderer/methods/vertex_connection_and_merging/vertex_connection_and_merging.h"
+#include "renderer/photons/surface_edges.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/lit_rooms.h"
 #include "tests/support/render.h"
@@ -121,28 +124,94 @@ Scene from_afar(Scene scene) {
     return scene;
 }
 
-/// Sums of blocks, pass by pass.
+constexpr uint32_t kColumns = kSize.width / kBlock;
+constexpr size_t kBlocks = size_t{kColumns} * (kSize.height / kBlock);
+
+/// The sums of a pass's blocks, to their means.
+void add_pass(const Film& film, std::vector<test::RunningMean>& means) {
+    EXPECT_EQ(film.nan_count() + film.infinity_count(), 0u);
+    // Without the lamps as they are seen, whose edges pixels cut.
+    std::vector<float> light = film.resolve(Layer::Direct);
+    const std::vector<float> indirect = film.resolve(Layer::Indirect);
+    for (size_t i = 0; i < light.size(); ++i) light[i] += indirect[i];
+    std::vector<double> sums(means.size());
+    for (uint32_t y = 0; y < kSize.height; ++y)
+        for (uint32_t x = 0; x < kSize.width; ++x)
+            for (uint32_t c = 0; c < 3; ++c)
+                sums[(y / kBlock) * kColumns + x / kBlock] += double{light[3 * (y * kSize.width + x) + c]};
+    for (size_t i = 0; i < sums.size(); ++i) means[i].add(sums[i]);
+}
+
 template <class M>
 std::vector<test::RunningMean> block_means(const Scene& scene, test::RenderSettingsOf<M> settings) {
-    constexpr uint32_t kColumns = kSize.width / kBlock;
-    std::vector<test::RunningMean> means(kColumns * (kSize.height / kBlock));
+    std::vector<test::RunningMean> means(kBlocks);
     settings.size = kSize;
     settings.params.sampler = SamplerKind::Random;
     test::run_passes(scene, settings, [&](M& method, uint32_t pass) {
         Film film(settings.size, settings.layers, pass);
         method.resolve(film);
-        EXPECT_EQ(film.nan_count() + film.infinity_count(), 0u);
-        // Without the lamps as they are seen, whose edges pixels cut.
-        std::vector<float> light = film.resolve(Layer::Direct);
-        const std::vector<float> indirect = film.resolve(Layer::Indirect);
-        for (size_t i = 0; i < light.size(); ++i) light[i] += indirect[i];
-        std::vector<double> sums(means.size());
-        for (uint32_t y = 0; y < kSize.height; ++y)
-            for (uint32_t x = 0; x < kSize.width; ++x)
-                for (uint32_t c = 0; c < 3; ++c)
-                    sums[(y / kBlock) * kColumns + x / kBlock] += double{light[3 * (y * kSize.width + x) + c]};
-        for (size_t i = 0; i < sums.size(); ++i) means[i].add(sums[i]);
+        add_pass(film, means);
     });
+    return means;
+}
+
+/// Of passes whose blocks of 16 pixels have techniques of their own: none but what is always there, connections,
+/// merging, and both.
+std::vector<test::RunningMean> means_by_blocks(const Scene& scene, MergeWeights weights, PixelFilter filter,
+                                               uint32_t passes) {
+    MemoryBudget budget;
+    Stats stats;
+    const auto intersector = make_embree_intersector(scene, budget, stats);
+    VertexConnectionAndMergingParams params;
+    params.sampler = SamplerKind::Random;
+    constexpr float kRadius = 0.02f;
+    const RenderContext context{scene, intersector.get(), View{find_camera(scene, ""), kSize, filter, LayerSet()}, 6,
+                                budget};
+    const BidirectionalScene shared(context, params);
+    const EdgeTree edges(find_surface_edges(scene, kRadius));
+    LightPathTracer tracer(shared);
+    Counts counts;
+    const CancelToken never;
+    PassTechniques techniques;
+    techniques.light_paths = static_cast<uint32_t>(kSize.pixels());
+    const double vertices =
+        static_cast<double>(tracer.trace(7, 0, techniques, counts, never).vertices.size()) / techniques.light_paths;
+    std::vector<BlockTechniques> of_blocks;
+    for (const auto& [connections, merges] : {std::pair{0u, false}, {2u, false}, {0u, true}, {1u, true}})
+        of_blocks.push_back({connections,
+                             {.light_paths = static_cast<float>(techniques.light_paths),
+                              .connections = static_cast<float>(connections / vertices),
+                              .merges = merges}});
+    const TechniqueBlocks blocks(kSize, EyePathTracer::kTileSide, of_blocks);
+    techniques.blocks = &blocks;
+    techniques.edges = &edges;
+    techniques.merge_radius_m = techniques.edge_radius_m = kRadius;
+    techniques.correlated = weights == MergeWeights::CorrelationAware;
+
+    ThreadLocal<EyePathTracer> eyes;
+    std::vector<test::RunningMean> means(kBlocks);
+    for (uint32_t pass = 0; pass < passes; ++pass) {
+        const LightPaths& light = tracer.trace(context.seed, pass, techniques, counts, never);
+        std::vector<uint32_t> order(light.vertices.size());
+        const HashGrid grid = light.grid(kRadius, order);
+        const PassSampler sampler(params.sampler, context.seed, RandomDomain::Camera, pass);
+        const JoinedPass joined{.techniques = techniques,
+                                .light = light,
+                                .grid = &grid,
+                                .in_grid_order = order,
+                                .sampler = sampler,
+                                .connection_salt = pass};
+        PassImage image(kSize, LayerSet());
+        parallel_over_tiles(kSize, EyePathTracer::kTileSide, never, [&](const Tile& tile) {
+            Counts rays;
+            EyeSeconds seconds;
+            eyes.local().trace_tile(shared, joined, tile, image, rays, seconds);
+        });
+        light.add_splats(shared.filter, &blocks, image);
+        Film film(kSize, LayerSet(), pass);
+        film.add_pass(image);
+        add_pass(film, means);
+    }
     return means;
 }
 
@@ -180,6 +249,18 @@ std::vector<Case> cases() {
     list.push_back({"boards that nearly touch", with_lamp(nearly_touching())});
     list.push_back({"a lens", with_lens(with_lamp(gloss())), 0, PixelFilter::BlackmanHarris});
     return list;
+}
+
+// A light path that a smooth filter shows to pixels of several blocks is weighed for each.
+TEST(BidirectionalImages, OfBlocksAreThoseOfPathTracing) {
+    const Scene scene = with_lamp(gloss());
+    for (const PixelFilter filter : {PixelFilter::Box, PixelFilter::BlackmanHarris}) {
+        test::RenderSettings reference{.passes = 1200, .seed = 3};
+        reference.filter = filter;
+        const auto expected = block_means(scene, reference);
+        for (const MergeWeights weights : {MergeWeights::Recursive, MergeWeights::CorrelationAware})
+            expect_one_mean(expected, means_by_blocks(scene, weights, filter, 600));
+    }
 }
 
 TEST(BidirectionalImages, AreThoseOfPathTracing) {

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "protocol/error.h"
 #include "renderer/bidirectional/light_paths.h"
 #include "renderer/methods/bidirectional_path_tracing/bidirectional_path_tracing.h"
@@ -76,6 +78,28 @@ TEST(BidirectionalMethod, LayersAreTheirPartsOfTheLight) {
     for (const double part : {connections, merges, light_image, caustic}) EXPECT_GT(part, 0);
     EXPECT_LT(caustic, indirect);
     EXPECT_LT(connections + merges + light_image, direct + indirect);
+}
+
+// One light path a pixel and one connection, as they were not chosen; blocks of several kinds where they are.
+TEST(BidirectionalMethod, TechniquesAreShown) {
+    auto settings = settings_for<Merging>();
+    settings.layers.add(Layer::Techniques);
+    settings.passes = 1;
+    const std::vector<float> given =
+        test::render(make_builtin_scene("cornell-box-glass"), settings).resolve(Layer::Techniques);
+    for (size_t i = 0; i < given.size(); i += 3) {
+        EXPECT_EQ(given[i], 1);
+        EXPECT_EQ(given[i + 1], 0.125f);
+        EXPECT_EQ(given[i + 2], 0.5f);
+    }
+    settings.params.adapt = true;
+    settings.size = {96, 96};
+    const std::vector<float> chosen =
+        test::render(make_builtin_scene("progressive/torus"), settings).resolve(Layer::Techniques);
+    std::set<float> merging, light_paths;
+    for (size_t i = 0; i < chosen.size(); i += 3) merging.insert(chosen[i]), light_paths.insert(chosen[i + 2]);
+    EXPECT_EQ(merging.size(), 2u);
+    EXPECT_EQ(light_paths.size(), 1u);
 }
 
 TEST(BidirectionalMethod, WithoutLightPathsThereIsOnlyTheEye) {

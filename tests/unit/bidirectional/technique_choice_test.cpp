@@ -52,6 +52,62 @@ TEST(TechniqueChoice, APathsSamplesVaryTogether) {
     EXPECT_DOUBLE_EQ(same.variance(4, {.more_light_paths = 1, .more_connections = 0.125f}), 0);
 }
 
+// Two candidates of one number of light paths. In the first block connections take nine tenths of the variance away, in
+// the second nothing.
+TEST(TechniqueChoice, ABlockHasWhatIsWorthItThere) {
+    const std::vector<TechniqueCandidate> candidates{{0.5f, 0, false}, {0.5f, 1, false}};
+    const std::vector<JudgedBlock> judged{{10, 1}, {1, 2}, {1, 1}, {1, 2}};
+    const ChosenTechniques chosen = choose_techniques(candidates, judged);
+    EXPECT_EQ(chosen.everywhere, 1u);  // 2 x 4 against 11 x 2
+    EXPECT_EQ(chosen.of_blocks, (std::vector<size_t>{1, 0}));
+    EXPECT_DOUBLE_EQ(chosen.gain, 8.0 / 6);
+    // What is hardly better than what is best for the whole image is left.
+    const std::vector<JudgedBlock> alike{{10, 1}, {1, 2}, {1, 1.9}, {1, 2}};
+    EXPECT_EQ(choose_techniques(candidates, alike).of_blocks, (std::vector<size_t>{1, 1}));
+}
+
+// Against all choices there are, of blocks and candidates drawn at random: never worse than one choice for the image,
+// all blocks share their light paths, and what is least of all is not less by more than blocks may stay for: 0.85 in
+// both sums that are multiplied.
+TEST(TechniqueChoice, BlocksAreNearlyTheBestThereIs) {
+    const std::vector<TechniqueCandidate> candidates{{0, 0, false},   {0.5f, 0, false}, {0.5f, 1, false},
+                                                     {0.5f, 1, true}, {2, 0, true},     {2, 4, true}};
+    const std::pair<size_t, size_t> groups[] = {{0, 1}, {1, 4}, {4, 6}};  // of one number of light paths
+    constexpr size_t kBlocks = 5;
+    RandomStream random(7, RandomDomain::Test, 0, 0);
+    size_t differ = 0;
+    for (int round = 0; round < 200; ++round) {
+        std::vector<JudgedBlock> judged;
+        for (size_t i = 0; i < kBlocks * candidates.size(); ++i)
+            judged.push_back({std::exp(3.0 * double{random.next()}), std::exp(2.0 * double{random.next()})});
+        const auto worth = [&](const std::vector<size_t>& of_blocks) {
+            double variance = 0, cost = 0;
+            for (size_t b = 0; b < kBlocks; ++b) {
+                variance += judged[b * candidates.size() + of_blocks[b]].relative_variance;
+                cost += judged[b * candidates.size() + of_blocks[b]].cost;
+            }
+            return variance * cost;
+        };
+        double least = 1e30;
+        for (const auto& [first, end] : groups) {
+            std::vector<size_t> of_blocks(kBlocks, first);
+            for (size_t b = 0; b < kBlocks;) {  // counts through all
+                least = std::min(least, worth(of_blocks));
+                for (b = 0; b < kBlocks && ++of_blocks[b] == end; ++b) of_blocks[b] = first;
+            }
+        }
+        const ChosenTechniques chosen = choose_techniques(candidates, judged);
+        const double alone = worth(std::vector<size_t>(kBlocks, chosen.everywhere)), blocks = worth(chosen.of_blocks);
+        EXPECT_LE(blocks, alone * (1 + 1e-12));
+        EXPECT_NEAR(chosen.gain, alone / blocks, 1e-9 * chosen.gain);
+        EXPECT_LE(blocks, least / (0.85 * 0.85));
+        for (const size_t c : chosen.of_blocks)
+            EXPECT_EQ(candidates[c].light_paths, candidates[chosen.of_blocks[0]].light_paths);
+        differ += std::ranges::any_of(chosen.of_blocks, [&](size_t c) { return c != chosen.of_blocks[0]; });
+    }
+    EXPECT_GT(differ, 100u);
+}
+
 TEST(TechniqueChoice, WhatIsGivenStays) {
     for (const TechniqueCandidate& candidate :
          technique_candidates({.light_paths = 0.3f, .most_light_paths = 2, .connections = 3, .merges = true})) {
