@@ -255,11 +255,11 @@ std::vector<Case> cases() {
 TEST(BidirectionalImages, OfBlocksAreThoseOfPathTracing) {
     const Scene scene = with_lamp(gloss());
     for (const PixelFilter filter : {PixelFilter::Box, PixelFilter::BlackmanHarris}) {
-        test::RenderSettings reference{.passes = 1200, .seed = 3};
+        test::RenderSettings reference{.passes = 600, .seed = 3};
         reference.filter = filter;
         const auto expected = block_means(scene, reference);
         for (const MergeWeights weights : {MergeWeights::Recursive, MergeWeights::CorrelationAware})
-            expect_one_mean(expected, means_by_blocks(scene, weights, filter, 600));
+            expect_one_mean(expected, means_by_blocks(scene, weights, filter, 300));
     }
 }
 
