@@ -56,7 +56,8 @@ uint64_t BidirectionalMethod::estimate_bytes(const BidirectionalParams& params, 
            LightSampler::estimate_bytes(workload.lights, workload.environment_size) +
            EmissionSampler::estimate_bytes(workload.lights, workload.environment_size) +
            paths * bytes_of_path(kExpectedLightVertices, params.merging()) +
-           (params.merging() != nullptr ? EdgeTree::estimate_bytes(workload.triangles) : 0);
+           (params.merging() != nullptr ? EdgeTree::estimate_bytes(workload.triangles) : 0) +
+           estimate_radii_bytes(params.merging());
 }
 
 void BidirectionalMethod::begin(const RenderContext& context, Stats& stats) {
@@ -76,6 +77,7 @@ void BidirectionalMethod::begin(const RenderContext& context, Stats& stats) {
     const BidirectionalPlan& plan = state_->plan = make_bidirectional_plan(
         context, *params_, state_->scene, state_->light, TechniquesBy::Block, bytes_of_path, stats);
     if (plan.edges) budget.record("surface_edges", plan.edges->bytes());
+    if (plan.radii) budget.record("radii", plan.radii->bytes());
     if (plan.blocks) budget.record("technique_blocks", plan.blocks->bytes());
     budget.require("light_vertices",
                    plan.techniques.light_paths *

@@ -89,6 +89,9 @@ BidirectionalMethodGpu::BidirectionalMethodGpu(std::unique_ptr<const Bidirection
 BidirectionalMethodGpu::~BidirectionalMethodGpu() = default;
 
 void BidirectionalMethodGpu::check_gpu(const BidirectionalParams& params) {
+    if (params.merging() != nullptr && params.merging()->radius_rule == RadiusRule::Trained)
+        throw Error(ErrorCode::Unsupported, "/radius_rule",
+                    "there is one radius of merging on a GPU; the CPU has trained ones");
     if (params.merging() != nullptr && params.merging()->weights == MergeWeights::CorrelationAware)
         throw Error(ErrorCode::Unsupported, "/weights",
                     "weights of merging are not correlation-aware on a GPU; the CPU has them");

@@ -1,5 +1,6 @@
 #include "renderer/bidirectional/bidirectional_params.h"
 
+#include "protocol/error.h"
 #include "renderer/frame/common_params.h"
 #include "renderer/photons/photon_params.h"
 
@@ -44,6 +45,12 @@ void BidirectionalParams::visit(ParamVisitor& visitor) {
 
 void MergingParams::visit(ParamVisitor& visitor) {
     using enum ParamGroup;
+    static constexpr std::string_view kRules[] = {"global", "trained"};  // the first two of RadiusRule
+    visitor.enumeration(
+        "radius_rule", radius_rule,
+        {DensityEstimate, kRules,
+         "the radius within which vertices are merged: one for all places (global), or each place's own, "
+         "by what a pilot says of the light's curvature and noise there (trained; on the CPU)"});
     visitor.field("alpha", alpha,
                   {DensityEstimate, "", 0.01, 1,
                    "share of the light paths' vertices that is merged with from pass to pass: squared bias falls as "
@@ -66,6 +73,10 @@ void MergingParams::visit(ParamVisitor& visitor) {
                          "(correlation_aware); automatic: the latter, but on a GPU, which has the former alone"});
 }
 
-void MergingParams::check() const { require_one_radius(radius_m, radius_relative); }
+void MergingParams::check() const {
+    require_one_radius(radius_m, radius_relative);
+    if (radius_rule == RadiusRule::Trained && (radius_m || radius_relative))
+        throw Error(ErrorCode::Conflict, "/radius_rule", "trained radii exclude a radius that is given");
+}
 
 }  // namespace photond

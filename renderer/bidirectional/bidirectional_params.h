@@ -6,6 +6,7 @@
 #include "protocol/param_info.h"
 #include "renderer/bidirectional/mis_weights.h"
 #include "renderer/photons/radius_schedule.h"
+#include "renderer/progressive/progressive_params.h"
 #include "renderer/transport/roulette_shared.h"
 #include "renderer/transport/sobol.h"
 
@@ -26,6 +27,7 @@ enum class MergeWeights : uint8_t {
 
 /// How eye and light paths are merged.
 struct MergingParams {
+    RadiusRule radius_rule = RadiusRule::Global;  // or Trained
     float alpha = static_cast<float>(kRadiusAlpha);
     uint32_t nearest_vertices = 12;
     std::optional<float> radius_m;

@@ -1,10 +1,13 @@
 #include "renderer/bidirectional/bidirectional_plan.h"
 
 #include "renderer/bidirectional/technique_pilot.h"
+#include "renderer/core/parallel.h"
+#include "renderer/core/rng.h"
 #include "renderer/frame/left_out.h"
 #include "renderer/photons/pilot_radius.h"
 #include "renderer/photons/surface_edges.h"
 #include "renderer/progressive/disc_radii.h"
+#include "renderer/progressive/first_radius.h"
 
 namespace photond {
 
@@ -12,8 +15,10 @@ namespace {
 
 constexpr uint64_t kPilotSeed = reference_seed(0xb1d1);
 constexpr uint32_t kPilotPaths = 1u << 15;
-constexpr uint32_t kPilotNearest = 8;  // vertices among which a pilot's density is measured
-constexpr size_t kLeastSeen = 100;     // vertices whose density says something
+constexpr uint32_t kTrainingPaths = 1u << 17;  // where they train radii
+constexpr size_t kRadiusPlaces = 8192;         // about, where radii are trained
+constexpr uint32_t kPilotNearest = 8;          // vertices among which a pilot's density is measured
+constexpr size_t kLeastSeen = 100;             // vertices whose density says something
 // Of the power is where they are denser than the first radius asks for.
 constexpr double kBrightShare = 0.5, kBrightCausticShare = 0.25;
 /// Of merging near edges, where there are delta lobes: PassTechniques::edge_share.
@@ -70,11 +75,46 @@ float first_merge_radius_m(const MergingParams& merging, std::span<const LightVe
     return std::max(wanted_m, limits.least_m);
 }
 
+/// Where the camera sees light, each place's own radius; none of them far from the one that would be everyone's.
+RadiusMap train_merge_radii(const BidirectionalScene& scene, const MergingParams& merging,
+                            std::span<const LightVertex> seen, PhotonMap pilot, double pilot_passes, float global_m) {
+    constexpr float kLeastShare = 0.25f, kMostShare = 2;  // of global_m
+    const EstimateSettings estimate{
+        .kernel = Kernel(KernelShape::Constant), .disc_thickness_m = {}, .soft_disc = false};
+    const double scale = over_schedule(double{merging.alpha});
+    const size_t step = std::max<size_t>(1, seen.size() / kRadiusPlaces);
+    std::vector<PlacedRadius> places(seen.size() / step);
+    parallel_for(places.size(), 64, [&](size_t i) {
+        const LightVertex& vertex = seen[i * step];
+        const SurfaceVertex surface = vertex.surface(scene.scene);
+        const auto to_eye = scene.camera.connect(vertex.position, vec2(0.5f));
+        const vec3 wo = surface.point.shading.to_local(to_eye ? to_eye->to_camera : vertex.from);
+        Neighbours scratch;
+        const auto first_m = first_radius_at({surface.point, surface.bsdf, wo}, pilot, pilot_passes, estimate, scratch);
+        const float wanted_m = first_m ? static_cast<float>(scale * double{*first_m}) : global_m;
+        places[i] = {vertex.position, std::clamp(wanted_m, kLeastShare * global_m, kMostShare * global_m)};
+    });
+    return RadiusMap(std::move(places), global_m);
+}
+
+PhotonMap map_of(std::span<const LightVertex> vertices, const PhotonSearch& search) {
+    std::vector<Photon> photons;
+    for (const LightVertex& v : vertices)
+        photons.push_back({v.position, PhotonPayload::make(v.power_w, v.from, v.normal, v.surfaces, v.all_delta)});
+    return PhotonMap(std::move(photons), search);
+}
+
 }  // namespace
 
 uint64_t bytes_of_light_vertex(const MergingParams* merging) {
     const bool places = merging != nullptr && merging->correlated();
     return sizeof(LightVertex) + (places ? sizeof(PathVertex) : 0);
+}
+
+uint64_t estimate_radii_bytes(const MergingParams* merging) {
+    if (merging == nullptr || merging->radius_rule != RadiusRule::Trained) return 0;
+    const auto vertices = static_cast<uint64_t>(kExpectedLightVertices * kTrainingPaths);
+    return RadiusMap::bytes_for(kRadiusPlaces) + PhotonMap::bytes_for(vertices) + vertices * sizeof(LightVertex);
 }
 
 float most_light_paths(const BidirectionalParams& params, Size2 size, double vertices_per_path) {
@@ -102,7 +142,8 @@ BidirectionalPlan make_bidirectional_plan(const RenderContext& context, const Bi
     float& first_radius_m = plan.first_radius_m;
     if (scene.emission.total_power_w() > 0 && params.light_paths.value_or(1) > 0) {
         PassTechniques pilot;
-        pilot.light_paths = std::min(kPilotPaths, static_cast<uint32_t>(size.pixels()));
+        const bool trains = params.merging() != nullptr && params.merging()->radius_rule == RadiusRule::Trained;
+        pilot.light_paths = trains ? kTrainingPaths : std::min(kPilotPaths, static_cast<uint32_t>(size.pixels()));
         Counts counts;
         const LightPaths& paths = light.trace(hash64(scene.seed) ^ kPilotSeed, 0, pilot, counts, CancelToken{});
         stats.counts.photon_rays += counts.photon_rays;
@@ -110,10 +151,19 @@ BidirectionalPlan make_bidirectional_plan(const RenderContext& context, const Bi
         if (params.merging() != nullptr && vertices > 0) {
             const float light_paths =
                 std::min(params.light_paths.value_or(1), most_light_paths(params, size, vertices));
-            first_radius_m = first_merge_radius_m(
-                *params.merging(), seen_vertices(scene, paths.vertices, stats.counts), scene.scene.bounds.radius(),
-                double{light_paths} * static_cast<double>(size.pixels()) / pilot.light_paths);
-            plan.alpha = params.merging()->alpha;
+            const MergingParams& merging = *params.merging();
+            const std::vector<LightVertex> seen = seen_vertices(scene, paths.vertices, stats.counts);
+            const double over_pilot = double{light_paths} * static_cast<double>(size.pixels()) / pilot.light_paths;
+            first_radius_m = first_merge_radius_m(merging, seen, scene.scene.bounds.radius(), over_pilot);
+            plan.alpha = merging.alpha;
+            if (trains) {
+                const float most_m = RadiusLimits(scene.scene.bounds.radius()).most_m;
+                plan.radii = train_merge_radii(
+                    scene, merging, seen,
+                    map_of(paths.vertices, {PhotonSearch::Kind::Nearest, kRadiusPilotNearest, most_m}), 1 / over_pilot,
+                    first_radius_m);
+                first_radius_m = plan.radii->most_m();
+            }
             plan.edges.emplace(find_surface_edges(scene.scene, first_radius_m));
         }
     }
@@ -146,9 +196,10 @@ BidirectionalPlan make_bidirectional_plan(const RenderContext& context, const Bi
     std::vector<TechniqueCandidate> of_blocks;  // where they are asked for
     uint32_t block_side = 0;
     if (params.adapt) {
-        const TechniquePilot judged = run_technique_pilot({context, params, vertices, choices, first_radius_m,
-                                                           plan.edges ? &*plan.edges : nullptr, techniques.edge_share},
-                                                          stats);
+        const TechniquePilot judged = run_technique_pilot(
+            {context, params, vertices, choices, first_radius_m, plan.radii ? &*plan.radii : nullptr,
+             plan.edges ? &*plan.edges : nullptr, techniques.edge_share},
+            stats);
         chosen = judged.candidates[judged.chosen.everywhere].candidate;
         if (by == TechniquesBy::Block) {
             block_side = judged.block_side;
@@ -184,8 +235,14 @@ BidirectionalPlan make_bidirectional_plan(const RenderContext& context, const Bi
 
 PassTechniques BidirectionalPlan::of_pass(uint32_t pass) const {
     PassTechniques of_pass = techniques;
-    if (techniques.everywhere.numbers.merges)
-        of_pass.merge_radius_m = first_radius_m * radius_share(pass, double{alpha});
+    if (techniques.everywhere.numbers.merges) {
+        of_pass.radius_share = radius_share(pass, double{alpha});
+        of_pass.merge_radius_m = first_radius_m * of_pass.radius_share;
+    }
+    if (radii) {
+        of_pass.radii = &*radii;
+        of_pass.radius_turn = hash32(pass);
+    }
     of_pass.edge_radius_m = of_pass.merge_radius_m;
     if (edges) of_pass.edges = &*edges;
     if (blocks) of_pass.blocks = &*blocks;

@@ -23,16 +23,20 @@ inline constexpr double kExpectedLightVertices = 3;
 inline constexpr double kLightVertexMargin = 1.1;
 
 struct BidirectionalPlan {
-    double vertices_per_path = 0;  // of light paths
-    PassTechniques techniques;     // but for what changes from pass to pass; no light path: there is only the eye
-    float first_radius_m = 0;      // of merging, in pass 0; 0: nothing merges
-    float alpha = 0;               // by which it shrinks (radius_schedule.h)
+    double vertices_per_path = 0;    // of light paths
+    PassTechniques techniques;       // but for what changes from pass to pass; no light path: there is only the eye
+    float first_radius_m = 0;        // of merging, in pass 0; 0: nothing merges
+    float alpha = 0;                 // by which it shrinks (radius_schedule.h)
+    std::optional<RadiusMap> radii;  // first_radius_m is the greatest of them
     std::optional<EdgeTree> edges;
     std::optional<TechniqueBlocks> blocks;  // where they differ
 
-    /// The edges that merging keeps off and the blocks stay the plan's.
+    /// Radii, edges and blocks stay the plan's.
     PassTechniques of_pass(uint32_t pass) const;
 };
+
+/// Of trained radii, what their training takes for a while included; 0 where there are none.
+uint64_t estimate_radii_bytes(const MergingParams* merging);
 
 /// Whether blocks of pixels may differ: a device's image has one choice.
 enum class TechniquesBy : uint8_t { Image, Block };

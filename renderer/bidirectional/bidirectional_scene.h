@@ -7,6 +7,7 @@
 #include "renderer/eye/camera_connection.h"
 #include "renderer/eye/path_wavefront.h"
 #include "renderer/photons/edge_tree.h"
+#include "renderer/progressive/radius_map.h"
 #include "renderer/transport/light_ends.h"
 
 namespace photond {
@@ -31,7 +32,10 @@ struct PassTechniques {
     BlockTechniques everywhere;               // where there are no blocks
     const TechniqueBlocks* blocks = nullptr;  // where they differ
     bool own_path = false;                    // connections are with all vertices of one light path instead
-    float merge_radius_m = 0;                 // 0: nothing merges
+    float merge_radius_m = 0;                 // 0: nothing merges; the greatest, where places have their own:
+    const RadiusMap* radii = nullptr;         // those of the first pass,
+    float radius_share = 1;                   // times this,
+    uint32_t radius_turn = 0;                 // looked up by this number
     const EdgeTree* edges = nullptr;          // where there is merging
     float edge_radius_m = 0;                  // merging counts for less that near to an edge of a surface:
     float edge_share = 0;                     // by this factor
@@ -48,8 +52,13 @@ struct PassTechniques {
     /// function of place alone, as weights have to be; 0: nothing merges.
     float merge_acceptance(const vec3& position) const {
         if (!(merge_radius_m > 0)) return 0;
-        const float disc_m2 = kPi * sqr(merge_radius_m);
-        return edges->has_edges(position, edge_radius_m) ? edge_share * disc_m2 : disc_m2;
+        const float radius_m = merge_radius_at(position), disc_m2 = kPi * sqr(radius_m);
+        const float edge_m = radii ? radius_m * (edge_radius_m / merge_radius_m) : edge_radius_m;
+        return edges->has_edges(position, edge_m) ? edge_share * disc_m2 : disc_m2;
+    }
+    /// Within which an eye's vertex merges there: a function of place alone, too.
+    float merge_radius_at(const vec3& position) const {
+        return radii ? radius_share * radii->radius_m(position, radius_turn) : merge_radius_m;
     }
     /// Of a path whose first surface lies so far from the camera.
     MergingCorrelation correlation(const Mis& mis, float first_distance_m) const {

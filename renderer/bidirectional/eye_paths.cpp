@@ -299,8 +299,8 @@ struct EyePathTracer::State {
 
     void merge(uint32_t vertex, const JoinedEyePath& path, const SurfaceVertex& surface) {
         if (pass->grid == nullptr || acceptance == 0) return;
-        const float radius_m = pass->techniques.merge_radius_m;
         const ShadingPoint& point = surface.point;
+        const float radius_m = pass->techniques.merge_radius_at(point.position);
         pass->grid->find_within(point.position, radius_m, near);
         if (near.found.empty()) return;
         const Frame& frame = point.shading;

@@ -144,7 +144,9 @@ TechniquePilot run_technique_pilot(const TechniquePilotInputs& inputs, Stats& st
     pilot.correlated = inputs.choices.merges && inputs.params.merging()->correlated();
     // As many vertices are to lie within the radius as in the image's own passes.
     const double denser = static_cast<double>(inputs.context.view.film_size.pixels()) / pixels;
-    pilot.merge_radius_m = inputs.choices.merges ? inputs.merge_radius_m * static_cast<float>(std::sqrt(denser)) : 0.0f;
+    pilot.radii = inputs.radii;
+    pilot.radius_share = static_cast<float>(std::sqrt(denser));
+    pilot.merge_radius_m = inputs.choices.merges ? inputs.merge_radius_m * pilot.radius_share : 0.0f;
     pilot.edges = inputs.edges;
     pilot.edge_radius_m = inputs.merge_radius_m;
     pilot.edge_share = inputs.edge_share;

@@ -5,6 +5,7 @@
 #include "renderer/core/parallel.h"
 #include "renderer/core/thread_local.h"
 #include "renderer/eye/specular_walk.h"
+#include "renderer/progressive/first_radius.h"
 #include "renderer/scene/scene.h"
 
 namespace photond {
@@ -12,10 +13,7 @@ namespace photond {
 namespace {
 
 constexpr uint32_t kPilotPasses = 4;
-constexpr uint32_t kMostPhotons = 1024;  // of the pilot, on the largest disc of a place
-constexpr uint32_t kDoublings = 5;       // from the smallest disc to the largest
-constexpr double kCurved = 3;            // standard deviations past which curvature is more than chance
-constexpr uint64_t kPlaces = 16'384;     // about, where radii are trained
+constexpr uint64_t kPlaces = 16'384;  // about, where radii are trained
 constexpr uint32_t kTileSide = 16;
 constexpr uint64_t kEyeSeed = reference_seed(0xe9e);
 
@@ -28,36 +26,6 @@ Size2 pilot_size(Size2 size) {
     };
     return {scaled(size.width), scaled(size.height)};
 }
-
-/// The row of discs at one place.
-class Place {
-public:
-    Place(const PhotonMap& pilot, const EstimateSettings& estimate) : pilot_(pilot), estimate_(estimate) {}
-
-    /// r_0 of the constant kernel; nothing where the pilot has no photon in reach. [m]
-    std::optional<float> first_radius_m(const VisiblePoint& point, uint32_t most_scatterings,
-                                        Neighbours& scratch) const {
-        pilot_.find(point.surface.position, scratch);
-        const float largest_m = scratch.radius_m;
-        std::optional<float> first_m;
-        for (uint32_t doubling = 0; doubling <= kDoublings; ++doubling) {
-            const float radius_m = largest_m * std::exp2(-0.5f * static_cast<float>(kDoublings - doubling));
-            DiscMoments moments;
-            estimate_radiance(pilot_, estimate_, point.surface, point.rough, point.wo, most_scatterings, scratch,
-                              {.radius_m = radius_m, .moments = &moments});
-            if (!(moments.w_sq > 0)) continue;
-            const double z_sq = 3 * moments.w_t * moments.w_t / moments.w_sq;
-            const double share = std::pow(kPilotPasses / (18 * std::max(z_sq - 1, 1.0)), 1.0 / 6);
-            first_m = static_cast<float>(double{radius_m} * share);
-            if (z_sq > kCurved * kCurved) break;
-        }
-        return first_m;
-    }
-
-private:
-    const PhotonMap& pilot_;
-    const EstimateSettings& estimate_;
-};
 
 /// Takes the visible points of the small image.
 class Trainer final : public VisiblePointSink {
@@ -77,7 +45,8 @@ private:
         for (const PhotonMapKind kind : kPhotonMapKinds) {
             const PhotonMap& pilot = pilots_[index_of(kind)];
             if (pilot.empty()) continue;
-            if (const auto first_m = Place(pilot, estimate_).first_radius_m(point, most, scratch_))
+            if (const auto first_m = first_radius_at({point.surface, point.rough, point.wo, most}, pilot, kPilotPasses,
+                                                     estimate_, scratch_))
                 radii_[index_of(kind)].push_back({point.surface.position, *first_m});
         }
     }
@@ -104,7 +73,7 @@ TrainedRadii::TrainedRadii(const DiscRadiiInputs& inputs, Stats& stats)
         inputs.context.budget.require("radius_pilots", PhotonMap::bytes_for(photons.size()));
         const StageTimer timer(stats, "photon_map_build");
         pilots[index_of(kind)] =
-            PhotonMap(std::move(photons), {PhotonSearch::Kind::Nearest, kMostPhotons, limits_.most_m});
+            PhotonMap(std::move(photons), {PhotonSearch::Kind::Nearest, kRadiusPilotNearest, limits_.most_m});
     }
 
     const StageTimer timer(stats, "radius_training");
@@ -139,8 +108,7 @@ TrainedRadii::TrainedRadii(const DiscRadiiInputs& inputs, Stats& stats)
 
     const Kernel kernel(params.kernel, params.cone_k);
     const double wider = std::pow(double{kernel.roughness() / sqr(2 * kernel.mean_q_sq())}, 1.0 / 6);
-    // The schedule's radii tend to r_1 i^((alpha - 1) / 2) / sqrt(Gamma(1 + alpha)).
-    const double scale = wider * std::sqrt(std::tgamma(1 + alpha_));
+    const double scale = wider * over_schedule(alpha_);
     for (const PhotonMapKind kind : kPhotonMapKinds) {
         std::vector<PlacedRadius> radii;
         for (const TileRadii& tile : found)

@@ -60,6 +60,7 @@ void show(const char* name) {
                                                       vertices,
                                                       {.most_light_paths = 2, .merges = true},
                                                       kMergeRadius * scene.bounds.radius(),
+                                                      nullptr,
                                                       &edges,
                                                       0},
                                                      stats);
