@@ -109,6 +109,9 @@ JudgedBlock sum_of(std::span<const JudgedBlock> judged, size_t candidates, std::
     return sum;
 }
 double worth(const JudgedBlock& judged) { return judged.relative_variance * judged.cost; }
+bool has_all_of(const TechniqueCandidate& more, const TechniqueCandidate& less) {
+    return more.connections >= less.connections && (more.merges || !less.merges);
+}
 
 }  // namespace
 
@@ -139,7 +142,7 @@ ChosenTechniques choose_techniques(std::span<const TechniqueCandidate> candidate
                 };
                 size_t own = of_image;
                 for (size_t c = first; c < end; ++c)
-                    if (weighed(c) < weighed(own)) own = c;
+                    if (has_all_of(candidates[c], candidates[of_image]) && weighed(c) < weighed(own)) own = c;
                 of_blocks[block] = weighed(own) < kStay * weighed(of_image) ? own : of_image;
             }
             sum = sum_of(judged, count, of_blocks);

@@ -106,8 +106,9 @@ struct ChosenTechniques {
     double gain = 1;                // of variance times cost: the first one's over that of the blocks' choices
 };
 /// The least variance times cost, of the image's sums, by candidates of one number of light paths, which every block
-/// takes from. `judged`: block by block, by candidate. A block keeps to what is best for the image where its own best
-/// is hardly better: a pilot's variances are no better known.
+/// takes from. `judged`: block by block, by candidate. A block may only add to what is best for the image, and does so
+/// where that is clearly better: a pilot's variances are no better known, and a technique that is missing where the
+/// pilot happened to see no use for it is a bright dot in the image.
 ChosenTechniques choose_techniques(std::span<const TechniqueCandidate> candidates, std::span<const JudgedBlock> judged);
 
 /// What there is to choose from.

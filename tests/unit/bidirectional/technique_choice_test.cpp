@@ -52,30 +52,40 @@ TEST(TechniqueChoice, APathsSamplesVaryTogether) {
     EXPECT_DOUBLE_EQ(same.variance(4, {.more_light_paths = 1, .more_connections = 0.125f}), 0);
 }
 
-// Two candidates of one number of light paths. In the first block connections take nine tenths of the variance away, in
-// the second nothing.
+// Of thirteen blocks connections take nine tenths of the variance away in the first, and nothing in the others.
 TEST(TechniqueChoice, ABlockHasWhatIsWorthItThere) {
     const std::vector<TechniqueCandidate> candidates{{0.5f, 0, false}, {0.5f, 1, false}};
-    const std::vector<JudgedBlock> judged{{10, 1}, {1, 2}, {1, 1}, {1, 2}};
+    std::vector<JudgedBlock> judged{{10, 1}, {1, 2}};
+    for (int wall = 0; wall < 12; ++wall) judged.insert(judged.end(), {{1, 1}, {1, 2}});
     const ChosenTechniques chosen = choose_techniques(candidates, judged);
-    EXPECT_EQ(chosen.everywhere, 1u);  // 2 x 4 against 11 x 2
-    EXPECT_EQ(chosen.of_blocks, (std::vector<size_t>{1, 0}));
-    EXPECT_DOUBLE_EQ(chosen.gain, 8.0 / 6);
+    EXPECT_EQ(chosen.everywhere, 0u);  // 22 x 13 against 13 x 26
+    std::vector<size_t> expected(13, 0);
+    expected[0] = 1;
+    EXPECT_EQ(chosen.of_blocks, expected);
+    EXPECT_DOUBLE_EQ(chosen.gain, 22.0 * 13 / (13 * 14));
     // What is hardly better than what is best for the whole image is left.
-    const std::vector<JudgedBlock> alike{{10, 1}, {1, 2}, {1, 1.9}, {1, 2}};
-    EXPECT_EQ(choose_techniques(candidates, alike).of_blocks, (std::vector<size_t>{1, 1}));
+    judged[0] = {2.5, 1};
+    EXPECT_EQ(choose_techniques(candidates, judged).of_blocks, std::vector<size_t>(13, 0));
 }
 
-// Against all choices there are, of blocks and candidates drawn at random: never worse than one choice for the image,
-// all blocks share their light paths, and what is least of all is not less by more than blocks may stay for: 0.85 in
-// both sums that are multiplied.
+// Where the pilot saw no use for what the image has it stays: it may be rare.
+TEST(TechniqueChoice, ABlockLacksNothingThatTheImageHas) {
+    const std::vector<TechniqueCandidate> candidates{{0.5f, 0, false}, {0.5f, 0, true}};
+    const std::vector<JudgedBlock> judged{{100, 1}, {1, 2}, {1, 1}, {1, 2}};
+    const ChosenTechniques chosen = choose_techniques(candidates, judged);
+    EXPECT_EQ(chosen.everywhere, 1u);
+    EXPECT_EQ(chosen.of_blocks, (std::vector<size_t>{1, 1}));
+}
+
+// Against all choices there are that only add to an image's, of blocks and candidates drawn at random: never worse than
+// one choice for the image, all blocks share their light paths, and few miss much of the least: blocks stay for 15 %.
 TEST(TechniqueChoice, BlocksAreNearlyTheBestThereIs) {
     const std::vector<TechniqueCandidate> candidates{{0, 0, false},   {0.5f, 0, false}, {0.5f, 1, false},
-                                                     {0.5f, 1, true}, {2, 0, true},     {2, 4, true}};
-    const std::pair<size_t, size_t> groups[] = {{0, 1}, {1, 4}, {4, 6}};  // of one number of light paths
+                                                     {0.5f, 1, true}, {2, 0, false},    {2, 4, true}};
+    const std::pair<size_t, size_t> groups[] = {{0, 1}, {1, 4}, {4, 6}};  // of one number of light paths, growing
     constexpr size_t kBlocks = 5;
     RandomStream random(7, RandomDomain::Test, 0, 0);
-    size_t differ = 0;
+    size_t differ = 0, far = 0;
     for (int round = 0; round < 200; ++round) {
         std::vector<JudgedBlock> judged;
         for (size_t i = 0; i < kBlocks * candidates.size(); ++i)
@@ -88,8 +98,12 @@ TEST(TechniqueChoice, BlocksAreNearlyTheBestThereIs) {
             }
             return variance * cost;
         };
+        const auto alone = [&](size_t c) { return worth(std::vector<size_t>(kBlocks, c)); };
         double least = 1e30;
-        for (const auto& [first, end] : groups) {
+        for (const auto& [begin, end] : groups) {
+            size_t first = begin;  // the best for the image; those behind it add to it
+            for (size_t c = begin; c < end; ++c)
+                if (alone(c) < alone(first)) first = c;
             std::vector<size_t> of_blocks(kBlocks, first);
             for (size_t b = 0; b < kBlocks;) {  // counts through all
                 least = std::min(least, worth(of_blocks));
@@ -97,15 +111,17 @@ TEST(TechniqueChoice, BlocksAreNearlyTheBestThereIs) {
             }
         }
         const ChosenTechniques chosen = choose_techniques(candidates, judged);
-        const double alone = worth(std::vector<size_t>(kBlocks, chosen.everywhere)), blocks = worth(chosen.of_blocks);
-        EXPECT_LE(blocks, alone * (1 + 1e-12));
-        EXPECT_NEAR(chosen.gain, alone / blocks, 1e-9 * chosen.gain);
-        EXPECT_LE(blocks, least / (0.85 * 0.85));
+        const double everywhere = alone(chosen.everywhere), blocks = worth(chosen.of_blocks);
+        EXPECT_LE(blocks, everywhere * (1 + 1e-12));
+        EXPECT_NEAR(chosen.gain, everywhere / blocks, 1e-9 * chosen.gain);
+        far += blocks > 1.1 * least;
+        EXPECT_LE(blocks, 1.5 * least);
         for (const size_t c : chosen.of_blocks)
             EXPECT_EQ(candidates[c].light_paths, candidates[chosen.of_blocks[0]].light_paths);
         differ += std::ranges::any_of(chosen.of_blocks, [&](size_t c) { return c != chosen.of_blocks[0]; });
     }
-    EXPECT_GT(differ, 100u);
+    EXPECT_GT(differ, 50u);
+    EXPECT_LT(far, 20u);
 }
 
 TEST(TechniqueChoice, WhatIsGivenStays) {
