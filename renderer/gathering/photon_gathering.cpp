@@ -22,7 +22,7 @@ uint64_t guide_bytes(const GatheringParams& params, const PhotonPlan& plan, cons
     uint64_t bytes = 0;
     for (const PhotonMapKind kind : {PhotonMapKind::Global, PhotonMapKind::Caustic})
         if ((kind == PhotonMapKind::Global ? plan.global : plan.caustic).wanted())
-            bytes += PhotonGuides::estimate_bytes(kind, workload.lights, workload.photon_yield);
+            bytes += estimate_guide_bytes(kind, workload);
     return bytes;
 }
 

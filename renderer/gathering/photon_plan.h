@@ -4,6 +4,7 @@
 #include <string>
 
 #include "renderer/frame/render_context.h"
+#include "renderer/gathering/expected_photons.h"
 #include "renderer/gathering/gathering_params.h"
 #include "renderer/photons/caustic_photons.h"
 
@@ -33,7 +34,5 @@ private:
 
 /// Of a scene as far as it is known before anything is loaded.
 PhotonPlan plan_of(const GatheringParams& params, const Workload& workload);
-/// Photons that so many light paths will store, of which each stores `stored`.
-inline uint64_t expected_photons(uint32_t paths, double stored) { return static_cast<uint64_t>(stored * paths) + 1; }
 
 }  // namespace photond

@@ -28,9 +28,4 @@ void PhotonGuides::add(PhotonMapKind kind, const Scene& scene, const Intersector
     maps_[static_cast<size_t>(kind)].emplace(std::move(map));
 }
 
-uint64_t PhotonGuides::estimate_bytes(PhotonMapKind kind, uint64_t lights, const std::optional<PhotonYield>& yield) {
-    const bool led = kind == PhotonMapKind::Caustic || (yield && yield->global.guided != yield->global.unguided);
-    return led ? ProjectionMap::estimate_bytes(lights) : 0;
-}
-
 }  // namespace photond

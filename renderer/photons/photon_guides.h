@@ -6,7 +6,6 @@
 
 #include "renderer/core/memory_budget.h"
 #include "renderer/core/stats.h"
-#include "renderer/frame/render_context.h"
 #include "renderer/photons/photon_tracer.h"
 #include "renderer/photons/projection_map.h"
 
@@ -15,10 +14,6 @@ namespace photond {
 /// What photons of that kind are led to.
 constexpr ProjectionTarget target_of(PhotonMapKind kind) {
     return kind == PhotonMapKind::Caustic ? ProjectionTarget::SpecularSurfaces : ProjectionTarget::Surfaces;
-}
-
-constexpr PhotonYield::OfMap yield_of(const PhotonYield& yield, PhotonMapKind kind) {
-    return kind == PhotonMapKind::Global ? yield.global : yield.caustic;
 }
 
 class PhotonGuides {
@@ -33,10 +28,6 @@ public:
         const std::optional<ProjectionMap>& map = maps_[static_cast<size_t>(kind)];
         return map ? &*map : nullptr;
     }
-
-    /// Of that kind's map at most, what its building takes for a while included. Few scenes lead global photons: one
-    /// whose yield nobody has measured is taken not to.
-    static uint64_t estimate_bytes(PhotonMapKind kind, uint64_t lights, const std::optional<PhotonYield>& yield);
 
 private:
     std::array<std::optional<ProjectionMap>, 2> maps_;

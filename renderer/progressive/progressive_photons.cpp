@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "renderer/core/thread_local.h"
+#include "renderer/gathering/expected_photons.h"
 #include "renderer/photons/caustic_photons.h"
 #include "renderer/photons/photon_guides.h"
 #include "renderer/scene/scene.h"
@@ -122,7 +123,7 @@ uint64_t ProgressivePhotons::expected_photons(PhotonMapKind kind, const Progress
     // Narrow glossy lobes show in what was measured alone.
     const bool specular = workload.needs.delta || (workload.photon_yield && yield.caustic.guided > 0);
     if (why_not(kind, params, lights, specular)) return 0;
-    return static_cast<uint64_t>(yield_of(yield, kind).by(params.projection_maps) * paths(kind, params)) + 1;
+    return photond::expected_photons(paths(kind, params), yield_of(yield, kind).by(params.projection_maps));
 }
 
 uint64_t ProgressivePhotons::estimate_emission_bytes(const ProgressiveParams& params, const Workload& workload) {
@@ -131,8 +132,7 @@ uint64_t ProgressivePhotons::estimate_emission_bytes(const ProgressiveParams& pa
     for (const PhotonMapKind kind : kPhotonMapKinds) {
         if (expected_photons(kind, params, workload) == 0) continue;
         any = true;
-        if (params.projection_maps)
-            guides += PhotonGuides::estimate_bytes(kind, workload.lights, workload.photon_yield);
+        if (params.projection_maps) guides += estimate_guide_bytes(kind, workload);
     }
     if (!any) return 0;
     return EmissionSampler::estimate_bytes(workload.lights, workload.environment_size) +

@@ -175,7 +175,7 @@ uint64_t PhotonMappingGpu::estimate_device_bytes(const PhotonMappingParams& para
         most = std::max(most, capacity);
         const bool precomputes = global && plan.irradiance_scatterings > 0;
         bytes += PhotonMapsGpu::map_bytes(expected, capacity, precomputes ? capacity : 0);
-        if (params.projection_maps) bytes += PhotonGuides::estimate_bytes(kind, workload.lights, workload.photon_yield);
+        if (params.projection_maps) bytes += estimate_guide_bytes(kind, workload);
     }
     return bytes + PhotonMapsGpu::shared_bytes(most);
 }
