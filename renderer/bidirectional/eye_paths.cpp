@@ -140,7 +140,7 @@ struct EyePathTracer::State {
         }
         const auto weigh = [&](const TechniqueNumbers& n) { return shared->mis.light_met(weights, met, n); };
         if (pilot) add_now(TechniqueKind::Alone, path, radiance, weigh);
-        add_radiance(*image, path, weigh(numbers()) * radiance);
+        add_radiance(*image, path, weigh(numbers()).weight() * radiance);
     }
 
     /// All that path i does at the surface it met. False: it ends, and what stands in the place of the next does not
@@ -337,7 +337,7 @@ struct EyePathTracer::State {
             const Rgb radiance = share * scale * value.f_cos * light.power_w;
             if (pilot) ++counts_of(path).found, add_now(TechniqueKind::Merge, path, radiance, weigh);
             add_joined(*image, path.pixel, scatterings, path.scatterings == 0 && light.surfaces > 1 && light.all_delta,
-                       Join::Merge, weigh(numbers()) * radiance);
+                       Join::Merge, weigh(numbers()).weight() * radiance);
         }
     }
 
@@ -381,7 +381,7 @@ struct EyePathTracer::State {
     template <class Weigh>
     void wait_for(const Ray& ray, const Rgb& radiance, const JoinedEyePath& path, uint32_t scatterings, Join join,
                   TechniqueKind kind, const Weigh& weigh) {
-        const Rgb weighed = weigh(numbers()) * radiance;
+        const Rgb weighed = weigh(numbers()).weight() * radiance;
         if (is_black(weighed) && !pilot) return;
         if (!shadows.has_room_for(1)) trace_shadow_rays();
         shadows.add(ray, {weighed, path.pixel, scatterings, join, static_cast<uint32_t>(samples.size())});
@@ -405,8 +405,10 @@ struct EyePathTracer::State {
 
     /// Appends what each candidate would weigh.
     template <class Weigh>
-    void weigh_by_all(const Weigh& weigh, std::vector<float>& weights) {
-        for (const WeighedCandidate& candidate : pass->candidates) weights.push_back(weigh(candidate.numbers));
+    void weigh_by_all(const Weigh& weigh, std::vector<CandidateWeight>& weights) {
+        const MisShare own = weigh(numbers());
+        for (const WeighedCandidate& candidate : pass->candidates)
+            weights.push_back(weigh_candidate(own, weigh(candidate.numbers)));
     }
     void add_sample(size_t sample) {
         const size_t candidates = pass->candidates.size();
@@ -418,9 +420,9 @@ struct EyePathTracer::State {
         weigh_by_all(weigh, weights_now);
         add_to_path({kind, path.kept, value}, weights_now);
     }
-    void add_to_path(const PilotSample& sample, std::span<const float> weights) {
+    void add_to_path(const PilotSample& sample, std::span<const CandidateWeight> weights) {
         EyePathSum* sums = &pilot->paths[sample.path * weights.size()];
-        for (size_t c = 0; c < weights.size(); ++c) sums[c].add(sample.kind, weights[c] * sample.value);
+        for (size_t c = 0; c < weights.size(); ++c) sums[c].add(sample.kind, sample.value, weights[c]);
     }
 
     const BidirectionalScene* shared = nullptr;
@@ -440,7 +442,7 @@ struct EyePathTracer::State {
     std::vector<PathVertex> kept_vertices;                 // of all paths of the tile, vertex by vertex
     std::vector<PathVertex> eye_vertices, light_vertices;  // of the paths at hand
     std::vector<PilotSample> samples;                      // that wait
-    std::vector<float> sample_weights, weights_now;
+    std::vector<CandidateWeight> sample_weights, weights_now;
 };
 
 EyePathTracer::EyePathTracer() : state_(std::make_unique<State>()) {}

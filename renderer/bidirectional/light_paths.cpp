@@ -46,7 +46,7 @@ struct RunPaths {
     std::vector<LightVertex> vertices;
     std::vector<PathVertex> places;
     std::vector<LightSplat> splats;
-    std::vector<float> splat_weights;
+    std::vector<CandidateWeight> splat_weights;
     Counts counts;
 
     void clear() {
@@ -256,7 +256,9 @@ private:
         const TechniqueBlocks* const blocks = techniques_->blocks;
         if (!candidates_.empty()) {
             show(1, TechniqueBlocks::kOfAll);
-            for (const WeighedCandidate& candidate : candidates_) weights_.push_back(weigh(candidate.numbers));
+            const MisShare own = weigh(techniques_->everywhere.numbers);
+            for (const WeighedCandidate& candidate : candidates_)
+                weights_.push_back(weigh_candidate(own, weigh(candidate.numbers)));
         } else if (blocks == nullptr) {
             show(weigh(techniques_->everywhere.numbers), TechniqueBlocks::kOfAll);
         } else {
@@ -321,8 +323,8 @@ private:
     uint64_t first_of_pass_ = 0;
     RunPaths* out_ = nullptr;
     std::span<const WeighedCandidate> candidates_;
-    std::vector<float> weights_;    // by them, of splats that wait
-    std::vector<uint32_t> blocks_;  // of the splat at hand
+    std::vector<CandidateWeight> weights_;  // by them, of splats that wait
+    std::vector<uint32_t> blocks_;          // of the splat at hand
 
     PathBatch<LightPathState> batch_{kPaths};
     ShadowBatch<WaitingSplat> splats_{kPaths};

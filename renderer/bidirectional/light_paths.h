@@ -53,7 +53,7 @@ struct LightPaths {
     // in a row.
     std::vector<PathVertex> places;
     std::vector<LightSplat> splats;
-    std::vector<float> splat_weights;  // of a pilot: of each splat by each candidate
+    std::vector<CandidateWeight> splat_weights;  // of a pilot: of each splat by each candidate
     // Where paths are asked for: path i has by_path[first_of_path[i]] and on, until first_of_path[i + 1].
     std::vector<uint32_t> first_of_path;
     std::vector<uint32_t> by_path;

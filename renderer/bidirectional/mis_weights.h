@@ -58,9 +58,26 @@ struct BasicVertexSide {
 };
 using VertexSide = BasicVertexSide<float>;
 
+/// The density of the technique that made a path beside that of all others that could have, both by the heuristic and
+/// over the technique's for one sample of it (merging: for one light path and an acceptance of 1).
+template <class Real>
+struct BasicMisShare {
+    Real own, others;
+
+    Real all() const { return own + others; }
+    /// Not where densities leave the range of Real.
+    Real weight() const {
+        const Real share = own / all();
+        return share >= 0 ? share : Real(0);
+    }
+    operator Real() const { return weight(); }
+};
+using MisShare = BasicMisShare<float>;
+
 template <class Real>
 class BasicMis {
 public:
+    using Share = BasicMisShare<Real>;
     using Weights = BasicSubpathWeights<Real>;
     using Numbers = BasicTechniqueNumbers<Real>;
     using Side = BasicVertexSide<Real>;
@@ -101,44 +118,41 @@ public:
     }
 
     /// The eye's path met a light, not at its first vertex; `eye` as after arrive() there, infinite: after scatter().
-    Real light_met(const Weights& eye, const End& end, const Numbers& n) const {
-        return weight(1, of(end.direct) * eye.last + of(end.emission) * sum_of_eye(eye, n));
+    Share light_met(const Weights& eye, const End& end, const Numbers& n) const {
+        return share(1, of(end.direct) * eye.last + of(end.emission) * sum_of_eye(eye, n));
     }
     /// Next-event estimation at a surface vertex of the eye's path. `pdf`: of the light's direction by the BSDF;
     /// `pdf_direct_sa`: by the light sample (points, spots: their choice times the squared distance; directional: the
     /// choice); `cosine`: at the vertex, against its geometric normal.
-    Real next_event(const Weights& eye, const Side& side, Real pdf, Real pdf_direct_sa, Real cosine, const End& end,
-                    const Numbers& n) const {
+    Share next_event(const Weights& eye, const Side& side, Real pdf, Real pdf_direct_sa, Real cosine, const End& end,
+                     const Numbers& n) const {
         const Real by_bsdf = end.delta ? Real(0) : of(pdf / pdf_direct_sa);
         const Real emitted = of(end.emission * cosine / (pdf_direct_sa * end.cosine));
-        return weight(1, by_bsdf + emitted * (merge(side, n) + others_of_eye(eye, side, n)));
+        return share(1, by_bsdf + emitted * (merge(side, n) + others_of_eye(eye, side, n)));
     }
     /// A surface vertex of a light path as the camera sees it. `camera_pdf_area` [1/m^2]: start_eye()'s, per area of
     /// the surface.
-    Real seen_by_camera(const Weights& light, const Side& side, Real camera_pdf_area, const Numbers& n) const {
-        return weight(of(n.light_paths), of(camera_pdf_area) * (merge(side, n) + others_of_light(light, side, n)));
+    Share seen_by_camera(const Weights& light, const Side& side, Real camera_pdf_area, const Numbers& n) const {
+        return share(of(n.light_paths), of(camera_pdf_area) * (merge(side, n) + others_of_light(light, side, n)));
     }
     /// A connection. `to_light_pdf_area`: with which the eye's path would have gone to the light path's vertex [1/m^2],
     /// and `to_eye_pdf_area` the other way round.
-    Real connection(const Weights& eye, const Side& eye_side, Real to_light_pdf_area, const Weights& light,
-                    const Side& light_side, Real to_eye_pdf_area, const Numbers& n) const {
-        return weight(of(n.connections),
-                      of(to_light_pdf_area) * (merge(light_side, n) + others_of_light(light, light_side, n)) +
-                          of(to_eye_pdf_area) * (merge(eye_side, n) + others_of_eye(eye, eye_side, n)));
+    Share connection(const Weights& eye, const Side& eye_side, Real to_light_pdf_area, const Weights& light,
+                     const Side& light_side, Real to_eye_pdf_area, const Numbers& n) const {
+        return share(of(n.connections),
+                     of(to_light_pdf_area) * (merge(light_side, n) + others_of_light(light, light_side, n)) +
+                         of(to_eye_pdf_area) * (merge(eye_side, n) + others_of_eye(eye, eye_side, n)));
     }
     /// Merging of two vertices into one, with the acceptance of the eye's. `light_side.pdf_back`: of the eye's path to
     /// where the light path came from; `eye_side.pdf_back`: of the light path to the eye.
-    Real merging(const Weights& eye, const Side& eye_side, const Weights& light, const Side& light_side,
-                 const Numbers& n) const {
-        return weight(merge(eye_side, n), others_of_light(light, light_side, n) + others_of_eye(eye, eye_side, n));
+    Share merging(const Weights& eye, const Side& eye_side, const Weights& light, const Side& light_side,
+                  const Numbers& n) const {
+        return share(merge(eye_side, n), others_of_light(light, light_side, n) + others_of_eye(eye, eye_side, n));
     }
 
 private:
     Real of(Real ratio) const { return squares_ ? ratio * ratio : ratio; }
-    static Real weight(Real own, Real others) {
-        const Real share = own / (own + others);
-        return share >= 0 ? share : Real(0);  // not where densities leave the range of Real
-    }
+    static Share share(Real own, Real others) { return {own, others}; }
     /// Merging at a vertex.
     Real merge(const Side& side, const Numbers& n) const {
         return n.merges ? of(n.light_paths * side.acceptance) : Real(0);

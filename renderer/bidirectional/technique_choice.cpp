@@ -16,7 +16,15 @@ double mean_square_of(const Rgb& value) {
 
 }  // namespace
 
-void EyePathSum::add(TechniqueKind kind, const Rgb& value) {
+CandidateWeight weigh_candidate(const MisShare& of_pilot, const MisShare& of_candidate) {
+    constexpr float kMost = 1e12f;  // where the candidate could hardly make that path
+    const float ratio = of_pilot.all() / of_candidate.all();
+    return {.weight = of_candidate.weight(), .by_density = sqr(of_pilot.weight()) * (ratio < kMost ? ratio : kMost)};
+}
+
+void EyePathSum::add(TechniqueKind kind, const Rgb& unweighed, const CandidateWeight& weight) {
+    const Rgb value = weight.weight * unweighed;
+    by_density += static_cast<float>(double{weight.by_density} * mean_square_of(unweighed));
     all += value;
     if (kind == TechniqueKind::Connection) {
         connected += value;
@@ -29,9 +37,12 @@ void PixelMoments::add(const EyePathSum& path) {
     squares_ += static_cast<float>(mean_square_of(path.all));
     eye_.all += path.all, eye_.connected += path.connected;
     eye_.connected_squared += path.connected_squared, eye_.merged_squared += path.merged_squared;
+    eye_.by_density += path.by_density;
 }
 
-void PixelMoments::add_seen(const Rgb& weighed) {
+void PixelMoments::add_seen(const Rgb& value, const CandidateWeight& weight) {
+    const Rgb weighed = weight.weight * value;
+    seen_by_density_ += static_cast<float>(double{weight.by_density} * mean_square_of(value));
     seen_ += static_cast<float>(mean_of(weighed));
     seen_squares_ += static_cast<float>(mean_square_of(weighed));
 }
@@ -46,6 +57,32 @@ double PixelMoments::variance(uint32_t passes, const WeighedCandidate& candidate
            ((double{candidate.more_connections} - 1) * connected + (double{candidate.more_light_paths} - 1) * merged +
             double{candidate.more_light_paths} * seen) /
                passes;
+}
+
+double PixelMoments::second_moment(uint32_t passes) const {
+    return (double{eye_.by_density} + double{seen_by_density_}) / passes;
+}
+
+void VarianceSums::add(const VarianceSums& more, double weight) {
+    for (size_t c = 0; c < of_paths.size(); ++c) {
+        of_paths[c] += weight * more.of_paths[c];
+        second_moments[c] += weight * more.second_moments[c];
+    }
+}
+
+std::vector<double> VarianceSums::variances(size_t known) const {
+    std::vector<double> result(of_paths.size());
+    for (size_t c = 0; c < result.size(); ++c)
+        result[c] = std::max({of_paths[c], of_paths[known] + second_moments[c] - second_moments[known], 0.0});
+    return result;
+}
+
+size_t most_like_pilot(std::span<const TechniqueCandidate> candidates) {
+    const auto distance = [](const TechniqueCandidate& c) {
+        return std::fabs(std::log2(std::max(c.light_paths, 0.01f))) + std::fabs(static_cast<float>(c.connections) - 1) +
+               (c.merges ? 0.0f : 10.0f);
+    };
+    return static_cast<size_t>(std::ranges::min_element(candidates, {}, distance) - candidates.begin());
 }
 
 std::vector<TechniqueCandidate> technique_candidates(const TechniqueChoices& choices) {

@@ -10,9 +10,16 @@
 // taken n' times for the pilot's n, whose squares sum to S, it is T^2 + (n / n' - 1) S, less the squared mean in S
 // where their number is no matter of chance (connections); and the variance is taken from the passes of each pixel, for
 // what differs from pixel to pixel is the image. What the camera sees of light paths has nothing to do with the eye's;
-// a sample of value C brings (w C)^2 n / n'. Variances are relative to the light around the pixel. The choice is the
-// candidate whose relative variance times cost is the least. Cost is counted (rays, vertices, connections, merges),
-// never timed: choices are part of the image, and the image is a pure function of the seed.
+// a sample of value C brings (w C)^2 n / n'.
+//
+// A candidate that lacks a technique makes its paths in other ways, rarely and with great weights, which a pilot may
+// not have met once: a lamp's tiny filament by way of glass. But it has met those paths by the technique that is
+// missing. Of a sample f / p, which the pilot weighs among densities whose sum is s and the candidate among such of the
+// sum s', the square (f / s)^2 s / s' is a sample of the candidate's second moment, whatever made it. So no variance is
+// taken for less than what the pilot itself has and the difference of the two second moments. Variances are relative to
+// the light around the pixel. The choice is the candidate whose relative variance times cost is the least. Cost is
+// counted (rays, vertices, connections, merges), never timed: choices are part of the image, and the image is a pure
+// function of the seed.
 //
 // [Grittmann et al. 2022] Efficiency-Aware Multiple Importance Sampling for Bidirectional Rendering Algorithms. ACM TOG
 // 41(4).
@@ -44,11 +51,21 @@ struct WeighedCandidate {
     float more_connections = 0;
 };
 
+/// What a sample of a pilot weighs for a candidate.
+struct CandidateWeight {
+    float weight = 0;
+    /// By which the square of its value, before it is weighed, is a sample of the second moment of all of the
+    /// candidate's techniques together, whether or not the one that made it is among them.
+    float by_density = 0;
+};
+CandidateWeight weigh_candidate(const MisShare& of_pilot, const MisShare& of_candidate);
+
 /// What one path from the eye brought in a pilot, as a candidate weighs it.
 struct EyePathSum {
     Rgb all{0}, connected{0};
-    float connected_squared = 0, merged_squared = 0;  // sums of squares, means of the channels
-    void add(TechniqueKind kind, const Rgb& value);
+    // Sums of squares, means of the channels.
+    float connected_squared = 0, merged_squared = 0, by_density = 0;
+    void add(TechniqueKind kind, const Rgb& value, const CandidateWeight& weight);
 };
 
 /// What a pixel of a pilot comes to for a candidate.
@@ -56,16 +73,30 @@ class PixelMoments {
 public:
     void add(const EyePathSum& path);
     /// What the camera sees of a light path.
-    void add_seen(const Rgb& weighed);
+    void add_seen(const Rgb& value, const CandidateWeight& weight);
     double mean(uint32_t passes) const;
     /// Of one pass of the candidate; two passes or more.
     double variance(uint32_t passes, const WeighedCandidate& candidate) const;
+    /// The second moment of a pass of the candidate, were all samples independent.
+    double second_moment(uint32_t passes) const;
 
 private:
     EyePathSum eye_;
     float squares_ = 0;  // of the eye's paths
-    float seen_ = 0, seen_squares_ = 0;
+    float seen_ = 0, seen_squares_ = 0, seen_by_density_ = 0;
 };
+
+/// What is known of candidates' variances: by what a pilot's samples would have weighed, and by second moments.
+struct VarianceSums {
+    explicit VarianceSums(size_t candidates) : of_paths(candidates), second_moments(candidates) {}
+
+    std::vector<double> of_paths, second_moments;
+    void add(const VarianceSums& more, double weight);
+    /// By candidate. `known`: the one that the pilot itself is, or is the most like.
+    std::vector<double> variances(size_t known) const;
+};
+/// The candidate that is the most like a pilot of one light path a pixel, one connection and merging.
+size_t most_like_pilot(std::span<const TechniqueCandidate> candidates);
 
 /// What one path from the eye counted in a pilot.
 struct EyePathCounts {

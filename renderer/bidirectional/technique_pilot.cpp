@@ -60,14 +60,13 @@ public:
           pilot_(pilot),
           side_(block_side(image, pilot)),
           count_(TechniqueBlocks::count_of(image, side_)),
-          candidates_(candidates),
-          sums_(count_.pixels() * candidates),
+          sums_(count_.pixels(), VarianceSums(candidates)),
           pixels_(count_.pixels()),
           counted_(count_.pixels()) {}
 
     uint32_t side() const { return side_; }
     /// A pixel of the pilot, with what its paths counted.
-    void add(uint32_t x, uint32_t y, std::span<const double> relative_variance, const EyePathCounts& counted) {
+    void add(uint32_t x, uint32_t y, const VarianceSums& of_pixel, const EyePathCounts& counted) {
         const auto along = [&](uint32_t p, uint32_t of_pilot, uint32_t of_image) {
             const double at = (p + 0.5) * of_image / of_pilot;
             return static_cast<uint32_t>(at) / side_;
@@ -76,19 +75,19 @@ public:
             along(y, pilot_.height, image_.height) * count_.width + along(x, pilot_.width, image_.width);
         ++pixels_[block];
         counted_[block] += counted;
-        for (size_t c = 0; c < candidates_; ++c) sums_[block * candidates_ + c] += relative_variance[c];
+        sums_[block].add(of_pixel, 1);
     }
     /// The blocks, each judged together with those about it, whose paths are much like its own; `cost(counted, c)` is
     /// of a pixel with these counts of all its passes.
     template <class Cost>
-    std::vector<JudgedBlock> judge(uint32_t passes, const Cost& cost) const {
-        std::vector<JudgedBlock> judged(sums_.size());
+    std::vector<JudgedBlock> judge(uint32_t passes, size_t known, const Cost& cost) const {
+        std::vector<JudgedBlock> judged;
         for (uint32_t y = 0; y < count_.height; ++y)
             for (uint32_t x = 0; x < count_.width; ++x) {
                 const size_t block = size_t{y} * count_.width + x;
                 double pixels = 0;
                 PilotCounts counts;
-                std::vector<double> variance(candidates_);
+                VarianceSums sums(sums_[block].of_paths.size());
                 for (uint32_t v = std::max(y, 1u) - 1; v <= std::min(y + 1, count_.height - 1); ++v)
                     for (uint32_t u = std::max(x, 1u) - 1; u <= std::min(x + 1, count_.width - 1); ++u) {
                         const size_t other = size_t{v} * count_.width + u;
@@ -97,15 +96,15 @@ public:
                         counts.eye_vertices += weight * counted_[other].vertices;
                         counts.open_vertices += weight * counted_[other].open_vertices;
                         counts.found += weight * counted_[other].found;
-                        for (size_t c = 0; c < candidates_; ++c) variance[c] += weight * sums_[other * candidates_ + c];
+                        sums.add(sums_[other], weight);
                     }
                 for (double* count : {&counts.eye_vertices, &counts.open_vertices, &counts.found})
                     *count /= std::max(pixels, 1.0) * passes;
-                for (size_t c = 0; c < candidates_; ++c) {
-                    JudgedBlock& here = judged[block * candidates_ + c];
-                    here.relative_variance = pixels_[block] * std::max(variance[c], 0.0) / std::max(pixels, 1.0);
-                    here.cost = pixels_[block] * cost(counts, c);
-                }
+                const std::vector<double> variances = sums.variances(known);
+                const double of_block = pixels_[block] / std::max(pixels, 1.0);
+                for (size_t c = 0; c < variances.size(); ++c)
+                    judged.push_back(
+                        {.relative_variance = of_block * variances[c], .cost = pixels_[block] * cost(counts, c)});
             }
         return judged;
     }
@@ -114,9 +113,8 @@ private:
     Size2 image_, pilot_;
     uint32_t side_;
     Size2 count_;
-    size_t candidates_;
-    std::vector<double> sums_;    // block by block, by candidate
-    std::vector<double> pixels_;  // of the pilot
+    std::vector<VarianceSums> sums_;  // block by block
+    std::vector<double> pixels_;      // of the pilot
     std::vector<EyePathCounts> counted_;
 };
 
@@ -205,8 +203,8 @@ TechniquePilot run_technique_pilot(const TechniquePilotInputs& inputs, Stats& st
         for (size_t i = 0; i < paths.splats.size(); ++i)
             scene.filter.visit_pixels(paths.splats[i].film, size, [&](uint32_t pixel, float) {
                 for (size_t c = 0; c < candidates.size(); ++c)
-                    moments[pixel * candidates.size() + c].add_seen(paths.splat_weights[i * candidates.size() + c] *
-                                                                    paths.splats[i].radiance);
+                    moments[pixel * candidates.size() + c].add_seen(paths.splats[i].radiance,
+                                                                    paths.splat_weights[i * candidates.size() + c]);
             });
     }
     for (PilotThread& thread : threads) rays += thread.counts;
@@ -231,7 +229,7 @@ TechniquePilot run_technique_pilot(const TechniquePilotInputs& inputs, Stats& st
     double mean = 0;
     for (uint32_t y = 0; y < size.height; ++y)
         for (uint32_t x = 0; x < size.width; ++x) mean += mean_of_pixel(x, y) / pixels;
-    std::vector<double> relative_variance(candidates.size()), of_pixel(candidates.size());
+    VarianceSums of_image(candidates.size()), of_pixel(candidates.size());
     BlockJudge blocks(inputs.context.view.film_size, size, candidates.size());
     for (uint32_t y = 0; y < size.height; ++y)
         for (uint32_t x = 0; x < size.width; ++x) {
@@ -244,17 +242,20 @@ TechniquePilot run_technique_pilot(const TechniquePilotInputs& inputs, Stats& st
             const double scale = 1 / (sqr_of(around / seen) + kLeastMean * sqr_of(mean) + 1e-30);
             const size_t pixel = size_t{y} * size.width + x;
             for (size_t c = 0; c < candidates.size(); ++c) {
-                of_pixel[c] = scale * moments[pixel * candidates.size() + c].variance(kPasses, weighed_candidates[c]);
-                relative_variance[c] += of_pixel[c] / pixels;
+                const PixelMoments& of_candidate = moments[pixel * candidates.size() + c];
+                of_pixel.of_paths[c] = scale * of_candidate.variance(kPasses, weighed_candidates[c]);
+                of_pixel.second_moments[c] = scale * of_candidate.second_moment(kPasses);
             }
+            of_image.add(of_pixel, 1 / pixels);
             blocks.add(x, y, of_pixel, counted[pixel]);
         }
     const CostlyScene costly{context.scene.triangle_count, context.scene.needs.only_lambert()};
+    const size_t known = most_like_pilot(candidates);
+    const std::vector<double> variances = of_image.variances(known);
     TechniquePilot judged{.candidates = {}, .block_side = blocks.side(), .chosen = {}};
     for (size_t c = 0; c < candidates.size(); ++c)
-        judged.candidates.push_back(
-            {candidates[c], std::max(relative_variance[c], 0.0), counted_cost(candidates[c], counts, costly)});
-    judged.chosen = choose_techniques(candidates, blocks.judge(kPasses, [&](PilotCounts of_block, size_t c) {
+        judged.candidates.push_back({candidates[c], variances[c], counted_cost(candidates[c], counts, costly)});
+    judged.chosen = choose_techniques(candidates, blocks.judge(kPasses, known, [&](PilotCounts of_block, size_t c) {
         // Light paths are the whole image's.
         of_block.light_vertices = counts.light_vertices, of_block.seen = counts.seen;
         return counted_cost(candidates[c], of_block, costly);

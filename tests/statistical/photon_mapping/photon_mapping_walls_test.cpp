@@ -16,9 +16,9 @@ using test::lambert;
 
 constexpr float kLength = 4;  // [m], along x about the origin; 2 high and 2 wide
 
-/// The lamp is the end at -x; floor, ceiling and sides have `tunnel_albedo`. The wall stands into them: where it only
-/// met them, one light path in 100,000 would slip into the seam and light the wall from within.
-Scene divided_tunnel(float thickness, float tunnel_albedo) {
+/// The lamp is the end at -x; floor, ceiling and sides have `tunnel_albedo`. `reach`: of the wall, 1 to where they are.
+/// There one light path in 100,000 slips into the seam and lights the wall from within; none where it stands into them.
+Scene divided_tunnel(float thickness, float tunnel_albedo, float reach) {
     constexpr float a = kLength / 2;
     const float w = thickness / 2;
     Scene scene;
@@ -30,7 +30,7 @@ Scene divided_tunnel(float thickness, float tunnel_albedo) {
                         .quad({a, -1, 1}, {-a, -1, 1}, {-a, 1, 1}, {a, 1, 1})
                         .quad({a, -1, -1}, {a, -1, 1}, {a, 1, 1}, {a, 1, -1})
                         .build(0),
-                    MeshBuilder().box({-w, -1.1f, -1.1f}, {w, 1.1f, 1.1f}).build(1),
+                    MeshBuilder().box({-w, -reach, -reach}, {w, reach, reach}).build(1),
                     MeshBuilder().quad({-a, -1, 1}, {-a, -1, -1}, {-a, 1, -1}, {-a, 1, 1}).build(2)};
     for (uint32_t i = 0; i < scene.meshes.size(); ++i) scene.instances.push_back({.mesh = i});
     scene.cameras = {look_at_camera({a - 0.1, 0.1, 0.1}, {0, 0, 0}, {0, 1, 0}, 1.5f)};
@@ -60,7 +60,7 @@ TEST(ThinWall, NoLightOnItsDarkFace) {
             for (const PhotonSearch::Kind search : {PhotonSearch::Kind::Nearest, PhotonSearch::Kind::Radius}) {
                 // In a black tunnel only the wall has photons: the lit face's must not count on the other.
                 Stats stats;
-                const Film film = test::render(divided_tunnel(thickness, 0), settings_of(gather, search), &stats);
+                const Film film = test::render(divided_tunnel(thickness, 0, 1.1f), settings_of(gather, search), &stats);
                 for (const float value : film.resolve_beauty())
                     ASSERT_EQ(value, 0.0f)
                         << "thickness " << thickness << ", gather " << int(gather) << ", search " << int(search);
@@ -76,7 +76,7 @@ TEST(ThinWall, LightsTheTunnelsFloorBehindItNoFartherThanTheRadius) {
         for (const DiscBoundary boundary : {DiscBoundary::None, DiscBoundary::Clip}) {
             Settings settings = settings_of(Gather::Direct, PhotonSearch::Kind::Radius);
             settings.params.boundary = boundary;
-            const Film film = test::render(divided_tunnel(thickness, 0.8f), settings);
+            const Film film = test::render(divided_tunnel(thickness, 0.8f, 1), settings);
             const std::vector<float> beauty = film.resolve_beauty(), position = film.resolve(Layer::Position);
             for (size_t i = 0; i < beauty.size(); i += 3) {
                 if (position[i] > 0.1f + thickness) {

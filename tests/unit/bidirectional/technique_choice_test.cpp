@@ -19,9 +19,11 @@ namespace {
 const WeighedCandidate kAsPilot{.more_light_paths = 1, .more_connections = 1},
     kQuarter{.more_light_paths = 4, .more_connections = 1};
 
+constexpr CandidateWeight kUnweighed{.weight = 1};
+
 TEST(TechniqueChoice, WhatTheCameraSeesVariesAsCountsDo) {
     PixelMoments as_pilot, quarter;
-    for (int i = 0; i < 8; ++i) as_pilot.add_seen(Rgb(2)), quarter.add_seen(Rgb(1));
+    for (int i = 0; i < 8; ++i) as_pilot.add_seen(Rgb(2), kUnweighed), quarter.add_seen(Rgb(1), kUnweighed);
     EXPECT_DOUBLE_EQ(as_pilot.mean(4), 4);
     EXPECT_DOUBLE_EQ(as_pilot.variance(4, kAsPilot), 8);
     EXPECT_DOUBLE_EQ(quarter.mean(4), 2);
@@ -33,7 +35,7 @@ TEST(TechniqueChoice, APathsSamplesVaryTogether) {
     PixelMoments as_pilot, quarter;
     for (const float worth : {1.0f, 3.0f}) {
         EyePathSum path;
-        for (int i = 0; i < 4; ++i) path.add(TechniqueKind::Merge, Rgb(worth));
+        for (int i = 0; i < 4; ++i) path.add(TechniqueKind::Merge, Rgb(worth), kUnweighed);
         as_pilot.add(path), quarter.add(path);
     }
     EXPECT_DOUBLE_EQ(as_pilot.mean(2), 8);
@@ -44,12 +46,40 @@ TEST(TechniqueChoice, APathsSamplesVaryTogether) {
     PixelMoments same;
     for (int pass = 0; pass < 4; ++pass) {
         EyePathSum path;
-        path.add(TechniqueKind::Alone, Rgb(3));
-        path.add(TechniqueKind::Connection, Rgb(2));
+        path.add(TechniqueKind::Alone, Rgb(3), kUnweighed);
+        path.add(TechniqueKind::Connection, Rgb(2), kUnweighed);
         same.add(path);
     }
     EXPECT_DOUBLE_EQ(same.variance(4, kQuarter), 0);
     EXPECT_DOUBLE_EQ(same.variance(4, {.more_light_paths = 1, .more_connections = 0.125f}), 0);
+}
+
+// Light that merging finds a thousand times as often as the eye alone does: without merging the second moment is a
+// thousand times what it is, though all that the pilot found of it would not be there.
+TEST(TechniqueChoice, WhatACandidateLacksIsNotFree) {
+    constexpr uint32_t kPasses = 4;
+    const MisShare of_pilot{.own = 1000, .others = 1};
+    const CandidateWeight with = weigh_candidate(of_pilot, of_pilot),
+                          without = weigh_candidate(of_pilot, {.own = 0, .others = 1});
+    EXPECT_FLOAT_EQ(with.weight, 1000.0f / 1001);
+    EXPECT_EQ(without.weight, 0);
+    EXPECT_NEAR(without.by_density / with.by_density, 1001, 0.01);
+    PixelMoments merging, alone;
+    for (uint32_t pass = 0; pass < kPasses; ++pass) {
+        EyePathSum merged, missed;
+        merged.add(TechniqueKind::Merge, Rgb(3), with);
+        missed.add(TechniqueKind::Merge, Rgb(3), without);
+        merging.add(merged), alone.add(missed);
+    }
+    EXPECT_NEAR(merging.second_moment(kPasses), 9 * 1000.0 * 1000 / (1001.0 * 1001), 1e-4);
+    EXPECT_NEAR(alone.second_moment(kPasses), 1001 * merging.second_moment(kPasses), 1);
+    VarianceSums sums(2);
+    sums.of_paths = {merging.variance(kPasses, kAsPilot), alone.variance(kPasses, {})};
+    sums.second_moments = {merging.second_moment(kPasses), alone.second_moment(kPasses)};
+    EXPECT_NEAR(sums.of_paths[1], 0, 1e-6);  // as far as its own samples tell
+    EXPECT_NEAR(sums.variances(0)[1], sums.of_paths[0] + 1000 * sums.second_moments[0], 1);
+    // Numbers out of the range of floats are many, not none.
+    EXPECT_GT(weigh_candidate({.own = 1, .others = 1}, {.own = 0, .others = 0}).by_density, 1e10f);
 }
 
 // Of thirteen blocks connections take nine tenths of the variance away in the first, and nothing in the others.
