@@ -99,6 +99,7 @@ RadiusMap train_merge_radii(const BidirectionalScene& scene, const MergingParams
 
 PhotonMap map_of(std::span<const LightVertex> vertices, const PhotonSearch& search) {
     std::vector<Photon> photons;
+    photons.reserve(vertices.size());
     for (const LightVertex& v : vertices)
         photons.push_back({v.position, PhotonPayload::make(v.power_w, v.from, v.normal, v.surfaces, v.all_delta)});
     return PhotonMap(std::move(photons), search);
@@ -226,6 +227,7 @@ BidirectionalPlan make_bidirectional_plan(const RenderContext& context, const Bi
     };
     techniques.everywhere = of_pixel(chosen);
     std::vector<BlockTechniques> blocks;
+    blocks.reserve(of_blocks.size());
     for (const TechniqueCandidate& candidate : of_blocks) blocks.push_back(of_pixel(candidate));
     if (std::ranges::any_of(blocks, [&](const BlockTechniques& b) { return b != techniques.everywhere; }))
         plan.blocks.emplace(size, block_side, std::move(blocks));

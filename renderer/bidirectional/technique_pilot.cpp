@@ -156,6 +156,7 @@ TechniquePilot run_technique_pilot(const TechniquePilotInputs& inputs, Stats& st
 
     const std::vector<TechniqueCandidate> candidates = technique_candidates(inputs.choices);
     std::vector<WeighedCandidate> weighed_candidates;
+    weighed_candidates.reserve(candidates.size());
     for (const TechniqueCandidate& candidate : candidates)
         weighed_candidates.push_back(weighed(candidate, pilot, inputs.vertices_per_path, pixels));
 
