@@ -50,6 +50,17 @@ TechniqueCandidate union_of(std::span<const TechniqueCandidate> of_blocks) {
     return all;
 }
 
+/// Of the vertices that are asked for, as photons.
+template <class Wanted>
+PhotonMap map_of(std::span<const LightVertex> vertices, const PhotonSearch& search, const Wanted& wanted) {
+    std::vector<Photon> photons;
+    photons.reserve(vertices.size());
+    for (const LightVertex& v : vertices)
+        if (wanted(v))
+            photons.push_back({v.position, PhotonPayload::make(v.power_w, v.from, v.normal, v.surfaces, v.all_delta)});
+    return PhotonMap(std::move(photons), search);
+}
+
 /// `pilot`: vertices of its light paths. `paths_over_pilot`: of a pass.
 float first_merge_radius_m(const MergingParams& merging, std::span<const LightVertex> pilot, float scene_radius_m,
                            double paths_over_pilot) {
@@ -59,25 +70,21 @@ float first_merge_radius_m(const MergingParams& merging, std::span<const LightVe
     // Caustics are sharp and dense where the rest is smooth: the one radius is to suit both.
     float wanted_m = limits.most_m;
     for (const bool caustic : {false, true}) {
-        std::vector<Photon> photons;
-        for (const LightVertex& v : pilot)
-            if (!caustic || (v.all_delta && v.surfaces > 1))
-                photons.push_back(
-                    {v.position, PhotonPayload::make(v.power_w, v.from, v.normal, v.surfaces, v.all_delta)});
-        if (photons.size() < kPilotNearest) continue;
-        wanted_m = std::min(
-            wanted_m,
-            radius_of_pilot(PhotonMap(std::move(photons), {PhotonSearch::Kind::Nearest, kPilotNearest, limits.most_m}),
-                            {.photons_in_radius = static_cast<double>(merging.nearest_vertices),
-                             .bright_share = caustic ? kBrightCausticShare : kBrightShare,
-                             .paths_over_pilot = paths_over_pilot}));
+        const PhotonMap map = map_of(pilot, {PhotonSearch::Kind::Nearest, kPilotNearest, limits.most_m},
+                                     [&](const LightVertex& v) { return !caustic || (v.all_delta && v.surfaces > 1); });
+        if (map.size() < kPilotNearest) continue;
+        wanted_m =
+            std::min(wanted_m, radius_of_pilot(map, {.photons_in_radius = static_cast<double>(merging.nearest_vertices),
+                                                     .bright_share = caustic ? kBrightCausticShare : kBrightShare,
+                                                     .paths_over_pilot = paths_over_pilot}));
     }
     return std::max(wanted_m, limits.least_m);
 }
 
 /// Where the camera sees light, each place's own radius; none of them far from the one that would be everyone's.
 RadiusMap train_merge_radii(const BidirectionalScene& scene, const MergingParams& merging,
-                            std::span<const LightVertex> seen, PhotonMap pilot, double pilot_passes, float global_m) {
+                            std::span<const LightVertex> seen, const PhotonMap& pilot, double pilot_passes,
+                            float global_m) {
     constexpr float kLeastShare = 0.25f, kMostShare = 2;  // of global_m
     const EstimateSettings estimate{
         .kernel = Kernel(KernelShape::Constant), .disc_thickness_m = {}, .soft_disc = false};
@@ -95,14 +102,6 @@ RadiusMap train_merge_radii(const BidirectionalScene& scene, const MergingParams
         places[i] = {vertex.position, std::clamp(wanted_m, kLeastShare * global_m, kMostShare * global_m)};
     });
     return RadiusMap(std::move(places), global_m);
-}
-
-PhotonMap map_of(std::span<const LightVertex> vertices, const PhotonSearch& search) {
-    std::vector<Photon> photons;
-    photons.reserve(vertices.size());
-    for (const LightVertex& v : vertices)
-        photons.push_back({v.position, PhotonPayload::make(v.power_w, v.from, v.normal, v.surfaces, v.all_delta)});
-    return PhotonMap(std::move(photons), search);
 }
 
 }  // namespace
@@ -158,11 +157,13 @@ BidirectionalPlan make_bidirectional_plan(const RenderContext& context, const Bi
             first_radius_m = first_merge_radius_m(merging, seen, scene.scene.bounds.radius(), over_pilot);
             plan.alpha = merging.alpha;
             if (trains) {
+                context.budget.require("radius_pilots", PhotonMap::bytes_for(paths.vertices.size()));
                 const float most_m = RadiusLimits(scene.scene.bounds.radius()).most_m;
-                plan.radii = train_merge_radii(
-                    scene, merging, seen,
-                    map_of(paths.vertices, {PhotonSearch::Kind::Nearest, kRadiusPilotNearest, most_m}), 1 / over_pilot,
-                    first_radius_m);
+                plan.radii =
+                    train_merge_radii(scene, merging, seen,
+                                      map_of(paths.vertices, {PhotonSearch::Kind::Nearest, kRadiusPilotNearest, most_m},
+                                             [](const LightVertex&) { return true; }),
+                                      1 / over_pilot, first_radius_m);
                 first_radius_m = plan.radii->most_m();
             }
             plan.edges.emplace(find_surface_edges(scene.scene, first_radius_m));

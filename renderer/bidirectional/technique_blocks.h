@@ -40,7 +40,6 @@ public:
         return {columns_of(image, side), (image.height + side - 1) / side};
     }
 
-    uint32_t side() const { return side_; }
     uint32_t index_at(uint32_t x, uint32_t y) const { return y / side_ * columns_ + x / side_; }
     const BlockTechniques& operator[](uint32_t block) const { return blocks_[block]; }
     uint64_t bytes() const { return blocks_.capacity() * sizeof(BlockTechniques); }

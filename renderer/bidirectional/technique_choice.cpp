@@ -22,15 +22,15 @@ CandidateWeight weigh_candidate(const MisShare& of_pilot, const MisShare& of_can
     return {.weight = of_candidate.weight(), .by_density = sqr(of_pilot.weight()) * (ratio < kMost ? ratio : kMost)};
 }
 
-void EyePathSum::add(TechniqueKind kind, const Rgb& unweighed, const CandidateWeight& weight) {
-    const Rgb value = weight.weight * unweighed;
-    by_density += static_cast<float>(double{weight.by_density} * mean_square_of(unweighed));
-    all += value;
+void EyePathSum::add(TechniqueKind kind, const Rgb& value, const CandidateWeight& weight) {
+    const Rgb weighed = weight.weight * value;
+    by_density += static_cast<float>(double{weight.by_density} * mean_square_of(value));
+    all += weighed;
     if (kind == TechniqueKind::Connection) {
-        connected += value;
-        connected_squared += static_cast<float>(mean_square_of(value));
+        connected += weighed;
+        connected_squared += static_cast<float>(mean_square_of(weighed));
     }
-    if (kind == TechniqueKind::Merge) merged_squared += static_cast<float>(mean_square_of(value));
+    if (kind == TechniqueKind::Merge) merged_squared += static_cast<float>(mean_square_of(weighed));
 }
 
 void PixelMoments::add(const EyePathSum& path) {
@@ -159,6 +159,8 @@ ChosenTechniques choose_techniques(std::span<const TechniqueCandidate> candidate
     for (size_t c = 0; c < count; ++c) alone.push_back(worth(sum_of(judged, count, std::vector<size_t>(blocks, c))));
     ChosenTechniques best;
     best.everywhere = static_cast<size_t>(std::ranges::min_element(alone) - alone.begin());
+    // What is left where light is brighter than can be squared, and nothing is less than anything.
+    best.of_blocks.assign(blocks, best.everywhere);
     double least = std::numeric_limits<double>::infinity();
     for (size_t first = 0; first < count;) {
         size_t end = first;
@@ -190,7 +192,7 @@ ChosenTechniques choose_techniques(std::span<const TechniqueCandidate> candidate
         }
         first = end;
     }
-    best.gain = least > 0 ? alone[best.everywhere] / least : 1;
+    best.gain = least > 0 && std::isfinite(least) ? alone[best.everywhere] / least : 1;
     return best;
 }
 

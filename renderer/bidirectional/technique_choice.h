@@ -58,6 +58,7 @@ struct CandidateWeight {
     /// candidate's techniques together, whether or not the one that made it is among them.
     float by_density = 0;
 };
+/// Both shares are of one sample: as the pilot's numbers have it, and as the candidate's.
 CandidateWeight weigh_candidate(const MisShare& of_pilot, const MisShare& of_candidate);
 
 /// What one path from the eye brought in a pilot, as a candidate weighs it.
@@ -65,6 +66,7 @@ struct EyePathSum {
     Rgb all{0}, connected{0};
     // Sums of squares, means of the channels.
     float connected_squared = 0, merged_squared = 0, by_density = 0;
+    /// `value`: before it is weighed.
     void add(TechniqueKind kind, const Rgb& value, const CandidateWeight& weight);
 };
 

@@ -19,6 +19,7 @@ struct VertexConnectionAndMergingParams final : BidirectionalParams {
 /// each other by multiple importance sampling, so that each path is made by what makes it best. Where few light paths
 /// arrive, many pixels merge with the same vertices: `weights` correlation_aware counts merging for less there, which
 /// takes blotches away and most of the bias; `interior` has 1.5 times less error by it, and a quarter of the bias.
+/// Within which radius is one question for all places, or for each by the light's curvature there (`radius_rule`).
 ///
 /// The most general of the methods: hidden lamps, caustics, and caustics seen in mirrors and through glass. Biased by
 /// what it merges: the radius shrinks from pass to pass, and bias with it.

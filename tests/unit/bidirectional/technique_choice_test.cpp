@@ -154,6 +154,16 @@ TEST(TechniqueChoice, BlocksAreNearlyTheBestThereIs) {
     EXPECT_LT(far, 20u);
 }
 
+// Squares of very bright light leave the range of numbers: something is chosen nevertheless.
+TEST(TechniqueChoice, EveryBlockHasTechniquesWhateverTheNumbers) {
+    const std::vector<TechniqueCandidate> candidates{{0, 0, false}, {0.5f, 1, false}};
+    for (const double strange : {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
+        const ChosenTechniques chosen = choose_techniques(candidates, std::vector<JudgedBlock>(6, {strange, 1}));
+        ASSERT_EQ(chosen.of_blocks.size(), 3u);
+        for (const size_t c : chosen.of_blocks) EXPECT_LT(c, 2u);
+    }
+}
+
 TEST(TechniqueChoice, WhatIsGivenStays) {
     for (const TechniqueCandidate& candidate :
          technique_candidates({.light_paths = 0.3f, .most_light_paths = 2, .connections = 3, .merges = true})) {
