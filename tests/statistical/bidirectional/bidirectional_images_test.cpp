@@ -263,6 +263,34 @@ TEST(BidirectionalImages, OfBlocksAreThoseOfPathTracing) {
     }
 }
 
+// In a closed room whose walls all emit 1 and reflect a half, radiance is 2 everywhere, whatever is merged within which
+// radius: weights have to know each place's own.
+TEST(BidirectionalImages, TrainedRadiiKeepTheLightOfARoom) {
+    Scene scene;
+    Mesh walls = MeshBuilder().box({-1, -1, -1}, {1, 1, 1}).build(0);
+    for (uvec3& t : walls.triangles) std::swap(t.y, t.z);
+    test::add(scene, std::move(walls), test::lambert(0.5f, 1));
+    scene.cameras.push_back(look_at_camera({-0.9f, -0.8f, 0.7f}, {1, 0.3f, -1}, {0, 1, 0}, 1.2f));
+    finish_scene(scene);
+    constexpr double kExact = 2;
+    std::vector<double> values;
+    double merged = 0;
+    for (uint64_t seed = 1; seed <= 24; ++seed) {
+        test::RenderSettingsOf<VertexConnectionAndMerging> settings{.size = kSize, .passes = 4, .seed = seed};
+        settings.params.adapt = false;
+        settings.params.merging_params.radius_rule = RadiusRule::Trained;
+        settings.layers.add(Layer::Merges);
+        const Film film = test::render(scene, settings);
+        values.push_back(test::mean_of(film.resolve_beauty()));
+        merged += test::mean_of(film.resolve(Layer::Merges)) / 24;
+    }
+    const test::Interval interval = test::mean_interval(values, kFalseAlarm, 1);
+    std::printf("radiance %.5f +- %.5f, %.3f of it merged\n", interval.mean, interval.half_width, merged);
+    EXPECT_LE(std::fabs(interval.mean - kExact), interval.half_width);
+    EXPECT_LE(interval.half_width, 0.01 * kExact) << "too noisy to notice a defect";
+    EXPECT_GT(merged, 0.05);
+}
+
 TEST(BidirectionalImages, AreThoseOfPathTracing) {
     for (const Case& c : cases()) {
         SCOPED_TRACE(c.name);

@@ -166,6 +166,20 @@ TEST(BidirectionalMethod, DarkScenesAreBlack) {
     EXPECT_EQ(film.nan_count() + film.infinity_count(), 0u);
 }
 
+TEST(BidirectionalMethod, TrainedRadiiAreAFunctionOfTheSeedAlone) {
+    const Scene scene = make_builtin_scene("cornell-box-glass");
+    auto settings = settings_for<Merging>();
+    const std::string global = test::render(scene, settings).pixel_hash();
+    settings.params.merging_params.radius_rule = RadiusRule::Trained;
+    std::vector<std::string> hashes;
+    for (const int threads : {1, 8})
+        hashes.push_back(test::on_threads(threads, [&] { return test::render(scene, settings).pixel_hash(); }));
+    EXPECT_EQ(hashes[0], hashes[1]);
+    EXPECT_NE(hashes[0], global);
+    settings.params.merging_params.radius_m = 0.1f;
+    EXPECT_THROW(settings.params.check(), Error);
+}
+
 TEST(BidirectionalMethod, TwoRadiiAreRefused) {
     VertexConnectionAndMergingParams params;
     params.merging_params.radius_m = 0.1f;
