@@ -32,7 +32,7 @@ uint light_vertex_count() { return min(grid_starts[0], techniques.capacity); }
 float merge_acceptance(vec3 position) {
     if (!(techniques.merge_radius_m > 0.0)) return 0.0;
     const float disc_m2 = PI * sqr(techniques.merge_radius_m);
-    return has_edges(position, techniques.edge_radius_m) ? techniques.edge_share * disc_m2 : disc_m2;
+    return has_edges(position, techniques.edge_radius_m) ? MERGE_EDGE_SHARE * disc_m2 : disc_m2;
 }
 
 #endif

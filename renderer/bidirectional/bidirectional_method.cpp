@@ -76,7 +76,7 @@ void BidirectionalMethod::begin(const RenderContext& context, Stats& stats) {
     if (!context.scene.needs.solid_glass) stats.skipped.push_back({"absorption", "no solid refracts", 0});
     const BidirectionalPlan& plan = state_->plan = make_bidirectional_plan(
         context, *params_, state_->scene, state_->light, TechniquesBy::Block, bytes_of_path, stats);
-    if (plan.edges) budget.record("surface_edges", plan.edges->bytes());
+    if (plan.coverage) budget.record("surface_edges", plan.coverage->bytes());
     if (plan.radii) budget.record("radii", plan.radii->bytes());
     if (plan.blocks) budget.record("technique_blocks", plan.blocks->bytes());
     budget.require("light_vertices",
@@ -117,7 +117,7 @@ void BidirectionalMethod::run_pass(uint32_t pass, Stats& stats, const CancelToke
                             .grid = grid ? &*grid : nullptr,
                             .in_grid_order = in_grid_order,
                             .sampler = sampler,
-                            .connection_salt = hash64(scene.seed) + pass};
+                            .join_salt = hash64(scene.seed) + pass};
     // Where nothing is to be joined, paths from the eye need no weights but light samples' own: they are path tracing.
     const bool eye_alone = techniques.light_paths == 0;
     const uint32_t side = eye_alone ? PathWavefront::kTileSide : EyePathTracer::kTileSide;

@@ -60,7 +60,7 @@ struct BidirectionalMethodGpu::State {
         } else {
             light.emplace(scene, plan, params.sampler, seed, size, all);
             eye_paths.emplace(scene, plan.techniques, tiles_a_piece, all);
-            plan.edges.reset();  // on the device now
+            plan.coverage.reset();  // on the device now
         }
     }
 

@@ -5,7 +5,6 @@
 #include "renderer/core/rng.h"
 #include "renderer/frame/left_out.h"
 #include "renderer/photons/pilot_radius.h"
-#include "renderer/photons/surface_edges.h"
 #include "renderer/progressive/disc_radii.h"
 #include "renderer/progressive/first_radius.h"
 
@@ -21,8 +20,6 @@ constexpr uint32_t kPilotNearest = 8;          // vertices among which a pilot's
 constexpr size_t kLeastSeen = 100;             // vertices whose density says something
 // Of the power is where they are denser than the first radius asks for.
 constexpr double kBrightShare = 0.5, kBrightCausticShare = 0.25;
-/// Of merging near edges, where there are delta lobes: PassTechniques::edge_share.
-constexpr float kEdgeShare = 1e-3f;
 
 /// Those that the camera sees, whose density is what the image shows; all, where it sees hardly any: by mirrors alone.
 std::vector<LightVertex> seen_vertices(const BidirectionalScene& scene, const std::vector<LightVertex>& vertices,
@@ -166,7 +163,7 @@ BidirectionalPlan make_bidirectional_plan(const RenderContext& context, const Bi
                                       1 / over_pilot, first_radius_m);
                 first_radius_m = plan.radii->most_m();
             }
-            plan.edges.emplace(find_surface_edges(scene.scene, first_radius_m));
+            plan.coverage = std::make_unique<const DiscCoverage>(scene.scene, scene.intersector, first_radius_m);
         }
     }
     const auto skip_light_paths = [&](const char* why) {
@@ -183,7 +180,6 @@ BidirectionalPlan make_bidirectional_plan(const RenderContext& context, const Bi
     // Light of points, spots and suns by mirrors and glass: no path from the eye ends there, and what mirrors show of
     // it is connected, or merged.
     const bool by_delta_alone = has_delta_light_by_delta(scene.scene.needs);
-    techniques.edge_share = scene.scene.needs.delta ? kEdgeShare : 0.0f;
     const TechniqueChoices choices{
         .light_paths = params.light_paths,
         .most_light_paths = most_light_paths(params, size, vertices),
@@ -198,10 +194,9 @@ BidirectionalPlan make_bidirectional_plan(const RenderContext& context, const Bi
     std::vector<TechniqueCandidate> of_blocks;  // where they are asked for
     uint32_t block_side = 0;
     if (params.adapt) {
-        const TechniquePilot judged = run_technique_pilot(
-            {context, params, vertices, choices, first_radius_m, plan.radii ? &*plan.radii : nullptr,
-             plan.edges ? &*plan.edges : nullptr, techniques.edge_share},
-            stats);
+        const TechniquePilot judged = run_technique_pilot({context, params, vertices, choices, first_radius_m,
+                                                           plan.radii ? &*plan.radii : nullptr, plan.coverage.get()},
+                                                          stats);
         chosen = judged.candidates[judged.chosen.everywhere].candidate;
         if (by == TechniquesBy::Block) {
             block_side = judged.block_side;
@@ -247,7 +242,7 @@ PassTechniques BidirectionalPlan::of_pass(uint32_t pass) const {
         of_pass.radius_turn = hash32(pass);
     }
     of_pass.edge_radius_m = of_pass.merge_radius_m;
-    if (edges) of_pass.edges = &*edges;
+    of_pass.coverage = coverage.get();
     if (blocks) of_pass.blocks = &*blocks;
     return of_pass;
 }

@@ -28,10 +28,10 @@ struct BidirectionalPlan {
     float first_radius_m = 0;        // of merging, in pass 0; 0: nothing merges
     float alpha = 0;                 // by which it shrinks (radius_schedule.h)
     std::optional<RadiusMap> radii;  // first_radius_m is the greatest of them
-    std::optional<EdgeTree> edges;
-    std::optional<TechniqueBlocks> blocks;  // where they differ
+    std::unique_ptr<const DiscCoverage> coverage;  // where there may be merging
+    std::optional<TechniqueBlocks> blocks;         // where they differ
 
-    /// Radii, edges and blocks stay the plan's.
+    /// Radii, coverage and blocks stay the plan's.
     PassTechniques of_pass(uint32_t pass) const;
 };
 

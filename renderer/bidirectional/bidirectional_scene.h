@@ -2,11 +2,12 @@
 // What all sub-paths of one render share: prepared once by begin(), read by all threads.
 
 #include "renderer/bidirectional/bidirectional_params.h"
+#include "renderer/bidirectional/bidirectional_shared.h"
 #include "renderer/bidirectional/merging_correlation.h"
 #include "renderer/bidirectional/technique_blocks.h"
 #include "renderer/eye/camera_connection.h"
 #include "renderer/eye/path_wavefront.h"
-#include "renderer/photons/edge_tree.h"
+#include "renderer/photons/disc_coverage.h"
 #include "renderer/progressive/radius_map.h"
 #include "renderer/transport/light_ends.h"
 
@@ -36,9 +37,8 @@ struct PassTechniques {
     const RadiusMap* radii = nullptr;         // those of the first pass,
     float radius_share = 1;                   // times this,
     uint32_t radius_turn = 0;                 // looked up by this number
-    const EdgeTree* edges = nullptr;          // where there is merging
-    float edge_radius_m = 0;                  // merging counts for less that near to an edge of a surface:
-    float edge_share = 0;                     // by this factor
+    const DiscCoverage* coverage = nullptr;   // where there is merging
+    float edge_radius_m = 0;                  // how near an edge cuts a disc
     bool correlated = false;                  // merging is weighed by merging_correlation.h: paths keep their vertices
 
     /// Of a pixel.
@@ -47,14 +47,16 @@ struct PassTechniques {
     }
 
     /// By which weights count merging at a place: the area of its disc [m^2], or less where the disc may hang over an
-    /// edge or reach behind a wall. It would lack light there, and paths can be made in other ways; but not those that
-    /// delta lobes alone lead from the light and to the eye: these are merged there, too, as nothing else competes. A
-    /// function of place alone, as weights have to be; 0: nothing merges.
+    /// edge or reach behind a wall (MERGE_EDGE_SHARE). A function of place alone, as weights have to be; 0: nothing
+    /// merges.
     float merge_acceptance(const vec3& position) const {
         if (!(merge_radius_m > 0)) return 0;
         const float radius_m = merge_radius_at(position), disc_m2 = kPi * sqr(radius_m);
-        const float edge_m = radii ? radius_m * (edge_radius_m / merge_radius_m) : edge_radius_m;
-        return edges->has_edges(position, edge_m) ? edge_share * disc_m2 : disc_m2;
+        return may_be_cut(position, radius_m) ? MERGE_EDGE_SHARE * disc_m2 : disc_m2;
+    }
+    /// Of the disc of that radius.
+    bool may_be_cut(const vec3& position, float radius_m) const {
+        return coverage->may_be_cut(position, radius_m * (edge_radius_m / merge_radius_m));
     }
     /// Within which an eye's vertex merges there: a function of place alone, too.
     float merge_radius_at(const vec3& position) const {

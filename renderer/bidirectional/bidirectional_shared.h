@@ -16,6 +16,10 @@
 /// Of the radius: how far from the disc vertices lie that are merged.
 #define MERGE_MOST_HEIGHT 0.25f
 
+/// How much merging counts for near an edge, beside what it would elsewhere. Discs are clipped there, which lets all
+/// their light through but has noise, and bias, of its own: where the path can be made otherwise, it rather is.
+#define MERGE_EDGE_SHARE 0.1f
+
 // Elements of a SequenceSampler's run, whose paths the CPU traces together: SequenceSampler::kRun.
 #define LIGHT_RUN_BITS 10
 
@@ -56,14 +60,13 @@ struct LightSplatRecord {
 
 /// PassTechniques, and where what it needs lies.
 struct BidirectionalConstants {
-    uint64_t connection_salt;  // of the pass
+    uint64_t join_salt;  // of the pass
     TechniqueNumbers numbers;
     uint light_paths;
     uint connections_per_vertex;
     uint own_path;  // 0 or 1
     float merge_radius_m;
     float edge_radius_m;
-    float edge_share;
     // In the tables over the light's vertices, whose first word is the number of those: the edges of surfaces, the
     // grid's starts where they merge, and with own_path where each path's vertices begin in their order.
     DiscCoverageConstants edges;
@@ -108,7 +111,7 @@ struct JoinState {
 
 #ifdef __cplusplus
 static_assert(sizeof(LightVertexRecord) == 96 && sizeof(LightSplatRecord) == 16 &&
-              sizeof(BidirectionalConstants) == 44 + 16 + 60 + 8 && sizeof(LightPathsPush) == 40 &&
+              sizeof(BidirectionalConstants) == 40 + 16 + 60 + 8 + 4 /* padding */ && sizeof(LightPathsPush) == 40 &&
               sizeof(JoinState) == 136);
 }  // namespace photond::gpu
 #endif

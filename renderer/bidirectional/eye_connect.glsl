@@ -52,14 +52,14 @@ void connect_vertex(uint vertex, uint key, JoinVertex at, inout JoinedLight ligh
     const bool own = techniques.own_path != 0;
     if (own) {
         // Any of them: paths whose numbers lie in step with the image's pixels are alike.
-        random = make_random_stream(techniques.connection_salt, RANDOM_DOMAIN_CONNECTIONS, ~0u, uint64_t(key));
+        random = make_random_stream(techniques.join_salt, RANDOM_DOMAIN_CONNECTIONS, ~0u, uint64_t(key));
         const uint path =
             uint(uint64_t(random_stream_next_bits(random)) * uint64_t(techniques.light_paths) >> 32);
         first = grid_starts[techniques.first_of_paths + path];
         end = grid_starts[techniques.first_of_paths + path + 1];
         inverse_pdf = float(techniques.light_paths);
     } else {
-        random = make_random_stream(techniques.connection_salt, RANDOM_DOMAIN_CONNECTIONS, vertex, uint64_t(key));
+        random = make_random_stream(techniques.join_salt, RANDOM_DOMAIN_CONNECTIONS, vertex, uint64_t(key));
     }
     for (uint k = first; k < end; ++k) {
         uint i = k;

@@ -14,6 +14,6 @@ void main() {
     JoinVertex at;
     if (!waiting_join(key, at)) return;
     JoinedLight light = no_joined_light();
-    merge_vertex(push.vertex, at, light);
+    merge_vertex(push.vertex, key, at, light);
     store_joined_light(at.path.pixel, light);
 }

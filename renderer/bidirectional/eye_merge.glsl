@@ -6,19 +6,25 @@
 
 #include "renderer/bidirectional/join_vertex.glsl"
 #include "renderer/bidirectional/light_vertices.glsl"
+#include "renderer/photons/disc_coverage.glsl"
+
+/// Whether it lies on the disc about the eye's.
+bool is_merged(LightVertexRecord light_vertex, JoinVertex at) {
+    if (at.path.scatterings + surfaces_of(light_vertex) > eye.max_scatterings) return false;
+    const ShadingPoint point = at.surface.point;
+    const float most_height_m = MERGE_MOST_HEIGHT * techniques.merge_radius_m;
+    if (abs(dot(point.geometric_normal, light_vertex.position - point.position)) > most_height_m) return false;
+    const float side_cosine = dot(light_vertex.normal, point.geometric_normal);
+    if ((side_cosine < 0.0 && !bsdf_has_non_delta_transmission(at.surface.bsdf)) || abs(side_cosine) < DISC_COSINE)
+        return false;
+    // A vertex of a curved surface's next facet may have been lit from below this one's horizon.
+    return (dot(light_vertex.from, point.geometric_normal) > 0.0) == (side_cosine > 0.0);
+}
 
 void merge_with(LightVertexRecord light_vertex, uint vertex, JoinVertex at, vec3 scale, inout JoinedLight light) {
     const uint surfaces = surfaces_of(light_vertex);
     const uint scatterings = at.path.scatterings + surfaces;
-    if (scatterings > eye.max_scatterings) return;
     const ShadingPoint point = at.surface.point;
-    const float most_height_m = MERGE_MOST_HEIGHT * techniques.merge_radius_m;
-    if (abs(dot(point.geometric_normal, light_vertex.position - point.position)) > most_height_m) return;
-    const float side_cosine = dot(light_vertex.normal, point.geometric_normal);
-    if ((side_cosine < 0.0 && !bsdf_has_non_delta_transmission(at.surface.bsdf)) || abs(side_cosine) < DISC_COSINE)
-        return;
-    // A vertex of a curved surface's next facet may have been lit from below this one's horizon.
-    if ((dot(light_vertex.from, point.geometric_normal) > 0.0) != (side_cosine > 0.0)) return;
     const BsdfValue value = bsdf_evaluate(at.surface.bsdf, to_local(point.shading, at.surface.from),
                                           to_local(point.shading, light_vertex.from));
     if (is_black(value.f_cos)) return;
@@ -32,16 +38,53 @@ void merge_with(LightVertexRecord light_vertex, uint vertex, JoinVertex at, vec3
     add_joined(light, scatterings, caustic, JOIN_MERGE, weight * share * scale * value.f_cos * light_vertex.power_w);
 }
 
-void merge_vertex(uint vertex, JoinVertex at, inout JoinedLight light) {
+void merge_vertex(uint vertex, uint key, JoinVertex at, inout JoinedLight light) {
     if (at.acceptance == 0.0 || light_vertex_count() == 0) return;
-    const float radius_sq_m2 = sqr(techniques.merge_radius_m);
-    const vec3 scale = at.path.throughput / (PI * radius_sq_m2);
-    GridSearch search = grid_search(techniques.vertex_grid, at.surface.point.position, techniques.merge_radius_m);
-    uint index;
-    uvec4 place;
-    float distance_sq;
-    while (grid_next(techniques.vertex_grid, search, radius_sq_m2, index, place, distance_sq))
-        if (distance_sq < radius_sq_m2) merge_with(light_vertices[place.w], vertex, at, scale, light);
+    const float radius_m = techniques.merge_radius_m, radius_sq_m2 = sqr(radius_m);
+    const ShadingPoint point = at.surface.point;
+    const bool cut = has_edges(point.position, techniques.edge_radius_m);
+    DiscProbe probe;
+    // The disc's mass is asked for with the first vertex on it.
+    bool has_mass = !cut;
+    DiscMass mass = DiscMass(1.0, false);
+    JoinedLight merged = light;
+    // Some vertices are asked for whether they are hidden, and all of them, from the start, once one is, or a place was.
+    bool asks = false;
+    for (bool again = true; again;) {
+        again = false;
+        merged = light;
+        uint vertices = 0, next_asked = 0;  // number of the vertex
+        uint index;
+        uvec4 place;
+        float distance_sq;
+        GridSearch search = grid_search(techniques.vertex_grid, point.position, radius_m);
+        while (grid_next(techniques.vertex_grid, search, radius_sq_m2, index, place, distance_sq)) {
+            if (!(distance_sq < radius_sq_m2)) continue;
+            const LightVertexRecord light_vertex = light_vertices[place.w];
+            if (!is_merged(light_vertex, at)) continue;
+            if (!has_mass) {
+                probe = probe_disc(CoverageDisc(point.position, point.geometric_normal, radius_m,
+                                                MERGE_MOST_HEIGHT * radius_m));
+                RandomStream random = make_random_stream(techniques.join_salt, RANDOM_DOMAIN_MERGING_DISCS,
+                                                         vertex, uint64_t(key));
+                mass = disc_mass(KernelRecord(KERNEL_CONSTANT, 1.0 / PI, 0.0), probe,
+                                 random_stream_next_bits(random), vertex == 0 ? DISC_FINE_BATCH : DISC_COARSE_BATCH);
+                asks = mass.hides;
+                has_mass = true;
+            }
+            if (cut && (asks || vertices == next_asked)) {
+                next_asked = 2 * vertices + 1;
+                if (!disc_sees(probe, light_vertex.position)) {
+                    if (asks) continue;
+                    asks = again = true;
+                    break;
+                }
+            }
+            ++vertices;
+            merge_with(light_vertex, vertex, at, mass.inverse / (PI * radius_sq_m2) * at.path.throughput, merged);
+        }
+    }
+    light = merged;
 }
 
 #endif

@@ -12,6 +12,9 @@ namespace {
 constexpr size_t kPaths = size_t{EyePathTracer::kTileSide} * EyePathTracer::kTileSide;
 constexpr size_t kShadowRays = 4 * kPaths;
 constexpr size_t kExpectedVertices = 16;  // of the longest paths that are kept
+constexpr size_t kPrefetchAhead = 4;      // vertices that are merged with
+
+const Kernel kMergeKernel(KernelShape::Constant);
 
 struct JoinedEyePath : EyePath {
     SubpathWeights weights;
@@ -166,7 +169,7 @@ struct EyePathTracer::State {
         if (met.bsdf.has_non_delta()) {
             sample_light(vertex, path, surface, i);
             connect(vertex, path, surface, i);
-            merge(vertex, path, surface);
+            merge(vertex, path, surface, i);
         }
         return leave(vertex, path, surface, met.wo, i);
     }
@@ -234,7 +237,7 @@ struct EyePathTracer::State {
         if (cache.empty()) return;
         if (techniques.own_path) {
             // Any of them: paths whose numbers lie in step with the image's pixels are alike.
-            RandomStream random(pass->connection_salt, RandomDomain::Connections, ~0u, batch.keys[i]);
+            RandomStream random(pass->join_salt, RandomDomain::Connections, ~0u, batch.keys[i]);
             const auto own = static_cast<uint32_t>(uint64_t{random.next_bits()} * techniques.light_paths >> 32);
             const std::vector<uint32_t>& first = pass->light.first_of_path;
             for (uint32_t k = first[own]; k < first[own + 1]; ++k)
@@ -244,7 +247,7 @@ struct EyePathTracer::State {
         }
         const uint32_t tries = of_tile.connections_per_vertex;
         if (tries == 0) return;
-        RandomStream random(pass->connection_salt, RandomDomain::Connections, vertex, batch.keys[i]);
+        RandomStream random(pass->join_salt, RandomDomain::Connections, vertex, batch.keys[i]);
         const float inverse_pdf = static_cast<float>(cache.size()) / static_cast<float>(tries);
         for (uint32_t k = 0; k < tries; ++k) {
             // One of each of as many equal parts of the cache.
@@ -297,27 +300,20 @@ struct EyePathTracer::State {
                  Join::Connection, TechniqueKind::Connection, weigh);
     }
 
-    void merge(uint32_t vertex, const JoinedEyePath& path, const SurfaceVertex& surface) {
+    void merge(uint32_t vertex, const JoinedEyePath& path, const SurfaceVertex& surface, uint32_t i) {
         if (pass->grid == nullptr || acceptance == 0) return;
         const ShadingPoint& point = surface.point;
         const float radius_m = pass->techniques.merge_radius_at(point.position);
         pass->grid->find_within(point.position, radius_m, near);
-        if (near.found.empty()) return;
+        const float per_m2 = find_merged(path, surface, radius_m, vertex, batch.keys[i]);
+        if (per_m2 == 0) return;
         const Frame& frame = point.shading;
         const vec3 wo = frame.to_local(surface.from);
-        const float most_height_m = MERGE_MOST_HEIGHT * radius_m;
-        const bool both_sides = surface.bsdf.has_non_delta_transmission();
-        const Rgb scale = path.throughput * (1 / (kPi * sqr(radius_m)));
+        const Rgb scale = per_m2 * path.throughput;
         for (size_t k = 0; k < near.found.size(); ++k) {
             prefetch_merged(k);
             const LightVertex& light = merged(k);
             const uint32_t scatterings = path.scatterings + light.surfaces;
-            if (scatterings > shared->max_scatterings) continue;
-            if (std::fabs(glm::dot(point.geometric_normal, light.position - point.position)) > most_height_m) continue;
-            const float side_cosine = glm::dot(light.normal, point.geometric_normal);
-            if ((side_cosine < 0 && !both_sides) || std::fabs(side_cosine) < kDiscCosine) continue;
-            // A vertex of a curved surface's next facet may have been lit from below this one's horizon.
-            if ((glm::dot(light.from, point.geometric_normal) > 0) != (side_cosine > 0)) continue;
             const BsdfValue value = surface.bsdf.evaluate(wo, frame.to_local(light.from));
             if (is_black(value.f_cos)) continue;
             VertexSide eye_side = side(vertex, light_pdf_back(surface, light.from));
@@ -341,13 +337,46 @@ struct EyePathTracer::State {
         }
     }
 
-    const LightVertex& merged(size_t k) const { return pass->light.vertices[pass->in_grid_order[near.found[k].index]]; }
+    /// Leaves of the vertices that were found those that lie on the surface's disc. Returns one over its area that
+    /// light can reach [1/m^2], 0 where no vertex is left.
+    float find_merged(const JoinedEyePath& path, const SurfaceVertex& surface, float radius_m, uint32_t vertex,
+                      uint32_t key) {
+        const ShadingPoint& point = surface.point;
+        const float most_height_m = MERGE_MOST_HEIGHT * radius_m;
+        const bool both_sides = surface.bsdf.has_non_delta_transmission();
+        std::vector<Neighbours::Found>& found = near.found;
+        size_t left = 0;
+        for (size_t k = 0; k < found.size(); ++k) {
+            if (k + 2 * kPrefetchAhead < found.size()) __builtin_prefetch(&merged(k + 2 * kPrefetchAhead).surfaces);
+            const LightVertex& light = merged(k);
+            if (path.scatterings + light.surfaces > shared->max_scatterings) continue;
+            if (std::fabs(glm::dot(point.geometric_normal, light.position - point.position)) > most_height_m) continue;
+            const float side_cosine = glm::dot(light.normal, point.geometric_normal);
+            if ((side_cosine < 0 && !both_sides) || std::fabs(side_cosine) < kDiscCosine) continue;
+            // A vertex of a curved surface's next facet may have been lit from below this one's horizon.
+            if ((glm::dot(light.from, point.geometric_normal) > 0) != (side_cosine > 0)) continue;
+            found[left++] = found[k];
+        }
+        found.resize(left);
+        if (found.empty()) return 0;
+        const float per_m2 = 1 / (kPi * sqr(radius_m));
+        if (!pass->techniques.may_be_cut(point.position, radius_m)) return per_m2;
+        if (pilot) ++counts_of(path).clipped;
+        const CoverageDisc disc{point.position, point.geometric_normal, radius_m, most_height_m};
+        RandomStream random(pass->join_salt, RandomDomain::MergingDiscs, vertex, key);
+        const DiscProbe probe(*pass->techniques.coverage, kMergeKernel, disc, random.next_bits(),
+                              vertex == 0 ? DiscCare::Fine : DiscCare::Coarse);
+        return per_m2 * probe.clip(found, [&](const Neighbours::Found& f) { return merged(f).position; });
+    }
+
+    const LightVertex& merged(const Neighbours::Found& found) const {
+        return pass->light.vertices[pass->in_grid_order[found.index]];
+    }
+    const LightVertex& merged(size_t k) const { return merged(near.found[k]); }
     /// Vertices that lie together come from paths that lie anywhere.
     void prefetch_merged(size_t k) const {
-        constexpr size_t kAhead = 4;
-        if (k + 2 * kAhead < near.found.size()) __builtin_prefetch(&merged(k + 2 * kAhead).surfaces);
-        if (correlated() && k + kAhead < near.found.size())
-            __builtin_prefetch(&pass->light.places[merged(k + kAhead).place]);
+        if (correlated() && k + kPrefetchAhead < near.found.size())
+            __builtin_prefetch(&pass->light.places[merged(k + kPrefetchAhead).place]);
     }
 
     // What merging_correlation.h asks for.

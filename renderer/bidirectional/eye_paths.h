@@ -18,7 +18,7 @@ struct JoinedPass {
     const HashGrid* grid = nullptr;           // over the light's vertices, where there is merging
     std::span<const uint32_t> in_grid_order;  // the vertex of each of its points
     const PassSampler& sampler;
-    uint64_t connection_salt = 0;                    // of the pass
+    uint64_t join_salt = 0;                          // of the pass
     std::span<const WeighedCandidate> candidates{};  // of a pilot: all samples are weighed by each
 };
 

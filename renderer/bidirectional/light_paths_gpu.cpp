@@ -53,8 +53,8 @@ LightPathsGpu::LightPathsGpu(const gpu::DeviceScene& scene, const BidirectionalP
       sampler_(sampler, seed, RandomDomain::LightPaths, 0),
       seed_(seed),
       expected_(static_cast<uint64_t>(plan.vertices_per_path * plan.techniques.light_paths) + 1),
-      edge_words_(plan.edges && plan.techniques.everywhere.numbers.merges ? plan.edges->device_words()
-                                                                          : std::vector<uint32_t>()),
+      edge_words_(plan.coverage && plan.techniques.everywhere.numbers.merges ? plan.coverage->edges().device_words()
+                                                                             : std::vector<uint32_t>()),
       splat_grid_(splat_cells(film_size)),
       hash_grid_(device_),
       trace_(device_, "renderer/bidirectional/light_paths.comp", sizeof(gpu::LightPathsPush), &scene.set(), constants),
@@ -69,7 +69,7 @@ LightPathsGpu::LightPathsGpu(const gpu::DeviceScene& scene, const BidirectionalP
                                                 std::to_string(kMostLightPaths) + " that can be sorted");
     const uint32_t first_edge = static_cast<uint32_t>(
         vertex_table_words(expected_, plan_.everywhere.numbers.merges, plan_.own_path, plan_.light_paths));
-    if (!edge_words_.empty()) constants_.edges = plan.edges->device_constants(first_edge);
+    if (!edge_words_.empty()) constants_.edges = plan.coverage->edges().device_constants(first_edge);
     make_room(vertex_room_for(static_cast<double>(expected_)));
 }
 
@@ -117,7 +117,7 @@ void LightPathsGpu::make_room(uint64_t vertices) {
 
 uint32_t LightPathsGpu::begin_pass(uint32_t pass, const PassTechniques& techniques) {
     pass_ = pass;
-    constants_.connection_salt = hash64(seed_) + pass;
+    constants_.join_salt = hash64(seed_) + pass;
     const TechniqueNumbers& numbers = techniques.everywhere.numbers;
     constants_.numbers = {numbers.light_paths, numbers.connections, numbers.merges};
     constants_.light_paths = techniques.light_paths;
@@ -125,7 +125,6 @@ uint32_t LightPathsGpu::begin_pass(uint32_t pass, const PassTechniques& techniqu
     constants_.own_path = techniques.own_path;
     constants_.merge_radius_m = techniques.merge_radius_m;
     constants_.edge_radius_m = techniques.edge_radius_m;
-    constants_.edge_share = techniques.edge_share;
     constants_.first_of_paths = 1;
     if (numbers.merges) {
         constants_.vertex_grid = lay_out_grid(scene_.scene().bounds, techniques.merge_radius_m, expected_);

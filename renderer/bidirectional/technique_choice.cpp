@@ -119,14 +119,16 @@ double counted_cost(const TechniqueCandidate& candidate, const PilotCounts& coun
     const bool small = scene.triangles <= 64;
     const double ray = small ? 0.03 : 0.25 + 0.012 * std::log2(static_cast<double>(scene.triangles) / 64);
     const double shading = scene.only_lambert ? 0.07 : 0.25, evaluation = scene.only_lambert ? 0.06 : 0.2;
-    constexpr double kWeights = 0.3, kLight = 0.3, kSeen = 0.1, kConnection = 0.25;
+    constexpr double kWeights = 0.3, kLight = 0.3, kSeen = 0.1, kConnection = 0.25, kClipRays = 12;
     const double query = small ? 0.05 : 0.2;
     double cost = (counts.eye_vertices + counts.open_vertices) * ray + counts.eye_vertices * shading;
     if (!(candidate.light_paths > 0)) return cost;
     cost += counts.eye_vertices * kWeights;
     cost += candidate.light_paths * (counts.light_vertices * (ray + kLight) + counts.seen * (ray + kSeen));
     cost += candidate.connections * counts.open_vertices * (0.6 * ray + kConnection);
-    if (candidate.merges) cost += counts.open_vertices * query + candidate.light_paths * counts.found * evaluation;
+    if (candidate.merges)
+        cost += counts.open_vertices * query + candidate.light_paths * counts.found * evaluation +
+                counts.clipped * kClipRays * ray;
     return cost;
 }
 

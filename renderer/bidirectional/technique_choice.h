@@ -105,8 +105,9 @@ struct EyePathCounts {
     uint32_t vertices = 0;
     uint32_t open_vertices = 0;  // of them with a lobe that connects
     uint32_t found = 0;          // vertices within the radius of an open vertex
+    uint32_t clipped = 0;        // discs of merging that an edge may cut
     EyePathCounts& operator+=(const EyePathCounts& more) {
-        vertices += more.vertices, open_vertices += more.open_vertices, found += more.found;
+        vertices += more.vertices, open_vertices += more.open_vertices, found += more.found, clipped += more.clipped;
         return *this;
     }
 };
@@ -118,6 +119,7 @@ struct PilotCounts {
     double light_vertices = 0;  // of one light path
     double seen = 0;            // of a light path, vertices that the camera may see
     double found = 0;           // vertices within the radius of an open vertex
+    double clipped = 0;         // discs of merging that an edge may cut
 };
 
 /// What costs depend on besides.

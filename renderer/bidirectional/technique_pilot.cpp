@@ -96,9 +96,10 @@ public:
                         counts.eye_vertices += weight * counted_[other].vertices;
                         counts.open_vertices += weight * counted_[other].open_vertices;
                         counts.found += weight * counted_[other].found;
+                        counts.clipped += weight * counted_[other].clipped;
                         sums.add(sums_[other], weight);
                     }
-                for (double* count : {&counts.eye_vertices, &counts.open_vertices, &counts.found})
+                for (double* count : {&counts.eye_vertices, &counts.open_vertices, &counts.found, &counts.clipped})
                     *count /= std::max(pixels, 1.0) * passes;
                 const std::vector<double> variances = sums.variances(known);
                 const double of_block = pixels_[block] / std::max(pixels, 1.0);
@@ -145,9 +146,8 @@ TechniquePilot run_technique_pilot(const TechniquePilotInputs& inputs, Stats& st
     pilot.radii = inputs.radii;
     pilot.radius_share = static_cast<float>(std::sqrt(denser));
     pilot.merge_radius_m = inputs.choices.merges ? inputs.merge_radius_m * pilot.radius_share : 0.0f;
-    pilot.edges = inputs.edges;
+    pilot.coverage = inputs.coverage;
     pilot.edge_radius_m = inputs.merge_radius_m;
-    pilot.edge_share = inputs.edge_share;
     pilot.everywhere = {
         .connections_per_vertex = 1,
         .numbers = {.light_paths = static_cast<float>(pilot.light_paths),
@@ -184,7 +184,7 @@ TechniquePilot run_technique_pilot(const TechniquePilotInputs& inputs, Stats& st
                                 .grid = grid ? &*grid : nullptr,
                                 .in_grid_order = order,
                                 .sampler = sampler,
-                                .connection_salt = hash64(context.seed) + pass,
+                                .join_salt = hash64(context.seed) + pass,
                                 .candidates = weighed_candidates};
         parallel_over_tiles(size, kTile, never, [&](const Tile& tile) {
             PilotThread& mine = threads.local();
@@ -217,9 +217,10 @@ TechniquePilot run_technique_pilot(const TechniquePilotInputs& inputs, Stats& st
         counts.eye_vertices += of_pixel.vertices;
         counts.open_vertices += of_pixel.open_vertices;
         counts.found += of_pixel.found;
+        counts.clipped += of_pixel.clipped;
     }
-    for (double* count :
-         {&counts.eye_vertices, &counts.open_vertices, &counts.light_vertices, &counts.seen, &counts.found})
+    for (double* count : {&counts.eye_vertices, &counts.open_vertices, &counts.light_vertices, &counts.seen,
+                          &counts.found, &counts.clipped})
         *count /= pixels * kPasses;
 
     // The pilot says how bright it is around each pixel, too.

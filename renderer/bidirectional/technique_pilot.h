@@ -11,10 +11,9 @@ struct TechniquePilotInputs {
     const BidirectionalParams& params;
     double vertices_per_path;  // of light paths
     TechniqueChoices choices;
-    float merge_radius_m;    // of the first pass; 0: nothing merges
-    const RadiusMap* radii;  // each place's own, of which that is the greatest; nullptr: there is one for all
-    const EdgeTree* edges;   // where there is merging
-    float edge_share;        // PassTechniques::edge_share
+    float merge_radius_m;          // of the first pass; 0: nothing merges
+    const RadiusMap* radii;        // each place's own, of which that is the greatest; nullptr: there is one for all
+    const DiscCoverage* coverage;  // where there is merging
 };
 
 /// What a candidate would be everywhere.

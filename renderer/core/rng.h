@@ -19,7 +19,8 @@ enum class RandomDomain : uint32_t {
     Splats = 7,
     Stratification = 8,
     LightPaths = 9,
-    Connections = 10
+    Connections = 10,
+    MergingDiscs = 11
 };
 
 /// A good 32-bit mixing function. [Wellons 2018] "Prospecting for Hash Functions", lowbias32.

@@ -29,6 +29,7 @@
 //
 // What it does not know: surfaces that run into others without an edge near (a wall that goes on below the floor).
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <optional>
@@ -38,6 +39,7 @@
 #include "renderer/photons/disc_coverage_shared.h"
 #include "renderer/photons/edge_tree.h"
 #include "renderer/photons/kernel.h"
+#include "renderer/photons/neighbours.h"
 
 namespace photond {
 
@@ -84,6 +86,7 @@ public:
 
     /// False: the disc is whole, and nothing hides in it. True: a DiscProbe tells.
     bool may_be_cut(const vec3& centre, float radius_m) const { return edges_.has_edges(centre, radius_m); }
+    const EdgeTree& edges() const { return edges_; }
 
     /// A disc's mass is not taken to be less: a needle of surface would turn one photon into a firefly.
     static constexpr float kLeastMass = DISC_LEAST_MASS;
@@ -133,10 +136,18 @@ public:
     };
     Mass mass() const;
 
+    /// Takes the photons out that the disc hides and returns one over its mass; 0 where no photon is left.
+    /// `position_of(found)`: the photon's. Those found are near to one another in their order.
+    template <class PositionOf>
+    float clip(std::vector<Neighbours::Found>& photons, const PositionOf& position_of) const;
+
     static constexpr size_t kMostInBatch = DISC_FINE_BATCH;
     static constexpr size_t kMostPlaces = DISC_MOST_PLACES;
 
 private:
+    /// Photons that are asked for whether any is hidden.
+    static constexpr size_t kAskedFirst = 4;
+
     struct Place;
     std::span<Place> look_up(uint32_t batch, std::array<Place, kMostInBatch>& places) const;
     Place place(uint32_t batch, size_t number) const;
@@ -154,5 +165,19 @@ private:
     float lift_m_ = 0;
     vec3 eye_{0};  // above the centre
 };
+
+template <class PositionOf>
+float DiscProbe::clip(std::vector<Neighbours::Found>& photons, const PositionOf& position_of) const {
+    const auto is_hidden = [&](const Neighbours::Found& f) { return !sees(position_of(f)); };
+    // A wall may stand where none of the places will be: a few photons are asked besides. Their order is one of space.
+    const size_t asked = std::min(photons.size(), kAskedFirst);
+    bool any_hidden = false;
+    for (size_t i = 0; i < asked && !any_hidden; ++i) any_hidden = is_hidden(photons[i * photons.size() / asked]);
+    if (any_hidden) std::erase_if(photons, is_hidden);
+    if (photons.empty()) return 0;
+    const Mass of_disc = mass();
+    if (of_disc.hides && !any_hidden && asked < photons.size()) std::erase_if(photons, is_hidden);
+    return of_disc.inverse;
+}
 
 }  // namespace photond

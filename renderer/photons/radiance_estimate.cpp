@@ -33,9 +33,6 @@ uint32_t take_photons(const Structure& structure, const PhotonMap& map, const Es
     return taken;
 }
 
-/// Photons of a clipped disc that are asked for whether any is hidden.
-constexpr size_t kAskedFirst = 4;
-
 /// Takes the photons out that the clipped disc hides and returns one over its mass; 0 where no photon is left.
 float clip(const PhotonMap& map, const EstimateSettings& settings, const Disc& disc, const DiscTest& test,
            float thickness_m, Neighbours& found) {
@@ -48,16 +45,7 @@ float clip(const PhotonMap& map, const EstimateSettings& settings, const Disc& d
     if (photons.empty()) return 0;
     const CoverageDisc surface{disc.position, disc.normal, found.radius_m, thickness_m};
     const DiscProbe probe(*settings.coverage, settings.kernel, surface, disc.query.turn, disc.query.care);
-    const auto is_hidden = [&](const Neighbours::Found& f) { return !probe.sees(map.position(f.index)); };
-    // A wall may stand where none of the places will be: a few photons are asked besides. Their order is one of space.
-    const size_t asked = std::min(photons.size(), kAskedFirst);
-    bool any_hidden = false;
-    for (size_t i = 0; i < asked && !any_hidden; ++i) any_hidden = is_hidden(photons[i * photons.size() / asked]);
-    if (any_hidden) std::erase_if(photons, is_hidden);
-    if (photons.empty()) return 0;
-    const DiscProbe::Mass mass = probe.mass();
-    if (mass.hides && !any_hidden && asked < photons.size()) std::erase_if(photons, is_hidden);
-    return mass.inverse;
+    return probe.clip(photons, [&](const Neighbours::Found& f) { return map.position(f.index); });
 }
 
 /// What sums of weight x power are to be multiplied by, and what was found.

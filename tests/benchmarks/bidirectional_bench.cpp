@@ -12,7 +12,6 @@
 #include "renderer/bidirectional/light_paths.h"
 #include "renderer/bidirectional/technique_pilot.h"
 #include "renderer/methods/vertex_connection_and_merging/vertex_connection_and_merging.h"
-#include "renderer/photons/surface_edges.h"
 #include "tests/benchmarks/bench_scenes.h"
 #include "tests/benchmarks/timed_render.h"
 
@@ -54,15 +53,14 @@ void show(const char* name) {
     const double vertices = static_cast<double>(tracer.trace(1, 0, light, counts, CancelToken{}).vertices.size()) /
                             static_cast<double>(kSize.pixels());
     Stats stats;
-    const EdgeTree edges(find_surface_edges(scene, kMergeRadius * scene.bounds.radius()));
+    const DiscCoverage coverage(scene, *intersector, kMergeRadius * scene.bounds.radius());
     const TechniquePilot pilot = run_technique_pilot({context,
                                                       params,
                                                       vertices,
                                                       {.most_light_paths = 2, .merges = true},
                                                       kMergeRadius * scene.bounds.radius(),
                                                       nullptr,
-                                                      &edges,
-                                                      0},
+                                                      &coverage},
                                                      stats);
     std::printf("%s, %u x %u: %.1f vertices of a light path\n", name, kSize.width, kSize.height, vertices);
     std::printf("  light paths  connections  merges      clock    counted   variance  worth\n");

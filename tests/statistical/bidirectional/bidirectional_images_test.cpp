@@ -10,7 +10,6 @@
 #include "renderer/core/thread_local.h"
 #include "renderer/methods/bidirectional_path_tracing/bidirectional_path_tracing.h"
 #include "renderer/methods/vertex_connection_and_merging/vertex_connection_and_merging.h"
-#include "renderer/photons/surface_edges.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "tests/support/lit_rooms.h"
 #include "tests/support/render.h"
@@ -168,7 +167,7 @@ std::vector<test::RunningMean> means_by_blocks(const Scene& scene, MergeWeights 
     const RenderContext context{scene, intersector.get(), View{find_camera(scene, ""), kSize, filter, LayerSet()}, 6,
                                 budget};
     const BidirectionalScene shared(context, params);
-    const EdgeTree edges(find_surface_edges(scene, kRadius));
+    const DiscCoverage coverage(scene, *intersector, kRadius);
     LightPathTracer tracer(shared);
     Counts counts;
     const CancelToken never;
@@ -184,7 +183,7 @@ std::vector<test::RunningMean> means_by_blocks(const Scene& scene, MergeWeights 
                               .merges = merges}});
     const TechniqueBlocks blocks(kSize, EyePathTracer::kTileSide, of_blocks);
     techniques.blocks = &blocks;
-    techniques.edges = &edges;
+    techniques.coverage = &coverage;
     techniques.merge_radius_m = techniques.edge_radius_m = kRadius;
     techniques.correlated = weights == MergeWeights::CorrelationAware;
 
@@ -200,7 +199,7 @@ std::vector<test::RunningMean> means_by_blocks(const Scene& scene, MergeWeights 
                                 .grid = &grid,
                                 .in_grid_order = order,
                                 .sampler = sampler,
-                                .connection_salt = pass};
+                                .join_salt = pass};
         PassImage image(kSize, LayerSet());
         parallel_over_tiles(kSize, EyePathTracer::kTileSide, never, [&](const Tile& tile) {
             Counts rays;
@@ -289,6 +288,35 @@ TEST(BidirectionalImages, TrainedRadiiKeepTheLightOfARoom) {
     EXPECT_LE(std::fabs(interval.mean - kExact), interval.half_width);
     EXPECT_LE(interval.half_width, 0.01 * kExact) << "too noisy to notice a defect";
     EXPECT_GT(merged, 0.05);
+}
+
+/// A sheet of smooth glass in the sun, and below it a floor that wide, as seen from straight above: by merging alone.
+Scene below_a_sheet(float half_width_m) {
+    Scene scene;
+    const auto sheet = [](float x, float y) {
+        return MeshBuilder().quad({-x, y, 0.3f}, {x, y, 0.3f}, {x, y, -0.3f}, {-x, y, -0.3f}).build(0);
+    };
+    test::add(scene, sheet(0.3f, 0.2f), rough(0, 0, 1, false));
+    test::add(scene, sheet(half_width_m, 0), test::lambert(0.8f));
+    scene.punctual_lights = {test::sun({0.1f, -1, 0.05f})};
+    scene.cameras.push_back(look_at_camera({0, 1, 0}, {0, 0, 0}, {0, 0, -1}, 0.08f));
+    finish_scene(scene);
+    return scene;
+}
+
+// All discs hang over the edges of a strip narrower than they are, and nothing else makes the paths that merging lacks.
+TEST(BidirectionalImages, MergingLacksNoLightAtEdges) {
+    for (const MergeWeights weights : {MergeWeights::Recursive, MergeWeights::CorrelationAware}) {
+        test::RenderSettingsOf<VertexConnectionAndMerging> settings{.passes = 400, .seed = 6};
+        settings.params.indirect_bounces = 2;
+        settings.params.adapt = false;
+        settings.params.light_paths = 4;
+        settings.params.merging_params.radius_m = 0.1f;
+        settings.params.merging_params.weights = weights;
+        const auto of_floor = block_means(below_a_sheet(0.3f), settings);
+        settings.seed = 7;
+        expect_one_mean(of_floor, block_means(below_a_sheet(0.05f), settings));
+    }
 }
 
 TEST(BidirectionalImages, AreThoseOfPathTracing) {
