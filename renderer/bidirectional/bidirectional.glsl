@@ -28,7 +28,7 @@ uint light_vertex_count() { return min(grid_starts[0], techniques.capacity); }
 #define EDGE_WORD(index) grid_starts[index]
 #include "renderer/photons/edge_tree.glsl"
 
-/// PassTechniques::merge_acceptance().
+/// MergeDisc::acceptance_m2() of a place.
 float merge_acceptance(vec3 position) {
     if (!(techniques.merge_radius_m > 0.0)) return 0.0;
     const float disc_m2 = PI * sqr(techniques.merge_radius_m);

@@ -27,6 +27,15 @@ struct BidirectionalScene : PathScene {
     const Mis mis;
 };
 
+/// What vertices that merge with one lie on.
+struct MergeDisc {
+    float radius_m = 0;       // 0: nothing merges
+    bool may_be_cut = false;  // it may hang over an edge, or reach behind a wall
+
+    /// By which weights count merging [m^2].
+    float acceptance_m2() const { return kPi * sqr(radius_m) * (may_be_cut ? MERGE_EDGE_SHARE : 1); }
+};
+
 /// How often each technique is tried in a pass, and where vertices merge.
 struct PassTechniques {
     uint32_t light_paths = 0;
@@ -46,21 +55,11 @@ struct PassTechniques {
         return blocks ? (*blocks)[blocks->index_at(x, y)] : everywhere;
     }
 
-    /// By which weights count merging at a place: the area of its disc [m^2], or less where the disc may hang over an
-    /// edge or reach behind a wall (MERGE_EDGE_SHARE). A function of place alone, as weights have to be; 0: nothing
-    /// merges.
-    float merge_acceptance(const vec3& position) const {
-        if (!(merge_radius_m > 0)) return 0;
-        const float radius_m = merge_radius_at(position), disc_m2 = kPi * sqr(radius_m);
-        return may_be_cut(position, radius_m) ? MERGE_EDGE_SHARE * disc_m2 : disc_m2;
-    }
-    /// Of the disc of that radius.
-    bool may_be_cut(const vec3& position, float radius_m) const {
-        return coverage->may_be_cut(position, radius_m * (edge_radius_m / merge_radius_m));
-    }
-    /// Within which an eye's vertex merges there: a function of place alone, too.
-    float merge_radius_at(const vec3& position) const {
-        return radii ? radius_share * radii->radius_m(position, radius_turn) : merge_radius_m;
+    /// Where an eye's vertex merges at that place: a function of place alone, as weights have to be.
+    MergeDisc merge_disc_at(const vec3& position) const {
+        if (!(merge_radius_m > 0)) return {};
+        const float radius_m = radii ? radius_share * radii->radius_m(position, radius_turn) : merge_radius_m;
+        return {radius_m, coverage->may_be_cut(position, radius_m * (edge_radius_m / merge_radius_m))};
     }
     /// Of a path whose first surface lies so far from the camera.
     MergingCorrelation correlation(const Mis& mis, float first_distance_m) const {

@@ -163,8 +163,8 @@ struct EyePathTracer::State {
         const SurfaceVertex surface{met.surface, met.bsdf, -ray.direction};
         path.lit_normal = lit_normal(surface);
         const bool may_merge = numbers().merges && met.bsdf.has_non_delta();
-        acceptance = may_merge ? pass->techniques.merge_acceptance(surface.point.position) : 0.0f;
-        if (correlated()) kept(path, vertex).acceptance = eye_vertices.back().acceptance = acceptance;
+        disc = may_merge ? pass->techniques.merge_disc_at(surface.point.position) : MergeDisc();
+        if (correlated()) kept(path, vertex).acceptance = eye_vertices.back().acceptance = disc.acceptance_m2();
         if (pilot) ++counts_of(path).vertices, counts_of(path).open_vertices += met.bsdf.has_non_delta() ? 1 : 0;
         if (met.bsdf.has_non_delta()) {
             sample_light(vertex, path, surface, i);
@@ -301,11 +301,10 @@ struct EyePathTracer::State {
     }
 
     void merge(uint32_t vertex, const JoinedEyePath& path, const SurfaceVertex& surface, uint32_t i) {
-        if (pass->grid == nullptr || acceptance == 0) return;
+        if (pass->grid == nullptr || !(disc.radius_m > 0)) return;
         const ShadingPoint& point = surface.point;
-        const float radius_m = pass->techniques.merge_radius_at(point.position);
-        pass->grid->find_within(point.position, radius_m, near);
-        const float per_m2 = find_merged(path, surface, radius_m, vertex, batch.keys[i]);
+        pass->grid->find_within(point.position, disc.radius_m, near);
+        const float per_m2 = find_merged(path, surface, vertex, batch.keys[i]);
         if (per_m2 == 0) return;
         const Frame& frame = point.shading;
         const vec3 wo = frame.to_local(surface.from);
@@ -339,10 +338,9 @@ struct EyePathTracer::State {
 
     /// Leaves of the vertices that were found those that lie on the surface's disc. Returns one over its area that
     /// light can reach [1/m^2], 0 where no vertex is left.
-    float find_merged(const JoinedEyePath& path, const SurfaceVertex& surface, float radius_m, uint32_t vertex,
-                      uint32_t key) {
+    float find_merged(const JoinedEyePath& path, const SurfaceVertex& surface, uint32_t vertex, uint32_t key) {
         const ShadingPoint& point = surface.point;
-        const float most_height_m = MERGE_MOST_HEIGHT * radius_m;
+        const float most_height_m = MERGE_MOST_HEIGHT * disc.radius_m;
         const bool both_sides = surface.bsdf.has_non_delta_transmission();
         std::vector<Neighbours::Found>& found = near.found;
         size_t left = 0;
@@ -359,12 +357,12 @@ struct EyePathTracer::State {
         }
         found.resize(left);
         if (found.empty()) return 0;
-        const float per_m2 = 1 / (kPi * sqr(radius_m));
-        if (!pass->techniques.may_be_cut(point.position, radius_m)) return per_m2;
+        const float per_m2 = 1 / (kPi * sqr(disc.radius_m));
+        if (!disc.may_be_cut) return per_m2;
         if (pilot) ++counts_of(path).clipped;
-        const CoverageDisc disc{point.position, point.geometric_normal, radius_m, most_height_m};
+        const CoverageDisc surface_disc{point.position, point.geometric_normal, disc.radius_m, most_height_m};
         RandomStream random(pass->join_salt, RandomDomain::MergingDiscs, vertex, key);
-        const DiscProbe probe(*pass->techniques.coverage, kMergeKernel, disc, random.next_bits(),
+        const DiscProbe probe(*pass->techniques.coverage, kMergeKernel, surface_disc, random.next_bits(),
                               vertex == 0 ? DiscCare::Fine : DiscCare::Coarse);
         return per_m2 * probe.clip(found, [&](const Neighbours::Found& f) { return merged(f).position; });
     }
@@ -403,7 +401,7 @@ struct EyePathTracer::State {
         return light_vertices;
     }
 
-    VertexSide side(uint32_t vertex, float pdf_back) const { return {vertex == 0, pdf_back, acceptance}; }
+    VertexSide side(uint32_t vertex, float pdf_back) const { return {vertex == 0, pdf_back, disc.acceptance_m2()}; }
     const TechniqueNumbers& numbers() const { return of_tile.numbers; }
 
     /// `weigh(numbers)`: of the light that arrives where the ray is free.
@@ -460,7 +458,7 @@ struct EyePathTracer::State {
     Counts* counts = nullptr;
     PilotTile* pilot = nullptr;
     BlockTechniques of_tile;
-    float acceptance = 0;  // of the vertex at hand
+    MergeDisc disc;  // of the vertex at hand
 
     PathBatch<JoinedEyePath> batch{kPaths};
     ShadowBatch<WaitingJoin> shadows{kShadowRays};

@@ -158,7 +158,8 @@ private:
                 path.weights, shared_->ends.direct_at_first_hit(starts_[i], point.position, lit_normal(vertex), hit.t));
         mis.arrive(path.weights, first && ends_[i].infinite ? 1.0f : sqr(hit.t), cosine);
         const uint32_t key = batch_.keys[i];
-        const float acceptance = vertex.bsdf.has_non_delta() ? techniques_->merge_acceptance(point.position) : 0.0f;
+        const float acceptance =
+            vertex.bsdf.has_non_delta() ? techniques_->merge_disc_at(point.position).acceptance_m2() : 0.0f;
         if (techniques_->correlated) keep_place(i, path, first, hit.t, cosine, acceptance);
         if (vertex.bsdf.has_non_delta()) {
             out_->vertices.push_back({.position = point.position,

@@ -26,7 +26,7 @@ struct LightVertex {
     uint32_t triangle;
     float u, v;
     float outside_ior;  // as make_bsdf() wants it
-    float acceptance;   // PassTechniques::merge_acceptance() [m^2]
+    float acceptance;   // MergeDisc::acceptance_m2()
     uint32_t path;      // of the pass
     uint32_t place;     // of LightPaths::places, where those are kept
     uint32_t surfaces;  // met so far, this one included
