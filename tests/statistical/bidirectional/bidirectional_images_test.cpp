@@ -154,27 +154,89 @@ std::vector<test::RunningMean> block_means(const Scene& scene, test::RenderSetti
     return means;
 }
 
+/// A scene rendered by techniques that no choice would make.
+class JoinedRender {
+public:
+    static constexpr float kRadius = 0.02f;  // of merging
+
+    JoinedRender(const Scene& scene, PixelFilter filter, std::optional<uint32_t> bounces, LayerSet layers)
+        : layers_(layers),
+          intersector_(make_embree_intersector(scene, budget_, stats_)),
+          shared_({scene, intersector_.get(), View{find_camera(scene, ""), kSize, filter, layers}, kSeed, budget_},
+                  params(bounces)),
+          coverage_(scene, *intersector_, kRadius),
+          tracer_(shared_) {
+        techniques.light_paths = static_cast<uint32_t>(kSize.pixels());
+        techniques.coverage = &coverage_;
+    }
+
+    PassTechniques techniques;
+
+    double vertices_per_path() {
+        return static_cast<double>(tracer_.trace(7, 0, techniques, counts_, never_).vertices.size()) /
+               techniques.light_paths;
+    }
+    /// Of the passes' blocks; all passes are added to `film`, where there is one.
+    std::vector<test::RunningMean> means(uint32_t passes, Film* film = nullptr) {
+        std::vector<test::RunningMean> means(kBlocks);
+        for (uint32_t pass = 0; pass < passes; ++pass) {
+            PassImage image(kSize, layers_);
+            render(pass, image);
+            Film of_pass(kSize, layers_, pass);
+            of_pass.add_pass(image);
+            add_pass(of_pass, means);
+            if (film != nullptr) film->add_pass(image);
+        }
+        return means;
+    }
+
+private:
+    static constexpr uint64_t kSeed = 6;
+
+    static VertexConnectionAndMergingParams params(std::optional<uint32_t> bounces) {
+        VertexConnectionAndMergingParams params;
+        params.sampler = SamplerKind::Random;
+        params.indirect_bounces = bounces;
+        return params;
+    }
+    void render(uint32_t pass, PassImage& image) {
+        const LightPaths& light = tracer_.trace(kSeed, pass, techniques, counts_, never_);
+        std::vector<uint32_t> order(light.vertices.size());
+        const HashGrid grid = light.grid(kRadius, order);
+        const PassSampler sampler(SamplerKind::Random, kSeed, RandomDomain::Camera, pass);
+        const JoinedPass joined{.techniques = techniques,
+                                .light = light,
+                                .grid = &grid,
+                                .in_grid_order = order,
+                                .sampler = sampler,
+                                .join_salt = pass};
+        parallel_over_tiles(kSize, EyePathTracer::kTileSide, never_, [&](const Tile& tile) {
+            Counts rays;
+            EyeSeconds seconds;
+            eyes_.local().trace_tile(shared_, joined, tile, image, rays, seconds);
+        });
+        light.add_splats(shared_.filter, techniques.blocks, image);
+    }
+
+    const LayerSet layers_;
+    MemoryBudget budget_;
+    Stats stats_;
+    const std::unique_ptr<Intersector> intersector_;
+    const BidirectionalScene shared_;
+    const DiscCoverage coverage_;
+    LightPathTracer tracer_;
+    ThreadLocal<EyePathTracer> eyes_;
+    Counts counts_;
+    const CancelToken never_;
+};
+
 /// Of passes whose blocks of 16 pixels have techniques of their own: none but what is always there, connections,
 /// merging, and both.
 std::vector<test::RunningMean> means_by_blocks(const Scene& scene, MergeWeights weights, PixelFilter filter,
                                                uint32_t passes) {
-    MemoryBudget budget;
-    Stats stats;
-    const auto intersector = make_embree_intersector(scene, budget, stats);
-    VertexConnectionAndMergingParams params;
-    params.sampler = SamplerKind::Random;
-    constexpr float kRadius = 0.02f;
-    const RenderContext context{scene, intersector.get(), View{find_camera(scene, ""), kSize, filter, LayerSet()}, 6,
-                                budget};
-    const BidirectionalScene shared(context, params);
-    const DiscCoverage coverage(scene, *intersector, kRadius);
-    LightPathTracer tracer(shared);
-    Counts counts;
-    const CancelToken never;
-    PassTechniques techniques;
-    techniques.light_paths = static_cast<uint32_t>(kSize.pixels());
-    const double vertices =
-        static_cast<double>(tracer.trace(7, 0, techniques, counts, never).vertices.size()) / techniques.light_paths;
+    JoinedRender render(scene, filter, std::nullopt, LayerSet());
+    PassTechniques& techniques = render.techniques;
+    const double vertices = render.vertices_per_path();
     std::vector<BlockTechniques> of_blocks;
     for (const auto& [connections, merges] : {std::pair{0u, false}, {2u, false}, {0u, true}, {1u, true}})
         of_blocks.push_back({connections,
@@ -183,35 +245,9 @@ std::vector<test::RunningMean> means_by_blocks(const Scene& scene, MergeWeights 
                               .merges = merges}});
     const TechniqueBlocks blocks(kSize, EyePathTracer::kTileSide, of_blocks);
     techniques.blocks = &blocks;
-    techniques.coverage = &coverage;
-    techniques.merge_radius_m = techniques.edge_radius_m = kRadius;
+    techniques.merge_radius_m = techniques.edge_radius_m = JoinedRender::kRadius;
     techniques.correlated = weights == MergeWeights::CorrelationAware;
-
-    ThreadLocal<EyePathTracer> eyes;
-    std::vector<test::RunningMean> means(kBlocks);
-    for (uint32_t pass = 0; pass < passes; ++pass) {
-        const LightPaths& light = tracer.trace(context.seed, pass, techniques, counts, never);
-        std::vector<uint32_t> order(light.vertices.size());
-        const HashGrid grid = light.grid(kRadius, order);
-        const PassSampler sampler(params.sampler, context.seed, RandomDomain::Camera, pass);
-        const JoinedPass joined{.techniques = techniques,
-                                .light = light,
-                                .grid = &grid,
-                                .in_grid_order = order,
-                                .sampler = sampler,
-                                .join_salt = pass};
-        PassImage image(kSize, LayerSet());
-        parallel_over_tiles(kSize, EyePathTracer::kTileSide, never, [&](const Tile& tile) {
-            Counts rays;
-            EyeSeconds seconds;
-            eyes.local().trace_tile(shared, joined, tile, image, rays, seconds);
-        });
-        light.add_splats(shared.filter, &blocks, image);
-        Film film(kSize, LayerSet(), pass);
-        film.add_pass(image);
-        add_pass(film, means);
-    }
-    return means;
+    return render.means(passes);
 }
 
 /// The two have one mean in each block. What passes of either have as variance says how far apart they may lie.
@@ -288,6 +324,51 @@ TEST(BidirectionalImages, TrainedRadiiKeepTheLightOfARoom) {
     EXPECT_LE(std::fabs(interval.mean - kExact), interval.half_width);
     EXPECT_LE(interval.half_width, 0.01 * kExact) << "too noisy to notice a defect";
     EXPECT_GT(merged, 0.05);
+}
+
+/// A floor and a wall that keep their distance: what connects them has a bounded variance without any weight.
+Scene apart() {
+    Scene scene;
+    test::add(scene, MeshBuilder().quad({-3, 0, 1.5f}, {3, 0, 1.5f}, {3, 0, -1.5f}, {-3, 0, -1.5f}).build(0),
+              test::lambert(0.6f));
+    test::add(scene, MeshBuilder().quad({-3, 1, -2.5f}, {3, 1, -2.5f}, {3, 4.5f, -2.5f}, {-3, 4.5f, -2.5f}).build(0),
+              test::lambert(0.8f));
+    scene.cameras.push_back(look_at_camera({0, 2, 6}, {0, 1.2f, -1}, {0, 1, 0}, 0.6f));
+    return with_lamp(std::move(scene));
+}
+
+// Weights that take one technique for all but certain leave the others only the paths that it cannot make: it alone
+// makes the rest of path tracing's image. Of two scatterings there is one connection, and of any number one light path
+// that the camera sees.
+TEST(BidirectionalImages, EachTechniqueAloneIsPathTracing) {
+    const Scene scene = apart();
+    constexpr float kAllButCertain = 1e9f;
+    const auto pixels = static_cast<float>(kSize.pixels());
+    struct Alone {
+        const char* name;
+        uint32_t bounces;
+        BlockTechniques techniques;
+        Layer layer;  // of the technique
+        bool makes_direct;
+    };
+    const Alone techniques[] = {
+        {"connections", 1, {2, {pixels, kAllButCertain, false}}, Layer::Connections, false},
+        {"connections of three scatterings", 2, {2, {pixels, kAllButCertain, false}}, Layer::Connections, false},
+        {"light paths that the camera sees", 2, {0, {kAllButCertain, 0, false}}, Layer::LightImage, true}};
+    for (const Alone& alone : techniques) {
+        SCOPED_TRACE(alone.name);
+        test::RenderSettings reference{.passes = 1200, .seed = 3};
+        reference.params.indirect_bounces = alone.bounces;
+        LayerSet layers;
+        layers.add(alone.layer);
+        JoinedRender render(scene, PixelFilter::Box, alone.bounces, layers);
+        render.techniques.everywhere = alone.techniques;
+        Film film(kSize, layers);
+        expect_one_mean(block_means(scene, reference), render.means(1200, &film));
+        const double made = test::mean_of(film.resolve(Layer::Indirect)) +
+                            (alone.makes_direct ? test::mean_of(film.resolve(Layer::Direct)) : 0);
+        EXPECT_GT(test::mean_of(film.resolve(alone.layer)), 0.999 * made);
+    }
 }
 
 /// A sheet of smooth glass in the sun, and below it a floor that wide, as seen from straight above: by merging alone.

@@ -231,5 +231,23 @@ TEST(GpuBidirectionalMethod, TakesTheMemoryItSays) {
     test::expect_device_bytes_as_estimated(place.on_device, settings);
 }
 
+TEST(GpuBidirectionalMethod, RefusesWhatOnlyTheCpuHas) {
+    const auto pointer_of = [](auto change) -> std::string {
+        VertexConnectionAndMergingParams params;
+        change(params.merging_params);
+        try {
+            Gpu::check_gpu(params);
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code, ErrorCode::Unsupported);
+            return error.faults.at(0).pointer;
+        }
+        return "";
+    };
+    EXPECT_EQ(pointer_of([](MergingParams&) {}), "");
+    EXPECT_EQ(pointer_of([](MergingParams& p) { p.weights = MergeWeights::Recursive; }), "");
+    EXPECT_EQ(pointer_of([](MergingParams& p) { p.weights = MergeWeights::CorrelationAware; }), "/weights");
+    EXPECT_EQ(pointer_of([](MergingParams& p) { p.radius_rule = RadiusRule::Trained; }), "/radius_rule");
+}
+
 }  // namespace
 }  // namespace photond::gpu_bidirectional_method_test
