@@ -357,14 +357,14 @@ TEST(BidirectionalImages, EachTechniqueAloneIsPathTracing) {
         {"light paths that the camera sees", 2, {0, {kAllButCertain, 0, false}}, Layer::LightImage, true}};
     for (const Alone& alone : techniques) {
         SCOPED_TRACE(alone.name);
-        test::RenderSettings reference{.passes = 1200, .seed = 3};
+        test::RenderSettings reference{.passes = 800, .seed = 3};
         reference.params.indirect_bounces = alone.bounces;
         LayerSet layers;
         layers.add(alone.layer);
         JoinedRender render(scene, PixelFilter::Box, alone.bounces, layers);
         render.techniques.everywhere = alone.techniques;
         Film film(kSize, layers);
-        expect_one_mean(block_means(scene, reference), render.means(1200, &film));
+        expect_one_mean(block_means(scene, reference), render.means(800, &film));
         const double made = test::mean_of(film.resolve(Layer::Indirect)) +
                             (alone.makes_direct ? test::mean_of(film.resolve(Layer::Direct)) : 0);
         EXPECT_GT(test::mean_of(film.resolve(alone.layer)), 0.999 * made);
