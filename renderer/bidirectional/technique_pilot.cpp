@@ -147,7 +147,7 @@ TechniquePilot run_technique_pilot(const TechniquePilotInputs& inputs, Stats& st
     pilot.radius_share = static_cast<float>(std::sqrt(denser));
     pilot.merge_radius_m = inputs.choices.merges ? inputs.merge_radius_m * pilot.radius_share : 0.0f;
     pilot.coverage = inputs.coverage;
-    pilot.edge_radius_m = inputs.merge_radius_m;
+    pilot.edge_radius_m = inputs.merge_radius_m;  // as many are cut, too
     pilot.everywhere = {
         .connections_per_vertex = 1,
         .numbers = {.light_paths = static_cast<float>(pilot.light_paths),

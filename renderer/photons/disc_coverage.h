@@ -122,8 +122,8 @@ private:
 /// Looks one disc up.
 class DiscProbe {
 public:
-    /// All is borrowed. `turn`, a random number, says which places are looked up. The disc's radius is at most that of
-    /// the coverage.
+    /// All is borrowed. `turn`, a random number, says which places are looked up. Of any radius: that of the coverage
+    /// is one of its edges.
     DiscProbe(const DiscCoverage& coverage, const Kernel& kernel, const CoverageDisc& disc, uint32_t turn,
               DiscCare care);
 
