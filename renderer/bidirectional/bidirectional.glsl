@@ -28,10 +28,10 @@ uint light_vertex_count() { return min(grid_starts[0], techniques.capacity); }
 #define EDGE_WORD(index) grid_starts[index]
 #include "renderer/photons/edge_tree.glsl"
 
-/// MergeDisc::acceptance_m2() of a place.
-float merge_acceptance(vec3 position) {
+/// PassTechniques::merge_disc_at() that place, its acceptance_m2().
+float merge_acceptance(vec3 position, bool caustic) {
     if (!(techniques.merge_radius_m > 0.0)) return 0.0;
-    const float disc_m2 = PI * sqr(techniques.merge_radius_m);
+    const float disc_m2 = PI * sqr((caustic ? techniques.numbers.caustic_radius : 1.0) * techniques.merge_radius_m);
     return has_edges(position, techniques.edge_radius_m) ? MERGE_EDGE_SHARE * disc_m2 : disc_m2;
 }
 

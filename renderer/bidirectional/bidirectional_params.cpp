@@ -65,6 +65,11 @@ void MergingParams::visit(ParamVisitor& visitor) {
                    "within which vertices are merged in the first pass; a pilot's when not given"});
     visitor.field("radius_relative", radius_relative,
                   {DensityEstimate, "", 1e-9, 1e3, "the same, over the radius of the scene's bounding sphere"});
+    visitor.field(
+        "caustic_radius_share", caustic_radius_share,
+        {DensityEstimate, "", 0.01, 1,
+         "of the radius: within which light is merged that mirrors and glass alone have scattered; not given: "
+         "as a pilot finds both, or 1 where the radius is given"});
     static constexpr std::string_view kWeights[] = {"automatic", "recursive", "correlation_aware"};
     visitor.enumeration("weights", weights,
                         {NoiseAndBias, kWeights,

@@ -32,6 +32,7 @@ struct MergingParams {
     uint32_t nearest_vertices = 12;
     std::optional<float> radius_m;
     std::optional<float> radius_relative;
+    std::optional<float> caustic_radius_share;
     MergeWeights weights = MergeWeights::Automatic;
 
     bool correlated() const { return weights != MergeWeights::Recursive; }

@@ -58,24 +58,30 @@ PhotonMap map_of(std::span<const LightVertex> vertices, const PhotonSearch& sear
     return PhotonMap(std::move(photons), search);
 }
 
+struct FirstRadius {
+    float radius_m;
+    float caustic_radius = 1;  // of it
+};
+
 /// `pilot`: vertices of its light paths. `paths_over_pilot`: of a pass.
-float first_merge_radius_m(const MergingParams& merging, std::span<const LightVertex> pilot, float scene_radius_m,
-                           double paths_over_pilot) {
+FirstRadius first_merge_radius(const MergingParams& merging, std::span<const LightVertex> pilot, float scene_radius_m,
+                               double paths_over_pilot) {
     const RadiusLimits limits(scene_radius_m);
-    if (merging.radius_m) return *merging.radius_m;
-    if (merging.radius_relative) return std::max(*merging.radius_relative * scene_radius_m, limits.least_m);
-    // Caustics are sharp and dense where the rest is smooth: the one radius is to suit both.
-    float wanted_m = limits.most_m;
-    for (const bool caustic : {false, true}) {
+    const float share = merging.caustic_radius_share.value_or(1);
+    if (merging.radius_m) return {*merging.radius_m, share};
+    if (merging.radius_relative) return {std::max(*merging.radius_relative * scene_radius_m, limits.least_m), share};
+    // Caustics are sharp and dense where the rest is smooth.
+    const auto wanted_m = [&](bool caustic) {
         const PhotonMap map = map_of(pilot, {PhotonSearch::Kind::Nearest, kPilotNearest, limits.most_m},
-                                     [&](const LightVertex& v) { return !caustic || (v.all_delta && v.surfaces > 1); });
-        if (map.size() < kPilotNearest) continue;
-        wanted_m =
-            std::min(wanted_m, radius_of_pilot(map, {.photons_in_radius = static_cast<double>(merging.nearest_vertices),
-                                                     .bright_share = caustic ? kBrightCausticShare : kBrightShare,
-                                                     .paths_over_pilot = paths_over_pilot}));
-    }
-    return std::max(wanted_m, limits.least_m);
+                                     [&](const LightVertex& v) { return v.caustic() == caustic; });
+        if (map.size() < kPilotNearest) return limits.most_m;
+        const float found_m = radius_of_pilot(map, {.photons_in_radius = static_cast<double>(merging.nearest_vertices),
+                                                    .bright_share = caustic ? kBrightCausticShare : kBrightShare,
+                                                    .paths_over_pilot = paths_over_pilot});
+        return std::clamp(found_m, limits.least_m, limits.most_m);
+    };
+    const float radius_m = wanted_m(false), caustic_m = wanted_m(true);
+    return {radius_m, merging.caustic_radius_share.value_or(std::min(caustic_m / radius_m, 1.0f))};
 }
 
 /// Where the camera sees light, each place's own radius; none of them far from the one that would be everyone's.
@@ -137,6 +143,7 @@ BidirectionalPlan make_bidirectional_plan(const RenderContext& context, const Bi
     techniques.correlated = params.merging() != nullptr && params.merging()->correlated();
     double& vertices = plan.vertices_per_path;
     float& first_radius_m = plan.first_radius_m;
+    float caustic_radius = 1;
     if (scene.emission.total_power_w() > 0 && params.light_paths.value_or(1) > 0) {
         PassTechniques pilot;
         const bool trains = params.merging() != nullptr && params.merging()->radius_rule == RadiusRule::Trained;
@@ -151,7 +158,9 @@ BidirectionalPlan make_bidirectional_plan(const RenderContext& context, const Bi
             const MergingParams& merging = *params.merging();
             const std::vector<LightVertex> seen = seen_vertices(scene, paths.vertices, stats.counts);
             const double over_pilot = double{light_paths} * static_cast<double>(size.pixels()) / pilot.light_paths;
-            first_radius_m = first_merge_radius_m(merging, seen, scene.scene.bounds.radius(), over_pilot);
+            const FirstRadius first = first_merge_radius(merging, seen, scene.scene.bounds.radius(), over_pilot);
+            first_radius_m = first.radius_m;
+            caustic_radius = first.caustic_radius;
             plan.alpha = merging.alpha;
             if (trains) {
                 context.budget.require("radius_pilots", PhotonMap::bytes_for(paths.vertices.size()));
@@ -194,9 +203,10 @@ BidirectionalPlan make_bidirectional_plan(const RenderContext& context, const Bi
     std::vector<TechniqueCandidate> of_blocks;  // where they are asked for
     uint32_t block_side = 0;
     if (params.adapt) {
-        const TechniquePilot judged = run_technique_pilot({context, params, vertices, choices, first_radius_m,
-                                                           plan.radii ? &*plan.radii : nullptr, plan.coverage.get()},
-                                                          stats);
+        const TechniquePilot judged =
+            run_technique_pilot({context, params, vertices, choices, first_radius_m, caustic_radius,
+                                 plan.radii ? &*plan.radii : nullptr, plan.coverage.get()},
+                                stats);
         chosen = judged.candidates[judged.chosen.everywhere].candidate;
         if (by == TechniquesBy::Block) {
             block_side = judged.block_side;
@@ -219,7 +229,8 @@ BidirectionalPlan make_bidirectional_plan(const RenderContext& context, const Bi
             .numbers = {
                 .light_paths = static_cast<float>(techniques.light_paths),
                 .connections = techniques.own_path ? 1.0f : static_cast<float>(candidate.connections / vertices),
-                .merges = candidate.merges}};
+                .merges = candidate.merges,
+                .caustic_radius = caustic_radius}};
     };
     techniques.everywhere = of_pixel(chosen);
     std::vector<BlockTechniques> blocks;

@@ -34,6 +34,8 @@ struct MergeDisc {
 
     /// By which weights count merging [m^2].
     float acceptance_m2() const { return kPi * sqr(radius_m) * (may_be_cut ? MERGE_EDGE_SHARE : 1); }
+    float most_height_m() const { return MERGE_MOST_HEIGHT * radius_m; }
+    MergeDisc scaled(float share) const { return {share * radius_m, may_be_cut}; }
 };
 
 /// How often each technique is tried in a pass, and where vertices merge.
@@ -55,11 +57,17 @@ struct PassTechniques {
         return blocks ? (*blocks)[blocks->index_at(x, y)] : everywhere;
     }
 
-    /// Where an eye's vertex merges at that place: a function of place alone, as weights have to be.
+    /// Where an eye's vertex merges at that place, but with caustics: a function of place alone, as weights have to be.
+    /// Whether a caustic's disc may be cut is taken from the larger one's.
     MergeDisc merge_disc_at(const vec3& position) const {
         if (!(merge_radius_m > 0)) return {};
         const float radius_m = radii ? radius_share * radii->radius_m(position, radius_turn) : merge_radius_m;
         return {radius_m, coverage->may_be_cut(position, radius_m * (edge_radius_m / merge_radius_m))};
+    }
+    /// Where a light path merges at that place. `caustic`: it was scattered before, and by delta lobes alone.
+    MergeDisc merge_disc_at(const vec3& position, bool caustic) const {
+        const MergeDisc disc = merge_disc_at(position);
+        return caustic ? disc.scaled(everywhere.numbers.caustic_radius) : disc;
     }
     /// Of a path whose first surface lies so far from the camera.
     MergingCorrelation correlation(const Mis& mis, float first_distance_m) const {

@@ -47,7 +47,6 @@ struct LightVertexRecord {
     float u;
     float v;
     uint surfaces;  // and LIGHT_VERTEX_ALL_DELTA
-    uint unused;    // so that each begins where a load of 16 bytes can
 };
 #define LIGHT_VERTEX_ALL_DELTA 0x80000000u
 
@@ -111,8 +110,8 @@ struct JoinState {
 
 #ifdef __cplusplus
 static_assert(sizeof(LightVertexRecord) == 96 && sizeof(LightSplatRecord) == 16 &&
-              sizeof(BidirectionalConstants) == 40 + 16 + 60 + 8 + 4 /* padding */ && sizeof(LightPathsPush) == 40 &&
-              sizeof(JoinState) == 136);
+              sizeof(BidirectionalConstants) == 44 + 16 + 60 + 8 && sizeof(LightPathsPush) == 40 &&
+              sizeof(JoinState) == 140);
 }  // namespace photond::gpu
 #endif
 

@@ -8,11 +8,16 @@
 #include "renderer/bidirectional/light_vertices.glsl"
 #include "renderer/photons/disc_coverage.glsl"
 
-/// Whether it lies on the disc about the eye's.
-bool is_merged(LightVertexRecord light_vertex, JoinVertex at) {
+/// Of a caustic's light: CPU's LightVertex::caustic().
+bool is_caustic(LightVertexRecord light_vertex) {
+    return surfaces_of(light_vertex) > 1 && (light_vertex.surfaces & LIGHT_VERTEX_ALL_DELTA) != 0;
+}
+
+/// Whether it lies on the disc about the eye's, not regarding the distance.
+bool is_merged(LightVertexRecord light_vertex, JoinVertex at, float radius_m) {
     if (at.path.scatterings + surfaces_of(light_vertex) > eye.max_scatterings) return false;
     const ShadingPoint point = at.surface.point;
-    const float most_height_m = MERGE_MOST_HEIGHT * techniques.merge_radius_m;
+    const float most_height_m = MERGE_MOST_HEIGHT * radius_m;
     if (abs(dot(point.geometric_normal, light_vertex.position - point.position)) > most_height_m) return false;
     const float side_cosine = dot(light_vertex.normal, point.geometric_normal);
     if ((side_cosine < 0.0 && !bsdf_has_non_delta_transmission(at.surface.bsdf)) || abs(side_cosine) < DISC_COSINE)
@@ -21,7 +26,8 @@ bool is_merged(LightVertexRecord light_vertex, JoinVertex at) {
     return (dot(light_vertex.from, point.geometric_normal) > 0.0) == (side_cosine > 0.0);
 }
 
-void merge_with(LightVertexRecord light_vertex, uint vertex, JoinVertex at, vec3 scale, inout JoinedLight light) {
+void merge_with(LightVertexRecord light_vertex, uint vertex, JoinVertex at, float acceptance, vec3 scale,
+                inout JoinedLight light) {
     const uint surfaces = surfaces_of(light_vertex);
     const uint scatterings = at.path.scatterings + surfaces;
     const ShadingPoint point = at.surface.point;
@@ -29,20 +35,20 @@ void merge_with(LightVertexRecord light_vertex, uint vertex, JoinVertex at, vec3
                                           to_local(point.shading, light_vertex.from));
     if (is_black(value.f_cos)) return;
     const VertexSide eye_side =
-        VertexSide(vertex == 0, light_pdf_back(at.surface, light_vertex.from), at.acceptance);
+        VertexSide(vertex == 0, light_pdf_back(at.surface, light_vertex.from), acceptance);
     const VertexSide light_side = VertexSide(surfaces == 1, value.pdf_sa, 0.0);
     const float weight = mis_merging(at.weights, eye_side, light_vertex.weights, light_side, techniques.numbers);
     const float share = 1.0 / max(abs(dot(light_vertex.from, light_vertex.normal)), DISC_LEAST_COSINE);
-    const bool caustic = at.path.scatterings == 0 && surfaces > 1 &&
-                         (light_vertex.surfaces & LIGHT_VERTEX_ALL_DELTA) != 0;
+    const bool caustic = at.path.scatterings == 0 && is_caustic(light_vertex);
     add_joined(light, scatterings, caustic, JOIN_MERGE, weight * share * scale * value.f_cos * light_vertex.power_w);
 }
 
-void merge_vertex(uint vertex, uint key, JoinVertex at, inout JoinedLight light) {
-    if (at.acceptance == 0.0 || light_vertex_count() == 0) return;
-    const float radius_m = techniques.merge_radius_m, radius_sq_m2 = sqr(radius_m);
+/// With caustics' vertices, or the others; with all, where they have the same disc. `cut`: it may be.
+void merge_within(bool caustics, bool cut, uint vertex, uint key, JoinVertex at, inout JoinedLight light) {
+    const float share = caustics ? techniques.numbers.caustic_radius : 1.0;
+    const bool all = techniques.numbers.caustic_radius == 1.0;
+    const float radius_m = share * techniques.merge_radius_m, radius_sq_m2 = sqr(radius_m);
     const ShadingPoint point = at.surface.point;
-    const bool cut = has_edges(point.position, techniques.edge_radius_m);
     DiscProbe probe;
     // The disc's mass is asked for with the first vertex on it.
     bool has_mass = !cut;
@@ -61,7 +67,8 @@ void merge_vertex(uint vertex, uint key, JoinVertex at, inout JoinedLight light)
         while (grid_next(techniques.vertex_grid, search, radius_sq_m2, index, place, distance_sq)) {
             if (!(distance_sq < radius_sq_m2)) continue;
             const LightVertexRecord light_vertex = light_vertices[place.w];
-            if (!is_merged(light_vertex, at)) continue;
+            if (!all && is_caustic(light_vertex) != caustics) continue;
+            if (!is_merged(light_vertex, at, radius_m)) continue;
             if (!has_mass) {
                 probe = probe_disc(CoverageDisc(point.position, point.geometric_normal, radius_m,
                                                 MERGE_MOST_HEIGHT * radius_m));
@@ -81,10 +88,18 @@ void merge_vertex(uint vertex, uint key, JoinVertex at, inout JoinedLight light)
                 }
             }
             ++vertices;
-            merge_with(light_vertex, vertex, at, mass.inverse / (PI * radius_sq_m2) * at.path.throughput, merged);
+            merge_with(light_vertex, vertex, at, sqr(share) * at.acceptance,
+                       mass.inverse / (PI * radius_sq_m2) * at.path.throughput, merged);
         }
     }
     light = merged;
+}
+
+void merge_vertex(uint vertex, uint key, JoinVertex at, inout JoinedLight light) {
+    if (at.acceptance == 0.0 || light_vertex_count() == 0) return;
+    const bool cut = has_edges(at.surface.point.position, techniques.edge_radius_m);
+    const uint discs = techniques.numbers.caustic_radius < 1.0 ? 2 : 1;
+    for (uint disc = 0; disc < discs; ++disc) merge_within(disc == 1, cut, vertex, key, at, light);
 }
 
 #endif

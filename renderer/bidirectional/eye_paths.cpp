@@ -139,7 +139,8 @@ struct EyePathTracer::State {
             const std::span<const PathVertex> before{eye_vertices.data(), vertex};
             const PathVertex first = first_of_light(met, before.back().per_area, 1.0f);
             const float inverse_cos = met.infinite ? 1.0f : eye_vertices[vertex].inverse_cos;
-            weights.merges = correlation_of(path).light_met(before, inverse_cos, first).eye;
+            weights.merges = correlation_of(path).light_met(before, inverse_cos, first, numbers().caustic_area()).eye;
+            weights.newest_merge = 0;
         }
         const auto weigh = [&](const TechniqueNumbers& n) { return shared->mis.light_met(weights, met, n); };
         if (pilot) add_now(TechniqueKind::Alone, path, radiance, weigh);
@@ -304,7 +305,19 @@ struct EyePathTracer::State {
         if (pass->grid == nullptr || !(disc.radius_m > 0)) return;
         const ShadingPoint& point = surface.point;
         pass->grid->find_within(point.position, disc.radius_m, near);
-        const float per_m2 = find_merged(path, surface, vertex, batch.keys[i]);
+        find_merged(path, surface);
+        const uint32_t key = batch.keys[i];
+        merge_within(disc, vertex, path, surface, key);
+        if (caustics.empty()) return;
+        std::swap(near.found, caustics);
+        merge_within(disc.scaled(numbers().caustic_radius), vertex, path, surface, key);
+    }
+
+    /// With the vertices that are left on that disc.
+    void merge_within(const MergeDisc& within, uint32_t vertex, const JoinedEyePath& path, const SurfaceVertex& surface,
+                      uint32_t key) {
+        const ShadingPoint& point = surface.point;
+        const float per_m2 = one_over_area(within, path, surface, vertex, key);
         if (per_m2 == 0) return;
         const Frame& frame = point.shading;
         const vec3 wo = frame.to_local(surface.from);
@@ -315,7 +328,7 @@ struct EyePathTracer::State {
             const uint32_t scatterings = path.scatterings + light.surfaces;
             const BsdfValue value = surface.bsdf.evaluate(wo, frame.to_local(light.from));
             if (is_black(value.f_cos)) continue;
-            VertexSide eye_side = side(vertex, light_pdf_back(surface, light.from));
+            VertexSide eye_side{vertex == 0, light_pdf_back(surface, light.from), within.acceptance_m2()};
             const VertexSide light_side{light.first_surface(), value.pdf_sa, 0};
             SubpathWeights eye_weights = path.weights, light_weights = light.weights;
             if (correlated()) {
@@ -331,16 +344,18 @@ struct EyePathTracer::State {
             const float share = 1 / std::max(std::fabs(glm::dot(light.from, light.normal)), kLeastCosine);
             const Rgb radiance = share * scale * value.f_cos * light.power_w;
             if (pilot) ++counts_of(path).found, add_now(TechniqueKind::Merge, path, radiance, weigh);
-            add_joined(*image, path.pixel, scatterings, path.scatterings == 0 && light.surfaces > 1 && light.all_delta,
-                       Join::Merge, weigh(numbers()).weight() * radiance);
+            add_joined(*image, path.pixel, scatterings, path.scatterings == 0 && light.caustic(), Join::Merge,
+                       weigh(numbers()).weight() * radiance);
         }
     }
 
-    /// Leaves of the vertices that were found those that lie on the surface's disc. Returns one over its area that
-    /// light can reach [1/m^2], 0 where no vertex is left.
-    float find_merged(const JoinedEyePath& path, const SurfaceVertex& surface, uint32_t vertex, uint32_t key) {
+    /// Leaves of the vertices that were found those that lie on the surface's disc; those of caustics in `caustics`,
+    /// where they have a disc of their own.
+    void find_merged(const JoinedEyePath& path, const SurfaceVertex& surface) {
+        const bool caustics_differ = numbers().caustic_radius < 1;
+        const MergeDisc of_caustics = disc.scaled(numbers().caustic_radius);
+        caustics.clear();
         const ShadingPoint& point = surface.point;
-        const float most_height_m = MERGE_MOST_HEIGHT * disc.radius_m;
         const bool both_sides = surface.bsdf.has_non_delta_transmission();
         std::vector<Neighbours::Found>& found = near.found;
         size_t left = 0;
@@ -348,19 +363,34 @@ struct EyePathTracer::State {
             if (k + 2 * kPrefetchAhead < found.size()) __builtin_prefetch(&merged(k + 2 * kPrefetchAhead).surfaces);
             const LightVertex& light = merged(k);
             if (path.scatterings + light.surfaces > shared->max_scatterings) continue;
-            if (std::fabs(glm::dot(point.geometric_normal, light.position - point.position)) > most_height_m) continue;
+            const bool as_caustic = caustics_differ && light.caustic();
+            const MergeDisc& within = as_caustic ? of_caustics : disc;
+            if (as_caustic && !(found[k].distance_sq_m2 < sqr(within.radius_m))) continue;
+            if (std::fabs(glm::dot(point.geometric_normal, light.position - point.position)) > within.most_height_m())
+                continue;
             const float side_cosine = glm::dot(light.normal, point.geometric_normal);
             if ((side_cosine < 0 && !both_sides) || std::fabs(side_cosine) < kDiscCosine) continue;
             // A vertex of a curved surface's next facet may have been lit from below this one's horizon.
             if ((glm::dot(light.from, point.geometric_normal) > 0) != (side_cosine > 0)) continue;
-            found[left++] = found[k];
+            if (as_caustic)
+                caustics.push_back(found[k]);
+            else
+                found[left++] = found[k];
         }
         found.resize(left);
+    }
+
+    /// One over the area of a disc that light can reach [1/m^2], 0 where none of the vertices in `near` is left.
+    float one_over_area(const MergeDisc& within, const JoinedEyePath& path, const SurfaceVertex& surface,
+                        uint32_t vertex, uint32_t key) {
+        const ShadingPoint& point = surface.point;
+        std::vector<Neighbours::Found>& found = near.found;
         if (found.empty()) return 0;
-        const float per_m2 = 1 / (kPi * sqr(disc.radius_m));
-        if (!disc.may_be_cut) return per_m2;
+        const float per_m2 = 1 / (kPi * sqr(within.radius_m));
+        if (!within.may_be_cut) return per_m2;
         if (pilot) ++counts_of(path).clipped;
-        const CoverageDisc surface_disc{point.position, point.geometric_normal, disc.radius_m, most_height_m};
+        const CoverageDisc surface_disc{point.position, point.geometric_normal, within.radius_m,
+                                        within.most_height_m()};
         RandomStream random(pass->join_salt, RandomDomain::MergingDiscs, vertex, key);
         const DiscProbe probe(*pass->techniques.coverage, kMergeKernel, surface_disc, random.next_bits(),
                               vertex == 0 ? DiscCare::Fine : DiscCare::Coarse);
@@ -458,7 +488,7 @@ struct EyePathTracer::State {
     Counts* counts = nullptr;
     PilotTile* pilot = nullptr;
     BlockTechniques of_tile;
-    MergeDisc disc;  // of the vertex at hand
+    MergeDisc disc;  // of the vertex at hand, but for caustics
 
     PathBatch<JoinedEyePath> batch{kPaths};
     ShadowBatch<WaitingJoin> shadows{kShadowRays};
@@ -466,6 +496,7 @@ struct EyePathTracer::State {
     std::vector<EyePath> starts;
     std::vector<uint32_t> order;
     Neighbours near;
+    std::vector<Neighbours::Found> caustics;               // of these, on their own disc
     std::vector<PathVertex> kept_vertices;                 // of all paths of the tile, vertex by vertex
     std::vector<PathVertex> eye_vertices, light_vertices;  // of the paths at hand
     std::vector<PilotSample> samples;                      // that wait

@@ -80,7 +80,7 @@ bool shade_joined(uint vertex, uint key, Hit hit, inout EyePath path, inout Subp
     const vec2 choice = sample_2d(key, sample_set(vertex, SET_LIGHT_CHOICE_AND_ROULETTE));
     if (bsdf_has_non_delta(met.bsdf)) {
         joins = true;
-        at.acceptance = merge_acceptance(met.surface.position);
+        at.acceptance = merge_acceptance(met.surface.position, false);
         pending = sample_light_of(vertex, key, at, choice.x);
     }
     const float u_lobe = ONLY_LAMBERT ? 0.0 : sample_2d(key, sample_set(vertex, SET_LOBE)).x;

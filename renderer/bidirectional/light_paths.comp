@@ -119,7 +119,6 @@ void store(LightWalk walk, SurfaceVertex vertex, float outside_ior, float accept
     record.weights = walk.weights;
     record.u = vertex.point.u, record.v = vertex.point.v;
     record.acceptance = acceptance;
-    record.unused = 0u;
     record.surfaces = walk.surfaces | (walk.all_delta ? LIGHT_VERTEX_ALL_DELTA : 0u);
     vertices[place] = record;
     places[place] = uvec4(floatBitsToUint(vertex.point.position), place);
@@ -181,7 +180,7 @@ bool step_walk(inout LightWalk walk) {
     mis_arrive(walk.weights, first && walk.infinite ? 1.0 : sqr(hit.t), cosine);
     float acceptance = 0.0;
     if (bsdf_has_non_delta(vertex.bsdf)) {
-        acceptance = merge_acceptance(vertex.point.position);
+        acceptance = merge_acceptance(vertex.point.position, !first && walk.all_delta);
         store(walk, vertex, outside_ior, acceptance);
     }
     if (walk.surfaces >= eye.max_scatterings) return false;

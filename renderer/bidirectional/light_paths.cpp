@@ -159,7 +159,9 @@ private:
         mis.arrive(path.weights, first && ends_[i].infinite ? 1.0f : sqr(hit.t), cosine);
         const uint32_t key = batch_.keys[i];
         const float acceptance =
-            vertex.bsdf.has_non_delta() ? techniques_->merge_disc_at(point.position).acceptance_m2() : 0.0f;
+            vertex.bsdf.has_non_delta()
+                ? techniques_->merge_disc_at(point.position, !first && path.all_delta).acceptance_m2()
+                : 0.0f;
         if (techniques_->correlated) keep_place(i, path, first, hit.t, cosine, acceptance);
         if (vertex.bsdf.has_non_delta()) {
             out_->vertices.push_back({.position = point.position,

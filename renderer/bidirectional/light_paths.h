@@ -33,6 +33,7 @@ struct LightVertex {
     bool all_delta;     // the scatterings before this vertex
 
     bool first_surface() const { return surfaces == 1; }
+    bool caustic() const { return surfaces > 1 && all_delta; }
     /// As the path met it.
     SurfaceVertex surface(const Scene& scene) const;
 };

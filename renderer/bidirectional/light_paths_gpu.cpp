@@ -119,7 +119,7 @@ uint32_t LightPathsGpu::begin_pass(uint32_t pass, const PassTechniques& techniqu
     pass_ = pass;
     constants_.join_salt = hash64(seed_) + pass;
     const TechniqueNumbers& numbers = techniques.everywhere.numbers;
-    constants_.numbers = {numbers.light_paths, numbers.connections, numbers.merges};
+    constants_.numbers = {numbers.light_paths, numbers.connections, numbers.merges, numbers.caustic_radius};
     constants_.light_paths = techniques.light_paths;
     constants_.connections_per_vertex = techniques.everywhere.connections_per_vertex;
     constants_.own_path = techniques.own_path;

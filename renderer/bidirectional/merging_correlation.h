@@ -107,9 +107,9 @@ public:
         return {.eye = before(eye, eye_pdf_back, at_eye, Side::Eye), .eye_share = eye_share(eye, at_eye)};
     }
     /// `eye` until the last surface before the light, which is `first`. `inverse_cos`: of the arrival at the light; 1
-    /// where that is infinite.
-    Merges light_met(std::span<const Vertex> eye, Real inverse_cos, const Vertex& first) const {
-        return {.eye = sum(eye, inverse_cos, within(first), Side::Eye)};
+    /// where that is infinite. `caustic_area`: of the technique's numbers.
+    Merges light_met(std::span<const Vertex> eye, Real inverse_cos, const Vertex& first, Real caustic_area) const {
+        return {.eye = sum(eye, inverse_cos, within(first), Side::Eye, eye.back().delta ? caustic_area : Real(1))};
     }
     Merges seen_by_camera(std::span<const Vertex> light, Real light_pdf_back, Real camera_pdf_area) const {
         return {.light = before(light, light_pdf_back, within(camera_pdf_area), Side::Light)};
@@ -142,8 +142,8 @@ private:
         return sum(earlier, path.back().inverse_cos, reach * within(pdf_back * earlier.back().per_area), side);
     }
     /// At all vertices of `path`, which went on to one where it arrived at 1/inverse_cos; the other sub-path has that
-    /// reach to its last.
-    Real sum(std::span<const Vertex> path, Real inverse_cos, Real reach, Side side) const {
+    /// reach to its last. `newest_area`: of the acceptance, at the newest where they can merge.
+    Real sum(std::span<const Vertex> path, Real inverse_cos, Real reach, Side side, Real newest_area = 1) const {
         Real merges = 0, ratio = 1;
         for (size_t i = path.size(); i-- > 0;) {
             const Vertex& vertex = path[i];
@@ -153,7 +153,8 @@ private:
             const Real kappa = side == Side::Light ? share(reach, vertex.reach)
                                : i == 0            ? Real(1)
                                                    : share(vertex.reach, reach);
-            merges += ratio * of(vertex.acceptance * kappa);
+            merges += ratio * of(vertex.acceptance * kappa * newest_area);
+            newest_area = 1;
             ratio *= of(vertex.pdf_back);
             if (i > 0) reach *= within(vertex.pdf_back * path[i - 1].per_area);
         }

@@ -42,10 +42,10 @@ float mis_others_of_eye(SubpathWeights w, VertexSide side, TechniqueNumbers n) {
 
 SubpathWeights mis_start_light(LightEnd end) {
     return SubpathWeights(mis_of(1.0 / end.emission),
-                          end.delta ? 0.0 : mis_of((end.infinite ? 1.0 : end.cosine) / end.emission), 0.0, 0.0);
+                          end.delta ? 0.0 : mis_of((end.infinite ? 1.0 : end.cosine) / end.emission), 0.0, 0.0, 0.0);
 }
 void mis_direct_at_first_hit(inout SubpathWeights w, float direct) { w.last *= mis_of(direct); }
-SubpathWeights mis_start_eye(float camera_pdf) { return SubpathWeights(mis_of(1.0 / camera_pdf), 0.0, 0.0, 0.0); }
+SubpathWeights mis_start_eye(float camera_pdf) { return SubpathWeights(mis_of(1.0 / camera_pdf), 0.0, 0.0, 0.0, 0.0); }
 
 void mis_arrive(inout SubpathWeights w, float distance_sq_m2, float cos_at_surface) {
     const float inverse_cos = mis_of(1.0 / cos_at_surface);
@@ -53,12 +53,14 @@ void mis_arrive(inout SubpathWeights w, float distance_sq_m2, float cos_at_surfa
     w.ends *= inverse_cos;
     w.connections *= inverse_cos;
     w.merges *= inverse_cos;
+    w.newest_merge *= inverse_cos;
 }
 void mis_scatter(inout SubpathWeights w, VertexSide side, float pdf, float cos_out) {
     const float outward = mis_of(cos_out / pdf), back = mis_of(side.pdf_back);
     w.ends = outward * (w.ends * back + (side.first_surface ? w.last : 0.0));
     w.connections = outward * (w.connections * back + (side.first_surface ? 0.0 : w.last));
-    w.merges = outward * (w.merges * back + mis_of(side.acceptance));
+    w.newest_merge = outward * mis_of(side.acceptance);
+    w.merges = outward * (w.merges * back) + w.newest_merge;
     w.last = mis_of(1.0 / pdf);
 }
 void mis_scatter_delta(inout SubpathWeights w, float cos_out) {
@@ -67,9 +69,12 @@ void mis_scatter_delta(inout SubpathWeights w, float cos_out) {
     w.ends *= outward;
     w.connections *= outward;
     w.merges *= outward;
+    w.newest_merge *= outward;
 }
 
 float mis_light_met(SubpathWeights eye, LightEnd end, TechniqueNumbers n) {
+    const bool by_delta = eye.last == 0.0;
+    if (by_delta) eye.merges -= eye.newest_merge * (1.0 - mis_of(sqr(n.caustic_radius)));
     return mis_weight(1.0, mis_of(end.direct) * eye.last + mis_of(end.emission) * mis_sum_of_eye(eye, n));
 }
 float mis_next_event(SubpathWeights eye, VertexSide side, float pdf, float pdf_direct_sa, float cosine, LightEnd end,

@@ -33,7 +33,10 @@ struct BasicTechniqueNumbers {
     Real light_paths = 0;  // of a pass: each is a sample of every pixel that sees it, and can be merged with
     Real connections = 1;  // expected, of an eye vertex with each vertex of one light path
     bool merges = false;
+    Real caustic_radius = 1;  // where light merges that was scattered at least once, and by delta lobes: of the radius
 
+    /// ... as the share of the acceptance.
+    Real caustic_area() const { return caustic_radius * caustic_radius; }
     bool operator==(const BasicTechniqueNumbers&) const = default;
 };
 using TechniqueNumbers = BasicTechniqueNumbers<float>;
@@ -46,6 +49,9 @@ struct BasicSubpathWeights {
     Real ends = 0;         // of a light path: light met and next event; of the eye's: seen by the camera
     Real connections = 0;  // with one connection each
     Real merges = 0;       // with one light path and the acceptance of their places, pi r^2
+    // Of the eye's: what its newest vertex that is no delta adds to merges. Where the path then meets the light by
+    // delta lobes, what could have merged there is a caustic.
+    Real newest_merge = 0;
 };
 using SubpathWeights = BasicSubpathWeights<float>;
 
@@ -101,24 +107,28 @@ public:
         const Real inverse_cos = of(1 / cos_at_surface);
         w.last *= of(distance_sq_m2) * inverse_cos;
         w.ends *= inverse_cos, w.connections *= inverse_cos, w.merges *= inverse_cos;
+        w.newest_merge *= inverse_cos;
     }
     /// The path goes on from a vertex where it was drawn with `pdf` [1/sr]. `cos_out` against the geometric normal.
     void scatter(Weights& w, const Side& side, Real pdf, Real cos_out) const {
         const Real out = of(cos_out / pdf), back = of(side.pdf_back);
         w.ends = out * (w.ends * back + (side.first_surface ? w.last : Real(0)));
         w.connections = out * (w.connections * back + (side.first_surface ? Real(0) : w.last));
-        w.merges = out * (w.merges * back + of(side.acceptance));
+        w.newest_merge = out * of(side.acceptance);
+        w.merges = out * (w.merges * back) + w.newest_merge;
         w.last = of(1 / pdf);
     }
     /// The same by a delta lobe: this vertex can neither be connected nor merged with.
     void scatter_delta(Weights& w, Real cos_out) const {
         const Real out = of(cos_out);
         w.last = 0;
-        w.ends *= out, w.connections *= out, w.merges *= out;
+        w.ends *= out, w.connections *= out, w.merges *= out, w.newest_merge *= out;
     }
 
     /// The eye's path met a light, not at its first vertex; `eye` as after arrive() there, infinite: after scatter().
-    Share light_met(const Weights& eye, const End& end, const Numbers& n) const {
+    Share light_met(Weights eye, const End& end, const Numbers& n) const {
+        const bool by_delta = eye.last == 0;
+        if (by_delta) eye.merges -= eye.newest_merge * (1 - of(n.caustic_area()));
         return share(1, of(end.direct) * eye.last + of(end.emission) * sum_of_eye(eye, n));
     }
     /// Next-event estimation at a surface vertex of the eye's path. `pdf`: of the light's direction by the BSDF;

@@ -16,6 +16,7 @@ struct TechniqueNumbers {
     float light_paths;
     float connections;
     uint merges;  // 0 or 1
+    float caustic_radius;
 };
 
 /// As photond::SubpathWeights.
@@ -24,10 +25,11 @@ struct SubpathWeights {
     float ends;
     float connections;
     float merges;
+    float newest_merge;
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(TechniqueNumbers) == 12 && sizeof(SubpathWeights) == 16);
+static_assert(sizeof(TechniqueNumbers) == 16 && sizeof(SubpathWeights) == 20);
 }  // namespace photond::gpu
 #endif
 

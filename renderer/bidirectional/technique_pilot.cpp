@@ -36,7 +36,8 @@ WeighedCandidate weighed(const TechniqueCandidate& candidate, const PassTechniqu
     }
     result.numbers = {.light_paths = candidate.light_paths * static_cast<float>(pixels),
                       .connections = static_cast<float>(candidate.connections / vertices_per_path),
-                      .merges = candidate.merges};
+                      .merges = candidate.merges,
+                      .caustic_radius = pilot.everywhere.numbers.caustic_radius};
     if (pilot.own_path) result.numbers.connections = 1;
     result.more_light_paths = pilot.everywhere.numbers.light_paths / result.numbers.light_paths;
     if (result.numbers.connections > 0)
@@ -152,7 +153,8 @@ TechniquePilot run_technique_pilot(const TechniquePilotInputs& inputs, Stats& st
         .connections_per_vertex = 1,
         .numbers = {.light_paths = static_cast<float>(pilot.light_paths),
                     .connections = pilot.own_path ? 1 : static_cast<float>(1 / inputs.vertices_per_path),
-                    .merges = pilot.merge_radius_m > 0}};
+                    .merges = pilot.merge_radius_m > 0,
+                    .caustic_radius = inputs.caustic_radius}};
 
     const std::vector<TechniqueCandidate> candidates = technique_candidates(inputs.choices);
     std::vector<WeighedCandidate> weighed_candidates;

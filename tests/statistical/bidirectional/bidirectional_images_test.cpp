@@ -423,6 +423,7 @@ TEST(BidirectionalImages, AreThoseOfPathTracing) {
             merging.params.indirect_bounces = c.bounces;
             merging.params.adapt = false;
             merging.params.merging_params.radius_m = 0.02f;
+            merging.params.merging_params.caustic_radius_share = 0.5f;
             merging.params.merging_params.weights = weights;
             merging.filter = c.filter;
             expect_one_mean(expected, block_means(c.scene, merging));

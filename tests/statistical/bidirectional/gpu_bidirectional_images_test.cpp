@@ -38,6 +38,7 @@ test::RenderSettingsOf<M> settings_for(uint32_t passes, uint64_t seed) {
     settings.params.adapt = false;
     settings.params.light_paths = 0.5f;
     settings.params.merging_params.radius_relative = 0.03f;
+    settings.params.merging_params.caustic_radius_share = 0.6f;
     settings.params.merging_params.weights = MergeWeights::Recursive;
     return settings;
 }

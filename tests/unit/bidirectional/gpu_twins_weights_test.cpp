@@ -26,7 +26,7 @@ struct Query {
 struct Answer {
     float weights[5];
 };
-static_assert(sizeof(Query) == 4 * (9 + 16 + 6 + 4));
+static_assert(sizeof(Query) == 4 * (10 + 16 + 6 + 4));
 
 VertexSide side_of(const Query& q, int vertex) { return {vertex % 2 == 0, q.pdf_back[vertex], q.acceptance[vertex]}; }
 
@@ -40,7 +40,8 @@ void follow(const Mis& mis, const Query& q, int path, SubpathWeights& w) {
 }
 
 Answer weigh(const Mis& mis, const Query& q) {
-    const TechniqueNumbers n{q.numbers.light_paths, q.numbers.connections, q.numbers.merges != 0};
+    const TechniqueNumbers n{q.numbers.light_paths, q.numbers.connections, q.numbers.merges != 0,
+                             q.numbers.caustic_radius};
     const LightEnd end{q.direct, q.emission, q.cosine, q.delta != 0, q.infinite != 0};
     SubpathWeights light = mis.start_light(end), eye = mis.start_eye(q.camera_pdf);
     mis.direct_at_first_hit(light, q.direct);
@@ -58,7 +59,7 @@ TEST(GpuTwinsWeights, WeightsAreThoseOfTheCpu) {
     const auto spread = [&](float octaves) { return std::exp2(octaves * (random.next() - 0.5f)); };
     std::vector<Query> queries(5000);
     for (Query& q : queries) {
-        q.numbers = {1000 * spread(6), random.next() < 0.2f ? 0 : spread(4), random.next() < 0.5f};
+        q.numbers = {1000 * spread(6), random.next() < 0.2f ? 0 : spread(4), random.next() < 0.5f, random.next()};
         q.direct = spread(8), q.emission = spread(8), q.cosine = random.next() + 1e-3f;
         q.delta = random.next() < 0.2f, q.infinite = random.next() < 0.2f;
         q.camera_pdf = 1000 * spread(6);

@@ -27,10 +27,16 @@ struct Path {
     std::vector<double> distance_sq;          // [i]: from x_i to x_(i+1)
     std::vector<double> cos_back, cos_ahead;  // at x_i, of the directions to x_(i-1) and x_(i+1)
     std::vector<double> eye_pdf, light_pdf;   // [1/sr] at x_i: of eye paths to x_(i-1), of light paths to x_(i+1)
-    std::vector<double> acceptance;           // of merging at x_i
+    std::vector<double> acceptance;           // of merging at x_i, but of caustics
     double first_distance;                    // by which correlated merging counts
     std::vector<bool> delta;
     size_t surfaces() const { return delta.size() - 2; }  // x_0 and x_k have places, too
+    /// The acceptance with which a light path merges at x_i.
+    double merges_at(size_t i, double caustic_area) const {
+        bool caustic = i > 1;
+        for (size_t j = 1; j < i; ++j) caustic = caustic && delta[j];
+        return caustic ? caustic_area * acceptance[i] : acceptance[i];
+    }
 };
 
 Path random_path(RandomStream& random, size_t surfaces, Light light) {
@@ -100,7 +106,8 @@ public:
     /// ... with x_i merged.
     double merged(size_t i) const {
         if (!n_.merges || path_.delta[i]) return 0;
-        return n_.light_paths * path_.acceptance[i] * lights(0, i) * eyes(i) * (correlated_ ? share(i) : 1);
+        return n_.light_paths * path_.merges_at(i, n_.caustic_area()) * lights(0, i) * eyes(i) *
+               (correlated_ ? share(i) : 1);
     }
     /// kappa at x_i, as its source defines it.
     double share(size_t i) const {
@@ -176,7 +183,8 @@ public:
             auto w = eye(0);
             if (correlation_) {
                 const Real inverse_cos = end_.infinite ? Real(1) : 1 / end_.cosine;
-                w.merges = correlation_->light_met(eye_vertices(1), inverse_cos, first).eye;
+                w.merges = correlation_->light_met(eye_vertices(1), inverse_cos, first, n_.caustic_area()).eye;
+                w.newest_merge = 0;
             }
             return mis_.light_met(w, end_, n_);
         }
@@ -217,6 +225,7 @@ public:
         auto from_eye = eye(i), from_light = light(i);
         auto at_eye = eye_side(i);
         const auto at_light = light_side(i);
+        at_eye.acceptance = at_light.acceptance;
         if (correlation_) {
             const auto merges =
                 correlation_->merging(eye_vertices(i), at_eye.pdf_back, light_vertices(i), at_light.pdf_back);
@@ -229,7 +238,7 @@ public:
 private:
     static Real real(double x) { return static_cast<Real>(x); }
     BasicVertexSide<Real> light_side(size_t i) const {
-        return {i == 1, real(path_.eye_pdf[i]), real(path_.acceptance[i])};
+        return {i == 1, real(path_.eye_pdf[i]), real(path_.merges_at(i, double(n_.caustic_area())))};
     }
     BasicVertexSide<Real> eye_side(size_t i) const {
         return {i == path_.surfaces(), real(path_.light_pdf[i]), real(path_.acceptance[i])};
@@ -240,7 +249,7 @@ private:
         std::vector<Vertex> vertices;
         for (size_t i = 1; i <= last; ++i) {
             const Real pdf = path_.delta[i] ? Real(1) : real(path_.light_pdf[i]);
-            Vertex v{.acceptance = real(path_.acceptance[i]),
+            Vertex v{.acceptance = light_side(i).acceptance,
                      .inverse_cos = 1 / real(path_.cos_back[i]),
                      .onward = real(path_.cos_ahead[i]) / pdf,
                      .pdf_back = real(path_.eye_pdf[i]),
@@ -300,8 +309,10 @@ void expect_weights_of_densities(MisHeuristic heuristic, double tolerance, bool 
             const Path path = random_path(random, 1 + size_t(repeat) % 6, light);
             const BasicTechniqueNumbers<double> exact{.light_paths = 1 + 1000 * double{random.next()},
                                                       .connections = repeat % 3 == 0 ? 0 : 4 * double{random.next()},
-                                                      .merges = repeat % 2 == 0};
-            const BasicTechniqueNumbers<Real> numbers{Real(exact.light_paths), Real(exact.connections), exact.merges};
+                                                      .merges = repeat % 2 == 0,
+                                                      .caustic_radius = repeat % 4 == 0 ? 1 : double{random.next()}};
+            const BasicTechniqueNumbers<Real> numbers{Real(exact.light_paths), Real(exact.connections), exact.merges,
+                                                      Real(exact.caustic_radius)};
             const BasicMergingCorrelation<Real> correlation(heuristic, Real(path.first_distance), numbers.light_paths);
             const Densities densities(path, exact, correlated);
             const Walk<Real> walk(path, mis, numbers, correlated ? &correlation : nullptr);
