@@ -76,11 +76,7 @@ PhotonGathering::PhotonGathering(const RenderContext& context, const GatheringPa
     budget_.record("split_samplers", split_sampler_bytes(shared_.splits));
     if (shared_.coverage) budget_.record("disc_coverage", shared_.coverage->bytes());
 
-    if (!shared_.lights.empty()) {
-        const StageTimer timer(stats, "photon_emission");
-        emission_.emplace(scene);
-        if (!(emission_->total_power_w() > 0)) emission_.reset();
-    }
+    make_emission(scene, emission_, stats);
     plan_ = PhotonPlan(params_, context.view.film_size.pixels(), emission_.has_value(),
                        has_specular_surface(scene, params_.glossy_threshold));
     note_skipped(stats);

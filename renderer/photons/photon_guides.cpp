@@ -6,6 +6,14 @@
 
 namespace photond {
 
+void make_emission(const Scene& scene, std::optional<EmissionSampler>& emission, Stats& stats) {
+    emission.reset();
+    if (scene.triangle_lights.empty() && scene.punctual_lights.empty() && !scene.environment) return;
+    const StageTimer timer(stats, "photon_emission");
+    emission.emplace(scene);
+    if (!(emission->total_power_w() > 0)) emission.reset();
+}
+
 void PhotonGuides::add(PhotonMapKind kind, const Scene& scene, const Intersector& intersector,
                        const EmissionSampler& emission, float glossy_threshold, uint64_t seed, MemoryBudget& budget,
                        Stats& stats) {

@@ -11,6 +11,9 @@
 
 namespace photond {
 
+/// By what photons start, stage `photon_emission`; none where the scene has no light.
+void make_emission(const Scene& scene, std::optional<EmissionSampler>& emission, Stats& stats);
+
 /// What photons of that kind are led to.
 constexpr ProjectionTarget target_of(PhotonMapKind kind) {
     return kind == PhotonMapKind::Caustic ? ProjectionTarget::SpecularSurfaces : ProjectionTarget::Surfaces;

@@ -350,11 +350,7 @@ void PhotonMappingGpu::begin(const RenderContext& context, Stats& stats) {
 
     // On the host for as long as the projection maps are being made.
     std::optional<EmissionSampler> emission;
-    if (!scene.triangle_lights.empty() || !scene.punctual_lights.empty() || scene.environment) {
-        const StageTimer timer(stats, "photon_emission");
-        emission.emplace(scene);
-        if (!(emission->total_power_w() > 0)) emission.reset();
-    }
+    make_emission(scene, emission, stats);
     const PhotonPlan plan(params_, context.view.film_size.pixels(), emission.has_value(),
                           has_specular_surface(scene, params_.glossy_threshold));
     const auto skip_map = [&](const char* what, PhotonMapKind kind, const std::string& why) {
