@@ -76,7 +76,7 @@ class Client(Daemon):
     >>> client.status()["ready"]
     True
     >>> sorted(client.methods)[:2]
-    ['bidirectional_path_tracing', 'imperfect_shadow_maps']
+    ['bidirectional_path_tracing', 'image_space_photon_mapping']
     """
 
     @functools.cached_property

@@ -1,0 +1,293 @@
+#include "renderer/methods/image_space_photon_mapping/image_space_photon_mapping_gpu.h"
+
+#include <array>
+
+#include "renderer/frame/device_frame.h"
+#include "renderer/gathering/expected_photons.h"
+#include "renderer/gbuffer/gbuffer_merge_gpu.h"
+#include "renderer/methods/image_space_photon_mapping/photon_scatter_shared.h"
+#include "renderer/photons/caustic_photons.h"
+#include "renderer/photons/photon_guides.h"
+#include "renderer/photons/photon_maps_gpu.h"
+#include "renderer/scene/scene.h"
+
+namespace photond {
+
+namespace {
+
+static_assert(uint32_t(Upsampling::Nearest) == UPSAMPLING_NEAREST &&
+              uint32_t(Upsampling::Bilinear) == UPSAMPLING_BILINEAR &&
+              uint32_t(Upsampling::Normal) == UPSAMPLING_NORMAL &&
+              uint32_t(Upsampling::Geometry) == UPSAMPLING_GEOMETRY);
+
+constexpr std::array kScatteredKinds{PhotonMapKind::Global, PhotonMapKind::Caustic};
+constexpr size_t map_of(PhotonMapKind kind) { return static_cast<size_t>(kind); }
+
+uint32_t photons_of(const ImageSpacePhotonMappingParams& params, PhotonMapKind kind) {
+    return kind == PhotonMapKind::Global ? params.photons : params.caustic_photons.value_or(params.photons);
+}
+
+/// Why a scene has no photons of that kind; null: it has.
+const char* why_none(const ImageSpacePhotonMappingParams& params, PhotonMapKind kind, bool lights, bool specular) {
+    if (params.bounces == 0u) return "bounces is 0";
+    if (!lights) return "the scene has no light";
+    if (kind == PhotonMapKind::Caustic && !specular) return "no surface is specular";
+    return nullptr;
+}
+
+/// Of a scene before it is loaded.
+bool may_have(const ImageSpacePhotonMappingParams& params, PhotonMapKind kind, const Workload& workload) {
+    return why_none(params, kind, workload.lights > 0 || workload.environment_size.pixels() > 0,
+                    workload.needs.delta || workload.needs.glossy) == nullptr;
+}
+
+/// What a map is laid out for, whatever it then stores: its order must be the same in each pass.
+uint64_t expected_of(const ImageSpacePhotonMappingParams& params, PhotonMapKind kind) {
+    return expected_photons(photons_of(params, kind), yield_of(kExpectedPhotonYield, kind).unguided);
+}
+
+uint32_t batches_for(uint64_t photons) { return static_cast<uint32_t>((photons + SCATTER_GROUP - 1) / SCATTER_GROUP); }
+
+GBufferWalk walk_of(const ImageSpacePhotonMappingParams& params) {
+    return {.split_side = params.subsampling,
+            .max_scatterings = params.max_scatterings(),
+            .glossy_threshold = params.glossy_threshold,
+            .sampler = params.sampler};
+}
+
+std::string scatter_shader(const char* name) {
+    return "renderer/methods/image_space_photon_mapping/" + std::string(name);
+}
+
+}  // namespace
+
+struct ImageSpacePhotonMappingGpu::State {
+    State(const RenderContext& context, const ImageSpacePhotonMappingParams& p)
+        : params(p),
+          on_device(*context.device_scene),
+          device(on_device.device()),
+          scene(context.scene),
+          seed(context.seed),
+          maps(on_device),
+          constants(device, "photon_scatter", sizeof(gpu::PhotonScatterConstants)),
+          frame(context, [this](uint32_t pass, DeviceFrame::Steps& steps) { add_steps(pass, steps); }),
+          points(on_device, context.view, seed, walk_of(p), frame.image()),
+          merge(on_device, points, frame.image(), context.view.layers, {}) {}
+    ~State() { frame.end(); }
+
+    void add_map(PhotonMapKind kind, const ProjectionMap* guide);
+    void make_room();
+    void make_pipelines();
+    bool grow_if_short();
+    gpu::PhotonScatterConstants constants_of(uint32_t pass);
+    void add_steps(uint32_t pass, DeviceFrame::Steps& steps);
+    void add_scatter_steps(PhotonMapKind kind, DeviceFrame::Steps& steps);
+    void record_upsampling(uint32_t pass, gpu::CommandList& commands);
+    uint32_t batches_of(PhotonMapKind kind) const { return batches_for(maps.room(map_of(kind))); }
+
+    const ImageSpacePhotonMappingParams& params;
+    const gpu::DeviceScene& on_device;
+    gpu::Device& device;
+    const Scene& scene;
+    const uint64_t seed;
+    PhotonMapsGpu maps;  // by kind
+    gpu::Buffer constants, batches;
+    std::array<uint32_t, kScatteredKinds.size()> first_batch{};
+    std::optional<gpu::ComputePipeline> bound, scatter, upsample;
+    DeviceFrame frame;
+    GBufferGpu points;
+    GBufferMergeGpu merge;
+};
+
+void ImageSpacePhotonMappingGpu::State::add_map(PhotonMapKind kind, const ProjectionMap* guide) {
+    maps.add(map_of(kind),
+             PhotonTracing{.kind = kind,
+                           .photons = photons_of(params, kind),
+                           .most_scatterings = params.photon_scatterings(),
+                           .glossy_threshold = params.glossy_threshold,
+                           .sampler = params.sampler,
+                           .guide = guide},
+             expected_of(params, kind));
+}
+
+void ImageSpacePhotonMappingGpu::State::make_room() {
+    maps.make_room();
+    uint32_t all = 0;
+    for (const PhotonMapKind kind : kScatteredKinds) {
+        if (!maps.has(map_of(kind))) continue;
+        // Cells of the first radius, whatever the pass's: they only put photons in an order in which neighbours are
+        // near.
+        maps.cut_cells(map_of(kind), params.radius_of_pass_m(0, scene.bounds.radius()));
+        first_batch[map_of(kind)] = all;
+        all += batches_of(kind);
+    }
+    batches = {};
+    batches = gpu::Buffer(device, "photon_scatter", std::max(all, 1u) * sizeof(gpu::PhotonBatch));
+}
+
+void ImageSpacePhotonMappingGpu::State::make_pipelines() {
+    const std::vector<gpu::Specialization> fixed = on_device.specialization(
+        std::vector{gpu::specialize(FOOTPRINT_VOLUME_ID, params.footprint == PhotonFootprint::Volume),
+                    gpu::specialize(UPSAMPLING_ID, static_cast<uint32_t>(params.upsampling))});
+    bound.emplace(device, scatter_shader("photon_batches.comp"), sizeof(gpu::PhotonBatchPush));
+    scatter.emplace(device, scatter_shader("photon_scatter.comp"), sizeof(gpu::PhotonScatterPush), &on_device.set(),
+                    fixed);
+    if (params.subsampling > 1)
+        upsample.emplace(device, scatter_shader("photon_upsample.comp"), sizeof(gpu::PhotonUpsamplePush),
+                         &on_device.set(), fixed);
+}
+
+bool ImageSpacePhotonMappingGpu::State::grow_if_short() {
+    const bool is_short = maps.is_short();
+    if (is_short) make_room();
+    return is_short;
+}
+
+gpu::PhotonScatterConstants ImageSpacePhotonMappingGpu::State::constants_of(uint32_t pass) {
+    gpu::PhotonScatterConstants of_pass{};
+    for (const PhotonMapKind kind : kScatteredKinds) {
+        const size_t map = map_of(kind);
+        of_pass.maps[map] = maps.grid(map);
+        of_pass.radius_m[map] = params.radius_of_pass_m(pass, scene.bounds.radius());
+        of_pass.first_batch[map] = first_batch[map];
+    }
+    of_pass.kernel = Kernel(params.kernel, params.cone_k).device_record();
+    of_pass.split = points.split();
+    of_pass.glossy_threshold = params.glossy_threshold;
+    return of_pass;
+}
+
+void ImageSpacePhotonMappingGpu::State::add_steps(uint32_t pass, DeviceFrame::Steps& steps) {
+    for (uint32_t piece = 0; piece < points.pieces(); ++piece)
+        steps.push_back({points.layout().size.pixels() / points.pieces(),
+                         [=, this](gpu::CommandList& commands) { points.record(commands, pass, piece); }});
+    for (const PhotonMapKind kind : kScatteredKinds) {
+        const size_t map = map_of(kind);
+        if (!maps.has(map)) continue;
+        const uint32_t pieces = maps.pieces(map);
+        for (uint32_t piece = 0; piece < pieces; ++piece)
+            steps.push_back({photons_of(params, kind) / pieces, [=, this](gpu::CommandList& commands) {
+                                 if (piece == 0) commands.update(constants, constants_of(pass));
+                                 maps.record(commands, map, seed, pass, piece);
+                             }});
+        add_scatter_steps(kind, steps);
+    }
+    steps.push_back({0, [=, this](gpu::CommandList& commands) {
+                         if (upsample) record_upsampling(pass, commands);
+                         merge.record(commands);
+                         frame.image().record_readback(commands);
+                     }});
+}
+
+void ImageSpacePhotonMappingGpu::State::add_scatter_steps(PhotonMapKind kind, DeviceFrame::Steps& steps) {
+    // What a block's tests and sums cost, in paths.
+    constexpr uint64_t kPathsABlock = 256;
+    const size_t map = map_of(kind);
+    const auto record_bounds = [=, this](gpu::CommandList& commands) {
+        const gpu::Scope scope(commands, "photon_map_build");
+        const uint32_t most = batches_of(kind);
+        commands.bind(*bound, {gpu::read("constants", constants), gpu::read("grid_starts", maps.photons().starts),
+                               gpu::read("grid_places", maps.photons().places), gpu::write("batches", batches)});
+        commands.push(gpu::PhotonBatchPush{static_cast<uint32_t>(map), most});
+        commands.dispatch_threads(uint64_t{most} * SCATTER_GROUP, SCATTER_GROUP);
+    };
+    const SplitLayout& layout = points.layout();
+    const auto along = [](uint32_t pixels) { return (pixels + SCATTER_BLOCK_SIDE - 1) / SCATTER_BLOCK_SIDE; };
+    const uint32_t blocks = layout.tiles() * along(layout.tile_width) * along(layout.tile_height);
+    const uint32_t at_once = std::max(static_cast<uint32_t>(device.paths_per_submit() / kPathsABlock), 1u);
+    for (uint32_t first = 0; first < blocks; first += at_once)
+        steps.push_back(
+            {kPathsABlock * std::min(at_once, blocks - first), [=, this](gpu::CommandList& commands) {
+                 if (first == 0) record_bounds(commands);
+                 const gpu::Scope scope(commands, "splat");
+                 const uint32_t end = std::min(first + at_once, blocks);
+                 commands.bind(
+                     *scatter,
+                     {gpu::read("constants", constants), gpu::read("points", points.points()),
+                      gpu::read("general_points", points.general()), gpu::read("grid_starts", maps.photons().starts),
+                      gpu::read("grid_places", maps.photons().places), gpu::read("map_powers", maps.photons().powers),
+                      gpu::read("batches", batches), gpu::read_write("sums", points.sums())});
+                 commands.push(gpu::PhotonScatterPush{first, end, static_cast<uint32_t>(map), batches_of(kind)});
+                 commands.dispatch_threads(uint64_t{end - first} * SCATTER_GROUP, SCATTER_GROUP);
+             }});
+}
+
+void ImageSpacePhotonMappingGpu::State::record_upsampling(uint32_t pass, gpu::CommandList& commands) {
+    const gpu::Scope scope(commands, "upsample");
+    commands.bind(*upsample, {gpu::read("constants", constants), gpu::read("points", points.points()),
+                              gpu::read_write("sums", points.sums())});
+    commands.push(gpu::PhotonUpsamplePush{params.radius_of_pass_m(pass, scene.bounds.radius())});
+    commands.dispatch_threads(points.layout().size.pixels(), SCATTER_GROUP);
+}
+
+ImageSpacePhotonMappingGpu::ImageSpacePhotonMappingGpu(const ImageSpacePhotonMappingParams& params) : params_(params) {}
+ImageSpacePhotonMappingGpu::~ImageSpacePhotonMappingGpu() = default;
+
+uint64_t ImageSpacePhotonMappingGpu::estimate_bytes(const ImageSpacePhotonMappingParams& /*params*/,
+                                                    const Workload& workload) {
+    return DeviceFrame::estimate_bytes(workload);
+}
+
+uint64_t ImageSpacePhotonMappingGpu::estimate_device_bytes(const ImageSpacePhotonMappingParams& params,
+                                                           const Workload& workload) {
+    const PhotonYield yield = workload.photon_yield.value_or(kExpectedPhotonYield);
+    uint64_t bytes = DeviceFrame::estimate_device_bytes(workload) +
+                     GBufferGpu::device_bytes(workload.film_size, params.subsampling, workload.needs) +
+                     GBufferMergeGpu::device_bytes(workload.film_size, params.subsampling, {}) +
+                     sizeof(gpu::PhotonScatterConstants);
+    uint64_t most = 0;
+    for (const PhotonMapKind kind : kScatteredKinds) {
+        if (!may_have(params, kind, workload)) continue;
+        const double stored = yield_of(yield, kind).by(params.projection_maps) * photons_of(params, kind);
+        const uint64_t expected = expected_of(params, kind);
+        const uint64_t room = PhotonMapsGpu::room_for(std::max(stored, static_cast<double>(expected)));
+        most = std::max(most, room);
+        bytes += PhotonMapsGpu::map_bytes(expected, room) + batches_for(room) * sizeof(gpu::PhotonBatch);
+        if (params.projection_maps) bytes += estimate_guide_bytes(kind, workload);
+    }
+    return bytes + PhotonMapsGpu::shared_bytes(most);
+}
+
+void ImageSpacePhotonMappingGpu::begin(const RenderContext& context, Stats& stats) {
+    const Scene& scene = context.scene;
+    note_skipped_shading(scene.needs, stats);
+    state_ = std::make_unique<State>(context, params_);
+    State& state = *state_;
+
+    // On the host for as long as the projection maps are being made.
+    std::optional<EmissionSampler> emission;
+    make_emission(scene, emission, stats);
+    PhotonGuides guides;  // which the device copies
+    const bool specular = has_specular_surface(scene, params_.glossy_threshold);
+    bool any = false;
+    for (const PhotonMapKind kind : kScatteredKinds) {
+        if (const char* why = why_none(params_, kind, emission.has_value(), specular)) {
+            const uint64_t expected = expected_of(params_, kind);
+            const uint64_t room = PhotonMapsGpu::room_for(static_cast<double>(expected));
+            stats.skipped.push_back({kind == PhotonMapKind::Global ? "global map" : "caustic map", why,
+                                     PhotonMapsGpu::shared_bytes(room) + PhotonMapsGpu::map_bytes(expected, room)});
+            continue;
+        }
+        if (params_.projection_maps)
+            guides.add(kind, scene, *context.intersector, *emission, params_.glossy_threshold, context.seed,
+                       context.budget, stats);
+        state.add_map(kind, guides.of(kind));
+        any = true;
+    }
+    if (!any) return;
+    const StageTimer timer(stats, "pipelines");
+    state.make_room();
+    state.make_pipelines();
+}
+
+void ImageSpacePhotonMappingGpu::run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) {
+    State& state = *state_;
+    const StageTimer timer(stats, "indirect");
+    if (!state.frame.run_with_room(pass, stats, cancel, [&] { return state.grow_if_short(); })) return;
+    for (const PhotonMapKind kind : kScatteredKinds)
+        if (state.maps.has(map_of(kind))) state.maps.add_to(stats.counts, map_of(kind));
+}
+
+DeviceFrame& ImageSpacePhotonMappingGpu::frame() { return state_->frame; }
+
+}  // namespace photond

@@ -1,0 +1,45 @@
+#pragma once
+#include <memory>
+
+#include "renderer/frame/device_method.h"
+#include "renderer/methods/image_space_photon_mapping/params.h"
+
+namespace photond {
+
+/// Image-space photon mapping, on GPUs: photons of every bounce after the first light the pixels about them, instead of
+/// pixels looking for photons. A pixel's light is the sum over photons of f (n_p . n) Phi kappa(|s - s_p|): f the BSDF,
+/// (n_p . n) the agreement of both surfaces' normals, Phi the photon's power, kappa a radial kernel of integral 1 over
+/// the disc of the footprint's radius [Yao 2011, equation 1]. What the eye sees by mirrors and glass is lit where its
+/// path first meets another surface.
+///
+/// Biased by the footprints: light is blurred, and lost where a surface ends within one. With `shrink` they shrink from
+/// pass to pass, and the mean of the passes converges.
+///
+/// With `subsampling` some pixels take their light from those about them (upsampling.glsl).
+///
+/// [McGuire and Luebke 2009] Hardware-Accelerated Global Illumination by Image Space Photon Mapping. HPG.
+class ImageSpacePhotonMappingGpu final : public DeviceMethod {
+public:
+    static constexpr const char* kName = "image_space_photon_mapping";
+    using Params = ImageSpacePhotonMappingParams;
+
+    explicit ImageSpacePhotonMappingGpu(const ImageSpacePhotonMappingParams& params);
+    ~ImageSpacePhotonMappingGpu() override;
+    /// Bytes of the host's memory that begin() will record.
+    static uint64_t estimate_bytes(const ImageSpacePhotonMappingParams& params, const Workload& workload);
+    /// Bytes of the device's memory that begin() will take, to a factor of two.
+    static uint64_t estimate_device_bytes(const ImageSpacePhotonMappingParams& params, const Workload& workload);
+
+    void begin(const RenderContext& context, Stats& stats) override;
+    void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) override;
+
+private:
+    DeviceFrame& frame() override;
+
+    struct State;  // image_space_photon_mapping_gpu.cpp
+
+    const ImageSpacePhotonMappingParams params_;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace photond

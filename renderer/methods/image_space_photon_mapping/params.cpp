@@ -1,0 +1,60 @@
+#include "renderer/methods/image_space_photon_mapping/params.h"
+
+namespace photond {
+
+namespace {
+
+constexpr float kRadiusRelative = 0.03f;
+
+}  // namespace
+
+void ImageSpacePhotonMappingParams::visit(ParamVisitor& visitor) {
+    using enum ParamGroup;
+    visit_map_photons(visitor, photons, caustic_photons);
+    visitor.field("bounces", bounces,
+                  {Light, "", 0, 254,
+                   "greatest number of bounces in the indirect layer; as many as there are when not "
+                   "given"});
+    static constexpr std::string_view kFootprints[] = {"quad", "volume"};
+    visitor.enumeration("footprint", footprint,
+                        {DensityEstimate, kFootprints,
+                         "what a photon lights: what lies near the plane of its surface (quad), or what lies within a "
+                         "flattened ball about it (volume), which reaches round corners"});
+    visitor.field("radius", radius_m, {DensityEstimate, "m", 1e-9, 1e9, "of a photon's footprint in the first pass"});
+    visitor.field("radius_relative", radius_relative,
+                  {DensityEstimate, "", 1e-9, 1e3,
+                   "the same, over the radius of the scene's bounding sphere; 0.03 when neither is given"});
+    visitor.flag("shrink", shrink,
+                 {DensityEstimate, "footprints shrink from pass to pass, so that the mean of the passes converges"});
+    visitor.field(
+        "alpha", alpha,
+        {DensityEstimate, "", 0.01, 1,
+         "share of the photons in a footprint that the next pass keeps, where they shrink: squared bias falls "
+         "as the passes' number to the power 2 alpha - 2"});
+    visitor.field(
+        "subsampling", subsampling,
+        {Light, "", 1, 8,
+         "of each block of n x n pixels one is lit by photons, the others take its light; n is 1, 2, 4 or 8"});
+    static constexpr std::string_view kUpsamplings[] = {"nearest", "bilinear", "normal", "geometry"};
+    visitor.enumeration("upsampling", upsampling,
+                        {NoiseAndBias, kUpsamplings,
+                         "how a pixel takes light from the lit ones about it: the nearest alone, by distance in the "
+                         "image (bilinear), also by how normals agree, also by distance from the pixel's plane "
+                         "(geometry)"});
+    visit_kernel(visitor, kernel, cone_k);
+    visit_projection_maps(visitor, projection_maps);
+    visit_photon_glossy_threshold(visitor, glossy_threshold);
+    visit_sampler(visitor, sampler);
+}
+
+void ImageSpacePhotonMappingParams::check() const {
+    require_one_radius(radius_m, radius_relative);
+    require_power_of_two("/subsampling", subsampling);
+}
+
+float ImageSpacePhotonMappingParams::radius_of_pass_m(uint32_t pass, float scene_radius_m) const {
+    const float first_m = radius_m.value_or(radius_relative.value_or(kRadiusRelative) * scene_radius_m);
+    return shrink ? first_m * radius_share(pass, double{alpha}) : first_m;
+}
+
+}  // namespace photond

@@ -1,0 +1,57 @@
+#pragma once
+// The parameters of image-space photon mapping: each is a field here, and a line of visit().
+
+#include <optional>
+
+#include "protocol/param_info.h"
+#include "renderer/frame/common_params.h"
+#include "renderer/photons/kernel.h"
+#include "renderer/photons/photon_params.h"
+#include "renderer/photons/radius_schedule.h"
+#include "renderer/transport/sobol.h"
+
+namespace photond {
+
+/// What a photon lights.
+enum class PhotonFootprint : uint8_t {
+    Quad,    // what lies near its surface's plane
+    Volume,  // what lies within a flattened ball
+};
+
+/// How a pixel takes light from the lit ones about it, where not all are lit. Each has the weights of those before.
+enum class Upsampling : uint8_t {
+    Nearest,
+    Bilinear,  // by distance in the image
+    Normal,    // by the normals' agreement
+    Geometry,  // by the distance from the pixel's plane
+};
+
+struct ImageSpacePhotonMappingParams final : MethodParams {
+    uint32_t photons = 50'000;
+    std::optional<uint32_t> caustic_photons;
+    std::optional<uint32_t> bounces;
+    PhotonFootprint footprint = PhotonFootprint::Quad;
+    std::optional<float> radius_m;
+    std::optional<float> radius_relative;
+    bool shrink = true;
+    uint32_t subsampling = 1;
+    Upsampling upsampling = Upsampling::Geometry;
+    float alpha = static_cast<float>(kRadiusAlpha);
+    KernelShape kernel = KernelShape::Epanechnikov;
+    float cone_k = 1.1f;
+    bool projection_maps = true;
+    float glossy_threshold = 0.05f;
+    SamplerKind sampler = SamplerKind::Sobol;
+
+    void visit(ParamVisitor& visitor) override;
+    void check() const override;
+
+    /// Greatest number of scatterings of a photon.
+    uint32_t photon_scatterings() const { return bounces.value_or(UINT32_MAX); }
+    /// Greatest number of scattering vertices of a path: n vertices make n - 1 bounces (conventions.md).
+    uint32_t max_scatterings() const { return bounces && *bounces < UINT32_MAX ? *bounces + 1 : UINT32_MAX; }
+    /// Of a pass's photons, in a scene whose bounding sphere has that radius [m].
+    float radius_of_pass_m(uint32_t pass, float scene_radius_m) const;
+};
+
+}  // namespace photond

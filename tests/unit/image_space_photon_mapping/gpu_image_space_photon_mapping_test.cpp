@@ -1,0 +1,154 @@
+// Photons that light pixels: the same image as from pixels that look for photons, and what a device must keep.
+
+#include <gtest/gtest.h>
+
+#include "renderer/methods/image_space_photon_mapping/image_space_photon_mapping_gpu.h"
+#include "renderer/methods/photon_mapping/photon_mapping.h"
+#include "renderer/scene/builtin_scenes.h"
+#include "tests/support/gpu_render.h"
+#include "tests/support/open_scene.h"
+#include "tests/support/scene_parts.h"
+
+namespace photond::gpu_image_space_photon_mapping_test {
+namespace {
+
+using Ispm = ImageSpacePhotonMappingGpu;
+
+template <class M>
+test::RenderSettingsOf<M> settings_for(uint32_t passes) {
+    test::RenderSettingsOf<M> settings;
+    settings.size = {40, 30};
+    settings.passes = passes;
+    settings.seed = 7;
+    settings.params.photons = 4000;
+    settings.params.radius_relative = 0.05f;
+    settings.params.kernel = KernelShape::Constant;
+    return settings;
+}
+
+test::RenderSettingsOf<Ispm> fixed_radius(uint32_t passes) {
+    test::RenderSettingsOf<Ispm> settings = settings_for<Ispm>(passes);
+    settings.params.shrink = false;
+    return settings;
+}
+
+// Where all is flat and Lambert, a photon is on a pixel's disc just when the pixel is on the photon's: the same pairs.
+// The paths of eye and light have the same numbers, but for where rounding sends one elsewhere.
+TEST(GpuImageSpacePhotonMapping, IsPhotonMappingWithTheLoopsTurnedRound) {
+    const Scene scene = test::turned(make_builtin_scene("cornell-box"));
+    const test::SceneOnDevice where(scene);
+    test::RenderSettingsOf<PhotonMapping> gathered = settings_for<PhotonMapping>(4);
+    gathered.params.gather = Gather::Direct;
+    gathered.params.search = PhotonSearch::Kind::Radius;
+    gathered.params.boundary = DiscBoundary::None;
+    const Film scattered = test::render(where, fixed_radius(4));
+    const Film wanted = test::render(scene, gathered);
+    const double light = test::mean_of_layer(wanted, Layer::Indirect);
+    EXPECT_GT(light, 0);
+    EXPECT_NEAR(test::mean_of_layer(scattered, Layer::Indirect), light, 0.002 * light);
+    EXPECT_LT(test::mean_relative_difference(wanted.resolve(Layer::Indirect), scattered.resolve(Layer::Indirect)),
+              0.01);
+}
+
+TEST(GpuImageSpacePhotonMapping, SameBitsTwice) {
+    for (const char* name : {"cornell-box-glass", "cornell-box-glossy"}) {
+        const Scene scene = make_builtin_scene(name);
+        const test::SceneOnDevice where(scene);
+        test::RenderSettingsOf<Ispm> settings = settings_for<Ispm>(2);
+        settings.params.footprint = PhotonFootprint::Volume;
+        const Film film = test::render(where, settings);
+        EXPECT_EQ(film.pixel_hash(), test::render(where, settings).pixel_hash()) << name;
+        EXPECT_EQ(film.nan_count() + film.infinity_count(), 0u);
+        EXPECT_GT(test::mean_of_layer(film, Layer::Indirect), 0);
+    }
+}
+
+// The image is smooth, so that most of what sub-sampling takes away is found again: the better the weights, the more.
+TEST(GpuImageSpacePhotonMapping, FewerLitPixelsMakeNearlyTheSameImage) {
+    const Scene scene = make_builtin_scene("cornell-box");
+    const test::SceneOnDevice where(scene);
+    test::RenderSettingsOf<Ispm> settings = fixed_radius(4);
+    settings.size = {80, 60};
+    settings.params.radius_relative = 0.1f;
+    settings.params.photons = 60'000;
+    settings.params.kernel = KernelShape::Epanechnikov;
+    const std::vector<float> whole = test::render(where, settings).resolve(Layer::Indirect);
+    settings.params.subsampling = 4;
+    double before = 1;
+    for (const Upsampling upsampling :
+         {Upsampling::Nearest, Upsampling::Bilinear, Upsampling::Normal, Upsampling::Geometry}) {
+        settings.params.upsampling = upsampling;
+        const double apart =
+            test::mean_relative_difference(whole, test::render(where, settings).resolve(Layer::Indirect));
+        std::printf("upsampling %d: %.3f of the light is elsewhere\n", int(upsampling), apart);
+        EXPECT_LT(apart, before);
+        before = apart;
+    }
+}
+
+// What footprints lose past the ends of surfaces is in proportion to their radius, in the first order: as they shrink
+// the image comes to path tracing's.
+TEST(GpuImageSpacePhotonMapping, LacksLightInProportionToTheRadius) {
+    constexpr double kStandardErrors = 5.2;  // false alarms 2e-7
+    const Scene scene = make_builtin_scene("cornell-box");
+    const test::SceneOnDevice where(scene);
+    test::RenderSettings paths_settings;
+    paths_settings.size = {24, 18};
+    paths_settings.passes = 1500;
+    paths_settings.params.sampler = SamplerKind::Random;
+    const test::RunningMean paths = test::indirect_of_passes(scene, paths_settings);
+    const auto lacks = [&](float radius_relative, uint32_t passes, double& error) {
+        test::RenderSettingsOf<Ispm> settings = fixed_radius(passes);
+        settings.size = {24, 18};
+        settings.params.sampler = SamplerKind::Random;
+        settings.params.radius_relative = radius_relative;
+        const test::RunningMean light = test::indirect_of_passes(where, settings);
+        error = kStandardErrors * std::hypot(light.standard_error(), paths.standard_error()) / paths.mean();
+        std::printf("radius %.3f: lacks %.2f %%, by less than %.2f %% in doubt\n", double{radius_relative},
+                    100 * (1 - light.mean() / paths.mean()), 100 * error);
+        return 1 - light.mean() / paths.mean();
+    };
+    double error_wide, error_narrow;
+    const double wide = lacks(0.1f, 60, error_wide), narrow = lacks(0.02f, 500, error_narrow);
+    EXPECT_GT(wide, error_wide);
+    EXPECT_LT(std::fabs(narrow - wide / 5), error_narrow + error_wide / 5 + wide / 25)
+        << "of the second order, a fifth of a fifth";
+    EXPECT_LT(error_narrow + error_wide / 5, 0.5 * wide) << "too noisy to notice a defect";
+}
+
+TEST(GpuImageSpacePhotonMapping, MoreBouncesAreMoreLight) {
+    const Scene scene = make_builtin_scene("cornell-box");
+    const test::SceneOnDevice where(scene);
+    double before = 0;
+    for (const uint32_t bounces : {1u, 3u}) {
+        test::RenderSettingsOf<Ispm> settings = fixed_radius(2);
+        settings.params.bounces = bounces;
+        const double light = test::mean_of_layer(test::render(where, settings), Layer::Indirect);
+        EXPECT_GT(light, 1.1 * before);
+        before = light;
+    }
+}
+
+TEST(GpuImageSpacePhotonMapping, DarkScenesAndNoBouncesAreBlack) {
+    const Scene dark = test::floor_and_wall("none"), lit = test::floor_and_wall("point");
+    for (const Scene* scene : {&dark, &lit}) {
+        const test::SceneOnDevice where(*scene);
+        test::RenderSettingsOf<Ispm> settings = settings_for<Ispm>(2);
+        if (scene == &lit) settings.params.bounces = 0;
+        const Film film = test::render(where, settings);
+        EXPECT_EQ(test::mean_of_layer(film, Layer::Indirect), 0);
+        EXPECT_EQ(test::mean_of_layer(film, Layer::Direct) > 0, scene == &lit);
+    }
+}
+
+TEST(GpuImageSpacePhotonMapping, TakesTheMemoryItSays) {
+    for (const char* name : {"cornell-box", "cornell-box-glass"}) {
+        const Scene scene = make_builtin_scene(name);
+        test::RenderSettingsOf<Ispm> settings;
+        settings.size = {256, 192};
+        test::expect_device_bytes_as_estimated<Ispm>(test::SceneOnDevice(scene), settings);
+    }
+}
+
+}  // namespace
+}  // namespace photond::gpu_image_space_photon_mapping_test
