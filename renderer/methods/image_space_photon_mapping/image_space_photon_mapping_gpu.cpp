@@ -7,8 +7,10 @@
 #include "renderer/gbuffer/gbuffer_merge_gpu.h"
 #include "renderer/methods/image_space_photon_mapping/photon_scatter_shared.h"
 #include "renderer/photons/caustic_photons.h"
+#include "renderer/photons/edge_tree.h"
 #include "renderer/photons/photon_guides.h"
 #include "renderer/photons/photon_maps_gpu.h"
+#include "renderer/photons/surface_edges.h"
 #include "renderer/scene/scene.h"
 
 namespace photond {
@@ -68,6 +70,7 @@ struct ImageSpacePhotonMappingGpu::State {
           device(on_device.device()),
           scene(context.scene),
           seed(context.seed),
+          first_radius_m(p.radius_of_pass_m(0, context.scene.bounds.radius())),
           maps(on_device),
           constants(device, "photon_scatter", sizeof(gpu::PhotonScatterConstants)),
           frame(context, [this](uint32_t pass, DeviceFrame::Steps& steps) { add_steps(pass, steps); }),
@@ -90,7 +93,9 @@ struct ImageSpacePhotonMappingGpu::State {
     gpu::Device& device;
     const Scene& scene;
     const uint64_t seed;
-    PhotonMapsGpu maps;  // by kind
+    const float first_radius_m;
+    std::optional<EdgeTree> edges;  // where footprints are cut
+    PhotonMapsGpu maps;             // by kind
     gpu::Buffer constants, batches;
     std::array<uint32_t, kScatteredKinds.size()> first_batch{};
     std::optional<gpu::ComputePipeline> bound, scatter, upsample;
@@ -111,13 +116,14 @@ void ImageSpacePhotonMappingGpu::State::add_map(PhotonMapKind kind, const Projec
 }
 
 void ImageSpacePhotonMappingGpu::State::make_room() {
-    maps.make_room();
+    // Edges lie behind the grids' own words: shaders may bind no more buffers.
+    maps.make_room(edges ? edges->device_words() : std::vector<uint32_t>());
     uint32_t all = 0;
     for (const PhotonMapKind kind : kScatteredKinds) {
         if (!maps.has(map_of(kind))) continue;
         // Cells of the first radius, whatever the pass's: they only put photons in an order in which neighbours are
         // near.
-        maps.cut_cells(map_of(kind), params.radius_of_pass_m(0, scene.bounds.radius()));
+        maps.cut_cells(map_of(kind), first_radius_m);
         first_batch[map_of(kind)] = all;
         all += batches_of(kind);
     }
@@ -128,6 +134,7 @@ void ImageSpacePhotonMappingGpu::State::make_room() {
 void ImageSpacePhotonMappingGpu::State::make_pipelines() {
     const std::vector<gpu::Specialization> fixed = on_device.specialization(
         std::vector{gpu::specialize(FOOTPRINT_VOLUME_ID, params.footprint == PhotonFootprint::Volume),
+                    gpu::specialize(DISC_COVERAGE_ID, edges.has_value()),
                     gpu::specialize(UPSAMPLING_ID, static_cast<uint32_t>(params.upsampling))});
     bound.emplace(device, scatter_shader("photon_batches.comp"), sizeof(gpu::PhotonBatchPush));
     scatter.emplace(device, scatter_shader("photon_scatter.comp"), sizeof(gpu::PhotonScatterPush), &on_device.set(),
@@ -153,6 +160,8 @@ gpu::PhotonScatterConstants ImageSpacePhotonMappingGpu::State::constants_of(uint
     }
     of_pass.kernel = Kernel(params.kernel, params.cone_k).device_record();
     of_pass.split = points.split();
+    if (edges) of_pass.coverage = edges->device_constants(maps.first_word());
+    of_pass.turn = static_cast<uint32_t>(hash64(hash64(seed) + pass));
     of_pass.glossy_threshold = params.glossy_threshold;
     return of_pass;
 }
@@ -245,6 +254,7 @@ uint64_t ImageSpacePhotonMappingGpu::estimate_device_bytes(const ImageSpacePhoto
         bytes += PhotonMapsGpu::map_bytes(expected, room) + batches_for(room) * sizeof(gpu::PhotonBatch);
         if (params.projection_maps) bytes += estimate_guide_bytes(kind, workload);
     }
+    if (most > 0 && params.clips()) bytes += EdgeTree::estimate_bytes(workload.triangles);
     return bytes + PhotonMapsGpu::shared_bytes(most);
 }
 
@@ -275,6 +285,10 @@ void ImageSpacePhotonMappingGpu::begin(const RenderContext& context, Stats& stat
         any = true;
     }
     if (!any) return;
+    if (params_.clips()) {
+        const StageTimer timer(stats, "photon_map_build");
+        state.edges.emplace(find_surface_edges(scene, state.first_radius_m));
+    }
     const StageTimer timer(stats, "pipelines");
     state.make_room();
     state.make_pipelines();

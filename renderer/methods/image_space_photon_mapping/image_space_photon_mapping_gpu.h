@@ -12,8 +12,10 @@ namespace photond {
 /// the disc of the footprint's radius [Yao 2011, equation 1]. What the eye sees by mirrors and glass is lit where its
 /// path first meets another surface.
 ///
-/// Biased by the footprints: light is blurred, and lost where a surface ends within one. With `shrink` they shrink from
-/// pass to pass, and the mean of the passes converges.
+/// Biased by the footprints, which blur. Whole ones lose light where a surface ends within them, and light what lies
+/// behind a wall that stands there; with `boundary` clip a pixel near an edge divides by the part of its disc that
+/// light can reach, and takes no photon that is not seen from above it (disc_coverage.h). With `shrink` footprints
+/// shrink from pass to pass, and the mean of the passes converges.
 ///
 /// With `subsampling` some pixels take their light from those about them (upsampling.glsl).
 ///

@@ -42,6 +42,7 @@ void ImageSpacePhotonMappingParams::visit(ParamVisitor& visitor) {
                          "image (bilinear), also by how normals agree, also by distance from the pixel's plane "
                          "(geometry)"});
     visit_kernel(visitor, kernel, cone_k);
+    visit_disc_boundary(visitor, boundary);
     visit_projection_maps(visitor, projection_maps);
     visit_photon_glossy_threshold(visitor, glossy_threshold);
     visit_sampler(visitor, sampler);

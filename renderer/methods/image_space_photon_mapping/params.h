@@ -5,6 +5,7 @@
 
 #include "protocol/param_info.h"
 #include "renderer/frame/common_params.h"
+#include "renderer/photons/disc_coverage.h"
 #include "renderer/photons/kernel.h"
 #include "renderer/photons/photon_params.h"
 #include "renderer/photons/radius_schedule.h"
@@ -31,6 +32,7 @@ struct ImageSpacePhotonMappingParams final : MethodParams {
     std::optional<uint32_t> caustic_photons;
     std::optional<uint32_t> bounces;
     PhotonFootprint footprint = PhotonFootprint::Quad;
+    DiscBoundary boundary = DiscBoundary::Clip;  // of quads
     std::optional<float> radius_m;
     std::optional<float> radius_relative;
     bool shrink = true;
@@ -46,6 +48,8 @@ struct ImageSpacePhotonMappingParams final : MethodParams {
     void visit(ParamVisitor& visitor) override;
     void check() const override;
 
+    /// Whether footprints are cut where their surface ends: those that keep to it.
+    bool clips() const { return boundary == DiscBoundary::Clip && footprint == PhotonFootprint::Quad; }
     /// Greatest number of scatterings of a photon.
     uint32_t photon_scatterings() const { return bounces.value_or(UINT32_MAX); }
     /// Greatest number of scattering vertices of a path: n vertices make n - 1 bounces (conventions.md).

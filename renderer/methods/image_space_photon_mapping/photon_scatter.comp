@@ -10,11 +10,11 @@
 #include "renderer/gbuffer/receiver.glsl"
 #include "renderer/gbuffer/split_buffer.glsl"
 #include "renderer/methods/image_space_photon_mapping/photon_scatter_shared.h"
-#include "renderer/photons/disc_coverage_shared.h"
 #include "renderer/photons/kernel.glsl"
 #include "renderer/photons/photon.glsl"
 
 layout(constant_id = FOOTPRINT_VOLUME_ID) const bool FOOTPRINT_VOLUME = false;
+layout(constant_id = DISC_COVERAGE_ID) const bool DISC_COVERAGE = false;
 
 layout(local_size_x = SCATTER_GROUP) in;
 layout(push_constant, scalar) uniform Push { PhotonScatterPush push; };
@@ -33,6 +33,9 @@ shared uint found[2];               // a bit a thread
 shared uint near[SCATTER_GROUP];    // batches that may reach the block
 shared uint queue[SCATTER_GROUP];   // photons of one that do
 
+#define COVERAGE constants.coverage
+#define EDGE_WORD(index) grid_starts[index]  // behind those of the grids
+#include "renderer/photons/disc_coverage.glsl"
 #define SUB_POINTS points
 #include "renderer/methods/image_space_photon_mapping/upsampling.glsl"
 
@@ -62,8 +65,17 @@ vec3 light_of(GBufferPoint point, Receiver receiver, vec3 wi, float cos_p, float
     return vec3(point.normal == point.geometric_normal ? 1.0 : share * max(dot(point.normal, wi), 0.0));
 }
 
-void add_photon(uint photon, HashGridConstants map, float radius_m, GBufferPoint point, Receiver receiver,
-                inout vec3 sum) {
+/// A pixel, and what light can reach of the disc about it.
+struct LitPixel {
+    GBufferPoint point;
+    Receiver receiver;
+    bool cut;  // the disc may hang over an edge, or reach behind a wall
+    DiscProbe probe;
+};
+
+void add_photon(uint photon, HashGridConstants map, float radius_m, LitPixel pixel, inout vec3 sum) {
+    const GBufferPoint point = pixel.point;
+    const Receiver receiver = pixel.receiver;
     const uvec4 place = grid_places[map.first_point + photon];
     const vec3 offset = point.position - uintBitsToFloat(place.xyz);
     const float distance_sq = dot(offset, offset), radius_sq = radius_m * radius_m;
@@ -83,6 +95,9 @@ void add_photon(uint photon, HashGridConstants map, float radius_m, GBufferPoint
     const bool both_sides = is_general(point) ? bsdf_has_non_delta_transmission(receiver.rough)
                                               : point.normal == vec3(0.0);
     if (side <= 0.0 && !both_sides) return;
+    if (DISC_COVERAGE && pixel.cut &&
+        (abs(side) < DISC_COSINE || !disc_sees(pixel.probe, uintBitsToFloat(place.xyz))))
+        return;
     const uvec4 power = map_powers[map.first_point + photon];
     const vec3 wi = photon_direction(power.w);
     const float weight = abs(side) * kernel_evaluate(constants.kernel, q_sq) / radius_sq;
@@ -103,10 +118,11 @@ void main() {
     const uint x = column * split.side + tile % split.side, y = row * split.side + tile / split.side;
     const bool in_image = x < split.width && y < split.height;
     const uint index = in_image ? split_point_of(split, x, y) : 0;
-    const GBufferPoint point = points[index];
+    LitPixel pixel;
+    pixel.point = points[index];
+    const GBufferPoint point = pixel.point;
     const bool lit = in_image && lights_itself(split, x, y, point, constants.radius_m[PHOTON_MAP_GLOBAL]);
-    Receiver receiver;
-    if (lit && is_general(point)) receiver = make_receiver(general_points[index], constants.glossy_threshold);
+    if (lit && is_general(point)) pixel.receiver = make_receiver(general_points[index], constants.glossy_threshold);
 
     const HashGridConstants map = constants.maps[push.map];
     const float radius_m = constants.radius_m[push.map];
@@ -114,6 +130,13 @@ void main() {
     vec3 block_high = lit ? point.position + radius_m : vec3(-INFINITY);
     box_of_group(block_low, block_high);
     if (!(block_low.x <= block_high.x)) return;  // none of its pixels is lit
+    pixel.cut = DISC_COVERAGE && lit && has_edges(point.position, radius_m);
+    DiscMass mass = DiscMass(1.0, false);
+    if (pixel.cut) {
+        pixel.probe = probe_disc(
+            CoverageDisc(point.position, point.geometric_normal, radius_m, QUAD_HEIGHT * radius_m));
+        mass = disc_mass(constants.kernel, pixel.probe, hash32(point.pixel ^ constants.turn), DISC_COARSE_BATCH);
+    }
 
     const uint photons = min(grid_starts[map.first_start + map.slots], map.capacity);
     const uint batches_of_pass = min((photons + SCATTER_GROUP - 1) / SCATTER_GROUP, push.batches);
@@ -139,10 +162,10 @@ void main() {
             if (reaches) queue[place] = photon;
             barrier();
             if (lit)
-                for (uint k = 0; k < waiting; ++k) add_photon(queue[k], map, radius_m, point, receiver, sum);
+                for (uint k = 0; k < waiting; ++k) add_photon(queue[k], map, radius_m, pixel, sum);
             barrier();
         }
         barrier();
     }
-    if (lit) sums[index] += sum;
+    if (lit) sums[index] += mass.inverse * sum;
 }

@@ -3,6 +3,7 @@
 #define PHOTOND_PHOTON_SCATTER_SHARED_H
 
 #include "renderer/gbuffer/split_shared.h"
+#include "renderer/photons/disc_coverage_shared.h"
 #include "renderer/photons/hash_grid_shared.h"
 #include "renderer/photons/kernel_shared.h"
 
@@ -34,6 +35,8 @@ struct PhotonScatterConstants {
     uint first_batch[2];  // of a map's, among the batches of both
     KernelRecord kernel;
     SplitRecord split;
+    DiscCoverageConstants coverage;
+    uint turn;  // a random number, for the coverage of footprints
     float glossy_threshold;
 };
 
@@ -60,7 +63,8 @@ struct PhotonUpsamplePush {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(PhotonScatterConstants) == 2 * 60 + 16 + 12 + 24 + 4 && sizeof(PhotonBatch) == 24);
+static_assert(sizeof(PhotonScatterConstants) == 2 * 60 + 16 + 12 + 24 + sizeof(DiscCoverageConstants) + 8 &&
+              sizeof(PhotonBatch) == 24);
 }  // namespace photond::gpu
 #endif
 

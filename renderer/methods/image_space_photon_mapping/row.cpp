@@ -26,7 +26,8 @@ MethodInfo image_space_photon_mapping_row() {
         {"Yao", 2011, "Combining Soft Shadow and Image Space Photon Mapping for Global Illumination"}};
     info.layers.remove(Layer::Caustic);
     info.bias_falls_with = {{{"shrink", "true"}}};
-    info.limits = {{{}, "", "footprints lose light where a surface ends within them"}};
+    info.limits = {{{{"boundary", "none"}}, "", "whole footprints lose light where a surface ends within them"},
+                   {{{"footprint", "volume"}}, "", "volumes light what lies behind thin walls"}};
     return info;
 }
 

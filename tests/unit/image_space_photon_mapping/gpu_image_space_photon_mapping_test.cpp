@@ -29,6 +29,7 @@ test::RenderSettingsOf<M> settings_for(uint32_t passes) {
 test::RenderSettingsOf<Ispm> fixed_radius(uint32_t passes) {
     test::RenderSettingsOf<Ispm> settings = settings_for<Ispm>(passes);
     settings.params.shrink = false;
+    settings.params.boundary = DiscBoundary::None;
     return settings;
 }
 
@@ -86,34 +87,69 @@ TEST(GpuImageSpacePhotonMapping, FewerLitPixelsMakeNearlyTheSameImage) {
     }
 }
 
-// What footprints lose past the ends of surfaces is in proportion to their radius, in the first order: as they shrink
-// the image comes to path tracing's.
-TEST(GpuImageSpacePhotonMapping, LacksLightInProportionToTheRadius) {
-    constexpr double kStandardErrors = 5.2;  // false alarms 2e-7
-    const Scene scene = make_builtin_scene("cornell-box");
-    const test::SceneOnDevice where(scene);
-    test::RenderSettings paths_settings;
-    paths_settings.size = {24, 18};
-    paths_settings.passes = 1500;
-    paths_settings.params.sampler = SamplerKind::Random;
-    const test::RunningMean paths = test::indirect_of_passes(scene, paths_settings);
-    const auto lacks = [&](float radius_relative, uint32_t passes, double& error) {
-        test::RenderSettingsOf<Ispm> settings = fixed_radius(passes);
-        settings.size = {24, 18};
+constexpr double kStandardErrors = 5.2;  // false alarms 2e-7
+
+/// How much of path tracing's indirect light is lacking, and how much of that is in doubt.
+struct Lack {
+    double share, doubt;
+};
+
+class GpuImageSpacePhotonMappingLight : public testing::Test {
+protected:
+    static constexpr Size2 kSize{24, 18};
+
+    GpuImageSpacePhotonMappingLight() {
+        test::RenderSettings settings;
+        settings.size = kSize;
+        settings.passes = 1500;
+        settings.params.sampler = SamplerKind::Random;
+        paths_ = test::indirect_of_passes(scene_, settings);
+    }
+    Lack lack(test::RenderSettingsOf<Ispm> settings, float radius_relative) const {
+        settings.size = kSize;
         settings.params.sampler = SamplerKind::Random;
         settings.params.radius_relative = radius_relative;
-        const test::RunningMean light = test::indirect_of_passes(where, settings);
-        error = kStandardErrors * std::hypot(light.standard_error(), paths.standard_error()) / paths.mean();
-        std::printf("radius %.3f: lacks %.2f %%, by less than %.2f %% in doubt\n", double{radius_relative},
-                    100 * (1 - light.mean() / paths.mean()), 100 * error);
-        return 1 - light.mean() / paths.mean();
-    };
-    double error_wide, error_narrow;
-    const double wide = lacks(0.1f, 60, error_wide), narrow = lacks(0.02f, 500, error_narrow);
-    EXPECT_GT(wide, error_wide);
-    EXPECT_LT(std::fabs(narrow - wide / 5), error_narrow + error_wide / 5 + wide / 25)
+        const test::RunningMean light = test::indirect_of_passes(where_, settings);
+        const Lack lack{1 - light.mean() / paths_.mean(),
+                        kStandardErrors * std::hypot(light.standard_error(), paths_.standard_error()) / paths_.mean()};
+        std::printf("radius %.3f: lacks %.2f %%, %.2f %% in doubt\n", double{radius_relative}, 100 * lack.share,
+                    100 * lack.doubt);
+        return lack;
+    }
+
+private:
+    const Scene scene_ = make_builtin_scene("cornell-box");
+    const test::SceneOnDevice where_{scene_};
+    test::RunningMean paths_;
+};
+
+// What whole footprints lose past the ends of surfaces is in proportion to their radius, in the first order: as they
+// shrink the image comes to path tracing's.
+TEST_F(GpuImageSpacePhotonMappingLight, WholeFootprintsLackInProportionToTheirRadius) {
+    const Lack wide = lack(fixed_radius(60), 0.1f), narrow = lack(fixed_radius(500), 0.02f);
+    EXPECT_GT(wide.share, wide.doubt);
+    EXPECT_LT(std::fabs(narrow.share - wide.share / 5), narrow.doubt + wide.doubt / 5 + wide.share / 25)
         << "of the second order, a fifth of a fifth";
-    EXPECT_LT(error_narrow + error_wide / 5, 0.5 * wide) << "too noisy to notice a defect";
+    EXPECT_LT(narrow.doubt + wide.doubt / 5, 0.5 * wide.share) << "too noisy to notice a defect";
+}
+
+// Clipped ones lack none in the first order.
+TEST_F(GpuImageSpacePhotonMappingLight, ClippedFootprintsLackHardlyAny) {
+    test::RenderSettingsOf<Ispm> clipped = fixed_radius(60);
+    clipped.params.boundary = DiscBoundary::Clip;
+    const Lack whole = lack(fixed_radius(60), 0.1f), cut = lack(clipped, 0.1f);
+    EXPECT_GT(whole.share, 2 * whole.doubt) << "too noisy to notice a defect";
+    EXPECT_LT(std::fabs(cut.share), cut.doubt + 0.1 * whole.share);
+}
+
+// A floor goes on below a wall that stands on it, but not the light.
+TEST(GpuImageSpacePhotonMapping, NoLightPassesThinWalls) {
+    const Scene scene = make_builtin_scene("hard-case/thin-wall-1e-3");
+    const test::SceneOnDevice where(scene);
+    test::RenderSettingsOf<Ispm> settings = fixed_radius(4);
+    EXPECT_GT(test::mean_of_layer(test::render(where, settings), Layer::Indirect), 0) << "that is seen with whole ones";
+    settings.params.boundary = DiscBoundary::Clip;
+    EXPECT_EQ(test::mean_of_layer(test::render(where, settings), Layer::Indirect), 0);
 }
 
 TEST(GpuImageSpacePhotonMapping, MoreBouncesAreMoreLight) {
