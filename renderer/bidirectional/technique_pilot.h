@@ -11,9 +11,8 @@ struct TechniquePilotInputs {
     const BidirectionalParams& params;
     double vertices_per_path;  // of light paths
     TechniqueChoices choices;
-    float merge_radius_m;  // of the first pass; 0: nothing merges
-    float caustic_radius;  // of TechniqueNumbers
-
+    float merge_radius_m;          // of the first pass; 0: nothing merges
+    float caustic_radius;          // of TechniqueNumbers
     const RadiusMap* radii;        // each place's own, of which that is the greatest; nullptr: there is one for all
     const DiscCoverage* coverage;  // where there is merging
 };

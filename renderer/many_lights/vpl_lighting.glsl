@@ -5,14 +5,12 @@
 #include "renderer/core/rng.glsl"
 #include "renderer/gbuffer/split_buffer.glsl"
 #include "renderer/many_lights/vpl.glsl"
+#include "renderer/gbuffer/gbuffer_point.glsl"
 #include "renderer/gbuffer/receiver.glsl"
 #include "renderer/many_lights/vpl_lighting_shared.h"
 #include "renderer/many_lights/vpl_set_shared.h"
 #include "renderer/photons/photon.glsl"
 #include "renderer/transport/photon_scattering.glsl"
-
-bool is_lit(GBufferPoint point) { return (point.kind & GBUFFER_SCATTERINGS) != 0u; }
-bool is_general(GBufferPoint point) { return !ONLY_LAMBERT && (point.kind & GBUFFER_GENERAL) != 0u; }
 
 /// Of the point's random numbers in a pass.
 uint point_key(GBufferPoint point, uint64_t seed, uint pass) {

@@ -85,7 +85,7 @@ struct ImageSpacePhotonMappingGpu::State {
     gpu::PhotonScatterConstants constants_of(uint32_t pass);
     void add_steps(uint32_t pass, DeviceFrame::Steps& steps);
     void add_scatter_steps(PhotonMapKind kind, DeviceFrame::Steps& steps);
-    void record_upsampling(uint32_t pass, gpu::CommandList& commands);
+    void record_upsampling(gpu::CommandList& commands);
     uint32_t batches_of(PhotonMapKind kind) const { return batches_for(maps.room(map_of(kind))); }
 
     const ImageSpacePhotonMappingParams& params;
@@ -140,8 +140,7 @@ void ImageSpacePhotonMappingGpu::State::make_pipelines() {
     scatter.emplace(device, scatter_shader("photon_scatter.comp"), sizeof(gpu::PhotonScatterPush), &on_device.set(),
                     fixed);
     if (params.subsampling > 1)
-        upsample.emplace(device, scatter_shader("photon_upsample.comp"), sizeof(gpu::PhotonUpsamplePush),
-                         &on_device.set(), fixed);
+        upsample.emplace(device, scatter_shader("photon_upsample.comp"), 0, &on_device.set(), fixed);
 }
 
 bool ImageSpacePhotonMappingGpu::State::grow_if_short() {
@@ -155,9 +154,9 @@ gpu::PhotonScatterConstants ImageSpacePhotonMappingGpu::State::constants_of(uint
     for (const PhotonMapKind kind : kScatteredKinds) {
         const size_t map = map_of(kind);
         of_pass.maps[map] = maps.grid(map);
-        of_pass.radius_m[map] = params.radius_of_pass_m(pass, scene.bounds.radius());
         of_pass.first_batch[map] = first_batch[map];
     }
+    of_pass.radius_m = params.radius_of_pass_m(pass, scene.bounds.radius());
     of_pass.kernel = Kernel(params.kernel, params.cone_k).device_record();
     of_pass.split = points.split();
     if (edges) of_pass.coverage = edges->device_constants(maps.first_word());
@@ -181,8 +180,8 @@ void ImageSpacePhotonMappingGpu::State::add_steps(uint32_t pass, DeviceFrame::St
                              }});
         add_scatter_steps(kind, steps);
     }
-    steps.push_back({0, [=, this](gpu::CommandList& commands) {
-                         if (upsample) record_upsampling(pass, commands);
+    steps.push_back({0, [this](gpu::CommandList& commands) {
+                         if (upsample) record_upsampling(commands);
                          merge.record(commands);
                          frame.image().record_readback(commands);
                      }});
@@ -221,11 +220,10 @@ void ImageSpacePhotonMappingGpu::State::add_scatter_steps(PhotonMapKind kind, De
              }});
 }
 
-void ImageSpacePhotonMappingGpu::State::record_upsampling(uint32_t pass, gpu::CommandList& commands) {
+void ImageSpacePhotonMappingGpu::State::record_upsampling(gpu::CommandList& commands) {
     const gpu::Scope scope(commands, "upsample");
     commands.bind(*upsample, {gpu::read("constants", constants), gpu::read("points", points.points()),
                               gpu::read_write("sums", points.sums())});
-    commands.push(gpu::PhotonUpsamplePush{params.radius_of_pass_m(pass, scene.bounds.radius())});
     commands.dispatch_threads(points.layout().size.pixels(), SCATTER_GROUP);
 }
 

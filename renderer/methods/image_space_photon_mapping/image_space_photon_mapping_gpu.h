@@ -17,7 +17,8 @@ namespace photond {
 /// light can reach, and takes no photon that is not seen from above it (disc_coverage.h). With `shrink` footprints
 /// shrink from pass to pass, and the mean of the passes converges.
 ///
-/// With `subsampling` some pixels take their light from those about them (upsampling.glsl).
+/// With `subsampling` some pixels take their light from those about them (upsampling.glsl), whatever the pass: that
+/// bias stays.
 ///
 /// [McGuire and Luebke 2009] Hardware-Accelerated Global Illumination by Image Space Photon Mapping. HPG.
 class ImageSpacePhotonMappingGpu final : public DeviceMethod {

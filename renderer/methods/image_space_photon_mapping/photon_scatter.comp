@@ -121,11 +121,11 @@ void main() {
     LitPixel pixel;
     pixel.point = points[index];
     const GBufferPoint point = pixel.point;
-    const bool lit = in_image && lights_itself(split, x, y, point, constants.radius_m[PHOTON_MAP_GLOBAL]);
+    const bool lit = in_image && lights_itself(split, x, y, point, constants.radius_m);
     if (lit && is_general(point)) pixel.receiver = make_receiver(general_points[index], constants.glossy_threshold);
 
     const HashGridConstants map = constants.maps[push.map];
-    const float radius_m = constants.radius_m[push.map];
+    const float radius_m = constants.radius_m;
     vec3 block_low = lit ? point.position - radius_m : vec3(INFINITY);
     vec3 block_high = lit ? point.position + radius_m : vec3(-INFINITY);
     box_of_group(block_low, block_high);

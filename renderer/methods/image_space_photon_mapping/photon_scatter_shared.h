@@ -31,8 +31,8 @@ namespace photond::gpu {
 /// Of a pass.
 struct PhotonScatterConstants {
     HashGridConstants maps[2];  // PhotonMapKind
-    float radius_m[2];
-    uint first_batch[2];  // of a map's, among the batches of both
+    float radius_m;             // of the footprints
+    uint first_batch[2];        // of a map's, among the batches of both
     KernelRecord kernel;
     SplitRecord split;
     DiscCoverageConstants coverage;
@@ -58,12 +58,8 @@ struct PhotonScatterPush {
     uint batches;
 };
 
-struct PhotonUpsamplePush {
-    float radius_m;  // of the footprints
-};
-
 #ifdef __cplusplus
-static_assert(sizeof(PhotonScatterConstants) == 2 * 60 + 16 + 12 + 24 + sizeof(DiscCoverageConstants) + 8 &&
+static_assert(sizeof(PhotonScatterConstants) == 2 * 60 + 12 + 12 + 24 + sizeof(DiscCoverageConstants) + 8 &&
               sizeof(PhotonBatch) == 24);
 }  // namespace photond::gpu
 #endif

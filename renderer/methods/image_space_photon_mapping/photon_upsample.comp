@@ -5,11 +5,10 @@
 
 #include "renderer/backends/gpu/invocation.glsl"
 #include "renderer/backends/gpu/scene.glsl"
-#include "renderer/gbuffer/gbuffer_shared.h"
+#include "renderer/gbuffer/gbuffer_point.glsl"
 #include "renderer/methods/image_space_photon_mapping/photon_scatter_shared.h"
 
 layout(local_size_x = SCATTER_GROUP) in;
-layout(push_constant, scalar) uniform Push { PhotonUpsamplePush push; };
 layout(set = 0, binding = 0, scalar) readonly buffer Constants { PhotonScatterConstants constants; };
 layout(set = 0, binding = 1, scalar) readonly buffer Points { GBufferPoint points[]; };
 layout(set = 0, binding = 2, scalar) buffer Sums { vec3 sums[]; };
@@ -22,8 +21,8 @@ void main() {
     if (pixel >= split.width * split.height) return;
     const uint x = pixel % split.width, y = pixel / split.width, index = split_point_of(split, x, y);
     const GBufferPoint point = points[index];
-    if (!is_lit(point) || lights_itself(split, x, y, point, push.radius_m)) return;
-    const SubSamples from = sub_samples_of(split, x, y, point, push.radius_m);
+    if (!is_lit(point) || lights_itself(split, x, y, point, constants.radius_m)) return;
+    const SubSamples from = sub_samples_of(split, x, y, point, constants.radius_m);
     vec3 light = vec3(0.0);
     for (int i = 0; i < 4; ++i)
         if (from.weights[i] > 0.0) light += from.weights[i] * sums[from.points[i]];

@@ -25,7 +25,7 @@ MethodInfo image_space_photon_mapping_row() {
         {"McGuire and Luebke", 2009, "Hardware-Accelerated Global Illumination by Image Space Photon Mapping"},
         {"Yao", 2011, "Combining Soft Shadow and Image Space Photon Mapping for Global Illumination"}};
     info.layers.remove(Layer::Caustic);
-    info.bias_falls_with = {{{"shrink", "true"}}};
+    info.bias_falls_with = {{{"shrink", "true"}, {"subsampling", "1"}}};
     info.limits = {{{{"boundary", "none"}}, "", "whole footprints lose light where a surface ends within them"},
                    {{{"footprint", "volume"}}, "", "volumes light what lies behind thin walls"}};
     return info;

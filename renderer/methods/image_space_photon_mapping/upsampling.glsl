@@ -5,14 +5,11 @@
 #define PHOTOND_UPSAMPLING_GLSL
 
 #include "renderer/core/geometry.glsl"
-#include "renderer/gbuffer/gbuffer_shared.h"
+#include "renderer/gbuffer/gbuffer_point.glsl"
 #include "renderer/gbuffer/split_buffer.glsl"
 #include "renderer/methods/image_space_photon_mapping/photon_scatter_shared.h"
 
 layout(constant_id = UPSAMPLING_ID) const uint UPSAMPLING = UPSAMPLING_GEOMETRY;
-
-bool is_lit(GBufferPoint point) { return (point.kind & GBUFFER_SCATTERINGS) != 0u; }
-bool is_general(GBufferPoint point) { return !ONLY_LAMBERT && (point.kind & GBUFFER_GENERAL) != 0u; }
 
 /// The four about a pixel.
 struct SubSamples {
