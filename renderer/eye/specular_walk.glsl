@@ -32,17 +32,14 @@ struct WalkVertex {
     bool waits;        // a visible point: f_d scatters, and one more scattering, before it, is within eye.max_scatterings
 };
 
-/// Light samples at a vertex: the radiance of one, the ray that must not be occluded for it to arrive, and whose light it
-/// is (LightSample::source). The specular part's share of it competes with the direction that the path goes on to, the
-/// rough part's with `competing_rays` that the method draws. `samples`: of the vertex in all. False: it carries nothing.
+/// Light samples at a vertex: the radiance of one, and the ray that must not be occluded for it to arrive. The specular
+/// part's share of it competes with the direction that the path goes on to, the rough part's with `competing_rays` that the
+/// method draws. `samples`: of the vertex in all. False: it carries nothing.
 bool walk_light_sample(EyePath path, WalkVertex met, Bsdf specular, float samples, float competing_rays, float u_choice,
-                       vec2 u_light, out Ray ray, out vec3 radiance, out uint source) {
+                       vec2 u_light, out Ray ray, out vec3 radiance, out LightSample light_sample) {
     ray = Ray(vec3(0.0), vec3(0.0), 0.0);
     radiance = vec3(0.0);
-    source = 0;
-    LightSample light_sample;
     if (!sample_light(path.position, path.lit_normal, u_choice, u_light, light_sample)) return false;
-    source = light_sample.source;
     const vec3 wi = to_local(met.surface.shading, light_sample.wi);
     const BsdfValue by_rough = bsdf_evaluate(met.rough, met.wo, wi, TRANSPORT_RADIANCE);
     vec3 f_cos = by_rough.f_cos;
@@ -95,6 +92,13 @@ bool walk_leave(uint vertex, uint key, WalkVertex met, Bsdf specular, float roul
                          vertex + 1 >= eye.roulette_start, roulette, light, ray);
 }
 
+#ifdef WALK_KEEPS_LIGHT_APART
+// For methods that keep light apart from its shadow: what chooses the light of first vertices, in place of the path's own
+// number, and whether they have taken a light sample, with a shadow ray of their own.
+float walk_light_number();
+bool walk_keeps_apart(EyePath path, Ray ray, LightSample light_sample, vec3 radiance);
+#endif
+
 /// Follows the path's ray to the next vertex: adds what it finds there to `light`, with one light sample and no competing
 /// rays, and draws the next ray by the specular part. False: the path ends; `met.waits` holds all the same.
 bool walk_vertex(uint vertex, uint key, float glossy_threshold, inout EyePath path, inout Ray ray, inout PathLight light,
@@ -105,10 +109,20 @@ bool walk_vertex(uint vertex, uint key, float glossy_threshold, inout EyePath pa
     if (bsdf_has_non_delta(specular) || bsdf_has_non_delta(met.rough)) {
         Ray to_light;
         vec3 radiance;
-        uint source;
+        LightSample light_sample;
         const vec2 u_light = sample_2d(key, sample_set(vertex, SET_LIGHT_POINT));
-        if (walk_light_sample(path, met, specular, 1.0, 0.0, choice.x, u_light, to_light, radiance, source)) {
-            const uint seen = WALK_LIGHT_SEEN(met.surface.position, met.surface.geometric_normal, source, key);
+        float u_choice = choice.x;
+#ifdef WALK_KEEPS_LIGHT_APART
+        if (vertex == 0) u_choice = walk_light_number();
+#endif
+        if (walk_light_sample(path, met, specular, 1.0, 0.0, u_choice, u_light, to_light, radiance, light_sample)) {
+            uint seen = WALK_LIGHT_SEEN(met.surface.position, met.surface.geometric_normal, light_sample.source, key);
+#ifdef WALK_KEEPS_LIGHT_APART
+            if (vertex == 0 && walk_keeps_apart(path, to_light, light_sample, radiance)) {
+                ++shadow_rays;
+                seen = LIGHT_SEEN_NOTHING;
+            }
+#endif
             bool arrives = seen == LIGHT_SEEN_WHOLE;
             if (seen == LIGHT_SEEN_UNKNOWN) {
                 ++shadow_rays;

@@ -32,8 +32,11 @@ enum class Layer : uint8_t {
     Merges,
     LightImage,
     Techniques,
+    ShadowDistance,
+    BlurRadius,
+    UpsamplingWeight,
 };
-inline constexpr size_t kLayerCount = 23;
+inline constexpr size_t kLayerCount = 26;
 
 /// How the passes' values become the image's.
 enum class LayerMean : uint8_t {
@@ -119,6 +122,12 @@ inline constexpr std::array<LayerInfo, kLayerCount> kLayers = [] {
         {Techniques, "techniques", "RGB", Passes, P::Light, Some, "",
          "what a pilot chose: red where vertices merge, green connections of an eye vertex over 8, blue light paths a "
          "pixel over 2"},
+        {ShadowDistance, "shadow_distance", "Y", Passes, P::Scale, Some, "m",
+         "to what hides the middle of the pixel's light, mean about the pixel; 0 where nothing does"},
+        {BlurRadius, "blur_radius", "Y", Passes, P::Scale, Some, "pixels",
+         "of the disc that a soft shadow is the mean of"},
+        {UpsamplingWeight, "upsampling_weight", "Y", Passes, P::Scale, Some, "",
+         "of the four lit pixels that a pixel takes its light from, in all; 0 where it is lit itself"},
     }};
 }();
 constexpr const LayerInfo& layer_info(Layer layer) { return kLayers[static_cast<size_t>(layer)]; }

@@ -8,8 +8,18 @@
 
 namespace photond {
 
+namespace {
+
+const char* walk_shader(const GBufferShadows& shadows) {
+    if (shadows.depth_maps) return "renderer/gbuffer/gbuffer_walk_depth_maps.comp";
+    if (shadows.centres) return "renderer/gbuffer/gbuffer_walk_centre_shadows.comp";
+    return "renderer/gbuffer/gbuffer_walk.comp";
+}
+
+}  // namespace
+
 GBufferGpu::GBufferGpu(const gpu::DeviceScene& scene, const View& view, uint64_t seed, const GBufferWalk& walk,
-                       DeviceImage& image, LightDepthMapsGpu* shadows)
+                       DeviceImage& image, const GBufferShadows& shadows)
     : device_(scene.device()),
       image_(image),
       shadows_(shadows),
@@ -25,9 +35,8 @@ GBufferGpu::GBufferGpu(const gpu::DeviceScene& scene, const View& view, uint64_t
       general_(device_, "g_buffer",
                (scene.scene().needs.only_lambert() ? 1 : uint64_t{layout_.points()}) * sizeof(gpu::GBufferGeneral)),
       sums_(device_, "g_buffer", uint64_t{layout_.points()} * sizeof(vec3)),
-      pipeline_(device_,
-                shadows ? "renderer/gbuffer/gbuffer_walk_depth_maps.comp" : "renderer/gbuffer/gbuffer_walk.comp",
-                sizeof(gpu::GBufferWalkPush), &scene.set(), scene.specialization(eye_specialization(image))) {
+      pipeline_(device_, walk_shader(shadows), sizeof(gpu::GBufferWalkPush), &scene.set(),
+                scene.specialization(eye_specialization(image))) {
     const gpu::EyeConstants eye = make_eye_constants(view, walk.max_scatterings, ROULETTE_START);
     gpu::upload(device_, eye_, std::as_bytes(std::span(&eye, 1)));
     // Padding holds no points: the walk never comes there.
@@ -48,6 +57,7 @@ void GBufferGpu::record(gpu::CommandList& commands, uint32_t pass, uint32_t piec
     if (piece == 0) {
         commands.update(sampler_, PassSampler(walk_.sampler, seed_, RandomDomain::Camera, pass).device_data());
         commands.fill(sums_, 0);
+        if (shadows_.centres) commands.fill(shadows_.centres->lights(), NO_LAMP);
     }
     const uint32_t first = piece * tiles_a_piece_, end = std::min(first + tiles_a_piece_, tiles_);
     const gpu::Scope scope(commands, "direct");
@@ -57,10 +67,14 @@ void GBufferGpu::record(gpu::CommandList& commands, uint32_t pass, uint32_t piec
                                           gpu::read("pass_sampler", sampler_),
                                           gpu::write("points", points_),
                                           gpu::write("general_points", general_)};
-    if (shadows_)
-        bindings.insert(bindings.end(), {gpu::read("light_depth_constants", shadows_->constants()),
-                                         gpu::read("light_depth_maps", shadows_->maps()),
-                                         gpu::read("light_depths_m", shadows_->depths())});
+    if (LightDepthMapsGpu* const maps = shadows_.depth_maps)
+        bindings.insert(bindings.end(),
+                        {gpu::read("light_depth_constants", maps->constants()),
+                         gpu::read("light_depth_maps", maps->maps()), gpu::read("light_depths_m", maps->depths())});
+    if (CentreShadowsGpu* const centres = shadows_.centres)
+        bindings.insert(bindings.end(),
+                        {gpu::read("lamp_shapes", centres->shapes()), gpu::read("lamp_words", centres->words()),
+                         gpu::write("unshadowed_lights", centres->lights())});
     commands.bind(pipeline_, bindings);
     commands.push(gpu::GBufferWalkPush{split(), first, end, walk_.glossy_threshold});
     commands.dispatch_threads(uint64_t{end - first} * kEyeTilePixels, kEyeTilePixels);

@@ -5,6 +5,7 @@
 #include "renderer/backends/gpu/device_scene.h"
 #include "renderer/frame/device_image.h"
 #include "renderer/frame/render_context.h"
+#include "renderer/gbuffer/centre_shadows_gpu.h"
 #include "renderer/gbuffer/gbuffer_walk_shared.h"
 #include "renderer/gbuffer/light_depth_maps_gpu.h"
 #include "renderer/gbuffer/split_buffer.h"
@@ -19,12 +20,17 @@ struct GBufferWalk {
     SamplerKind sampler = SamplerKind::Sobol;
 };
 
+/// What tells of shadows; null: rays do. One at most.
+struct GBufferShadows {
+    LightDepthMapsGpu* depth_maps = nullptr;  // of punctual lights
+    CentreShadowsGpu* centres = nullptr;      // takes the light of first surfaces, which does not go to the image
+};
+
 class GBufferGpu {
 public:
-    /// Borrows all; of the image the walk writes direct light, emitted light and first hits. `shadows`: of punctual
-    /// lights; null: rays tell.
+    /// Borrows all; of the image the walk writes direct light, emitted light and first hits.
     GBufferGpu(const gpu::DeviceScene& scene, const View& view, uint64_t seed, const GBufferWalk& walk,
-               DeviceImage& image, LightDepthMapsGpu* shadows = nullptr);
+               DeviceImage& image, const GBufferShadows& shadows = {});
     static uint64_t device_bytes(Size2 size, uint32_t split_side, const Needs& needs);
 
     /// A pass is recorded in that many pieces, 0 ..., each short enough for one submit; scope `direct`. The image is
@@ -43,7 +49,7 @@ public:
 private:
     gpu::Device& device_;
     DeviceImage& image_;
-    LightDepthMapsGpu* const shadows_;
+    const GBufferShadows shadows_;
     const GBufferWalk walk_;
     const SplitLayout layout_;
     const uint64_t seed_;

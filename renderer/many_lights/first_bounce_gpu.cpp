@@ -10,7 +10,7 @@ FirstBounceGpu::FirstBounceGpu(const RenderContext& context, const FirstBounceSe
     : scene_(*context.device_scene),
       seed_(context.seed),
       frame_(context, [this](uint32_t pass, DeviceFrame::Steps& steps) { add_steps(pass, steps); }),
-      buffer_(scene_, context.view, seed_, settings.walk, frame_.image(), nullptr),
+      buffer_(scene_, context.view, seed_, settings.walk, frame_.image()),
       merge_(scene_, buffer_, frame_.image(), context.view.layers, settings.filter) {
     note_skipped_shading(context.scene.needs, stats);
     if (settings.bounces > 0)

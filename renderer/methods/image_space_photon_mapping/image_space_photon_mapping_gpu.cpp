@@ -1,10 +1,13 @@
 #include "renderer/methods/image_space_photon_mapping/image_space_photon_mapping_gpu.h"
 
 #include <array>
+#include <list>
+#include <numeric>
 
 #include "renderer/frame/device_frame.h"
 #include "renderer/gathering/expected_photons.h"
-#include "renderer/gbuffer/gbuffer_merge_gpu.h"
+#include "renderer/gbuffer/gbuffer_gpu.h"
+#include "renderer/methods/image_space_photon_mapping/photon_combine_shared.h"
 #include "renderer/methods/image_space_photon_mapping/photon_scatter_shared.h"
 #include "renderer/photons/caustic_photons.h"
 #include "renderer/photons/edge_tree.h"
@@ -20,7 +23,10 @@ namespace {
 static_assert(uint32_t(Upsampling::Nearest) == UPSAMPLING_NEAREST &&
               uint32_t(Upsampling::Bilinear) == UPSAMPLING_BILINEAR &&
               uint32_t(Upsampling::Normal) == UPSAMPLING_NORMAL &&
-              uint32_t(Upsampling::Geometry) == UPSAMPLING_GEOMETRY);
+              uint32_t(Upsampling::Geometry) == UPSAMPLING_GEOMETRY &&
+              uint32_t(SoftShadow::Gather) == SOFT_SHADOW_GATHER &&
+              uint32_t(SoftShadow::FixedRadius) == SOFT_SHADOW_FIXED_RADIUS &&
+              uint32_t(SoftShadow::Rays) == SOFT_SHADOW_RAYS && uint32_t(SoftShadow::None) == SOFT_SHADOW_NONE);
 
 constexpr std::array kScatteredKinds{PhotonMapKind::Global, PhotonMapKind::Caustic};
 constexpr size_t map_of(PhotonMapKind kind) { return static_cast<size_t>(kind); }
@@ -57,6 +63,11 @@ GBufferWalk walk_of(const ImageSpacePhotonMappingParams& params) {
             .sampler = params.sampler};
 }
 
+std::unique_ptr<CentreShadowsGpu> make_centres(const ImageSpacePhotonMappingParams& params,
+                                               const gpu::DeviceScene& scene, Size2 size) {
+    return params.shadows_by_centres() ? std::make_unique<CentreShadowsGpu>(scene, size) : nullptr;
+}
+
 std::string scatter_shader(const char* name) {
     return "renderer/methods/image_space_photon_mapping/" + std::string(name);
 }
@@ -64,6 +75,16 @@ std::string scatter_shader(const char* name) {
 }  // namespace
 
 struct ImageSpacePhotonMappingGpu::State {
+    // A step from the parts of the light to the image.
+    struct CombineStep {
+        CombineStep(gpu::Device& device, const char* name, std::span<const gpu::Specialization> fixed,
+                    const gpu::BufferSet& scene)
+            : stage(name),
+              pipeline(device, scatter_shader("photon_combine.comp"), sizeof(gpu::ShadowSamples), &scene, fixed) {}
+        const char* stage;
+        gpu::ComputePipeline pipeline;
+    };
+
     State(const RenderContext& context, const ImageSpacePhotonMappingParams& p)
         : params(p),
           on_device(*context.device_scene),
@@ -74,18 +95,19 @@ struct ImageSpacePhotonMappingGpu::State {
           maps(on_device),
           constants(device, "photon_scatter", sizeof(gpu::PhotonScatterConstants)),
           frame(context, [this](uint32_t pass, DeviceFrame::Steps& steps) { add_steps(pass, steps); }),
-          points(on_device, context.view, seed, walk_of(p), frame.image()),
-          merge(on_device, points, frame.image(), context.view.layers, {}) {}
+          centres(make_centres(p, on_device, context.view.film_size)),
+          points(on_device, context.view, seed, walk_of(p), frame.image(), {.centres = centres.get()}) {}
     ~State() { frame.end(); }
 
     void add_map(PhotonMapKind kind, const ProjectionMap* guide);
     void make_room();
-    void make_pipelines();
+    void make_scatter_pipelines();
+    void make_combine_pipelines();
     bool grow_if_short();
     gpu::PhotonScatterConstants constants_of(uint32_t pass);
     void add_steps(uint32_t pass, DeviceFrame::Steps& steps);
     void add_scatter_steps(PhotonMapKind kind, DeviceFrame::Steps& steps);
-    void record_upsampling(gpu::CommandList& commands);
+    void record_combining(gpu::CommandList& commands);
     uint32_t batches_of(PhotonMapKind kind) const { return batches_for(maps.room(map_of(kind))); }
 
     const ImageSpacePhotonMappingParams& params;
@@ -98,10 +120,11 @@ struct ImageSpacePhotonMappingGpu::State {
     PhotonMapsGpu maps;             // by kind
     gpu::Buffer constants, batches;
     std::array<uint32_t, kScatteredKinds.size()> first_batch{};
-    std::optional<gpu::ComputePipeline> bound, scatter, upsample;
+    std::optional<gpu::ComputePipeline> bound, scatter;
+    std::list<CombineStep> combine;
     DeviceFrame frame;
+    const std::unique_ptr<CentreShadowsGpu> centres;  // null: shadows are rays'
     GBufferGpu points;
-    GBufferMergeGpu merge;
 };
 
 void ImageSpacePhotonMappingGpu::State::add_map(PhotonMapKind kind, const ProjectionMap* guide) {
@@ -131,7 +154,7 @@ void ImageSpacePhotonMappingGpu::State::make_room() {
     batches = gpu::Buffer(device, "photon_scatter", std::max(all, 1u) * sizeof(gpu::PhotonBatch));
 }
 
-void ImageSpacePhotonMappingGpu::State::make_pipelines() {
+void ImageSpacePhotonMappingGpu::State::make_scatter_pipelines() {
     const std::vector<gpu::Specialization> fixed = on_device.specialization(
         std::vector{gpu::specialize(FOOTPRINT_VOLUME_ID, params.footprint == PhotonFootprint::Volume),
                     gpu::specialize(DISC_COVERAGE_ID, edges.has_value()),
@@ -139,8 +162,29 @@ void ImageSpacePhotonMappingGpu::State::make_pipelines() {
     bound.emplace(device, scatter_shader("photon_batches.comp"), sizeof(gpu::PhotonBatchPush));
     scatter.emplace(device, scatter_shader("photon_scatter.comp"), sizeof(gpu::PhotonScatterPush), &on_device.set(),
                     fixed);
-    if (params.subsampling > 1)
-        upsample.emplace(device, scatter_shader("photon_upsample.comp"), 0, &on_device.set(), fixed);
+}
+
+void ImageSpacePhotonMappingGpu::State::make_combine_pipelines() {
+    std::vector<gpu::Specialization> fixed = on_device.specialization(frame.image().specialization());
+    for (const auto& [plane, layer] : {std::pair{PLANE_SHADOW_DISTANCE_ID, Layer::ShadowDistance},
+                                       std::pair{PLANE_BLUR_RADIUS_ID, Layer::BlurRadius},
+                                       std::pair{PLANE_UPSAMPLING_WEIGHT_ID, Layer::UpsamplingWeight}})
+        fixed.push_back(frame.image().plane(plane, layer));
+    fixed.push_back(gpu::specialize(UPSAMPLING_ID, static_cast<uint32_t>(params.upsampling)));
+    fixed.push_back(gpu::specialize(SOFT_SHADOW_ID, static_cast<uint32_t>(params.soft_shadow)));
+    std::vector<std::pair<uint32_t, const char*>> steps;
+    if (params.subsampling > 1) steps.emplace_back(COMBINE_UPSAMPLE, "upsample");
+    if (centres) steps.emplace_back(COMBINE_SHADOW, "soft_shadows");
+    steps.emplace_back(COMBINE_MERGE, "merge");
+    if (params.one_pass && steps.size() > 1)
+        steps = {{std::accumulate(steps.begin(), steps.end(), 0u,
+                                  [](uint32_t all, const auto& step) { return all | step.first; }),
+                  "combine"}};
+    for (const auto& [parts, stage] : steps) {
+        std::vector<gpu::Specialization> of_step = fixed;
+        of_step.push_back(gpu::specialize(COMBINE_PARTS_ID, parts));
+        combine.emplace_back(device, stage, of_step, on_device.set());
+    }
 }
 
 bool ImageSpacePhotonMappingGpu::State::grow_if_short() {
@@ -167,22 +211,21 @@ gpu::PhotonScatterConstants ImageSpacePhotonMappingGpu::State::constants_of(uint
 
 void ImageSpacePhotonMappingGpu::State::add_steps(uint32_t pass, DeviceFrame::Steps& steps) {
     for (uint32_t piece = 0; piece < points.pieces(); ++piece)
-        steps.push_back({points.layout().size.pixels() / points.pieces(),
-                         [=, this](gpu::CommandList& commands) { points.record(commands, pass, piece); }});
+        steps.push_back({points.layout().size.pixels() / points.pieces(), [=, this](gpu::CommandList& commands) {
+                             if (piece == 0) commands.update(constants, constants_of(pass));
+                             points.record(commands, pass, piece);
+                         }});
     for (const PhotonMapKind kind : kScatteredKinds) {
         const size_t map = map_of(kind);
         if (!maps.has(map)) continue;
         const uint32_t pieces = maps.pieces(map);
         for (uint32_t piece = 0; piece < pieces; ++piece)
-            steps.push_back({photons_of(params, kind) / pieces, [=, this](gpu::CommandList& commands) {
-                                 if (piece == 0) commands.update(constants, constants_of(pass));
-                                 maps.record(commands, map, seed, pass, piece);
-                             }});
+            steps.push_back({photons_of(params, kind) / pieces,
+                             [=, this](gpu::CommandList& commands) { maps.record(commands, map, seed, pass, piece); }});
         add_scatter_steps(kind, steps);
     }
     steps.push_back({0, [this](gpu::CommandList& commands) {
-                         if (upsample) record_upsampling(commands);
-                         merge.record(commands);
+                         record_combining(commands);
                          frame.image().record_readback(commands);
                      }});
 }
@@ -220,11 +263,18 @@ void ImageSpacePhotonMappingGpu::State::add_scatter_steps(PhotonMapKind kind, De
              }});
 }
 
-void ImageSpacePhotonMappingGpu::State::record_upsampling(gpu::CommandList& commands) {
-    const gpu::Scope scope(commands, "upsample");
-    commands.bind(*upsample, {gpu::read("constants", constants), gpu::read("points", points.points()),
-                              gpu::read_write("sums", points.sums())});
-    commands.dispatch_threads(points.layout().size.pixels(), SCATTER_GROUP);
+void ImageSpacePhotonMappingGpu::State::record_combining(gpu::CommandList& commands) {
+    gpu::Buffer& nothing = constants;  // what no shadow is read from
+    for (CombineStep& step : combine) {
+        const gpu::Scope scope(commands, step.stage);
+        commands.bind(step.pipeline,
+                      {gpu::read_write("device_layers", frame.image().layers()), gpu::read("constants", constants),
+                       gpu::read("points", points.points()), gpu::read_write("sums", points.sums()),
+                       gpu::read("eye", points.eye()), gpu::read("lamp_shapes", centres ? centres->shapes() : nothing),
+                       gpu::read("unshadowed_lights", centres ? centres->lights() : nothing)});
+        commands.push(gpu::ShadowSamples{params.shadow_search_samples, params.shadow_blur_samples});
+        commands.dispatch_threads(points.layout().size.pixels(), SCATTER_GROUP);
+    }
 }
 
 ImageSpacePhotonMappingGpu::ImageSpacePhotonMappingGpu(const ImageSpacePhotonMappingParams& params) : params_(params) {}
@@ -240,8 +290,8 @@ uint64_t ImageSpacePhotonMappingGpu::estimate_device_bytes(const ImageSpacePhoto
     const PhotonYield yield = workload.photon_yield.value_or(kExpectedPhotonYield);
     uint64_t bytes = DeviceFrame::estimate_device_bytes(workload) +
                      GBufferGpu::device_bytes(workload.film_size, params.subsampling, workload.needs) +
-                     GBufferMergeGpu::device_bytes(workload.film_size, params.subsampling, {}) +
                      sizeof(gpu::PhotonScatterConstants);
+    if (params.shadows_by_centres()) bytes += CentreShadowsGpu::device_bytes(workload.film_size, workload.lights);
     uint64_t most = 0;
     for (const PhotonMapKind kind : kScatteredKinds) {
         if (!may_have(params, kind, workload)) continue;
@@ -282,14 +332,15 @@ void ImageSpacePhotonMappingGpu::begin(const RenderContext& context, Stats& stat
         state.add_map(kind, guides.of(kind));
         any = true;
     }
+    const StageTimer timer(stats, "pipelines");
+    state.make_combine_pipelines();
     if (!any) return;
     if (params_.clips()) {
         const StageTimer timer(stats, "photon_map_build");
         state.edges.emplace(find_surface_edges(scene, state.first_radius_m));
     }
-    const StageTimer timer(stats, "pipelines");
     state.make_room();
-    state.make_pipelines();
+    state.make_scatter_pipelines();
 }
 
 void ImageSpacePhotonMappingGpu::run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) {

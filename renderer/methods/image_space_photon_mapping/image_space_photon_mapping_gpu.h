@@ -17,9 +17,13 @@ namespace photond {
 /// light can reach, and takes no photon that is not seen from above it (disc_coverage.h). With `shrink` footprints
 /// shrink from pass to pass, and the mean of the passes converges.
 ///
+/// Direct light is shadowed by rays to all of a light, or, with another `soft_shadow`, by one to its middle, and that
+/// blurred in the image (soft_shadows.glsl): for real time, and biased for ever.
+///
 /// With `subsampling` some pixels take their light from those about them (upsampling.glsl), whatever the pass: that
 /// bias stays.
 ///
+/// [Yao 2011] Combining Soft Shadow and Image Space Photon Mapping for Global Illumination. Thesis.
 /// [McGuire and Luebke 2009] Hardware-Accelerated Global Illumination by Image Space Photon Mapping. HPG.
 class ImageSpacePhotonMappingGpu final : public DeviceMethod {
 public:

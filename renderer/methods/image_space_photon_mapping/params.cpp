@@ -41,6 +41,20 @@ void ImageSpacePhotonMappingParams::visit(ParamVisitor& visitor) {
                          "how a pixel takes light from the lit ones about it: the nearest alone, by distance in the "
                          "image (bilinear), also by how normals agree, also by distance from the pixel's plane "
                          "(geometry)"});
+    static constexpr std::string_view kSoftShadows[] = {"gather", "fixed_radius", "rays", "none"};
+    visitor.enumeration("soft_shadow", soft_shadow,
+                        {NoiseAndBias, kSoftShadows,
+                         "shadows of lights that are not points: rays to another point of the light in each pass "
+                         "(rays), a ray to its middle (none), or that and a blur in the image, by how far off what "
+                         "hides it is (gather) or as if that were half way to the light (fixed_radius)"});
+    visitor.field("shadow_search_samples", shadow_search_samples,
+                  {Light, "", 1, 64, "n: of n x n pixels a shadow's width is found from, by soft_shadow gather"});
+    visitor.field("shadow_blur_samples", shadow_blur_samples,
+                  {Light, "", 1, 64, "n: of n x n pixels that a soft shadow is the mean of"});
+    visitor.flag("one_pass", one_pass,
+                 {Light,
+                  "upsampling, soft shadows and their sum are one step on the device; else three: the same "
+                  "image, in another time"});
     visit_kernel(visitor, kernel, cone_k);
     visit_disc_boundary(visitor, boundary);
     visit_projection_maps(visitor, projection_maps);

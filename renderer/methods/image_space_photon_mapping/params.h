@@ -27,6 +27,14 @@ enum class Upsampling : uint8_t {
     Geometry,  // by the distance from the pixel's plane
 };
 
+/// How much is seen of a light that is not a point.
+enum class SoftShadow : uint8_t {
+    Gather,       // by its middle; its shadow is blurred by how far off what casts it is
+    FixedRadius,  // the same, as if that were half way to the light
+    Rays,         // a ray to a point of it, another one in each pass
+    None,         // by its middle alone: hard shadows
+};
+
 struct ImageSpacePhotonMappingParams final : MethodParams {
     uint32_t photons = 50'000;
     std::optional<uint32_t> caustic_photons;
@@ -38,6 +46,10 @@ struct ImageSpacePhotonMappingParams final : MethodParams {
     bool shrink = true;
     uint32_t subsampling = 1;
     Upsampling upsampling = Upsampling::Geometry;
+    SoftShadow soft_shadow = SoftShadow::Rays;
+    uint32_t shadow_search_samples = 4;
+    uint32_t shadow_blur_samples = 5;
+    bool one_pass = true;
     float alpha = static_cast<float>(kRadiusAlpha);
     KernelShape kernel = KernelShape::Epanechnikov;
     float cone_k = 1.1f;
@@ -50,6 +62,8 @@ struct ImageSpacePhotonMappingParams final : MethodParams {
 
     /// Whether footprints are cut where their surface ends: those that keep to it.
     bool clips() const { return boundary == DiscBoundary::Clip && footprint == PhotonFootprint::Quad; }
+    /// Whether shadows are those of lights' middles.
+    bool shadows_by_centres() const { return soft_shadow != SoftShadow::Rays; }
     /// Greatest number of scatterings of a photon.
     uint32_t photon_scatterings() const { return bounces.value_or(UINT32_MAX); }
     /// Greatest number of scattering vertices of a path: n vertices make n - 1 bounces (conventions.md).

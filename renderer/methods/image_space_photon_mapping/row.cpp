@@ -11,6 +11,9 @@ PathsLeftOut paths_left_out(const ImageSpacePhotonMappingParams& params, const N
     return left_out_by_photons(params.bounces.value_or(PathsLeftOut::kAllBounces), params.glossy_threshold, needs);
 }
 
+constexpr const char* kMiddles =
+    "a light whose middle is seen counts as seen whole: lights behind windows are too bright";
+
 }  // namespace
 
 MethodInfo image_space_photon_mapping_row();
@@ -25,9 +28,14 @@ MethodInfo image_space_photon_mapping_row() {
         {"McGuire and Luebke", 2009, "Hardware-Accelerated Global Illumination by Image Space Photon Mapping"},
         {"Yao", 2011, "Combining Soft Shadow and Image Space Photon Mapping for Global Illumination"}};
     info.layers.remove(Layer::Caustic);
-    info.bias_falls_with = {{{"shrink", "true"}, {"subsampling", "1"}}};
+    for (const Layer layer : {Layer::ShadowDistance, Layer::BlurRadius, Layer::UpsamplingWeight})
+        info.layers.add(layer);
+    info.bias_falls_with = {{{"shrink", "true"}, {"subsampling", "1"}, {"soft_shadow", "rays"}}};
     info.limits = {{{{"boundary", "none"}}, "", "whole footprints lose light where a surface ends within them"},
-                   {{{"footprint", "volume"}}, "", "volumes light what lies behind thin walls"}};
+                   {{{"footprint", "volume"}}, "", "volumes light what lies behind thin walls"},
+                   {{{"soft_shadow", "gather"}}, "", kMiddles},
+                   {{{"soft_shadow", "fixed_radius"}}, "", kMiddles},
+                   {{{"soft_shadow", "none"}}, "", kMiddles}};
     return info;
 }
 

@@ -31,9 +31,9 @@ vec3 sample_lights(EyePath path, WalkVertex met, Bsdf specular, uint key, uint v
         const vec2 u_light = split_sample_2d(light_samplers(), s, key, sample_set(vertex, SET_LIGHT_POINT));
         Ray to_light;
         vec3 radiance;
-        uint source;
+        LightSample light_sample;
         if (!walk_light_sample(path, met, specular, float(light_samples), float(competing_rays), u_choice, u_light,
-                               to_light, radiance, source))
+                               to_light, radiance, light_sample))
             continue;
         ++shadow_rays;
         if (!occluded(to_light)) sum += radiance;

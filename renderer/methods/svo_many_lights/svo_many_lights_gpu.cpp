@@ -118,7 +118,7 @@ struct SvoManyLightsGpu::State {
           layers(context.view.layers),
           light_maps(std::move(shadows)),
           frame(context, [this](uint32_t pass, DeviceFrame::Steps& steps) { add_steps(pass, steps); }),
-          buffer(scene, context.view, seed, walk_of(p), device_image, light_maps.get()),
+          buffer(scene, context.view, seed, walk_of(p), device_image, {.depth_maps = light_maps.get()}),
           merge(scene, buffer, device_image, layers, filter_of(p)) {
         show_voxels = layer_pipeline("svo_voxels.comp", 0, PLANE_VOXELS_ID, Layer::Voxels);
         show_vpls = layer_pipeline("svo_vpls.comp", sizeof(gpu::SplitRecord), PLANE_VPLS_ID, Layer::Vpls);

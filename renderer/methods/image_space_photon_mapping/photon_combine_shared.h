@@ -1,0 +1,17 @@
+// From the parts of the light to the image, for both compilers.
+#ifndef PHOTOND_PHOTON_COMBINE_SHARED_H
+#define PHOTOND_PHOTON_COMBINE_SHARED_H
+
+#include "renderer/methods/image_space_photon_mapping/soft_shadows_shared.h"
+
+// Specialisation constants: which parts a pipeline does, and the layers' planes.
+#define COMBINE_PARTS_ID 84
+#define PLANE_SHADOW_DISTANCE_ID 85
+#define PLANE_BLUR_RADIUS_ID 86
+#define PLANE_UPSAMPLING_WEIGHT_ID 87
+
+#define COMBINE_UPSAMPLE 1u
+#define COMBINE_SHADOW 2u
+#define COMBINE_MERGE 4u
+
+#endif
