@@ -4,10 +4,12 @@
 #include <list>
 #include <numeric>
 
+#include "renderer/eye/eye_constants.h"
 #include "renderer/frame/device_frame.h"
 #include "renderer/gathering/expected_photons.h"
 #include "renderer/gbuffer/gbuffer_gpu.h"
 #include "renderer/methods/image_space_photon_mapping/photon_combine_shared.h"
+#include "renderer/methods/image_space_photon_mapping/photon_raster.h"
 #include "renderer/methods/image_space_photon_mapping/photon_scatter_shared.h"
 #include "renderer/photons/caustic_photons.h"
 #include "renderer/photons/edge_tree.h"
@@ -27,6 +29,10 @@ static_assert(uint32_t(Upsampling::Nearest) == UPSAMPLING_NEAREST &&
               uint32_t(SoftShadow::Gather) == SOFT_SHADOW_GATHER &&
               uint32_t(SoftShadow::FixedRadius) == SOFT_SHADOW_FIXED_RADIUS &&
               uint32_t(SoftShadow::Rays) == SOFT_SHADOW_RAYS && uint32_t(SoftShadow::None) == SOFT_SHADOW_NONE);
+
+static_assert(uint32_t(PhotonFootprint::Quad) == FOOTPRINT_QUAD &&
+              uint32_t(PhotonFootprint::Volume) == FOOTPRINT_VOLUME &&
+              uint32_t(PhotonFootprint::Auto) == FOOTPRINT_AUTO);
 
 constexpr std::array kScatteredKinds{PhotonMapKind::Global, PhotonMapKind::Caustic};
 constexpr size_t map_of(PhotonMapKind kind) { return static_cast<size_t>(kind); }
@@ -90,6 +96,7 @@ struct ImageSpacePhotonMappingGpu::State {
           on_device(*context.device_scene),
           device(on_device.device()),
           scene(context.scene),
+          eye(make_eye_constants(context.view, 1, 1)),
           seed(context.seed),
           first_radius_m(p.radius_of_pass_m(0, context.scene.bounds.radius())),
           maps(on_device),
@@ -107,6 +114,7 @@ struct ImageSpacePhotonMappingGpu::State {
     gpu::PhotonScatterConstants constants_of(uint32_t pass);
     void add_steps(uint32_t pass, DeviceFrame::Steps& steps);
     void add_scatter_steps(PhotonMapKind kind, DeviceFrame::Steps& steps);
+    void add_raster_steps(PhotonMapKind kind, DeviceFrame::Steps& steps);
     void record_combining(gpu::CommandList& commands);
     uint32_t batches_of(PhotonMapKind kind) const { return batches_for(maps.room(map_of(kind))); }
 
@@ -114,6 +122,7 @@ struct ImageSpacePhotonMappingGpu::State {
     const gpu::DeviceScene& on_device;
     gpu::Device& device;
     const Scene& scene;
+    const gpu::EyeConstants eye;
     const uint64_t seed;
     const float first_radius_m;
     std::optional<EdgeTree> edges;  // where footprints are cut
@@ -121,6 +130,7 @@ struct ImageSpacePhotonMappingGpu::State {
     gpu::Buffer constants, batches;
     std::array<uint32_t, kScatteredKinds.size()> first_batch{};
     std::optional<gpu::ComputePipeline> bound, scatter;
+    std::optional<PhotonRaster> raster;  // null: tiles alone
     std::list<CombineStep> combine;
     DeviceFrame frame;
     const std::unique_ptr<CentreShadowsGpu> centres;  // null: shadows are rays'
@@ -155,13 +165,17 @@ void ImageSpacePhotonMappingGpu::State::make_room() {
 }
 
 void ImageSpacePhotonMappingGpu::State::make_scatter_pipelines() {
-    const std::vector<gpu::Specialization> fixed = on_device.specialization(
-        std::vector{gpu::specialize(FOOTPRINT_VOLUME_ID, params.footprint == PhotonFootprint::Volume),
-                    gpu::specialize(DISC_COVERAGE_ID, edges.has_value()),
-                    gpu::specialize(UPSAMPLING_ID, static_cast<uint32_t>(params.upsampling))});
+    std::vector<gpu::Specialization> fixed =
+        on_device.specialization(std::vector{gpu::specialize(FOOTPRINT_ID, static_cast<uint32_t>(params.footprint)),
+                                             gpu::specialize(DISC_COVERAGE_ID, edges.has_value()),
+                                             gpu::specialize(UPSAMPLING_ID, static_cast<uint32_t>(params.upsampling)),
+                                             gpu::specialize(SCATTER_DRAWS_ID, params.scatter == PhotonScatter::Raster),
+                                             frame.image().plane(PLANE_OVERLAP_ID, Layer::Overlap)});
+    for (const gpu::Specialization& of_image : frame.image().specialization()) fixed.push_back(of_image);
     bound.emplace(device, scatter_shader("photon_batches.comp"), sizeof(gpu::PhotonBatchPush));
     scatter.emplace(device, scatter_shader("photon_scatter.comp"), sizeof(gpu::PhotonScatterPush), &on_device.set(),
                     fixed);
+    if (params.scatter == PhotonScatter::Raster) raster.emplace(on_device, points.layout(), params.footprint, fixed);
 }
 
 void ImageSpacePhotonMappingGpu::State::make_combine_pipelines() {
@@ -201,11 +215,14 @@ gpu::PhotonScatterConstants ImageSpacePhotonMappingGpu::State::constants_of(uint
         of_pass.first_batch[map] = first_batch[map];
     }
     of_pass.radius_m = params.radius_of_pass_m(pass, scene.bounds.radius());
+    of_pass.volume_height = params.volume_height;
     of_pass.kernel = Kernel(params.kernel, params.cone_k).device_record();
     of_pass.split = points.split();
     if (edges) of_pass.coverage = edges->device_constants(maps.first_word());
     of_pass.turn = static_cast<uint32_t>(hash64(hash64(seed) + pass));
     of_pass.glossy_threshold = params.glossy_threshold;
+    of_pass.filter_reach = eye.smooth_filter != 0 ? FILTER_RADIUS : 0.5f;
+    of_pass.camera = eye.camera;
     return of_pass;
 }
 
@@ -222,12 +239,37 @@ void ImageSpacePhotonMappingGpu::State::add_steps(uint32_t pass, DeviceFrame::St
         for (uint32_t piece = 0; piece < pieces; ++piece)
             steps.push_back({photons_of(params, kind) / pieces,
                              [=, this](gpu::CommandList& commands) { maps.record(commands, map, seed, pass, piece); }});
+        if (raster) add_raster_steps(kind, steps);
         add_scatter_steps(kind, steps);
     }
     steps.push_back({0, [this](gpu::CommandList& commands) {
                          record_combining(commands);
                          frame.image().record_readback(commands);
                      }});
+}
+
+void ImageSpacePhotonMappingGpu::State::add_raster_steps(PhotonMapKind kind, DeviceFrame::Steps& steps) {
+    const size_t map = map_of(kind);
+    const auto photons = static_cast<uint32_t>(maps.room(map));
+    // Footprints cover as much of the image as they do of the scene's middle, at a guess.
+    const double share = double{sqr(first_radius_m / scene.bounds.radius())};
+    const double pixels = share * static_cast<double>(points.layout().size.pixels());
+    const uint32_t at_once = raster->photons_at_once(pixels);
+    for (uint32_t first = 0; first < photons; first += std::min(at_once, photons - first))
+        steps.push_back({static_cast<uint64_t>(pixels * std::min(at_once, photons - first) / 32) + 1,
+                         [=, this](gpu::CommandList& commands) {
+                             const gpu::Scope scope(commands, "splat");
+                             const uint32_t end = first + std::min(at_once, photons - first);
+                             const PhotonRaster::Pass pass{constants,
+                                                           points.points(),
+                                                           maps.photons().starts,
+                                                           maps.photons().places,
+                                                           maps.photons().powers,
+                                                           points.sums(),
+                                                           frame.image().layers()};
+                             raster->record(commands, pass, static_cast<uint32_t>(map), first, end, first == 0);
+                             if (end == photons) raster->record_sums(commands, pass);
+                         }});
 }
 
 void ImageSpacePhotonMappingGpu::State::add_scatter_steps(PhotonMapKind kind, DeviceFrame::Steps& steps) {
@@ -244,7 +286,8 @@ void ImageSpacePhotonMappingGpu::State::add_scatter_steps(PhotonMapKind kind, De
     };
     const SplitLayout& layout = points.layout();
     const auto along = [](uint32_t pixels) { return (pixels + SCATTER_BLOCK_SIDE - 1) / SCATTER_BLOCK_SIDE; };
-    const uint32_t blocks = layout.tiles() * along(layout.tile_width) * along(layout.tile_height);
+    const uint32_t sub_samples = layout.side > 1 ? along(layout.tile_width) * along(layout.tile_height) : 0;
+    const uint32_t blocks = sub_samples + along(layout.size.width) * along(layout.size.height);
     const uint32_t at_once = std::max(static_cast<uint32_t>(device.paths_per_submit() / kPathsABlock), 1u);
     for (uint32_t first = 0; first < blocks; first += at_once)
         steps.push_back(
@@ -257,7 +300,8 @@ void ImageSpacePhotonMappingGpu::State::add_scatter_steps(PhotonMapKind kind, De
                      {gpu::read("constants", constants), gpu::read("points", points.points()),
                       gpu::read("general_points", points.general()), gpu::read("grid_starts", maps.photons().starts),
                       gpu::read("grid_places", maps.photons().places), gpu::read("map_powers", maps.photons().powers),
-                      gpu::read("batches", batches), gpu::read_write("sums", points.sums())});
+                      gpu::read("batches", batches), gpu::read_write("sums", points.sums()),
+                      gpu::read_write("device_layers", frame.image().layers())});
                  commands.push(gpu::PhotonScatterPush{first, end, static_cast<uint32_t>(map), batches_of(kind)});
                  commands.dispatch_threads(uint64_t{end - first} * SCATTER_GROUP, SCATTER_GROUP);
              }});
@@ -302,6 +346,8 @@ uint64_t ImageSpacePhotonMappingGpu::estimate_device_bytes(const ImageSpacePhoto
         bytes += PhotonMapsGpu::map_bytes(expected, room) + batches_for(room) * sizeof(gpu::PhotonBatch);
         if (params.projection_maps) bytes += estimate_guide_bytes(kind, workload);
     }
+    if (most > 0 && params.scatter == PhotonScatter::Raster)
+        bytes += PhotonRaster::device_bytes({workload.film_size, params.subsampling});
     if (most > 0 && params.clips()) bytes += EdgeTree::estimate_bytes(workload.triangles);
     return bytes + PhotonMapsGpu::shared_bytes(most);
 }

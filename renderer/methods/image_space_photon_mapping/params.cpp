@@ -15,11 +15,19 @@ void ImageSpacePhotonMappingParams::visit(ParamVisitor& visitor) {
                   {Light, "", 0, 254,
                    "greatest number of bounces in the indirect layer; as many as there are when not "
                    "given"});
-    static constexpr std::string_view kFootprints[] = {"quad", "volume"};
+    static constexpr std::string_view kFootprints[] = {"quad", "volume", "auto"};
     visitor.enumeration("footprint", footprint,
                         {DensityEstimate, kFootprints,
                          "what a photon lights: what lies near the plane of its surface (quad), or what lies within a "
-                         "flattened ball about it (volume), which reaches round corners"});
+                         "flattened ball about it (volume), which reaches round corners; auto is both together"});
+    visitor.field("volume_height", volume_height,
+                  {DensityEstimate, "", 0.05, 1, "half the height of volumes over their radius; 1 is a whole ball"});
+    static constexpr std::string_view kScatters[] = {"tiles", "raster"};
+    visitor.enumeration("scatter", scatter,
+                        {DensityEstimate, kScatters,
+                         "how the pixels are found that a photon lights: each block of pixels goes through the photons "
+                         "that may reach it (tiles), or photons are drawn over the pixels (raster), but for those in "
+                         "mirrors, out of focus, near edges or not Lambert: the same light, in another time"});
     visitor.field("radius", radius_m, {DensityEstimate, "m", 1e-9, 1e9, "of a photon's footprint in the first pass"});
     visitor.field("radius_relative", radius_relative,
                   {DensityEstimate, "", 1e-9, 1e3,

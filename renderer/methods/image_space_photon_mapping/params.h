@@ -17,6 +17,13 @@ namespace photond {
 enum class PhotonFootprint : uint8_t {
     Quad,    // what lies near its surface's plane
     Volume,  // what lies within a flattened ball
+    Auto,    // both together: of either the greater share
+};
+
+/// How the pixels are found that a photon lights.
+enum class PhotonScatter : uint8_t {
+    Tiles,   // each block of pixels goes through the photons that may reach it
+    Raster,  // each photon is drawn over the pixels
 };
 
 /// How a pixel takes light from the lit ones about it, where not all are lit. Each has the weights of those before.
@@ -39,7 +46,9 @@ struct ImageSpacePhotonMappingParams final : MethodParams {
     uint32_t photons = 50'000;
     std::optional<uint32_t> caustic_photons;
     std::optional<uint32_t> bounces;
-    PhotonFootprint footprint = PhotonFootprint::Quad;
+    PhotonFootprint footprint = PhotonFootprint::Auto;
+    float volume_height = 0.5f;
+    PhotonScatter scatter = PhotonScatter::Tiles;
     DiscBoundary boundary = DiscBoundary::Clip;  // of quads
     std::optional<float> radius_m;
     std::optional<float> radius_relative;
@@ -61,7 +70,7 @@ struct ImageSpacePhotonMappingParams final : MethodParams {
     void check() const override;
 
     /// Whether footprints are cut where their surface ends: those that keep to it.
-    bool clips() const { return boundary == DiscBoundary::Clip && footprint == PhotonFootprint::Quad; }
+    bool clips() const { return boundary == DiscBoundary::Clip && footprint != PhotonFootprint::Volume; }
     /// Whether shadows are those of lights' middles.
     bool shadows_by_centres() const { return soft_shadow != SoftShadow::Rays; }
     /// Greatest number of scatterings of a photon.

@@ -15,7 +15,7 @@ layout(set = 0, binding = 2, std430) readonly buffer GridPlaces { uvec4 grid_pla
 layout(set = 0, binding = 3, scalar) writeonly buffer Batches { PhotonBatch batches[]; };
 
 #define BOX_GROUP SCATTER_GROUP
-#include "renderer/methods/image_space_photon_mapping/box_of_group.glsl"
+#include "renderer/splats/box_of_group.glsl"
 
 void main() {
     const uint batch = flat_index() / SCATTER_GROUP, thread = gl_LocalInvocationIndex;

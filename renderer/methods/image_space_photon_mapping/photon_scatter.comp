@@ -6,14 +6,14 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 
+#define IMAGE_BINDING 8
 #include "renderer/backends/gpu/invocation.glsl"
+#include "renderer/frame/device_image.glsl"
 #include "renderer/gbuffer/receiver.glsl"
 #include "renderer/gbuffer/split_buffer.glsl"
 #include "renderer/methods/image_space_photon_mapping/photon_scatter_shared.h"
-#include "renderer/photons/kernel.glsl"
-#include "renderer/photons/photon.glsl"
 
-layout(constant_id = FOOTPRINT_VOLUME_ID) const bool FOOTPRINT_VOLUME = false;
+layout(constant_id = PLANE_OVERLAP_ID) const uint PLANE_OVERLAP = NO_PLANE;
 layout(constant_id = DISC_COVERAGE_ID) const bool DISC_COVERAGE = false;
 
 layout(local_size_x = SCATTER_GROUP) in;
@@ -28,16 +28,19 @@ layout(set = 0, binding = 6, scalar) readonly buffer Batches { PhotonBatch batch
 layout(set = 0, binding = 7, scalar) buffer Sums { vec3 sums[]; };
 
 #define BOX_GROUP SCATTER_GROUP
-#include "renderer/methods/image_space_photon_mapping/box_of_group.glsl"
+#include "renderer/splats/box_of_group.glsl"
 shared uint found[2];               // a bit a thread
 shared uint near[SCATTER_GROUP];    // batches that may reach the block
 shared uint queue[SCATTER_GROUP];   // photons of one that do
 
+#define FOOTPRINTS constants
+#include "renderer/methods/image_space_photon_mapping/photon_light.glsl"
 #define COVERAGE constants.coverage
 #define EDGE_WORD(index) grid_starts[index]  // behind those of the grids
 #include "renderer/photons/disc_coverage.glsl"
 #define SUB_POINTS points
 #include "renderer/methods/image_space_photon_mapping/upsampling.glsl"
+#include "renderer/methods/image_space_photon_mapping/drawn_pixels.glsl"
 
 /// Of the threads that `wanted` holds for, how many in all; `place`: this one's among them.
 uint number_of_wanted(bool wanted, out uint place) {
@@ -53,18 +56,6 @@ uint number_of_wanted(bool wanted, out uint place) {
     return bitCount(mask.x) + bitCount(mask.y);
 }
 
-/// What light a photon brings to a point, of its power: of Lambert points irradiance, of others radiance. `wi`: towards
-/// where it came from; `cos_p`: between that and the normal of the surface it lies on; `side`: between the normals.
-vec3 light_of(GBufferPoint point, Receiver receiver, vec3 wi, float cos_p, float side) {
-    // A photon of a curved surface's next facet may have come from below this one's horizon.
-    if ((dot(wi, point.geometric_normal) > 0.0) != (side > 0.0)) return vec3(0.0);
-    const float share = 1.0 / max(abs(cos_p), DISC_LEAST_COSINE);
-    if (is_general(point))
-        return share * bsdf_f_cos(receiver.rough, receiver.wo, to_local(receiver.surface.shading, wi));
-    if (point.normal == vec3(0.0)) return vec3(1.0);
-    return vec3(point.normal == point.geometric_normal ? 1.0 : share * max(dot(point.normal, wi), 0.0));
-}
-
 /// A pixel, and what light can reach of the disc about it.
 struct LitPixel {
     GBufferPoint point;
@@ -73,35 +64,34 @@ struct LitPixel {
     DiscProbe probe;
 };
 
-void add_photon(uint photon, HashGridConstants map, float radius_m, LitPixel pixel, inout vec3 sum) {
-    const GBufferPoint point = pixel.point;
-    const Receiver receiver = pixel.receiver;
+void add_photon(uint photon, HashGridConstants map, LitPixel pixel, inout vec3 sum, inout uint photons) {
     const uvec4 place = grid_places[map.first_point + photon];
-    const vec3 offset = point.position - uintBitsToFloat(place.xyz);
-    const float distance_sq = dot(offset, offset), radius_sq = radius_m * radius_m;
-    if (!(distance_sq < radius_sq)) return;
-    if (photon_scatterings(place.w) > (point.kind & GBUFFER_SCATTERINGS)) return;
-    const vec3 normal = photon_normal(place.w);
-    const float height_m = dot(normal, offset);
-    float q_sq = distance_sq / radius_sq;
-    if (FOOTPRINT_VOLUME) {
-        q_sq += (1.0 / sqr(VOLUME_HEIGHT) - 1.0) * sqr(height_m) / radius_sq;
-        if (!(q_sq < 1.0)) return;
-    } else if (abs(height_m) > QUAD_HEIGHT * radius_m) {
-        return;
-    }
-    // The weight of agreement: both normals are of facets, so that it tends to 1 as footprints shrink.
-    const float side = dot(normal, point.geometric_normal);
-    const bool both_sides = is_general(point) ? bsdf_has_non_delta_transmission(receiver.rough)
-                                              : point.normal == vec3(0.0);
-    if (side <= 0.0 && !both_sides) return;
+    FootprintHit hit;
+    if (!reaches_point(place, pixel.point, pixel.receiver, pixel.cut, hit)) return;
     if (DISC_COVERAGE && pixel.cut &&
-        (abs(side) < DISC_COSINE || !disc_sees(pixel.probe, uintBitsToFloat(place.xyz))))
+        (abs(hit.side) < DISC_COSINE || !disc_sees(pixel.probe, uintBitsToFloat(place.xyz))))
         return;
-    const uvec4 power = map_powers[map.first_point + photon];
-    const vec3 wi = photon_direction(power.w);
-    const float weight = abs(side) * kernel_evaluate(constants.kernel, q_sq) / radius_sq;
-    sum += weight * uintBitsToFloat(power.xyz) * light_of(point, receiver, wi, dot(wi, normal), side);
+    sum += photon_light(map_powers[map.first_point + photon], pixel.point, pixel.receiver, hit);
+    ++photons;
+}
+
+/// Blocks of sub-samples come first, then those of the pixels as the image has them, but for the sub-samples: pixels of a
+/// block are near one another. False: the thread's pixel is another block's.
+bool pixel_of_block(uint block, uint thread, out uint x, out uint y) {
+    const SplitRecord split = constants.split;
+    const bool few = split.side > 1u;
+    const uint side = SCATTER_BLOCK_SIDE, column = thread % side, row = thread / side;
+    const uint columns = (split.tile_width + side - 1) / side, rows = (split.tile_height + side - 1) / side;
+    if (few && block < columns * rows) {
+        x = (block % columns * side + column) * split.side + sub_sample_offset(split);
+        y = (block / columns * side + row) * split.side + sub_sample_offset(split);
+        return true;
+    }
+    if (few) block -= columns * rows;
+    const uint image_columns = (split.width + side - 1) / side;
+    x = block % image_columns * side + column;
+    y = block / image_columns * side + row;
+    return !few || !is_sub_sample(split, x, y);
 }
 
 void main() {
@@ -109,19 +99,14 @@ void main() {
     if (block >= push.end_block) return;
     const uint thread = gl_LocalInvocationIndex;
     const SplitRecord split = constants.split;
-    // Blocks of a tile of the split buffer, whose pixels lie a sub-sample apart.
-    const uint columns = (split.tile_width + SCATTER_BLOCK_SIDE - 1) / SCATTER_BLOCK_SIDE;
-    const uint rows = (split.tile_height + SCATTER_BLOCK_SIDE - 1) / SCATTER_BLOCK_SIDE;
-    const uint tile = block / (columns * rows), in_tile = block % (columns * rows);
-    const uint column = in_tile % columns * SCATTER_BLOCK_SIDE + thread % SCATTER_BLOCK_SIDE;
-    const uint row = in_tile / columns * SCATTER_BLOCK_SIDE + thread / SCATTER_BLOCK_SIDE;
-    const uint x = column * split.side + tile % split.side, y = row * split.side + tile / split.side;
-    const bool in_image = x < split.width && y < split.height;
+    uint x, y;
+    const bool in_order = pixel_of_block(block, thread, x, y);
+    const bool in_image = in_order && x < split.width && y < split.height;
     const uint index = in_image ? split_point_of(split, x, y) : 0;
     LitPixel pixel;
     pixel.point = points[index];
     const GBufferPoint point = pixel.point;
-    const bool lit = in_image && lights_itself(split, x, y, point, constants.radius_m);
+    const bool lit = in_image && lights_itself(split, x, y, point, constants.radius_m) && !is_drawn(x, y, point);
     if (lit && is_general(point)) pixel.receiver = make_receiver(general_points[index], constants.glossy_threshold);
 
     const HashGridConstants map = constants.maps[push.map];
@@ -141,6 +126,7 @@ void main() {
     const uint photons = min(grid_starts[map.first_start + map.slots], map.capacity);
     const uint batches_of_pass = min((photons + SCATTER_GROUP - 1) / SCATTER_GROUP, push.batches);
     vec3 sum = vec3(0.0);
+    uint lit_by = 0;
     for (uint first = 0; first < batches_of_pass; first += SCATTER_GROUP) {
         bool may_reach = false;
         if (first + thread < batches_of_pass) {
@@ -162,10 +148,15 @@ void main() {
             if (reaches) queue[place] = photon;
             barrier();
             if (lit)
-                for (uint k = 0; k < waiting; ++k) add_photon(queue[k], map, radius_m, pixel, sum);
+                for (uint k = 0; k < waiting; ++k) add_photon(queue[k], map, pixel, sum, lit_by);
             barrier();
         }
         barrier();
     }
-    if (lit) sums[index] += mass.inverse * sum;
+    if (!lit) return;
+    sums[index] += mass.inverse * sum;
+    if (layer_kept(PLANE_OVERLAP)) {
+        const uint pixel_number = y * split.width + x;
+        store_value(PLANE_OVERLAP, pixel_number, load_value(PLANE_OVERLAP, pixel_number) + float(lit_by));
+    }
 }

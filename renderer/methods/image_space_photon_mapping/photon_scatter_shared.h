@@ -6,13 +6,20 @@
 #include "renderer/photons/disc_coverage_shared.h"
 #include "renderer/photons/hash_grid_shared.h"
 #include "renderer/photons/kernel_shared.h"
+#include "renderer/scene/camera_shared.h"
+#include "renderer/splats/splat_layers_shared.h"
 
 #define SCATTER_GROUP 64      // threads: those of a block of pixels, and of a batch of photons
 #define SCATTER_BLOCK_SIDE 8  // pixels
 
 // Specialisation constants.
-#define FOOTPRINT_VOLUME_ID 81  // PhotonFootprint::Volume
+#define FOOTPRINT_ID 81
 #define UPSAMPLING_ID 82
+#define SCATTER_DRAWS_ID 88  // whether photons are drawn over the pixels that can be found so
+
+#define FOOTPRINT_QUAD 0u  // PhotonFootprint
+#define FOOTPRINT_VOLUME 1u
+#define FOOTPRINT_AUTO 2u
 
 #define UPSAMPLING_NEAREST 0u  // Upsampling
 #define UPSAMPLING_BILINEAR 1u
@@ -20,9 +27,7 @@
 #define UPSAMPLING_GEOMETRY 3u
 #define UPSAMPLING_LEAST 0.05f  // of the weights about a pixel: below it, it is lit itself
 
-// Half the height of a footprint over its radius.
-#define QUAD_HEIGHT 0.25f
-#define VOLUME_HEIGHT 0.5f
+#define QUAD_HEIGHT 0.25f  // half the height of a quad over its radius
 
 #ifdef __cplusplus
 namespace photond::gpu {
@@ -32,12 +37,15 @@ namespace photond::gpu {
 struct PhotonScatterConstants {
     HashGridConstants maps[2];  // PhotonMapKind
     float radius_m;             // of the footprints
+    float volume_height;        // half the height of a volume over its radius
     uint first_batch[2];        // of a map's, among the batches of both
     KernelRecord kernel;
     SplitRecord split;
     DiscCoverageConstants coverage;
     uint turn;  // a random number, for the coverage of footprints
     float glossy_threshold;
+    float filter_reach;  // of the pixel filter, along an axis [pixels]
+    CameraConstants camera;
 };
 
 /// What bounds the photons of a batch; none: `low` is greater than `high`.
@@ -51,6 +59,12 @@ struct PhotonBatchPush {
     uint batches;
 };
 
+/// Photons of a map that are drawn.
+struct PhotonRasterPush {
+    uint map;
+    uint first_photon;
+};
+
 struct PhotonScatterPush {
     uint first_block;  // half open
     uint end_block;
@@ -59,7 +73,8 @@ struct PhotonScatterPush {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(PhotonScatterConstants) == 2 * 60 + 12 + 12 + 24 + sizeof(DiscCoverageConstants) + 8 &&
+static_assert(sizeof(PhotonScatterConstants) ==
+                  2 * 60 + 16 + 12 + 24 + sizeof(DiscCoverageConstants) + 12 + sizeof(CameraConstants) &&
               sizeof(PhotonBatch) == 24);
 }  // namespace photond::gpu
 #endif

@@ -17,7 +17,8 @@ layout(local_size_x = SPLAT_GROUP) in;
 #include "renderer/backends/gpu/invocation.glsl"
 layout(push_constant, scalar) uniform Push { SplatClusterPush push; };
 
-shared vec3 low[SPLAT_GROUP], high[SPLAT_GROUP];
+#define BOX_GROUP SPLAT_GROUP
+#include "renderer/splats/box_of_group.glsl"
 shared vec4 mean_and_radius[SPLAT_GROUP];
 shared uint most_scatterings;
 shared uint uneven;
@@ -46,19 +47,19 @@ void main() {
     if (thread < cluster.points) points[cluster.first_point + thread].splat_radius_m = radius_m;
 
     if (thread == 0) uneven = most_scatterings = 0;
-    low[thread] = high[thread] = point.position;
+    vec3 box_low = point.position, box_high = point.position;
+    box_of_group(box_low, box_high);
     mean_and_radius[thread] = vec4(thread < cluster.points ? point.position : vec3(0.0), radius_m);
     barrier();
     for (uint step = SPLAT_GROUP / 2; step > 0; step /= 2) {
         if (thread < step) {
-            low[thread] = min(low[thread], low[thread + step]);
-            high[thread] = max(high[thread], high[thread + step]);
             const vec4 other = mean_and_radius[thread + step];
             mean_and_radius[thread] = vec4(mean_and_radius[thread].xyz + other.xyz, max(mean_and_radius[thread].w, other.w));
         }
         barrier();
     }
-    const vec3 box_low = low[0], box_high = high[0], mean = mean_and_radius[0].xyz / float(cluster.points);
+    const vec3 mean = mean_and_radius[0].xyz / float(cluster.points);
+    const float splat_radius = mean_and_radius[0].w;
     const float scale = max_component(max(abs(box_low), abs(box_high)) + (box_high - box_low));
     if (!alike(point.geometric_normal, normal) || !alike(point.normal, normal) ||
         abs(dot(point.position - mean, normal)) > SPLAT_OFF_PLANE * scale)
@@ -69,17 +70,17 @@ void main() {
     const vec3 centre = uneven == 0 ? mean : 0.5 * (box_low + box_high);
     const vec3 from_centre = point.position - centre;
     barrier();
-    low[thread].x = dot(from_centre, from_centre);
+    mean_and_radius[thread].x = dot(from_centre, from_centre);
     barrier();
     for (uint step = SPLAT_GROUP / 2; step > 0; step /= 2) {
-        if (thread < step) low[thread].x = max(low[thread].x, low[thread + step].x);
+        if (thread < step) mean_and_radius[thread].x = max(mean_and_radius[thread].x, mean_and_radius[thread + step].x);
         barrier();
     }
     if (thread != 0) return;
     cluster.centre = centre;
-    cluster.radius_m = sqrt(low[0].x) * 1.0001;
+    cluster.radius_m = sqrt(mean_and_radius[0].x) * 1.0001;
     cluster.half_extent = max(box_high - centre, centre - box_low);
-    cluster.splat_radius_m = mean_and_radius[0].w;
+    cluster.splat_radius_m = splat_radius;
     cluster.normal = uneven == 0 ? normal : vec3(0.0);
     cluster.most_scatterings = most_scatterings;
     clusters[index] = cluster;

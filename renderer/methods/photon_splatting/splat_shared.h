@@ -5,6 +5,7 @@
 
 #include "renderer/gbuffer/gbuffer_shared.h"
 #include "renderer/photons/kernel_shared.h"
+#include "renderer/splats/splat_layers_shared.h"
 
 #define SPLAT_GROUP 64  // threads of a group that lights a cluster, and most points of one: a tile of EYE_TILE squared
 #define MOST_DEPTH_TEXELS 64  // SplatDepthMaps::kMostResolution
@@ -16,7 +17,6 @@
 #define SPLAT_CLAMP_SHARE 0.16f     // of a splat's radius: connections are clamped within it, and repaid by short rays
 
 // Specialisation constants of the shaders here, after those of device_image_shared.h.
-#define PLANE_OVERLAP_ID 38  // of the layer
 #define SPLAT_HAS_CONNECTIONS_ID 48
 #define SPLAT_HAS_BEAMS_ID 49
 #define SPLAT_NORMALISED_ID 50

@@ -8,6 +8,7 @@
 #include "renderer/core/geometry.glsl"
 #include "renderer/eye/eye_shared.h"
 #include "renderer/methods/photon_splatting/splat_shared.h"
+#include "renderer/splats/splat_film.glsl"
 
 layout(push_constant, scalar) uniform Push { SplatClusterPush push; };
 layout(set = 0, binding = 0, scalar) readonly buffer Eye { EyeConstants eye; };
@@ -19,17 +20,15 @@ const vec2 CORNERS[6] = {vec2(-1, -1), vec2(1, -1), vec2(1, 1), vec2(-1, -1), ve
 
 void main() {
     splat_index = push.first_splat + gl_InstanceIndex;
-    gl_Position = vec4(0.0, 0.0, -1.0, 0.0);  // nowhere
+    gl_Position = OFF_FILM;
     const Splat splat = splats[splat_index];
     if ((splat.kind & SPLAT_KIND_MASK) != SPLAT_BEAM) return;
     const Frame frame = make_frame(splat.axis);
     const vec3 axes[3] = {frame.tangent, frame.bitangent, frame.normal};
     const vec3 centre = splat.origin + 0.5 * (splat.near_m + splat.far_m) * splat.axis - eye.camera.position;
     vec3 half_m = vec3(splat.radius, splat.radius, 0.5 * (splat.far_m - splat.near_m));
-    // Samples lie so many pixels from the pixel's middle, at most.
-    const float pixels = 1.42 * (eye.smooth_filter != 0 ? FILTER_RADIUS : 0.5);
-    const float farthest_m = max(dot(centre, eye.camera.forward) + length(half_m), 0.0);
-    half_m += pixels * farthest_m * max(length(eye.camera.pixel_x), length(eye.camera.pixel_y)) + 1e-3 * splat.radius;
+    const float pixels = sample_reach(eye.smooth_filter != 0 ? FILTER_RADIUS : 0.5);
+    half_m += pixels_m(eye.camera, pixels, dot(centre, eye.camera.forward) + length(half_m)) + 1e-3 * splat.radius;
 
     const uint face = gl_VertexIndex / 6, along = face / 2;
     const float side = face % 2 == 0 ? -1.0 : 1.0;
@@ -38,9 +37,5 @@ void main() {
     const uint u = (along + 1) % 3, v = (along + 2) % 3;
     const vec2 corner = CORNERS[gl_VertexIndex % 6];
     const vec3 d = middle + corner.x * half_m[u] * axes[u] + corner.y * half_m[v] * axes[v];
-    const float depth = dot(d, eye.camera.forward);
-    const vec3 on_film = d - depth * eye.camera.corner;
-    const vec2 film = vec2(dot(on_film, eye.camera.pixel_x) / dot(eye.camera.pixel_x, eye.camera.pixel_x),
-                           dot(on_film, eye.camera.pixel_y) / dot(eye.camera.pixel_y, eye.camera.pixel_y));  // pixels, times the depth
-    gl_Position = vec4(2.0 * film / vec2(eye.width, eye.height) - depth, 0.5 * depth, depth);
+    gl_Position = film_position(eye.camera, vec2(eye.width, eye.height), d);
 }

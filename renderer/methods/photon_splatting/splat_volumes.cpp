@@ -24,12 +24,9 @@ SplatVolumes::SplatVolumes(const gpu::DeviceScene& scene, Size2 size,
                            std::span<const gpu::Specialization> specialization)
     : device_(scene.device()),
       pixels_(static_cast<uint32_t>(size.pixels())),
-      light_(device_, kStructure, kLight, size.width, size.height),
-      weights_(device_, kStructure, kWeights, size.width, size.height),
-      light_copy_(device_, kStructure, light_.packed_bytes()),
-      weights_copy_(device_, kStructure, weights_.packed_bytes()),
+      images_(device_, kStructure, {kLight, kWeights}, size),
       draw_(device_, shader("splat_volume.vert"), shader("splat_volume.frag"), sizeof(gpu::SplatClusterPush),
-            {.colors = {{kLight, gpu::Blend::Add}, {kWeights, gpu::Blend::Add}}}, &scene.set(), specialization),
+            images_.options(), &scene.set(), specialization),
       sum_(device_, shader("splat_volume.comp"), sizeof(uint32_t)) {}
 
 uint32_t SplatVolumes::splats_at_once() const {
@@ -41,10 +38,7 @@ uint32_t SplatVolumes::splats_at_once() const {
 
 void SplatVolumes::record(gpu::CommandList& commands, const Points& points, gpu::Buffer& splats,
                           gpu::Buffer& depth_maps, uint32_t first, uint32_t end, bool clear) {
-    constexpr std::array<float, 4> kBlack{};
-    const gpu::RasterTargets cleared{{gpu::clear(light_, kBlack), gpu::clear(weights_, kBlack)}, {}};
-    const gpu::RasterTargets kept{{gpu::load(light_), gpu::load(weights_)}, {}};
-    gpu::RasterPass pass(commands, draw_, clear ? cleared : kept,
+    gpu::RasterPass pass(commands, draw_, images_.targets(clear),
                          {gpu::read("eye", points.eye), gpu::read("splats", splats),
                           gpu::read("constants", points.constants), gpu::read("first_of_pixel", points.heads),
                           gpu::read("points", points.points), gpu::read("farthest_m", depth_maps)});
@@ -53,11 +47,10 @@ void SplatVolumes::record(gpu::CommandList& commands, const Points& points, gpu:
 }
 
 void SplatVolumes::record_sums(gpu::CommandList& commands, const Points& points) {
-    gpu::copy(commands, light_, light_copy_);
-    gpu::copy(commands, weights_, weights_copy_);
+    images_.record_copies(commands);
     commands.bind(sum_, {gpu::read_write("device_counters", points.counters), gpu::read("first_of_pixel", points.heads),
-                         gpu::read("light_and_splats", light_copy_),
-                         gpu::read("weight_and_contributions", weights_copy_), gpu::read_write("sums", points.sums)});
+                         gpu::read("light_and_splats", images_.copy(0)),
+                         gpu::read("weight_and_contributions", images_.copy(1)), gpu::read_write("sums", points.sums)});
     commands.push(pixels_);
     commands.dispatch_threads(pixels_, SPLAT_GROUP);
 }

@@ -3,8 +3,8 @@
 // the thesis' way of splatting (3.4).
 
 #include "renderer/backends/gpu/device_scene.h"
-#include "renderer/backends/gpu/raster_pass.h"
 #include "renderer/frame/render_context.h"
+#include "renderer/splats/added_images.h"
 
 namespace photond {
 
@@ -38,8 +38,7 @@ public:
 private:
     gpu::Device& device_;
     const uint32_t pixels_;
-    gpu::Image light_, weights_;
-    gpu::Buffer light_copy_, weights_copy_;
+    AddedImages images_;  // light and splats, weight and contributions
     gpu::RasterPipeline draw_;
     gpu::ComputePipeline sum_;
 };

@@ -5,6 +5,7 @@
 #include "renderer/methods/image_space_photon_mapping/image_space_photon_mapping_gpu.h"
 #include "renderer/methods/photon_mapping/photon_mapping.h"
 #include "renderer/scene/builtin_scenes.h"
+#include "renderer/scene/mesh_builder.h"
 #include "tests/support/gpu_render.h"
 #include "tests/support/open_scene.h"
 #include "tests/support/scene_parts.h"
@@ -84,6 +85,56 @@ TEST(GpuImageSpacePhotonMapping, FewerLitPixelsMakeNearlyTheSameImage) {
         std::printf("upsampling %d: %.3f of the light is elsewhere\n", int(upsampling), apart);
         EXPECT_LT(apart, before);
         before = apart;
+    }
+}
+
+// Both lack light, where surfaces end or bend away; what either has, both together have.
+TEST(GpuImageSpacePhotonMapping, BothFootprintsTogetherLackLessThanEither) {
+    Scene scene = make_builtin_scene("cornell-box");
+    test::add(scene, MeshBuilder().sphere({0, 1, -2.2f}, 0.3f, 32).build(0), test::lambert(0.7f));  // bends away
+    finish_scene(scene);
+    const test::SceneOnDevice where(scene);
+    const auto with = [&](PhotonFootprint footprint) {
+        test::RenderSettingsOf<Ispm> settings = fixed_radius(2);
+        settings.params.kernel = KernelShape::Epanechnikov;
+        settings.params.footprint = footprint;
+        return test::render(where, settings).resolve(Layer::Indirect);
+    };
+    const std::vector<float> quads = with(PhotonFootprint::Quad), volumes = with(PhotonFootprint::Volume);
+    const std::vector<float> both = with(PhotonFootprint::Auto);
+    size_t more = 0;
+    for (size_t i = 0; i < both.size(); ++i) {
+        const float either = std::max(quads[i], volumes[i]);
+        ASSERT_GE(both[i], either - 1e-5f * either) << "sums of photons in the same order";
+        more += both[i] > 1.001f * quads[i];
+    }
+    EXPECT_GT(more, 5u);
+}
+
+// The same pairs of photon and pixel, found in another way; the sums are added up in another order.
+TEST(GpuImageSpacePhotonMapping, DrawnPhotonsMakeTheSameImage) {
+    const Scene scene = test::turned(make_builtin_scene("cornell-box-glossy"));
+    const test::SceneOnDevice where(scene);
+    for (const auto& [footprint, boundary, subsampling] : {std::tuple{PhotonFootprint::Quad, DiscBoundary::None, 1u},
+                                                           std::tuple{PhotonFootprint::Volume, DiscBoundary::None, 4u},
+                                                           std::tuple{PhotonFootprint::Auto, DiscBoundary::Clip, 1u}}) {
+        test::RenderSettingsOf<Ispm> settings = fixed_radius(2);
+        settings.size = {60, 45};
+        settings.params.kernel = KernelShape::Epanechnikov;
+        settings.params.footprint = footprint;
+        settings.params.boundary = boundary;
+        settings.params.subsampling = subsampling;
+        settings.layers.add(Layer::Overlap);
+        const Film tiles = test::render(where, settings);
+        settings.params.scatter = PhotonScatter::Raster;
+        const Film drawn = test::render(where, settings);
+        const double apart =
+            test::mean_relative_difference(tiles.resolve(Layer::Indirect), drawn.resolve(Layer::Indirect));
+        std::printf("footprint %d: %.1e apart\n", int(footprint), apart);
+        EXPECT_LT(apart, 1e-6);
+        EXPECT_LT(test::mean_relative_difference(tiles.resolve(Layer::Overlap), drawn.resolve(Layer::Overlap)), 1e-3)
+            << "of photons that bring next to nothing";
+        EXPECT_EQ(drawn.pixel_hash(), test::render(where, settings).pixel_hash()) << "the same bits each time";
     }
 }
 
