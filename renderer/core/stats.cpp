@@ -25,6 +25,8 @@ Counts& Counts::operator+=(const Counts& other) {
     voxels += other.voxels;
     nan_samples += other.nan_samples;
     infinite_samples += other.infinite_samples;
+    photon_rays_saved += other.photon_rays_saved;
+    for (size_t i = 0; i < kBounces; ++i) photons_by_bounce[i] += other.photons_by_bounce[i];
     return *this;
 }
 

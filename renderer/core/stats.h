@@ -1,6 +1,7 @@
 #pragma once
 // What a render did: counters and stage times. Each thread counts for itself; sums are taken at the end of a pass.
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -22,6 +23,11 @@ struct Counts {
     uint64_t voxels = 0;               // set, in all trees built
     uint64_t nan_samples = 0;          // dropped
     uint64_t infinite_samples = 0;     // dropped
+    uint64_t photon_rays_saved = 0;    // that photons need not trace, as they share where light first arrives
+
+    static constexpr size_t kBounces = 8;
+    std::array<uint64_t, kBounces> photons_by_bounce{};  // stored after 1, 2 ... scatterings, or as many and more;
+                                                         // where a method tells
 
     uint64_t rays() const { return camera_rays + bounce_rays + shadow_rays + photon_rays; }
     Counts& operator+=(const Counts& other);

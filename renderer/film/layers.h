@@ -35,8 +35,9 @@ enum class Layer : uint8_t {
     ShadowDistance,
     BlurRadius,
     UpsamplingWeight,
+    BounceMap,
 };
-inline constexpr size_t kLayerCount = 26;
+inline constexpr size_t kLayerCount = 27;
 
 /// How the passes' values become the image's.
 enum class LayerMean : uint8_t {
@@ -128,6 +129,8 @@ inline constexpr std::array<LayerInfo, kLayerCount> kLayers = [] {
          "of the disc that a soft shadow is the mean of"},
         {UpsamplingWeight, "upsampling_weight", "Y", Passes, P::Scale, Some, "",
          "of the four lit pixels that a pixel takes its light from, in all; 0 where it is lit itself"},
+        {BounceMap, "bounce_map", "Y", Passes, P::Dots, Some, "",
+         "places of a pass where light first arrives that the pixel shows, and photons leave from"},
     }};
 }();
 constexpr const LayerInfo& layer_info(Layer layer) { return kLayers[static_cast<size_t>(layer)]; }

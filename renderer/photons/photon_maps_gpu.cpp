@@ -29,8 +29,8 @@ PhotonMapsGpu::PhotonMapsGpu(const gpu::DeviceScene& scene)
       hash_grid_(device_),
       host_states_(device_, "readback", kMost * PhotonTracerGpu::kStateBytes, gpu::MemoryKind::Readback) {}
 
-void PhotonMapsGpu::add(size_t map, const PhotonTracing& tracing, uint64_t expected) {
-    maps_[map].tracer.emplace(scene_, tracing);
+void PhotonMapsGpu::add(size_t map, const PhotonTracing& tracing, uint64_t expected, uint32_t bounce_map_texels) {
+    maps_[map].tracer.emplace(scene_, tracing, bounce_map_texels);
     maps_[map].expected = expected;
     maps_[map].room = room_for(static_cast<double>(expected));
 }
@@ -69,18 +69,26 @@ const gpu::HashGridConstants& PhotonMapsGpu::cut_cells(size_t map, float cell_m)
 }
 
 uint32_t PhotonMapsGpu::pieces(size_t map) const {
-    const uint32_t most = device_.paths_per_submit();
-    return has(map) ? (maps_[map].tracer->tracing().photons + most - 1) / most : 0;
+    return has(map)
+               ? pieces_of(maps_[map].tracer->bounce_map_texels()) + pieces_of(maps_[map].tracer->tracing().photons)
+               : 0;
 }
 
 bool PhotonMapsGpu::record(gpu::CommandList& commands, size_t map, uint64_t seed, uint32_t pass, uint32_t piece) {
     PhotonTracerGpu& tracer = *maps_[map].tracer;
     const gpu::HashGridConstants& grid = maps_[map].grid;
-    const uint32_t paths = tracer.tracing().photons, most = device_.paths_per_submit();
-    const uint32_t first = piece * most, end = paths - first > most ? first + most : paths;
+    const uint32_t paths = tracer.tracing().photons, texels = tracer.bounce_map_texels();
+    const uint32_t most = device_.paths_per_submit(), texel_pieces = pieces_of(texels);
+    if (piece == 0) tracer.record_start(commands);
+    if (piece < texel_pieces) {
+        const gpu::Scope scope(commands, "rsm");
+        const uint32_t first = piece * most;
+        tracer.record_bounce_map(commands, seed, pass, first, first + std::min(most, texels - first));
+        return false;
+    }
+    const uint32_t first = (piece - texel_pieces) * most, end = paths - first > most ? first + most : paths;
     {
         const gpu::Scope scope(commands, "photon_tracing");
-        if (piece == 0) tracer.record_start(commands);
         tracer.record_paths(commands, seed, pass, first, end, *unsorted_, grid.capacity);
     }
     if (end < paths) return false;

@@ -32,9 +32,11 @@ public:
 
     /// One more, without cells so far. `expected`: the photons that it is laid out for, whatever a pass stores: their
     /// order must be the same each time. `tracing.guide` is read here alone.
-    void add(size_t map, const PhotonTracing& tracing, uint64_t expected);
+    /// `bounce_map_texels`: as PhotonTracerGpu has it.
+    void add(size_t map, const PhotonTracing& tracing, uint64_t expected, uint32_t bounce_map_texels = 0);
     bool has(size_t map) const { return maps_[map].tracer.has_value(); }
     uint64_t room(size_t map) const { return maps_[map].room; }
+    PhotonTracerGpu& tracer(size_t map) { return *maps_[map].tracer; }
 
     /// Makes room for the maps' photons, and behind the grids' own for `words` and for `records` of 16 bytes, the
     /// caller's. What was traced is gone. Throws ErrorCode::OutOfMemory for more than can be sorted or numbered.
@@ -48,7 +50,8 @@ public:
 
     /// A pass's photons come in that many pieces, 0 ...; 0 where there is no such map.
     uint32_t pieces(size_t map) const;
-    /// Scopes `photon_tracing` and `photon_map_build`. True: that was the last one, and the map is built.
+    /// Scopes `rsm` (the bounce map), `photon_tracing` and `photon_map_build`. True: that was the last one, and the map
+    /// is built.
     bool record(gpu::CommandList& commands, size_t map, uint64_t seed, uint32_t pass, uint32_t piece);
     /// Of a whole pass: true where there was too little room for its photons. make_room() makes it now.
     bool is_short();
@@ -62,6 +65,11 @@ private:
         uint64_t expected = 0, room = 0;
         gpu::HashGridConstants grid{};
     };
+    /// So many rays or paths come in that many.
+    uint32_t pieces_of(uint32_t paths) const {
+        const uint32_t most = device_.paths_per_submit();
+        return paths / most + (paths % most > 0 ? 1 : 0);
+    }
     std::span<const uint32_t> state(size_t map) const {
         return host_states_.as<const uint32_t>().subspan(map * PHOTON_STATE_WORDS, PHOTON_STATE_WORDS);
     }

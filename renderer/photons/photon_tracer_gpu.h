@@ -1,6 +1,8 @@
 #pragma once
 // PhotonTracer::trace() on a device: the same paths with the same numbers.
 
+#include <optional>
+
 #include "renderer/backends/gpu/device_scene.h"
 #include "renderer/backends/gpu/radix_sort.h"
 #include "renderer/photons/photon_shared.h"
@@ -27,14 +29,21 @@ struct UnsortedPhotons {
 /// One pass's photons at a time. Borrows the scene. `tracing.guide` is read while this is made.
 class PhotonTracerGpu {
 public:
-    PhotonTracerGpu(const gpu::DeviceScene& scene, const PhotonTracing& tracing);
-    /// On the device, beside what it is handed.
+    /// `bounce_map_texels`: where light first arrives that the pass's photons leave from together, each as many, give
+    /// or take one; 0: each photon traces its own way from the light. At most as many as there are photons.
+    PhotonTracerGpu(const gpu::DeviceScene& scene, const PhotonTracing& tracing, uint32_t bounce_map_texels = 0);
+    /// On the device, beside what it is handed and the bounce map.
     static uint64_t device_bytes(uint64_t instances, uint64_t guide_bytes);
+    static uint64_t bounce_map_bytes(uint32_t texels) { return uint64_t{texels} * sizeof(gpu::FirstHit); }
 
     const PhotonTracing& tracing() const { return tracing_; }
 
     /// Before a pass's paths: nothing is stored yet.
     void record_start(gpu::CommandList& commands);
+    /// Some of the pass's texels of the bounce map, half open; all of them come before the paths.
+    void record_bounce_map(gpu::CommandList& commands, uint64_t seed, uint32_t pass, uint32_t first, uint32_t end);
+    uint32_t bounce_map_texels() const { return texels_; }
+    gpu::Buffer& bounce_map() { return first_hits_; }  // FirstHit; at least room for one
     /// Traces some of the pass's paths, half open, and appends at most `capacity` photons of the pass; more are counted
     /// alone.
     void record_paths(gpu::CommandList& commands, uint64_t seed, uint32_t pass, uint32_t first, uint32_t end,
@@ -47,9 +56,13 @@ public:
     void add_to(Counts& counts, std::span<const uint32_t> state) const;
 
 private:
+    SequenceSampler sequence_of(uint64_t seed) const;
+
     const PhotonTracing tracing_;
-    gpu::Buffer state_, stores_, guide_words_, guide_cdf_;
+    const uint32_t texels_;
+    gpu::Buffer state_, stores_, guide_words_, guide_cdf_, first_hits_;
     gpu::ComputePipeline pipeline_;
+    std::optional<gpu::ComputePipeline> bounces_;
 };
 
 }  // namespace photond

@@ -22,6 +22,11 @@ layout(set = 0, binding = 2, std430) writeonly buffer Powers { uvec4 powers[]; }
 layout(set = 0, binding = 3, scalar) writeonly buffer Paths { uint paths[]; };
 layout(set = 0, binding = 4, scalar) writeonly buffer Order { uint order[]; };
 layout(set = 0, binding = 5, scalar) readonly buffer Stores { uint instance_stores[]; };  // 1: may be diffuse
+layout(set = 0, binding = 8, scalar) readonly buffer FirstHits { FirstHit first_hits[]; };  // BOUNCE_MAP
+
+layout(constant_id = BOUNCE_MAP_ID) const bool BOUNCE_MAP = false;
+
+#include "renderer/photons/photon_ray_count.glsl"
 
 uint photon_rays = 0;
 
@@ -31,9 +36,27 @@ struct Walk {
     Ray ray;
     float range_m;
     uint number;  // of the pass
+    Hit first;    // BOUNCE_MAP: of its first ray
 };
 
+/// From where light first arrives. Photons of one number modulo that of texels leave from the same.
+bool start_from_bounce_map(uint number, out Walk walk) {
+    const uint texel = number % push.texels;
+    const FirstHit from = first_hits[texel];
+    walk.ray = Ray(vec3(0.0), from.ray_direction, INFINITY);
+    walk.range_m = INFINITY;
+    walk.number = number;
+    walk.first = Hit(from.t, from.instance, from.triangle, from.u, from.v);
+    const uint sharing = push.photons / push.texels + (texel < push.photons % push.texels ? 1u : 0u);
+    EmissionSample start;
+    start.power_w = from.power_w;
+    if (!start_photon_path(start, 1.0 / (float(push.texels) * float(sharing)), walk.path)) return false;
+    walk.path.power_w *= from.arriving;
+    return hit_valid(walk.first) && from.arriving > 0.0;
+}
+
 bool start_walk(uint number, out Walk walk) {
+    if (BOUNCE_MAP) return start_from_bounce_map(number, walk);
     EmissionSample start;
     const bool carries = draw_emission(push.sequence, push.first_element + uint64_t(number), start);
     walk.ray = start.ray;
@@ -58,9 +81,11 @@ void store(Walk walk, PhotonVertex vertex) {
 /// To the next surface, where the photon may be stored, and on. False: the path ends. Twin:
 /// PhotonWavefront::scatter_general().
 bool step_walk(inout Walk walk) {
-    ++photon_rays;
-    Hit hit;
-    if (!follow_photon(walk.path, walk.ray, walk.range_m, hit)) return false;
+    Hit hit = walk.first;
+    if (!BOUNCE_MAP || walk.path.scatterings > 0) {
+        ++photon_rays;
+        if (!follow_photon(walk.path, walk.ray, walk.range_m, hit)) return false;
+    }
     PhotonVertex vertex;
     if (!part_hit(walk.path, hit, walk.ray.direction, push.glossy_threshold, vertex)) return false;
     const bool caustic = push.kind == PHOTON_MAP_CAUSTIC;
@@ -90,7 +115,5 @@ void main() {
     if (photon_nan_samples > 0) atomicAdd(state[NAN_SAMPLES_WORD], photon_nan_samples);
     if (photon_infinite_samples > 0) atomicAdd(state[INFINITE_SAMPLES_WORD], photon_infinite_samples);
     const uint rays = subgroupAdd(photon_rays);
-    if (!subgroupElect() || rays == 0) return;
-    const uint before = atomicAdd(state[PHOTON_RAYS_WORD], rays);
-    if (before + rays < before) atomicAdd(state[PHOTON_RAYS_WORD + 1], 1u);  // the carry
+    if (subgroupElect() && rays > 0) add_photon_rays(rays);
 }

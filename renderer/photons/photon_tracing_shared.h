@@ -6,9 +6,30 @@
 
 #define PHOTON_TRACING_GROUP 64  // threads
 
+#define BOUNCE_MAP_ID 89  // specialisation constant: whether photons leave from FirstHits
+
 #ifdef __cplusplus
 namespace photond::gpu {
 #endif
+
+/// Where light first arrives, and what arrives there: a texel of the bounce map.
+struct FirstHit {
+    vec3 ray_direction;
+    float t;  // the hit; its instance is ~0 where the light goes by everything
+    uint instance;
+    uint triangle;
+    float u;
+    float v;
+    vec3 power_w;    // of all photons, at emission; 0: there is none
+    float arriving;  // share of that which arrives
+};
+
+struct BounceMapPush {
+    SequenceKey sequence;
+    uint64_t first_element;  // of the sequence: that of the pass's texel 0
+    uint first_texel;        // half open
+    uint end_texel;
+};
 
 struct PhotonTracingPush {
     SequenceKey sequence;
@@ -21,6 +42,7 @@ struct PhotonTracingPush {
     uint capacity;  // photons there is room for; what comes after is counted alone
     float glossy_threshold;
     uint threads;
+    uint texels;  // of the bounce map, if there is one
 };
 
 /// Words of the tracer's state.
@@ -32,7 +54,7 @@ struct PhotonTracingPush {
 #define PHOTON_STATE_WORDS 6
 
 #ifdef __cplusplus
-static_assert(sizeof(PhotonTracingPush) == 56);
+static_assert(sizeof(PhotonTracingPush) == 64 && sizeof(FirstHit) == 48);
 }  // namespace photond::gpu
 #endif
 

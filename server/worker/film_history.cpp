@@ -21,8 +21,11 @@ constexpr std::pair<const char*, uint64_t Counts::*> kCounts[] = {{"camera_rays"
                                                                   {"vpls", &Counts::vpls},
                                                                   {"voxels", &Counts::voxels},
                                                                   {"nan_samples", &Counts::nan_samples},
-                                                                  {"infinite_samples", &Counts::infinite_samples}};
-static_assert(std::size(kCounts) * sizeof(uint64_t) == sizeof(Counts), "a count is missing from the table");
+                                                                  {"infinite_samples", &Counts::infinite_samples},
+                                                                  {"photon_rays_saved", &Counts::photon_rays_saved}};
+static_assert((std::size(kCounts) + Counts::kBounces) * sizeof(uint64_t) == sizeof(Counts),
+              "a count is missing from the table");
+constexpr const char* kPhotonsByBounce = "photons_by_bounce";
 
 template <class Value>
 json nullable(const std::optional<Value>& value) {
@@ -47,6 +50,8 @@ FilmHistory history_of(const json& source) {
     history.seconds = source.at("seconds");
     for (const auto& [name, count] : kCounts)
         history.counts.*count = source.at("counts").value(name, uint64_t{0});  // older films have fewer
+    if (source.at("counts").contains(kPhotonsByBounce))
+        source["counts"][kPhotonsByBounce].get_to(history.counts.photons_by_bounce);
     for (const json& stage : source.at("stages"))
         history.stages.push_back(
             {stage.at("name"), stage.at("wall_seconds"), stage.at("cpu_seconds"), stage.at("gpu_seconds")});
@@ -81,6 +86,7 @@ json to_json(const std::vector<CurvePoint>& curve) {
 std::string FilmHistory::text() const {
     json all_counts = json::object(), all_stages = json::array(), all_skipped = json::array();
     for (const auto& [name, count] : kCounts) all_counts[name] = counts.*count;
+    all_counts[kPhotonsByBounce] = counts.photons_by_bounce;
     for (const Stage& stage : stages)
         all_stages.push_back({{"name", stage.name},
                               {"wall_seconds", stage.wall_seconds},

@@ -60,6 +60,12 @@ void flatten(const std::string& name, const json& value, std::vector<ImageAttrib
     }
 }
 
+json photons_by_bounce(const Counts& counts) {
+    for (const uint64_t photons : counts.photons_by_bounce)
+        if (photons > 0) return counts.photons_by_bounce;
+    return nullptr;
+}
+
 }  // namespace
 
 std::string job_hash(const JobRequest& request, const std::string& scene_id) {
@@ -109,7 +115,9 @@ json statistics_json(const StatisticsInput& input) {
               {"splat_contributions", counts.splat_contributions},
               {"vpls", counts.vpls},
               {"voxels", counts.voxels},
-              {"passes", input.film.passes()}}},
+              {"passes", input.film.passes()},
+              {"photon_rays_saved", counts.photon_rays_saved},
+              {"photons_by_bounce", photons_by_bounce(counts)}}},
             {"rates",
              {{"rays_per_second", per_second(static_cast<double>(counts.rays()), input.render_seconds)},
               {"samples_per_second", per_second(samples, input.render_seconds)},

@@ -51,10 +51,10 @@ inline double mean_of_layer(const Film& film, Layer layer) { return mean_of(film
 
 /// Of the passes: the mean of the indirect layer of each, rendered by itself. Independent where its sampler is.
 template <class M>
-RunningMean indirect_of_passes(const SceneOnDevice& where, RenderSettingsOf<M> settings) {
+RunningMean indirect_of_passes(const SceneOnDevice& where, RenderSettingsOf<M> settings, Stats* stats = nullptr) {
     RunningMean mean;
     MemoryBudget budget;
-    Stats stats;
+    Stats own_stats;
     const RenderContext context{where.scene, &where.intersector, view_of(where.scene, settings), settings.seed,
                                 budget,      &where.device_scene};
     run_passes_in(
@@ -64,7 +64,7 @@ RunningMean indirect_of_passes(const SceneOnDevice& where, RenderSettingsOf<M> s
             method.resolve(film);
             mean.add(mean_of_layer(film, Layer::Indirect));
         },
-        stats);
+        stats ? *stats : own_stats);
     return mean;
 }
 template <class M>

@@ -69,6 +69,13 @@ GBufferWalk walk_of(const ImageSpacePhotonMappingParams& params) {
             .sampler = params.sampler};
 }
 
+constexpr uint64_t kBounceBytes = PHOTON_BOUNCES * sizeof(uint32_t);
+
+/// A layer that shows the bounce map needs one.
+uint32_t bounce_map_texels(const ImageSpacePhotonMappingParams& params, LayerSet layers) {
+    return params.bounce_map_texels.value_or(layers.has(Layer::BounceMap) ? params.photons : 0);
+}
+
 std::unique_ptr<CentreShadowsGpu> make_centres(const ImageSpacePhotonMappingParams& params,
                                                const gpu::DeviceScene& scene, Size2 size) {
     return params.shadows_by_centres() ? std::make_unique<CentreShadowsGpu>(scene, size) : nullptr;
@@ -99,7 +106,11 @@ struct ImageSpacePhotonMappingGpu::State {
           eye(make_eye_constants(context.view, 1, 1)),
           seed(context.seed),
           first_radius_m(p.radius_of_pass_m(0, context.scene.bounds.radius())),
+          shows_bounces(context.view.layers.has(Layer::BounceMap)),
+          texels(bounce_map_texels(p, context.view.layers)),
           maps(on_device),
+          bounces(device, "photon_scatter", kBounceBytes),
+          host_bounces(device, "readback", kBounceBytes, gpu::MemoryKind::Readback),
           constants(device, "photon_scatter", sizeof(gpu::PhotonScatterConstants)),
           frame(context, [this](uint32_t pass, DeviceFrame::Steps& steps) { add_steps(pass, steps); }),
           centres(make_centres(p, on_device, context.view.film_size)),
@@ -116,6 +127,7 @@ struct ImageSpacePhotonMappingGpu::State {
     void add_scatter_steps(PhotonMapKind kind, DeviceFrame::Steps& steps);
     void add_raster_steps(PhotonMapKind kind, DeviceFrame::Steps& steps);
     void record_combining(gpu::CommandList& commands);
+    void record_bounce_map_layer(gpu::CommandList& commands);
     uint32_t batches_of(PhotonMapKind kind) const { return batches_for(maps.room(map_of(kind))); }
 
     const ImageSpacePhotonMappingParams& params;
@@ -125,11 +137,14 @@ struct ImageSpacePhotonMappingGpu::State {
     const gpu::EyeConstants eye;
     const uint64_t seed;
     const float first_radius_m;
-    std::optional<EdgeTree> edges;  // where footprints are cut
-    PhotonMapsGpu maps;             // by kind
+    const bool shows_bounces;           // as a layer
+    const uint32_t texels;              // of the bounce map; 0: none
+    std::optional<EdgeTree> edges;      // where footprints are cut
+    PhotonMapsGpu maps;                 // by kind
+    gpu::Buffer bounces, host_bounces;  // photons by scatterings
     gpu::Buffer constants, batches;
     std::array<uint32_t, kScatteredKinds.size()> first_batch{};
-    std::optional<gpu::ComputePipeline> bound, scatter;
+    std::optional<gpu::ComputePipeline> bound, scatter, show_bounces;
     std::optional<PhotonRaster> raster;  // null: tiles alone
     std::list<CombineStep> combine;
     DeviceFrame frame;
@@ -145,7 +160,7 @@ void ImageSpacePhotonMappingGpu::State::add_map(PhotonMapKind kind, const Projec
                            .glossy_threshold = params.glossy_threshold,
                            .sampler = params.sampler,
                            .guide = guide},
-             expected_of(params, kind));
+             expected_of(params, kind), kind == PhotonMapKind::Global ? texels : 0);
 }
 
 void ImageSpacePhotonMappingGpu::State::make_room() {
@@ -175,6 +190,12 @@ void ImageSpacePhotonMappingGpu::State::make_scatter_pipelines() {
     bound.emplace(device, scatter_shader("photon_batches.comp"), sizeof(gpu::PhotonBatchPush));
     scatter.emplace(device, scatter_shader("photon_scatter.comp"), sizeof(gpu::PhotonScatterPush), &on_device.set(),
                     fixed);
+    if (shows_bounces && maps.has(map_of(PhotonMapKind::Global))) {
+        std::vector<gpu::Specialization> of_layer = on_device.specialization(frame.image().specialization());
+        of_layer.push_back(frame.image().plane(PLANE_BOUNCE_MAP_ID, Layer::BounceMap));
+        show_bounces.emplace(device, scatter_shader("bounce_map_layer.comp"), sizeof(gpu::BounceMapLayerPush),
+                             &on_device.set(), of_layer);
+    }
     if (params.scatter == PhotonScatter::Raster) raster.emplace(on_device, points.layout(), params.footprint, fixed);
 }
 
@@ -229,7 +250,10 @@ gpu::PhotonScatterConstants ImageSpacePhotonMappingGpu::State::constants_of(uint
 void ImageSpacePhotonMappingGpu::State::add_steps(uint32_t pass, DeviceFrame::Steps& steps) {
     for (uint32_t piece = 0; piece < points.pieces(); ++piece)
         steps.push_back({points.layout().size.pixels() / points.pieces(), [=, this](gpu::CommandList& commands) {
-                             if (piece == 0) commands.update(constants, constants_of(pass));
+                             if (piece == 0) {
+                                 commands.update(constants, constants_of(pass));
+                                 commands.fill(bounces, 0);
+                             }
                              points.record(commands, pass, piece);
                          }});
     for (const PhotonMapKind kind : kScatteredKinds) {
@@ -243,7 +267,10 @@ void ImageSpacePhotonMappingGpu::State::add_steps(uint32_t pass, DeviceFrame::St
         add_scatter_steps(kind, steps);
     }
     steps.push_back({0, [this](gpu::CommandList& commands) {
+                         if (show_bounces) record_bounce_map_layer(commands);
                          record_combining(commands);
+                         commands.copy(bounces, 0, host_bounces, 0, kBounceBytes);
+                         commands.host_reads(host_bounces);
                          frame.image().record_readback(commands);
                      }});
 }
@@ -280,7 +307,8 @@ void ImageSpacePhotonMappingGpu::State::add_scatter_steps(PhotonMapKind kind, De
         const gpu::Scope scope(commands, "photon_map_build");
         const uint32_t most = batches_of(kind);
         commands.bind(*bound, {gpu::read("constants", constants), gpu::read("grid_starts", maps.photons().starts),
-                               gpu::read("grid_places", maps.photons().places), gpu::write("batches", batches)});
+                               gpu::read("grid_places", maps.photons().places), gpu::write("batches", batches),
+                               gpu::read_write("photons_by_bounce", bounces)});
         commands.push(gpu::PhotonBatchPush{static_cast<uint32_t>(map), most});
         commands.dispatch_threads(uint64_t{most} * SCATTER_GROUP, SCATTER_GROUP);
     };
@@ -305,6 +333,14 @@ void ImageSpacePhotonMappingGpu::State::add_scatter_steps(PhotonMapKind kind, De
                  commands.push(gpu::PhotonScatterPush{first, end, static_cast<uint32_t>(map), batches_of(kind)});
                  commands.dispatch_threads(uint64_t{end - first} * SCATTER_GROUP, SCATTER_GROUP);
              }});
+}
+
+void ImageSpacePhotonMappingGpu::State::record_bounce_map_layer(gpu::CommandList& commands) {
+    commands.bind(*show_bounces, {gpu::read_write("layer_words", frame.image().layers()),
+                                  gpu::read("eye", points.eye()), gpu::read("points", points.points()),
+                                  gpu::read("first_hits", maps.tracer(map_of(PhotonMapKind::Global)).bounce_map())});
+    commands.push(gpu::BounceMapLayerPush{points.split(), texels});
+    commands.dispatch_threads(texels, PHOTON_TRACING_GROUP);
 }
 
 void ImageSpacePhotonMappingGpu::State::record_combining(gpu::CommandList& commands) {
@@ -345,6 +381,8 @@ uint64_t ImageSpacePhotonMappingGpu::estimate_device_bytes(const ImageSpacePhoto
         most = std::max(most, room);
         bytes += PhotonMapsGpu::map_bytes(expected, room) + batches_for(room) * sizeof(gpu::PhotonBatch);
         if (params.projection_maps) bytes += estimate_guide_bytes(kind, workload);
+        if (kind == PhotonMapKind::Global)
+            bytes += PhotonTracerGpu::bounce_map_bytes(bounce_map_texels(params, workload.layers));
     }
     if (most > 0 && params.scatter == PhotonScatter::Raster)
         bytes += PhotonRaster::device_bytes({workload.film_size, params.subsampling});
@@ -395,6 +433,8 @@ void ImageSpacePhotonMappingGpu::run_pass(uint32_t pass, Stats& stats, const Can
     if (!state.frame.run_with_room(pass, stats, cancel, [&] { return state.grow_if_short(); })) return;
     for (const PhotonMapKind kind : kScatteredKinds)
         if (state.maps.has(map_of(kind))) state.maps.add_to(stats.counts, map_of(kind));
+    const auto by_bounce = state.host_bounces.as<const uint32_t>();
+    for (size_t i = 0; i < Counts::kBounces; ++i) stats.counts.photons_by_bounce[i] += by_bounce[i];
 }
 
 DeviceFrame& ImageSpacePhotonMappingGpu::frame() { return state_->frame; }

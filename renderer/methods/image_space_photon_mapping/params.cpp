@@ -1,5 +1,7 @@
 #include "renderer/methods/image_space_photon_mapping/params.h"
 
+#include "protocol/error.h"
+
 namespace photond {
 
 namespace {
@@ -11,6 +13,11 @@ constexpr float kRadiusRelative = 0.03f;
 void ImageSpacePhotonMappingParams::visit(ParamVisitor& visitor) {
     using enum ParamGroup;
     visit_map_photons(visitor, photons, caustic_photons);
+    visitor.field("bounce_map_texels", bounce_map_texels,
+                  {Light, "", 1, 1e8,
+                   "places where light first arrives that a pass's photons leave from together, but caustic ones: rays "
+                   "saved, for photons that are less apart; when not given each photon traces its own way from the "
+                   "light"});
     visitor.field("bounces", bounces,
                   {Light, "", 0, 254,
                    "greatest number of bounces in the indirect layer; as many as there are when not "
@@ -73,6 +80,9 @@ void ImageSpacePhotonMappingParams::visit(ParamVisitor& visitor) {
 void ImageSpacePhotonMappingParams::check() const {
     require_one_radius(radius_m, radius_relative);
     require_power_of_two("/subsampling", subsampling);
+    if (bounce_map_texels && *bounce_map_texels > photons)
+        throw Error(ErrorCode::OutOfRange, "/bounce_map_texels",
+                    "must be at most photons, " + std::to_string(photons) + ", which leave from them");
 }
 
 float ImageSpacePhotonMappingParams::radius_of_pass_m(uint32_t pass, float scene_radius_m) const {

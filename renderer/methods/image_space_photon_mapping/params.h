@@ -45,6 +45,7 @@ enum class SoftShadow : uint8_t {
 struct ImageSpacePhotonMappingParams final : MethodParams {
     uint32_t photons = 50'000;
     std::optional<uint32_t> caustic_photons;
+    std::optional<uint32_t> bounce_map_texels;
     std::optional<uint32_t> bounces;
     PhotonFootprint footprint = PhotonFootprint::Auto;
     float volume_height = 0.5f;

@@ -2,6 +2,7 @@
 #ifndef PHOTOND_PHOTON_COMBINE_SHARED_H
 #define PHOTOND_PHOTON_COMBINE_SHARED_H
 
+#include "renderer/gbuffer/split_shared.h"
 #include "renderer/methods/image_space_photon_mapping/soft_shadows_shared.h"
 
 // Specialisation constants: which parts a pipeline does, and the layers' planes.
@@ -9,9 +10,23 @@
 #define PLANE_SHADOW_DISTANCE_ID 85
 #define PLANE_BLUR_RADIUS_ID 86
 #define PLANE_UPSAMPLING_WEIGHT_ID 87
+#define PLANE_BOUNCE_MAP_ID 90
 
 #define COMBINE_UPSAMPLE 1u
 #define COMBINE_SHADOW 2u
 #define COMBINE_MERGE 4u
+
+#ifdef __cplusplus
+namespace photond::gpu {
+#endif
+
+struct BounceMapLayerPush {
+    SplitRecord split;
+    uint texels;
+};
+
+#ifdef __cplusplus
+}  // namespace photond::gpu
+#endif
 
 #endif

@@ -30,6 +30,8 @@
 #define QUAD_HEIGHT 0.25f  // half the height of a quad over its radius
 
 #ifdef __cplusplus
+#include "renderer/core/stats.h"
+
 namespace photond::gpu {
 #endif
 
@@ -54,6 +56,8 @@ struct PhotonBatch {
     vec3 high;
 };
 
+#define PHOTON_BOUNCES 8  // Counts::kBounces
+
 struct PhotonBatchPush {
     uint map;
     uint batches;
@@ -73,6 +77,7 @@ struct PhotonScatterPush {
 };
 
 #ifdef __cplusplus
+static_assert(PHOTON_BOUNCES == Counts::kBounces);
 static_assert(sizeof(PhotonScatterConstants) ==
                   2 * 60 + 16 + 12 + 24 + sizeof(DiscCoverageConstants) + 12 + sizeof(CameraConstants) &&
               sizeof(PhotonBatch) == 24);

@@ -28,7 +28,8 @@ MethodInfo image_space_photon_mapping_row() {
         {"McGuire and Luebke", 2009, "Hardware-Accelerated Global Illumination by Image Space Photon Mapping"},
         {"Yao", 2011, "Combining Soft Shadow and Image Space Photon Mapping for Global Illumination"}};
     info.layers.remove(Layer::Caustic);
-    for (const Layer layer : {Layer::Overlap, Layer::ShadowDistance, Layer::BlurRadius, Layer::UpsamplingWeight})
+    for (const Layer layer :
+         {Layer::Overlap, Layer::ShadowDistance, Layer::BlurRadius, Layer::UpsamplingWeight, Layer::BounceMap})
         info.layers.add(layer);
     info.bias_falls_with = {{{"shrink", "true"}, {"subsampling", "1"}, {"soft_shadow", "rays"}}};
     info.limits = {{{{"boundary", "none"}}, "", "whole footprints lose light where a surface ends within them"},

@@ -138,6 +138,36 @@ TEST(GpuImageSpacePhotonMapping, DrawnPhotonsMakeTheSameImage) {
     }
 }
 
+// Photons that share where light first arrives bring the same light, and are traced with fewer rays.
+TEST(GpuImageSpacePhotonMapping, PhotonsThatShareTheirFirstHitsBringTheSameLight) {
+    const Scene scene = make_builtin_scene("cornell-box");
+    const test::SceneOnDevice where(scene);
+    test::RenderSettingsOf<Ispm> settings = fixed_radius(1);
+    settings.params.sampler = SamplerKind::Random;
+    settings.passes = 60;
+    Stats apart_stats, shared_stats;
+    const test::RunningMean apart = test::indirect_of_passes(where, settings, &apart_stats);
+    settings.params.bounce_map_texels = 1500;  // 4,000 photons: a number that they do not divide by
+    settings.layers.add(Layer::BounceMap);
+    const test::RunningMean shared = test::indirect_of_passes(where, settings, &shared_stats);
+    EXPECT_LT(std::fabs(shared.mean() - apart.mean()),
+              5.2 * std::hypot(shared.standard_error(), apart.standard_error()));
+    EXPECT_LT(shared.standard_error(), 0.02 * shared.mean()) << "too noisy to notice a defect";
+    EXPECT_EQ(apart_stats.counts.photon_rays_saved, 0u);
+    EXPECT_EQ(shared_stats.counts.photon_rays_saved, 60u * (4000u - 1500u));
+    const auto rays = double(apart_stats.counts.photon_rays);
+    EXPECT_NEAR(double(shared_stats.counts.photon_rays + shared_stats.counts.photon_rays_saved), rays, 0.01 * rays);
+    uint64_t photons = 0;
+    for (size_t i = 0; i + 1 < Counts::kBounces; ++i) {
+        photons += shared_stats.counts.photons_by_bounce[i];
+        if (i > 0) {
+            EXPECT_LT(shared_stats.counts.photons_by_bounce[i], shared_stats.counts.photons_by_bounce[i - 1]);
+        }
+    }
+    photons += shared_stats.counts.photons_by_bounce.back();
+    EXPECT_EQ(photons, shared_stats.counts.photons_stored);
+}
+
 constexpr double kStandardErrors = 5.2;  // false alarms 2e-7
 
 /// How much of path tracing's indirect light is lacking, and how much of that is in doubt.
