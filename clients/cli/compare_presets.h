@@ -71,6 +71,8 @@ ComparePreset svo_thesis();
 ComparePreset progressive();
 /// compare_preset_vcm.cpp
 ComparePreset vcm();
+/// compare_preset_ispm.cpp
+ComparePreset ispm_thesis();
 
 /// "report.html" of comparison "a/b" as "report-a-b.html"; "-" and an empty name stay.
 std::string of_part(const std::string& file, std::string_view part);

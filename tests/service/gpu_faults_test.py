@@ -19,6 +19,11 @@ JOB_WITH_STATE["method"] = {"name": "stochastic_progressive_photon_mapping", "de
 JOB_IN_WAVES = small_job(size=32, passes=3)
 JOB_IN_WAVES["method"] = {"name": "vertex_connection_and_merging", "device": "gpu",
                           "parameters": {"adapt": False, "indirect_bounces": 4}}
+# Draws its photons, and gathers its shadows.
+JOB_DRAWN = small_job(size=32, passes=3)
+JOB_DRAWN["method"] = {"name": "image_space_photon_mapping", "device": "gpu",
+                       "parameters": {"photons": 2000, "scatter": "raster", "soft_shadow": "gather", "subsampling": 2,
+                                      "bounce_map_texels": 500}}
 
 
 def hash_of(job):
@@ -82,6 +87,9 @@ class FaultTest(unittest.TestCase):
 
     def test_lost_while_waves_are_under_way(self):
         self.lost("vkWaitSemaphores", JOB_IN_WAVES, lambda count: (count // 2,))
+
+    def test_lost_while_photons_are_drawn(self):
+        self.lost("vkQueueSubmit2", JOB_DRAWN, lambda count: (count // 2,))
 
     def test_lost_twice_the_job_fails(self):
         with self.daemon("vkQueueSubmit2", 2, once=False) as daemon:

@@ -30,9 +30,9 @@ class Cli:
     def __init__(self):
         self.daemon = self.folder = None
 
-    def start(self):
+    def start(self, *daemon_options):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="photonctl-test-"))
-        self.daemon = Daemon()
+        self.daemon = Daemon(*daemon_options)
         self.daemon.wait_ready()
 
     def stop(self):

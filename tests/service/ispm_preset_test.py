@@ -1,0 +1,44 @@
+"""`photonctl compare --preset ispm-thesis`, small: a row of Table 1 and what its shortcuts cost, on our own scenes."""
+
+import json
+import unittest
+
+from gpu_daemon import needs_gpu
+from photonctl_case import OK, Case, cli
+
+
+def setUpModule():
+    cli.start("--devices", "cpu,gpu")
+
+
+def tearDownModule():
+    cli.stop()
+
+
+@needs_gpu
+class PresetTest(Case):
+    def report_of(self, part, *options):
+        result = cli.run("compare", "--preset", "ispm-thesis", "--builtin", "--part", part, "--width", 32, "--height",
+                         24, "--passes", 2, "-o", f"{part}.html", "--json-report", f"{part}.json", *options)
+        self.assertEqual(result.returncode, OK, result.stderr)
+        [file] = cli.folder.glob(f"{part}*.json")
+        return json.loads(file.read_text()), result.stdout
+
+    def test_a_row_of_table_1_stands_beside_the_thesis(self):
+        report, output = self.report_of("box-1", "--reference-passes", 2)
+        self.assertEqual({row["label"] for row in report["table"]},
+                         {"soft", "hard", "soft in three steps", "soft by tiles", "soft with a bounce map", "ours",
+                          "path tracing"})
+        for row in report["table"]:
+            self.assertIsNotNone(row["error"]["relative_mse"], row["label"])
+        self.assertIn("31.2", output)  # ms of the thesis' frame
+
+    def test_shortcuts_are_measured_against_frames_without_them(self):
+        report, _ = self.report_of("quality-box-1")
+        errors = {row["label"]: row["error"]["flip_ldr"] for row in report["table"]}
+        self.assertEqual(len(errors), 7)
+        self.assertTrue(all(errors.values()), errors)  # none is nothing
+
+
+if __name__ == "__main__":
+    unittest.main()
