@@ -146,16 +146,16 @@ PresetComparison table_2(const FormsRow& row) {
     comparison.reference = "path_tracing,indirect_bounces=" + std::to_string(row.bounces);
     comparison.reference_passes = 64;
     comparison.entries = {
-        "quad, soft=" + thesis + soft,
-        "quad, hard=" + thesis + hard,
-        "icosahedron, soft=" + thesis + soft + volume,
-        "icosahedron, hard=" + thesis + hard + volume,
-        "compressed icosahedron, hard=" + thesis + hard + ",footprint=volume",
-        "auto, hard=" + thesis + hard + ",footprint=auto",
+        "quad soft=" + thesis + soft,
+        "quad hard=" + thesis + hard,
+        "icosahedron soft=" + thesis + soft + volume,
+        "icosahedron hard=" + thesis + hard + volume,
+        "compressed icosahedron hard=" + thesis + hard + ",footprint=volume",
+        "auto hard=" + thesis + hard + ",footprint=auto",
     };
     comparison.stages =
         frame_stages("Table 2 of the thesis (GeForce GTX 480), ms",
-                     {"quad, soft", "quad, hard", "icosahedron, soft", "icosahedron, hard"},
+                     {"quad soft", "quad hard", "icosahedron soft", "icosahedron hard"},
                      {ms(row.quad_soft_fps), ms(row.quad_hard_fps), ms(row.volume_soft_fps), ms(row.volume_hard_fps)});
     return comparison;
 }

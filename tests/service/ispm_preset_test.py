@@ -33,6 +33,11 @@ class PresetTest(Case):
             self.assertIsNotNone(row["error"]["relative_mse"], row["label"])
         self.assertIn("31.2", output)  # ms of the thesis' frame
 
+    def test_quads_stand_beside_icosahedra(self):
+        report, output = self.report_of("forms-box-2", "--reference-passes", 2)
+        self.assertEqual(len(report["table"]), 6)
+        self.assertIn("45.5", output)  # ms of the thesis' frame, quads and soft shadows
+
     def test_shortcuts_are_measured_against_frames_without_them(self):
         report, _ = self.report_of("quality-box-1")
         errors = {row["label"]: row["error"]["flip_ldr"] for row in report["table"]}

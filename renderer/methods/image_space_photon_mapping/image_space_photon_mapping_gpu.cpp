@@ -236,6 +236,8 @@ gpu::PhotonScatterConstants ImageSpacePhotonMappingGpu::State::constants_of(uint
         of_pass.first_batch[map] = first_batch[map];
     }
     of_pass.radius_m = params.radius_of_pass_m(pass, scene.bounds.radius());
+    of_pass.radius_of_map_m[map_of(PhotonMapKind::Global)] = of_pass.radius_m;
+    of_pass.radius_of_map_m[map_of(PhotonMapKind::Caustic)] = params.caustic_radius_share * of_pass.radius_m;
     of_pass.volume_height = params.volume_height;
     of_pass.kernel = Kernel(params.kernel, params.cone_k).device_record();
     of_pass.split = points.split();
@@ -295,7 +297,7 @@ void ImageSpacePhotonMappingGpu::State::add_raster_steps(PhotonMapKind kind, Dev
                                                            points.sums(),
                                                            frame.image().layers()};
                              raster->record(commands, pass, static_cast<uint32_t>(map), first, end, first == 0);
-                             if (end == photons) raster->record_sums(commands, pass);
+                             if (end == photons) raster->record_sums(commands, pass, static_cast<uint32_t>(map));
                          }});
 }
 

@@ -39,6 +39,9 @@ void ImageSpacePhotonMappingParams::visit(ParamVisitor& visitor) {
     visitor.field("radius_relative", radius_relative,
                   {DensityEstimate, "", 1e-9, 1e3,
                    "the same, over the radius of the scene's bounding sphere; 0.03 when neither is given"});
+    visitor.field("caustic_radius_share", caustic_radius_share,
+                  {DensityEstimate, "", 0.01, 1,
+                   "radius of caustic photons' footprints, over that of the others: their paths lie denser"});
     visitor.flag("shrink", shrink,
                  {DensityEstimate, "footprints shrink from pass to pass, so that the mean of the passes converges"});
     visitor.field(

@@ -53,6 +53,7 @@ struct ImageSpacePhotonMappingParams final : MethodParams {
     DiscBoundary boundary = DiscBoundary::Clip;  // of quads
     std::optional<float> radius_m;
     std::optional<float> radius_relative;
+    float caustic_radius_share = 0.35f;
     bool shrink = true;
     uint32_t subsampling = 1;
     Upsampling upsampling = Upsampling::Geometry;

@@ -1,5 +1,5 @@
 // What light a photon brings to a pixel's point, through a quad or a volume (methods.md). Define FOOTPRINTS (the
-// PhotonScatterConstants) before.
+// PhotonScatterConstants) and FOOTPRINT_RADIUS_M (of the map's) before.
 #ifndef PHOTOND_PHOTON_LIGHT_GLSL
 #define PHOTOND_PHOTON_LIGHT_GLSL
 
@@ -21,7 +21,7 @@ struct FootprintHit {
 
 /// By a quad, or by a volume.
 float footprint_of(float distance_sq, float height_sq, bool quad) {
-    const float radius_sq = sqr(FOOTPRINTS.radius_m);
+    const float radius_sq = sqr(FOOTPRINT_RADIUS_M);
     if (quad)
         return height_sq <= sqr(QUAD_HEIGHT) * radius_sq
                    ? kernel_evaluate(FOOTPRINTS.kernel, distance_sq / radius_sq) / radius_sq
@@ -35,7 +35,7 @@ float footprint_of(float distance_sq, float height_sq, bool quad) {
 bool reaches_point(uvec4 place, GBufferPoint point, Receiver receiver, bool cut, out FootprintHit hit) {
     const vec3 offset = point.position - uintBitsToFloat(place.xyz);
     const float distance_sq = dot(offset, offset);
-    if (!(distance_sq < sqr(FOOTPRINTS.radius_m))) return false;
+    if (!(distance_sq < sqr(FOOTPRINT_RADIUS_M))) return false;
     if (photon_scatterings(place.w) > (point.kind & GBUFFER_SCATTERINGS)) return false;
     hit.normal = photon_normal(place.w);
     // The weight of agreement: both normals are of facets, so that it tends to 1 as footprints shrink.

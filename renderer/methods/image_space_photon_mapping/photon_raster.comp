@@ -15,6 +15,7 @@ layout(constant_id = PLANE_OVERLAP_ID) const uint PLANE_OVERLAP = NO_PLANE;
 layout(constant_id = DISC_COVERAGE_ID) const bool DISC_COVERAGE = false;
 
 layout(local_size_x = SCATTER_GROUP) in;
+layout(push_constant, scalar) uniform Push { PhotonRasterPush push; };
 layout(set = 0, binding = 0, scalar) readonly buffer Constants { PhotonScatterConstants constants; };
 layout(set = 0, binding = 1, scalar) readonly buffer Points { GBufferPoint points[]; };
 layout(set = 0, binding = 2, scalar) readonly buffer GridStarts { uint grid_starts[]; };
@@ -36,7 +37,7 @@ void main() {
     const uint y = thread / split.tile_width * split.side + sub_sample_offset(split);
     if (x >= split.width || y >= split.height) return;
     const uint index = split_point_of(split, x, y);
-    if (!is_drawn(x, y, points[index])) return;
+    if (!is_drawn(x, y, points[index], constants.radius_of_map_m[push.map])) return;
     const vec4 drawn = light_and_photons[thread];
     sums[index] += drawn.rgb;
     if (layer_kept(PLANE_OVERLAP)) {

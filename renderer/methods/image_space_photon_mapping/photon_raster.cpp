@@ -35,7 +35,7 @@ PhotonRaster::PhotonRaster(const gpu::DeviceScene& scene, const SplitLayout& lay
       image_(device_, "drawn_photons", {kLightAndPhotons}, drawn_size(layout)),
       draw_(device_, raster_shader("photon_raster.vert"), raster_shader("photon_raster.frag"),
             sizeof(gpu::PhotonRasterPush), image_.options(), &scene.set(), specialization),
-      sum_(device_, raster_shader("photon_raster.comp"), 0, &scene.set(), specialization) {}
+      sum_(device_, raster_shader("photon_raster.comp"), sizeof(gpu::PhotonRasterPush), &scene.set(), specialization) {}
 
 uint64_t PhotonRaster::device_bytes(const SplitLayout& layout) {
     return AddedImages::device_bytes(std::array{kLightAndPhotons}, drawn_size(layout));
@@ -57,11 +57,12 @@ void PhotonRaster::record(gpu::CommandList& commands, const Pass& pass, uint32_t
     raster.draw(vertices_, end - first);
 }
 
-void PhotonRaster::record_sums(gpu::CommandList& commands, const Pass& pass) {
+void PhotonRaster::record_sums(gpu::CommandList& commands, const Pass& pass, uint32_t map) {
     image_.record_copies(commands);
     commands.bind(sum_, {gpu::read("constants", pass.constants), gpu::read("points", pass.points),
                          gpu::read("grid_starts", pass.starts), gpu::read("light_and_photons", image_.copy(0)),
                          gpu::read_write("sums", pass.sums), gpu::read_write("device_layers", pass.layers)});
+    commands.push(gpu::PhotonRasterPush{map, 0});
     commands.dispatch_threads(pixels_, SCATTER_GROUP);
 }
 

@@ -15,6 +15,7 @@ layout(set = 0, binding = 1, scalar) readonly buffer Points { GBufferPoint point
 layout(set = 0, binding = 4, std430) readonly buffer GridPlaces { uvec4 grid_places[]; };
 layout(set = 0, binding = 5, std430) readonly buffer MapPowers { uvec4 map_powers[]; };
 #define FOOTPRINTS constants
+#define FOOTPRINT_RADIUS_M constants.radius_of_map_m[push.map]
 #include "renderer/methods/image_space_photon_mapping/photon_light.glsl"
 
 void main() {

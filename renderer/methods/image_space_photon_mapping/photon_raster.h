@@ -28,7 +28,7 @@ public:
     /// Photons of a map, half open. `clear`: the first of the map.
     void record(gpu::CommandList& commands, const Pass& pass, uint32_t map, uint32_t first, uint32_t end, bool clear);
     /// After the map's last: to the points' sums.
-    void record_sums(gpu::CommandList& commands, const Pass& pass);
+    void record_sums(gpu::CommandList& commands, const Pass& pass, uint32_t map);
 
 private:
     gpu::Device& device_;

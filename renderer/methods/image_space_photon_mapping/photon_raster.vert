@@ -85,7 +85,7 @@ void main() {
     if (photon >= min(grid_starts[map.first_start + map.slots], map.capacity)) return;
     const uvec4 place = grid_places[map.first_point + photon];
     const vec3 centre = uintBitsToFloat(place.xyz) - camera().position, normal = photon_normal(place.w);
-    const float radius_m = constants.radius_m, pixels = sample_reach(constants.filter_reach);
+    const float radius_m = constants.radius_of_map_m[push.map], pixels = sample_reach(constants.filter_reach);
     if (FOOTPRINT == FOOTPRINT_QUAD) {
         gl_Position = quad_corner(centre, normal, radius_m, 1.2 * pixels);  // perspective bends the sides
         return;

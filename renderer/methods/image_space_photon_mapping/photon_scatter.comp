@@ -34,6 +34,7 @@ shared uint near[SCATTER_GROUP];    // batches that may reach the block
 shared uint queue[SCATTER_GROUP];   // photons of one that do
 
 #define FOOTPRINTS constants
+#define FOOTPRINT_RADIUS_M constants.radius_of_map_m[push.map]
 #include "renderer/methods/image_space_photon_mapping/photon_light.glsl"
 #define COVERAGE constants.coverage
 #define EDGE_WORD(index) grid_starts[index]  // behind those of the grids
@@ -106,11 +107,12 @@ void main() {
     LitPixel pixel;
     pixel.point = points[index];
     const GBufferPoint point = pixel.point;
-    const bool lit = in_image && lights_itself(split, x, y, point, constants.radius_m) && !is_drawn(x, y, point);
+    const bool lit = in_image && lights_itself(split, x, y, point, constants.radius_m) &&
+                     !is_drawn(x, y, point, FOOTPRINT_RADIUS_M);
     if (lit && is_general(point)) pixel.receiver = make_receiver(general_points[index], constants.glossy_threshold);
 
     const HashGridConstants map = constants.maps[push.map];
-    const float radius_m = constants.radius_m;
+    const float radius_m = FOOTPRINT_RADIUS_M;
     vec3 block_low = lit ? point.position - radius_m : vec3(INFINITY);
     vec3 block_high = lit ? point.position + radius_m : vec3(-INFINITY);
     box_of_group(block_low, block_high);

@@ -38,7 +38,8 @@ namespace photond::gpu {
 /// Of a pass.
 struct PhotonScatterConstants {
     HashGridConstants maps[2];  // PhotonMapKind
-    float radius_m;             // of the footprints
+    float radius_m;             // of the largest footprints
+    float radius_of_map_m[2];   // of a map's
     float volume_height;        // half the height of a volume over its radius
     uint first_batch[2];        // of a map's, among the batches of both
     KernelRecord kernel;
@@ -79,7 +80,7 @@ struct PhotonScatterPush {
 #ifdef __cplusplus
 static_assert(PHOTON_BOUNCES == Counts::kBounces);
 static_assert(sizeof(PhotonScatterConstants) ==
-                  2 * 60 + 16 + 12 + 24 + sizeof(DiscCoverageConstants) + 12 + sizeof(CameraConstants) &&
+                  2 * 60 + 24 + 12 + 24 + sizeof(DiscCoverageConstants) + 12 + sizeof(CameraConstants) &&
               sizeof(PhotonBatch) == 24);
 }  // namespace photond::gpu
 #endif

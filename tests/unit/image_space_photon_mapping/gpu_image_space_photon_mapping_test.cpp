@@ -168,6 +168,21 @@ TEST(GpuImageSpacePhotonMapping, PhotonsThatShareTheirFirstHitsBringTheSameLight
     EXPECT_EQ(photons, shared_stats.counts.photons_stored);
 }
 
+// Caustic photons have footprints of their own, whose kernels have the same integral.
+TEST(GpuImageSpacePhotonMapping, SmallerCausticFootprintsBringTheSameLight) {
+    const Scene scene = make_builtin_scene("cornell-box-glass");
+    const test::SceneOnDevice where(scene);
+    test::RenderSettingsOf<Ispm> settings = settings_for<Ispm>(40);
+    settings.params.sampler = SamplerKind::Random;
+    settings.params.shrink = false;
+    settings.params.caustic_radius_share = 1;
+    const test::RunningMean wide = test::indirect_of_passes(where, settings);
+    settings.params.caustic_radius_share = 0.35f;
+    const test::RunningMean narrow = test::indirect_of_passes(where, settings);
+    EXPECT_LT(std::fabs(test::standard_errors_between(wide, narrow)), 5.2);
+    EXPECT_LT(narrow.standard_error(), 0.02 * narrow.mean()) << "too noisy to notice a defect";
+}
+
 constexpr double kStandardErrors = 5.2;  // false alarms 2e-7
 
 /// How much of path tracing's indirect light is lacking, and how much of that is in doubt.
