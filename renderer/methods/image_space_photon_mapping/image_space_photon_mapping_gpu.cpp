@@ -418,13 +418,13 @@ void ImageSpacePhotonMappingGpu::begin(const RenderContext& context, Stats& stat
         state.add_map(kind, guides.of(kind));
         any = true;
     }
-    const StageTimer timer(stats, "pipelines");
-    state.make_combine_pipelines();
-    if (!any) return;
-    if (params_.clips()) {
+    if (any && params_.clips()) {
         const StageTimer timer(stats, "photon_map_build");
         state.edges.emplace(find_surface_edges(scene, state.first_radius_m));
     }
+    const StageTimer timer(stats, "pipelines");
+    state.make_combine_pipelines();
+    if (!any) return;
     state.make_room();
     state.make_scatter_pipelines();
 }
