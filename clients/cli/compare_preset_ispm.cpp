@@ -15,7 +15,7 @@ namespace {
 const std::string kIspm = "image_space_photon_mapping@gpu";
 const std::string kIspmThesis = ",footprint=quad,boundary=none,scatter=raster,shrink=false,projection_maps=false";
 
-/// A row of Table 1, and of Table 2 where that has it.
+/// A row of Table 1.
 struct ThesisRow {
     std::string_view name, scene, file;
     int subsampling, bounces, photons;
@@ -34,7 +34,7 @@ constexpr ThesisRow kTable1[] = {
     {"sponza", "interior", "sponza_crytek.glb", 2, 2, 20'000, 0.06, 7, 9, 20},
 };
 
-/// Of Table 2, all at 8 x 8, four and five samples.
+/// A row of Table 2; all at 8 x 8, four and five samples.
 struct FormsRow {
     std::string_view name, scene, file;
     int bounces, photons;

@@ -1,5 +1,5 @@
 #pragma once
-// PhotonTracer::trace() on a device: the same paths with the same numbers.
+// PhotonTracer::trace() on a device: the same paths with the same numbers, unless they start from a bounce map.
 
 #include <optional>
 

@@ -8,8 +8,8 @@
 
 layout(constant_id = SCATTER_DRAWS_ID) const bool SCATTER_DRAWS = false;
 
-/// `radius_m`: of the footprints. Not those whose point the image shows elsewhere, in mirrors or out of focus; whose light depends on the direction; or
-/// whose disc is cut.
+/// `radius_m`: of the footprints. Not those whose point the image shows elsewhere, in mirrors or out of focus; whose light
+/// depends on the direction; or whose disc is cut.
 bool is_drawn(uint x, uint y, GBufferPoint point, float radius_m) {
     if (!SCATTER_DRAWS || !is_lit(point) || is_general(point)) return false;
     if (FOOTPRINTS.split.side > 1u && !is_sub_sample(FOOTPRINTS.split, x, y)) return false;
