@@ -84,7 +84,7 @@ TEST(GpuSoftShadows, LightThatNothingHidesIsWhole) {
 }
 
 // Each lamp has its own shadow: neighbours that are lit by another one are not asked for it.
-TEST(GpuSoftShadows, OfManyLampsHardlyChangeTheLight) {
+TEST(GpuSoftShadows, OfManyLampsAreNearerToRaysThanHardOnes) {
     Scene scene;
     test::add(scene, MeshBuilder().quad({-3, 0, 3}, {3, 0, 3}, {3, 0, -3}, {-3, 0, -3}).build(0), test::lambert(0.5f));
     test::add(scene, MeshBuilder().box({-0.5f, 0, -0.5f}, {0.5f, 1, 0.5f}).build(0), test::lambert(0.5f));
@@ -94,13 +94,15 @@ TEST(GpuSoftShadows, OfManyLampsHardlyChangeTheLight) {
     PunctualLight point;
     point.position = {0, 2, 2};
     scene.punctual_lights.push_back(point);
+    scene.cameras.push_back(look_at_camera({0.5, 3, 2.5}, {0.5, 0, 0}, {0, 1, 0}, 0.6f));  // near: penumbrae are wide
     finish_scene(scene);
     const test::SceneOnDevice where(scene);
     const std::vector<float> rays = direct_of(where, SoftShadow::Rays, 96);
     const std::vector<float> gathered = direct_of(where, SoftShadow::Gather, 64);
-    EXPECT_NEAR(test::mean_of(gathered), test::mean_of(rays), 0.01 * test::mean_of(rays));
-    EXPECT_LT(test::mean_relative_difference(rays, gathered),
-              test::mean_relative_difference(rays, direct_of(where, SoftShadow::None, 64)));
+    const double apart = test::mean_relative_difference(rays, gathered);
+    const double hard_apart = test::mean_relative_difference(rays, direct_of(where, SoftShadow::None, 64));
+    std::printf("of the light %.4f lies elsewhere, with hard shadows %.4f\n", apart, hard_apart);
+    EXPECT_LT(apart, 0.8 * hard_apart);
 }
 
 TEST(GpuSoftShadows, OnePassOrThreeMakeTheSameImage) {
