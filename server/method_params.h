@@ -22,4 +22,9 @@ inline bool passes_stand_alone(const MethodInfo& method, const nlohmann::json& p
     return method.passes_stand_alone == nullptr || method.passes_stand_alone(*params_of(method, parameters));
 }
 
+/// MethodInfo::traces_on_host.
+inline bool traces_on_host(const MethodInfo& method, const nlohmann::json& parameters) {
+    return method.traces_on_host != nullptr && method.traces_on_host(*params_of(method, parameters));
+}
+
 }  // namespace photond

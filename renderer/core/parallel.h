@@ -4,8 +4,10 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
+#include <tbb/task_arena.h>
 
 #include <cstddef>
+#include <future>
 
 namespace photond {
 
@@ -21,6 +23,15 @@ void parallel_for(size_t count, size_t grain, const Body& body) {
 template <class First, class Second>
 void parallel_invoke(const First& first, const Second& second) {
     tbb::parallel_invoke(first, second);
+}
+
+/// Calls work() beside what the caller goes on with, its loops on as many threads as the caller's.
+template <class Work>
+auto run_beside(const Work& work) {
+    return std::async(std::launch::async, [work, threads = tbb::this_task_arena::max_concurrency()] {
+        tbb::task_arena arena(threads);
+        return arena.execute(work);
+    });
 }
 
 }  // namespace photond

@@ -8,8 +8,8 @@ class DeviceFrame;
 /// A method whose passes a device frame takes to the film: begin() makes the frame, run_pass() runs it.
 class DeviceMethod : public Method {
 public:
-    void expect_pass(uint32_t pass) final;
-    void settle() final;
+    void expect_pass(uint32_t pass) override;
+    void settle() override;
     void resolve(Film& film) override;
 
 private:

@@ -89,6 +89,9 @@ struct MethodInfo {
     uint64_t (*estimate_bytes_gpu)(const MethodParams& params, const Workload& workload) = nullptr;
     /// Throws ErrorCode::Unsupported, with a pointer to the parameter, for what only the CPU has.
     void (*check_gpu)(const MethodParams& params) = nullptr;
+    /// Whether on a GPU its passes trace rays on the host's cores too, so that the ray structure lies in the host's
+    /// memory as well. Null: they never do.
+    bool (*traces_on_host)(const MethodParams& params) = nullptr;
     /// Bytes of the GPU's memory the method will take beside the scene's; null where there is no make_gpu.
     uint64_t (*estimate_device_bytes)(const MethodParams& params, const Workload& workload) = nullptr;
     /// About the bytes of the artefacts it will leave on the disk.

@@ -45,6 +45,8 @@ MethodInfo row_of_classes() {
         };
         if constexpr (requires(const Params& params) { Gpu::check_gpu(params); })
             info.check_gpu = +[](const MethodParams& params) { Gpu::check_gpu(as<Params>(params)); };
+        if constexpr (requires(const Params& params) { Gpu::traces_on_host(params); })
+            info.traces_on_host = +[](const MethodParams& params) { return Gpu::traces_on_host(as<Params>(params)); };
         info.estimate_bytes_gpu = +[](const MethodParams& params, const Workload& workload) {
             return Gpu::estimate_bytes(as<Params>(params), workload);
         };

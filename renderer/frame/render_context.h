@@ -35,6 +35,7 @@ struct RenderContext {
     uint64_t seed = 1;
     MemoryBudget& budget;                            // of the host
     const gpu::DeviceScene* device_scene = nullptr;  // null on the CPU
+    const Intersector* host_intersector = nullptr;   // on a GPU: answered by the cores, for who traces_on_host()
 };
 
 /// Photons that a scene stores for each light path started, on paths of any length.

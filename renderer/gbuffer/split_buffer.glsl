@@ -11,6 +11,13 @@ uint split_point_of(SplitRecord split, uint x, uint y) {
            x / split.side;
 }
 
+/// Where a pixel is that is counted row by row in the image. False past the last one.
+bool split_place_of(SplitRecord split, uint pixel, out uint x, out uint y, out uint point) {
+    x = pixel % split.width, y = pixel / split.width;
+    point = split_point_of(split, x, y);
+    return pixel < split.width * split.height;
+}
+
 /// NO_PIXEL for padding.
 uint split_pixel_of(SplitRecord split, uint point) {
     const uint tile = point / split.tile_points, place = point % split.tile_points;

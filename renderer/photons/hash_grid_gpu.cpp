@@ -59,6 +59,11 @@ void HashGridGpu::record(gpu::CommandList& commands, const gpu::HashGridConstant
                          uint32_t paths, UnsortedPhotons& photons, GridPhotons& to) {
     const gpu::DeviceWord count(tracer_state, PHOTONS_STORED_WORD);
     photons.sort.record(commands, photons.paths, photons.order, count, key_bits_of(paths));
+    record_ordered(commands, grid, tracer_state, photons, to);
+}
+
+void HashGridGpu::record_ordered(gpu::CommandList& commands, const gpu::HashGridConstants& grid,
+                                 gpu::Buffer& tracer_state, UnsortedPhotons& photons, GridPhotons& to) {
     record_cells(commands, grid, {tracer_state, photons.places, photons.paths, photons.order, photons.sort}, to.starts);
     commands.bind(order_, {gpu::read("count", tracer_state), gpu::read("order", photons.order),
                            gpu::read("places", photons.places), gpu::read("powers", photons.powers),

@@ -32,6 +32,9 @@ public:
     /// the same order every time.
     void record(gpu::CommandList& commands, const gpu::HashGridConstants& grid, gpu::Buffer& tracer_state,
                 uint32_t paths, UnsortedPhotons& photons, GridPhotons& to);
+    /// The same of photons that their paths have put in `photons.order` already.
+    void record_ordered(gpu::CommandList& commands, const gpu::HashGridConstants& grid, gpu::Buffer& tracer_state,
+                        UnsortedPhotons& photons, GridPhotons& to);
 
     /// Points of any kind, as many as the first word of `count` says: `order` names them, in an order that those of one
     /// cell keep. It is sorted by cell; `keys` are those of its points then, and `starts` say where each slot's begin.

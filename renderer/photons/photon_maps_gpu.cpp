@@ -31,6 +31,12 @@ PhotonMapsGpu::PhotonMapsGpu(const gpu::DeviceScene& scene)
 
 void PhotonMapsGpu::add(size_t map, const PhotonTracing& tracing, uint64_t expected, uint32_t bounce_map_texels) {
     maps_[map].tracer.emplace(scene_, tracing, bounce_map_texels);
+    add_room(map, expected);
+}
+
+void PhotonMapsGpu::add_traced_on_host(size_t map, uint64_t expected) { add_room(map, expected); }
+
+void PhotonMapsGpu::add_room(size_t map, uint64_t expected) {
     maps_[map].expected = expected;
     maps_[map].room = room_for(static_cast<double>(expected));
 }
@@ -39,7 +45,8 @@ void PhotonMapsGpu::make_room(std::span<const uint32_t> words, uint64_t records)
     unsorted_.reset(), grid_photons_.reset();  // not both at once
     uint64_t points = 0, most = 1, starts = 1;
     for (Map& map : maps_) {
-        if (!map.tracer) continue;
+        if (!map.expected) continue;
+        map.upload.reset();
         if (map.room > uint64_t{1} << 31)
             throw Error(ErrorCode::OutOfMemory, "photons of one map are " + std::to_string(map.room) +
                                                     ", and at most 2147483648 can be sorted");
@@ -48,7 +55,7 @@ void PhotonMapsGpu::make_room(std::span<const uint32_t> words, uint64_t records)
         map.grid.capacity = static_cast<uint32_t>(map.room);
         points += map.room;
         most = std::max(most, map.room);
-        starts += grid_starts_for(map.expected);
+        starts += grid_starts_for(*map.expected);
     }
     points = std::max<uint64_t>(points, 1);
     if (points + records > UINT32_MAX)
@@ -56,6 +63,8 @@ void PhotonMapsGpu::make_room(std::span<const uint32_t> words, uint64_t records)
                                                 " records, and at most 4294967295 can be numbered");
     unsorted_.emplace(device_, static_cast<uint32_t>(most));
     grid_photons_.emplace(device_, starts + words.size(), points, records);
+    for (Map& map : maps_)
+        if (map.expected && !map.tracer) map.upload.emplace(device_, static_cast<uint32_t>(map.room));
     first_word_ = static_cast<uint32_t>(starts);
     first_record_ = static_cast<uint32_t>(points);
     if (!words.empty()) gpu::upload(device_, grid_photons_->starts, std::as_bytes(words), starts * sizeof(uint32_t));
@@ -63,15 +72,15 @@ void PhotonMapsGpu::make_room(std::span<const uint32_t> words, uint64_t records)
 
 const gpu::HashGridConstants& PhotonMapsGpu::cut_cells(size_t map, float cell_m) {
     gpu::HashGridConstants& grid = maps_[map].grid;
-    gpu::HashGridConstants cut = lay_out_grid(scene_.scene().bounds, cell_m, maps_[map].expected);
+    gpu::HashGridConstants cut = lay_out_grid(scene_.scene().bounds, cell_m, *maps_[map].expected);
     cut.first_point = grid.first_point, cut.first_start = grid.first_start, cut.capacity = grid.capacity;
     return grid = cut;
 }
 
 uint32_t PhotonMapsGpu::pieces(size_t map) const {
-    return has(map)
-               ? pieces_of(maps_[map].tracer->bounce_map_texels()) + pieces_of(maps_[map].tracer->tracing().photons)
-               : 0;
+    if (!has(map)) return 0;
+    const std::optional<PhotonTracerGpu>& tracer = maps_[map].tracer;
+    return tracer ? pieces_of(tracer->bounce_map_texels()) + pieces_of(tracer->tracing().photons) : 1;
 }
 
 bool PhotonMapsGpu::record(gpu::CommandList& commands, size_t map, uint64_t seed, uint32_t pass, uint32_t piece) {
@@ -94,9 +103,21 @@ bool PhotonMapsGpu::record(gpu::CommandList& commands, size_t map, uint64_t seed
     if (end < paths) return false;
     const gpu::Scope scope(commands, "photon_map_build");
     hash_grid_.record(commands, grid, tracer.state(), paths, *unsorted_, *grid_photons_);
-    commands.copy(tracer.state(), 0, host_states_, map * PhotonTracerGpu::kStateBytes, PhotonTracerGpu::kStateBytes);
-    commands.host_reads(host_states_);
+    record_state(commands, map, tracer.state());
     return true;
+}
+
+void PhotonMapsGpu::record_traced_on_host(gpu::CommandList& commands, size_t map, std::span<const Photon> photons) {
+    const gpu::Scope scope(commands, "photon_map_build");
+    PhotonUploadGpu& upload = *maps_[map].upload;
+    upload.record(commands, photons, *unsorted_);
+    hash_grid_.record_ordered(commands, maps_[map].grid, upload.state(), *unsorted_, *grid_photons_);
+    record_state(commands, map, upload.state());
+}
+
+void PhotonMapsGpu::record_state(gpu::CommandList& commands, size_t map, gpu::Buffer& state) {
+    commands.copy(state, 0, host_states_, map * PhotonTracerGpu::kStateBytes, PhotonTracerGpu::kStateBytes);
+    commands.host_reads(host_states_);
 }
 
 bool PhotonMapsGpu::is_short() {

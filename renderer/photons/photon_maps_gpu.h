@@ -8,6 +8,7 @@
 
 #include "renderer/backends/gpu/command_list.h"
 #include "renderer/photons/hash_grid_gpu.h"
+#include "renderer/photons/photon_upload_gpu.h"
 
 namespace photond {
 
@@ -34,7 +35,9 @@ public:
     /// order must be the same each time. `tracing.guide` is read here alone.
     /// `bounce_map_texels`: as PhotonTracerGpu has it.
     void add(size_t map, const PhotonTracing& tracing, uint64_t expected, uint32_t bounce_map_texels = 0);
-    bool has(size_t map) const { return maps_[map].tracer.has_value(); }
+    /// The same of photons that the host traces.
+    void add_traced_on_host(size_t map, uint64_t expected);
+    bool has(size_t map) const { return maps_[map].expected.has_value(); }
     uint64_t room(size_t map) const { return maps_[map].room; }
     PhotonTracerGpu& tracer(size_t map) { return *maps_[map].tracer; }
 
@@ -53,6 +56,8 @@ public:
     /// Scopes `rsm` (the bounce map), `photon_tracing` and `photon_map_build`. True: that was the last one, and the map
     /// is built.
     bool record(gpu::CommandList& commands, size_t map, uint64_t seed, uint32_t pass, uint32_t piece);
+    /// The one piece of photons that the host has traced; scope `photon_map_build`.
+    void record_traced_on_host(gpu::CommandList& commands, size_t map, std::span<const Photon> photons);
     /// Of a whole pass: true where there was too little room for its photons. make_room() makes it now.
     bool is_short();
     void add_to(Counts& counts, size_t map) const { maps_[map].tracer->add_to(counts, state(map)); }
@@ -61,8 +66,10 @@ public:
 
 private:
     struct Map {
-        std::optional<PhotonTracerGpu> tracer;
-        uint64_t expected = 0, room = 0;
+        std::optional<uint64_t> expected;  // none: there is no such map
+        uint64_t room = 0;
+        std::optional<PhotonTracerGpu> tracer;  // null: the host traces
+        std::optional<PhotonUploadGpu> upload;
         gpu::HashGridConstants grid{};
     };
     /// So many rays or paths come in that many.
@@ -73,6 +80,9 @@ private:
     std::span<const uint32_t> state(size_t map) const {
         return host_states_.as<const uint32_t>().subspan(map * PHOTON_STATE_WORDS, PHOTON_STATE_WORDS);
     }
+
+    void add_room(size_t map, uint64_t expected);
+    void record_state(gpu::CommandList& commands, size_t map, gpu::Buffer& state);
 
     const gpu::DeviceScene& scene_;
     gpu::Device& device_;

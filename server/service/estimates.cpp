@@ -117,7 +117,9 @@ uint64_t Estimates::estimate_memory_bytes(const JobRequest& request, const Scene
     const Workload workload = workload_of(request, summary);
     const bool on_gpu = request.method.device != "cpu";
     uint64_t scene_bytes = summary.value("memory_bytes", uint64_t{0});
-    if (on_gpu) scene_bytes -= summary.value("acceleration_bytes", uint64_t{0});  // it lies on the device
+    const MethodInfo* method = find_method(request.method.name);
+    if (on_gpu && !(method && traces_on_host(*method, request.method.parameters)))
+        scene_bytes -= summary.value("acceleration_bytes", uint64_t{0});  // it lies on the device
     return film_bytes(request) + measuring_bytes(request) + scene_bytes +
            workload.environment_size.pixels() * sizeof(Rgb) +
            ask_method(request, workload, on_gpu ? &MethodInfo::estimate_bytes_gpu : &MethodInfo::estimate_bytes);

@@ -6,6 +6,7 @@
 
 #include "protocol/error.h"
 #include "renderer/backends/gpu/device.h"
+#include "server/method_params.h"
 #include "server/worker/job_setup.h"
 #include "server/worker/off_the_clock.h"
 #include "server/worker/process_memory.h"
@@ -85,8 +86,10 @@ void RenderJob::load_scene() {
     // Baseline: what is resident before this job's scene, as if the scene were not in the cache. Scenes of other jobs
     // that are kept idle count to the baseline.
     const uint64_t resident = resident_bytes();
+    const JobMethod& method = order_.request.method;
+    const bool on_host = traces_on_host(*find_method(method.name), method.parameters);
     const bool warm = scenes_.holds(order_.source, order_.variant);
-    ready_ = scenes_.get(order_.source, order_.variant, budget_, stats_);
+    ready_ = scenes_.get(order_.source, order_.variant, budget_, stats_, on_host);
     const uint64_t warm_bytes = warm ? ready_->bytes() + (device_.software ? ready_->device_bytes() : 0) : 0;
     baseline_bytes_ = resident - std::min(resident, warm_bytes);
     if (device_.in_use) note_idle_device_memory();
@@ -171,8 +174,8 @@ std::optional<Film> RenderJob::film_to_go_on_with() {
 PassLoop::Result RenderJob::render() {
     const JobRequest& request = order_.request;
     const RenderContext context{
-        ready_->scene, ready_->intersector.get(), resolve_view(request, ready_->scene), order_.seed(),
-        budget_,       ready_->device_scene.get()};
+        ready_->scene, ready_->intersector.get(),  resolve_view(request, ready_->scene), order_.seed(),
+        budget_,       ready_->device_scene.get(), ready_->host_intersector.get()};
     PassLoop loop{*method_, context, request.stop, control_.cancel,
                   [this](const Film& film, double seconds) { return after_pass(film, seconds); }};
     loop.pauses = [this](const Film& film, double seconds) {

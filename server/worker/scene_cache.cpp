@@ -108,12 +108,13 @@ bool SceneCache::holds(const SceneSource& source, const SceneVariant& variant) c
 }
 
 std::shared_ptr<const ReadyScene> SceneCache::get(const SceneSource& source, const SceneVariant& variant,
-                                                  MemoryBudget& budget, Stats& stats) {
+                                                  MemoryBudget& budget, Stats& stats, bool on_host) {
     const std::string key = key_of(source, variant);
     evict_idle(key);
     for (auto entry = entries_.begin(); entry != entries_.end(); ++entry) {
         if (entry->key != key) continue;
         entries_.splice(entries_.begin(), entries_, entry);
+        if (on_host) add_host_rays(*entry->ready, budget.limit_bytes(), stats);
         if (entry->ready->bytes() > budget.limit_bytes()) budget.require("scene", entry->ready->bytes());
         for (const auto& [name, bytes] : entry->ready->structures) budget.record(name, bytes);
         return entry->ready;
@@ -132,9 +133,18 @@ std::shared_ptr<const ReadyScene> SceneCache::get(const SceneSource& source, con
         ready->intersector = make_embree_intersector(ready->scene, scene_budget, stats);
     }
     ready->structures = scene_budget.structures();
+    if (on_host) add_host_rays(*ready, budget.limit_bytes(), stats);
     for (const auto& [name, bytes] : ready->structures) budget.record(name, bytes);
     entries_.push_front({key, ready});
     return ready;
+}
+
+void SceneCache::add_host_rays(ReadyScene& ready, uint64_t limit_bytes, Stats& stats) const {
+    if (!device_ || ready.host_intersector) return;
+    MemoryBudget budget(limit_bytes);
+    for (const auto& [name, bytes] : ready.structures) budget.record(name, bytes);
+    ready.host_intersector = make_embree_intersector(ready.scene, budget, stats);
+    ready.structures = budget.structures();
 }
 
 uint64_t SceneCache::bytes() const {

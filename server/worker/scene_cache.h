@@ -36,6 +36,7 @@ struct ReadyScene {
     Scene scene;
     std::unique_ptr<gpu::DeviceScene> device_scene;  // null on the CPU
     std::unique_ptr<Intersector> intersector;        // on a GPU answered by it
+    std::unique_ptr<Intersector> host_intersector;   // on a GPU, once a job asks for rays on the cores too
     std::map<std::string, uint64_t> structures;      // of the host
     std::map<std::string, uint64_t> device_structures;
 
@@ -60,19 +61,21 @@ public:
 
     /// Whether get() would find it ready.
     bool holds(const SceneSource& source, const SceneVariant& variant) const;
-    /// The scene, from memory or loaded now; its structures on the host are recorded in `budget`. Throws what
-    /// load_scene() throws, and OutOfMemory when it does not fit the budget.
+    /// The scene, from memory or loaded now; its structures on the host are recorded in `budget`. `on_host`: with a
+    /// host_intersector where it is on a GPU. Throws what load_scene() throws, and OutOfMemory when it does not fit the
+    /// budget.
     std::shared_ptr<const ReadyScene> get(const SceneSource& source, const SceneVariant& variant, MemoryBudget& budget,
-                                          Stats& stats);
+                                          Stats& stats, bool on_host = false);
     void clear() { entries_.clear(); }
     uint64_t bytes() const;  // of the host, of all scenes held
 
 private:
     struct Entry {
         std::string key;
-        std::shared_ptr<const ReadyScene> ready;
+        std::shared_ptr<ReadyScene> ready;
     };
     static std::string key_of(const SceneSource& source, const SceneVariant& variant);
+    void add_host_rays(ReadyScene& ready, uint64_t limit_bytes, Stats& stats) const;
     void evict_idle(const std::string& wanted_key);
 
     const uint64_t idle_bytes_;

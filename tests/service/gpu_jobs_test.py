@@ -85,6 +85,21 @@ class JobTest(GpuCase):
             with self.subTest(method["name"]):
                 self.assertEqual(self.daemon.run_job(job)["state"], "succeeded")
 
+    def test_photons_traced_on_the_cores(self):
+        """The scene's ray structure then lies in the host's memory too, beside the photons of two passes."""
+        job = gpu_job(scene="interior", size=64, passes=3, method="image_space_photon_mapping")
+        estimates, memory = {}, {}
+        for trace in ("gpu", "cpu"):
+            job["method"]["parameters"] = {"trace": trace}
+            estimates[trace] = self.daemon.request("POST", "/v1/jobs?dry_run=true", json_body=job).json["memory_bytes"]
+            memory[trace] = self.daemon.run_job(job)["statistics"]["memory"]
+            self.assertLess(memory[trace]["accounted_bytes"], 1.5 * estimates[trace], trace)
+            self.assertLess(estimates[trace], 1.5 * memory[trace]["accounted_bytes"], trace)
+        self.assertGreater(estimates["cpu"], estimates["gpu"])
+        self.assertNotIn("acceleration", memory["gpu"]["structures"])
+        self.assertIn("acceleration", memory["cpu"]["structures"])
+        self.assertGreater(memory["cpu"]["structures"]["photons_ahead"], 0)
+
     def test_memory_is_estimated_and_refused(self):
         for scene, size in (("cornell-box", 256), ("furnace", 32), ("interior", 64)):
             job = gpu_job(scene=scene, size=size, passes=1)

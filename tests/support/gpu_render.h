@@ -20,6 +20,22 @@ struct SceneOnDevice {
     const Scene& scene;
     const gpu::DeviceScene device_scene;
     const gpu::DeviceIntersector intersector;
+
+    /// For a method that traces on the host too; else null.
+    template <class M>
+    const Intersector* host_intersector(const typename M::Params& params) const {
+        if constexpr (requires { M::traces_on_host(params); }) {
+            MemoryBudget budget;
+            Stats stats;
+            if (M::traces_on_host(params) && !host_intersector_)
+                host_intersector_ = make_embree_intersector(scene, budget, stats);
+            return host_intersector_.get();
+        }
+        return nullptr;
+    }
+
+private:
+    mutable std::unique_ptr<Intersector> host_intersector_;
 };
 
 /// run_passes() of render.h, there.
@@ -28,8 +44,13 @@ void run_passes(const SceneOnDevice& where, const RenderSettingsOf<M>& settings,
                 Stats* stats = nullptr) {
     MemoryBudget budget;
     Stats own_stats;
-    const RenderContext context{where.scene, &where.intersector, view_of(where.scene, settings), settings.seed,
-                                budget,      &where.device_scene};
+    const RenderContext context{where.scene,
+                                &where.intersector,
+                                view_of(where.scene, settings),
+                                settings.seed,
+                                budget,
+                                &where.device_scene,
+                                where.host_intersector<M>(settings.params)};
     run_passes_in(
         context, settings,
         [&](M& method, uint32_t pass) {
@@ -78,9 +99,9 @@ void expect_device_bytes_as_estimated(const SceneOnDevice& where, const RenderSe
     MemoryBudget budget;
     Stats stats;
     M method(settings.params);
-    method.begin(
-        {where.scene, &where.intersector, view_of(where.scene, settings), settings.seed, budget, &where.device_scene},
-        stats);
+    method.begin({where.scene, &where.intersector, view_of(where.scene, settings), settings.seed, budget,
+                  &where.device_scene, where.host_intersector<M>(settings.params)},
+                 stats);
     const Workload workload = workload_of(where.scene, settings);
     const auto estimate = static_cast<double>(M::estimate_device_bytes(settings.params, workload));
     const auto taken = static_cast<double>(gpu_device().memory().used_bytes() - before);

@@ -4,6 +4,7 @@
 #include <list>
 #include <numeric>
 
+#include "renderer/core/thread_local.h"
 #include "renderer/eye/eye_constants.h"
 #include "renderer/frame/device_frame.h"
 #include "renderer/gathering/expected_photons.h"
@@ -15,6 +16,7 @@
 #include "renderer/photons/edge_tree.h"
 #include "renderer/photons/photon_guides.h"
 #include "renderer/photons/photon_maps_gpu.h"
+#include "renderer/photons/photons_ahead.h"
 #include "renderer/photons/surface_edges.h"
 #include "renderer/scene/scene.h"
 
@@ -22,11 +24,7 @@ namespace photond {
 
 namespace {
 
-static_assert(uint32_t(Upsampling::Nearest) == UPSAMPLING_NEAREST &&
-              uint32_t(Upsampling::Bilinear) == UPSAMPLING_BILINEAR &&
-              uint32_t(Upsampling::Normal) == UPSAMPLING_NORMAL &&
-              uint32_t(Upsampling::Geometry) == UPSAMPLING_GEOMETRY &&
-              uint32_t(SoftShadow::Gather) == SOFT_SHADOW_GATHER &&
+static_assert(uint32_t(SoftShadow::Gather) == SOFT_SHADOW_GATHER &&
               uint32_t(SoftShadow::FixedRadius) == SOFT_SHADOW_FIXED_RADIUS &&
               uint32_t(SoftShadow::Rays) == SOFT_SHADOW_RAYS && uint32_t(SoftShadow::None) == SOFT_SHADOW_NONE);
 
@@ -73,7 +71,13 @@ constexpr uint64_t kBounceBytes = PHOTON_BOUNCES * sizeof(uint32_t);
 
 /// A layer that shows the bounce map needs one.
 uint32_t bounce_map_texels(const ImageSpacePhotonMappingParams& params, LayerSet layers) {
+    if (params.traces_on_host()) return 0;
     return params.bounce_map_texels.value_or(layers.has(Layer::BounceMap) ? params.photons : 0);
+}
+
+/// Photons of a pass, where nobody has counted them.
+double stored_by(const ImageSpacePhotonMappingParams& params, PhotonMapKind kind, const PhotonYield& yield) {
+    return yield_of(yield, kind).by(params.projection_maps) * photons_of(params, kind);
 }
 
 std::unique_ptr<CentreShadowsGpu> make_centres(const ImageSpacePhotonMappingParams& params,
@@ -117,7 +121,8 @@ struct ImageSpacePhotonMappingGpu::State {
           points(on_device, context.view, seed, walk_of(p), frame.image(), {.centres = centres.get()}) {}
     ~State() { frame.end(); }
 
-    void add_map(PhotonMapKind kind, const ProjectionMap* guide);
+    void add_map(const RenderContext& context, PhotonMapKind kind);
+    void add_counts(PhotonMapKind kind, Counts& counts) const;
     void make_room();
     void make_scatter_pipelines();
     void make_combine_pipelines();
@@ -137,7 +142,10 @@ struct ImageSpacePhotonMappingGpu::State {
     const gpu::EyeConstants eye;
     const uint64_t seed;
     const float first_radius_m;
-    const bool shows_bounces;           // as a layer
+    const bool shows_bounces;  // as a layer
+    std::optional<EmissionSampler> emission;
+    std::optional<PhotonGuides> guides;
+    std::optional<PhotonsAhead> ahead;  // null: the device traces
     const uint32_t texels;              // of the bounce map; 0: none
     std::optional<EdgeTree> edges;      // where footprints are cut
     PhotonMapsGpu maps;                 // by kind
@@ -152,15 +160,27 @@ struct ImageSpacePhotonMappingGpu::State {
     GBufferGpu points;
 };
 
-void ImageSpacePhotonMappingGpu::State::add_map(PhotonMapKind kind, const ProjectionMap* guide) {
-    maps.add(map_of(kind),
-             PhotonTracing{.kind = kind,
-                           .photons = photons_of(params, kind),
-                           .most_scatterings = params.photon_scatterings(),
-                           .glossy_threshold = params.glossy_threshold,
-                           .sampler = params.sampler,
-                           .guide = guide},
-             expected_of(params, kind), kind == PhotonMapKind::Global ? texels : 0);
+void ImageSpacePhotonMappingGpu::State::add_map(const RenderContext& context, PhotonMapKind kind) {
+    const PhotonTracing tracing{.kind = kind,
+                                .photons = photons_of(params, kind),
+                                .most_scatterings = params.photon_scatterings(),
+                                .glossy_threshold = params.glossy_threshold,
+                                .sampler = params.sampler,
+                                .guide = guides->of(kind)};
+    if (!params.traces_on_host()) {
+        maps.add(map_of(kind), tracing, expected_of(params, kind), kind == PhotonMapKind::Global ? texels : 0);
+        return;
+    }
+    if (!ahead) ahead.emplace(seed);
+    ahead->add(scene, *context.host_intersector, *emission, tracing);
+    maps.add_traced_on_host(map_of(kind), expected_of(params, kind));
+}
+
+void ImageSpacePhotonMappingGpu::State::add_counts(PhotonMapKind kind, Counts& counts) const {
+    if (ahead)
+        counts += ahead->photons(kind).counts;
+    else
+        maps.add_to(counts, map_of(kind));
 }
 
 void ImageSpacePhotonMappingGpu::State::make_room() {
@@ -263,8 +283,12 @@ void ImageSpacePhotonMappingGpu::State::add_steps(uint32_t pass, DeviceFrame::St
         if (!maps.has(map)) continue;
         const uint32_t pieces = maps.pieces(map);
         for (uint32_t piece = 0; piece < pieces; ++piece)
-            steps.push_back({photons_of(params, kind) / pieces,
-                             [=, this](gpu::CommandList& commands) { maps.record(commands, map, seed, pass, piece); }});
+            steps.push_back({photons_of(params, kind) / pieces, [=, this](gpu::CommandList& commands) {
+                                 if (ahead)
+                                     maps.record_traced_on_host(commands, map, ahead->photons(kind).photons);
+                                 else
+                                     maps.record(commands, map, seed, pass, piece);
+                             }});
         if (raster) add_raster_steps(kind, steps);
         add_scatter_steps(kind, steps);
     }
@@ -362,9 +386,18 @@ void ImageSpacePhotonMappingGpu::State::record_combining(gpu::CommandList& comma
 ImageSpacePhotonMappingGpu::ImageSpacePhotonMappingGpu(const ImageSpacePhotonMappingParams& params) : params_(params) {}
 ImageSpacePhotonMappingGpu::~ImageSpacePhotonMappingGpu() = default;
 
-uint64_t ImageSpacePhotonMappingGpu::estimate_bytes(const ImageSpacePhotonMappingParams& /*params*/,
+uint64_t ImageSpacePhotonMappingGpu::estimate_bytes(const ImageSpacePhotonMappingParams& params,
                                                     const Workload& workload) {
-    return DeviceFrame::estimate_bytes(workload);
+    uint64_t bytes = DeviceFrame::estimate_bytes(workload);
+    if (!params.traces_on_host()) return bytes;
+    const PhotonYield yield = workload.photon_yield.value_or(kExpectedPhotonYield);
+    bytes += PhotonTracer::scratch_bytes(workload.threads);
+    for (const PhotonMapKind kind : kScatteredKinds) {
+        if (!may_have(params, kind, workload)) continue;
+        bytes += PhotonsAhead::bytes_for(stored_by(params, kind, yield));
+        if (params.projection_maps) bytes += estimate_guide_bytes(kind, workload);
+    }
+    return bytes;
 }
 
 uint64_t ImageSpacePhotonMappingGpu::estimate_device_bytes(const ImageSpacePhotonMappingParams& params,
@@ -377,12 +410,15 @@ uint64_t ImageSpacePhotonMappingGpu::estimate_device_bytes(const ImageSpacePhoto
     uint64_t most = 0;
     for (const PhotonMapKind kind : kScatteredKinds) {
         if (!may_have(params, kind, workload)) continue;
-        const double stored = yield_of(yield, kind).by(params.projection_maps) * photons_of(params, kind);
         const uint64_t expected = expected_of(params, kind);
-        const uint64_t room = PhotonMapsGpu::room_for(std::max(stored, static_cast<double>(expected)));
+        const uint64_t room =
+            PhotonMapsGpu::room_for(std::max(stored_by(params, kind, yield), static_cast<double>(expected)));
         most = std::max(most, room);
         bytes += PhotonMapsGpu::map_bytes(expected, room) + batches_for(room) * sizeof(gpu::PhotonBatch);
-        if (params.projection_maps) bytes += estimate_guide_bytes(kind, workload);
+        if (params.traces_on_host())
+            bytes += PhotonUploadGpu::bytes_for(room);
+        else if (params.projection_maps)
+            bytes += estimate_guide_bytes(kind, workload);
         if (kind == PhotonMapKind::Global)
             bytes += PhotonTracerGpu::bounce_map_bytes(bounce_map_texels(params, workload.layers));
     }
@@ -398,14 +434,13 @@ void ImageSpacePhotonMappingGpu::begin(const RenderContext& context, Stats& stat
     state_ = std::make_unique<State>(context, params_);
     State& state = *state_;
 
-    // On the host for as long as the projection maps are being made.
-    std::optional<EmissionSampler> emission;
-    make_emission(scene, emission, stats);
-    PhotonGuides guides;  // which the device copies
+    make_emission(scene, state.emission, stats);
+    state.guides.emplace();
     const bool specular = has_specular_surface(scene, params_.glossy_threshold);
     bool any = false;
+    uint64_t ahead_bytes = params_.traces_on_host() ? PhotonTracer::scratch_bytes(most_threads()) : 0;
     for (const PhotonMapKind kind : kScatteredKinds) {
-        if (const char* why = why_none(params_, kind, emission.has_value(), specular)) {
+        if (const char* why = why_none(params_, kind, state.emission.has_value(), specular)) {
             const uint64_t expected = expected_of(params_, kind);
             const uint64_t room = PhotonMapsGpu::room_for(static_cast<double>(expected));
             stats.skipped.push_back({kind == PhotonMapKind::Global ? "global map" : "caustic map", why,
@@ -413,11 +448,19 @@ void ImageSpacePhotonMappingGpu::begin(const RenderContext& context, Stats& stat
             continue;
         }
         if (params_.projection_maps)
-            guides.add(kind, scene, *context.intersector, *emission, params_.glossy_threshold, context.seed,
-                       context.budget, stats);
-        state.add_map(kind, guides.of(kind));
+            state.guides->add(kind, scene, *context.intersector, *state.emission, params_.glossy_threshold,
+                              context.seed, context.budget, stats);
+        if (params_.traces_on_host()) {
+            const uint64_t bytes = PhotonsAhead::bytes_for(stored_by(params_, kind, kExpectedPhotonYield));
+            context.budget.require("photons_ahead", bytes + ahead_bytes);
+            context.budget.record("photons_ahead", ahead_bytes += bytes);
+        }
+        state.add_map(context, kind);
         any = true;
     }
+    if (!state.ahead) state.guides.reset(), state.emission.reset();  // the device has its own
+    if (state.ahead && state.shows_bounces)
+        stats.skipped.push_back({"bounce map", "photons are traced on the host, each its own way from the light", 0});
     if (any && params_.clips()) {
         const StageTimer timer(stats, "photon_map_build");
         state.edges.emplace(find_surface_edges(scene, state.first_radius_m));
@@ -431,12 +474,27 @@ void ImageSpacePhotonMappingGpu::begin(const RenderContext& context, Stats& stat
 
 void ImageSpacePhotonMappingGpu::run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) {
     State& state = *state_;
+    if (state.ahead) {
+        const StageTimer timer(stats, "photon_tracing");  // for as long as they are waited for
+        if (!state.ahead->wait(pass, cancel)) return;
+        state.frame.expect_pass(pass);  // the device first: those of the next pass are traced beside it
+        state.ahead->begin(pass + 1);
+    }
     const StageTimer timer(stats, "indirect");
     if (!state.frame.run_with_room(pass, stats, cancel, [&] { return state.grow_if_short(); })) return;
     for (const PhotonMapKind kind : kScatteredKinds)
-        if (state.maps.has(map_of(kind))) state.maps.add_to(stats.counts, map_of(kind));
+        if (state.maps.has(map_of(kind))) state.add_counts(kind, stats.counts);
     const auto by_bounce = state.host_bounces.as<const uint32_t>();
     for (size_t i = 0; i < Counts::kBounces; ++i) stats.counts.photons_by_bounce[i] += by_bounce[i];
+}
+
+void ImageSpacePhotonMappingGpu::expect_pass(uint32_t pass) {
+    if (!state_->ahead || state_->ahead->arrived(pass)) DeviceMethod::expect_pass(pass);
+}
+
+void ImageSpacePhotonMappingGpu::settle() {
+    if (state_->ahead) state_->ahead->stop();
+    DeviceMethod::settle();
 }
 
 DeviceFrame& ImageSpacePhotonMappingGpu::frame() { return state_->frame; }

@@ -32,6 +32,7 @@ public:
 
     explicit ImageSpacePhotonMappingGpu(const ImageSpacePhotonMappingParams& params);
     ~ImageSpacePhotonMappingGpu() override;
+    static bool traces_on_host(const ImageSpacePhotonMappingParams& params) { return params.traces_on_host(); }
     /// Bytes of the host's memory that begin() will record.
     static uint64_t estimate_bytes(const ImageSpacePhotonMappingParams& params, const Workload& workload);
     /// Bytes of the device's memory that begin() will take, to a factor of two.
@@ -39,6 +40,8 @@ public:
 
     void begin(const RenderContext& context, Stats& stats) override;
     void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) override;
+    void expect_pass(uint32_t pass) override;
+    void settle() override;
 
 private:
     DeviceFrame& frame() override;

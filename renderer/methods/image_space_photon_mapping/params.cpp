@@ -13,6 +13,11 @@ constexpr float kRadiusRelative = 0.03f;
 void ImageSpacePhotonMappingParams::visit(ParamVisitor& visitor) {
     using enum ParamGroup;
     visit_map_photons(visitor, photons, caustic_photons);
+    static constexpr std::string_view kTraces[] = {"gpu", "cpu"};
+    visitor.enumeration("trace", trace,
+                        {Light, kTraces,
+                         "where photons are traced: on the device (gpu), or on the host's cores while the device draws "
+                         "those of the pass before (cpu): the same light, in another time"});
     visitor.field("bounce_map_texels", bounce_map_texels,
                   {Light, "", 1, 1e8,
                    "places where light first arrives that a pass's photons leave from together, but caustic ones: rays "
@@ -49,16 +54,7 @@ void ImageSpacePhotonMappingParams::visit(ParamVisitor& visitor) {
         {DensityEstimate, "", 0.01, 1,
          "share of the photons in a footprint that the next pass keeps, where they shrink: squared bias falls "
          "as the passes' number to the power 2 alpha - 2"});
-    visitor.field(
-        "subsampling", subsampling,
-        {Light, "", 1, 8,
-         "of each block of n x n pixels one is lit by photons, the others take its light; n is 1, 2, 4 or 8"});
-    static constexpr std::string_view kUpsamplings[] = {"nearest", "bilinear", "normal", "geometry"};
-    visitor.enumeration("upsampling", upsampling,
-                        {NoiseAndBias, kUpsamplings,
-                         "how a pixel takes light from the lit ones about it: the nearest alone, by distance in the "
-                         "image (bilinear), also by how normals agree, also by distance from the pixel's plane "
-                         "(geometry)"});
+    visit_upsampling(visitor, subsampling, upsampling);
     static constexpr std::string_view kSoftShadows[] = {"gather", "fixed_radius", "rays", "none"};
     visitor.enumeration("soft_shadow", soft_shadow,
                         {NoiseAndBias, kSoftShadows,
@@ -83,6 +79,10 @@ void ImageSpacePhotonMappingParams::visit(ParamVisitor& visitor) {
 void ImageSpacePhotonMappingParams::check() const {
     require_one_radius(radius_m, radius_relative);
     require_power_of_two("/subsampling", subsampling);
+    if (bounce_map_texels && trace == PhotonTrace::Cpu)
+        throw Error(ErrorCode::Conflict, "/bounce_map_texels",
+                    "the bounce map is the device's, and photons that leave from it are traced there: it needs trace "
+                    "'gpu'");
     if (bounce_map_texels && *bounce_map_texels > photons)
         throw Error(ErrorCode::OutOfRange, "/bounce_map_texels",
                     "must be at most photons, " + std::to_string(photons) + ", which leave from them");

@@ -5,6 +5,7 @@
 
 #include "protocol/param_info.h"
 #include "renderer/frame/common_params.h"
+#include "renderer/gbuffer/upsampling.h"
 #include "renderer/photons/disc_coverage.h"
 #include "renderer/photons/kernel.h"
 #include "renderer/photons/photon_params.h"
@@ -26,12 +27,10 @@ enum class PhotonScatter : uint8_t {
     Raster,  // each photon is drawn over the pixels
 };
 
-/// How a pixel takes light from the lit ones about it, where not all are lit. Each has the weights of those before.
-enum class Upsampling : uint8_t {
-    Nearest,
-    Bilinear,  // by distance in the image
-    Normal,    // by the normals' agreement
-    Geometry,  // by the distance from the pixel's plane
+/// Where photons are traced.
+enum class PhotonTrace : uint8_t {
+    Gpu,
+    Cpu,  // on the host's cores, while the device draws those of the pass before
 };
 
 /// How much is seen of a light that is not a point.
@@ -45,6 +44,7 @@ enum class SoftShadow : uint8_t {
 struct ImageSpacePhotonMappingParams final : MethodParams {
     uint32_t photons = 50'000;
     std::optional<uint32_t> caustic_photons;
+    PhotonTrace trace = PhotonTrace::Gpu;
     std::optional<uint32_t> bounce_map_texels;
     std::optional<uint32_t> bounces;
     PhotonFootprint footprint = PhotonFootprint::Auto;
@@ -71,6 +71,7 @@ struct ImageSpacePhotonMappingParams final : MethodParams {
     void visit(ParamVisitor& visitor) override;
     void check() const override;
 
+    bool traces_on_host() const { return trace == PhotonTrace::Cpu; }
     /// Whether footprints are cut where their surface ends: those that keep to it.
     bool clips() const { return boundary == DiscBoundary::Clip && footprint != PhotonFootprint::Volume; }
     /// Whether shadows are those of lights' middles.

@@ -14,6 +14,7 @@
 #include "renderer/eye/eye_shared.h"
 #include "renderer/gbuffer/centre_shadows_shared.h"
 #include "renderer/gbuffer/lamps_shared.h"
+#include "renderer/gbuffer/upsampling_shared.h"
 
 layout(constant_id = COMBINE_PARTS_ID) const uint PARTS = COMBINE_MERGE;
 layout(constant_id = PLANE_SHADOW_DISTANCE_ID) const uint PLANE_SHADOW_DISTANCE = NO_PLANE;
@@ -29,7 +30,8 @@ layout(set = 0, binding = 4, scalar) readonly buffer Eye { EyeConstants eye; };
 layout(set = 0, binding = 5, scalar) readonly buffer LampShapes { LampShape lamp_shapes[]; };
 layout(set = 0, binding = 6, scalar) readonly buffer UnshadowedLights { UnshadowedLight unshadowed_lights[]; };
 #define SUB_POINTS points
-#include "renderer/methods/image_space_photon_mapping/upsampling.glsl"
+#define SUB_SUMS sums
+#include "renderer/gbuffer/upsampling.glsl"
 #define UNSHADOWED_LIGHTS unshadowed_lights
 #define LAMP_SHAPES lamp_shapes
 #include "renderer/methods/image_space_photon_mapping/soft_shadows.glsl"
@@ -38,11 +40,9 @@ layout(set = 0, binding = 6, scalar) readonly buffer UnshadowedLights { Unshadow
 bool upsampled(uint pixel, uint x, uint y, GBufferPoint point, out vec3 light) {
     const SplitRecord split = constants.split;
     light = vec3(0.0);
-    if (!is_lit(point) || lights_itself(split, x, y, point, constants.radius_m)) return false;
-    const SubSamples from = sub_samples_of(split, x, y, point, constants.radius_m);
-    for (int i = 0; i < 4; ++i)
-        if (from.weights[i] > 0.0) light += from.weights[i] * sums[from.points[i]];
-    light /= from.total;
+    if (!is_lit(point) || lights_itself(split, x, y, point, QUAD_HEIGHT * constants.radius_m)) return false;
+    const SubSamples from = sub_samples_of(split, x, y, point, QUAD_HEIGHT * constants.radius_m);
+    light = light_of_sub_samples(from);
     if (layer_kept(PLANE_UPSAMPLING_WEIGHT)) store_value(PLANE_UPSAMPLING_WEIGHT, pixel, from.total);
     return true;
 }
@@ -57,10 +57,9 @@ void add_direct_light(uint pixel) {
 }
 
 void main() {
-    const SplitRecord split = constants.split;
     const uint pixel = flat_index();
-    if (pixel >= split.width * split.height) return;
-    const uint x = pixel % split.width, y = pixel / split.width, index = split_point_of(split, x, y);
+    uint x, y, index;
+    if (!split_place_of(constants.split, pixel, x, y, index)) return;
     const GBufferPoint point = points[index];
     vec3 light;
     const bool taken = (PARTS & COMBINE_UPSAMPLE) != 0u && upsampled(pixel, x, y, point, light);

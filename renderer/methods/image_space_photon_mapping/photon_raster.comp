@@ -26,7 +26,7 @@ layout(set = 0, binding = 4, scalar) buffer Sums { vec3 sums[]; };
 #define EDGE_WORD(index) grid_starts[index]  // behind those of the grids
 #include "renderer/photons/disc_coverage.glsl"
 #define SUB_POINTS points
-#include "renderer/methods/image_space_photon_mapping/upsampling.glsl"
+#include "renderer/gbuffer/upsampling.glsl"
 #include "renderer/methods/image_space_photon_mapping/drawn_pixels.glsl"
 
 void main() {

@@ -40,7 +40,7 @@ shared uint queue[SCATTER_GROUP];   // photons of one that do
 #define EDGE_WORD(index) grid_starts[index]  // behind those of the grids
 #include "renderer/photons/disc_coverage.glsl"
 #define SUB_POINTS points
-#include "renderer/methods/image_space_photon_mapping/upsampling.glsl"
+#include "renderer/gbuffer/upsampling.glsl"
 #include "renderer/methods/image_space_photon_mapping/drawn_pixels.glsl"
 
 /// Of the threads that `wanted` holds for, how many in all; `place`: this one's among them.
@@ -107,7 +107,7 @@ void main() {
     LitPixel pixel;
     pixel.point = points[index];
     const GBufferPoint point = pixel.point;
-    const bool lit = in_image && lights_itself(split, x, y, point, constants.radius_m) &&
+    const bool lit = in_image && lights_itself(split, x, y, point, QUAD_HEIGHT * constants.radius_m) &&
                      !is_drawn(x, y, point, FOOTPRINT_RADIUS_M);
     if (lit && is_general(point)) pixel.receiver = make_receiver(general_points[index], constants.glossy_threshold);
 

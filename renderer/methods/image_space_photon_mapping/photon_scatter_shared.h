@@ -14,18 +14,11 @@
 
 // Specialisation constants.
 #define FOOTPRINT_ID 81
-#define UPSAMPLING_ID 82
 #define SCATTER_DRAWS_ID 88  // whether photons are drawn over the pixels that can be found so
 
 #define FOOTPRINT_QUAD 0u  // PhotonFootprint
 #define FOOTPRINT_VOLUME 1u
 #define FOOTPRINT_AUTO 2u
-
-#define UPSAMPLING_NEAREST 0u  // Upsampling
-#define UPSAMPLING_BILINEAR 1u
-#define UPSAMPLING_NORMAL 2u
-#define UPSAMPLING_GEOMETRY 3u
-#define UPSAMPLING_LEAST 0.05f  // of the weights about a pixel: below it, it is lit itself
 
 #define QUAD_HEIGHT 0.25f  // half the height of a quad over its radius
 

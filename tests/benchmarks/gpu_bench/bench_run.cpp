@@ -13,16 +13,31 @@ namespace photond::bench {
 
 namespace {
 
-std::unique_ptr<Method> make_method(const Rendering& rendering, bool on_gpu) {
-    const std::string& name = rendering.method;
-    const MethodInfo* info = find_method(name);
-    if (!info) throw Error(ErrorCode::UnknownName, "there is no method " + name);
-    if (on_gpu ? !info->make_gpu : !info->make)
-        throw Error(ErrorCode::DeviceUnavailable, name + " does not run on a " + (on_gpu ? "GPU" : "CPU"));
-    const std::unique_ptr<MethodParams> params = info->make_params();
+const MethodInfo& method_of(const Rendering& rendering) {
+    const MethodInfo* info = find_method(rendering.method);
+    if (!info) throw Error(ErrorCode::UnknownName, "there is no method " + rendering.method);
+    return *info;
+}
+
+std::unique_ptr<MethodParams> params_of(const Rendering& rendering) {
+    std::unique_ptr<MethodParams> params = method_of(rendering).make_params();
     std::vector<Fault> faults;
     read_params(*params, rendering.parameters, "/parameters", faults);
     if (!faults.empty()) throw Error(ErrorCode::OutOfRange, faults.front().pointer + ": " + faults.front().detail);
+    return params;
+}
+
+bool traces_on_host(const Rendering& rendering) {
+    const MethodInfo& info = method_of(rendering);
+    return info.traces_on_host && info.traces_on_host(*params_of(rendering));
+}
+
+std::unique_ptr<Method> make_method(const Rendering& rendering, bool on_gpu) {
+    const MethodInfo* info = &method_of(rendering);
+    const std::string& name = rendering.method;
+    if (on_gpu ? !info->make_gpu : !info->make)
+        throw Error(ErrorCode::DeviceUnavailable, name + " does not run on a " + (on_gpu ? "GPU" : "CPU"));
+    const std::unique_ptr<MethodParams> params = params_of(rendering);
     if (on_gpu) info->check_gpu(*params);
     return on_gpu ? info->make_gpu(*params) : info->make(*params);
 }
@@ -56,10 +71,12 @@ const gpu::DeviceScene& Place::device_scene() {
 
 RenderContext Place::context(bool on_gpu, const Rendering& rendering, uint64_t seed) {
     if (on_gpu && !device_rays_) device_rays_.emplace(device_scene());
-    if (!on_gpu && !host_rays_) host_rays_ = make_embree_intersector(scene_, budget_, load_);
+    const bool on_host = !on_gpu || traces_on_host(rendering);
+    if (on_host && !host_rays_) host_rays_ = make_embree_intersector(scene_, budget_, load_);
     const Intersector* rays = on_gpu ? static_cast<const Intersector*>(&*device_rays_) : host_rays_.get();
     const View view{find_camera(scene_, rendering.camera), rendering.size};
-    return {scene_, rays, view, seed, budget_, on_gpu ? &device_scene() : nullptr};
+    return {
+        scene_, rays, view, seed, budget_, on_gpu ? &device_scene() : nullptr, on_host ? host_rays_.get() : nullptr};
 }
 
 const Reference& Place::reference(const Rendering& view, const ReferenceWanted& wanted) {

@@ -168,6 +168,42 @@ TEST(GpuImageSpacePhotonMapping, PhotonsThatShareTheirFirstHitsBringTheSameLight
     EXPECT_EQ(photons, shared_stats.counts.photons_stored);
 }
 
+// The host's paths have the numbers of the device's, but for where rounding sends one elsewhere.
+TEST(GpuImageSpacePhotonMapping, PhotonsTracedOnTheHostAreTheSame) {
+    const Scene scene = test::turned(make_builtin_scene("cornell-box-glass"));
+    const test::SceneOnDevice where(scene);
+    test::RenderSettingsOf<Ispm> settings = fixed_radius(3);
+    Stats device_stats, host_stats;
+    const Film on_device = test::render(where, settings, &device_stats);
+    settings.params.trace = PhotonTrace::Cpu;
+    const Film on_host = test::render(where, settings, &host_stats);
+    const auto stored = double(device_stats.counts.photons_stored);
+    EXPECT_NEAR(double(host_stats.counts.photons_stored), stored, 0.002 * stored);
+    EXPECT_EQ(host_stats.counts.photons_emitted, device_stats.counts.photons_emitted);
+    EXPECT_LT(test::mean_relative_difference(on_device.resolve(Layer::Indirect), on_host.resolve(Layer::Indirect)),
+              0.01);
+    EXPECT_EQ(on_host.pixel_hash(), test::render(where, settings).pixel_hash()) << "the same bits each time";
+}
+
+// A pass is itself whether the one before was traced too or not, and where there is too little room at first.
+TEST(GpuImageSpacePhotonMapping, PassesTracedOnTheHostStandAlone) {
+    Scene scene = test::floor_and_wall("point");
+    test::add(scene, MeshBuilder().sphere({0, 0, 0}, 30, 16).build(0), test::lambert(0.9f));  // whence no light escapes
+    finish_scene(scene);
+    const test::SceneOnDevice where(scene);
+    test::RenderSettingsOf<Ispm> settings = settings_for<Ispm>(2);
+    settings.params.trace = PhotonTrace::Cpu;
+    Film apart({40, 30}, settings.layers);
+    for (uint32_t pass = 0; pass < 2; ++pass) {
+        test::RenderSettingsOf<Ispm> one = settings;
+        one.passes = 1, one.first_pass = pass;
+        test::run_passes(where, one, [&](Ispm& method, uint32_t) { method.resolve(apart); });
+    }
+    Stats stats;
+    EXPECT_EQ(test::render(where, settings, &stats).pixel_hash(), apart.pixel_hash());
+    EXPECT_GT(stats.counts.photons_stored, 2 * stats.counts.photons_emitted) << "more than there is room for at first";
+}
+
 // Caustic photons have footprints of their own, whose kernels have the same integral.
 TEST(GpuImageSpacePhotonMapping, SmallerCausticFootprintsBringTheSameLight) {
     const Scene scene = make_builtin_scene("cornell-box-glass");
@@ -278,7 +314,11 @@ TEST(GpuImageSpacePhotonMapping, TakesTheMemoryItSays) {
         const Scene scene = make_builtin_scene(name);
         test::RenderSettingsOf<Ispm> settings;
         settings.size = {256, 192};
-        test::expect_device_bytes_as_estimated<Ispm>(test::SceneOnDevice(scene), settings);
+        const test::SceneOnDevice where(scene);
+        for (const PhotonTrace trace : {PhotonTrace::Gpu, PhotonTrace::Cpu}) {
+            settings.params.trace = trace;
+            test::expect_device_bytes_as_estimated<Ispm>(where, settings);
+        }
     }
 }
 

@@ -1,0 +1,15 @@
+// Light at fewer pixels than there are (upsampling.h), for both compilers.
+#ifndef PHOTOND_UPSAMPLING_SHARED_H
+#define PHOTOND_UPSAMPLING_SHARED_H
+
+// Specialisation constants.
+#define UPSAMPLING_ID 82
+#define PLANE_UPSAMPLING_WEIGHT_ID 87  // the layer, for who shows it
+
+#define UPSAMPLING_NEAREST 0u  // Upsampling
+#define UPSAMPLING_BILINEAR 1u
+#define UPSAMPLING_NORMAL 2u
+#define UPSAMPLING_GEOMETRY 3u
+#define UPSAMPLING_LEAST 0.05f  // of the weights about a pixel: below it, it is lit itself
+
+#endif
