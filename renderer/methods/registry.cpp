@@ -5,6 +5,7 @@
 // A method is a line here: the name of its room, whose row.cpp says the rest.
 #define PHOTOND_METHODS(METHOD)                      \
     METHOD(bidirectional_path_tracing)               \
+    METHOD(image_based_lighting)                     \
     METHOD(image_space_photon_mapping)               \
     METHOD(imperfect_shadow_maps)                    \
     METHOD(path_tracing)                             \

@@ -7,26 +7,13 @@ namespace photond {
 
 namespace {
 
-/// Visible normals on a grid: each weighs G2 / G1(wo), split by Schlick's curve. Half the azimuths are enough, as the
-/// lobe is symmetric about the plane of incidence. The caps crowd towards grazing normals (u = 1 - v^3), few of which
-/// are drawn and whose reflections leave through the horizon.
+/// (A, B): facets split by Schlick's curve.
 vec2 integrate(float cos_theta, float alpha) {
-    constexpr int kAzimuths = 16, kCaps = 32;
-    const Ggx ggx{alpha};
     const vec3 wo(std::sqrt(1.0f - sqr(cos_theta)), 0, cos_theta);
-    const float g1_over_cos = ggx.g1_over_cos(wo);
-    vec2 sum(0);
-    for (int i = 0; i < kAzimuths; ++i)
-        for (int j = 0; j < kCaps; ++j) {
-            const float v = (static_cast<float>(j) + 0.5f) / kCaps;
-            const vec3 h = ggx.sample_visible(wo, {(static_cast<float>(i) + 0.5f) / (2 * kAzimuths), 1.0f - v * v * v});
-            const vec3 wi = reflect_direction(wo, h);
-            if (wi.z <= 0) continue;
-            const float weight = 3.0f * v * v * ggx.g2_over_cosines(wo, wi) * wi.z / g1_over_cos;
-            const float schlick = schlick_weight(glm::dot(wo, h));
-            sum += weight * vec2(1.0f - schlick, schlick);
-        }
-    return sum / static_cast<float>(kAzimuths * kCaps);
+    return Ggx{alpha}.directional_albedo<vec2>(wo, 16, 32, false, [](float cos_h) {
+        const float schlick = schlick_weight(cos_h);
+        return vec2(1.0f - schlick, schlick);
+    });
 }
 
 /// The place of a fractional node. The limit at the horizon is taken just above it.
@@ -45,9 +32,9 @@ constexpr float kMissedB = 7e-4f;
 
 }  // namespace
 
-AlbedoTable::AlbedoTable() {
+AlbedoTable::AlbedoTable(bool raised) {
     integrate_nodes();
-    raise_to_cover_cells();
+    if (raised) raise_to_cover_cells();
     average_rows();
 }
 
@@ -102,7 +89,12 @@ std::vector<vec2> AlbedoTable::device_data() const {
 }
 
 const AlbedoTable& AlbedoTable::get() {
-    static const AlbedoTable table;
+    static const AlbedoTable table(true);
+    return table;
+}
+
+const AlbedoTable& AlbedoTable::unraised() {
+    static const AlbedoTable table(false);
     return table;
 }
 

@@ -24,6 +24,9 @@ public:
 
     /// The table; made on first use (about 30 ms).
     static const AlbedoTable& get();
+    /// The same without what keeps it above the truth: as near to it as interpolation comes, for what is no bound. Made
+    /// on first use too.
+    static const AlbedoTable& unraised();
 
     /// A roughness in [0, 1] as the row the lookups want; below DELTA_ROUGHNESS it stands for a mirror.
     static float row(float roughness) {
@@ -80,6 +83,7 @@ public:
 
     /// For the twin in bsdf_albedo_table.glsl: (A, B) row by row, then the rows' means.
     std::vector<vec2> device_data() const;
+    static constexpr uint64_t device_bytes() { return (kRows * kColumns + kRows) * sizeof(vec2); }
 
 private:
     struct Cell {
@@ -91,7 +95,7 @@ private:
         return {index, position - static_cast<float>(index)};
     }
 
-    AlbedoTable();
+    explicit AlbedoTable(bool raised);
     void integrate_nodes();
     void raise_to_cover_cells();
     void average_rows();

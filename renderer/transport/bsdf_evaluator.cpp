@@ -1,6 +1,8 @@
 #include "renderer/transport/bsdf_evaluator.h"
 
 #include "renderer/transport/bsdf_albedo_table.h"
+#include "renderer/transport/bsdf_lobe_albedos_shared.h"
+#include "renderer/transport/fresnel.h"
 #include "renderer/transport/microfacet.h"
 
 namespace photond {
@@ -75,6 +77,39 @@ void BsdfEvaluator::add_specular(const Vec3Lanes& wi, Vec3Lanes& f_cos) const {
     const FloatLanes m = min(max(1.0f - dot(broadcast(wo_), h), FloatLanes(0)), FloatLanes(1));
     const FloatLanes schlick = m * m * (m * m) * m;
     f_cos = f_cos + lobe * mix_reflectance(layers.specular_f0, layers.specular_f90, 1.0f - schlick, schlick);
+}
+
+LobeAlbedos BsdfEvaluator::lobe_albedos() const {
+    if (bsdf_.kind_ == Bsdf::Kind::Nothing) return {};
+    if (bsdf_.kind_ == Bsdf::Kind::Lambert) return {.diffuse = bsdf_.diffuse_};
+    const Bsdf::Layers& layers = bsdf_.layers_;
+    LobeAlbedos albedos{.alpha = layers.alpha};
+    if (lobes_.diffuse > 0) {  // by the very table that the lobe is coupled by
+        const vec2 average = AlbedoTable::get().average(layers.table_row);
+        const float passed = 1.0f - (layers.coat_f0 * average.x + layers.coat_f90 * average.y);
+        albedos.diffuse = bsdf_.diffuse_ * ((1.0f - lobes_.coat) * passed);
+    }
+    const bool has_sheet = lobes_.sheet > 0 && !layers.specular_delta;
+    if (has_specular_ || has_sheet) {
+        const vec2 ab = AlbedoTable::unraised().directional(wo_.z, layers.table_row);
+        if (has_specular_) albedos.reflected = layers.specular_f0 * ab.x + layers.specular_f90 * ab.y;
+        if (has_sheet)
+            albedos.transmitted = layers.sheet * ((1.0f - layers.coat_f0) * ab.x + (1.0f - layers.coat_f90) * ab.y);
+    }
+    if (has_glass_) albedos.reflected += glass_albedo();
+    return albedos;
+}
+
+/// What the solid's interface reflects: by exact Fresnel, for which there is no table.
+Rgb BsdfEvaluator::glass_albedo() const {
+    const Bsdf::Layers& layers = bsdf_.layers_;
+    const auto reflectance = [&](float cos_h) {
+        const DielectricFresnel fresnel = fresnel_dielectric(cos_h, layers.eta);
+        return bsdf_.glass_reflectance(cos_h, fresnel.reflectance, fresnel.cos_t);
+    };
+    const vec3 wo(std::hypot(wo_.x, wo_.y), 0, wo_.z);
+    return layers.glass *
+           Ggx{layers.alpha}.directional_albedo<Rgb>(wo, GLASS_ALBEDO_AZIMUTHS, GLASS_ALBEDO_CAPS, true, reflectance);
 }
 
 /// Replaces the values of those lanes.

@@ -50,6 +50,30 @@ struct Ggx {
 
     /// Density [sr^-1] of wo mirrored at sample_visible(): visible_pdf / (4 dot(wo, h)).
     float reflection_pdf(const vec3& wo, const vec3& h) const { return 0.25f * g1_over_cos(wo) * d(h); }
+
+    /// What the lobe reflects of uniform light towards wo (wo.y = 0), facets having the reflectance f(dot(wo, h)): the
+    /// mean over a grid of visible normals, each weighing G2 / G1(wo). Half the azimuths are enough, as the lobe is
+    /// symmetric about the plane of incidence. The caps crowd towards grazing normals (u = 1 - v^3), few of which are
+    /// drawn and whose reflections leave through the horizon. `staggered`: those of each azimuth lie elsewhere, for an
+    /// f with a step.
+    template <class Value, class Reflectance>
+    Value directional_albedo(const vec3& wo, int azimuths, int caps, bool staggered, const Reflectance& f) const {
+        const float g1 = g1_over_cos(wo);
+        Value sum(0);
+        for (int i = 0; i < azimuths; ++i) {
+            const float turn = (static_cast<float>(i) + 0.5f) / static_cast<float>(2 * azimuths);
+            const float within = staggered ? std::fmod(0.618034f * (static_cast<float>(i) + 0.5f), 1.0f) : 0.5f;
+            for (int j = 0; j < caps; ++j) {
+                const float v = (static_cast<float>(j) + within) / static_cast<float>(caps);
+                const vec3 h = sample_visible(wo, {turn, 1.0f - v * v * v});
+                const float cos_h = glm::dot(wo, h);
+                const vec3 wi = 2.0f * cos_h * h - wo;
+                if (wi.z <= 0) continue;
+                sum += 3.0f * v * v * g2_over_cosines(wo, wi) * wi.z / g1 * f(cos_h);
+            }
+        }
+        return sum / static_cast<float>(azimuths * caps);
+    }
 };
 
 }  // namespace photond

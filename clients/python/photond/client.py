@@ -76,7 +76,7 @@ class Client(Daemon):
     >>> client.status()["ready"]
     True
     >>> sorted(client.methods)[:2]
-    ['bidirectional_path_tracing', 'image_space_photon_mapping']
+    ['bidirectional_path_tracing', 'image_based_lighting']
     """
 
     @functools.cached_property

@@ -201,6 +201,7 @@ TEST(LeftOut, FollowsFromParametersAndNeeds) {
               Names{"delta_light_caustics_in_mirrors"});
     EXPECT_EQ(said("bidirectional_path_tracing", needs_of(true, false, none)), Names{});
     EXPECT_EQ(said("vertex_connection_and_merging", needs_of(true, true, 0.01f), 3), Names{"further_bounces"});
+    EXPECT_EQ(said("image_based_lighting", needs_of(true, true, 0.01f)), Names{"further_bounces"});
     EXPECT_EQ(said("image_space_photon_mapping", needs_of(true, true, 0.01f)), Names{"delta_light_in_gloss"});
     for (const char* baseline : {"reflective_shadow_maps", "imperfect_shadow_maps"}) {
         EXPECT_EQ(said(baseline, needs_of(false, true, 0.3f)), Names{"further_bounces"});

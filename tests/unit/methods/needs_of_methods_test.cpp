@@ -9,6 +9,7 @@
 
 #include "renderer/backends/cpu/embree_intersector.h"
 #include "renderer/bidirectional/bidirectional_params.h"
+#include "renderer/methods/image_based_lighting/image_based_lighting.h"
 #include "renderer/methods/photon_mapping/photon_mapping.h"
 #include "renderer/methods/photon_splatting/photon_splatting.h"
 #include "renderer/methods/registry.h"
@@ -16,6 +17,7 @@
 #include "renderer/methods/svo_many_lights/svo_many_lights.h"
 #include "renderer/progressive/progressive_params.h"
 #include "renderer/scene/builtin_scenes.h"
+#include "tests/support/environments.h"
 #include "tests/support/hard_scenes.h"
 
 namespace photond::needs_of_methods_test {
@@ -88,6 +90,12 @@ Scene leaves() {
     finish_scene(scene);
     return scene;
 }
+Scene under_a_sky() {
+    Scene scene = make_builtin_scene("cornell-box");
+    scene.environment = test::sky({64, 32});
+    finish_scene(scene);
+    return scene;
+}
 Scene dark() {
     Scene scene = make_builtin_scene("cornell-box");
     for (Material& material : scene.materials) material.emission = Rgb(0);
@@ -108,6 +116,7 @@ void kernel(PhotonSplattingParams& p) { p.estimator = SplatEstimator::Kernel; }
 void blind(PhotonSplattingParams& p) { p.visibility = false; }
 void no_bounces(PhotonSplattingParams& p) { p.bounces = 0; }
 void no_lights(SvoManyLightsParams& p) { p.bounces = 0; }
+void small_maps(ImageBasedLightingParams& p) { p.prefilter_resolution = 64, p.prefilter_levels = 4; }
 void by_voxels(SvoManyLightsParams& p) { p.visibility = VplVisibility::Svo, p.voxel_resolution = 64; }
 
 /// A part of a method, where it is skipped and where it is not.
@@ -125,6 +134,7 @@ struct Part {
 std::vector<Part> parts() {
     constexpr SetParams kGathered = set_as<PhotonMappingParams, gathered>;
     constexpr SetParams kReversed = set_as<ReversePhotonMappingParams, reversed>;
+    constexpr SetParams kSmallMaps = set_as<ImageBasedLightingParams, small_maps>;
     constexpr SetParams kKernel = set_as<PhotonSplattingParams, kernel>;
     const std::string_view kTracing = "path_tracing", kMapping = "photon_mapping", kSplatting = "photon_splatting",
                            kLights = "svo_many_lights", kReverse = "reverse_photon_mapping";
@@ -215,6 +225,15 @@ std::vector<Part> parts() {
          0},
         {kLights, "absorption", box, set_nothing, glass, set_nothing, {}, {}},
         {kLights, "caustic map", box, set_nothing, glass, set_nothing, {"caustic_map"}, {"photon_tracing"}, 3},
+        {"image_based_lighting",
+         "prefiltered environment",
+         box,
+         kSmallMaps,
+         under_a_sky,
+         kSmallMaps,
+         {"prefiltered_environment"},
+         {"prefilter"},
+         1.01},
     };
     constexpr SetParams kProgressive = set_as<ProgressiveParams, progressive>,
                         kWithoutBounces = set_as<ProgressiveParams, progressive_without_bounces>;
@@ -268,11 +287,13 @@ TEST(NeedsOfMethods, WhatIsNotNeededIsNotBuilt) {
 }
 
 TEST(NeedsOfMethods, AllThatIsSkippedAnywhereIsInTheTable) {
-    // "connections" and "merging" are a pilot's choice: technique_choice_test.
+    // "connections" and "merging" are a pilot's choice: technique_choice_test. Indirect light image_based_lighting has
+    // none of, in any scene.
     std::set<std::pair<std::string, std::string>> known{{"bidirectional_path_tracing", "connections"},
                                                         {"vertex_connection_and_merging", "connections"},
                                                         {"vertex_connection_and_merging", "merging"},
-                                                        {"svo_many_lights", "projection map"}};
+                                                        {"svo_many_lights", "projection map"},
+                                                        {"image_based_lighting", "indirect light"}};
     // Both are judged by photons: projection_map_test.
     for (const char* method : {"photon_mapping", "reverse_photon_mapping", "progressive_photon_mapping",
                                "stochastic_progressive_photon_mapping", "probabilistic_progressive_photon_mapping"})

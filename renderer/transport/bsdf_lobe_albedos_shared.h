@@ -1,0 +1,8 @@
+// The grid of facets by which the reflectance of a solid's rough interface is found, for both compilers.
+#ifndef PHOTOND_BSDF_LOBE_ALBEDOS_SHARED_H
+#define PHOTOND_BSDF_LOBE_ALBEDOS_SHARED_H
+
+#define GLASS_ALBEDO_AZIMUTHS 24
+#define GLASS_ALBEDO_CAPS 40
+
+#endif
