@@ -16,6 +16,7 @@
 #define RANDOM_DOMAIN_LIGHT_PATHS 9u
 #define RANDOM_DOMAIN_CONNECTIONS 10u
 #define RANDOM_DOMAIN_MERGING_DISCS 11u
+#define RANDOM_DOMAIN_PROXIES 12u
 
 /// A good 32-bit mixing function. [Wellons 2018] "Prospecting for Hash Functions", lowbias32.
 uint hash32(uint x) {

@@ -20,7 +20,8 @@ enum class RandomDomain : uint32_t {
     Stratification = 8,
     LightPaths = 9,
     Connections = 10,
-    MergingDiscs = 11
+    MergingDiscs = 11,
+    Proxies = 12
 };
 
 /// A good 32-bit mixing function. [Wellons 2018] "Prospecting for Hash Functions", lowbias32.

@@ -36,8 +36,12 @@ enum class Layer : uint8_t {
     BlurRadius,
     UpsamplingWeight,
     BounceMap,
+    Proxies,
+    ProxyVoxels,
+    VisibilityCount,
+    ListsBeforeFilter,
 };
-inline constexpr size_t kLayerCount = 27;
+inline constexpr size_t kLayerCount = 31;
 
 /// How the passes' values become the image's.
 enum class LayerMean : uint8_t {
@@ -131,6 +135,13 @@ inline constexpr std::array<LayerInfo, kLayerCount> kLayers = [] {
          "of the four lit pixels that a pixel takes its light from, in all; 0 where it is lit itself"},
         {BounceMap, "bounce_map", "Y", Passes, P::Dots, Some, "",
          "places of a pass where light first arrives that the pixel shows, and photons leave from"},
+        {Proxies, "proxies", "RGB", Passes, P::Light, Some, "W m^-2",
+         "radiosity of the point proxy whose disc the pixel shows; 0 where it shows none"},
+        {ProxyVoxels, "proxy_voxels", "RGB", Passes, P::Light, Some, "", "the voxel of proxies, a colour each"},
+        {VisibilityCount, "visibility_count", "Y", Passes, P::Scale, Some, "",
+         "voxels that count as visible from the pixel's part of the image"},
+        {ListsBeforeFilter, "lists_before_filter", "Y", Passes, P::Scale, Some, "",
+         "voxels that its own rays have met, before the visibility filter"},
     }};
 }();
 constexpr const LayerInfo& layer_info(Layer layer) { return kLayers[static_cast<size_t>(layer)]; }

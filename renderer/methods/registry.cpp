@@ -17,7 +17,8 @@
     METHOD(reverse_photon_mapping)                   \
     METHOD(stochastic_progressive_photon_mapping)    \
     METHOD(svo_many_lights)                          \
-    METHOD(vertex_connection_and_merging)
+    METHOD(vertex_connection_and_merging)            \
+    METHOD(visibility_filtering)
 
 namespace photond {
 

@@ -216,6 +216,14 @@ void SparseVoxelOctreeGpu::trim() {
     commands.wait();
 }
 
+uint64_t SparseVoxelOctreeGpu::guess_device_bytes(uint32_t resolution, bool surfaces, uint64_t triangles) {
+    constexpr double kSurface = 6.6, kBytesABrick = 85, kTriangleBytesABrick = 72, kBytesATriangle = 28;
+    const double side = resolution / double{BRICK_SIDE};
+    const double bricks = std::min(kSurface * side * side, side * side * side);
+    return static_cast<uint64_t>(bricks * (kBytesABrick + (surfaces ? kTriangleBytesABrick : 0)) +
+                                 kBytesATriangle * static_cast<double>(triangles));
+}
+
 void SparseVoxelOctreeGpu::build_now(Stats& stats) {
     while (true) {
         gpu::CommandList commands(device_);

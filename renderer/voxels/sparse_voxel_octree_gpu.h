@@ -22,6 +22,10 @@ public:
     /// On the device, at first: of the tree and of what building it takes.
     static uint64_t estimate_device_bytes(const Scene& scene, const VoxelGrid& grid, bool surfaces);
 
+    /// The same where nothing is known of the scene but that it has rooms, and triangles: walls of some times the
+    /// cube's side.
+    static uint64_t guess_device_bytes(uint32_t resolution, bool surfaces, uint64_t triangles);
+
     /// Builds, waits, makes room until there is enough, and gives back what is more than enough. Stages `voxelise` and
     /// `svo_build`.
     void build_now(Stats& stats);

@@ -24,6 +24,10 @@ JOB_DRAWN = small_job(size=32, passes=3)
 JOB_DRAWN["method"] = {"name": "image_space_photon_mapping", "device": "gpu",
                        "parameters": {"photons": 2000, "scatter": "raster", "soft_shadow": "gather", "subsampling": 2,
                                       "bounce_map_texels": 500}}
+# Marches through voxels, whose number grows from pass to pass.
+JOB_OF_PROXIES = small_job(size=32, passes=3)
+JOB_OF_PROXIES["method"] = {"name": "visibility_filtering", "device": "gpu",
+                            "parameters": {"proxies": 2000, "voxels": 16, "shrink": True}}
 
 
 def hash_of(job):
@@ -90,6 +94,9 @@ class FaultTest(unittest.TestCase):
 
     def test_lost_while_photons_are_drawn(self):
         self.lost("vkQueueSubmit2", JOB_DRAWN, lambda count: (count // 2,))
+
+    def test_lost_while_rays_march(self):
+        self.lost("vkQueueSubmit2", JOB_OF_PROXIES, lambda count: (count // 2,))
 
     def test_lost_twice_the_job_fails(self):
         with self.daemon("vkQueueSubmit2", 2, once=False) as daemon:

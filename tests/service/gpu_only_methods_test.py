@@ -5,7 +5,8 @@ import unittest
 from photond_daemon import DaemonTestCase, small_job
 
 BASELINES = ("imperfect_shadow_maps", "reflective_shadow_maps")
-METHODS = (*BASELINES, "image_space_photon_mapping")
+ONE_BOUNCE = (*BASELINES, "visibility_filtering")
+METHODS = (*ONE_BOUNCE, "image_space_photon_mapping")
 
 
 class GpuOnlyMethodsTest(DaemonTestCase):
@@ -16,7 +17,7 @@ class GpuOnlyMethodsTest(DaemonTestCase):
             self.assertEqual((method["devices"], method["deterministic"], method["artefacts"]),
                              (["gpu"], {"gpu": True}, []))
             self.assertNotIn("caustic", method["layers"])
-        for name in BASELINES:
+        for name in ONE_BOUNCE:
             method = methods[name]
             self.assertEqual(method["family"], "many lights")
             bounces = method["parameters"]["properties"]["bounces"]
@@ -39,7 +40,7 @@ class GpuOnlyMethodsTest(DaemonTestCase):
             self.assertEqual((reply.status, reply.json["code"]), (422, "unsupported"), reply)
 
     def test_more_bounces_than_one_are_refused_by_name(self):
-        for name in BASELINES:
+        for name in ONE_BOUNCE:
             job = small_job("cornell-box", 16, 1, name)
             job["method"].update({"device": "gpu", "parameters": {"bounces": 2}})
             reply = self.daemon.request("POST", "/v1/jobs", json_body=job)

@@ -41,16 +41,6 @@ VplChoiceSettings choice_of(const SvoManyLightsParams& params) {
 }
 bool by_camera(const SvoManyLightsParams& params) { return params.placement == VplPlacement::Camera; }
 
-/// Of the octree and what building it takes, where nothing is known of the scene but that it has rooms: walls of some
-/// times the cube's side, and triangles.
-uint64_t tree_bytes(const SvoManyLightsParams& params, uint64_t triangles) {
-    constexpr double kSurface = 6.6, kBytesABrick = 85, kTriangleBytesABrick = 72, kBytesATriangle = 28;
-    const double side = params.voxel_resolution / double{BRICK_SIDE};
-    const double bricks = std::min(kSurface * side * side, side * side * side);
-    return static_cast<uint64_t>(bricks * (kBytesABrick + (traces_voxels(params) ? kTriangleBytesABrick : 0)) +
-                                 kBytesATriangle * static_cast<double>(triangles));
-}
-
 uint64_t caustic_device_bytes(const SvoManyLightsParams& params, uint64_t lights,
                               const std::optional<PhotonYield>& yield) {
     if (params.caustic_photons == 0) return 0;
@@ -268,7 +258,9 @@ uint64_t SvoManyLightsGpu::estimate_device_bytes(const SvoManyLightsParams& para
              ClampRepaymentGpu::device_bytes();
     if (params.visibility == VplVisibility::ShadowMaps)
         bytes += VplShadowMapsGpu::device_bytes(params.shadow_resolution, most_lights(params));
-    if (params.needs_voxels(workload.layers)) bytes += tree_bytes(params, workload.triangles);
+    if (params.needs_voxels(workload.layers))
+        bytes += SparseVoxelOctreeGpu::guess_device_bytes(params.voxel_resolution, traces_voxels(params),
+                                                          workload.triangles);
     if (sends_caustics(params, workload)) bytes += caustic_device_bytes(params, workload.lights, workload.photon_yield);
     if (!is_interleaved(params))
         bytes += VplChoiceGpu::device_bytes(workload.film_size, most_lights(params), choice_of(params));
@@ -309,7 +301,8 @@ void SvoManyLightsGpu::begin(const RenderContext& context, Stats& stats) {
         stats.counts.voxels += tree->voxel_count();
     } else {
         stats.skipped.push_back({"sparse voxel octree", "neither visibility, bounces nor layers ask for it",
-                                 tree_bytes(params_, scene.triangle_count)});
+                                 SparseVoxelOctreeGpu::guess_device_bytes(
+                                     params_.voxel_resolution, traces_voxels(params_), scene.triangle_count)});
     }
     float clamp_sq_m2;
     {

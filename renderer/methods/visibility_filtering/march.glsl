@@ -1,0 +1,64 @@
+// The body of march.comp and march_svo.comp: sparse rays from the points that have lists, a thread a ray, and the first
+// voxel in which each meets something [Chen 2014, section 3.1]. Before it come #version and the extensions, and
+// FIRST_VOXEL(origin, normal, direction, out slot): false where it meets nothing.
+
+#include "renderer/backends/gpu/invocation.glsl"
+#include "renderer/frame/device_image_shared.h"
+#include "renderer/gbuffer/receiver.glsl"
+#include "renderer/many_lights/flux_map.glsl"
+#include "renderer/methods/visibility_filtering/visibility_lists_shared.h"
+#include "renderer/transport/sampling.glsl"
+
+layout(constant_id = WORLD_RAYS_ID) const bool WORLD_RAYS = false;
+
+layout(local_size_x = LISTS_GROUP) in;
+layout(push_constant, scalar) uniform Push { ListsPush push; };
+layout(set = 0, binding = 0, scalar) readonly buffer Constants { VisibilityConstants constants; };
+layout(set = 0, binding = 1, scalar) readonly buffer Points { GBufferPoint points[]; };
+layout(set = 0, binding = 2, scalar) readonly buffer GeneralPoints { GBufferGeneral general_points[]; };
+layout(set = 0, binding = 3, scalar) buffer Lists { uint lists[]; };
+#define COUNTERS_BINDING 4
+#include "renderer/backends/gpu/counters.glsl"
+#define VISIBILITY constants
+#include "renderer/methods/visibility_filtering/marching_points.glsl"
+
+/// What a list's rays are turned by. Tied to the world, places that are near one another on surfaces that face alike have
+/// the same, wherever they are seen from.
+uint rays_key(GBufferPoint point) {
+    if (!WORLD_RAYS) return hash32(point.pixel ^ constants.key);
+    const ivec3 cell = ivec3(floor(point.position / constants.world_cell_m));
+    const vec3 n = point.geometric_normal;
+    const uint octant = uint(n.x < 0.0) | uint(n.y < 0.0) << 1 | uint(n.z < 0.0) << 2;
+    return hash32(uint(cell.x) ^ hash32(uint(cell.y) ^ hash32(uint(cell.z) ^ hash32(octant ^ constants.key))));
+}
+
+/// Of ray i; half of those that leave what is not Lambert go where it reflects. False: nothing is sent there.
+bool ray_direction(GBufferPoint point, uint index, uint i, out vec3 direction) {
+    const uint key = rays_key(point);
+    const uvec2 bits = rotated_halton_point(constants.first_ray + i, uvec2(key, hash32(key)));
+    const vec2 u = vec2(to_unit_float(bits.x), to_unit_float(bits.y));
+    if (is_general(point) && (i % 2u == 1u || point.normal == vec3(0.0))) {
+        const Receiver receiver = make_receiver(general_points[index], constants.glossy_threshold);
+        const BsdfSample next =
+            bsdf_sample(receiver.rough, receiver.wo, to_unit_float(hash32(key ^ hash32(i))), u, TRANSPORT_RADIANCE);
+        direction = to_world(receiver.surface.shading, next.wi);
+        return bsdf_sample_valid(next);
+    }
+    direction = to_world(make_frame(point.normal), sample_cosine_hemisphere(u));
+    return dot(direction, point.geometric_normal) > 0.0;
+}
+
+void main() {
+    const uint thread = push.first * constants.rays + flat_index();
+    const uint list = thread / constants.rays, ray = thread % constants.rays;
+    if (list >= push.end) return;
+    const uint index = marching_point(list);
+    const GBufferPoint point = points[index];
+    vec3 direction;
+    if (!is_lit(point) || !ray_direction(point, index, ray, direction)) return;
+    const vec3 side = dot(direction, point.geometric_normal) < 0.0 ? -point.geometric_normal : point.geometric_normal;
+    count(COUNTER_SHADOW_RAYS, 1);
+    uint slot;
+    if (FIRST_VOXEL(point.position, side, direction, slot))
+        atomicOr(lists[list * constants.words + slot / 32], 1u << slot % 32);
+}

@@ -1,0 +1,100 @@
+#include "renderer/methods/visibility_filtering/params.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "protocol/error.h"
+#include "renderer/methods/visibility_filtering/visibility_lists_shared.h"
+
+namespace photond {
+
+namespace {
+
+constexpr uint32_t kMostVoxels = 128;
+
+}  // namespace
+
+void VisibilityFilteringParams::visit(ParamVisitor& visitor) {
+    using enum ParamGroup;
+    visitor.field(
+        "proxies", proxies,
+        {Light, "points", 16, 1e8, "points on the scene's surfaces that send on light, about so many a pass"});
+    visitor.field(
+        "voxels", voxels,
+        {Light, "", 1, kMostVoxels,
+         "that proxies lie in, along the longest side of the scene's box: what is visible or not is a voxel"});
+    visitor.field("bounces", bounces,
+                  {Light, "", 0, 1, "greatest number of bounces in the indirect layer; it does no more than one"});
+    static constexpr std::string_view kVisibilities[] = {"discs", "svo", "rays"};
+    visitor.enumeration("visibility", visibility,
+                        {Visibility, kVisibilities,
+                         "who says which voxels a point sees: sparse rays, which the proxies' discs stop (discs) or a "
+                         "finer voxel octree of the triangles (svo), with the visibility filter; or a shadow ray to "
+                         "every voxel that has light (rays), without it"});
+    visitor.field("rays", rays, {Visibility, "rays", 1, 1024, "sparse rays of each point that has a list"});
+    visitor.flag("world_rays", world_rays,
+                 {Visibility,
+                  "sparse rays go the same ways wherever a place is seen from, so that they do not flicker where the "
+                  "camera moves"});
+    visitor.field(
+        "disc_scale", disc_scale,
+        {Visibility, "", 0.1, 10,
+         "radius of the proxies' discs where rays meet them, over that of their share of the surface: smaller "
+         "ones leave holes"});
+    visitor.field("voxel_resolution", voxel_resolution,
+                  {Visibility, "voxels", 16, 1024, "of the octree, along each side; a power of two"});
+    visitor.field(
+        "march_subsampling", march_subsampling,
+        {Visibility, "", 1, 8,
+         "of each block of n x n pixels one has rays and a list; n is 1, 2, 4 or 8, and not below subsampling"});
+    visitor.field("filter_side", filter_side,
+                  {Visibility, "", 1, FILTER_MOST_SIDE,
+                   "of the square of lists whose union the visibility filter takes; odd; 1: none"});
+    visitor.field("filter_normal", filter_normal,
+                  {Visibility, "", -1, 1, "least cosine between normals of points that share what they see"});
+    visitor.field("filter_distance", filter_distance,
+                  {Visibility, "", 1e-6, 10,
+                   "distance from each other's planes, over the depth, up to which points share what they see"});
+    static constexpr std::string_view kNormalisations[] = {"weights", "paper"};
+    visitor.enumeration(
+        "normalisation", normalisation,
+        {NoiseAndBias, kNormalisations,
+         "what the four lists about a pixel are divided by: their weights (weights), or their number, as "
+         "the paper has it (paper), which darkens"});
+    visitor.field("near_voxels", near_voxels,
+                  {NoiseAndBias, "", 0, 1e6,
+                   "distance, in voxels, up to which a voxel's proxies count one by one; farther off by spherical "
+                   "harmonics"});
+    visitor.flag(
+        "shrink", shrink,
+        {NoiseAndBias,
+         "voxels, what is near and the proxies' softening shrink from pass to pass: with visibility 'rays' the "
+         "mean of the passes converges"});
+    visitor.field("alpha", alpha,
+                  {NoiseAndBias, "", 0.01, 1,
+                   "the smaller, the faster they shrink; squared sizes fall as the passes' "
+                   "number to the power alpha - 1"});
+    visit_upsampling(visitor, subsampling, upsampling);
+    visitor.field("glossy_threshold", glossy_threshold,
+                  {Light, "", 0, 1, "GGX alpha below which a lobe counts as a mirror: paths from the eye follow it"});
+    visit_sampler(visitor, sampler);
+}
+
+void VisibilityFilteringParams::check() const {
+    require_power_of_two("/subsampling", subsampling);
+    require_power_of_two("/march_subsampling", march_subsampling);
+    require_power_of_two("/voxel_resolution", voxel_resolution);
+    if (march_subsampling < subsampling)
+        throw Error(ErrorCode::OutOfRange, "/march_subsampling",
+                    "must be at least subsampling, " + std::to_string(subsampling) +
+                        ": lists are those of pixels that are lit");
+    if (filter_side % 2 == 0) throw Error(ErrorCode::OutOfRange, "/filter_side", "must be odd");
+}
+
+uint32_t VisibilityFilteringParams::voxels_of_pass(uint32_t pass) const {
+    const double wanted = std::ceil(static_cast<double>(voxels) / double{share_of_pass(pass)} - 1e-6);
+    return static_cast<uint32_t>(std::min(wanted, double{kMostVoxels}));
+}
+
+}  // namespace photond

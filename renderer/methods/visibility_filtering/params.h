@@ -1,0 +1,61 @@
+#pragma once
+// The parameters of visibility filtering: each is a field here, and a line of visit().
+
+#include <optional>
+
+#include "protocol/param_info.h"
+#include "renderer/frame/common_params.h"
+#include "renderer/gbuffer/upsampling.h"
+#include "renderer/photons/radius_schedule.h"
+#include "renderer/transport/sobol.h"
+
+namespace photond {
+
+/// Who says which voxels a point of the image sees.
+enum class ProxyVisibility : uint8_t {
+    Discs,  // sparse rays, which the proxies' discs stop
+    Svo,    // the same rays, stopped by a voxel octree of the triangles
+    Rays,   // a shadow ray to every voxel that has light
+};
+
+/// What a voxel's contribution is divided by where four lists are mixed.
+enum class ListNormalisation : uint8_t {
+    Weights,  // the sum of the lists' weights
+    Paper,    // the number of the lists
+};
+
+struct VisibilityFilteringParams final : MethodParams {
+    uint32_t proxies = 24'000;
+    uint32_t voxels = 6;
+    uint32_t bounces = 1;
+    ProxyVisibility visibility = ProxyVisibility::Discs;
+    uint32_t rays = 64;
+    bool world_rays = false;
+    float disc_scale = 1.5f;
+    uint32_t voxel_resolution = 128;
+    uint32_t march_subsampling = 8;
+    uint32_t filter_side = 7;
+    float filter_normal = 0.9f;
+    float filter_distance = 0.02f;
+    ListNormalisation normalisation = ListNormalisation::Weights;
+    float near_voxels = 1.5f;
+    bool shrink = false;
+    float alpha = static_cast<float>(kRadiusAlpha);
+    uint32_t subsampling = 2;
+    Upsampling upsampling = Upsampling::Geometry;
+    float glossy_threshold = 0.05f;
+    SamplerKind sampler = SamplerKind::Sobol;
+
+    void visit(ParamVisitor& visitor) override;
+    void check() const override;
+
+    bool asks_rays() const { return visibility == ProxyVisibility::Rays; }
+    /// Greatest number of scattering vertices of a path: n vertices make n - 1 bounces (conventions.md).
+    uint32_t max_scatterings() const { return bounces + 1; }
+    /// Of a pass, over those of the first: voxels, what is near, and the proxies' softening.
+    float share_of_pass(uint32_t pass) const { return shrink ? radius_share(pass, double{alpha}) : 1; }
+    /// Along the longest side of the scene's box.
+    uint32_t voxels_of_pass(uint32_t pass) const;
+};
+
+}  // namespace photond

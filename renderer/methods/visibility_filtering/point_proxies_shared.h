@@ -1,0 +1,35 @@
+// Point proxies and the voxels they lie in, for both compilers (point_proxies_gpu.h).
+#ifndef PHOTOND_POINT_PROXIES_SHARED_H
+#define PHOTOND_POINT_PROXIES_SHARED_H
+
+#define PROXY_GROUP 64        // threads
+#define NO_PROXY 0xffffffffu  // in the place of the normal: the surface has a hole there
+
+// Words of the proxies' state.
+#define PROXIES_WORD 0          // that there are
+#define PROXY_TRIANGLES_WORD 1  // of all instances
+#define PROXY_NAN_WORD 2        // of them without light, as it was no number
+#define PROXY_STATE_WORDS 3
+
+#ifdef __cplusplus
+#include "renderer/core/geometry.h"
+
+namespace photond::gpu {
+using uint = uint32_t;
+#endif
+
+/// A voxel's proxies and the light they send on, all together.
+struct ProxyVoxel {
+    vec3 middle;  // the centroid of its flux [m]
+    uint first;   // of the proxies, half open
+    vec3 flux_w;
+    uint end;
+    vec3 flux_normal_w[3];  // by channel: sum of flux times normal
+};
+
+#ifdef __cplusplus
+static_assert(sizeof(ProxyVoxel) == 68, "must match the scalar layout of GLSL");
+}  // namespace photond::gpu
+#endif
+
+#endif

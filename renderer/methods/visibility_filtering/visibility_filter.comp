@@ -1,0 +1,54 @@
+#version 460
+// The visibility filter [Chen 2014, equation 4]: a point sees what those about it see that lie on the same surface, a
+// group a list. Voxels without light are left out.
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+
+#include "renderer/backends/gpu/invocation.glsl"
+#include "renderer/methods/visibility_filtering/visibility_lists_shared.h"
+#include "renderer/gbuffer/gbuffer_point.glsl"
+
+layout(local_size_x = LISTS_GROUP) in;
+layout(push_constant, scalar) uniform Push { ListsPush push; };
+layout(set = 0, binding = 0, scalar) readonly buffer Constants { VisibilityConstants constants; };
+layout(set = 0, binding = 1, scalar) readonly buffer Points { GBufferPoint points[]; };
+layout(set = 0, binding = 2, scalar) readonly buffer Lists { uint lists[]; };
+layout(set = 0, binding = 3, scalar) readonly buffer LitWords { uint lit_words[]; };
+layout(set = 0, binding = 4, scalar) writeonly buffer Filtered { uint filtered[]; };
+#define VISIBILITY constants
+#include "renderer/methods/visibility_filtering/marching_points.glsl"
+
+shared uint agreeing[LISTS_GROUP];  // lists
+shared uint agreeing_count;
+
+bool on_the_same_surface(GBufferPoint a, GBufferPoint b) {
+    if (!is_lit(b) || dot(a.geometric_normal, b.geometric_normal) < constants.filter_normal) return false;
+    const vec3 between = b.position - a.position;
+    return max(abs(dot(between, a.geometric_normal)), abs(dot(between, b.geometric_normal))) <= agreeing_height_m(a);
+}
+
+void main() {
+    const uint list = push.first + flat_index() / LISTS_GROUP, thread = gl_LocalInvocationIndex;
+    if (list >= push.end) return;
+    const GBufferPoint point = points[marching_point(list)];
+    if (!is_lit(point)) return;
+    if (thread == 0) agreeing_count = 0;
+    barrier();
+    const uint side = constants.filter_side;
+    const ivec2 size = ivec2(constants.march_columns, constants.march_rows);
+    if (thread < side * side) {
+        const ivec2 at = ivec2(list % constants.march_columns, list / constants.march_columns) +
+                         ivec2(thread % side, thread / side) - int(side / 2u);
+        if (all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, size))) {
+            const uint other = uint(at.y * size.x + at.x);
+            if (other == list || on_the_same_surface(point, points[marching_point(other)]))
+                agreeing[atomicAdd(agreeing_count, 1u)] = other;
+        }
+    }
+    barrier();
+    for (uint word = thread; word < constants.words; word += LISTS_GROUP) {
+        uint seen = 0;
+        for (uint i = 0; i < agreeing_count; ++i) seen |= lists[agreeing[i] * constants.words + word];
+        filtered[list * constants.words + word] = seen & lit_words[word];
+    }
+}

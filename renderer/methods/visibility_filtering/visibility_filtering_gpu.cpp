@@ -1,0 +1,250 @@
+#include "renderer/methods/visibility_filtering/visibility_filtering_gpu.h"
+
+#include <algorithm>
+#include <numbers>
+
+#include "renderer/frame/device_frame.h"
+#include "renderer/methods/visibility_filtering/visibility_lists_gpu.h"
+#include "renderer/scene/scene.h"
+#include "renderer/scene/surface_area.h"
+
+namespace photond {
+
+namespace {
+
+static_assert(uint32_t(ProxyVisibility::Discs) == PROXY_VISIBILITY_DISCS &&
+              uint32_t(ProxyVisibility::Svo) == PROXY_VISIBILITY_SVO &&
+              uint32_t(ProxyVisibility::Rays) == PROXY_VISIBILITY_RAYS);
+
+GBufferWalk walk_of(const VisibilityFilteringParams& params) {
+    return {.split_side = params.subsampling,
+            .max_scatterings = params.max_scatterings(),
+            .glossy_threshold = params.glossy_threshold,
+            .sampler = params.sampler};
+}
+
+/// Why there is no indirect light; null: there may be some.
+const char* why_dark(const VisibilityFilteringParams& params, bool lights, bool surfaces) {
+    if (params.bounces == 0) return "bounces is 0";
+    if (!lights) return "the scene has no light";
+    return surfaces ? nullptr : "the scene has no surface";
+}
+
+std::vector<gpu::Specialization> merge_constants(const DeviceImage& image, const VisibilityFilteringParams& params) {
+    std::vector<gpu::Specialization> constants = image.specialization();
+    constants.push_back(gpu::specialize(UPSAMPLING_ID, static_cast<uint32_t>(params.upsampling)));
+    constants.push_back(image.plane(PLANE_PROXIES_ID, Layer::Proxies));
+    constants.push_back(image.plane(PLANE_PROXY_VOXELS_ID, Layer::ProxyVoxels));
+    constants.push_back(image.plane(PLANE_UPSAMPLING_WEIGHT_ID, Layer::UpsamplingWeight));
+    if (params.asks_rays()) return constants;  // there are no lists
+    constants.push_back(image.plane(PLANE_VISIBILITY_COUNT_ID, Layer::VisibilityCount));
+    constants.push_back(image.plane(PLANE_LISTS_BEFORE_FILTER_ID, Layer::ListsBeforeFilter));
+    return constants;
+}
+
+std::string visibility_shader(const char* name) { return "renderer/methods/visibility_filtering/" + std::string(name); }
+
+}  // namespace
+
+struct VisibilityFilteringGpu::State {
+    /// What there is where light is.
+    struct Lit {
+        Lit(const gpu::DeviceScene& scene, State& state, const VisibilityFilteringParams& params, Stats& stats);
+        void make_room(const VisibilityFilteringParams& params, uint32_t pass);
+
+        PointProxiesGpu proxies;
+        std::unique_ptr<SparseVoxelOctreeGpu> tree;  // null: nobody asks
+        std::optional<VisibilityListsGpu> lists;     // null: shadow rays tell
+        gpu::ComputePipeline gather, merge;
+    };
+
+    State(const RenderContext& context, const VisibilityFilteringParams& p)
+        : params(p),
+          scene(*context.device_scene),
+          device(scene.device()),
+          seed(context.seed),
+          constants(device, "visibility_lists", sizeof(gpu::VisibilityConstants)),
+          frame(context, [this](uint32_t pass, DeviceFrame::Steps& steps) { add_steps(pass, steps); }),
+          points(scene, context.view, seed, walk_of(p), frame.image()) {}
+    ~State() { frame.end(); }
+
+    gpu::VisibilityConstants constants_of(uint32_t pass) const;
+    void add_steps(uint32_t pass, DeviceFrame::Steps& steps);
+    void add_light_steps(uint32_t pass, DeviceFrame::Steps& steps);
+    void record_gather(gpu::CommandList& commands, uint32_t first, uint32_t end);
+    void record_merge(gpu::CommandList& commands);
+
+    const VisibilityFilteringParams& params;
+    const gpu::DeviceScene& scene;
+    gpu::Device& device;
+    const uint64_t seed;
+    gpu::Buffer constants;
+    DeviceFrame frame;
+    GBufferGpu points;
+    std::optional<Lit> lit;  // null: there is no indirect light
+};
+
+VisibilityFilteringGpu::State::Lit::Lit(const gpu::DeviceScene& scene, State& state,
+                                        const VisibilityFilteringParams& params, Stats& stats)
+    : proxies(scene, state.frame.image().counters(), state.seed, params.proxies, params.glossy_threshold),
+      tree(params.visibility == ProxyVisibility::Svo
+               ? std::make_unique<SparseVoxelOctreeGpu>(
+                     scene, make_voxel_grid(scene.scene().bounds, params.voxel_resolution), false)
+               : nullptr),
+      gather(scene.device(), visibility_shader("gather.comp"), sizeof(gpu::ListsPush), &scene.set(),
+             scene.specialization(std::vector{
+                 gpu::specialize(UPSAMPLING_ID, static_cast<uint32_t>(params.upsampling)),
+                 gpu::specialize(PROXY_VISIBILITY_ID, static_cast<uint32_t>(params.visibility)),
+                 gpu::specialize(PAPER_NORMALISATION_ID, params.normalisation == ListNormalisation::Paper)})),
+      merge(scene.device(), visibility_shader("merge.comp"), 0, &scene.set(),
+            scene.specialization(merge_constants(state.frame.image(), params))) {
+    if (tree) {
+        tree->build_now(stats);
+        stats.counts.voxels += tree->voxel_count();
+    }
+    if (!params.asks_rays())
+        lists.emplace(scene, state.points, proxies, tree.get(), state.constants, state.frame.image().counters(),
+                      params);
+}
+
+void VisibilityFilteringGpu::State::Lit::make_room(const VisibilityFilteringParams& params, uint32_t pass) {
+    proxies.cut_voxels(params.voxels_of_pass(pass));
+    if (lists) lists->make_room(proxies.words());
+}
+
+gpu::VisibilityConstants VisibilityFilteringGpu::State::constants_of(uint32_t pass) const {
+    const Size2 size = points.layout().size, marching = VisibilityListsGpu::lists_of(size, params.march_subsampling);
+    const float share = params.share_of_pass(pass), per_m2 = lit->proxies.per_m2();
+    const float disc_m = std::sqrt(std::numbers::inv_pi_v<float> / per_m2);  // of a proxy's share of the surface
+    return {.grid = lit->proxies.grid(),
+            .split = points.split(),
+            .march_side = params.march_subsampling,
+            .march_columns = marching.width,
+            .march_rows = marching.height,
+            .words = lit->proxies.words(),
+            .rays = params.rays,
+            .filter_side = params.filter_side,
+            .filter_normal = params.filter_normal,
+            .filter_distance = params.filter_distance,
+            .disc_radius_m = params.disc_scale * disc_m,
+            .near_m = params.near_voxels * lit->proxies.cell_m(),
+            .softening_sq_m2 = sqr(share * disc_m),
+            .proxies_per_m2 = per_m2,
+            .glossy_threshold = params.glossy_threshold,
+            .world_cell_m = lit->proxies.cell_m(),
+            .key = static_cast<uint32_t>(hash64(hash64(seed) + pass)),
+            .first_ray = 0};
+}
+
+void VisibilityFilteringGpu::State::add_steps(uint32_t pass, DeviceFrame::Steps& steps) {
+    for (uint32_t piece = 0; piece < points.pieces(); ++piece)
+        steps.push_back({points.layout().size.pixels() / points.pieces(),
+                         [=, this](gpu::CommandList& commands) { points.record(commands, pass, piece); }});
+    if (lit) add_light_steps(pass, steps);
+    steps.push_back({0, [this](gpu::CommandList& commands) {
+                         if (lit) record_merge(commands);
+                         frame.image().record_readback(commands);
+                     }});
+}
+
+void VisibilityFilteringGpu::State::add_light_steps(uint32_t pass, DeviceFrame::Steps& steps) {
+    lit->make_room(params, pass);  // the device does nothing now: the pass before is done
+    const uint32_t proxy_pieces = lit->proxies.pieces();
+    for (uint32_t piece = 0; piece < proxy_pieces; ++piece)
+        steps.push_back({params.proxies / proxy_pieces, [=, this](gpu::CommandList& commands) {
+                             if (piece == 0) commands.update(constants, constants_of(pass));
+                             lit->proxies.record(commands, pass, piece);
+                         }});
+    if (lit->lists)
+        for (uint32_t piece = 0; piece < lit->lists->pieces(); ++piece)
+            steps.push_back({lit->lists->paths_of_piece(),
+                             [=, this](gpu::CommandList& commands) { lit->lists->record(commands, piece); }});
+    // What a point costs, in paths: about as many voxels as it may see.
+    const uint64_t cost = std::max<uint64_t>(lit->proxies.grid().slots / 4, 1);
+    const auto at_once = static_cast<uint32_t>(std::max<uint64_t>(device.paths_per_submit() / cost, LISTS_GROUP) /
+                                               LISTS_GROUP * LISTS_GROUP);
+    const uint32_t all = points.layout().points();
+    for (uint32_t first = 0; first < all; first += at_once)
+        steps.push_back({at_once * cost, [=, this](gpu::CommandList& commands) {
+                             record_gather(commands, first, std::min(first + at_once, all));
+                         }});
+}
+
+void VisibilityFilteringGpu::State::record_gather(gpu::CommandList& commands, uint32_t first, uint32_t end) {
+    const gpu::Scope scope(commands, "gather");
+    commands.bind(
+        lit->gather,
+        {gpu::read("constants", constants), gpu::read("points", points.points()),
+         gpu::read("general_points", points.general()), gpu::read("grid_places", lit->proxies.sorted().places),
+         gpu::read("map_powers", lit->proxies.sorted().powers), gpu::read("voxels", lit->proxies.voxels()),
+         gpu::read("lists", lit->lists ? lit->lists->lists() : lit->proxies.lit_words()),
+         gpu::read("running_sums", lit->proxies.running_sums()), gpu::write("sums", points.sums()),
+         gpu::read_write("device_counters", frame.image().counters())});
+    commands.push(gpu::ListsPush{first, end});
+    commands.dispatch_threads(end - first, LISTS_GROUP);
+}
+
+void VisibilityFilteringGpu::State::record_merge(gpu::CommandList& commands) {
+    const gpu::Scope scope(commands, "upsample");
+    gpu::Buffer& lit_words = lit->proxies.lit_words();  // and what stands where there are no lists
+    commands.bind(
+        lit->merge,
+        {gpu::read_write("device_layers", frame.image().layers()), gpu::read("constants", constants),
+         gpu::read("points", points.points()), gpu::read("sums", points.sums()),
+         gpu::read("lists", lit->lists ? lit->lists->before_filter() : lit_words),
+         gpu::read("filtered", lit->lists ? lit->lists->lists() : lit_words),
+         gpu::read("grid_starts", lit->proxies.sorted().starts), gpu::read("grid_places", lit->proxies.sorted().places),
+         gpu::read("map_powers", lit->proxies.sorted().powers), gpu::read("lit_words", lit_words)});
+    commands.dispatch_threads(points.layout().size.pixels(), LISTS_GROUP);
+}
+
+VisibilityFilteringGpu::VisibilityFilteringGpu(const VisibilityFilteringParams& params) : params_(params) {}
+VisibilityFilteringGpu::~VisibilityFilteringGpu() = default;
+
+uint64_t VisibilityFilteringGpu::estimate_bytes(const VisibilityFilteringParams& /*params*/, const Workload& workload) {
+    return DeviceFrame::estimate_bytes(workload);
+}
+
+uint64_t VisibilityFilteringGpu::estimate_device_bytes(const VisibilityFilteringParams& params,
+                                                       const Workload& workload) {
+    uint64_t bytes = DeviceFrame::estimate_device_bytes(workload) +
+                     GBufferGpu::device_bytes(workload.film_size, params.subsampling, workload.needs) +
+                     sizeof(gpu::VisibilityConstants);
+    if (why_dark(params, workload.lights > 0 || workload.environment_size.pixels() > 0, true)) return bytes;
+    bytes += PointProxiesGpu::device_bytes(params.proxies, params.voxels, workload.triangles);
+    if (params.visibility == ProxyVisibility::Svo)
+        bytes += SparseVoxelOctreeGpu::guess_device_bytes(params.voxel_resolution, false, workload.triangles);
+    if (!params.asks_rays()) bytes += VisibilityListsGpu::device_bytes(workload.film_size, params);
+    return bytes;
+}
+
+void VisibilityFilteringGpu::begin(const RenderContext& context, Stats& stats) {
+    const Scene& scene = context.scene;
+    note_skipped_shading(scene.needs, stats);
+    state_ = std::make_unique<State>(context, params_);
+    const Needs& needs = scene.needs;
+    const bool lights = needs.area_lights || needs.punctual_lights || needs.environment;
+    if (const char* why = why_dark(params_, lights, surface_area_m2(scene) > 0)) {
+        stats.skipped.push_back({"point proxies", why,
+                                 PointProxiesGpu::device_bytes(params_.proxies, params_.voxels, scene.triangle_count)});
+        return;
+    }
+    const StageTimer timer(stats, "pipelines");
+    state_->lit.emplace(*context.device_scene, *state_, params_, stats);
+    state_->lit->make_room(params_, 0);
+}
+
+void VisibilityFilteringGpu::run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) {
+    const StageTimer timer(stats, "indirect");
+    State& state = *state_;
+    if (!state.frame.run(pass, stats, cancel)) return;
+    if (state.lit) {
+        stats.counts.vpls += state.lit->proxies.count();
+        stats.counts.nan_samples += state.lit->proxies.nan_count();
+    }
+    state.frame.read(stats);
+}
+
+DeviceFrame& VisibilityFilteringGpu::frame() { return state_->frame; }
+
+}  // namespace photond
