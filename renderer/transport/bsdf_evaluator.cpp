@@ -108,8 +108,10 @@ Rgb BsdfEvaluator::glass_albedo() const {
         return bsdf_.glass_reflectance(cos_h, fresnel.reflectance, fresnel.cos_t);
     };
     const vec3 wo(std::hypot(wo_.x, wo_.y), 0, wo_.z);
-    return layers.glass *
-           Ggx{layers.alpha}.directional_albedo<Rgb>(wo, GLASS_ALBEDO_AZIMUTHS, GLASS_ALBEDO_CAPS, true, reflectance);
+    const bool within = layers.eta < 1;
+    return layers.glass * Ggx{layers.alpha}.directional_albedo<Rgb>(
+                              wo, within ? GLASS_ALBEDO_AZIMUTHS_WITHIN : GLASS_ALBEDO_AZIMUTHS,
+                              within ? GLASS_ALBEDO_CAPS_WITHIN : GLASS_ALBEDO_CAPS, true, reflectance);
 }
 
 /// Replaces the values of those lanes.

@@ -31,19 +31,22 @@ vec2 lobe_albedo_factors(float cos_theta, float row) {
 vec3 glass_lobe_albedo(Bsdf bsdf, vec3 to_eye) {
     const vec3 wo = vec3(length(to_eye.xy), 0.0, to_eye.z);
     const Ggx ggx = Ggx(bsdf.alpha);
+    const bool within = bsdf.eta < 1.0;
+    const uint azimuths = within ? GLASS_ALBEDO_AZIMUTHS_WITHIN : GLASS_ALBEDO_AZIMUTHS;
+    const uint caps = within ? GLASS_ALBEDO_CAPS_WITHIN : GLASS_ALBEDO_CAPS;
     const float g1 = ggx_g1_over_cos(ggx, wo);
     vec3 sum = vec3(0.0);
-    for (uint i = 0u; i < GLASS_ALBEDO_AZIMUTHS * GLASS_ALBEDO_CAPS; ++i) {
-        const float turn = (float(i / GLASS_ALBEDO_CAPS) + 0.5) / float(2 * GLASS_ALBEDO_AZIMUTHS);
-        const float v = (float(i % GLASS_ALBEDO_CAPS) + fract(0.618034 * (float(i / GLASS_ALBEDO_CAPS) + 0.5))) / float(GLASS_ALBEDO_CAPS);
-        const vec3 h = ggx_sample_visible(ggx, wo, vec2(turn, 1.0 - v * v * v));
+    for (uint i = 0u; i < azimuths * caps; ++i) {
+        const float azimuth = float(i / caps) + 0.5;
+        const float v = (float(i % caps) + fract(0.618034 * azimuth)) / float(caps);
+        const vec3 h = ggx_sample_visible(ggx, wo, vec2(0.5 * azimuth / float(azimuths), 1.0 - v * v * v));
         const float cos_h = dot(wo, h);
         const vec3 wi = reflect_direction(wo, h);
         if (wi.z <= 0.0) continue;
         sum += 3.0 * v * v * ggx_g2_over_cosines(ggx, wo, wi) * wi.z / g1 *
                bsdf_glass_reflectance(bsdf, cos_h, fresnel_dielectric(cos_h, bsdf.eta));
     }
-    return bsdf.glass * sum / float(GLASS_ALBEDO_AZIMUTHS * GLASS_ALBEDO_CAPS);
+    return bsdf.glass * sum / float(azimuths * caps);
 }
 
 LobeAlbedos bsdf_lobe_albedos(Bsdf bsdf, vec3 wo) {

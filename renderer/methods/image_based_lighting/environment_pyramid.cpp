@@ -58,8 +58,12 @@ struct EnvironmentPyramid::Lobe {
         const float cosine = 1 - 0.5f * distance_sq;
         return std::max(cosine, 0.0f) / sqr(alpha_sq + 0.25f * distance_sq * (1 - alpha_sq));
     }
-    /// Square of how far one has to go from there for it to change by about itself.
-    float scale_sq(float distance_sq) const { return std::min(distance_sq + 4 * alpha_sq, 1.0f); }
+    /// Square of how far one has to go from there for it to change by about itself; up to twice that far in the tail,
+    /// where little of the weight is.
+    float scale_sq(float distance_sq) const {
+        const float scale_sq = distance_sq + 4 * alpha_sq;
+        return std::min(scale_sq * std::min(std::sqrt(scale_sq / (4 * alpha_sq)), 4.0f), 1.0f);
+    }
 };
 
 uint64_t EnvironmentPyramid::bytes_for(Size2 map, uint32_t columns) {

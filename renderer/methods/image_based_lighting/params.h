@@ -9,6 +9,7 @@
 namespace photond {
 
 struct ImageBasedLightingParams final : MethodParams {
+    uint32_t bounces = 0;
     uint32_t prefilter_resolution = 256;
     uint32_t prefilter_levels = 12;
     SamplerKind sampler = SamplerKind::Sobol;
@@ -19,6 +20,8 @@ struct ImageBasedLightingParams final : MethodParams {
 
 inline void ImageBasedLightingParams::visit(ParamVisitor& visitor) {
     using enum ParamGroup;
+    visitor.field("bounces", bounces,
+                  {Light, "", 0, 0, "greatest number of bounces in the indirect layer; it has none, which is black"});
     visitor.field("prefilter_resolution", prefilter_resolution,
                   {LightMaps, "", PREFILTER_LEAST_SIDE, 2048,
                    "cells along each side of the sharpest prefiltered map; a power of two"});

@@ -12,7 +12,7 @@ namespace photond {
 namespace {
 
 constexpr uint32_t kColumnsACell = 4;  // cells of the pyramid, around the horizon
-constexpr float kCellOfAlpha = 0.25f;  // nodes of a map are so far apart, over alpha, where the resolution allows it
+constexpr float kCellOfAlpha = 0.5f;   // nodes of a map are so far apart, over alpha, where the resolution allows it
 
 /// Across the map's fold at the horizon.
 vec2 folded(const vec2& p) { return {std::copysign(1 - std::fabs(p.y), p.x), std::copysign(1 - std::fabs(p.x), p.y)}; }
@@ -72,12 +72,12 @@ PrefilteredEnvironment::PrefilteredEnvironment(const Environment& environment, c
     : sampler_(sampler), constants_(constants_of(settings)), nodes_(nodes_of(constants_)) {
     const EnvironmentPyramid pyramid(environment, sampler, kColumnsACell * settings.resolution);
     for (uint32_t l = 0; l < constants_.levels; ++l) {
-        const auto [first, side] = constants_.level[l];
+        const gpu::PrefilterLevel map = constants_.level[l];
         const float alpha = alpha_of_level(constants_, l);
-        parallel_for(side + 1, 1, [&](size_t y) {
-            for (uint32_t x = 0; x <= side; ++x) {
-                const vec2 place = vec2(x, y) / static_cast<float>(side);
-                nodes_[first + y * (side + 1) + x] = pyramid.blurred(octahedral_direction(place), alpha);
+        parallel_for(map.side + 1, 1, [&](size_t y) {
+            for (uint32_t x = 0; x <= map.side; ++x) {
+                const vec2 place = vec2(x, y) / static_cast<float>(map.side);
+                nodes_[map.first + y * (map.side + 1) + x] = pyramid.blurred(octahedral_direction(place), alpha);
             }
         });
     }

@@ -8,8 +8,8 @@ namespace photond {
 
 namespace {
 
-PathsLeftOut paths_left_out(const ImageBasedLightingParams& /*params*/, const Needs& needs) {
-    return PathsLeftOut(0, needs);
+PathsLeftOut paths_left_out(const ImageBasedLightingParams& params, const Needs& needs) {
+    return PathsLeftOut(params.bounces, needs);
 }
 
 }  // namespace

@@ -48,7 +48,7 @@ void expect_near_the_sums(Environment environment, double most_of_sums, double m
     const PrefilteredEnvironment maps(environment, sampler, {.resolution = 64, .levels = 7});
     RandomStream random(5, RandomDomain::Test, 0, 0);
     double of_sums = 0, of_maps = 0;
-    for (const float roughness : {0.25f, 0.4f, 0.7f, 1.0f})
+    for (const float roughness : {0.15f, 0.25f, 0.5f, 1.0f})
         for (int i = 0; i < 12; ++i) {
             const vec3 axis = direction_of(random);
             const double alpha = static_cast<double>(sqr(roughness));
@@ -64,9 +64,9 @@ void expect_near_the_sums(Environment environment, double most_of_sums, double m
     EXPECT_LT(of_maps, most_of_maps);
 }
 
-TEST(PrefilteredEnvironment, IsTheSumOverASky) { expect_near_the_sums(test::sky({64, 32}), 0.01, 0.02); }
+TEST(PrefilteredEnvironment, IsTheSumOverASky) { expect_near_the_sums(test::sky({64, 32}), 0.015, 0.05); }
 TEST(PrefilteredEnvironment, IsTheSumOverASun) { expect_near_the_sums(test::sky_with_sun({64, 32}, 0.1f), 0.015, 0.1); }
-TEST(PrefilteredEnvironment, IsTheSumOverAMapOfOddSize) { expect_near_the_sums(test::windows({37, 21}), 0.015, 0.1); }
+TEST(PrefilteredEnvironment, IsTheSumOverAMapOfOddSize) { expect_near_the_sums(test::windows({37, 21}), 0.03, 0.1); }
 TEST(PrefilteredEnvironment, IsTheSumOverAMapOfMoreTexelsThanCells) {
     expect_near_the_sums(test::sky_with_sun({1030, 515}), 0.015, 0.1);
 }
