@@ -3,7 +3,8 @@
 //
 // A method that knows of shadows before a ray is traced (WalkGuide::light_seen()) defines before
 // WALK_LIGHT_SEEN(position, normal, source, key): a LIGHT_SEEN_* of a light source (LightSample::source) at a point;
-// `normal` is geometric, on the eye's side, `key` the path's of the sampler.
+// `normal` is geometric, on the eye's side, `key` the path's of the sampler. One that draws rays by f_d which will meet
+// lights defines WALK_COMPETING_RAYS, how many at each vertex (WalkVertex::competing_rays of specular_walk.h).
 #ifndef PHOTOND_SPECULAR_WALK_GLSL
 #define PHOTOND_SPECULAR_WALK_GLSL
 
@@ -15,6 +16,9 @@
 #define LIGHT_SEEN_UNKNOWN 2u
 #ifndef WALK_LIGHT_SEEN
 #define WALK_LIGHT_SEEN(position, normal, source, key) LIGHT_SEEN_UNKNOWN
+#endif
+#ifndef WALK_COMPETING_RAYS
+#define WALK_COMPETING_RAYS 0.0
 #endif
 
 /// A vertex of the walk: where a path is, and what of its light is still to come.
@@ -99,8 +103,9 @@ float walk_light_number();
 bool walk_keeps_apart(EyePath path, Ray ray, LightSample light_sample, vec3 radiance);
 #endif
 
-/// Follows the path's ray to the next vertex: adds what it finds there to `light`, with one light sample and no competing
-/// rays, and draws the next ray by the specular part. False: the path ends; `met.waits` holds all the same.
+/// Follows the path's ray to the next vertex: adds what it finds there to `light`, with one light sample that competes
+/// with WALK_COMPETING_RAYS, and draws the next ray by the specular part. False: the path ends; `met.waits` holds all
+/// the same.
 bool walk_vertex(uint vertex, uint key, float glossy_threshold, inout EyePath path, inout Ray ray, inout PathLight light,
                  inout uint shadow_rays, out WalkVertex met) {
     Bsdf specular;
@@ -115,7 +120,8 @@ bool walk_vertex(uint vertex, uint key, float glossy_threshold, inout EyePath pa
 #ifdef WALK_KEEPS_LIGHT_APART
         if (vertex == 0) u_choice = walk_light_number();
 #endif
-        if (walk_light_sample(path, met, specular, 1.0, 0.0, u_choice, u_light, to_light, radiance, light_sample)) {
+        if (walk_light_sample(path, met, specular, 1.0, WALK_COMPETING_RAYS, u_choice, u_light, to_light, radiance,
+                              light_sample)) {
             uint seen = WALK_LIGHT_SEEN(met.surface.position, met.surface.geometric_normal, light_sample.source, key);
 #ifdef WALK_KEEPS_LIGHT_APART
             if (vertex == 0 && walk_keeps_apart(path, to_light, light_sample, radiance)) {

@@ -35,7 +35,7 @@ inline Scene floor_under(const Material& material, Environment environment) {
     return scene;
 }
 
-/// A ball of each kind in two rows above a floor; a point light above them, as area lights make noise on narrow gloss.
+/// A ball of each kind in two rows above a floor; a point light above them.
 inline Scene balls_under(Environment environment) {
     Material sheet = coated(Rgb(0.9f, 0.6f, 0.3f), 0.3f), frosted = coated(Rgb(1), 0.3f), glass = coated(Rgb(1), 0);
     sheet.transmission = frosted.transmission = glass.transmission = 1;

@@ -25,18 +25,4 @@ private:
     PassImage& image_;
 };
 
-/// For such a walk: light samples leave the environment to EnvironmentLight.
-class LampsAlone final : public WalkGuide {
-public:
-    explicit LampsAlone(const Scene& scene) : environment_(light_source_of_environment(scene)) {}
-
-    WalkVertex decide(const Rgb&, float, bool) const override { return {}; }
-    LightSeen light_seen(const vec3&, const vec3&, uint32_t source) override {
-        return source == environment_ ? LightSeen::Nothing : LightSeen::Unknown;
-    }
-
-private:
-    const uint32_t environment_;
-};
-
 }  // namespace photond

@@ -12,6 +12,8 @@
 #define LOBE_ALBEDO_TABLE_BINDING 6
 #define WALK_LIGHT_SEEN(position, normal, source, key) \
     (source == light_source_of_environment() ? LIGHT_SEEN_NOTHING : LIGHT_SEEN_UNKNOWN)
+#define DRAWS_LAMP_RAYS (NEEDS_AREA_LIGHTS && NEEDS_GLOSSY)  // draws_lamp_rays()
+#define WALK_COMPETING_RAYS (DRAWS_LAMP_RAYS ? 1.0 : 0.0)
 #include "renderer/backends/gpu/invocation.glsl"
 #include "renderer/eye/specular_walk.glsl"
 #include "renderer/methods/image_based_lighting/image_based_lighting_shared.h"
@@ -36,18 +38,40 @@ vec3 environment_light(WalkVertex met) {
     return light;
 }
 
+/// LampRays::lamp_met().
+vec3 lamp_met(WalkVertex met, uint vertex, uint key) {
+    const float u_lobe = sample_2d(key, sample_set(vertex, SET_LOBE)).y;
+    const vec2 u = sample_2d(key, sample_set(vertex, SET_DIRECTION));
+    const BsdfSample by_lobe = bsdf_sample(met.rough, met.wo, u_lobe, u);
+    if (!bsdf_sample_valid(by_lobe)) return vec3(0.0);
+    const vec3 direction = to_world(met.surface.shading, by_lobe.wi);
+    const Hit hit = closest_hit(Ray(ray_origin(met.surface, direction), direction, INFINITY));
+    if (!hit_valid(hit)) return vec3(0.0);
+    const ShadingPoint lamp = make_shading_point(hit, direction);
+    if (!is_emissive(lamp.material)) return vec3(0.0);
+    const vec3 emitted = emitted_radiance(hit.instance, hit.triangle, hit.u, hit.v, lamp.front_side);
+    const vec3 lit_normal = bsdf_has_non_delta_transmission(met.rough) ? vec3(0.0) : met.surface.shading.normal;
+    const float light_pdf =
+        light_pdf_triangle(met.surface.position, lit_normal, hit.instance, hit.triangle, direction, hit.t);
+    return power_heuristic(by_lobe.pdf_sa, light_pdf) * met.throughput * by_lobe.weight * emitted;
+}
+
 void light_pixel(EyePath path, Ray ray, uint key) {
     const uint pixel = path.pixel;
     PathLight light = no_light();
-    uint vertices = 0, shadow_rays = 0;
+    uint vertices = 0, shadow_rays = 0, lamp_rays = 0;
     for (bool walking = true; walking; ++vertices) {
         WalkVertex met;
         walking = walk_vertex(vertices, key, 0.0, path, ray, light, shadow_rays, met);
         if (NEEDS_ENVIRONMENT && met.waits) light.direct += met.throughput * environment_light(met);
+        if (DRAWS_LAMP_RAYS && met.waits) {
+            light.direct += lamp_met(met, vertices, key);
+            ++lamp_rays;
+        }
     }
     store_light(pixel, light);
     count(COUNTER_CAMERA_RAYS, 1);
-    count(COUNTER_BOUNCE_RAYS, vertices - 1);
+    count(COUNTER_BOUNCE_RAYS, vertices - 1 + lamp_rays);
     count(COUNTER_SHADOW_RAYS, shadow_rays);
 }
 

@@ -4,18 +4,13 @@
 
 #include "renderer/core/thread_local.h"
 #include "renderer/methods/image_based_lighting/environment_light.h"
+#include "renderer/methods/image_based_lighting/lamp_rays.h"
 
 namespace photond {
 
 namespace {
 
 constexpr uint32_t kTileSide = 32;
-
-/// Where nothing is left to be lit.
-class NoLight final : public VisiblePointSink {
-public:
-    void take(std::span<const LambertVisiblePoint>, std::span<const VisiblePoint>) override {}
-};
 
 }  // namespace
 
@@ -107,15 +102,14 @@ void ImageBasedLighting::run_pass(uint32_t pass, Stats& stats, const CancelToken
     state.pass_complete = false;
     const double wall_start = wall_now_seconds();
     const PassSampler sampler(state.eye.sampler, state.eye.seed, RandomDomain::Camera, pass);
-    const WalkSettings settings{.glossy_threshold = 0, .guide = state.environment ? &state.lamps : nullptr};
+    const WalkSettings settings{.glossy_threshold = 0, .guide = &state.lamps};
     parallel_over_tiles(state.eye.view.film_size, kTileSide, cancel, [&](const Tile& tile) {
         State::PerThread& mine = state.threads.local();
-        std::optional<EnvironmentLight> lit;
-        NoLight unlit;
-        if (state.environment) lit.emplace(*state.environment, state.image);
-        VisiblePointSink& sink = lit ? static_cast<VisiblePointSink&>(*lit) : unlit;
+        std::optional<EnvironmentLight> environment;
+        if (state.environment) environment.emplace(*state.environment, state.image);
+        LampRays lamps(state.eye, mine.walk, sampler, state.image, mine.counts, environment ? &*environment : nullptr);
         mine.walk.trace_tile(state.eye, settings, {sampler, std::span(&sampler, 1)}, tile, state.image, mine.counts,
-                             mine.seconds, cancel, sink);
+                             mine.seconds, cancel, lamps);
     });
     const EyeSeconds cpu = take_work(state.threads, stats);
     add_interleaved_stages(stats, wall_now_seconds() - wall_start,

@@ -12,15 +12,15 @@ namespace photond {
 /// sheets in the one straight through.
 ///
 /// From the eye mirrors and smooth glass are followed to rough surfaces, which are lit where they are met. The
-/// environment's light there is the layer `direct`, as that of other lights is, which have one sample with a shadow
-/// ray. A pass differs from the next in its samples of the pixel and of those lights alone.
+/// environment's light there is the layer `direct`, as that of other lights is: one sample with a shadow ray, beside a
+/// ray of the lobes where lamps have an area and surfaces gloss. A pass differs from the next in its samples of the
+/// pixel and of those lights alone.
 ///
 /// Exact where the environment is the same from everywhere, for any surface; for Lambert reflectors under any. Else
 /// wrong by what the split leaves out: the lobe is taken as seen straight on, so that it is not stretched towards
 /// grazing angles and is not cut off at the horizon; under a coat, diffuse lobes take light of all angles alike
-/// (tables: docs/image-based-lighting/README.md). Lamps that have an area are noisy in narrow gloss, where no ray of
-/// the lobe finds them. Not in it at all: whether anything stands before the environment, light that bounces, light of
-/// the environment through the rough interface of a solid.
+/// (tables: docs/image-based-lighting/README.md). Not in it at all: whether anything stands before the environment,
+/// light that bounces, light of the environment through the rough interface of a solid.
 ///
 /// [Karis 2013] Real Shading in Unreal Engine 4. SIGGRAPH course Physically Based Shading in Theory and Practice.
 /// [Walter et al. 2007] Microfacet Models for Refraction through Rough Surfaces. EGSR.

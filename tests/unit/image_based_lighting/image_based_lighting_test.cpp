@@ -93,6 +93,23 @@ TEST(ImageBasedLighting, LightOfLampsAndOfTheEnvironmentAddUp) {
     EXPECT_LT(noise, 0.05 * of_sky.mean()) << "too noisy to notice a defect";
 }
 
+/// In gloss too narrow for light samples the lobe's own ray finds them.
+TEST(ImageBasedLighting, LampsInGlossAreAsPathTracingHasThem) {
+    for (const float roughness : {0.05f, 0.3f}) {
+        Scene scene = test::floor_under(test::coated(Rgb(0.5f), roughness), test::sky({8, 4}));
+        scene.environment.reset();
+        test::add_lamp(scene);
+        test::RenderSettings reference = settings_of<PathTracing>(150);
+        reference.params.indirect_bounces = 0;
+        const test::RunningMean paths = layer_of_passes(scene, reference, Layer::Direct),
+                                split = layer_of_passes(scene, small(150), Layer::Direct);
+        const double noise = kMostErrors * std::hypot(split.standard_error(), paths.standard_error());
+        EXPECT_NEAR(split.mean(), paths.mean(), noise);
+        EXPECT_LT(noise, 0.03 * paths.mean()) << "too noisy to notice a defect";
+        EXPECT_LT(split.variance(), 2 * paths.variance()) << "narrow gloss is left to light samples";
+    }
+}
+
 /// A point light leaves nothing to chance, but which of its lobes a path follows at a coat that is a mirror.
 TEST(ImageBasedLighting, WithoutAnEnvironmentIsDirectLight) {
     Scene scene = test::balls_under(test::sky({8, 4}));
