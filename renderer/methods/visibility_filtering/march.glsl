@@ -9,6 +9,7 @@
 #include "renderer/methods/visibility_filtering/visibility_lists_shared.h"
 #include "renderer/transport/sampling.glsl"
 
+layout(constant_id = LISTS_ID) const uint LISTS = LISTS_COUNTS;
 layout(constant_id = WORLD_RAYS_ID) const bool WORLD_RAYS = false;
 
 layout(local_size_x = LISTS_GROUP) in;
@@ -32,12 +33,14 @@ uint rays_key(GBufferPoint point) {
     return hash32(uint(cell.x) ^ hash32(uint(cell.y) ^ hash32(uint(cell.z) ^ hash32(octant ^ constants.key))));
 }
 
-/// Of ray i; half of those that leave what is not Lambert go where it reflects. False: nothing is sent there.
+/// Of ray i, by the cosine; half of those that leave what is not Lambert may go where it reflects. False: nothing is sent
+/// there.
 bool ray_direction(GBufferPoint point, uint index, uint i, out vec3 direction) {
     const uint key = rays_key(point);
     const uvec2 bits = rotated_halton_point(constants.first_ray + i, uvec2(key, hash32(key)));
     const vec2 u = vec2(to_unit_float(bits.x), to_unit_float(bits.y));
-    if (is_general(point) && (i % 2u == 1u || point.normal == vec3(0.0))) {
+    const bool by_gloss = LISTS != LISTS_COUNTS && i % 2u == 1u;  // counts tell of all directions alike
+    if (is_general(point) && (by_gloss || point.normal == vec3(0.0))) {
         const Receiver receiver = make_receiver(general_points[index], constants.glossy_threshold);
         const BsdfSample next =
             bsdf_sample(receiver.rough, receiver.wo, to_unit_float(hash32(key ^ hash32(i))), u, TRANSPORT_RADIANCE);
@@ -59,6 +62,9 @@ void main() {
     const vec3 side = dot(direction, point.geometric_normal) < 0.0 ? -point.geometric_normal : point.geometric_normal;
     count(COUNTER_SHADOW_RAYS, 1);
     uint slot;
-    if (FIRST_VOXEL(point.position, side, direction, slot))
+    if (!FIRST_VOXEL(point.position, side, direction, slot)) return;
+    if (LISTS == LISTS_COUNTS)
+        atomicAdd(lists[list * constants.words + slot], 1u);
+    else
         atomicOr(lists[list * constants.words + slot / 32], 1u << slot % 32);
 }

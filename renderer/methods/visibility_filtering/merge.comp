@@ -14,6 +14,7 @@
 #include "renderer/photons/hash_grid.glsl"
 #include "renderer/photons/photon.glsl"
 
+layout(constant_id = LISTS_ID) const uint LISTS = LISTS_COUNTS;
 layout(constant_id = PLANE_PROXIES_ID) const uint PLANE_PROXIES = NO_PLANE;
 layout(constant_id = PLANE_PROXY_VOXELS_ID) const uint PLANE_PROXY_VOXELS = NO_PLANE;
 layout(constant_id = PLANE_VISIBILITY_COUNT_ID) const uint PLANE_VISIBILITY_COUNT = NO_PLANE;
@@ -52,6 +53,17 @@ vec3 proxy_at(vec3 position, uint slot) {
     return radiosity;
 }
 
+bool is_met(uint list, uint slot) {
+    const uint first = list * constants.words;
+    return LISTS == LISTS_COUNTS ? (lists[first + slot] & 0xffffu) != 0u
+                                 : (lists[first + slot / 32u] >> slot % 32u & 1u) != 0u;
+}
+bool is_seen(uint list, uint slot) {
+    const uint first = list * constants.list_words;
+    return LISTS == LISTS_COUNTS ? unpackHalf2x16(filtered[first + slot / 2u])[slot % 2u] > 0.0
+                                 : (filtered[first + slot / 32u] >> slot % 32u & 1u) != 0u;
+}
+
 void show_structures(uint pixel, uint x, uint y, GBufferPoint point) {
     const uint slot = grid_slot_of(constants.grid, point.position);
     if (layer_kept(PLANE_PROXIES)) store_rgb(PLANE_PROXIES, pixel, proxy_at(point.position, slot));
@@ -62,12 +74,14 @@ void show_structures(uint pixel, uint x, uint y, GBufferPoint point) {
     if (!layer_kept(PLANE_VISIBILITY_COUNT) && !layer_kept(PLANE_LISTS_BEFORE_FILTER)) return;
     const uint column = min(x / constants.march_side, constants.march_columns - 1u);
     const uint row = min(y / constants.march_side, constants.march_rows - 1u);
-    const uint first = (row * constants.march_columns + column) * constants.words;
+    const uint list = row * constants.march_columns + column;
     uint seen = 0, before = 0;
-    for (uint word = 0; word < constants.words; ++word) {
-        seen += uint(bitCount(filtered[first + word]));
-        before += uint(bitCount(lists[first + word] & lit_words[word]));
+    for (uint slot = 0; slot < constants.grid.slots; ++slot) {
+        if ((lit_words[slot / 32u] >> slot % 32u & 1u) == 0u) continue;
+        if (is_met(list, slot)) ++before;
+        if (LISTS != LISTS_INDICES && is_seen(list, slot)) ++seen;
     }
+    if (LISTS == LISTS_INDICES) seen = filtered[list * constants.list_words];
     if (layer_kept(PLANE_VISIBILITY_COUNT)) store_value(PLANE_VISIBILITY_COUNT, pixel, float(seen));
     if (layer_kept(PLANE_LISTS_BEFORE_FILTER)) store_value(PLANE_LISTS_BEFORE_FILTER, pixel, float(before));
 }

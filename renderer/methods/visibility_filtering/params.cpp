@@ -12,6 +12,8 @@ namespace photond {
 namespace {
 
 constexpr uint32_t kMostVoxels = 128;
+constexpr uint32_t kMostVoxelsOfIndices = 40;
+static_assert(kMostVoxelsOfIndices * kMostVoxelsOfIndices * kMostVoxelsOfIndices <= 32 * FILTER_MOST_WORDS);
 
 }  // namespace
 
@@ -32,7 +34,19 @@ void VisibilityFilteringParams::visit(ParamVisitor& visitor) {
                          "who says which voxels a point sees: sparse rays, which the proxies' discs stop (discs) or a "
                          "finer voxel octree of the triangles (svo), with the visibility filter; or a shadow ray to "
                          "every voxel that has light (rays), without it"});
+    static constexpr std::string_view kLists[] = {"counts", "bits", "indices"};
+    visitor.enumeration(
+        "lists", lists,
+        {Visibility, kLists,
+         "what is kept of sparse rays: how many have met each voxel, which then counts by as much of it as "
+         "they say is seen (counts); or whether any has, as the paper has it, which counts it wholly, as a "
+         "set of bits (bits) or as a list of numbers (indices)"});
     visitor.field("rays", rays, {Visibility, "rays", 1, 1024, "sparse rays of each point that has a list"});
+    visitor.field(
+        "most_seen", most_seen,
+        {Visibility, "", 1, 1e4,
+         "by how much of a voxel it may count, where lists are counts: few rays make an uncertain share, and what "
+         "is cut off here is lost"});
     visitor.flag("world_rays", world_rays,
                  {Visibility,
                   "sparse rays go the same ways wherever a place is seen from, so that they do not flicker where the "
@@ -62,6 +76,11 @@ void VisibilityFilteringParams::visit(ParamVisitor& visitor) {
         {NoiseAndBias, kNormalisations,
          "what the four lists about a pixel are divided by: their weights (weights), or their number, as "
          "the paper has it (paper), which darkens"});
+    static constexpr std::string_view kSpeculars[] = {"ggx", "paper"};
+    visitor.enumeration("specular", specular,
+                        {NoiseAndBias, kSpeculars,
+                         "how narrow lobes look at voxels: by the BSDF (ggx), or by the paper's Gaussian about the "
+                         "mirrored direction (paper)"});
     visitor.field("near_voxels", near_voxels,
                   {NoiseAndBias, "", 0, 1e6,
                    "distance, in voxels, up to which a voxel's proxies count one by one; farther off by spherical "
@@ -89,12 +108,16 @@ void VisibilityFilteringParams::check() const {
         throw Error(ErrorCode::OutOfRange, "/march_subsampling",
                     "must be at least subsampling, " + std::to_string(subsampling) +
                         ": lists are those of pixels that are lit");
+    if (!asks_rays() && lists == ListKind::Indices && voxels > kMostVoxelsOfIndices)
+        throw Error(ErrorCode::OutOfRange, "/voxels",
+                    "must be at most " + std::to_string(kMostVoxelsOfIndices) + " where lists are indices");
     if (filter_side % 2 == 0) throw Error(ErrorCode::OutOfRange, "/filter_side", "must be odd");
 }
 
 uint32_t VisibilityFilteringParams::voxels_of_pass(uint32_t pass) const {
+    const uint32_t most = !asks_rays() && lists == ListKind::Indices ? kMostVoxelsOfIndices : kMostVoxels;
     const double wanted = std::ceil(static_cast<double>(voxels) / double{share_of_pass(pass)} - 1e-6);
-    return static_cast<uint32_t>(std::min(wanted, double{kMostVoxels}));
+    return static_cast<uint32_t>(std::min(wanted, static_cast<double>(most)));
 }
 
 }  // namespace photond

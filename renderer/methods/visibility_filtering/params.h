@@ -18,26 +18,42 @@ enum class ProxyVisibility : uint8_t {
     Rays,   // a shadow ray to every voxel that has light
 };
 
+/// What a list tells of its voxels.
+enum class ListKind : uint8_t {
+    Counts,   // how many rays have met each: it counts by as much of it as they say is seen
+    Bits,     // whether any has: it counts wholly
+    Indices,  // the same, as numbers of voxels, and each list lights by itself
+};
+
 /// What a voxel's contribution is divided by where four lists are mixed.
 enum class ListNormalisation : uint8_t {
     Weights,  // the sum of the lists' weights
     Paper,    // the number of the lists
 };
 
+/// How narrow lobes look at voxels.
+enum class ProxySpecular : uint8_t {
+    Ggx,    // by the BSDF
+    Paper,  // by a Gaussian about the mirrored direction, whatever the number of proxies in it
+};
+
 struct VisibilityFilteringParams final : MethodParams {
     uint32_t proxies = 24'000;
-    uint32_t voxels = 6;
+    uint32_t voxels = 12;
     uint32_t bounces = 1;
     ProxyVisibility visibility = ProxyVisibility::Discs;
+    ListKind lists = ListKind::Counts;
     uint32_t rays = 64;
     bool world_rays = false;
-    float disc_scale = 1.5f;
+    float most_seen = 4;
+    float disc_scale = 2;
     uint32_t voxel_resolution = 128;
-    uint32_t march_subsampling = 8;
+    uint32_t march_subsampling = 4;
     uint32_t filter_side = 7;
     float filter_normal = 0.9f;
     float filter_distance = 0.02f;
     ListNormalisation normalisation = ListNormalisation::Weights;
+    ProxySpecular specular = ProxySpecular::Ggx;
     float near_voxels = 1.5f;
     bool shrink = false;
     float alpha = static_cast<float>(kRadiusAlpha);

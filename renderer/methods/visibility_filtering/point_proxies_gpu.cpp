@@ -45,7 +45,7 @@ PointProxiesGpu::PointProxiesGpu(const gpu::DeviceScene& scene, gpu::Buffer& cou
               scene.specialization({})),
       places_(device_, proxy_shader("proxy_places.comp"), sizeof(gpu::ProxyPush), &scene.set(),
               scene.specialization({})),
-      voxel_sums_(device_, proxy_shader("proxy_voxels.comp"), sizeof(gpu::HashGridConstants)) {}
+      voxel_sums_(device_, proxy_shader("proxy_voxels.comp"), sizeof(gpu::ProxyVoxelsPush)) {}
 
 uint64_t PointProxiesGpu::device_bytes(uint32_t proxies, uint32_t voxels_along, uint64_t triangles) {
     const uint64_t capacity = room_for_proxies(proxies, triangles);
@@ -117,7 +117,7 @@ void PointProxiesGpu::record(gpu::CommandList& commands, uint32_t pass, uint32_t
     commands.bind(voxel_sums_, {gpu::read("grid_starts", sorted_->starts), gpu::read("grid_places", sorted_->places),
                                 gpu::read("powers", sorted_->powers), gpu::write("voxels", voxels_),
                                 gpu::read_write("lit_words", lit_words_), gpu::write("running_sums", running_sums_)});
-    commands.push(grid_);
+    commands.push(gpu::ProxyVoxelsPush{grid_, per_m2_});
     commands.dispatch_threads(uint64_t{grid_.slots} * PROXY_GROUP, PROXY_GROUP);
     commands.copy(state_, 0, host_state_, 0, PROXY_STATE_WORDS * sizeof(uint32_t));
     commands.host_reads(host_state_);

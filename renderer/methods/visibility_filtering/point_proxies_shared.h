@@ -11,24 +11,33 @@
 #define PROXY_NAN_WORD 2        // of them without light, as it was no number
 #define PROXY_STATE_WORDS 3
 
-#ifdef __cplusplus
-#include "renderer/core/geometry.h"
+#include "renderer/photons/hash_grid_shared.h"
 
+#ifdef __cplusplus
 namespace photond::gpu {
 using uint = uint32_t;
 #endif
 
+/// Of proxy_voxels.comp.
+struct ProxyVoxelsPush {
+    HashGridConstants grid;
+    float per_m2;  // proxies
+};
+
 /// A voxel's proxies and the light they send on, all together.
 struct ProxyVoxel {
-    vec3 middle;  // the centroid of its flux [m]
+    vec3 middle;  // the centroid of its flux, or of its proxies where there is none [m]
     uint first;   // of the proxies, half open
     vec3 flux_w;
     uint end;
     vec3 flux_normal_w[3];  // by channel: sum of flux times normal
+    float lit_m2;           // of the surface that its proxies with light stand for
+    vec3 lit_normal_m2;     // sum of that times normal
+    float dark_m2;          // of those without
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(ProxyVoxel) == 68, "must match the scalar layout of GLSL");
+static_assert(sizeof(ProxyVoxel) == 88, "must match the scalar layout of GLSL");
 }  // namespace photond::gpu
 #endif
 

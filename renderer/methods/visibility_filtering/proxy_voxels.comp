@@ -7,11 +7,10 @@
 #include "renderer/backends/gpu/invocation.glsl"
 #include "renderer/core/geometry.glsl"
 #include "renderer/methods/visibility_filtering/point_proxies_shared.h"
-#include "renderer/photons/hash_grid_shared.h"
 #include "renderer/photons/photon.glsl"
 
 layout(local_size_x = PROXY_GROUP) in;
-layout(push_constant, scalar) uniform Push { HashGridConstants grid; };
+layout(push_constant, scalar) uniform Push { ProxyVoxelsPush push; };
 layout(set = 0, binding = 0, scalar) readonly buffer GridStarts { uint grid_starts[]; };
 layout(set = 0, binding = 1, std430) readonly buffer GridPlaces { uvec4 grid_places[]; };
 layout(set = 0, binding = 2, std430) readonly buffer Powers { uvec4 powers[]; };
@@ -53,10 +52,11 @@ float running_sum_of_group(float mine) {
 
 void main() {
     const uint voxel = flat_index() / PROXY_GROUP, thread = gl_LocalInvocationIndex;
-    if (voxel >= grid.slots) return;
-    const uint first = grid_starts[grid.first_start + voxel], end = grid_starts[grid.first_start + voxel + 1];
+    if (voxel >= push.grid.slots) return;
+    const uint first = grid_starts[push.grid.first_start + voxel], end = grid_starts[push.grid.first_start + voxel + 1];
     vec3 flux = vec3(0.0), normals[3] = vec3[](vec3(0.0), vec3(0.0), vec3(0.0));
-    vec4 middle = vec4(0.0);
+    vec4 middle = vec4(0.0), place = vec4(0.0), lit = vec4(0.0);  // lit: number, and sum of normals
+    float dark = 0.0;
     float before = 0.0;
     for (uint chunk = first; chunk < end; chunk += PROXY_GROUP) {
         const uint proxy = chunk + thread;
@@ -67,7 +67,13 @@ void main() {
             mine = mean(power);
             flux += power;
             for (int channel = 0; channel < 3; ++channel) normals[channel] += power[channel] * normal;
-            middle += mine * vec4(uintBitsToFloat(grid_places[proxy].xyz), 1.0);
+            const vec4 here = vec4(uintBitsToFloat(grid_places[proxy].xyz), 1.0);
+            middle += mine * here;
+            place += here;
+            if (mine > 0.0)
+                lit += vec4(1.0, normal);
+            else if (grid_places[proxy].w != NO_PROXY)
+                dark += 1.0;
         }
         const float sum = before + running_sum_of_group(mine);
         if (proxy < end) running_sums[proxy] = sum;
@@ -80,8 +86,12 @@ void main() {
     flux = sum_of_group(vec4(flux, 0.0)).xyz;
     for (int channel = 0; channel < 3; ++channel) normals[channel] = sum_of_group(vec4(normals[channel], 0.0)).xyz;
     middle = sum_of_group(middle);
+    place = sum_of_group(place);
+    lit = sum_of_group(lit) / push.per_m2;
+    dark = sum_of_group(vec4(dark)).x / push.per_m2;
     if (thread != 0) return;
     const bool is_lit = middle.w > 0.0;
-    voxels[voxel] = ProxyVoxel(is_lit ? middle.xyz / middle.w : vec3(0.0), first, flux, end, normals);
+    voxels[voxel] = ProxyVoxel(is_lit ? middle.xyz / middle.w : place.xyz / max(place.w, 1.0), first, flux, end, normals,
+                               lit.x, lit.yzw, dark);
     if (is_lit) atomicOr(lit_words[voxel / 32], 1u << voxel % 32);
 }

@@ -8,6 +8,8 @@
 #include "renderer/methods/visibility_filtering/visibility_lists_shared.h"
 #include "renderer/gbuffer/gbuffer_point.glsl"
 
+layout(constant_id = LISTS_ID) const uint LISTS = LISTS_COUNTS;
+
 layout(local_size_x = LISTS_GROUP) in;
 layout(push_constant, scalar) uniform Push { ListsPush push; };
 layout(set = 0, binding = 0, scalar) readonly buffer Constants { VisibilityConstants constants; };
@@ -20,6 +22,31 @@ layout(set = 0, binding = 4, scalar) writeonly buffer Filtered { uint filtered[]
 
 shared uint agreeing[LISTS_GROUP];  // lists
 shared uint agreeing_count;
+shared uint all_met;          // rays of all agreeing lists, by whatever voxel
+shared uint bits[FILTER_MOST_WORDS];  // LISTS_INDICES
+
+/// How many there are, then each voxel's number.
+void write_indices(uint to) {
+    uint count = 0;
+    for (uint word = 0; word < constants.words; ++word)
+        for (uint left = bits[word]; left != 0u; left &= left - 1u) filtered[to + 1u + count++] = 32u * word + uint(findLSB(left));
+    filtered[to] = count;
+}
+
+/// How much of a voxel is seen: the rays of all agreeing lists that met it, over those that would if nothing stood between.
+float seen_share(uint slot) {
+    if (slot >= constants.words) return 0.0;
+    uint met = 0;
+    float expected = 0.0;
+    for (uint i = 0; i < agreeing_count; ++i) {
+        const uint one = lists[agreeing[i] * constants.words + slot];
+        met += one & 0xffffu;
+        expected += unpackHalf2x16(one).y;
+    }
+    if (met == 0u) return 0.0;
+    atomicAdd(all_met, met);
+    return expected > 0.0 ? min(float(met) / expected, constants.most_seen) : 1.0;
+}
 
 bool on_the_same_surface(GBufferPoint a, GBufferPoint b) {
     if (!is_lit(b) || dot(a.geometric_normal, b.geometric_normal) < constants.filter_normal) return false;
@@ -32,7 +59,7 @@ void main() {
     if (list >= push.end) return;
     const GBufferPoint point = points[marching_point(list)];
     if (!is_lit(point)) return;
-    if (thread == 0) agreeing_count = 0;
+    if (thread == 0) agreeing_count = 0, all_met = 0;
     barrier();
     const uint side = constants.filter_side;
     const ivec2 size = ivec2(constants.march_columns, constants.march_rows);
@@ -46,9 +73,24 @@ void main() {
         }
     }
     barrier();
+    const uint to = list * constants.list_words;
+    if (LISTS == LISTS_COUNTS) {
+        const uint shares = constants.list_words - 1u;
+        for (uint word = thread; word < shares; word += LISTS_GROUP)
+            filtered[to + word] = packHalf2x16(vec2(seen_share(2u * word), seen_share(2u * word + 1u)));
+        barrier();
+        if (thread == 0) filtered[to + shares] = floatBitsToUint(float(all_met) / float(constants.rays * agreeing_count));
+        return;
+    }
     for (uint word = thread; word < constants.words; word += LISTS_GROUP) {
         uint seen = 0;
         for (uint i = 0; i < agreeing_count; ++i) seen |= lists[agreeing[i] * constants.words + word];
-        filtered[list * constants.words + word] = seen & lit_words[word];
+        if (LISTS == LISTS_INDICES)
+            bits[word] = seen & lit_words[word];
+        else
+            filtered[to + word] = seen & lit_words[word];
     }
+    if (LISTS != LISTS_INDICES) return;
+    barrier();
+    if (thread == 0) write_indices(to);
 }

@@ -14,7 +14,8 @@ namespace {
 
 static_assert(uint32_t(ProxyVisibility::Discs) == PROXY_VISIBILITY_DISCS &&
               uint32_t(ProxyVisibility::Svo) == PROXY_VISIBILITY_SVO &&
-              uint32_t(ProxyVisibility::Rays) == PROXY_VISIBILITY_RAYS);
+              uint32_t(ProxyVisibility::Rays) == PROXY_VISIBILITY_RAYS && uint32_t(ListKind::Counts) == LISTS_COUNTS &&
+              uint32_t(ListKind::Bits) == LISTS_BITS && uint32_t(ListKind::Indices) == LISTS_INDICES);
 
 GBufferWalk walk_of(const VisibilityFilteringParams& params) {
     return {.split_side = params.subsampling,
@@ -33,6 +34,7 @@ const char* why_dark(const VisibilityFilteringParams& params, bool lights, bool 
 std::vector<gpu::Specialization> merge_constants(const DeviceImage& image, const VisibilityFilteringParams& params) {
     std::vector<gpu::Specialization> constants = image.specialization();
     constants.push_back(gpu::specialize(UPSAMPLING_ID, static_cast<uint32_t>(params.upsampling)));
+    constants.push_back(gpu::specialize(LISTS_ID, static_cast<uint32_t>(params.lists)));
     constants.push_back(image.plane(PLANE_PROXIES_ID, Layer::Proxies));
     constants.push_back(image.plane(PLANE_PROXY_VOXELS_ID, Layer::ProxyVoxels));
     constants.push_back(image.plane(PLANE_UPSAMPLING_WEIGHT_ID, Layer::UpsamplingWeight));
@@ -95,6 +97,8 @@ VisibilityFilteringGpu::State::Lit::Lit(const gpu::DeviceScene& scene, State& st
              scene.specialization(std::vector{
                  gpu::specialize(UPSAMPLING_ID, static_cast<uint32_t>(params.upsampling)),
                  gpu::specialize(PROXY_VISIBILITY_ID, static_cast<uint32_t>(params.visibility)),
+                 gpu::specialize(LISTS_ID, static_cast<uint32_t>(params.lists)),
+                 gpu::specialize(PAPER_SPECULAR_ID, params.specular == ProxySpecular::Paper),
                  gpu::specialize(PAPER_NORMALISATION_ID, params.normalisation == ListNormalisation::Paper)})),
       merge(scene.device(), visibility_shader("merge.comp"), 0, &scene.set(),
             scene.specialization(merge_constants(state.frame.image(), params))) {
@@ -109,11 +113,12 @@ VisibilityFilteringGpu::State::Lit::Lit(const gpu::DeviceScene& scene, State& st
 
 void VisibilityFilteringGpu::State::Lit::make_room(const VisibilityFilteringParams& params, uint32_t pass) {
     proxies.cut_voxels(params.voxels_of_pass(pass));
-    if (lists) lists->make_room(proxies.words());
+    if (lists) lists->make_room(proxies.grid().slots);
 }
 
 gpu::VisibilityConstants VisibilityFilteringGpu::State::constants_of(uint32_t pass) const {
     const Size2 size = points.layout().size, marching = VisibilityListsGpu::lists_of(size, params.march_subsampling);
+    const uint32_t voxels = lit->proxies.grid().slots;
     const float share = params.share_of_pass(pass), per_m2 = lit->proxies.per_m2();
     const float disc_m = std::sqrt(std::numbers::inv_pi_v<float> / per_m2);  // of a proxy's share of the surface
     return {.grid = lit->proxies.grid(),
@@ -121,13 +126,15 @@ gpu::VisibilityConstants VisibilityFilteringGpu::State::constants_of(uint32_t pa
             .march_side = params.march_subsampling,
             .march_columns = marching.width,
             .march_rows = marching.height,
-            .words = lit->proxies.words(),
+            .words = lit->lists ? VisibilityListsGpu::words_before(params.lists, voxels) : lit->proxies.words(),
+            .list_words = lit->lists ? VisibilityListsGpu::words_after(params.lists, voxels) : 0,
             .rays = params.rays,
             .filter_side = params.filter_side,
             .filter_normal = params.filter_normal,
             .filter_distance = params.filter_distance,
             .disc_radius_m = params.disc_scale * disc_m,
             .near_m = params.near_voxels * lit->proxies.cell_m(),
+            .most_seen = params.most_seen,
             .softening_sq_m2 = sqr(share * disc_m),
             .proxies_per_m2 = per_m2,
             .glossy_threshold = params.glossy_threshold,

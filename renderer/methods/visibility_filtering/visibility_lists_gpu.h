@@ -20,8 +20,11 @@ public:
     /// How many lists there are along either axis.
     static Size2 lists_of(Size2 size, uint32_t march_subsampling);
 
-    /// Lists of so many words; those of before are gone where there is more to be kept than ever.
-    void make_room(uint32_t words);
+    /// Lists of so many voxels; those of before are gone where there is more to be kept than ever.
+    void make_room(uint32_t voxels);
+    /// Words of a list of so many voxels, before the filter and after it.
+    static uint32_t words_before(ListKind kind, uint32_t voxels);
+    static uint32_t words_after(ListKind kind, uint32_t voxels);
 
     /// A pass's lists come in that many pieces, 0 ..., after its proxies; scopes `march` and `visibility_filter`.
     uint32_t pieces() const;
@@ -34,6 +37,7 @@ public:
 private:
     uint32_t count() const { return static_cast<uint32_t>(size_.pixels()); }
     uint32_t lists_a_piece() const;
+    void record_expected(gpu::CommandList& commands, uint32_t first, uint32_t end);
 
     gpu::Device& device_;
     GBufferGpu& points_;
@@ -42,8 +46,11 @@ private:
     gpu::Buffer &constants_, &counters_;
     const Size2 size_;
     const uint32_t rays_;
+    const ListKind kind_;
     gpu::Buffer before_filter_, lists_;
-    gpu::ComputePipeline march_, filter_;
+    gpu::ComputePipeline march_;
+    const std::unique_ptr<gpu::ComputePipeline> expected_;  // null: rays are not counted
+    gpu::ComputePipeline filter_;
 };
 
 }  // namespace photond

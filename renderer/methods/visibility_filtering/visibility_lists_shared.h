@@ -13,14 +13,19 @@
 #define PROXY_VISIBILITY_SVO 1u
 #define PROXY_VISIBILITY_RAYS 2u
 #define WORLD_RAYS_ID 92
+#define LISTS_ID 94
+#define LISTS_COUNTS 0u  // ListKind
+#define LISTS_BITS 1u
+#define LISTS_INDICES 2u
 #define PAPER_NORMALISATION_ID 93
-#define PAPER_SPECULAR_ID 94
+#define PAPER_SPECULAR_ID 99
 #define PLANE_PROXIES_ID 95
 #define PLANE_PROXY_VOXELS_ID 96
 #define PLANE_VISIBILITY_COUNT_ID 97
 #define PLANE_LISTS_BEFORE_FILTER_ID 98
 
-#define FILTER_MOST_SIDE 7  // lists: a thread of a group looks at one of the square
+#define FILTER_MOST_WORDS 2048  // of LISTS_INDICES, before the filter
+#define FILTER_MOST_SIDE 7      // lists: a thread of a group looks at one of the square
 
 #ifdef __cplusplus
 namespace photond::gpu {
@@ -33,13 +38,15 @@ struct VisibilityConstants {
     uint march_side;     // pixels along the blocks of which one has a list
     uint march_columns;  // lists
     uint march_rows;
-    uint words;  // of a list: a bit a voxel
-    uint rays;   // of a list
+    uint words;       // of a list before the filter, and of all lit voxels
+    uint list_words;  // of a list after it
+    uint rays;        // of a list
     uint filter_side;
     float filter_normal;    // least cosine between the normals of points that share what they see
     float filter_distance;  // greatest distance from each other's planes, over the depth
     float disc_radius_m;
     float near_m;           // up to there a voxel's proxies count one by one
+    float most_seen;        // of a voxel: 1, or more where few rays meet it
     float softening_sq_m2;  // of their falloff
     float proxies_per_m2;
     float glossy_threshold;
