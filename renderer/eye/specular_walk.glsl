@@ -9,11 +9,8 @@
 #define PHOTOND_SPECULAR_WALK_GLSL
 
 #include "renderer/eye/eye_vertex.glsl"
+#include "renderer/transport/light_seen.glsl"
 
-// LightSeen.
-#define LIGHT_SEEN_WHOLE 0u
-#define LIGHT_SEEN_NOTHING 1u
-#define LIGHT_SEEN_UNKNOWN 2u
 #ifndef WALK_LIGHT_SEEN
 #define WALK_LIGHT_SEEN(position, normal, source, key) LIGHT_SEEN_UNKNOWN
 #endif

@@ -6,14 +6,7 @@
 #define LIGHT_DEPTH_CONSTANTS_BINDING 6
 #define LIGHT_DEPTH_MAPS_BINDING 7
 #define LIGHT_DEPTHS_BINDING 8
-#include "renderer/gbuffer/light_depth_maps.glsl"
+#include "renderer/gbuffer/light_depth_seen.glsl"
 
-uint light_seen_in_map(vec3 position, vec3 normal, uint source, uint pass_key);
 #define WALK_LIGHT_SEEN(position, normal, source, key) light_seen_in_map(position, normal, source, pixel_key(pass_sampler.pass))
 #include "renderer/gbuffer/gbuffer_walk.glsl"
-
-uint light_seen_in_map(vec3 position, vec3 normal, uint source, uint pass_key) {
-    if (!light_depth_known(source)) return LIGHT_SEEN_UNKNOWN;
-    const vec2 u = light_depth_tap_number(position, source, pass_key);
-    return light_depth_lit(source, position, normal, u) ? LIGHT_SEEN_WHOLE : LIGHT_SEEN_NOTHING;
-}

@@ -62,6 +62,8 @@ public:
     uint64_t bytes() const;
     /// Of the maps of a scene; the same on the device.
     static uint64_t bytes_for(const Scene& scene, uint32_t resolution);
+    /// The same where nothing is known of them but that there are some: a spot has one map, a point six.
+    static uint64_t guess_bytes(uint32_t resolution) { return 2ull * resolution * resolution * sizeof(float); }
 
     const LightDepthLayout& layout() const { return layout_; }
     std::span<const float> depths_m() const { return depths_m_; }

@@ -4,6 +4,7 @@
 #include "renderer/backends/gpu/device_scene.h"
 #include "renderer/frame/device_frame.h"
 #include "renderer/gbuffer/gbuffer_merge_gpu.h"
+#include "renderer/gbuffer/light_depth_maps.h"
 #include "renderer/many_lights/camera_importance_gpu.h"
 #include "renderer/many_lights/clamp_repayment_gpu.h"
 #include "renderer/many_lights/vpl_choice_gpu.h"
@@ -251,6 +252,7 @@ uint64_t SvoManyLightsGpu::estimate_device_bytes(const SvoManyLightsParams& para
     uint64_t bytes = DeviceFrame::estimate_device_bytes(workload) +
                      GBufferGpu::device_bytes(workload.film_size, params.split_side(), workload.needs) +
                      GBufferMergeGpu::device_bytes(workload.film_size, params.split_side(), filter_of(params));
+    if (has_light_maps(params, workload.needs)) bytes += LightDepthMaps::guess_bytes(params.direct_resolution);
     if ((workload.lights == 0 && workload.environment_size.pixels() == 0) || params.bounces == 0) return bytes;
     if (!params.clamp_m2) bytes += gpu::DeviceIntersector::batch_bytes();  // the lit area is asked of it
     bytes += VplTracerGpu::device_bytes(tracing_of(params), by_camera(params), lambert, workload.lights) +

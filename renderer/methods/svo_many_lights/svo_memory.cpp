@@ -3,6 +3,7 @@
 #include "renderer/eye/specular_walk.h"
 #include "renderer/film/film.h"
 #include "renderer/gbuffer/gbuffer.h"
+#include "renderer/gbuffer/light_depth_maps.h"
 #include "renderer/many_lights/vpl_lighting.h"
 #include "renderer/many_lights/vpl_shadow_maps.h"
 #include "renderer/methods/svo_many_lights/svo_settings.h"
@@ -44,10 +45,7 @@ uint64_t SvoManyLights::estimate_bytes(const SvoManyLightsParams& params, const 
                      LightSampler::estimate_bytes(workload.lights, workload.environment_size) +
                      GBuffer::estimate_bytes(workload.film_size, workload.needs) +
                      values_of_point(params, workload.needs) * workload.film_size.pixels() * sizeof(Rgb);
-    if (has_light_maps(params, workload.needs)) {
-        constexpr uint64_t kMaps = 2;  // a spot has one, a point six
-        bytes += kMaps * params.direct_resolution * params.direct_resolution * sizeof(float);
-    }
+    if (has_light_maps(params, workload.needs)) bytes += LightDepthMaps::guess_bytes(params.direct_resolution);
     if (!lights || params.bounces == 0) return bytes;
     bytes += EmissionSampler::estimate_bytes(workload.lights, workload.environment_size) +
              VplTracer::scratch_bytes(tracing_of(params), workload.threads, workload.lights) +

@@ -11,7 +11,6 @@
 #include "renderer/many_lights/vpl.glsl"
 #include "renderer/methods/visibility_filtering/proxy_voxel.glsl"
 #include "renderer/methods/visibility_filtering/visibility_lists_shared.h"
-#include "renderer/photons/photon.glsl"
 
 layout(constant_id = PROXY_VISIBILITY_ID) const uint PROXY_VISIBILITY = PROXY_VISIBILITY_DISCS;
 layout(constant_id = LISTS_ID) const uint LISTS = LISTS_COUNTS;
@@ -101,17 +100,18 @@ Lobes lobes_of(Receiver receiver) {
 /// throughput; and the shares of rays, drawn by the lobes, that would meet them then.
 struct Brought {
     vec3 light;
-    float taken;
+    vec2 taken;  // by what has light, and by what has none
     vec3 gloss;
-    float gloss_taken;
+    vec2 gloss_taken;
 };
-const Brought NOTHING_BROUGHT = Brought(vec3(0.0), 0.0, vec3(0.0), 0.0);
+const Brought NOTHING_BROUGHT = Brought(vec3(0.0), vec2(0.0), vec3(0.0), vec2(0.0));
 
-void add_brought(inout Brought sum, float share, Brought one) {
-    sum.light += share * one.light;
-    sum.taken += share * one.taken;
-    sum.gloss += share * one.gloss;
-    sum.gloss_taken += share * one.gloss_taken;
+/// `shares`: how much counts of what has light, and of what has none.
+void add_brought(inout Brought sum, vec2 shares, Brought one) {
+    sum.light += shares.x * one.light;
+    sum.taken += shares * one.taken;
+    sum.gloss += shares.x * one.gloss;
+    sum.gloss_taken += shares * one.gloss_taken;
 }
 
 /// The paper's weight of a direction off the mirrored one by that cosine, in place of GGX [Chen 2014, equation 7]: eta is
@@ -126,14 +126,15 @@ BsdfValue glossy_value(Lobes lobes, vec3 wi) {
     return BsdfValue(weight * bsdf_albedo(lobes.glossy), weight);
 }
 
-/// From surfaces that have `area_m2` and send `power_w`, both times the cosine there, in the direction `to_light`.
-Brought bring(GBufferPoint point, Lobes lobes, vec3 to_light, float falloff, float area_m2, vec3 power_w) {
+/// From surfaces in the direction `to_light` that have areas with light and without, and send `power_w`, all times the
+/// cosine there.
+Brought bring(GBufferPoint point, Lobes lobes, vec3 to_light, float falloff, vec2 areas_m2, vec3 power_w) {
     Brought one = NOTHING_BROUGHT;
     const vec3 radiance = INV_PI * falloff * power_w;  // times the solid angle
-    const float solid_angle = falloff * area_m2;
+    const vec2 solid_angles = falloff * areas_m2;
     const bool both_sides = !ONLY_LAMBERT && point.normal == vec3(0.0);
     const float cosine = both_sides ? 1.0 : max(dot(point.normal, to_light), 0.0);
-    one.taken = INV_PI * solid_angle * cosine;
+    one.taken = INV_PI * cosine * solid_angles;
     if (!is_general(point)) {
         one.light = cosine * radiance;
         return one;
@@ -143,7 +144,7 @@ Brought bring(GBufferPoint point, Lobes lobes, vec3 to_light, float falloff, flo
     if (!lobes.shines) return one;
     const BsdfValue value = glossy_value(lobes, wi);
     one.gloss = radiance * value.f_cos;
-    one.gloss_taken = solid_angle * value.pdf_sa;
+    one.gloss_taken = value.pdf_sa * solid_angles;
     return one;
 }
 bool may_come_from(GBufferPoint point, vec3 to_light) {
@@ -155,12 +156,13 @@ Brought proxy_light(uint proxy, GBufferPoint point, Lobes lobes) {
     const vec3 offset = uintBitsToFloat(grid_places[proxy].xyz) - point.position;
     const float distance_sq = dot(offset, offset);
     const vec3 to_light = offset * (1.0 / sqrt(max(distance_sq, 1e-37)));
-    const float cos_o = -dot(octahedral_decode(16u, grid_places[proxy].w), to_light);
-    const vec3 power = uintBitsToFloat(map_powers[proxy].xyz);
-    if (!(cos_o > 0.0 || is_black(power)) || grid_places[proxy].w == NO_PROXY || !may_come_from(point, to_light))
+    const float cos_o = -dot(proxy_normal(grid_places[proxy].w), to_light);
+    const bool is_lit_one = proxy_is_lit(grid_places[proxy].w);
+    if (!(cos_o > 0.0 || !is_lit_one) || grid_places[proxy].w == NO_PROXY || !may_come_from(point, to_light))
         return NOTHING_BROUGHT;
     return bring(point, lobes, to_light, abs(cos_o) / (distance_sq + constants.softening_sq_m2),
-                 1.0 / constants.proxies_per_m2, power);
+                 (is_lit_one ? vec2(1.0, 0.0) : vec2(0.0, 1.0)) / constants.proxies_per_m2,
+                 uintBitsToFloat(map_powers[proxy].xyz));
 }
 
 /// By spherical harmonics of order 1, from the voxel's middle.
@@ -176,7 +178,7 @@ bool proxy_is_seen(uint proxy, GBufferPoint point) {
     const vec3 position = uintBitsToFloat(grid_places[proxy].xyz), to_light = position - point.position;
     const vec3 side = dot(point.geometric_normal, to_light) > 0.0 ? point.geometric_normal : -point.geometric_normal;
     const vec3 origin = offset_ray_origin(point.position, side);
-    const vec3 target = offset_ray_origin(position, octahedral_decode(16u, grid_places[proxy].w));
+    const vec3 target = offset_ray_origin(position, proxy_normal(grid_places[proxy].w));
     count(COUNTER_SHADOW_RAYS, 1);
     return !occluded(Ray(origin, target - origin, kConnectionEnd));
 }
@@ -207,7 +209,7 @@ Brought voxel_light(uint index, GBufferPoint point, Lobes lobes) {
         float total = 0.0;
         for (uint proxy = voxel.first; proxy < voxel.end; ++proxy) {
             const Brought one = proxy_light(proxy, point, lobes);
-            add_brought(sum, 1.0, one);
+            add_brought(sum, vec2(1.0), one);
             if (!asks) continue;
             const float share = mean(one.light + one.gloss);
             total += share;
@@ -222,7 +224,8 @@ Brought voxel_light(uint index, GBufferPoint point, Lobes lobes) {
 /// Light of all lists. What narrow lobes see is few proxies: as the paper has it, their number counts for nothing.
 vec3 light_of_sum(Brought sum) {
     if (!PAPER_SPECULAR) return sum.light + sum.gloss;
-    return sum.light + (sum.gloss_taken > 0.0 ? sum.gloss / sum.gloss_taken : vec3(0.0));
+    const float taken = sum.gloss_taken.x + sum.gloss_taken.y;
+    return sum.light + (taken > 0.0 ? sum.gloss / taken : vec3(0.0));
 }
 
 /// Of each voxel as much as rays say is seen of it. What all of them together would take up of the point's rays is known as
@@ -234,20 +237,20 @@ vec3 light_of_counts(NearLists about, GBufferPoint point, Lobes lobes) {
     vec4 met = vec4(0.0);
     for (int i = 0; i < 4; ++i)
         if (about.weights[i] > 0.0) met[i] = uintBitsToFloat(lists[about.words[i] + last]);
-    for (uint word = 0; word < last; ++word) {
-        vec4 low = vec4(0.0), high = vec4(0.0);
+    for (uint voxel = 0; voxel < last; ++voxel) {
+        vec4 where_lit = vec4(0.0), where_dark = vec4(0.0);
         for (int i = 0; i < 4; ++i) {
             if (!(about.weights[i] > 0.0)) continue;
-            const vec2 seen = unpackHalf2x16(lists[about.words[i] + word]);
-            low[i] = seen.x, high[i] = seen.y;
+            const vec2 seen = unpackHalf2x16(lists[about.words[i] + voxel]);
+            where_lit[i] = seen.x, where_dark[i] = seen.y;
         }
-        const float low_share = share_of(about, low), high_share = share_of(about, high);
-        if (low_share > 0.0) add_brought(sum, low_share, voxel_light(2u * word, point, lobes));
-        if (high_share > 0.0) add_brought(sum, high_share, voxel_light(2u * word + 1u, point, lobes));
+        const vec2 shares = vec2(share_of(about, where_lit), share_of(about, where_dark));
+        if (shares != vec2(0.0)) add_brought(sum, shares, voxel_light(voxel, point, lobes));
     }
     const float all_met = share_of(about, met), least_taken = 0.25;  // of narrow lobes that look past everything
-    vec3 light = sum.taken > 0.0 ? sum.light * (all_met / sum.taken) : vec3(0.0);
-    if (lobes.shines) light += sum.gloss * (all_met / max(sum.gloss_taken, least_taken));
+    const float taken = sum.taken.x + sum.taken.y, gloss_taken = sum.gloss_taken.x + sum.gloss_taken.y;
+    vec3 light = taken > 0.0 ? sum.light * (all_met / taken) : vec3(0.0);
+    if (lobes.shines) light += sum.gloss * (all_met / max(gloss_taken, least_taken));
     return light;
 }
 
@@ -259,7 +262,7 @@ vec3 light_of_bits(NearLists about, GBufferPoint point, Lobes lobes) {
             if (about.weights[i] > 0.0) have[i] = lists[about.words[i] + word];
         for (uint bits = have.x | have.y | have.z | have.w; bits != 0u; bits &= bits - 1u) {
             const uint bit = uint(findLSB(bits));
-            add_brought(sum, share_of(about, vec4(have >> bit & 1u)), voxel_light(32u * word + bit, point, lobes));
+            add_brought(sum, vec2(share_of(about, vec4(have >> bit & 1u))), voxel_light(32u * word + bit, point, lobes));
         }
     }
     return light_of_sum(sum);
@@ -275,7 +278,7 @@ vec3 light_of_indices(NearLists about, GBufferPoint point, Lobes lobes) {
         const float share = share_of(about, shares);
         const uint count = lists[about.words[i]];
         for (uint k = 0; k < count; ++k)
-            add_brought(sum, share, voxel_light(lists[about.words[i] + 1u + k], point, lobes));
+            add_brought(sum, vec2(share), voxel_light(lists[about.words[i] + 1u + k], point, lobes));
     }
     return light_of_sum(sum);
 }
@@ -291,7 +294,7 @@ vec3 light_of_all(GBufferPoint point, Lobes lobes) {
     Brought sum = NOTHING_BROUGHT;
     for (uint word = 0; word < constants.words; ++word)
         for (uint bits = lists[word]; bits != 0u; bits &= bits - 1u)
-            add_brought(sum, 1.0, voxel_light(32u * word + uint(findLSB(bits)), point, lobes));
+            add_brought(sum, vec2(1.0), voxel_light(32u * word + uint(findLSB(bits)), point, lobes));
     return light_of_sum(sum);
 }
 

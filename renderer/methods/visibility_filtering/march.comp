@@ -7,17 +7,18 @@
 #define GRID_STARTS_BINDING 5
 #define GRID_PLACES_BINDING 6
 #include "renderer/photons/hash_grid.glsl"
-#include "renderer/photons/photon.glsl"
-#include "renderer/methods/visibility_filtering/point_proxies_shared.h"
 
-bool first_disc(vec3 origin, vec3 normal, vec3 direction, out uint slot);
+bool first_disc(vec3 origin, vec3 normal, vec3 direction, out uint slot, out bool where_lit);
 
 #include "renderer/methods/visibility_filtering/march.glsl"
 
-/// Whether the ray meets a disc of the voxel, farther off than its own surface's are.
-bool meets_disc(uint slot, vec3 origin, vec3 direction) {
+/// Whether the ray meets a disc of the voxel, farther off than its own surface's are. `where_lit` is of the nearest, for
+/// lists that count.
+bool meets_disc(uint slot, vec3 origin, vec3 direction, out bool where_lit) {
+    where_lit = false;
     const uint end = grid_starts[constants.grid.first_start + slot + 1];
     const float radius_m = constants.disc_radius_m;
+    float nearest_m = INFINITY;
     for (uint i = grid_starts[constants.grid.first_start + slot]; i < end; ++i) {
         const uvec4 place = grid_places[i];
         if (place.w == NO_PROXY) continue;
@@ -25,16 +26,19 @@ bool meets_disc(uint slot, vec3 origin, vec3 direction) {
         const float along = dot(offset, direction);
         // The ball about the disc first: most are missed by it.
         if (!(along > radius_m) || !(dot(offset, offset) - sqr(along) < sqr(radius_m))) continue;
-        const vec3 n = octahedral_decode(16u, place.w);
+        const vec3 n = proxy_normal(place.w);
         const float t = dot(n, offset) / dot(n, direction);
         const vec3 from_middle = t * direction - offset;
-        if (t > radius_m && dot(from_middle, from_middle) < sqr(radius_m)) return true;
+        if (!(t > radius_m && t < nearest_m) || !(dot(from_middle, from_middle) < sqr(radius_m))) continue;
+        if (LISTS != LISTS_COUNTS) return true;
+        nearest_m = t;
+        where_lit = proxy_is_lit(place.w) && dot(n, direction) < 0.0;
     }
-    return false;
+    return nearest_m < INFINITY;
 }
 
 /// From voxel to voxel along the ray. [Amanatides and Woo 1987] A Fast Voxel Traversal Algorithm for Ray Tracing.
-bool first_disc(vec3 origin, vec3 normal, vec3 direction, out uint slot) {
+bool first_disc(vec3 origin, vec3 normal, vec3 direction, out uint slot, out bool where_lit) {
     const HashGridConstants grid = constants.grid;
     const vec3 start = (origin - grid.origin) * grid.cells_per_m, step = direction * grid.cells_per_m;
     const ivec3 forward = ivec3(sign(step));
@@ -45,7 +49,7 @@ bool first_disc(vec3 origin, vec3 normal, vec3 direction, out uint slot) {
     vec3 t = mix(vec3(INFINITY), (next_wall - start) / step, moves);
     while (true) {
         slot = uint((cell.z * grid.cells.y + cell.y) * grid.cells.x + cell.x);
-        if (meets_disc(slot, origin, direction)) return true;
+        if (meets_disc(slot, origin, direction, where_lit)) return true;
         const int axis = t.x <= t.y && t.x <= t.z ? 0 : t.y <= t.z ? 1 : 2;
         if (!(t[axis] < INFINITY)) return false;
         cell[axis] += forward[axis];

@@ -1,11 +1,13 @@
 // The body of march.comp and march_svo.comp: sparse rays from the points that have lists, a thread a ray, and the first
 // voxel in which each meets something [Chen 2014, section 3.1]. Before it come #version and the extensions, and
-// FIRST_VOXEL(origin, normal, direction, out slot): false where it meets nothing.
+// FIRST_VOXEL(origin, normal, direction, out slot, out where_lit): false where it meets nothing; `where_lit`: on a side
+// that light reaches, for lists that count.
 
 #include "renderer/backends/gpu/invocation.glsl"
 #include "renderer/frame/device_image_shared.h"
 #include "renderer/gbuffer/receiver.glsl"
 #include "renderer/many_lights/flux_map.glsl"
+#include "renderer/methods/visibility_filtering/proxy_voxel.glsl"
 #include "renderer/methods/visibility_filtering/visibility_lists_shared.h"
 #include "renderer/transport/sampling.glsl"
 
@@ -62,9 +64,10 @@ void main() {
     const vec3 side = dot(direction, point.geometric_normal) < 0.0 ? -point.geometric_normal : point.geometric_normal;
     count(COUNTER_SHADOW_RAYS, 1);
     uint slot;
-    if (!FIRST_VOXEL(point.position, side, direction, slot)) return;
+    bool where_lit;
+    if (!FIRST_VOXEL(point.position, side, direction, slot, where_lit)) return;
     if (LISTS == LISTS_COUNTS)
-        atomicAdd(lists[list * constants.words + slot], 1u);
+        atomicAdd(lists[list * constants.words + 2u * slot], where_lit ? 1u : 1u << 16);
     else
         atomicOr(lists[list * constants.words + slot / 32], 1u << slot % 32);
 }

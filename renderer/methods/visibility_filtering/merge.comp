@@ -7,12 +7,11 @@
 #define IMAGE_BINDING 0
 #include "renderer/backends/gpu/invocation.glsl"
 #include "renderer/frame/device_image.glsl"
-#include "renderer/methods/visibility_filtering/point_proxies_shared.h"
+#include "renderer/methods/visibility_filtering/proxy_voxel.glsl"
 #include "renderer/methods/visibility_filtering/visibility_lists_shared.h"
 #include "renderer/gbuffer/gbuffer_point.glsl"
 #include "renderer/gbuffer/upsampling_shared.h"
 #include "renderer/photons/hash_grid.glsl"
-#include "renderer/photons/photon.glsl"
 
 layout(constant_id = LISTS_ID) const uint LISTS = LISTS_COUNTS;
 layout(constant_id = PLANE_PROXIES_ID) const uint PLANE_PROXIES = NO_PLANE;
@@ -46,7 +45,7 @@ vec3 proxy_at(vec3 position, uint slot) {
     for (uint i = grid_starts[constants.grid.first_start + slot]; i < end; ++i) {
         const vec3 offset = position - uintBitsToFloat(grid_places[i].xyz);
         if (!(dot(offset, offset) < nearest_sq) || grid_places[i].w == NO_PROXY) continue;
-        if (abs(dot(offset, octahedral_decode(16u, grid_places[i].w))) > 0.1 * radius_m) continue;
+        if (abs(dot(offset, proxy_normal(grid_places[i].w))) > 0.1 * radius_m) continue;
         nearest_sq = dot(offset, offset);
         radiosity = constants.proxies_per_m2 * uintBitsToFloat(map_powers[i].xyz);
     }
@@ -55,12 +54,12 @@ vec3 proxy_at(vec3 position, uint slot) {
 
 bool is_met(uint list, uint slot) {
     const uint first = list * constants.words;
-    return LISTS == LISTS_COUNTS ? (lists[first + slot] & 0xffffu) != 0u
+    return LISTS == LISTS_COUNTS ? lists[first + 2u * slot] != 0u
                                  : (lists[first + slot / 32u] >> slot % 32u & 1u) != 0u;
 }
 bool is_seen(uint list, uint slot) {
     const uint first = list * constants.list_words;
-    return LISTS == LISTS_COUNTS ? unpackHalf2x16(filtered[first + slot / 2u])[slot % 2u] > 0.0
+    return LISTS == LISTS_COUNTS ? filtered[first + slot] != 0u
                                  : (filtered[first + slot / 32u] >> slot % 32u & 1u) != 0u;
 }
 

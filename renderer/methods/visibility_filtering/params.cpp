@@ -5,6 +5,7 @@
 #include <string>
 
 #include "protocol/error.h"
+#include "renderer/gbuffer/light_depth_maps.h"
 #include "renderer/methods/visibility_filtering/visibility_lists_shared.h"
 
 namespace photond {
@@ -28,6 +29,14 @@ void VisibilityFilteringParams::visit(ParamVisitor& visitor) {
          "that proxies lie in, along the longest side of the scene's box: what is visible or not is a voxel"});
     visitor.field("bounces", bounces,
                   {Light, "", 0, 1, "greatest number of bounces in the indirect layer; it does no more than one"});
+    static constexpr std::string_view kShadows[] = {"rays", "depth_maps"};
+    visitor.enumeration("proxy_shadows", proxy_shadows,
+                        {Light, kShadows,
+                         "what tells whether points, spots and suns reach a proxy: a ray (rays), or a map of what the "
+                         "light sees, as the paper has it (depth_maps); other lights are asked by rays"});
+    visitor.field("depth_map_resolution", depth_map_resolution,
+                  {LightMaps, "texels", LightDepthMaps::kLeastResolution, LightDepthMaps::kMostResolution,
+                   "along each side of such a map, or of each face of a point's"});
     static constexpr std::string_view kVisibilities[] = {"discs", "svo", "rays"};
     visitor.enumeration("visibility", visibility,
                         {Visibility, kVisibilities,

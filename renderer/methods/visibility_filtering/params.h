@@ -18,6 +18,9 @@ enum class ProxyVisibility : uint8_t {
     Rays,   // a shadow ray to every voxel that has light
 };
 
+/// What tells whether a punctual light reaches a proxy.
+enum class ProxyShadows : uint8_t { Rays, DepthMaps };
+
 /// What a list tells of its voxels.
 enum class ListKind : uint8_t {
     Counts,   // how many rays have met each: it counts by as much of it as they say is seen
@@ -39,8 +42,10 @@ enum class ProxySpecular : uint8_t {
 
 struct VisibilityFilteringParams final : MethodParams {
     uint32_t proxies = 24'000;
-    uint32_t voxels = 12;
+    uint32_t voxels = 8;
     uint32_t bounces = 1;
+    ProxyShadows proxy_shadows = ProxyShadows::Rays;
+    uint32_t depth_map_resolution = 1024;
     ProxyVisibility visibility = ProxyVisibility::Discs;
     ListKind lists = ListKind::Counts;
     uint32_t rays = 64;

@@ -22,10 +22,11 @@ uint32_t room_for_proxies(uint64_t proxies, uint64_t triangles) {
 
 }  // namespace
 
-PointProxiesGpu::PointProxiesGpu(const gpu::DeviceScene& scene, gpu::Buffer& counters, uint64_t seed, uint32_t proxies,
-                                 float glossy_threshold)
+PointProxiesGpu::PointProxiesGpu(const gpu::DeviceScene& scene, LightDepthMapsGpu* depth_maps, gpu::Buffer& counters,
+                                 uint64_t seed, uint32_t proxies, float glossy_threshold)
     : scene_(scene),
       device_(scene.device()),
+      depth_maps_(depth_maps),
       counters_(counters),
       seed_(seed),
       glossy_threshold_(glossy_threshold),
@@ -43,13 +44,13 @@ PointProxiesGpu::PointProxiesGpu(const gpu::DeviceScene& scene, gpu::Buffer& cou
       hash_grid_(device_),
       counts_(device_, proxy_shader("proxy_counts.comp"), sizeof(gpu::ProxyPush), &scene.set(),
               scene.specialization({})),
-      places_(device_, proxy_shader("proxy_places.comp"), sizeof(gpu::ProxyPush), &scene.set(),
-              scene.specialization({})),
+      places_(device_, proxy_shader(depth_maps ? "proxy_places_depth_maps.comp" : "proxy_places.comp"),
+              sizeof(gpu::ProxyPush), &scene.set(), scene.specialization({})),
       voxel_sums_(device_, proxy_shader("proxy_voxels.comp"), sizeof(gpu::ProxyVoxelsPush)) {}
 
 uint64_t PointProxiesGpu::device_bytes(uint32_t proxies, uint32_t voxels_along, uint64_t triangles) {
     const uint64_t capacity = room_for_proxies(proxies, triangles);
-    const uint64_t slots = uint64_t{voxels_along} * voxels_along * voxels_along;  // of a cube; others have fewer
+    const uint64_t slots = guess_voxels(voxels_along);
     return triangles * sizeof(uint32_t) + UnsortedPhotons::bytes_for(capacity) +
            GridPhotons::bytes_for(slots + 1, capacity) + capacity * sizeof(float) + slots * sizeof(gpu::ProxyVoxel);
 }
@@ -103,10 +104,19 @@ void PointProxiesGpu::record(gpu::CommandList& commands, uint32_t pass, uint32_t
             commands.dispatch_threads(triangles_, PROXY_GROUP);
             prefix_sum_.record(commands, starts_, starts_, {state_, PROXY_TRIANGLES_WORD}, {state_, PROXIES_WORD});
         }
-        commands.bind(places_, {gpu::read_write("state", state_), gpu::read("svo_first_triangles", first_triangles_),
-                                gpu::read("starts", starts_), gpu::write("places", unsorted_.places),
-                                gpu::write("powers", unsorted_.powers), gpu::write("order", unsorted_.order),
-                                gpu::read_write("device_counters", counters_)});
+        std::vector<gpu::Binding> bindings = {gpu::read_write("state", state_),
+                                              gpu::read("svo_first_triangles", first_triangles_),
+                                              gpu::read("starts", starts_),
+                                              gpu::write("places", unsorted_.places),
+                                              gpu::write("powers", unsorted_.powers),
+                                              gpu::write("order", unsorted_.order),
+                                              gpu::read_write("device_counters", counters_)};
+        if (depth_maps_)
+            bindings.insert(bindings.end(), {gpu::read("light_depth_constants", depth_maps_->constants()),
+                                             gpu::read("light_depth_maps", depth_maps_->maps()),
+                                             gpu::read("light_depths_m", depth_maps_->depths())});
+        commands.bind(places_, bindings);
+
         commands.push(push);
         commands.dispatch_threads(end - first, PROXY_GROUP);
     }

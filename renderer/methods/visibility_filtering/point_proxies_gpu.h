@@ -6,6 +6,7 @@
 
 #include "renderer/backends/gpu/device_scene.h"
 #include "renderer/backends/gpu/prefix_sum.h"
+#include "renderer/gbuffer/light_depth_maps_gpu.h"
 #include "renderer/methods/visibility_filtering/proxy_placement_shared.h"
 #include "renderer/photons/hash_grid_gpu.h"
 
@@ -13,10 +14,13 @@ namespace photond {
 
 class PointProxiesGpu {
 public:
-    /// About `proxies` of them. Borrows the scene, which has surface. `counters`: DeviceImage's.
-    PointProxiesGpu(const gpu::DeviceScene& scene, gpu::Buffer& counters, uint64_t seed, uint32_t proxies,
-                    float glossy_threshold);
+    /// About `proxies` of them. Borrows the scene, which has surface, and the maps. `counters`: DeviceImage's.
+    /// `depth_maps`: what tells of punctual lights; null: rays do.
+    PointProxiesGpu(const gpu::DeviceScene& scene, LightDepthMapsGpu* depth_maps, gpu::Buffer& counters, uint64_t seed,
+                    uint32_t proxies, float glossy_threshold);
     static uint64_t device_bytes(uint32_t proxies, uint32_t voxels_along, uint64_t triangles);
+    /// How many there are where nothing is known of the scene's box: rooms are longer than high.
+    static uint32_t guess_voxels(uint32_t along) { return along * along * along * 3 / 4; }
 
     /// `along`: voxels on the longest side of the scene's box; they are cubes, but for scenes that are flat. What was
     /// made before is gone where there are more of them than ever.
@@ -43,6 +47,7 @@ private:
 
     const gpu::DeviceScene& scene_;
     gpu::Device& device_;
+    LightDepthMapsGpu* const depth_maps_;
     gpu::Buffer& counters_;
     const uint64_t seed_;
     const float glossy_threshold_;

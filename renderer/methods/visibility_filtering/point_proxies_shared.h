@@ -2,8 +2,11 @@
 #ifndef PHOTOND_POINT_PROXIES_SHARED_H
 #define PHOTOND_POINT_PROXIES_SHARED_H
 
-#define PROXY_GROUP 64        // threads
-#define NO_PROXY 0xffffffffu  // in the place of the normal: the surface has a hole there
+#define PROXY_GROUP 64  // threads
+// A proxy's word beside its place: its normal on the side that light reaches, and whether any does.
+#define PROXY_NORMAL_BITS 15u  // along either axis of the octahedron
+#define PROXY_LIT 0x40000000u
+#define NO_PROXY 0xffffffffu  // the surface has a hole there
 
 // Words of the proxies' state.
 #define PROXIES_WORD 0          // that there are

@@ -6,8 +6,7 @@
 
 #include "renderer/backends/gpu/invocation.glsl"
 #include "renderer/core/geometry.glsl"
-#include "renderer/methods/visibility_filtering/point_proxies_shared.h"
-#include "renderer/photons/photon.glsl"
+#include "renderer/methods/visibility_filtering/proxy_voxel.glsl"
 
 layout(local_size_x = PROXY_GROUP) in;
 layout(push_constant, scalar) uniform Push { ProxyVoxelsPush push; };
@@ -63,7 +62,7 @@ void main() {
         float mine = 0.0;
         if (proxy < end) {
             const vec3 power = uintBitsToFloat(powers[proxy].xyz);
-            const vec3 normal = octahedral_decode(16u, grid_places[proxy].w);
+            const vec3 normal = proxy_normal(grid_places[proxy].w);
             mine = mean(power);
             flux += power;
             for (int channel = 0; channel < 3; ++channel) normals[channel] += power[channel] * normal;

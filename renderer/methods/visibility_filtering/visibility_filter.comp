@@ -33,19 +33,20 @@ void write_indices(uint to) {
     filtered[to] = count;
 }
 
-/// How much of a voxel is seen: the rays of all agreeing lists that met it, over those that would if nothing stood between.
-float seen_share(uint slot) {
-    if (slot >= constants.words) return 0.0;
-    uint met = 0;
-    float expected = 0.0;
+/// How much is seen of a voxel where it has light, and where it has none: the rays of all agreeing lists that met it there,
+/// over those that would if nothing stood between.
+vec2 seen_shares(uint slot) {
+    uvec2 met = uvec2(0u);
+    vec2 expected = vec2(0.0);
     for (uint i = 0; i < agreeing_count; ++i) {
-        const uint one = lists[agreeing[i] * constants.words + slot];
-        met += one & 0xffffu;
-        expected += unpackHalf2x16(one).y;
+        const uint word = agreeing[i] * constants.words + 2u * slot, one = lists[word];
+        met += uvec2(one & 0xffffu, one >> 16);
+        expected += unpackHalf2x16(lists[word + 1u]);
     }
-    if (met == 0u) return 0.0;
-    atomicAdd(all_met, met);
-    return expected > 0.0 ? min(float(met) / expected, constants.most_seen) : 1.0;
+    if (met == uvec2(0u)) return vec2(0.0);
+    atomicAdd(all_met, met.x + met.y);
+    const vec2 shares = min(vec2(met) / max(expected, vec2(1e-30)), vec2(constants.most_seen));
+    return mix(shares, vec2(greaterThan(met, uvec2(0u))), equal(expected, vec2(0.0)));
 }
 
 bool on_the_same_surface(GBufferPoint a, GBufferPoint b) {
@@ -76,8 +77,7 @@ void main() {
     const uint to = list * constants.list_words;
     if (LISTS == LISTS_COUNTS) {
         const uint shares = constants.list_words - 1u;
-        for (uint word = thread; word < shares; word += LISTS_GROUP)
-            filtered[to + word] = packHalf2x16(vec2(seen_share(2u * word), seen_share(2u * word + 1u)));
+        for (uint slot = thread; slot < shares; slot += LISTS_GROUP) filtered[to + slot] = packHalf2x16(seen_shares(slot));
         barrier();
         if (thread == 0) filtered[to + shares] = floatBitsToUint(float(all_met) / float(constants.rays * agreeing_count));
         return;

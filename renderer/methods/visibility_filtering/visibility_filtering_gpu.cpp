@@ -31,6 +31,13 @@ const char* why_dark(const VisibilityFilteringParams& params, bool lights, bool 
     return surfaces ? nullptr : "the scene has no surface";
 }
 
+std::unique_ptr<LightDepthMapsGpu> make_depth_maps(const gpu::DeviceScene& scene,
+                                                   const VisibilityFilteringParams& params, Stats& stats) {
+    if (params.proxy_shadows != ProxyShadows::DepthMaps || scene.scene().punctual_lights.empty()) return nullptr;
+    constexpr uint32_t kPcf = 3;
+    return std::make_unique<LightDepthMapsGpu>(scene, params.depth_map_resolution, kPcf, stats);
+}
+
 std::vector<gpu::Specialization> merge_constants(const DeviceImage& image, const VisibilityFilteringParams& params) {
     std::vector<gpu::Specialization> constants = image.specialization();
     constants.push_back(gpu::specialize(UPSAMPLING_ID, static_cast<uint32_t>(params.upsampling)));
@@ -54,6 +61,7 @@ struct VisibilityFilteringGpu::State {
         Lit(const gpu::DeviceScene& scene, State& state, const VisibilityFilteringParams& params, Stats& stats);
         void make_room(const VisibilityFilteringParams& params, uint32_t pass);
 
+        const std::unique_ptr<LightDepthMapsGpu> depth_maps;  // null: nobody asks
         PointProxiesGpu proxies;
         std::unique_ptr<SparseVoxelOctreeGpu> tree;  // null: nobody asks
         std::optional<VisibilityListsGpu> lists;     // null: shadow rays tell
@@ -88,7 +96,9 @@ struct VisibilityFilteringGpu::State {
 
 VisibilityFilteringGpu::State::Lit::Lit(const gpu::DeviceScene& scene, State& state,
                                         const VisibilityFilteringParams& params, Stats& stats)
-    : proxies(scene, state.frame.image().counters(), state.seed, params.proxies, params.glossy_threshold),
+    : depth_maps(make_depth_maps(scene, params, stats)),
+      proxies(scene, depth_maps.get(), state.frame.image().counters(), state.seed, params.proxies,
+              params.glossy_threshold),
       tree(params.visibility == ProxyVisibility::Svo
                ? std::make_unique<SparseVoxelOctreeGpu>(
                      scene, make_voxel_grid(scene.scene().bounds, params.voxel_resolution), false)
@@ -219,6 +229,8 @@ uint64_t VisibilityFilteringGpu::estimate_device_bytes(const VisibilityFiltering
                      sizeof(gpu::VisibilityConstants);
     if (why_dark(params, workload.lights > 0 || workload.environment_size.pixels() > 0, true)) return bytes;
     bytes += PointProxiesGpu::device_bytes(params.proxies, params.voxels, workload.triangles);
+    if (params.proxy_shadows == ProxyShadows::DepthMaps && workload.needs.punctual_lights)
+        bytes += LightDepthMaps::guess_bytes(params.depth_map_resolution);
     if (params.visibility == ProxyVisibility::Svo)
         bytes += SparseVoxelOctreeGpu::guess_device_bytes(params.voxel_resolution, false, workload.triangles);
     if (!params.asks_rays()) bytes += VisibilityListsGpu::device_bytes(workload.film_size, params);

@@ -38,11 +38,11 @@ VisibilityListsGpu::VisibilityListsGpu(const gpu::DeviceScene& scene, GBufferGpu
               scene.specialization(std::vector{gpu::specialize(LISTS_ID, static_cast<uint32_t>(params.lists))})) {}
 
 uint32_t VisibilityListsGpu::words_before(ListKind kind, uint32_t voxels) {
-    return kind == ListKind::Counts ? voxels : (voxels + 31) / 32;
+    return kind == ListKind::Counts ? 2 * voxels : (voxels + 31) / 32;
 }
 uint32_t VisibilityListsGpu::words_after(ListKind kind, uint32_t voxels) {
     switch (kind) {
-        case ListKind::Counts: return (voxels + 1) / 2 + 1;
+        case ListKind::Counts: return voxels + 1;
         case ListKind::Bits: return words_before(kind, voxels);
         case ListKind::Indices: break;
     }
@@ -55,7 +55,7 @@ Size2 VisibilityListsGpu::lists_of(Size2 size, uint32_t march_subsampling) {
 }
 
 uint64_t VisibilityListsGpu::device_bytes(Size2 size, const VisibilityFilteringParams& params) {
-    const uint32_t voxels = params.voxels * params.voxels * params.voxels;
+    const uint32_t voxels = PointProxiesGpu::guess_voxels(params.voxels);
     const uint64_t words = uint64_t{words_before(params.lists, voxels)} + words_after(params.lists, voxels);
     return lists_of(size, params.march_subsampling).pixels() * words * sizeof(uint32_t);
 }
@@ -76,7 +76,6 @@ uint32_t VisibilityListsGpu::pieces() const { return (count() + lists_a_piece() 
 void VisibilityListsGpu::record_expected(gpu::CommandList& commands, uint32_t first, uint32_t end) {
     commands.bind(*expected_, {gpu::read("constants", constants_), gpu::read("points", points_.points()),
                                gpu::read("grid_places", proxies_.sorted().places),
-                               gpu::read("map_powers", proxies_.sorted().powers),
                                gpu::read("voxels", proxies_.voxels()), gpu::write("lists", before_filter_)});
     commands.push(gpu::ListsPush{first, end});
     commands.dispatch_threads(uint64_t{end - first} * proxies_.grid().slots, LISTS_GROUP);
@@ -98,9 +97,8 @@ void VisibilityListsGpu::record(gpu::CommandList& commands, uint32_t piece) {
             bindings.insert(bindings.end(),
                             {gpu::read("svo_constants", tree_->constants()), gpu::read("svo_nodes", tree_->nodes()),
                              gpu::read("svo_bricks", tree_->bricks())});
-        else
-            bindings.insert(bindings.end(), {gpu::read("grid_starts", proxies_.sorted().starts),
-                                             gpu::read("grid_places", proxies_.sorted().places)});
+        bindings.insert(bindings.end(), {gpu::read("grid_starts", proxies_.sorted().starts),
+                                         gpu::read("grid_places", proxies_.sorted().places)});
         commands.bind(march_, bindings);
         commands.push(gpu::ListsPush{first, end});
         commands.dispatch_threads(uint64_t{end - first} * rays_, LISTS_GROUP);

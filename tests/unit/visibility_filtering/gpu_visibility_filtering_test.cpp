@@ -52,6 +52,20 @@ TEST_P(GpuVisibilityFilteringLights, ReachOtherSurfaces) {
 INSTANTIATE_TEST_SUITE_P(All, GpuVisibilityFilteringLights, testing::Values("point", "area", "environment"),
                          [](const auto& info) { return test::test_name(info.param, info.index); });
 
+// Nothing stands between: maps of what lights see say what rays say.
+TEST(GpuVisibilityFiltering, DepthMapsLightProxiesAsRaysDo) {
+    const Scene scene = test::floor_and_wall("spot");
+    const test::SceneOnDevice where(scene);
+    Settings settings = asked_by_rays(2);
+    const double by_rays = test::mean_of_layer(test::render(where, settings), Layer::Indirect);
+    settings.params.proxy_shadows = ProxyShadows::DepthMaps;
+    Stats stats;
+    const double by_maps = test::mean_of_layer(test::render(where, settings, &stats), Layer::Indirect);
+    EXPECT_GT(by_rays, 0);
+    EXPECT_NEAR(by_maps, by_rays, 0.005 * by_rays);
+    EXPECT_GT(stats.counts.shadow_rays, settings.params.depth_map_resolution) << "no map was made";
+}
+
 /// A small patch of a ceiling that a point light lights, and another small one that sees it at an angle [radians] from
 /// its normal and faces it.
 Scene patch_seen_at(float angle) {
@@ -153,21 +167,32 @@ TEST(GpuVisibilityFiltering, WiderFiltersSeeMoreVoxels) {
     }
 }
 
-// Where little stands between, sparse rays find most of the light that shadow rays find.
-TEST(GpuVisibilityFiltering, ListsFindMostOfTheLight) {
+// Lists that count rays have nearly the light that shadow rays find, whatever the voxels' number; lists of bits have it
+// for one number and lose most of it in finer voxels.
+TEST(GpuVisibilityFiltering, CountsFindTheLightInVoxelsOfAnySize) {
     const Scene scene = make_builtin_scene("cornell-box");
     const test::SceneOnDevice where(scene);
-    Settings settings;
-    settings.size = {64, 48};
-    settings.passes = 4;
-    settings.params.visibility = ProxyVisibility::Rays;
-    const double asked = test::mean_of_layer(test::render(where, settings), Layer::Indirect);
-    for (const ProxyVisibility visibility : {ProxyVisibility::Discs, ProxyVisibility::Svo}) {
+    const auto light_of = [&](Settings settings) {
+        settings.size = {64, 48};
+        settings.passes = 4;
+        return test::mean_of_layer(test::render(where, settings), Layer::Indirect);
+    };
+    const double wanted = light_of(asked_by_rays(4));
+    const auto share = [&](ProxyVisibility visibility, ListKind lists, uint32_t voxels) {
+        Settings settings;
         settings.params.visibility = visibility;
-        const double listed = test::mean_of_layer(test::render(where, settings), Layer::Indirect);
-        std::printf("visibility %d: %.3f of the light\n", int(visibility), listed / asked);
-        EXPECT_NEAR(listed / asked, 1, 0.08);
-    }
+        settings.params.lists = lists;
+        settings.params.voxels = voxels;
+        const double found = light_of(settings) / wanted;
+        std::printf("visibility %d, lists %d, %u voxels: %.3f of the light\n", int(visibility), int(lists), voxels,
+                    found);
+        return found;
+    };
+    constexpr double kBias = 0.15;  // of the model, not of chance
+    for (const uint32_t voxels : {6u, 12u, 20u})
+        EXPECT_NEAR(share(ProxyVisibility::Discs, ListKind::Counts, voxels), 1, kBias);
+    EXPECT_NEAR(share(ProxyVisibility::Svo, ListKind::Counts, 12), 1, kBias);
+    EXPECT_LT(share(ProxyVisibility::Discs, ListKind::Bits, 20), 0.8);
 }
 
 // Whether lists are bits of which the four about a point are joined, or numbers that light list by list: the same sums.
@@ -194,6 +219,8 @@ SeenLists lists_from(const char* name, float moved_m, bool world_rays) {
     settings.size = {128, 96};
     settings.params.filter_side = 1;
     settings.params.rays = 8;
+    settings.params.voxels = 6;
+    settings.params.lists = ListKind::Bits;
     settings.params.march_subsampling = settings.params.subsampling = 1;
     settings.params.world_rays = world_rays;
     for (const Layer layer : {Layer::ListsBeforeFilter, Layer::Position}) settings.layers.add(layer);
