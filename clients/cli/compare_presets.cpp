@@ -63,8 +63,8 @@ ComparePreset photon_splatting_thesis() {
 }  // namespace
 
 std::span<const ComparePreset> compare_presets() {
-    static const std::vector<ComparePreset> kPresets{photon_splatting_thesis(), svo_thesis(), progressive(), vcm(),
-                                                     ispm_thesis()};
+    static const std::vector<ComparePreset> kPresets{
+        photon_splatting_thesis(), svo_thesis(), progressive(), vcm(), ispm_thesis(), visibility_filtering_paper()};
     return kPresets;
 }
 

@@ -73,6 +73,8 @@ ComparePreset progressive();
 ComparePreset vcm();
 /// compare_preset_ispm.cpp
 ComparePreset ispm_thesis();
+/// compare_preset_visibility.cpp
+ComparePreset visibility_filtering_paper();
 
 /// "report.html" of comparison "a/b" as "report-a-b.html"; "-" and an empty name stay.
 std::string of_part(const std::string& file, std::string_view part);
