@@ -6,10 +6,19 @@
 
 #include "protocol/error.h"
 #include "renderer/core/image_module.h"
+#include "renderer/film/image_file_header.h"
 
 namespace photond {
 
 namespace {
+
+static_assert(
+    [] {
+        uint32_t channels = 3;  // the beauty's
+        for (const LayerInfo& info : kLayers) channels += info.channel_count();
+        return channels <= kMaxImageChannels;
+    }(),
+    "an image of every layer must be read again");
 
 std::vector<ImageLayer> resolve_all(const Film& film) {
     std::vector<ImageLayer> all{{channel_names("beauty"), film.resolve_beauty()}};

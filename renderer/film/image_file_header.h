@@ -11,7 +11,7 @@ namespace photond {
 
 /// Limits on images that come from outside.
 inline constexpr uint64_t kMaxImagePixels = 64ull << 20;
-inline constexpr uint32_t kMaxImageChannels = 64;
+inline constexpr uint32_t kMaxImageChannels = 128;
 inline constexpr uint64_t kMaxImageValues = 512ull << 20;  // pixels x channels: 2 GiB as float
 /// The library takes quadratic time in their number: a thousand take it 30 ms, a hundred thousand two minutes.
 inline constexpr uint32_t kMaxHeaderAttributes = 1000;
