@@ -82,7 +82,8 @@ double stored_by(const ImageSpacePhotonMappingParams& params, PhotonMapKind kind
 
 std::unique_ptr<CentreShadowsGpu> make_centres(const ImageSpacePhotonMappingParams& params,
                                                const gpu::DeviceScene& scene, Size2 size) {
-    return params.shadows_by_centres() ? std::make_unique<CentreShadowsGpu>(scene, size) : nullptr;
+    if (!params.shadows_by_centres()) return nullptr;
+    return std::make_unique<CentreShadowsGpu>(scene, size);
 }
 
 std::string scatter_shader(const char* name) {
