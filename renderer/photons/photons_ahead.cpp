@@ -9,6 +9,13 @@ void PhotonsAhead::add(const Scene& scene, const Intersector& intersector, const
     tracers_[static_cast<size_t>(tracing.kind)].emplace(scene, intersector, emission, tracing);
 }
 
+uint64_t PhotonsAhead::bytes() const {
+    uint64_t bytes = 0;
+    if (here_)
+        for (const TracedPhotons& traced : here_->of_map) bytes += 2 * traced.photons.capacity() * sizeof(Photon);
+    return bytes;
+}
+
 void PhotonsAhead::begin(uint32_t pass) {
     if (begun_ == pass) return;
     stop();

@@ -23,6 +23,9 @@ public:
     /// Of a map that stores so many photons a pass: those of two passes.
     static uint64_t bytes_for(double stored) { return static_cast<uint64_t>(2.2 * stored) * sizeof(Photon); }
 
+    /// What they take now, once a pass has arrived: the next one takes about as much again.
+    uint64_t bytes() const;
+
     /// Begins the pass's photons beside what the caller goes on with. What is under way for another pass is given up.
     void begin(uint32_t pass);
     /// Whether the pass's photons are here; does not wait.

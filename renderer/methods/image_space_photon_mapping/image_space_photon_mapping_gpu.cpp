@@ -108,6 +108,7 @@ struct ImageSpacePhotonMappingGpu::State {
           on_device(*context.device_scene),
           device(on_device.device()),
           scene(context.scene),
+          budget(context.budget),
           eye(make_eye_constants(context.view, 1, 1)),
           seed(context.seed),
           first_radius_m(p.radius_of_pass_m(0, context.scene.bounds.radius())),
@@ -140,6 +141,7 @@ struct ImageSpacePhotonMappingGpu::State {
     const gpu::DeviceScene& on_device;
     gpu::Device& device;
     const Scene& scene;
+    MemoryBudget& budget;
     const gpu::EyeConstants eye;
     const uint64_t seed;
     const float first_radius_m;
@@ -478,6 +480,7 @@ void ImageSpacePhotonMappingGpu::run_pass(uint32_t pass, Stats& stats, const Can
     if (state.ahead) {
         const StageTimer timer(stats, "photon_tracing");  // for as long as they are waited for
         if (!state.ahead->wait(pass, cancel)) return;
+        state.budget.record("photons_ahead", PhotonTracer::scratch_bytes(most_threads()) + state.ahead->bytes());
         state.frame.expect_pass(pass);  // the device first: those of the next pass are traced beside it
         state.ahead->begin(pass + 1);
     }

@@ -39,7 +39,7 @@ uint rays_key(GBufferPoint point) {
 /// there.
 bool ray_direction(GBufferPoint point, uint index, uint i, out vec3 direction) {
     const uint key = rays_key(point);
-    const uvec2 bits = rotated_halton_point(constants.first_ray + i, uvec2(key, hash32(key)));
+    const uvec2 bits = rotated_halton_point(i, uvec2(key, hash32(key)));
     const vec2 u = vec2(to_unit_float(bits.x), to_unit_float(bits.y));
     const bool by_gloss = LISTS != LISTS_COUNTS && i % 2u == 1u;  // counts tell of all directions alike
     if (is_general(point) && (by_gloss || point.normal == vec3(0.0))) {

@@ -54,8 +54,8 @@ void VisibilityFilteringParams::visit(ParamVisitor& visitor) {
     visitor.field(
         "most_seen", most_seen,
         {Visibility, "", 1, 1e4,
-         "by how much of a voxel it may count, where lists are counts: few rays make an uncertain share, and what "
-         "is cut off here is lost"});
+         "by how much of a voxel it may count, where lists are counts: few rays make an uncertain share, of which "
+         "more leaves bright spots"});
     visitor.flag("world_rays", world_rays,
                  {Visibility,
                   "sparse rays go the same ways wherever a place is seen from, so that they do not flicker where the "

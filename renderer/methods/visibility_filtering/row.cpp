@@ -27,9 +27,17 @@ MethodInfo visibility_filtering_row() {
                               Layer::UpsamplingWeight})
         info.layers.add(layer);
     info.bias_falls_with = {{{"shrink", "true"}, {"visibility", "rays"}, {"subsampling", "1"}}};
-    info.limits = {{{{"visibility", "discs"}}, "", "a voxel of proxies is seen wholly or not at all"},
-                   {{{"visibility", "svo"}}, "", "a voxel of proxies is seen wholly or not at all"},
-                   {{}, "", "light of near proxies is softened, that of far voxels smooth"}};
+    constexpr const char* kWhole = "a voxel of proxies is seen wholly or not at all";
+    constexpr const char* kShares = "how much of a voxel is seen, a window of pixels and few rays tell";
+    for (const char* visibility : {"discs", "svo"}) {
+        for (const char* lists : {"bits", "indices"})
+            info.limits.push_back({{{"visibility", visibility}, {"lists", lists}}, "", kWhole});
+        info.limits.push_back({{{"visibility", visibility}}, "", kShares});
+    }
+    info.limits.push_back(
+        {{},
+         "",
+         "light of near proxies is softened, that of far voxels smooth, and gloss sends it on as if it were Lambert"});
     return info;
 }
 

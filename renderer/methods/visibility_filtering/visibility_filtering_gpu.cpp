@@ -149,8 +149,7 @@ gpu::VisibilityConstants VisibilityFilteringGpu::State::constants_of(uint32_t pa
             .proxies_per_m2 = per_m2,
             .glossy_threshold = params.glossy_threshold,
             .world_cell_m = lit->proxies.cell_m(),
-            .key = static_cast<uint32_t>(hash64(hash64(seed) + pass)),
-            .first_ray = 0};
+            .key = static_cast<uint32_t>(hash64(hash64(seed) + pass))};
 }
 
 void VisibilityFilteringGpu::State::add_steps(uint32_t pass, DeviceFrame::Steps& steps) {

@@ -10,14 +10,15 @@ namespace photond {
 /// pixel sees, some pixels find out by sparse rays; those about them on the same surface share what they found
 /// (visibility_lists_gpu.h). Near voxels then light proxy by proxy, far ones by spherical harmonics of order 1.
 ///
-/// Biased: a voxel is seen wholly or not at all, discs leave holes and hide what is near them, far voxels are smooth,
-/// and light of proxies nearer than their discs' radius is softened. With `visibility` rays the first two are gone, and
-/// with `shrink` the others fall from pass to pass. What narrow lobes of lit surfaces reflect is not in it, and rough
-/// lobes' light leaves them as if they were Lambert.
+/// Biased: how much of a voxel is seen is that of a window of pixels, as far as few rays tell (with lists of bits or
+/// indices wholly or not at all), discs leave holes and hide what is near them, far voxels are smooth, and light of
+/// proxies nearer than the radius of their share is softened. With `visibility` rays the first two are gone, and with
+/// `shrink` the others fall from pass to pass. What narrow lobes of lit surfaces reflect is not in it, and rough lobes'
+/// light leaves them as if they were Lambert.
 ///
-/// [Chen et al. 2014] Visibility Filtering for Producing Indirect Illumination. Eurographics, short papers. Departures:
-/// lights of every kind, by a light sample and a ray for each proxy instead of a light's depth map; weights that sum
-/// to 1.
+/// [Chen et al. 2014] Visibility Filtering for Producing Indirect Illumination. Eurographics, short papers. Departures,
+/// by default: lists count rays; a light sample and its ray light each proxy, not one light's depth map; weights that
+/// sum to 1.
 class VisibilityFilteringGpu final : public DeviceMethod {
 public:
     static constexpr const char* kName = "visibility_filtering";

@@ -1,6 +1,9 @@
 #include "renderer/methods/visibility_filtering/visibility_lists_gpu.h"
 
 #include <algorithm>
+#include <string>
+
+#include "protocol/error.h"
 
 namespace photond {
 
@@ -63,6 +66,11 @@ uint64_t VisibilityListsGpu::device_bytes(Size2 size, const VisibilityFilteringP
 void VisibilityListsGpu::make_room(uint32_t voxels) {
     const auto bytes_of = [&](uint32_t words) { return uint64_t{count()} * words * sizeof(uint32_t); };
     const uint64_t after = bytes_of(words_after(kind_, voxels));
+    const uint64_t words = std::max(after, bytes_of(words_before(kind_, voxels))) / sizeof(uint32_t);
+    if (words > UINT32_MAX)
+        throw Error(ErrorCode::OutOfMemory, "the lists of " + std::to_string(voxels) + " voxels have " +
+                                                std::to_string(words) +
+                                                " words, and at most 4294967295 can be numbered");
     if (lists_.bytes() >= after) return;
     before_filter_ = {}, lists_ = {};
     before_filter_ = gpu::Buffer(device_, "visibility_lists", bytes_of(words_before(kind_, voxels)));

@@ -20,7 +20,8 @@ public:
     /// How many lists there are along either axis.
     static Size2 lists_of(Size2 size, uint32_t march_subsampling);
 
-    /// Lists of so many voxels; those of before are gone where there is more to be kept than ever.
+    /// Lists of so many voxels; those of before are gone where there is more to be kept than ever. Throws
+    /// ErrorCode::OutOfMemory for more words than can be numbered.
     void make_room(uint32_t voxels);
     /// Words of a list of so many voxels, before the filter and after it.
     static uint32_t words_before(ListKind kind, uint32_t voxels);

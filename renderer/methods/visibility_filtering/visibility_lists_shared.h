@@ -52,7 +52,6 @@ struct VisibilityConstants {
     float glossy_threshold;
     float world_cell_m;  // of places that share their rays
     uint key;            // of the pass's random numbers
-    uint first_ray;      // in the sequence of a list's rays
 };
 
 struct ListsPush {
