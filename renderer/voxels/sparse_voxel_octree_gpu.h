@@ -1,14 +1,16 @@
 #pragma once
-// SparseVoxelOctree made on a device, by the thesis's passes (4.3): fragments, then the tree level by level, each by
-// dispatches as large as what was counted on the device. Departures: triangles are cut into columns of bricks instead
-// of rasterised, so that a wall and a crumb load the device evenly and no voxel is missed; tiles are allocated by
-// prefix sums instead of an atomic counter, so that the arrays are the CPU's bit for bit.
+// SparseVoxelOctree made on a device. What it takes is mostly the number of passes that wait for each other, so that
+// there are four (with surfaces, six), however many levels the tree has: columns, fragments, ranks, and the tree.
+// Departures from the thesis (4.3): the tree is not made level by level, but at once from bits that say which nodes of
+// all levels fragments lie in; tiles are allocated by prefix sums over these instead of an atomic counter, so that the
+// arrays are the CPU's bit for bit; triangles are cut into columns of bricks instead of rasterised, so that a wall and
+// a crumb load the device evenly and no voxel is missed.
 
 #include <algorithm>
-#include <optional>
 
+#include "renderer/backends/gpu/command_list.h"
 #include "renderer/backends/gpu/device_scene.h"
-#include "renderer/backends/gpu/prefix_sum.h"
+#include "renderer/backends/gpu/group_sum.h"
 #include "renderer/voxels/svo_build_shared.h"
 #include "renderer/voxels/voxel_grid.h"
 
@@ -45,10 +47,10 @@ public:
 
     const gpu::SvoConstants& host_constants() const { return host_constants_; }
     // Of the last build waited for.
-    uint64_t fragment_count() const { return counted(SVO_STATE_FRAGMENTS); }
-    uint64_t node_count() const { return counted(SVO_STATE_NODES); }
-    uint64_t brick_count() const { return counted(SVO_STATE_BRICKS); }
-    uint64_t voxel_count() const { return counted(SVO_STATE_VOXELS); }
+    uint64_t fragment_count() const { return counted().fragments; }
+    uint64_t node_count() const { return counted().nodes; }
+    uint64_t brick_count() const { return counted().bricks; }
+    uint64_t voxel_count() const { return counted().voxels; }
 
     /// Of the tree itself, and with what building it takes.
     uint64_t device_bytes() const;
@@ -63,30 +65,26 @@ private:
     };
     static Room expected_room(const Scene& scene, const VoxelGrid& grid);
     static uint64_t tree_bytes(const Room& room, bool surfaces);
-    static uint64_t scratch_bytes(const Room& room);
-    uint32_t counted(uint32_t word) const { return host_state_.as<uint32_t>()[word]; }
-    gpu::SvoBuildPush push(uint32_t level) const;
+    static uint64_t scratch_bytes(const Room& room, uint32_t resolution, bool surfaces);
+    const gpu::SvoBuildState& counted() const { return host_state_.as<gpu::SvoBuildState>()[0]; }
+    gpu::SvoBuildPush push() const;
     void make_tree(const Room& room);
-    void make_scratch(const Room& room);
+    void make_fragment_room(uint64_t fragments);
     void write_constants();
     void trim();
     void record_voxelise(gpu::CommandList& commands);
-    void record_level(gpu::CommandList& commands, uint32_t level);
     void record_surfaces(gpu::CommandList& commands);
 
     gpu::Device& device_;
     const gpu::DeviceScene& scene_;
     const bool with_surfaces_;
+    const gpu::GroupShape shape_;
     gpu::SvoConstants host_constants_;
     Room room_{};
     gpu::Buffer constants_buffer_, nodes_, bricks_, surfaces_, first_triangles_;
-    gpu::Buffer state_, host_state_, columns_, fragments_, ranks_;
-    gpu::DeviceTiles column_tiles_;
-    gpu::PrefixSum column_sum_;
-    std::optional<gpu::DeviceTiles> fragment_tiles_, node_tiles_;
-    std::optional<gpu::PrefixSum> rank_sum_;
-    gpu::ComputePipeline count_columns_, make_fragments_, begin_, flag_, rank_, allocate_, next_, fill_masks_,
-        count_voxels_, fill_surfaces_;
+    gpu::Buffer state_, host_state_, columns_, column_starts_, fragments_, flags_, ranks_, rank_starts_, first_voxels_,
+        voxel_starts_;
+    gpu::ComputePipeline count_columns_, make_fragments_, rank_, fill_, count_voxels_, fill_surfaces_;
 };
 
 }  // namespace photond

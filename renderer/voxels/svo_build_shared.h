@@ -4,35 +4,42 @@
 
 #include "renderer/voxels/svo_shared.h"
 
-// Words of the build's state.
-#define SVO_STATE_TRIANGLES 0
-#define SVO_STATE_COLUMNS 1  // of bricks, of all triangles: modulo 2^32
-#define SVO_STATE_COLUMNS_LOW 2
-#define SVO_STATE_COLUMNS_HIGH 3
-#define SVO_STATE_FRAGMENTS 4  // that there would be, whatever there is room for; so the numbers below
-#define SVO_STATE_NODES 5
-#define SVO_STATE_BRICKS 6
-#define SVO_STATE_VOXELS 7
-#define SVO_STATE_LEVEL_FIRST 8     // the first node of the level under way,
-#define SVO_STATE_LEVEL_NODES 9     // its nodes there is room for,
-#define SVO_STATE_LEVEL_FLAGGED 10  // and those of them that are flagged
-#define SVO_STATE_WORDS 11
+#define SVO_MOST_COLUMNS 0x80000000u
+
+// Which nodes are flagged is kept as bits in Morton order, level after level from the root (level 0) on; each level
+// begins with the word said here, 32 nodes a word.
+#define SVO_FIRST_WORD(level) ((level) < 2u ? (level) : 2u + 2u * (((1u << (3u * (level)-6u)) - 1u) / 7u))
 
 #ifdef __cplusplus
 namespace photond::gpu {
 #endif
 
+/// All zero before the first build; each build leaves it ready for the next.
+struct SvoBuildState {
+    uint columns;    // of bricks, of all triangles; 2^32 - 1: more than 32 bits hold
+    uint fragments;  // that there would be, whatever there is room for; so the nodes and bricks
+    uint nodes;
+    uint bricks;
+    uint voxels;        // of the fragments and bricks that there was room for
+    uint ended_groups;  // of the pass under way (svo_sums.glsl)
+    // What dispatch_indirect() reads: rows of groups, as CommandList::dispatch_threads() makes them.
+    uint column_groups[3];
+    uint fill_groups[3];
+    uint brick_groups[3];
+    uint surface_groups[3];
+};
+
 /// A triangle's voxels in one brick.
 struct SvoFragment {
-    uint brick;  // x + 2^8 y + 2^16 z
+    uint brick;  // its Morton code: the children's numbers from the root down
     uint triangle;
     uint mask[2];
 };
 
 struct SvoBuildPush {
-    uint level;  // under way: 1 ... levels
     uint levels;
-    uint resolution;
+    uint words;      // of the nodes' bits
+    uint sum_group;  // elements that a group sums (svo_sums.glsl)
     uint fragment_capacity;
     uint node_capacity;
     uint brick_capacity;
@@ -40,7 +47,7 @@ struct SvoBuildPush {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(SvoFragment) == 16 && sizeof(SvoBuildPush) == 28);
+static_assert(sizeof(SvoBuildState) == 72 && sizeof(SvoFragment) == 16 && sizeof(SvoBuildPush) == 28);
 }  // namespace photond::gpu
 #endif
 

@@ -1,20 +1,30 @@
 #version 460
-// 1 for each flagged node of the level under way, 0 for the others: their sums are the places of what they own.
+// How many nodes are flagged before each word of their bits, as sums; what that says of the tree's size, and of the
+// passes that come.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 
-#define DEVICE_TILES_BINDING 0
-#define SVO_BUILD_NODES_BINDING 1
-#define SVO_BUILD_READS_NODES
-#include "renderer/backends/gpu/device_tiles.glsl"
-#include "renderer/voxels/svo_build.glsl"
+#define SVO_GROUP_STARTS_BINDING 3
+#include "renderer/voxels/svo_sums.glsl"
 
-layout(local_size_x = SVO_GROUP) in;
-layout(set = 0, binding = 2, scalar) readonly buffer State { uint state[]; };
-layout(set = 0, binding = 3, scalar) writeonly buffer Ranks { uint ranks[]; };
+layout(push_constant, scalar) uniform Push { SvoBuildPush push; };
+layout(set = 0, binding = 1, scalar) readonly buffer Flags { uint flags[]; };
+layout(set = 0, binding = 2, scalar) coherent buffer Ranks { uint ranks[]; };  // before each word, in its group
 
 void main() {
-    const uint i = tile_index() * SVO_GROUP + gl_LocalInvocationIndex;
-    if (i >= tiles_state.elements) return;
-    ranks[i] = (nodes[state[SVO_STATE_LEVEL_FIRST] + i].info & SVO_FLAGGED) != 0u ? 1u : 0u;
+    const uint groups = sum_groups(push.words), group = group_number(), word = group * GROUP + group_thread();
+    if (group >= groups) return;
+    uint group_flagged, all_flagged;
+    const uint before = group_exclusive_sum(word < push.words ? uint(bitCount(flags[word])) : 0u, group_flagged);
+    if (word < push.words) ranks[word] = before;
+    if (!end_sums(groups, group_flagged, all_flagged) || group_thread() != 0u) return;
+    const uint brick_word = SVO_FIRST_WORD(push.levels);
+    const uint tiles = ranks[brick_word] + group_starts[brick_word / GROUP];
+    state.nodes = 8u * tiles;
+    state.bricks = all_flagged - tiles;
+    const uint fragments = min(state.fragments, push.fragment_capacity);
+    const uint bricks = min(state.bricks, push.brick_capacity);
+    state.fill_groups = rows_of_groups(groups_of(32u * brick_word + fragments, SVO_GROUP));
+    state.brick_groups = rows_of_groups(sum_groups(bricks));
+    state.surface_groups = rows_of_groups(groups_of(bricks + fragments, SVO_GROUP));
 }

@@ -1,33 +1,49 @@
 #version 460
-// How many columns of bricks each triangle has.
+// How many columns of bricks each triangle has, as sums. The groups after the triangles' own empty what the passes after
+// this one add to.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-#extension GL_KHR_shader_subgroup_arithmetic : require
 
-#include "renderer/backends/gpu/invocation.glsl"
-#define SVO_FIRST_TRIANGLES_BINDING 1
-#include "renderer/voxels/svo_build_shared.h"
+#define SVO_FIRST_TRIANGLES_BINDING 2
+#define SVO_GROUP_STARTS_BINDING 4
+#include "renderer/voxels/svo_sums.glsl"
 #include "renderer/voxels/svo_triangles.glsl"
 #include "renderer/voxels/triangle_voxels.glsl"
 
-layout(local_size_x = SVO_GROUP) in;
-layout(set = 0, binding = 0, scalar) readonly buffer Constants { SvoConstants constants; };
-layout(set = 0, binding = 2, scalar) buffer State { uint state[]; };
-layout(set = 0, binding = 3, scalar) writeonly buffer Columns { uint columns[]; };
+layout(set = 0, binding = 1, scalar) readonly buffer Constants { SvoConstants constants; };
+layout(set = 0, binding = 3, scalar) writeonly buffer Columns { uint columns[]; };  // before each triangle, in its group
+layout(set = 0, binding = 5, scalar) writeonly buffer Flags { uint flags[]; };
+layout(set = 0, binding = 6, scalar) writeonly buffer Bricks { uvec2 bricks[]; };
+layout(set = 0, binding = 7, scalar) writeonly buffer Surfaces { uint surfaces[]; };
+
+void empty_what_is_added_to(uint thread, uint threads) {
+    for (uint i = thread; i < flags.length(); i += threads) flags[i] = i == 0u ? 1u : 0u;  // the root is always there
+    for (uint i = thread; i < bricks.length(); i += threads) bricks[i] = uvec2(0u);
+    for (uint i = thread; i < surfaces.length(); i += threads) surfaces[i] = SVO_NO_DATA;
+}
 
 void main() {
-    const uint number = flat_index();
-    if (number >= constants.triangle_count) return;
-    const uvec2 place = svo_triangle(number, constants.instance_count);
-    uint count = 0u;
-    if (is_voxelised(place.x)) {
-        const QuantisedTriangle triangle = quantised_triangle(constants, place.x, place.y);
-        count = triangle_columns(make_triangle_voxels(triangle, int(constants.grid.resolution) / BRICK_SIDE));
+    const uint groups = sum_groups(constants.triangle_count), group = group_number();
+    if (group >= groups) {
+        empty_what_is_added_to(flat_index() - groups * GROUP,
+                               (gl_NumWorkGroups.x * gl_NumWorkGroups.y - groups) * GROUP);
+        return;
     }
-    columns[number] = count;
-
-    const uint sum = subgroupAdd(count);
-    if (!subgroupElect() || sum == 0u) return;
-    const uint before = atomicAdd(state[SVO_STATE_COLUMNS_LOW], sum);
-    if (before + sum < before) atomicAdd(state[SVO_STATE_COLUMNS_HIGH], 1u);  // the carry
+    const uint number = group * GROUP + group_thread();
+    uint count = 0u;
+    if (number < constants.triangle_count) {
+        const uvec2 place = svo_triangle(number, constants.instance_count);
+        if (is_voxelised(place.x)) {
+            const QuantisedTriangle triangle = quantised_triangle(constants, place.x, place.y);
+            count = triangle_columns(make_triangle_voxels(triangle, int(constants.grid.resolution) / BRICK_SIDE));
+        }
+    }
+    uint group_columns, all_columns;
+    const uint before = group_exclusive_sum(count, group_columns);
+    if (number < constants.triangle_count) columns[number] = before;
+    if (!end_sums(groups, group_columns, all_columns) || group_thread() != 0u) return;
+    state.columns = sums_wrap ? ~0u : all_columns;
+    state.column_groups = rows_of_groups(state.columns > SVO_MOST_COLUMNS ? 0u : groups_of(all_columns, SVO_GROUP));
+    state.fragments = 0u;
+    state.voxels = 0u;
 }

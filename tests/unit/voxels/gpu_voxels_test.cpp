@@ -20,11 +20,12 @@ Scene scene_named(const std::string& name) {
 
 /// A device's tree, on the host.
 struct ReadBack {
-    explicit ReadBack(SparseVoxelOctreeGpu& tree)
+    ReadBack(SparseVoxelOctreeGpu& tree, bool with_surfaces)
         : constants(tree.host_constants()),
           nodes(gpu::read_back<gpu::SvoNode>(test::gpu_device(), tree.nodes(), tree.node_count())),
           bricks(gpu::read_back<gpu::SvoBrick>(test::gpu_device(), tree.bricks(), tree.brick_count())),
-          surfaces(gpu::read_back<uint32_t>(test::gpu_device(), tree.surfaces(), tree.surfaces().bytes() / 4)) {}
+          surfaces(gpu::read_back<uint32_t>(test::gpu_device(), tree.surfaces(),
+                                            with_surfaces ? tree.surfaces().bytes() / 4 : 0)) {}
     SvoView view() const { return {constants, nodes, bricks, surfaces}; }
 
     gpu::SvoConstants constants;
@@ -38,15 +39,15 @@ bool same(std::span<const T> a, std::span<const T> b) {
     return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
 }
 
-void expect_the_cpus(const Scene& scene, uint32_t resolution) {
+void expect_the_cpus(const Scene& scene, uint32_t resolution, bool surfaces = true) {
     const gpu::DeviceScene device_scene(test::gpu_device(), scene);
     const VoxelGrid grid = make_voxel_grid(scene.bounds, resolution);
-    const SparseVoxelOctree expected(scene, grid, true);
-    SparseVoxelOctreeGpu tree(device_scene, grid, true);
+    const SparseVoxelOctree expected(scene, grid, surfaces);
+    SparseVoxelOctreeGpu tree(device_scene, grid, surfaces);
     Stats stats;
     tree.build_now(stats);
     EXPECT_EQ(tree.voxel_count(), expected.voxel_count());
-    const ReadBack real(tree);
+    const ReadBack real(tree, surfaces);
     const SvoView view = real.view(), cpu = expected.view();
     if (expected.voxel_count() > 0) {
         EXPECT_TRUE(std::memcmp(&view.constants, &cpu.constants, sizeof cpu.constants) == 0);
@@ -66,14 +67,17 @@ class GpuVoxels : public testing::TestWithParam<const char*> {};
 TEST_P(GpuVoxels, AreTheCpus) {
     const Scene scene = scene_named(GetParam());
     for (const uint32_t resolution : {16u, 64u, 128u, 256u}) expect_the_cpus(scene, resolution);
+    expect_the_cpus(scene, 32, false);
 }
 INSTANTIATE_TEST_SUITE_P(Scenes, GpuVoxels,
                          testing::Values("medley", "cornell-box", "photon-splatting/chairs", "interior"));
 
 TEST(GpuVoxels, AreTheCpusAt1024) { expect_the_cpus(test::voxel_medley(), 1024); }
 
+class GpuVoxelsShortOfRoom : public testing::TestWithParam<bool> {};
+
 /// Hairs have hardly any area to expect voxels by: the first build is short of room.
-TEST(GpuVoxels, GrowWhereThereIsTooLittleRoom) {
+TEST_P(GpuVoxelsShortOfRoom, Grow) {
     Scene scene;
     MeshBuilder builder;
     RandomStream random(5, RandomDomain::Test, 0, 0);
@@ -84,7 +88,7 @@ TEST(GpuVoxels, GrowWhereThereIsTooLittleRoom) {
     test::add(scene, builder.build(0), test::lambert(0.5f));
     finish_scene(scene);
     const gpu::DeviceScene device_scene(test::gpu_device(), scene);
-    SparseVoxelOctreeGpu tree(device_scene, make_voxel_grid(scene.bounds, 256), true);
+    SparseVoxelOctreeGpu tree(device_scene, make_voxel_grid(scene.bounds, 256), GetParam());
     for (int builds = 1;; ++builds) {
         gpu::CommandList commands(test::gpu_device());
         tree.record_build(commands);
@@ -98,14 +102,16 @@ TEST(GpuVoxels, GrowWhereThereIsTooLittleRoom) {
     }
     // Again within the room there is now: the same.
     const uint64_t voxels = tree.voxel_count(), room = tree.device_bytes();
-    const auto list = test::list_voxels(ReadBack(tree).view());
-    EXPECT_EQ(list, test::list_voxels(SparseVoxelOctree(scene, tree.host_constants().grid, true).view()));
+    const auto list = test::list_voxels(ReadBack(tree, GetParam()).view());
+    EXPECT_EQ(list, test::list_voxels(SparseVoxelOctree(scene, tree.host_constants().grid, GetParam()).view()));
+    EXPECT_EQ(list.voxels.size(), voxels);
     Stats stats;
     tree.build_now(stats);
     EXPECT_EQ(tree.voxel_count(), voxels);
     EXPECT_LT(tree.device_bytes(), room);  // what was too much is given back
-    EXPECT_EQ(test::list_voxels(ReadBack(tree).view()), list);
+    EXPECT_EQ(test::list_voxels(ReadBack(tree, GetParam()).view()), list);
 }
+INSTANTIATE_TEST_SUITE_P(Surfaces, GpuVoxelsShortOfRoom, testing::Bool());
 
 TEST(GpuVoxels, TakeTheBytesTheySay) {
     const Scene scene = make_builtin_scene("interior");
