@@ -16,6 +16,9 @@ uint64_t looked_at(uint32_t lights, const VplChoiceSettings& settings) {
     return settings.lightcut ? kNodesALight * settings.lights : uint64_t{lights} + settings.lights;
 }
 
+/// Of these, what costs a device about what a path does: each is a load and a few products, a path a dozen rays.
+constexpr uint64_t kLookedAtAPath = 32;
+
 /// Points that there is room for.
 uint64_t roomy_points(uint64_t points, const VplChoiceSettings& settings) {
     const uint64_t most = std::min(kMostChosenBytes / (settings.lights * sizeof(gpu::ChosenVplRecord)), points);
@@ -24,10 +27,12 @@ uint64_t roomy_points(uint64_t points, const VplChoiceSettings& settings) {
 
 uint32_t points_of_piece(const gpu::Device& device, uint64_t points, uint32_t lights,
                          const VplChoiceSettings& settings) {
-    const uint64_t by_time = device.paths_per_submit() / looked_at(lights, settings);
+    const uint64_t by_time = kLookedAtAPath * device.paths_per_submit() / looked_at(lights, settings);
     const uint64_t most = std::min(by_time, roomy_points(points, settings));
     return static_cast<uint32_t>(std::max<uint64_t>(most / SPLIT_GROUP, 1) * SPLIT_GROUP);
 }
+
+constexpr uint64_t kChoiceLightBytes = 2 * sizeof(glm::vec4);  // vpl_choice_resampled.comp
 
 /// Nodes of a cut that a thread keeps, where subgroups have at least so many threads.
 constexpr uint32_t kLeastSubgroup = 4;
@@ -50,6 +55,7 @@ VplChoiceGpu::VplChoiceGpu(const gpu::DeviceScene& scene, GBufferGpu& buffer, Vp
       chosen_(scene.device(), "vpl_choice",
               roomy_points(buffer.layout().points(), settings) * settings.lights * sizeof(gpu::ChosenVplRecord)),
       chosen_counts_(scene.device(), "vpl_choice", roomy_points(buffer.layout().points(), settings) * sizeof(uint32_t)),
+      choice_lights_(scene.device(), "vpl_choice", settings.lightcut ? 0 : kChoiceLightBytes * lights.most()),
       cuts_(scene.device(), "vpl_choice",
             roomy_points(buffer.layout().points(), settings) * nodes_a_thread(settings) * sizeof(gpu::CutNode)),
       choose_(scene.device(),
@@ -62,20 +68,30 @@ VplChoiceGpu::VplChoiceGpu(const gpu::DeviceScene& scene, GBufferGpu& buffer, Vp
         throw Error(ErrorCode::Unsupported, "/vpl_choice",
                     "lightcut needs subgroups of 4 threads, of which this device has " +
                         std::to_string(scene.device().limits().subgroup_size));
-    if (settings.lightcut) tree_.emplace(scene.device(), lights.most());
+    if (settings.lightcut)
+        tree_.emplace(scene.device(), lights.most());
+    else
+        copy_lights_.emplace(scene.device(), "renderer/many_lights/vpl_choice_lights.comp", 0, &scene.set(),
+                             scene.specialization());
 }
 
 uint64_t VplChoiceGpu::device_bytes(Size2 film_size, uint32_t most_lights, const VplChoiceSettings& settings) {
     const uint64_t a_point = settings.lights * sizeof(gpu::ChosenVplRecord) + sizeof(uint32_t) +
                              nodes_a_thread(settings) * sizeof(gpu::CutNode);
     return roomy_points(SplitLayout(film_size, 1).points(), settings) * a_point +
-           (settings.lightcut ? VplTreeGpu::device_bytes(most_lights) : 0);
+           (settings.lightcut ? VplTreeGpu::device_bytes(most_lights) : kChoiceLightBytes * most_lights);
 }
 
-uint64_t VplChoiceGpu::work_of_piece() const { return points_at_once_ * looked_at(lights_.likely(), settings_); }
+uint64_t VplChoiceGpu::paths_of_piece() const {
+    return points_at_once_ * looked_at(lights_.likely(), settings_) / kLookedAtAPath;
+}
 
 void VplChoiceGpu::record_lights(gpu::CommandList& commands) {
-    if (tree_) tree_->record(commands, lights_.vpls(), {lights_.counts(), VPL_COUNT});
+    if (tree_) return tree_->record(commands, lights_.vpls(), {lights_.counts(), VPL_COUNT});
+    const gpu::Scope scope(commands, "vpl_generation");
+    commands.bind(*copy_lights_, {gpu::read("counts", lights_.counts()), gpu::read("vpls", lights_.vpls()),
+                                  gpu::write("choice_lights", choice_lights_)});
+    commands.dispatch_threads(lights_.most(), VPL_SET_GROUP);
 }
 
 void VplChoiceGpu::record(gpu::CommandList& commands, const VplVisibilityGpu& visibility, uint32_t piece) {
@@ -90,7 +106,7 @@ void VplChoiceGpu::record(gpu::CommandList& commands, const VplVisibilityGpu& vi
                                 gpu::read_write("cuts", cuts_)});
     else
         commands.bind(choose_, {gpu::read("constants", lighting_.constants()), gpu::read("points", buffer_.points()),
-                                gpu::read("counts", lights_.counts()), gpu::read("vpls", lights_.vpls()),
+                                gpu::read("counts", lights_.counts()), gpu::read("choice_lights", choice_lights_),
                                 gpu::write("chosen", chosen_), gpu::write("chosen_counts", chosen_counts_)});
     commands.push(push);
     commands.dispatch_threads(end - first, SPLIT_GROUP);

@@ -30,8 +30,8 @@ public:
     /// A pass is lit in that many pieces, 0 ..., each short enough for one submit; scope `indirect`.
     uint32_t pieces() const { return pieces_; }
     void record(gpu::CommandList& commands, const VplVisibilityGpu& visibility, uint32_t piece);
-    /// Of a piece, points times lights looked at.
-    uint64_t work_of_piece() const;
+    /// What a piece costs, in paths.
+    uint64_t paths_of_piece() const;
 
 private:
     const VplChoiceSettings settings_;
@@ -39,9 +39,10 @@ private:
     VplSetGpu& lights_;
     VplLightingGpu& lighting_;
     gpu::Buffer& counters_;
-    std::optional<VplTreeGpu> tree_;  // of lightcut
+    std::optional<VplTreeGpu> tree_;                   // of lightcut
+    std::optional<gpu::ComputePipeline> copy_lights_;  // else
     const uint32_t points_at_once_, pieces_;
-    gpu::Buffer chosen_, chosen_counts_, cuts_;
+    gpu::Buffer chosen_, chosen_counts_, choice_lights_, cuts_;
     gpu::ComputePipeline choose_, light_;
 };
 

@@ -17,6 +17,17 @@ static_assert(VPL_VISIBILITY_SVO == static_cast<uint32_t>(VplVisibility::Svo) &&
 /// Lights that a point goes through at a time: the mean that roulette goes by is theirs.
 constexpr uint32_t kLightsAtOnce = 4096;
 
+/// Lights that cost a point about what a path does, which is a dozen rays.
+uint64_t lights_a_path(VplVisibility visibility) {
+    return visibility == VplVisibility::Svo || visibility == VplVisibility::Rays ? 8 : 32;
+}
+
+uint32_t points_at_once(const gpu::Device& device, VplVisibility visibility, uint32_t lights, uint32_t points) {
+    const uint64_t in_time = lights_a_path(visibility) * device.paths_per_submit() / lights;
+    const uint64_t groups = (std::min<uint64_t>(in_time, points) + SPLIT_GROUP - 1) / SPLIT_GROUP;
+    return static_cast<uint32_t>(std::max<uint64_t>(groups, 1)) * SPLIT_GROUP;
+}
+
 uint32_t lights_of_tile(uint32_t lights, const GBufferGpu& buffer) {
     return (lights + buffer.layout().tiles() - 1) / buffer.layout().tiles();
 }
@@ -49,7 +60,7 @@ VplLightingGpu::VplLightingGpu(const gpu::DeviceScene& scene, GBufferGpu& buffer
       seed_(seed),
       settings_(settings),
       lights_at_once_(std::min(lights_of_tile(lights.likely(), buffer), kLightsAtOnce)),
-      points_at_once_(std::max(scene.device().paths_per_submit() / lights_at_once_ / SPLIT_GROUP, 1u) * SPLIT_GROUP),
+      points_at_once_(points_at_once(scene.device(), settings.visibility, lights_at_once_, buffer.layout().points())),
       point_pieces_((buffer.layout().points() + points_at_once_ - 1) / points_at_once_),
       light_pieces_((lights_of_tile(lights.most(), buffer) + lights_at_once_ - 1) / lights_at_once_),
       constants_(scene.device(), "vpl_constants", sizeof(gpu::VplLightingConstants)) {
@@ -57,6 +68,10 @@ VplLightingGpu::VplLightingGpu(const gpu::DeviceScene& scene, GBufferGpu& buffer
         light_.emplace(scene.device(),
                        VplVisibilityGpu::shader("renderer/many_lights/vpl_lighting", settings.visibility),
                        static_cast<uint32_t>(sizeof(gpu::VplLightingPush)), &scene.set(), scene.specialization());
+}
+
+uint64_t VplLightingGpu::paths_of_piece() const {
+    return uint64_t{points_at_once_} * lights_at_once_ / lights_a_path(settings_.visibility);
 }
 
 uint32_t VplLightingGpu::rotation(uint64_t seed, uint32_t pass, uint32_t tiles) {

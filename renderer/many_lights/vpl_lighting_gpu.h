@@ -50,9 +50,8 @@ public:
     /// A pass is lit in that many pieces, 0 ..., each short enough for one submit; scope `indirect`.
     uint32_t pieces() const { return point_pieces_ * light_pieces_; }
     void record(gpu::CommandList& commands, const VplVisibilityGpu& visibility, uint32_t piece);
-    /// Points of a piece, and lights of a tile's subset, at most.
-    uint32_t points_at_once() const { return points_at_once_; }
-    uint32_t lights_at_once() const { return lights_at_once_; }
+    /// What a piece costs, in paths.
+    uint64_t paths_of_piece() const;
 
     gpu::Buffer& constants() { return constants_; }  // VplLightingConstants
 

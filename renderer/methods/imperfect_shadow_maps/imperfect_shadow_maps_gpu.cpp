@@ -63,8 +63,7 @@ struct ImperfectShadowMapsGpu::State {
                      imperfect->record(commands, set->vpls(), {set->counts(), VPL_COUNT}, frame.seed(), pass, piece);
                  }});
         for (uint32_t piece = 0; piece < lighting->pieces(); ++piece)
-            steps.push_back({uint64_t{lighting->points_at_once()} * lighting->lights_at_once(),
-                             [=, this](gpu::CommandList& commands) {
+            steps.push_back({lighting->paths_of_piece(), [=, this](gpu::CommandList& commands) {
                                  lighting->record(commands, {VplVisibility::ShadowMaps, nullptr, &*maps}, piece);
                              }});
     }

@@ -68,10 +68,9 @@ void ReflectiveShadowMapsGpu::State::add_flux_steps(uint32_t pass, DeviceFrame::
                          lighting->record_constants(commands, pass);
                      }});
     for (uint32_t piece = 0; piece < lighting->pieces(); ++piece)
-        steps.push_back(
-            {uint64_t{lighting->points_at_once()} * lighting->lights_at_once(), [=, this](gpu::CommandList& commands) {
-                 lighting->record(commands, {VplVisibility::None, nullptr, nullptr}, piece);
-             }});
+        steps.push_back({lighting->paths_of_piece(), [=, this](gpu::CommandList& commands) {
+                             lighting->record(commands, {VplVisibility::None, nullptr, nullptr}, piece);
+                         }});
 }
 
 void ReflectiveShadowMapsGpu::State::add_paper_steps(uint32_t pass, DeviceFrame::Steps& steps) {

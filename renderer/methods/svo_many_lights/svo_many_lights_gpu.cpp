@@ -182,14 +182,13 @@ void SvoManyLightsGpu::State::add_lighting_steps(uint32_t pass, DeviceFrame::Ste
     VplLightingGpu& lighting = lights->lighting;
     const uint32_t choice_pieces = lights->choice ? lights->choice->pieces() : 0;
     for (uint32_t piece = 0; piece < choice_pieces; ++piece)
-        steps.push_back({lights->choice->work_of_piece(), [=, this](gpu::CommandList& commands) {
+        steps.push_back({lights->choice->paths_of_piece(), [=, this](gpu::CommandList& commands) {
                              lights->choice->record(commands, lights->visibility(params.visibility), piece);
                          }});
     for (uint32_t piece = 0; piece < lighting.pieces() && !lights->choice; ++piece)
-        steps.push_back(
-            {uint64_t{lighting.points_at_once()} * lighting.lights_at_once(), [=, this](gpu::CommandList& commands) {
-                 lights->lighting.record(commands, lights->visibility(params.visibility), piece);
-             }});
+        steps.push_back({lighting.paths_of_piece(), [=, this](gpu::CommandList& commands) {
+                             lights->lighting.record(commands, lights->visibility(params.visibility), piece);
+                         }});
     steps.push_back({0, [this](gpu::CommandList& commands) { record_layers(commands); }});
     for (uint32_t piece = 0; lights->caustics && piece < lights->caustics->pieces(); ++piece)
         steps.push_back({device.paths_per_submit(),
