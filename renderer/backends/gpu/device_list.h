@@ -17,6 +17,7 @@ struct Limits {
     uint32_t workgroup_size = 0;
     uint32_t workgroups[3]{};  // of one dispatch
     uint32_t subgroup_size = 0;
+    bool keeps_infinities = false;  // shaders can ask for IEEE 754's infinities, NaN and signs of 0 in 32 bits
     uint32_t image_side = 0;
     double timestamp_seconds = 0;  // of one tick; 0: no timestamps
 };

@@ -25,7 +25,8 @@ VKAPI_ATTR VkBool32 VKAPI_CALL count_message(VkDebugUtilsMessageSeverityFlagBits
 }
 
 Limits limits_of(VkPhysicalDevice device) {
-    VkPhysicalDeviceVulkan11Properties v11{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES};
+    VkPhysicalDeviceVulkan12Properties v12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_PROPERTIES};
+    VkPhysicalDeviceVulkan11Properties v11{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES, &v12};
     VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &v11};
     vkGetPhysicalDeviceProperties2(device, &properties);
     const VkPhysicalDeviceLimits& vk = properties.properties.limits;
@@ -38,6 +39,7 @@ Limits limits_of(VkPhysicalDevice device) {
     limits.workgroup_size = std::min(vk.maxComputeWorkGroupInvocations, vk.maxComputeWorkGroupSize[0]);
     for (int i = 0; i < 3; ++i) limits.workgroups[i] = vk.maxComputeWorkGroupCount[i];
     limits.subgroup_size = v11.subgroupSize;
+    limits.keeps_infinities = v12.shaderSignedZeroInfNanPreserveFloat32 == VK_TRUE;
     limits.image_side = vk.maxImageDimension2D;
     limits.timestamp_seconds = vk.timestampComputeAndGraphics ? 1e-9 * double{vk.timestampPeriod} : 0.0;
     return limits;

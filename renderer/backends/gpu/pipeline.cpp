@@ -158,7 +158,8 @@ std::string key_of(const Shader& shader, std::span<const Specialization> constan
 ShaderStage::ShaderStage(Device& device, VkShaderStageFlagBits stage, const Shader& shader,
                          std::span<const Specialization> constants)
     : device_(device) {
-    const std::vector<uint32_t> words = specialized(shader, constants);
+    std::vector<uint32_t> words = specialized(shader, constants);
+    if (device.limits().keeps_infinities) words = with_infinities(words);
     VkShaderModuleCreateInfo module{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
     module.codeSize = words.size() * sizeof(uint32_t);
     module.pCode = words.data();

@@ -35,4 +35,23 @@ std::vector<uint32_t> specialized(const Shader& shader, std::span<const Speciali
     return words;
 }
 
+std::vector<uint32_t> with_infinities(std::span<const uint32_t> words) {
+    enum : uint32_t { kOpEntryPoint = 15, kOpExecutionMode = 16, kOpCapability = 17 };  // SPIR-V 1.6, section 3.42
+    enum : uint32_t { kCapability = 4466, kExecutionMode = 4461 };                      // SignedZeroInfNanPreserve
+    constexpr size_t kHeader = 5;
+    if (words.size() < kHeader) throw Error(ErrorCode::Internal, "a shader's SPIR-V is cut off");
+    std::vector<uint32_t> kept(words.begin(), words.begin() + kHeader);
+    kept.insert(kept.end(), {2u << 16 | kOpCapability, kCapability});
+    for (size_t i = kHeader; i < words.size();) {
+        const uint32_t length = words[i] >> 16;
+        if (length == 0 || i + length > words.size()) throw Error(ErrorCode::Internal, "a shader's SPIR-V is cut off");
+        const std::span<const uint32_t> op = words.subspan(i, length);
+        kept.insert(kept.end(), op.begin(), op.end());
+        if ((op[0] & 0xffffu) == kOpEntryPoint)
+            kept.insert(kept.end(), {4u << 16 | kOpExecutionMode, op[2], kExecutionMode, 32});
+        i += length;
+    }
+    return kept;
+}
+
 }  // namespace photond::gpu

@@ -25,4 +25,9 @@ inline Specialization specialize(uint32_t id, float value) { return {id, std::bi
 /// where the words are no SPIR-V.
 std::vector<uint32_t> specialized(const Shader& shader, std::span<const Specialization> constants);
 
+/// The shader's words, held to what IEEE 754 says of infinities, NaN and the sign of 0 in 32 bits. Unless a shader asks
+/// for that, a driver may take it that there are none [SPIR-V 1.6, SignedZeroInfNanPreserve]; for devices with
+/// Limits::keeps_infinities. Throws ErrorCode::Internal where the words are no SPIR-V.
+std::vector<uint32_t> with_infinities(std::span<const uint32_t> words);
+
 }  // namespace photond::gpu

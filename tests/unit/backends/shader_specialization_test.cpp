@@ -50,6 +50,26 @@ TEST(ShaderSpecialization, IsTheSameEachTimeAndPassesOverForeignConstants) {
     EXPECT_NE(specialized(shader, own), specialized(shader, {}));
 }
 
+// One capability and one mode of its entry point more; all that was there stands as it did.
+TEST(ShaderSpecialization, KeepsInfinitiesByACapabilityAndAMode) {
+    const std::vector<uint32_t> words =
+        specialized(gpu::find_shader("renderer/methods/path_tracing/path_tracing.comp"), needs(true));
+    const std::vector<uint32_t> kept = gpu::with_infinities(words);
+    constexpr size_t kAdded = 2 + 4;
+    ASSERT_EQ(kept.size(), words.size() + kAdded);
+    const std::vector<uint32_t> capability = {2u << 16 | 17u, 4466};  // OpCapability SignedZeroInfNanPreserve
+    EXPECT_TRUE(std::equal(capability.begin(), capability.end(), kept.begin() + 5)) << "first after the header";
+    const std::vector<uint32_t> mode = {4461, 32};
+    const auto at = std::search(kept.begin(), kept.end(), mode.begin(), mode.end());
+    ASSERT_NE(at, kept.end());
+    std::vector<uint32_t> rest(kept.begin(), at - 2);
+    rest.insert(rest.end(), at + 2, kept.end());
+    rest.erase(rest.begin() + 5, rest.begin() + 7);
+    EXPECT_EQ(rest, words);
+    EXPECT_EQ(*(at - 2), 4u << 16 | 16u) << "OpExecutionMode";
+    EXPECT_THROW(gpu::with_infinities(std::vector<uint32_t>{1, 2, 3}), Error);
+}
+
 TEST(ShaderSpecialization, SaysWhichShaderIsNone) {
     const std::vector<uint32_t> words = {1, 2, 3};
     try {
