@@ -4,7 +4,6 @@
 #extension GL_EXT_scalar_block_layout : require
 
 #include "renderer/backends/gpu/invocation.glsl"
-#include "renderer/many_lights/vpl_choice_shared.h"
 #include "renderer/many_lights/vpl_set_shared.h"
 #include "renderer/many_lights/vpl_tree.glsl"
 

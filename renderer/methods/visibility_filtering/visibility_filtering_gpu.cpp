@@ -175,9 +175,9 @@ void VisibilityFilteringGpu::State::add_light_steps(uint32_t pass, DeviceFrame::
         for (uint32_t piece = 0; piece < lit->lists->pieces(); ++piece)
             steps.push_back({lit->lists->paths_of_piece(),
                              [=, this](gpu::CommandList& commands) { lit->lists->record(commands, piece); }});
-    // What a point costs, in paths: a far voxel is a load and a few products, and a path a dozen rays.
-    constexpr uint64_t kVoxelsAPath = 32;
-    const uint64_t cost = std::max<uint64_t>(lit->proxies.grid().slots / kVoxelsAPath, 1);
+    // What a point costs, in paths: a far voxel is a load and a few products, or a shadow ray; a path is a dozen rays.
+    const uint64_t voxels_a_path = params.asks_rays() ? 8 : 32;
+    const uint64_t cost = std::max<uint64_t>(lit->proxies.grid().slots / voxels_a_path, 1);
     const auto at_once = static_cast<uint32_t>(std::max<uint64_t>(device.paths_per_submit() / cost, LISTS_GROUP) /
                                                LISTS_GROUP * LISTS_GROUP);
     const uint32_t all = points.layout().points();
