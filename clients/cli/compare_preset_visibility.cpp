@@ -84,7 +84,7 @@ PresetComparison beside(std::string_view name, std::string_view scene) {
     return comparison;
 }
 
-/// Narrow lobes by the BSDF and by the paper's Gaussian (Figure 6 changes the glossiness; scenes here have their own).
+/// Narrow lobes by the BSDF and by the paper's Gaussian, as the glossiness changes (Figure 6).
 PresetComparison gloss(std::string_view name, std::string_view scene) {
     PresetComparison comparison = one_bounce_on(name, scene, "", "");
     const std::string paper = kProxiesPaper + ",proxies=24000,voxels=6,march_subsampling=8,lists=bits";
@@ -108,6 +108,9 @@ ComparePreset visibility_filtering_paper() {
         beside("beside-spot", "cornell-box-spot"),
         beside("beside-glossy", "cornell-box-glossy"),
         beside("beside-interior", "interior"),
+        gloss("gloss-10", "visibility-filtering/glossiness-10"),
+        gloss("gloss-30", "visibility-filtering/glossiness-30"),
+        gloss("gloss-50", "visibility-filtering/glossiness-50"),
         gloss("gloss-box", "cornell-box-glossy"),
         gloss("gloss-interior", "interior"),
     };

@@ -135,4 +135,23 @@ Scene make_cornell_box_glossy() {
     return scene;
 }
 
+namespace {
+
+/// Brushed floor and tall block, GGX of the same width as a lobe of Phong's with that exponent: alpha^2 = 2 / (exponent
+/// + 2) [Walter 2007, section 5.3], and roughness^2 = alpha.
+Scene make_box_of_glossiness(float exponent) {
+    const float roughness = std::pow(2 / (exponent + 2), 0.25f);
+    Scene scene = make_room(metal("brushed floor", kWhite, roughness));
+    add_ceiling_light(scene);
+    add_short_block(scene, 0);
+    add_tall_block(scene, add_material(scene, metal("brushed copper", {0.955f, 0.638f, 0.538f}, roughness)));
+    return scene;
+}
+
+}  // namespace
+
+Scene make_box_of_glossiness_10() { return make_box_of_glossiness(10); }
+Scene make_box_of_glossiness_30() { return make_box_of_glossiness(30); }
+Scene make_box_of_glossiness_50() { return make_box_of_glossiness(50); }
+
 }  // namespace photond

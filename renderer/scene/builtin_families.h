@@ -11,6 +11,10 @@ Scene make_cornell_box();
 Scene make_cornell_box_spot();
 Scene make_cornell_box_glass();
 Scene make_cornell_box_glossy();
+// Of Figure 6 of the paper on visibility filtering.
+Scene make_box_of_glossiness_10();
+Scene make_box_of_glossiness_30();
+Scene make_box_of_glossiness_50();
 
 // builtin_studies.cpp: small scenes that each show one thing.
 Scene make_furnace();

@@ -68,6 +68,12 @@ constexpr std::array kDoors = {
     BuiltinScene{"doors/ajar", make_ajar_door},
 };
 
+constexpr std::array kVisibilityFiltering = {
+    BuiltinScene{"visibility-filtering/glossiness-10", make_box_of_glossiness_10},
+    BuiltinScene{"visibility-filtering/glossiness-30", make_box_of_glossiness_30},
+    BuiltinScene{"visibility-filtering/glossiness-50", make_box_of_glossiness_50},
+};
+
 template <size_t N>
 constexpr std::array<std::string_view, N> names_of(const std::array<BuiltinScene, N>& scenes) {
     std::array<std::string_view, N> names;
@@ -81,13 +87,14 @@ constexpr auto kCausticNames = names_of(kCaustics);
 constexpr auto kProgressiveNames = names_of(kProgressive);
 constexpr auto kSmallVcmNames = names_of(kSmallVcm);
 constexpr auto kDoorNames = names_of(kDoors);
+constexpr auto kVisibilityNames = names_of(kVisibilityFiltering);
 
 const BuiltinScene* find_builtin(std::string_view name) {
     for (const std::span<const BuiltinScene> scenes :
          {std::span<const BuiltinScene>(kBuiltinScenes), std::span<const BuiltinScene>(kSplattingFigures),
           std::span<const BuiltinScene>(kDetails), std::span<const BuiltinScene>(kCaustics),
           std::span<const BuiltinScene>(kProgressive), std::span<const BuiltinScene>(kSmallVcm),
-          std::span<const BuiltinScene>(kDoors)})
+          std::span<const BuiltinScene>(kDoors), std::span<const BuiltinScene>(kVisibilityFiltering)})
         for (const BuiltinScene& builtin : scenes)
             if (builtin.name == name) return &builtin;
     return nullptr;
@@ -104,8 +111,9 @@ std::span<const std::string_view> builtin_scene_names(std::string_view family) {
             if (hard_case.make) names.push_back(hard_case.name);
         return names;
     }();
-    const std::span<const std::string_view> of_families[] = {
-        kHardCases, kSplattingNames, kDetailNames, kCausticNames, kProgressiveNames, kSmallVcmNames, kDoorNames};
+    const std::span<const std::string_view> of_families[] = {kHardCases,    kSplattingNames,   kDetailNames,
+                                                             kCausticNames, kProgressiveNames, kSmallVcmNames,
+                                                             kDoorNames,    kVisibilityNames};
     static_assert(std::size(of_families) == kSceneFamilies.size());
     std::string known;
     for (size_t i = 0; i < kSceneFamilies.size(); ++i) {
