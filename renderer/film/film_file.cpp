@@ -17,14 +17,15 @@ namespace photond {
 namespace {
 
 constexpr char kMagic[8] = {'P', 'H', 'O', 'T', 'F', 'I', 'L', 'M'};
-constexpr uint32_t kVersion = 7;
+constexpr uint32_t kVersion = 8;
 constexpr uint32_t kOldestVersion = 1;
-constexpr uint32_t kVersionOfIdentity = 3;  // identity, history and ranges follow the header
-constexpr uint32_t kVersionOfOrigin = 5;    // and then the origin
-constexpr uint32_t kVersionOfMeans = 6;     // and then what passes say of the image's mean
-constexpr uint32_t kVersionOfState = 7;     // and then the method's state
-constexpr size_t kLayersOfVersion1 = 9;     // all up to standard_error
-constexpr size_t kLayersOfVersion3 = 11;    // all up to overlap
+constexpr uint32_t kVersionOfIdentity = 3;    // identity, history and ranges follow the header
+constexpr uint32_t kVersionOfOrigin = 5;      // and then the origin
+constexpr uint32_t kVersionOfMeans = 6;       // and then what passes say of the image's mean
+constexpr uint32_t kVersionOfState = 7;       // and then the method's state
+constexpr uint32_t kVersionOfMoreLayers = 8;  // than 32: written only where there are any of those
+constexpr size_t kLayersOfVersion1 = 9;       // all up to standard_error
+constexpr size_t kLayersOfVersion3 = 11;      // all up to overlap
 constexpr uint32_t kVersionOfAllLayers = 4;
 constexpr size_t kBlockValues = 1 << 12;  // sums a block: 64 KiB at most, which malloc takes from memory it has
 constexpr size_t kBlocksAtOnce = 64;      // encoded side by side before they are written in order
@@ -41,7 +42,7 @@ struct Header {
     uint32_t height;
     uint32_t layers;  // bit i: kLayers[i]
     uint32_t passes;
-    uint32_t reserved;
+    uint32_t more_layers;  // bit i: kLayers[32 + i]; 0 in older versions
     uint64_t nan_count;
     uint64_t infinity_count;
     char digest[kDigestBytes];  // of all that comes before it
@@ -197,10 +198,13 @@ size_t known_layers_of(uint32_t version) {
     return version == 1 ? kLayersOfVersion1 : version < kVersionOfAllLayers ? kLayersOfVersion3 : kLayerCount;
 }
 
+/// Bit i: kLayers[i].
+uint64_t layer_bits(const Header& header) { return uint64_t{header.more_layers} << 32 | header.layers; }
+
 LayerSet layers_of(const Header& header) {
     LayerSet layers;
     for (const LayerInfo& info : kLayers)
-        if (header.layers >> static_cast<unsigned>(info.layer) & 1u) layers.add(info.layer);
+        if (layer_bits(header) >> static_cast<unsigned>(info.layer) & 1u) layers.add(info.layer);
     return layers;
 }
 
@@ -215,10 +219,10 @@ Header read_header(Reader& reader, const std::filesystem::path& path) {
                                                 std::to_string(header.version) + "; this program reads " +
                                                 std::to_string(kOldestVersion) + " to " + std::to_string(kVersion));
     const size_t known_layers = known_layers_of(header.version);
-    if (header.version >= kVersionOfAllLayers && header.layers >> known_layers != 0)
+    if (header.version >= kVersionOfAllLayers && layer_bits(header) >> known_layers != 0)
         throw Error(ErrorCode::Unsupported, "the film file " + path.filename().string() +
                                                 " has layers that this program does not know: a newer one wrote it");
-    if (header.width > kMaxSide || header.height > kMaxSide || header.layers >> known_layers != 0)
+    if (header.width > kMaxSide || header.height > kMaxSide || layer_bits(header) >> known_layers != 0)
         damaged(path, "its size or layers are out of range");
     return header;
 }
@@ -266,10 +270,12 @@ void FilmFile::save(const Film& film, const FilmIdentity& identity, const std::s
     AtomicFile file(path);
     Header header{};
     std::memcpy(header.magic, kMagic, sizeof kMagic);
-    header.version = kVersion;
     header.width = film.size_.width, header.height = film.size_.height;
-    for (const LayerInfo& info : kLayers)
-        if (film.layers_.has(info.layer)) header.layers |= 1u << static_cast<unsigned>(info.layer);
+    for (const LayerInfo& info : kLayers) {
+        const auto bit = static_cast<unsigned>(info.layer);
+        if (film.layers_.has(info.layer)) (bit < 32 ? header.layers : header.more_layers) |= 1u << bit % 32;
+    }
+    header.version = header.more_layers != 0 ? kVersion : kVersionOfMoreLayers - 1;
     header.passes = film.passes_, header.nan_count = film.nan_count_, header.infinity_count = film.infinity_count_;
     std::memcpy(header.digest, digest_of(&header, offsetof(Header, digest)).data(), kDigestBytes);
     file.write(&header, sizeof header);

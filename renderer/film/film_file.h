@@ -36,7 +36,8 @@ struct FilmFacts {
 /// each as its widest one needs, and ends with the first 16 bytes of its SHA-256. Little-endian. Files of versions 1
 /// (without the layers added since), 2 (without identity, history and ranges), 4 (without origin), 5 (without pass
 /// means) and 6 (without state) are read all the same: their identity is empty and their passes begin at 0, their
-/// origin is empty, their pass means are of no pass, their state is empty.
+/// origin is empty, their pass means are of no pass, their state is empty. Version 8 is written where there are layers
+/// beyond the first 32, which programs of before would not know of, else 7.
 class FilmFile {
 public:
     /// Writes beside, fsyncs and renames. Throws ErrorCode::NoSpace when the disk is full.

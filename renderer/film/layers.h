@@ -40,8 +40,10 @@ enum class Layer : uint8_t {
     ProxyVoxels,
     VisibilityCount,
     ListsBeforeFilter,
+    CacheCells,
+    CacheSamples,
 };
-inline constexpr size_t kLayerCount = 31;
+inline constexpr size_t kLayerCount = 33;
 
 /// How the passes' values become the image's.
 enum class LayerMean : uint8_t {
@@ -142,6 +144,10 @@ inline constexpr std::array<LayerInfo, kLayerCount> kLayers = [] {
          "voxels that count as visible from the pixel's part of the image"},
         {ListsBeforeFilter, "lists_before_filter", "Y", Passes, P::Scale, Some, "",
          "voxels that its own rays have met, before the visibility filter"},
+        {CacheCells, "cache_cells", "RGB", Passes, P::Light, Some, "",
+         "the cell of the radiance cache that the pixel's place lies in, a colour each"},
+        {CacheSamples, "cache_samples", "Y", Passes, P::Scale, Some, "",
+         "that the cell has of the paths which filled the cache"},
     }};
 }();
 constexpr const LayerInfo& layer_info(Layer layer) { return kLayers[static_cast<size_t>(layer)]; }
@@ -157,8 +163,8 @@ class LayerSet {
 public:
     constexpr LayerSet() = default;
     constexpr bool has(Layer layer) const { return (bits_ >> static_cast<unsigned>(layer)) & 1u; }
-    constexpr void add(Layer layer) { bits_ |= 1u << static_cast<unsigned>(layer); }
-    constexpr void remove(Layer layer) { bits_ &= ~(1u << static_cast<unsigned>(layer)); }
+    constexpr void add(Layer layer) { bits_ |= bit_of(layer); }
+    constexpr void remove(Layer layer) { bits_ &= ~bit_of(layer); }
     /// Whether a pass fills it: standard errors come of the passes together.
     constexpr bool has_in_passes(Layer layer) const { return layer != Layer::StandardError && has(layer); }
     /// Whether samples that met a surface are counted: there is an auxiliary layer to be divided by them.
@@ -176,7 +182,10 @@ public:
     constexpr bool operator==(const LayerSet&) const = default;
 
 private:
-    uint32_t bits_ = 0b111;
+    static_assert(kLayerCount <= 64);
+    static constexpr uint64_t bit_of(Layer layer) { return uint64_t{1} << static_cast<unsigned>(layer); }
+
+    uint64_t bits_ = 0b111;
 };
 
 }  // namespace photond

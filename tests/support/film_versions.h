@@ -33,11 +33,14 @@ inline std::pair<size_t, size_t> place_of_part(const std::string& film, int part
 }
 
 /// A film's file with another version, and further layers, in its header.
-inline std::string relabelled(const std::string& film, uint32_t version, uint32_t extra_layers = 0) {
-    uint32_t layers;
+inline std::string relabelled(const std::string& film, uint32_t version, uint64_t extra_layers = 0) {
+    uint32_t layers, passes, more_layers;
     std::memcpy(&layers, &film[20], sizeof layers);
-    const std::string head =
-        film.substr(0, 8) + raw(version) + film.substr(12, 8) + raw(layers | extra_layers) + film.substr(24, 24);
+    std::memcpy(&passes, &film[24], sizeof passes);
+    std::memcpy(&more_layers, &film[28], sizeof more_layers);
+    const std::string head = film.substr(0, 8) + raw(version) + film.substr(12, 8) +
+                             raw(layers | static_cast<uint32_t>(extra_layers)) + raw(passes) +
+                             raw(more_layers | static_cast<uint32_t>(extra_layers >> 32)) + film.substr(32, 16);
     return head + film_digest(head) + film.substr(80);
 }
 

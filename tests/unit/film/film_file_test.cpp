@@ -175,7 +175,7 @@ TEST_F(FilmFileTest, ReadsTheVersionsBeforeIdentity) {
     write(old_film(1, kPhotonCount));  // a layer that version did not have
     EXPECT_NE(refusal().find("layers"), std::string::npos);
     write(old_film(8));
-    EXPECT_NE(refusal(ErrorCode::Unsupported).find("reads 1 to 7"), std::string::npos);
+    EXPECT_NE(refusal(ErrorCode::Unsupported).find("reads 1 to 8"), std::string::npos);
     write(old_film(0));
     EXPECT_NE(refusal(ErrorCode::Unsupported).find("version 0"), std::string::npos);
 }
@@ -200,11 +200,28 @@ TEST_F(FilmFileTest, ReadsTheVersionBeforeTheLooksAtMethods) {
         EXPECT_EQ(of_version_4(bytes()), now) << "the same sums, of version " << version;
     }
     for (const LayerInfo& info : new_layers) {
-        write(relabelled(now, 3, 1u << static_cast<unsigned>(info.layer)));
+        write(relabelled(now, 3, uint64_t{1} << static_cast<unsigned>(info.layer)));
         EXPECT_NE(refusal().find("layers"), std::string::npos) << info.name;
     }
-    write(relabelled(now, 4, 1u << kLayerCount));
+    write(relabelled(now, 4, uint64_t{1} << kLayerCount));
     EXPECT_NE(refusal(ErrorCode::Unsupported).find("layers that this program does not know"), std::string::npos);
+}
+
+// Programs of before refuse what has layers that they cannot name, and read what has none.
+TEST_F(FilmFileTest, SaysByItsVersionWhetherItHasMoreLayersThanThirtyTwo) {
+    const auto version_with = [&](LayerSet layers) {
+        const Film film = film_of_range({3, 2}, layers, 0, 2);
+        FilmFile::save(film, kIdentity, kHistory, path);
+        EXPECT_TRUE(FilmFile::load(path).film == film);
+        uint32_t version;
+        std::memcpy(&version, &bytes()[8], sizeof version);
+        return version;
+    };
+    LayerSet one_more;
+    one_more.add(Layer::CacheSamples);
+    ASSERT_GE(static_cast<size_t>(Layer::CacheSamples), 32u);
+    EXPECT_EQ(version_with(LayerSet()), 7u);
+    EXPECT_EQ(version_with(one_more), 8u);
 }
 
 // What came with version 6 are the passes' means: they are known of the passes that are added afterwards alone.
