@@ -315,6 +315,11 @@ json statistics_schema() {
                                 {"passes", count()}}),
                          {{"photon_rays_saved",
                            with_text(count(), "that photons need not trace, as they share where light first arrives")},
+                          {"cache_hits",
+                           with_text(count(), "vertices at which a cache of radiance was asked and knew enough")},
+                          {"cache_misses",
+                           with_text(count(), "... and did not know enough: the path went on as if there were none")},
+                          {"cache_refused", with_text(count(), "samples for which the cache had no room")},
                           {"photons_by_bounce", with_text(or_null(list_of(count())),
                                                           "stored after 1, 2 ... scatterings, the last: or more; null "
                                                           "where the method does not tell")}})},

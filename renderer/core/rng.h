@@ -21,7 +21,8 @@ enum class RandomDomain : uint32_t {
     LightPaths = 9,
     Connections = 10,
     MergingDiscs = 11,
-    Proxies = 12
+    Proxies = 12,
+    CacheTraining = 13
 };
 
 /// A good 32-bit mixing function. [Wellons 2018] "Prospecting for Hash Functions", lowbias32.

@@ -26,6 +26,9 @@ Counts& Counts::operator+=(const Counts& other) {
     nan_samples += other.nan_samples;
     infinite_samples += other.infinite_samples;
     photon_rays_saved += other.photon_rays_saved;
+    cache_hits += other.cache_hits;
+    cache_misses += other.cache_misses;
+    cache_refused += other.cache_refused;
     for (size_t i = 0; i < kBounces; ++i) photons_by_bounce[i] += other.photons_by_bounce[i];
     return *this;
 }

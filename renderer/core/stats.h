@@ -24,6 +24,9 @@ struct Counts {
     uint64_t nan_samples = 0;          // dropped
     uint64_t infinite_samples = 0;     // dropped
     uint64_t photon_rays_saved = 0;    // that photons need not trace, as they share where light first arrives
+    uint64_t cache_hits = 0;           // vertices at which a cache of radiance was asked and knew enough
+    uint64_t cache_misses = 0;         // ... and did not
+    uint64_t cache_refused = 0;        // samples for which it had no room
 
     static constexpr size_t kBounces = 8;
     std::array<uint64_t, kBounces> photons_by_bounce{};  // stored after 1, 2 ... scatterings, or as many and more;

@@ -13,6 +13,7 @@
     METHOD(photon_splatting)                         \
     METHOD(probabilistic_progressive_photon_mapping) \
     METHOD(progressive_photon_mapping)               \
+    METHOD(radiance_cache)                           \
     METHOD(reflective_shadow_maps)                   \
     METHOD(reverse_photon_mapping)                   \
     METHOD(stochastic_progressive_photon_mapping)    \

@@ -22,7 +22,10 @@ constexpr std::pair<const char*, uint64_t Counts::*> kCounts[] = {{"camera_rays"
                                                                   {"voxels", &Counts::voxels},
                                                                   {"nan_samples", &Counts::nan_samples},
                                                                   {"infinite_samples", &Counts::infinite_samples},
-                                                                  {"photon_rays_saved", &Counts::photon_rays_saved}};
+                                                                  {"photon_rays_saved", &Counts::photon_rays_saved},
+                                                                  {"cache_hits", &Counts::cache_hits},
+                                                                  {"cache_misses", &Counts::cache_misses},
+                                                                  {"cache_refused", &Counts::cache_refused}};
 static_assert((std::size(kCounts) + Counts::kBounces) * sizeof(uint64_t) == sizeof(Counts),
               "a count is missing from the table");
 constexpr const char* kPhotonsByBounce = "photons_by_bounce";

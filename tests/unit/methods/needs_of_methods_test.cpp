@@ -12,6 +12,7 @@
 #include "renderer/methods/image_based_lighting/image_based_lighting.h"
 #include "renderer/methods/photon_mapping/photon_mapping.h"
 #include "renderer/methods/photon_splatting/photon_splatting.h"
+#include "renderer/methods/radiance_cache/params.h"
 #include "renderer/methods/registry.h"
 #include "renderer/methods/reverse_photon_mapping/reverse_photon_mapping.h"
 #include "renderer/methods/svo_many_lights/svo_many_lights.h"
@@ -117,6 +118,7 @@ void blind(PhotonSplattingParams& p) { p.visibility = false; }
 void no_bounces(PhotonSplattingParams& p) { p.bounces = 0; }
 void no_lights(SvoManyLightsParams& p) { p.bounces = 0; }
 void small_maps(ImageBasedLightingParams& p) { p.prefilter_resolution = 64, p.prefilter_levels = 4; }
+void without_cached_bounces(RadianceCacheParams& p) { p.indirect_bounces = 0; }
 void by_voxels(SvoManyLightsParams& p) { p.visibility = VplVisibility::Svo, p.voxel_resolution = 64; }
 
 /// A part of a method, where it is skipped and where it is not.
@@ -233,6 +235,16 @@ std::vector<Part> parts() {
          kSmallMaps,
          {"prefiltered_environment"},
          {"prefilter"},
+         1.01},
+        {"radiance_cache", "directions of cells", box, set_nothing, glossy, set_nothing, {}, {}},
+        {"radiance_cache",
+         "radiance cache",
+         box,
+         set_as<RadianceCacheParams, without_cached_bounces>,
+         box,
+         set_nothing,
+         {"radiance_cache"},
+         {"cache_fill"},
          1.01},
     };
     constexpr SetParams kProgressive = set_as<ProgressiveParams, progressive>,

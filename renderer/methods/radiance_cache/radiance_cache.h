@@ -1,0 +1,56 @@
+#pragma once
+#include "renderer/frame/method.h"
+#include "renderer/methods/radiance_cache/params.h"
+
+namespace photond {
+
+/// A world-space radiance cache: paths from the eye end in it at the first rough vertex past the first bounce.
+///
+/// What the eye sees first, direct light there, and paths through what is specular are traced as ever. From each point
+/// that waits for indirect light rays are gathered; where one ends, a hash grid of cells says what the surface sends
+/// on, direct light and all bounces. Few paths fill the cells before: each vertex is a sample of its cell, and all but
+/// the first of them end in what is known already. So a path costs two or three rays instead of a dozen, and the light
+/// that it brings is the mean of hundreds of samples instead of one.
+///
+/// A cell's side follows from its distance to the eye and from the length of the ray that asks (cell_grid.h); sides of
+/// a thin wall, and directions of what is not Lambert, are apart. Where no cell knows enough the path goes on as in
+/// path tracing. Memory is fixed; what finds no room is not kept (radiance_cells.h).
+///
+/// Biased by the cells' width; with `shrink` they shrink from pass to pass, and the mean of the passes converges. A
+/// cache serves a block of 1, 2, 4, 8 and then 16 passes and is filled by as many passes' paths: what a pass is follows
+/// from its index alone. Strong where light bounces often and softly; caustics are as noisy as path tracing's, or
+/// worse, as they are blurred by the cells.
+///
+/// [Binder, Fricke, Keller 2018] Fast Path Space Filtering by Jittered Spatial Hashing. SIGGRAPH Talks.
+/// [Müller et al. 2021] Real-time Neural Radiance Caching for Path Tracing. ACM TOG 40(4) (where paths end).
+/// [Boissé et al. 2023] GI-1.0: A Fast and Scalable Two-level Radiance Caching Scheme for Real-Time GI.
+class RadianceCache final : public Method {
+public:
+    static constexpr const char* kName = "radiance_cache";
+    using Params = RadianceCacheParams;
+
+    explicit RadianceCache(const RadianceCacheParams& params);
+    ~RadianceCache() override;
+    /// What begin() will record.
+    static uint64_t estimate_bytes(const RadianceCacheParams& params, const Workload& workload);
+
+    void begin(const RenderContext& context, Stats& stats) override;
+    void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) override;
+    void resolve(Film& film) override;
+
+private:
+    struct State;
+
+    const RadianceCacheParams params_;
+    std::unique_ptr<State> state_;
+};
+
+/// The passes that a cache serves: as many as it is filled by.
+struct CacheBlock {
+    uint32_t first = 0;
+    uint32_t passes = 1;
+};
+/// The block that a pass lies in: of 1, 2, 4, 8 passes, and of 16 from then on.
+CacheBlock cache_block_of(uint32_t pass);
+
+}  // namespace photond
