@@ -234,11 +234,10 @@ void CachedPaths::shade(const Pass& pass, const GatherPoint& origin, uint32_t ve
             ++(known.samples > 0 ? pass.counts.cache_hits : pass.counts.cache_misses);
         }
         if (known.samples > 0) {
-            ++path.scatterings;
-            path.caustic = false;
-            add(pass, origin, path, rough.albedo() * known.radiance);
-            --path.scatterings;
-            path.caustic = batch_.paths[i].caustic;
+            Path ended = path;
+            ++ended.scatterings;
+            ended.caustic = false;
+            add(pass, origin, ended, rough.albedo() * known.radiance);
             if (bsdf.is_lambert()) return;
             bsdf = bsdf.specular_part(pass.params.glossy_threshold);
         } else if (level && training_ && record_count_[path.trail] < kMostRecords) {
@@ -300,7 +299,11 @@ void CachedPaths::shade(const Pass& pass, const GatherPoint& origin, uint32_t ve
         path.media.cross(surface.material, surface.front_side);
     }
     const float hope = max_component(path.throughput) * path.eta_scale;
-    if (!(hope > 0) || !is_finite(path.throughput)) return;
+    if (!is_finite(path.throughput)) {  // shown, not hidden: film and samples drop and count it
+        add(pass, origin, path, path.throughput);
+        return;
+    }
+    if (!(hope > 0)) return;
     if (vertex + 1 >= ROULETTE_START) {
         const float survival = std::min(hope, ROULETTE_MOST_SURVIVAL);
         if (!(choice.y < survival)) return;

@@ -18,9 +18,8 @@ void RadianceCacheParams::visit(ParamVisitor& visitor) {
     visitor.enumeration(
         "second_bounces", second_bounces,
         {Gathering, kSecondBounces,
-         "where the paths that fill the cache end: at the end of the light's way, as any path (paths), or in cells "
-         "that "
-         "know enough already (cache): sooner done, but what the first ones got wrong stays in the others"});
+         "where the paths that fill the cache end: as any path does (paths), or in cells that know enough already, "
+         "which is sooner done, but keeps what the first ones got wrong (cache); where bounces are limited all go on"});
     visitor.field("cell_size", cell_size,
                   {DensityEstimate, "", 1e-4, 1,
                    "side of the cells that light is averaged in, over their distance from the eye, at most: smaller "

@@ -8,9 +8,8 @@ namespace photond {
 ///
 /// What the eye sees first, direct light there, and paths through what is specular are traced as ever. From each point
 /// that waits for indirect light rays are gathered; where one ends, a hash grid of cells says what the surface sends
-/// on, direct light and all bounces. Few paths fill the cells before: each vertex is a sample of its cell, and all but
-/// the first of them end in what is known already. So a path costs two or three rays instead of a dozen, and the light
-/// that it brings is the mean of hundreds of samples instead of one.
+/// on, direct light and all bounces. Few paths, of all bounces, fill the cells before: each of their vertices is a
+/// sample of its cell. So the light that a gather ray brings is the mean of many samples, and costs no more than a ray.
 ///
 /// A cell's side follows from its distance to the eye and from the length of the ray that asks (cell_grid.h); sides of
 /// a thin wall, and directions of what is not Lambert, are apart. Where no cell knows enough the path goes on as in

@@ -13,7 +13,8 @@ namespace {
 constexpr uint32_t kTileSide = 16, kTrainingTileSide = 8;
 constexpr size_t kSamplesOfTile =
     size_t{kTrainingTileSide} * kTrainingTileSide * CachedPaths::kMostRecords * (1 + CellGrid::kCoarserLevels);
-// The paths that fill a cache come in rounds; from the second on they end in what those before have left.
+// The paths that fill a cache come in rounds, so that their samples take little room; with SecondBounces::Cache those
+// from the second on end in what those before have left.
 constexpr uint32_t kLeastRounds = 4;  // of a pass's share
 constexpr uint32_t kMostTilesAtOnce = 1024;
 
