@@ -42,8 +42,9 @@ enum class Layer : uint8_t {
     ListsBeforeFilter,
     CacheCells,
     CacheSamples,
+    Volume,
 };
-inline constexpr size_t kLayerCount = 33;
+inline constexpr size_t kLayerCount = 34;
 
 /// How the passes' values become the image's.
 enum class LayerMean : uint8_t {
@@ -148,6 +149,8 @@ inline constexpr std::array<LayerInfo, kLayerCount> kLayers = [] {
          "the cell of the radiance cache that the pixel's place lies in, a colour each"},
         {CacheSamples, "cache_samples", "Y", Passes, P::Scale, Some, "",
          "that the cell has of the paths which filled the cache"},
+        {Volume, "volume", "RGB", Passes, P::Light, Some, kRadiance,
+         "of the cell before the pixel's surface, mean over all directions"},
     }};
 }();
 constexpr const LayerInfo& layer_info(Layer layer) { return kLayers[static_cast<size_t>(layer)]; }

@@ -19,6 +19,22 @@ struct FirstBounceSettings {
     std::optional<float> clamp_m2;  // B; none: default_clamp_sq_m2() of tracing.vpls lights
 };
 
+/// Of a method's parameters that have the names of vpl_params.h: `lights` lights a pass, and no split buffer, filter or
+/// clamp of its own yet.
+template <class Params>
+FirstBounceSettings first_bounce_of(const Params& params, uint32_t lights) {
+    return {.bounces = params.bounces,
+            .tracing = {.vpls = lights,
+                        .map_side = params.map_resolution,
+                        .bounces = params.bounces,
+                        .connect_threshold = params.connect_threshold,
+                        .sampler = params.sampler},
+            .walk = {.split_side = 1,
+                     .max_scatterings = params.bounces + 1,
+                     .glossy_threshold = params.glossy_threshold,
+                     .sampler = params.sampler}};
+}
+
 class FirstBounceGpu {
 public:
     /// Appends what comes between the lights' map and the merge: from tracer() to the sums of buffer().

@@ -8,6 +8,7 @@
     METHOD(image_based_lighting)                     \
     METHOD(image_space_photon_mapping)               \
     METHOD(imperfect_shadow_maps)                    \
+    METHOD(light_propagation_volumes)                \
     METHOD(path_tracing)                             \
     METHOD(photon_mapping)                           \
     METHOD(photon_splatting)                         \

@@ -32,17 +32,23 @@ vec3 world_position(const Instance& instance, const vec3& p) {
 
 }  // namespace
 
+double least_cell_m(const Bounds3& bounds) {
+    if (bounds.empty()) return kLeastCell;
+    const dvec3 farthest = glm::max(glm::abs(dvec3(bounds.min)), glm::abs(dvec3(bounds.max)));
+    const double spacing = std::max({farthest.x, farthest.y, farthest.z}) * 0x1p-23;
+    return std::max(kLeastSpacings * spacing, kLeastCell);
+}
+
 VoxelGrid make_voxel_grid(const Bounds3& bounds, uint32_t resolution) {
     if (resolution < VOXEL_LEAST_RESOLUTION || resolution > VOXEL_MOST_RESOLUTION || !std::has_single_bit(resolution))
         throw Error(ErrorCode::OutOfRange, "resolution",
                     "resolution = " + std::to_string(resolution) + " is no power of two within [" +
                         std::to_string(VOXEL_LEAST_RESOLUTION) + ", " + std::to_string(VOXEL_MOST_RESOLUTION) + "]");
     const dvec3 low(bounds.empty() ? vec3(0) : bounds.min), high(bounds.empty() ? vec3(0) : bounds.max);
-    const dvec3 diagonal = high - low, farthest = glm::max(glm::abs(low), glm::abs(high));
+    const dvec3 diagonal = high - low;
     double extent = std::max({diagonal.x, diagonal.y, diagonal.z});
     if (!(extent > 0)) extent = 1;
-    const double spacing = std::max({farthest.x, farthest.y, farthest.z}) * 0x1p-23;
-    const double cell = std::max({extent / (resolution - 2), kLeastSpacings * spacing, kLeastCell});
+    const double cell = std::max(extent / (resolution - 2), least_cell_m(bounds));
     const auto cell_m = static_cast<float>(cell * (1 + 1e-6));
     return {vec3(0.5 * (low + high) - 0.5 * double{cell_m} * resolution), cell_m, resolution};
 }

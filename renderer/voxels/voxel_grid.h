@@ -21,6 +21,9 @@ using gpu::VoxelGrid;
 /// ErrorCode::OutOfRange for others. Bounds of no extent, or none at all, get a grid all the same.
 VoxelGrid make_voxel_grid(const Bounds3& bounds, uint32_t resolution);
 
+/// The least edge [m] of cells about the bounds whose places floats tell apart.
+double least_cell_m(const Bounds3& bounds);
+
 /// Of a grid, for the arrays of a tree; what else it holds is 0.
 gpu::SvoConstants svo_constants_of(const VoxelGrid& grid);
 

@@ -28,6 +28,10 @@ JOB_DRAWN["method"] = {"name": "image_space_photon_mapping", "device": "gpu",
 JOB_OF_PROXIES = small_job(size=32, passes=3)
 JOB_OF_PROXIES["method"] = {"name": "visibility_filtering", "device": "gpu",
                             "parameters": {"proxies": 2000, "voxels": 16, "shrink": True}}
+# Sorts lights into cells, and sends their light on step by step.
+JOB_IN_VOLUMES = small_job(size=32, passes=3)
+JOB_IN_VOLUMES["method"] = {"name": "light_propagation_volumes", "device": "gpu",
+                            "parameters": {"vpls": 1000, "cascades": 2}}
 
 
 def hash_of(job):
@@ -97,6 +101,9 @@ class FaultTest(unittest.TestCase):
 
     def test_lost_while_rays_march(self):
         self.lost("vkQueueSubmit2", JOB_OF_PROXIES, lambda count: (count // 2,))
+
+    def test_lost_while_light_propagates(self):
+        self.lost("vkQueueSubmit2", JOB_IN_VOLUMES, lambda count: (count // 2,))
 
     def test_lost_twice_the_job_fails(self):
         with self.daemon("vkQueueSubmit2", 2, once=False) as daemon:

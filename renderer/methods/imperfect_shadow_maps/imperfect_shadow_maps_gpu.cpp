@@ -12,18 +12,11 @@ namespace photond {
 namespace {
 
 FirstBounceSettings settings_of(const ImperfectShadowMapsParams& params) {
-    return {.bounces = params.bounces,
-            .tracing = {.vpls = params.vpls,
-                        .map_side = params.map_resolution,
-                        .bounces = 1,
-                        .connect_threshold = params.connect_threshold,
-                        .sampler = params.sampler},
-            .walk = {.split_side = params.interleave,
-                     .max_scatterings = params.bounces + 1,
-                     .glossy_threshold = params.glossy_threshold,
-                     .sampler = params.sampler},
-            .filter = {params.filter, params.filter_normal, params.filter_distance},
-            .clamp_m2 = params.clamp_m2};
+    FirstBounceSettings settings = first_bounce_of(params, params.vpls);
+    settings.walk.split_side = params.interleave;
+    settings.filter = {params.filter, params.filter_normal, params.filter_distance};
+    settings.clamp_m2 = params.clamp_m2;
+    return settings;
 }
 
 }  // namespace

@@ -13,17 +13,9 @@ namespace photond {
 namespace {
 
 FirstBounceSettings settings_of(const ReflectiveShadowMapsParams& params) {
-    return {.bounces = params.bounces,
-            .tracing = {.vpls = params.samples,
-                        .map_side = params.map_resolution,
-                        .bounces = 1,
-                        .connect_threshold = params.connect_threshold,
-                        .sampler = params.sampler},
-            .walk = {.split_side = 1,
-                     .max_scatterings = params.bounces + 1,
-                     .glossy_threshold = params.glossy_threshold,
-                     .sampler = params.sampler},
-            .clamp_m2 = params.clamp_m2};
+    FirstBounceSettings settings = first_bounce_of(params, params.samples);
+    settings.clamp_m2 = params.clamp_m2;
+    return settings;
 }
 
 }  // namespace
