@@ -43,8 +43,9 @@ enum class Layer : uint8_t {
     CacheCells,
     CacheSamples,
     Volume,
+    ConeMip,
 };
-inline constexpr size_t kLayerCount = 34;
+inline constexpr size_t kLayerCount = 35;
 
 /// How the passes' values become the image's.
 enum class LayerMean : uint8_t {
@@ -151,6 +152,8 @@ inline constexpr std::array<LayerInfo, kLayerCount> kLayers = [] {
          "that the cell has of the paths which filled the cache"},
         {Volume, "volume", "RGB", Passes, P::Light, Some, kRadiance,
          "of the cell before the pixel's surface, mean over all directions"},
+        {ConeMip, "cone_mip", "RGB", Passes, P::Light, Some, kRadiance,
+         "what a cone from the eye sees of the voxels' light: cells as large as they are far"},
     }};
 }();
 constexpr const LayerInfo& layer_info(Layer layer) { return kLayers[static_cast<size_t>(layer)]; }

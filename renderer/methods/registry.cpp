@@ -20,7 +20,8 @@
     METHOD(stochastic_progressive_photon_mapping)    \
     METHOD(svo_many_lights)                          \
     METHOD(vertex_connection_and_merging)            \
-    METHOD(visibility_filtering)
+    METHOD(visibility_filtering)                     \
+    METHOD(voxel_cone_tracing)
 
 namespace photond {
 

@@ -32,6 +32,10 @@ JOB_OF_PROXIES["method"] = {"name": "visibility_filtering", "device": "gpu",
 JOB_IN_VOLUMES = small_job(size=32, passes=3)
 JOB_IN_VOLUMES["method"] = {"name": "light_propagation_volumes", "device": "gpu",
                             "parameters": {"vpls": 1000, "cascades": 2}}
+# Makes a tree, lights it and filters it up.
+JOB_OF_CONES = small_job(size=32, passes=3)
+JOB_OF_CONES["method"] = {"name": "voxel_cone_tracing", "device": "gpu",
+                          "parameters": {"vpls": 1000, "voxel_resolution": 32}}
 
 
 def hash_of(job):
@@ -104,6 +108,9 @@ class FaultTest(unittest.TestCase):
 
     def test_lost_while_light_propagates(self):
         self.lost("vkQueueSubmit2", JOB_IN_VOLUMES, lambda count: (count // 2,))
+
+    def test_lost_while_cones_look(self):
+        self.lost("vkQueueSubmit2", JOB_OF_CONES, lambda count: (count // 2,))
 
     def test_lost_twice_the_job_fails(self):
         with self.daemon("vkQueueSubmit2", 2, once=False) as daemon:

@@ -6,7 +6,8 @@ from photond_daemon import DaemonTestCase, small_job
 
 BASELINES = ("imperfect_shadow_maps", "reflective_shadow_maps")
 ONE_BOUNCE = (*BASELINES, "visibility_filtering")
-METHODS = (*ONE_BOUNCE, "image_space_photon_mapping", "light_propagation_volumes")
+METHODS = (*ONE_BOUNCE, "image_space_photon_mapping", "light_propagation_volumes",
+           "voxel_cone_tracing")
 
 
 class GpuOnlyMethodsTest(DaemonTestCase):

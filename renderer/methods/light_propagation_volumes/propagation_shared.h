@@ -62,7 +62,6 @@ struct FacesPush {
 /// Of volume_keys.comp and volume_inject.comp.
 struct InjectionPush {
     uint cascade;
-    uint most;  // photons there is room for
 };
 
 /// Of volume_propagate.comp.

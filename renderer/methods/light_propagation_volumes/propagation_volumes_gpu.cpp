@@ -1,7 +1,5 @@
 #include "renderer/methods/light_propagation_volumes/propagation_volumes_gpu.h"
 
-#include <bit>
-
 namespace photond {
 
 namespace {
@@ -20,27 +18,21 @@ PropagationVolumesGpu::PropagationVolumesGpu(const gpu::DeviceScene& scene, cons
                                              uint32_t most)
     : scene_(scene),
       host_cascades_(cascades),
-      most_(most),
       constants_(gpu::make_buffer(scene.device(), kVolumes, std::span(&cascades, 1))),
       faces_(words(scene.device(), uint64_t{cascades.count} * cascades.faces)),
-      keys_(words(scene.device(), most)),
-      values_(words(scene.device(), most)),
       injected_(lights(scene.device(), uint64_t{cascades.count} * cascades.cells)),
       steps_{lights(scene.device(), cascades.cells), lights(scene.device(), cascades.cells)},
       volume_(lights(scene.device(), uint64_t{cascades.count} * cascades.cells)),
-      sort_(scene.device(), most),
+      by_cell_(scene, most, cascades.cells, propagation_shader("volume_keys.comp"), sizeof(gpu::InjectionPush)),
       find_faces_(scene.device(), propagation_shader("volume_faces.comp"), sizeof(gpu::FacesPush), &scene.set(),
                   scene.specialization()),
-      find_keys_(scene.device(), propagation_shader("volume_keys.comp"), sizeof(gpu::InjectionPush), &scene.set(),
-                 scene.specialization()),
       inject_(scene.device(), propagation_shader("volume_inject.comp"), sizeof(gpu::InjectionPush)),
       propagate_(scene.device(), propagation_shader("volume_propagate.comp"), sizeof(gpu::PropagationPush)) {}
 
 uint64_t PropagationVolumesGpu::device_bytes(const gpu::PropagationCascades& cascades, uint32_t most) {
-    constexpr uint64_t kWordsAPhoton = 4;  // its key and cell, and the sort's own
     const uint64_t volumes = 2 * cascades.count + 2;
     return sizeof(cascades) + volumes * cascades.cells * sizeof(gpu::CellLight) +
-           sizeof(uint32_t) * (uint64_t{cascades.count} * cascades.faces + kWordsAPhoton * most);
+           sizeof(uint32_t) * uint64_t{cascades.count} * cascades.faces + PhotonsByCellGpu::device_bytes(most);
 }
 
 void PropagationVolumesGpu::find_faces(bool asked, Stats& stats) {
@@ -66,18 +58,12 @@ void PropagationVolumesGpu::find_faces(bool asked, Stats& stats) {
 }
 
 void PropagationVolumesGpu::record_injection(gpu::CommandList& commands, VplTracerGpu& photons, uint32_t cascade) {
-    const gpu::Scope scope(commands, "rsm");
-    const gpu::InjectionPush push{cascade, most_};
-    commands.bind(find_keys_, {gpu::read("cascades", constants_), gpu::read("state", photons.state()),
-                               gpu::read("photons", photons.photons()), gpu::read("order", photons.order()),
-                               gpu::write("keys", keys_), gpu::write("values", values_)});
-    commands.push(push);
-    commands.dispatch_threads(most_, PROPAGATION_GROUP);
-    sort_.record(commands, keys_, values_, {photons.state(), REFLECTION_PHOTONS},
-                 static_cast<uint32_t>(std::bit_width(host_cascades_.cells)));
-    commands.bind(inject_, {gpu::read("cascades", constants_), gpu::read("state", photons.state()),
-                            gpu::read("photons", photons.photons()), gpu::read("keys", keys_),
-                            gpu::read("values", values_), gpu::write("injected", injected_)});
+    const gpu::Scope scope(commands, "inject");
+    const gpu::InjectionPush push{cascade};
+    by_cell_.record(commands, photons, {gpu::read("cascades", constants_)}, push);
+    std::vector<gpu::Binding> bindings = {gpu::read("cascades", constants_), gpu::write("injected", injected_)};
+    by_cell_.append_to(bindings, photons);
+    commands.bind(inject_, bindings);
     commands.push(push);
     commands.dispatch_threads(host_cascades_.cells, PROPAGATION_GROUP);
 }

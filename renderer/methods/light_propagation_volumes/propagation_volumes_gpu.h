@@ -3,8 +3,7 @@
 
 #include "renderer/backends/gpu/command_list.h"
 #include "renderer/backends/gpu/device_scene.h"
-#include "renderer/backends/gpu/radix_sort.h"
-#include "renderer/many_lights/vpl_tracer_gpu.h"
+#include "renderer/many_lights/photons_by_cell_gpu.h"
 #include "renderer/methods/light_propagation_volumes/propagation_volumes.h"
 
 namespace photond {
@@ -18,7 +17,7 @@ public:
     /// The geometry volume; waits. `asked`: else every face is open. Stage `voxelise`.
     void find_faces(bool asked, Stats& stats);
 
-    /// The light of a pass as it starts; scope `rsm`. Once for each cascade.
+    /// The light of a pass as it starts; scope `inject`. Once for each cascade.
     void record_injection(gpu::CommandList& commands, VplTracerGpu& photons, uint32_t cascade);
     /// Steps [first, end) of a cascade's light, the coarser one's being done; scope `propagate`.
     void record_steps(gpu::CommandList& commands, uint32_t cascade, uint32_t first, uint32_t end);
@@ -32,10 +31,9 @@ public:
 private:
     const gpu::DeviceScene& scene_;
     const gpu::PropagationCascades host_cascades_;
-    const uint32_t most_;
-    gpu::Buffer constants_, faces_, keys_, values_, injected_, steps_[2], volume_;
-    gpu::RadixSort sort_;
-    gpu::ComputePipeline find_faces_, find_keys_, inject_, propagate_;
+    gpu::Buffer constants_, faces_, injected_, steps_[2], volume_;
+    PhotonsByCellGpu by_cell_;
+    gpu::ComputePipeline find_faces_, inject_, propagate_;
 };
 
 }  // namespace photond

@@ -10,7 +10,7 @@
 #include "renderer/methods/light_propagation_volumes/propagation.glsl"
 #include "renderer/photons/reflected_photon_shared.h"
 
-layout(local_size_x = PROPAGATION_GROUP) in;
+layout(local_size_x = REFLECTION_GROUP) in;
 layout(push_constant, scalar) uniform Push { InjectionPush push; };
 layout(set = 0, binding = 1, scalar) readonly buffer State { uint state[REFLECTION_STATE_WORDS]; };
 layout(set = 0, binding = 2, scalar) readonly buffer Photons { ReflectedPhotonRecord photons[]; };
@@ -38,7 +38,7 @@ uint cell_seen(PropagationGrid grid, vec3 position, vec3 normal) {
 
 void main() {
     const uint index = flat_index();
-    if (index >= min(state[REFLECTION_PHOTONS], push.most)) return;
+    if (index >= min(state[REFLECTION_PHOTONS], uint(keys.length()))) return;
     const uint photon = order[index];
     keys[index] = cell_seen(cascade_grid(push.cascade), photons[photon].position, photons[photon].normal);
     values[index] = photon;

@@ -205,9 +205,9 @@ TEST(LeftOut, FollowsFromParametersAndNeeds) {
     EXPECT_EQ(said("image_space_photon_mapping", needs_of(true, true, 0.01f)), Names{"delta_light_in_gloss"});
     EXPECT_EQ(said("visibility_filtering", needs_of(true, true, none)),
               (Names{"further_bounces", "caustics", "delta_light_caustics"}));
-    EXPECT_EQ(said("light_propagation_volumes", needs_of(true, true, 0.1f)),
-              (Names{"caustics", "delta_light_caustics"}))
-        << "of all bounces";
+    for (const char* by_cells : {"light_propagation_volumes", "voxel_cone_tracing"})
+        EXPECT_EQ(said(by_cells, needs_of(true, true, 0.1f)), (Names{"caustics", "delta_light_caustics"}))
+            << "of all bounces";
     for (const char* baseline : {"reflective_shadow_maps", "imperfect_shadow_maps"}) {
         EXPECT_EQ(said(baseline, needs_of(false, true, 0.3f)), Names{"further_bounces"});
         EXPECT_EQ(said(baseline, needs_of(false, true, 0.1f)), (Names{"further_bounces", "caustics"}));
