@@ -75,6 +75,8 @@ ComparePreset vcm();
 ComparePreset ispm_thesis();
 /// compare_preset_visibility.cpp
 ComparePreset visibility_filtering_paper();
+/// compare_preset_real_time.cpp
+ComparePreset real_time();
 
 /// "report.html" of comparison "a/b" as "report-a-b.html"; "-" and an empty name stay.
 std::string of_part(const std::string& file, std::string_view part);

@@ -24,6 +24,9 @@ Scene make_keyhole();
 // builtin_interior.cpp: a furnished room.
 Scene make_interior();
 
+// builtin_conference.cpp: a larger one.
+Scene make_conference();
+
 // builtin_splatting_figures.cpp: figures of the photon splatting thesis.
 Scene make_splatting_plate();
 Scene make_splatting_skimming_ray();

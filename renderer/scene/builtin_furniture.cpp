@@ -24,6 +24,16 @@ void add_tapered_leg(MeshBuilder& wood, const vec3& foot, float height, float fo
 
 }  // namespace
 
+void add_instance(Scene& scene, uint32_t mesh, const vec3& at, float yaw) {
+    const mat4 placing = placed(at, yaw);
+    Instance instance;
+    instance.mesh = mesh;
+    instance.identity = false;
+    instance.to_world = mat4x3(placing);
+    instance.normal_to_world = mat3(placing);  // a rotation is its own inverse transpose
+    scene.instances.push_back(instance);
+}
+
 void add_table(MeshBuilder& wood, float width, float depth, float height) {
     constexpr float kTop = 0.04f, kInset = 0.1f;
     wood.rounded_box({-width / 2, height - kTop, -depth / 2}, {width / 2, height, depth / 2}, 0.012f, 4);

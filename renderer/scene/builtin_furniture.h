@@ -9,6 +9,13 @@
 
 namespace photond::furniture {
 
+/// Turned by `yaw` [rad] about +y, then moved.
+inline mat4 placed(const vec3& at, float yaw = 0) {
+    return glm::rotate(glm::translate(mat4(1), at), yaw, vec3(0, 1, 0));
+}
+/// One more placing of a mesh of the scene.
+void add_instance(Scene& scene, uint32_t mesh, const vec3& at, float yaw);
+
 void add_table(MeshBuilder& wood, float width, float depth, float height);
 /// A chair whose frame and cushion are of different materials.
 void add_chair(MeshBuilder& frame, MeshBuilder& cushion);

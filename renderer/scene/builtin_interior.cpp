@@ -8,6 +8,9 @@ namespace photond {
 
 namespace {
 
+using furniture::add_instance;
+using furniture::placed;
+
 // The room's inside: x from -3 (window wall) to 3, z from -2.5 (far wall) to 2.5.
 constexpr float kHalfWidth = 3, kHalfDepth = 2.5f, kHeight = 2.7f;
 constexpr float kWindowLow = 0.85f, kWindowHigh = 2.3f, kWindowHalf = 1.2f, kWallThickness = 0.25f;
@@ -97,18 +100,6 @@ Material textured(Material material, uint32_t texture) {
     material.base_color_texture.texture = static_cast<int32_t>(texture);
     return material;
 }
-
-void add_instance(Scene& scene, uint32_t mesh, const vec3& at, float yaw) {
-    const mat4 placing = glm::rotate(glm::translate(mat4(1), at), yaw, vec3(0, 1, 0));
-    Instance instance;
-    instance.mesh = mesh;
-    instance.identity = false;
-    instance.to_world = mat4x3(placing);
-    instance.normal_to_world = mat3(placing);  // a rotation is its own inverse transpose
-    scene.instances.push_back(instance);
-}
-
-mat4 placed(const vec3& at, float yaw = 0) { return glm::rotate(glm::translate(mat4(1), at), yaw, vec3(0, 1, 0)); }
 
 /// Walls, ceiling, floor, the window's reveal and frame, and the sky beyond it.
 void add_room(Scene& scene) {

@@ -74,6 +74,10 @@ constexpr std::array kVisibilityFiltering = {
     BuiltinScene{"visibility-filtering/glossiness-50", make_box_of_glossiness_50},
 };
 
+constexpr std::array kRealTime = {
+    BuiltinScene{"real-time/conference", make_conference},
+};
+
 template <size_t N>
 constexpr std::array<std::string_view, N> names_of(const std::array<BuiltinScene, N>& scenes) {
     std::array<std::string_view, N> names;
@@ -88,13 +92,15 @@ constexpr auto kProgressiveNames = names_of(kProgressive);
 constexpr auto kSmallVcmNames = names_of(kSmallVcm);
 constexpr auto kDoorNames = names_of(kDoors);
 constexpr auto kVisibilityNames = names_of(kVisibilityFiltering);
+constexpr auto kRealTimeNames = names_of(kRealTime);
 
 const BuiltinScene* find_builtin(std::string_view name) {
     for (const std::span<const BuiltinScene> scenes :
          {std::span<const BuiltinScene>(kBuiltinScenes), std::span<const BuiltinScene>(kSplattingFigures),
           std::span<const BuiltinScene>(kDetails), std::span<const BuiltinScene>(kCaustics),
           std::span<const BuiltinScene>(kProgressive), std::span<const BuiltinScene>(kSmallVcm),
-          std::span<const BuiltinScene>(kDoors), std::span<const BuiltinScene>(kVisibilityFiltering)})
+          std::span<const BuiltinScene>(kDoors), std::span<const BuiltinScene>(kVisibilityFiltering),
+          std::span<const BuiltinScene>(kRealTime)})
         for (const BuiltinScene& builtin : scenes)
             if (builtin.name == name) return &builtin;
     return nullptr;
@@ -113,7 +119,7 @@ std::span<const std::string_view> builtin_scene_names(std::string_view family) {
     }();
     const std::span<const std::string_view> of_families[] = {kHardCases,    kSplattingNames,   kDetailNames,
                                                              kCausticNames, kProgressiveNames, kSmallVcmNames,
-                                                             kDoorNames,    kVisibilityNames};
+                                                             kDoorNames,    kVisibilityNames,  kRealTimeNames};
     static_assert(std::size(of_families) == kSceneFamilies.size());
     std::string known;
     for (size_t i = 0; i < kSceneFamilies.size(); ++i) {
