@@ -24,6 +24,7 @@ PresetComparison in_real_time(std::string_view name, std::string_view scene, std
     comparison.entries = {
         "path tracing=path_tracing@gpu",
         "vertex connection and merging=vertex_connection_and_merging@gpu",
+        "radiance cache=radiance_cache@gpu,gather_rays=1",
         "photon mapping=photon_mapping@gpu,gather=direct",
         "stochastic progressive photon mapping=stochastic_progressive_photon_mapping@gpu",
         "probabilistic progressive photon mapping=probabilistic_progressive_photon_mapping@gpu",

@@ -37,6 +37,14 @@ bool see_surface(EyePath path, uint vertex, Hit hit, Ray ray, inout PathLight li
     return false;
 }
 
+/// What the path's ray has gone through up to its hit; the environment, where it met nothing. False: it ends there.
+bool arrive(inout EyePath path, Hit hit, Ray ray, inout PathLight light) {
+    path.throughput *= transmittance(path.media, hit.t);
+    if (hit_valid(hit)) return true;
+    add_environment(light, path, ray.direction);
+    return false;
+}
+
 bool is_emissive(uint material) {
     return NEEDS_AREA_LIGHTS && max_component(scene_materials[material].emission) > 0.0;
 }

@@ -9,13 +9,8 @@
 bool shade_path(uint vertex, uint key, Hit hit, inout EyePath path, inout Ray ray, inout PathLight light,
                 out PendingLight pending) {
     pending = no_pending_light();
-    path.throughput *= transmittance(path.media, hit.t);
-    if (!hit_valid(hit)) {
-        add_environment(light, path, ray.direction);
-        return false;
-    }
     EyeVertex met;
-    if (!meet_surface(path, vertex, hit, ray, light, met)) return false;
+    if (!arrive(path, hit, ray, light) || !meet_surface(path, vertex, hit, ray, light, met)) return false;
     const vec2 choice = sample_2d(key, sample_set(vertex, SET_LIGHT_CHOICE_AND_ROULETTE));
     if (bsdf_has_non_delta(met.bsdf)) {
         LightSample light_sample;

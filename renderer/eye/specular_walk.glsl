@@ -62,11 +62,7 @@ bool walk_meet(uint vertex, float glossy_threshold, inout EyePath path, Ray ray,
                out WalkVertex met, out Bsdf specular) {
     met.waits = false;
     met.hit = closest_hit(ray);
-    path.throughput *= transmittance(path.media, met.hit.t);
-    if (!hit_valid(met.hit)) {
-        add_environment(light, path, ray.direction);
-        return false;
-    }
+    if (!arrive(path, met.hit, ray, light)) return false;
     EyeVertex at;
     met.ray_direction = ray.direction;
     if (!meet_surface(path, vertex, met.hit, ray, light, at)) return false;

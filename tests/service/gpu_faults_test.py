@@ -36,6 +36,9 @@ JOB_IN_VOLUMES["method"] = {"name": "light_propagation_volumes", "device": "gpu"
 JOB_OF_CONES = small_job(size=32, passes=3)
 JOB_OF_CONES["method"] = {"name": "voxel_cone_tracing", "device": "gpu",
                           "parameters": {"vpls": 1000, "voxel_resolution": 32}}
+# Fills a cache before its passes, round by round.
+JOB_WITH_CACHE = small_job(size=32, passes=3)
+JOB_WITH_CACHE["method"] = {"name": "radiance_cache", "device": "gpu", "parameters": {"cells": 4096, "training": 1}}
 
 
 def hash_of(job):
@@ -111,6 +114,9 @@ class FaultTest(unittest.TestCase):
 
     def test_lost_while_cones_look(self):
         self.lost("vkQueueSubmit2", JOB_OF_CONES, lambda count: (count // 2,))
+
+    def test_lost_while_a_cache_is_filled(self):
+        self.lost("vkQueueSubmit2", JOB_WITH_CACHE, lambda count: {1, (count + 1) // 2})
 
     def test_lost_twice_the_job_fails(self):
         with self.daemon("vkQueueSubmit2", 2, once=False) as daemon:

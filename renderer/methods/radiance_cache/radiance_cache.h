@@ -44,12 +44,4 @@ private:
     std::unique_ptr<State> state_;
 };
 
-/// The passes that a cache serves: as many as it is filled by.
-struct CacheBlock {
-    uint32_t first = 0;
-    uint32_t passes = 1;
-};
-/// The block that a pass lies in: of 1, 2, 4, 8 passes, and of 16 from then on.
-CacheBlock cache_block_of(uint32_t pass);
-
 }  // namespace photond

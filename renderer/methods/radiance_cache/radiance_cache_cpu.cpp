@@ -1,8 +1,8 @@
 #include <algorithm>
-#include <bit>
 
 #include "renderer/core/thread_local.h"
 #include "renderer/eye/specular_walk.h"
+#include "renderer/methods/radiance_cache/cache_training.h"
 #include "renderer/methods/radiance_cache/cached_paths.h"
 #include "renderer/methods/radiance_cache/radiance_cache.h"
 
@@ -10,45 +10,19 @@ namespace photond {
 
 namespace {
 
-constexpr uint32_t kTileSide = 16, kTrainingTileSide = 8;
+constexpr uint32_t kTileSide = 16, kTrainingTileSide = CacheTraining::kTileSide;
 constexpr size_t kSamplesOfTile =
     size_t{kTrainingTileSide} * kTrainingTileSide * CachedPaths::kMostRecords * (1 + CellGrid::kCoarserLevels);
-// The paths that fill a cache come in rounds, so that their samples take little room; with SecondBounces::Cache those
-// from the second on end in what those before have left.
-constexpr uint32_t kLeastRounds = 4;  // of a pass's share
 constexpr uint32_t kMostTilesAtOnce = 1024;
 
-/// Tiles of the paths that fill the cache.
-struct Training {
-    Training(Size2 size, float paths_a_pixel)
-        : columns((size.width + kTrainingTileSide - 1) / kTrainingTileSide),
-          rows((size.height + kTrainingTileSide - 1) / kTrainingTileSide) {
-        times = std::max(static_cast<uint32_t>(std::ceil(paths_a_pixel)), 1u);
-        const double wanted = std::ceil(double{paths_a_pixel} / times * static_cast<double>(all()));
-        tiles = static_cast<uint64_t>(std::max(wanted, 1.0));
-        rounds = std::max<uint64_t>(kLeastRounds, (tiles + kMostTilesAtOnce - 1) / kMostTilesAtOnce);
-    }
-    uint64_t all() const { return uint64_t{columns} * rows; }
-    uint64_t tiles_of_round() const { return (tiles + rounds - 1) / rounds; }
-
-    uint32_t columns, rows;
-    uint32_t times;          // that tiles are drawn for a pass, with numbers of their own
-    uint64_t tiles, rounds;  // of each
-};
-
-uint64_t sample_bytes(const Training& training) {
+uint64_t sample_bytes(const CacheTraining& training) {
     return training.tiles_of_round() * kSamplesOfTile * sizeof(CellSample);
-}
-
-/// Why no path asks a cache; null: they do.
-const char* why_no_cache(const RadianceCacheParams& params, bool lights) {
-    if (params.max_scatterings() < 2) return "no bounce was asked for";
-    return lights ? nullptr : "the scene has no light";
 }
 
 /// Of the cells, and of the samples on their way to them.
 uint64_t cell_bytes(const RadianceCacheParams& params, Size2 film_size) {
-    return RadianceCells::bytes_for(params.cells) + sample_bytes(Training(film_size, params.training));
+    return RadianceCells::bytes_for(params.cells) +
+           sample_bytes(CacheTraining(film_size, params.training, kMostTilesAtOnce));
 }
 
 uint64_t scratch_bytes() {
@@ -99,13 +73,6 @@ private:
 
 }  // namespace
 
-CacheBlock cache_block_of(uint32_t pass) {
-    constexpr uint32_t kMost = 16, kDoubling = kMost - 1;
-    if (pass >= kDoubling) return {pass - (pass - kDoubling) % kMost, kMost};
-    const uint32_t passes = std::bit_floor(pass + 1);
-    return {passes - 1, passes};
-}
-
 struct RadianceCache::State {
     struct PerThread {
         SpecularWalk walk{kTileSide};
@@ -118,7 +85,7 @@ struct RadianceCache::State {
     State(const RenderContext& context, const RadianceCacheParams& parameters)
         : params(parameters),
           eye(context, parameters.sampler, parameters.max_scatterings()),
-          training(context.view.film_size, parameters.training),
+          training(context.view.film_size, parameters.training, kMostTilesAtOnce),
           image(context.view.film_size, context.view.layers) {
         if (why_no_cache(parameters, !eye.lights.empty())) return;
         cells.emplace(parameters.cells);
@@ -130,11 +97,11 @@ struct RadianceCache::State {
     void fill_by_tile(uint64_t tile, const PassSampler& path, const SplitSamplers& numbers, bool ends_in_cells,
                       std::vector<CellSample>& samples, const CancelToken& cancel);
     void show_cells(std::span<const GatherPoint> points);
-    uint32_t key() const { return static_cast<uint32_t>(hash64(eye.seed) + filled->first); }
+    uint32_t key() const { return cache_key(eye.seed, *filled); }
 
     const RadianceCacheParams& params;
     const EyeScene eye;
-    const Training training;
+    const CacheTraining training;
     std::optional<RadianceCells> cells;  // none: no path asks them
     CellGrid grid;
     std::optional<CacheBlock> filled;            // what the cells are of
@@ -149,22 +116,13 @@ bool RadianceCache::State::fill(const CacheBlock& block, Stats& stats, const Can
     const StageTimer timer(stats, "cache_fill");
     cells->clear();
     filled = block;
-    const float radius_m = std::max(eye.scene.bounds.radius(), 1e-20f);
-    RandomStream stream(eye.seed, RandomDomain::CacheTraining, block.first, 0);
-    grid.eye = eye.view.camera.position;
-    grid.coarsest_m = 2 * radius_m;
-    grid.of_distance = params.cell_size * params.share_of_pass(block.first);
-    grid.origin = grid.eye;
-    for (int axis = 0; axis < 3; ++axis) grid.origin[axis] += grid.coarsest_m * stream.next();
-
-    std::vector<std::pair<uint32_t, uint32_t>> order(training.all());  // a number to sort by, then the tile
+    grid = cache_grid(eye.scene.bounds, eye.view.camera.position, eye.seed, params, block);
     bool ends_in_cells = false;
     for (uint32_t i = 0; i < block.passes * training.times; ++i) {
         const uint32_t draw = block.first * training.times + i;
         const PassSampler path(eye.sampler, eye.seed, RandomDomain::CacheTraining, draw);
         const SplitSamplers numbers(eye.sampler, hash64(eye.seed), draw, 1);
-        for (uint32_t tile = 0; tile < order.size(); ++tile) order[tile] = {hash32(tile ^ hash32(draw ^ key())), tile};
-        std::sort(order.begin(), order.end());
+        const std::vector<uint32_t> order = training.order(draw, key());
         for (uint64_t round = 0; round < training.rounds; ++round) {
             const uint64_t first = round * training.tiles_of_round();
             const uint64_t end = std::min(first + training.tiles_of_round(), training.tiles);
@@ -172,7 +130,7 @@ bool RadianceCache::State::fill(const CacheBlock& block, Stats& stats, const Can
             if (first >= end) break;
             parallel_for(end - first, 1, [&](size_t k) {
                 if (cancel.cancelled()) return;
-                fill_by_tile(order[first + k].second, path, numbers, ends_in_cells, lists[k], cancel);
+                fill_by_tile(order[first + k], path, numbers, ends_in_cells, lists[k], cancel);
             });
             if (cancel.cancelled()) {
                 filled.reset();

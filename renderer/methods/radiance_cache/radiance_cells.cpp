@@ -14,10 +14,6 @@ namespace {
 constexpr size_t kBucketsAtOnce = 1024;
 constexpr float kUnitsOfMean = 0x1p20f;
 
-uint32_t buckets_for(uint32_t cells) {
-    return std::bit_ceil((cells + RadianceCells::kSlots - 1) / RadianceCells::kSlots);
-}
-
 /// The mean of all channels of all samples: in their order, so that it is the same for any number of threads.
 double mean_of(std::span<const std::vector<CellSample>> lists) {
     double sum = 0;
@@ -37,6 +33,8 @@ uint64_t rounded_by_chance(float units, uint32_t random) {
 }
 
 }  // namespace
+
+uint32_t RadianceCells::buckets_for(uint32_t cells) { return std::bit_ceil((cells + kSlots - 1) / kSlots); }
 
 RadianceCells::RadianceCells(uint32_t cells)
     : buckets_(buckets_for(cells)),

@@ -39,6 +39,7 @@ public:
     /// Room for at least that many cells, at most twice as many.
     explicit RadianceCells(uint32_t cells);
     static uint64_t bytes_for(uint32_t cells);
+    static uint32_t buckets_for(uint32_t cells);  // a power of two
 
     /// Forgets all.
     void clear();

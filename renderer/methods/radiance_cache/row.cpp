@@ -2,6 +2,7 @@
 
 #include "renderer/frame/method_row.h"
 #include "renderer/methods/radiance_cache/radiance_cache.h"
+#include "renderer/methods/radiance_cache/radiance_cache_gpu.h"
 
 namespace photond {
 
@@ -16,7 +17,7 @@ PathsLeftOut paths_left_out_by_cached_paths(const RadianceCacheParams& params, c
 MethodInfo radiance_cache_row();
 
 MethodInfo radiance_cache_row() {
-    MethodInfo info = row_of_classes<RadianceCache, void>();
+    MethodInfo info = row_of_classes<RadianceCache, RadianceCacheGpu>();
     info.left_out = left_out_of<RadianceCacheParams, paths_left_out_by_cached_paths>;
     info.title = "Radiance cache";
     info.line =

@@ -1,6 +1,7 @@
 // The radiance cache as a method: what does not change its bits, what it keeps and reports, and where paths end in it.
 
 #include "renderer/methods/radiance_cache/radiance_cache.h"
+#include "renderer/methods/radiance_cache/cache_training.h"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,153 @@
+// The radiance cache on a device: as bright as on the CPU, a path tracer where no cell knows enough, and the same bits.
+
+#include <gtest/gtest.h>
+
+#include "renderer/methods/radiance_cache/radiance_cache.h"
+#include "renderer/methods/radiance_cache/radiance_cache_gpu.h"
+#include "renderer/scene/builtin_scenes.h"
+#include "tests/support/open_scene.h"
+
+namespace photond::gpu_radiance_cache_test {
+namespace {
+
+constexpr double kStandardErrors = 5.2;  // false alarms 2e-7 a check, of a dozen
+
+template <class M>
+test::RenderSettingsOf<M> settings_of(uint32_t passes) {
+    test::RenderSettingsOf<M> settings;
+    settings.size = {32, 24};
+    settings.passes = passes;
+    settings.params.cells = 1 << 14;
+    settings.params.sampler = SamplerKind::Random;
+    return settings;
+}
+using Settings = test::RenderSettingsOf<RadianceCacheGpu>;
+
+/// Of as many images by seeds of their own, which are independent as passes of a block are not.
+test::RunningMean indirect_of_seeds(const test::SceneOnDevice& where, Settings settings, uint32_t seeds,
+                                    Stats* stats = nullptr) {
+    test::RunningMean mean;
+    for (settings.seed = 1; settings.seed <= seeds; ++settings.seed)
+        mean.add(test::mean_of_layer(test::render(where, settings, stats), Layer::Indirect));
+    return mean;
+}
+
+test::RunningMean indirect_by_paths(const Scene& scene, uint32_t passes, std::optional<uint32_t> bounces = {}) {
+    test::RenderSettings traced;
+    traced.size = {32, 24};
+    traced.passes = passes;
+    traced.params.indirect_bounces = bounces;
+    traced.params.sampler = SamplerKind::Random;
+    return test::indirect_of_passes(scene, traced);
+}
+
+void expect_same(const test::RunningMean& found, const test::RunningMean& wanted, double most_doubt, const char* what) {
+    const double doubt = kStandardErrors * std::hypot(found.standard_error(), wanted.standard_error());
+    std::printf("%s: %+.3f %%, %.3f in doubt\n", what, 100 * (found.mean() / wanted.mean() - 1),
+                100 * doubt / wanted.mean());
+    EXPECT_LT(std::fabs(found.mean() - wanted.mean()), doubt) << what;
+    EXPECT_LT(doubt, most_doubt * wanted.mean()) << what << ": too noisy to notice a defect";
+}
+
+TEST(GpuRadianceCache, IsAsBrightAsOnTheCpu) {
+    const Scene scene = make_builtin_scene("cornell-box");
+    const test::SceneOnDevice where(scene);
+    for (const SecondBounces second : {SecondBounces::Paths, SecondBounces::Cache}) {
+        const char* name = second == SecondBounces::Paths ? "by paths" : "by the cache";
+        Settings settings = settings_of<RadianceCacheGpu>(1);
+        settings.params.training = 4;  // of few pixels
+        settings.params.second_bounces = second;
+        Stats stats;
+        const test::RunningMean device = indirect_of_seeds(where, settings, 50, &stats);
+        test::RunningMean host;
+        test::RenderSettingsOf<RadianceCache> same = settings_of<RadianceCache>(1);
+        same.params.training = 4;
+        same.params.second_bounces = second;
+        for (same.seed = 101; same.seed <= 150; ++same.seed)
+            host.add(test::mean_of_layer(test::render(scene, same), Layer::Indirect));
+        // Cells that paths end in from the second round on keep what few samples got wrong: their means vary more.
+        expect_same(device, host, second == SecondBounces::Paths ? 0.05 : 0.12, name);
+        EXPECT_GT(stats.counts.cache_hits, 2 * stats.counts.cache_misses) << name;
+        EXPECT_EQ(stats.counts.cache_refused, 0u);
+    }
+}
+
+TEST(GpuRadianceCache, IsAPathTracerWhereNoCellKnowsEnough) {
+    const Scene scene = make_builtin_scene("cornell-box-glossy");  // whose mirrors make bright dots
+    const test::SceneOnDevice where(scene);
+    Settings settings = settings_of<RadianceCacheGpu>(1);
+    settings.params.least_samples = 1'000'000;
+    Stats stats;
+    expect_same(indirect_of_seeds(where, settings, 150, &stats), indirect_by_paths(scene, 600), 0.08, "all bounces");
+    EXPECT_EQ(stats.counts.cache_hits, 0u);
+    EXPECT_GT(stats.counts.cache_misses, 0u);
+}
+
+/// Cells hold what is left of the bounces, and are asked at one vertex alone.
+TEST(GpuRadianceCache, DoesAsManyBouncesAsItIsTold) {
+    const Scene scene = make_builtin_scene("cornell-box");
+    const test::SceneOnDevice where(scene);
+    for (const uint32_t bounces : {1u, 2u}) {
+        Settings settings = settings_of<RadianceCacheGpu>(1);
+        settings.params.indirect_bounces = bounces;
+        settings.params.cell_size = 0.01f;  // whose bias is far below the doubt
+        settings.params.training = 4;
+        settings.params.cells = 1 << 17;
+        expect_same(indirect_of_seeds(where, settings, 60), indirect_by_paths(scene, 1500, bounces), 0.05,
+                    bounces == 1 ? "one bounce" : "two bounces");
+    }
+    Settings settings = settings_of<RadianceCacheGpu>(1);
+    settings.params.indirect_bounces = 0;
+    EXPECT_EQ(indirect_of_seeds(where, settings, 1).mean(), 0);
+}
+
+/// What finds no room is not kept, and paths go on in its place.
+TEST(GpuRadianceCache, AFullTableRefusesAndStaysRight) {
+    const Scene scene = make_builtin_scene("cornell-box");
+    const test::SceneOnDevice where(scene);
+    Settings settings = settings_of<RadianceCacheGpu>(1);
+    settings.params.cells = 64;
+    settings.params.cell_size = 0.02f;
+    Stats stats;
+    expect_same(indirect_of_seeds(where, settings, 100, &stats), indirect_by_paths(scene, 600), 0.05, "64 cells");
+    EXPECT_GT(stats.counts.cache_refused, 0u);
+}
+
+TEST(GpuRadianceCache, SameBitsTwiceWhereverAPassIsRendered) {
+    for (const char* name : {"cornell-box-glossy", "cornell-box-spot"}) {
+        const Scene scene = make_builtin_scene(name);
+        const test::SceneOnDevice where(scene);
+        Settings settings = settings_of<RadianceCacheGpu>(5);
+        settings.params.second_bounces = SecondBounces::Cache;
+        settings.params.cells = 512;
+        settings.layers.add(Layer::CacheCells), settings.layers.add(Layer::CacheSamples);
+        const Film film = test::render(where, settings);
+        EXPECT_EQ(film.pixel_hash(), test::render(where, settings).pixel_hash()) << name;
+        EXPECT_EQ(film.nan_count() + film.infinity_count(), 0u);
+        EXPECT_GT(test::mean_of_layer(film, Layer::CacheCells), 0);
+        EXPECT_GT(test::mean_of_layer(film, Layer::CacheSamples), 0);
+        // In parts: the cache of passes 3 and 4 is made by whoever renders them.
+        settings.passes = 3;
+        Film first = test::render(where, settings);
+        settings.first_pass = 3, settings.passes = 2;
+        first.merge(test::render(where, settings));
+        EXPECT_EQ(film.pixel_hash(), first.pixel_hash()) << name;
+    }
+}
+
+TEST(GpuRadianceCache, NoLightPassesThinWalls) {
+    const Scene scene = make_builtin_scene("hard-case/thin-wall-1e-5");
+    EXPECT_EQ(indirect_of_seeds(test::SceneOnDevice(scene), settings_of<RadianceCacheGpu>(3), 1).mean(), 0);
+}
+
+TEST(GpuRadianceCache, TakesTheDeviceMemoryItSays) {
+    const Scene scene = make_builtin_scene("cornell-box");
+    const test::SceneOnDevice where(scene);
+    Settings settings = settings_of<RadianceCacheGpu>(1);
+    settings.size = {160, 120};
+    settings.params.cells = 1 << 18;
+    test::expect_device_bytes_as_estimated(where, settings);
+}
+
+}  // namespace
+}  // namespace photond::gpu_radiance_cache_test
