@@ -18,8 +18,8 @@ PresetComparison in_real_time(std::string_view name, std::string_view scene, std
     comparison.camera = camera;
     comparison.width = 1280, comparison.height = 720;
     comparison.seconds = 10;
-    comparison.reference = "path_tracing@gpu";
-    comparison.reference_passes = 1024;
+    comparison.reference = "bidirectional_path_tracing";
+    comparison.reference_passes = 512;
     comparison.metrics = {"indirect:relative_mse", "indirect:flip_hdr", "flip_ldr"};
     comparison.entries = {
         "path tracing=path_tracing@gpu",

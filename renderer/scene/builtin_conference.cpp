@@ -88,8 +88,10 @@ void add_ceiling(Scene& scene) {
     add_mesh(scene, inside.build(add_material(scene, metal("reflector", Rgb(0.85f), 0.4f))));
     add_mesh(scene, light.build(lamp));
     MeshBuilder bars;
-    for (float x = -kLong + 0.6f; x < kLong; x += 1.2f)
+    for (int i = 0; i < 8; ++i) {
+        const float x = -kLong + 0.6f + 1.2f * static_cast<float>(i);
         bars.box({x - 0.012f, kHigh - 0.006f, -kDeep}, {x + 0.012f, kHigh, kDeep});
+    }
     add_mesh(scene, bars.build(rails));
 }
 
@@ -99,8 +101,10 @@ void add_panelling(Scene& scene, uint32_t wood, uint32_t dark_wood) {
     const auto along = [&](const mat4& placing, float half) {
         panels.place(placing), battens.place(placing);
         panels.box({-half, 0, 0}, {half, 2.2f, 0.012f});
-        for (float x = -half; x < half + 0.01f; x += 0.5f)
+        for (int i = 0; static_cast<float>(i) <= 4 * half; ++i) {
+            const float x = 0.5f * static_cast<float>(i) - half;
             battens.rounded_box({x - 0.02f, 0.1f, 0.012f}, {x + 0.02f, 2.2f, 0.03f}, 0.004f, 2);
+        }
         battens.box({-half, 0, 0.012f}, {half, 0.1f, 0.028f});
         battens.rounded_box({-half, 0.84f, 0.012f}, {half, 0.92f, 0.045f}, 0.008f, 3);
         battens.rounded_box({-half, 2.2f, 0}, {half, 2.24f, 0.05f}, 0.008f, 3);

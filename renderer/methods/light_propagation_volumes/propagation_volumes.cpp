@@ -32,7 +32,8 @@ gpu::PropagationGrid finer_grid(const gpu::PropagationGrid& coarse, const Camera
         const double ahead = (0.5 - kBehindEye) * side_m * double{camera.forward[axis]};
         const double wanted = double{camera.position[axis]} + ahead - 0.5 * side_m;
         const double cells_in = std::round((wanted - double{coarse.low[axis]}) / double{coarse.cell_m});
-        const double most = coarse.cells[axis] - coarse.cells[axis] / 2;  // of an odd number, half a cell juts out
+        const uint32_t half = coarse.cells[axis] / 2;
+        const double most = coarse.cells[axis] - half;  // of an odd number, half a cell juts out
         grid.low[axis] = coarse.low[axis] + coarse.cell_m * static_cast<float>(std::clamp(cells_in, 0.0, most));
     }
     return grid;

@@ -19,7 +19,11 @@ std::unique_ptr<SparseVoxelOctreeGpu> built_tree(const gpu::DeviceScene& scene, 
     return tree;
 }
 
-uint64_t table_words(uint32_t levels) { return ((uint64_t{1} << 3 * (levels + 1)) - 8) / 7; }
+uint64_t table_words(uint32_t levels) {
+    uint64_t words = 0;
+    for (uint32_t level = 1; level <= levels; ++level) words = 8 * (words + 1);
+    return words;
+}
 
 }  // namespace
 
