@@ -16,6 +16,10 @@ public:
     static uint64_t device_bytes(uint32_t most);
 
     /// Finds the cells and sorts. `bindings`: of `find_cells` beside those named above.
+    void record(gpu::CommandList& commands, VplTracerGpu& photons, std::vector<gpu::Binding> bindings) {
+        bind(commands, photons, std::move(bindings));
+        record_sort(commands, photons);
+    }
     template <class Push>
     void record(gpu::CommandList& commands, VplTracerGpu& photons, std::vector<gpu::Binding> bindings,
                 const Push& push) {

@@ -1,6 +1,7 @@
 #version 460
 // Tells where new cells of a round may go, and makes place for one where there is none: cells move up in their order. A
-// thread a bucket. CPU twin: RadianceCells::make_room().
+// thread a bucket. What a unit of the sums is follows from the first round that was not black. CPU twin:
+// RadianceCells::make_room().
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 
@@ -15,6 +16,7 @@ void move_cell(uint from, uint to) {
 void main() {
     const uint bucket = flat_index();
     if (bucket >= cache.buckets) return;
+    if (bucket == 0u && cache_state[CACHE_BRIGHTEST] == 0u) cache_state[CACHE_BRIGHTEST] = cache_state[CACHE_FOUND];
     const uint first = CACHE_SLOTS * bucket;
     uint cells = 0u;
     while (cells < CACHE_SLOTS && fingerprints[first + cells] != 0u) ++cells;

@@ -108,9 +108,8 @@ void make_samples() {
         if (is_finite(radiance)) brightest = max(brightest, max_component(radiance));
     }
     record_counts[first_record / CACHE_MOST_RECORDS] = kept;
-    if (push.finds_brightest == 0u) return;
     brightest = subgroupMax(brightest);
-    if (subgroupElect() && brightest > 0.0) atomicMax(cache_state[CACHE_BRIGHTEST], floatBitsToUint(brightest));
+    if (subgroupElect() && brightest > 0.0) atomicMax(cache_state[CACHE_FOUND], floatBitsToUint(brightest));
 }
 
 void main() {

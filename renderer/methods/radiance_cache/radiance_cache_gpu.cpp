@@ -161,8 +161,8 @@ void RadianceCacheGpu::State::record_round(gpu::CommandList& commands, uint64_t 
     all.insert(all.end(), {gpu::read("tiles", order), gpu::read_write("records", cells.records()),
                            gpu::write("record_counts", cells.record_counts())});
     commands.bind(*train, all);
-    commands.push(gpu::CacheTrainPush{static_cast<uint32_t>(first), static_cast<uint32_t>(end), ends_in_cells ? 1u : 0u,
-                                      round == 0 ? 1u : 0u});
+    commands.push(
+        gpu::CacheTrainPush{static_cast<uint32_t>(first), static_cast<uint32_t>(end), ends_in_cells ? 1u : 0u});
     const auto paths = static_cast<uint32_t>((end - first) * kEyeTilePixels);
     commands.dispatch_threads(paths, kEyeTilePixels);
     cells.record_add(commands, paths, ++round);

@@ -19,11 +19,12 @@
 #define CACHE_ROUND_WORD 7u
 
 // Words of the state; counts have two, the lower first.
-#define CACHE_BRIGHTEST 0  // the bits of the brightest channel of the first round's samples
-#define CACHE_REFUSED 1
-#define CACHE_HITS 3
-#define CACHE_MISSES 5
-#define CACHE_STATE_WORDS 7
+#define CACHE_BRIGHTEST 0  // the bits of the brightest channel of the samples of the first round that was not black
+#define CACHE_FOUND 1      // of all rounds so far
+#define CACHE_REFUSED 2
+#define CACHE_HITS 4
+#define CACHE_MISSES 6
+#define CACHE_STATE_WORDS 8
 
 // Specialisation constants.
 #define PLANE_CACHE_CELLS_ID 105
@@ -72,8 +73,7 @@ struct CacheRecord {
 struct CacheTrainPush {
     uint first_tile;  // among the tiles in their order, half open
     uint end_tile;
-    uint ends_in_cells;    // 0 or 1
-    uint finds_brightest;  // 0 or 1: of the first round
+    uint ends_in_cells;  // 0 or 1
 };
 
 /// Of cache_room.comp, cache_insert.comp and cache_add.comp.

@@ -52,7 +52,7 @@ void RadianceCellsGpu::record_clear(gpu::CommandList& commands, const CellGrid& 
                                                     .bounces_are_limited = params.indirect_bounces ? 1u : 0u,
                                                     .key = key});
     for (gpu::Buffer* buffer : {&fingerprints_, &sums_, &older_}) commands.fill(*buffer, 0);
-    commands.fill(state_, 0, CACHE_BRIGHTEST * sizeof(uint32_t), sizeof(uint32_t));
+    commands.fill(state_, 0, CACHE_BRIGHTEST * sizeof(uint32_t), (CACHE_FOUND + 1) * sizeof(uint32_t));
 }
 
 void RadianceCellsGpu::record_key(gpu::CommandList& commands, uint32_t key) {

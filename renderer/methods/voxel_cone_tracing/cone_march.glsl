@@ -77,9 +77,10 @@ vec4 seen_at(float mip, int last_mip, vec3 place, ConeStart start, Cone cone, in
 vec3 cone_radiance(ConeStart start, Cone cone, float first, uint random) {
     const float resolution = float(svo_constants.grid.resolution);
     const int last_mip = int(cone_tree.levels) + 1, most_steps = 1024;
+    const float kLeastLeft = 0.01;  // of the light that gets through: farther the cone does not look
     vec3 light = vec3(0.0);
     float left = 1.0, t = first;
-    for (int i = 0; i < most_steps && left > 0.01; ++i) {
+    for (int i = 0; i < most_steps && left > kLeastLeft; ++i) {
         const float width = max(1.0, cone.aperture * t);
         const vec3 place = start.place + t * cone.direction;
         if (any(lessThan(place, vec3(-width))) || any(greaterThan(place, vec3(resolution + width)))) break;

@@ -47,7 +47,7 @@ ConeTreeGpu::ConeTreeGpu(const gpu::DeviceScene& scene, const VoxelGrid& grid, u
       table_(scene.device(), kConeTree, host_constants_.table_words * sizeof(uint32_t)),
       cells_(scene.device(), kConeTree,
              (host_constants_.first_node + std::max<uint64_t>(tree_->node_count(), 1)) * sizeof(gpu::ConeCell)),
-      by_voxel_(scene, most, host_constants_.voxels, cone_shader("cone_keys.comp"), sizeof(uint32_t)),
+      by_voxel_(scene, most, host_constants_.voxels, cone_shader("cone_keys.comp"), 0),
       light_voxels_(scene.device(), cone_shader("cone_leaves.comp"), 0),
       filter_(scene.device(), cone_shader("cone_filter.comp"), sizeof(gpu::ConeFilterPush)) {
     find_places(stats);
@@ -119,7 +119,7 @@ void ConeTreeGpu::record(gpu::CommandList& commands, VplTracerGpu& photons) {
         const gpu::Scope scope(commands, "inject");
         std::vector<gpu::Binding> bindings;
         append_lit_to(bindings);
-        by_voxel_.record(commands, photons, bindings, uint32_t{0});
+        by_voxel_.record(commands, photons, bindings);
         bindings = tree;
         bindings.push_back(gpu::read_write("cone_cells", cells_));
         by_voxel_.append_to(bindings, photons);

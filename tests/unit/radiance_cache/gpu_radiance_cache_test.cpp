@@ -32,6 +32,13 @@ test::RunningMean indirect_of_seeds(const test::SceneOnDevice& where, Settings s
     return mean;
 }
 
+test::RunningMean indirect_on_host(const Scene& scene, test::RenderSettingsOf<RadianceCache> settings, uint32_t seeds) {
+    test::RunningMean mean;
+    for (settings.seed = 1001; settings.seed <= 1000 + seeds; ++settings.seed)
+        mean.add(test::mean_of_layer(test::render(scene, settings), Layer::Indirect));
+    return mean;
+}
+
 test::RunningMean indirect_by_paths(const Scene& scene, uint32_t passes, std::optional<uint32_t> bounces = {}) {
     test::RenderSettings traced;
     traced.size = {32, 24};
@@ -58,15 +65,14 @@ TEST(GpuRadianceCache, IsAsBrightAsOnTheCpu) {
         settings.params.training = 4;  // of few pixels
         settings.params.second_bounces = second;
         Stats stats;
-        const test::RunningMean device = indirect_of_seeds(where, settings, 50, &stats);
-        test::RunningMean host;
+        // Cells that paths end in keep what few samples got wrong, so that their means vary more.
+        const uint32_t seeds = second == SecondBounces::Cache ? 250 : 50;
+        const test::RunningMean device = indirect_of_seeds(where, settings, seeds, &stats);
         test::RenderSettingsOf<RadianceCache> same = settings_of<RadianceCache>(1);
         same.params.training = 4;
         same.params.second_bounces = second;
-        for (same.seed = 101; same.seed <= 150; ++same.seed)
-            host.add(test::mean_of_layer(test::render(scene, same), Layer::Indirect));
-        // Cells that paths end in from the second round on keep what few samples got wrong: their means vary more.
-        expect_same(device, host, second == SecondBounces::Paths ? 0.05 : 0.12, name);
+        const test::RunningMean host = indirect_on_host(scene, same, seeds);
+        expect_same(device, host, 0.05, name);
         EXPECT_GT(stats.counts.cache_hits, 2 * stats.counts.cache_misses) << name;
         EXPECT_EQ(stats.counts.cache_refused, 0u);
     }
@@ -77,8 +83,9 @@ TEST(GpuRadianceCache, IsAPathTracerWhereNoCellKnowsEnough) {
     const test::SceneOnDevice where(scene);
     Settings settings = settings_of<RadianceCacheGpu>(1);
     settings.params.least_samples = 1'000'000;
+    settings.params.gather_rays = 16;
     Stats stats;
-    expect_same(indirect_of_seeds(where, settings, 150, &stats), indirect_by_paths(scene, 600), 0.08, "all bounces");
+    expect_same(indirect_of_seeds(where, settings, 100, &stats), indirect_by_paths(scene, 1500), 0.05, "all bounces");
     EXPECT_EQ(stats.counts.cache_hits, 0u);
     EXPECT_GT(stats.counts.cache_misses, 0u);
 }
@@ -111,6 +118,26 @@ TEST(GpuRadianceCache, AFullTableRefusesAndStaysRight) {
     Stats stats;
     expect_same(indirect_of_seeds(where, settings, 100, &stats), indirect_by_paths(scene, 600), 0.05, "64 cells");
     EXPECT_GT(stats.counts.cache_refused, 0u);
+}
+
+/// The scene is few of the image's tiles, so that the first of the rounds is often black: what a unit of the sums is
+/// follows from a later one.
+TEST(GpuRadianceCache, FirstRoundsMayBeBlack) {
+    Scene scene = make_builtin_scene("cornell-box");
+    Camera& camera = scene.cameras[0];
+    camera.yfov *= 3;
+    const dvec3 eye(camera.position), aside(camera.right + camera.up);
+    camera = look_at_camera(eye, eye + dvec3(camera.forward) - 0.35 * aside, dvec3(camera.up), camera.yfov);
+    const auto settings = [](auto of_method) {
+        of_method.size = {64, 48};
+        of_method.params.training = 1;
+        return of_method;
+    };
+    Stats stats;
+    const test::RunningMean device =
+        indirect_of_seeds(test::SceneOnDevice(scene), settings(settings_of<RadianceCacheGpu>(1)), 250, &stats);
+    EXPECT_GT(stats.counts.cache_hits, stats.counts.cache_misses / 2);
+    expect_same(device, indirect_on_host(scene, settings(settings_of<RadianceCache>(1)), 250), 0.06, "black rounds");
 }
 
 TEST(GpuRadianceCache, SameBitsTwiceWhereverAPassIsRendered) {
