@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "protocol/nearest_name.h"
 #include "protocol/object_reader.h"
 #include "protocol/param_json.h"
 #include "protocol/strict_json.h"
@@ -19,6 +20,7 @@ constexpr size_t kMaxLabels = 64;
 constexpr size_t kMaxLabelKeyBytes = 64;
 constexpr size_t kMaxLabelValueBytes = 256;
 constexpr double kMaxSeconds = 1e9;  // thirty years: further than any deadline, near enough for a clock's type
+constexpr int64_t kMaxAnimations = 65536;
 constexpr int64_t kMaxPasses = 1'000'000'000;
 constexpr double kMaxCoordinate_m = 1e12;  // squares still fit a float's range
 constexpr double kMaxScale = 1e12;
@@ -319,6 +321,20 @@ JobEnvironment read_environment(const json& source, const std::string& pointer, 
 
 json optional_json(const auto& value) { return value ? json(*value) : json(nullptr); }
 
+/// A time by itself is one of the scene's first animation.
+void read_moment(ObjectReader& reader, JobRequest& request) {
+    if (const auto time = reader.number("time", {-1e9, 1e9, "s"})) request.time = *time;
+    const json* animation = reader.member("animation");
+    if (animation == nullptr) {
+        if (request.time != 0) request.animation = JobAnimation{.name = {}, .index = 0};
+    } else if (animation->is_string()) {
+        const auto name = reader.string("animation", kMaxNameBytes);
+        request.animation = JobAnimation{.name = name.value_or(""), .index = {}};
+    } else if (const auto index = reader.integer("animation", 0, kMaxAnimations - 1)) {
+        request.animation = JobAnimation{.name = {}, .index = static_cast<uint32_t>(*index)};
+    }
+}
+
 }  // namespace
 
 void check_metric_name(const std::string& metric, const std::string& pointer, const JobVocabulary& vocabulary,
@@ -386,13 +402,25 @@ JobRequest parse_job_request(const json& body, const JobVocabulary& vocabulary) 
     if (const json* environment = reader.member("environment"))
         request.environment = read_environment(*environment, reader.at("environment"), faults);
     if (const auto glass = reader.word("glass", {"as_stored", "solid"})) request.glass = *glass;
-    if (const auto time = reader.number("time", {-1e9, 1e9, "s"}); time && *time != 0)
-        faults.add(ErrorCode::Unsupported, reader.at("time"), "unsupported: animation is not built yet");
+    read_moment(reader, request);
     read_metrics(reader, vocabulary, request);
     reader.finish();
     check_metric_layers(request, vocabulary, faults);
     faults.throw_if_any();
     return request;
+}
+
+void check_animation(const JobAnimation& animation, const std::vector<std::string>& names) {
+    const std::string there_are =
+        names.empty() ? "the scene has no animations" : "the scene has " + std::to_string(names.size()) + " animations";
+    if (animation.index && *animation.index >= names.size())
+        throw Error(ErrorCode::UnknownName, "/animation",
+                    there_are + ": " + std::to_string(*animation.index) + " is the index of none");
+    if (animation.index || std::find(names.begin(), names.end(), animation.name) != names.end()) return;
+    const std::string nearest = nearest_name(animation.name, names);
+    throw Error(ErrorCode::UnknownName, "/animation",
+                there_are + ", none of them named \"" + animation.name.substr(0, 100) + "\"" +
+                    (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?"));
 }
 
 json to_json(const LookAt& look_at) {
@@ -408,6 +436,8 @@ json to_json(const StopConditions& stop) {
 json to_json(const JobMethod& method) {
     return {{"name", method.name}, {"device", method.device}, {"parameters", method.parameters}};
 }
+
+json to_json(const JobAnimation& animation) { return animation.index ? json(*animation.index) : json(animation.name); }
 
 json to_json(const JobReference& reference) {
     if (!reference.job.empty()) return "job:" + reference.job;
@@ -441,6 +471,7 @@ json to_json(const JobRequest& request) {
             {"labels", labels},
             {"environment", environment},
             {"glass", request.glass},
+            {"animation", request.animation ? to_json(*request.animation) : json(nullptr)},
             {"time", request.time}};
 }
 

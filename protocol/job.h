@@ -73,6 +73,12 @@ struct JobEnvironment {
     double rotation = 0;  // radians about +Y
 };
 
+/// One of the scene's animations, by name or by index.
+struct JobAnimation {
+    std::string name;
+    std::optional<uint32_t> index;  // instead of the name
+};
+
 struct JobRequest {
     std::string scene;
     JobCamera camera;
@@ -91,7 +97,8 @@ struct JobRequest {
     std::map<std::string, std::string> labels;
     std::optional<JobEnvironment> environment;
     std::string glass = "as_stored";
-    double time = 0;
+    std::optional<JobAnimation> animation;  // none: the scene at rest
+    double time = 0;                        // of the animation [s]
 };
 
 /// What the reader needs to know of the rest of the program: known names and how to check method parameters.
@@ -122,6 +129,8 @@ JobRequest parse_job_request(const nlohmann::json& body, const JobVocabulary& vo
 /// added.
 StopConditions read_stop_conditions(const nlohmann::json& source, const std::string& pointer,
                                     const JobVocabulary& vocabulary, bool has_reference, BodyFaults& faults);
+/// Throws ErrorCode::UnknownName unless a scene with animations of these names, in the order of their indices, has it.
+void check_animation(const JobAnimation& animation, const std::vector<std::string>& names);
 /// "relative_mse" or "LAYER:relative_mse"; a fault is added where it is neither.
 void check_metric_name(const std::string& metric, const std::string& pointer, const JobVocabulary& vocabulary,
                        BodyFaults& faults);
@@ -131,6 +140,7 @@ std::string layer_of_metric(const std::string& metric);
 nlohmann::json to_json(const LookAt& look_at);
 nlohmann::json to_json(const StopConditions& stop);
 nlohmann::json to_json(const JobMethod& method);
+nlohmann::json to_json(const JobAnimation& animation);
 nlohmann::json to_json(const JobReference& reference);  // "job:J17", "image:ID" or {"method", "stop"}
 /// The request as understood, every default filled in; parse_job_request() of it gives the same request.
 nlohmann::json to_json(const JobRequest& request);

@@ -138,7 +138,14 @@ json job_request_schema(const ApiVocabulary& vocabulary) {
          {"glass", with_text(or_null(one_of_words({"as_stored", "solid"})),
                              "solid: what transmits light and is closed, up to rounding, refracts as a solid; the log "
                              "warns of what is not closed, with the number of its open edges")},
-         {"time", or_null({{"const", 0}, {"description", "s; animation is not built yet"}})}},
+         {"animation",
+          with_text(or_null({{"anyOf", json::array({typed("string"), in_range(typed("integer"), 0, 65535)})}}),
+                    "name or index of one of the scene's animations; without one the scene is at rest, or, "
+                    "where a time is given, in its first")},
+         {"time", or_null(in_range(typed("number",
+                                         "s: the moment of the animation that is rendered; before its first "
+                                         "key and after its last one nothing moves"),
+                                   -1e9, 1e9))}},
         {"scene", "image", "method", "stop"});
     if (!narrowed.empty()) request["allOf"] = narrowed;
     return request;

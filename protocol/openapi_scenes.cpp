@@ -52,6 +52,14 @@ json scene_schema() {
     const json view = with_text(
         given({{"eye", corner}, {"target", corner}, {"up", corner}, {"yfov", typed("number", "radians")}}),
         "as a job's camera.look_at takes it; the target lies as deep in the view as the middle of the bounds");
+    json motion = given({{"index", count()},
+                         {"name", typed("string")},
+                         {"duration_seconds", typed("number", "of its last key")},
+                         {"moves", given({{"meshes", count()},
+                                          {"triangles", count("of these meshes")},
+                                          {"cameras", count()},
+                                          {"lights", count("that nodes carry; what shines in a mesh is that mesh's")},
+                                          {"materials", count()}})}});
     return with_later(
         given(
             {{"id", typed("string")},
@@ -70,7 +78,7 @@ json scene_schema() {
              {"default_view", with_text(or_null(view),
                                         "of a job that names no camera: the first one's, or one framed on "
                                         "the bounds; null only in lists, for scenes of an earlier version")},
-             {"animations", nullable("integer")},
+             {"animations", nullable("integer", "how many of them: \"motion\" lists them")},
              {"bounds", or_null(given({{"min", corner}, {"max", corner}}))},
              {"needs", or_null(map_of(typed("boolean")))},
              {"photon_yield", with_text(or_null(with_later(given({{"global", typed("number")},
@@ -82,7 +90,10 @@ json scene_schema() {
              {"warnings", list_of(typed("string"))},
              {"builtin", typed("boolean")},
              {"known_answer", nullable_ref("KnownAnswer")}}),
-        {{"least_glossy_alpha", nullable("number", "GGX, of the narrowest rough specular lobe; null: none")}});
+        {{"least_glossy_alpha", nullable("number", "GGX, of the narrowest rough specular lobe; null: none")},
+         {"motion", with_text(or_null(list_of(motion)),
+                              "its animations, in the order of their indices; null: of a scene of an earlier version, "
+                              "which was not looked at for it")}});
 }
 
 }  // namespace

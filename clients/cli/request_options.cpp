@@ -158,7 +158,15 @@ void add_view_options(CLI::App& command, RequestOptions& options) {
     number("--environment-rotation", options.environment_rotation, "turn it about +Y [radians]; default: 0", "RADIANS");
     number("--glass", options.glass, "sheets as the scene says, or every closed transmissive mesh a solid",
            "as_stored|solid");
-    number("--time", options.time, "moment of the animation [s]; default: 0", "SECONDS");
+    number("--animation", options.animation,
+           "name or index of one of the scene's; default: none, or with --time the first", "NAME");
+    number("--time", options.time, "moment of the animation [s]", "SECONDS");
+}
+
+/// "2" is an index, and any other text a name.
+json name_or_index(const std::string& text) {
+    const bool whole = text.size() < 6 && text.find_first_not_of("0123456789") == text.npos;
+    return whole ? json(std::stoul(text)) : json(text);
 }
 
 json read_json_file(const std::string& file) {
@@ -183,6 +191,7 @@ json start_request(const RequestOptions& given) {
     if (options.priority) request["priority"] = *options.priority;
     if (options.quiet_seconds >= 0) request["quiet_machine"] = options.quiet_seconds;
     if (options.time) request["time"] = *options.time;
+    if (!options.animation.empty()) request["animation"] = name_or_index(options.animation);
     if (!options.glass.empty()) request["glass"] = options.glass;
     if (!options.layers.empty()) request["layers"] = options.layers;
     if (!options.metrics.empty()) request["metrics"] = options.metrics;

@@ -16,7 +16,7 @@ namespace photond::cli {
 
 /// What the command line says; empty: not given, so that --request and the daemon's defaults stand.
 struct RequestOptions {
-    std::string scene, request_file, filter, glass, camera, environment, reference, idempotency_key;
+    std::string scene, request_file, filter, glass, animation, camera, environment, reference, idempotency_key;
     std::optional<uint32_t> width, height;
     std::optional<double> yfov, aperture, focus_distance, environment_scale, environment_rotation, time;
     std::optional<int> priority;
@@ -30,7 +30,7 @@ struct RequestOptions {
 void add_source_options(CLI::App& command, RequestOptions& options);
 /// Size, filter, layers, labels, priority, reference and metrics. `layers`: those on request, for the help.
 void add_image_options(CLI::App& command, RequestOptions& options, const std::vector<std::string>& layers);
-/// Camera, environment, glass and time, in a group of their own.
+/// Camera, environment, glass and animation, in a group of their own.
 void add_view_options(CLI::App& command, RequestOptions& options);
 
 nlohmann::json read_json_file(const std::string& file);

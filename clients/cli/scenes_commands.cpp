@@ -46,6 +46,23 @@ std::string camera_names(const json& scene) {
     return names.empty() ? "none: views are framed on the scene's bounds" : names;
 }
 
+/// "walk, 2.5 s: moves 3 meshes, 1 camera".
+std::string motion_text(const json& animation) {
+    const json moves = animation.value("moves", json::object());
+    std::string moved;
+    const auto add = [&](const char* key, const std::string& what, const char* plural = "s") {
+        const int64_t count = moves.value(key, int64_t{0});
+        if (count == 0) return;
+        moved += (moved.empty() ? "moves " : ", ") + std::to_string(count) + " " + what + (count == 1 ? "" : plural);
+    };
+    add("meshes", "mesh", "es"), add("cameras", "camera"), add("lights", "light"), add("materials", "material");
+    char seconds[32];
+    std::snprintf(seconds, sizeof seconds, "%.3g s", animation.value("duration_seconds", 0.0));
+    const std::string name = plain_text(animation.value("name", json()));
+    return (name.empty() ? "" : name + ", ") + seconds + ": " +
+           (moved.empty() ? "moves nothing that is rendered" : moved);
+}
+
 void print_scene(const Session& session, const json& scene) {
     std::cout << session.bold(plain_text(scene.value("name", json()))) << '\n';
     TextTable table({{""}, {""}});
@@ -58,6 +75,9 @@ void print_scene(const Session& session, const json& scene) {
         table.add_row({key, count_cell(scene, key)});
     table.add_row({"lights", lights_text(scene.value("lights", json()))});
     table.add_row({"cameras", camera_names(scene)});
+    const json motion = scene.value("motion", json());
+    for (const json& animation : motion.is_array() ? motion : json::array())
+        table.add_row({"animation " + animation.value("index", json()).dump(), motion_text(animation)});
     const json bounds = scene.value("bounds", json());
     if (bounds.is_object())
         table.add_row({"bounds", "(" + point_text(bounds.value("min", json())) + ") to (" +

@@ -60,6 +60,13 @@ Scene make_small_vcm_point();
 Scene make_small_vcm_sky();
 Scene make_ajar_door();
 
+// builtin_moving.cpp: animated scenes.
+Scene make_moving_cornell_box();
+Scene make_moving_thin_object();
+Scene make_moving_teleport();
+Scene make_moving_appearing();
+Scene make_moving_light_switched_on();
+
 /// A matte material without the 4 % specular lobe of a glTF non-metal: pure Lambert.
 Material lambert(const char* name, const Rgb& albedo);
 Material metal(const char* name, const Rgb& reflectance, float roughness);

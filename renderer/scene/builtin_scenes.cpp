@@ -78,6 +78,14 @@ constexpr std::array kRealTime = {
     BuiltinScene{"real-time/conference", make_conference},
 };
 
+constexpr std::array kMoving = {
+    BuiltinScene{"moving/cornell-box", make_moving_cornell_box},
+    BuiltinScene{"moving/thin-object", make_moving_thin_object},
+    BuiltinScene{"moving/teleport", make_moving_teleport},
+    BuiltinScene{"moving/appearing", make_moving_appearing},
+    BuiltinScene{"moving/light-switched-on", make_moving_light_switched_on},
+};
+
 template <size_t N>
 constexpr std::array<std::string_view, N> names_of(const std::array<BuiltinScene, N>& scenes) {
     std::array<std::string_view, N> names;
@@ -93,6 +101,7 @@ constexpr auto kSmallVcmNames = names_of(kSmallVcm);
 constexpr auto kDoorNames = names_of(kDoors);
 constexpr auto kVisibilityNames = names_of(kVisibilityFiltering);
 constexpr auto kRealTimeNames = names_of(kRealTime);
+constexpr auto kMovingNames = names_of(kMoving);
 
 const BuiltinScene* find_builtin(std::string_view name) {
     for (const std::span<const BuiltinScene> scenes :
@@ -100,7 +109,7 @@ const BuiltinScene* find_builtin(std::string_view name) {
           std::span<const BuiltinScene>(kDetails), std::span<const BuiltinScene>(kCaustics),
           std::span<const BuiltinScene>(kProgressive), std::span<const BuiltinScene>(kSmallVcm),
           std::span<const BuiltinScene>(kDoors), std::span<const BuiltinScene>(kVisibilityFiltering),
-          std::span<const BuiltinScene>(kRealTime)})
+          std::span<const BuiltinScene>(kRealTime), std::span<const BuiltinScene>(kMoving)})
         for (const BuiltinScene& builtin : scenes)
             if (builtin.name == name) return &builtin;
     return nullptr;
@@ -117,9 +126,9 @@ std::span<const std::string_view> builtin_scene_names(std::string_view family) {
             if (hard_case.make) names.push_back(hard_case.name);
         return names;
     }();
-    const std::span<const std::string_view> of_families[] = {kHardCases,    kSplattingNames,   kDetailNames,
-                                                             kCausticNames, kProgressiveNames, kSmallVcmNames,
-                                                             kDoorNames,    kVisibilityNames,  kRealTimeNames};
+    const std::span<const std::string_view> of_families[] = {
+        kHardCases,     kSplattingNames, kDetailNames,     kCausticNames,  kProgressiveNames,
+        kSmallVcmNames, kDoorNames,      kVisibilityNames, kRealTimeNames, kMovingNames};
     static_assert(std::size(of_families) == kSceneFamilies.size());
     std::string known;
     for (size_t i = 0; i < kSceneFamilies.size(); ++i) {

@@ -15,6 +15,7 @@ struct Placeholders {
     std::vector<GltfBuffer> buffers;
     std::vector<tinygltf::Image> images;
     int no_view;  // stands for the view of accessors without one, which it does not let be indices
+    int no_node;  // ... and for the node of channels without one, which it drops
 };
 
 void put_buffer(Json& buffer, std::vector<GltfBuffer>& buffers) {
@@ -48,6 +49,9 @@ Placeholders put_placeholders(Json& document) {
     put.no_view = static_cast<int>(views.size());
     views.push_back({{"buffer", 0}, {"byteLength", 1}});
     for (Json& accessor : document["accessors"]) accessor.emplace("bufferView", put.no_view);
+    put.no_node = static_cast<int>(document["nodes"].size());
+    for (Json& animation : document["animations"])
+        for (Json& channel : animation["channels"]) channel["target"].emplace("node", put.no_node);
     return put;
 }
 
@@ -65,6 +69,9 @@ GltfDocument read_gltf_document(std::string_view text, const JsonBounds& bounds)
     document.buffers = std::move(put.buffers);
     for (tinygltf::Accessor& accessor : document.model.accessors)
         if (accessor.bufferView == put.no_view) accessor.bufferView = -1;
+    for (tinygltf::Animation& animation : document.model.animations)
+        for (tinygltf::AnimationChannel& channel : animation.channels)
+            if (channel.target_node == put.no_node) channel.target_node = -1;
     return document;
 }
 

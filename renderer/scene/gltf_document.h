@@ -14,11 +14,9 @@
 #include <string>
 #include <vector>
 
-#include "renderer/scene/camera.h"
 #include "renderer/scene/gltf_json.h"
 #include "renderer/scene/gltf_layout.h"
-#include "renderer/scene/light.h"
-#include "renderer/scene/material.h"
+#include "renderer/scene/rig.h"
 
 namespace photond {
 
@@ -55,11 +53,10 @@ const tinygltf::Value* gltf_extension(const tinygltf::ExtensionMap& extensions, 
 /// The light of KHR_lights_punctual at a node, or nothing.
 std::optional<int> gltf_light(const tinygltf::Node& node);
 
-/// The material, whose texture references still count the document's textures and texture coordinate sets.
-Material read_gltf_material(const tinygltf::Material& material);
-/// A node's own transform: the pose at rest.
-dmat4 gltf_local_matrix(const tinygltf::Node& node);
-Camera read_gltf_camera(const tinygltf::Camera& camera);      // unplaced
-PunctualLight read_gltf_light(const tinygltf::Light& light);  // unplaced
+/// The material, whose texture references still count the document's textures and texture coordinate sets. `animated`:
+/// with the textures that have no effect at rest.
+Material read_gltf_material(const tinygltf::Material& material, bool animated = false);
+/// What an animation needs to know of it besides, for pose.h.
+RiggedMaterial read_rigged_material(const tinygltf::Material& material);
 
 }  // namespace photond

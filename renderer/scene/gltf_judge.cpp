@@ -22,7 +22,7 @@ constexpr std::string_view kSupportedExtensions[] = {
     "KHR_lights_punctual",     "KHR_materials_emissive_strength", "KHR_materials_ior",
     "KHR_materials_specular",  "KHR_materials_transmission",      "KHR_materials_volume",
     "KHR_materials_unlit",     "KHR_texture_transform",           "KHR_mesh_quantization",
-    "EXT_meshopt_compression",
+    "EXT_meshopt_compression", "KHR_animation_pointer",
 };
 
 bool supported(std::string_view extension) {
@@ -143,11 +143,15 @@ constexpr auto kNode =
             may("matrix", list(kNumber, 16, 16)), may("translation", kNumber3), may("rotation", list(kUnit, 4, 4)),
             may("scale", kNumber3), may("children", kNodes), may("weights", kNumbers));
 constexpr auto kScene = members(may("name", kText), may("nodes", kNodes));
-constexpr auto kAnimationSampler = members(must("input", kToAccessor), must("output", kToAccessor));
-constexpr auto kTarget = members(may("node", kToNode), must("path", kText));
+constexpr auto kAnimationSampler = members(must("input", kToAccessor), must("output", kToAccessor),
+                                           may("interpolation", one_of("LINEAR|STEP|CUBICSPLINE")));
+constexpr auto kAnimationPointer = members(must("pointer", kText));
+constexpr auto kTarget =
+    members(may("node", kToNode), must("path", kText), extends("KHR_animation_pointer", object(kAnimationPointer)));
 constexpr auto kChannel = members(must("sampler", whole(0, kMaxCount)), must("target", object(kTarget)));
 constexpr JsonType kSamplerOf = object(kAnimationSampler), kChannelOf = object(kChannel);
-constexpr auto kAnimation = members(must("samplers", list(kSamplerOf, 1)), must("channels", list(kChannelOf, 1)));
+constexpr auto kAnimation =
+    members(may("name", kText), must("samplers", list(kSamplerOf, 1)), must("channels", list(kChannelOf, 1)));
 
 constexpr auto kLights = members(may("lights", each(kLight, rules::light)));
 

@@ -5,6 +5,7 @@
 #include "renderer/scene/gltf_accessor.h"
 #include "renderer/scene/gltf_document.h"
 #include "renderer/scene/gltf_placement.h"
+#include "renderer/scene/pose.h"
 
 namespace photond {
 
@@ -83,8 +84,12 @@ Scene load_gltf(const std::filesystem::path& file, const std::filesystem::path& 
     if (const tinygltf::Scene* shown = document.scene()) scene.name = shown->name;
     if (scene.name.empty()) scene.name = file.stem().string();
     scene.warnings = document.warnings;
-    place_gltf_scene(document, data, limits, scene);
+    const std::shared_ptr<Rig> rig = place_gltf_scene(document, data, limits, scene);
     load_gltf_textures(document, data, decode, limits, scene);
+    if (rig) {
+        for (RiggedMaterial& rigged : rig->materials) rigged.rest = scene.materials[rigged.material];
+        adopt_rig(scene, rig);
+    }
     scene.file_bytes = files.bytes_read();
     finish_scene(scene);
     if (scene.triangle_count == 0) scene.warnings.push_back("the scene has no triangles");

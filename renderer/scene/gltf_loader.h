@@ -27,7 +27,7 @@ struct LoadLimits {
 using ImageDecoder = std::function<Texture(std::span<const uint8_t> encoded, const LoadLimits& limits)>;
 
 /// Loads a .glb or .gltf file; further files are opened below `bundle_root` only (no absolute paths, no "..", no
-/// links). `time_s`: the moment animations are posed at. Throws photond::Error with JSON pointers into the glTF.
+/// links). What is animated is posed at rest (pose.h). Throws photond::Error with JSON pointers into the glTF.
 Scene load_gltf(const std::filesystem::path& file, const std::filesystem::path& bundle_root, const ImageDecoder& decode,
                 const LoadLimits& limits = {});
 

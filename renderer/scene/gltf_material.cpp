@@ -22,18 +22,23 @@ std::vector<double> numbers(const Value& place, const std::string& key, std::vec
     return fallback;
 }
 
-/// KHR_texture_transform: uv' = translation * rotation * scale * uv, as its text gives the matrices.
+/// How a reference is transformed; null: not at all.
+TextureTransform transform_of(const Value* stored) {
+    TextureTransform transform;
+    if (stored == nullptr) return transform;
+    const std::vector<double> offset = numbers(*stored, "offset", {0, 0}), scale = numbers(*stored, "scale", {1, 1});
+    transform.offset = {offset[0], offset[1], 0};
+    transform.scale = {scale[0], scale[1], 0};
+    transform.rotation = number(*stored, "rotation", 0);
+    return transform;
+}
+
 TextureRef texture_ref(int texture, int uv_set, const Value* transform) {
     TextureRef reference;
     if (texture < 0) return reference;
     reference.texture = texture;
     if (transform != nullptr) {
-        const std::vector<double> offset = numbers(*transform, "offset", {0, 0});
-        const std::vector<double> scale = numbers(*transform, "scale", {1, 1});
-        const double angle = number(*transform, "rotation", 0);  // counter-clockwise in uv with v down
-        const double c = std::cos(angle), s = std::sin(angle);
-        reference.row_u = vec3(dvec3(c * scale[0], s * scale[1], offset[0]));
-        reference.row_v = vec3(dvec3(-s * scale[0], c * scale[1], offset[1]));
+        transform_of(transform).apply(reference);
         uv_set = static_cast<int>(number(*transform, "texCoord", uv_set));
     }
     reference.uv_set = static_cast<uint32_t>(uv_set);
@@ -41,17 +46,28 @@ TextureRef texture_ref(int texture, int uv_set, const Value* transform) {
 }
 
 template <class TextureInfo>
-TextureRef texture_ref(const TextureInfo& info) {
-    return texture_ref(info.index, info.texCoord, gltf_extension(info.extensions, "KHR_texture_transform"));
+const Value* transform_at(const TextureInfo& info) {
+    return gltf_extension(info.extensions, "KHR_texture_transform");
 }
 
-/// Of an extension, whose values tinygltf leaves as they are.
+/// Of a texture that an extension names, whose values tinygltf leaves as they are.
+const Value* transform_at(const Value& extension, const std::string& key) {
+    const Value& info = extension.Get(key);
+    const bool transformed =
+        info.IsObject() && info.Has("extensions") && info.Get("extensions").Has("KHR_texture_transform");
+    return transformed ? &info.Get("extensions").Get("KHR_texture_transform") : nullptr;
+}
+
+template <class TextureInfo>
+TextureRef texture_ref(const TextureInfo& info) {
+    return texture_ref(info.index, info.texCoord, transform_at(info));
+}
+
 TextureRef texture_ref(const Value& extension, const std::string& key) {
     const Value& info = extension.Get(key);
     if (!info.IsObject()) return {};
-    const bool transformed = info.Has("extensions") && info.Get("extensions").Has("KHR_texture_transform");
     return texture_ref(info.Get("index").GetNumberAsInt(), static_cast<int>(number(info, "texCoord", 0)),
-                       transformed ? &info.Get("extensions").Get("KHR_texture_transform") : nullptr);
+                       transform_at(extension, key));
 }
 
 void read_extensions(const tinygltf::ExtensionMap& extensions, Material& m) {
@@ -92,7 +108,7 @@ void drop_textures_without_effect(Material& m) {
 
 }  // namespace
 
-Material read_gltf_material(const tinygltf::Material& material) {
+Material read_gltf_material(const tinygltf::Material& material, bool animated) {
     const tinygltf::PbrMetallicRoughness& pbr = material.pbrMetallicRoughness;
     Material m;
     m.name = material.name;
@@ -111,8 +127,31 @@ Material read_gltf_material(const tinygltf::Material& material) {
     m.alpha_cutoff = static_cast<float>(material.alphaCutoff);
     m.double_sided = material.doubleSided;
     read_extensions(material.extensions, m);
-    drop_textures_without_effect(m);
+    if (!animated) drop_textures_without_effect(m);
     return m;
+}
+
+RiggedMaterial read_rigged_material(const tinygltf::Material& material) {
+    RiggedMaterial rigged;
+    const std::vector<double>& emission = material.emissiveFactor;
+    rigged.emissive_factor = {emission[0], emission[1], emission[2]};
+    const auto extension = [&](const char* name) {
+        return gltf_extension(material.extensions, std::string("KHR_materials_") + name);
+    };
+    if (const Value* strength = extension("emissive_strength"))
+        rigged.emissive_strength = number(*strength, "emissiveStrength", 1);
+    const Value *specular = extension("specular"), *transmission = extension("transmission");
+    const Value* const transforms[kTextureSlots] = {
+        transform_at(material.pbrMetallicRoughness.baseColorTexture),
+        transform_at(material.pbrMetallicRoughness.metallicRoughnessTexture),
+        transform_at(material.normalTexture),
+        transform_at(material.emissiveTexture),
+        specular == nullptr ? nullptr : transform_at(*specular, "specularTexture"),
+        specular == nullptr ? nullptr : transform_at(*specular, "specularColorTexture"),
+        transmission == nullptr ? nullptr : transform_at(*transmission, "transmissionTexture"),
+    };
+    for (uint32_t slot = 0; slot < kTextureSlots; ++slot) rigged.transforms[slot] = transform_of(transforms[slot]);
+    return rigged;
 }
 
 }  // namespace photond

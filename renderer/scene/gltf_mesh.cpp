@@ -1,7 +1,6 @@
 #include "renderer/scene/gltf_mesh.h"
 
 #include <algorithm>
-#include <cfloat>
 #include <numeric>
 
 namespace photond {
@@ -19,19 +18,17 @@ public:
           pointer_(gltf_pointer("meshes", mesh, "primitives", std::to_string(primitive))),
           positions_(data.accessor(*gltf_attribute(primitive_, "POSITION"))) {}
 
-    ObjectMesh read(std::span<const double> weights, const MeshWants& wants, MeshTally& tally) {
+    ObjectMesh read(size_t joints, const MeshWants& wants, MeshTally& tally) {
         read_triangles();
         keep_used_vertices();
         read_positions();
         read_normals(tally);
         read_uv(wants, tally);
         read_colors(tally);
-        read_influences();
+        if (joints > 0) read_influences(joints, tally);
         const bool tangents_wanted = wants.normal_texture != nullptr;
         if (tangents_wanted) read_tangents();
-        apply_morph_targets(weights);
-        result_.dropped = drop_degenerate_triangles(mesh_);
-        tally.degenerate_triangles += result_.dropped;
+        read_targets();
         mesh_.material = 0;
         return std::move(result_);
     }
@@ -102,12 +99,10 @@ private:
         mesh_.positions.resize(vertices_.size());
         for (size_t v = 0; v < vertices_.size(); ++v) {
             mesh_.positions[v] = positions_.vec<3>(vertices_[v]);
-            check_position(v);
+            if (!is_finite(mesh_.positions[v]))
+                fail("/attributes/POSITION",
+                     "the position of vertex " + std::to_string(vertices_[v]) + " is not finite");
         }
-    }
-    void check_position(size_t v) const {
-        if (!is_finite(mesh_.positions[v]))
-            fail("/attributes/POSITION", "the position of vertex " + std::to_string(vertices_[v]) + " is not finite");
     }
 
     void read_normals(MeshTally& tally) {
@@ -126,20 +121,7 @@ private:
                 ++tally.bad_normals;
             }
         }
-        if (any_bad) replace_normals(bad);
-    }
-    /// A normal without direction is replaced by the mean of its triangles' normals.
-    void replace_normals(const std::vector<bool>& bad) {
-        std::vector<dvec3> sum(vertices_.size(), dvec3(0));
-        for (const uvec3& t : mesh_.triangles) {
-            const dvec3 a(mesh_.positions[t.x]), b(mesh_.positions[t.y]), c(mesh_.positions[t.z]);
-            for (int k = 0; k < 3; ++k) sum[t[k]] += glm::cross(b - a, c - a);
-        }
-        for (size_t v = 0; v < vertices_.size(); ++v) {
-            if (!bad[v]) continue;
-            const double length = glm::length(sum[v]);
-            mesh_.normals[v] = length > 0 && std::isfinite(length) ? vec3(sum[v] / length) : vec3(0, 1, 0);
-        }
+        if (any_bad) replace_normals(mesh_, bad);
     }
 
     void read_uv(const MeshWants& wants, MeshTally& tally) {
@@ -182,7 +164,7 @@ private:
         if (std::ranges::all_of(mesh_.colors, [](const vec4& c) { return c == vec4(1); })) mesh_.colors = {};
     }
 
-    void read_influences() {
+    void read_influences(size_t joint_count, MeshTally& tally) {
         for (uint32_t set = 0;; ++set) {
             const auto joints = attribute("JOINTS_" + std::to_string(set));
             const auto weights = attribute("WEIGHTS_" + std::to_string(set));
@@ -200,14 +182,20 @@ private:
                     if (!(weight >= 0) || !std::isfinite(weight))
                         fail("/attributes/WEIGHTS_0",
                              "a weight of vertex " + std::to_string(v) + " is negative or not finite");
-                    result_.influences.push_back({joints.whole(v, k), weight});
+                    const uint32_t joint = joints.whole(v, k);
+                    if (joint >= joint_count && weight > 0)
+                        fail("/attributes/JOINTS_0", "joint " + std::to_string(joint) + " is not one of the skin's " +
+                                                         std::to_string(joint_count));
+                    result_.influences.push_back({joint, weight});
                     sum += weight;
                 }
             }
-            if (influence_sets_.empty()) continue;
-            if (!(sum > 0) || !std::isfinite(sum))
-                fail("/attributes/WEIGHTS_0", "the weights of vertex " + std::to_string(v) + " do not add up to 1");
-            for (size_t i = first; i < result_.influences.size(); ++i) result_.influences[i].weight /= sum;
+            if (sum > 0 || influence_sets_.empty()) continue;
+            // Of no weights the first joint has all.
+            JointWeight& whole = result_.influences[first];
+            if (whole.joint >= joint_count) whole.joint = 0;
+            whole.weight = 1;
+            ++tally.unweighted;
         }
     }
 
@@ -226,41 +214,25 @@ private:
         }
     }
 
-    /// glTF 2.0, 3.7.2.2: the weighted displacements are added. Handedness is not displaced.
-    void apply_morph_targets(std::span<const double> weights) {
-        const size_t count = std::min(weights.size(), primitive_.targets.size());
-        bool moved = false;
-        for (size_t k = 0; k < count; ++k) {
-            const auto weight = static_cast<float>(weights[k]);
-            if (weight == 0) continue;
-            moved = true;
+    void read_targets() {
+        result_.targets.resize(primitive_.targets.size());
+        for (size_t k = 0; k < primitive_.targets.size(); ++k)
             for (const auto& [semantic, accessor] : primitive_.targets[k]) {
-                const AccessorView offsets = data_.accessor(accessor);
+                MorphTarget& target = result_.targets[k];
+                std::vector<vec3>* offsets = semantic == "POSITION"                             ? &target.positions
+                                             : semantic == "NORMAL" && !mesh_.normals.empty()   ? &target.normals
+                                             : semantic == "TANGENT" && !mesh_.tangents.empty() ? &target.tangents
+                                                                                                : nullptr;
+                if (offsets == nullptr) continue;
+                const AccessorView view = data_.accessor(accessor);
+                offsets->resize(vertices_.size());
                 for (size_t v = 0; v < vertices_.size(); ++v) {
-                    const vec3 offset = weight * offsets.vec<3>(vertices_[v]);
-                    if (semantic == "POSITION") mesh_.positions[v] += offset;
-                    if (semantic == "NORMAL" && !mesh_.normals.empty()) mesh_.normals[v] += offset;
-                    if (semantic == "TANGENT" && !mesh_.tangents.empty()) mesh_.tangents[v] += vec4(offset, 0);
+                    (*offsets)[v] = view.vec<3>(vertices_[v]);
+                    if (!is_finite((*offsets)[v]))
+                        fail("/targets/" + std::to_string(k) + "/" + semantic,
+                             "the displacement of vertex " + std::to_string(vertices_[v]) + " is not finite");
                 }
             }
-        }
-        if (!moved) return;
-        for (size_t v = 0; v < vertices_.size(); ++v) check_position(v);
-        std::vector<bool> bad(mesh_.normals.size(), false);
-        for (size_t v = 0; v < mesh_.normals.size(); ++v) {
-            const float length = glm::length(mesh_.normals[v]);
-            bad[v] = !(length > 1e-20f) || !std::isfinite(length);
-            if (!bad[v]) mesh_.normals[v] /= length;
-        }
-        if (std::ranges::find(bad, true) != bad.end()) replace_normals(bad);
-        for (vec4& t : mesh_.tangents) {
-            const float length = glm::length(vec3(t));
-            if (!(length > 1e-20f) || !std::isfinite(length)) {
-                mesh_.tangents = {};
-                break;
-            }
-            t = vec4(vec3(t) / length, t.w);
-        }
     }
 
     const tinygltf::Primitive& primitive_;
@@ -284,18 +256,8 @@ uint64_t promised_triangles(const tinygltf::Primitive& primitive, const tinygltf
 }
 
 ObjectMesh read_primitive_mesh(const GltfDocument& document, GltfData& data, uint32_t mesh, uint32_t primitive,
-                               std::span<const double> weights, const MeshWants& wants, MeshTally& tally) {
-    return PrimitiveReader(document, data, mesh, primitive).read(weights, wants, tally);
-}
-
-uint64_t drop_degenerate_triangles(Mesh& mesh) {
-    const auto degenerate = [&mesh](const uvec3& t) {
-        const vec3 n = glm::cross(mesh.positions[t.y] - mesh.positions[t.x], mesh.positions[t.z] - mesh.positions[t.x]);
-        const float length_sq = glm::dot(n, n);
-        return !(length_sq >= FLT_MIN &&
-                 length_sq <= FLT_MAX);  // below, its normal is lost in float; NaN is caught too
-    };
-    return std::erase_if(mesh.triangles, degenerate);
+                               size_t joints, const MeshWants& wants, MeshTally& tally) {
+    return PrimitiveReader(document, data, mesh, primitive).read(joints, wants, tally);
 }
 
 }  // namespace photond

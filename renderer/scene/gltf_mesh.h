@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "renderer/scene/gltf_accessor.h"
-#include "renderer/scene/scene.h"
+#include "renderer/scene/object_mesh.h"
 
 namespace photond {
 
@@ -15,20 +15,7 @@ struct MeshTally {
     uint64_t clamped_colors = 0;    // vertices
     uint64_t missing_uv_sets = 0;   // primitives whose material reads coordinates they do not have
     uint64_t bad_normals = 0;       // vertices whose normal had no direction
-};
-
-/// One joint's influence on a vertex.
-struct JointWeight {
-    uint32_t joint = 0;
-    float weight = 0;
-};
-
-/// A primitive as read, before it is placed.
-struct ObjectMesh {
-    Mesh mesh;                            // object space, morph targets applied at their rest weights
-    uint32_t joint_sets = 0;              // influences a vertex / 4
-    std::vector<JointWeight> influences;  // 4 x joint_sets a vertex; weights sum to 1
-    uint64_t dropped = 0;                 // degenerate triangles
+    uint64_t unweighted = 0;        // vertices whose weights are all 0
 };
 
 /// Which of the document's texture coordinate sets the material's slots 0 and 1 hold.
@@ -45,16 +32,16 @@ struct MeshWants {
 /// The number of triangles a primitive says it has; 0 for points and lines.
 uint64_t promised_triangles(const tinygltf::Primitive& primitive, const tinygltf::Model& model);
 
-/// Reads primitive `primitive` of mesh `mesh`. `weights`: of its morph targets. Throws ErrorCode::BadScene for
-/// positions that are not finite and indices out of range. Triangles without area are dropped; there may be none left.
+/// Reads primitive `primitive` of mesh `mesh`. Throws ErrorCode::BadScene for positions and displacements that are not
+/// finite and for indices out of range. `joints`: that a vertex may name; 0 where no skin moves the mesh.
 ObjectMesh read_primitive_mesh(const GltfDocument& document, GltfData& data, uint32_t mesh, uint32_t primitive,
-                               std::span<const double> weights, const MeshWants& wants, MeshTally& tally);
-
-/// Drops triangles without area: two equal corners, or an area so small that no normal can be had in float.
-uint64_t drop_degenerate_triangles(Mesh& mesh);
+                               size_t joints, const MeshWants& wants, MeshTally& tally);
 
 /// Per-vertex tangents that follow the coordinates of `normal_texture` (KHR_texture_transform included), area-weighted,
-/// vertices split where the handedness changes. A mesh without normals gets three vertices a triangle.
-void build_tangents(Mesh& mesh, const TextureRef& normal_texture);
+/// vertices split where the handedness changes. A mesh without normals gets three vertices a triangle. Gives the vertex
+/// that each was before; empty where none was added.
+std::vector<uint32_t> build_tangents(Mesh& mesh, const TextureRef& normal_texture);
+/// Of a mesh that will move: those of its stored shape, which its targets and joints move with it.
+void build_tangents(ObjectMesh& object, const TextureRef& normal_texture);
 
 }  // namespace photond

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "renderer/scene/gltf_mesh.h"
+#include "renderer/scene/gltf_rig.h"
+#include "renderer/scene/rig_builder.h"
 
 namespace photond {
 
@@ -26,10 +29,8 @@ struct Bounds {
 /// A mesh as read, and the nodes that show it.
 struct PlacedMesh {
     ObjectMesh object;
-    uint32_t mesh = 0;       // of the document
-    uint32_t primitive = 0;  // of that mesh
     std::vector<uint32_t> nodes;
-    bool skinned = false;  // then there is one node
+    std::optional<uint32_t> skin;  // then there is one node
 };
 
 bool finite(const dmat4& m) {
@@ -39,16 +40,17 @@ bool finite(const dmat4& m) {
     return true;
 }
 
-/// Transforms normals, up to length: the inverse transpose times the determinant, which exists for flattened meshes
-/// too; its sign is taken out so that normals keep to their side.
-dmat3 normal_matrix(const dmat3& m) {
-    const double sign = glm::determinant(m) < 0 ? -1 : 1;
-    return dmat3(glm::cross(m[1], m[2]) * sign, glm::cross(m[2], m[0]) * sign, glm::cross(m[0], m[1]) * sign);
-}
-
-vec3 unit_or(const dvec3& v, const vec3& fallback) {
-    const double length = glm::length(v);
-    return length > 0 && std::isfinite(length) ? vec3(v / length) : fallback;
+Instance placed_instance(uint32_t mesh, const dmat4& to_world, const dvec3& origin) {
+    Instance instance;
+    instance.mesh = mesh;
+    instance.identity = false;
+    dmat4 moved = to_world;
+    moved[3] -= dvec4(origin, 0);
+    instance.to_world = mat4x3(mat4(moved));
+    const dmat3 linear(to_world);
+    instance.normal_to_world = mat3(glm::transpose(glm::inverse(linear)));
+    instance.flips_orientation = glm::determinant(linear) < 0;
+    return instance;
 }
 
 class Placement {
@@ -56,57 +58,64 @@ public:
     Placement(const GltfDocument& document, GltfData& data, const LoadLimits& limits, Scene& scene)
         : document_(document), model_(document.model), data_(data), limits_(limits), scene_(scene) {}
 
-    void run() {
-        compute_world_matrices();
-        walk_default_scene();
+    /// Gives what moves; null: nothing.
+    std::shared_ptr<Rig> run() {
+        *rig_ = read_gltf_rig(document_, data_, warnings_);
+        rest_ = pose_rig(*rig_, {});
+        moving_ = moving_nodes(*rig_, rig_->animations);
+        find_animated_materials();
+        check_transforms();
         check_triangle_count();
         read_meshes();
         choose_origin();
         for (PlacedMesh& placed : meshes_) place(placed);
-        place_cameras();
-        place_lights();
+        for (const uint32_t node : place_cameras(*rig_, rest_, scene_)) note_scaled_to_nothing("camera", node);
+        for (const uint32_t node : place_lights(*rig_, rest_, scene_)) note_scaled_to_nothing("light", node);
         warn();
+        if (rig_->animations.empty()) return nullptr;
+        count_scene_materials();
+        return rig_;
     }
 
 private:
-    void compute_world_matrices() {
-        const std::vector<tinygltf::Node>& nodes = model_.nodes;
-        std::vector<bool> is_child(nodes.size(), false);
-        for (const tinygltf::Node& node : nodes)
-            for (const int child : node.children) is_child[child] = true;
-        for (uint32_t i = 0; i < nodes.size(); ++i)
-            if (!is_child[i]) roots_.push_back(static_cast<int>(i));
-        world_.resize(nodes.size());
-        for (const int root : roots_) world_[root] = gltf_local_matrix(nodes[root]);
-        for (std::vector<int> open = roots_; !open.empty();) {
-            const int i = open.back();
-            open.pop_back();
-            for (const int child : nodes[i].children) world_[child] = world_[i] * gltf_local_matrix(nodes[child]);
-            open.insert(open.end(), nodes[i].children.begin(), nodes[i].children.end());
-        }
+    void find_animated_materials() {
+        for (const Animation& animation : rig_->animations)
+            for (const Channel& channel : animation.channels)
+                if (channel.property >= Property::BaseColor)
+                    animated_materials_.insert(channel.targets.begin(), channel.targets.end());
     }
 
-    void walk_default_scene() {
-        std::vector<uint32_t> open;
-        const auto push = [&open](const std::vector<int>& nodes) {
-            open.insert(open.end(), nodes.rbegin(), nodes.rend());
-        };
-        push(document_.scene() != nullptr ? document_.scene()->nodes : roots_);
-        while (!open.empty()) {
-            const uint32_t i = open.back();
-            open.pop_back();
-            const tinygltf::Node& node = model_.nodes[i];
-            if ((node.mesh >= 0 || node.camera >= 0 || gltf_light(node)) && !finite(world_[i]))
+    /// Channels of materials count the rig's from now on; those of materials that nothing has are dropped.
+    void count_scene_materials() {
+        std::map<uint32_t, uint32_t> rigged;  // by the document's index
+        for (const uint32_t index : animated_materials_) {
+            const auto used = material_of_.find(static_cast<int>(index));
+            if (used == material_of_.end()) continue;
+            rigged.emplace(index, static_cast<uint32_t>(rig_->materials.size()));
+            rig_->materials.push_back(read_rigged_material(model_.materials[index]));
+            rig_->materials.back().material = used->second;
+        }
+        for (Animation& animation : rig_->animations)
+            std::erase_if(animation.channels, [&](Channel& channel) {
+                if (channel.property < Property::BaseColor) return false;
+                const auto found = rigged.find(channel.targets.front());
+                if (found != rigged.end()) channel.targets = {found->second};
+                return found == rigged.end();
+            });
+    }
+
+    void check_transforms() const {
+        for (const uint32_t i : rig_->walk) {
+            const RigNode& node = rig_->nodes[i];
+            if ((model_.nodes[i].mesh >= 0 || node.camera >= 0 || node.light >= 0) && !finite(rest_.world[i]))
                 throw Error(ErrorCode::BadScene, gltf_pointer("nodes", i),
                             "the node's transform, with its parents', is not finite in single precision");
-            walk_.push_back(i);
-            push(node.children);
         }
     }
 
     void check_triangle_count() const {
         uint64_t total = 0;
-        for (const uint32_t i : walk_) {
+        for (const uint32_t i : rig_->walk) {
             if (model_.nodes[i].mesh < 0) continue;
             for (const tinygltf::Primitive& primitive : model_.meshes[model_.nodes[i].mesh].primitives)
                 total += promised_triangles(primitive, model_);
@@ -120,10 +129,10 @@ private:
     void read_meshes() {
         // Nodes that show the same mesh in the same shape share one reading of it: a range of meshes_.
         std::map<int, std::pair<size_t, size_t>> shared;
-        for (const uint32_t i : walk_) {
+        for (const uint32_t i : rig_->walk) {
             const tinygltf::Node& node = model_.nodes[i];
             if (node.mesh < 0) continue;
-            const bool own_shape = node.skin >= 0 || !node.weights.empty();
+            const bool own_shape = node.skin >= 0 || !node.weights.empty() || changes_weights(rig_->animations, i);
             if (const auto found = shared.find(node.mesh); found != shared.end() && !own_shape) {
                 for (size_t k = found->second.first; k < found->second.second; ++k) meshes_[k].nodes.push_back(i);
                 continue;
@@ -137,10 +146,7 @@ private:
     void read_mesh(uint32_t node_index) {
         const tinygltf::Node& node = model_.nodes[node_index];
         const tinygltf::Mesh& mesh = model_.meshes[node.mesh];
-        const std::vector<double>& weights = node.weights.empty() ? mesh.weights : node.weights;
-        morphed_ += std::ranges::any_of(weights, [](double w) { return static_cast<float>(w) != 0; }) ||
-                    (!mesh.primitives.empty() && !mesh.primitives.front().targets.empty());
-        skinned_ += node.skin >= 0;
+        const size_t joints = node.skin >= 0 ? rig_->skins[static_cast<size_t>(node.skin)].joints.size() : 0;
         for (uint32_t p = 0; p < mesh.primitives.size(); ++p) {
             const tinygltf::Primitive& primitive = mesh.primitives[p];
             const auto positions = gltf_attribute(primitive, "POSITION");
@@ -149,20 +155,18 @@ private:
                 ++tally_.points_and_lines;
                 continue;
             }
-            if (is_zeros(*positions) || (primitive.indices >= 0 && is_zeros(primitive.indices))) {
+            if (is_one_point(primitive, *positions) || (primitive.indices >= 0 && is_zeros(primitive.indices))) {
                 tally_.degenerate_triangles += promised_triangles(primitive, model_);
                 continue;
             }
             const uint32_t material = use_material(primitive.material);
             PlacedMesh placed;
-            placed.object = read_primitive_mesh(document_, data_, node.mesh, p, weights, wants_of(material), tally_);
+            placed.object = read_primitive_mesh(document_, data_, node.mesh, p, joints, wants_of(material), tally_);
             if (placed.object.mesh.triangles.empty()) continue;
             placed.object.mesh.material = material;
-            placed.mesh = node.mesh;
-            placed.primitive = p;
             placed.nodes = {node_index};
-            placed.skinned = node.skin >= 0;
-            if (placed.skinned && placed.object.joint_sets == 0)
+            if (node.skin >= 0) placed.skin = static_cast<uint32_t>(node.skin);
+            if (placed.skin && placed.object.joint_sets == 0)
                 throw Error(ErrorCode::BadScene, gltf_pointer("nodes", node_index, "skin"),
                             "the mesh has no JOINTS_0 and WEIGHTS_0");
             meshes_.push_back(std::move(placed));
@@ -173,12 +177,20 @@ private:
     bool is_zeros(int accessor) const {
         return model_.accessors[accessor].bufferView < 0 && !model_.accessors[accessor].sparse.isSparse;
     }
+    /// Positions that are all zeros, and that no morph target moves apart.
+    bool is_one_point(const tinygltf::Primitive& primitive, int positions) const {
+        return is_zeros(positions) && std::ranges::all_of(primitive.targets, [&](const auto& target) {
+                   const auto moved = target.find("POSITION");
+                   return moved == target.end() || is_zeros(moved->second);
+               });
+    }
 
     /// The scene's index of a document's material, entered when it is used for the first time.
     uint32_t use_material(int index) {
         const auto [found, is_new] = material_of_.try_emplace(index, static_cast<uint32_t>(scene_.materials.size()));
         if (!is_new) return found->second;
-        Material material = index < 0 ? Material{} : read_gltf_material(model_.materials[index]);
+        const bool animated = animated_materials_.contains(static_cast<uint32_t>(index));
+        Material material = index < 0 ? Material{} : read_gltf_material(model_.materials[index], animated);
         if (index < 0) material.name = "default";
         visit_texture_refs(material, [&](TextureRef& reference) {
             if (reference.used() && !has_source(model_.textures[reference.texture])) reference = {};
@@ -211,19 +223,13 @@ private:
         return wants;
     }
 
-    std::vector<dmat4> joint_matrices(const PlacedMesh& placed) {
-        const int skin_index = model_.nodes[placed.nodes.front()].skin;
-        const tinygltf::Skin& skin = model_.skins[skin_index];
-        std::optional<AccessorView> inverse_bind;
-        if (skin.inverseBindMatrices >= 0) inverse_bind = data_.accessor(skin.inverseBindMatrices);
-        std::vector<dmat4> joints(skin.joints.size());
-        for (size_t k = 0; k < joints.size(); ++k) {
-            joints[k] = world_[skin.joints[k]] * (inverse_bind ? inverse_bind->matrix(k) : dmat4(1));
-            if (!finite(joints[k]))
-                throw Error(ErrorCode::BadScene, gltf_pointer("skins", skin_index, "joints", std::to_string(k)),
+    MeshPose rest_pose(uint32_t node, std::optional<uint32_t> skin) const {
+        MeshPose pose = pose_of(*rig_, rest_, node, skin, scene_.origin);
+        for (size_t k = 0; skin && k < pose.transforms.size(); ++k)
+            if (!finite(pose.transforms[k]))
+                throw Error(ErrorCode::BadScene, gltf_pointer("skins", *skin, "joints", std::to_string(k)),
                             "the joint's transform is not finite");
-        }
-        return joints;
+        return pose;
     }
 
     /// A box around the scene from boxes around its meshes: as good as needed to tell where it lies.
@@ -233,10 +239,10 @@ private:
             Bounds object;
             for (const vec3& p : placed.object.mesh.positions) object.extend(dvec3(p));
             std::vector<dmat4> matrices;
-            if (placed.skinned)
-                matrices = joint_matrices(placed);
-            else
-                for (const uint32_t node : placed.nodes) matrices.push_back(world_[node]);
+            for (const uint32_t node : placed.nodes) {
+                const MeshPose pose = rest_pose(node, placed.skin);
+                matrices.insert(matrices.end(), pose.transforms.begin(), pose.transforms.end());
+            }
             for (const dmat4& m : matrices)
                 for (int corner = 0; corner < 8; ++corner)
                     bounds.extend(dvec3(m * dvec4(corner & 1 ? object.min.x : object.max.x,
@@ -251,95 +257,66 @@ private:
         scene_.origin = glm::round(centre / unit) * unit;
     }
 
+    /// What moves, and glass that what moves may come to touch, is the rig's.
     void place(PlacedMesh& placed) {
-        if (placed.skinned) {
-            skin_to_world(placed);
-            return add_baked(std::move(placed.object.mesh), placed);
-        }
-        const uint64_t copies = placed.nodes.size();
+        const bool glass = scene_.materials[placed.object.mesh.material].transmission > 0 && !rig_->animations.empty();
+        std::vector<uint32_t> rigged, still;
+        for (const uint32_t node : placed.nodes)
+            (moves_mesh(*rig_, rig_->animations, moving_, node, placed.skin) || glass ? rigged : still).push_back(node);
+        if (!rigged.empty())
+            place_rigged(still.empty() ? std::move(placed.object) : placed.object, placed.skin, rigged);
+        if (!still.empty()) place_still(placed, still);
+    }
+
+    /// adopt_rig() fills in where it lies.
+    void place_rigged(ObjectMesh object, std::optional<uint32_t> skin, const std::vector<uint32_t>& nodes) {
+        const Material& material = scene_.materials[object.mesh.material];
+        if (material.normal_texture.used() && object.mesh.tangents.empty())
+            build_tangents(object, material.normal_texture);
+        const auto shared = std::make_shared<const ObjectMesh>(std::move(object));
+        for (const uint32_t node : nodes) add_rigged_mesh(scene_, *rig_, shared, node, skin);
+    }
+
+    void place_still(PlacedMesh& placed, const std::vector<uint32_t>& nodes) {
+        const uint64_t copies = nodes.size();
         const bool bake_all = copies == 1 || placed.object.mesh.triangles.size() * copies < kMaxBakedCopyTriangles;
         std::optional<uint32_t> shared;
         for (size_t k = 0; k < copies; ++k) {
-            const dmat4& to_world = world_[placed.nodes[k]];
-            const bool singular = std::fabs(glm::determinant(dmat3(to_world))) < 1e-30;
+            const MeshPose pose = rest_pose(nodes[k], placed.skin);
+            const bool singular = !placed.skin && std::fabs(glm::determinant(dmat3(pose.transforms.front()))) < 1e-30;
             if (bake_all || singular) {
-                Mesh copy = k + 1 == copies && !shared ? std::move(placed.object.mesh) : placed.object.mesh;
-                bake(copy, to_world, placed.nodes[k]);
-                add_baked(std::move(copy), placed);
-            } else {
-                if (!shared) {
-                    Mesh mesh = placed.object.mesh;
-                    add_tangents(mesh);
-                    shared = static_cast<uint32_t>(scene_.meshes.size());
-                    scene_.meshes.push_back(std::move(mesh));
+                if (k + 1 == copies && !shared) {
+                    bake(placed.object, pose, nodes[k]);
+                    add_baked(std::move(placed.object.mesh));
+                } else {
+                    ObjectMesh copy = placed.object;
+                    bake(copy, pose, nodes[k]);
+                    add_baked(std::move(copy.mesh));
                 }
-                add_instance(*shared, to_world);
+                continue;
             }
-        }
-    }
-
-    void add_instance(uint32_t mesh, const dmat4& to_world) {
-        Instance instance;
-        instance.mesh = mesh;
-        instance.identity = false;
-        dmat4 moved = to_world;
-        moved[3] -= dvec4(scene_.origin, 0);
-        instance.to_world = mat4x3(mat4(moved));
-        const dmat3 linear(to_world);
-        instance.normal_to_world = mat3(glm::transpose(glm::inverse(linear)));
-        instance.flips_orientation = glm::determinant(linear) < 0;
-        scene_.instances.push_back(instance);
-    }
-
-    void bake(Mesh& mesh, const dmat4& to_world, uint32_t node) {
-        if (to_world == dmat4(1) && scene_.origin == dvec3(0)) return;  // keeps the file's bits
-        const dmat3 linear(to_world);
-        const dmat3 normals = normal_matrix(linear);
-        for (vec3& p : mesh.positions) {
-            p = vec3(dvec3(to_world * dvec4(dvec3(p), 1)) - scene_.origin);
-            if (!is_finite(p)) fail_position(node);
-        }
-        for (vec3& n : mesh.normals) n = unit_or(normals * dvec3(n), vec3(0, 1, 0));
-        const bool mirrored = glm::determinant(linear) < 0;
-        for (vec4& t : mesh.tangents) t = vec4(unit_or(linear * dvec3(t), vec3(1, 0, 0)), mirrored ? -t.w : t.w);
-        if (mirrored)
-            for (uvec3& t : mesh.triangles) std::swap(t.y, t.z);
-    }
-
-    /// glTF 2.0, 3.7.3.3: the joints move the vertices straight to world space; the node's own transform does not
-    /// count.
-    void skin_to_world(PlacedMesh& placed) {
-        const std::vector<dmat4> joints = joint_matrices(placed);
-        ObjectMesh& object = placed.object;
-        Mesh& mesh = object.mesh;
-        const size_t influences = size_t{object.joint_sets} * 4;
-        for (size_t v = 0; v < mesh.positions.size(); ++v) {
-            dmat4 blended(0.0);
-            for (size_t k = 0; k < influences; ++k) {
-                const JointWeight& influence = object.influences[v * influences + k];
-                if (influence.weight == 0) continue;
-                if (influence.joint >= joints.size())
-                    throw Error(ErrorCode::BadScene,
-                                gltf_pointer("meshes", placed.mesh, "primitives", std::to_string(placed.primitive),
-                                             "attributes", "JOINTS_0"),
-                                "joint " + std::to_string(influence.joint) + " is not one of the skin's " +
-                                    std::to_string(joints.size()));
-                blended += joints[influence.joint] * double{influence.weight};
+            if (!shared) {
+                ObjectMesh object = placed.object;
+                bake(object, {.weights = pose.weights, .transforms = {dmat4(1)}}, nodes[k]);
+                tally_.degenerate_triangles += drop_degenerate_triangles(object.mesh);
+                if (object.mesh.triangles.empty()) return;
+                add_tangents(object.mesh);
+                shared = static_cast<uint32_t>(scene_.meshes.size());
+                scene_.meshes.push_back(std::move(object.mesh));
             }
-            const dmat3 linear(blended);
-            mesh.positions[v] = vec3(dvec3(blended * dvec4(dvec3(mesh.positions[v]), 1)) - scene_.origin);
-            if (!is_finite(mesh.positions[v])) fail_position(placed.nodes.front());
-            if (!mesh.normals.empty())
-                mesh.normals[v] = unit_or(normal_matrix(linear) * dvec3(mesh.normals[v]), vec3(0, 1, 0));
-            if (!mesh.tangents.empty())
-                mesh.tangents[v] = vec4(unit_or(linear * dvec3(mesh.tangents[v]), vec3(1, 0, 0)), mesh.tangents[v].w);
+            scene_.instances.push_back(placed_instance(*shared, pose.transforms.front(), scene_.origin));
         }
     }
 
-    void add_baked(Mesh mesh, const PlacedMesh& placed) {
+    static void bake(ObjectMesh& object, const MeshPose& pose, uint32_t node) {
+        if (!pose_mesh(object, pose, object.mesh))
+            throw Error(ErrorCode::BadScene, gltf_pointer("nodes", node),
+                        "the node's transform moves a vertex out of float's range");
+    }
+
+    void add_baked(Mesh mesh) {
         tally_.degenerate_triangles += drop_degenerate_triangles(mesh);
         if (mesh.triangles.empty()) return;
-        mesh.material = placed.object.mesh.material;
         add_tangents(mesh);
         scene_.instances.push_back({.mesh = static_cast<uint32_t>(scene_.meshes.size())});
         scene_.meshes.push_back(std::move(mesh));
@@ -353,52 +330,9 @@ private:
     /// Extensions that are not supported may say where else the image is.
     static bool has_source(const tinygltf::Texture& texture) { return texture.source >= 0; }
 
-    [[noreturn]] static void fail_position(uint32_t node) {
-        throw Error(ErrorCode::BadScene, gltf_pointer("nodes", node),
-                    "the node's transform moves a vertex out of float's range");
-    }
-
-    void place_cameras() {
-        for (const uint32_t i : walk_) {
-            const tinygltf::Node& node = model_.nodes[i];
-            if (node.camera < 0) continue;
-            Camera camera = read_gltf_camera(model_.cameras[node.camera]);
-            const dmat4& m = world_[i];
-            // The axes are made orthonormal: scale does not act on a camera.
-            const dvec3 back(m[2]), up(m[1]);
-            const dvec3 right = glm::cross(up, back);
-            if (!(glm::length(back) > 0) || !(glm::length(right) > 1e-9 * glm::length(up) * glm::length(back))) {
-                warnings_.push_back("the camera of node " + std::to_string(i) +
-                                    " was left out: its node is scaled to nothing");
-                continue;
-            }
-            camera.forward = vec3(-glm::normalize(back));
-            camera.right = vec3(glm::normalize(right));
-            camera.up = vec3(glm::normalize(glm::cross(back, right)));
-            camera.position = vec3(dvec3(m[3]) - scene_.origin);
-            if (!node.name.empty()) camera.name = node.name;
-            if (camera.name.empty()) camera.name = "camera_" + std::to_string(scene_.cameras.size());
-            scene_.cameras.push_back(camera);
-        }
-    }
-
-    void place_lights() {
-        for (const uint32_t i : walk_) {
-            const tinygltf::Node& node = model_.nodes[i];
-            const auto index = gltf_light(node);
-            if (!index) continue;
-            PunctualLight light = read_gltf_light(model_.lights[*index]);
-            const dvec3 back(world_[i][2]);
-            if (light.kind != PunctualLight::Kind::Point && !(glm::length(back) > 0)) {
-                warnings_.push_back("the light of node " + std::to_string(i) +
-                                    " was left out: its node is scaled to nothing");
-                continue;
-            }
-            light.position = vec3(dvec3(world_[i][3]) - scene_.origin);
-            light.direction = unit_or(-back, vec3(0, 0, -1));
-            if (!node.name.empty()) light.name = node.name;
-            scene_.punctual_lights.push_back(light);
-        }
+    void note_scaled_to_nothing(const char* what, uint32_t node) {
+        warnings_.push_back(std::string("the ") + what + " of node " + std::to_string(node) +
+                            " was left out: its node is scaled to nothing");
     }
 
     void warn() {
@@ -410,13 +344,10 @@ private:
         note(tally_.clamped_colors, "vertex colours outside [0, 1] were clamped");
         note(tally_.bad_normals, "normals without direction were replaced by their triangles'");
         note(tally_.missing_uv_sets, "primitives lack texture coordinates that their material reads; (0, 0) is used");
-        note(skinned_, "skinned meshes are posed by their joints' own transforms, at rest");
-        note(morphed_, "meshes with morph targets are posed at their stored weights, at rest");
+        note(tally_.unweighted, "vertices have joints of no weight; the first one moves them");
         note(std::ranges::count_if(model_.textures, [](const auto& texture) { return !has_source(texture); }),
              "textures have no source image in a supported format; materials do without them");
-        note(model_.animations.size(), "animations are not played: the scene is posed at rest");
         scene_.warnings.insert(scene_.warnings.end(), warnings_.begin(), warnings_.end());
-        scene_.animation_count = static_cast<uint32_t>(model_.animations.size());
     }
 
     const GltfDocument& document_;
@@ -424,22 +355,22 @@ private:
     GltfData& data_;
     const LoadLimits& limits_;
     Scene& scene_;
-    std::vector<int> roots_;      // nodes without a parent
-    std::vector<dmat4> world_;    // of every node
-    std::vector<uint32_t> walk_;  // nodes of the default scene, depth first
+    const std::shared_ptr<Rig> rig_ = std::make_shared<Rig>();
+    PosedRig rest_;
+    std::vector<bool> moving_;               // nodes
+    std::set<uint32_t> animated_materials_;  // of the document
     std::vector<PlacedMesh> meshes_;
     std::map<int, uint32_t> material_of_;
     std::vector<UvSlots> uv_slots_;  // of each of the scene's materials
     MeshTally tally_;
-    uint64_t skinned_ = 0;
-    uint64_t morphed_ = 0;
     std::vector<std::string> warnings_;
 };
 
 }  // namespace
 
-void place_gltf_scene(const GltfDocument& document, GltfData& data, const LoadLimits& limits, Scene& scene) {
-    Placement(document, data, limits, scene).run();
+std::shared_ptr<Rig> place_gltf_scene(const GltfDocument& document, GltfData& data, const LoadLimits& limits,
+                                      Scene& scene) {
+    return Placement(document, data, limits, scene).run();
 }
 
 }  // namespace photond

@@ -9,21 +9,14 @@
 namespace photond {
 
 /// Fills meshes, instances, materials, cameras, lights, origin and warnings. The materials' texture references still
-/// count the document's textures. Throws ErrorCode::BadScene with the place.
-void place_gltf_scene(const GltfDocument& document, GltfData& data, const LoadLimits& limits, Scene& scene);
+/// count the document's textures. Gives what moves, for adopt_rig(), without its materials as they are at rest; null
+/// where nothing is animated. Throws ErrorCode::BadScene with the place.
+std::shared_ptr<Rig> place_gltf_scene(const GltfDocument& document, GltfData& data, const LoadLimits& limits,
+                                      Scene& scene);
 
 /// Decodes the images that the scene's materials use, in parallel, and points the materials at them. Throws
 /// ErrorCode::BadImage with the place of each image that is not accepted.
 void load_gltf_textures(const GltfDocument& document, GltfData& data, const ImageDecoder& decode,
                         const LoadLimits& limits, Scene& scene);
-
-/// Calls visitor(TextureRef&) for each texture reference of a material.
-template <class AnyMaterial, class Visitor>
-void visit_texture_refs(AnyMaterial& material, const Visitor& visitor) {
-    visitor(material.base_color_texture), visitor(material.metallic_roughness_texture),
-        visitor(material.normal_texture);
-    visitor(material.emission_texture), visitor(material.specular_texture), visitor(material.specular_color_texture);
-    visitor(material.transmission_texture);
-}
 
 }  // namespace photond

@@ -1,8 +1,6 @@
-// Transforms, cameras and lights of a document, into ours.
+#include "renderer/scene/gltf_rig.h"
 
-#include <glm/gtc/quaternion.hpp>
-
-#include "renderer/scene/gltf_document.h"
+#include <algorithm>
 
 namespace photond {
 
@@ -12,22 +10,25 @@ dvec3 vector_or(const std::vector<double>& numbers, double fallback) {
     return numbers.empty() ? dvec3(fallback) : dvec3(numbers[0], numbers[1], numbers[2]);
 }
 
-}  // namespace
-
-dmat4 gltf_local_matrix(const tinygltf::Node& node) {
-    dmat4 matrix(1.0);
-    if (!node.matrix.empty()) {
-        for (int k = 0; k < 16; ++k) matrix[k / 4][k % 4] = node.matrix[k];
-        return matrix;
+RigNode read_gltf_node(const tinygltf::Node& stored, const std::vector<tinygltf::Mesh>& meshes) {
+    RigNode node;
+    node.name = stored.name;
+    node.camera = stored.camera;
+    node.light = gltf_light(stored).value_or(-1);
+    node.weights = stored.weights;
+    if (stored.weights.empty() && stored.mesh >= 0) node.weights = meshes[static_cast<size_t>(stored.mesh)].weights;
+    if (!stored.matrix.empty()) {
+        node.matrix.emplace(1.0);
+        for (int k = 0; k < 16; ++k) (*node.matrix)[k / 4][k % 4] = stored.matrix[static_cast<size_t>(k)];
+        return node;
     }
-    if (const std::vector<double>& r = node.rotation; !r.empty()) {
+    if (const std::vector<double>& r = stored.rotation; !r.empty()) {
         const double length = std::sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3]);
-        matrix = glm::mat4_cast(glm::dquat(r[3] / length, r[0] / length, r[1] / length, r[2] / length));
+        node.rotation = glm::dquat(r[3] / length, r[0] / length, r[1] / length, r[2] / length);
     }
-    const dvec3 scale = vector_or(node.scale, 1);
-    for (int column = 0; column < 3; ++column) matrix[column] *= scale[column];
-    matrix[3] = glm::dvec4(vector_or(node.translation, 0), 1);
-    return matrix;
+    node.scale = vector_or(stored.scale, 1);
+    node.translation = vector_or(stored.translation, 0);
+    return node;
 }
 
 Camera read_gltf_camera(const tinygltf::Camera& stored) {
@@ -41,18 +42,66 @@ Camera read_gltf_camera(const tinygltf::Camera& stored) {
     return camera;
 }
 
-PunctualLight read_gltf_light(const tinygltf::Light& stored) {
+RiggedLight read_gltf_light(const tinygltf::Light& stored) {
     using Kind = PunctualLight::Kind;
-    PunctualLight light;
+    RiggedLight light;
     light.name = stored.name;
     light.kind = stored.type == "spot" ? Kind::Spot : stored.type == "point" ? Kind::Point : Kind::Directional;
-    light.intensity = Rgb(vector_or(stored.color, 1) * stored.intensity);
-    if (stored.range > 0) light.range_m = static_cast<float>(stored.range);
+    light.color = vector_or(stored.color, 1);
+    light.intensity = stored.intensity;
+    if (stored.range > 0) light.range_m = stored.range;
     if (light.kind == Kind::Spot) {
-        light.cos_inner = static_cast<float>(std::cos(stored.spot.innerConeAngle));
-        light.cos_outer = static_cast<float>(std::max(0.0, std::cos(stored.spot.outerConeAngle)));
+        light.inner_cone = stored.spot.innerConeAngle;
+        light.outer_cone = stored.spot.outerConeAngle;
     }
     return light;
+}
+
+RigSkin read_gltf_skin(const tinygltf::Skin& stored, GltfData& data) {
+    RigSkin skin;
+    skin.joints.assign(stored.joints.begin(), stored.joints.end());
+    skin.inverse_bind.assign(skin.joints.size(), dmat4(1));
+    if (stored.inverseBindMatrices < 0) return skin;
+    const AccessorView matrices = data.accessor(static_cast<uint32_t>(stored.inverseBindMatrices));
+    for (size_t k = 0; k < skin.joints.size(); ++k) skin.inverse_bind[k] = matrices.matrix(k);
+    return skin;
+}
+
+/// Nodes of the default scene, depth first.
+std::vector<uint32_t> walk_of(const GltfDocument& document, const std::vector<RigNode>& nodes) {
+    std::vector<uint32_t> walk, open;
+    const auto push = [&open](const std::vector<int>& below) { open.insert(open.end(), below.rbegin(), below.rend()); };
+    if (document.scene() != nullptr) {
+        push(document.scene()->nodes);
+    } else {
+        for (size_t i = nodes.size(); i > 0; --i)
+            if (nodes[i - 1].parent < 0) open.push_back(static_cast<uint32_t>(i - 1));
+    }
+    while (!open.empty()) {
+        const uint32_t i = open.back();
+        open.pop_back();
+        walk.push_back(i);
+        push(document.model.nodes[i].children);
+    }
+    return walk;
+}
+
+}  // namespace
+
+Rig read_gltf_rig(const GltfDocument& document, GltfData& data, std::vector<std::string>& warnings) {
+    const tinygltf::Model& model = document.model;
+    Rig rig;
+    for (const tinygltf::Node& node : model.nodes) rig.nodes.push_back(read_gltf_node(node, model.meshes));
+    for (size_t i = 0; i < model.nodes.size(); ++i)
+        for (const int child : model.nodes[i].children)
+            rig.nodes[static_cast<size_t>(child)].parent = static_cast<int32_t>(i);
+    rig.order = parents_first(rig.nodes);
+    rig.walk = walk_of(document, rig.nodes);
+    for (const tinygltf::Camera& camera : model.cameras) rig.cameras.push_back(read_gltf_camera(camera));
+    for (const tinygltf::Light& light : model.lights) rig.lights.push_back(read_gltf_light(light));
+    for (const tinygltf::Skin& skin : model.skins) rig.skins.push_back(read_gltf_skin(skin, data));
+    rig.animations = read_gltf_animations(document, data, warnings);
+    return rig;
 }
 
 }  // namespace photond

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "renderer/scene/gltf_judge.h"
+#include "renderer/scene/gltf_layout.h"
 
 namespace photond::gltf_rules {
 
@@ -40,6 +41,22 @@ std::vector<size_t> find_parents(const Json& nodes) {
             parent = i;
         }
     return parents;
+}
+
+/// Times are floats, and values floats or normalized whole numbers.
+void check_sampler(const Json& root, const Json& sampler) {
+    const auto layout_of = [&](const Json& index) {
+        const Json& accessor = root["accessors"][index.get<size_t>()];
+        return std::pair(element_layout(accessor["componentType"], accessor["type"].get<std::string>()),
+                         accessor.value("normalized", false));
+    };
+    const auto [input, input_normalized] = layout_of(sampler["input"]);
+    if (input.type != ComponentType::F32 || input.components() != 1)
+        fail(sampler["input"], "accessor " + sampler["input"].dump() + " does not hold times, which are float scalars");
+    const auto [output, normalized] = layout_of(sampler["output"]);
+    if (output.columns != 1 || (output.type != ComponentType::F32 && !normalized))
+        fail(sampler["output"], "accessor " + sampler["output"].dump() +
+                                    " does not hold values, which are float or normalized scalars or vectors");
 }
 
 }  // namespace
@@ -100,12 +117,17 @@ void scenes(const Json& root, const Json& scenes) {
     }
 }
 
-void animation(const Json&, const Json& animation) {
+void animation(const Json& root, const Json& animation) {
     const size_t samplers = animation["samplers"].size();
-    for (const Json& channel : animation["channels"])
+    for (const Json& sampler : animation["samplers"]) check_sampler(root, sampler);
+    for (const Json& channel : animation["channels"]) {
+        const Json& target = channel["target"];
+        if (target["path"] == "pointer" && find_extension(target, "KHR_animation_pointer") == nullptr)
+            fail(target, "the path is \"pointer\", but there is no KHR_animation_pointer");
         if (const Json& sampler = channel["sampler"]; sampler.get<size_t>() >= samplers)
             fail(sampler, sampler.dump() + " is not an index into the " + std::to_string(samplers) +
                               " samplers of the animation");
+    }
 }
 
 }  // namespace photond::gltf_rules

@@ -1,6 +1,7 @@
 // Tangents for normal maps where the file has none. The frame follows the texture coordinates as they are looked up,
 // KHR_texture_transform included; the shading normal stays the file's.
 
+#include <numeric>
 #include <vector>
 
 #include "renderer/scene/gltf_mesh.h"
@@ -71,9 +72,16 @@ bool against_its_normals(const Mesh& mesh, const uvec3& t) {
 
 }  // namespace
 
-void build_tangents(Mesh& mesh, const TextureRef& normal_texture) {
-    if (mesh.uv[normal_texture.uv_set].empty()) return;  // nothing to follow
-    if (mesh.normals.empty()) unweld(mesh);
+std::vector<uint32_t> build_tangents(Mesh& mesh, const TextureRef& normal_texture) {
+    if (mesh.uv[normal_texture.uv_set].empty()) return {};  // nothing to follow
+    std::vector<uint32_t> before(mesh.positions.size());
+    std::iota(before.begin(), before.end(), 0u);
+    const size_t stored = before.size();
+    const bool unwelded = mesh.normals.empty();
+    if (unwelded) {
+        unweld_attribute(before, mesh.triangles);
+        unweld(mesh);
+    }
 
     // A vertex whose triangles wind both ways in texture space is two vertices. glTF's bitangent is
     // cross(normal, tangent) * w and points where v *falls* in the stored image (v runs down, the normal map's green
@@ -96,6 +104,7 @@ void build_tangents(Mesh& mesh, const TextureRef& normal_texture) {
                     sum.emplace_back(0.0);
                     sign.push_back(w);
                     twin.push_back(0);
+                    before.push_back(before[v]);
                 }
                 v = t[k] = twin[v];
             }
@@ -121,6 +130,26 @@ void build_tangents(Mesh& mesh, const TextureRef& normal_texture) {
         const vec3 unit =
             length > 1e-12 * glm::length(sum[v]) && length > 0 ? vec3(tangent / length) : Frame(normals[v]).tangent;
         mesh.tangents[v] = vec4(unit, sign[v] == 0 ? 1.0f : sign[v]);
+    }
+    if (!unwelded && before.size() == stored) before.clear();
+    return before;
+}
+
+void build_tangents(ObjectMesh& object, const TextureRef& normal_texture) {
+    const std::vector<uint32_t> before = build_tangents(object.mesh, normal_texture);
+    if (before.empty()) return;
+    const auto follow = [&](auto& array, size_t width) {
+        if (array.empty()) return;
+        const auto stored = std::move(array);
+        array = {};
+        array.reserve(before.size() * width);
+        for (const uint32_t v : before)
+            for (size_t k = 0; k < width; ++k) array.push_back(stored[v * width + k]);
+    };
+    follow(object.influences, size_t{object.joint_sets} * 4);
+    for (MorphTarget& target : object.targets) {
+        follow(target.positions, 1), follow(target.normals, 1);
+        target.tangents = {};
     }
 }
 

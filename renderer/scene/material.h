@@ -39,4 +39,13 @@ struct Material {
     bool emissive() const { return max_component(emission) > 0; }
 };
 
+/// Calls visitor(TextureRef&) for each texture reference of a material.
+template <class AnyMaterial, class Visitor>
+void visit_texture_refs(AnyMaterial& material, const Visitor& visitor) {
+    visitor(material.base_color_texture), visitor(material.metallic_roughness_texture),
+        visitor(material.normal_texture);
+    visitor(material.emission_texture), visitor(material.specular_texture), visitor(material.specular_color_texture);
+    visitor(material.transmission_texture);
+}
+
 }  // namespace photond

@@ -88,10 +88,14 @@ Needs find_needs(const Scene& scene) {
     }
     // Where one solid lies within another, a surface, however rough, may bend nothing: light goes straight through.
     needs.delta |= needs.solid_glass && solids > 1;
+    find_light_needs(scene, needs);
+    return needs;
+}
+
+void find_light_needs(const Scene& scene, Needs& needs) {
     needs.area_lights = !scene.triangle_lights.empty();
     needs.punctual_lights = !scene.punctual_lights.empty();
     needs.environment = scene.environment.has_value();
-    return needs;
 }
 
 }  // namespace photond

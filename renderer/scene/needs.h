@@ -59,5 +59,7 @@ private:
 };
 
 Needs find_needs(const Scene& scene);
+/// Which kinds of light are needed, alone.
+void find_light_needs(const Scene& scene, Needs& needs);
 
 }  // namespace photond

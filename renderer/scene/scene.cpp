@@ -4,6 +4,7 @@
 
 #include "protocol/error.h"
 #include "protocol/nearest_name.h"
+#include "renderer/scene/rig.h"
 #include "renderer/scene/touching_solids.h"
 #include "renderer/scene/triangle_lights.h"
 
@@ -55,10 +56,13 @@ void Scene::account(MemoryBudget& budget) const {
     budget.record("materials", held_bytes(materials));
     budget.record("textures", texture_bytes);
     budget.record("lights", held_bytes(punctual_lights) + held_bytes(triangle_lights));
+    if (rig) budget.record("rig", rig->bytes());
     if (environment) budget.record("environment_map", held_bytes(environment->map.radiance));
 }
 
-void finish_scene(Scene& scene) {
+void finish_scene(Scene& scene) { finish_again(scene, true); }
+
+void finish_again(Scene& scene, bool other_materials) {
     scene.triangle_count = 0;
     scene.vertex_count = 0;
     for (const Mesh& mesh : scene.meshes) {
@@ -72,7 +76,10 @@ void finish_scene(Scene& scene) {
     overlap_touching_solids(scene);
     scene.bounds = world_bounds(scene);
     scene.triangle_lights = find_triangle_lights(scene);
-    scene.needs = find_needs(scene);
+    if (other_materials)
+        scene.needs = find_needs(scene);
+    else
+        find_light_needs(scene, scene.needs);
 }
 
 Camera find_camera(const Scene& scene, const std::string& name) {

@@ -43,6 +43,17 @@ struct Environment {
     float rotation = 0;  // radians about +Y, counter-clockwise seen from above
 };
 
+/// When a scene is shown: at a time of one of its rig's animations; of none, at rest.
+struct Moment {
+    std::optional<uint32_t> animation;
+    double time_s = 0;
+
+    bool operator==(const Moment&) const = default;
+};
+
+struct Rig;       // rig.h
+struct PosedRig;  // pose.h
+
 struct Scene {
     std::string name;
     std::vector<Mesh> meshes;
@@ -53,6 +64,11 @@ struct Scene {
     std::vector<Camera> cameras;  // depth-first order of the default scene
     std::optional<Environment> environment;
 
+    // What moves, and how it lies now (pose.h).
+    std::shared_ptr<const Rig> rig;  // null: nothing moves
+    std::shared_ptr<const PosedRig> posed;
+    Moment moment;
+
     // Derived by finish_scene().
     std::vector<TriangleLight> triangle_lights;
     Bounds3 bounds;  // world space less `origin`
@@ -60,7 +76,6 @@ struct Scene {
     dvec3 origin{0};  // added to every position to get the file's coordinates; not 0 when the scene lies far away
     uint64_t triangle_count = 0;  // instances counted
     uint64_t vertex_count = 0;    // stored
-    uint32_t animation_count = 0;
     uint64_t file_bytes = 0;
     std::vector<std::string> warnings;
 
@@ -68,8 +83,11 @@ struct Scene {
     void account(MemoryBudget& budget) const;
 };
 
-/// Derives lights, bounds and needs, after which the scene is not changed any more.
+/// Derives lights, bounds and needs, after which only pose_scene() changes the scene.
 void finish_scene(Scene& scene);
+/// Derives them again where the scene's shape changed. `other_materials`: they or what uses them changed too, and what
+/// the scene needs may follow.
+void finish_again(Scene& scene, bool other_materials);
 
 /// The camera of that name, the first camera when the name is empty, else one framed on the bounds. Throws
 /// ErrorCode::UnknownName, with the nearest known name, when there is none of that name.

@@ -110,6 +110,15 @@ SceneRef RequestChecks::check_request(const JobRequest& request) {
                 ErrorCode::UnknownName, "/camera/name",
                 "the scene has no camera '" + request.camera.name + "'" + nearest_hint(request.camera.name, cameras));
     }
+    if (request.animation) {
+        const json summary = scenes_.summary_of(*scene);
+        // Of a scene that nobody has looked at for them the worker says.
+        if (const json motion = summary.value("motion", json()); motion.is_array()) {
+            std::vector<std::string> names;
+            for (const json& animation : motion) names.push_back(animation.value("name", ""));
+            check_animation(*request.animation, names);
+        }
+    }
     if (request.environment) {
         const std::string& image = request.environment->image;
         if (!image.starts_with("image:") || !core_.store.image(image.substr(6)))

@@ -60,6 +60,7 @@ json scene_object(const SceneRow& row) {
     object.emplace("acceleration_bytes", nullptr);
     object.emplace("photon_yield", nullptr);  // scenes uploaded before it was measured
     object.emplace("default_view", nullptr);  // likewise; get_scene() has it noted
+    object.emplace("motion", nullptr);        // likewise
     for (json& camera : object["cameras"]) camera.emplace("look_at", nullptr);
     object["id"] = row.id;
     object["name"] = row.name;
@@ -222,7 +223,7 @@ json Scenes::get_scene(const std::string& id_or_name) {
     SceneRef scene = require_scene(id_or_name);
     if (scene.builtin) return builtin_object(scene.id);
     json object = scene_object(*scene.row);
-    if (!object["default_view"].is_null()) return object;
+    if (!object["default_view"].is_null() && !object["motion"].is_null()) return object;
     const SceneSource source = scene_source(scene);
     json summary =
         core_.helper->ask(JudgeSceneRequest{.root = source.root, .file = source.file, .name = scene.row->name});

@@ -89,13 +89,14 @@ void RenderJob::load_scene() {
     const JobMethod& method = order_.request.method;
     const bool on_host = traces_on_host(*find_method(method.name), method.parameters);
     const bool warm = scenes_.holds(order_.source, order_.variant);
-    ready_ = scenes_.get(order_.source, order_.variant, budget_, stats_, on_host);
+    ready_ = scenes_.get(order_.source, order_.variant, budget_, stats_, on_host, order_.moment);
     const uint64_t warm_bytes = warm ? ready_->bytes() + (device_.software ? ready_->device_bytes() : 0) : 0;
     baseline_bytes_ = resident - std::min(resident, warm_bytes);
     if (device_.in_use) note_idle_device_memory();
     const auto triangles = static_cast<unsigned long long>(ready_->scene.triangle_count);
     if (warm)
-        log("scene %s: %llu triangles, ready from an earlier job", order_.request.scene.c_str(), triangles);
+        log("scene %s: %llu triangles, ready from an earlier job; posed in %.3f s", order_.request.scene.c_str(),
+            triangles, stats_.stage("pose").wall_seconds);
     else
         log("scene %s: %llu triangles, loaded in %.3f s, ray structure in %.3f s", order_.request.scene.c_str(),
             triangles, stats_.stage("load").wall_seconds, stats_.stage("acceleration_build").wall_seconds);

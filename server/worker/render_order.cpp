@@ -21,7 +21,6 @@ SceneVariant variant_of(const JobRequest& request, const RenderMessage& message)
         variant.environment_rotation = request.environment->rotation;
     }
     variant.solid_glass = request.glass == "solid";
-    variant.time_s = request.time;
     return variant;
 }
 
@@ -34,6 +33,7 @@ RenderOrder RenderOrder::of(const RenderMessage& message, uint64_t most_memory_b
     order.request = parse_job_request(message.request, job_vocabulary());
     order.source = message.scene;
     order.variant = variant_of(order.request, message);
+    order.moment = {order.request.animation, order.request.time};
     order.film = message.film;
     order.origin = message.origin;
     order.resume = message.resume;

@@ -18,6 +18,7 @@ struct RenderOrder {
     JobRequest request;
     SceneSource source;
     SceneVariant variant;
+    SceneMoment moment;
     std::filesystem::path film;
     std::string origin;
     std::optional<std::filesystem::path> resume;

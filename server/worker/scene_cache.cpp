@@ -12,6 +12,7 @@
 #include "renderer/backends/gpu/device_scene.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "renderer/scene/gltf_loader.h"
+#include "renderer/scene/pose.h"
 #include "renderer/scene/solid_glass.h"
 #include "renderer/scene/texture_decode.h"
 #include "server/device_memory.h"
@@ -49,6 +50,23 @@ void light_if_dark(Scene& scene) {
     scene.needs = find_needs(scene);
 }
 
+/// Throws ErrorCode::UnknownName for an animation that the scene does not have.
+Moment moment_of(const SceneMoment& wanted, const Scene& scene) {
+    if (!wanted.animation) return {};
+    std::vector<std::string> names;
+    if (scene.rig)
+        for (const Animation& animation : scene.rig->animations) names.push_back(animation.name);
+    check_animation(*wanted.animation, names);
+    if (wanted.animation->index) return {*wanted.animation->index, wanted.time_s};
+    const auto found = std::find(names.begin(), names.end(), wanted.animation->name);
+    return {static_cast<uint32_t>(found - names.begin()), wanted.time_s};
+}
+
+SceneChange pose(Scene& scene, const Moment& moment, Stats& stats) {
+    const StageTimer timer(stats, "pose");
+    return pose_scene(scene, moment);
+}
+
 uint64_t sum_of(const std::map<std::string, uint64_t>& structures) {
     uint64_t sum = 0;
     for (const auto& [name, bytes] : structures) sum += bytes;
@@ -79,8 +97,6 @@ Scene load_scene(const SceneSource& source, const SceneVariant& variant, Stats& 
         // What the file and its decoders needed is free by now: not this job's memory any more.
         release_free_memory();
     }
-    if (variant.time_s != 0 && scene.animation_count > 0)
-        throw Error(ErrorCode::Unsupported, "/time", "animation is not built yet; time must be 0");
     const StageTimer timer(stats, "needs");
     if (variant.solid_glass && make_closed_glass_solid(scene)) finish_scene(scene);  // solids that touch
     if (scene.environment) scene.needs = find_needs(scene);
@@ -97,7 +113,6 @@ std::string SceneCache::key_of(const SceneSource& source, const SceneVariant& va
                 variant.environment_scale,
                 variant.environment_rotation,
                 variant.solid_glass,
-                variant.time_s,
                 variant.light_if_dark}
         .dump();
 }
@@ -108,12 +123,14 @@ bool SceneCache::holds(const SceneSource& source, const SceneVariant& variant) c
 }
 
 std::shared_ptr<const ReadyScene> SceneCache::get(const SceneSource& source, const SceneVariant& variant,
-                                                  MemoryBudget& budget, Stats& stats, bool on_host) {
+                                                  MemoryBudget& budget, Stats& stats, bool on_host,
+                                                  const SceneMoment& wanted) {
     const std::string key = key_of(source, variant);
     evict_idle(key);
     for (auto entry = entries_.begin(); entry != entries_.end(); ++entry) {
         if (entry->key != key) continue;
         entries_.splice(entries_.begin(), entries_, entry);
+        show_or_forget(*entry, wanted, budget.limit_bytes(), stats);
         if (on_host) add_host_rays(*entry->ready, budget.limit_bytes(), stats);
         if (entry->ready->bytes() > budget.limit_bytes()) budget.require("scene", entry->ready->bytes());
         for (const auto& [name, bytes] : entry->ready->structures) budget.record(name, bytes);
@@ -121,22 +138,49 @@ std::shared_ptr<const ReadyScene> SceneCache::get(const SceneSource& source, con
     }
     const std::shared_ptr<ReadyScene> ready = std::make_shared<ReadyScene>();
     ready->scene = load_scene(source, variant, stats);
-    MemoryBudget scene_budget(budget.limit_bytes());
-    ready->scene.account(scene_budget);
-    scene_budget.require("scene", 0);
-    if (device_) {
-        ready->device_scene = std::make_unique<gpu::DeviceScene>(*device_, ready->scene, stats);
-        ready->device_structures = ready->device_scene->structures();
-        ready->intersector = std::make_unique<gpu::DeviceIntersector>(*ready->device_scene);
-        release_free_memory();  // what building and sending it needed
-    } else {
-        ready->intersector = make_embree_intersector(ready->scene, scene_budget, stats);
-    }
-    ready->structures = scene_budget.structures();
+    pose(ready->scene, moment_of(wanted, ready->scene), stats);
+    make_ready(*ready, budget.limit_bytes(), stats);
     if (on_host) add_host_rays(*ready, budget.limit_bytes(), stats);
     for (const auto& [name, bytes] : ready->structures) budget.record(name, bytes);
     entries_.push_front({key, ready});
     return ready;
+}
+
+void SceneCache::make_ready(ReadyScene& ready, uint64_t limit_bytes, Stats& stats) const {
+    MemoryBudget budget(limit_bytes);
+    ready.scene.account(budget);
+    budget.require("scene", 0);
+    ready.host_intersector = nullptr;
+    ready.intersector = nullptr;
+    if (device_) {
+        ready.device_scene = nullptr;
+        ready.device_scene = std::make_unique<gpu::DeviceScene>(*device_, ready.scene, stats);
+        ready.device_structures = ready.device_scene->structures();
+        ready.intersector = std::make_unique<gpu::DeviceIntersector>(*ready.device_scene);
+        release_free_memory();  // what building and sending it needed
+    } else {
+        ready.intersector = make_embree_intersector(ready.scene, budget, stats);
+    }
+    ready.structures = budget.structures();
+}
+
+void SceneCache::show(ReadyScene& ready, const Moment& moment, uint64_t limit_bytes, Stats& stats) const {
+    if (ready.scene.moment == moment) return;
+    const SceneChange change = pose(ready.scene, moment, stats);
+    if (device_) return make_ready(ready, limit_bytes, stats);
+    MemoryBudget budget(limit_bytes);
+    ready.scene.account(budget);
+    follow_pose(ready.intersector, ready.scene, change, budget, stats);
+    ready.structures = budget.structures();
+}
+
+void SceneCache::show_or_forget(const Entry& entry, const SceneMoment& wanted, uint64_t limit_bytes, Stats& stats) {
+    try {
+        show(*entry.ready, moment_of(wanted, entry.ready->scene), limit_bytes, stats);
+    } catch (const Error&) {
+        entries_.pop_front();  // what is half of one moment and half of another
+        throw;
+    }
 }
 
 void SceneCache::add_host_rays(ReadyScene& ready, uint64_t limit_bytes, Stats& stats) const {

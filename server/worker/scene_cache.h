@@ -5,8 +5,10 @@
 #include <list>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
+#include "protocol/job.h"
 #include "protocol/message_parts.h"
 #include "renderer/core/memory_budget.h"
 #include "renderer/core/stats.h"
@@ -27,8 +29,13 @@ struct SceneVariant {
     double environment_scale = 1;
     double environment_rotation = 0;  // radians about +Y
     bool solid_glass = false;
-    double time_s = 0;
     bool light_if_dark = false;  // a white sky for a scene that brings no light: of pictures to recognise it by
+};
+
+/// Which moment of it.
+struct SceneMoment {
+    std::optional<JobAnimation> animation;  // none: at rest
+    double time_s = 0;
 };
 
 /// A scene and its ray structure, and what each part of them takes.
@@ -59,13 +66,15 @@ public:
     explicit SceneCache(uint64_t idle_bytes, gpu::Device* device = nullptr)
         : idle_bytes_(idle_bytes), device_(device) {}
 
-    /// Whether get() would find it ready.
+    /// Whether get() would find it loaded, at whatever moment.
     bool holds(const SceneSource& source, const SceneVariant& variant) const;
-    /// The scene, from memory or loaded now; its structures on the host are recorded in `budget`. `on_host`: with a
-    /// host_intersector where it is on a GPU. Throws what load_scene() throws, and OutOfMemory when it does not fit the
-    /// budget.
+    /// The scene at that moment, from memory or loaded now; its structures on the host are recorded in `budget`.
+    /// `on_host`: with a host_intersector where it is on a GPU. What is there and shows another moment is posed, stage
+    /// `pose`, and its structures follow: what was got before must be let go by then. Throws what load_scene() and
+    /// pose_scene() throw, UnknownName for an animation that the scene does not have, and OutOfMemory when it does not
+    /// fit the budget.
     std::shared_ptr<const ReadyScene> get(const SceneSource& source, const SceneVariant& variant, MemoryBudget& budget,
-                                          Stats& stats, bool on_host = false);
+                                          Stats& stats, bool on_host = false, const SceneMoment& moment = {});
     void clear() { entries_.clear(); }
     uint64_t bytes() const;  // of the host, of all scenes held
 
@@ -75,6 +84,11 @@ private:
         std::shared_ptr<ReadyScene> ready;
     };
     static std::string key_of(const SceneSource& source, const SceneVariant& variant);
+    /// Whatever follows from the scene, built from it as it is now.
+    void make_ready(ReadyScene& ready, uint64_t limit_bytes, Stats& stats) const;
+    void show(ReadyScene& ready, const Moment& moment, uint64_t limit_bytes, Stats& stats) const;
+    /// `entry`: the first.
+    void show_or_forget(const Entry& entry, const SceneMoment& wanted, uint64_t limit_bytes, Stats& stats);
     void add_host_rays(ReadyScene& ready, uint64_t limit_bytes, Stats& stats) const;
     void evict_idle(const std::string& wanted_key);
 

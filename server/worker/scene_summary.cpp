@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "renderer/backends/cpu/embree_intersector.h"
-#include "renderer/scene/scene.h"
+#include "renderer/scene/pose.h"
 #include "server/worker/photon_yield.h"
 
 namespace photond {
@@ -41,6 +41,26 @@ json look_at_of(const Scene& scene, const Camera& camera) {
             {"target", in_file_coordinates(scene, camera.position + distance * camera.forward)},
             {"up", up},
             {"yfov", shortest(camera.orthographic ? 2 * std::atan(camera.ymag / distance) : camera.yfov)}};
+}
+
+/// Each animation, how long it takes, and what it moves.
+json motion_of(const Scene& scene) {
+    json motion = json::array();
+    if (!scene.rig) return motion;
+    const Rig& rig = *scene.rig;
+    for (uint32_t i = 0; i < rig.animations.size(); ++i) {
+        const Movers movers = movers_of(rig, i);
+        motion.push_back({{"index", i},
+                          {"name", rig.animations[i].name},
+                          {"duration_seconds", rig.animations[i].duration_s()},
+                          {"moves",
+                           {{"meshes", movers.meshes},
+                            {"triangles", movers.triangles},
+                            {"cameras", movers.cameras},
+                            {"lights", movers.lights},
+                            {"materials", movers.materials}}}});
+    }
+    return motion;
 }
 
 }  // namespace
@@ -81,7 +101,8 @@ json scene_summary(const Scene& scene, const std::string& name, bool builtin) {
               {"environment", scene.environment.has_value()}}},
             {"cameras", cameras},
             {"default_view", look_at_of(scene, find_camera(scene, ""))},
-            {"animations", scene.animation_count},
+            {"animations", scene.rig ? scene.rig->animations.size() : 0},
+            {"motion", motion_of(scene)},
             {"bounds", bounds},
             {"needs", needs},
             {"least_glossy_alpha", std::isfinite(alpha) ? json(shortest(alpha)) : json()},

@@ -81,7 +81,8 @@ FAULTS = [
     ("/environment", [], None), ("/environment", {"image": 5}, "/environment/image"),
     ("/environment", {"image": "image:x", "scale": "1"}, "/environment/scale"),
     ("/environment", {"image": "image:x", "rotation": "1"}, "/environment/rotation"), ("/glass", 1, None),
-    ("/glass", True, None), ("/time", "0", None), ("/time", [], None),
+    ("/glass", True, None), ("/time", "0", None), ("/time", [], None), ("/animation", True, None), ("/animation", [0], None),
+    ("/animation", {"name": "walk"}, None), ("/animation", 0.5, None),
     # out of range
     ("/scene", "", None), ("/scene", "x" * 300, None), ("/scene", "a\nb", None), ("/scene", "a\u0000b", None),
     ("/image/width", 0, None), ("/image/width", -1, None), ("/image/width", 1_000_000, None),
@@ -132,9 +133,9 @@ FAULTS = [
     ("/method", {"name": "photon_mapping", "parameters": {"roulette_start": 3}}, "/method/parameters/roulette_start"),
     ("/method", {"name": "photon_mapping", "parameters": {"cone_k": 0.5}}, "/method/parameters/cone_k"),
     ("/method", {"name": "photon_mapping", "parameters": {"nearest_photons": 1}}, "/method/parameters/nearest_photons"),
-    # not built yet, or not on this device
-    ("/method/device", "gpu", None), ("/method/device", "gpu:0", None), ("/time", 1, None), ("/time", -0.5, None),
-    ("/time", 1e300, None),
+    # not on this device
+    ("/method/device", "gpu", None), ("/method/device", "gpu:0", None), ("/time", 1e300, None), ("/animation", -1, None),
+    ("/animation", 65536, None), ("/animation", "x" * 300, None),
     # references, targets, metrics, parts
     ("/reference", "J1", None), ("/reference", "job:", None), ("/reference", "image:", None), ("/reference", "", None),
     ("/reference", "job:J999999999", None), ("/reference", "job:x", None), ("/reference", "image:none", None),

@@ -15,7 +15,7 @@ from photond_daemon import Daemon, Reply, small_job
 
 # Faults that no schema can express: they depend on what the daemon holds, or relate one field to another.
 BEYOND_SCHEMAS = {"/scene", "/camera/name", "/camera/look_at", "/camera/look_at/target", "/camera/look_at/up",
-                  "/camera/focus_distance", "/environment/image", "/method/device",
+                  "/camera/focus_distance", "/environment/image", "/animation", "/method/device",
                   "/method/parameters/radius_relative", "/reference", "/reference/method/device",
                   "/reference/stop/target/metric", "/stop/target/metric",
                   "/metrics", "/metrics/0", "/metrics/1"}

@@ -58,7 +58,7 @@ PARTS = [
     ("inverse_bind", floats(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1)),
     ("png", png(2, 2)),
     ("meshopt_positions", MESHOPT_POSITIONS),
-    ("times", floats(0)),
+    ("times", floats(0, 1, 2, 3)),
 ]
 VIEW = {name: i for i, (name, _) in enumerate(PARTS)}
 ACCESSOR = {name: i for i, name in enumerate(
@@ -87,7 +87,7 @@ def document():
         {"bufferView": VIEW["weights"], "componentType": 5126, "count": 4, "type": "VEC4"},
         {"bufferView": VIEW["inverse_bind"], "componentType": 5126, "count": 1, "type": "MAT4"},
         {"bufferView": len(PARTS), "componentType": 5126, "count": 4, "type": "VEC3"},
-        {"bufferView": VIEW["times"], "componentType": 5126, "count": 1, "type": "SCALAR"},
+        {"bufferView": VIEW["times"], "componentType": 5126, "count": 4, "type": "SCALAR"},
     ]
     textured = {"POSITION": 0, "NORMAL": 1, "TEXCOORD_0": 2}
     doc = {
@@ -140,8 +140,8 @@ def document():
         ],
         "scenes": [{"nodes": [0, 4, 5, 6, 7]}],
         "scene": 0,
-        "animations": [{"samplers": [{"input": 9, "output": 0}],
-                        "channels": [{"sampler": 0, "target": {"node": 1, "path": "translation"}}]}],
+        "animations": [{"samplers": [{"input": 9, "output": 1}],
+                        "channels": [{"sampler": 0, "target": {"node": 6, "path": "translation"}}]}],
     }
     return doc, binary
 
@@ -374,6 +374,15 @@ def edits():
     yield "/scenes/0/nodes/1", 0, bad, None
     yield "/animations/0/samplers/0/input", 20, bad, None
     yield "/animations/0/channels/0/sampler", 1, bad, None
+    yield "/animations/0/samplers/0/input", 0, bad, None
+    yield "/animations/0/samplers/0/output", 3, bad, None
+    yield "/animations/0/samplers/0/output", 9, bad, None
+    yield "/animations/0/samplers/0/interpolation", "CUBIC", bad, None
+    yield "/animations/0/samplers/0/interpolation", "CUBICSPLINE", bad, "/animations/0/samplers/0/output"
+    yield "/animations/0/channels/0/target/node", 8, bad, None
+    yield "/animations/0/channels/0/target/node", 3, bad, "/animations/0/channels/0/target"
+    yield "/animations/0/channels/0/target/path", "pointer", bad, "/animations/0/channels/0/target"
+    yield "/animations/0/channels/0/target/path", "weights", bad, "/animations/0/channels/0/target"
     yield "/animations/0/channels", REMOVE, bad, None
 
 
@@ -416,7 +425,6 @@ def patched_binary_cases():
                "/accessors/4/sparse/indices")
     yield Case("joint_out_of_range", patch("joints", bytes([1])), "bad_scene",
                "/meshes/1/primitives/0/attributes/JOINTS_0")
-    yield Case("weights_zero", patch("weights", floats(0)), "bad_scene", "/meshes/1/primitives/0/attributes/WEIGHTS_0")
     yield Case("weight_negative", patch("weights", floats(-1)), "bad_scene",
                "/meshes/1/primitives/0/attributes/WEIGHTS_0")
     yield Case("inverse_bind_nan", patch("inverse_bind", floats(float("nan"))), "bad_scene", "/skins/0/joints/0")

@@ -56,6 +56,7 @@ public:
     }
 
     void set(const std::string& key, const std::string& json) { members_[key] = json; }
+    const std::string& member(const std::string& key) const { return members_.at(key); }
     /// One mesh of one primitive; `extra` is more members of the primitive, with a leading comma.
     void set_mesh(const std::string& attributes, const std::string& extra = "") {
         set("meshes", R"([{"primitives":[{"attributes":{)" + attributes + "}" + extra + "}]}]");

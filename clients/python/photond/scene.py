@@ -79,6 +79,11 @@ class Scene(Resource):
         return [camera["name"] for camera in self.data["cameras"]]
 
     @property
+    def motion(self) -> List[Dict[str, Any]]:
+        """Its animations: `index`, `name`, `duration_seconds`, and what each `moves`, as counts."""
+        return cast(List[Dict[str, Any]], self.data.get("motion") or [])
+
+    @property
     def triangles(self) -> Optional[int]:
         return cast(Optional[int], self.data["triangles"])
 

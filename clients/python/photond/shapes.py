@@ -95,6 +95,7 @@ class _Rendered(TypedDict, total=False):
     labels: Dict[str, str]
     environment: Environment
     glass: str
+    animation: Union[None, str, int]
     time: float
 
 

@@ -90,9 +90,9 @@ auto fields(T& object) {
         auto& [instance, triangle, area_m2, radiance, two_sided] = object;
         return std::tie(instance, triangle, area_m2, radiance, two_sided);
     } else if constexpr (kIs<T, Scene>) {
-        // Of the file that a scene comes from, and not of the scene: animation_count, file_bytes and warnings.
-        auto& [name, meshes, instances, materials, textures, punctual_lights, cameras, environment, triangle_lights,
-               bounds, needs, origin, triangle_count, vertex_count, animation_count, file_bytes, warnings] = object;
+        // Of the file that a scene comes from, and not of the scene: what moves, file_bytes and warnings.
+        auto& [name, meshes, instances, materials, textures, punctual_lights, cameras, environment, rig, posed, moment,
+               triangle_lights, bounds, needs, origin, triangle_count, vertex_count, file_bytes, warnings] = object;
         return std::tie(name, meshes, instances, materials, textures, punctual_lights, cameras, environment,
                         triangle_lights, bounds, needs, origin, triangle_count, vertex_count);
     } else {

@@ -85,12 +85,13 @@ TEST(BuiltinScenes, AllAreThereWithACameraAndSoundMeshes) {
         EXPECT_TRUE(figure.starts_with("photon-splatting/") && is_builtin_scene(figure)) << figure;
         names.insert(figure);
     }
-    for (const std::string_view family : {"progressive", "small-vcm", "doors", "visibility-filtering", "real-time"})
+    for (const std::string_view family :
+         {"progressive", "small-vcm", "doors", "visibility-filtering", "real-time", "moving"})
         for (const std::string_view name : builtin_scene_names(family)) {
             EXPECT_TRUE(name.starts_with(std::string(family) + "/") && is_builtin_scene(name)) << name;
             names.insert(name);
         }
-    EXPECT_EQ(names.size(), 26u);
+    EXPECT_EQ(names.size(), 31u);
     for (const std::string_view name : names) {
         const Scene scene = make_builtin_scene(name);
         EXPECT_EQ(scene.name, name);

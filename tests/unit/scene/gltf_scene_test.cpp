@@ -370,17 +370,6 @@ TEST(GltfScene, LimitsAreKept) {
     EXPECT_EQ(refused({}), ErrorCode::Internal);
 }
 
-TEST(GltfScene, AnimationsAreLeftAtRestWithAWarning) {
-    TexturedTriangle file;
-    file.set("materials", "[{}]");
-    file.set(
-        "animations",
-        R"([{"samplers":[{"input":0,"output":0}],"channels":[{"sampler":0,"target":{"node":0,"path":"translation"}}]}])");
-    const Scene scene = file.load();
-    EXPECT_EQ(scene.animation_count, 1u);
-    EXPECT_TRUE(has_warning(scene, "1 animations"));
-}
-
 // What tests/data/reference/README.md says of the scene.
 TEST(GltfScene, TheReferenceBoxIsWhatItsDescriptionSays) {
     const std::filesystem::path folder = std::filesystem::path(PHOTOND_TEST_DATA) / "reference";

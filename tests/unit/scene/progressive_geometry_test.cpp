@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "renderer/scene/builtin_scenes.h"
+#include "renderer/scene/scene.h"
 #include "renderer/scene/touching_solids.h"
 #include "tests/support/rays.h"
 

@@ -129,23 +129,5 @@ TEST(HardLimits, FramesOfAThinObjectStandAlone) {
     expect_frames_to_stand_alone<PhotonMapping>();
 }
 
-TEST(HardLimits, TimeIsRefusedWhileAnimationIsNotBuilt) {
-    TestGltf file;
-    const int positions = file.positions({0, 0, 0, 1, 0, 0, 0, 1, 0});
-    file.set_mesh(R"("POSITION":)" + std::to_string(positions));
-    const int times = file.floats("SCALAR", 1, {0, 1}), moves = file.floats("VEC3", 3, {0, 0, 0, 1, 0, 0});
-    file.set("animations", R"([{"samplers":[{"input":)" + std::to_string(times) + R"(,"output":)" +
-                               std::to_string(moves) +
-                               R"(}],"channels":[{"sampler":0,"target":{"node":0,"path":"translation"}}]}])");
-    const TemporaryFolder folder;
-    TestGltf::write(folder.path() / "scene.glb", file.glb());
-    const SceneSource source{"plate", "", folder.path(), folder.path() / "scene.glb"};
-    SceneVariant variant;
-    Stats stats;
-    EXPECT_EQ(load_scene(source, variant, stats).animation_count, 1u);
-    variant.time_s = 0.5;
-    EXPECT_THROW(load_scene(source, variant, stats), Error);
-}
-
 }  // namespace
 }  // namespace photond::hard_limits_test

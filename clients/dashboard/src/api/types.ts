@@ -360,6 +360,14 @@ export interface Metric {
   line: string | null;
 }
 
+/** One of a scene's animations. */
+export interface SceneAnimation {
+  index: number;
+  name: string;
+  duration_seconds: number;
+  moves: { meshes: number; triangles: number; cameras: number; lights: number; materials: number };
+}
+
 export interface SceneCamera {
   name: string;
   /** Radians; null for an orthographic one. */
@@ -390,6 +398,8 @@ export interface Scene {
   cameras: SceneCamera[];
   default_view: Required<LookAt>;
   animations: number | null;
+  /** Null of scenes of an earlier version. */
+  motion?: SceneAnimation[] | null;
   bounds: { min: Vec3; max: Vec3 } | null;
   needs: Record<string, boolean> | null;
   warnings: string[];

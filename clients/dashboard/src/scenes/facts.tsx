@@ -2,7 +2,7 @@
 
 import type { ComponentChildren } from "preact";
 
-import type { Scene, Vec3 } from "../api/types";
+import type { Scene, SceneAnimation, Vec3 } from "../api/types";
 import { bytesText, numberText } from "../ui/format";
 import { needsOf } from "./needs";
 
@@ -17,6 +17,13 @@ function lightsText({ lights }: Scene): string {
     ...(lights.environment ? ["light from all around"] : []),
   ];
   return parts.join(", ") || "none: its pictures here are under a white sky";
+}
+
+function motionText({ duration_seconds, moves }: SceneAnimation): string {
+  const parts = (Object.entries({ mesh: moves.meshes, camera: moves.cameras, light: moves.lights, material: moves.materials }) as [string, number][])
+    .filter(([, number]) => number > 0)
+    .map(([what, number]) => `${number} ${what}${number === 1 ? "" : what === "mesh" ? "es" : "s"}`);
+  return `${numberText(duration_seconds)} s, moves ${parts.join(", ") || "nothing that is rendered"}`;
 }
 
 function Fact({ name, children }: { name: string; children: ComponentChildren }) {
@@ -58,7 +65,11 @@ export function SceneFacts({ scene }: { scene: Scene }) {
           <Fact name="Materials">{count(scene.materials)}</Fact>
           <Fact name="Textures">{count(scene.textures)}</Fact>
           {scene.bounds && <Fact name="Size">{extent(scene.bounds)} m</Fact>}
-          {(scene.animations ?? 0) > 0 && <Fact name="Animations">{count(scene.animations)}, shown at rest</Fact>}
+          {(scene.motion ?? []).map((animation) => (
+            <Fact key={animation.index} name={animation.name || `Animation ${animation.index}`}>
+              {motionText(animation)}
+            </Fact>
+          ))}
           <Fact name="Files">{scene.builtin ? "built in" : bytesText(scene.bytes)}</Fact>
           {scene.memory_bytes !== null && <Fact name="Memory">{bytesText(scene.memory_bytes)} in a worker</Fact>}
           {!scene.builtin && (

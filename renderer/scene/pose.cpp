@@ -1,0 +1,286 @@
+#include "renderer/scene/pose.h"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "protocol/error.h"
+
+namespace photond {
+
+namespace {
+
+vec3 unit_direction(const dvec3& v, const vec3& otherwise) {
+    const double length = glm::length(v);
+    return length > 0 && std::isfinite(length) ? vec3(v / length) : otherwise;
+}
+
+float fitted(double value, double least, double most) { return static_cast<float>(std::clamp(value, least, most)); }
+float not_negative(double value) { return fitted(value, 0, double{std::numeric_limits<float>::max()}); }
+Rgb color_of(const double* rgb) { return {not_negative(rgb[0]), not_negative(rgb[1]), not_negative(rgb[2])}; }
+dvec3 vector_of(const double* numbers) { return {numbers[0], numbers[1], numbers[2]}; }
+
+/// What lies between keys can be out of the range that keys are in: a spline overshoots. It ends at the range.
+void set_material(RiggedMaterial& rigged, const Channel& channel, const double* value) {
+    Material& m = rigged.rest;
+    TextureTransform& transform = rigged.transforms[channel.slot];
+    switch (channel.property) {
+        case Property::BaseColor:
+            for (int k = 0; k < 3; ++k) m.base_color[k] = fitted(value[k], 0, 1);
+            m.alpha = fitted(value[3], 0, 1);
+            break;
+        case Property::Metallic: m.metallic = fitted(*value, 0, 1); break;
+        case Property::Roughness: m.roughness = fitted(*value, 0, 1); break;
+        case Property::NormalScale: m.normal_scale = static_cast<float>(*value); break;
+        case Property::EmissiveFactor: rigged.emissive_factor = vector_of(value); break;
+        case Property::EmissiveStrength: rigged.emissive_strength = *value; break;
+        case Property::AlphaCutoff: m.alpha_cutoff = not_negative(*value); break;
+        case Property::Ior: m.ior = m.ior == 0 ? 0 : static_cast<float>(std::max(*value, 1.0)); break;
+        case Property::Specular: m.specular = fitted(*value, 0, 1); break;
+        case Property::SpecularColor: m.specular_color = color_of(value); break;
+        case Property::Transmission: m.transmission = fitted(*value, 0, 1); break;
+        case Property::AttenuationColor: m.attenuation_color = glm::min(color_of(value), Rgb(1)); break;
+        case Property::AttenuationDistance:
+            m.attenuation_distance = static_cast<float>(std::max(*value, double{std::numeric_limits<float>::min()}));
+            break;
+        case Property::TextureOffset: transform.offset = {value[0], value[1], 0}; break;
+        case Property::TextureScale: transform.scale = {value[0], value[1], 0}; break;
+        case Property::TextureRotation: transform.rotation = *value; break;
+        default: break;
+    }
+}
+
+void set_light(RiggedLight& light, Property property, const double* value) {
+    constexpr double kHalfPi = 1.5707963267948966;
+    switch (property) {
+        case Property::LightColor: light.color = glm::max(vector_of(value), dvec3(0)); break;
+        case Property::LightIntensity: light.intensity = std::max(*value, 0.0); break;
+        case Property::LightRange: light.range_m = *value; break;
+        case Property::InnerCone: light.inner_cone = std::clamp(*value, 0.0, kHalfPi); break;
+        case Property::OuterCone: light.outer_cone = std::clamp(*value, 0.0, kHalfPi); break;
+        default: break;
+    }
+}
+
+void set_node(RigNode& node, const Channel& channel, const double* value) {
+    switch (channel.property) {
+        case Property::Translation: node.translation = vector_of(value); break;
+        case Property::Rotation: node.rotation = {value[3], value[0], value[1], value[2]}; break;
+        case Property::Scale: node.scale = vector_of(value); break;
+        case Property::Weights: node.weights.assign(value, value + channel.keyframes.width); break;
+        default: break;
+    }
+}
+
+void set_camera(Camera& camera, Property property, double value) {
+    constexpr double kLeast = 1e-6, kMostFov = 3.141592;
+    if (property == Property::YFov) camera.yfov = fitted(value, kLeast, kMostFov);
+    if (property == Property::YMag) camera.ymag = static_cast<float>(std::max(std::fabs(value), kLeast));
+}
+
+void apply(const Channel& channel, double time_s, PosedRig& posed) {
+    std::vector<double> value(channel.keyframes.width);
+    channel.keyframes.evaluate(time_s, value.data());
+    for (const uint32_t target : channel.targets) {
+        if (channel.property <= Property::Weights)
+            set_node(posed.nodes[target], channel, value.data());
+        else if (channel.property <= Property::YMag)
+            set_camera(posed.cameras[target], channel.property, value.front());
+        else if (channel.property <= Property::OuterCone)
+            set_light(posed.lights[target], channel.property, value.data());
+        else
+            set_material(posed.materials[target], channel, value.data());
+    }
+}
+
+Material material_of(const RiggedMaterial& rigged) {
+    Material material = rigged.rest;
+    material.emission =
+        Rgb(glm::max(rigged.emissive_factor, dvec3(0))) * static_cast<float>(std::max(rigged.emissive_strength, 0.0));
+    uint32_t slot = 0;
+    visit_texture_refs(material, [&](TextureRef& reference) { rigged.transforms[slot++].apply(reference); });
+    return material;
+}
+
+PunctualLight light_of(const RiggedLight& rigged) {
+    PunctualLight light;
+    light.name = rigged.name;
+    light.kind = rigged.kind;
+    light.intensity = Rgb(rigged.color * rigged.intensity);
+    if (rigged.range_m > 0) light.range_m = static_cast<float>(rigged.range_m);
+    if (light.kind == PunctualLight::Kind::Spot) {
+        light.cos_inner = static_cast<float>(std::cos(std::min(rigged.inner_cone, rigged.outer_cone)));
+        light.cos_outer = static_cast<float>(std::max(0.0, std::cos(rigged.outer_cone)));
+    }
+    return light;
+}
+
+/// Its orientation and place; false where the node's axes say none.
+bool place_camera(Camera& camera, const dmat4& m, const dvec3& origin) {
+    // The axes are made orthonormal: scale does not act on a camera.
+    const dvec3 back(m[2]), up(m[1]), right = glm::cross(up, back);
+    if (!(glm::length(back) > 0) || !(glm::length(right) > 1e-9 * glm::length(up) * glm::length(back))) return false;
+    camera.forward = vec3(-glm::normalize(back));
+    camera.right = vec3(glm::normalize(right));
+    camera.up = vec3(glm::normalize(glm::cross(back, right)));
+    camera.position = vec3(dvec3(m[3]) - origin);
+    return true;
+}
+
+/// `before`: how the meshes lay; null: not known.
+void pose_meshes(Scene& scene, const PosedRig* before, const PosedRig& now, SceneChange& change) {
+    const Rig& rig = *scene.rig;
+    const auto moved = [&](size_t k) { return !before || !(before->meshes[k] == now.meshes[k]); };
+    // Solids that touch were changed together, and are made anew together.
+    bool glass_moved = false;
+    for (size_t k = 0; k < rig.meshes.size(); ++k) glass_moved |= rig.meshes[k].transmits && moved(k);
+    for (size_t k = 0; k < rig.meshes.size(); ++k) {
+        const RiggedMesh& rigged = rig.meshes[k];
+        if (!moved(k) && !(glass_moved && rigged.transmits)) continue;
+        Mesh& mesh = scene.meshes[rigged.mesh];
+        const std::vector<uvec3> triangles = mesh.triangles;
+        if (!pose_mesh(*rigged.object, now.meshes[k], mesh))
+            throw Error(ErrorCode::BadScene, "/nodes/" + std::to_string(rigged.node),
+                        "the node's transform moves a vertex out of float's range");
+        drop_degenerate_triangles(mesh);
+        (mesh.triangles == triangles ? change.moved : change.reshaped).push_back(rigged.mesh);
+    }
+}
+
+/// All of a pose but what finish_scene() derives.
+SceneChange show(Scene& scene, const Moment& moment) {
+    const Rig& rig = *scene.rig;
+    SceneChange change;
+    PosedRig posed = pose_rig(rig, moment);
+    for (const RiggedMesh& mesh : rig.meshes)
+        posed.meshes.push_back(pose_of(rig, posed, mesh.node, mesh.skin, scene.origin));
+    const std::shared_ptr<const PosedRig> before = std::exchange(scene.posed, nullptr);
+    pose_meshes(scene, before.get(), posed, change);
+    place_cameras(rig, posed, scene);
+    place_lights(rig, posed, scene);
+    for (const RiggedMaterial& rigged : posed.materials) scene.materials[rigged.material] = material_of(rigged);
+    change.materials = !posed.materials.empty();
+    scene.posed = std::make_shared<const PosedRig>(std::move(posed));
+    scene.moment = moment;
+    return change;
+}
+
+}  // namespace
+
+PosedRig pose_rig(const Rig& rig, const Moment& moment) {
+    PosedRig posed{rig.nodes, rig.cameras, rig.lights, rig.materials, {}, {}};
+    if (moment.animation) {
+        if (*moment.animation >= rig.animations.size())
+            throw Error(ErrorCode::OutOfRange, "/animation",
+                        "the scene has " + std::to_string(rig.animations.size()) + " animations");
+        for (const Channel& channel : rig.animations[*moment.animation].channels) apply(channel, moment.time_s, posed);
+    }
+    posed.world.resize(rig.nodes.size());
+    for (const uint32_t i : rig.order) {
+        const RigNode& node = posed.nodes[i];
+        const dmat4 local = node.local();
+        posed.world[i] = node.parent < 0 ? local : posed.world[static_cast<size_t>(node.parent)] * local;
+    }
+    return posed;
+}
+
+MeshPose pose_of(const Rig& rig, const PosedRig& posed, uint32_t node, std::optional<uint32_t> skin,
+                 const dvec3& origin) {
+    MeshPose pose{.weights = posed.nodes[node].weights, .transforms = {}, .origin = origin};
+    if (!skin) {
+        pose.transforms = {posed.world[node]};
+        return pose;
+    }
+    const RigSkin& joints = rig.skins[*skin];
+    for (size_t k = 0; k < joints.joints.size(); ++k)
+        pose.transforms.push_back(posed.world[joints.joints[k]] * joints.inverse_bind[k]);
+    return pose;
+}
+
+std::vector<uint32_t> place_cameras(const Rig& rig, const PosedRig& posed, Scene& scene) {
+    std::vector<uint32_t> left_out;
+    scene.cameras.clear();
+    for (const uint32_t i : rig.walk) {
+        const RigNode& node = rig.nodes[i];
+        if (node.camera < 0) continue;
+        Camera camera = posed.cameras[static_cast<size_t>(node.camera)];
+        if (!place_camera(camera, posed.world[i], scene.origin)) {
+            left_out.push_back(i);
+            continue;
+        }
+        if (!node.name.empty()) camera.name = node.name;
+        if (camera.name.empty()) camera.name = "camera_" + std::to_string(scene.cameras.size());
+        scene.cameras.push_back(std::move(camera));
+    }
+    return left_out;
+}
+
+std::vector<uint32_t> place_lights(const Rig& rig, const PosedRig& posed, Scene& scene) {
+    std::vector<uint32_t> left_out;
+    scene.punctual_lights.clear();
+    for (const uint32_t i : rig.walk) {
+        const RigNode& node = rig.nodes[i];
+        if (node.light < 0) continue;
+        PunctualLight light = light_of(posed.lights[static_cast<size_t>(node.light)]);
+        const dvec3 back(posed.world[i][2]);
+        if (light.kind != PunctualLight::Kind::Point && !(glm::length(back) > 0)) {
+            left_out.push_back(i);
+            continue;
+        }
+        light.position = vec3(dvec3(posed.world[i][3]) - scene.origin);
+        light.direction = unit_direction(-back, vec3(0, 0, -1));
+        if (!node.name.empty()) light.name = node.name;
+        scene.punctual_lights.push_back(std::move(light));
+    }
+    return left_out;
+}
+
+void adopt_rig(Scene& scene, std::shared_ptr<const Rig> rig) {
+    scene.rig = std::move(rig);
+    scene.posed = nullptr;
+    show(scene, {});
+}
+
+Movers movers_of(const Rig& rig, uint32_t index) {
+    const std::span<const Animation> animation(&rig.animations[index], 1);
+    const std::vector<bool> moving = moving_nodes(rig, animation);
+    Movers movers;
+    for (const RiggedMesh& mesh : rig.meshes) {
+        if (!moves_mesh(rig, animation, moving, mesh.node, mesh.skin)) continue;
+        ++movers.meshes;
+        movers.triangles += mesh.object->mesh.triangles.size();
+    }
+    std::set<uint32_t> cameras, lights, materials;
+    for (const Channel& channel : animation.front().channels) {
+        const Property property = channel.property;
+        if (property == Property::YFov || property == Property::YMag)
+            cameras.insert(channel.targets.begin(), channel.targets.end());
+        else if (property >= Property::BaseColor)
+            materials.insert(channel.targets.begin(), channel.targets.end());
+        else if (property > Property::YMag)
+            lights.insert(channel.targets.begin(), channel.targets.end());
+    }
+    for (const uint32_t i : rig.walk) {
+        const RigNode& node = rig.nodes[i];
+        const auto drives = [&](const std::set<uint32_t>& driven, int32_t what) {
+            return what >= 0 && (moving[i] || driven.contains(static_cast<uint32_t>(what)));
+        };
+        movers.cameras += drives(cameras, node.camera);
+        movers.lights += drives(lights, node.light);
+    }
+    movers.materials = static_cast<uint32_t>(materials.size());
+    return movers;
+}
+
+SceneChange pose_scene(Scene& scene, const Moment& moment) {
+    if (!scene.rig) {
+        if (moment.animation) throw Error(ErrorCode::OutOfRange, "/animation", "nothing in the scene is animated");
+        return {};
+    }
+    if (scene.posed && scene.moment == moment) return {};
+    const SceneChange change = show(scene, moment);
+    finish_again(scene, change.materials || !change.reshaped.empty());
+    return change;
+}
+
+}  // namespace photond

@@ -1,0 +1,57 @@
+#pragma once
+// A rig at a moment, and the scene that follows from it. What the scene is then follows from the rig and the moment
+// alone, whatever it was before.
+
+#include <optional>
+#include <vector>
+
+#include "renderer/scene/rig.h"
+
+namespace photond {
+
+/// What an animation makes of a rig's nodes, cameras, lights and materials, and where that puts its nodes.
+struct PosedRig {
+    std::vector<RigNode> nodes;
+    std::vector<Camera> cameras;
+    std::vector<RiggedLight> lights;
+    std::vector<RiggedMaterial> materials;
+    std::vector<dmat4> world;      // of each node
+    std::vector<MeshPose> meshes;  // of each of the rig's
+};
+
+/// The rig at that moment, meshes left out. Throws ErrorCode::OutOfRange for an animation that it does not have.
+PosedRig pose_rig(const Rig& rig, const Moment& moment);
+/// What brings a mesh into the scene then. `origin`: the scene's.
+MeshPose pose_of(const Rig& rig, const PosedRig& posed, uint32_t node, std::optional<uint32_t> skin,
+                 const dvec3& origin);
+/// The cameras and lights that hang on nodes, in the walk's order. Gives the nodes of those that are left out because
+/// their node is scaled to nothing.
+std::vector<uint32_t> place_cameras(const Rig& rig, const PosedRig& posed, Scene& scene);
+std::vector<uint32_t> place_lights(const Rig& rig, const PosedRig& posed, Scene& scene);
+
+/// What one animation moves, as counts.
+struct Movers {
+    uint32_t meshes = 0;
+    uint64_t triangles = 0;  // of these meshes
+    uint32_t cameras = 0, lights = 0, materials = 0;
+};
+Movers movers_of(const Rig& rig, uint32_t animation);
+
+/// What is not as it was before a scene was posed.
+struct SceneChange {
+    std::vector<uint32_t> moved;     // meshes whose vertices moved and whose triangles are the same
+    std::vector<uint32_t> reshaped;  // meshes that have other triangles
+    bool materials = false;
+};
+
+/// Gives a scene what moves in it, and its rigged meshes, of which it has all but what pose_mesh() writes, their pose
+/// at rest. It is to be finished then.
+void adopt_rig(Scene& scene, std::shared_ptr<const Rig> rig);
+
+/// Shows a finished scene at a moment: its meshes, instances, cameras, lights and materials, and what finish_scene()
+/// derives. Only what lies otherwise than before is posed again. Throws ErrorCode::BadScene where a node moves a vertex
+/// out of float's range, and ErrorCode::OutOfRange for an animation that the scene does not have; the scene is then fit
+/// for nothing but another pose.
+SceneChange pose_scene(Scene& scene, const Moment& moment);
+
+}  // namespace photond

@@ -1,0 +1,177 @@
+// Moving scenes as a worker renders them: the frame at a time is the picture of the still scene whose vertices were
+// posed apart from the renderer, whatever was shown before, and what does not move is not built again.
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "protocol/error.h"
+#include "renderer/methods/photon_mapping/photon_mapping.h"
+#include "renderer/methods/photon_splatting/photon_splatting.h"
+#include "renderer/methods/svo_many_lights/svo_many_lights.h"
+#include "renderer/scene/mesh_builder.h"
+#include "renderer/scene/rig_builder.h"
+#include "server/worker/scene_cache.h"
+#include "tests/support/animated_gltf.h"
+#include "tests/support/gltf_equations.h"
+#include "tests/support/render.h"
+
+namespace photond::moving_scenes_test {
+namespace {
+
+/// The scene without its rig, its vertices those of the equations, rounded; triangles, materials and what the camera
+/// sees by stay.
+Scene posed_apart(const TestGltf& file, double time) {
+    Scene scene = file.load();
+    const test::EvaluatedScene evaluated = test::evaluate_gltf(file.json(), file.binary(), 0, time);
+    scene.rig = nullptr;
+    for (size_t m = 0; m < scene.meshes.size(); ++m) {
+        const test::EvaluatedPrimitive& primitive = evaluated.primitives.at(m);
+        for (size_t v = 0; v < scene.meshes[m].positions.size(); ++v) {
+            scene.meshes[m].positions[v] = vec3(primitive.positions[v]);
+            if (!scene.meshes[m].normals.empty()) scene.meshes[m].normals[v] = vec3(primitive.normals[v]);
+        }
+    }
+    scene.cameras.at(0).position = vec3(dvec3(evaluated.cameras.at(0)[3]));
+    finish_scene(scene);
+    return scene;
+}
+
+template <class M>
+void expect_same_picture(const Scene& moved, const Scene& apart, const char* name) {
+    test::RenderSettingsOf<M> settings;
+    settings.size = {24, 24};
+    settings.passes = 2;
+    if constexpr (requires { settings.params.photons; }) settings.params.photons = 2000;
+    const Film film = test::render(moved, settings);
+    EXPECT_EQ(film.pixel_hash(), test::render(apart, settings).pixel_hash()) << name;
+    EXPECT_GT(test::mean_of(film.resolve_beauty()), 0.01) << name;
+}
+
+TEST(MovingScenes, AFrameIsTheStillSceneOfItsMoment) {
+    const TestGltf file = test::animated_file("RoomThatMoves");
+    Scene scene = file.load();
+    for (const double time : {0.0, 0.7, 1.9}) {
+        pose_scene(scene, {0, time});
+        const Scene apart = posed_apart(file, time);
+        expect_same_picture<PathTracing>(scene, apart, "path tracing");
+        expect_same_picture<PhotonMapping>(scene, apart, "photon mapping");
+        expect_same_picture<PhotonSplatting>(scene, apart, "photon splatting");
+        expect_same_picture<SvoManyLights>(scene, apart, "many lights");
+    }
+}
+
+// --- kept between frames ---------------------------------------------------------------------------------------------
+SceneSource builtin(const char* name) { return {name, name, {}, {}}; }
+SceneMoment at(double time) { return {JobAnimation{.name = {}, .index = 0}, time}; }
+
+std::string picture(const ReadyScene& ready) {
+    test::RenderSettings settings;
+    settings.size = {24, 24};
+    settings.passes = 2;
+    Film film(settings.size, settings.layers);
+    MemoryBudget budget;
+    Stats stats;
+    const RenderContext context{ready.scene, ready.intersector.get(), test::view_of(ready.scene, settings), 1, budget};
+    test::run_passes_in(
+        context, settings, [&](PathTracing& method, uint32_t) { method.resolve(film); }, stats);
+    return film.pixel_hash();
+}
+
+class HardCasesOfMotion : public testing::TestWithParam<const char*> {};
+
+// There and back: nothing of a frame is left in the next.
+TEST_P(HardCasesOfMotion, FramesStandAlone) {
+    SceneCache kept(1ull << 30);
+    MemoryBudget budget;
+    Stats stats;
+    std::map<double, std::string> alone;
+    for (const double time : {0.2, 0.49, 0.5, 0.8, 0.49, 0.2}) {
+        if (!alone.contains(time)) {
+            SceneCache fresh(1);
+            alone[time] = picture(*fresh.get(builtin(GetParam()), {}, budget, stats, false, at(time)));
+        }
+        EXPECT_EQ(picture(*kept.get(builtin(GetParam()), {}, budget, stats, false, at(time))), alone[time])
+            << "at " << time;
+    }
+    EXPECT_NE(alone[0.2], alone[0.8]);
+}
+INSTANTIATE_TEST_SUITE_P(Scenes, HardCasesOfMotion,
+                         testing::Values("moving/cornell-box", "moving/thin-object", "moving/teleport",
+                                         "moving/appearing", "moving/light-switched-on"),
+                         [](const auto& info) { return "Scene" + std::to_string(info.index); });
+
+TEST(MovingScenes, AreLoadedOnceAndRefuseAnimationsThatTheyDoNotHave) {
+    SceneCache cache(1ull << 30);
+    MemoryBudget budget;
+    Stats stats;
+    const SceneSource box = builtin("moving/cornell-box");
+    const ReadyScene* first = cache.get(box, {}, budget, stats, false, at(1)).get();
+    EXPECT_EQ(cache.get(box, {}, budget, stats, false, at(2)).get(), first);
+    EXPECT_EQ(first->scene.moment, (Moment{0, 2}));
+    const JobAnimation by_name{.name = "everything", .index = {}};
+    EXPECT_EQ(cache.get(box, {}, budget, stats, false, {by_name, 3}).get(), first);
+    EXPECT_EQ(cache.get(box, {}, budget, stats).get(), first);
+    EXPECT_EQ(first->scene.moment, Moment{}) << "a job without a time is at rest";
+    for (const JobAnimation& wrong :
+         {JobAnimation{.name = "everythin", .index = {}}, JobAnimation{.name = {}, .index = 1}})
+        try {
+            (void)cache.get(box, {}, budget, stats, false, {wrong, 0});
+            ADD_FAILURE();
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code, ErrorCode::UnknownName);
+            EXPECT_EQ(error.faults.front().pointer, "/animation");
+        }
+}
+
+/// A still sphere of so many triangles that it is not built again, and a small lamp that passes before it.
+Scene large_scene() {
+    Scene scene;
+    Material material;
+    material.metallic = 0;
+    scene.materials = {material, material};
+    scene.materials[1].emission = Rgb(2);
+    scene.meshes.push_back(make_icosphere(7, 0));  // 327,680 triangles
+    scene.instances.push_back({.mesh = 0});
+    Rig rig;
+    auto lamp = std::make_shared<ObjectMesh>();
+    lamp->mesh = make_icosphere(3, 1);
+    add_rigged_mesh(scene, rig, lamp, add_node(rig, {}));
+    Animation animation;
+    animation.channels = {drive(Property::Translation, 0, {0, 1}, {-0.4f, 0, 1.5f, 0.4f, 0.1f, 1.5f}),
+                          drive(Property::Scale, 0, {0, 0.9f, 1}, {0.3f, 0.3f, 0.3f, 0.3f, 0.3f, 0.3f, 0, 0, 0})};
+    rig.animations.push_back(std::move(animation));
+    adopt_rig(scene, std::make_shared<const Rig>(std::move(rig)));
+    finish_scene(scene);
+    return scene;
+}
+
+// At an edge either of two triangles may answer.
+TEST(MovingScenes, AStructureThatFollowsAnswersAsOneThatIsBuiltAnew) {
+    Scene scene = large_scene();
+    MemoryBudget budget;
+    Stats stats;
+    std::unique_ptr<Intersector> kept = make_embree_intersector(scene, budget, stats);
+    for (const double time : {0.5, 0.1, 1.0, 0.7}) {
+        const SceneChange change = pose_scene(scene, {0, time});
+        follow_pose(kept, scene, change, budget, stats);
+        Scene still = scene;
+        still.rig = nullptr;
+        const std::unique_ptr<Intersector> built = make_embree_intersector(still, budget, stats);
+        uint32_t moving = 0, other = 0;
+        for (uint32_t i = 0; i < 4096; ++i) {
+            const float x = static_cast<float>(i % 64) / 16 - 1.9997f, y = static_cast<float>(i / 64) / 16 - 1.9993f;
+            const Ray ray{vec3(x, y, 6), glm::normalize(vec3(-0.1f * x, -0.1f * y, -1))};
+            const Hit a = kept->closest_hit(ray), b = built->closest_hit(ray);
+            moving += a.instance == 1, other += a.valid() && a.instance == 0;
+            EXPECT_EQ(a.instance, b.instance);
+            EXPECT_EQ(a.t, b.t);
+            EXPECT_EQ(kept->occluded(ray), built->occluded(ray));
+        }
+        EXPECT_GT(other, 100u);
+        EXPECT_EQ(moving > 0, time != 1.0) << "in the end it is scaled to nothing; at " << time;
+    }
+}
+
+}  // namespace
+}  // namespace photond::moving_scenes_test
