@@ -21,8 +21,8 @@ constexpr size_t kMaxLabelBytes = 256;
 constexpr size_t kMaxMetrics = 16;
 
 /// Members that a job has under the same name.
-constexpr std::array kShared{"scene",  "camera",      "image", "reference", "stop", "layers",       "priority",
-                             "labels", "environment", "glass", "animation", "time", "quiet_machine"};
+constexpr std::array kShared{"scene",  "camera",      "image", "reference", "stop", "layers",  "priority",
+                             "labels", "environment", "glass", "animation", "time", "shutter", "quiet_machine"};
 
 std::string item(const std::string& pointer, size_t index) { return pointer + "/" + std::to_string(index); }
 

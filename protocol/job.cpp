@@ -321,12 +321,13 @@ JobEnvironment read_environment(const json& source, const std::string& pointer, 
 
 json optional_json(const auto& value) { return value ? json(*value) : json(nullptr); }
 
-/// A time by itself is one of the scene's first animation.
+/// A time or a shutter by itself is of the scene's first animation.
 void read_moment(ObjectReader& reader, JobRequest& request) {
     if (const auto time = reader.number("time", {-1e9, 1e9, "s"})) request.time = *time;
+    if (const auto shutter = reader.number("shutter", {0, 1e9, "s"})) request.shutter = *shutter;
     const json* animation = reader.member("animation");
     if (animation == nullptr) {
-        if (request.time != 0) request.animation = JobAnimation{.name = {}, .index = 0};
+        if (request.time != 0 || request.shutter != 0) request.animation = JobAnimation{.name = {}, .index = 0};
     } else if (animation->is_string()) {
         const auto name = reader.string("animation", kMaxNameBytes);
         request.animation = JobAnimation{.name = name.value_or(""), .index = {}};
@@ -472,7 +473,15 @@ json to_json(const JobRequest& request) {
             {"environment", environment},
             {"glass", request.glass},
             {"animation", request.animation ? to_json(*request.animation) : json(nullptr)},
-            {"time", request.time}};
+            {"time", request.time},
+            {"shutter", request.shutter}};
+}
+
+json naming_json(const JobRequest& request) {
+    json named = to_json(request);
+    if (!request.animation) named.erase("animation");
+    if (request.shutter == 0) named.erase("shutter");
+    return named;
 }
 
 double progress_of(const StopConditions& stop, uint32_t passes, double seconds) {

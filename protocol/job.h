@@ -99,6 +99,7 @@ struct JobRequest {
     std::string glass = "as_stored";
     std::optional<JobAnimation> animation;  // none: the scene at rest
     double time = 0;                        // of the animation [s]
+    double shutter = 0;                     // how long it stays open from then on [s]
 };
 
 /// What the reader needs to know of the rest of the program: known names and how to check method parameters.
@@ -142,6 +143,9 @@ nlohmann::json to_json(const StopConditions& stop);
 nlohmann::json to_json(const JobMethod& method);
 nlohmann::json to_json(const JobAnimation& animation);
 nlohmann::json to_json(const JobReference& reference);  // "job:J17", "image:ID" or {"method", "stop"}
+/// What a film shows of a request, for its name: members that say nothing and that earlier versions did not have are
+/// left out, so that films of before keep theirs.
+nlohmann::json naming_json(const JobRequest& request);
 /// The request as understood, every default filled in; parse_job_request() of it gives the same request.
 nlohmann::json to_json(const JobRequest& request);
 

@@ -145,7 +145,11 @@ json job_request_schema(const ApiVocabulary& vocabulary) {
          {"time", or_null(in_range(typed("number",
                                          "s: the moment of the animation that is rendered; before its first "
                                          "key and after its last one nothing moves"),
-                                   -1e9, 1e9))}},
+                                   -1e9, 1e9))},
+         {"shutter", or_null(in_range(typed("number",
+                                            "s: passes show moments spread over this long from the time on, each "
+                                            "pass one; of methods whose passes stand alone"),
+                                      0, 1e9))}},
         {"scene", "image", "method", "stop"});
     if (!narrowed.empty()) request["allOf"] = narrowed;
     return request;

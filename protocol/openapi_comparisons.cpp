@@ -38,7 +38,7 @@ json request_schema(const json& job_request) {
                     {"seeds", or_null(seeds)},
                     {"metrics", with_text(or_null(metrics), "of the tables; the first decides the Pareto front")}};
     for (const char* key : {"scene", "camera", "image", "reference", "stop", "layers", "priority", "labels",
-                            "environment", "glass", "animation", "time", "quiet_machine"})
+                            "environment", "glass", "animation", "time", "shutter", "quiet_machine"})
         properties[key] = of_job.at(key);
     return taken(std::move(properties), {"scene", "image", "entries", "stop"});
 }

@@ -161,6 +161,7 @@ void add_view_options(CLI::App& command, RequestOptions& options) {
     number("--animation", options.animation,
            "name or index of one of the scene's; default: none, or with --time the first", "NAME");
     number("--time", options.time, "moment of the animation [s]", "SECONDS");
+    number("--shutter", options.shutter, "keep it open for so long from that moment on [s]; default: 0", "SECONDS");
 }
 
 /// "2" is an index, and any other text a name.
@@ -191,6 +192,7 @@ json start_request(const RequestOptions& given) {
     if (options.priority) request["priority"] = *options.priority;
     if (options.quiet_seconds >= 0) request["quiet_machine"] = options.quiet_seconds;
     if (options.time) request["time"] = *options.time;
+    if (options.shutter) request["shutter"] = *options.shutter;
     if (!options.animation.empty()) request["animation"] = name_or_index(options.animation);
     if (!options.glass.empty()) request["glass"] = options.glass;
     if (!options.layers.empty()) request["layers"] = options.layers;

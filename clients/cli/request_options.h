@@ -18,7 +18,7 @@ namespace photond::cli {
 struct RequestOptions {
     std::string scene, request_file, filter, glass, animation, camera, environment, reference, idempotency_key;
     std::optional<uint32_t> width, height;
-    std::optional<double> yfov, aperture, focus_distance, environment_scale, environment_rotation, time;
+    std::optional<double> yfov, aperture, focus_distance, environment_scale, environment_rotation, time, shutter;
     std::optional<int> priority;
     double quiet_seconds = -1;  // negative: not asked for
     std::vector<double> eye, look_at, up;

@@ -29,7 +29,7 @@ StopConditions part_of(StopConditions stop) {
 }  // namespace
 
 std::string References::reference_content(const JobRequest& film, const std::string& scene_id) {
-    json canonical = to_json(film);
+    json canonical = naming_json(film);
     canonical.erase("priority"), canonical.erase("labels"), canonical.erase("quiet_machine");
     canonical["scene"] = scene_id;
     const std::string text = canonical.dump(-1, ' ', false, json::error_handler_t::replace);

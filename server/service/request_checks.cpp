@@ -86,6 +86,11 @@ SceneRef RequestChecks::check_request(const JobRequest& request) {
         throw Error(ErrorCode::Unsupported, "/first_pass",
                     "passes of " + request.method.name +
                         " build on those before with these parameters: its jobs begin at pass 0");
+    if (const MethodInfo* info = find_method(request.method.name);
+        info && request.shutter > 0 && !passes_stand_alone(*info, request.method.parameters))
+        throw Error(ErrorCode::Unsupported, "/shutter",
+                    "passes of " + request.method.name +
+                        " build on those before with these parameters, and all show one moment");
     auto scene = scenes_.find_scene(request.scene);
     if (!scene) {
         std::vector<std::string> known;

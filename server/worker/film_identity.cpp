@@ -84,11 +84,10 @@ RandomStreams random_streams_named(const std::string& name) {
 }
 
 std::string settings_hash(const JobRequest& request, RandomStreams streams) {
-    json canonical = to_json(request);
+    json canonical = naming_json(request);
     for (const char* other :
          {"scene", "stop", "first_pass", "priority", "labels", "quiet_machine", "reference", "metrics"})
         canonical.erase(other);
-    if (!request.animation) canonical.erase("animation");  // films of before there were any
     json layers = json::array();
     for (const LayerInfo& info : kLayers)
         if (std::find(request.layers.begin(), request.layers.end(), info.name) != request.layers.end())

@@ -8,6 +8,7 @@
 #include "renderer/backends/gpu/device.h"
 #include "server/method_params.h"
 #include "server/worker/job_setup.h"
+#include "server/worker/moving_passes.h"
 #include "server/worker/off_the_clock.h"
 #include "server/worker/process_memory.h"
 #include "server/worker/statistics.h"
@@ -71,8 +72,30 @@ RenderJob::RenderJob(const RenderOrder& order, JobControl& control, SceneCache& 
       device_(device),
       report_(report),
       send_(send),
-      method_(make_method(order.request, device.kind)),
+      method_(make_passes()),
       budget_(order.memory_bytes) {}
+
+std::unique_ptr<Method> RenderJob::make_passes() {
+    const JobRequest& request = order_.request;
+    const auto make = [&request, kind = device_.kind] { return make_method(request, kind); };
+    if (request.shutter == 0) return make();
+    (void)make();  // throws now what it would in the first pass
+    const auto show = [this](double time_s, Stats& stats) {
+        scenes_.show({order_.moment.animation, time_s}, budget_, stats);
+        return context();
+    };
+    return std::make_unique<MovingPasses>(MovingPasses::Job{make, show, request.time, request.shutter, order_.seed()});
+}
+
+RenderContext RenderJob::context() {
+    return {ready_->scene,
+            ready_->intersector.get(),
+            resolve_view(order_.request, ready_->scene),
+            order_.seed(),
+            budget_,
+            ready_->device_scene.get(),
+            ready_->host_intersector.get()};
+}
 
 void RenderJob::run() {
     const JobRequest& request = order_.request;
@@ -174,10 +197,8 @@ std::optional<Film> RenderJob::film_to_go_on_with() {
 
 PassLoop::Result RenderJob::render() {
     const JobRequest& request = order_.request;
-    const RenderContext context{
-        ready_->scene, ready_->intersector.get(),  resolve_view(request, ready_->scene), order_.seed(),
-        budget_,       ready_->device_scene.get(), ready_->host_intersector.get()};
-    PassLoop loop{*method_, context, request.stop, control_.cancel,
+    const RenderContext at_first = context();
+    PassLoop loop{*method_, at_first, request.stop, control_.cancel,
                   [this](const Film& film, double seconds) { return after_pass(film, seconds); }};
     loop.pauses = [this](const Film& film, double seconds) {
         return follower_->may_measure(film, seconds) || saver_->due(film);

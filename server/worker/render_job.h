@@ -68,6 +68,9 @@ private:
     /// The film of an earlier attempt, where there is one that this job may go on with; otherwise the log says why
     /// not. Its statistics and its curve become this job's.
     std::optional<Film> film_to_go_on_with();
+    /// The method, or where the shutter is open one that makes it anew for each pass.
+    std::unique_ptr<Method> make_passes();
+    RenderContext context();
     PassLoop::Result render();
     bool after_pass(const Film& film, double seconds);
     void finish(const PassLoop::Result& result);
@@ -90,7 +93,7 @@ private:
     JobReport& report_;
     const Send& send_;
 
-    const std::unique_ptr<Method> method_;
+    const std::unique_ptr<Method> method_;  // checked before anything is loaded
     Stats stats_;
     MemoryBudget budget_;
     RenderMeters meters_;

@@ -62,7 +62,7 @@ Moment moment_of(const SceneMoment& wanted, const Scene& scene) {
     return {static_cast<uint32_t>(found - names.begin()), wanted.time_s};
 }
 
-SceneChange pose(Scene& scene, const Moment& moment, Stats& stats) {
+SceneChange pose_timed(Scene& scene, const Moment& moment, Stats& stats) {
     const StageTimer timer(stats, "pose");
     return pose_scene(scene, moment);
 }
@@ -130,7 +130,7 @@ std::shared_ptr<const ReadyScene> SceneCache::get(const SceneSource& source, con
     for (auto entry = entries_.begin(); entry != entries_.end(); ++entry) {
         if (entry->key != key) continue;
         entries_.splice(entries_.begin(), entries_, entry);
-        show_or_forget(*entry, wanted, budget.limit_bytes(), stats);
+        show_first(wanted, budget.limit_bytes(), stats);
         if (on_host) add_host_rays(*entry->ready, budget.limit_bytes(), stats);
         if (entry->ready->bytes() > budget.limit_bytes()) budget.require("scene", entry->ready->bytes());
         for (const auto& [name, bytes] : entry->ready->structures) budget.record(name, bytes);
@@ -138,7 +138,7 @@ std::shared_ptr<const ReadyScene> SceneCache::get(const SceneSource& source, con
     }
     const std::shared_ptr<ReadyScene> ready = std::make_shared<ReadyScene>();
     ready->scene = load_scene(source, variant, stats);
-    pose(ready->scene, moment_of(wanted, ready->scene), stats);
+    pose_timed(ready->scene, moment_of(wanted, ready->scene), stats);
     make_ready(*ready, budget.limit_bytes(), stats);
     if (on_host) add_host_rays(*ready, budget.limit_bytes(), stats);
     for (const auto& [name, bytes] : ready->structures) budget.record(name, bytes);
@@ -164,19 +164,34 @@ void SceneCache::make_ready(ReadyScene& ready, uint64_t limit_bytes, Stats& stat
     ready.structures = budget.structures();
 }
 
-void SceneCache::show(ReadyScene& ready, const Moment& moment, uint64_t limit_bytes, Stats& stats) const {
+void SceneCache::pose(ReadyScene& ready, const Moment& moment, uint64_t limit_bytes, Stats& stats) const {
     if (ready.scene.moment == moment) return;
-    const SceneChange change = pose(ready.scene, moment, stats);
-    if (device_) return make_ready(ready, limit_bytes, stats);
+    ready.host_intersector = nullptr;  // whoever asks for it gets one of this moment
+    const SceneChange change = pose_timed(ready.scene, moment, stats);
     MemoryBudget budget(limit_bytes);
     ready.scene.account(budget);
-    follow_pose(ready.intersector, ready.scene, change, budget, stats);
+    if (device_) {
+        ready.intersector = nullptr;
+        ready.device_scene->follow(change, stats);
+        ready.device_structures = ready.device_scene->structures();
+        ready.intersector = std::make_unique<gpu::DeviceIntersector>(*ready.device_scene);
+    } else {
+        follow_pose(ready.intersector, ready.scene, change, budget, stats);
+    }
     ready.structures = budget.structures();
 }
 
-void SceneCache::show_or_forget(const Entry& entry, const SceneMoment& wanted, uint64_t limit_bytes, Stats& stats) {
+void SceneCache::show(const SceneMoment& moment, MemoryBudget& budget, Stats& stats) {
+    show_first(moment, budget.limit_bytes(), stats);
+    for (const auto& [name, bytes] : entries_.front().ready->structures) budget.record(name, bytes);
+}
+
+void SceneCache::show_first(const SceneMoment& wanted, uint64_t limit_bytes, Stats& stats) {
+    ReadyScene& ready = *entries_.front().ready;
+    const bool on_host = ready.host_intersector != nullptr;
     try {
-        show(*entry.ready, moment_of(wanted, entry.ready->scene), limit_bytes, stats);
+        pose(ready, moment_of(wanted, ready.scene), limit_bytes, stats);
+        if (on_host) add_host_rays(ready, limit_bytes, stats);
     } catch (const Error&) {
         entries_.pop_front();  // what is half of one moment and half of another
         throw;

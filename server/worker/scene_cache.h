@@ -75,6 +75,9 @@ public:
     /// fit the budget.
     std::shared_ptr<const ReadyScene> get(const SceneSource& source, const SceneVariant& variant, MemoryBudget& budget,
                                           Stats& stats, bool on_host = false, const SceneMoment& moment = {});
+    /// Shows another moment of what get() gave last, whose structures are recorded in `budget` again. Nobody may be
+    /// using them.
+    void show(const SceneMoment& moment, MemoryBudget& budget, Stats& stats);
     void clear() { entries_.clear(); }
     uint64_t bytes() const;  // of the host, of all scenes held
 
@@ -86,9 +89,9 @@ private:
     static std::string key_of(const SceneSource& source, const SceneVariant& variant);
     /// Whatever follows from the scene, built from it as it is now.
     void make_ready(ReadyScene& ready, uint64_t limit_bytes, Stats& stats) const;
-    void show(ReadyScene& ready, const Moment& moment, uint64_t limit_bytes, Stats& stats) const;
-    /// `entry`: the first.
-    void show_or_forget(const Entry& entry, const SceneMoment& wanted, uint64_t limit_bytes, Stats& stats);
+    void pose(ReadyScene& ready, const Moment& moment, uint64_t limit_bytes, Stats& stats) const;
+    /// Of the first entry, which is forgotten where it fails.
+    void show_first(const SceneMoment& wanted, uint64_t limit_bytes, Stats& stats);
     void add_host_rays(ReadyScene& ready, uint64_t limit_bytes, Stats& stats) const;
     void evict_idle(const std::string& wanted_key);
 

@@ -135,7 +135,7 @@ FAULTS = [
     ("/method", {"name": "photon_mapping", "parameters": {"nearest_photons": 1}}, "/method/parameters/nearest_photons"),
     # not on this device
     ("/method/device", "gpu", None), ("/method/device", "gpu:0", None), ("/time", 1e300, None), ("/animation", -1, None),
-    ("/animation", 65536, None), ("/animation", "x" * 300, None),
+    ("/shutter", -0.1, None), ("/shutter", "1/48", None), ("/animation", 65536, None), ("/animation", "x" * 300, None),
     # references, targets, metrics, parts
     ("/reference", "J1", None), ("/reference", "job:", None), ("/reference", "image:", None), ("/reference", "", None),
     ("/reference", "job:J999999999", None), ("/reference", "job:x", None), ("/reference", "image:none", None),

@@ -91,6 +91,19 @@ class MovingScenesTest(DaemonTestCase):
                 self.assertEqual(places, ["/time" if moment.get("time") == "soon" else "/animation"], problem)
                 self.assertIn(detail, json.dumps(problem["errors"], ensure_ascii=False).replace('\\"', '"'))
 
+    def test_an_open_shutter_shows_many_moments(self):
+        still = self.picture(animation="slide", time=0.5)
+        blurred = self.picture(animation="slide", time=0.5, shutter=1)
+        self.assertNotEqual(blurred, still)
+        self.assertEqual(self.picture(animation="slide", time=0.5, shutter=1), blurred)
+        self.assertEqual(self.picture(animation="hold", time=0.5, shutter=1), self.picture())
+        self.assertEqual(self.picture(animation="slide", time=0.5), still)
+
+    def test_passes_that_build_on_those_before_show_one_moment(self):
+        answer = self.daemon.request("POST", "/v1/jobs", json_body=small_job(
+            scene="slider", method="progressive_photon_mapping", animation=0, shutter=1))
+        self.assertEqual((answer.status, answer.json["errors"][0]["pointer"]), (422, "/shutter"), answer)
+
     def test_comparisons_take_a_moment(self):
         body = {"scene": "slider", "animation": "slide", "time": 1, "image": {"width": 16, "height": 16},
                 "stop": {"passes": 1}, "entries": [{"method": {"name": "path_tracing"}}],

@@ -147,6 +147,7 @@ def _rendered(client: Daemon, scene: SceneLike, width: int, height: int, filter:
               layers: Optional[Sequence[str]], camera: Union[None, str, Camera],
               environment: Union[None, ImageLike, Mapping[str, Any]], glass: Optional[str],
               animation: Union[None, str, int], time: Optional[float],
+              shutter: Optional[float],
               reference: Optional[ReferenceLike], metrics: Optional[Sequence[str]], priority: Optional[int],
               labels: Optional[Mapping[str, str]], quiet_machine: Optional[float]) -> Dict[str, Any]:
     """What jobs and comparisons both say. What is not said is not sent: the daemon's default is then meant."""
@@ -159,8 +160,8 @@ def _rendered(client: Daemon, scene: SceneLike, width: int, height: int, filter:
         body["environment"] = _environment_of(client, environment)
     if reference is not None:
         body["reference"] = _reference_of(client, reference)
-    for key, value in (("glass", glass), ("animation", animation), ("time", time), ("priority", priority),
-                       ("quiet_machine", quiet_machine)):
+    for key, value in (("glass", glass), ("animation", animation), ("time", time), ("shutter", shutter),
+                       ("priority", priority), ("quiet_machine", quiet_machine)):
         if value is not None:
             body[key] = value
     for key, names in (("layers", layers), ("metrics", metrics)):
@@ -188,7 +189,7 @@ def job_request(client: Daemon, scene: SceneLike, method: MethodLike = "path_tra
                 camera: Union[None, str, Camera] = None,
                 environment: Union[None, ImageLike, Mapping[str, Any]] = None, glass: Optional[str] = None,
                 animation: Union[None, str, int] = None, time: Optional[float] = None,
-                reference: Optional[ReferenceLike] = None,
+                shutter: Optional[float] = None, reference: Optional[ReferenceLike] = None,
                 metrics: Optional[Sequence[str]] = None, priority: Optional[int] = None,
                 labels: Optional[Mapping[str, str]] = None, quiet_machine: Optional[float] = None,
                 idempotency_key: Optional[str] = None) -> Submission:
@@ -200,7 +201,7 @@ def job_request(client: Daemon, scene: SceneLike, method: MethodLike = "path_tra
     camera       name of one of the scene's, or `look_at(...)`; default: its first
     environment  light all around: a path, an UploadedImage, or {"image": ..., "scale": 1, "rotation": 0}
     animation    name or index of one of the scene's (`scene.motion`), at its moment `time`, seconds; default: at rest, or,
-                 with a time, the first
+                 with a time, the first; `shutter`: seconds that it stays open from then on
     reference    what the error is measured against: a Job, an UploadedImage, a path, "path_tracing:4096" or
                  `reference(...)`; `metrics` are measured besides those that cost little
     first_pass   for one part of a larger job, see `Client.merge`
@@ -208,7 +209,7 @@ def job_request(client: Daemon, scene: SceneLike, method: MethodLike = "path_tra
     idempotency_key    the same key and request is the same submission; default: random
     """
     body = _rendered(client, scene, width, height, filter, stop_of(passes, seconds, target) or {"passes": DEFAULT_PASSES},
-                     layers, camera, environment, glass, animation, time, reference, metrics, priority, labels, quiet_machine)
+                     layers, camera, environment, glass, animation, time, shutter, reference, metrics, priority, labels, quiet_machine)
     body["method"] = method_of(method, device, parameters)
     if first_pass is not None:
         body["first_pass"] = first_pass
@@ -224,7 +225,7 @@ def comparison_request(client: Daemon, scene: SceneLike, entries: Sequence[Entry
                        camera: Union[None, str, Camera] = None,
                        environment: Union[None, ImageLike, Mapping[str, Any]] = None, glass: Optional[str] = None,
                        animation: Union[None, str, int] = None, time: Optional[float] = None,
-                reference: Optional[ReferenceLike] = None,
+                shutter: Optional[float] = None, reference: Optional[ReferenceLike] = None,
                        metrics: Optional[Sequence[str]] = None, priority: Optional[int] = None,
                        labels: Optional[Mapping[str, str]] = None, quiet_machine: Optional[float] = None,
                        idempotency_key: Optional[str] = None) -> ComparisonSubmission:
@@ -238,7 +239,7 @@ def comparison_request(client: Daemon, scene: SceneLike, entries: Sequence[Entry
         raise TypeError(f"entries is a list, as [{entries!r}]")
     rows = [entry(row) if isinstance(row, (str, Method)) else row for row in entries]
     body = _rendered(client, scene, width, height, filter, stop_of(passes, seconds, target), layers, camera, environment,
-                     glass, animation, time, reference, metrics, priority, labels, quiet_machine)
+                     glass, animation, time, shutter, reference, metrics, priority, labels, quiet_machine)
     body["entries"] = rows
     if seeds is not None:
         body["seeds"] = list(seeds)

@@ -97,6 +97,7 @@ class _Rendered(TypedDict, total=False):
     glass: str
     animation: Union[None, str, int]
     time: float
+    shutter: float
 
 
 class JobRequest(_Rendered, total=False):

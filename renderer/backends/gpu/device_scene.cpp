@@ -5,7 +5,7 @@
 #include "renderer/backends/gpu/bvh.h"
 #include "renderer/backends/gpu/scene_shared.h"
 #include "renderer/core/srgb.h"
-#include "renderer/scene/scene.h"
+#include "renderer/scene/pose.h"
 #include "renderer/transport/bsdf_albedo_table.h"
 #include "renderer/transport/light_tables.h"
 #include "renderer/transport/sobol.h"
@@ -111,6 +111,18 @@ std::vector<MeshRecord> mesh_records(const Scene& scene) {
     return records;
 }
 
+/// Where a mesh's attributes begin among all floats.
+uint64_t first_attribute_of(const MeshRecord& record, const AttributeLayout& layout) {
+    const uint32_t places[][2] = {{layout.normals, record.normals},
+                                  {layout.tangents, record.tangents},
+                                  {layout.uv[0], record.uv[0]},
+                                  {layout.uv[1], record.uv[1]},
+                                  {layout.colors, record.colors}};
+    for (const auto& [offset, place] : places)
+        if (offset == 0) return place;  // the first of a vertex's
+    return 0;
+}
+
 std::vector<InstanceRecord> instance_records(const Scene& scene) {
     std::vector<InstanceRecord> records;
     for (const photond::Instance& instance : scene.instances)
@@ -203,6 +215,11 @@ Buffer upload_of_meshes(Device& device, const std::string& structure, const Scen
     return filler.finish();
 }
 
+Buffer upload_triangles(Device& device, const Scene& scene) {
+    return upload_of_meshes(
+        device, "scene_triangles", scene, [](const Mesh& m) -> auto& { return m.triangles; });
+}
+
 Buffer upload_attributes(Device& device, const Scene& scene) {
     uint64_t floats = 0;
     for (const Mesh& mesh : scene.meshes) floats += mesh.positions.size() * AttributeLayout(mesh).stride;
@@ -268,8 +285,7 @@ std::array<Buffer, SCENE_BINDINGS> DeviceScene::upload_all(Device& device, const
     upload_rays(device, scene, stats, buffers);
     const StageTimer timer(stats, "scene_upload");
     buffers[SCENE_CONSTANTS_BINDING] = upload_elements(device, "scene_constants", std::vector{scene_constants(scene)});
-    buffers[TRIANGLES_BINDING] = upload_of_meshes(
-        device, "scene_triangles", scene, [](const Mesh& m) -> auto& { return m.triangles; });
+    buffers[TRIANGLES_BINDING] = upload_triangles(device, scene);
     buffers[POSITIONS_BINDING] = upload_of_meshes(
         device, "scene_positions", scene, [](const Mesh& m) -> auto& { return m.positions; });
     buffers[ATTRIBUTES_BINDING] = upload_attributes(device, scene);
@@ -284,18 +300,47 @@ std::array<Buffer, SCENE_BINDINGS> DeviceScene::upload_all(Device& device, const
     return buffers;
 }
 
-BufferSet DeviceScene::bind_all(Device& device, std::array<Buffer, SCENE_BINDINGS>& buffers) {
+void DeviceScene::bind_all() {
     std::array<Buffer*, SCENE_BINDINGS> all;
-    for (size_t i = 0; i < all.size(); ++i) all[i] = &buffers[i];
-    return {device, "scene", all};
+    for (size_t i = 0; i < all.size(); ++i) all[i] = &buffers_[i];
+    set_.emplace(device_, "scene", all);
 }
 
 DeviceScene::DeviceScene(Device& device, const Scene& scene, Stats& stats)
-    : device_(device),
-      scene_(scene),
-      buffers_(upload_all(device, scene, stats)),
-      set_(bind_all(device, buffers_)),
-      specialization_(needs_of(scene)) {}
+    : device_(device), scene_(scene), buffers_(upload_all(device, scene, stats)), specialization_(needs_of(scene)) {
+    bind_all();
+}
+
+void DeviceScene::follow(const SceneChange& change, Stats& stats) {
+    for (const uint32_t binding : {BVH_NODES_BINDING, BVH_TRIANGLES_BINDING}) buffers_[binding] = {};
+    upload_rays(device_, scene_, stats, buffers_);
+    const StageTimer timer(stats, "scene_upload");
+    // Meshes keep their vertices, however many triangles are left of them.
+    const std::vector<MeshRecord> records = mesh_records(scene_);
+    for (const auto* meshes : {&change.moved, &change.reshaped})
+        for (const uint32_t m : *meshes) {
+            const Mesh& mesh = scene_.meshes[m];
+            upload(device_, buffers_[POSITIONS_BINDING], std::as_bytes(std::span(mesh.positions)),
+                   records[m].first_vertex * sizeof(vec3));
+            const AttributeLayout layout(mesh);
+            const std::vector<float> attributes = interleave(mesh, layout);
+            if (!attributes.empty())
+                upload(device_, buffers_[ATTRIBUTES_BINDING], std::as_bytes(std::span(attributes)),
+                       first_attribute_of(records[m], layout) * sizeof(float));
+        }
+    if (!change.reshaped.empty()) {
+        buffers_[TRIANGLES_BINDING] = {};
+        buffers_[TRIANGLES_BINDING] = upload_triangles(device_, scene_);
+        buffers_[MESHES_BINDING] = upload_elements(device_, "scene_meshes", records);
+    }
+    if (change.materials)
+        buffers_[MATERIALS_BINDING] = upload_elements(device_, "scene_materials", material_records(scene_));
+    buffers_[SCENE_CONSTANTS_BINDING] =
+        upload_elements(device_, "scene_constants", std::vector{scene_constants(scene_)});
+    upload_lights(device_, make_light_tables(scene_), buffers_);
+    bind_all();
+    specialization_ = needs_of(scene_);
+}
 
 std::vector<Specialization> DeviceScene::specialization(std::span<const Specialization> more) const {
     std::vector<Specialization> all = specialization_;

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "renderer/backends/gpu/pipeline.h"
@@ -11,7 +12,8 @@
 
 namespace photond {
 struct Scene;
-}
+struct SceneChange;
+}  // namespace photond
 
 namespace photond::gpu {
 
@@ -25,11 +27,15 @@ public:
     DeviceScene(const DeviceScene&) = delete;
     DeviceScene& operator=(const DeviceScene&) = delete;
 
+    /// After pose_scene() changed the scene: what moved, and what follows from it, is uploaded again; textures and what
+    /// lies still stay. Timed as when it was built. Nothing may be running that reads it.
+    void follow(const SceneChange& change, Stats& stats);
+
     Device& device() const { return device_; }
     const Scene& scene() const { return scene_; }
 
     /// The scene's buffers, for pipelines whose shaders read it.
-    const BufferSet& set() const { return set_; }
+    const BufferSet& set() const { return *set_; }
     /// What the scene needs, as constants 0 to 31 of such shaders (scene.glsl).
     std::span<const Specialization> specialization() const { return specialization_; }
     /// These constants and a method's own.
@@ -42,12 +48,12 @@ public:
 private:
     DeviceScene(Device& device, const Scene& scene, Stats&& unused) : DeviceScene(device, scene, unused) {}
     static std::array<Buffer, SCENE_BINDINGS> upload_all(Device& device, const Scene& scene, Stats& stats);
-    static BufferSet bind_all(Device& device, std::array<Buffer, SCENE_BINDINGS>& buffers);
+    void bind_all();
 
     Device& device_;
     const Scene& scene_;
     std::array<Buffer, SCENE_BINDINGS> buffers_;  // by binding
-    BufferSet set_;
+    std::optional<BufferSet> set_;
     std::vector<Specialization> specialization_;
 };
 

@@ -72,7 +72,7 @@ TEST(JobRequest, FillsInEveryDefault) {
         "stop": {"seconds": null, "passes": 4, "target": null}, "first_pass": 0,
         "seed": 1, "layers": [], "reference": null, "metrics": [], "priority": 0, "quiet_machine": null,
         "labels": {}, "environment": null,
-        "glass": "as_stored", "animation": null, "time": 0})"));
+        "glass": "as_stored", "animation": null, "time": 0, "shutter": 0})"));
 }
 
 TEST(JobRequest, ReadsEveryField) {
@@ -85,7 +85,7 @@ TEST(JobRequest, ReadsEveryField) {
         "reference": {"method": {"name": "path_tracing"}, "stop": {"passes": 9}}, "metrics": ["caustic:relative_mse"],
         "seed": 18446744073709551615, "layers": ["depth", "albedo", "caustic"],
         "priority": -100, "quiet_machine": 2.5, "labels": {"a/b": "c", "~": ""}, "environment": {"image": "image:i1", "scale": 2, "rotation": -1},
-        "glass": "solid", "animation": "walk", "time": 1.5})");
+        "glass": "solid", "animation": "walk", "time": 1.5, "shutter": 0.02})");
     const JobRequest request = parse_job_request(body, vocabulary());
     EXPECT_EQ(request.camera.look_at->up[2], 1);
     EXPECT_EQ(request.method.device, "gpu:3");
@@ -101,6 +101,7 @@ TEST(JobRequest, ReadsEveryField) {
     EXPECT_EQ(request.environment->rotation, -1);
     EXPECT_EQ(request.animation->name, "walk");
     EXPECT_EQ(request.time, 1.5);
+    EXPECT_EQ(request.shutter, 0.02);
     EXPECT_EQ(request.method.parameters.dump(), R"({"bounces":0,"radius":0.05})");
 }
 
@@ -129,6 +130,7 @@ TEST(JobRequest, TheEchoIsAFixedPoint) {
         if (chance()) body["environment"] = {{"image", "image:x"}, {"rotation", number(random)}};
         if (chance()) body["first_pass"] = random() % 1000;
         if (chance()) body["time"] = number(random);
+        if (chance()) body["shutter"] = std::abs(number(random));
         if (chance()) body["animation"] = chance() ? json("walk") : json(random() % 4);
         if (chance()) {
             const json references[] = {
@@ -205,6 +207,7 @@ TEST(JobRequest, RefusesEachFaultAtItsPlace) {
         {"/environment", "{\"image\": \"sky\"}", "/environment/image", ErrorCode::UnknownName},
         {"/glass", "\"hollow\"", "/glass", ErrorCode::UnknownName},
         {"/time", "1e10", "/time", ErrorCode::OutOfRange},
+        {"/shutter", "-1", "/shutter", ErrorCode::OutOfRange},
         {"/animation", "-1", "/animation", ErrorCode::OutOfRange},
         {"/animation", "[0]", "/animation", ErrorCode::WrongType},
         {"/animation", "true", "/animation", ErrorCode::WrongType},

@@ -11,6 +11,7 @@
 #include "renderer/methods/svo_many_lights/svo_many_lights.h"
 #include "renderer/scene/mesh_builder.h"
 #include "renderer/scene/rig_builder.h"
+#include "server/worker/moving_passes.h"
 #include "server/worker/scene_cache.h"
 #include "tests/support/animated_gltf.h"
 #include "tests/support/gltf_equations.h"
@@ -122,6 +123,63 @@ TEST(MovingScenes, AreLoadedOnceAndRefuseAnimationsThatTheyDoNotHave) {
             EXPECT_EQ(error.code, ErrorCode::UnknownName);
             EXPECT_EQ(error.faults.front().pointer, "/animation");
         }
+}
+
+// --- an open shutter -------------------------------------------------------------------------------------------------
+TEST(Shutter, MomentsOfAnyPassesInARowLieEvenly) {
+    for (const uint32_t first : {0u, 17u})
+        for (const uint32_t count : {2u, 8u, 13u, 64u}) {
+            std::vector<double> shares;
+            for (uint32_t pass = 0; pass < count; ++pass) shares.push_back(shutter_share(5, first + pass));
+            std::ranges::sort(shares);
+            double widest = shares.front() + 1 - shares.back();
+            for (size_t i = 1; i < shares.size(); ++i) widest = std::max(widest, shares[i] - shares[i - 1]);
+            EXPECT_LT(widest, 1.9 / count) << "gaps are at most 1 + 2 / sqrt(5) times the even one";
+        }
+    EXPECT_NE(shutter_share(1, 0), shutter_share(2, 0));
+}
+
+// The film is the sum of films of single passes, each of the scene as it is at its moment.
+TEST(Shutter, EachPassShowsItsOwnMoment) {
+    constexpr double kOpen = 0.1, kFor = 0.6;
+    constexpr uint32_t kPasses = 5;
+    test::RenderSettings settings;
+    settings.size = {24, 24};
+    SceneCache scenes(1ull << 30);
+    MemoryBudget budget;
+    Stats stats;
+    const SceneSource box = builtin("moving/cornell-box");
+    const auto ready = scenes.get(box, {}, budget, stats, false, at(kOpen));
+    const auto context = [&](const ReadyScene& shown) {
+        return RenderContext{shown.scene, shown.intersector.get(), test::view_of(shown.scene, settings), 1, budget};
+    };
+    MovingPasses moving({.make = [] { return std::make_unique<PathTracing>(PathTracingParams()); },
+                         .show =
+                             [&](double time, Stats& counted) {
+                                 scenes.show(at(time), budget, counted);
+                                 return context(*ready);
+                             },
+                         .open_s = kOpen,
+                         .shutter_s = kFor,
+                         .seed = 1});
+    Film film(settings.size, settings.layers);
+    moving.begin(context(*ready), stats);
+    for (uint32_t pass = 0; pass < kPasses; ++pass) {
+        moving.run_pass(pass, stats, CancelToken{});
+        moving.resolve(film);
+    }
+    Film sum(settings.size, settings.layers);
+    for (uint32_t pass = 0; pass < kPasses; ++pass) {
+        SceneCache fresh(1);
+        const double time = kOpen + kFor * shutter_share(1, pass);
+        const auto alone = fresh.get(box, {}, budget, stats, false, at(time));
+        settings.first_pass = pass;
+        Film part(settings.size, settings.layers, pass);
+        test::run_passes_in(
+            context(*alone), settings, [&](PathTracing& method, uint32_t) { method.resolve(part); }, stats);
+        pass == 0 ? void(sum = std::move(part)) : sum.merge(part);
+    }
+    EXPECT_EQ(film.pixel_hash(), sum.pixel_hash());
 }
 
 /// A still sphere of so many triangles that it is not built again, and a small lamp that passes before it.

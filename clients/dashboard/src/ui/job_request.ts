@@ -30,7 +30,7 @@ function minimalReference(reference: Reference | null | undefined, methods: Meth
   return { method: minimalMethod(reference.method, methods), stop: minimalStop(reference.stop) };
 }
 
-const kDefaults = { seed: 1, priority: 0, glass: "as_stored", time: 0, first_pass: 0 };
+const kDefaults = { seed: 1, priority: 0, glass: "as_stored", time: 0, shutter: 0, first_pass: 0 };
 
 /** The least that gives the same job. Without the methods' schemas all parameters are kept. */
 export function minimalRequest(request: JobRequest, methods: Method[]): JobRequest {
