@@ -449,8 +449,9 @@ json job_schema(const ApiVocabulary& vocabulary) {
     const json error_now = with_later(given({{"metric", typed("string")}, {"value", nullable("number")}}),
                                       {{"interval", or_null(interval_of("at 90 %, by the noise of two films"))}});
     return given({{"id", typed("string")},
-                  {"role", one_of_words({"render", "reference", "merged"})},
+                  {"role", one_of_words({"render", "reference", "merged", "frame"})},
                   {"comparison", nullable("string", "the comparison it belongs to")},
+                  {"sequence", nullable("string", "the sequence that it is a frame of")},
                   {"reference_job", nullable("string", "the job it is measured against, the first of two films")},
                   {"reference_jobs", with_text(or_null(list_of(typed("string"))),
                                                "the job that was named, or the two that make its reference")},
@@ -483,8 +484,8 @@ json job_summary_schema(const json& job) {
                     {"waiting_for", nullable("string", "while it is queued, in words")},
                     {"waits_for", nullable("string", "the job, its reference, that must be over before it begins")},
                     {"failure", nullable("string", "what went wrong")}};
-    for (const char* key : {"id", "role", "comparison", "state", "progress", "passes_done", "seconds", "error_now",
-                            "created", "started", "finished"})
+    for (const char* key : {"id", "role", "comparison", "sequence", "state", "progress", "passes_done", "seconds",
+                            "error_now", "created", "started", "finished"})
         properties[key] = job.at("properties").at(key);
     return given(std::move(properties));
 }
@@ -614,6 +615,7 @@ json openapi_document(const ApiVocabulary& vocabulary) {
         {"DevicePage", page_of("Device")}};
     schemas.update(scene_schemas());
     schemas.update(comparison_schemas(schemas["JobRequest"]));
+    schemas.update(sequence_schemas(schemas["JobRequest"]));
     for (const ApiVocabulary::Method& method : vocabulary.methods)
         schemas["Parameters." + method.name] = method.parameters;
     return {{"openapi", "3.1.0"},

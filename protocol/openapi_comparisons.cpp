@@ -4,11 +4,6 @@
 namespace photond::openapi {
 namespace {
 
-constexpr const char* kStates[] = {"queued", "running", "succeeded", "failed", "cancelled"};
-
-json state() { return one_of_words({std::begin(kStates), std::end(kStates)}); }
-json time() { return {{"type", {"string", "null"}}, {"format", "date-time"}}; }
-
 json at_least_one(json list) {
     list["minItems"] = 1;
     return list;
@@ -120,9 +115,9 @@ json summary_schema() {
     return given({{"id", typed("string")},
                   {"state", state()},
                   {"progress", in_range(typed("number"), 0, 1)},
-                  {"created", time()},
-                  {"started", time()},
-                  {"finished", time()},
+                  {"created", time_or_none()},
+                  {"started", time_or_none()},
+                  {"finished", time_or_none()},
                   {"job_states", with_text(given(std::move(states)),
                                            "of what was planned, whatever job of its runs "
                                            "counts")},

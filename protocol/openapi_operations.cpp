@@ -163,7 +163,7 @@ std::vector<Operation> job_operations() {
     json states = typed("string", "one or more, commas between them");
     constexpr const char* kState = "(queued|running|succeeded|failed|cancelled)";
     states["pattern"] = std::string("^") + kState + "(," + kState + ")*$";
-    const json role = one_of_words({"render", "reference", "merged"});
+    const json role = one_of_words({"render", "reference", "merged", "frame"});
     return {
         {"post",
          "/v1/jobs",
@@ -379,6 +379,34 @@ std::vector<Operation> comparison_operations(const ApiVocabulary& vocabulary) {
     };
 }
 
+std::vector<Operation> sequence_operations() {
+    return {
+        {"post",
+         "/v1/sequences",
+         "submitSequence",
+         "Queue a sequence and all its frames",
+         {{202, object("Sequence")}, {200, object("SequenceEstimate")}},
+         object("SequenceRequest"),
+         {{"dry_run", flag("only estimate, after all checks: 200, nothing is queued")}},
+         {{"Idempotency-Key", "the same key and body give the same sequence"}}},
+        {"get",
+         "/v1/sequences",
+         "listSequences",
+         "Sequences without their frames, newest first",
+         {{200, object("SequencePage")}},
+         nullptr,
+         page()},
+        {"get", "/v1/sequences/{id}", "getSequence", "One sequence", {{200, object("Sequence")}}},
+        {"delete",
+         "/v1/sequences/{id}",
+         "cancelSequence",
+         "Cancel its frames, or remove it with them and their files",
+         {{200, object("Sequence")}, {202, object("Sequence")}},
+         nullptr,
+         {{"purge", flag("remove it with its files")}}},
+    };
+}
+
 std::vector<Operation> image_operations(const ApiVocabulary& vocabulary) {
     const json source = job_or_image();
     const json image_body{{"image/x-exr", binary()}, {"image/vnd.radiance", binary()}};
@@ -469,7 +497,8 @@ std::vector<Operation> operations(const ApiVocabulary& vocabulary) {
     std::vector<Operation> all;
     for (std::vector<Operation>& some :
          std::array{scene_operations(), catalogue_operations(), job_operations(), job_output_operations(vocabulary),
-                    comparison_operations(vocabulary), image_operations(vocabulary), daemon_operations(vocabulary)})
+                    comparison_operations(vocabulary), sequence_operations(), image_operations(vocabulary),
+                    daemon_operations(vocabulary)})
         all.insert(all.end(), std::move_iterator(some.begin()), std::move_iterator(some.end()));
     return all;
 }

@@ -72,6 +72,11 @@ inline json taken(json properties, const std::vector<std::string>& required) {
 /// The same where null is as good as absent.
 inline json or_null(json schema) { return {{"anyOf", {std::move(schema), {{"type", "null"}}}}}; }
 
+/// Of jobs and of what is made of them.
+inline constexpr const char* kStates[] = {"queued", "running", "succeeded", "failed", "cancelled"};
+inline json state() { return one_of_words({std::begin(kStates), std::end(kStates)}); }
+inline json time_or_none() { return {{"type", {"string", "null"}}, {"format", "date-time"}}; }
+
 inline json page_of(const char* name) {
     return given({{"items", list_of(schema_ref(name))}, {"next_cursor", nullable("string")}});
 }
@@ -79,6 +84,8 @@ inline json page_of(const char* name) {
 /// Of scenes, their page and their known answers, by name.
 json scene_schemas();
 
+/// Of sequences, likewise.
+nlohmann::json sequence_schemas(const nlohmann::json& job_request);
 /// Of comparisons, by name. `job_request`: the schema JobRequest, which their members are taken from.
 json comparison_schemas(const json& job_request);
 

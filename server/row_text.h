@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "server/clock_text.h"
+#include "server/store/store.h"
 
 namespace photond {
 
@@ -43,6 +44,12 @@ private:
 /// RFC 3339, or null.
 inline nlohmann::json time_or_null(const std::optional<int64_t>& ms) {
     return ms ? nlohmann::json(rfc3339(*ms)) : nlohmann::json();
+}
+
+/// The id of the comparison, or of the sequence, that a job of that role belongs to; null where it belongs to none.
+inline nlohmann::json group_json(GroupKind kind, JobRole role, const std::optional<int64_t>& group) {
+    const bool belongs = group && (role == JobRole::Frame) == (kind == GroupKind::Sequence);
+    return belongs ? nlohmann::json(group_id(kind, *group)) : nlohmann::json();
 }
 
 }  // namespace photond

@@ -19,6 +19,7 @@
 #include "server/service/references.h"
 #include "server/service/row_biases.h"
 #include "server/service/scenes.h"
+#include "server/service/sequences.h"
 #include "server/service/service_core.h"
 #include "server/service/store_upkeep.h"
 #include "server/service/system_status.h"
@@ -44,6 +45,7 @@ struct Service::Impl {
     Attempts attempts{core, pictures, scenes, references, waiting, purges};
     Jobs jobs{core, artefact_files, pictures, scenes, references, waiting, purges, attempts};
     Comparisons comparisons{core, scenes, references, purges, attempts, jobs};
+    Sequences sequences{core, scenes, references, purges, attempts, jobs};
     RowBiases biases{core, artefact_files, pictures, jobs.films,
                      [this](const std::string& id) { return comparisons.read_comparison(id); }};
     ComparisonReports reports{artefact_files, jobs, comparisons};
@@ -153,6 +155,19 @@ Service::Cancelled Service::cancel_comparison(const std::string& id) {
 Service::Cancelled Service::purge_comparison(const std::string& id) {
     return impl_->comparisons.cancel_comparison(id, true);
 }
+
+json Service::submit_sequence(const SequenceRequest& request, const std::optional<std::string>& idempotency_key) {
+    return impl_->sequences.submit_sequence(request, idempotency_key);
+}
+json Service::estimate_sequence(const SequenceRequest& request) { return impl_->sequences.estimate_sequence(request); }
+json Service::get_sequence(const std::string& id) { return impl_->sequences.get_sequence(id); }
+Page Service::list_sequences(uint32_t limit, const std::string& cursor) {
+    return impl_->sequences.list_sequences(limit, cursor);
+}
+Service::Cancelled Service::cancel_sequence(const std::string& id) {
+    return impl_->sequences.cancel_sequence(id, false);
+}
+Service::Cancelled Service::purge_sequence(const std::string& id) { return impl_->sequences.cancel_sequence(id, true); }
 
 json Service::estimate_comparison(const ComparisonRequest& request) {
     return impl_->comparisons.estimate_comparison(request);

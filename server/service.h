@@ -12,6 +12,7 @@
 #include "protocol/comparison.h"
 #include "protocol/error.h"
 #include "protocol/job.h"
+#include "protocol/sequence.h"
 #include "server/events.h"
 #include "server/metrics.h"
 #include "server/options.h"
@@ -162,6 +163,21 @@ public:
     /// A page that needs nothing beside itself; waits for the helper. Of a comparison that is not over it shows what is
     /// there. Its header Content-Security-Policy permits exactly its own script and style.
     Artefact comparison_html(const std::string& id);
+
+    // --- sequences
+    // --------------------------------------------------------------------------------------------------
+    /// Durable, with all its frames, when it returns; all of them are accepted or none. Throws as submit_job() does.
+    nlohmann::json submit_sequence(const SequenceRequest& request, const std::optional<std::string>& idempotency_key);
+    /// What submit_sequence() would queue, after all its checks: {"frames", "memory_bytes", "disk_bytes", "seconds",
+    /// "warning"}. Waits for the helper the first time a built-in scene is asked about.
+    nlohmann::json estimate_sequence(const SequenceRequest& request);
+    nlohmann::json get_sequence(const std::string& id);
+    /// Without frames.
+    Page list_sequences(uint32_t limit, const std::string& cursor);
+    /// Cancels its frames that are not over.
+    Cancelled cancel_sequence(const std::string& id);
+    /// Removes its frames and their files too; what runs when its worker has let go of it.
+    Cancelled purge_sequence(const std::string& id);
 
     // --- system
     // -------------------------------------------------------------------------------------------------------

@@ -33,6 +33,7 @@ std::vector<http::Route> all_routes(Service& service) {
     http::add_job_routes(routes, service);
     http::add_artefact_routes(routes, service);
     http::add_comparison_routes(routes, service);
+    http::add_sequence_routes(routes, service);
     http::add_image_routes(routes, service);
     http::add_backup_routes(routes, service);
     http::add_system_routes(routes, service);

@@ -9,10 +9,7 @@
 #include <vector>
 
 #include "protocol/comparison.h"
-#include "server/service/comparison_judgement.h"
-#include "server/service/jobs.h"
-#include "server/service/purges.h"
-#include "server/service/references.h"
+#include "server/service/job_groups.h"
 #include "server/service/scenes.h"
 #include "server/service/service_core.h"
 #include "server/service/service_types.h"
@@ -23,7 +20,11 @@ class Comparisons {
 public:
     Comparisons(ServiceCore& core, Scenes& scenes, References& references, Purges& purges, Attempts& attempts,
                 Jobs& jobs)
-        : core_(core), scenes_(scenes), references_(references), purges_(purges), attempts_(attempts), jobs_(jobs) {}
+        : core_(core),
+          scenes_(scenes),
+          attempts_(attempts),
+          jobs_(jobs),
+          groups_(core, references, purges, attempts, jobs, GroupKind::Comparison) {}
 
     // --- these take the lock
     /// May wait for the helper before. Durable, with all its jobs, when it returns; all of them are accepted or none.
@@ -45,17 +46,13 @@ private:
     // --- under the lock
     /// Its jobs, judged; faults are at their places in the comparison's body.
     std::vector<PreparedJob> prepare_jobs(const ComparisonRequest& request);
-    ComparisonRow require_comparison(const std::string& id);
-    JobProgress progress_now(JobProgress job) const;
-    ComparisonState comparison_state(const ComparisonRow& row);
     Compared read_comparison(const ComparisonRow& row);
 
     ServiceCore& core_;
     Scenes& scenes_;
-    References& references_;
-    Purges& purges_;
     Attempts& attempts_;
     Jobs& jobs_;
+    JobGroups groups_;
 };
 
 }  // namespace photond

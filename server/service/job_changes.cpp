@@ -99,7 +99,7 @@ json JobChanges::retry_job(const std::string& id) {
 json JobChanges::repeat_job(const std::string& id) {
     const auto require_over = [&] {
         JobRow row = objects_.require_job(id);
-        if (row.role != JobRole::Render)
+        if (row.role != JobRole::Render && row.role != JobRole::Frame)
             throw Error(ErrorCode::WrongState, "job " + id + " is a " + std::string(job_role_name(row.role)) +
                                                    "; only one that was asked for can be repeated");
         if (!is_over(row.state))

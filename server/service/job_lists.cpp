@@ -59,7 +59,8 @@ JobQuery query_of(const JobFilter& filter) {
     if (!filter.role.empty()) {
         query.role = job_role_named(filter.role);
         if (!query.role)
-            throw Error(ErrorCode::OutOfRange, "/role", "'" + filter.role + "' is none of render, reference, merged");
+            throw Error(ErrorCode::OutOfRange, "/role",
+                        "'" + filter.role + "' is none of render, reference, merged, frame");
     }
     query.method = filter.method;
     query.device = filter.device;
@@ -69,7 +70,8 @@ JobQuery query_of(const JobFilter& filter) {
 json summary_json(const JobSummary& row) {
     return {{"id", job_id(row.seq)},
             {"role", job_role_name(row.role)},
-            {"comparison", row.comparison ? json(comparison_id(*row.comparison)) : json()},
+            {"comparison", group_json(GroupKind::Comparison, row.role, row.comparison)},
+            {"sequence", group_json(GroupKind::Sequence, row.role, row.comparison)},
             {"state", job_state_name(row.state)},
             {"progress", row.progress},
             {"passes_done", row.passes_done},

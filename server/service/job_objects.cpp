@@ -51,7 +51,7 @@ std::string JobObjects::job_text(const JobRow& row) const {
     for (const int64_t seq : row.reference_jobs) reference_jobs.push_back(job_id(seq));
     return ObjectText()
         .add_text("attempts", row.attempts)
-        .add("comparison", row.comparison ? json(comparison_id(*row.comparison)) : json())
+        .add("comparison", group_json(GroupKind::Comparison, row.role, row.comparison))
         .add("created", rfc3339(row.created_ms))
         .add_text("curve", curve)
         .add_text("error_now", error_now)
@@ -66,6 +66,7 @@ std::string JobObjects::job_text(const JobRow& row) const {
         .add("request", request)
         .add("role", job_role_name(row.role))
         .add("seconds", seconds)
+        .add("sequence", group_json(GroupKind::Sequence, row.role, row.comparison))
         .add("started", time_or_null(row.started_ms))
         .add("state", job_state_name(row.state))
         .add_text("statistics", row.statistics)

@@ -64,9 +64,12 @@ void Purges::finish_purges() {
 }
 
 void Purges::check_not_compared(const JobRow& row) {
-    if (row.comparison && core_.store.comparison(*row.comparison))
-        throw Error(ErrorCode::WrongState, "job " + job_id(row.seq) + " belongs to comparison " +
-                                               comparison_id(*row.comparison) + "; it is removed with that");
+    if (!row.comparison || !core_.store.comparison(*row.comparison)) return;
+    const bool frame = row.role == JobRole::Frame;
+    throw Error(ErrorCode::WrongState,
+                "job " + job_id(row.seq) + " belongs to " + (frame ? "sequence " : "comparison ") +
+                    group_id(frame ? GroupKind::Sequence : GroupKind::Comparison, *row.comparison) +
+                    "; it is removed with that");
 }
 
 std::vector<JobRow> Purges::jobs_of_comparison(int64_t seq) {

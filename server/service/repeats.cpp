@@ -9,7 +9,7 @@
 namespace photond {
 
 std::vector<ComparisonJob> Repeats::runs_in_place_of(const JobRow& row) {
-    if (!row.comparison) return {};
+    if (!row.comparison || row.role == JobRole::Frame) return {};  // nobody compares the clocks of frames
     std::vector<ComparisonJob> jobs = core_.store.comparison_jobs(*row.comparison);
     const auto own = std::find_if(jobs.begin(), jobs.end(), [&](const auto& job) { return job.job == row.seq; });
     if (own == jobs.end()) return {};

@@ -241,7 +241,7 @@ void RowBiases::measure(int64_t comparison, const Unmeasured& unmeasured) {
 }
 
 void RowBiases::settle(const std::string& id) {
-    const int64_t comparison = comparison_seq(id);
+    const int64_t comparison = group_seq(GroupKind::Comparison, id);
     std::unique_lock lock(core_.mutex);
     std::set<int64_t>& wanted = core_.comparisons_to_look_at;
     const auto settled = [&] { return settled_.contains(comparison) && !wanted.contains(comparison); };

@@ -55,7 +55,7 @@ struct JobFilter {
     std::string scene;          // id or name
     std::string method;
     std::string device;  // as in the job's attempts: "cpu", "gpu:0"
-    std::string role;    // empty: any; else one of the three roles, or OutOfRange
+    std::string role;    // empty: any; else one of the four roles, or OutOfRange
     /// "newest"; "queue": waiting jobs as they will run; "ended": jobs that are over, the last first. Pages of the last
     /// two go by the offset alone.
     std::string order = "newest";
@@ -84,7 +84,7 @@ struct PreviewWanted {
     std::optional<uint32_t> max_size;  // of the longer side, 16..4096: larger ones are scaled down
 };
 
-/// A job or a comparison, and whether it was over already (200 instead of 202).
+/// A job, a comparison or a sequence, and whether it was over already (200 instead of 202).
 struct Cancelled {
     nlohmann::json object;
     bool was_over = false;

@@ -22,7 +22,7 @@ void WaitingJobs::ended(const JobRow& row) {
     ++core_.totals.jobs[std::string(job_state_name(row.state))];
     core_.metrics.job_ended(std::string(job_state_name(row.state)), row.method, row.device, row.seconds,
                             parsed_or_null(row.statistics));
-    if (row.comparison) core_.comparisons_to_look_at.insert(*row.comparison);
+    if (row.comparison && row.role != JobRole::Frame) core_.comparisons_to_look_at.insert(*row.comparison);
     core_.attempt_changed.notify_all();
     release_waiting(row);
 }

@@ -135,6 +135,10 @@ inline constexpr const char* kMigrations[] = {
         layer TEXT NOT NULL, errors TEXT NOT NULL, map TEXT NOT NULL,
         PRIMARY KEY (comparison, films, layer)) WITHOUT ROWID;
     )sql",
+    // 11: sequences of frames: kept as comparisons are, a request and its jobs, by their kind
+    R"sql(
+    ALTER TABLE comparisons ADD COLUMN kind INTEGER NOT NULL DEFAULT 0;
+    )sql",
 };
 
 inline constexpr int kSchemaVersion = static_cast<int>(std::size(kMigrations));

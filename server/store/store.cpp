@@ -130,12 +130,14 @@ SceneRow read_scene(const Statement& row) {
     return {row.integer(0), row.text(1), row.text(2), row.text(3), row.text(4), row.integer(5)};
 }
 
-constexpr const char* kSelectComparisons = "SELECT seq, scene, request, created_ms, purge_requested FROM comparisons";
+constexpr const char* kSelectComparisons =
+    "SELECT seq, scene, request, created_ms, purge_requested, kind FROM comparisons";
 
 std::vector<ComparisonRow> read_comparisons(Statement& read) {
     std::vector<ComparisonRow> rows;
     while (read.step())
-        rows.push_back({read.integer(0), read.text(1), read.text(2), read.integer(3), read.integer(4) != 0});
+        rows.push_back({read.integer(0), read.text(1), read.text(2), read.integer(3), read.integer(4) != 0,
+                        static_cast<GroupKind>(read.integer(5))});
     return rows;
 }
 
@@ -161,6 +163,8 @@ std::optional<JobRole> job_role_named(std::string_view name) {
 
 namespace {
 
+constexpr char letter_of(GroupKind kind) { return kind == GroupKind::Sequence ? 'S' : 'C'; }
+
 /// The number behind one letter: "J17"; 0 for anything else.
 int64_t numbered_id(char letter, std::string_view id) {
     int64_t seq = 0;
@@ -173,8 +177,9 @@ int64_t numbered_id(char letter, std::string_view id) {
 
 std::string job_id(int64_t seq) { return "J" + std::to_string(seq); }
 int64_t job_seq(std::string_view id) { return numbered_id('J', id); }
-std::string comparison_id(int64_t seq) { return "C" + std::to_string(seq); }
-int64_t comparison_seq(std::string_view id) { return numbered_id('C', id); }
+std::string group_id(GroupKind kind, int64_t seq) { return letter_of(kind) + std::to_string(seq); }
+int64_t group_seq(GroupKind kind, std::string_view id) { return numbered_id(letter_of(kind), id); }
+std::string comparison_id(int64_t seq) { return group_id(GroupKind::Comparison, seq); }
 
 Store::Store(const std::filesystem::path& file, Use use)
     : database_(use == Use::Read ? Database(file, kSchemaVersion) : Database(file, kMigrations, kSchemaVersion)) {
@@ -309,11 +314,14 @@ void Store::insert_key(const std::string& key, const std::string& body_sha256, i
 }
 
 void Store::insert_comparison(ComparisonRow& comparison) {
-    database_.prepare("INSERT INTO comparisons (scene, request, created_ms, purge_requested) VALUES (?1, ?2, ?3, ?4)")
+    database_
+        .prepare(
+            "INSERT INTO comparisons (scene, request, created_ms, purge_requested, kind) VALUES (?1, ?2, ?3, ?4, ?5)")
         .bind(1, comparison.scene)
         .bind(2, comparison.request)
         .bind(3, comparison.created_ms)
         .bind(4, static_cast<int64_t>(comparison.purge_requested))
+        .bind(5, static_cast<int64_t>(comparison.kind))
         .run();
     comparison.seq = database_.last_insert_id();
 }
@@ -352,9 +360,10 @@ std::optional<ComparisonRow> Store::comparison(int64_t seq) {
     return std::move(rows.front());
 }
 
-std::vector<ComparisonRow> Store::comparisons(int64_t before, uint32_t limit) {
-    Statement read = database_.prepare(std::string(kSelectComparisons) + " WHERE seq < ?1 ORDER BY seq DESC LIMIT ?2");
-    read.bind(1, before).bind(2, static_cast<int64_t>(limit));
+std::vector<ComparisonRow> Store::comparisons(int64_t before, uint32_t limit, GroupKind kind) {
+    Statement read =
+        database_.prepare(std::string(kSelectComparisons) + " WHERE seq < ?1 AND kind = ?3 ORDER BY seq DESC LIMIT ?2");
+    read.bind(1, before).bind(2, static_cast<int64_t>(limit)).bind(3, static_cast<int64_t>(kind));
     return read_comparisons(read);
 }
 

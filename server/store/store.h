@@ -25,8 +25,9 @@ enum class JobRole : uint8_t {
     Render,     // somebody asked for it
     Reference,  // others are measured against it; made once for each content
     Merged,     // joined from the films of others, never rendered
+    Frame,      // of a sequence that somebody asked for
 };
-inline constexpr std::string_view kJobRoles[] = {"render", "reference", "merged"};
+inline constexpr std::string_view kJobRoles[] = {"render", "reference", "merged", "frame"};
 constexpr std::string_view job_role_name(JobRole role) { return kJobRoles[static_cast<size_t>(role)]; }
 std::optional<JobRole> job_role_named(std::string_view name);
 
@@ -57,23 +58,28 @@ struct JobRow {
     std::string content;  // of a reference: the hash of what it shows and how; else empty
     /// Seqs of the jobs it is measured against, one that was named or two films made for it; it waits for their ends.
     std::vector<int64_t> reference_jobs;
-    std::optional<int64_t> comparison;  // seq of the comparison it belongs to
+    std::optional<int64_t> comparison;  // seq of the comparison it belongs to, or as a frame of the sequence
     std::string curve;                  // JSON array of points; empty: none
     std::string error_now;              // JSON {"metric", "value"}; empty: none
 };
 
-/// A comparison is what was asked for and its jobs; its state and its tables follow from those.
+/// What is asked for as many jobs at once.
+enum class GroupKind : uint8_t { Comparison, Sequence };
+
+/// A comparison, or a sequence of frames, is what was asked for and its jobs; its state and its tables follow from
+/// those.
 struct ComparisonRow {
-    int64_t seq = 0;  // rising, never used twice; the id is "C" and this
+    int64_t seq = 0;  // rising, never used twice by either; the id is "C" or "S" and this
     std::string scene;
     std::string request;  // JSON, every default filled in
     int64_t created_ms = 0;
     bool purge_requested = false;
+    GroupKind kind = GroupKind::Comparison;
 };
 struct ComparisonJob {
     int64_t job = 0;
     std::string label;
-    std::string parameters;  // JSON object: those the sweep gave, by name
+    std::string parameters;  // JSON object: those the sweep gave, by name; of a frame its "time"
     uint64_t seed = 1;
     std::optional<int64_t> repeat_of = {};  // of a repeat: the job that was planned in its place
 
@@ -242,7 +248,7 @@ public:
     void delete_comparison(int64_t seq);
     std::optional<ComparisonRow> comparison(int64_t seq);
     /// Newest first.
-    std::vector<ComparisonRow> comparisons(int64_t before, uint32_t limit);
+    std::vector<ComparisonRow> comparisons(int64_t before, uint32_t limit, GroupKind kind = GroupKind::Comparison);
     /// In the order they were planned, repeats after them.
     std::vector<ComparisonJob> comparison_jobs(int64_t seq);
     /// Likewise; those jobs that are still there.
@@ -322,8 +328,9 @@ private:
 std::string job_id(int64_t seq);
 /// 0 for what is no job id.
 int64_t job_seq(std::string_view id);
+std::string group_id(GroupKind kind, int64_t seq);
+/// 0 for what is no id of one of that kind.
+int64_t group_seq(GroupKind kind, std::string_view id);
 std::string comparison_id(int64_t seq);
-/// 0 for what is no comparison's id.
-int64_t comparison_seq(std::string_view id);
 
 }  // namespace photond

@@ -21,6 +21,8 @@ BEYOND_SCHEMAS = {"/scene", "/camera/name", "/camera/look_at", "/camera/look_at/
                   "/metrics", "/metrics/0", "/metrics/1"}
 
 
+SEQUENCE = {"scene": "moving/teleport", "image": {"width": 8, "height": 8}, "method": {"name": "path_tracing"},
+            "stop": {"passes": 1}, "to": 1, "fps": 2}
 COMPARISON = {"scene": "cornell-box", "image": {"width": 8, "height": 8},
               "reference": {"method": {"name": "path_tracing"}, "stop": {"passes": 8}},
               "entries": [{"label": "paths", "method": {"name": "path_tracing"}, "sweep": {"indirect_bounces": [1, 2]}},
@@ -202,11 +204,26 @@ class OpenApiTest(unittest.TestCase):
         self.assertEqual(ask("DELETE", f"/v1/jobs/{job['id']}?purge=true").status, 200)
         self.assertEqual(ask("DELETE", f"/v1/scenes/{scene['id']}").status, 200)
         self.ask_about_comparisons()
+        self.ask_about_sequences()
         announced = {(operation["operationId"], int(status))
                      for methods in self.api.document["paths"].values() for operation in methods.values()
                      for status in operation["responses"] if status != "default"}
         # Event streams never end, so the plain request above cannot read them; api_test does.
         self.assertEqual({entry for entry in announced - self.answered if not entry[0].endswith("Events")}, set())
+
+    def ask_about_sequences(self):
+        ask = self.ask
+        self.assertEqual(ask("POST", "/v1/sequences?dry_run=true", json_body=SEQUENCE).status, 200)
+        done = ask("POST", "/v1/sequences", json_body=SEQUENCE).json
+        while ask("GET", f"/v1/sequences/{done['id']}").json["state"] != "succeeded":
+            time.sleep(0.05)
+        self.assertEqual(len(ask("GET", "/v1/sequences").json["items"]), 1)
+        long = ask("POST", "/v1/sequences", json_body={**SEQUENCE, "stop": {"seconds": 3600}}).json
+        self.assertEqual(ask("DELETE", f"/v1/sequences/{long['id']}").status, 202)
+        while ask("GET", f"/v1/sequences/{long['id']}").json["state"] != "cancelled":
+            time.sleep(0.05)
+        for sequence in (long, done):
+            self.assertEqual(ask("DELETE", f"/v1/sequences/{sequence['id']}?purge=true").status, 200)
 
     def ask_about_comparisons(self):
         ask = self.ask

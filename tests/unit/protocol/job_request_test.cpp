@@ -5,39 +5,14 @@
 #include <random>
 
 #include "protocol/error.h"
+#include "tests/support/job_vocabulary.h"
 
 namespace photond::job_request_test {
 namespace {
 
 using nlohmann::json;
 
-struct TinyParams final : MethodParams {
-    uint32_t bounces = 8;
-    float radius = 0.05f;
-    void visit(ParamVisitor& visitor) override {
-        using enum ParamGroup;
-        visitor.field("bounces", bounces, {Light, "", 0, 1024, "bounces"});
-        visitor.field("radius", radius, {Light, "m", 1e-3, 10, "radius"});
-    }
-};
-
-JobVocabulary vocabulary() {
-    JobVocabulary known;
-    known.method_names = {"path_tracing", "photon_mapping"};
-    known.always_layers = {"emitted", "direct", "indirect"};
-    known.layer_names = {"caustic", "albedo", "normal", "position", "depth", "standard_error", "photon_count"};
-    known.metric_names = {"relative_mse", "rmse", "estimated_relative_mse"};
-    known.estimated_metrics = {"estimated_relative_mse"};
-    known.radiance_layers = {"emitted", "direct", "indirect", "caustic"};
-    known.make_params = [](const std::string&) { return std::make_unique<TinyParams>(); };
-    known.devices_of = [](const std::string& method) {
-        return method == "path_tracing" ? std::vector<std::string>{"cpu"} : std::vector<std::string>{"cpu", "gpu"};
-    };
-    known.layers_of = [all = known.layer_names](const std::string& method) {
-        return method == "path_tracing" ? std::vector<std::string>(all.begin(), all.end() - 1) : all;
-    };
-    return known;
-}
+JobVocabulary vocabulary() { return test::job_vocabulary(); }
 
 json smallest() {
     return json::parse(R"({"scene": "cornell-box", "image": {"width": 64, "height": 32},

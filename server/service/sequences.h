@@ -1,0 +1,47 @@
+#pragma once
+// Sequences of frames: each frame is a job, in order by the worker of its device, which keeps what does not move.
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "protocol/sequence.h"
+#include "server/service/job_groups.h"
+#include "server/service/scenes.h"
+
+namespace photond {
+
+/// All take the lock.
+class Sequences {
+public:
+    Sequences(ServiceCore& core, Scenes& scenes, References& references, Purges& purges, Attempts& attempts, Jobs& jobs)
+        : core_(core),
+          scenes_(scenes),
+          jobs_(jobs),
+          groups_(core, references, purges, attempts, jobs, GroupKind::Sequence) {}
+
+    /// May wait for the helper before. Durable, with all its frames, when it returns; all are accepted or none. Throws
+    /// as Submissions::submit_job() does.
+    nlohmann::json submit_sequence(const SequenceRequest& request, const std::optional<std::string>& key);
+    /// What submit_sequence() would queue, after all its checks, and what that will take. May wait for the helper
+    /// before.
+    nlohmann::json estimate_sequence(const SequenceRequest& request);
+    /// Throws NotFound, as all do that are given an id.
+    nlohmann::json get_sequence(const std::string& id);
+    /// Without frames. Throws OutOfRange.
+    Page list_sequences(uint32_t limit, const std::string& cursor);
+    /// With `remove` its frames and their files go too.
+    Cancelled cancel_sequence(const std::string& id, bool remove);
+
+private:
+    /// Under the lock.
+    nlohmann::json object_of(const ComparisonRow& row);
+    std::vector<PreparedJob> prepare_frames(const SequenceRequest& request);
+
+    ServiceCore& core_;
+    Scenes& scenes_;
+    Jobs& jobs_;
+    JobGroups groups_;
+};
+
+}  // namespace photond

@@ -1,0 +1,147 @@
+"""Sequences of frames: accepted as a whole, rendered in order by a worker that keeps the scene, gone on with after kills
+to the same bits, cancelled, retried and removed.
+"""
+
+import os
+import signal
+import unittest
+
+from photond_daemon import Daemon, DaemonTestCase, deadline_after, wait_until
+
+OVER = ("succeeded", "failed", "cancelled")
+
+
+def sequence(frames=4, passes=1, size=16, **more):
+    return {"scene": "moving/cornell-box", "image": {"width": size, "height": size}, "method": {"name": "path_tracing"},
+            "stop": {"passes": passes}, "frames": frames, "fps": 8, **more}
+
+
+def submit(daemon, body, key=None):
+    answer = daemon.request("POST", "/v1/sequences", json_body=body, headers={"Idempotency-Key": key} if key else None)
+    assert answer.status == 202, answer
+    return answer.json
+
+
+def look(daemon, id):
+    return daemon.request("GET", f"/v1/sequences/{id}").json
+
+
+def wait_over(daemon, id):
+    wait_until(lambda: look(daemon, id)["state"] in OVER, f"sequence {id} to be over", deadline_after())
+    return look(daemon, id)
+
+
+def hashes(daemon, done):
+    return [daemon.job(frame["id"])["statistics"]["pixel_hash"] for frame in done["frames"]]
+
+
+class SequencesTest(DaemonTestCase):
+    def test_frames_are_jobs_in_order(self):
+        made = submit(self.daemon, sequence(frames=5, labels={"shot": "1"}))
+        self.assertRegex(made["id"], r"^S\d+$")
+        self.assertEqual([frame["frame"] for frame in made["frames"]], list(range(5)))
+        self.assertEqual([frame["time"] for frame in made["frames"]], [i / 8 for i in range(5)])
+        done = wait_over(self.daemon, made["id"])
+        self.assertEqual((done["state"], done["progress"], done["seconds_left"]), ("succeeded", 1, 0))
+        self.assertEqual(done["job_states"]["succeeded"], 5)
+        jobs = [self.daemon.job(frame["id"]) for frame in done["frames"]]
+        for i, job in enumerate(jobs):
+            self.assertEqual((job["role"], job["sequence"], job["comparison"]), ("frame", made["id"], None))
+            self.assertEqual((job["request"]["time"], job["request"]["seed"]), (i / 8, 1 + i))
+            self.assertEqual(job["request"]["labels"], {"shot": "1"})
+        started = [job["started"] for job in jobs]
+        self.assertEqual(started, sorted(started))
+        self.assertEqual(len(set(hashes(self.daemon, done))), 5)
+        # The worker has loaded the scene once: later frames are of a scene that was there.
+        later = self.daemon.request("GET", f"/v1/jobs/{jobs[-1]['id']}/log.txt").text
+        self.assertIn("ready from an earlier job", later)
+
+    def test_lists_and_filters_know_them(self):
+        made = submit(self.daemon, sequence(frames=2))
+        page = self.daemon.request("GET", "/v1/sequences?limit=1").json
+        self.assertEqual([item["id"] for item in page["items"]], [made["id"]])
+        self.assertNotIn("frames", page["items"][0])
+        self.assertEqual(self.daemon.request("GET", f"/v1/comparisons/C{made['id'][1:]}").status, 404)
+        self.assertNotIn("C" + made["id"][1:],
+                         [item["id"] for item in self.daemon.request("GET", "/v1/comparisons").json["items"]])
+        wait_over(self.daemon, made["id"])
+        frames = self.daemon.request("GET", "/v1/jobs?role=frame&view=summary&limit=2").json["items"]
+        self.assertEqual({frame["sequence"] for frame in frames}, {made["id"]})
+
+    def test_a_camera_path_needs_no_animation(self):
+        body = sequence(frames=3, scene="cornell-box", camera={"look_at": {"eye": [0, 2.7, 3], "target": [0, 2.7, -3]}},
+                        camera_path={"turns": 0.1})
+        done = wait_over(self.daemon, submit(self.daemon, body)["id"])
+        self.assertEqual(done["state"], "succeeded")
+        self.assertEqual(len(set(hashes(self.daemon, done))), 3)
+
+    def test_the_same_key_is_the_same_sequence(self):
+        first = submit(self.daemon, sequence(frames=2), key="k1")
+        self.assertEqual(submit(self.daemon, sequence(frames=2), key="k1")["id"], first["id"])
+        other = self.daemon.request("POST", "/v1/sequences", json_body=sequence(frames=3), headers={"Idempotency-Key": "k1"})
+        self.assertEqual(other.status, 422, other)
+
+    def test_an_estimate_queues_nothing(self):
+        before = self.daemon.request("GET", "/v1/sequences").json["items"]
+        answer = self.daemon.request("POST", "/v1/sequences?dry_run=true", json_body=sequence(frames=1000))
+        self.assertEqual((answer.status, answer.json["frames"]), (200, 1000), answer)
+        self.assertGreater(answer.json["disk_bytes"], 1000 * 16 * 16 * 16)
+        self.assertEqual(self.daemon.request("GET", "/v1/sequences").json["items"], before)
+
+    def test_faults_are_named_with_their_places(self):
+        for change, pointer in (({"frames": 0}, "/frames"), ({"animation": "walk"}, "/animation"),
+                                ({"scene": "cornell-box"}, "/animation"), ({"scene": "nowhere"}, "/scene"),
+                                ({"time": 1}, "/time"), ({"method": {"name": "path_tracin"}}, "/method/name"),
+                                ({"shutter": 0.1, "method": {"name": "progressive_photon_mapping"}}, "/shutter")):
+            with self.subTest(change=change):
+                answer = self.daemon.request("POST", "/v1/sequences", json_body=sequence(**change))
+                self.assertEqual((answer.status, answer.json["errors"][0]["pointer"]), (422, pointer), answer)
+
+    def test_cancelled_frames_can_be_retried(self):
+        made = submit(self.daemon, sequence(frames=4, passes=4000, size=32))
+        self.daemon.request("DELETE", f"/v1/sequences/{made['id']}")
+        done = wait_over(self.daemon, made["id"])
+        self.assertEqual(done["job_states"]["cancelled"], 4, done)
+        frame = done["frames"][2]["id"]
+        self.assertEqual(self.daemon.request("POST", f"/v1/jobs/{frame}/retry").status, 202)
+        self.assertIn(look(self.daemon, made["id"])["frames"][2]["state"], ("queued", "running"))
+        self.daemon.request("DELETE", f"/v1/jobs/{frame}")
+        wait_over(self.daemon, made["id"])
+
+    def test_a_sequence_goes_with_all_its_frames(self):
+        made = submit(self.daemon, sequence(frames=3))
+        wait_over(self.daemon, made["id"])
+        frame = made["frames"][0]["id"]
+        refused = self.daemon.request("DELETE", f"/v1/jobs/{frame}?purge=true")
+        self.assertEqual(refused.status, 409, refused)
+        self.assertIn(f"belongs to sequence {made['id']}", refused.json["detail"])
+        self.assertEqual(self.daemon.request("DELETE", f"/v1/sequences/{made['id']}?purge=true").status, 200)
+        self.assertEqual(self.daemon.request("GET", f"/v1/sequences/{made['id']}").status, 404)
+        self.assertEqual(self.daemon.request("GET", f"/v1/jobs/{frame}").status, 404)
+
+
+class KilledSequencesTest(unittest.TestCase):
+    def test_daemon_and_workers_are_killed_five_times_and_no_bit_differs(self):
+        body = sequence(frames=12, passes=3, size=32)
+        with Daemon() as undisturbed:
+            undisturbed.wait_ready()
+            expected = hashes(undisturbed, wait_over(undisturbed, submit(undisturbed, body)["id"]))
+        with Daemon() as daemon:
+            daemon.wait_ready()
+            id = submit(daemon, body)["id"]
+            for kill in range(5):
+                wait_until(lambda: look(daemon, id)["job_states"]["succeeded"] > 2 * kill, "two more frames", deadline_after())
+                if kill % 2:
+                    daemon.kill()
+                    daemon.start()
+                    daemon.wait_ready()
+                else:
+                    for worker in daemon.workers().values():
+                        os.kill(worker, signal.SIGKILL)
+            done = wait_over(daemon, id)
+            self.assertEqual(done["job_states"]["succeeded"], 12, done)
+            self.assertEqual(hashes(daemon, done), expected)
+
+
+if __name__ == "__main__":
+    unittest.main()
