@@ -33,6 +33,8 @@ AtomicFile::AtomicFile(const std::filesystem::path& path) : path_(path), part_(p
         close(descriptor), unlink(part_.c_str());
         fail("cannot open a stream on", error);
     }
+    constexpr size_t kBufferBytes = 1u << 20;  // a film is megabytes, and each write a call of the system
+    setvbuf(file_, nullptr, _IOFBF, kBufferBytes);
 }
 
 AtomicFile::~AtomicFile() {
