@@ -1,8 +1,8 @@
 #pragma once
 // The commands. Each function adds its subcommand to the program; parsing sets Session::action, which main() runs.
 //
-// An option's value name is also what completion asks for: SCENE, JOB, COMPARISON, METHOD, DEVICE, CAMERA, LAYERS,
-// METRICS, METRIC=VALUE, REFERENCE, IMAGE, NAME=VALUE, FILE, kEntryKind, or words separated by '|'.
+// An option's value name is also what completion asks for: SCENE, JOB, COMPARISON, SEQUENCE, METHOD, DEVICE, CAMERA,
+// LAYERS, METRICS, METRIC=VALUE, REFERENCE, IMAGE, NAME=VALUE, FILE, kEntryKind, or words separated by '|'.
 
 #include <CLI/CLI.hpp>
 #include <memory>
@@ -39,15 +39,19 @@ struct RenderVocabulary {
     bool known = false;      // the daemon was asked and has that method
 };
 void add_render_command(CLI::App& program, Session& session, const RenderVocabulary& vocabulary);
+/// sequence SCENE, and sequences list|show|watch|cancel|fetch
+void add_sequence_commands(CLI::App& program, Session& session, const RenderVocabulary& vocabulary);
 
 /// The whole program. Throws nothing but what CLI11 throws for a defect of ours.
 std::unique_ptr<CLI::App> make_program(Session& session, const RenderVocabulary& vocabulary);
 
 /// The last value of an option in unparsed arguments: --name VALUE or --name=VALUE; empty when it is not there.
 std::string argument_of(const std::vector<std::string>& arguments, const std::vector<std::string>& names);
+/// Whether a command of `arguments` takes a method's parameters as options.
+bool names_a_method(const std::vector<std::string>& arguments);
 inline const char* const kDefaultMethod = "path_tracing";
 inline const char* const kEntryKind = "[LABEL=]METHOD[,NAME=VALUE...]";
-/// Asks the daemon for the method that `arguments` of `render` name. Throws Failure.
+/// Asks the daemon for the method that `arguments` of `render` or `sequence` name. Throws Failure.
 RenderVocabulary ask_render_vocabulary(Session& session, const std::vector<std::string>& arguments);
 
 /// The hidden command of the completion scripts: `--words WORD...` (the last is being written) or, for bash, `--line

@@ -174,7 +174,7 @@ private:
     RenderVocabulary render_vocabulary() {
         RenderVocabulary vocabulary;
         vocabulary.method.name = kDefaultMethod;
-        if (std::find(words_.begin(), words_.end(), "render") == words_.end()) return vocabulary;
+        if (!names_a_method(words_)) return vocabulary;
         const std::vector<std::string> complete_words(words_.begin(), words_.end() - 1);
         try {
             return ask_render_vocabulary(session_, complete_words);
@@ -214,6 +214,7 @@ private:
             if (kind == "SCENE") return add_scenes(position);
             if (kind == "COMPARISON")
                 return add_items("/v1/comparisons?limit=" + std::to_string(kMostJobs), "id", "state");
+            if (kind == "SEQUENCE") return add_items("/v1/sequences?limit=" + std::to_string(kMostJobs), "id", "state");
             if (kind == "REFERENCE" || kind == "IMAGE") return add_images(kind == "REFERENCE");
             if (kind == "METRICS") return add_listed(position, metric_names(session_.daemon()));
             if (kind == "METRIC=VALUE") return add_targets();
@@ -243,7 +244,7 @@ private:
 
     void add_scenes(const Position& position) {
         if (const std::string command = position.command->get_name();
-            command == "render" || command == "compare" || command == "bake")
+            command == "render" || command == "sequence" || command == "compare" || command == "bake")
             found_.push_back({":files", ""});
         const json scenes = session_.daemon().get("/v1/scenes?limit=1000").at("items");
         for (const json& scene : scenes) {

@@ -74,12 +74,11 @@ bool asks_for_help(const std::vector<std::string>& arguments) {
                        [](const std::string& argument) { return argument == "--help" || argument == "-h"; });
 }
 
-/// `render` needs to know its method's parameters before its arguments can be read.
+/// `render` and `sequence` need to know their method's parameters before their arguments can be read.
 RenderVocabulary vocabulary_for(Session& session, const std::vector<std::string>& arguments) {
     RenderVocabulary vocabulary;
     vocabulary.method.name = kDefaultMethod;
-    const bool renders = std::find(arguments.begin(), arguments.end(), "render") != arguments.end();
-    if (!renders) return vocabulary;
+    if (!names_a_method(arguments)) return vocabulary;
     if (const std::string url = argument_of(arguments, {"--server"}); !url.empty()) session.server.url = url;
     session.token_file = argument_of(arguments, {"--token-file"});
     const bool help = asks_for_help(arguments);
@@ -121,6 +120,11 @@ ExitCode run(Session& session, const std::vector<std::string>& arguments) {
 
 }  // namespace
 
+bool names_a_method(const std::vector<std::string>& arguments) {
+    return std::any_of(arguments.begin(), arguments.end(),
+                       [](const std::string& argument) { return argument == "render" || argument == "sequence"; });
+}
+
 std::unique_ptr<CLI::App> make_program(Session& session, const RenderVocabulary& vocabulary) {
     auto program = std::make_unique<CLI::App>("photonctl: render glTF scenes with a photond daemon", "photonctl");
     program->set_version_flag("--version", "photonctl " PHOTOND_VERSION);
@@ -140,6 +144,7 @@ std::unique_ptr<CLI::App> make_program(Session& session, const RenderVocabulary&
         ->type_name("SECONDS")
         ->check(CLI::Range(0.0, 86400.0).description(""));
     add_render_command(*program, session, vocabulary);
+    add_sequence_commands(*program, session, vocabulary);
     add_scenes_commands(*program, session);
     add_compare_command(*program, session);
     add_comparisons_commands(*program, session);

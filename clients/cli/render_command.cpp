@@ -1,12 +1,11 @@
 // photonctl render SCENE
 
 #include <iostream>
-#include <map>
 
 #include "clients/cli/commands.h"
 #include "clients/cli/job_view.h"
 #include "clients/cli/method_catalogue.h"
-#include "clients/cli/request_options.h"
+#include "clients/cli/render_options.h"
 #include "clients/cli/statistics_report.h"
 #include "clients/cli/units.h"
 
@@ -16,43 +15,13 @@ namespace {
 
 using nlohmann::json;
 
-constexpr uint32_t kDefaultPasses = 64;
-
-/// What the command line says of one job, besides what a comparison says as well.
-struct RenderOptions {
-    RequestOptions request;
-    std::string method, device;
+struct JobOptions : RenderOptions {
     std::optional<uint32_t> first_pass;
-    std::optional<uint64_t> seed;
-    std::vector<std::string> settings;
-    std::map<std::string, std::string> parameters;  // by wire name, from --parameter-name options
     bool no_wait = false;
     bool dry_run = false;
     WaitOptions wait;
     JobOutputs outputs;
 };
-
-/// Parameters of the command line over those of the request; every name and value checked against the schema.
-void put_parameters(json& parameters, const RenderOptions& options, const CatalogueMethod& method) {
-    std::map<std::string, std::string> given = options.parameters;
-    if (!options.outputs.photon_map.empty()) given.emplace("keep_photon_map", "true");
-    for (const std::string& setting : options.settings) {
-        const auto [name, value] = key_and_value(setting, "--set");
-        given.insert_or_assign(name, value);
-    }
-    for (const auto& [name, text] : given) parameters[name] = method.parameter(name).parse(text);
-}
-
-/// What only a job says, not a comparison.
-void put_method(json& request, const RenderOptions& options, const CatalogueMethod& known) {
-    json& method = object_in(request, "method");
-    method["name"] = known.name;
-    if (!options.device.empty()) method["device"] = options.device;
-    put_parameters(object_in(method, "parameters"), options, known);
-    if (!request.contains("stop") || request["stop"].empty()) request["stop"] = {{"passes", kDefaultPasses}};
-    if (options.seed) request["seed"] = *options.seed;
-    if (options.first_pass) request["first_pass"] = *options.first_pass;
-}
 
 ExitCode print_estimate(Session& session, const json& request) {
     const json estimate = session.daemon().send("POST", "/v1/jobs?dry_run=true", request, Repeat::Safely);
@@ -74,25 +43,17 @@ ExitCode print_estimate(Session& session, const json& request) {
     return ExitCode::Ok;
 }
 
-/// The method that renders: the command line's, else that of a request from standard input, which nobody had read when
-/// the options were made.
-CatalogueMethod method_of(Session& session, const RenderOptions& options, const CatalogueMethod& known,
-                          const json& request) {
-    if (!options.method.empty() || !request.contains("method") || !request["method"].is_object()) return known;
-    const std::string name = request["method"].value("name", known.name);
-    return name == known.name ? known : MethodCatalogue(session.daemon()).method(name);
-}
-
-ExitCode render(Session& session, const RenderOptions& options, const CatalogueMethod& known) {
+ExitCode render(Session& session, const JobOptions& options, const CatalogueMethod& known) {
     options.outputs.check();
     if (options.no_wait && (options.outputs.any() || options.wait.timeout_seconds > 0))
         throw Failure(ExitCode::Usage, "--no-wait saves nothing and needs no --timeout",
                       "photonctl jobs fetch saves it later");
     if (options.dry_run && (options.no_wait || options.outputs.any() || options.wait.timeout_seconds > 0))
         throw Failure(ExitCode::Usage, "--dry-run renders nothing: there is nothing to save or to wait for");
-    json request = start_request(options.request);
-    put_method(request, options, method_of(session, options, known, request));
-    send_parts(session, request, options.request);
+    RenderOptions rendered = options;
+    if (!options.outputs.photon_map.empty()) rendered.parameters.emplace("keep_photon_map", "true");
+    json request = job_request(session, rendered, known);
+    if (options.first_pass) request["first_pass"] = *options.first_pass;
     if (options.outputs.needs_reference() && !request.contains("reference"))
         throw Failure(ExitCode::Usage, "--difference, --flip and --error-map show the error against a --reference");
     if (options.dry_run) return print_estimate(session, request);
@@ -136,43 +97,19 @@ RenderVocabulary ask_render_vocabulary(Session& session, const std::vector<std::
 
 void add_render_command(CLI::App& program, Session& session, const RenderVocabulary& vocabulary) {
     CLI::App* command = program.add_subcommand("render", "Render a scene: submit, watch, save");
-    const auto options = std::make_shared<RenderOptions>();
-    const auto add = [&](const char* name, auto& value, const char* text, const char* type) {
-        return command->add_option(name, value, text)->type_name(type);
-    };
-    add_source_options(*command, options->request);
-    add("-m,--method", options->method, "method of light transport; default: path_tracing", "METHOD");
-    add("--device", options->device, "where to render; default: cpu", "DEVICE");
-    add("--set", options->settings, "set a parameter of the method; may be repeated", "NAME=VALUE")
-        ->expected(1)
-        ->take_all();
-    add_stop_options(*command, options->request.stop,
-                     "stop after this many samples a pixel; default, without --seconds and --target: 64");
-    add_image_options(*command, options->request, vocabulary.method.layers);
-    add("--seed", options->seed, "of the random numbers; default: 1", "INT");
-    add("--first-pass", options->first_pass,
-        "index of the first pass, for one part of a larger job that `photonctl merge` puts together; default: 0",
-        "INT");
+    const auto options = std::make_shared<JobOptions>();
+    add_job_options(*command, options, vocabulary);
+    command
+        ->add_option(
+            "--first-pass", options->first_pass,
+            "index of the first pass, for one part of a larger job that `photonctl merge` puts together; default: 0")
+        ->type_name("INT");
     add_output_options(*command, options->outputs);
     command->add_flag("--dry-run", options->dry_run,
                       "print the memory and the time it would take, and render nothing; files it needs are sent");
     command->add_flag("--no-wait", options->no_wait, "print the job's id and leave");
     add_wait_options(*command, options->wait);
-    add_view_options(*command, options->request);
 
-    for (const Parameter& parameter : vocabulary.method.parameters) {
-        if (command->get_option_no_throw(parameter.option_name()))
-            continue;  // the name is taken: --set still reaches it
-        command
-            ->add_option_function<std::string>(
-                parameter.option_name(),
-                [options, name = parameter.name](const std::string& text) { options->parameters[name] = text; },
-                parameter.help())
-            ->type_name(parameter.value_name())
-            ->group("Parameters of " + vocabulary.method.name);
-    }
-    if (!vocabulary.known)
-        command->footer("The parameters of a method are listed here when the daemon can be reached.");
     command->callback([&session, options, vocabulary] {
         session.action = [&session, options, vocabulary] { return render(session, *options, vocabulary.method); };
     });

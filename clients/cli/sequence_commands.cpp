@@ -1,0 +1,283 @@
+// photonctl sequence SCENE, and sequences list|show|watch|cancel|fetch
+
+#include <filesystem>
+#include <iostream>
+
+#include "clients/cli/commands.h"
+#include "clients/cli/job_follower.h"
+#include "clients/cli/job_view.h"
+#include "clients/cli/progress_view.h"
+#include "clients/cli/render_options.h"
+#include "clients/cli/text_table.h"
+#include "clients/cli/transfer.h"
+#include "clients/cli/units.h"
+
+namespace photond::cli {
+
+namespace {
+
+using nlohmann::json;
+
+constexpr std::chrono::milliseconds kPollSequenceEvery{300};
+
+/// Where the frames are saved: FOLDER/0000.exr, FOLDER/0001.exr ...
+struct FrameOutputs {
+    std::string folder;
+    bool png = false;
+
+    bool any() const { return !folder.empty(); }
+};
+
+struct SequenceOptions : RenderOptions {
+    std::optional<uint32_t> frames;
+    std::optional<double> from, to, fps, turns;
+    std::string noise;
+    bool no_wait = false, dry_run = false;
+    WaitOptions wait;
+    FrameOutputs outputs;
+};
+
+struct SequencesOptions {
+    std::vector<std::string> ids;
+    size_t limit = 50;
+    bool purge = false;
+    WaitOptions wait;
+    FrameOutputs outputs;
+};
+
+void add_frame_options(CLI::App& command, FrameOutputs& outputs) {
+    command.add_option("-o,--output", outputs.folder, "save the frames there, as 0000.exr, 0001.exr ...")
+        ->type_name("FOLDER");
+    command.add_flag("--png", outputs.png, "save previews, as 0000.png, instead");
+}
+
+size_t frames_over(const json& sequence) {
+    size_t over = 0;
+    for (const json& frame : sequence.value("frames", json::array())) over += is_over(frame);
+    return over;
+}
+
+/// "12 of 120 frames, 3 min left".
+std::string sequence_figures(const json& sequence) {
+    std::string text = std::to_string(frames_over(sequence)) + " of " +
+                       std::to_string(sequence.value("frames", json::array()).size()) + " frames";
+    if (const json left = sequence.value("seconds_left", json()); left.is_number() && !is_over(sequence))
+        text += ", " + human_seconds(left.get<double>()) + " left";
+    return text;
+}
+
+json follow_sequence(Session& session, const std::string& id, const std::function<void(const json&)>& listener) {
+    DaemonClient& daemon = session.daemon();
+    while (true) {
+        json sequence = daemon.get(resource_path("sequences", id));
+        listener(sequence);
+        if (is_over(sequence)) return sequence;
+        if (!daemon.interrupt().sleep(kPollSequenceEvery)) throw interrupted(daemon.interrupt().cause());
+    }
+}
+
+json wait_for_sequence(Session& session, const std::string& id, const WaitOptions& options) {
+    const std::optional<json> sequence = wait_for(session, "sequence", id, options, [&] {
+        ProgressLine line;
+        std::string shown;
+        return follow_sequence(session, id, [&](const json& now) {
+            const std::string text = id + " " + now.value("state", "") + ", " + sequence_figures(now);
+            if (session.error_is_terminal())
+                line.redraw(text);
+            else if (const std::string plain = now.value("state", ""); plain != shown)
+                session.remark(text), shown = plain;
+        });
+    });
+    return sequence ? *sequence : follow_sequence(session, id, [](const json&) {});
+}
+
+/// Of the frames that have succeeded.
+void save_frames(Session& session, const json& sequence, const FrameOutputs& outputs) {
+    std::filesystem::create_directories(outputs.folder);
+    size_t saved = 0;
+    for (const json& frame : sequence.at("frames")) {
+        if (frame.value("state", "") != "succeeded") continue;
+        char name[32];
+        std::snprintf(name, sizeof name, "%04d.%s", frame.at("frame").get<int>(), outputs.png ? "png" : "exr");
+        const std::string job = resource_path("jobs", frame.at("id").get<std::string>());
+        download(session, job + (outputs.png ? "/preview.png" : "/image.exr"),
+                 (std::filesystem::path(outputs.folder) / name).string());
+        ++saved;
+    }
+    session.remark("saved " + std::to_string(saved) + " frames in " + outputs.folder);
+}
+
+void print_sequence(Session& session, const json& sequence) {
+    const std::string state = plain_text(sequence.value("state", json()));
+    const json request = sequence.value("request", json::object());
+    std::cout << session.bold(plain_text(sequence.value("id", json()))) << ' ' << session.coloured_state(state, state)
+              << ", " << plain_text(request.value("scene", json())) << ", " << sequence_figures(sequence) << '\n';
+    for (const json& frame : sequence.value("frames", json::array()))
+        if (frame.value("state", "") == "failed" || frame.value("state", "") == "cancelled")
+            std::cout << "  frame " << frame.at("frame").dump() << " " << plain_text(frame.at("state"))
+                      << ": photonctl jobs show " << plain_text(frame.at("id")) << ", jobs retry\n";
+}
+
+ExitCode finish_sequence(Session& session, const std::string& id, const WaitOptions& wait,
+                         const FrameOutputs& outputs) {
+    const json sequence = wait_for_sequence(session, id, wait);
+    if (outputs.any()) save_frames(session, sequence, outputs);
+    if (session.json_output)
+        session.print_json(sequence);
+    else
+        print_sequence(session, sequence);
+    if (!outputs.any()) session.remark("save its frames: photonctl sequences fetch " + id + " -o FOLDER");
+    return exit_code_of(sequence);
+}
+
+json sequence_request(Session& session, const SequenceOptions& options, const CatalogueMethod& known) {
+    json request = job_request(session, options, known);
+    request.erase("time");
+    const auto put = [&](const char* key, const auto& value) {
+        if (value) request[key] = *value;
+    };
+    put("frames", options.frames), put("from", options.from), put("to", options.to), put("fps", options.fps);
+    if (options.turns) request["camera_path"] = {{"turns", *options.turns}};
+    if (!options.noise.empty()) request["noise"] = options.noise;
+    return request;
+}
+
+ExitCode print_sequence_estimate(Session& session, const json& request) {
+    const json estimate = session.daemon().send("POST", "/v1/sequences?dry_run=true", request, Repeat::Safely);
+    if (session.json_output) {
+        session.print_json(estimate);
+        return ExitCode::Ok;
+    }
+    const json seconds = estimate.value("seconds", json());
+    std::cout << estimate.at("frames").dump() << " frames\nmemory "
+              << human_bytes(estimate.at("memory_bytes").get<double>()) << "\ndisk   "
+              << human_bytes(estimate.at("disk_bytes").get<double>()) << "\ntime   "
+              << (seconds.is_number() ? human_seconds(seconds.get<double>())
+                                      : "not known: the daemon has rendered nothing with this method yet")
+              << '\n';
+    return ExitCode::Ok;
+}
+
+ExitCode render_sequence(Session& session, const SequenceOptions& options, const CatalogueMethod& known) {
+    if (options.request.time)
+        throw Failure(ExitCode::Usage, "--time is of one image: a sequence has --from, --fps, and --frames or --to");
+    const json request = sequence_request(session, options, known);
+    if (options.dry_run) return print_sequence_estimate(session, request);
+    const json accepted = submit(session, "/v1/sequences", request, options.request.idempotency_key);
+    const std::string id = accepted.at("id").get<std::string>();
+    if (!options.no_wait) return finish_sequence(session, id, options.wait, options.outputs);
+    if (session.json_output)
+        session.print_json(accepted);
+    else
+        std::cout << id << '\n';
+    session.remark("watch it: photonctl sequences watch " + id);
+    return ExitCode::Ok;
+}
+
+ExitCode list_sequences(Session& session, const SequencesOptions& options) {
+    TextTable table({{"SEQUENCE"}, {"STATE"}, {"SCENE"}, {"METHOD"}, {"FRAMES", Align::Right}, {"CREATED (UTC)"}});
+    for (const json& sequence : session.daemon().list("/v1/sequences", options.limit)) {
+        if (session.json_output) {
+            session.print_json(sequence);
+            continue;
+        }
+        const json request = sequence.value("request", json::object());
+        const json states = sequence.value("job_states", json::object());
+        table.add_row({plain_text(sequence.value("id", json())), plain_text(sequence.value("state", json())),
+                       plain_text(request.value("scene", json())),
+                       plain_text(request.value("method", json::object()).value("name", json())),
+                       states.value("succeeded", json(0)).dump() + "/" + request.value("frames", json(0)).dump(),
+                       human_time(sequence.value("created", json()))});
+    }
+    if (!session.json_output) table.print(std::cout);
+    return ExitCode::Ok;
+}
+
+ExitCode show_sequences(Session& session, const SequencesOptions& options) {
+    for (const std::string& id : options.ids) {
+        const json sequence = session.daemon().get(resource_path("sequences", id));
+        session.json_output ? session.print_json(sequence) : print_sequence(session, sequence);
+    }
+    return ExitCode::Ok;
+}
+
+ExitCode watch_sequence(Session& session, const SequencesOptions& options) {
+    return finish_sequence(session, options.ids.front(), options.wait, {});
+}
+
+ExitCode cancel_sequences(Session& session, const SequencesOptions& options) {
+    for (const std::string& id : options.ids) {
+        const json sequence = session.daemon().send(
+            "DELETE", resource_path("sequences", id) + (options.purge ? "?purge=true" : ""), nullptr, Repeat::Safely);
+        if (session.json_output && sequence.is_object()) session.print_json(sequence);
+        session.remark(id + (options.purge ? " purged" : " cancelled; frames that are done stay"));
+    }
+    return ExitCode::Ok;
+}
+
+ExitCode fetch_sequence(Session& session, const SequencesOptions& options) {
+    FrameOutputs outputs = options.outputs;
+    if (!outputs.any()) outputs.folder = options.ids.front();
+    save_frames(session, session.daemon().get(resource_path("sequences", options.ids.front())), outputs);
+    return ExitCode::Ok;
+}
+
+void add_sequence_command(CLI::App& program, Session& session, const RenderVocabulary& vocabulary) {
+    CLI::App* command = program.add_subcommand("sequence", "Render frames of a moving scene, or along a camera path");
+    const auto options = std::make_shared<SequenceOptions>();
+    add_job_options(*command, options, vocabulary);
+    const char* group = "Frames";
+    const auto add = [&](const char* name, auto& value, const char* text, const char* type) {
+        command->add_option(name, value, text)->type_name(type)->group(group);
+    };
+    add("--frames", options->frames, "how many, or else --to", "INT");
+    add("--from", options->from, "the first one's moment [s]; default: 0", "SECONDS");
+    add("--to", options->to, "no frame comes after this moment [s]", "SECONDS");
+    add("--fps", options->fps, "frames a second; default: 24", "NUMBER");
+    add("--turns", options->turns, "turn the eye about --look-at so many times, from --eye on", "NUMBER");
+    add("--noise", options->noise, "a seed of its own for each frame, or one for all; default: fresh", "fresh|still");
+    add_frame_options(*command, options->outputs);
+    command->add_flag("--dry-run", options->dry_run, "print memory, disk and time it would take, and render nothing");
+    command->add_flag("--no-wait", options->no_wait, "print the sequence's id and leave");
+    add_wait_options(*command, options->wait);
+    command->callback([&session, options, vocabulary] {
+        session.action = [&session, options, vocabulary] {
+            return render_sequence(session, *options, vocabulary.method);
+        };
+    });
+}
+
+}  // namespace
+
+void add_sequence_commands(CLI::App& program, Session& session, const RenderVocabulary& vocabulary) {
+    add_sequence_command(program, session, vocabulary);
+    CLI::App* sequences = program.add_subcommand("sequences", "Sequences: list, show, watch, cancel, fetch");
+    sequences->require_subcommand(1);
+    const auto options = std::make_shared<SequencesOptions>();
+    const auto command = [&](const char* name, const char* text, int most_ids,
+                             ExitCode (*run)(Session&, const SequencesOptions&)) {
+        CLI::App* sub = sequences->add_subcommand(name, text);
+        if (most_ids != 0) {
+            CLI::Option* ids = sub->add_option("sequence", options->ids, most_ids == 1 ? "sequence id" : "sequence ids")
+                                   ->required()
+                                   ->type_name("SEQUENCE");
+            if (most_ids == 1) ids->expected(1);
+        }
+        sub->callback(
+            [&session, options, run] { session.action = [&session, options, run] { return run(session, *options); }; });
+        return sub;
+    };
+    constexpr int kMany = -1;
+    command("list", "Sequences, newest first", 0, list_sequences)
+        ->add_option("--limit", options->limit, "at most this many")
+        ->type_name("INT")
+        ->capture_default_str();
+    command("show", "How far they are", kMany, show_sequences);
+    add_wait_options(*command("watch", "Follow a sequence to its end", 1, watch_sequence), options->wait);
+    command("cancel", "End sequences; frames that are done stay", kMany, cancel_sequences)
+        ->add_flag("--purge", options->purge, "also remove the sequence, its frames and their files");
+    add_frame_options(*command("fetch", "Save the frames; default: in a folder of its name", 1, fetch_sequence),
+                      options->outputs);
+}
+
+}  // namespace photond::cli

@@ -1,0 +1,52 @@
+"""photonctl sequence and sequences: frames asked for, followed, saved, listed and removed."""
+
+import json
+import unittest
+
+from photonctl_case import OK, REFUSED, USAGE, Case, cli
+
+
+def setUpModule():
+    cli.start()
+
+
+def tearDownModule():
+    cli.stop()
+
+
+SMALL = ["--width", "16", "--height", "12", "--passes", "1"]
+
+
+class Sequences(Case):
+    def test_frames_are_rendered_and_saved(self):
+        done = self.run_ok("--json", "sequence", "moving/teleport", *SMALL, "--to", "1", "--fps", "2", "-o", "shots")
+        sequence = json.loads(done.stdout)
+        self.assertEqual((sequence["state"], [frame["time"] for frame in sequence["frames"]]), ("succeeded", [0, 0.5, 1]))
+        self.assertEqual(sorted(path.name for path in (cli.folder / "shots").iterdir()), ["0000.exr", "0001.exr", "0002.exr"])
+        self.assertIn("saved 3 frames in shots", done.stderr)
+        self.run_ok("sequences", "fetch", sequence["id"], "--png", "-o", "pngs")
+        self.assertEqual((cli.folder / "pngs" / "0002.png").read_bytes()[:4], b"\x89PNG")
+        listed = self.run_ok("sequences", "list").stdout
+        self.assertRegex(listed, rf"{sequence['id']} +succeeded +moving/teleport +path_tracing +3/3")
+        self.assertIn("3 of 3 frames", self.run_ok("sequences", "show", sequence["id"]).stdout)
+        self.assertEqual(cli.run("sequences", "cancel", "--purge", sequence["id"]).returncode, OK)
+        self.assertEqual(cli.run("sequences", "show", sequence["id"]).returncode, REFUSED)
+
+    def test_a_turntable_and_parameters_of_the_method(self):
+        done = self.run_ok("--json", "sequence", "cornell-box", *SMALL, "--frames", "2", "--turns", "0.1", "--eye", "0,2.7,3",
+                           "--look-at", "0,2.7,-3", "--indirect-bounces", "1", "--noise", "still")
+        request = json.loads(done.stdout)["request"]
+        self.assertEqual(request["camera_path"], {"turns": 0.1})
+        self.assertEqual((request["noise"], request["method"]["parameters"]["indirect_bounces"]), ("still", 1))
+
+    def test_an_estimate_and_what_is_refused(self):
+        estimate = self.run_ok("sequence", "moving/cornell-box", *SMALL, "--frames", "100", "--dry-run").stdout
+        self.assertRegex(estimate, r"^100 frames\nmemory .+\ndisk .+\ntime ")
+        self.assertEqual(cli.run("sequence", "moving/cornell-box", *SMALL, "--time", "1").returncode, USAGE)
+        refused = cli.run("sequence", "moving/cornell-box", *SMALL)
+        self.assertEqual(refused.returncode, REFUSED)
+        self.assertIn("/frames", refused.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
