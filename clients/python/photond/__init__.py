@@ -29,11 +29,12 @@ from .pixels import FlipMap, Pixels
 from .plots import plot_curves
 from .requests import entry, look_at, reference
 from .scene import Scene, UploadedImage
+from .sequence import Sequence, SequenceFailed
 
 __all__ = [
     "BadFile", "BadRequest", "BiasMap", "Bound", "Busy", "Client", "Comparison", "ComparisonFailed", "Curve", "Denied",
     "entry", "Estimate", "Event", "Fault", "FlipMap", "Interval", "Invalid", "Job", "JobCancelled", "JobFailed", "look_at",
     "MeanCurve", "Method", "Methods", "MissingPackage", "NoSpace", "NotFound", "NothingYet", "Parameter", "PhotondError",
-    "Pixels", "plot_curves", "ProtocolError", "reference", "Refused", "Scene", "ServerFault", "TimedOut",
+    "Pixels", "plot_curves", "ProtocolError", "reference", "Refused", "Scene", "Sequence", "SequenceFailed", "ServerFault", "TimedOut",
     "TooLarge", "Unavailable", "UnknownName", "Unreachable", "UploadedImage", "__version__", "WrongState",
 ]

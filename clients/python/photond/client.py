@@ -18,8 +18,9 @@ from .errors import ProtocolError
 from .job import SILENCE_SECONDS, STREAM_TRIES, Event, Job, parsed
 from .methods import Methods
 from .pixels import FlipMap, Pixels
-from .requests import ComparisonSubmission, ImageLike, Submission, image_name, random_key
+from .requests import ComparisonSubmission, ImageLike, SequenceSubmission, Submission, image_name, random_key
 from .scene import Scene, UploadedImage
+from .sequence import Sequence as Frames
 from .shapes import Device, JobSummary, Json, Measurement, Status
 
 if TYPE_CHECKING:
@@ -312,6 +313,26 @@ class Client(Daemon):
     def comparisons(self, *, limit: Optional[int] = None) -> Iterator[Comparison]:
         """Newest first."""
         return (Comparison(self, item) for item in self.items("/v1/comparisons", None, limit))
+
+
+    # --- sequences ------------------------------------------------------------------------------------------------------
+    @_takes(requests.sequence_request)
+    def submit_sequence(self, submission: SequenceSubmission) -> Frames:
+        """Queues a sequence and all its frames and returns at once; `.wait()` follows it."""
+        return self._submit_sequence(submission)
+
+    @_takes(requests.sequence_request)
+    def sequence(self, submission: SequenceSubmission) -> Frames:
+        """Renders frames of a moving scene, or along a path of the camera. Raises SequenceFailed; Ctrl-C leaves it running."""
+        return self._submit_sequence(submission).wait()
+
+    def _submit_sequence(self, submission: SequenceSubmission) -> Frames:
+        return Frames(self, self.send("POST", "/v1/sequences", submission.body,
+                                      headers={"Idempotency-Key": submission.idempotency_key}))
+
+    def sequences(self, *, limit: Optional[int] = None) -> Iterator[Frames]:
+        """Newest first."""
+        return (Frames(self, item) for item in self.items("/v1/sequences", None, limit))
 
 
 def _estimate(data: Json) -> Estimate:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from typing import Any, Callable, Dict, List, Optional, Union, cast
 
 from ._daemon import Daemon
@@ -10,17 +9,14 @@ from ._files import Path
 from ._text import TextTable, human_bytes, human_error, human_number, human_seconds, row_name
 from .bias import BiasMap
 from .curves import Curve, MeanCurve, drawable, time_to_error
-from .errors import PhotondError, TimedOut
+from .errors import PhotondError
 from .job import Job
 from .plots import plot_curves
-from .work import Work
+from .work import JobGroup
 from .shapes import Json, TableRow, WelchMap
 
-POLL_SECONDS = 0.3
-LONGEST_POLL_SECONDS = 1.0
 
-
-class Comparison(Work):
+class Comparison(JobGroup):
     """A set of jobs that run one at a time on a device, so that their clocks are fair. Printed, or shown in a notebook, it
     is its table.
 
@@ -97,34 +93,12 @@ class Comparison(Work):
         """Who reaches which error first, as sentences, for each metric by falling error."""
         return [verdict["text"] for verdict in self._whole().get("verdicts") or []]
 
-    def refresh(self) -> "Comparison":
-        self.data = self._client.get(self._path())
-        return self
-
     # --- following and changing it --------------------------------------------------------------------------------------
     def wait(self, timeout: Optional[float] = None, *, check: bool = True, cancel_on_interrupt: bool = False,
              on_change: Optional[Callable[["Comparison"], object]] = None) -> "Comparison":
         """Until all its jobs are over. Raises TimedOut after `timeout` seconds (it goes on), and with `check`
         ComparisonFailed where not all succeeded."""
-        deadline = None if timeout is None else time.monotonic() + timeout
-        pause = POLL_SECONDS
-        try:
-            while True:
-                before = self.data
-                self.refresh()
-                if on_change is not None and self.data != before:
-                    on_change(self)
-                if self.is_over:
-                    break
-                left = pause if deadline is None else min(pause, deadline - time.monotonic())
-                if left <= 0:
-                    raise TimedOut(f"comparison {self.id} is {self.state} after {timeout:g} s; it goes on")
-                time.sleep(left)
-                pause = min(pause * 1.1, LONGEST_POLL_SECONDS)
-        except KeyboardInterrupt:
-            if cancel_on_interrupt:
-                self.cancel()
-            raise
+        self._follow(timeout, cancel_on_interrupt, on_change)
         if check and self.state != "succeeded":
             raise ComparisonFailed(self, self._failure_text())
         return self
@@ -137,15 +111,6 @@ class Comparison(Work):
                 lines.append(f"  {row_name(row['label'], row['parameters'])}, seed {row['seed']} ({row['id']}): "
                              f"{problem.get('detail') or 'failed'}")
         return "\n".join(lines)
-
-    def cancel(self) -> "Comparison":
-        """Ends the jobs it still has; what was rendered stays."""
-        self.data = self._client.send("DELETE", self._path())
-        return self
-
-    def purge(self) -> None:
-        """Removes it with its jobs and their files."""
-        self._client.send("DELETE", self._path(), query={"purge": True})
 
     # --- curves -------------------------------------------------------------------------------------------------------
     def report(self) -> Json:

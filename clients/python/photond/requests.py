@@ -11,7 +11,8 @@ from ._files import IMAGE_SUFFIXES, looks_like_scene_path
 from .job import Job
 from .methods import Method
 from .scene import Scene, UploadedImage
-from .shapes import Camera, ComparisonRequest, Entry, Environment, JobMethod, JobRequest, LookAt, MadeReference, Stop
+from .shapes import (Camera, CameraKey, ComparisonRequest, Entry, Environment, JobMethod, JobRequest, LookAt, MadeReference,
+                     SequenceRequest, Stop)
 from .work import TargetLike, stop_of
 
 SceneLike = Union[str, "os.PathLike[str]", Scene]
@@ -32,6 +33,11 @@ class Submission(NamedTuple):
 
 class ComparisonSubmission(NamedTuple):
     body: ComparisonRequest
+    idempotency_key: str
+
+
+class SequenceSubmission(NamedTuple):
+    body: SequenceRequest
     idempotency_key: str
 
 
@@ -216,6 +222,31 @@ def job_request(client: Daemon, scene: SceneLike, method: MethodLike = "path_tra
     if seed is not None:
         body["seed"] = seed
     return Submission(cast(JobRequest, body), idempotency_key or random_key())
+
+
+def sequence_request(client: Daemon, /, scene: SceneLike, method: MethodLike = "path_tracing", *,
+                     frames: Optional[int] = None, to: Optional[float] = None, start: Optional[float] = None,
+                     fps: Optional[float] = None, turns: Optional[float] = None,
+                     keys: Optional[Sequence[CameraKey]] = None, noise: Optional[str] = None, **job: Any
+                     ) -> SequenceSubmission:
+    """
+    frames, to   how many frames, or the moment after which none comes, seconds; the first is at `start` (0), and `fps`
+                 (24) of them make a second
+    turns        so often the eye goes round `camera`'s target; keys: or views at times that it passes by,
+                 {"time": 0, "eye": ..., "target": ...}
+    noise        "fresh" (a seed of its own for each frame) or "still"
+    The rest is as for a job, see `Client.submit`.
+    """
+    single = job_request(client, scene, method, **job)
+    body: Dict[str, Any] = {key: value for key, value in single.body.items() if key not in ("time", "first_pass")}
+    for key, value in (("frames", frames), ("to", to), ("from", start), ("fps", fps), ("noise", noise)):
+        if value is not None:
+            body[key] = value
+    if turns is not None:
+        body["camera_path"] = {"turns": turns}
+    elif keys is not None:
+        body["camera_path"] = {"keys": list(keys)}
+    return SequenceSubmission(cast(SequenceRequest, body), single.idempotency_key)
 
 
 def comparison_request(client: Daemon, scene: SceneLike, entries: Sequence[EntryLike], *, width: int = 512,

@@ -119,12 +119,41 @@ class ComparisonRequest(_Rendered, total=False):
     seeds: List[int]
 
 
+class CameraKey(LookAt, total=False):
+    time: float
+
+
+class CameraPath(TypedDict, total=False):
+    turns: float
+    keys: List[CameraKey]
+
+
+class SequenceRequest(JobRequest, total=False):
+    frames: int
+    to: float
+    fps: float
+    noise: str
+    camera_path: CameraPath
+
+
 # --- what is answered ---------------------------------------------------------------------------------------------------
 
 
 # [least, greatest]: what the noise of two reference films leaves open of an error, at 90 %. What was measured by an older
 # daemon, or against one film or image, has none.
 Ends = List[float]
+
+
+class Frame(TypedDict):
+    """Of a sequence."""
+
+    frame: int
+    time: float
+    id: str
+    seed: int
+    state: str
+    progress: float
+    seconds: float
 
 
 class _CurvePoint(TypedDict):

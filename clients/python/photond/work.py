@@ -1,14 +1,18 @@
-"""What the daemon works on and ends some time: jobs and comparisons."""
+"""What the daemon works on and ends some time: jobs, comparisons and sequences."""
 
 from __future__ import annotations
 
-from typing import Optional, Tuple, Union, cast
+import time
+from typing import Callable, Optional, Tuple, TypeVar, Union, cast
 
+from .errors import TimedOut
 from .scene import Resource
 from .shapes import Json, Stop, Target
 
 TargetLike = Union[Target, Tuple[str, float]]
 OVER = ("succeeded", "failed", "cancelled")
+POLL_SECONDS = 0.3
+LONGEST_POLL_SECONDS = 1.0
 
 
 class Work(Resource):
@@ -30,6 +34,49 @@ class Work(Resource):
     def request(self) -> Json:
         """As the daemon understood it, every default filled in."""
         return cast(Json, self.data["request"])
+
+
+G = TypeVar("G", bound="JobGroup")
+
+
+class JobGroup(Work):
+    """What consists of jobs: a comparison or a sequence."""
+
+    def refresh(self: G) -> G:
+        self.data = self._client.get(self._path())
+        return self
+
+    def cancel(self: G) -> G:
+        """Ends the jobs it still has; what was rendered stays."""
+        self.data = self._client.send("DELETE", self._path())
+        return self
+
+    def purge(self) -> None:
+        """Removes it with its jobs and their files."""
+        self._client.send("DELETE", self._path(), query={"purge": True})
+
+    def _follow(self: G, timeout: Optional[float], cancel_on_interrupt: bool,
+                on_change: Optional[Callable[[G], object]]) -> None:
+        """Asks until it is over. Raises TimedOut after `timeout` seconds; it goes on then."""
+        deadline = None if timeout is None else time.monotonic() + timeout
+        pause = POLL_SECONDS
+        try:
+            while True:
+                before = self.data
+                self.refresh()
+                if on_change is not None and self.data != before:
+                    on_change(self)
+                if self.is_over:
+                    return
+                left = pause if deadline is None else min(pause, deadline - time.monotonic())
+                if left <= 0:
+                    raise TimedOut(f"{self.kind[:-1]} {self.id} is {self.state} after {timeout:g} s; it goes on")
+                time.sleep(left)
+                pause = min(pause * 1.1, LONGEST_POLL_SECONDS)
+        except KeyboardInterrupt:
+            if cancel_on_interrupt:
+                self.cancel()
+            raise
 
 
 def stop_of(passes: Optional[int], seconds: Optional[float], target: Optional[TargetLike]) -> Stop:

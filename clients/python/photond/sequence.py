@@ -1,0 +1,70 @@
+"""Sequences: the frames of a moving scene, or along a path of the camera."""
+
+from __future__ import annotations
+
+import os
+from typing import Callable, Iterator, List, Optional, cast
+
+from ._files import Path
+from .errors import PhotondError
+from .job import Job
+from .shapes import Frame
+from .work import JobGroup
+
+
+class Sequence(JobGroup):
+    """Frames that are rendered in order by a worker that keeps what does not move.
+
+    >>> sequence = client.sequence("moving/teleport", to=1, fps=2, width=16, height=12, passes=1)
+    >>> sequence.state, [frame["time"] for frame in sequence.frames]
+    ('succeeded', [0.0, 0.5, 1.0])
+    >>> len({job.statistics["pixel_hash"] for job in sequence.jobs()})
+    3
+    """
+
+    kind = "sequences"
+
+    @property
+    def frames(self) -> List[Frame]:
+        """Of each its `time`, the `id` of its job, its `state` and the `seconds` of its rendering."""
+        if "frames" not in self.data:  # one from a list
+            self.refresh()
+        return cast(List[Frame], self.data["frames"])
+
+    @property
+    def seconds_left(self) -> Optional[float]:
+        """As frames that are done tell; None before the first one is."""
+        return cast(Optional[float], self.data["seconds_left"])
+
+    def jobs(self) -> Iterator[Job]:
+        """Asked of the daemon one by one."""
+        return (Job.fetch(self._client, frame["id"]) for frame in self.frames)
+
+    def wait(self, timeout: Optional[float] = None, *, check: bool = True, cancel_on_interrupt: bool = False,
+             on_change: Optional[Callable[["Sequence"], object]] = None) -> "Sequence":
+        """Until all frames are over. Raises TimedOut after `timeout` seconds (it goes on), and with `check` SequenceFailed
+        where not all succeeded."""
+        self._follow(timeout, cancel_on_interrupt, on_change)
+        if check and self.state != "succeeded":
+            wrong = [str(frame["frame"]) for frame in self.frames if frame["state"] != "succeeded"]
+            raise SequenceFailed(self, f"sequence {self.id} {self.state}: frames " + ", ".join(wrong[:10]) +
+                                 (" ..." if len(wrong) > 10 else ""))
+        return self
+
+    def save(self, folder: Path, name: str = "image.exr") -> List[str]:
+        """The images of the frames that succeeded, as `folder`/0000.exr; `name` may be preview.png."""
+        os.makedirs(folder, exist_ok=True)
+        paths = []
+        for frame in self.frames:
+            if frame["state"] == "succeeded":
+                paths.append(os.path.join(folder, f"{frame['frame']:04d}{os.path.splitext(name)[1]}"))
+                Job.fetch(self._client, frame["id"]).download(name, paths[-1])
+        return paths
+
+
+class SequenceFailed(PhotondError):
+    """`sequence` ended with failed or cancelled frames; the others are there."""
+
+    def __init__(self, sequence: Sequence, text: str) -> None:
+        super().__init__(text)
+        self.sequence = sequence
