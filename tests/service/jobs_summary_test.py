@@ -11,7 +11,7 @@ from many_jobs import fill_history  # noqa: E402
 from photond_daemon import Daemon, deadline_after, small_job  # noqa: E402
 
 ENDLESS = 100_000_000  # passes: over long after the test
-SHARED = ("id", "role", "comparison", "state", "progress", "passes_done", "seconds", "error_now", "created", "started",
+SHARED = ("id", "role", "comparison", "sequence", "state", "progress", "passes_done", "seconds", "error_now", "created", "started",
           "finished")
 
 
