@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "renderer/core/lanes.h"
+#include "renderer/error/cross_sums.h"
 #include "renderer/error/pixel_chunks.h"
 #include "renderer/error/sweep_unit.h"
 
@@ -53,24 +54,7 @@ std::optional<CrossFigure> figure_of(const CrossErrors& errors, Metric metric) {
 }
 
 struct CrossMeter::Sums {
-    /// Of terms divided by one kind of D.
-    struct Divided {
-        double products = 0;          // x y / D
-        double squared_terms = 0;     // q^2, by pixel
-        double squared_products = 0;  // of x y / D, by pixel
-
-        Divided& operator+=(const Divided& other) {
-            products += other.products, squared_terms += other.squared_terms;
-            squared_products += other.squared_products;
-            return *this;
-        }
-        CrossError error(uint64_t count, uint64_t pixels) const {
-            const auto n = static_cast<double>(count);
-            const double scatter = squared_products - products * products / static_cast<double>(pixels);
-            return {products / n, std::sqrt(std::min(squared_terms, std::max(scatter, 0.0))) / n};
-        }
-    };
-    Divided plain, relative;
+    CrossSums plain, relative;
     double shared_noise = 0;  // what D adds to `relative` where it has the pixel's own noise
     uint64_t count = 0;
 
