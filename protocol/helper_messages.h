@@ -77,6 +77,28 @@ struct UnpackRequest {
     }
 };
 
+/// Files put together in a ZIP, as they are.
+struct PackRequest {
+    static constexpr const char* kType = "pack";
+    using Reply = DoneReply;
+    struct Item {
+        std::filesystem::path file;
+        std::string name;  // in the archive
+
+        void visit(MessageVisitor& visitor) {
+            visitor.member("file", file);
+            visitor.member("name", name);
+        }
+    };
+    std::vector<Item> items;
+    std::filesystem::path out;
+
+    void visit(MessageVisitor& visitor) {
+        visitor.member("items", items);
+        visitor.member("out", out);
+    }
+};
+
 struct ThumbnailRequest {
     static constexpr const char* kType = "thumbnail";
     using Reply = DoneReply;
@@ -217,6 +239,38 @@ struct MeasureSeedsRequest {
         visitor.member("films", films);
         visitor.member("reference", reference);
         visitor.member("layers", layers);
+    }
+};
+
+struct MeasureFrameReply {
+    /// {"relative_mse", "flicker", "lag", "change"}: {"value", "standard_error"}, or null where there is none
+    /// (renderer/error/motion_errors.h).
+    nlohmann::json figures;
+
+    void visit(MessageVisitor& visitor) { visitor.member("figures", figures); }
+};
+
+/// A frame of a sequence and, for all but its error, the one before, against two references of each.
+struct MeasureFrameRequest {
+    static constexpr const char* kType = "measure_frame";
+    using Reply = MeasureFrameReply;
+    struct Films {
+        std::filesystem::path film, first, second;
+
+        void visit(MessageVisitor& visitor) {
+            visitor.member("film", film);
+            visitor.member("first", first);
+            visitor.member("second", second);
+        }
+    };
+    Films frame;
+    std::optional<Films> before;
+    std::string layer = "beauty";
+
+    void visit(MessageVisitor& visitor) {
+        visitor.member("frame", frame);
+        visitor.or_null("before", before);
+        visitor.or_default("layer", layer);
     }
 };
 
@@ -411,10 +465,10 @@ struct EncodePixelsRequest {
 };
 
 using HelperRequest =
-    std::variant<JudgeSceneRequest, UnpackRequest, ThumbnailRequest, PreviewSceneRequest, BakeRequest,
+    std::variant<JudgeSceneRequest, UnpackRequest, PackRequest, ThumbnailRequest, PreviewSceneRequest, BakeRequest,
                  JudgeImageRequest, MeasureRequest, EncodeDifferenceRequest, EncodeFlipRequest, EncodeFlipMapRequest,
-                 EncodeErrorMapRequest, MeasureSeedsRequest, EncodeBiasMapRequest, MergeFilmsRequest, EncodeExrRequest,
-                 EncodePreviewRequest, EncodePixelsRequest>;
+                 EncodeErrorMapRequest, MeasureSeedsRequest, MeasureFrameRequest, EncodeBiasMapRequest,
+                 MergeFilmsRequest, EncodeExrRequest, EncodePreviewRequest, EncodePixelsRequest>;
 /// Throws Error where it cannot be read; ErrorCode::UnknownName at /type for one that is none of these.
 HelperRequest read_helper_request(const nlohmann::json& message);
 

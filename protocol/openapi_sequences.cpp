@@ -50,7 +50,7 @@ json sequence_summary_schema() {
                   {"finished", time_or_none()},
                   {"job_states", map_of(count())},
                   {"request", schema_ref("SequenceRequest")},
-                  {"links", given({{"self", typed("string")}})}});
+                  {"links", given({{"self", typed("string")}, {"frames", typed("string", "the ZIP of its images")}})}});
 }
 
 json sequence_schema() {
@@ -66,6 +66,35 @@ json sequence_schema() {
     return schema;
 }
 
+/// Figures of errors by frame, which may be below 0.
+json error_properties() {
+    const json figure =
+        or_null(given({{"value", typed("number")},
+                       {"interval", interval_of("[least, greatest] at 90 %, by the references' noise")}}));
+    return {{"relative_mse", figure},
+            {"flicker", with_text(figure,
+                                  "the mean of (change of the image - change of the truth)^2, divided as "
+                                  "relative_mse is; null of a first frame, as the two below")},
+            {"lag", with_text(figure,
+                              "the mean of error times change of the truth: below 0 where the image shows what "
+                              "was; divided likewise")},
+            {"change", with_text(figure, "the mean square of the change of the truth, divided likewise")}};
+}
+
+json sequence_errors_schema() {
+    json frame = error_properties();
+    frame["frame"] = count();
+    frame["time"] = typed("number", "s: its moment");
+    return given({{"sequence", typed("string")},
+                  {"references", list_of(typed("string"))},
+                  {"layer", typed("string")},
+                  {"frames", with_text(list_of(given(std::move(frame))), "that have succeeded in all three")},
+                  {"mean", with_text(given(error_properties()), "over these")},
+                  {"frames_late", nullable("number",
+                                           "by how many frames the image comes late: -lag / change of the "
+                                           "means; null where nothing changes for certain")}});
+}
+
 }  // namespace
 
 json sequence_schemas(const json& job_request) {
@@ -73,6 +102,7 @@ json sequence_schemas(const json& job_request) {
             {"Sequence", sequence_schema()},
             {"SequenceSummary", sequence_summary_schema()},
             {"SequencePage", page_of("SequenceSummary")},
+            {"SequenceErrors", sequence_errors_schema()},
             {"SequenceEstimate", given({{"frames", count()},
                                         {"memory_bytes", count("that a frame will hold")},
                                         {"disk_bytes", count("that all frames will leave")},

@@ -19,7 +19,8 @@
 #include "server/service/references.h"
 #include "server/service/row_biases.h"
 #include "server/service/scenes.h"
-#include "server/service/sequences.h"
+#include "server/service/sequence_errors.h"
+#include "server/service/sequence_files.h"
 #include "server/service/service_core.h"
 #include "server/service/store_upkeep.h"
 #include "server/service/system_status.h"
@@ -46,6 +47,8 @@ struct Service::Impl {
     Jobs jobs{core, artefact_files, pictures, scenes, references, waiting, purges, attempts};
     Comparisons comparisons{core, scenes, references, purges, attempts, jobs};
     Sequences sequences{core, scenes, references, purges, attempts, jobs};
+    SequenceFiles sequence_files{artefact_files, core, jobs, sequences};
+    SequenceErrors sequence_errors{pictures, jobs.films, sequences};
     RowBiases biases{core, artefact_files, pictures, jobs.films,
                      [this](const std::string& id) { return comparisons.read_comparison(id); }};
     ComparisonReports reports{artefact_files, jobs, comparisons};
@@ -163,6 +166,13 @@ json Service::estimate_sequence(const SequenceRequest& request) { return impl_->
 json Service::get_sequence(const std::string& id) { return impl_->sequences.get_sequence(id); }
 Page Service::list_sequences(uint32_t limit, const std::string& cursor) {
     return impl_->sequences.list_sequences(limit, cursor);
+}
+json Service::sequence_errors(const std::string& id, const std::string& first, const std::string& second,
+                              const std::string& layer) {
+    return impl_->sequence_errors.errors(id, first, second, layer);
+}
+Artefact Service::sequence_zip(const std::string& id, const std::string& images) {
+    return impl_->sequence_files.frames_zip(id, images);
 }
 Service::Cancelled Service::cancel_sequence(const std::string& id) {
     return impl_->sequences.cancel_sequence(id, false);

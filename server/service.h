@@ -174,6 +174,12 @@ public:
     nlohmann::json get_sequence(const std::string& id);
     /// Without frames.
     Page list_sequences(uint32_t limit, const std::string& cursor);
+    /// Its errors by frame against two other sequences of the same frames (SequenceErrors::errors). Waits for the
+    /// helper.
+    nlohmann::json sequence_errors(const std::string& id, const std::string& first, const std::string& second,
+                                   const std::string& layer);
+    /// A ZIP of its frames' images, exr or png, of those that have succeeded so far. Waits for the helper. OutOfRange.
+    Artefact sequence_zip(const std::string& id, const std::string& images);
     /// Cancels its frames that are not over.
     Cancelled cancel_sequence(const std::string& id);
     /// Removes its frames and their files too; what runs when its worker has let go of it.

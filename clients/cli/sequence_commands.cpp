@@ -1,4 +1,4 @@
-// photonctl sequence SCENE, and sequences list|show|watch|cancel|fetch
+// photonctl sequence SCENE, and sequences list|show|watch|cancel|fetch|errors
 
 #include <filesystem>
 #include <iostream>
@@ -41,6 +41,8 @@ struct SequencesOptions {
     std::vector<std::string> ids;
     size_t limit = 50;
     bool purge = false;
+    std::vector<std::string> references;
+    std::string layer = "beauty";
     WaitOptions wait;
     FrameOutputs outputs;
 };
@@ -222,6 +224,35 @@ ExitCode fetch_sequence(Session& session, const SequencesOptions& options) {
     return ExitCode::Ok;
 }
 
+/// "0.0123 (0.0119 to 0.0127)"; "-" where there is none.
+std::string figure_text(const json& figure) {
+    if (!figure.is_object()) return "-";
+    const json& interval = figure.at("interval");
+    return human_number(figure.at("value").get<double>()) + " (" + human_number(interval.at(0).get<double>()) + " to " +
+           human_number(interval.at(1).get<double>()) + ")";
+}
+
+ExitCode sequence_errors(Session& session, const SequencesOptions& options) {
+    const json errors = session.daemon().get(
+        resource_path("sequences", options.ids.front()) + "/errors?first=" + percent_encode(options.references.at(0)) +
+        "&second=" + percent_encode(options.references.at(1)) + "&layer=" + percent_encode(options.layer));
+    if (session.json_output) {
+        session.print_json(errors);
+        return ExitCode::Ok;
+    }
+    TextTable table({{"FRAME", Align::Right}, {"RELATIVE_MSE"}, {"FLICKER"}, {"LAG"}, {"MOTION"}});
+    const auto add_row = [&](const std::string& name, const json& figures) {
+        table.add_row({name, figure_text(figures.at("relative_mse")), figure_text(figures.at("flicker")),
+                       figure_text(figures.at("lag")), figure_text(figures.at("change"))});
+    };
+    for (const json& frame : errors.at("frames")) add_row(frame.at("frame").dump(), frame);
+    add_row("mean", errors.at("mean"));
+    table.print(std::cout);
+    if (const json& late = errors.at("frames_late"); late.is_number())
+        std::cout << "what moves is shown " << human_number(late.get<double>()) << " frames late\n";
+    return ExitCode::Ok;
+}
+
 void add_sequence_command(CLI::App& program, Session& session, const RenderVocabulary& vocabulary) {
     CLI::App* command = program.add_subcommand("sequence", "Render frames of a moving scene, or along a camera path");
     const auto options = std::make_shared<SequenceOptions>();
@@ -251,7 +282,7 @@ void add_sequence_command(CLI::App& program, Session& session, const RenderVocab
 
 void add_sequence_commands(CLI::App& program, Session& session, const RenderVocabulary& vocabulary) {
     add_sequence_command(program, session, vocabulary);
-    CLI::App* sequences = program.add_subcommand("sequences", "Sequences: list, show, watch, cancel, fetch");
+    CLI::App* sequences = program.add_subcommand("sequences", "Sequences: list, show, watch, cancel, fetch, errors");
     sequences->require_subcommand(1);
     const auto options = std::make_shared<SequencesOptions>();
     const auto command = [&](const char* name, const char* text, int most_ids,
@@ -278,6 +309,13 @@ void add_sequence_commands(CLI::App& program, Session& session, const RenderVoca
         ->add_flag("--purge", options->purge, "also remove the sequence, its frames and their files");
     add_frame_options(*command("fetch", "Save the frames; default: in a folder of its name", 1, fetch_sequence),
                       options->outputs);
+    CLI::App* errors =
+        command("errors", "Error, flicker and lag by frame, against two sequences of other seeds", 1, sequence_errors);
+    errors->add_option("--references", options->references, "two sequences of the same frames")
+        ->required()
+        ->expected(2)
+        ->type_name("SEQUENCE SEQUENCE");
+    errors->add_option("--layer", options->layer, "which layer")->capture_default_str();
 }
 
 }  // namespace photond::cli

@@ -56,6 +56,19 @@ void add_sequence_routes(std::vector<Route>& routes, Service& service) {
         Query(call.query).finish();
         return json_reply(200, of.get_sequence(call.path_parameters[0]));
     });
+    add("GET", "/v1/sequences/{id}/frames.zip", BodyKind::None, [](Service& of, Call& call) {
+        Query query(call.query);
+        const std::string images = query.text("images", "exr");
+        query.finish();
+        return file_reply(call, of.sequence_zip(call.path_parameters[0], images));
+    });
+    add("GET", "/v1/sequences/{id}/errors", BodyKind::None, [](Service& of, Call& call) {
+        Query query(call.query);
+        const std::string first = query.text("first"), second = query.text("second");
+        const std::string layer = query.text("layer", "beauty");
+        query.finish();
+        return json_reply(200, of.sequence_errors(call.path_parameters[0], first, second, layer));
+    });
     add("DELETE", "/v1/sequences/{id}", BodyKind::None, remove_sequence);
 }
 

@@ -45,6 +45,7 @@ json summary_of(const ComparisonRow& row, const ComparisonState& state) {
     }
     const JobState reached = state.state();
     const bool over = is_over(reached);
+    const std::string self = "/v1/sequences/" + group_id(GroupKind::Sequence, row.seq);
     const std::optional<double> left = over ? std::optional(0.0) : seconds_left(frames);
     return {{"id", group_id(GroupKind::Sequence, row.seq)},
             {"state", job_state_name(reached)},
@@ -55,7 +56,7 @@ json summary_of(const ComparisonRow& row, const ComparisonState& state) {
             {"finished", over && finished ? json(rfc3339(*finished)) : json()},
             {"job_states", counts},
             {"request", json::parse(row.request)},
-            {"links", {{"self", "/v1/sequences/" + group_id(GroupKind::Sequence, row.seq)}}}};
+            {"links", {{"self", self}, {"frames", self + "/frames.zip"}}}};
 }
 
 }  // namespace

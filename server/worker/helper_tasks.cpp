@@ -15,10 +15,12 @@
 #include "renderer/scene/baked_scene.h"
 #include "server/worker/film_layer.h"
 #include "server/worker/helper_errors.h"
+#include "server/worker/helper_frames.h"
 #include "server/worker/helper_merge.h"
 #include "server/worker/helper_pictures.h"
 #include "server/worker/helper_seeds.h"
 #include "server/worker/job_runner.h"
+#include "server/worker/pack.h"
 #include "server/worker/preview_image.h"
 #include "server/worker/process_memory.h"
 #include "server/worker/raw_pixels.h"
@@ -94,6 +96,7 @@ struct Tasks {
 
     json run(const JudgeSceneRequest& asked) const { return judge_scene(asked); }
     UnpackReply run(const UnpackRequest& asked) const { return {unpack_scene(asked.zip, asked.root)}; }
+    DoneReply run(const PackRequest& asked) const { return pack_files(asked), DoneReply(); }
     DoneReply run(const ThumbnailRequest& asked) const { return thumbnail(asked, memory_bytes, scenes), DoneReply(); }
     DoneReply run(const PreviewSceneRequest& asked) const {
         return preview_scene(asked, memory_bytes, scenes), DoneReply();
@@ -109,6 +112,7 @@ struct Tasks {
     EncodedReply run(const EncodeErrorMapRequest& asked) const {
         return encode_error_map(asked, memory_bytes), EncodedReply();
     }
+    MeasureFrameReply run(const MeasureFrameRequest& asked) const { return measure_frame(asked, memory_bytes); }
     MeasureSeedsReply run(const MeasureSeedsRequest& asked) const { return measure_seeds(asked, memory_bytes); }
     EncodedReply run(const EncodeBiasMapRequest& asked) const { return encode_bias_map(asked), EncodedReply(); }
     MergeFilmsReply run(const MergeFilmsRequest& asked) const { return merge_films(asked, memory_bytes); }

@@ -39,6 +39,19 @@ class Sequences(Case):
         self.assertEqual(request["camera_path"], {"turns": 0.1})
         self.assertEqual((request["noise"], request["method"]["parameters"]["indirect_bounces"]), ("still", 1))
 
+    def test_errors_by_frame(self):
+        ids = [self.run_ok("--json", "sequence", "moving/teleport", *SMALL[:4], "--passes", passes, "--to", "1", "--fps", "2",
+                           "--seed", seed).stdout for passes, seed in (("1", "1"), ("16", "100"), ("16", "200"))]
+        shown, first, second = (json.loads(text)["id"] for text in ids)
+        table = self.run_ok("sequences", "errors", shown, "--references", first, second).stdout.splitlines()
+        self.assertRegex(table[0], r"FRAME +RELATIVE_MSE +FLICKER +LAG +MOTION")
+        self.assertRegex(table[1], r"^ +0 +\S+ \(\S+ to \S+\) +- +- +-$")
+        self.assertRegex(table[4], r"^ +mean( +\S+ \(\S+ to \S+\)){4}$")
+        errors = json.loads(self.run_ok("--json", "sequences", "errors", shown, "--references", first, second).stdout)
+        self.assertEqual(errors["references"], [first, second])
+        self.assertEqual(cli.run("sequences", "errors", shown, "--references", first).returncode, USAGE)
+        self.assertEqual(cli.run("sequences", "errors", shown, "--references", first, first).returncode, REFUSED)
+
     def test_an_estimate_and_what_is_refused(self):
         estimate = self.run_ok("sequence", "moving/cornell-box", *SMALL, "--frames", "100", "--dry-run").stdout
         self.assertRegex(estimate, r"^100 frames\nmemory .+\ndisk .+\ntime ")

@@ -2,9 +2,11 @@
 to the same bits, cancelled, retried and removed.
 """
 
+import io
 import os
 import signal
 import unittest
+import zipfile
 
 from photond_daemon import Daemon, DaemonTestCase, deadline_after, wait_until
 
@@ -55,6 +57,72 @@ class SequencesTest(DaemonTestCase):
         # The worker has loaded the scene once: later frames are of a scene that was there.
         later = self.daemon.request("GET", f"/v1/jobs/{jobs[-1]['id']}/log.txt").text
         self.assertIn("ready from an earlier job", later)
+
+    def test_all_frames_come_in_one_file(self):
+        made = submit(self.daemon, sequence(frames=3))
+        path = f"/v1/sequences/{made['id']}/frames.zip"
+        wait_over(self.daemon, made["id"])
+        for images, start in (("exr", b"\x76\x2f\x31\x01"), ("png", b"\x89PNG")):
+            answer = self.daemon.request("GET", f"{path}?images={images}")
+            self.assertEqual((answer.status, answer.headers["content-type"]), (200, "application/zip"), answer)
+            with zipfile.ZipFile(io.BytesIO(answer.body)) as archive:
+                self.assertEqual(archive.namelist(), [f"{i:04d}.{images}" for i in range(3)])
+                self.assertEqual({archive.read(name)[:4] for name in archive.namelist()}, {start})
+                if images == "exr":
+                    alone = self.daemon.request("GET", f"/v1/jobs/{made['frames'][1]['id']}/image.exr").body
+                    self.assertEqual(archive.read("0001.exr"), alone)
+            self.assertEqual(self.daemon.request("GET", f"{path}?images={images}").headers["etag"], answer.headers["etag"])
+        self.assertEqual(self.daemon.request("GET", f"{path}?images=gif").status, 422)
+        waiting = submit(self.daemon, sequence(frames=2, stop={"seconds": 60}))
+        self.assertEqual(self.daemon.request("GET", f"/v1/sequences/{waiting['id']}/frames.zip").status, 202)
+        self.daemon.request("DELETE", f"/v1/sequences/{waiting['id']}?purge=true")
+
+    def errors(self, of, first, second, **query):
+        query = {"first": first, "second": second, **query}
+        return self.daemon.request("GET", f"/v1/sequences/{of}/errors?" + "&".join(f"{k}={v}" for k, v in query.items()))
+
+    def test_errors_by_frame_tell_noise_that_flickers_from_noise_that_stands_still(self):
+        still = {"scene": "cornell-box", "frames": 4,
+                 "camera_path": {"keys": [{"time": 0, "eye": [0, 2.7, 3], "target": [0, 2.7, -2.8]}]}}
+        first, second, fresh, frozen = (
+            submit(self.daemon, sequence(**still, seed=seed, passes=passes, noise=noise))["id"]
+            for seed, passes, noise in ((1, 256, "fresh"), (1001, 256, "fresh"), (2001, 1, "fresh"), (2001, 1, "still")))
+        for id in (first, second, fresh, frozen):
+            wait_over(self.daemon, id)
+        of_fresh, of_frozen = (self.errors(of, first, second).json for of in (fresh, frozen))
+        self.assertEqual((of_fresh["sequence"], of_fresh["references"], of_fresh["layer"]), (fresh, [first, second], "beauty"))
+        for errors in (of_fresh, of_frozen):
+            self.assertEqual([frame["time"] for frame in errors["frames"]], [i / 8 for i in range(4)])
+            self.assertIsNone(errors["frames"][0]["flicker"])
+            self.assertIsNone(errors["frames_late"], "nothing moves")
+            for figure in ("relative_mse", "flicker", "lag", "change"):
+                values = [frame[figure]["value"] for frame in errors["frames"] if frame[figure]]
+                self.assertAlmostEqual(errors["mean"][figure]["value"], sum(values) / len(values), 9)
+        error, flicker = (of_fresh["mean"][figure] for figure in ("relative_mse", "flicker"))
+        self.assertGreater(flicker["interval"][0], error["value"], "twice the variance of a frame, where all error is noise")
+        least, greatest = of_frozen["mean"]["flicker"]["interval"]
+        self.assertLess(greatest - least, 0.1 * error["value"])
+        self.assertLess(abs(of_frozen["mean"]["flicker"]["value"]), 0.1 * error["value"], "the same noise in all frames")
+
+    def test_errors_by_frame_want_references_that_are_independent(self):
+        ids = {}
+        for name, more in {"one": {}, "shifted": {"seed": 2}, "fast": {"seed": 100, "fps": 4},
+                           "still": {"seed": 200, "noise": "still"}, "other": {"seed": 300}}.items():
+            ids[name] = submit(self.daemon, sequence(**{"frames": 2, **more}))["id"]
+        for id in ids.values():
+            wait_over(self.daemon, id)
+        self.assertEqual(self.errors(ids["one"], ids["one"], ids["other"]).status, 200)
+        for first, second, pointer, text in (
+                (ids["one"], ids["shifted"], "/second", "frame 1 of {one} and frame 0 of {shifted} have the seed 2"),
+                (ids["fast"], ids["other"], "/first", "sequences {one} and {fast} differ in their fps"),
+                (ids["other"], ids["still"], "/second", "frame 0 of {still} and frame 1 of {still} have the seed 200")):
+            answer = self.errors(ids["one"], first, second)
+            self.assertEqual((answer.status, answer.json["code"]), (422, "conflict"), answer)
+            self.assertIn(text.format(**ids), answer.text)
+            self.assertIn(f'"{pointer}"', answer.text)
+        self.assertEqual(self.errors(ids["one"], ids["other"], "").status, 422)
+        self.assertEqual(self.errors(ids["one"], ids["other"], "S999").status, 404)
+        self.assertEqual(self.errors(ids["one"], ids["one"], ids["other"], layer="sky").status, 422)
 
     def test_lists_and_filters_know_them(self):
         made = submit(self.daemon, sequence(frames=2))

@@ -8,7 +8,7 @@ from typing import Callable, Iterator, List, Optional, cast
 from ._files import Path
 from .errors import PhotondError
 from .job import Job
-from .shapes import Frame
+from .shapes import Frame, SequenceErrors
 from .work import JobGroup
 
 
@@ -50,6 +50,19 @@ class Sequence(JobGroup):
             raise SequenceFailed(self, f"sequence {self.id} {self.state}: frames " + ", ".join(wrong[:10]) +
                                  (" ..." if len(wrong) > 10 else ""))
         return self
+
+    def errors(self, first: "Sequence", second: "Sequence", *, layer: str = "beauty") -> SequenceErrors:
+        """By frame its error, its flicker and its lag against two sequences of the same frames, whose seeds differ by more
+        than they have frames.
+
+        >>> of = {"to": 1, "fps": 2, "width": 16, "height": 12}
+        >>> first, second = (client.sequence("moving/teleport", passes=16, seed=seed, **of) for seed in (100, 200))
+        >>> errors = client.sequence("moving/teleport", passes=1, **of).errors(first, second)
+        >>> [frame["frame"] for frame in errors["frames"]], errors["frames"][0]["flicker"]
+        ([0, 1, 2], None)
+        """
+        return cast(SequenceErrors, self._client.get(self._path("/errors"), {"first": first.id, "second": second.id,
+                                                                             "layer": layer}))
 
     def save(self, folder: Path, name: str = "image.exr") -> List[str]:
         """The images of the frames that succeeded, as `folder`/0000.exr; `name` may be preview.png."""

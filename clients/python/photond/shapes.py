@@ -156,6 +156,36 @@ class Frame(TypedDict):
     seconds: float
 
 
+class SequenceFigure(TypedDict):
+    value: float
+    interval: Ends
+
+
+class SequenceFigures(TypedDict):
+    """None of the first frame but its error."""
+
+    relative_mse: Optional[SequenceFigure]
+    flicker: Optional[SequenceFigure]
+    lag: Optional[SequenceFigure]
+    change: Optional[SequenceFigure]
+
+
+class FrameErrors(SequenceFigures):
+    frame: int
+    time: float
+
+
+class SequenceErrors(TypedDict):
+    """Of the frames that have succeeded in all three sequences."""
+
+    sequence: str
+    references: List[str]
+    layer: str
+    frames: List[FrameErrors]
+    mean: SequenceFigures
+    frames_late: Optional[float]
+
+
 class _CurvePoint(TypedDict):
     seconds: float
     passes: int
