@@ -20,7 +20,8 @@ std::span<const DashboardFile> dashboard_files();
 /// Patterns of the paths at which the dashboard is shown; which of its rooms that is, it finds out by itself
 /// (clients/dashboard/src/app/app.tsx).
 inline constexpr const char* kDashboardPages[] = {
-    "/", "/jobs", "/jobs/{id}", "/render", "/compare", "/studies", "/studies/{id}", "/scenes", "/scenes/{scene}",
+    "/",          "/jobs",           "/jobs/{id}", "/render",         "/compare", "/studies", "/studies/{id}",
+    "/sequences", "/sequences/{id}", "/scenes",    "/scenes/{scene}",
 };
 
 }  // namespace photond::http

@@ -2,7 +2,7 @@
 // A field that does not apply is null.
 
 export type JobState = "queued" | "running" | "succeeded" | "failed" | "cancelled";
-export type JobRole = "render" | "reference" | "merged";
+export type JobRole = "render" | "reference" | "merged" | "frame";
 export const kJobStates: readonly JobState[] = ["queued", "running", "succeeded", "failed", "cancelled"];
 export const isOver = (state: JobState): boolean => state !== "queued" && state !== "running";
 
@@ -579,6 +579,62 @@ export interface ComparisonJob {
 }
 
 /** As the list has them. */
+export interface SequenceSummary {
+  id: string;
+  state: JobState;
+  progress: number;
+  /** Null before the first frame is done. */
+  seconds_left: number | null;
+  created: string;
+  started: string | null;
+  finished: string | null;
+  job_states: Record<JobState, number>;
+  request: {
+    scene: string;
+    image: { width: number; height: number };
+    method: MethodChoice;
+    stop: StopConditions;
+    from: number;
+    fps: number;
+    frames: number;
+    seed: number;
+    [more: string]: unknown;
+  };
+  links: Record<string, string>;
+}
+
+export interface SequenceFrame {
+  frame: number;
+  /** Its moment, in seconds. */
+  time: number;
+  /** Of its job. */
+  id: string;
+  seed: number;
+  state: JobState;
+  progress: number;
+  seconds: number;
+}
+
+export interface Sequence extends SequenceSummary {
+  frames: SequenceFrame[];
+}
+
+export interface SequenceFigure {
+  value: number;
+  interval: [number, number];
+}
+
+type SequenceFigures = Record<"relative_mse" | "flicker" | "lag" | "change", SequenceFigure | null>;
+
+export interface SequenceErrors {
+  sequence: string;
+  references: [string, string];
+  layer: string;
+  frames: (SequenceFigures & { frame: number; time: number })[];
+  mean: SequenceFigures;
+  frames_late: number | null;
+}
+
 export interface ComparisonSummary {
   id: string;
   state: JobState;

@@ -14,6 +14,8 @@ const Studies = lazy(() => import("../studies/studies").then((room) => room.Stud
 const Study = lazy(() => import("../studies/study").then((room) => room.Study));
 const NewStudy = lazy(() => import("../studies/new_study").then((room) => room.NewStudy));
 const HardCases = lazy(() => import("../studies/hard_cases").then((room) => room.HardCases));
+const Sequences = lazy(() => import("../sequences/sequences").then((room) => room.Sequences));
+const SequencePage = lazy(() => import("../sequences/sequence").then((room) => room.SequencePage));
 const Scenes = lazy(() => import("../scenes/scenes").then((room) => room.Scenes));
 const ScenePage = lazy(() => import("../scenes/scene").then((room) => room.ScenePage));
 
@@ -32,6 +34,8 @@ export function App() {
             <Route path="/studies/new" component={NewStudy} />
             <Route path="/studies/hard-cases" component={HardCases} />
             <Route path="/studies/:id" component={Study} />
+            <Route path="/sequences" component={Sequences} />
+            <Route path="/sequences/:id" component={SequencePage} />
             <Route path="/scenes" component={Scenes} />
             <Route path="/scenes/:scene" component={ScenePage} />
             <Route default component={NotFound} />

@@ -16,6 +16,7 @@ const kRooms = [
   { path: "/jobs", name: "Jobs", key: "j" },
   { path: "/compare", name: "Compare images", key: "c" },
   { path: "/studies", name: "Studies", key: "s" },
+  { path: "/sequences", name: "Sequences", key: "q" },
   { path: "/scenes", name: "Scenes", key: "e" },
 ];
 

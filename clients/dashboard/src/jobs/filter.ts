@@ -16,7 +16,7 @@ export interface Filter {
 }
 
 export const kEverything: Filter = { states: [], method: "", scene: "", device: "", label: "", role: "", ids: [] };
-export const kRoles = ["render", "reference", "merged"];
+export const kRoles = ["render", "reference", "merged", "frame"];
 
 type Word = "state" | "method" | "scene" | "device" | "label" | "role";
 export const kWords: Record<Word, string> = {
@@ -25,7 +25,7 @@ export const kWords: Record<Word, string> = {
   scene: "a scene's name or id",
   device: "cpu, gpu:0 …",
   label: "KEY or KEY=VALUE",
-  role: "render, reference or merged",
+  role: "render, reference, merged or frame",
 };
 const isWord = (text: string): text is Word => text in kWords;
 const isId = (text: string): boolean => /^j\d+$/i.test(text);
