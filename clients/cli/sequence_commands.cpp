@@ -1,5 +1,6 @@
 // photonctl sequence SCENE, and sequences list|show|watch|cancel|fetch|errors
 
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 
@@ -249,7 +250,8 @@ ExitCode sequence_errors(Session& session, const SequencesOptions& options) {
     add_row("mean", errors.at("mean"));
     table.print(std::cout);
     if (const json& late = errors.at("frames_late"); late.is_number())
-        std::cout << "what moves is shown " << human_number(late.get<double>()) << " frames late\n";
+        std::cout << "what moves is shown " << human_number(std::round(100 * late.get<double>()) / 100 + 0.0)
+                  << " frames late\n";
     return ExitCode::Ok;
 }
 

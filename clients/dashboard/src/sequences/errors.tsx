@@ -15,6 +15,11 @@ const kCharts = [
   { figure: "change", text: "Motion", about: "change of the scene itself from the frame before" },
 ] as const;
 
+/** Which may be below 0 and mean it. */
+const signedText = ({ value, interval: [least, greatest] }: SequenceFigure) => `${numberText(value)} (${numberText(least)} to ${numberText(greatest)})`;
+/** To the hundredth of a frame, which nobody sees. */
+const lateText = (frames: number) => (Math.round(100 * frames) / 100 || 0).toFixed(2);
+
 const figureText = (figure: SequenceFigure | null) => (figure ? errorWithInterval(figure.value, figure.interval) : kNone);
 
 /** Sequences whose frames are of the same moments and size. */
@@ -64,8 +69,8 @@ function Charts({ errors }: { errors: SequenceErrors }) {
         </div>
       ))}
       <p>
-        Lag {figureText(errors.mean.lag)}
-        {errors.frames_late !== null && `: it shows what moves ${numberText(errors.frames_late)} frames late`}
+        Lag {errors.mean.lag ? signedText(errors.mean.lag) : kNone}
+        {errors.frames_late !== null && `: what moves is shown ${lateText(errors.frames_late)} frames late`}
         <span class="muted small">, over {errors.frames.length} frames</span>
       </p>
     </>
