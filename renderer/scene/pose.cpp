@@ -278,7 +278,7 @@ SceneChange pose_scene(Scene& scene, const Moment& moment) {
         return {};
     }
     if (scene.posed && scene.moment == moment) return {};
-    const SceneChange change = show(scene, moment);
+    SceneChange change = show(scene, moment);
     finish_again(scene, change.materials || !change.reshaped.empty());
     return change;
 }
