@@ -62,13 +62,15 @@ TEST(GpuRadianceCache, IsAsBrightAsOnTheCpu) {
     for (const SecondBounces second : {SecondBounces::Paths, SecondBounces::Cache}) {
         const char* name = second == SecondBounces::Paths ? "by paths" : "by the cache";
         Settings settings = settings_of<RadianceCacheGpu>(1);
+        settings.size = {64, 48};
         settings.params.training = 4;  // of few pixels
         settings.params.second_bounces = second;
         Stats stats;
         // Cells that paths end in keep what few samples got wrong, so that their means vary more.
-        const uint32_t seeds = second == SecondBounces::Cache ? 250 : 50;
+        const uint32_t seeds = second == SecondBounces::Cache ? 80 : 12;
         const test::RunningMean device = indirect_of_seeds(where, settings, seeds, &stats);
         test::RenderSettingsOf<RadianceCache> same = settings_of<RadianceCache>(1);
+        same.size = {64, 48};
         same.params.training = 4;
         same.params.second_bounces = second;
         const test::RunningMean host = indirect_on_host(scene, same, seeds);
@@ -84,8 +86,9 @@ TEST(GpuRadianceCache, IsAPathTracerWhereNoCellKnowsEnough) {
     Settings settings = settings_of<RadianceCacheGpu>(1);
     settings.params.least_samples = 1'000'000;
     settings.params.gather_rays = 16;
+    settings.size = {64, 48};
     Stats stats;
-    expect_same(indirect_of_seeds(where, settings, 100, &stats), indirect_by_paths(scene, 1500), 0.05, "all bounces");
+    expect_same(indirect_of_seeds(where, settings, 25, &stats), indirect_by_paths(scene, 1500), 0.05, "all bounces");
     EXPECT_EQ(stats.counts.cache_hits, 0u);
     EXPECT_GT(stats.counts.cache_misses, 0u);
 }
@@ -96,11 +99,12 @@ TEST(GpuRadianceCache, DoesAsManyBouncesAsItIsTold) {
     const test::SceneOnDevice where(scene);
     for (const uint32_t bounces : {1u, 2u}) {
         Settings settings = settings_of<RadianceCacheGpu>(1);
+        settings.size = {64, 48};
         settings.params.indirect_bounces = bounces;
         settings.params.cell_size = 0.01f;  // whose bias is far below the doubt
         settings.params.training = 4;
         settings.params.cells = 1 << 17;
-        expect_same(indirect_of_seeds(where, settings, 60), indirect_by_paths(scene, 1500, bounces), 0.05,
+        expect_same(indirect_of_seeds(where, settings, 16), indirect_by_paths(scene, 1500, bounces), 0.05,
                     bounces == 1 ? "one bounce" : "two bounces");
     }
     Settings settings = settings_of<RadianceCacheGpu>(1);
