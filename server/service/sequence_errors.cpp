@@ -33,25 +33,41 @@ void check_same_frames(const json& sequence, const json& reference, const std::s
                                  reference["id"].get<std::string>() + " differ in their " + same);
 }
 
-/// Notes whose seeds are whose. Noise that two of the references' frames share would look like something that both
-/// show.
-class Seeds {
+std::string frame_name(const json& sequence, const json& frame) {
+    return "frame " + std::to_string(frame["frame"].get<uint64_t>()) + " of " + sequence["id"].get<std::string>();
+}
+
+/// Whose seeds are whose. Noise that two of the references' frames share would look like something that both show, and
+/// noise that an image shares with a reference like none.
+class ReferenceSeeds {
 public:
+    /// Throws Conflict where a frame shares its seed with another one.
     void add(const json& reference, const std::string& member) {
         for (const json& frame : reference["frames"]) {
-            const auto seed = frame["seed"].get<uint64_t>();
-            const std::string name =
-                "frame " + std::to_string(frame["frame"].get<uint64_t>()) + " of " + reference["id"].get<std::string>();
-            const auto [known, added] = names_.emplace(seed, name);
-            if (!added)
-                conflict(member, known->second + " and " + name + " have the seed " + std::to_string(seed) +
-                                     ": their noise is not independent. References want noise fresh and seeds that "
-                                     "are further apart than they have frames");
+            const Owner owner{frame_name(reference, frame), member};
+            const auto [known, added] = owners_.emplace(frame["seed"].get<uint64_t>(), owner);
+            if (!added) shared(member, known->second, owner.frame, known->first);
         }
+    }
+    /// Throws Conflict where an image shares its seed with a reference.
+    void check(const json& sequence) const {
+        for (const json& frame : sequence["frames"])
+            if (const auto known = owners_.find(frame["seed"].get<uint64_t>()); known != owners_.end())
+                shared(known->second.member, known->second, frame_name(sequence, frame), known->first);
     }
 
 private:
-    std::map<uint64_t, std::string> names_;
+    struct Owner {
+        std::string frame, member;
+    };
+    [[noreturn]] static void shared(const std::string& member, const Owner& known, const std::string& other,
+                                    uint64_t seed) {
+        conflict(member, known.frame + " and " + other + " have the seed " + std::to_string(seed) +
+                             ": their noise is not independent. References want noise fresh and seeds that are "
+                             "further apart than they have frames");
+    }
+
+    std::map<uint64_t, Owner> owners_;
 };
 
 void check_layer(const std::string& layer) {
@@ -140,8 +156,9 @@ json SequenceErrors::errors(const std::string& id, const std::string& first, con
                                sequences_.get_sequence(second)};
     check_same_frames(sequences[0], sequences[1], "first");
     check_same_frames(sequences[0], sequences[2], "second");
-    Seeds seeds;
+    ReferenceSeeds seeds;
     seeds.add(sequences[1], "first"), seeds.add(sequences[2], "second");
+    seeds.check(sequences[0]);
     std::vector<json> figures;
     json frames = json::array();
     for (size_t frame = 0; frame < sequences[0]["frames"].size(); ++frame) {

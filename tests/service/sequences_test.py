@@ -106,23 +106,25 @@ class SequencesTest(DaemonTestCase):
 
     def test_errors_by_frame_want_references_that_are_independent(self):
         ids = {}
-        for name, more in {"one": {}, "shifted": {"seed": 2}, "fast": {"seed": 100, "fps": 4},
+        for name, more in {"measured": {"seed": 400}, "one": {}, "shifted": {"seed": 2}, "fast": {"seed": 100, "fps": 4},
                            "still": {"seed": 200, "noise": "still"}, "other": {"seed": 300}}.items():
             ids[name] = submit(self.daemon, sequence(**{"frames": 2, **more}))["id"]
         for id in ids.values():
             wait_over(self.daemon, id)
-        self.assertEqual(self.errors(ids["one"], ids["one"], ids["other"]).status, 200)
         for first, second, pointer, text in (
                 (ids["one"], ids["shifted"], "/second", "frame 1 of {one} and frame 0 of {shifted} have the seed 2"),
-                (ids["fast"], ids["other"], "/first", "sequences {one} and {fast} differ in their fps"),
+                (ids["fast"], ids["other"], "/first", "sequences {measured} and {fast} differ in their fps"),
                 (ids["other"], ids["still"], "/second", "frame 0 of {still} and frame 1 of {still} have the seed 200")):
-            answer = self.errors(ids["one"], first, second)
+            answer = self.errors(ids["measured"], first, second)
             self.assertEqual((answer.status, answer.json["code"]), (422, "conflict"), answer)
             self.assertIn(text.format(**ids), answer.text)
             self.assertIn(f'"{pointer}"', answer.text)
-        self.assertEqual(self.errors(ids["one"], ids["other"], "").status, 422)
-        self.assertEqual(self.errors(ids["one"], ids["other"], "S999").status, 404)
-        self.assertEqual(self.errors(ids["one"], ids["one"], ids["other"], layer="sky").status, 422)
+        own = self.errors(ids["one"], ids["other"], ids["one"])
+        self.assertEqual((own.status, own.json["errors"][0]["pointer"]), (422, "/second"), "an image that is its own truth")
+        self.assertEqual(self.errors(ids["measured"], ids["one"], ids["other"]).status, 200)
+        self.assertEqual(self.errors(ids["measured"], ids["other"], "").status, 422)
+        self.assertEqual(self.errors(ids["measured"], ids["other"], "S999").status, 404)
+        self.assertEqual(self.errors(ids["measured"], ids["one"], ids["other"], layer="sky").status, 422)
 
     def test_lists_and_filters_know_them(self):
         made = submit(self.daemon, sequence(frames=2))
