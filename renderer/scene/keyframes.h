@@ -10,9 +10,8 @@ enum class Interpolation : uint8_t { Step, Linear, CubicSpline };
 
 /// What a property of `width` numbers is at any time. Before the first key and after the last one it is theirs.
 struct Keyframes {
-    std::vector<float> times;  // [s], none less than the one before; never empty
-    std::vector<float>
-        values;  // `width` numbers a key; of a cubic spline the tangent in, the value and the tangent out
+    std::vector<float> times;   // [s], none less than the one before; never empty
+    std::vector<float> values;  // `width` numbers a key; of a spline the tangent in, the value, the tangent out
     uint32_t width = 1;
     Interpolation interpolation = Interpolation::Linear;
     bool rotation = false;  // quaternions (x, y, z, w): Linear goes the short way round, and results are unit
