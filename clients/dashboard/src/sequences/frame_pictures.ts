@@ -7,7 +7,8 @@ import type { SequenceFrame } from "../api/types";
 
 /** Pixels of a picture's longer side. */
 const kSide = 640;
-const kMostPictures = 1000;
+/** Of one sequence: what a page can hold. */
+export const kMostPictures = 1000;
 
 /** URLs for <img> by the frame's job. */
 export function useFramePictures(frames: SequenceFrame[]): Map<string, string> {
