@@ -21,8 +21,8 @@ public:
 
     /// protocol.md, "Sequences". Of the frames that have succeeded in all three; what was measured before is kept.
     /// `first` and `second`: the references' ids. Throws NotFound; Conflict at /first or /second where frames are not
-    /// of the same moments, scene, view and size or share a seed with others of the three; UnknownName at /layer; TryLater while a
-    /// job renders and there is more to be measured.
+    /// of the same moments, scene, view and size or share a seed with others of the three; UnknownName at /layer;
+    /// TryLater while a job renders and there is more to be measured.
     nlohmann::json errors(const std::string& id, const std::string& first, const std::string& second,
                           const std::string& layer);
 
