@@ -125,6 +125,61 @@ test("a view of the scene's page, and a scene by its name, are what the form sta
   await has(page.getByLabel("Camera"), "own");
 });
 
+test("a scene that moves is rendered at a moment of it", async () => {
+  const moment = page.getByRole("region", { name: "Moment" });
+  await page.goto(`${daemon.url}/render?scene=keyhole`);
+  await page.locator(".render-thumbnail img").waitFor();
+  assert.equal(await moment.count(), 0); // where nothing moves there is none
+  await page.goto(`${daemon.url}/render?scene=moving%2Fcornell-box`);
+  await page.locator(".render-json summary").click();
+  const animation = moment.getByLabel("Animation", { exact: true });
+  await has(animation, "at rest");
+  assert.equal(await moment.getByLabel("Time", { exact: true }).count(), 0);
+  await animation.selectOption({ label: "everything" });
+  await says("animation", "everything");
+  await moment.getByText("4 s, moves 4 meshes, 1 camera").waitFor();
+  const time = moment.getByLabel("Time", { exact: true });
+  const slider = moment.getByLabel("Time in the animation");
+  await time.fill("1.5");
+  await says("time", 1.5);
+  await has(slider, "1.5");
+  await slider.press("ArrowRight");
+  await has(time, "1.54");
+  await slider.fill("2");
+  await says("time", 2);
+  await page.locator(".render-more summary").click();
+  await page.getByLabel("Shutter").fill("0.02");
+  await says("shutter", 0.02);
+  // Where passes build on one another the daemon says that all show one moment.
+  await page.locator("#render-method-method").selectOption("progressive_photon_mapping");
+  await page.locator("#render-shutter-about").getByText(/build on those before/).waitFor();
+  await page.locator("#render-method-method").selectOption("path_tracing");
+  await estimate.getByText(/MiB|KiB/).waitFor();
+  assert.ok(await page.getByLabel("Shutter").isVisible()); // a fault that is mended closes nothing
+  await shoot(page, "render-moment", { fullPage: true });
+  await axeClean(page);
+  await page.getByLabel("Width").fill("48");
+  await page.getByLabel("Height").fill("32");
+  await page.getByLabel("After", { exact: true }).fill("2");
+  const job = await submitted();
+  assert.equal(job.state, "succeeded");
+  assert.deepEqual([job.request.animation, job.request.time, job.request.shutter], ["everything", 2, 0.02]);
+  await page.locator(".facts").getByText("2 s into “everything”, the shutter open for 20 ms").waitFor();
+  // Cloned it is the same, at rest it says nothing, and its first moment is not that.
+  await page.goto(`${daemon.url}/render?from=${job.id}`);
+  await has(time, "2");
+  await page.locator(".render-json summary").click();
+  await time.fill("0");
+  await says("time", undefined);
+  await says("animation", "everything");
+  await animation.selectOption("at rest");
+  for (const member of ["animation", "time", "shutter"]) await says(member, undefined);
+  await animation.selectOption({ label: "everything" });
+  await page.getByRole("combobox", { name: "Scene", exact: true }).selectOption("keyhole");
+  await says("animation", undefined);
+  await moment.waitFor({ state: "detached" });
+});
+
 test("the JSON is another face of the form", async () => {
   await page.goto(`${daemon.url}/render`);
   await page.locator(".render-json summary").click();
@@ -147,4 +202,9 @@ test("fits a telephone", async () => {
   await fitsItsWidth(page);
   await shoot(page, "render-narrow", { fullPage: true });
   await axeClean(page);
+  await page.goto(`${daemon.url}/render?scene=moving%2Fcornell-box&animation=everything&time=1.5`);
+  await has(page.getByLabel("Time", { exact: true }), "1.5");
+  await estimate.getByText(/MiB|KiB/).waitFor();
+  await fitsItsWidth(page);
+  await shoot(page, "render-moment-narrow", { fullPage: true });
 });

@@ -57,6 +57,12 @@ export interface JobRequest {
   priority?: number;
   labels?: Record<string, string>;
   environment?: { image: string; scale?: number; rotation?: number } | null;
+  /** By name or index; none: the scene as it rests, or, where a time or a shutter is given, its first. */
+  animation?: string | number | null;
+  /** Of the animation, seconds. */
+  time?: number;
+  /** How long it stays open from then on, seconds. */
+  shutter?: number;
   [more: string]: unknown;
 }
 

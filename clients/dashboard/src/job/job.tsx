@@ -12,6 +12,7 @@ import { useKeys } from "../app/keyboard";
 import { Title } from "../app/title";
 import { errorWithInterval } from "../ui/error_interval";
 import { kNone, percentText, plainName, secondsText, sizeText, stopText, timeText } from "../ui/format";
+import { momentText } from "../ui/moment_text";
 import { useRemote } from "../ui/remote";
 import { say, sayFailure } from "../ui/toasts";
 import { Actions, doNow, type Asked } from "./actions";
@@ -104,6 +105,7 @@ export function JobPage() {
 function Facts({ job }: { job: Job }) {
   const { request } = job;
   const references = referenceJobs(job);
+  const moment = momentText(request);
   const error = errorWithInterval(job.error_now?.value, job.error_now?.interval);
   const labels = Object.entries(request.labels);
   const leftOut = job.statistics?.left_out ?? [];
@@ -113,6 +115,12 @@ function Facts({ job }: { job: Job }) {
       <dd>
         <a href={`/scenes/${encodeURIComponent(request.scene)}`}>{request.scene}</a>
       </dd>
+      {moment && (
+        <>
+          <dt>Moment</dt>
+          <dd>{moment}</dd>
+        </>
+      )}
       <dt>Method</dt>
       <dd>
         {plainName(request.method.name)} <span class="muted">on {request.method.device}</span>

@@ -19,7 +19,7 @@ function leaves(value: Json, path: string[] = []): [string[], Json][] {
 }
 
 /** What one looks for first comes first. */
-const kOrder = ["scene", "camera", "image", "method", "stop", "reference", "metrics", "layers", "seed", "priority", "labels"];
+const kOrder = ["scene", "camera", "animation", "time", "shutter", "image", "method", "stop", "reference", "metrics", "layers", "seed", "priority", "labels"];
 const rankOf = (name: string): number => (kOrder.includes(name) ? kOrder.indexOf(name) : kOrder.length);
 
 export function RequestPanel({ job, methods }: { job: Job; methods: Method[] }) {

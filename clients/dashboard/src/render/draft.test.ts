@@ -9,6 +9,10 @@ describe("a request being written", () => {
       scene: "keyhole", camera: { name: "side" }, image: { width: 64, height: 512 }, method: { name: "photon_mapping" }, stop: { passes: 64 },
     });
   });
+  it("starts at the moment the address asks for", () => {
+    expect(requestOfQuery({ animation: "walk", time: "1.5", shutter: "0.02" }, null)).toEqual({ ...kFirstRequest, animation: "walk", time: 1.5, shutter: 0.02 });
+    expect(requestOfQuery({ animation: "0", time: "0", shutter: "x" }, null)).toEqual({ ...kFirstRequest, animation: 0 });
+  });
   it("leaves out what says nothing", () => {
     const named = withMember(kFirstRequest, "labels", { a: "b" });
     expect(named.labels).toEqual({ a: "b" });

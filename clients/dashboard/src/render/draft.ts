@@ -13,6 +13,16 @@ export const kFirstRequest: JobRequest = {
   stop: { passes: 64 },
 };
 
+/** The moment an address asks for, with animations as on the command line: digits are an index. */
+function momentOfQuery({ animation, time, shutter }: Record<string, string>): Pick<JobRequest, "animation" | "time" | "shutter"> {
+  const seconds = (name: "time" | "shutter", text: string | undefined) => (Number(text) ? { [name]: Number(text) } : {});
+  return {
+    ...(animation ? { animation: /^\d+$/.test(animation) ? Number(animation) : animation } : {}),
+    ...seconds("time", time),
+    ...seconds("shutter", shutter),
+  };
+}
+
 /** The request an address asks for, but for the job that `from` names. */
 export function requestOfQuery(query: Record<string, string>, camera: JobRequest["camera"]): JobRequest {
   const size = (text: string | undefined, otherwise: number) => (Number(text) >= 1 ? Math.floor(Number(text)) : otherwise);
@@ -22,6 +32,7 @@ export function requestOfQuery(query: Record<string, string>, camera: JobRequest
     ...(camera ? { camera } : {}),
     image: { width: size(query.width, kFirstRequest.image.width), height: size(query.height, kFirstRequest.image.height) },
     method: query.method ? { name: query.method } : kFirstRequest.method,
+    ...momentOfQuery(query),
   };
 }
 

@@ -8,7 +8,11 @@ import { Picture } from "../ui/picture";
 import { StopFields } from "../ui/stop_fields";
 import { cameraChoice, faultsBelow, faultsWithin, labelsOf, labelsText, withInner, withMember } from "./draft";
 import { FaultLines, Labelled, NumberField, TextField, Ticks } from "./fields";
-import { useState } from "preact/hooks";
+import { animationOf, atRest, hasMoment, withMoment } from "./moment";
+import { MomentPart } from "./moment_part";
+import { Panel } from "./panel";
+import { sceneNamed } from "./scenes";
+import { useEffect, useState } from "preact/hooks";
 
 export interface Catalogue {
   scenes: Scene[];
@@ -26,18 +30,6 @@ interface Props {
 const kSizes: [number, number][] = [[256, 256], [512, 512], [1024, 1024], [1280, 720], [1920, 1080]];
 /** Those that a job has to name. */
 const metricsOnRequest = (): string[] => metrics.value.filter(({ values, on_request }) => values === 1 && on_request).map(({ name }) => name);
-
-function Panel({ title, note, children }: { title: string; note?: string; children: preact.ComponentChildren }) {
-  const id = `render-${title.toLowerCase().replaceAll(/\W+/g, "-")}`;
-  return (
-    <section class="panel render-panel" aria-labelledby={id}>
-      <h2 id={id}>
-        {title} {note && <span class="hint">{note}</span>}
-      </h2>
-      {children}
-    </section>
-  );
-}
 
 const kAxes = ["x", "y", "z"];
 
@@ -62,7 +54,7 @@ function Vector({ label, id, pointer, value, faults, onValue }: { label: string;
 }
 
 function ScenePart({ request, change, faults, known }: Props) {
-  const scene = known.scenes.find(({ id, name }) => id === request.scene || name === request.scene);
+  const scene = sceneNamed(known.scenes, request.scene);
   const cameras = scene?.cameras ?? [];
   const choice = cameraChoice(request, cameras);
   const lookAt = request.camera?.look_at;
@@ -88,7 +80,7 @@ function ScenePart({ request, change, faults, known }: Props) {
         <div class="stack">
           <Labelled label="Scene" id="render-scene-choice" pointer="/scene" faults={faults} hint={scene ? `${numberText(scene.triangles ?? 0, 6)} triangles` : undefined}>
             {(aria) => (
-              <select {...aria} value={scene?.id ?? request.scene} onChange={(event) => change(withMember(withMember(request, "camera", null), "scene", event.currentTarget.value))}>
+              <select {...aria} value={scene?.id ?? request.scene} onChange={(event) => change(withMember(withMember(atRest(request), "camera", null), "scene", event.currentTarget.value))}>
                 {!scene && <option value={request.scene}>{request.scene}</option>}
                 {known.scenes.map(({ id, name }) => (
                   <option key={id} value={id}>
@@ -235,14 +227,20 @@ function More({ request, change, faults }: Props) {
   const [labels, setLabels] = useState<string | null>(null);
   const environment = request.environment;
   const set = (name: string) => (value: unknown) => change(withMember(request, name, value));
-  const pointers = ["/seed", "/priority", "/labels", "/glass", "/environment", "/camera/aperture", "/camera/focus_distance", "/image/filter", "/first_pass"];
-  const said = ["seed", "priority", "labels", "glass", "environment"].filter((name) => request[name] !== undefined).length + (request.image.filter ? 1 : 0);
+  const pointers = ["/seed", "/priority", "/labels", "/glass", "/environment", "/camera/aperture", "/camera/focus_distance", "/image/filter", "/first_pass", "/shutter"];
+  const said = ["seed", "priority", "labels", "glass", "environment", "shutter"].filter((name) => request[name] !== undefined).length + (request.image.filter ? 1 : 0);
+  const moves = animationOf(request) !== null;
   const wrong = pointers.some((pointer) => faultsBelow(faults, pointer).length > 0);
+  // Opened by a fault, it stays so once that is mended: one may still be writing in it.
+  const [open, setOpen] = useState(wrong);
+  useEffect(() => {
+    if (wrong) setOpen(true);
+  }, [wrong]);
   return (
-    <details class="panel render-more" open={wrong || undefined}>
+    <details class="panel render-more" open={open} onToggle={(event) => setOpen(event.currentTarget.open)}>
       <summary>
         <h2>More</h2>
-        <span class="hint">seed, priority, labels, pixel filter, lens, environment, glass</span>
+        <span class="hint">seed, priority, labels, pixel filter, lens, {moves && "shutter, "}environment, glass</span>
         {said > 0 && <span class="method-form-count">{said} set</span>}
       </summary>
       <div class="fields">
@@ -295,6 +293,19 @@ function More({ request, change, faults }: Props) {
           placeholder="at the target"
           onValue={(focus_distance) => change(withInner(request, "camera", { focus_distance }))}
         />
+        {moves && (
+          <NumberField
+            label="Shutter"
+            id="render-shutter"
+            pointer="/shutter"
+            faults={faults}
+            value={request.shutter}
+            unit="s"
+            placeholder="0, all at one moment"
+            hint="open for so long: each pass shows a moment within it"
+            onValue={(shutter) => change(withMoment(request, "shutter", shutter))}
+          />
+        )}
         <TextField
           label="Environment"
           id="render-environment"
@@ -334,9 +345,11 @@ function More({ request, change, faults }: Props) {
 export function RequestForm(props: Props) {
   const { request, change, faults, known } = props;
   const method = known.methods.find(({ name }) => name === request.method.name);
+  const scene = sceneNamed(known.scenes, request.scene);
   return (
     <div class="stack">
       <ScenePart {...props} />
+      {hasMoment(request, scene) && <MomentPart request={request} change={change} faults={faults} scene={scene} />}
       <ImagePart {...props} />
       <Panel title="Method">
         <MethodForm

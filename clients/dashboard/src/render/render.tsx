@@ -16,6 +16,7 @@ import { say, sayFailure } from "../ui/toasts";
 import { keepDraft, keptDraft, newKey, parseRequest, requestOfJob, requestOfQuery } from "./draft";
 import { useJudgement, type Judgement } from "./estimate";
 import { RequestForm, type Catalogue } from "./form";
+import { useScenes } from "./scenes";
 
 export function RenderPage() {
   const { query, url } = useLocation();
@@ -167,6 +168,7 @@ function Writing({ title, start, known }: { title: string; start: JobRequest; kn
   const [refused, setRefused] = useState<Problem | null>(null);
   const [sending, setSending] = useState(false);
   const form = useRef<HTMLFormElement>(null);
+  const scenes = useScenes(known.scenes, request.scene);
   const judgement = useJudgement(request);
   const changed = JSON.stringify(request) !== JSON.stringify(start);
   // The same request under the same key is the same job, however often it is sent; another request is another.
@@ -218,7 +220,7 @@ function Writing({ title, start, known }: { title: string; start: JobRequest; kn
           else if (event.key === "Enter" && event.target instanceof HTMLInputElement) event.preventDefault();
         }}
       >
-        <RequestForm request={request} change={change} faults={faults} known={known} />
+        <RequestForm request={request} change={change} faults={faults} known={{ ...known, scenes }} />
         <aside class="panel stack render-side" aria-label="What it takes">
           <h2>What it takes</h2>
           <Estimated judgement={judgement} />

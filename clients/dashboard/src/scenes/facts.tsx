@@ -2,8 +2,9 @@
 
 import type { ComponentChildren } from "preact";
 
-import type { Scene, SceneAnimation, Vec3 } from "../api/types";
+import type { Scene, Vec3 } from "../api/types";
 import { bytesText, numberText } from "../ui/format";
+import { motionText } from "./motion_text";
 import { needsOf } from "./needs";
 
 const count = (value: number | null) => (value === null ? "–" : value.toLocaleString("en"));
@@ -17,13 +18,6 @@ function lightsText({ lights }: Scene): string {
     ...(lights.environment ? ["light from all around"] : []),
   ];
   return parts.join(", ") || "none: its pictures here are under a white sky";
-}
-
-function motionText({ duration_seconds, moves }: SceneAnimation): string {
-  const parts = (Object.entries({ mesh: moves.meshes, camera: moves.cameras, light: moves.lights, material: moves.materials }) as [string, number][])
-    .filter(([, number]) => number > 0)
-    .map(([what, number]) => `${number} ${what}${number === 1 ? "" : what === "mesh" ? "es" : "s"}`);
-  return `${numberText(duration_seconds)} s, moves ${parts.join(", ") || "nothing that is rendered"}`;
 }
 
 function Fact({ name, children }: { name: string; children: ComponentChildren }) {

@@ -48,6 +48,14 @@ describe("a request without its defaults", () => {
     const more = { ...echo, camera, seed: 7, priority: -3, labels: { a: "b" }, layers: ["depth"], reference: "job:J1", glass: "solid" };
     expect(minimalRequest(more, [])).toMatchObject({ camera, seed: 7, priority: -3, labels: { a: "b" }, layers: ["depth"], reference: "job:J1", glass: "solid" });
   });
+  it("keeps the moment, and an animation's first moment apart from rest", () => {
+    const moving = minimalRequest({ ...echo, animation: "walk", time: 1.5, shutter: 0.02 }, methods);
+    expect(moving).toMatchObject({ animation: "walk", time: 1.5, shutter: 0.02 });
+    const first = minimalRequest({ ...echo, animation: 0, time: 0, shutter: 0 }, methods);
+    expect(first.animation).toBe(0);
+    expect("time" in first || "shutter" in first).toBe(false);
+    expect("animation" in minimalRequest({ ...echo, animation: null, time: 0, shutter: 0 }, methods)).toBe(false);
+  });
 });
 
 describe("the lines that repeat it", () => {
