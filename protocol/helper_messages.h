@@ -446,6 +446,28 @@ struct EncodePreviewRequest {
     }
 };
 
+/// PNG of several films beside each other, row after row from the top left, black between them. The first one's size is
+/// that of all.
+struct EncodeSheetRequest {
+    static constexpr const char* kType = "encode_sheet";
+    using Reply = EncodedReply;
+    std::vector<std::filesystem::path> films;
+    uint32_t columns = 1;
+    uint32_t max_size = 256;  // of a picture's longer side
+    double exposure = 0;      // stops
+    std::string curve;        // "srgb" or "filmic"
+    std::filesystem::path out;
+
+    void visit(MessageVisitor& visitor) {
+        visitor.member("films", films);
+        visitor.member("columns", columns);
+        visitor.member("max_size", max_size);
+        visitor.or_default("exposure", exposure);
+        visitor.member("curve", curve);
+        visitor.member("out", out);
+    }
+};
+
 /// Raw pixels of a layer of a film or an image: little-endian, interleaved, row 0 at the top. The reply has all but the
 /// mean.
 struct EncodePixelsRequest {
@@ -468,7 +490,7 @@ using HelperRequest =
     std::variant<JudgeSceneRequest, UnpackRequest, PackRequest, ThumbnailRequest, PreviewSceneRequest, BakeRequest,
                  JudgeImageRequest, MeasureRequest, EncodeDifferenceRequest, EncodeFlipRequest, EncodeFlipMapRequest,
                  EncodeErrorMapRequest, MeasureSeedsRequest, MeasureFrameRequest, EncodeBiasMapRequest,
-                 MergeFilmsRequest, EncodeExrRequest, EncodePreviewRequest, EncodePixelsRequest>;
+                 MergeFilmsRequest, EncodeExrRequest, EncodePreviewRequest, EncodeSheetRequest, EncodePixelsRequest>;
 /// Throws Error where it cannot be read; ErrorCode::UnknownName at /type for one that is none of these.
 HelperRequest read_helper_request(const nlohmann::json& message);
 

@@ -4,6 +4,8 @@
 //
 // The worker's command line: photond-worker --device cpu|gpu:N|none --memory-limit BYTES --threads N (0: all cores),
 // and for a GPU --pipeline-cache FILE. photond-worker --device list says DevicesMessage and ends.
+// photond-worker --device video --video-program FFMPEG is told once what to do, and ends when it is done
+// (video_message.h).
 //
 // A process whose peer has closed the socket ends at once. The kernel kills a worker when the daemon's THREAD that
 // started it ends (PR_SET_PDEATHSIG), so it must be started from a thread that lives as long as the daemon, and

@@ -50,7 +50,9 @@ json sequence_summary_schema() {
                   {"finished", time_or_none()},
                   {"job_states", map_of(count())},
                   {"request", schema_ref("SequenceRequest")},
-                  {"links", given({{"self", typed("string")}, {"frames", typed("string", "the ZIP of its images")}})}});
+                  {"links", given({{"self", typed("string")},
+                                   {"frames", typed("string", "the ZIP of its images")},
+                                   {"video", typed("string")}})}});
 }
 
 json sequence_schema() {

@@ -174,6 +174,9 @@ json Service::sequence_errors(const std::string& id, const std::string& first, c
 Artefact Service::sequence_zip(const std::string& id, const std::string& images) {
     return impl_->sequence_files.frames_zip(id, images);
 }
+Artefact Service::sequence_video(const std::string& id, const VideoWanted& wanted) {
+    return impl_->sequence_files.video(id, wanted);
+}
 Service::Cancelled Service::cancel_sequence(const std::string& id) {
     return impl_->sequences.cancel_sequence(id, false);
 }

@@ -111,6 +111,7 @@ public:
     // `precision` is "float" or "half", else OutOfRange. NotFound when the job ended without a film.
     Artefact image(const std::string& id, const std::string& precision);
     using PreviewWanted = photond::PreviewWanted;
+    using VideoWanted = photond::VideoWanted;
     Artefact preview(const std::string& id, const PreviewWanted& wanted);
     /// Raw little-endian pixels, row 0 at the top; `layer` empty or "beauty", or a layer's name. Headers
     /// X-Image-Width, X-Image-Height, X-Image-Channels.
@@ -180,6 +181,7 @@ public:
                                    const std::string& layer);
     /// A ZIP of its frames' images, exr or png, of those that have succeeded so far. Waits for the helper. OutOfRange.
     Artefact sequence_zip(const std::string& id, const std::string& images);
+    Artefact sequence_video(const std::string& id, const VideoWanted& wanted);
     /// Cancels its frames that are not over.
     Cancelled cancel_sequence(const std::string& id);
     /// Removes its frames and their files too; what runs when its worker has let go of it.

@@ -44,6 +44,7 @@ struct SequencesOptions {
     bool purge = false;
     std::vector<std::string> references;
     std::string layer = "beauty";
+    std::string video;
     WaitOptions wait;
     FrameOutputs outputs;
 };
@@ -218,8 +219,21 @@ ExitCode cancel_sequences(Session& session, const SequencesOptions& options) {
     return ExitCode::Ok;
 }
 
+/// An MP4 or, by its name, a PNG of frames beside each other.
+void save_video(Session& session, const std::string& id, const std::string& file) {
+    const std::string ending = std::filesystem::path(file).extension().string();
+    if (ending != ".mp4" && ending != ".png")
+        throw Failure(ExitCode::Usage, "cannot tell what to save as " + file + ": name it .mp4 or .png");
+    download(session, resource_path("sequences", id) + "/video?format=" + ending.substr(1), file);
+    session.remark("saved " + file);
+}
+
 ExitCode fetch_sequence(Session& session, const SequencesOptions& options) {
     FrameOutputs outputs = options.outputs;
+    if (!options.video.empty()) {
+        save_video(session, options.ids.front(), options.video);
+        if (!outputs.any()) return ExitCode::Ok;
+    }
     if (!outputs.any()) outputs.folder = options.ids.front();
     save_frames(session, session.daemon().get(resource_path("sequences", options.ids.front())), outputs);
     return ExitCode::Ok;
@@ -309,8 +323,10 @@ void add_sequence_commands(CLI::App& program, Session& session, const RenderVoca
     add_wait_options(*command("watch", "Follow a sequence to its end", 1, watch_sequence), options->wait);
     command("cancel", "End sequences; frames that are done stay", kMany, cancel_sequences)
         ->add_flag("--purge", options->purge, "also remove the sequence, its frames and their files");
-    add_frame_options(*command("fetch", "Save the frames; default: in a folder of its name", 1, fetch_sequence),
-                      options->outputs);
+    CLI::App* fetch = command("fetch", "Save the frames; default: in a folder of its name", 1, fetch_sequence);
+    add_frame_options(*fetch, options->outputs);
+    fetch->add_option("--video", options->video, "save a video, or by the name .png a sheet of at most 100 frames")
+        ->type_name("FILE.mp4");
     CLI::App* errors =
         command("errors", "Error, flicker and lag by frame, against two sequences of other seeds", 1, sequence_errors);
     errors->add_option("--references", options->references, "two sequences of the same frames")

@@ -22,6 +22,16 @@ void add_sequence_routes(std::vector<Route>& all, Service& service) {
         query.finish();
         return file_reply(call, service.sequence_zip(call.path_parameters[0], images));
     });
+    routes.add("GET", "/v1/sequences/{id}/video", BodyKind::None, [&service](Call& call) {
+        Query query(call.query);
+        Service::VideoWanted wanted;
+        wanted.format = query.text("format", wanted.format);
+        wanted.fps = query.number("fps");
+        wanted.exposure_stops = query.number("exposure", wanted.exposure_stops);
+        wanted.curve = query.text("curve", wanted.curve);
+        query.finish();
+        return file_reply(call, service.sequence_video(call.path_parameters[0], wanted));
+    });
     routes.add("GET", "/v1/sequences/{id}/errors", BodyKind::None, [&service](Call& call) {
         Query query(call.query);
         const std::string first = query.text("first"), second = query.text("second");

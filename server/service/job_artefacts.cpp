@@ -65,7 +65,7 @@ Artefact JobArtefacts::image(const std::string& id, const std::string& precision
     });
 }
 
-Artefact JobArtefacts::preview(const std::string& id, const PreviewWanted& wanted) {
+void JobArtefacts::check_look(const PreviewWanted& wanted) {
     const LayerPreview preview = preview_of_name(wanted.layer);
     const double exposure = wanted.exposure_stops;
     BodyFaults faults;
@@ -89,6 +89,11 @@ Artefact JobArtefacts::preview(const std::string& id, const PreviewWanted& wante
         faults.add(ErrorCode::Conflict, exposure != 0 ? "/exposure" : "/curve",
                    "the preview of " + wanted.layer + " has neither exposure nor tone curve");
     faults.throw_if_any();
+}
+
+Artefact JobArtefacts::preview(const std::string& id, const PreviewWanted& wanted) {
+    check_look(wanted);
+    const double exposure = wanted.exposure_stops;
     const json max_size = wanted.max_size ? json(*wanted.max_size) : json();
     return encoded(id, "png/" + wanted.layer + "/" + wanted.curve + "/" + json(exposure).dump() + "/" + max_size.dump(),
                    "image/png", [&](const FilmSource& film, const fs::path& out) {

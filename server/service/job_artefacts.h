@@ -24,6 +24,8 @@ public:
     Artefact image(const std::string& id, const std::string& precision);
     Artefact pixels(const std::string& id, const std::string& layer, const std::string& precision);
     Artefact preview(const std::string& id, const PreviewWanted& wanted);
+    /// Throws Error with all faults: UnknownName, OutOfRange, Conflict.
+    static void check_look(const PreviewWanted& wanted);
     /// The film itself.
     Artefact film(const std::string& id);
     Artefact statistics(const std::string& id);

@@ -26,12 +26,7 @@ Processes::~Processes() {
 }
 
 void Processes::start() {
-    ProcessOptions process;
-    process.program = core_.options.worker_program;
-    process.memory_limit_bytes = core_.options.memory_limit_bytes;
-    process.priority.nice = core_.options.worker_nice;
-    process.heartbeat_timeout_seconds = core_.options.limits.heartbeat_timeout_seconds;
-
+    ProcessOptions process = core_.process_options();
     const auto helper_exited = [this](const ProcessExit& exit) {
         attempts_.update_ready();
         if (exit.cause != ExitCause::Ordered) core_.metrics.worker_restarted(std::string(exit_cause_name(exit.cause)));

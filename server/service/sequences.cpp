@@ -56,7 +56,7 @@ json summary_of(const ComparisonRow& row, const ComparisonState& state) {
             {"finished", over && finished ? json(rfc3339(*finished)) : json()},
             {"job_states", counts},
             {"request", json::parse(row.request)},
-            {"links", {{"self", self}, {"frames", self + "/frames.zip"}}}};
+            {"links", {{"self", self}, {"frames", self + "/frames.zip"}, {"video", self + "/video"}}}};
 }
 
 }  // namespace

@@ -48,6 +48,15 @@ bool ServiceCore::has_device(const std::string& id) const {
     return std::find(options.devices.begin(), options.devices.end(), id) != options.devices.end();
 }
 
+ProcessOptions ServiceCore::process_options() const {
+    ProcessOptions process;
+    process.program = options.worker_program;
+    process.memory_limit_bytes = options.memory_limit_bytes;
+    process.priority.nice = options.worker_nice;
+    process.heartbeat_timeout_seconds = options.limits.heartbeat_timeout_seconds;
+    return process;
+}
+
 json ServiceCore::listed_device(const std::string& id) {
     for (json& device : device_list.get())
         if (device.value("id", "") == id) return std::move(device);

@@ -46,6 +46,8 @@ struct ServiceCore {
     bool has_device(const std::string& id) const;
     /// The device of ours that a method means. Throws DeviceUnavailable, at `pointer`, where there is none.
     std::string device_of(const JobMethod& method, const std::string& pointer = "/method/device") const;
+    /// What all processes of ours have alike.
+    ProcessOptions process_options() const;
     /// What the list says of a device; may wait for the process that lists them. Throws DeviceUnavailable where it says
     /// nothing.
     nlohmann::json listed_device(const std::string& id);

@@ -84,6 +84,14 @@ struct PreviewWanted {
     std::optional<uint32_t> max_size;  // of the longer side, 16..4096: larger ones are scaled down
 };
 
+/// A sequence's frames as something to look at.
+struct VideoWanted {
+    std::string format = "auto";  // "mp4"; "png", a sheet of pictures; or whichever this machine can make
+    std::optional<double> fps;    // pictures a second, 1..120; else the sequence's own, as near as that comes
+    double exposure_stops = 0;    // as a PreviewWanted has it
+    std::string curve = "srgb";
+};
+
 /// A job, a comparison or a sequence, and whether it was over already (200 instead of 202).
 struct Cancelled {
     nlohmann::json object;

@@ -10,9 +10,10 @@
 namespace photond {
 
 enum class FileUse : uint8_t {
-    Read,    // files are read, folders listed
-    Write,   // and files made, written, renamed and removed
-    Device,  // a device's node is read, written and steered by ioctl
+    Read,     // files are read, folders listed
+    Execute,  // and a file becomes this process
+    Write,    // files are read, made, written, renamed and removed
+    Device,   // a device's node is read, written and steered by ioctl
 };
 
 /// A file, or a folder with all that lies below it.

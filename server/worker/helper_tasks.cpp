@@ -10,18 +10,15 @@
 #include "protocol/helper_messages.h"
 #include "renderer/film/exr_file.h"
 #include "renderer/film/film_file.h"
-#include "renderer/film/png_file.h"
-#include "renderer/film/tone_curve.h"
 #include "renderer/scene/baked_scene.h"
-#include "server/worker/film_layer.h"
 #include "server/worker/helper_errors.h"
 #include "server/worker/helper_frames.h"
 #include "server/worker/helper_merge.h"
 #include "server/worker/helper_pictures.h"
+#include "server/worker/helper_previews.h"
 #include "server/worker/helper_seeds.h"
 #include "server/worker/job_runner.h"
 #include "server/worker/pack.h"
-#include "server/worker/preview_image.h"
 #include "server/worker/process_memory.h"
 #include "server/worker/raw_pixels.h"
 #include "server/worker/scene_summary.h"
@@ -73,22 +70,6 @@ EncodedReply encode_exr(const EncodeExrRequest& asked, uint64_t memory_bytes) {
     return reply;
 }
 
-void encode_preview(const EncodePreviewRequest& asked, uint64_t memory_bytes) {
-    const std::optional<ToneCurve> curve = tone_curve_named(asked.curve);
-    if (!curve)
-        throw Error(ErrorCode::UnknownName, "/curve", "curve \"" + asked.curve + "\" is neither srgb nor filmic");
-    const Film film = FilmFile::load(asked.film, memory_bytes).film;
-    const LayerInfo* info = nullptr;
-    if (asked.layer != "beauty") {
-        info = &film_layer(film, asked.layer);
-        if (info->preview == LayerPreview::None)
-            throw Error(ErrorCode::UnknownName, "/layer", "the layer \"" + asked.layer + "\" has no preview");
-    }
-    const PreviewImage shown =
-        preview_image(film, info, static_cast<float>(asked.exposure), *curve, asked.max_size.value_or(UINT32_MAX));
-    write_png(shown.size, shown.rgb, asked.out);
-}
-
 /// The task of each request.
 struct Tasks {
     uint64_t memory_bytes;
@@ -119,6 +100,9 @@ struct Tasks {
     EncodedReply run(const EncodeExrRequest& asked) const { return encode_exr(asked, memory_bytes); }
     EncodedReply run(const EncodePreviewRequest& asked) const {
         return encode_preview(asked, memory_bytes), EncodedReply();
+    }
+    EncodedReply run(const EncodeSheetRequest& asked) const {
+        return encode_sheet(asked, memory_bytes), EncodedReply();
     }
     EncodedReply run(const EncodePixelsRequest& asked) const { return encode_pixels(asked, memory_bytes); }
 };

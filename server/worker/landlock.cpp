@@ -52,6 +52,7 @@ uint64_t rights_of_version(int version) {
 uint64_t rights_of_use(FileUse use, bool folder) {
     switch (use) {
         case FileUse::Read: return folder ? kRead : kReadFile;
+        case FileUse::Execute: return (folder ? kRead : kReadFile) | LANDLOCK_ACCESS_FS_EXECUTE;
         case FileUse::Write: return folder ? kWrite : kWriteFile;
         case FileUse::Device: return kDeviceFile | (folder ? LANDLOCK_ACCESS_FS_READ_DIR : 0);
     }

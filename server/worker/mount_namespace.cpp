@@ -85,7 +85,7 @@ void show(const FileRule& rule) {
     check(mount(from.c_str(), to.c_str(), nullptr, MS_BIND | MS_REC, nullptr), rule.path);
     mount_attr attributes{};
     attributes.attr_set = MOUNT_ATTR_NOSUID;
-    if (rule.use == FileUse::Read) attributes.attr_set |= MOUNT_ATTR_RDONLY;
+    if (rule.use == FileUse::Read || rule.use == FileUse::Execute) attributes.attr_set |= MOUNT_ATTR_RDONLY;
     check(mount_setattr(AT_FDCWD, to.c_str(), AT_RECURSIVE, &attributes, sizeof attributes), rule.path);
 }
 

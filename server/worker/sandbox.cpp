@@ -49,12 +49,14 @@ void die_with_parent(int parent_socket) {
         throw Error(ErrorCode::WorkerLost, "the process that started this worker is gone");
 }
 
+constexpr const char* kBecomeProgram = "execve";
+
 /// System calls a renderer has no use for, whatever their arguments.
 constexpr const char* kForbidden[] = {
     // the network
     "socket", "socketpair", "connect", "bind", "listen", "accept", "accept4",
     // other programs and processes
-    "execve", "execveat", "fork", "vfork", "ptrace", "process_vm_readv", "process_vm_writev", "pidfd_open",
+    kBecomeProgram, "execveat", "fork", "vfork", "ptrace", "process_vm_readv", "process_vm_writev", "pidfd_open",
     "pidfd_getfd", "pidfd_send_signal", "process_madvise", "kcmp", "rt_sigqueueinfo", "rt_tgsigqueueinfo",
     // rights, namespaces, the file system's shape
     "setuid", "setgid", "setreuid", "setregid", "setresuid", "setresgid", "setgroups", "setfsuid", "setfsgid", "capset",
@@ -69,7 +71,7 @@ constexpr const char* kForbidden[] = {
     "swapon", "swapoff", "sethostname", "setdomainname", "settimeofday", "clock_settime", "adjtimex", "clock_adjtime",
     "iopl", "ioperm", "syslog", "personality", "modify_ldt", "shmget", "shmat", "msgget", "semget"};
 
-void forbid_system_calls() {
+void forbid_system_calls(bool becomes_program) {
     const std::unique_ptr<void, void (*)(scmp_filter_ctx)> filter(seccomp_init(SCMP_ACT_ALLOW), &seccomp_release);
     if (!filter) fail("seccomp_init", ENOMEM);
     const auto check = [](int status, const std::string& what) {
@@ -77,6 +79,7 @@ void forbid_system_calls() {
     };
     check(seccomp_attr_set(filter.get(), SCMP_FLTATR_CTL_TSYNC, 1), "all threads");
     for (const char* name : kForbidden) {
+        if (becomes_program && name == kBecomeProgram) continue;
         const int call = seccomp_syscall_resolve_name(name);
         if (call == __NR_SCMP_ERROR) continue;  // younger than this library, or not of this processor
         check(seccomp_rule_add(filter.get(), SCMP_ACT_ERRNO(EPERM), call, 0), name);
@@ -160,7 +163,7 @@ void enter_sandbox(const SandboxLimits& limits) {
         bound(RLIMIT_AS, virtual_bytes() + worker_address_space(limits.memory_bytes, limits.threads), "RLIMIT_AS");
 #endif
     if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) fail("PR_SET_NO_NEW_PRIVS", errno);
-    forbid_system_calls();
+    forbid_system_calls(limits.becomes_program);
 }
 
 }  // namespace photond

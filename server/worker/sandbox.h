@@ -11,6 +11,8 @@ struct SandboxLimits {
     unsigned threads = 1;
     /// A GPU's driver maps more than a job will ever hold: the daemon watches what is resident instead.
     bool bound_address_space = true;
+    /// It is to become another program, one that may be executed (file_access.h); that is held to the same.
+    bool becomes_program = false;
 };
 
 /// Binds the process' life to its parent's (SIGKILL when the thread that started it ends; `parent_socket` tells a
@@ -25,11 +27,11 @@ void bind_to_parent(int parent_socket);
 void give_up_capabilities();
 
 /// Takes away new privileges, bounds the size of files and the address space, and forbids, by seccomp for all threads,
-/// those that are there already among them, what a renderer has no use for: new sockets, other programs, other
-/// processes, other users' rights, owners, modes and times of files, the kernel's configuration. A forbidden call fails
-/// with EPERM. Which files are opened is bounded before (file_access.h). A GPU is opened in between: its driver may ask
-/// services of the machine to get at the device, and no stranger has said anything by then. Throws photond::Error
-/// (Internal) when any of it does not hold.
+/// those that are there already among them, what a renderer has no use for: new sockets, other programs
+/// (but as `limits` says), other processes, other users' rights, owners, modes and times of files, the kernel's
+/// configuration. A forbidden call fails with EPERM. Which files are opened is bounded before (file_access.h). A GPU is
+/// opened in between: its driver may ask services of the machine to get at the device, and no stranger has said
+/// anything by then. Throws photond::Error (Internal) when any of it does not hold.
 void enter_sandbox(const SandboxLimits& limits);
 
 }  // namespace photond

@@ -10,6 +10,7 @@
 #include "server/worker/file_access.h"
 #include "server/worker/process_memory.h"
 #include "server/worker/sandbox.h"
+#include "server/worker/video_encoder.h"
 #include "server/worker/worker_loop.h"
 
 namespace {
@@ -35,7 +36,8 @@ int main(int argc, char** argv) {
     std::filesystem::path pipeline_cache;
     app.add_option(
         "--device", device,
-        "cpu, gpu:N, none for the helper that judges uploads and encodes images, or list to name all devices");
+        "cpu, gpu:N, none for the helper that judges uploads and encodes images, video to become an encoder of "
+        "videos, or list to name all devices");
     app.add_option("--threads", threads, "threads to render with; 0: all cores");
     app.add_option("--memory-limit", memory_limit_bytes, "bytes a job may hold; 0: three quarters of this machine's");
     app.add_option("--pipeline-cache", pipeline_cache, "file that a GPU's compiled pipelines are kept in");
@@ -43,6 +45,8 @@ int main(int argc, char** argv) {
     std::vector<std::filesystem::path> reads, writes;
     app.add_option("--read", reads, "folder whose files it may read; repeat for more")->take_all();
     app.add_option("--write", writes, "folder whose files it may make, write and remove; repeat for more")->take_all();
+    std::filesystem::path video_program;
+    app.add_option("--video-program", video_program, "what --device video becomes: ffmpeg, by its whole path");
     app.add_flag("--warm-up", warm_up, "a helper loads the image library before anybody asks for an image");
     CLI11_PARSE(app, argc, argv);
     if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
@@ -56,8 +60,16 @@ int main(int argc, char** argv) {
         if (device == "list") return photond::list_devices(channel);
         if (!pipeline_cache.empty()) photond::keep_shader_caches_in(pipeline_cache.parent_path());
         // Bounds on files hold for threads that come later: before a driver starts its own.
-        const photond::FileAccess file_access = photond::bound_file_access(file_rules(device, reads, writes));
+        std::vector<photond::FileRule> files = file_rules(device, reads, writes);
+        if (device == "video")
+            for (photond::FileRule& rule : photond::video_encoder_files(video_program))
+                files.push_back(std::move(rule));
+        const photond::FileAccess file_access = photond::bound_file_access(files);
         photond::give_up_capabilities();
+        if (device == "video") {
+            photond::enter_sandbox({memory_limit_bytes, memory_limit_bytes, threads, true, true});
+            photond::become_video_encoder(channel, video_program, threads);
+        }
         const photond::WorkerOptions options{photond::open_device({device, pipeline_cache, memory_limit_bytes}),
                                              memory_limit_bytes, threads, file_access, warm_up};
         photond::enter_sandbox({memory_limit_bytes, memory_limit_bytes, threads, options.device.kind != "gpu"});

@@ -60,6 +60,16 @@ std::string_view exit_cause_name(ExitCause cause) {
     return kNames[static_cast<size_t>(cause)];
 }
 
+std::vector<std::string> worker_arguments(const ProcessOptions& options) {
+    std::vector<std::string> arguments{"--device",       options.device,
+                                       "--memory-limit", std::to_string(options.memory_limit_bytes),
+                                       "--threads",      std::to_string(options.threads)};
+    for (const auto& folder : options.reads) arguments.insert(arguments.end(), {"--read", folder.string()});
+    for (const auto& folder : options.writes) arguments.insert(arguments.end(), {"--write", folder.string()});
+    arguments.insert(arguments.end(), options.more_arguments.begin(), options.more_arguments.end());
+    return arguments;
+}
+
 struct WorkerProcess::Link {
     explicit Link(int socket) : channel(socket) {}
     ~Link() { close(channel.socket()); }
@@ -162,13 +172,7 @@ void WorkerProcess::supervise() {
 
 std::shared_ptr<WorkerProcess::Link> WorkerProcess::spawn() {
     try {
-        std::vector<std::string> arguments{"--device",       options_.device,
-                                           "--memory-limit", std::to_string(options_.memory_limit_bytes),
-                                           "--threads",      std::to_string(options_.threads)};
-        for (const auto& folder : options_.reads) arguments.insert(arguments.end(), {"--read", folder.string()});
-        for (const auto& folder : options_.writes) arguments.insert(arguments.end(), {"--write", folder.string()});
-        arguments.insert(arguments.end(), options_.more_arguments.begin(), options_.more_arguments.end());
-        const Child child = spawn_child(options_.program, arguments, options_.priority);
+        const Child child = spawn_child(options_.program, worker_arguments(options_), options_.priority);
         auto link = std::make_shared<Link>(child.socket);
         const std::lock_guard lock(mutex_);
         pid_ = child.pid;

@@ -55,6 +55,9 @@ struct ProcessExit {
 };
 std::string_view exit_cause_name(ExitCause cause);
 
+/// The worker program's command line.
+std::vector<std::string> worker_arguments(const ProcessOptions& options);
+
 /// Of a process of this machine, in physical memory; 0: there is none.
 uint64_t resident_bytes_of(pid_t pid);
 

@@ -219,6 +219,7 @@ class OpenApiTest(unittest.TestCase):
             time.sleep(0.05)
         self.assertEqual(len(ask("GET", "/v1/sequences").json["items"]), 1)
         self.assertEqual(ask("GET", f"/v1/sequences/{done['id']}/frames.zip?images=png").status, 200)
+        self.assertEqual(ask("GET", f"/v1/sequences/{done['id']}/video?format=png").status, 200)
         references = [ask("POST", "/v1/sequences", json_body={**SEQUENCE, "seed": seed}).json["id"] for seed in (100, 200)]
         while any(ask("GET", f"/v1/sequences/{id}").json["state"] != "succeeded" for id in references):
             time.sleep(0.05)
@@ -228,6 +229,7 @@ class OpenApiTest(unittest.TestCase):
         long = ask("POST", "/v1/sequences", json_body={**SEQUENCE, "stop": {"seconds": 3600}}).json
         self.assertEqual(ask("DELETE", f"/v1/sequences/{long['id']}").status, 202)
         self.assertEqual(ask("GET", f"/v1/sequences/{long['id']}/frames.zip").status, 202)
+        self.assertEqual(ask("GET", f"/v1/sequences/{long['id']}/video").status, 202)
         while ask("GET", f"/v1/sequences/{long['id']}").json["state"] != "cancelled":
             time.sleep(0.05)
         for sequence in (long, done):

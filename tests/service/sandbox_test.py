@@ -49,6 +49,11 @@ class SandboxTest(unittest.TestCase):
         for path in (f"{ours}/image.exr", f"{ours}/film", f"{ours}/preview.png", f"{other}/flip.png",
                      f"{other}/photon_map.glb", f"/v1/scenes/{scene.json['id']}/preview.png"):
             self.assertEqual(daemon.request("GET", path).status, 200, path)
+        frames = daemon.request("POST", "/v1/sequences", json_body={
+            **small_job(size=16, passes=1), "scene": "moving/teleport", "frames": 2}).json
+        video = f"/v1/sequences/{frames['id']}/video?format=mp4"
+        wait_until(lambda: daemon.request("GET", f"/v1/sequences/{frames['id']}").json["state"] == "succeeded", "frames")
+        self.assertEqual(daemon.request("GET", video).body[4:8], b"ftyp")
         image = daemon.request("GET", f"{ours}/image.exr").body
         added = daemon.request("POST", "/v1/images", body=image, headers={"Content-Type": "image/x-exr"})
         self.assertEqual(added.status, 201, added)

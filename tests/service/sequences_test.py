@@ -3,8 +3,12 @@ to the same bits, cancelled, retried and removed.
 """
 
 import io
+import json
 import os
 import signal
+import struct
+import subprocess
+import tempfile
 import unittest
 import zipfile
 
@@ -76,6 +80,42 @@ class SequencesTest(DaemonTestCase):
         waiting = submit(self.daemon, sequence(frames=2, stop={"seconds": 60}))
         self.assertEqual(self.daemon.request("GET", f"/v1/sequences/{waiting['id']}/frames.zip").status, 202)
         self.daemon.request("DELETE", f"/v1/sequences/{waiting['id']}?purge=true")
+
+    def test_frames_are_looked_at_as_a_video(self):
+        made = wait_over(self.daemon, submit(self.daemon, sequence(frames=5, size=35))["id"])
+        path = f"/v1/sequences/{made['id']}/video"
+        for query, rate, seconds in (("", "8/1", 5 / 8), ("?fps=2.5&exposure=1&curve=filmic", "5/2", 2)):
+            answer = self.daemon.request("GET", path + query)
+            self.assertEqual((answer.status, answer.headers["content-type"]), (200, "video/mp4"), answer)
+            with tempfile.NamedTemporaryFile(suffix=".mp4") as file:
+                file.write(answer.body)
+                file.flush()
+                told = json.loads(subprocess.run(["ffprobe", "-v", "error", "-count_frames", "-show_streams", "-of", "json",
+                                                  file.name], capture_output=True, check=True).stdout)["streams"][0]
+            self.assertEqual((told["nb_read_frames"], told["r_frame_rate"]), ("5", rate))
+            self.assertAlmostEqual(float(told["duration"]), seconds, 3)
+            self.assertEqual((told["codec_name"], told["pix_fmt"], told["width"], told["height"]), ("h264", "yuv420p", 36, 36))
+            self.assertEqual((told["color_space"], told["color_range"]), ("bt709", "tv"))
+        self.assertEqual(self.daemon.request("GET", path).headers["etag"],
+                         self.daemon.request("GET", path + "?format=mp4&fps=8").headers["etag"])
+        for query, pointer in (("format=gif", "/format"), ("fps=0", "/fps"), ("curve=x", "/curve")):
+            answer = self.daemon.request("GET", f"{path}?{query}")
+            self.assertEqual((answer.status, answer.json["errors"][0]["pointer"]), (422, pointer), answer)
+        waiting = submit(self.daemon, sequence(frames=2, stop={"seconds": 60}))
+        self.assertEqual(self.daemon.request("GET", f"/v1/sequences/{waiting['id']}/video").status, 202)
+        self.daemon.request("DELETE", f"/v1/sequences/{waiting['id']}?purge=true")
+
+    def test_without_ffmpeg_frames_are_looked_at_beside_each_other(self):
+        with Daemon(environment={"PATH": "/nonexistent"}) as daemon:
+            daemon.wait_ready()
+            path = f"/v1/sequences/{wait_over(daemon, submit(daemon, sequence(frames=12))['id'])['id']}/video"
+            answer = daemon.request("GET", path)
+            self.assertEqual((answer.status, answer.headers["content-type"]), (200, "image/png"), answer)
+            width, height = struct.unpack(">II", answer.body[16:24])
+            self.assertEqual((width, height), (10 * 20 - 4, 2 * 20 - 4), "ten in a row, four pixels between")
+            self.assertEqual(daemon.request("GET", path + "?format=png").headers["etag"], answer.headers["etag"])
+            refused = daemon.request("GET", path + "?format=mp4")
+            self.assertEqual((refused.status, refused.json["code"]), (422, "unsupported"), refused)
 
     def errors(self, of, first, second, **query):
         query = {"first": first, "second": second, **query}

@@ -74,6 +74,15 @@ class Sequence(JobGroup):
                 Job.fetch(self._client, frame["id"]).download(name, paths[-1])
         return paths
 
+    def save_video(self, path: Path, *, fps: Optional[float] = None, exposure: float = 0, curve: str = "srgb") -> None:
+        """The frames that succeeded, to look at, by what the path ends with: .mp4, for which the daemon needs an ffmpeg, or
+        .png, at most 100 of them beside each other. `fps`: frames a second, else the sequence's own; `exposure`: stops."""
+        kind = str(path).rpartition(".")[2].lower()
+        if kind not in ("mp4", "png"):
+            raise ValueError(f"cannot tell what to save as {path}: name it .mp4 or .png")
+        query = {"format": kind, "exposure": exposure, "curve": curve, **({} if fps is None else {"fps": fps})}
+        self.download("video", path, **query)
+
 
 class SequenceFailed(PhotondError):
     """`sequence` ended with failed or cancelled frames; the others are there."""

@@ -29,6 +29,7 @@
 #include "server/worker/file_access.h"
 #include "server/worker/landlock.h"
 #include "server/worker/sandbox.h"
+#include "server/worker/video_encoder.h"
 
 namespace photond::forbidden_acts_test {
 namespace {
@@ -211,10 +212,12 @@ const std::vector<Act>& duties() {
 struct Told {
     std::array<char, 32> by{};
     std::array<int, 64> errors{};  // of each act; -1: it was not tried
+    int status = 0;                // that the child ended with
 };
 
-/// Tries acts in a child, in the sandbox of a worker where there is a version to take the kernel's Landlock for.
-Told in_child(const Daemon& daemon, const std::vector<Act>& tried, const char* version) {
+/// Tries acts in a child, in the sandbox of a worker where there is a version to take the kernel's Landlock for; of one
+/// that is to become `program` where that is given.
+Told in_child(const Daemon& daemon, const std::vector<Act>& tried, const char* version, const fs::path& program = {}) {
     Told told;
     told.errors.fill(-1);
     int sockets[2], ends[2];
@@ -229,10 +232,12 @@ Told in_child(const Daemon& daemon, const std::vector<Act>& tried, const char* v
                 std::vector<FileRule> rules = library_files();
                 rules.push_back({daemon.scenes, FileUse::Read, true});
                 rules.push_back({daemon.films, FileUse::Write, true});
+                if (!program.empty())
+                    for (FileRule& rule : video_encoder_files(program)) rules.push_back(std::move(rule));
                 const FileAccess access = bound_file_access(rules);
                 by = access.by + (access.version ? " " + std::to_string(*access.version) : "");
                 give_up_capabilities();
-                enter_sandbox({256ull << 20, 1 << 20, 2, true});
+                enter_sandbox({256ull << 20, 1 << 20, 2, true, !program.empty()});
             }
             by.copy(told.by.data(), told.by.size() - 1);
             for (size_t k = 0; k < tried.size(); ++k) told.errors[k] = tried[k].attempt(daemon);
@@ -240,13 +245,14 @@ Told in_child(const Daemon& daemon, const std::vector<Act>& tried, const char* v
             std::string(error.what()).copy(told.by.data(), told.by.size() - 1);
         }
         [[maybe_unused]] const ssize_t written = write(ends[1], &told, sizeof told);
-        _exit(0);
+        if (!program.empty()) execl(program.c_str(), program.c_str(), nullptr);
+        _exit(126);
     }
     close(ends[1]), close(sockets[1]);
     if (read(ends[0], &told, sizeof told) != sizeof told)
         std::string("the child was lost").copy(told.by.data(), told.by.size() - 1);
     close(ends[0]), close(sockets[0]);
-    waitpid(child, nullptr, 0);
+    waitpid(child, &told.status, 0);
     return told;
 }
 
@@ -280,6 +286,23 @@ TEST(ForbiddenActs, UnderTheNewestLandlock) {
 TEST(ForbiddenActs, UnderItsSecondVersion) {
     if (landlock_version() < 2) GTEST_SKIP() << "this kernel has no second version of Landlock";
     expect_forbidden("2", "landlock 2");
+}
+
+TEST(ForbiddenActs, OfAProcessThatBecomesAnotherProgramAreTheSameAndItBecomesNoThird) {
+    if (landlock_version() == 0) GTEST_SKIP() << "this kernel has no Landlock";
+    const char* const kProgram = "/usr/bin/true";
+    std::vector<Act> tried;
+    for (const Act& act : acts())
+        if (act.name != std::string("start a program")) tried.push_back(act);
+    tried.push_back(
+        {"become a third program", [](auto&) { return error_of(execl("/usr/bin/false", "false", nullptr)); }});
+    tried.push_back({"become one that lies among the films",
+                     [](auto& d) { return error_of(execl((d.films / "own").c_str(), "own", nullptr)); }});
+    const Daemon daemon;
+    fs::copy_file("/usr/bin/false", daemon.films / "own");
+    const Told told = in_child(daemon, tried, "1000", kProgram);
+    for (size_t k = 0; k < tried.size(); ++k) EXPECT_GT(told.errors[k], 0) << tried[k].name;
+    EXPECT_TRUE(WIFEXITED(told.status) && WEXITSTATUS(told.status) == 0) << "it is to become " << kProgram;
 }
 
 TEST(ForbiddenActs, WithoutLandlock) { expect_forbidden("0", "mount_namespace"); }

@@ -5,7 +5,7 @@ import "./sequences.css";
 import { useLocation, useRoute } from "preact-iso";
 import { useEffect, useMemo, useState } from "preact/hooks";
 
-import { download, sendJson } from "../api/client";
+import { ask, download, saveBlob, sendJson } from "../api/client";
 import { listen } from "../api/events";
 import { isOver, type Page, type Sequence, type SequenceSummary } from "../api/types";
 import { useKeys } from "../app/keyboard";
@@ -142,6 +142,10 @@ function Shown({ sequence, other, reload }: { sequence: Sequence; other: Sequenc
   const cancel = () => sendJson("DELETE", `/v1/sequences/${sequence.id}`).then(reload, sayFailure);
   const remove = () => sendJson("DELETE", `/v1/sequences/${sequence.id}?purge=true`).then(() => route("/sequences"), sayFailure);
   const save = (images: "exr" | "png") => download(`${sequence.links.frames}?images=${images}`, `${sequence.id}-${images}.zip`).catch(sayFailure);
+  const saveVideo = async () => {
+    const video = await (await ask(`/v1/sequences/${sequence.id}/video`)).blob();
+    saveBlob(video, `${sequence.id}.${video.type.split("/")[1]}`); // mp4, or png where the daemon has no ffmpeg
+  };
   const done = sequence.job_states.succeeded;
   return (
     <>
@@ -174,6 +178,7 @@ function Shown({ sequence, other, reload }: { sequence: Sequence; other: Sequenc
                   {images.toUpperCase()}s in a ZIP
                 </button>
               ))}
+            {done > 0 && <button onClick={() => void saveVideo().catch(sayFailure)}>As a video</button>}
           </p>
           <div class="sequence-players">
             <Player sequence={sequence} seconds={seconds} />
