@@ -20,17 +20,27 @@ namespace {
 constexpr const char* kFigures[] = {"relative_mse", "flicker", "lag", "change"};
 
 /// What has to be the same of two sequences for one to be the other's reference.
-constexpr const char* kSameOfBoth[] = {"scene", "animation", "from", "fps", "camera", "camera_path", "image"};
+constexpr const char* kSameOfBoth[] = {"scene",  "animation",   "from",  "fps",         "shutter",
+                                       "camera", "camera_path", "image", "environment", "glass"};
 
 [[noreturn]] void conflict(const std::string& member, const std::string& text) {
     throw Error(ErrorCode::Conflict, "/" + member, text);
 }
 
+[[noreturn]] void differ(const json& sequence, const json& reference, const std::string& member,
+                         const std::string& what) {
+    conflict(member, "sequences " + sequence["id"].get<std::string>() + " and " + reference["id"].get<std::string>() +
+                         " differ in their " + what);
+}
+
 void check_same_frames(const json& sequence, const json& reference, const std::string& member) {
     for (const char* same : kSameOfBoth)
         if (sequence["request"].value(same, json()) != reference["request"].value(same, json()))
-            conflict(member, "sequences " + sequence["id"].get<std::string>() + " and " +
-                                 reference["id"].get<std::string>() + " differ in their " + same);
+            differ(sequence, reference, member, same);
+    // Frame i of n has gone i / n of the way.
+    const json path = sequence["request"].value("camera_path", json());
+    if (path.is_object() && path.contains("turns") && sequence["request"]["frames"] != reference["request"]["frames"])
+        differ(sequence, reference, member, "frames, of which each turns by its share");
 }
 
 std::string frame_name(const json& sequence, const json& frame) {

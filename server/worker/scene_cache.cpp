@@ -192,7 +192,7 @@ void SceneCache::show_first(const SceneMoment& wanted, uint64_t limit_bytes, Sta
     try {
         pose(ready, moment_of(wanted, ready.scene), limit_bytes, stats);
         if (on_host) add_host_rays(ready, limit_bytes, stats);
-    } catch (const Error&) {
+    } catch (...) {            // memory that has run out is no Error
         entries_.pop_front();  // what is half of one moment and half of another
         throw;
     }

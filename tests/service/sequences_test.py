@@ -146,19 +146,26 @@ class SequencesTest(DaemonTestCase):
 
     def test_errors_by_frame_want_references_that_are_independent(self):
         ids = {}
+        round = {"camera_path": {"turns": 1}, "camera": {"look_at": {"eye": [0, 2.7, 3], "target": [0, 2.7, -2.8]}}}
         for name, more in {"measured": {"seed": 400}, "one": {}, "shifted": {"seed": 2}, "fast": {"seed": 100, "fps": 4},
-                           "still": {"seed": 200, "noise": "still"}, "other": {"seed": 300}}.items():
+                           "still": {"seed": 200, "noise": "still"}, "other": {"seed": 300}, "open": {"shutter": 0.1},
+                           "lit": {"glass": "solid"}, "round": round, "rounder": {**round, "frames": 3, "seed": 9}}.items():
             ids[name] = submit(self.daemon, sequence(**{"frames": 2, **more}))["id"]
         for id in ids.values():
             wait_over(self.daemon, id)
         for first, second, pointer, text in (
                 (ids["one"], ids["shifted"], "/second", "frame 1 of {one} and frame 0 of {shifted} have the seed 2"),
+                (ids["open"], ids["other"], "/first", "{open} differ in their shutter"),
+                (ids["lit"], ids["other"], "/first", "{lit} differ in their glass"),
                 (ids["fast"], ids["other"], "/first", "sequences {measured} and {fast} differ in their fps"),
                 (ids["other"], ids["still"], "/second", "frame 0 of {still} and frame 1 of {still} have the seed 200")):
             answer = self.errors(ids["measured"], first, second)
             self.assertEqual((answer.status, answer.json["code"]), (422, "conflict"), answer)
             self.assertIn(text.format(**ids), answer.text)
             self.assertIn(f'"{pointer}"', answer.text)
+        answer = self.errors(ids["round"], ids["rounder"], ids["rounder"])
+        self.assertEqual((answer.status, answer.json["code"]), (422, "conflict"), answer)
+        self.assertIn("differ in their frames", answer.text)
         own = self.errors(ids["one"], ids["other"], ids["one"])
         self.assertEqual((own.status, own.json["errors"][0]["pointer"]), (422, "/second"), "an image that is its own truth")
         self.assertEqual(self.errors(ids["measured"], ids["one"], ids["other"]).status, 200)

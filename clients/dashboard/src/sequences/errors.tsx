@@ -22,16 +22,11 @@ const lateText = (frames: number) => (Math.round(100 * frames) / 100 || 0).toFix
 
 const figureText = (figure: SequenceFigure | null) => (figure ? errorWithInterval(figure.value, figure.interval) : kNone);
 
-/** Sequences whose frames are of the same moments and size. */
+const sameOfBoth = ["scene", "animation", "from", "fps", "shutter", "camera", "camera_path", "image", "environment", "glass"] as const;
+
+/** Sequences that the daemon takes as references, but for their seeds. */
 const comparable = (of: Sequence, others: SequenceSummary[]) =>
-  others.filter(
-    ({ id, request }) =>
-      id !== of.id &&
-      request.scene === of.request.scene &&
-      request.fps === of.request.fps &&
-      request.image.width === of.request.image.width &&
-      request.image.height === of.request.image.height,
-  );
+  others.filter(({ id, request }) => id !== of.id && sameOfBoth.every((name) => JSON.stringify(request[name]) === JSON.stringify(of.request[name])));
 
 function Reference({ text, among, chosen, choose }: { text: string; among: SequenceSummary[]; chosen: string; choose: (id: string) => void }) {
   return (
