@@ -52,7 +52,8 @@ json sequence_summary_schema() {
                   {"request", schema_ref("SequenceRequest")},
                   {"links", given({{"self", typed("string")},
                                    {"frames", typed("string", "the ZIP of its images")},
-                                   {"video", typed("string")}})}});
+                                   {"video", typed("string")},
+                                   {"report_html", typed("string")}})}});
 }
 
 json sequence_schema() {

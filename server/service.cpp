@@ -21,6 +21,7 @@
 #include "server/service/scenes.h"
 #include "server/service/sequence_errors.h"
 #include "server/service/sequence_files.h"
+#include "server/service/sequence_reports.h"
 #include "server/service/service_core.h"
 #include "server/service/store_upkeep.h"
 #include "server/service/system_status.h"
@@ -49,6 +50,7 @@ struct Service::Impl {
     Sequences sequences{core, scenes, references, purges, attempts, jobs};
     SequenceFiles sequence_files{artefact_files, core, jobs, sequences};
     SequenceErrors sequence_errors{pictures, jobs.films, sequences};
+    SequenceReports sequence_reports{artefact_files, sequences, sequence_errors, sequence_files};
     RowBiases biases{core, artefact_files, pictures, jobs.films,
                      [this](const std::string& id) { return comparisons.read_comparison(id); }};
     ComparisonReports reports{artefact_files, jobs, comparisons};
@@ -176,6 +178,9 @@ Artefact Service::sequence_zip(const std::string& id, const std::string& images)
 }
 Artefact Service::sequence_video(const std::string& id, const VideoWanted& wanted) {
     return impl_->sequence_files.video(id, wanted);
+}
+Artefact Service::sequence_html(const std::string& id, const SequenceReportWanted& wanted) {
+    return impl_->sequence_reports.html(id, wanted);
 }
 Service::Cancelled Service::cancel_sequence(const std::string& id) {
     return impl_->sequences.cancel_sequence(id, false);

@@ -112,6 +112,7 @@ public:
     Artefact image(const std::string& id, const std::string& precision);
     using PreviewWanted = photond::PreviewWanted;
     using VideoWanted = photond::VideoWanted;
+    using SequenceReportWanted = photond::SequenceReportWanted;
     Artefact preview(const std::string& id, const PreviewWanted& wanted);
     /// Raw little-endian pixels, row 0 at the top; `layer` empty or "beauty", or a layer's name. Headers
     /// X-Image-Width, X-Image-Height, X-Image-Channels.
@@ -182,6 +183,7 @@ public:
     /// A ZIP of its frames' images, exr or png, of those that have succeeded so far. Waits for the helper. OutOfRange.
     Artefact sequence_zip(const std::string& id, const std::string& images);
     Artefact sequence_video(const std::string& id, const VideoWanted& wanted);
+    Artefact sequence_html(const std::string& id, const SequenceReportWanted& wanted);
     /// Cancels its frames that are not over.
     Cancelled cancel_sequence(const std::string& id);
     /// Removes its frames and their files too; what runs when its worker has let go of it.

@@ -44,7 +44,8 @@ struct SequencesOptions {
     bool purge = false;
     std::vector<std::string> references;
     std::string layer = "beauty";
-    std::string video;
+    std::vector<std::string> beside;
+    std::string video, report;
     WaitOptions wait;
     FrameOutputs outputs;
 };
@@ -248,9 +249,17 @@ std::string figure_text(const json& figure) {
 }
 
 ExitCode sequence_errors(Session& session, const SequencesOptions& options) {
-    const json errors = session.daemon().get(
-        resource_path("sequences", options.ids.front()) + "/errors?first=" + percent_encode(options.references.at(0)) +
-        "&second=" + percent_encode(options.references.at(1)) + "&layer=" + percent_encode(options.layer));
+    const std::string sequence = resource_path("sequences", options.ids.front());
+    const std::string query = "?first=" + percent_encode(options.references.at(0)) +
+                              "&second=" + percent_encode(options.references.at(1)) +
+                              "&layer=" + percent_encode(options.layer);
+    if (!options.report.empty()) {
+        std::string beside;
+        for (const std::string& id : options.beside) beside += (beside.empty() ? "&beside=" : ",") + percent_encode(id);
+        save_resource(session, sequence + "/report.html" + query + beside, options.report);
+        return ExitCode::Ok;
+    }
+    const json errors = session.daemon().get(sequence + "/errors" + query);
     if (session.json_output) {
         session.print_json(errors);
         return ExitCode::Ok;
@@ -334,6 +343,10 @@ void add_sequence_commands(CLI::App& program, Session& session, const RenderVoca
         ->expected(2)
         ->type_name("SEQUENCE SEQUENCE");
     errors->add_option("--layer", options->layer, "which layer")->capture_default_str();
+    errors->add_option("-o,--output", options->report, "save a page with curves by frame and pictures instead")
+        ->type_name("FILE.html");
+    errors->add_option("--beside", options->beside, "other sequences of the same frames on that page")
+        ->type_name("SEQUENCE ...");
 }
 
 }  // namespace photond::cli

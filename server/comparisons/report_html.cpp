@@ -8,7 +8,7 @@
 #include "server/comparisons/headline.h"
 #include "server/comparisons/left_out_marks.h"
 #include "server/comparisons/plot.h"
-#include "server/comparisons/report_page.h"
+#include "server/comparisons/report_parts.h"
 #include "server/comparisons/report_tables.h"
 #include "server/comparisons/report_text.h"
 #include "server/comparisons/verdict.h"
@@ -18,29 +18,9 @@ namespace {
 
 using nlohmann::json;
 
-std::string plain(const json& value) { return value.is_string() ? value.get<std::string>() : value.dump(); }
-
-std::string paragraph(const std::string& html, const char* kind = "") {
-    return std::string("<p") + (*kind != '\0' ? std::string(" class=\"") + kind + "\"" : "") + ">" + html + "</p>\n";
-}
-
-std::string heading(const std::string& html) { return "<h2>" + html + "</h2>\n"; }
-
 bool is_over(const Report& report) {
     const std::string state = report.comparison.at("state");
     return state != "queued" && state != "running";
-}
-
-/// "64 passes", "10 s or relative_mse of 0.001, whichever is first".
-std::string stop_text(const json& stop) {
-    std::vector<std::string> conditions;
-    if (stop["seconds"].is_number()) conditions.push_back(short_seconds(stop["seconds"]));
-    if (stop["passes"].is_number()) conditions.push_back(plain(stop["passes"]) + " passes");
-    if (stop["target"].is_object())
-        conditions.push_back("a " + plain(stop["target"]["metric"]) + " of " + short_number(stop["target"]["value"]));
-    std::string text;
-    for (const std::string& condition : conditions) text += (text.empty() ? "" : " or ") + condition;
-    return escaped(text) + (conditions.size() > 1 ? ", whichever came first" : "");
 }
 
 std::string reference_text(const json& reference) {
@@ -368,12 +348,7 @@ std::string jobs_table(const Report& report) {
 
 std::string repetition(const Report& report) {
     const json& request = report.comparison.at("request");
-    return heading("To repeat it") +
-           paragraph(
-               "The body below, every default filled in, as <code>comparison.json</code>, and a running photond:") +
-           "<pre>curl -X POST http://127.0.0.1:8080/v1/comparisons -H 'Content-Type: application/json' "
-           "--data @comparison.json</pre>\n<pre>" +
-           escaped(request.dump(2, ' ', false, json::error_handler_t::replace)) + "</pre>\n" +
+    return heading("To repeat it") + repetition_of(request, "/v1/comparisons", "comparison.json") +
            paragraph(
                "The same passes give the same pixels: a job stopped by time or target is repeated to the bit with "
                "<code>passes</code> set to the number it did.") +
@@ -383,11 +358,7 @@ std::string repetition(const Report& report) {
 }  // namespace
 
 std::string report_html(const Report& report) {
-    const std::string title =
-        escaped(plain(report.comparison.at("request")["scene"]) + ": comparison " + plain(report.comparison.at("id")));
-    std::string html = "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" + title +
-                       "</title><meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<style>" +
-                       kReportCss + styles_of_series(report.table.rows.size()) + "</style></head><body>\n";
+    std::string html;
     html += header(report) + state_note(report) + disturbance_warnings(report) + verdict_section(report) +
             reference_warnings(report) + marks_list(report);
     for (const std::string& metric : report.table.metrics) html += metric_section(report.table, metric);
@@ -396,7 +367,9 @@ std::string report_html(const Report& report) {
     html +=
         "<footer>Times run on the jobs' own clocks: the method's beginning, its passes and its end; loading, "
         "building and measuring are outside. Errors as photond's conventions define them.</footer>\n";
-    return html + "<script>" + kReportJs + "</script></body></html>\n";
+    const std::string title =
+        plain(report.comparison.at("request")["scene"]) + ": comparison " + plain(report.comparison.at("id"));
+    return report_page(title, report.table.rows.size(), html);
 }
 
 std::string report_content_security_policy(const std::string& page) {

@@ -6,6 +6,7 @@
 
 #include "server/helper_wait.h"
 #include "server/routes/connection.h"
+#include "server/steady_seconds.h"
 #include "server/try_later.h"
 
 namespace photond::http {
@@ -18,10 +19,6 @@ constexpr int kRetryAfter_seconds = 5;
 bool has_gone(const Connection& connection) {
     pollfd watched{connection.socket.get(), POLLRDHUP, 0};
     return poll(&watched, 1, 0) > 0 && (watched.revents & (POLLRDHUP | POLLHUP | POLLERR)) != 0;
-}
-
-Clock::duration seconds(double s) {
-    return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));
 }
 
 /// Three quarters of something, one at least: what a single client may have of a lane.
@@ -90,10 +87,10 @@ void AnswerPool::run() {
         }
         Exchange& exchange = *connection.exchange;
         const auto now = Clock::now();
-        if (now - taken->item.since > seconds(settings_.most_wait_seconds))
+        if (now - taken->item.since > steady_seconds(settings_.most_wait_seconds))
             exchange.refusal.emplace(Refusal{Error(ErrorCode::Unavailable, "the request waited too long for its turn"),
                                              {{"Retry-After", std::to_string(kRetryAfter_seconds)}}});
-        const auto until = now + seconds(settings_.most_work_seconds);
+        const auto until = now + steady_seconds(settings_.most_work_seconds);
         exchange.call.before_piece = [&connection, until](uint64_t bytes) {
             if (has_gone(connection)) throw ClientGone();
             if (Clock::now() > until) throw TryLater("the answer takes longer than it may", kRetryAfter_seconds);

@@ -20,6 +20,7 @@
 #include <unordered_map>
 
 #include "server/routes/answerer.h"
+#include "server/steady_seconds.h"
 
 namespace photond::http {
 namespace {
@@ -33,10 +34,6 @@ constexpr size_t kSendFileBytes = 1 << 20;  // likewise
 constexpr double kLinger_seconds = 2;
 constexpr double kSurplusHead_seconds = 1;   // for a connection beyond the limit to say what it wants
 constexpr double kIdleWhenFull_seconds = 5;  // a connection between requests, while others find no place
-
-Clock::duration seconds(double s) {
-    return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));
-}
 
 std::string address_text(const sockaddr_storage& address) {
     std::array<char, INET6_ADDRSTRLEN> text{};
@@ -155,7 +152,7 @@ private:
         const bool full = hub_.open_connections_ >= hub_.settings_.max_connections;
         for (const auto& [file, connection] : connections_) {
             const bool idle = connection->state == State::Head && connection->in.empty();
-            const bool in_the_way = full && now - connection->since >= seconds(kIdleWhenFull_seconds);
+            const bool in_the_way = full && now - connection->since >= steady_seconds(kIdleWhenFull_seconds);
             if (now >= connection->deadline || now >= connection->stall_limit ||
                 (idle && (hub_.draining_ || in_the_way)) || (memory_is_short && stands_in_the_way(*connection, now)))
                 late.push_back(connection.get());
@@ -186,9 +183,9 @@ private:
     // Whether it holds an answer that nobody reads.
     bool stands_in_the_way(const Connection& connection, Clock::time_point now) const {
         if (connection.state != State::Write || !connection.exchange->memory) return false;
-        const auto unread_since = connection.stall_limit - seconds(hub_.settings_.stall_timeout_seconds);
+        const auto unread_since = connection.stall_limit - steady_seconds(hub_.settings_.stall_timeout_seconds);
         return connection.exchange->memory->bytes() > 0 &&
-               now - unread_since >= seconds(hub_.settings_.short_stall_seconds);
+               now - unread_since >= steady_seconds(hub_.settings_.short_stall_seconds);
     }
 
     // --- taking connections in
@@ -263,7 +260,7 @@ private:
     void expect_head(Connection& connection, double timeout_seconds) {
         connection.state = State::Head;
         connection.since = Clock::now();
-        connection.deadline = connection.since + seconds(timeout_seconds);
+        connection.deadline = connection.since + steady_seconds(timeout_seconds);
         connection.stall_limit = Clock::time_point::max();
         set_interest(connection, EPOLLIN);
     }
@@ -319,7 +316,7 @@ private:
             if (!connection.exchange) {  // the first bytes of this head: its clock begins
                 begin_exchange(connection);
                 if (!connection.surplus)
-                    connection.deadline = Clock::now() + seconds(hub_.settings_.head_timeout_seconds);
+                    connection.deadline = Clock::now() + steady_seconds(hub_.settings_.head_timeout_seconds);
             }
             return;
         }
@@ -351,8 +348,8 @@ private:
 
     void expect_body(Connection& connection) {
         connection.state = State::Body;
-        connection.deadline = Clock::now() + seconds(hub_.settings_.body_timeout_seconds);
-        connection.stall_limit = Clock::now() + seconds(hub_.settings_.stall_timeout_seconds);
+        connection.deadline = Clock::now() + steady_seconds(hub_.settings_.body_timeout_seconds);
+        connection.stall_limit = Clock::now() + steady_seconds(hub_.settings_.stall_timeout_seconds);
         if (connection.exchange->call.head.expects_continue && connection.in.empty()) {
             constexpr std::string_view kContinue = "HTTP/1.1 100 Continue\r\n\r\n";
             // Twenty-five bytes fit the empty send buffer of a connection that only read so far.
@@ -365,7 +362,7 @@ private:
 
     void body_arrived(Connection& connection) {
         Exchange& exchange = *connection.exchange;
-        connection.stall_limit = Clock::now() + seconds(hub_.settings_.stall_timeout_seconds);
+        connection.stall_limit = Clock::now() + steady_seconds(hub_.settings_.stall_timeout_seconds);
         const size_t n = std::min<uint64_t>(connection.in.size(), connection.body_left);
         if (exchange.route->body == BodyKind::Upload) {
             if (!spool(connection, n)) return;
@@ -435,7 +432,7 @@ private:
         answerer_.answer(exchange, !connection.close_after);
         if (held_seconds <= 0) return begin_write(connection);
         connection.state = State::Held;
-        connection.deadline = Clock::now() + seconds(held_seconds);
+        connection.deadline = Clock::now() + steady_seconds(held_seconds);
         connection.stall_limit = Clock::time_point::max();
         set_interest(connection, EPOLLRDHUP);
     }
@@ -455,9 +452,9 @@ private:
         double bytes =
             static_cast<double>(exchange.wire.size() + (exchange.reply.file ? exchange.reply.file->length : 0));
         for (const std::string& piece : exchange.reply.pieces) bytes += static_cast<double>(piece.size());
-        connection.deadline = Clock::now() + seconds(hub_.settings_.stall_timeout_seconds +
-                                                     bytes / hub_.settings_.write_bytes_per_second);
-        connection.stall_limit = Clock::now() + seconds(hub_.settings_.stall_timeout_seconds);
+        connection.deadline = Clock::now() + steady_seconds(hub_.settings_.stall_timeout_seconds +
+                                                            bytes / hub_.settings_.write_bytes_per_second);
+        connection.stall_limit = Clock::now() + steady_seconds(hub_.settings_.stall_timeout_seconds);
         send_some(connection);
     }
 
@@ -501,7 +498,7 @@ private:
     // False when nothing more can be sent now.
     bool sent(Connection& connection, ssize_t n) {
         if (n > 0) {
-            connection.stall_limit = Clock::now() + seconds(hub_.settings_.stall_timeout_seconds);
+            connection.stall_limit = Clock::now() + steady_seconds(hub_.settings_.stall_timeout_seconds);
             return true;
         }
         if (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR) {
@@ -519,7 +516,7 @@ private:
             shutdown(connection.socket.get(), SHUT_WR);
             connection.state = State::Linger;
             connection.in = {};
-            connection.deadline = Clock::now() + seconds(kLinger_seconds);
+            connection.deadline = Clock::now() + steady_seconds(kLinger_seconds);
             connection.stall_limit = Clock::time_point::max();
             return set_interest(connection, EPOLLIN);
         }
@@ -570,7 +567,7 @@ void Hub::answered(std::unique_ptr<Connection> connection) {
 void Hub::drain(double grace_seconds) {
     draining_ = true;
     if (front_) front_->wake();
-    const auto until = Clock::now() + seconds(grace_seconds);
+    const auto until = Clock::now() + steady_seconds(grace_seconds);
     while (busy_ > 0 && Clock::now() < until) std::this_thread::sleep_for(std::chrono::milliseconds(10));
 }
 

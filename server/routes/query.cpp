@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <sstream>
 
 #include "protocol/param_json.h"
 #include "protocol/strict_json.h"
@@ -23,6 +24,13 @@ std::string Query::text(const std::string& name, const std::string& otherwise) {
     known_.push_back(name);
     const auto found = values_.find(name);
     return found == values_.end() ? otherwise : found->second;
+}
+
+std::vector<std::string> Query::list(const std::string& name) {
+    std::vector<std::string> items;
+    std::istringstream given(text(name));
+    for (std::string item; std::getline(given, item, ',');) items.push_back(item);
+    return items;
 }
 
 double Query::number(const std::string& name, double otherwise) { return number(name).value_or(otherwise); }

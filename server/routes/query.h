@@ -16,6 +16,8 @@ public:
     explicit Query(const std::multimap<std::string, std::string>& values) : values_(values) {}
 
     std::string text(const std::string& name, const std::string& otherwise = "");
+    /// "a,b,c"; none where it is empty or not there.
+    std::vector<std::string> list(const std::string& name);
     double number(const std::string& name, double otherwise);
     std::optional<double> number(const std::string& name);
     /// "x,y,z".

@@ -32,6 +32,15 @@ void add_sequence_routes(std::vector<Route>& all, Service& service) {
         query.finish();
         return file_reply(call, service.sequence_video(call.path_parameters[0], wanted));
     });
+    routes.add("GET", "/v1/sequences/{id}/report.html", BodyKind::None, [&service](Call& call) {
+        Query query(call.query);
+        Service::SequenceReportWanted wanted;
+        wanted.first = query.text("first"), wanted.second = query.text("second");
+        wanted.layer = query.text("layer", wanted.layer);
+        wanted.beside = query.list("beside");
+        query.finish();
+        return file_reply(call, service.sequence_html(call.path_parameters[0], wanted));
+    });
     routes.add("GET", "/v1/sequences/{id}/errors", BodyKind::None, [&service](Call& call) {
         Query query(call.query);
         const std::string first = query.text("first"), second = query.text("second");

@@ -10,6 +10,12 @@ namespace fs = std::filesystem;
 
 namespace {
 
+Artefact artefact_of(const std::shared_ptr<const CachedFile>& file, const std::string& media_type) {
+    return {false, file->path, media_type, file->etag, file->bytes, file, file->headers};
+}
+
+}  // namespace
+
 void write_text(const fs::path& path, const std::string& text) {
     std::ofstream out(path, std::ios::binary);
     out << text;
@@ -17,11 +23,10 @@ void write_text(const fs::path& path, const std::string& text) {
     if (!out) throw Error(ErrorCode::NoSpace, "cannot write " + path.string());
 }
 
-Artefact artefact_of(const std::shared_ptr<const CachedFile>& file, const std::string& media_type) {
-    return {false, file->path, media_type, file->etag, file->bytes, file, file->headers};
+std::vector<uint8_t> bytes_of(const Artefact& artefact) {
+    std::ifstream in(artefact.path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
 }
-
-}  // namespace
 
 Artefact pending_artefact() {
     Artefact artefact;

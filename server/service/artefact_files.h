@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "server/service/service_core.h"
 #include "server/service/service_types.h"
@@ -30,6 +31,10 @@ private:
     ServiceCore& core_;
 };
 
+/// Throws NoSpace.
+void write_text(const std::filesystem::path& path, const std::string& text);
+/// Empty of one that is pending.
+std::vector<uint8_t> bytes_of(const Artefact& artefact);
 /// Nothing is rendered yet: ask again.
 Artefact pending_artefact();
 /// Gives a file a second name. Throws NotFound where its job has just been removed, NoSpace where it had to be copied.

@@ -20,7 +20,6 @@ namespace {
 constexpr const char* kStoreName = "store.sqlite";
 constexpr int kPagesAtOnce = 256;  // a megabyte, while others wait for the store
 constexpr size_t kFilesAtOnce = 64;
-constexpr size_t kMostFiles = 1'000'000;  // of a scene; it was judged when it was uploaded
 
 }  // namespace
 
@@ -81,7 +80,7 @@ void Backups::add_files(Backup& backup, bool last, std::unique_lock<std::mutex>&
                 if (path.starts_with(path_of_scene(id) + "/")) now.insert(path);
             continue;
         }
-        for (const fs::path& file : list_tree(root, kMostFiles))
+        for (const fs::path& file : list_tree(root, kMostFilesOfScene))
             add(path_of_scene(id) + "/" + file.generic_string(), true);
         backup.settled.insert(path_of_scene(id));
     }

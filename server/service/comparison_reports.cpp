@@ -1,7 +1,6 @@
 #include "server/service/comparison_reports.h"
 
 #include <algorithm>
-#include <fstream>
 
 #include "renderer/core/sha256.h"
 #include "server/comparisons/exposure.h"
@@ -39,11 +38,6 @@ json curve_json(const MeasuredJob& job) {
 
 constexpr size_t kMostRowsPictured = 24;            // three images each
 constexpr uint64_t kMostPictureBytes = 20'000'000;  // of all images of a page, as PNG
-
-std::vector<uint8_t> bytes_of(const Artefact& artefact) {
-    std::ifstream in(artefact.path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
 
 /// Rows to be shown as images: those on the Pareto front first, in the end by their places.
 std::vector<size_t> pictured_rows(const ComparisonTable& table, const std::vector<MeasuredJob>& jobs, Report& report) {
@@ -138,10 +132,7 @@ Artefact ComparisonReports::comparison_html(const std::string& id) {
         report.statistics = judged.statistics;
         add_pictures(report, judged);
         const std::string page = report_html(report);
-        std::ofstream out(path, std::ios::binary);
-        out << page;
-        out.close();
-        if (!out) throw Error(ErrorCode::NoSpace, "cannot write " + path.string());
+        write_text(path, page);
         return std::map<std::string, std::string>{{"Content-Security-Policy", report_content_security_policy(page)}};
     });
 }

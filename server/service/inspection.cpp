@@ -38,7 +38,6 @@ struct BadFile {
 };
 
 constexpr const char* kMissing = "is missing";
-constexpr size_t kMostFiles = 1'000'000;  // of a scene; it was judged when it was uploaded
 
 /// How a film is wrong; nothing where it is right.
 std::optional<std::string> fault_of_film(const fs::path& path, const std::string& store_id) {
@@ -74,7 +73,7 @@ std::vector<BadFile> find_bad_files(const DataFiles& files, Store& store) {
             if (!fs::is_regular_file(fs::symlink_status(files.directory / paths[i])))
                 bad.push_back({BadFile::Of::Artefact, row.seq, "", paths[i], kMissing});
     }
-    const auto hash_scene = [](const fs::path& root) { return hash_tree(root, list_tree(root, kMostFiles)); };
+    const auto hash_scene = [](const fs::path& root) { return hash_tree(root, list_tree(root, kMostFilesOfScene)); };
     for (const std::string& id : store.scene_ids())
         if (auto what = fault_of_upload(files.scenes / id, id, hash_scene))
             bad.push_back({BadFile::Of::Scene, 0, id, path_of_scene(id), *std::move(what)});

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "protocol/helper_messages.h"
-#include "renderer/core/sha256.h"
 #include "renderer/error/motion_errors.h"
 #include "renderer/film/layers.h"
 
@@ -141,16 +140,10 @@ json SequenceErrors::measured_frame(const json (&sequences)[3], size_t frame, co
     if (frame > 0 && std::all_of(std::begin(sequences), std::end(sequences), before))
         request.before = films_of(frame - 1);
     request.layer = layer;
-    // Goes with the sequence (Purges::finish_purge()).
-    const auto id = sequences[0]["id"].get<std::string>();
-    const std::string key = "comparison/" + std::to_string(group_seq(GroupKind::Sequence, id)) + "/errors/" +
-                            sha256_hex(names.data(), names.size());
+    const std::string key = sequence_key(sequences[0], "errors", names);
     const Artefact measured = pictures_.picture(
         key, key, "application/json", [request, held](const Draughtsman& by, const std::filesystem::path& path) {
-            std::ofstream out(path, std::ios::binary);
-            out << by.helper.ask(request).figures;
-            out.close();
-            if (!out) throw Error(ErrorCode::NoSpace, "cannot write " + path.string());
+            write_text(path, by.helper.ask(request).figures.dump());
             return std::map<std::string, std::string>();
         });
     std::ifstream in(measured.path, std::ios::binary);

@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "protocol/helper_messages.h"
-#include "renderer/core/sha256.h"
 #include "server/try_later.h"
 #include "server/workers/video_process.h"
 
@@ -25,13 +24,6 @@ constexpr int kOtherVideoSeconds = 2;   // after which to ask again
 
 using Headers = std::map<std::string, std::string>;
 
-/// Goes with the sequence (Purges::finish_purge()). `content` names what the file is made of.
-std::string key_of(const json& sequence, const std::string& what, const std::string& content) {
-    const auto id = sequence.at("id").get<std::string>();
-    return "comparison/" + std::to_string(group_seq(GroupKind::Sequence, id)) + "/" + what + "/" +
-           sha256_hex(content.data(), content.size());
-}
-
 std::vector<json> succeeded_frames(const json& sequence) {
     std::vector<json> frames;
     for (const json& frame : sequence.at("frames"))
@@ -45,6 +37,14 @@ std::vector<json> evenly_chosen(const std::vector<json>& frames, size_t most) {
     std::vector<json> chosen;
     for (size_t i = 0; i < most; ++i) chosen.push_back(frames[i * (frames.size() - 1) / (most - 1)]);
     return chosen;
+}
+
+/// What a packer leaves that was ended: libzip writes beside the file first.
+void remove_unfinished(const fs::path& path) {
+    const std::string beginning = path.filename().string() + ".";
+    std::error_code error;
+    for (const fs::directory_entry& entry : fs::directory_iterator(path.parent_path(), error))
+        if (entry.path().filename().string().starts_with(beginning)) fs::remove(entry.path(), error);
 }
 
 void check_fps(const std::optional<double>& fps) {
@@ -74,17 +74,26 @@ Artefact SequenceFiles::frames_zip(const std::string& id, const std::string& ima
     if (frames.empty()) return pending_artefact();
     PackRequest pack;
     std::string content;
+    uint64_t bytes = 0;
     for (const FrameImage& frame : frames) {
         char name[32];
         std::snprintf(name, sizeof name, "%04d.%s", frame.frame, images.c_str());
         pack.items.push_back({frame.image.path, name});
         content += name + (" " + frame.image.etag) + "\n";
+        bytes += frame.image.bytes;
     }
-    return artefact_files_.artefact(key_of(sequence, images, content), "application/zip", [&](const fs::path& path) {
-        pack.out = path;
-        core_.helper->ask(pack);
-        return Headers();
-    });
+    return artefact_files_.artefact(sequence_key(sequence, images, content), "application/zip",
+                                    [&](const fs::path& path) {
+                                        core_.check_disk(bytes);
+                                        pack.out = path;
+                                        try {
+                                            core_.bulk_helper->ask(pack);
+                                        } catch (...) {
+                                            remove_unfinished(path);
+                                            throw;
+                                        }
+                                        return Headers();
+                                    });
 }
 
 Artefact SequenceFiles::video(const std::string& id, const VideoWanted& wanted) {
@@ -116,7 +125,7 @@ Artefact SequenceFiles::mp4(const json& sequence, const fs::path& ffmpeg, double
         order.pictures.push_back(frame.image.path);
         content += frame.image.etag + "\n";
     }
-    return artefact_files_.artefact(key_of(sequence, "mp4", content), "video/mp4", [&](const fs::path& path) {
+    return artefact_files_.artefact(sequence_key(sequence, "mp4", content), "video/mp4", [&](const fs::path& path) {
         const std::unique_lock alone(encoding_, std::try_to_lock);
         if (!alone) throw TryLater("another video is being encoded", kOtherVideoSeconds);
         ProcessOptions process = core_.process_options();
@@ -151,7 +160,7 @@ Artefact SequenceFiles::sheet(const json& sequence, const PreviewWanted& look) {
     request.max_size = kSheetSide;
     request.exposure = look.exposure_stops;
     request.curve = look.curve;
-    return artefact_files_.artefact(key_of(sequence, "sheet", content), "image/png", [&](const fs::path& path) {
+    return artefact_files_.artefact(sequence_key(sequence, "sheet", content), "image/png", [&](const fs::path& path) {
         request.out = path;
         core_.helper->ask(request);
         return Headers();

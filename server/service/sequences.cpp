@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "renderer/core/sha256.h"
 #include "server/clock_text.h"
 
 namespace photond {
@@ -56,10 +57,20 @@ json summary_of(const ComparisonRow& row, const ComparisonState& state) {
             {"finished", over && finished ? json(rfc3339(*finished)) : json()},
             {"job_states", counts},
             {"request", json::parse(row.request)},
-            {"links", {{"self", self}, {"frames", self + "/frames.zip"}, {"video", self + "/video"}}}};
+            {"links",
+             {{"self", self},
+              {"frames", self + "/frames.zip"},
+              {"video", self + "/video"},
+              {"report_html", self + "/report.html"}}}};
 }
 
 }  // namespace
+
+std::string sequence_key(const json& sequence, const std::string& what, const std::string& content) {
+    const auto id = sequence.at("id").get<std::string>();
+    return "comparison/" + std::to_string(group_seq(GroupKind::Sequence, id)) + "/" + what + "/" +
+           sha256_hex(content.data(), content.size());
+}
 
 std::vector<PreparedJob> Sequences::prepare_frames(const SequenceRequest& request) {
     std::vector<PreparedJob> frames;

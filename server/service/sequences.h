@@ -44,4 +44,8 @@ private:
     JobGroups groups_;
 };
 
+/// Under which a file of a sequence is kept in the cache: it goes with the sequence (Purges::finish_purge()). `content`
+/// names what it is made of.
+std::string sequence_key(const nlohmann::json& sequence, const std::string& what, const std::string& content);
+
 }  // namespace photond

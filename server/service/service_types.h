@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "protocol/job.h"
 
@@ -90,6 +91,13 @@ struct VideoWanted {
     std::optional<double> fps;    // pictures a second, 1..120; else the sequence's own, as near as that comes
     double exposure_stops = 0;    // as a PreviewWanted has it
     std::string curve = "srgb";
+};
+
+/// A sequence's page.
+struct SequenceReportWanted {
+    std::string first, second;        // ids of the references; empty: it is not measured
+    std::string layer = "beauty";     // that is
+    std::vector<std::string> beside;  // ids of other sequences of the same frames
 };
 
 /// A job, a comparison or a sequence, and whether it was over already (200 instead of 202).

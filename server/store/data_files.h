@@ -50,6 +50,9 @@ private:
     int lock_ = -1;
 };
 
+/// Of a scene that is kept: it was judged when it was uploaded.
+inline constexpr size_t kMostFilesOfScene = 1'000'000;
+
 /// The regular files below a folder, as sorted relative paths. Throws BadScene for anything that is neither a regular
 /// file nor a folder (a link, a FIFO), and for more than `max_files`.
 std::vector<std::filesystem::path> list_tree(const std::filesystem::path& root, size_t max_files);

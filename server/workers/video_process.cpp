@@ -12,6 +12,7 @@
 
 #include "protocol/error.h"
 #include "protocol/message_channel.h"
+#include "server/steady_seconds.h"
 
 namespace photond {
 
@@ -69,8 +70,7 @@ void encode_video(ProcessOptions process, const fs::path& ffmpeg, const EncodeVi
     process.priority.background = true;
     Encoder encoder(spawn_child(process.program, worker_arguments(process), process.priority));
     encoder.tell(order);
-    const auto deadline =
-        Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(timeout_seconds));
+    const auto deadline = Clock::now() + steady_seconds(timeout_seconds);
     std::optional<int> status;
     while (!(status = encoder.status())) {
         if (given_up()) throw Error(ErrorCode::Unavailable, "the daemon is ending");

@@ -220,6 +220,7 @@ class OpenApiTest(unittest.TestCase):
         self.assertEqual(len(ask("GET", "/v1/sequences").json["items"]), 1)
         self.assertEqual(ask("GET", f"/v1/sequences/{done['id']}/frames.zip?images=png").status, 200)
         self.assertEqual(ask("GET", f"/v1/sequences/{done['id']}/video?format=png").status, 200)
+        self.assertEqual(ask("GET", f"/v1/sequences/{done['id']}/report.html").status, 200)
         references = [ask("POST", "/v1/sequences", json_body={**SEQUENCE, "seed": seed}).json["id"] for seed in (100, 200)]
         while any(ask("GET", f"/v1/sequences/{id}").json["state"] != "succeeded" for id in references):
             time.sleep(0.05)

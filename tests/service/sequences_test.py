@@ -5,6 +5,7 @@ to the same bits, cancelled, retried and removed.
 import io
 import json
 import os
+import re
 import signal
 import struct
 import subprocess
@@ -143,6 +144,27 @@ class SequencesTest(DaemonTestCase):
         least, greatest = of_frozen["mean"]["flicker"]["interval"]
         self.assertLess(greatest - least, 0.1 * error["value"])
         self.assertLess(abs(of_frozen["mean"]["flicker"]["value"]), 0.1 * error["value"], "the same noise in all frames")
+        self.look_at_page(fresh, frozen, first, second, of_fresh)
+
+    def look_at_page(self, id, beside, first, second, errors):
+        page = self.daemon.request("GET", f"/v1/sequences/{id}/report.html?first={first}&second={second}&beside={beside}")
+        self.assertEqual((page.status, page.headers["content-type"]), (200, "text/html; charset=utf-8"), page)
+        self.assertIn("script-src 'sha256-", page.headers["content-security-policy"])
+        plots = re.findall(r'<svg class="plot".*?</svg>', page.text)
+        self.assertEqual([re.search(r'aria-label="(.*?)"', plot)[1] for plot in plots],
+                         ["Error by frame", "Flicker by frame", "Lag by frame"])
+        for name in (f"path_tracing ({id})", f"path_tracing ({beside})"):
+            points = re.findall(re.escape(name) + r": (\S+) at frame (\d+) \(", plots[0])
+            self.assertEqual([frame for _, frame in points], ["0", "1", "2", "3"])
+            if id in name:
+                for shown, frame in zip(points, errors["frames"]):
+                    self.assertAlmostEqual(float(shown[0]) / frame["relative_mse"]["value"], 1, 2)
+        self.assertEqual(page.text.count("data:image/png;base64,"), 2)
+        unmeasured = self.daemon.request("GET", f"/v1/sequences/{id}/report.html").text
+        self.assertNotIn('<svg class="plot"', unmeasured)
+        self.assertIn("Not measured", unmeasured)
+        for query, status in ((f"first={first}", 422), ("beside=S999", 404), ("beside=" + ",".join([beside] * 16), 422)):
+            self.assertEqual(self.daemon.request("GET", f"/v1/sequences/{id}/report.html?{query}").status, status, query)
 
     def test_errors_by_frame_want_references_that_are_independent(self):
         ids = {}

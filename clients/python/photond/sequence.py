@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Callable, Iterator, List, Optional, cast
+from typing import Callable, Iterable, Iterator, List, Optional, cast
 
 from ._files import Path
 from .errors import PhotondError
@@ -82,6 +82,15 @@ class Sequence(JobGroup):
             raise ValueError(f"cannot tell what to save as {path}: name it .mp4 or .png")
         query = {"format": kind, "exposure": exposure, "curve": curve, **({} if fps is None else {"fps": fps})}
         self.download("video", path, **query)
+
+    def save_report(self, path: Path, first: Optional["Sequence"] = None, second: Optional["Sequence"] = None, *,
+                    layer: str = "beauty", beside: Iterable["Sequence"] = ()) -> None:
+        """A page that stands alone: its frames and, against two references as errors() takes them, error, flicker and lag
+        by frame; `beside`: other sequences of the same frames."""
+        query = {"layer": layer, "beside": ",".join(other.id for other in beside)}
+        if first is not None and second is not None:
+            query.update(first=first.id, second=second.id)
+        self.download("report.html", path, **query)
 
 
 class SequenceFailed(PhotondError):

@@ -1,11 +1,13 @@
 // A sequence's errors by frame against two others that are its references.
 
+import { download } from "../api/client";
 import type { Page, Sequence, SequenceErrors, SequenceFigure, SequenceSummary } from "../api/types";
 import { useQuery } from "../app/url_state";
 import { errorWithInterval } from "../ui/error_interval";
 import { countText, kNone, numberText } from "../ui/format";
 import { LiveChart } from "../ui/live_chart";
 import { useRemote } from "../ui/remote";
+import { sayFailure } from "../ui/toasts";
 
 const kHeight = 150;
 
@@ -78,8 +80,9 @@ export function ErrorsByFrame({ sequence }: { sequence: Sequence }) {
   const second = query.second ?? "";
   const others = useRemote<Page<SequenceSummary>>("/v1/sequences?limit=100").data?.items ?? [];
   const done = sequence.job_states.succeeded;
+  const measured = new URLSearchParams({ first, second }).toString();
   const found = useRemote<SequenceErrors>(
-    first && second && done > 0 ? `/v1/sequences/${sequence.id}/errors?first=${encodeURIComponent(first)}&second=${encodeURIComponent(second)}` : null,
+    first && second && done > 0 ? `/v1/sequences/${sequence.id}/errors?${measured}` : null,
     true,
   );
   const among = comparable(sequence, others);
@@ -90,6 +93,7 @@ export function ErrorsByFrame({ sequence }: { sequence: Sequence }) {
         <Reference text="First reference" among={among} chosen={first} choose={(id) => change({ first: id })} />
         <Reference text="Second reference" among={among} chosen={second} choose={(id) => change({ second: id })} />
         {found.data && <button onClick={found.reload}>Measure again</button>}
+        {found.data && <button onClick={() => void download(`/v1/sequences/${sequence.id}/report.html?${measured}`, `${sequence.id}.html`).catch(sayFailure)}>Report</button>}
       </div>
       {!first || !second ? (
         <p class="muted">Two sequences of the same frames that path tracing has rendered with far apart seeds tell how wrong each frame is, how it flickers and how late it comes.</p>
