@@ -48,9 +48,13 @@ void AtomicFile::write(const void* data, size_t bytes) {
     if (fwrite(data, 1, bytes, file_) != bytes) fail("cannot write", errno);
 }
 
-void AtomicFile::commit() {
+void AtomicFile::flush() {
     errno = 0;
     if (fflush(file_) != 0 || ferror(file_)) fail("cannot write", errno != 0 ? errno : error_of_writing(fileno(file_)));
+}
+
+void AtomicFile::commit() {
+    flush();
     if (fsync(fileno(file_)) != 0) fail("cannot sync", errno);
     FILE* const file = file_;
     file_ = nullptr;
@@ -59,6 +63,25 @@ void AtomicFile::commit() {
         unlink(part_.c_str());
         fail("cannot put in place", error);
     }
+    sync_folder();
+}
+
+void AtomicFile::commit_checked() {
+    flush();
+    // Not every file system can refuse to replace a file.
+    if (renameat2(AT_FDCWD, part_.c_str(), AT_FDCWD, path_.c_str(), RENAME_NOREPLACE) != 0) return commit();
+    FILE* const file = file_;
+    file_ = nullptr;
+    const int status = fsync(fileno(file)), error = errno;
+    if (fclose(file) != 0 || status != 0) {
+        const int why = status != 0 ? error : errno;
+        unlink(path_.c_str());
+        fail("cannot sync", why);
+    }
+    sync_folder();
+}
+
+void AtomicFile::sync_folder() const {
     const int folder = open(path_.parent_path().empty() ? "." : path_.parent_path().c_str(), O_RDONLY | O_CLOEXEC);
     if (folder < 0) fail("cannot open the folder of", errno);
     const int status = fsync(folder), error = errno;

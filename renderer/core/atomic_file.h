@@ -21,8 +21,15 @@ public:
     /// For libraries that write to a stream; commit() checks what they did.
     FILE* stream() { return file_; }
     void commit();
+    /// The same by one writing of the file system's journal in place of two, where nothing has that name yet: the file
+    /// is named before it is synced. After a power cut meanwhile one that is not whole may have the name, so this is
+    /// for formats whose readers find that out.
+    void commit_checked();
 
 private:
+    void flush();
+    /// Renamed from PATH.part: the folder is synced too.
+    void sync_folder() const;
     [[noreturn]] void fail(const char* what, int error) const;
 
     std::filesystem::path path_;

@@ -306,7 +306,7 @@ void FilmFile::save(const Film& film, const FilmIdentity& identity, const std::s
             for (const std::string& block : encoded) file.write(block.data(), block.size());
         }
     });
-    file.commit();
+    file.commit_checked();
 }
 
 SavedFilm FilmFile::load(const std::filesystem::path& path, uint64_t limit_bytes) {
