@@ -67,14 +67,15 @@ dmat4 AccessorView::matrix(uint64_t i) const {
 }
 
 GltfData::GltfData(const GltfDocument& document, std::span<const uint8_t> binary_chunk, BundleFiles& files,
-                   std::string folder)
+                   std::string folder, uint64_t max_made_bytes)
     : document_(document),
       binary_chunk_(binary_chunk),
       files_(files),
       folder_(std::move(folder)),
       buffers_(document.buffers.size()),
       views_(document.model.bufferViews.size()),
-      accessors_(document.model.accessors.size()) {}
+      accessors_(document.model.accessors.size()),
+      max_made_bytes_(max_made_bytes) {}
 
 std::span<const uint8_t> GltfData::buffer_bytes(uint32_t index) {
     Held& held = buffers_[index];
@@ -174,6 +175,7 @@ std::vector<uint8_t> GltfData::apply_sparse(uint32_t index) {
         bad(gltf_pointer("accessors", index, "count"), std::to_string(accessor.count) +
                                                            " elements without a buffer view take more than " +
                                                            std::to_string(kMaxZeroBytes) + " bytes");
+    charge(accessor.count * size, gltf_pointer("accessors", index, "count"));
     std::vector<uint8_t> elements(accessor.count * size);
     if (accessor.bufferView >= 0) {
         const size_t view_stride = document_.model.bufferViews[accessor.bufferView].byteStride;
@@ -197,6 +199,15 @@ std::vector<uint8_t> GltfData::apply_sparse(uint32_t index) {
         std::memcpy(&elements[target * uint64_t{size}], values + i * size, size);
     }
     return elements;
+}
+
+void GltfData::charge(uint64_t bytes, const std::string& pointer) {
+    const uint64_t limit = max_made_bytes_ + files_.bytes_read();
+    if (bytes > limit || made_bytes_ + bytes > limit)
+        bad(pointer, "keys, morph targets, joints and sparse accessors take " + std::to_string(made_bytes_ + bytes) +
+                         " bytes up to here, more than the limit of " + std::to_string(limit) + " for files of " +
+                         std::to_string(files_.bytes_read()) + " bytes");
+    made_bytes_ += bytes;
 }
 
 std::vector<uint8_t> GltfData::image_bytes(uint32_t index) {

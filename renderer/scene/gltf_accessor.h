@@ -15,6 +15,9 @@ class AccessorView {
 public:
     uint64_t count() const { return count_; }
     uint32_t rows() const { return rows_; }
+    /// Whether it has neither a buffer view nor sparse values: then all of it is zeros, and its count costs the file
+    /// nothing.
+    bool is_zeros() const { return stride_ == 0; }
 
     /// Component `row` of element `i` (of column 0), as glTF converts it to float.
     float value(uint64_t i, uint32_t row) const {
@@ -55,10 +58,14 @@ public:
     /// `binary_chunk`: of the .glb, empty otherwise. `folder`: of the .gltf inside the bundle, "" or ending in "/". All
     /// are borrowed.
     GltfData(const GltfDocument& document, std::span<const uint8_t> binary_chunk, BundleFiles& files,
-             std::string folder);
+             std::string folder, uint64_t max_made_bytes);
 
     std::span<const uint8_t> view_bytes(uint32_t view);
     AccessorView accessor(uint32_t accessor);
+    /// Adds to what is made of the file's bytes more than once, or of none: keys, morph targets, matrices of joints,
+    /// accessors with sparse values. To be called before that is allocated. Throws ErrorCode::BadScene, at `pointer`,
+    /// where the sum is more than `max_made_bytes` and the bytes of the files together.
+    void charge(uint64_t bytes, const std::string& pointer);
     /// The encoded bytes of an image, from its view, its data URI or its file.
     std::vector<uint8_t> image_bytes(uint32_t image);
 
@@ -80,6 +87,8 @@ private:
     std::vector<Held> buffers_;
     std::vector<Held> views_;      // decompressed ones only
     std::vector<Held> accessors_;  // sparse ones only
+    const uint64_t max_made_bytes_;
+    uint64_t made_bytes_ = 0;  // see charge()
 };
 
 }  // namespace photond

@@ -99,11 +99,36 @@ std::optional<Pointed> resolve_pointer(std::string_view pointer) {
     return std::nullopt;
 }
 
+/// What makes keys the same.
+struct KeyList {
+    int input, output;  // accessors
+    Interpolation interpolation;
+    uint32_t width;
+    bool rotation;
+
+    auto operator<=>(const KeyList&) const = default;
+};
+
+/// What the animations of a document have in common.
+struct Shared {
+    /// Each list of keys once: a file may name the same accessors in any number of samplers, and the same sampler in
+    /// any number of channels.
+    std::map<KeyList, std::shared_ptr<const Keyframes>> keys;
+    /// By mesh the nodes that take its weights: those that show it and have none of their own.
+    std::vector<std::vector<uint32_t>> nodes_of_mesh;
+};
+
 /// One animation at work.
 class AnimationReader {
 public:
-    AnimationReader(const GltfDocument& document, GltfData& data, uint32_t index, std::vector<std::string>& warnings)
-        : model_(document.model), stored_(model_.animations[index]), data_(data), index_(index), warnings_(warnings) {}
+    AnimationReader(const GltfDocument& document, GltfData& data, uint32_t index, Shared& shared,
+                    std::vector<std::string>& warnings)
+        : model_(document.model),
+          stored_(model_.animations[index]),
+          data_(data),
+          index_(index),
+          shared_(shared),
+          warnings_(warnings) {}
 
     Animation read() {
         Animation animation;
@@ -181,20 +206,40 @@ private:
             const int mesh = of_mesh ? static_cast<int>(pointed.index) : model_.nodes[pointed.index].mesh;
             if (mesh >= 0) width = static_cast<uint32_t>(morph_targets(static_cast<size_t>(mesh)));
             if (width == 0) fail(c, "target", "there are no morph targets whose weights could be animated");
-            for (uint32_t node = 0; of_mesh && node < model_.nodes.size(); ++node)
-                if (model_.nodes[node].mesh == mesh && model_.nodes[node].weights.empty())
-                    channel.targets.push_back(node);
-            if (!of_mesh) channel.targets = {pointed.index};
+            if (of_mesh) {
+                const std::vector<uint32_t>& nodes = shared_.nodes_of_mesh[pointed.index];
+                data_.charge(nodes.size() * sizeof(uint32_t),
+                             gltf_pointer("animations", index_, "channels", std::to_string(c), "target"));
+                channel.targets = nodes;
+            } else {
+                channel.targets = {pointed.index};
+            }
         } else {
             channel.targets = {pointed.index};
         }
-        channel.keyframes = read_keyframes(static_cast<uint32_t>(stored_.channels[c].sampler), width);
-        channel.keyframes.rotation = pointed.name.property == Property::Rotation;
-        if (channel.keyframes.rotation) check_rotations(c, channel.keyframes);
+        channel.keyframes = share_keyframes(c, width, pointed.name.property == Property::Rotation);
         return channel;
     }
 
-    Keyframes read_keyframes(uint32_t index, uint32_t width) {
+    std::shared_ptr<const Keyframes> share_keyframes(uint32_t c, uint32_t width, bool rotation) {
+        const auto index = static_cast<uint32_t>(stored_.channels[c].sampler);
+        const tinygltf::AnimationSampler& sampler = stored_.samplers[index];
+        const Interpolation interpolation = sampler.interpolation == "STEP"          ? Interpolation::Step
+                                            : sampler.interpolation == "CUBICSPLINE" ? Interpolation::CubicSpline
+                                                                                     : Interpolation::Linear;
+        std::shared_ptr<const Keyframes>& held =
+            shared_.keys[{sampler.input, sampler.output, interpolation, width, rotation}];
+        if (!held) {
+            Keyframes keys{.width = width, .interpolation = interpolation, .rotation = rotation};
+            read_keyframes(index, keys);
+            if (rotation) check_rotations(c, keys);
+            held = std::make_shared<const Keyframes>(std::move(keys));
+        }
+        return held;
+    }
+
+    /// What keys say of themselves stands already.
+    void read_keyframes(uint32_t index, Keyframes& keys) {
         const tinygltf::AnimationSampler& sampler = stored_.samplers[index];
         const auto bad = [&](const char* member, const std::string& detail) {
             throw Error(ErrorCode::BadScene,
@@ -202,11 +247,19 @@ private:
         };
         const AccessorView input = data_.accessor(static_cast<uint32_t>(sampler.input));
         const AccessorView output = data_.accessor(static_cast<uint32_t>(sampler.output));
-        Keyframes keys;
-        keys.width = width;
-        keys.interpolation = sampler.interpolation == "STEP"          ? Interpolation::Step
-                             : sampler.interpolation == "CUBICSPLINE" ? Interpolation::CubicSpline
-                                                                      : Interpolation::Linear;
+        constexpr uint64_t kMaxZeros = 65536;
+        for (const auto& [view, member] : {std::pair(&input, "input"), std::pair(&output, "output")})
+            if (view->is_zeros() && view->count() > kMaxZeros)
+                bad(member, "has " + std::to_string(view->count()) + " elements without a buffer view, more than " +
+                                std::to_string(kMaxZeros));
+        const uint64_t numbers =
+            input.count() * keys.width * (keys.interpolation == Interpolation::CubicSpline ? 3 : 1);
+        if (output.count() * output.rows() != numbers)
+            bad("output", "has " + std::to_string(output.count() * output.rows()) + " numbers, not the " +
+                              std::to_string(numbers) + " of " + std::to_string(input.count()) + " keys");
+        data_.charge((input.count() + numbers) * sizeof(float),
+                     gltf_pointer("animations", index_, "samplers", std::to_string(index)));
+        keys.times.reserve(input.count());
         for (uint64_t k = 0; k < input.count(); ++k) {
             const float time = input.value(k, 0);
             if (!std::isfinite(time) || time < (keys.times.empty() ? 0 : keys.times.back()))
@@ -215,10 +268,6 @@ private:
                         (std::isfinite(time) ? " is before that of the key before it, or negative" : " is not finite"));
             keys.times.push_back(time);
         }
-        const uint64_t numbers = input.count() * width * (keys.interpolation == Interpolation::CubicSpline ? 3 : 1);
-        if (output.count() * output.rows() != numbers)
-            bad("output", "has " + std::to_string(output.count() * output.rows()) + " numbers, not the " +
-                              std::to_string(numbers) + " of " + std::to_string(input.count()) + " keys");
         keys.values.reserve(numbers);
         for (uint64_t k = 0; k < output.count(); ++k)
             for (uint32_t row = 0; row < output.rows(); ++row) {
@@ -226,7 +275,6 @@ private:
                 if (!std::isfinite(keys.values.back()))
                     bad("output", "element " + std::to_string(k) + " is not finite");
             }
-        return keys;
     }
 
     /// The values among the keys must have a direction; tangents need not.
@@ -243,6 +291,7 @@ private:
     const tinygltf::Animation& stored_;
     GltfData& data_;
     const uint32_t index_;
+    Shared& shared_;
     std::vector<std::string>& warnings_;
 };
 
@@ -251,8 +300,13 @@ private:
 std::vector<Animation> read_gltf_animations(const GltfDocument& document, GltfData& data,
                                             std::vector<std::string>& warnings) {
     std::vector<Animation> animations;
+    Shared shared;
+    shared.nodes_of_mesh.resize(document.model.meshes.size());
+    for (uint32_t i = 0; i < document.model.nodes.size(); ++i)
+        if (const tinygltf::Node& node = document.model.nodes[i]; node.mesh >= 0 && node.weights.empty())
+            shared.nodes_of_mesh[static_cast<size_t>(node.mesh)].push_back(i);
     for (uint32_t i = 0; i < document.model.animations.size(); ++i)
-        animations.push_back(AnimationReader(document, data, i, warnings).read());
+        animations.push_back(AnimationReader(document, data, i, shared, warnings).read());
     return animations;
 }
 

@@ -79,7 +79,8 @@ Scene load_gltf(const std::filesystem::path& file, const std::filesystem::path& 
     const GltfDocument document = read_gltf_document(container.json, {limits.max_json_depth, limits.max_json_values});
 
     const size_t slash = path.rfind('/');
-    GltfData data(document, container.binary, files, slash == std::string::npos ? "" : path.substr(0, slash + 1));
+    GltfData data(document, container.binary, files, slash == std::string::npos ? "" : path.substr(0, slash + 1),
+                  limits.max_made_bytes);
     Scene scene;
     if (const tinygltf::Scene* shown = document.scene()) scene.name = shown->name;
     if (scene.name.empty()) scene.name = file.stem().string();

@@ -18,6 +18,9 @@ struct LoadLimits {
     uint64_t max_triangles = 200'000'000;
     uint64_t max_texture_pixels = 64ull << 20;         // of one image
     uint64_t max_total_texture_pixels = 512ull << 20;  // of all images of a scene
+    /// Of keys, morph targets, joints and sparse accessors together, besides as many bytes as the files have: several
+    /// may be made of the same bytes, or of none.
+    uint64_t max_made_bytes = 192ull << 20;
     uint32_t max_json_depth = 64;
     uint64_t max_json_values = 4'000'000;
 };

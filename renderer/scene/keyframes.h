@@ -18,6 +18,7 @@ struct Keyframes {
 
     /// Seconds of the last key.
     double end_s() const { return static_cast<double>(times.back()); }
+    uint64_t bytes() const { return (times.capacity() + values.capacity()) * sizeof(float); }
     /// Writes `width` numbers.
     void evaluate(double time_s, double* result) const;
 };

@@ -67,7 +67,7 @@ void set_node(RigNode& node, const Channel& channel, const double* value) {
         case Property::Translation: node.translation = vector_of(value); break;
         case Property::Rotation: node.rotation = {value[3], value[0], value[1], value[2]}; break;
         case Property::Scale: node.scale = vector_of(value); break;
-        case Property::Weights: node.weights.assign(value, value + channel.keyframes.width); break;
+        case Property::Weights: node.weights.assign(value, value + channel.keyframes->width); break;
         default: break;
     }
 }
@@ -79,8 +79,8 @@ void set_camera(Camera& camera, Property property, double value) {
 }
 
 void apply(const Channel& channel, double time_s, PosedRig& posed) {
-    std::vector<double> value(channel.keyframes.width);
-    channel.keyframes.evaluate(time_s, value.data());
+    std::vector<double> value(channel.keyframes->width);
+    channel.keyframes->evaluate(time_s, value.data());
     for (const uint32_t target : channel.targets) {
         if (channel.property <= Property::Weights)
             set_node(posed.nodes[target], channel, value.data());

@@ -23,7 +23,7 @@ void TextureTransform::apply(TextureRef& reference) const {
 
 double Animation::duration_s() const {
     double end = 0;
-    for (const Channel& channel : channels) end = std::max(end, channel.keyframes.end_s());
+    for (const Channel& channel : channels) end = std::max(end, channel.keyframes->end_s());
     return end;
 }
 
@@ -75,9 +75,10 @@ uint64_t Rig::bytes() const {
     std::set<const ObjectMesh*> counted;
     for (const RiggedMesh& mesh : meshes)
         if (counted.insert(mesh.object.get()).second) bytes += mesh.object->bytes();
+    std::set<const Keyframes*> counted_keys;
     for (const Animation& animation : animations)
         for (const Channel& channel : animation.channels)
-            bytes += (channel.keyframes.times.capacity() + channel.keyframes.values.capacity()) * sizeof(float);
+            if (counted_keys.insert(channel.keyframes.get()).second) bytes += channel.keyframes->bytes();
     return bytes;
 }
 

@@ -3,6 +3,7 @@
 // animations that change them. Shared by all moments of a scene; pose.h makes one.
 
 #include <glm/gtc/quaternion.hpp>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -105,9 +106,9 @@ enum class Property : uint8_t {
 
 struct Channel {
     Property property = Property::Translation;
-    uint32_t slot = 0;              // of a texture's transform
-    std::vector<uint32_t> targets;  // which all get the same
-    Keyframes keyframes;
+    uint32_t slot = 0;                           // of a texture's transform
+    std::vector<uint32_t> targets;               // which all get the same
+    std::shared_ptr<const Keyframes> keyframes;  // shared by channels that a file gives the same keys
 };
 
 struct Animation {

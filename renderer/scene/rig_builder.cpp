@@ -38,13 +38,14 @@ Channel drive(Property property, uint32_t target, std::vector<float> times, std:
     Channel channel;
     channel.property = property;
     channel.targets = {target};
-    Keyframes& keys = channel.keyframes;
+    Keyframes keys;
     const size_t a_key = interpolation == Interpolation::CubicSpline ? 3 : 1;
     keys.width = static_cast<uint32_t>(values.size() / times.size() / a_key);
     keys.interpolation = interpolation;
     keys.rotation = property == Property::Rotation;
     keys.times = std::move(times);
     keys.values = std::move(values);
+    channel.keyframes = std::make_shared<const Keyframes>(std::move(keys));
     return channel;
 }
 

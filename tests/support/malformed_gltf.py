@@ -523,6 +523,11 @@ def multiplying_cases():
         del sparse["meshes"][1]["primitives"][0]["attributes"][key]
     del sparse["nodes"][2]["skin"]
     yield Case("sparse_over_half_a_billion_zeros", glb(sparse, binary), "bad_scene", "/accessors/4/count")
+    for member, type_ in (("input", "SCALAR"), ("output", "VEC3")):
+        keys = copy.deepcopy(doc)
+        keys["accessors"].append({"componentType": 5126, "count": 4294967295, "type": type_})
+        keys["animations"][0]["samplers"][0][member] = len(keys["accessors"]) - 1
+        yield Case(f"four_billion_zero_keys_of_{member}", glb(keys, binary), "bad_scene", f"/animations/0/samplers/0/{member}")
     meshopt = copy.deepcopy(doc)
     view = meshopt["bufferViews"][len(PARTS)]
     meshopt["buffers"][1]["byteLength"] = view["byteLength"] = 12 * 300_000_000
