@@ -1,6 +1,7 @@
 // Animations of a document: channels to a node's own properties, and to others by KHR_animation_pointer.
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 
 #include "renderer/scene/gltf_rig.h"
@@ -134,6 +135,7 @@ public:
         Animation animation;
         animation.name = stored_.name;
         std::map<std::pair<std::string, uint32_t>, uint32_t> driven;  // what, by which channel
+        std::vector<Channel> of_nodes_and_others;
         for (uint32_t c = 0; c < stored_.channels.size(); ++c) {
             const std::optional<Pointed> pointed = pointed_by(c);
             if (!pointed) continue;
@@ -143,12 +145,11 @@ public:
             const auto [found, is_new] = driven.try_emplace({what, pointed->index}, c);
             if (!is_new) fail(c, "target", "channel " + std::to_string(found->second) + " drives the same property");
             Channel channel = read_channel(c, *pointed);
-            if (!channel.targets.empty()) animation.channels.push_back(std::move(channel));
+            if (channel.targets.empty()) continue;
+            // A mesh's weights come first: a node's own channel wins over them.
+            (pointed->name.list == "meshes" ? animation.channels : of_nodes_and_others).push_back(std::move(channel));
         }
-        // A mesh's weights are those of its nodes that have none of their own: a node's own channel wins.
-        std::ranges::stable_sort(animation.channels, {}, [&](const Channel& channel) {
-            return channel.property != Property::Weights || channel.targets.size() == 1;
-        });
+        std::ranges::move(of_nodes_and_others, std::back_inserter(animation.channels));
         return animation;
     }
 

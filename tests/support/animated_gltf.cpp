@@ -396,6 +396,18 @@ TestGltf pointers() {
     return file;
 }
 
+/// A mesh that one node shows, with channels for the weights of both: first the node's, then the mesh's.
+TestGltf weights_of_mesh_and_node() {
+    TestGltf file;
+    file.set("extensionsUsed", R"(["KHR_animation_pointer"])");
+    file.set("meshes", "[" + morphing_mesh(file) + "]");
+    AnimationText(file)
+        .drive(node_target(0, "weights"), {0, 1}, 1, {0, 0, 1, 0})
+        .drive(pointer_target("/meshes/0/weights"), {0, 1}, 1, {0, 0, 0, 1})
+        .set();
+    return file;
+}
+
 TestGltf overshooting_spline() {
     TestGltf file = moved_square();
     file.set("extensionsUsed", R"(["KHR_animation_pointer"])");
@@ -452,6 +464,7 @@ const std::vector<AnimatedFile>& animated_files() {
 TestGltf animated_file(const std::string& name) {
     if (name == "Pointers") return pointers();
     if (name == "OvershootingSpline") return overshooting_spline();
+    if (name == "WeightsOfMeshAndNode") return weights_of_mesh_and_node();
     const auto found =
         std::ranges::find_if(animated_files(), [&](const AnimatedFile& file) { return file.name == name; });
     return found->gltf;

@@ -144,6 +144,13 @@ TEST(Animation, ValuesThatOvershootEndAtTheirRange) {
     EXPECT_EQ(scene.materials[0].roughness, 1);
 }
 
+TEST(Animation, ANodesWeightsWinOverItsMeshsThoughNoOtherNodeShowsIt) {
+    Scene scene = test::animated_file("WeightsOfMeshAndNode").load();
+    const vec3 stored = scene.meshes[0].positions[0];
+    pose_scene(scene, {0, 1});
+    EXPECT_EQ(scene.meshes[0].positions[0], stored + vec3(0, 0, 1)) << "the first target's, not the second's";
+}
+
 TEST(Animation, FaultsAreNamedWithTheirPlace) {
     for (const test::FaultyAnimation& faulty : test::faulty_animations()) {
         SCOPED_TRACE(faulty.name);
