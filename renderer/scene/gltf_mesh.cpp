@@ -18,17 +18,17 @@ public:
           pointer_(gltf_pointer("meshes", mesh, "primitives", std::to_string(primitive))),
           positions_(data.accessor(*gltf_attribute(primitive_, "POSITION"))) {}
 
-    ObjectMesh read(size_t joints, const MeshWants& wants, MeshTally& tally) {
+    ObjectMesh read(const MeshShape& shape, const MeshWants& wants, MeshTally& tally) {
         read_triangles();
         keep_used_vertices();
         read_positions();
         read_normals(tally);
         read_uv(wants, tally);
         read_colors(tally);
-        if (joints > 0) read_influences(joints, tally);
+        if (shape.joints > 0) read_influences(shape.joints, tally);
         const bool tangents_wanted = wants.normal_texture != nullptr;
         if (tangents_wanted) read_tangents();
-        read_targets();
+        read_targets(shape.targets);
         mesh_.material = 0;
         return std::move(result_);
     }
@@ -172,6 +172,9 @@ private:
             influence_sets_.push_back({*joints, *weights});
         }
         result_.joint_sets = static_cast<uint32_t>(influence_sets_.size());
+        if (influence_sets_.size() > 1)  // they may all be the same accessors
+            data_.charge((influence_sets_.size() - 1) * 4 * sizeof(JointWeight) * vertices_.size(),
+                         pointer_ + "/attributes/JOINTS_1");
         result_.influences.reserve(vertices_.size() * 4 * influence_sets_.size());
         for (const uint32_t v : vertices_) {
             float sum = 0;
@@ -214,25 +217,30 @@ private:
         }
     }
 
-    void read_targets() {
-        result_.targets.resize(primitive_.targets.size());
-        for (size_t k = 0; k < primitive_.targets.size(); ++k)
+    void read_targets(std::span<const uint32_t> kept) {
+        for (const uint32_t k : kept) {
+            MorphTarget target;
+            target.weight = k;
             for (const auto& [semantic, accessor] : primitive_.targets[k]) {
-                MorphTarget& target = result_.targets[k];
                 std::vector<vec3>* offsets = semantic == "POSITION"                             ? &target.positions
                                              : semantic == "NORMAL" && !mesh_.normals.empty()   ? &target.normals
                                              : semantic == "TANGENT" && !mesh_.tangents.empty() ? &target.tangents
                                                                                                 : nullptr;
                 if (offsets == nullptr) continue;
                 const AccessorView view = data_.accessor(accessor);
+                if (view.is_zeros()) continue;
+                const std::string where = "/targets/" + std::to_string(k) + "/" + semantic;
+                data_.charge(vertices_.size() * sizeof(vec3), pointer_ + where);
                 offsets->resize(vertices_.size());
                 for (size_t v = 0; v < vertices_.size(); ++v) {
                     (*offsets)[v] = view.vec<3>(vertices_[v]);
                     if (!is_finite((*offsets)[v]))
-                        fail("/targets/" + std::to_string(k) + "/" + semantic,
-                             "the displacement of vertex " + std::to_string(vertices_[v]) + " is not finite");
+                        fail(where, "the displacement of vertex " + std::to_string(vertices_[v]) + " is not finite");
                 }
             }
+            if (!target.positions.empty() || !target.normals.empty() || !target.tangents.empty())
+                result_.targets.push_back(std::move(target));
+        }
     }
 
     const tinygltf::Primitive& primitive_;
@@ -256,8 +264,8 @@ uint64_t promised_triangles(const tinygltf::Primitive& primitive, const tinygltf
 }
 
 ObjectMesh read_primitive_mesh(const GltfDocument& document, GltfData& data, uint32_t mesh, uint32_t primitive,
-                               size_t joints, const MeshWants& wants, MeshTally& tally) {
-    return PrimitiveReader(document, data, mesh, primitive).read(joints, wants, tally);
+                               const MeshShape& shape, const MeshWants& wants, MeshTally& tally) {
+    return PrimitiveReader(document, data, mesh, primitive).read(shape, wants, tally);
 }
 
 }  // namespace photond

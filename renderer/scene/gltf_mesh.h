@@ -32,10 +32,16 @@ struct MeshWants {
 /// The number of triangles a primitive says it has; 0 for points and lines.
 uint64_t promised_triangles(const tinygltf::Primitive& primitive, const tinygltf::Model& model);
 
+/// What of a mesh matters to the nodes that show it.
+struct MeshShape {
+    size_t joints = 0;                  // that a vertex may name; 0 where no skin moves the mesh
+    std::span<const uint32_t> targets;  // morph targets that have a weight, or are given one by an animation
+};
+
 /// Reads primitive `primitive` of mesh `mesh`. Throws ErrorCode::BadScene for positions and displacements that are not
-/// finite and for indices out of range. `joints`: that a vertex may name; 0 where no skin moves the mesh.
+/// finite, for indices out of range, and for morph targets beyond what GltfData::charge() allows.
 ObjectMesh read_primitive_mesh(const GltfDocument& document, GltfData& data, uint32_t mesh, uint32_t primitive,
-                               size_t joints, const MeshWants& wants, MeshTally& tally);
+                               const MeshShape& shape, const MeshWants& wants, MeshTally& tally);
 
 /// Per-vertex tangents that follow the coordinates of `normal_texture` (KHR_texture_transform included), area-weighted,
 /// vertices split where the handedness changes. A mesh without normals gets three vertices a triangle. Gives the vertex

@@ -26,11 +26,20 @@ struct Bounds {
     void extend(const dvec3& p) { min = glm::min(min, p), max = glm::max(max, p); }
 };
 
-/// A mesh as read, and the nodes that show it.
+/// A mesh as read, and nodes that show it in the same shape.
 struct PlacedMesh {
-    ObjectMesh object;
+    std::shared_ptr<ObjectMesh> object;  // which others may hold too
     std::vector<uint32_t> nodes;
     std::optional<uint32_t> skin;  // then there is one node
+};
+
+/// What decides what is read of a mesh for a node.
+struct MeshReading {
+    int mesh;
+    size_t joints;     // 0 where the node has no skin
+    uint32_t targets;  // of Placement::target_lists_
+
+    auto operator<=>(const MeshReading&) const = default;
 };
 
 bool finite(const dmat4& m) {
@@ -62,11 +71,12 @@ public:
     std::shared_ptr<Rig> run() {
         *rig_ = read_gltf_rig(document_, data_, warnings_);
         rest_ = pose_rig(*rig_, {});
-        moving_ = moving_nodes(*rig_, rig_->animations);
+        moving_ = movement_of(*rig_, rig_->animations);
         find_animated_materials();
         check_transforms();
         check_triangle_count();
         read_meshes();
+        check_joints();
         choose_origin();
         for (PlacedMesh& placed : meshes_) place(placed);
         for (const uint32_t node : place_cameras(*rig_, rest_, scene_)) note_scaled_to_nothing("camera", node);
@@ -127,26 +137,56 @@ private:
     }
 
     void read_meshes() {
-        // Nodes that show the same mesh in the same shape share one reading of it: a range of meshes_.
+        // Nodes that show the same mesh in the same shape are a range of meshes_; those of other shapes share what is
+        // read of it where that is the same.
         std::map<int, std::pair<size_t, size_t>> shared;
+        std::map<MeshReading, std::vector<std::shared_ptr<ObjectMesh>>> read;
         for (const uint32_t i : rig_->walk) {
             const tinygltf::Node& node = model_.nodes[i];
             if (node.mesh < 0) continue;
-            const bool own_shape = node.skin >= 0 || !node.weights.empty() || changes_weights(rig_->animations, i);
+            const bool own_shape = node.skin >= 0 || !node.weights.empty() || moving_.weights[i];
             if (const auto found = shared.find(node.mesh); found != shared.end() && !own_shape) {
                 for (size_t k = found->second.first; k < found->second.second; ++k) meshes_[k].nodes.push_back(i);
                 continue;
             }
+            std::optional<uint32_t> skin;
+            if (node.skin >= 0) skin = static_cast<uint32_t>(node.skin);
+            const MeshReading reading{node.mesh, skin ? rig_->skins[*skin].joints.size() : 0, target_list_of(i)};
+            const auto [found, is_new] = read.try_emplace(reading);
+            if (is_new) found->second = read_mesh(reading);
             const size_t first = meshes_.size();
-            read_mesh(i);
+            for (const std::shared_ptr<ObjectMesh>& object : found->second) {
+                if (skin && object->joint_sets == 0)
+                    throw Error(ErrorCode::BadScene, gltf_pointer("nodes", i, "skin"),
+                                "the mesh has no JOINTS_0 and WEIGHTS_0");
+                meshes_.push_back({object, {i}, skin});
+            }
             if (!own_shape) shared.emplace(node.mesh, std::pair{first, meshes_.size()});
         }
     }
 
-    void read_mesh(uint32_t node_index) {
-        const tinygltf::Node& node = model_.nodes[node_index];
-        const tinygltf::Mesh& mesh = model_.meshes[node.mesh];
-        const size_t joints = node.skin >= 0 ? rig_->skins[static_cast<size_t>(node.skin)].joints.size() : 0;
+    /// Which of its mesh's morph targets matter to a node, as an index into target_lists_: all where an animation gives
+    /// them weights, else those that have one.
+    uint32_t target_list_of(uint32_t node) {
+        const std::vector<tinygltf::Primitive>& primitives = model_.meshes[model_.nodes[node].mesh].primitives;
+        const auto count = static_cast<uint32_t>(primitives.front().targets.size());
+        const MorphWeights& weights = rig_->nodes[node].weights;
+        const bool all = moving_.weights[node];
+        const auto [known, is_new] = known_lists_.try_emplace({all ? nullptr : weights.get(), all ? count : 0});
+        if (!is_new) return known->second;
+        std::vector<uint32_t> list;
+        for (uint32_t k = 0; k < count; ++k)
+            if (all || (weights && (*weights)[k] != 0)) list.push_back(k);
+        const auto [found, unlike] =
+            target_lists_.try_emplace(std::move(list), static_cast<uint32_t>(by_index_.size()));
+        if (unlike) by_index_.push_back(&found->first);
+        return known->second = found->second;
+    }
+
+    std::vector<std::shared_ptr<ObjectMesh>> read_mesh(const MeshReading& reading) {
+        std::vector<std::shared_ptr<ObjectMesh>> objects;
+        const tinygltf::Mesh& mesh = model_.meshes[reading.mesh];
+        const std::vector<uint32_t>& targets = *by_index_[reading.targets];
         for (uint32_t p = 0; p < mesh.primitives.size(); ++p) {
             const tinygltf::Primitive& primitive = mesh.primitives[p];
             const auto positions = gltf_attribute(primitive, "POSITION");
@@ -155,22 +195,22 @@ private:
                 ++tally_.points_and_lines;
                 continue;
             }
-            if (is_one_point(primitive, *positions) || (primitive.indices >= 0 && is_zeros(primitive.indices))) {
+            // Where the first primitive has no positions, others may have fewer targets than it.
+            const auto end = std::ranges::lower_bound(targets, primitive.targets.size());
+            const MeshShape shape{reading.joints, {targets.begin(), end}};
+            if (is_one_point(primitive, *positions, shape.targets) ||
+                (primitive.indices >= 0 && is_zeros(primitive.indices))) {
                 tally_.degenerate_triangles += promised_triangles(primitive, model_);
                 continue;
             }
             const uint32_t material = use_material(primitive.material);
-            PlacedMesh placed;
-            placed.object = read_primitive_mesh(document_, data_, node.mesh, p, joints, wants_of(material), tally_);
-            if (placed.object.mesh.triangles.empty()) continue;
-            placed.object.mesh.material = material;
-            placed.nodes = {node_index};
-            if (node.skin >= 0) placed.skin = static_cast<uint32_t>(node.skin);
-            if (placed.skin && placed.object.joint_sets == 0)
-                throw Error(ErrorCode::BadScene, gltf_pointer("nodes", node_index, "skin"),
-                            "the mesh has no JOINTS_0 and WEIGHTS_0");
-            meshes_.push_back(std::move(placed));
+            const auto object = std::make_shared<ObjectMesh>(read_primitive_mesh(
+                document_, data_, static_cast<uint32_t>(reading.mesh), p, shape, wants_of(material), tally_));
+            if (object->mesh.triangles.empty()) continue;
+            object->mesh.material = material;
+            objects.push_back(object);
         }
+        return objects;
     }
 
     /// An accessor of nothing but zeros: one point, or one corner, again and again.
@@ -178,10 +218,10 @@ private:
         return model_.accessors[accessor].bufferView < 0 && !model_.accessors[accessor].sparse.isSparse;
     }
     /// Positions that are all zeros, and that no morph target moves apart.
-    bool is_one_point(const tinygltf::Primitive& primitive, int positions) const {
-        return is_zeros(positions) && std::ranges::all_of(primitive.targets, [&](const auto& target) {
-                   const auto moved = target.find("POSITION");
-                   return moved == target.end() || is_zeros(moved->second);
+    bool is_one_point(const tinygltf::Primitive& primitive, int positions, std::span<const uint32_t> targets) const {
+        return is_zeros(positions) && std::ranges::all_of(targets, [&](uint32_t k) {
+                   const auto moved = primitive.targets[k].find("POSITION");
+                   return moved == primitive.targets[k].end() || is_zeros(moved->second);
                });
     }
 
@@ -224,12 +264,35 @@ private:
     }
 
     MeshPose rest_pose(uint32_t node, std::optional<uint32_t> skin) const {
-        MeshPose pose = pose_of(*rig_, rest_, node, skin, scene_.origin);
-        for (size_t k = 0; skin && k < pose.transforms.size(); ++k)
-            if (!finite(pose.transforms[k]))
-                throw Error(ErrorCode::BadScene, gltf_pointer("skins", *skin, "joints", std::to_string(k)),
-                            "the joint's transform is not finite");
-        return pose;
+        return pose_of(rest_, node, skin, scene_.origin);
+    }
+
+    void check_joints() const {
+        std::set<uint32_t> checked;
+        for (const PlacedMesh& placed : meshes_) {
+            if (!placed.skin || !checked.insert(*placed.skin).second) continue;
+            const std::vector<dmat4>& transforms = rest_.skins[*placed.skin];
+            for (size_t k = 0; k < transforms.size(); ++k)
+                if (!finite(transforms[k]))
+                    throw Error(ErrorCode::BadScene, gltf_pointer("skins", *placed.skin, "joints", std::to_string(k)),
+                                "the joint's transform is not finite");
+        }
+    }
+
+    /// What may bring a vertex of the mesh into the scene: the node, or each joint that has a weight.
+    std::vector<dmat4> transforms_of(const PlacedMesh& placed) const {
+        std::vector<dmat4> transforms;
+        if (!placed.skin) {
+            for (const uint32_t node : placed.nodes) transforms.push_back(rest_.world[node]);
+            return transforms;
+        }
+        std::vector<uint32_t> joints;
+        for (const JointWeight& influence : placed.object->influences)
+            if (influence.weight > 0) joints.push_back(influence.joint);
+        std::ranges::sort(joints);
+        joints.erase(std::unique(joints.begin(), joints.end()), joints.end());
+        for (const uint32_t joint : joints) transforms.push_back(rest_.skins[*placed.skin][joint]);
+        return transforms;
     }
 
     /// A box around the scene from boxes around its meshes: as good as needed to tell where it lies.
@@ -237,13 +300,8 @@ private:
         Bounds bounds;
         for (const PlacedMesh& placed : meshes_) {
             Bounds object;
-            for (const vec3& p : placed.object.mesh.positions) object.extend(dvec3(p));
-            std::vector<dmat4> matrices;
-            for (const uint32_t node : placed.nodes) {
-                const MeshPose pose = rest_pose(node, placed.skin);
-                matrices.insert(matrices.end(), pose.transforms.begin(), pose.transforms.end());
-            }
-            for (const dmat4& m : matrices)
+            for (const vec3& p : placed.object->mesh.positions) object.extend(dvec3(p));
+            for (const dmat4& m : transforms_of(placed))
                 for (int corner = 0; corner < 8; ++corner)
                     bounds.extend(dvec3(m * dvec4(corner & 1 ? object.min.x : object.max.x,
                                                   corner & 2 ? object.min.y : object.max.y,
@@ -259,45 +317,53 @@ private:
 
     /// What moves, and glass that what moves may come to touch, is the rig's.
     void place(PlacedMesh& placed) {
-        const bool glass = scene_.materials[placed.object.mesh.material].transmission > 0 && !rig_->animations.empty();
+        const bool glass = scene_.materials[placed.object->mesh.material].transmission > 0 && !rig_->animations.empty();
         std::vector<uint32_t> rigged, still;
         for (const uint32_t node : placed.nodes)
-            (moves_mesh(*rig_, rig_->animations, moving_, node, placed.skin) || glass ? rigged : still).push_back(node);
-        if (!rigged.empty())
-            place_rigged(still.empty() ? std::move(placed.object) : placed.object, placed.skin, rigged);
+            (moving_.moves_mesh(node, placed.skin) || glass ? rigged : still).push_back(node);
+        // adopt_rig() fills in where what is rigged lies.
+        if (!rigged.empty()) {
+            const std::shared_ptr<const ObjectMesh> object = with_tangents(placed.object, still.empty());
+            for (const uint32_t node : rigged) add_rigged_mesh(scene_, *rig_, object, node, placed.skin);
+        }
         if (!still.empty()) place_still(placed, still);
+        placed.object = nullptr;
     }
 
-    /// adopt_rig() fills in where it lies.
-    void place_rigged(ObjectMesh object, std::optional<uint32_t> skin, const std::vector<uint32_t>& nodes) {
-        const Material& material = scene_.materials[object.mesh.material];
-        if (material.normal_texture.used() && object.mesh.tangents.empty())
-            build_tangents(object, material.normal_texture);
-        const auto shared = std::make_shared<const ObjectMesh>(std::move(object));
-        for (const uint32_t node : nodes) add_rigged_mesh(scene_, *rig_, shared, node, skin);
+    /// The mesh with what its material asks for, as it is to move. Made of a copy, once, where others hold it as well:
+    /// tangents of what stands still are made where it lies. `alone`: the caller needs it for nothing else.
+    std::shared_ptr<const ObjectMesh> with_tangents(const std::shared_ptr<ObjectMesh>& object, bool alone) {
+        const TextureRef& normal_texture = scene_.materials[object->mesh.material].normal_texture;
+        if (!normal_texture.used() || !object->mesh.tangents.empty()) return object;
+        const auto [made, is_new] = with_tangents_.try_emplace(object.get());
+        if (!is_new) return made->second;
+        const auto own = alone && object.use_count() == 1 ? object : std::make_shared<ObjectMesh>(*object);
+        build_tangents(*own, normal_texture);
+        return made->second = own;
     }
 
     void place_still(PlacedMesh& placed, const std::vector<uint32_t>& nodes) {
         const uint64_t copies = nodes.size();
-        const bool bake_all = copies == 1 || placed.object.mesh.triangles.size() * copies < kMaxBakedCopyTriangles;
+        const bool bake_all = copies == 1 || placed.object->mesh.triangles.size() * copies < kMaxBakedCopyTriangles;
         std::optional<uint32_t> shared;
         for (size_t k = 0; k < copies; ++k) {
             const MeshPose pose = rest_pose(nodes[k], placed.skin);
             const bool singular = !placed.skin && std::fabs(glm::determinant(dmat3(pose.transforms.front()))) < 1e-30;
             if (bake_all || singular) {
-                if (k + 1 == copies && !shared) {
-                    bake(placed.object, pose, nodes[k]);
-                    add_baked(std::move(placed.object.mesh));
+                if (k + 1 == copies && placed.object.use_count() == 1) {
+                    bake(*placed.object, pose, nodes[k]);
+                    add_baked(std::move(placed.object->mesh));
                 } else {
-                    ObjectMesh copy = placed.object;
+                    ObjectMesh copy = *placed.object;
                     bake(copy, pose, nodes[k]);
                     add_baked(std::move(copy.mesh));
                 }
                 continue;
             }
             if (!shared) {
-                ObjectMesh object = placed.object;
-                bake(object, {.weights = pose.weights, .transforms = {dmat4(1)}}, nodes[k]);
+                ObjectMesh object = *placed.object;
+                const dmat4 unmoved(1);
+                bake(object, {.weights = pose.weights, .transforms = {&unmoved, 1}}, nodes[k]);
                 tally_.degenerate_triangles += drop_degenerate_triangles(object.mesh);
                 if (object.mesh.triangles.empty()) return;
                 add_tangents(object.mesh);
@@ -357,9 +423,14 @@ private:
     Scene& scene_;
     const std::shared_ptr<Rig> rig_ = std::make_shared<Rig>();
     PosedRig rest_;
-    std::vector<bool> moving_;               // nodes
+    Movement moving_;
     std::set<uint32_t> animated_materials_;  // of the document
     std::vector<PlacedMesh> meshes_;
+    std::map<std::vector<uint32_t>, uint32_t> target_lists_;  // morph targets that matter to nodes, by index
+    std::vector<const std::vector<uint32_t>*> by_index_;      // the same
+    /// By a node's weights, or by the number of targets where all matter, which list it is.
+    std::map<std::pair<const std::vector<double>*, uint32_t>, uint32_t> known_lists_;
+    std::map<const ObjectMesh*, std::shared_ptr<const ObjectMesh>> with_tangents_;
     std::map<int, uint32_t> material_of_;
     std::vector<UvSlots> uv_slots_;  // of each of the scene's materials
     MeshTally tally_;

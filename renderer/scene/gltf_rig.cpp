@@ -10,13 +10,18 @@ dvec3 vector_or(const std::vector<double>& numbers, double fallback) {
     return numbers.empty() ? dvec3(fallback) : dvec3(numbers[0], numbers[1], numbers[2]);
 }
 
-RigNode read_gltf_node(const tinygltf::Node& stored, const std::vector<tinygltf::Mesh>& meshes) {
+MorphWeights weights_or_none(const std::vector<double>& stored) {
+    return stored.empty() ? nullptr : std::make_shared<const std::vector<double>>(stored);
+}
+
+/// `of_meshes`: the weights of each mesh.
+RigNode read_gltf_node(const tinygltf::Node& stored, const std::vector<MorphWeights>& of_meshes) {
     RigNode node;
     node.name = stored.name;
     node.camera = stored.camera;
     node.light = gltf_light(stored).value_or(-1);
-    node.weights = stored.weights;
-    if (stored.weights.empty() && stored.mesh >= 0) node.weights = meshes[static_cast<size_t>(stored.mesh)].weights;
+    node.weights = weights_or_none(stored.weights);
+    if (!node.weights && stored.mesh >= 0) node.weights = of_meshes[static_cast<size_t>(stored.mesh)];
     if (!stored.matrix.empty()) {
         node.matrix.emplace(1.0);
         for (int k = 0; k < 16; ++k) (*node.matrix)[k / 4][k % 4] = stored.matrix[static_cast<size_t>(k)];
@@ -57,7 +62,9 @@ RiggedLight read_gltf_light(const tinygltf::Light& stored) {
     return light;
 }
 
-RigSkin read_gltf_skin(const tinygltf::Skin& stored, GltfData& data) {
+RigSkin read_gltf_skin(const tinygltf::Skin& stored, GltfData& data, uint32_t index) {
+    // A joint is a number in the file, and here a matrix that is stored, one that is posed, and one of the pose before.
+    data.charge(stored.joints.size() * 3 * sizeof(dmat4), gltf_pointer("skins", index, "joints"));
     RigSkin skin;
     skin.joints.assign(stored.joints.begin(), stored.joints.end());
     skin.inverse_bind.assign(skin.joints.size(), dmat4(1));
@@ -91,7 +98,9 @@ std::vector<uint32_t> walk_of(const GltfDocument& document, const std::vector<Ri
 Rig read_gltf_rig(const GltfDocument& document, GltfData& data, std::vector<std::string>& warnings) {
     const tinygltf::Model& model = document.model;
     Rig rig;
-    for (const tinygltf::Node& node : model.nodes) rig.nodes.push_back(read_gltf_node(node, model.meshes));
+    std::vector<MorphWeights> of_meshes;
+    for (const tinygltf::Mesh& mesh : model.meshes) of_meshes.push_back(weights_or_none(mesh.weights));
+    for (const tinygltf::Node& node : model.nodes) rig.nodes.push_back(read_gltf_node(node, of_meshes));
     for (size_t i = 0; i < model.nodes.size(); ++i)
         for (const int child : model.nodes[i].children)
             rig.nodes[static_cast<size_t>(child)].parent = static_cast<int32_t>(i);
@@ -99,7 +108,7 @@ Rig read_gltf_rig(const GltfDocument& document, GltfData& data, std::vector<std:
     rig.walk = walk_of(document, rig.nodes);
     for (const tinygltf::Camera& camera : model.cameras) rig.cameras.push_back(read_gltf_camera(camera));
     for (const tinygltf::Light& light : model.lights) rig.lights.push_back(read_gltf_light(light));
-    for (const tinygltf::Skin& skin : model.skins) rig.skins.push_back(read_gltf_skin(skin, data));
+    for (uint32_t i = 0; i < model.skins.size(); ++i) rig.skins.push_back(read_gltf_skin(model.skins[i], data, i));
     rig.animations = read_gltf_animations(document, data, warnings);
     return rig;
 }

@@ -33,8 +33,9 @@ class MeshPoser {
 public:
     MeshPoser(const ObjectMesh& object, const MeshPose& pose, Mesh& posed)
         : object_(object), pose_(pose), posed_(posed) {
-        for (size_t k = 0; k < std::min(pose.weights.size(), object.targets.size()); ++k)
-            if (pose.weights[k] != 0) targets_.push_back({&object.targets[k], pose.weights[k]});
+        for (const MorphTarget& target : object.targets)
+            if (target.weight < pose.weights.size() && pose.weights[target.weight] != 0)
+                targets_.push_back({&target, pose.weights[target.weight]});
     }
 
     /// A mesh in its place already keeps the file's bits.
@@ -139,7 +140,7 @@ uint64_t array_bytes(const std::vector<T>& array) {
 }  // namespace
 
 uint64_t ObjectMesh::bytes() const {
-    uint64_t bytes = mesh.bytes() + array_bytes(influences);
+    uint64_t bytes = mesh.bytes() + array_bytes(influences) + array_bytes(targets);
     for (const MorphTarget& target : targets)
         bytes += array_bytes(target.positions) + array_bytes(target.normals) + array_bytes(target.tangents);
     return bytes;

@@ -1,6 +1,7 @@
 #pragma once
 // A mesh as it is stored, in its node's space, and how morph targets, joints and nodes bring it into the scene.
 
+#include <span>
 #include <vector>
 
 #include "renderer/scene/scene.h"
@@ -15,25 +16,25 @@ struct JointWeight {
 
 /// What a morph target of weight 1 adds to each vertex. Empty: nothing.
 struct MorphTarget {
+    uint32_t weight = 0;  // which of a node's weights is its own
     std::vector<vec3> positions, normals, tangents;
 };
 
 struct ObjectMesh {
-    Mesh mesh;  // without its morph targets
-    std::vector<MorphTarget> targets;
+    Mesh mesh;                            // without its morph targets
+    std::vector<MorphTarget> targets;     // without those that are nothing or never have a weight
     uint32_t joint_sets = 0;              // influences a vertex / 4
     std::vector<JointWeight> influences;  // 4 x joint_sets a vertex
 
     uint64_t bytes() const;
 };
 
-/// What brings a mesh into the scene.
+/// What brings a mesh into the scene: of a node, and of a skin that all its meshes share.
 struct MeshPose {
-    std::vector<double> weights;    // of the morph targets; of those past its end: 0
-    std::vector<dmat4> transforms;  // of a skinned mesh a joint's world matrix times its inverse bind matrix; else one
-    dvec3 origin{0};                // taken off every position
-
-    bool operator==(const MeshPose&) const = default;
+    std::span<const double> weights;  // of the file's morph targets; of those past its end: 0
+    std::span<const dmat4>
+        transforms;   // of a skinned mesh a joint's world matrix times its inverse bind matrix; else one
+    dvec3 origin{0};  // taken off every position
 };
 
 /// Writes positions, normals, tangents and triangles of `posed`, which may be the object's own mesh: in world space, by

@@ -1,6 +1,7 @@
 #include "renderer/scene/pose.h"
 
 #include <algorithm>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -62,12 +63,11 @@ void set_light(RiggedLight& light, Property property, const double* value) {
     }
 }
 
-void set_node(RigNode& node, const Channel& channel, const double* value) {
-    switch (channel.property) {
+void set_node(RigNode& node, Property property, const double* value) {
+    switch (property) {
         case Property::Translation: node.translation = vector_of(value); break;
         case Property::Rotation: node.rotation = {value[3], value[0], value[1], value[2]}; break;
         case Property::Scale: node.scale = vector_of(value); break;
-        case Property::Weights: node.weights.assign(value, value + channel.keyframes->width); break;
         default: break;
     }
 }
@@ -78,12 +78,25 @@ void set_camera(Camera& camera, Property property, double value) {
     if (property == Property::YMag) camera.ymag = static_cast<float>(std::max(std::fabs(value), kLeast));
 }
 
+/// Weights that keys give, which may be many and for many nodes: those of the same keys are evaluated once.
+using EvaluatedWeights = std::map<const Keyframes*, MorphWeights>;
+
+void apply_weights(const Channel& channel, double time_s, EvaluatedWeights& evaluated, PosedRig& posed) {
+    MorphWeights& weights = evaluated[channel.keyframes.get()];
+    if (!weights) {
+        std::vector<double> values(channel.keyframes->width);
+        channel.keyframes->evaluate(time_s, values.data());
+        weights = std::make_shared<const std::vector<double>>(std::move(values));
+    }
+    for (const uint32_t target : channel.targets) posed.nodes[target].weights = weights;
+}
+
 void apply(const Channel& channel, double time_s, PosedRig& posed) {
     std::vector<double> value(channel.keyframes->width);
     channel.keyframes->evaluate(time_s, value.data());
     for (const uint32_t target : channel.targets) {
-        if (channel.property <= Property::Weights)
-            set_node(posed.nodes[target], channel, value.data());
+        if (channel.property <= Property::Scale)
+            set_node(posed.nodes[target], channel.property, value.data());
         else if (channel.property <= Property::YMag)
             set_camera(posed.cameras[target], channel.property, value.front());
         else if (channel.property <= Property::OuterCone)
@@ -127,19 +140,48 @@ bool place_camera(Camera& camera, const dmat4& m, const dvec3& origin) {
     return true;
 }
 
+/// Which meshes lie otherwise than before. What many of them share is compared once.
+class Difference {
+public:
+    /// `before`: how the meshes lay; null: not known.
+    Difference(const PosedRig* before, const PosedRig& now) : before_(before), now_(now) {
+        for (size_t k = 0; before && k < now.skins.size(); ++k) skins_.push_back(before->skins[k] != now.skins[k]);
+    }
+    bool operator()(const RiggedMesh& mesh) {
+        if (!before_) return true;
+        if (weights_differ(before_->nodes[mesh.node].weights, now_.nodes[mesh.node].weights)) return true;
+        return mesh.skin ? skins_[*mesh.skin] : before_->world[mesh.node] != now_.world[mesh.node];
+    }
+
+private:
+    bool weights_differ(const MorphWeights& before, const MorphWeights& now) {
+        if (before == now) return false;
+        const auto [known, is_new] = weights_.try_emplace({before.get(), now.get()}, true);
+        if (is_new) known->second = !before || !now || *before != *now;
+        return known->second;
+    }
+
+    const PosedRig* before_;
+    const PosedRig& now_;
+    std::vector<bool> skins_;
+    std::map<std::pair<const std::vector<double>*, const std::vector<double>*>, bool> weights_;
+};
+
 /// `before`: how the meshes lay; null: not known.
 void pose_meshes(Scene& scene, const PosedRig* before, const PosedRig& now, SceneChange& change) {
     const Rig& rig = *scene.rig;
-    const auto moved = [&](size_t k) { return !before || !(before->meshes[k] == now.meshes[k]); };
+    Difference differs(before, now);
+    std::vector<bool> moved;
+    for (const RiggedMesh& mesh : rig.meshes) moved.push_back(differs(mesh));
     // Solids that touch were changed together, and are made anew together.
     bool glass_moved = false;
-    for (size_t k = 0; k < rig.meshes.size(); ++k) glass_moved |= rig.meshes[k].transmits && moved(k);
+    for (size_t k = 0; k < rig.meshes.size(); ++k) glass_moved |= rig.meshes[k].transmits && moved[k];
     for (size_t k = 0; k < rig.meshes.size(); ++k) {
         const RiggedMesh& rigged = rig.meshes[k];
-        if (!moved(k) && !(glass_moved && rigged.transmits)) continue;
+        if (!moved[k] && !(glass_moved && rigged.transmits)) continue;
         Mesh& mesh = scene.meshes[rigged.mesh];
         const std::vector<uvec3> triangles = mesh.triangles;
-        if (!pose_mesh(*rigged.object, now.meshes[k], mesh))
+        if (!pose_mesh(*rigged.object, pose_of(now, rigged.node, rigged.skin, scene.origin), mesh))
             throw Error(ErrorCode::BadScene, "/nodes/" + std::to_string(rigged.node),
                         "the node's transform moves a vertex out of float's range");
         drop_degenerate_triangles(mesh);
@@ -152,8 +194,6 @@ SceneChange show(Scene& scene, const Moment& moment) {
     const Rig& rig = *scene.rig;
     SceneChange change;
     PosedRig posed = pose_rig(rig, moment);
-    for (const RiggedMesh& mesh : rig.meshes)
-        posed.meshes.push_back(pose_of(rig, posed, mesh.node, mesh.skin, scene.origin));
     const std::shared_ptr<const PosedRig> before = std::exchange(scene.posed, nullptr);
     pose_meshes(scene, before.get(), posed, change);
     place_cameras(rig, posed, scene);
@@ -173,7 +213,13 @@ PosedRig pose_rig(const Rig& rig, const Moment& moment) {
         if (*moment.animation >= rig.animations.size())
             throw Error(ErrorCode::OutOfRange, "/animation",
                         "the scene has " + std::to_string(rig.animations.size()) + " animations");
-        for (const Channel& channel : rig.animations[*moment.animation].channels) apply(channel, moment.time_s, posed);
+        EvaluatedWeights weights;
+        for (const Channel& channel : rig.animations[*moment.animation].channels) {
+            if (channel.property == Property::Weights)
+                apply_weights(channel, moment.time_s, weights, posed);
+            else
+                apply(channel, moment.time_s, posed);
+        }
     }
     posed.world.resize(rig.nodes.size());
     for (const uint32_t i : rig.order) {
@@ -181,20 +227,28 @@ PosedRig pose_rig(const Rig& rig, const Moment& moment) {
         const dmat4 local = node.local();
         posed.world[i] = node.parent < 0 ? local : posed.world[static_cast<size_t>(node.parent)] * local;
     }
+    posed.skins.resize(rig.skins.size());
+    for (size_t s = 0; s < rig.skins.size(); ++s) {
+        const RigSkin& skin = rig.skins[s];
+        posed.skins[s].resize(skin.joints.size());
+        for (size_t k = 0; k < skin.joints.size(); ++k)
+            posed.skins[s][k] = posed.world[skin.joints[k]] * skin.inverse_bind[k];
+    }
     return posed;
 }
 
-MeshPose pose_of(const Rig& rig, const PosedRig& posed, uint32_t node, std::optional<uint32_t> skin,
-                 const dvec3& origin) {
-    MeshPose pose{.weights = posed.nodes[node].weights, .transforms = {}, .origin = origin};
-    if (!skin) {
-        pose.transforms = {posed.world[node]};
-        return pose;
-    }
-    const RigSkin& joints = rig.skins[*skin];
-    for (size_t k = 0; k < joints.joints.size(); ++k)
-        pose.transforms.push_back(posed.world[joints.joints[k]] * joints.inverse_bind[k]);
+MeshPose pose_of(const PosedRig& posed, uint32_t node, std::optional<uint32_t> skin, const dvec3& origin) {
+    MeshPose pose{.weights = {}, .transforms = {&posed.world[node], 1}, .origin = origin};
+    if (const MorphWeights& weights = posed.nodes[node].weights) pose.weights = *weights;
+    if (skin) pose.transforms = posed.skins[*skin];
     return pose;
+}
+
+uint64_t PosedRig::bytes() const {
+    uint64_t bytes = node_bytes(nodes) + materials.capacity() * sizeof(RiggedMaterial) +
+                     world.capacity() * sizeof(dmat4) + skins.capacity() * sizeof(std::vector<dmat4>);
+    for (const std::vector<dmat4>& skin : skins) bytes += skin.capacity() * sizeof(dmat4);
+    return bytes;
 }
 
 std::vector<uint32_t> place_cameras(const Rig& rig, const PosedRig& posed, Scene& scene) {
@@ -243,10 +297,10 @@ void adopt_rig(Scene& scene, std::shared_ptr<const Rig> rig) {
 
 Movers movers_of(const Rig& rig, uint32_t index) {
     const std::span<const Animation> animation(&rig.animations[index], 1);
-    const std::vector<bool> moving = moving_nodes(rig, animation);
+    const Movement moving = movement_of(rig, animation);
     Movers movers;
     for (const RiggedMesh& mesh : rig.meshes) {
-        if (!moves_mesh(rig, animation, moving, mesh.node, mesh.skin)) continue;
+        if (!moving.moves_mesh(mesh.node, mesh.skin)) continue;
         ++movers.meshes;
         movers.triangles += mesh.object->mesh.triangles.size();
     }
@@ -263,7 +317,7 @@ Movers movers_of(const Rig& rig, uint32_t index) {
     for (const uint32_t i : rig.walk) {
         const RigNode& node = rig.nodes[i];
         const auto drives = [&](const std::set<uint32_t>& driven, int32_t what) {
-            return what >= 0 && (moving[i] || driven.contains(static_cast<uint32_t>(what)));
+            return what >= 0 && (moving.nodes[i] || driven.contains(static_cast<uint32_t>(what)));
         };
         movers.cameras += drives(cameras, node.camera);
         movers.lights += drives(lights, node.light);

@@ -15,15 +15,16 @@ struct PosedRig {
     std::vector<Camera> cameras;
     std::vector<RiggedLight> lights;
     std::vector<RiggedMaterial> materials;
-    std::vector<dmat4> world;      // of each node
-    std::vector<MeshPose> meshes;  // of each of the rig's
+    std::vector<dmat4> world;               // of each node
+    std::vector<std::vector<dmat4>> skins;  // of each joint: its world matrix times its inverse bind matrix
+
+    uint64_t bytes() const;
 };
 
-/// The rig at that moment, meshes left out. Throws ErrorCode::OutOfRange for an animation that it does not have.
+/// The rig at that moment. Throws ErrorCode::OutOfRange for an animation that it does not have.
 PosedRig pose_rig(const Rig& rig, const Moment& moment);
-/// What brings a mesh into the scene then. `origin`: the scene's.
-MeshPose pose_of(const Rig& rig, const PosedRig& posed, uint32_t node, std::optional<uint32_t> skin,
-                 const dvec3& origin);
+/// What brings a mesh into the scene then, borrowed from `posed`. `origin`: the scene's.
+MeshPose pose_of(const PosedRig& posed, uint32_t node, std::optional<uint32_t> skin, const dvec3& origin);
 /// The cameras and lights that hang on nodes, in the walk's order. Gives the nodes of those that are left out because
 /// their node is scaled to nothing.
 std::vector<uint32_t> place_cameras(const Rig& rig, const PosedRig& posed, Scene& scene);

@@ -27,30 +27,18 @@ double Animation::duration_s() const {
     return end;
 }
 
-std::vector<bool> moving_nodes(const Rig& rig, std::span<const Animation> animations) {
-    std::vector<bool> moving(rig.nodes.size(), false);
+Movement movement_of(const Rig& rig, std::span<const Animation> animations) {
+    Movement moving{std::vector<bool>(rig.nodes.size()), std::vector<bool>(rig.nodes.size()), {}};
     for (const Animation& animation : animations)
         for (const Channel& channel : animation.channels)
-            if (channel.property <= Property::Scale)
-                for (const uint32_t node : channel.targets) moving[node] = true;
+            if (channel.property <= Property::Weights)
+                for (const uint32_t node : channel.targets)
+                    (channel.property == Property::Weights ? moving.weights : moving.nodes)[node] = true;
     for (const uint32_t i : rig.order)
-        if (rig.nodes[i].parent >= 0 && moving[static_cast<size_t>(rig.nodes[i].parent)]) moving[i] = true;
+        if (rig.nodes[i].parent >= 0 && moving.nodes[static_cast<size_t>(rig.nodes[i].parent)]) moving.nodes[i] = true;
+    for (const RigSkin& skin : rig.skins)
+        moving.skins.push_back(std::ranges::any_of(skin.joints, [&](uint32_t joint) { return moving.nodes[joint]; }));
     return moving;
-}
-
-bool changes_weights(std::span<const Animation> animations, uint32_t node) {
-    return std::ranges::any_of(animations, [&](const Animation& animation) {
-        return std::ranges::any_of(animation.channels, [&](const Channel& channel) {
-            return channel.property == Property::Weights && std::ranges::count(channel.targets, node) > 0;
-        });
-    });
-}
-
-bool moves_mesh(const Rig& rig, std::span<const Animation> animations, const std::vector<bool>& moving, uint32_t node,
-                std::optional<uint32_t> skin) {
-    if (changes_weights(animations, node)) return true;
-    if (!skin) return moving[node];
-    return std::ranges::any_of(rig.skins[*skin].joints, [&](uint32_t joint) { return moving[joint]; });
 }
 
 std::vector<uint32_t> parents_first(const std::vector<RigNode>& nodes) {
@@ -70,15 +58,32 @@ std::vector<uint32_t> parents_first(const std::vector<RigNode>& nodes) {
     return order;
 }
 
-uint64_t Rig::bytes() const {
+uint64_t node_bytes(const std::vector<RigNode>& nodes) {
     uint64_t bytes = nodes.capacity() * sizeof(RigNode);
+    std::set<const std::vector<double>*> counted;
+    for (const RigNode& node : nodes) {
+        bytes += node.name.capacity();
+        if (node.weights && counted.insert(node.weights.get()).second)
+            bytes += node.weights->capacity() * sizeof(double);
+    }
+    return bytes;
+}
+
+uint64_t Rig::bytes() const {
+    uint64_t bytes = node_bytes(nodes) + (order.capacity() + walk.capacity()) * sizeof(uint32_t) +
+                     skins.capacity() * sizeof(RigSkin) + meshes.capacity() * sizeof(RiggedMesh) +
+                     materials.capacity() * sizeof(RiggedMaterial);
+    for (const RigSkin& skin : skins)
+        bytes += skin.joints.capacity() * sizeof(uint32_t) + skin.inverse_bind.capacity() * sizeof(dmat4);
     std::set<const ObjectMesh*> counted;
     for (const RiggedMesh& mesh : meshes)
         if (counted.insert(mesh.object.get()).second) bytes += mesh.object->bytes();
     std::set<const Keyframes*> counted_keys;
     for (const Animation& animation : animations)
-        for (const Channel& channel : animation.channels)
+        for (const Channel& channel : animation.channels) {
+            bytes += sizeof(Channel) + channel.targets.capacity() * sizeof(uint32_t);
             if (counted_keys.insert(channel.keyframes.get()).second) bytes += channel.keyframes->bytes();
+        }
     return bytes;
 }
 

@@ -14,6 +14,9 @@
 
 namespace photond {
 
+/// Of a mesh's morph targets. Shared by nodes that take them from the same mesh, or from the same keys; null: none.
+using MorphWeights = std::shared_ptr<const std::vector<double>>;
+
 struct RigNode {
     std::string name;     // which its camera and its light take
     int32_t parent = -1;  // none where negative
@@ -23,7 +26,7 @@ struct RigNode {
     glm::dquat rotation{1, 0, 0, 0};  // unit
     dvec3 scale{1};
     std::optional<dmat4> matrix;  // instead of these three; then no animation moves the node
-    std::vector<double> weights;  // of its mesh's morph targets
+    MorphWeights weights;
 
     dmat4 local() const;
 };
@@ -133,13 +136,21 @@ struct Rig {
     uint64_t bytes() const;
 };
 
-/// Which nodes these animations move, their parents' movement included.
-std::vector<bool> moving_nodes(const Rig& rig, std::span<const Animation> animations);
-/// Whether they change the weights of a node's morph targets.
-bool changes_weights(std::span<const Animation> animations, uint32_t node);
-/// Whether they move what a node shows: by its place, or by that of the skin's joints, or by morph targets.
-bool moves_mesh(const Rig& rig, std::span<const Animation> animations, const std::vector<bool>& moving_nodes,
-                uint32_t node, std::optional<uint32_t> skin);
+/// What some animations move.
+struct Movement {
+    std::vector<bool> nodes;    // their place, by their parents' movement too
+    std::vector<bool> weights;  // of nodes: those of their morph targets
+    std::vector<bool> skins;    // the place of any of their joints
+
+    /// Whether what a node shows moves: by its place, or by that of the skin's joints, or by morph targets.
+    bool moves_mesh(uint32_t node, std::optional<uint32_t> skin) const {
+        return weights[node] || (skin ? skins[*skin] : nodes[node]);
+    }
+};
+Movement movement_of(const Rig& rig, std::span<const Animation> animations);
+
+/// What nodes hold, weights that they share once.
+uint64_t node_bytes(const std::vector<RigNode>& nodes);
 
 /// An order for the nodes of a forest: parents before their children.
 std::vector<uint32_t> parents_first(const std::vector<RigNode>& nodes);

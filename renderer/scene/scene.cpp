@@ -4,7 +4,7 @@
 
 #include "protocol/error.h"
 #include "protocol/nearest_name.h"
-#include "renderer/scene/rig.h"
+#include "renderer/scene/pose.h"
 #include "renderer/scene/touching_solids.h"
 #include "renderer/scene/triangle_lights.h"
 
@@ -56,7 +56,7 @@ void Scene::account(MemoryBudget& budget) const {
     budget.record("materials", held_bytes(materials));
     budget.record("textures", texture_bytes);
     budget.record("lights", held_bytes(punctual_lights) + held_bytes(triangle_lights));
-    if (rig) budget.record("rig", rig->bytes());
+    if (rig) budget.record("rig", rig->bytes() + (posed ? posed->bytes() : 0));
     if (environment) budget.record("environment_map", held_bytes(environment->map.radiance));
 }
 
