@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <map>
-#include <set>
 #include <utility>
 
 #include "protocol/error.h"
@@ -293,37 +292,6 @@ void adopt_rig(Scene& scene, std::shared_ptr<const Rig> rig) {
     scene.rig = std::move(rig);
     scene.posed = nullptr;
     show(scene, {});
-}
-
-Movers movers_of(const Rig& rig, uint32_t index) {
-    const std::span<const Animation> animation(&rig.animations[index], 1);
-    const Movement moving = movement_of(rig, animation);
-    Movers movers;
-    for (const RiggedMesh& mesh : rig.meshes) {
-        if (!moving.moves_mesh(mesh.node, mesh.skin)) continue;
-        ++movers.meshes;
-        movers.triangles += mesh.object->mesh.triangles.size();
-    }
-    std::set<uint32_t> cameras, lights, materials;
-    for (const Channel& channel : animation.front().channels) {
-        const Property property = channel.property;
-        if (property == Property::YFov || property == Property::YMag)
-            cameras.insert(channel.targets.begin(), channel.targets.end());
-        else if (property >= Property::BaseColor)
-            materials.insert(channel.targets.begin(), channel.targets.end());
-        else if (property > Property::YMag)
-            lights.insert(channel.targets.begin(), channel.targets.end());
-    }
-    for (const uint32_t i : rig.walk) {
-        const RigNode& node = rig.nodes[i];
-        const auto drives = [&](const std::set<uint32_t>& driven, int32_t what) {
-            return what >= 0 && (moving.nodes[i] || driven.contains(static_cast<uint32_t>(what)));
-        };
-        movers.cameras += drives(cameras, node.camera);
-        movers.lights += drives(lights, node.light);
-    }
-    movers.materials = static_cast<uint32_t>(materials.size());
-    return movers;
 }
 
 SceneChange pose_scene(Scene& scene, const Moment& moment) {

@@ -30,14 +30,6 @@ MeshPose pose_of(const PosedRig& posed, uint32_t node, std::optional<uint32_t> s
 std::vector<uint32_t> place_cameras(const Rig& rig, const PosedRig& posed, Scene& scene);
 std::vector<uint32_t> place_lights(const Rig& rig, const PosedRig& posed, Scene& scene);
 
-/// What one animation moves, as counts.
-struct Movers {
-    uint32_t meshes = 0;
-    uint64_t triangles = 0;  // of these meshes
-    uint32_t cameras = 0, lights = 0, materials = 0;
-};
-Movers movers_of(const Rig& rig, uint32_t animation);
-
 /// What is not as it was before a scene was posed.
 struct SceneChange {
     std::vector<uint32_t> moved;     // meshes whose vertices moved and whose triangles are the same

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "renderer/backends/cpu/embree_intersector.h"
-#include "renderer/scene/pose.h"
+#include "renderer/scene/movers.h"
 #include "server/worker/photon_yield.h"
 
 namespace photond {
@@ -48,8 +48,9 @@ json motion_of(const Scene& scene) {
     json motion = json::array();
     if (!scene.rig) return motion;
     const Rig& rig = *scene.rig;
+    const std::vector<Movers> all_movers = count_movers(rig);
     for (uint32_t i = 0; i < rig.animations.size(); ++i) {
-        const Movers movers = movers_of(rig, i);
+        const Movers& movers = all_movers[i];
         motion.push_back({{"index", i},
                           {"name", rig.animations[i].name},
                           {"duration_seconds", rig.animations[i].duration_s()},

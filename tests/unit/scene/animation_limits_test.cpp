@@ -4,7 +4,10 @@
 
 #include "protocol/error.h"
 #include "renderer/scene/gltf_loader.h"
+#include "renderer/scene/movers.h"
 #include "renderer/scene/pose.h"
+#include "renderer/scene/rig_builder.h"
+#include "tests/support/animated_gltf.h"
 #include "tests/support/test_gltf.h"
 
 namespace photond::animation_limits_test {
@@ -194,6 +197,44 @@ TEST(AnimationLimits, JointsAreCharged) {
     LoadLimits limits;
     limits.max_made_bytes = 0;
     expect_refused(skinned(1, 1000), limits, "/skins/0/joints");
+}
+
+// --- what moves ------------------------------------------------------------------------------------------------------
+TEST(AnimationLimits, MoversAreCountedByWhatTheyMove) {
+    const auto movers = [](const char* name) { return count_movers(*test::animated_file(name).load().rig); };
+    const std::vector<Movers> turning = movers("ChildOfATurningParent");
+    ASSERT_EQ(turning.size(), 2u);
+    EXPECT_EQ(turning[0].meshes, 2u) << "the parent and, by it, the child";
+    EXPECT_EQ(turning[0].triangles, 4u);
+    EXPECT_EQ(turning[1].meshes, 1u);
+    const Movers hung = movers("HungOnNodes").at(0);
+    EXPECT_EQ(hung.cameras, 1u);
+    EXPECT_EQ(hung.lights, 1u);
+    EXPECT_EQ(movers("Skin").at(0).meshes, 1u);
+    EXPECT_EQ(movers("MorphWeights").at(0).meshes, 1u);
+    const Movers driven = movers("Pointers").at(0);
+    EXPECT_EQ(driven.cameras, 1u);
+    EXPECT_EQ(driven.lights, 1u);
+    EXPECT_EQ(driven.materials, 1u);
+    EXPECT_EQ(driven.meshes, 0u);
+}
+
+TEST(AnimationLimits, AnimationsThatMoveTooMuchTogetherAreRefused) {
+    Rig rig;
+    for (int k = 0; k < 100; ++k) {
+        RigNode node;
+        node.parent = k - 1;
+        add_node(rig, std::move(node));
+    }
+    rig.animations.resize(100);
+    for (Animation& animation : rig.animations) animation.channels = {drive(Property::Translation, 0, {0}, {0, 0, 0})};
+    EXPECT_EQ(count_movers(rig).size(), 100u);
+    try {
+        count_movers(rig, 5000);
+        ADD_FAILURE() << "is counted";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code, ErrorCode::BadScene);
+    }
 }
 
 }  // namespace
