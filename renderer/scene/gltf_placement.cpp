@@ -42,13 +42,6 @@ struct MeshReading {
     auto operator<=>(const MeshReading&) const = default;
 };
 
-bool finite(const dmat4& m) {
-    for (int column = 0; column < 4; ++column)
-        for (int row = 0; row < 4; ++row)
-            if (!(std::fabs(m[column][row]) <= double{std::numeric_limits<float>::max()})) return false;
-    return true;
-}
-
 Instance placed_instance(uint32_t mesh, const dmat4& to_world, const dvec3& origin) {
     Instance instance;
     instance.mesh = mesh;
@@ -79,7 +72,8 @@ public:
         check_joints();
         choose_origin();
         for (PlacedMesh& placed : meshes_) place(placed);
-        for (const uint32_t node : place_cameras(*rig_, rest_, scene_)) note_scaled_to_nothing("camera", node);
+        for (const PlacedCamera& camera : place_cameras(*rig_, rest_, scene_))
+            if (!camera.index) note_scaled_to_nothing("camera", camera.node);
         for (const uint32_t node : place_lights(*rig_, rest_, scene_)) note_scaled_to_nothing("light", node);
         warn();
         if (rig_->animations.empty()) return nullptr;
@@ -117,7 +111,7 @@ private:
     void check_transforms() const {
         for (const uint32_t i : rig_->walk) {
             const RigNode& node = rig_->nodes[i];
-            if ((model_.nodes[i].mesh >= 0 || node.camera >= 0 || node.light >= 0) && !finite(rest_.world[i]))
+            if ((model_.nodes[i].mesh >= 0 || node.camera >= 0 || node.light >= 0) && !fits_float(rest_.world[i]))
                 throw Error(ErrorCode::BadScene, gltf_pointer("nodes", i),
                             "the node's transform, with its parents', is not finite in single precision");
         }
@@ -273,7 +267,7 @@ private:
             if (!placed.skin || !checked.insert(*placed.skin).second) continue;
             const std::vector<dmat4>& transforms = rest_.skins[*placed.skin];
             for (size_t k = 0; k < transforms.size(); ++k)
-                if (!finite(transforms[k]))
+                if (!fits_float(transforms[k]))
                     throw Error(ErrorCode::BadScene, gltf_pointer("skins", *placed.skin, "joints", std::to_string(k)),
                                 "the joint's transform is not finite");
         }

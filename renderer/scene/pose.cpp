@@ -15,8 +15,10 @@ vec3 unit_direction(const dvec3& v, const vec3& otherwise) {
     return length > 0 && std::isfinite(length) ? vec3(v / length) : otherwise;
 }
 
+constexpr double kMost = double{std::numeric_limits<float>::max()}, kLeast = double{std::numeric_limits<float>::min()};
+
 float fitted(double value, double least, double most) { return static_cast<float>(std::clamp(value, least, most)); }
-float not_negative(double value) { return fitted(value, 0, double{std::numeric_limits<float>::max()}); }
+float not_negative(double value) { return fitted(value, 0, kMost); }
 Rgb color_of(const double* rgb) { return {not_negative(rgb[0]), not_negative(rgb[1]), not_negative(rgb[2])}; }
 dvec3 vector_of(const double* numbers) { return {numbers[0], numbers[1], numbers[2]}; }
 
@@ -31,18 +33,16 @@ void set_material(RiggedMaterial& rigged, const Channel& channel, const double* 
             break;
         case Property::Metallic: m.metallic = fitted(*value, 0, 1); break;
         case Property::Roughness: m.roughness = fitted(*value, 0, 1); break;
-        case Property::NormalScale: m.normal_scale = static_cast<float>(*value); break;
+        case Property::NormalScale: m.normal_scale = fitted(*value, -kMost, kMost); break;
         case Property::EmissiveFactor: rigged.emissive_factor = vector_of(value); break;
         case Property::EmissiveStrength: rigged.emissive_strength = *value; break;
         case Property::AlphaCutoff: m.alpha_cutoff = not_negative(*value); break;
-        case Property::Ior: m.ior = m.ior == 0 ? 0 : static_cast<float>(std::max(*value, 1.0)); break;
+        case Property::Ior: m.ior = m.ior == 0 ? 0 : fitted(*value, 1, kMost); break;
         case Property::Specular: m.specular = fitted(*value, 0, 1); break;
         case Property::SpecularColor: m.specular_color = color_of(value); break;
         case Property::Transmission: m.transmission = fitted(*value, 0, 1); break;
         case Property::AttenuationColor: m.attenuation_color = glm::min(color_of(value), Rgb(1)); break;
-        case Property::AttenuationDistance:
-            m.attenuation_distance = static_cast<float>(std::max(*value, double{std::numeric_limits<float>::min()}));
-            break;
+        case Property::AttenuationDistance: m.attenuation_distance = fitted(*value, kLeast, kMost); break;
         case Property::TextureOffset: transform.offset = {value[0], value[1], 0}; break;
         case Property::TextureScale: transform.scale = {value[0], value[1], 0}; break;
         case Property::TextureRotation: transform.rotation = *value; break;
@@ -55,7 +55,7 @@ void set_light(RiggedLight& light, Property property, const double* value) {
     switch (property) {
         case Property::LightColor: light.color = glm::max(vector_of(value), dvec3(0)); break;
         case Property::LightIntensity: light.intensity = std::max(*value, 0.0); break;
-        case Property::LightRange: light.range_m = *value; break;
+        case Property::LightRange: light.range_m = std::clamp(*value, kLeast, kMost); break;
         case Property::InnerCone: light.inner_cone = std::clamp(*value, 0.0, kHalfPi); break;
         case Property::OuterCone: light.outer_cone = std::clamp(*value, 0.0, kHalfPi); break;
         default: break;
@@ -72,9 +72,9 @@ void set_node(RigNode& node, Property property, const double* value) {
 }
 
 void set_camera(Camera& camera, Property property, double value) {
-    constexpr double kLeast = 1e-6, kMostFov = 3.141592;
-    if (property == Property::YFov) camera.yfov = fitted(value, kLeast, kMostFov);
-    if (property == Property::YMag) camera.ymag = static_cast<float>(std::max(std::fabs(value), kLeast));
+    constexpr double kLeastView = 1e-6, kMostFov = 3.141592;
+    if (property == Property::YFov) camera.yfov = fitted(value, kLeastView, kMostFov);
+    if (property == Property::YMag) camera.ymag = fitted(std::fabs(value), kLeastView, kMost);
 }
 
 /// Weights that keys give, which may be many and for many nodes: those of the same keys are evaluated once.
@@ -107,8 +107,9 @@ void apply(const Channel& channel, double time_s, PosedRig& posed) {
 
 Material material_of(const RiggedMaterial& rigged) {
     Material material = rigged.rest;
-    material.emission =
-        Rgb(glm::max(rigged.emissive_factor, dvec3(0))) * static_cast<float>(std::max(rigged.emissive_strength, 0.0));
+    // Two finite factors may have an infinite product, which the loader refuses of a material at rest.
+    material.emission = glm::min(color_of(&rigged.emissive_factor.x) * not_negative(rigged.emissive_strength),
+                                 Rgb(std::numeric_limits<float>::max()));
     uint32_t slot = 0;
     visit_texture_refs(material, [&](TextureRef& reference) { rigged.transforms[slot++].apply(reference); });
     return material;
@@ -118,13 +119,21 @@ PunctualLight light_of(const RiggedLight& rigged) {
     PunctualLight light;
     light.name = rigged.name;
     light.kind = rigged.kind;
-    light.intensity = Rgb(rigged.color * rigged.intensity);
-    if (rigged.range_m > 0) light.range_m = static_cast<float>(rigged.range_m);
+    const dvec3 intensity = rigged.color * rigged.intensity;
+    light.intensity = color_of(&intensity.x);
+    light.range_m = static_cast<float>(rigged.range_m);
     if (light.kind == PunctualLight::Kind::Spot) {
         light.cos_inner = static_cast<float>(std::cos(std::min(rigged.inner_cone, rigged.outer_cone)));
         light.cos_outer = static_cast<float>(std::max(0.0, std::cos(rigged.outer_cone)));
     }
     return light;
+}
+
+void require_fit(const PosedRig& posed, uint32_t node, const char* what) {
+    if (!fits_float(posed.world[node]))
+        throw Error(
+            ErrorCode::BadScene, "/nodes/" + std::to_string(node),
+            "the node's transform, with its parents', moves its " + std::string(what) + " out of float's range");
 }
 
 /// Its orientation and place; false where the node's axes say none.
@@ -188,6 +197,20 @@ void pose_meshes(Scene& scene, const PosedRig* before, const PosedRig& now, Scen
     }
 }
 
+void note_looks_at_rest(const Rig& rig, const PosedRig* before, const Moment& moment,
+                        std::vector<PlacedCamera>& placed) {
+    Scene at_rest;
+    std::vector<PlacedCamera> known;
+    if (before)
+        known = before->placed;
+    else if (moment.animation)
+        known = place_cameras(rig, pose_rig(rig, {}), at_rest);
+    for (size_t c = 0; c < placed.size(); ++c)
+        placed[c].looks_at_rest = before             ? known[c].looks_at_rest
+                                  : moment.animation ? known[c].index.has_value()
+                                                     : placed[c].index.has_value();
+}
+
 /// All of a pose but what finish_scene() derives.
 SceneChange show(Scene& scene, const Moment& moment) {
     const Rig& rig = *scene.rig;
@@ -195,7 +218,8 @@ SceneChange show(Scene& scene, const Moment& moment) {
     PosedRig posed = pose_rig(rig, moment);
     const std::shared_ptr<const PosedRig> before = std::exchange(scene.posed, nullptr);
     pose_meshes(scene, before.get(), posed, change);
-    place_cameras(rig, posed, scene);
+    posed.placed = place_cameras(rig, posed, scene);
+    note_looks_at_rest(rig, before.get(), moment, posed.placed);
     place_lights(rig, posed, scene);
     for (const RiggedMaterial& rigged : posed.materials) scene.materials[rigged.material] = material_of(rigged);
     change.materials = !posed.materials.empty();
@@ -250,22 +274,39 @@ uint64_t PosedRig::bytes() const {
     return bytes;
 }
 
-std::vector<uint32_t> place_cameras(const Rig& rig, const PosedRig& posed, Scene& scene) {
-    std::vector<uint32_t> left_out;
+const PlacedCamera* PosedRig::find(const std::string& name) const {
+    const PlacedCamera* found = nullptr;
+    for (const PlacedCamera& camera : placed) {
+        if (!name.empty() && camera.name != name) continue;
+        if (camera.looks_at_rest) return &camera;
+        if (!name.empty() && !found) found = &camera;
+    }
+    return found;
+}
+
+bool fits_float(const dmat4& m) {
+    for (int column = 0; column < 4; ++column)
+        for (int row = 0; row < 4; ++row)
+            if (!(std::fabs(m[column][row]) <= kMost)) return false;
+    return true;
+}
+
+std::vector<PlacedCamera> place_cameras(const Rig& rig, const PosedRig& posed, Scene& scene) {
+    std::vector<PlacedCamera> placed;
     scene.cameras.clear();
     for (const uint32_t i : rig.walk) {
         const RigNode& node = rig.nodes[i];
         if (node.camera < 0) continue;
+        require_fit(posed, i, "camera");
         Camera camera = posed.cameras[static_cast<size_t>(node.camera)];
-        if (!place_camera(camera, posed.world[i], scene.origin)) {
-            left_out.push_back(i);
-            continue;
-        }
         if (!node.name.empty()) camera.name = node.name;
-        if (camera.name.empty()) camera.name = "camera_" + std::to_string(scene.cameras.size());
+        if (camera.name.empty()) camera.name = "camera_" + std::to_string(placed.size());
+        placed.push_back({.name = camera.name, .node = i});
+        if (!place_camera(camera, posed.world[i], scene.origin)) continue;
+        placed.back().index = static_cast<uint32_t>(scene.cameras.size());
         scene.cameras.push_back(std::move(camera));
     }
-    return left_out;
+    return placed;
 }
 
 std::vector<uint32_t> place_lights(const Rig& rig, const PosedRig& posed, Scene& scene) {
@@ -274,6 +315,7 @@ std::vector<uint32_t> place_lights(const Rig& rig, const PosedRig& posed, Scene&
     for (const uint32_t i : rig.walk) {
         const RigNode& node = rig.nodes[i];
         if (node.light < 0) continue;
+        require_fit(posed, i, "light");
         PunctualLight light = light_of(posed.lights[static_cast<size_t>(node.light)]);
         const dvec3 back(posed.world[i][2]);
         if (light.kind != PunctualLight::Kind::Point && !(glm::length(back) > 0)) {

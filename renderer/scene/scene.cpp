@@ -83,6 +83,15 @@ void finish_again(Scene& scene, bool other_materials) {
 }
 
 Camera find_camera(const Scene& scene, const std::string& name) {
+    if (scene.posed && !scene.posed->placed.empty()) {
+        const PlacedCamera* placed = scene.posed->find(name);
+        if (placed && placed->index) return scene.cameras[*placed->index];
+        if (placed)
+            throw Error(
+                ErrorCode::BadScene, "/nodes/" + std::to_string(placed->node),
+                "the camera \"" + placed->name + "\" cannot look at this moment: its node is scaled to nothing");
+        if (name.empty()) return framed_camera(scene);
+    }
     if (name.empty()) return scene.cameras.empty() ? framed_camera(scene) : scene.cameras.front();
     std::vector<std::string> known;
     for (const Camera& camera : scene.cameras) {

@@ -408,6 +408,48 @@ TestGltf weights_of_mesh_and_node() {
     return file;
 }
 
+/// Of a light and a material, whose factors are finite and their products not, and of a light's range, which the spline
+/// leads below 0 between its keys.
+TestGltf products_out_of_range() {
+    TestGltf file;
+    const Square square(file);
+    file.set("extensionsUsed", R"(["KHR_animation_pointer","KHR_lights_punctual","KHR_materials_emissive_strength"])");
+    file.set("materials", R"([{"emissiveFactor":[1,1,0],
+                               "extensions":{"KHR_materials_emissive_strength":{"emissiveStrength":2}}}])");
+    file.set("meshes", "[" + square.mesh("", R"(,"material":0)") + "]");
+    file.set("extensions", R"({"KHR_lights_punctual":{"lights":[{"type":"point"}]}})");
+    file.set("nodes", R"([{"mesh":0,"extensions":{"KHR_lights_punctual":{"light":0}}}])");
+    AnimationText(file)
+        .drive(pointer_target("/extensions/KHR_lights_punctual/lights/0/color"), {0, 1}, 3, {1, 1, 1, 1e30f, 1, 0})
+        .drive(pointer_target("/extensions/KHR_lights_punctual/lights/0/intensity"), {0, 1}, 1, {1, 1e30f})
+        .drive(pointer_target("/extensions/KHR_lights_punctual/lights/0/range"), {0, 1}, 1, {0, 1, -90, 90, 1, 0},
+               "CUBICSPLINE")
+        .drive(pointer_target("/materials/0/emissiveFactor"), {0, 1}, 3, {1, 1, 0, 1e30f, 1, 0})
+        .drive(pointer_target("/materials/0/extensions/KHR_materials_emissive_strength/emissiveStrength"), {0, 1}, 1,
+               {1, 1e30f})
+        .set();
+    return file;
+}
+
+/// Two cameras and a light on nodes of their own: the first camera is scaled to nothing at 1 and thrown out of float's
+/// range at 2, the light thrown out at 3.
+TestGltf cameras_that_come_and_go() {
+    TestGltf file = moved_square();
+    file.set("extensionsUsed", R"(["KHR_lights_punctual"])");
+    file.set("extensions", R"({"KHR_lights_punctual":{"lights":[{"type":"point"}]}})");
+    file.set("cameras", R"([{"type":"perspective","perspective":{"yfov":0.7,"znear":0.1}}])");
+    file.set("scenes", R"([{"nodes":[0,1,3,4]}])");
+    file.set("nodes", R"([{"mesh":0},{"scale":[10,10,10],"children":[2]},{"name":"first","camera":0},
+                          {"name":"second","camera":0,"translation":[0,0,5]},
+                          {"scale":[10,10,10],"children":[5]},{"extensions":{"KHR_lights_punctual":{"light":0}}}])");
+    AnimationText(file)
+        .drive(node_target(2, "scale"), {0, 1, 2}, 3, {1, 1, 1, 0, 0, 0, 1, 1, 1}, "STEP")
+        .drive(node_target(2, "translation"), {0, 2, 3}, 3, {0, 0, 1, 3e38f, 0, 0, 0, 0, 1}, "STEP")
+        .drive(node_target(5, "translation"), {0, 3}, 3, {0, 0, 1, 3e38f, 0, 0}, "STEP")
+        .set();
+    return file;
+}
+
 TestGltf overshooting_spline() {
     TestGltf file = moved_square();
     file.set("extensionsUsed", R"(["KHR_animation_pointer"])");
@@ -465,6 +507,8 @@ TestGltf animated_file(const std::string& name) {
     if (name == "Pointers") return pointers();
     if (name == "OvershootingSpline") return overshooting_spline();
     if (name == "WeightsOfMeshAndNode") return weights_of_mesh_and_node();
+    if (name == "ProductsOutOfRange") return products_out_of_range();
+    if (name == "CamerasThatComeAndGo") return cameras_that_come_and_go();
     const auto found =
         std::ranges::find_if(animated_files(), [&](const AnimatedFile& file) { return file.name == name; });
     return found->gltf;

@@ -18,8 +18,7 @@ struct AnimatedFile {
 
 /// All of whose vertices gltf_equations.h can evaluate.
 const std::vector<AnimatedFile>& animated_files();
-/// One of them by name, or "Pointers", "OvershootingSpline" or "WeightsOfMeshAndNode", which drive what that leaves
-/// out.
+/// One of them by name, or one of those that drive what gltf_equations.h leaves out.
 TestGltf animated_file(const std::string& name);
 /// Without animation.
 TestGltf plain_square();

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
+#include <limits>
+
 #include "protocol/error.h"
 #include "renderer/scene/pose.h"
 #include "tests/support/animated_gltf.h"
@@ -142,6 +145,53 @@ TEST(Animation, ValuesThatOvershootEndAtTheirRange) {
     Scene scene = test::animated_file("OvershootingSpline").load();
     pose_scene(scene, {0, 0.5});
     EXPECT_EQ(scene.materials[0].roughness, 1);
+}
+
+TEST(Animation, ProductsAndRangesEndAtTheirRange) {
+    Scene scene = test::animated_file("ProductsOutOfRange").load();
+    pose_scene(scene, {0, 1});
+    constexpr float kMost = std::numeric_limits<float>::max();
+    EXPECT_EQ(scene.materials[0].emission, Rgb(kMost, 1e30f, 0));
+    EXPECT_EQ(scene.punctual_lights[0].intensity, Rgb(kMost, 1e30f, 0));
+    EXPECT_EQ(scene.punctual_lights[0].range_m, 1);
+    pose_scene(scene, {0, 0.5});
+    EXPECT_GT(scene.punctual_lights[0].range_m, 0);
+    EXPECT_LT(scene.punctual_lights[0].range_m, 1e-30f) << "below 0 it is the least, not unlimited";
+}
+
+void expect_bad_node(const std::function<void()>& act, const std::string& pointer, const std::string& detail) {
+    try {
+        act();
+        ADD_FAILURE() << "is accepted";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code, ErrorCode::BadScene);
+        ASSERT_FALSE(error.faults.empty());
+        EXPECT_EQ(error.faults.front().pointer, pointer);
+        EXPECT_NE(error.faults.front().detail.find(detail), std::string::npos) << error.faults.front().detail;
+    }
+}
+
+TEST(Animation, TheCameraOfJobsThatNameNoneStaysTheSame) {
+    Scene scene = test::animated_file("CamerasThatComeAndGo").load();
+    for (const double time : {1.0, 0.0, 1.5}) {
+        pose_scene(scene, {0, time});
+        if (time < 1) {
+            EXPECT_EQ(find_camera(scene, "").name, "first");
+            EXPECT_EQ(find_camera(scene, "first").position, vec3(0, 0, 10));
+        } else {
+            expect_bad_node([&] { find_camera(scene, ""); }, "/nodes/2", "\"first\" cannot look at this moment");
+            expect_bad_node([&] { find_camera(scene, "first"); }, "/nodes/2", "scaled to nothing");
+        }
+        EXPECT_EQ(find_camera(scene, "second").position, vec3(0, 0, 5));
+    }
+}
+
+TEST(Animation, CamerasAndLightsOutOfFloatsRangeAreRefused) {
+    Scene scene = test::animated_file("CamerasThatComeAndGo").load();
+    expect_bad_node([&] { pose_scene(scene, {0, 2}); }, "/nodes/2", "moves its camera out of float's range");
+    expect_bad_node([&] { pose_scene(scene, {0, 3}); }, "/nodes/5", "moves its light out of float's range");
+    pose_scene(scene, {0, 0});
+    EXPECT_EQ(find_camera(scene, "").name, "first");
 }
 
 TEST(Animation, ANodesWeightsWinOverItsMeshsThoughNoOtherNodeShowsIt) {
