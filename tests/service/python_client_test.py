@@ -120,6 +120,12 @@ class Scenes(Case):
         with self.assertRaisesRegex(photond.BadFile, "no such file"):
             self.client.upload_scene(self.folder / "not there.glb")
 
+    def test_what_is_of_one_image_is_refused_of_a_sequence(self):
+        for of_one in ({"time": 0.5}, {"time": 0}, {"first_pass": 2}):
+            for call in (self.client.sequence, self.client.submit_sequence):
+                with self.subTest(of_one=of_one), self.assertRaisesRegex(TypeError, "times of their own"):
+                    call(self.folder / "not there.glb", frames=2, **of_one)
+
     def test_a_scene_the_daemon_finds_faults_in(self):
         (self.folder / "broken.glb").write_bytes(b"this is no scene")
         with self.assertRaises(photond.Invalid) as raised:

@@ -235,10 +235,14 @@ def sequence_request(client: Daemon, /, scene: SceneLike, method: MethodLike = "
     turns        so often the eye goes round `camera`'s target; keys: or views at times that it passes by,
                  {"time": 0, "eye": ..., "target": ...}
     noise        "fresh" (a seed of its own for each frame) or "still"
-    The rest is as for a job, see `Client.submit`.
+    The rest is as for a job, see `Client.submit`; but its frames have times of their own, and all their passes.
     """
+    for name in ("time", "first_pass"):
+        if job.get(name) is not None:
+            raise TypeError(f"{name}={job[name]!r} is of one image: the frames of a sequence have times of their own (start, "
+                            "fps, and frames or to), and all their passes")
     single = job_request(client, scene, method, **job)
-    body: Dict[str, Any] = {key: value for key, value in single.body.items() if key not in ("time", "first_pass")}
+    body: Dict[str, Any] = dict(single.body)
     for key, value in (("frames", frames), ("to", to), ("from", start), ("fps", fps), ("noise", noise)):
         if value is not None:
             body[key] = value
