@@ -477,11 +477,10 @@ json to_json(const JobRequest& request) {
             {"shutter", request.shutter}};
 }
 
-json naming_json(const JobRequest& request) {
-    json named = to_json(request);
-    if (!request.animation) named.erase("animation");
-    if (request.shutter == 0) named.erase("shutter");
-    return named;
+json naming_json(json request) {
+    if (request.value("animation", json()).is_null()) request.erase("animation");
+    if (request.value("shutter", 0.0) == 0) request.erase("shutter");
+    return request;
 }
 
 double progress_of(const StopConditions& stop, uint32_t passes, double seconds) {

@@ -143,10 +143,11 @@ nlohmann::json to_json(const StopConditions& stop);
 nlohmann::json to_json(const JobMethod& method);
 nlohmann::json to_json(const JobAnimation& animation);
 nlohmann::json to_json(const JobReference& reference);  // "job:J17", "image:ID" or {"method", "stop"}
-/// What a film shows of a request, for its name: members that say nothing and that earlier versions did not have are
-/// left out, so that films of before keep theirs.
-nlohmann::json naming_json(const JobRequest& request);
 /// The request as understood, every default filled in; parse_job_request() of it gives the same request.
 nlohmann::json to_json(const JobRequest& request);
+/// What is hashed of a request as understood, a job's or one of many jobs: members that say nothing and that earlier
+/// versions did not have are left out, so that what they hashed keeps its name.
+nlohmann::json naming_json(nlohmann::json request);
+inline nlohmann::json naming_json(const JobRequest& request) { return naming_json(to_json(request)); }
 
 }  // namespace photond

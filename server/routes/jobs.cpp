@@ -24,7 +24,7 @@ Reply submit_job(Service& service, Call& call) {
     const JobRequest request = parse_job_request(parse_strict_json(call.body), service.vocabulary());
     const std::optional<std::string> key = idempotency_key(call);
     if (dry_run) return json_reply(200, service.estimate_job(request));  // a key binds to what is queued: not to this
-    return job_reply(202, service.submit_job(request, key, to_json(request).dump()));
+    return job_reply(202, service.submit_job(request, key, naming_json(request).dump()));
 }
 
 Reply list_jobs(Service& service, Call& call) {

@@ -61,7 +61,7 @@ std::vector<PreparedJob> Comparisons::prepare_jobs(const ComparisonRequest& requ
 json Comparisons::submit_comparison(const ComparisonRequest& request, const std::optional<std::string>& key) {
     ComparisonRow row;
     row.request = request.echo.dump();
-    const std::optional<JobGroups::Key> asked = JobGroups::key_of(key, row.request);
+    const std::optional<JobGroups::Key> asked = JobGroups::key_of(key, request.echo);
     scenes_.know_scene(request.jobs.front().request.scene);
     std::unique_lock lock(core_.mutex);
     if (const auto known = groups_.of_key(asked)) {

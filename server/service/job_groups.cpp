@@ -10,9 +10,10 @@ namespace photond {
 
 using nlohmann::json;
 
-std::optional<JobGroups::Key> JobGroups::key_of(const std::optional<std::string>& key, const std::string& body) {
+std::optional<JobGroups::Key> JobGroups::key_of(const std::optional<std::string>& key, const json& echo) {
     if (!key) return std::nullopt;
     check_idempotency_key(*key);
+    const std::string body = naming_json(echo).dump();
     return Key{*key, sha256_hex(body.data(), body.size())};
 }
 

@@ -31,8 +31,8 @@ public:
     struct Key {
         std::string text, body_sha256;
     };
-    /// Throws OutOfRange for what is no key.
-    static std::optional<Key> key_of(const std::optional<std::string>& key, const std::string& body);
+    /// `echo`: the request as understood. Throws OutOfRange for what is no key.
+    static std::optional<Key> key_of(const std::optional<std::string>& key, const nlohmann::json& echo);
 
     // --- these take the lock
     Page list(uint32_t limit, const std::string& cursor,

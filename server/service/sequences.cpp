@@ -82,7 +82,7 @@ std::vector<PreparedJob> Sequences::prepare_frames(const SequenceRequest& reques
 json Sequences::submit_sequence(const SequenceRequest& request, const std::optional<std::string>& key) {
     ComparisonRow row;
     row.request = request.echo.dump();
-    const std::optional<JobGroups::Key> asked = JobGroups::key_of(key, row.request);
+    const std::optional<JobGroups::Key> asked = JobGroups::key_of(key, request.echo);
     scenes_.know_scene(request.frames.front().scene);
     const std::lock_guard lock(core_.mutex);
     if (const auto known = groups_.of_key(asked)) return object_of(*known);

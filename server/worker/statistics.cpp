@@ -69,7 +69,7 @@ json photons_by_bounce(const Counts& counts) {
 }  // namespace
 
 std::string job_hash(const JobRequest& request, const std::string& scene_id) {
-    json canonical = to_json(request);
+    json canonical = naming_json(request);
     canonical.erase("priority"), canonical.erase("labels"), canonical.erase("quiet_machine");
     canonical["scene"] = scene_id.empty() ? request.scene : scene_id;
     const std::string text = canonical.dump(-1, ' ', false, json::error_handler_t::replace);

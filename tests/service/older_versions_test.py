@@ -2,6 +2,8 @@
 it is read, gone on with, and says what it does not know.
 """
 
+import hashlib
+import json
 import shutil
 import subprocess
 import time
@@ -24,6 +26,18 @@ AS_THEN = ("UPDATE jobs SET statistics = json_remove(statistics, '$.error_interv
            "WHERE curve <> ''")
 
 
+KEYED_JOB = small_job(size=8, seed=77)
+KEYED_COMPARISON = {"scene": "cornell-box", "image": {"width": 16, "height": 16}, "stop": {"passes": 4}, "seeds": [1, 2],
+                    "reference": {"method": {"name": "path_tracing"}, "stop": {"passes": 16}},
+                    "entries": [{"label": "a", "method": {"name": "path_tracing"}}]}
+
+
+def hash_of_then(request):
+    """What that time noted of a request beside its Idempotency-Key."""
+    kept = {name: value for name, value in request.items() if name not in ("animation", "shutter")}
+    return hashlib.sha256(json.dumps(kept, sort_keys=True, separators=(",", ":")).encode()).hexdigest()
+
+
 class OlderVersionsTest(unittest.TestCase):
     """One folder that a daemon filled, made what one of before would have left."""
 
@@ -39,15 +53,16 @@ class OlderVersionsTest(unittest.TestCase):
         cls.longer = daemon.run_job(small_job(passes=5, reference=f"job:{cls.judge['id']}", metrics=["indirect:rmse"]))
         cls.measured = daemon.run_job(small_job(passes=3, reference=f"job:{cls.judge['id']}", metrics=["indirect:rmse"]))
         cls.other_scene = daemon.run_job(small_job(scene=scene.json["id"], size=8, labels={"study": "old"}))
-        compared = daemon.request("POST", "/v1/comparisons", json_body={
-            "scene": "cornell-box", "image": {"width": 16, "height": 16}, "stop": {"passes": 4}, "seeds": [1, 2],
-            "reference": {"method": {"name": "path_tracing"}, "stop": {"passes": 16}},
-            "entries": [{"label": "a", "method": {"name": "path_tracing"}}]})
+        cls.keyed = daemon.wait_for_job(daemon.submit(KEYED_JOB, idempotency_key="of then")["id"])
+        compared = daemon.request("POST", "/v1/comparisons", json_body=KEYED_COMPARISON,
+                                  headers={"Idempotency-Key": "of then"})
         assert compared.status == 202, compared
         cls.comparison = f"/v1/comparisons/{compared.json['id']}"
         wait_until(lambda: daemon.request("GET", cls.comparison).json["state"] == "succeeded", "the comparison does not end")
         assert daemon.stop() == 0
-        make_older(cls.store, STORE_VERSION, AS_THEN)
+        make_older(cls.store, STORE_VERSION, AS_THEN + tuple(
+            f"UPDATE {table} SET body_sha256 = '{hash_of_then(request)}'"
+            for table, request in (("keys", cls.keyed["request"]), ("comparison_keys", compared.json["request"]))))
         for film in (cls.data / "films").glob("*.film"):
             film.write_bytes(as_version(film.read_bytes(), FILM_VERSION))
         cls.rows = rows_of(cls.store, STORE_VERSION)
@@ -107,6 +122,15 @@ class OlderVersionsTest(unittest.TestCase):
         self.assertEqual(self.daemon.job(self.other_scene["id"])["request"]["labels"], {"study": "old"})
         self.assertEqual(self.daemon.stop(), 0)
         self.check_nothing_is_lost()
+
+    def test_a_key_of_then_gives_what_it_gave(self):
+        self.daemon.start()
+        self.daemon.wait_ready()
+        key = {"Idempotency-Key": "of then"}
+        again = self.daemon.request("POST", "/v1/jobs", json_body=KEYED_JOB, headers=key)
+        self.assertEqual((again.status, again.json.get("id")), (202, self.keyed["id"]), again)
+        again = self.daemon.request("POST", "/v1/comparisons", json_body=KEYED_COMPARISON, headers=key)
+        self.assertEqual((again.status, again.json.get("links", {}).get("self")), (202, self.comparison), again)
 
     def test_results_stay_readable(self):
         self.daemon.start()

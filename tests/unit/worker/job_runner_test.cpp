@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "protocol/error.h"
+#include "renderer/core/sha256.h"
 #include "renderer/film/film_file.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "renderer/scene/solid_glass.h"
@@ -538,6 +539,23 @@ TEST(Statistics, TheJobHashIsOfWhatMakesThePixels) {
     EXPECT_EQ(job_hash(request, "id"), hash);
     request.seed = 2;
     EXPECT_NE(job_hash(request, "id"), hash);
+}
+
+TEST(Statistics, TheJobHashOfAJobAtRestIsThatOfBeforeThereWereAnimations) {
+    JobRequest request;
+    request.scene = "box", request.width = 8, request.height = 8, request.method.name = "path_tracing";
+    request.stop.passes = 4;
+    const std::string then =
+        R"({"camera":{"aperture":0.0,"focus_distance":null,"look_at":null,"name":null},"environment":null,)"
+        R"("first_pass":0,"glass":"as_stored","image":{"filter":"box","height":8,"width":8},"layers":[],)"
+        R"("method":{"device":"cpu","name":"path_tracing","parameters":{}},"metrics":[],"reference":null,)"
+        R"("scene":"id","seed":1,"stop":{"passes":4,"seconds":null,"target":null},"time":0.0})";
+    EXPECT_EQ(job_hash(request, "id"), sha256_hex(then.data(), then.size()));
+    request.animation = JobAnimation{.name = "walk", .index = {}};
+    const std::string moving = job_hash(request, "id");
+    EXPECT_NE(moving, sha256_hex(then.data(), then.size()));
+    request.shutter = 0.1;
+    EXPECT_NE(job_hash(request, "id"), moving);
 }
 
 }  // namespace
