@@ -42,16 +42,17 @@ std::vector<CameraKey> read_keys(const json& source, const std::string& pointer,
     return keys;
 }
 
-/// The numbers of a view that are moved, as one list.
+/// The numbers of a view that are moved, as one list. Of the angle that is the logarithm of the image's half height at
+/// unit distance: whatever it comes to is an angle again, and a zoom of even speed magnifies evenly.
 std::array<double, 10> numbers_of(const LookAt& view) {
     return {view.eye[0],    view.eye[1], view.eye[2], view.target[0], view.target[1],
-            view.target[2], view.up[0],  view.up[1],  view.up[2],     view.yfov};
+            view.target[2], view.up[0],  view.up[1],  view.up[2],     std::log(std::tan(view.yfov / 2))};
 }
 
 LookAt view_of(const std::array<double, 10>& n) {
     LookAt view;
     view.eye = {n[0], n[1], n[2]}, view.target = {n[3], n[4], n[5]}, view.up = {n[6], n[7], n[8]};
-    view.yfov = n[9];
+    view.yfov = 2 * std::atan(std::exp(n[9]));
     return view;
 }
 

@@ -26,8 +26,9 @@ std::optional<CameraPath> read_camera_path(const nlohmann::json& source, const s
 nlohmann::json to_json(const CameraPath& path);
 
 /// The view of a frame. `start`: the view that turns begin at; `share`: of the sequence that is over, 0 to 1. Along
-/// keys eye, target and angle follow Catmull and Rom's cubics through them, without speed at both ends; before the
-/// first and after the last they are theirs. Turns go counter-clockwise seen from above.
+/// keys eye, target and the angle's logarithm follow Catmull and Rom's cubics through them, without speed at both ends;
+/// before the first and after the last they are theirs. Turns go counter-clockwise seen from above. What comes of good
+/// keys need not be a good view (fault_of_view()): an eye may pass through its target.
 LookAt view_along(const CameraPath& path, const LookAt& start, double time_s, double share);
 
 }  // namespace photond

@@ -24,6 +24,8 @@ constexpr int64_t kMaxAnimations = 65536;
 constexpr int64_t kMaxPasses = 1'000'000'000;
 constexpr double kMaxCoordinate_m = 1e12;  // squares still fit a float's range
 constexpr double kMaxScale = 1e12;
+// A lens that sees nothing, or half of everything, has no projection.
+constexpr NumberRange kFieldOfView{1e-4, std::numbers::pi - 1e-4, "rad"};
 
 std::optional<std::array<double, 3>> read_vector(ObjectReader& reader, const std::string& key, bool required) {
     const json* value = reader.member(key, required);
@@ -58,6 +60,19 @@ double length_of_cross(const std::array<double, 3>& a, const std::array<double, 
     return std::hypot(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]);
 }
 
+/// What is wrong with the directions of a view: the member, and how.
+std::optional<std::pair<std::string, std::string>> fault_of_directions(const LookAt& view) {
+    const std::array<double, 3> forward{view.target[0] - view.eye[0], view.target[1] - view.eye[1],
+                                        view.target[2] - view.eye[2]};
+    const double distance = std::hypot(forward[0], forward[1], forward[2]);
+    if (!(distance > 0)) return std::pair("target", "must differ from eye");
+    const double up_length = std::hypot(view.up[0], view.up[1], view.up[2]);
+    // Below this sine the image's roll would be decided by rounding.
+    if (!(length_of_cross(forward, view.up) > 1e-6 * distance * up_length))
+        return std::pair("up", "must not be zero nor parallel to the direction of view");
+    return std::nullopt;
+}
+
 }  // namespace
 
 LookAt read_look_at(const json& source, const std::string& pointer, BodyFaults& faults) {
@@ -66,26 +81,30 @@ LookAt read_look_at(const json& source, const std::string& pointer, BodyFaults& 
     const auto eye = read_vector(reader, "eye", true);
     const auto target = read_vector(reader, "target", true);
     const auto up = read_vector(reader, "up", false);
-    // A lens that sees nothing, or half of everything, has no projection.
-    const auto yfov = reader.number("yfov", {1e-4, std::numbers::pi - 1e-4, "rad"});
+    const auto yfov = reader.number("yfov", kFieldOfView);
     reader.finish();
     if (eye) look_at.eye = *eye;
     if (target) look_at.target = *target;
     if (up) look_at.up = *up;
     if (yfov) look_at.yfov = *yfov;
     if (!eye || !target) return look_at;
-    const std::array<double, 3> forward{look_at.target[0] - look_at.eye[0], look_at.target[1] - look_at.eye[1],
-                                        look_at.target[2] - look_at.eye[2]};
-    const double distance = std::hypot(forward[0], forward[1], forward[2]);
-    if (!(distance > 0)) {
-        faults.add(ErrorCode::Conflict, pointer + "/target", "must differ from eye");
-        return look_at;
-    }
-    const double up_length = std::hypot(look_at.up[0], look_at.up[1], look_at.up[2]);
-    // Below this sine the image's roll would be decided by rounding.
-    if (!(length_of_cross(forward, look_at.up) > 1e-6 * distance * up_length))
-        faults.add(ErrorCode::Conflict, pointer + "/up", "must not be zero nor parallel to the direction of view");
+    if (const auto fault = fault_of_directions(look_at))
+        faults.add(ErrorCode::Conflict, pointer + "/" + fault->first, fault->second);
     return look_at;
+}
+
+std::string fault_of_view(const LookAt& view) {
+    for (const auto& [name, vector] :
+         {std::pair("eye", view.eye), std::pair("target", view.target), std::pair("up", view.up)})
+        for (const double x : vector)
+            if (!(std::abs(x) <= kMaxCoordinate_m))
+                return std::string(name) + " = " + number_text(x) + " is outside [-" + number_text(kMaxCoordinate_m) +
+                       ", " + number_text(kMaxCoordinate_m) + "] m";
+    if (!(view.yfov >= kFieldOfView.min && view.yfov <= kFieldOfView.max))
+        return "yfov = " + number_text(view.yfov) + " is outside [" + number_text(kFieldOfView.min) + ", " +
+               number_text(kFieldOfView.max) + "] rad";
+    const auto fault = fault_of_directions(view);
+    return fault ? fault->first + " " + fault->second : "";
 }
 
 namespace {

@@ -121,6 +121,9 @@ struct JobVocabulary {
 
 /// "look_at" of a camera. Faults are added; what is at fault has its default.
 LookAt read_look_at(const nlohmann::json& source, const std::string& pointer, BodyFaults& faults);
+/// The first thing that read_look_at() would refuse of a view that was made, not read: "up must not be zero nor ...";
+/// empty: nothing.
+std::string fault_of_view(const LookAt& view);
 
 /// Reads a body. Throws photond::Error with all faults, each with its JSON pointer and, for a misspelt name, the
 /// nearest known one.

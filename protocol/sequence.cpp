@@ -49,6 +49,11 @@ Moments read_moments(ObjectReader& reader) {
         else
             moments.frames = static_cast<uint32_t>(count);
     }
+    if (moments.frames > 0 && !(moments.at(moments.frames - 1) <= kMostSeconds))
+        faults.add(ErrorCode::OutOfRange, reader.at(reader.member("fps") ? "fps" : "frames"),
+                   "puts frame " + std::to_string(moments.frames - 1) + " at " +
+                       number_text(moments.at(moments.frames - 1)) + " s, which is after " + number_text(kMostSeconds) +
+                       " s");
     return moments;
 }
 
@@ -96,6 +101,10 @@ SequenceRequest parse_sequence_request(const json& body, const JobVocabulary& vo
         if (path) {
             frame.camera.name.clear();
             frame.camera.look_at = view_along(*path, start, moments.at(i), i / static_cast<double>(moments.frames));
+            if (const std::string fault = fault_of_view(*frame.camera.look_at); !fault.empty())
+                throw Error(ErrorCode::Conflict, path->turns ? "/camera_path/turns" : "/camera_path/keys",
+                            "gives frame " + std::to_string(i) + ", at " + number_text(moments.at(i)) +
+                                " s, no view: " + fault);
         }
         sequence.frames.push_back(std::move(frame));
     }

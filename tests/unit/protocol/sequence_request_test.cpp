@@ -73,6 +73,23 @@ TEST(SequenceRequest, APathGoesThroughItsKeysAndStopsAtItsEnds) {
     EXPECT_LT(x_at(0.25) - x_at(0), 0.5 * (x_at(0.5) - x_at(0.25))) << "it starts slowly";
 }
 
+TEST(SequenceRequest, AnAngleBetweenKeysIsOneThatALensCanHave) {
+    const auto key = [](double time, double yfov) {
+        return json{{"time", time}, {"eye", {0, 0, 5}}, {"target", {0, 0, 0}}, {"yfov", yfov}};
+    };
+    const SequenceRequest zoom =
+        read(smallest({{"frames", 31},
+                       {"fps", 10},
+                       {"camera_path", {{"keys", {key(0, 0.01), key(1, 0.01), key(2, 3), key(3, 3)}}}}}));
+    for (const JobRequest& frame : zoom.frames) EXPECT_EQ(fault_of_view(*frame.camera.look_at), "");
+    const auto yfov = [&](size_t frame) { return zoom.frames[frame].camera.look_at->yfov; };
+    EXPECT_NEAR(yfov(10), 0.01, 1e-12);
+    EXPECT_NEAR(yfov(20), 3, 1e-12);
+    EXPECT_LT(yfov(7), 0.01) << "it swings back first, as positions do";
+    // Halfway the image is as much larger than at the one end as it is smaller than at the other.
+    EXPECT_NEAR(std::tan(yfov(15) / 2), std::sqrt(std::tan(0.005) * std::tan(1.5)), 1e-9);
+}
+
 TEST(SequenceRequest, TheEchoIsAFixedPoint) {
     for (const json& more :
          {json{{"frames", 3}}, json{{"to", 0.5}, {"animation", "walk"}, {"shutter", 0.02}},
@@ -92,6 +109,14 @@ TEST(SequenceRequest, TheEchoIsAFixedPoint) {
 
 TEST(SequenceRequest, FaultsHaveTheirPlaces) {
     const json turning = {{"frames", 2}, {"camera_path", {{"turns", 1}}}};
+    const auto seen = [](std::array<double, 3> eye, std::array<double, 3> target) {
+        return json{{"eye", eye}, {"target", target}};
+    };
+    const auto along = [](auto... views) {  // a second from one to the next, 24 frames
+        json keys = {views...};
+        for (size_t i = 0; i < keys.size(); ++i) keys[i]["time"] = i;
+        return json{{"to", keys.size() - 1}, {"camera_path", {{"keys", keys}}}};
+    };
     const std::pair<json, std::string> cases[] = {
         {smallest(json::object()), "/frames"},
         {smallest({{"frames", 2}, {"to", 1}}), "/frames"},
@@ -114,6 +139,17 @@ TEST(SequenceRequest, FaultsHaveTheirPlaces) {
                       {{{"time", 1}, {"eye", {0, 0, 1}}, {"target", {0, 0, 0}}},
                        {{"time", 1}, {"eye", {0, 0, 1}}, {"target", {0, 0, 0}}}}}}}}),
          "/camera_path/keys/1/time"},
+        // Good keys, and between them a frame that no camera could take: the eye in its target, up along the view.
+        {smallest(along(seen({0, 0, 1}, {0, 0, 0}), seen({0, 0, -1}, {0, 0, 0}))), "/camera_path/keys"},
+        {smallest(along(seen({0, 0, 1}, {0, 0, 0}), seen({0, 2, -1}, {0, 0, 0}))), "/camera_path/keys"},
+        {smallest(along(seen({9e11, 0, 0}, {0, 0, 0}), seen({1e12, 0, 0}, {0, 0, 0}), seen({1e12, 0, 0}, {0, 0, 0}))),
+         "/camera_path/keys"},
+        {smallest({{"frames", 4},
+                   {"camera", {{"look_at", {{"eye", {0, 0, 1}}, {"target", {0, 0, 0}}, {"up", {1, 0, 0}}}}}},
+                   {"camera_path", {{"turns", 1}}}}),
+         "/camera_path/turns"},
+        {smallest({{"frames", 2000}, {"fps", 1e-6}}), "/fps"},
+        {smallest({{"frames", 100}, {"from", 1e9}}), "/frames"},
     };
     for (const auto& [body, pointer] : cases) try {
             read(body);
@@ -124,6 +160,12 @@ TEST(SequenceRequest, FaultsHaveTheirPlaces) {
         }
     const json nothing = json::array();
     EXPECT_THROW(read(nothing), Error);
+    try {
+        read(smallest(along(seen({0, 0, 1}, {0, 0, 0}), seen({0, 0, -1}, {0, 0, 0}))));
+    } catch (const Error& error) {
+        EXPECT_EQ(error.faults.size(), 1u);
+        EXPECT_STREQ(error.what(), "gives frame 12, at 0.5 s, no view: target must differ from eye");
+    }
 }
 
 }  // namespace
