@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "protocol/error.h"
+#include "renderer/scene/framing.h"
 
 namespace photond {
 
@@ -220,6 +221,10 @@ SceneChange show(Scene& scene, const Moment& moment) {
     pose_meshes(scene, before.get(), posed, change);
     posed.placed = place_cameras(rig, posed, scene);
     note_looks_at_rest(rig, before.get(), moment, posed.placed);
+    if (moment.animation && posed.find("") == nullptr) {
+        const bool known = before && before->framing && scene.moment.animation == moment.animation;
+        posed.framing = known ? before->framing : framing_bounds(scene, rig, *moment.animation);
+    }
     place_lights(rig, posed, scene);
     for (const RiggedMaterial& rigged : posed.materials) scene.materials[rigged.material] = material_of(rigged);
     change.materials = !posed.materials.empty();
@@ -269,7 +274,8 @@ MeshPose pose_of(const PosedRig& posed, uint32_t node, std::optional<uint32_t> s
 
 uint64_t PosedRig::bytes() const {
     uint64_t bytes = node_bytes(nodes) + materials.capacity() * sizeof(RiggedMaterial) +
-                     world.capacity() * sizeof(dmat4) + skins.capacity() * sizeof(std::vector<dmat4>);
+                     world.capacity() * sizeof(dmat4) + skins.capacity() * sizeof(std::vector<dmat4>) +
+                     placed.capacity() * sizeof(PlacedCamera);
     for (const std::vector<dmat4>& skin : skins) bytes += skin.capacity() * sizeof(dmat4);
     return bytes;
 }

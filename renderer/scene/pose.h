@@ -25,7 +25,9 @@ struct PosedRig {
     std::vector<RiggedMaterial> materials;
     std::vector<dmat4> world;               // of each node
     std::vector<std::vector<dmat4>> skins;  // of each joint: its world matrix times its inverse bind matrix
-    std::vector<PlacedCamera> placed;       // in the walk's order; known once the scene is posed
+    // Known once the scene is posed.
+    std::vector<PlacedCamera> placed;  // in the walk's order
+    std::optional<Bounds3> framing;    // what a camera is framed on where there is none: framing.h; none at rest
 
     uint64_t bytes() const;
     /// The camera of that name, the one that jobs without a name get where it is empty: the first of those that look at

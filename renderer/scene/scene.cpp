@@ -26,11 +26,13 @@ Bounds3 world_bounds(const Scene& scene) {
     return bounds;
 }
 
-/// Looks at the whole scene from the front, a little from above, so that its bounding sphere just fits the height.
+/// Looks at the whole scene from the front, a little from above, so that its bounding sphere just fits the height: at
+/// rest by its bounds, of an animation the same at all its moments.
 Camera framed_camera(const Scene& scene) {
     constexpr float kYfov = 0.7f;
-    const dvec3 centre = scene.bounds.empty() ? dvec3(0) : dvec3(scene.bounds.centre());
-    double radius = scene.bounds.radius();
+    const Bounds3& bounds = scene.posed && scene.posed->framing ? *scene.posed->framing : scene.bounds;
+    const dvec3 centre = bounds.empty() ? dvec3(0) : dvec3(bounds.centre());
+    double radius = bounds.radius();
     if (!(radius > 0)) radius = 1;  // nothing, or a point: any distance will do
     const dvec3 from = glm::normalize(dvec3(0.25, 0.35, 1.0));
     const dvec3 eye = centre + from * (radius / std::sin(0.5 * double{kYfov}));

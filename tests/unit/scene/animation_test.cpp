@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
 #include <limits>
 
@@ -184,6 +185,30 @@ TEST(Animation, TheCameraOfJobsThatNameNoneStaysTheSame) {
         }
         EXPECT_EQ(find_camera(scene, "second").position, vec3(0, 0, 5));
     }
+}
+
+TEST(Animation, ACameraFramedOnTheSceneStandsStillWhileItMoves) {
+    Scene scene = test::animated_file("LinearAndClamped").load();
+    const Camera at_rest = find_camera(scene, "");
+    pose_scene(scene, {0, 2});
+    const Camera framed = find_camera(scene, "");
+    EXPECT_NE(framed.position, at_rest.position) << "it goes far from where it rests";
+    for (const double time : {0.3, 1.7}) {
+        pose_scene(scene, {0, time});
+        EXPECT_EQ(find_camera(scene, "").position, framed.position);
+        Scene fresh = test::animated_file("LinearAndClamped").load();
+        pose_scene(fresh, {0, time});
+        EXPECT_EQ(find_camera(fresh, "").position, framed.position) << "whatever was shown before";
+        // In the picture: nearer to the viewing line than the picture's edge.
+        for (const vec3& p : scene.meshes[0].positions) {
+            const dvec3 seen = dvec3(p) - dvec3(framed.position);
+            const double depth = glm::dot(seen, dvec3(framed.forward));
+            EXPECT_LT(std::fabs(glm::dot(seen, dvec3(framed.up))), depth * std::tan(0.5 * double{framed.yfov}));
+            EXPECT_LT(std::fabs(glm::dot(seen, dvec3(framed.right))), depth * std::tan(0.5 * double{framed.yfov}));
+        }
+    }
+    pose_scene(scene, {});
+    EXPECT_EQ(find_camera(scene, "").position, at_rest.position);
 }
 
 TEST(Animation, CamerasAndLightsOutOfFloatsRangeAreRefused) {
