@@ -140,6 +140,7 @@ public:
             const std::optional<Pointed> pointed = pointed_by(c);
             if (!pointed) continue;
             check_index(c, *pointed);
+            check_glass(c, *pointed);
             const std::string what = std::string(pointed->name.list) + "/" + std::string(pointed->name.path) +
                                      std::to_string(pointed->name.slot);
             const auto [found, is_new] = driven.try_emplace({what, pointed->index}, c);
@@ -192,6 +193,16 @@ private:
             !model_.nodes[pointed.index].matrix.empty())
             fail(c, "target",
                  "node " + std::to_string(pointed.index) + " has a matrix, and what has one cannot be animated");
+    }
+
+    /// What the judge refuses of a material at rest.
+    void check_glass(uint32_t c, const Pointed& pointed) const {
+        if (pointed.name.property != Property::Transmission) return;
+        const tinygltf::Value* ior = gltf_extension(model_.materials[pointed.index].extensions, "KHR_materials_ior");
+        if (ior != nullptr && ior->Has("ior") && ior->Get("ior").GetNumberAsDouble() == 0)
+            throw Error(ErrorCode::Unsupported,
+                        gltf_pointer("animations", index_, "channels", std::to_string(c), "target"),
+                        "a transmissive material cannot have an index of refraction of 0");
     }
 
     size_t morph_targets(size_t mesh) const {

@@ -85,8 +85,11 @@ private:
     void find_animated_materials() {
         for (const Animation& animation : rig_->animations)
             for (const Channel& channel : animation.channels)
-                if (channel.property >= Property::BaseColor)
+                if (channel.property >= Property::BaseColor) {
                     animated_materials_.insert(channel.targets.begin(), channel.targets.end());
+                    if (channel.property == Property::Transmission)
+                        becoming_glass_.insert(channel.targets.begin(), channel.targets.end());
+                }
     }
 
     /// Channels of materials count the rig's from now on; those of materials that nothing has are dropped.
@@ -244,6 +247,8 @@ private:
             slots.set[slot] = reference.uv_set;
             reference.uv_set = static_cast<uint32_t>(slot);
         });
+        if (material.transmission > 0 || (index >= 0 && becoming_glass_.contains(static_cast<uint32_t>(index))))
+            ever_glass_.insert(found->second);
         scene_.materials.push_back(std::move(material));
         uv_slots_.push_back(slots);
         return found->second;
@@ -311,14 +316,17 @@ private:
 
     /// What moves, and glass that what moves may come to touch, is the rig's.
     void place(PlacedMesh& placed) {
-        const bool glass = scene_.materials[placed.object->mesh.material].transmission > 0 && !rig_->animations.empty();
+        const bool glass = !rig_->animations.empty() && ever_glass_.contains(placed.object->mesh.material);
         std::vector<uint32_t> rigged, still;
         for (const uint32_t node : placed.nodes)
             (moving_.moves_mesh(node, placed.skin) || glass ? rigged : still).push_back(node);
         // adopt_rig() fills in where what is rigged lies.
         if (!rigged.empty()) {
             const std::shared_ptr<const ObjectMesh> object = with_tangents(placed.object, still.empty());
-            for (const uint32_t node : rigged) add_rigged_mesh(scene_, *rig_, object, node, placed.skin);
+            for (const uint32_t node : rigged) {
+                add_rigged_mesh(scene_, *rig_, object, node, placed.skin);
+                rig_->meshes.back().transmits = glass;
+            }
         }
         if (!still.empty()) place_still(placed, still);
         placed.object = nullptr;
@@ -419,6 +427,8 @@ private:
     PosedRig rest_;
     Movement moving_;
     std::set<uint32_t> animated_materials_;  // of the document
+    std::set<uint32_t> becoming_glass_;      // of them those whose transmission is animated
+    std::set<uint32_t> ever_glass_;          // materials of the scene that transmit at some moment
     std::vector<PlacedMesh> meshes_;
     std::map<std::vector<uint32_t>, uint32_t> target_lists_;  // morph targets that matter to nodes, by index
     std::vector<const std::vector<uint32_t>*> by_index_;      // the same

@@ -185,6 +185,9 @@ void pose_meshes(Scene& scene, const PosedRig* before, const PosedRig& now, Scen
     // Solids that touch were changed together, and are made anew together.
     bool glass_moved = false;
     for (size_t k = 0; k < rig.meshes.size(); ++k) glass_moved |= rig.meshes[k].transmits && moved[k];
+    const auto is_glass = [](const RiggedMaterial& material) { return material.rest.transmission > 0; };
+    for (size_t m = 0; before && m < now.materials.size(); ++m)
+        glass_moved |= is_glass(before->materials[m]) != is_glass(now.materials[m]);
     for (size_t k = 0; k < rig.meshes.size(); ++k) {
         const RiggedMesh& rigged = rig.meshes[k];
         if (!moved[k] && !(glass_moved && rigged.transmits)) continue;

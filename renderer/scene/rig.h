@@ -42,7 +42,8 @@ struct RiggedMesh {
     uint32_t node = 0;
     std::optional<uint32_t> skin;
     uint32_t mesh = 0;  // of the scene
-    /// Glass: solids that touch are made to overlap, in which either may be changed, so each is posed whenever one is.
+    /// Glass, at some moment: solids that touch are made to overlap, in which either may be changed, so each is posed
+    /// whenever one is.
     bool transmits = false;
 };
 

@@ -208,10 +208,13 @@ uint32_t overlap_touching_solids(Scene& scene) {
         move_faces(scene, solids[i], contacts[i]);
         ++changed;
     }
-    if (stuck > 0)
-        scene.warnings.push_back(std::to_string(stuck) +
-                                 " pairs of touching solids are placed more than once each: light that passes from one "
-                                 "to the other meets one of their faces only");
+    const std::string stuck_text =
+        " pairs of touching solids are placed more than once each: light that passes from one to the other meets one "
+        "of "
+        "their faces only";
+    const auto says_so = [&](const std::string& warning) { return warning.ends_with(stuck_text); };
+    if (stuck > 0 && std::none_of(scene.warnings.begin(), scene.warnings.end(), says_so))
+        scene.warnings.push_back(std::to_string(stuck) + stuck_text);
     return changed;
 }
 

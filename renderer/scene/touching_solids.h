@@ -13,8 +13,8 @@ struct Scene;
 /// the sides so that it stays within. A ray then meets both, and MediumStack says which of them bends it.
 ///
 /// Touching: two meshes of solids that each face the other, plane on plane, no farther apart than rays start off. A
-/// mesh that is placed several times keeps its shape, and the scene warns where neither of two can be changed. Returns
-/// how many meshes changed: none when called again.
+/// mesh that is placed several times keeps its shape, and the scene warns, once, where neither of two can be changed.
+/// Returns how many meshes changed: none when called again.
 uint32_t overlap_touching_solids(Scene& scene);
 
 }  // namespace photond

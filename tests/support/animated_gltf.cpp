@@ -408,6 +408,27 @@ TestGltf weights_of_mesh_and_node() {
     return file;
 }
 
+/// Two boxes of one material, one on the other, which `pointer` drives from 0 to 1 and back. `glass`: more of the
+/// material.
+TestGltf stacked_boxes(const std::string& glass, const char* pointer) {
+    TestGltf file;
+    const int box = file.positions({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1});
+    const int outside = file.indices({0, 2, 1, 0, 3, 2, 4, 5, 6, 4, 6, 7, 0, 7, 3, 0, 4, 7,  //
+                                      1, 6, 5, 1, 2, 6, 0, 5, 4, 0, 1, 5, 3, 6, 2, 3, 7, 6});
+    file.set("extensionsUsed", R"(["KHR_animation_pointer","KHR_materials_transmission","KHR_materials_volume"])");
+    file.set("materials", R"([{"pbrMetallicRoughness":{"metallicFactor":0},"extensions":{)" + glass + "}}]");
+    file.set_mesh(R"("POSITION":)" + text(box), R"(,"indices":)" + text(outside) + R"(,"material":0)");
+    file.set("scenes", R"([{"nodes":[0,1]}])");
+    file.set("nodes", R"([{"mesh":0},{"mesh":0,"translation":[0.25,1,0.25],"scale":[0.5,0.5,0.5]}])");
+    const bool color = std::string(pointer).ends_with("baseColorFactor");
+    AnimationText(file)
+        .drive(pointer_target(pointer), {0, 1, 2}, color ? 4 : 1,
+               color ? std::vector<float>{0, 0, 0, 1, 1, 1, 1, 1, 0, 0, 0, 1} : std::vector<float>{0, 1, 0})
+        .set();
+    return file;
+}
+constexpr const char* kTransmissionPointer = "/materials/0/extensions/KHR_materials_transmission/transmissionFactor";
+
 /// Of a light and a material, whose factors are finite and their products not, and of a light's range, which the spline
 /// leads below 0 between its keys.
 TestGltf products_out_of_range() {
@@ -508,6 +529,13 @@ TestGltf animated_file(const std::string& name) {
     if (name == "OvershootingSpline") return overshooting_spline();
     if (name == "WeightsOfMeshAndNode") return weights_of_mesh_and_node();
     if (name == "ProductsOutOfRange") return products_out_of_range();
+    if (name == "SolidsThatAppear")
+        return stacked_boxes(R"("KHR_materials_volume":{"thicknessFactor":1})", kTransmissionPointer);
+    if (name == "GlassWithoutAnIndex") return stacked_boxes(R"("KHR_materials_ior":{"ior":0})", kTransmissionPointer);
+    if (name == "SheetsThatAppear") return stacked_boxes("", kTransmissionPointer);
+    if (name == "SheetsThatChangeColour")
+        return stacked_boxes(R"("KHR_materials_transmission":{"transmissionFactor":1})",
+                             "/materials/0/pbrMetallicRoughness/baseColorFactor");
     if (name == "CamerasThatComeAndGo") return cameras_that_come_and_go();
     const auto found =
         std::ranges::find_if(animated_files(), [&](const AnimatedFile& file) { return file.name == name; });

@@ -219,6 +219,38 @@ TEST(Animation, CamerasAndLightsOutOfFloatsRangeAreRefused) {
     EXPECT_EQ(find_camera(scene, "").name, "first");
 }
 
+// As solids of glass the boxes overlap by a hair; as anything else they lie where the file puts them.
+TEST(Animation, SolidsThatBecomeGlassOverlapForThatTimeAlone) {
+    const auto positions = [](const Scene& scene) {
+        return std::pair(scene.meshes[0].positions, scene.meshes[1].positions);
+    };
+    Scene scene = test::animated_file("SolidsThatAppear").load();
+    ASSERT_EQ(scene.meshes.size(), 2u);
+    const auto apart = positions(scene);
+    EXPECT_EQ(scene.meshes[0].positions[6], vec3(1));
+    const SceneChange appearing = pose_scene(scene, {0, 1});
+    const auto overlapping = positions(scene);
+    EXPECT_NE(overlapping, apart);
+    EXPECT_EQ(appearing.moved.size() + appearing.reshaped.size(), 2u) << "structures must follow";
+    EXPECT_EQ(pose_scene(scene, {0, 2}).moved.size(), 2u);
+    EXPECT_EQ(positions(scene), apart) << "what was shown before leaves nothing";
+    pose_scene(scene, {0, 0.5});
+    EXPECT_EQ(positions(scene), overlapping);
+    Scene fresh = test::animated_file("SolidsThatAppear").load();
+    pose_scene(fresh, {0, 0.5});
+    EXPECT_EQ(positions(fresh), overlapping);
+}
+
+TEST(Animation, GlassThatAppearsNeedsAnIndexAsGlassAtRestDoes) {
+    try {
+        test::animated_file("GlassWithoutAnIndex").load();
+        ADD_FAILURE() << "loads";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code, ErrorCode::Unsupported);
+        EXPECT_EQ(error.faults.front().pointer, "/animations/0/channels/0/target");
+    }
+}
+
 TEST(Animation, ANodesWeightsWinOverItsMeshsThoughNoOtherNodeShowsIt) {
     Scene scene = test::animated_file("WeightsOfMeshAndNode").load();
     const vec3 stored = scene.meshes[0].positions[0];
