@@ -5,10 +5,11 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <set>
 #include <string>
 
 #include "renderer/core/rgb.h"
-#include "renderer/scene/scene.h"
+#include "renderer/scene/pose.h"
 
 namespace photond {
 
@@ -147,16 +148,61 @@ std::string warning_of(const Scene& scene, uint32_t material, const Openings& op
            std::to_string(openings.meshes) + " of its meshes";
 }
 
+/// What animations have to do with glass.
+struct Motion {
+    std::map<uint32_t, const Mesh*>
+        stored;                         // by mesh that moves, its shape before it was moved: it may be flat at rest
+    std::set<uint32_t> becoming_glass;  // materials whose transmission is animated
+};
+
+Motion motion_of(const Scene& scene) {
+    Motion motion;
+    if (!scene.rig) return motion;
+    for (const RiggedMesh& mesh : scene.rig->meshes) motion.stored.emplace(mesh.mesh, &mesh.object->mesh);
+    for (const Animation& animation : scene.rig->animations)
+        for (const Channel& channel : animation.channels)
+            if (channel.property == Property::Transmission)
+                for (const uint32_t target : channel.targets)
+                    motion.becoming_glass.insert(scene.rig->materials[target].material);
+    return motion;
+}
+
+/// Has animations of materials drive the twins of these too, and poses the scene's meshes anew as they are at rest.
+void drive_twins(Scene& scene, const std::map<uint32_t, uint32_t>& solid_twins) {
+    auto rig = std::make_shared<Rig>(*scene.rig);
+    std::map<uint32_t, uint32_t> twin_of;  // of the rig's materials
+    for (uint32_t k = 0; k < scene.rig->materials.size(); ++k) {
+        const auto twin = solid_twins.find(rig->materials[k].material);
+        if (twin == solid_twins.end()) continue;
+        RiggedMaterial solid = rig->materials[k];
+        solid.material = twin->second;
+        solid.rest.solid = true;
+        twin_of.emplace(k, static_cast<uint32_t>(rig->materials.size()));
+        rig->materials.push_back(std::move(solid));
+    }
+    for (Animation& animation : rig->animations)
+        for (Channel& channel : animation.channels)
+            for (size_t k = channel.targets.size(); channel.property >= Property::BaseColor && k > 0; --k)
+                if (const auto twin = twin_of.find(channel.targets[k - 1]); twin != twin_of.end())
+                    channel.targets.push_back(twin->second);
+    adopt_rig(scene, std::move(rig));
+}
+
 }  // namespace
 
 uint32_t make_closed_glass_solid(Scene& scene) {
     std::map<uint32_t, uint32_t> solid_twins;  // by material; its other meshes may be open
     std::map<uint32_t, Openings> openings;     // likewise
+    const Motion motion = motion_of(scene);
     uint32_t changed = 0;
-    for (Mesh& mesh : scene.meshes) {
+    for (uint32_t m = 0; m < scene.meshes.size(); ++m) {
+        Mesh& mesh = scene.meshes[m];
+        const auto moving = motion.stored.find(m);
+        const Mesh& shape = moving == motion.stored.end() ? mesh : *moving->second;
         const Material& material = scene.materials[mesh.material];
-        if (!(material.transmission > 0) || material.solid || material.unlit || mesh.triangles.empty()) continue;
-        if (const uint64_t open = count_open_edges(mesh); open != 0) {
+        const bool transmits = material.transmission > 0 || motion.becoming_glass.contains(mesh.material);
+        if (!transmits || material.solid || material.unlit || shape.triangles.empty()) continue;
+        if (const uint64_t open = count_open_edges(shape); open != 0) {
             Openings& found = openings[mesh.material];
             found.edges += open, ++found.meshes;
             continue;
@@ -172,6 +218,7 @@ uint32_t make_closed_glass_solid(Scene& scene) {
         ++changed;
     }
     for (const auto& [material, found] : openings) scene.warnings.push_back(warning_of(scene, material, found));
+    if (changed && scene.rig) drive_twins(scene, solid_twins);
     if (changed) scene.needs = find_needs(scene);
     return changed;
 }

@@ -5,7 +5,9 @@ namespace photond {
 
 struct Scene;
 
-/// Makes every transmissive mesh whose surface is closed a solid that refracts and absorbs (a job's "glass": "solid").
+/// Makes every transmissive mesh whose surface is closed a solid that refracts and absorbs (a job's "glass": "solid"),
+/// of an animated scene that of materials that transmit at some moment. The scene is to be at rest, and to be finished
+/// again where meshes changed; animations drive the materials of solids as they drive those that these were made of.
 /// Open ones stay thin sheets, and the scene warns of them with the number of their open edges. Brings the scene's
 /// needs up to date. Returns how many meshes changed.
 ///

@@ -7,7 +7,8 @@
 #include <cmath>
 
 #include "renderer/scene/mesh_builder.h"
-#include "renderer/scene/scene.h"
+#include "renderer/scene/pose.h"
+#include "tests/support/animated_gltf.h"
 
 namespace photond::solid_glass_test {
 namespace {
@@ -123,6 +124,44 @@ TEST(SolidGlass, WhatStaysOpenIsSaidWithTheNumberOfEdges) {
                                   {"\"glass\": \"solid\" leaves thin sheets of the material \"clear\", whose surface "
                                    "is not closed: " +
                                    std::to_string(3 + kSegments) + " open edges in 2 of its meshes"}));
+}
+
+// --- animated --------------------------------------------------------------------------------------------------------
+const Material& material_of(const Scene& scene, size_t mesh) { return scene.materials[scene.meshes[mesh].material]; }
+
+Scene filled(const char* file) {
+    Scene scene = test::animated_file(file).load();
+    EXPECT_EQ(make_closed_glass_solid(scene), 2u);
+    finish_scene(scene);
+    return scene;
+}
+
+TEST(SolidGlass, AnimatedMaterialsOfSolidsMove) {
+    Scene scene = filled("SheetsThatChangeColour");
+    EXPECT_EQ(material_of(scene, 0).base_color, Rgb(1));
+    EXPECT_TRUE(pose_scene(scene, {0, 0.25}).materials);
+    EXPECT_EQ(material_of(scene, 0).base_color, Rgb(0.25f));
+    EXPECT_TRUE(material_of(scene, 0).solid);
+    EXPECT_EQ(material_of(scene, 0).transmission, 1);
+}
+
+TEST(SolidGlass, WhatBecomesGlassIsFilledToo) {
+    Scene scene = filled("SheetsThatAppear");
+    const auto apart = scene.meshes[1].positions;
+    EXPECT_FALSE(scene.needs.solid_glass);
+    pose_scene(scene, {0, 1});
+    EXPECT_TRUE(scene.needs.solid_glass);
+    EXPECT_EQ(material_of(scene, 1).transmission, 1);
+    EXPECT_NE(scene.meshes[1].positions, apart) << "it touches the other one";
+    pose_scene(scene, {0, 2});
+    EXPECT_EQ(scene.meshes[1].positions, apart);
+}
+
+TEST(SolidGlass, AClosedMeshThatIsFlatAtRestIsFilled) {
+    TestGltf file = test::animated_file("SheetsThatAppear");
+    file.set("nodes", R"([{"mesh":0},{"mesh":0,"scale":[0,0,0]}])");
+    Scene scene = file.load();
+    EXPECT_EQ(make_closed_glass_solid(scene), 2u);
 }
 
 }  // namespace
