@@ -61,7 +61,7 @@ struct Scene {
     std::vector<Material> materials;
     std::vector<Texture> textures;
     std::vector<PunctualLight> punctual_lights;
-    std::vector<Camera> cameras;  // depth-first order of the default scene
+    std::vector<Camera> cameras;  // depth-first order of the default scene; without those scaled to nothing now
     std::optional<Environment> environment;
 
     // What moves, and how it lies now (pose.h).
@@ -89,8 +89,11 @@ void finish_scene(Scene& scene);
 /// the scene needs may follow.
 void finish_again(Scene& scene, bool other_materials);
 
-/// The camera of that name, the first camera when the name is empty, else one framed on the bounds. Throws
-/// ErrorCode::UnknownName, with the nearest known name, when there is none of that name.
+/// The camera of that name, the first camera when the name is empty, else one framed on the bounds. Of an animated
+/// scene the first is the first that looks at rest, and bounds are those at rest and at some moments of the animation
+/// together (framing.h), so that both are the same at every moment. Throws ErrorCode::UnknownName, with the nearest
+/// known name, when there is none of that name, and ErrorCode::BadScene, at the node, when that is scaled to nothing at
+/// this moment.
 Camera find_camera(const Scene& scene, const std::string& name);
 
 /// Three corners of a triangle in world space.
