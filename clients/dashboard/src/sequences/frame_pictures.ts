@@ -1,43 +1,31 @@
 // The pictures of a sequence's frames, fetched one after the other as they come to be, so that playing waits for nothing.
 
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 
 import { askPatiently } from "../api/client";
 import type { SequenceFrame } from "../api/types";
+import { HeldPictures } from "./held_pictures";
 
 /** Pixels of a picture's longer side. */
 const kSide = 640;
-/** Of one sequence: what a page can hold. */
-export const kMostPictures = 1000;
+const kPauseMs = 2000;
 
-/** URLs for <img> by the frame's job. */
-export function useFramePictures(frames: SequenceFrame[]): Map<string, string> {
-  const held = useRef(new Map<string, string>());
+export function useFramePictures(frames: SequenceFrame[]): HeldPictures {
+  const { current: held } = useRef(new HeldPictures());
   const [, redraw] = useState(0);
-  const ready = frames.filter((frame) => frame.state === "succeeded").slice(0, kMostPictures);
-  const wanted = ready.map((frame) => frame.id).join(" ");
+  const ready = frames.filter((frame) => frame.state === "succeeded").map((frame) => frame.id);
+  const wanted = ready.join(" ");
+  useMemo(() => held.list(ready), [wanted]); // before it is drawn what is left out
   useEffect(() => {
     const stop = new AbortController();
-    const fetchAll = async () => {
-      for (const { id } of ready) {
-        if (held.current.has(id)) continue;
-        try {
-          const answer = await askPatiently(`/v1/jobs/${id}/preview.png?max_size=${kSide}`, { signal: stop.signal });
-          if (answer.status === 200) held.current.set(id, URL.createObjectURL(await answer.blob()));
-          redraw((round) => round + 1);
-        } catch {
-          if (stop.signal.aborted) return;  // another list, or nobody looks any more
-        }
-      }
+    const fetchPicture = async (id: string) => {
+      const answer = await askPatiently(`/v1/jobs/${id}/preview.png?max_size=${kSide}`, { signal: stop.signal });
+      return answer.status === 200 ? answer.blob() : null;
     };
-    void fetchAll();
+    const pause = () => new Promise<void>((goOn) => setTimeout(goOn, kPauseMs));
+    void held.fetchMissing(fetchPicture, pause, () => redraw((round) => round + 1), stop.signal);
     return () => stop.abort();
   }, [wanted]);
-  useEffect(
-    () => () => {
-      for (const url of held.current.values()) URL.revokeObjectURL(url);
-    },
-    [],
-  );
-  return held.current;
+  useEffect(() => () => held.list([]), []);
+  return held;
 }

@@ -182,7 +182,7 @@ function Shown({ sequence, other, reload }: { sequence: Sequence; other: Sequenc
           </p>
           <div class="sequence-players">
             <Player sequence={sequence} seconds={seconds} />
-            {other && <Player sequence={other} seconds={seconds} />}
+            {other && <Player key={other.id} sequence={other} seconds={seconds} />}
           </div>
           <div class="row sequence-controls">
             <button onClick={() => step(-1)} aria-label="Frame before">
