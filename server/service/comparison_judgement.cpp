@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <string>
+#include <unordered_set>
 
 #include "protocol/message_parts.h"
 #include "server/clock_text.h"
@@ -203,9 +204,10 @@ std::optional<JobState> ComparisonState::reference_state() const {
 
 std::vector<int64_t> references_of(const std::vector<JobProgress>& jobs) {
     std::vector<int64_t> references;
+    std::unordered_set<int64_t> known;
     for (const JobProgress& job : jobs)
         for (const int64_t seq : job.reference_jobs)
-            if (std::find(references.begin(), references.end(), seq) == references.end()) references.push_back(seq);
+            if (known.insert(seq).second) references.push_back(seq);
     return references;
 }
 

@@ -113,13 +113,13 @@ Workload Estimates::workload_of(const JobRequest& request, const json& summary) 
 }
 
 uint64_t Estimates::estimate_memory_bytes(const JobRequest& request, const SceneRef& scene) {
-    const json summary = scenes_.summary_of(scene);
-    const Workload workload = workload_of(request, summary);
+    const auto summary = scenes_.summary_of(scene);
+    const Workload workload = workload_of(request, *summary);
     const bool on_gpu = request.method.device != "cpu";
-    uint64_t scene_bytes = summary.value("memory_bytes", uint64_t{0});
+    uint64_t scene_bytes = summary->value("memory_bytes", uint64_t{0});
     const MethodInfo* method = find_method(request.method.name);
     if (on_gpu && !(method && traces_on_host(*method, request.method.parameters)))
-        scene_bytes -= summary.value("acceleration_bytes", uint64_t{0});  // it lies on the device
+        scene_bytes -= summary->value("acceleration_bytes", uint64_t{0});  // it lies on the device
     return film_bytes(request) + measuring_bytes(request) + scene_bytes +
            workload.environment_size.pixels() * sizeof(Rgb) +
            ask_method(request, workload, on_gpu ? &MethodInfo::estimate_bytes_gpu : &MethodInfo::estimate_bytes);
@@ -128,21 +128,21 @@ uint64_t Estimates::estimate_memory_bytes(const JobRequest& request, const Scene
 std::optional<uint64_t> Estimates::estimate_device_bytes(const JobRequest& request, const SceneRef& scene) {
     const MethodInfo* method = find_method(request.method.name);
     if (request.method.device == "cpu" || !method || !method->estimate_device_bytes) return std::nullopt;
-    const json summary = scenes_.summary_of(scene);
-    const Workload workload = workload_of(request, summary);
-    return kDeviceTableBytes + kDeviceLightBytes * workload.lights + summary.value("memory_bytes", uint64_t{0}) +
+    const auto summary = scenes_.summary_of(scene);
+    const Workload workload = workload_of(request, *summary);
+    return kDeviceTableBytes + kDeviceLightBytes * workload.lights + summary->value("memory_bytes", uint64_t{0}) +
            workload.environment_size.pixels() * sizeof(Rgb) +
            ask_method(request, workload, &MethodInfo::estimate_device_bytes);
 }
 
 uint64_t Estimates::estimate_disk_bytes(const JobRequest& request, const SceneRef& scene) {
-    const Workload workload = workload_of(request, scenes_.summary_of(scene));
+    const Workload workload = workload_of(request, *scenes_.summary_of(scene));
     // A film that is saved again lies beside the one before until it is whole.
     return 2 * film_bytes(request) + ask_method(request, workload, &MethodInfo::estimate_artefact_bytes);
 }
 
 PathsLeftOut Estimates::paths_left_out(const JobRequest& request, const SceneRef& scene) {
-    const Needs needs = workload_of(request, scenes_.summary_of(scene)).needs;
+    const Needs needs = workload_of(request, *scenes_.summary_of(scene)).needs;
     const auto left_out = left_out_by(request.method.name, request.method.parameters, needs);
     if (!left_out) throw Error(ErrorCode::Internal, "a request for a method that is not there");
     return *left_out;

@@ -52,7 +52,7 @@ public:
 
 private:
     std::optional<double> estimate_pass_seconds(const JobRequest& request, const SceneRef& scene, EarlierJobs& earlier);
-    Workload workload_of(const JobRequest& request, const nlohmann::json& scene_summary);
+    Workload workload_of(const JobRequest& request, const nlohmann::json& summary);
 
     ServiceCore& core_;
     Scenes& scenes_;

@@ -1,6 +1,7 @@
 #include "server/service/job_groups.h"
 
 #include <memory>
+#include <unordered_map>
 
 #include "renderer/core/sha256.h"
 #include "server/service/idempotency_key.h"
@@ -37,13 +38,14 @@ JobProgress JobGroups::progress_now(JobProgress job) const {
 ComparisonState JobGroups::state_of(const ComparisonRow& row) {
     ComparisonState state;
     for (const JobProgress& job : core_.store.comparison_progress(row.seq)) state.jobs.push_back(progress_now(job));
+    std::unordered_map<int64_t, ReferenceProgress> known;
+    for (ReferenceProgress& reference : core_.store.comparison_references(row.seq))
+        known.emplace(reference.job.seq, std::move(reference));
     for (const int64_t seq : references_of(state.jobs)) {
-        const auto found = core_.store.job(seq);
-        if (!found) continue;
-        state.references.push_back(progress_now({found->seq, found->state, found->device, found->progress,
-                                                 found->seconds, found->started_ms, found->finished_ms}));
-        if (found->role == JobRole::Reference && found->created_ms >= row.created_ms)
-            state.own_references.push_back(state.references.back());
+        const auto found = known.find(seq);
+        if (found == known.end()) continue;
+        state.references.push_back(progress_now(found->second.job));
+        if (found->second.is_own(row)) state.own_references.push_back(state.references.back());
     }
     return state;
 }

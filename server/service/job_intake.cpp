@@ -1,7 +1,8 @@
 #include "server/service/job_intake.h"
 
-#include <algorithm>
 #include <string>
+#include <string_view>
+#include <unordered_set>
 #include <utility>
 
 namespace photond {
@@ -17,13 +18,11 @@ void JobIntake::check_room(size_t jobs, uint64_t disk_bytes) const {
 void JobIntake::check_room(std::span<const PreparedJob> jobs) const {
     uint64_t disk_bytes = 0;
     size_t number = jobs.size();
-    std::vector<std::string> contents;  // each film is made once
+    std::unordered_set<std::string_view> contents;  // each film is made once
     for (const PreparedJob& job : jobs) {
         disk_bytes += job.disk_bytes;
         for (size_t film = 0; film < job.references.size(); ++film) {
-            const std::string& content = job.references[film].content;
-            if (std::find(contents.begin(), contents.end(), content) != contents.end()) continue;
-            contents.push_back(content);
+            if (!contents.insert(job.references[film].content).second) continue;
             disk_bytes += job.reference_disk_bytes[film];
             ++number;
         }

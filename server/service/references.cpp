@@ -60,17 +60,34 @@ JobRequest References::reference_request(const JobRequest& request, uint32_t fil
     return reference;
 }
 
-JobRow References::reference_row(const JobRequest& reference, const SceneRef& scene) {
+JobRow References::reference_row(const JobRequest& reference, const std::string& scene) const {
     JobRow row;
     row.role = JobRole::Reference;
-    row.content = reference_content(reference, scene.id);
+    row.content = reference_content(reference, scene);
     row.priority = reference.priority;
     row.device = core_.device_of(reference.method, "/reference/method/device");
     row.method = reference.method.name;
-    row.scene = scene.id;
+    row.scene = scene;
     row.request = to_json(reference).dump();
     row.created_ms = now_ms();
     return row;
+}
+
+std::vector<JobRow> References::reference_films(const JobRequest& request, const std::string& scene) const {
+    std::vector<JobRow> films;
+    if (request.reference && request.reference->rendering)
+        for (uint32_t film = 0; film < kFilms; ++film)
+            films.push_back(reference_row(reference_request(request, film), scene));
+    return films;
+}
+
+void References::leave_missing(std::vector<JobRow>& films, std::vector<int64_t>& reference_jobs) {
+    std::vector<int64_t> found;
+    for (const JobRow& film : films)
+        if (const auto there = usable_reference(film.content)) found.push_back(*there);
+    if (films.empty() || found.size() < films.size()) return;
+    reference_jobs = std::move(found);
+    films.clear();
 }
 
 std::vector<JobRow> References::missing_references(const JobRequest& request, const SceneRef& scene,
@@ -81,25 +98,19 @@ std::vector<JobRow> References::missing_references(const JobRequest& request, co
         return row && !row->cancel_requested && row->state <= JobState::Succeeded;
     };
     if (!reference_jobs.empty() && std::all_of(reference_jobs.begin(), reference_jobs.end(), stays)) return {};
-    std::vector<JobRow> films;
-    std::vector<int64_t> found;
-    for (uint32_t film = 0; film < kFilms; ++film) {
-        films.push_back(reference_row(reference_request(request, film), scene));
-        if (const auto there = usable_reference(films.back().content)) found.push_back(there->seq);
-    }
-    if (found.size() < kFilms) return films;
-    reference_jobs = std::move(found);
-    return {};
+    std::vector<JobRow> films = reference_films(request, scene.id);
+    leave_missing(films, reference_jobs);
+    return films;
 }
 
-std::optional<JobRow> References::usable_reference(const std::string& content) {
-    auto found = core_.store.reference_of_content(content);
-    if (found && found->cancel_requested) return std::nullopt;  // it is about to be over, unfinished
-    return found;
+std::optional<int64_t> References::usable_reference(const std::string& content) {
+    const auto found = core_.store.reference_of_content(content);
+    if (!found || found->cancel_requested) return std::nullopt;  // it is about to be over, unfinished
+    return found->seq;
 }
 
 int64_t References::insert_reference(const JobRow& film, Insertion& inserted) {
-    if (const auto found = usable_reference(film.content)) return found->seq;
+    if (const auto found = usable_reference(film.content)) return *found;
     JobRow reference = film;
     core_.store.insert_job(reference);
     core_.store.append_log(reference.seq, reference.created_ms,
@@ -121,8 +132,12 @@ void References::raise_references(const JobRow& job, Insertion& inserted) {
 }
 
 void References::raise_reference(int64_t seq, int priority, Insertion& inserted) {
+    const auto standing = core_.store.standing(seq);
+    if (!standing || standing->role != JobRole::Reference || standing->state != JobState::Queued ||
+        standing->priority >= priority)
+        return;
     auto row = core_.store.job(seq);
-    if (!row || row->role != JobRole::Reference || row->state != JobState::Queued || row->priority >= priority) return;
+    if (!row) return;
     row->priority = priority;
     core_.store.update_job(*row);
     core_.store.append_log(seq, now_ms(), "priority raised to " + std::to_string(priority) + ": a job needs it");
@@ -132,7 +147,7 @@ void References::raise_reference(int64_t seq, int priority, Insertion& inserted)
 
 std::optional<int64_t> References::waits_for(const JobRow& row) {
     for (const int64_t seq : row.reference_jobs)
-        if (const auto reference = core_.store.job(seq); reference && !is_over(reference->state)) return seq;
+        if (const auto reference = core_.store.standing(seq); reference && !is_over(reference->state)) return seq;
     return std::nullopt;
 }
 

@@ -34,9 +34,12 @@ public:
     /// mean of squares, that is to be reached.
     static JobRequest reference_request(const JobRequest& request, uint32_t film);
 
-    /// Where the request's reference is to be rendered: fills in `reference_jobs` where jobs of that content are there,
-    /// else returns all films, for insert_references(). Where they were named before, by a job that goes on, they stay
-    /// as long as they are there. Nothing happens for references of other kinds. Throws DeviceUnavailable.
+    /// Without the lock: where the request's reference is to be rendered, all its films. Throws DeviceUnavailable.
+    std::vector<JobRow> reference_films(const JobRequest& request, const std::string& scene) const;
+    /// Of such films those that are missing, for insert_references(): where jobs of that content are there fills in
+    /// `reference_jobs` and leaves none, else all. Nothing happens where there are none.
+    void leave_missing(std::vector<JobRow>& films, std::vector<int64_t>& reference_jobs);
+    /// Both; but where they were named before, by a job that goes on, they stay as long as they are there.
     std::vector<JobRow> missing_references(const JobRequest& request, const SceneRef& scene,
                                            std::vector<int64_t>& reference_jobs);
     /// Inside a transaction: for each the job of that content that is there by now, else this one, inserted. Their
@@ -59,8 +62,8 @@ public:
 
 private:
     /// One that is finished, or will be.
-    std::optional<JobRow> usable_reference(const std::string& content);
-    JobRow reference_row(const JobRequest& reference, const SceneRef& scene);
+    std::optional<int64_t> usable_reference(const std::string& content);
+    JobRow reference_row(const JobRequest& reference, const std::string& scene) const;
     int64_t insert_reference(const JobRow& reference, Insertion& inserted);
     void raise_reference(int64_t seq, int priority, Insertion& inserted);
     /// The film that a job left. `made`: for this job, by its method.

@@ -106,8 +106,8 @@ SceneRef RequestChecks::check_request(const JobRequest& request) {
         if (scene->builtin) {
             cameras.emplace_back("camera");
         } else {
-            const json summary = json::parse(scene->row->summary);
-            for (const json& camera : summary.value("cameras", json::array()))
+            const auto summary = scenes_.summary_of(*scene);
+            for (const json& camera : summary->value("cameras", json::array()))
                 cameras.push_back(camera.value("name", ""));
         }
         if (std::find(cameras.begin(), cameras.end(), request.camera.name) == cameras.end())
@@ -116,9 +116,9 @@ SceneRef RequestChecks::check_request(const JobRequest& request) {
                 "the scene has no camera '" + request.camera.name + "'" + nearest_hint(request.camera.name, cameras));
     }
     if (request.animation) {
-        const json summary = scenes_.summary_of(*scene);
+        const auto summary = scenes_.summary_of(*scene);
         // Of a scene that nobody has looked at for them the worker says.
-        if (const json motion = summary.value("motion", json()); motion.is_array()) {
+        if (const json motion = summary->value("motion", json()); motion.is_array()) {
             std::vector<std::string> names;
             for (const json& animation : motion) names.push_back(animation.value("name", ""));
             check_animation(*request.animation, names);

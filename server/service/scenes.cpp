@@ -87,20 +87,28 @@ SceneRef Scenes::require_scene(const std::string& id_or_name) {
 
 json Scenes::builtin_object(const std::string& name) {
     {
-        const std::lock_guard lock(builtin_mutex_);
-        if (const auto found = builtin_summaries_.find(name); found != builtin_summaries_.end()) return found->second;
+        const std::lock_guard lock(summaries_mutex_);
+        if (const auto found = builtin_summaries_.find(name); found != builtin_summaries_.end()) return *found->second;
     }
     json object = core_.helper->ask(JudgeSceneRequest{.builtin = name});
     object["id"] = object["name"] = name;
     object["builtin"] = true;
     object["bytes"] = 0;
     object["known_answer"] = known_answer_of(name);
-    const std::lock_guard lock(builtin_mutex_);
-    return builtin_summaries_.insert_or_assign(name, std::move(object)).first->second;
+    const std::lock_guard lock(summaries_mutex_);
+    return *builtin_summaries_.insert_or_assign(name, std::make_shared<const json>(std::move(object))).first->second;
 }
 
 void Scenes::know_scene(const std::string& id_or_name) {
-    if (!is_builtin_scene(id_or_name)) return;
+    if (!is_builtin_scene(id_or_name)) {
+        std::optional<SceneRef> scene;
+        {
+            const std::lock_guard lock(core_.mutex);
+            scene = find_scene(id_or_name);
+        }
+        if (scene) summary_of(*scene);
+        return;
+    }
     try {
         builtin_object(id_or_name);
     } catch (const Error& error) {
@@ -108,12 +116,19 @@ void Scenes::know_scene(const std::string& id_or_name) {
     }
 }
 
-json Scenes::summary_of(const SceneRef& scene) {
-    if (!scene.builtin) return json::parse(scene.row->summary);
-    // One that has not been judged yet counts nothing: the worker holds it to the limit all the same.
-    const std::lock_guard lock(builtin_mutex_);
-    const auto found = builtin_summaries_.find(scene.id);
-    return found != builtin_summaries_.end() ? found->second : json::object();
+std::shared_ptr<const json> Scenes::summary_of(const SceneRef& scene) {
+    std::unique_lock lock(summaries_mutex_);
+    if (scene.builtin) {
+        // One that has not been judged yet counts nothing: the worker holds it to the limit all the same.
+        const auto found = builtin_summaries_.find(scene.id);
+        return found != builtin_summaries_.end() ? found->second : std::make_shared<const json>(json::object());
+    }
+    if (last_summary_ && last_text_ == scene.row->summary) return last_summary_;
+    lock.unlock();
+    const auto summary = std::make_shared<const json>(json::parse(scene.row->summary));
+    lock.lock();
+    last_text_ = scene.row->summary;
+    return last_summary_ = summary;
 }
 
 SceneSource Scenes::scene_source(const SceneRef& scene) const {

@@ -3,6 +3,7 @@
 // a row.
 
 #include <map>
+#include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -48,8 +49,8 @@ public:
 
     /// A built-in scene as clients see it. Without the lock: waits for the helper the first time.
     nlohmann::json builtin_object(const std::string& name);
-    /// Has it judged if it is a built-in one, so that a job of it is estimated by what it is; without the lock. Where
-    /// the helper cannot, the job is estimated without.
+    /// Has it judged if it is a built-in one, so that a job of it is estimated by what it is, and its summary read;
+    /// without the lock. Where the helper cannot, the job is estimated without.
     void know_scene(const std::string& id_or_name);
 
     /// Under the lock.
@@ -57,7 +58,9 @@ public:
 
     // With the lock or without it:
     /// What the helper said of the scene; an empty object for a built-in one that is not judged yet. Does not wait.
-    nlohmann::json summary_of(const SceneRef& scene);
+    /// That of the uploaded scene asked for last is there at once: it may be long, and is asked for several times in a
+    /// row.
+    std::shared_ptr<const nlohmann::json> summary_of(const SceneRef& scene);
     /// Where processes of ours find it.
     SceneSource scene_source(const SceneRef& scene) const;
 
@@ -68,8 +71,10 @@ private:
     ServiceCore& core_;
     ArtefactFiles& artefact_files_;
     Pictures& pictures_;
-    std::mutex builtin_mutex_;  // taken after the lock where both are held
-    std::map<std::string, nlohmann::json> builtin_summaries_;
+    std::mutex summaries_mutex_;  // taken after the lock where both are held
+    std::map<std::string, std::shared_ptr<const nlohmann::json>> builtin_summaries_;
+    std::string last_text_;  // of the uploaded scene asked for last
+    std::shared_ptr<const nlohmann::json> last_summary_;
 };
 
 }  // namespace photond

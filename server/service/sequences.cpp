@@ -72,10 +72,16 @@ std::string sequence_key(const json& sequence, const std::string& what, const st
            sha256_hex(content.data(), content.size());
 }
 
-std::vector<PreparedJob> Sequences::prepare_frames(const SequenceRequest& request) {
+std::vector<PreparedJob> Sequences::draft_frames(const SequenceRequest& request) {
+    std::optional<SceneRef> scene;
+    {
+        const std::lock_guard lock(core_.mutex);
+        scene = scenes_.find_scene(request.frames.front().scene);
+    }
     std::vector<PreparedJob> frames;
+    if (!scene) return frames;
     frames.reserve(request.frames.size());
-    for (const JobRequest& frame : request.frames) frames.push_back(jobs_.submissions.prepare_job(frame));
+    for (const JobRequest& frame : request.frames) frames.push_back(jobs_.submissions.draft_job(frame, scene->id));
     return frames;
 }
 
@@ -83,12 +89,17 @@ json Sequences::submit_sequence(const SequenceRequest& request, const std::optio
     ComparisonRow row;
     row.request = request.echo.dump();
     const std::optional<JobGroups::Key> asked = JobGroups::key_of(key, request.echo);
+    if (asked) {
+        const std::lock_guard lock(core_.mutex);
+        if (const auto known = groups_.of_key(asked)) return object_of(*known);
+    }
     scenes_.know_scene(request.frames.front().scene);
+    std::vector<PreparedJob> drafts = draft_frames(request);
     const std::lock_guard lock(core_.mutex);
     if (const auto known = groups_.of_key(asked)) return object_of(*known);
     if (core_.stopping) throw Error(ErrorCode::Unavailable, "the daemon is stopping and takes no new jobs");
     row.created_ms = now_ms();
-    std::vector<PreparedJob> frames = prepare_frames(request);
+    std::vector<PreparedJob> frames = jobs_.submissions.judge_drafts(request.frames, std::move(drafts));
     row.scene = frames.front().row.scene;
     jobs_.intake.check_room(frames);
     std::vector<JobGroups::Member> members;
@@ -130,9 +141,10 @@ json Sequences::object_of(const ComparisonRow& row) {
 json Sequences::estimate_sequence(const SequenceRequest& request) {
     const std::string& scene_name = request.frames.front().scene;
     scenes_.know_scene(scene_name);
+    std::vector<PreparedJob> drafts = draft_frames(request);
     const std::lock_guard lock(core_.mutex);
-    const std::vector<PreparedJob> prepared = prepare_frames(request);
-    jobs_.intake.check_room(prepared);
+    drafts = jobs_.submissions.judge_drafts(request.frames, std::move(drafts));
+    jobs_.intake.check_room(drafts);
     const auto scene = scenes_.find_scene(scene_name);
     if (!scene) throw Error(ErrorCode::Internal, "a scene that was found is not there");
     // Frames differ in their moments alone: what is told of one is told of all.

@@ -34,9 +34,10 @@ public:
     Cancelled cancel_sequence(const std::string& id, bool remove);
 
 private:
+    /// Before the lock; none where there is no such scene.
+    std::vector<PreparedJob> draft_frames(const SequenceRequest& request);
     /// Under the lock.
     nlohmann::json object_of(const ComparisonRow& row);
-    std::vector<PreparedJob> prepare_frames(const SequenceRequest& request);
 
     ServiceCore& core_;
     Scenes& scenes_;

@@ -9,23 +9,50 @@ namespace photond {
 
 using nlohmann::json;
 
-PreparedJob Submissions::prepare_job(const JobRequest& request) {
-    const SceneRef scene = checks_.check_request(request);
+PreparedJob Submissions::draft_job(const JobRequest& request, const std::string& scene) const {
     PreparedJob job;
     job.row.priority = request.priority;
     job.row.device = core_.device_of(request.method);
     job.row.method = request.method.name;
-    job.row.scene = scene.id;
+    job.row.scene = scene;
     job.row.request = to_json(request).dump();
-    job.row.created_ms = now_ms();
     if (request.reference && !request.reference->job.empty())
         job.row.reference_jobs = {job_seq(request.reference->job)};
-    job.disk_bytes = estimates_.estimate_disk_bytes(request, scene);
-    job.references = references_.missing_references(request, scene, job.row.reference_jobs);
-    for (uint32_t film = 0; film < job.references.size(); ++film)
-        job.reference_disk_bytes.push_back(
-            estimates_.estimate_disk_bytes(References::reference_request(request, film), scene));
+    job.references = references_.reference_films(request, scene);
     return job;
+}
+
+void Submissions::complete_drafts(std::span<PreparedJob> drafts, const JobRequest& request, const SceneRef& scene) {
+    const uint64_t disk_bytes = estimates_.estimate_disk_bytes(request, scene);
+    std::vector<uint64_t> film_bytes;
+    for (uint32_t film = 0; film < drafts.front().references.size(); ++film)
+        film_bytes.push_back(estimates_.estimate_disk_bytes(References::reference_request(request, film), scene));
+    const int64_t now = now_ms();
+    for (PreparedJob& job : drafts) {
+        job.row.created_ms = now;
+        job.disk_bytes = disk_bytes;
+        references_.leave_missing(job.references, job.row.reference_jobs);
+        for (JobRow& film : job.references) film.created_ms = now;
+        if (!job.references.empty()) job.reference_disk_bytes = film_bytes;
+    }
+}
+
+PreparedJob Submissions::prepare_job(const JobRequest& request) {
+    const SceneRef scene = checks_.check_request(request);
+    PreparedJob job = draft_job(request, scene.id);
+    complete_drafts({&job, 1}, request, scene);
+    return job;
+}
+
+std::vector<PreparedJob> Submissions::judge_drafts(std::span<const JobRequest> requests,
+                                                   std::vector<PreparedJob> drafts) {
+    const SceneRef scene = checks_.check_request(requests.front());
+    if (drafts.empty() || drafts.front().row.scene != scene.id) {  // its name is another scene's since
+        drafts.clear();
+        for (const JobRequest& request : requests) drafts.push_back(draft_job(request, scene.id));
+    }
+    complete_drafts(drafts, requests.front(), scene);
+    return drafts;
 }
 
 json Submissions::submit_job(const JobRequest& request, const std::optional<std::string>& key,

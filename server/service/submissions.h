@@ -3,7 +3,9 @@
 
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "protocol/job.h"
 #include "server/service/estimates.h"
@@ -39,8 +41,18 @@ public:
     /// Under the lock: judges a request and all it depends on. Throws UnknownName, Conflict, OutOfRange, Unsupported,
     /// DeviceUnavailable, OutOfMemory.
     PreparedJob prepare_job(const JobRequest& request);
+    /// Without the lock: what will be written of a job, which judge_drafts() has still to judge; writing it takes the
+    /// time where there are many. `scene`: its id. Throws DeviceUnavailable.
+    PreparedJob draft_job(const JobRequest& request, const std::string& scene) const;
+    /// Under the lock: judges jobs whose requests differ in time, seed and view alone, by which no job is refused: the
+    /// first as prepare_job() does, and so all. `drafts`: one for each, or none, and then they are made. Throws
+    /// likewise.
+    std::vector<PreparedJob> judge_drafts(std::span<const JobRequest> requests, std::vector<PreparedJob> drafts);
 
 private:
+    /// Of jobs that are like this one but for time, seed and view.
+    void complete_drafts(std::span<PreparedJob> drafts, const JobRequest& request, const SceneRef& scene);
+
     ServiceCore& core_;
     Scenes& scenes_;
     References& references_;

@@ -111,6 +111,12 @@ std::vector<JobRow> read_jobs(Statement& statement) {
     return jobs;
 }
 
+std::optional<JobStanding> read_standing(Statement& read) {
+    if (!read.step()) return std::nullopt;
+    return JobStanding{read.integer(0), static_cast<JobState>(read.integer(1)), static_cast<JobRole>(read.integer(2)),
+                       static_cast<int>(read.integer(3)), read.integer(4) != 0};
+}
+
 /// Binds the columns of kJobColumns to parameters 1, 2, ...
 void bind_job(Statement& statement, const JobRow& job) {
     statement.bind(1, static_cast<int64_t>(job.state)).bind(2, static_cast<int64_t>(job.priority));
@@ -242,11 +248,18 @@ std::vector<QueuedJob> Store::queued_jobs() {
     return jobs;
 }
 
-std::optional<JobRow> Store::reference_of_content(const std::string& content) {
-    Statement read = database_.prepare(select_jobs() + " WHERE content = ?1 AND state <= 2 ORDER BY seq DESC LIMIT 1");
+std::optional<JobStanding> Store::standing(int64_t seq) {
+    Statement read = database_.prepare("SELECT seq, state, role, priority, cancel_requested FROM jobs WHERE seq = ?1");
+    read.bind(1, seq);
+    return read_standing(read);
+}
+
+std::optional<JobStanding> Store::reference_of_content(const std::string& content) {
+    Statement read = database_.prepare(
+        "SELECT seq, state, role, priority, cancel_requested FROM jobs WHERE content = ?1 AND state <= 2 "
+        "ORDER BY seq DESC LIMIT 1");
     read.bind(1, content);
-    if (!read.step()) return std::nullopt;
-    return read_job(read);
+    return read_standing(read);
 }
 
 std::vector<JobRow> Store::unfinished_jobs_measured_against(int64_t seq) {
@@ -423,6 +436,22 @@ std::vector<JobProgress> Store::comparison_progress(int64_t seq) {
                         read.real(4), read.optional_integer(5), read.optional_integer(6), reference_jobs_of(read, 7, 8),
                         read.optional_integer(9)});
     return jobs;
+}
+
+std::vector<ReferenceProgress> Store::comparison_references(int64_t seq) {
+    Statement read = database_.prepare(
+        "WITH members AS (SELECT reference_job, second_reference_job FROM comparison_jobs "
+        "JOIN jobs ON jobs.seq = comparison_jobs.job WHERE comparison_jobs.comparison = ?1) "
+        "SELECT seq, state, device, progress, seconds, started_ms, finished_ms, role, created_ms FROM job_summaries "
+        "WHERE seq IN (SELECT reference_job FROM members UNION SELECT second_reference_job FROM members)");
+    read.bind(1, seq);
+    std::vector<ReferenceProgress> references;
+    while (read.step())
+        references.push_back({{read.integer(0), static_cast<JobState>(read.integer(1)), read.text(2), read.real(3),
+                               read.real(4), read.optional_integer(5), read.optional_integer(6)},
+                              static_cast<JobRole>(read.integer(7)),
+                              read.integer(8)});
+    return references;
 }
 
 std::optional<Store::ComparisonKeyRow> Store::comparison_key(const std::string& key) {

@@ -63,6 +63,15 @@ struct JobRow {
     std::string error_now;              // JSON {"metric", "value"}; empty: none
 };
 
+/// Of a job what says whether others wait for it.
+struct JobStanding {
+    int64_t seq = 0;
+    JobState state = JobState::Queued;
+    JobRole role = JobRole::Render;
+    int priority = 0;
+    bool cancel_requested = false;
+};
+
 /// What is asked for as many jobs at once.
 enum class GroupKind : uint8_t { Comparison, Sequence };
 
@@ -103,6 +112,18 @@ struct JobProgress {
     std::optional<int64_t> repeat_of = {};     // as in ComparisonJob
 
     int64_t planned() const { return repeat_of.value_or(seq); }
+};
+
+/// Likewise of a job that others are measured against.
+struct ReferenceProgress {
+    JobProgress job;
+    JobRole role = JobRole::Render;
+    int64_t created_ms = 0;
+
+    /// Whether it was made for the jobs of that one, and not there before.
+    bool is_own(const ComparisonRow& comparison) const {
+        return role == JobRole::Reference && created_ms >= comparison.created_ms;
+    }
 };
 
 struct SceneRow {
@@ -200,6 +221,7 @@ public:
     void delete_job(int64_t seq);
     std::optional<JobRow> job(int64_t seq);
     std::optional<JobSummary> job_summary(int64_t seq);
+    std::optional<JobStanding> standing(int64_t seq);
     /// Numbers of a page's jobs, in its order; the jobs are read one by one, so that a long page need not be read under
     /// one lock. Not inside a transaction that changes jobs: what was read there would outlive its end.
     std::vector<int64_t> job_page(const JobQuery& query);
@@ -210,7 +232,7 @@ public:
     std::vector<JobRow> jobs_to_purge();
     std::vector<QueuedJob> queued_jobs();
     /// The newest reference of that content that succeeded, runs or waits.
-    std::optional<JobRow> reference_of_content(const std::string& content);
+    std::optional<JobStanding> reference_of_content(const std::string& content);
     /// Jobs that are measured against that one and are not over.
     std::vector<JobRow> unfinished_jobs_measured_against(int64_t seq);
     std::vector<JobRow> queued_jobs_of_scene(const std::string& scene);
@@ -253,6 +275,8 @@ public:
     std::vector<ComparisonJob> comparison_jobs(int64_t seq);
     /// Likewise; those jobs that are still there.
     std::vector<JobProgress> comparison_progress(int64_t seq);
+    /// Those that any of its jobs is measured against, each once.
+    std::vector<ReferenceProgress> comparison_references(int64_t seq);
     std::vector<ComparisonRow> comparisons_to_purge();
     /// Instead of what is there of the same films and layer. `map`: JSON.
     void put_row_bias(int64_t comparison, const RowBias& bias, const std::string& map);
