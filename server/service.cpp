@@ -165,7 +165,9 @@ json Service::submit_sequence(const SequenceRequest& request, const std::optiona
     return impl_->sequences.submit_sequence(request, idempotency_key);
 }
 json Service::estimate_sequence(const SequenceRequest& request) { return impl_->sequences.estimate_sequence(request); }
-json Service::get_sequence(const std::string& id) { return impl_->sequences.get_sequence(id); }
+json Service::get_sequence(const std::string& id, bool with_frames) {
+    return impl_->sequences.get_sequence(id, with_frames);
+}
 Page Service::list_sequences(uint32_t limit, const std::string& cursor) {
     return impl_->sequences.list_sequences(limit, cursor);
 }

@@ -173,7 +173,7 @@ public:
     /// What submit_sequence() would queue, after all its checks: {"frames", "memory_bytes", "disk_bytes", "seconds",
     /// "warning"}. Waits for the helper the first time a built-in scene is asked about.
     nlohmann::json estimate_sequence(const SequenceRequest& request);
-    nlohmann::json get_sequence(const std::string& id);
+    nlohmann::json get_sequence(const std::string& id, bool with_frames);
     /// Without frames.
     Page list_sequences(uint32_t limit, const std::string& cursor);
     /// Its errors by frame against two other sequences of the same frames (SequenceErrors::errors). Waits for the

@@ -56,27 +56,27 @@ void add_frame_options(CLI::App& command, FrameOutputs& outputs) {
     command.add_flag("--png", outputs.png, "save previews, as 0000.png, instead");
 }
 
-size_t frames_over(const json& sequence) {
-    size_t over = 0;
-    for (const json& frame : sequence.value("frames", json::array())) over += is_over(frame);
-    return over;
-}
-
 /// "12 of 120 frames, 3 min left".
 std::string sequence_figures(const json& sequence) {
-    std::string text = std::to_string(frames_over(sequence)) + " of " +
-                       std::to_string(sequence.value("frames", json::array()).size()) + " frames";
+    size_t all = 0, over = 0;
+    const json states = sequence.value("job_states", json::object());
+    for (const auto& [state, count] : states.items()) {
+        all += count.get<size_t>();
+        if (is_over({{"state", state}})) over += count.get<size_t>();
+    }
+    std::string text = std::to_string(over) + " of " + std::to_string(all) + " frames";
     if (const json left = sequence.value("seconds_left", json()); left.is_number() && !is_over(sequence))
         text += ", " + human_seconds(left.get<double>()) + " left";
     return text;
 }
 
+/// To its end. Its frames are read then; until then its summary says all that is shown, in a few bytes.
 json follow_sequence(Session& session, const std::string& id, const std::function<void(const json&)>& listener) {
     DaemonClient& daemon = session.daemon();
     while (true) {
-        json sequence = daemon.get(resource_path("sequences", id));
-        listener(sequence);
-        if (is_over(sequence)) return sequence;
+        const json summary = daemon.get(resource_path("sequences", id) + "?frames=false");
+        listener(summary);
+        if (is_over(summary)) return daemon.get(resource_path("sequences", id));
         if (!daemon.interrupt().sleep(kPollSequenceEvery)) throw interrupted(daemon.interrupt().cause());
     }
 }

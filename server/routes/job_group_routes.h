@@ -20,7 +20,7 @@ struct JobGroupOperations {
     nlohmann::json (Service::*estimate)(const Request& request);
     nlohmann::json (Service::*submit)(const Request& request, const std::optional<std::string>& key);
     Page (Service::*list)(uint32_t limit, const std::string& cursor);
-    nlohmann::json (Service::*get)(const std::string& id);
+    nlohmann::json (Service::*get)(const std::string& id);  // none: added apart
     Service::Cancelled (Service::*cancel)(const std::string& id);
     Service::Cancelled (Service::*purge)(const std::string& id);
 };
@@ -61,10 +61,11 @@ void add_job_group_routes(const LongRoutes& routes, Service& service, const JobG
         query.finish();
         return json_reply(200, (service.*of.list)(limit, cursor));
     });
-    routes.add("GET", of.path + "/{id}", BodyKind::None, [&service, of](Call& call) {
-        Query(call.query).finish();
-        return json_reply(200, (service.*of.get)(call.path_parameters[0]));
-    });
+    if (of.get)
+        routes.add("GET", of.path + "/{id}", BodyKind::None, [&service, of](Call& call) {
+            Query(call.query).finish();
+            return json_reply(200, (service.*of.get)(call.path_parameters[0]));
+        });
     routes.add("DELETE", of.path + "/{id}", BodyKind::None, [&service, of](Call& call) {
         Query query(call.query);
         const bool purge = query.flag("purge");

@@ -69,8 +69,8 @@ std::optional<uint32_t> Query::integer(const std::string& name) {
     return std::nullopt;
 }
 
-bool Query::flag(const std::string& name) {
-    const std::string given = text(name, "false");
+bool Query::flag(const std::string& name, bool otherwise) {
+    const std::string given = text(name, otherwise ? "true" : "false");
     if (given != "true" && given != "false")
         faults_.push_back({"/" + name, "must be true or false, got " + value_text(given)});
     return given == "true";

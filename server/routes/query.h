@@ -24,7 +24,7 @@ public:
     std::optional<std::array<double, 3>> point(const std::string& name);
     uint32_t integer(const std::string& name, uint32_t otherwise);
     std::optional<uint32_t> integer(const std::string& name);
-    bool flag(const std::string& name);
+    bool flag(const std::string& name, bool otherwise = false);
     /// Throws Error with every fault found, unknown and repeated names among them. Call it before using the values.
     void finish();
 

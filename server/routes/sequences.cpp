@@ -13,9 +13,15 @@ void add_sequence_routes(std::vector<Route>& all, Service& service) {
                                            .estimate = &Service::estimate_sequence,
                                            .submit = &Service::submit_sequence,
                                            .list = &Service::list_sequences,
-                                           .get = &Service::get_sequence,
+                                           .get = nullptr,
                                            .cancel = &Service::cancel_sequence,
                                            .purge = &Service::purge_sequence});
+    routes.add("GET", "/v1/sequences/{id}", BodyKind::None, [&service](Call& call) {
+        Query query(call.query);
+        const bool with_frames = query.flag("frames", true);
+        query.finish();
+        return json_reply(200, service.get_sequence(call.path_parameters[0], with_frames));
+    });
     routes.add("GET", "/v1/sequences/{id}/frames.zip", BodyKind::None, [&service](Call& call) {
         Query query(call.query);
         const std::string images = query.text("images", "exr");

@@ -90,7 +90,16 @@ json Comparisons::submit_comparison(const ComparisonRequest& request, const std:
 }
 
 Page Comparisons::list_comparisons(uint32_t limit, const std::string& cursor) {
-    return groups_.list(limit, cursor, comparison_summary);
+    JobGroups::RowPage page;
+    std::vector<ComparisonState> states;
+    {
+        const std::lock_guard lock(core_.mutex);
+        page = groups_.read_page(limit, cursor);
+        for (const ComparisonRow& row : page.rows) states.push_back(groups_.state_of(row));
+    }
+    json items = json::array();
+    for (size_t i = 0; i < states.size(); ++i) items.push_back(comparison_summary(page.rows[i], states[i]));
+    return {{"items", std::move(items)}, {"next_cursor", std::move(page.next_cursor)}};
 }
 
 Cancelled Comparisons::cancel_comparison(const std::string& id, bool remove) {

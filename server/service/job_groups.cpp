@@ -84,39 +84,35 @@ ComparisonRow JobGroups::insert(ComparisonRow row, std::vector<Member>& members,
     return row;
 }
 
-Page JobGroups::list(uint32_t limit, const std::string& cursor,
-                     const std::function<json(const ComparisonRow&, const ComparisonState&)>& summary) {
+JobGroups::RowPage JobGroups::read_page(uint32_t limit, const std::string& cursor) {
     check_limit(limit);
-    const int64_t before = read_cursor(cursor, INT64_MAX);
-    json items = json::array(), next;
-    const std::lock_guard lock(core_.mutex);
-    const std::vector<ComparisonRow> rows = core_.store.comparisons(before, limit, kind_);
-    for (const ComparisonRow& row : rows)
-        if (!row.purge_requested) items.push_back(summary(row, state_of(row)));
-    if (rows.size() == limit) next = std::to_string(rows.back().seq);
-    return {{"items", std::move(items)}, {"next_cursor", std::move(next)}};
+    RowPage page{core_.store.comparisons(read_cursor(cursor, INT64_MAX), limit, kind_), {}};
+    if (page.rows.size() == limit) page.next_cursor = std::to_string(page.rows.back().seq);
+    std::erase_if(page.rows, [](const ComparisonRow& row) { return row.purge_requested; });
+    return page;
 }
 
 void JobGroups::cancel(ComparisonRow row, bool remove, const std::function<void(const ComparisonRow&)>& look) {
-    const ComparisonState before = state_of(row);
-    std::vector<JobRow> jobs = purges_.jobs_of_comparison(row.seq);
+    const std::vector<ReferenceProgress> references = core_.store.comparison_references(row.seq);
     if (remove)
-        for (const JobRow& job : jobs)
-            for (const JobRow& user : core_.store.unfinished_jobs_measured_against(job.seq))
-                if (user.comparison != row.seq) references_.check_unused(job, false);
+        for (const RemovableJob& job : core_.store.removable_jobs(row.seq))
+            references_.check_unused_beside(job.seq, row.seq);
     jobs_.cancellations.cancel_jobs(
-        std::move(jobs),
+        core_.store.unfinished_jobs_of(row.seq),
         [&] {
             row.purge_requested = remove;
             if (remove) core_.store.update_comparison(row);
         },
         remove);
     // What was made for it alone to be measured against is not wanted any more.
-    for (const JobProgress& film : before.own_references)
-        if (!is_over(film.state) && core_.store.unfinished_jobs_measured_against(film.seq).empty())
-            if (auto reference = core_.store.job(film.seq))
-                jobs_.cancellations.cancel_jobs(
-                    {*std::move(reference)}, [] {}, false);
+    std::vector<JobRow> unwanted;
+    for (const ReferenceProgress& reference : references)
+        if (reference.is_own(row) && !is_over(reference.job.state) &&
+            core_.store.unfinished_jobs_measured_against(reference.job.seq).empty())
+            if (auto film = core_.store.job(reference.job.seq)) unwanted.push_back(*std::move(film));
+    if (!unwanted.empty())
+        jobs_.cancellations.cancel_jobs(
+            std::move(unwanted), [] {}, false);
     look(row);
     if (remove) purges_.finish_purge(row);
     attempts_.dispatch();

@@ -34,14 +34,20 @@ public:
     /// `echo`: the request as understood. Throws OutOfRange for what is no key.
     static std::optional<Key> key_of(const std::optional<std::string>& key, const nlohmann::json& echo);
 
-    // --- these take the lock
-    Page list(uint32_t limit, const std::string& cursor,
-              const std::function<nlohmann::json(const ComparisonRow&, const ComparisonState&)>& summary);
+    /// One of a list's pages, without those that are being removed.
+    struct RowPage {
+        std::vector<ComparisonRow> rows;
+        nlohmann::json next_cursor;
+    };
 
     // --- under the lock
+    /// Throws OutOfRange.
+    RowPage read_page(uint32_t limit, const std::string& cursor);
     /// Throws NotFound.
     ComparisonRow require(const std::string& id);
     ComparisonState state_of(const ComparisonRow& row);
+    /// How far it is by now, where that is less than whole rows of the store say.
+    JobProgress progress_now(JobProgress job) const;
     /// The one that the key was used for. Throws IdempotencyMismatch where that was with another body.
     std::optional<ComparisonRow> of_key(const std::optional<Key>& key);
     /// Room is looked for before. `row`: created before its jobs and what they are measured against. Gives it; `queue`
@@ -54,8 +60,6 @@ public:
     void cancel(ComparisonRow row, bool remove, const std::function<void(const ComparisonRow&)>& look);
 
 private:
-    JobProgress progress_now(JobProgress job) const;
-
     ServiceCore& core_;
     References& references_;
     Purges& purges_;

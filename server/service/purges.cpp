@@ -1,5 +1,7 @@
 #include "server/service/purges.h"
 
+#include <vector>
+
 #include "protocol/worker_messages.h"
 #include "renderer/core/atomic_file.h"
 #include "renderer/methods/registry.h"
@@ -36,11 +38,11 @@ void Purges::remove_film(const std::string& film) {
 }
 
 void Purges::finish_purge(const ComparisonRow& row) {
-    std::vector<JobRow> removed;
+    std::vector<RemovableJob> removed;
     {
         auto transaction = core_.store.transaction();
         bool empty = true;
-        for (JobRow& job : jobs_of_comparison(row.seq)) {
+        for (RemovableJob& job : core_.store.removable_jobs(row.seq)) {
             if (!is_over(job.state)) {  // goes when its worker has let go of it, and the comparison with the last one
                 empty = false;
                 continue;
@@ -52,7 +54,7 @@ void Purges::finish_purge(const ComparisonRow& row) {
         if (empty) core_.store.delete_comparison(row.seq);
         transaction.commit();
     }
-    for (const JobRow& job : removed) {
+    for (const RemovableJob& job : removed) {
         core_.artefacts.forget("job/" + std::to_string(job.seq) + "/");
         remove_film(job.film);
     }
@@ -70,13 +72,6 @@ void Purges::check_not_compared(const JobRow& row) {
                 "job " + job_id(row.seq) + " belongs to " + (frame ? "sequence " : "comparison ") +
                     group_id(frame ? GroupKind::Sequence : GroupKind::Comparison, *row.comparison) +
                     "; it is removed with that");
-}
-
-std::vector<JobRow> Purges::jobs_of_comparison(int64_t seq) {
-    std::vector<JobRow> rows;
-    for (const ComparisonJob& planned : core_.store.comparison_jobs(seq))
-        if (auto row = core_.store.job(planned.job)) rows.push_back(*std::move(row));
-    return rows;
 }
 
 }  // namespace photond

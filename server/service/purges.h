@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <string>
-#include <vector>
 
 #include "server/service/service_core.h"
 
@@ -22,9 +21,6 @@ public:
     void finish_purges();
     /// Throws WrongState: a job of a comparison is not removed by itself.
     void check_not_compared(const JobRow& row);
-    /// Those that are still there, in the order they were planned.
-    std::vector<JobRow> jobs_of_comparison(int64_t seq);
-
     /// Inside the transaction from which on no row names that film (empty: none): a daemon that ends before
     /// remove_film() removes it at its next start.
     void note_removal(const std::string& film);

@@ -18,6 +18,11 @@ constexpr std::string_view kOneOfTwo = "one of two films: ";
 
 std::string named(int64_t seq) { return "its reference, job " + job_id(seq) + ","; }
 
+Error in_use(int64_t seq, const JobRow& user) {
+    return Error(ErrorCode::WrongState, "job " + job_id(seq) + " is the reference of job " + job_id(user.seq) +
+                                            ", which is " + std::string(job_state_name(user.state)));
+}
+
 /// What is left to each film of a whole that is to stop there.
 StopConditions part_of(StopConditions stop) {
     if (stop.passes) stop.passes = *stop.passes / References::kFilms + (*stop.passes % References::kFilms != 0);
@@ -201,10 +206,12 @@ std::filesystem::path References::film_of(int64_t seq, bool made) {
 
 void References::check_unused(const JobRow& row, bool running) {
     for (const JobRow& user : core_.store.unfinished_jobs_measured_against(row.seq))
-        if (!running || user.state == JobState::Running)
-            throw Error(ErrorCode::WrongState, "job " + job_id(row.seq) + " is the reference of job " +
-                                                   job_id(user.seq) + ", which is " +
-                                                   std::string(job_state_name(user.state)));
+        if (!running || user.state == JobState::Running) throw in_use(row.seq, user);
+}
+
+void References::check_unused_beside(int64_t seq, int64_t comparison) {
+    for (const JobRow& user : core_.store.unfinished_jobs_measured_against(seq))
+        if (user.comparison != comparison) throw in_use(seq, user);
 }
 
 }  // namespace photond

@@ -59,6 +59,9 @@ public:
     /// Throws WrongState, naming one, while jobs that are not over are measured against this one; with `running` only
     /// those that run now count.
     void check_unused(const JobRow& row, bool running);
+    /// Throws WrongState, naming one, while jobs of others than that comparison that are not over are measured against
+    /// this one of its jobs.
+    void check_unused_beside(int64_t seq, int64_t comparison);
 
 private:
     /// One that is finished, or will be.

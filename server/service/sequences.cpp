@@ -3,6 +3,8 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <map>
+#include <mutex>
 
 #include "renderer/core/sha256.h"
 #include "server/clock_text.h"
@@ -11,65 +13,36 @@ namespace photond {
 
 using nlohmann::json;
 
-namespace {
-
-/// Seconds until the last frame will be done, by those that are: the time since the first one began over their number.
-std::optional<double> seconds_left(const std::vector<JobProgress>& frames) {
-    std::optional<int64_t> started;
-    double done = 0;
-    size_t left = 0;
-    for (const JobProgress& frame : frames) {
-        if (frame.started_ms) started = std::min(started.value_or(INT64_MAX), *frame.started_ms);
-        done += frame.state == JobState::Succeeded ? 1 : is_over(frame.state) ? 0 : frame.progress;
-        left += !is_over(frame.state);
-    }
-    if (left == 0) return 0;
-    if (!started || !(done >= 1)) return std::nullopt;
-    double running = 0;
-    for (const JobProgress& frame : frames)
-        if (!is_over(frame.state)) running += frame.progress;
-    const double elapsed = static_cast<double>(now_ms() - *started) / 1000;
-    return elapsed / done * (static_cast<double>(left) - running);
-}
-
-json summary_of(const ComparisonRow& row, const ComparisonState& state) {
-    const std::vector<JobProgress>& frames = state.jobs;
-    json counts = json::object();
-    for (const std::string_view name : kJobStates) counts[std::string(name)] = 0;
-    std::optional<int64_t> started, finished;
-    double progress = 0;
-    for (const JobProgress& frame : frames) {
-        counts[std::string(job_state_name(frame.state))].get_ref<int64_t&>() += 1;
-        if (frame.started_ms) started = std::min(started.value_or(INT64_MAX), *frame.started_ms);
-        if (frame.finished_ms) finished = std::max(finished.value_or(0), *frame.finished_ms);
-        progress += (is_over(frame.state) ? 1 : frame.progress) / static_cast<double>(frames.size());
-    }
-    const JobState reached = state.state();
-    const bool over = is_over(reached);
-    const std::string self = "/v1/sequences/" + group_id(GroupKind::Sequence, row.seq);
-    const std::optional<double> left = over ? std::optional(0.0) : seconds_left(frames);
-    return {{"id", group_id(GroupKind::Sequence, row.seq)},
-            {"state", job_state_name(reached)},
-            {"progress", over ? 1.0 : std::min(progress, 1.0)},
-            {"seconds_left", left ? json(*left) : json()},
-            {"created", rfc3339(row.created_ms)},
-            {"started", started ? json(rfc3339(*started)) : json()},
-            {"finished", over && finished ? json(rfc3339(*finished)) : json()},
-            {"job_states", counts},
-            {"request", json::parse(row.request)},
-            {"links",
-             {{"self", self},
-              {"frames", self + "/frames.zip"},
-              {"video", self + "/video"},
-              {"report_html", self + "/report.html"}}}};
-}
-
-}  // namespace
-
 std::string sequence_key(const json& sequence, const std::string& what, const std::string& content) {
     const auto id = sequence.at("id").get<std::string>();
     return "comparison/" + std::to_string(group_seq(GroupKind::Sequence, id)) + "/" + what + "/" +
            sha256_hex(content.data(), content.size());
+}
+
+SequenceView Sequences::look_at(const ComparisonRow& row, bool with_frames) {
+    SequenceView sequence{.row = row};
+    for (const StateCount& count : core_.store.count_states(row.seq)) {
+        sequence.jobs[static_cast<size_t>(count.state)] = count.jobs;
+        if (count.state == JobState::Queued) sequence.begun_progress += count.progress;
+        sequence.has_begun = sequence.has_begun || count.state != JobState::Queued;
+        if (count.first_started_ms)
+            sequence.started_ms = std::min(sequence.started_ms.value_or(INT64_MAX), *count.first_started_ms);
+        if (count.last_finished_ms)
+            sequence.finished_ms = std::max(sequence.finished_ms.value_or(0), *count.last_finished_ms);
+    }
+    std::map<int64_t, JobProgress> running;  // by their numbers
+    for (JobProgress& job : core_.store.running_jobs_of(row.seq)) {
+        job = groups_.progress_now(std::move(job));
+        sequence.begun_progress += job.progress;
+        running[job.seq] = std::move(job);
+    }
+    if (!sequence.has_begun) sequence.has_begun = core_.store.has_begun_reference(row);
+    if (!with_frames) return sequence;
+    sequence.frames = core_.store.frames(row.seq);
+    for (FrameRow& frame : *sequence.frames)
+        if (const auto now = running.find(frame.job); now != running.end())
+            frame.progress = now->second.progress, frame.seconds = now->second.seconds;
+    return sequence;
 }
 
 std::vector<PreparedJob> Sequences::draft_frames(const SequenceRequest& request) {
@@ -85,24 +58,20 @@ std::vector<PreparedJob> Sequences::draft_frames(const SequenceRequest& request)
     return frames;
 }
 
-json Sequences::submit_sequence(const SequenceRequest& request, const std::optional<std::string>& key) {
-    ComparisonRow row;
-    row.request = request.echo.dump();
-    const std::optional<JobGroups::Key> asked = JobGroups::key_of(key, request.echo);
-    if (asked) {
-        const std::lock_guard lock(core_.mutex);
-        if (const auto known = groups_.of_key(asked)) return object_of(*known);
-    }
-    scenes_.know_scene(request.frames.front().scene);
-    std::vector<PreparedJob> drafts = draft_frames(request);
-    const std::lock_guard lock(core_.mutex);
-    if (const auto known = groups_.of_key(asked)) return object_of(*known);
+std::optional<SequenceView> Sequences::of_key(const std::optional<JobGroups::Key>& key) {
+    const auto known = groups_.of_key(key);
+    return known ? std::optional(look_at(*known, true)) : std::nullopt;
+}
+
+SequenceView Sequences::insert(const SequenceRequest& request, std::vector<PreparedJob> frames,
+                               const std::optional<JobGroups::Key>& key) {
     if (core_.stopping) throw Error(ErrorCode::Unavailable, "the daemon is stopping and takes no new jobs");
-    row.created_ms = now_ms();
-    std::vector<PreparedJob> frames = jobs_.submissions.judge_drafts(request.frames, std::move(drafts));
+    ComparisonRow row{.request = request.echo.dump(), .created_ms = now_ms()};
+    frames = jobs_.submissions.judge_drafts(request.frames, std::move(frames));
     row.scene = frames.front().row.scene;
     jobs_.intake.check_room(frames);
     std::vector<JobGroups::Member> members;
+    members.reserve(frames.size());
     for (size_t i = 0; i < frames.size(); ++i) {
         const double time =
             request.echo["from"].get<double>() + static_cast<double>(i) / request.echo["fps"].get<double>();
@@ -110,32 +79,26 @@ json Sequences::submit_sequence(const SequenceRequest& request, const std::optio
             {std::move(frames[i]), {.parameters = json{{"time", time}}.dump(), .seed = request.frames[i].seed}});
     }
     std::function<void()> queue;
-    row = groups_.insert(std::move(row), members, asked, queue);
-    json object = object_of(row);  // as accepted, whatever happens next
+    row = groups_.insert(std::move(row), members, key, queue);
+    SequenceView accepted = look_at(row, true);  // as accepted, whatever happens next
     queue();
     spdlog::info("sequence {}: {} frames", group_id(GroupKind::Sequence, row.seq), members.size());
-    return object;
+    return accepted;
 }
 
-json Sequences::object_of(const ComparisonRow& row) {
-    const ComparisonState state = groups_.state_of(row);
-    json object = summary_of(row, state);
-    std::map<int64_t, const JobProgress*> known;
-    for (const JobProgress& job : state.jobs) known[job.seq] = &job;
-    json frames = json::array();
-    for (const ComparisonJob& planned : core_.store.comparison_jobs(row.seq)) {
-        const auto job = known.find(planned.job);
-        if (job == known.end()) continue;  // being removed
-        frames.push_back({{"frame", frames.size()},
-                          {"time", json::parse(planned.parameters)["time"]},
-                          {"id", job_id(planned.job)},
-                          {"seed", planned.seed},
-                          {"state", job_state_name(job->second->state)},
-                          {"progress", is_over(job->second->state) ? 1.0 : job->second->progress},
-                          {"seconds", job->second->seconds}});
+json Sequences::submit_sequence(const SequenceRequest& request, const std::optional<std::string>& key) {
+    const std::optional<JobGroups::Key> asked = JobGroups::key_of(key, request.echo);
+    std::optional<SequenceView> sequence;
+    std::unique_lock lock(core_.mutex);
+    if (sequence = of_key(asked); !sequence) {
+        lock.unlock();
+        scenes_.know_scene(request.frames.front().scene);
+        std::vector<PreparedJob> drafts = draft_frames(request);
+        lock.lock();
+        if (sequence = of_key(asked); !sequence) sequence = insert(request, std::move(drafts), asked);
     }
-    object["frames"] = std::move(frames);
-    return object;
+    lock.unlock();
+    return sequence->object();
 }
 
 json Sequences::estimate_sequence(const SequenceRequest& request) {
@@ -159,22 +122,32 @@ json Sequences::estimate_sequence(const SequenceRequest& request) {
             {"warning", time.warning.empty() ? json() : json(time.warning)}};
 }
 
-json Sequences::get_sequence(const std::string& id) {
-    const std::lock_guard lock(core_.mutex);
-    return object_of(groups_.require(id));
+json Sequences::get_sequence(const std::string& id, bool with_frames) {
+    std::unique_lock lock(core_.mutex);
+    const SequenceView sequence = look_at(groups_.require(id), with_frames);
+    lock.unlock();
+    return sequence.object();
 }
 
 Page Sequences::list_sequences(uint32_t limit, const std::string& cursor) {
-    return groups_.list(limit, cursor, summary_of);
+    std::vector<SequenceView> sequences;
+    std::unique_lock lock(core_.mutex);
+    const JobGroups::RowPage page = groups_.read_page(limit, cursor);
+    for (const ComparisonRow& row : page.rows) sequences.push_back(look_at(row, false));
+    lock.unlock();
+    json items = json::array();
+    for (const SequenceView& sequence : sequences) items.push_back(sequence.object());
+    return {{"items", std::move(items)}, {"next_cursor", page.next_cursor}};
 }
 
 Cancelled Sequences::cancel_sequence(const std::string& id, bool remove) {
-    const std::lock_guard lock(core_.mutex);
+    std::unique_lock lock(core_.mutex);
     const ComparisonRow row = groups_.require(id);
-    const bool was_over = is_over(groups_.state_of(row).state());
-    json object;
-    groups_.cancel(row, remove, [&](const ComparisonRow& now) { object = object_of(now); });
-    return {std::move(object), was_over};
+    const bool was_over = is_over(look_at(row, false).state());
+    SequenceView sequence;
+    groups_.cancel(row, remove, [&](const ComparisonRow& now) { sequence = look_at(now, true); });
+    lock.unlock();
+    return {sequence.object(), was_over};
 }
 
 }  // namespace photond

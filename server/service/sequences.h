@@ -4,10 +4,12 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "protocol/sequence.h"
 #include "server/service/job_groups.h"
 #include "server/service/scenes.h"
+#include "server/service/sequence_view.h"
 
 namespace photond {
 
@@ -27,7 +29,7 @@ public:
     /// before.
     nlohmann::json estimate_sequence(const SequenceRequest& request);
     /// Throws NotFound, as all do that are given an id.
-    nlohmann::json get_sequence(const std::string& id);
+    nlohmann::json get_sequence(const std::string& id, bool with_frames = true);
     /// Without frames. Throws OutOfRange.
     Page list_sequences(uint32_t limit, const std::string& cursor);
     /// With `remove` its frames and their files go too.
@@ -36,8 +38,12 @@ public:
 private:
     /// Before the lock; none where there is no such scene.
     std::vector<PreparedJob> draft_frames(const SequenceRequest& request);
-    /// Under the lock.
-    nlohmann::json object_of(const ComparisonRow& row);
+    // --- under the lock
+    SequenceView look_at(const ComparisonRow& row, bool with_frames);
+    /// The one that the key was used for.
+    std::optional<SequenceView> of_key(const std::optional<JobGroups::Key>& key);
+    SequenceView insert(const SequenceRequest& request, std::vector<PreparedJob> drafts,
+                        const std::optional<JobGroups::Key>& key);
 
     ServiceCore& core_;
     Scenes& scenes_;

@@ -139,6 +139,11 @@ inline constexpr const char* kMigrations[] = {
     R"sql(
     ALTER TABLE comparisons ADD COLUMN kind INTEGER NOT NULL DEFAULT 0;
     )sql",
+    // 12: how far the frames of a sequence are, without reading one of them
+    R"sql(
+    CREATE INDEX job_summaries_of_groups ON job_summaries
+        (comparison, state, progress, seconds, started_ms, finished_ms) WHERE comparison IS NOT NULL;
+    )sql",
 };
 
 inline constexpr int kSchemaVersion = static_cast<int>(std::size(kMigrations));

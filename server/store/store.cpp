@@ -111,6 +111,17 @@ std::vector<JobRow> read_jobs(Statement& statement) {
     return jobs;
 }
 
+/// Of the columns seq, state, device, progress, seconds, started_ms and finished_ms.
+JobProgress read_progress(const Statement& read) {
+    return {read.integer(0),
+            static_cast<JobState>(read.integer(1)),
+            read.text(2),
+            read.real(3),
+            read.real(4),
+            read.optional_integer(5),
+            read.optional_integer(6)};
+}
+
 std::optional<JobStanding> read_standing(Statement& read) {
     if (!read.step()) return std::nullopt;
     return JobStanding{read.integer(0), static_cast<JobState>(read.integer(1)), static_cast<JobRole>(read.integer(2)),
@@ -442,6 +453,71 @@ std::vector<JobProgress> Store::comparison_progress(int64_t seq) {
     return jobs;
 }
 
+std::vector<StateCount> Store::count_states(int64_t comparison) {
+    Statement read = database_.prepare(
+        "SELECT state, count(*), sum(progress), min(started_ms), max(finished_ms) FROM job_summaries "
+        "WHERE comparison = ?1 GROUP BY state");
+    read.bind(1, comparison);
+    std::vector<StateCount> counts;
+    while (read.step())
+        counts.push_back({static_cast<JobState>(read.integer(0)), read.integer(1), read.real(2),
+                          read.optional_integer(3), read.optional_integer(4)});
+    return counts;
+}
+
+std::vector<JobProgress> Store::running_jobs_of(int64_t comparison) {
+    Statement read = database_.prepare(
+        "SELECT seq, state, device, progress, seconds, started_ms, finished_ms FROM job_summaries "
+        "WHERE comparison = ?1 AND state = 1");
+    read.bind(1, comparison);
+    std::vector<JobProgress> jobs;
+    while (read.step()) jobs.push_back(read_progress(read));
+    return jobs;
+}
+
+std::vector<FrameRow> Store::frames(int64_t sequence) {
+    Statement read = database_.prepare(
+        "SELECT job, parameters, seed, state, progress, seconds FROM comparison_jobs "
+        "JOIN job_summaries ON job_summaries.seq = job WHERE comparison_jobs.comparison = ?1 ORDER BY place");
+    read.bind(1, sequence);
+    std::vector<FrameRow> frames;
+    while (read.step())
+        frames.push_back({read.integer(0), read.text(1), static_cast<uint64_t>(read.integer(2)),
+                          static_cast<JobState>(read.integer(3)), read.real(4), read.real(5)});
+    return frames;
+}
+
+std::vector<JobRow> Store::unfinished_jobs_of(int64_t comparison) {
+    Statement read = database_.prepare(
+        select_jobs() +
+        " WHERE seq IN (SELECT seq FROM job_summaries WHERE comparison = ?1 AND state < 2) ORDER BY seq");
+    read.bind(1, comparison);
+    return read_jobs(read);
+}
+
+std::vector<RemovableJob> Store::removable_jobs(int64_t comparison) {
+    Statement read = database_.prepare(
+        "SELECT seq, state, film FROM comparison_jobs JOIN jobs ON seq = job WHERE comparison_jobs.comparison = ?1 "
+        "ORDER BY place");
+    read.bind(1, comparison);
+    std::vector<RemovableJob> jobs;
+    while (read.step()) jobs.push_back({read.integer(0), static_cast<JobState>(read.integer(1)), read.text(2)});
+    return jobs;
+}
+
+bool Store::has_begun_reference(const ComparisonRow& comparison) {
+    Statement read = database_.prepare(
+        // All of its jobs have references, or none has: of many the first one tells it.
+        "SELECT 1 FROM comparison_jobs JOIN jobs ON jobs.seq = job JOIN job_summaries AS reference "
+        "ON reference.seq IN (reference_job, second_reference_job) "
+        "WHERE (SELECT reference_job FROM jobs WHERE seq = (SELECT min(job) FROM comparison_jobs WHERE comparison = "
+        "?1)) "
+        "IS NOT NULL AND comparison_jobs.comparison = ?1 AND reference.role = 1 AND reference.created_ms >= ?2 "
+        "AND reference.state <> 0 LIMIT 1");
+    read.bind(1, comparison.seq).bind(2, comparison.created_ms);
+    return read.step();
+}
+
 std::vector<ReferenceProgress> Store::comparison_references(int64_t seq) {
     Statement read = database_.prepare(
         "WITH members AS (SELECT reference_job, second_reference_job FROM comparison_jobs "
@@ -451,10 +527,7 @@ std::vector<ReferenceProgress> Store::comparison_references(int64_t seq) {
     read.bind(1, seq);
     std::vector<ReferenceProgress> references;
     while (read.step())
-        references.push_back({{read.integer(0), static_cast<JobState>(read.integer(1)), read.text(2), read.real(3),
-                               read.real(4), read.optional_integer(5), read.optional_integer(6)},
-                              static_cast<JobRole>(read.integer(7)),
-                              read.integer(8)});
+        references.push_back({read_progress(read), static_cast<JobRole>(read.integer(7)), read.integer(8)});
     return references;
 }
 

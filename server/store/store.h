@@ -114,6 +114,30 @@ struct JobProgress {
     int64_t planned() const { return repeat_of.value_or(seq); }
 };
 
+/// Of all jobs of a comparison or sequence that are in a state.
+struct StateCount {
+    JobState state = JobState::Queued;
+    int64_t jobs = 0;
+    double progress = 0;  // all of theirs together
+    std::optional<int64_t> first_started_ms, last_finished_ms;
+};
+
+/// What a sequence shows of a frame.
+struct FrameRow {
+    int64_t job = 0;
+    std::string parameters;  // as in ComparisonJob
+    uint64_t seed = 1;
+    JobState state = JobState::Queued;
+    double progress = 0, seconds = 0;
+};
+
+/// What is left to do with a job that goes.
+struct RemovableJob {
+    int64_t seq = 0;
+    JobState state = JobState::Queued;
+    std::string film;  // as in JobRow
+};
+
 /// Likewise of a job that others are measured against.
 struct ReferenceProgress {
     JobProgress job;
@@ -275,6 +299,15 @@ public:
     std::vector<ComparisonJob> comparison_jobs(int64_t seq);
     /// Likewise; those jobs that are still there.
     std::vector<JobProgress> comparison_progress(int64_t seq);
+    /// Of those jobs by state, each state once.
+    std::vector<StateCount> count_states(int64_t comparison);
+    /// Those that run, by what their rows say.
+    std::vector<JobProgress> running_jobs_of(int64_t comparison);
+    std::vector<FrameRow> frames(int64_t sequence);
+    std::vector<JobRow> unfinished_jobs_of(int64_t comparison);
+    std::vector<RemovableJob> removable_jobs(int64_t comparison);
+    /// Whether any that was made for its jobs to be measured against has begun.
+    bool has_begun_reference(const ComparisonRow& comparison);
     /// Those that any of its jobs is measured against, each once.
     std::vector<ReferenceProgress> comparison_references(int64_t seq);
     std::vector<ComparisonRow> comparisons_to_purge();

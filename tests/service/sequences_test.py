@@ -13,7 +13,7 @@ import tempfile
 import unittest
 import zipfile
 
-from photond_daemon import Daemon, DaemonTestCase, deadline_after, wait_until
+from photond_daemon import Daemon, DaemonTestCase, deadline_after, small_job, wait_until
 
 OVER = ("succeeded", "failed", "cancelled")
 
@@ -206,6 +206,36 @@ class SequencesTest(DaemonTestCase):
         wait_over(self.daemon, made["id"])
         frames = self.daemon.request("GET", "/v1/jobs?role=frame&view=summary&limit=2").json["items"]
         self.assertEqual({frame["sequence"] for frame in frames}, {made["id"]})
+
+    def test_a_summary_is_a_sequence_without_its_frames(self):
+        made = submit(self.daemon, sequence(frames=3, stop={"seconds": 60}))
+        wait_until(lambda: look(self.daemon, made["id"])["job_states"]["running"] == 1, "a frame to run")
+        whole, summary = look(self.daemon, made["id"]), look(self.daemon, made["id"] + "?frames=false")
+        self.assertEqual(set(whole) - set(summary), {"frames"})
+        changing = ("frames", "progress", "seconds_left")
+        self.assertEqual(*({name: value for name, value in of.items() if name not in changing} for of in (whole, summary)))
+        self.assertEqual((summary["state"], summary["job_states"]["queued"]), ("running", 2))
+        self.assertGreaterEqual(summary["progress"], whole["progress"])
+        wrong = self.daemon.request("GET", f"/v1/sequences/{made['id']}?frames=none")
+        self.assertEqual((wrong.status, wrong.json["errors"][0]["pointer"]), (422, "/frames"))
+        self.daemon.request("DELETE", f"/v1/sequences/{made['id']}?purge=true")
+
+    def test_frames_share_references_where_they_show_the_same_and_those_go_with_them(self):
+        measured = {"reference": {"method": {"name": "path_tracing"}, "stop": {"passes": 2}}, "metrics": ["relative_mse"]}
+        still = {"scene": "cornell-box", "camera_path": {"keys": [{"time": 0, "eye": [0, 2.7, 3], "target": [0, 2.7, -2.8]}]}}
+        done = wait_over(self.daemon, submit(self.daemon, sequence(frames=3, **still, **measured))["id"])
+        jobs = [self.daemon.job(frame["id"]) for frame in done["frames"]]
+        self.assertEqual(done["state"], "succeeded", done)
+        self.assertEqual(len({tuple(job["reference_jobs"]) for job in jobs}), 1)
+        self.assertEqual(len(jobs[0]["reference_jobs"]), 2)
+        busy = self.daemon.submit(small_job(stop={"seconds": 600}, priority=9))
+        self.daemon.wait_for_job(busy["id"], states=("running",))
+        moving = submit(self.daemon, sequence(frames=3, **measured))
+        films = {film for frame in moving["frames"] for film in self.daemon.job(frame["id"])["reference_jobs"]}
+        self.assertEqual((len(films), look(self.daemon, moving["id"])["state"]), (6, "queued"))
+        self.daemon.request("DELETE", f"/v1/sequences/{moving['id']}?purge=true")
+        self.assertEqual({self.daemon.job(film)["state"] for film in films}, {"cancelled"})
+        self.daemon.request("DELETE", f"/v1/jobs/{busy['id']}")
 
     def test_a_camera_path_needs_no_animation(self):
         body = sequence(frames=3, scene="cornell-box", camera={"look_at": {"eye": [0, 2.7, 3], "target": [0, 2.7, -3]}},

@@ -24,10 +24,13 @@ class Sequence(JobGroup):
 
     kind = "sequences"
 
+    def _look(self) -> None:
+        self.data = self._client.get(self._path(), {"frames": False})
+
     @property
     def frames(self) -> List[Frame]:
         """Of each its `time`, the `id` of its job, its `state` and the `seconds` of its rendering."""
-        if "frames" not in self.data:  # one from a list
+        if "frames" not in self.data:  # one from a list, or that has been waited for
             self.refresh()
         return cast(List[Frame], self.data["frames"])
 

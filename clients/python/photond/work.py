@@ -46,6 +46,10 @@ class JobGroup(Work):
         self.data = self._client.get(self._path())
         return self
 
+    def _look(self) -> None:
+        """As refresh(), where what is followed may be less."""
+        self.refresh()
+
     def cancel(self: G) -> G:
         """Ends the jobs it still has; what was rendered stays."""
         self.data = self._client.send("DELETE", self._path())
@@ -63,7 +67,7 @@ class JobGroup(Work):
         try:
             while True:
                 before = self.data
-                self.refresh()
+                self._look()
                 if on_change is not None and self.data != before:
                     on_change(self)
                 if self.is_over:

@@ -6,7 +6,6 @@ import { useLocation, useRoute } from "preact-iso";
 import { useEffect, useMemo, useState } from "preact/hooks";
 
 import { ask, download, saveBlob, sendJson } from "../api/client";
-import { listen } from "../api/events";
 import { isOver, type Page, type Sequence, type SequenceSummary } from "../api/types";
 import { useKeys } from "../app/keyboard";
 import { Title } from "../app/title";
@@ -18,28 +17,7 @@ import { sayFailure } from "../ui/toasts";
 import { playSeconds, stepped } from "./clock";
 import { ErrorsByFrame } from "./errors";
 import { Player } from "./player";
-
-const kAskAgainMs = 1000;
-
-/** The sequence, asked for again while its frames come. */
-function useSequence(id: string | null) {
-  const remote = useRemote<Sequence>(id ? `/v1/sequences/${id}` : null);
-  const over = remote.data ? isOver(remote.data.state) : true;
-  useEffect(() => {
-    if (over) return;
-    let timer = 0;
-    const soon = () => {
-      if (!timer) timer = window.setTimeout(() => ((timer = 0), remote.reload()), kAskAgainMs);
-    };
-    const stop = listen((event) => event.type !== "status" && soon());
-    soon();
-    return () => {
-      clearTimeout(timer);
-      stop();
-    };
-  }, [over, remote.data]);
-  return remote;
-}
+import { useSequence } from "./use_sequence";
 
 /** Seconds since the first frame, which run while it plays. */
 function useClock(length: number) {
