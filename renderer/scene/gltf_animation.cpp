@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 #include <map>
+#include <tuple>
 
 #include "renderer/scene/gltf_rig.h"
 
@@ -107,7 +108,12 @@ struct KeyList {
     uint32_t width;
     bool rotation;
 
-    auto operator<=>(const KeyList&) const = default;
+    bool operator<(const KeyList& other) const {
+        const auto members = [](const KeyList& of) {
+            return std::tuple(of.input, of.output, of.interpolation, of.width, of.rotation);
+        };
+        return members(*this) < members(other);
+    }
 };
 
 /// What the animations of a document have in common.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <tuple>
 
 #include "renderer/scene/gltf_mesh.h"
 #include "renderer/scene/gltf_rig.h"
@@ -39,7 +40,9 @@ struct MeshReading {
     size_t joints;     // 0 where the node has no skin
     uint32_t targets;  // of Placement::target_lists_
 
-    auto operator<=>(const MeshReading&) const = default;
+    bool operator<(const MeshReading& other) const {
+        return std::tuple(mesh, joints, targets) < std::tuple(other.mesh, other.joints, other.targets);
+    }
 };
 
 Instance placed_instance(uint32_t mesh, const dmat4& to_world, const dvec3& origin) {
