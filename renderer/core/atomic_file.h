@@ -21,20 +21,17 @@ public:
     /// For libraries that write to a stream; commit() checks what they did.
     FILE* stream() { return file_; }
     void commit();
-    /// The same by one writing of the file system's journal in place of two, where nothing has that name yet: the file
-    /// is named before it is synced. After a power cut meanwhile one that is not whole may have the name, so this is
-    /// for formats whose readers find that out.
-    void commit_checked();
 
 private:
-    void flush();
-    /// Renamed from PATH.part: the folder is synced too.
-    void sync_folder() const;
-    [[noreturn]] void fail(const char* what, int error) const;
-
     std::filesystem::path path_;
     std::filesystem::path part_;
     FILE* file_ = nullptr;
 };
+
+/// The error of a file that cannot be written: ErrorCode::NoSpace when a disk, a quota or a limit is full, else
+/// ErrorCode::Internal. `what` was tried.
+[[noreturn]] void fail_writing(const std::filesystem::path& path, const char* what, int error);
+/// Has the disk know by which names the folder of a file holds its files. Throws likewise.
+void sync_folder_of(const std::filesystem::path& path);
 
 }  // namespace photond

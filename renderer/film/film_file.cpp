@@ -8,7 +8,7 @@
 #include <span>
 
 #include "protocol/error.h"
-#include "renderer/core/atomic_file.h"
+#include "renderer/core/checked_file.h"
 #include "renderer/core/parallel.h"
 #include "renderer/core/sha256.h"
 
@@ -267,7 +267,7 @@ void FilmFile::for_each_array(FilmType& film, const Visitor& visitor) {
 
 void FilmFile::save(const Film& film, const FilmIdentity& identity, const std::string& history,
                     const std::filesystem::path& path, const std::string& origin, const std::string& state) {
-    AtomicFile file(path);
+    CheckedFile file(path);
     Header header{};
     std::memcpy(header.magic, kMagic, sizeof kMagic);
     header.width = film.size_.width, header.height = film.size_.height;
@@ -306,7 +306,7 @@ void FilmFile::save(const Film& film, const FilmIdentity& identity, const std::s
             for (const std::string& block : encoded) file.write(block.data(), block.size());
         }
     });
-    file.commit_checked();
+    file.commit();
 }
 
 SavedFilm FilmFile::load(const std::filesystem::path& path, uint64_t limit_bytes) {

@@ -52,6 +52,7 @@ json statistics_of(const JoinedFilms& joined, const JobRequest& request, const s
     const Device device{.id = request.method.device, .kind = "", .name = ""};
     json statistics = statistics_json({.stats = stats,
                                        .film = joined.saved.film,
+                                       .pixel_hash = joined.saved.film.pixel_hash(),
                                        .budget = no_budget,
                                        .needs = no_needs,
                                        .device = device,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <future>
 #include <thread>
 
 #include "protocol/error.h"
@@ -250,20 +251,24 @@ void RenderJob::finish(const PassLoop::Result& result) {
         errors = error_statistics(resolved, *errors_, follower_->plan(), follower_->curve().back(),
                                   request.reference ? to_json(*request.reference) : json(nullptr), order_.reference);
     }
+    std::string pixel_hash;
     for (const std::string& warning : errors.warnings) report_.log.push_back("warning: " + warning);
     report_.curve = to_json(follower_->curve());
     report_.error_now = follower_->error_now();
     if (film.passes() > 0) {
         // A job that is to go on elsewhere leaves its film and nothing to look at.
         if (!goes_on_elsewhere && result.passes_rendered > 0) save_artefacts();
+        // Hashed while the disk takes the film.
+        std::future<std::string> hash = std::async(std::launch::async, [&film] { return film.pixel_hash(); });
         save(film, result.render_seconds, order_.film, control_.stopping);
         report_.film = order_.film;
+        pixel_hash = hash.get();
     }
     const ClockUse clock{order_.request.stop.seconds, result.render_seconds,  result.begin_seconds,
                          result.passes_seconds,       result.passes_rendered, result.cut_off_seconds};
     report_.statistics =
-        statistics_json({stats_, film, budget_, ready_->scene.needs, device_, order_.request, order_.source.id,
-                         result.render_seconds, order_.threads, baseline_bytes_, peak_bytes,
+        statistics_json({stats_, film, pixel_hash, budget_, ready_->scene.needs, device_, order_.request,
+                         order_.source.id, result.render_seconds, order_.threads, baseline_bytes_, peak_bytes,
                          saver_->identity().settings, resumed_passes_, &errors, on_device, clock});
     report_.cores = core_use();
     report_.cores->derive(result.render_seconds, std::thread::hardware_concurrency());

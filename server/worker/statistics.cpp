@@ -159,7 +159,7 @@ json statistics_json(const StatisticsInput& input) {
             {"mergeable", known_method ? json(passes_stand_alone(*known_method, method.parameters)) : json()},
             {"settings_hash", input.settings_hash.empty() ? json(nullptr) : json(input.settings_hash)},
             {"job_hash", job_hash(input.request, input.scene_id)},
-            {"pixel_hash", input.film.passes() ? json(input.film.pixel_hash()) : json(nullptr)},
+            {"pixel_hash", input.pixel_hash.empty() ? json(nullptr) : json(input.pixel_hash)},
             {"nan_count", input.film.nan_count() + counts.nan_samples},
             {"infinity_count", input.film.infinity_count() + counts.infinite_samples},
             {"device_shared", false},  // the daemon knows

@@ -42,6 +42,7 @@ struct ClockUse {
 struct StatisticsInput {
     const Stats& stats;
     const Film& film;
+    std::string pixel_hash;  // Film::pixel_hash(); empty of a film without passes
     const MemoryBudget& budget;
     const Needs& needs;
     const Device& device;
