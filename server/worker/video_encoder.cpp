@@ -6,6 +6,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <bit>
 #include <cerrno>
 #include <cstring>
 #include <nlohmann/json.hpp>
@@ -29,7 +30,7 @@ constexpr const char* kQuality = "17";  // x264's constant rate factor: hardly t
 /// That of this process, which is any other's of this system.
 fs::path program_loader() {
     Dl_info info{};
-    const auto* const base = reinterpret_cast<const void*>(getauxval(AT_BASE));
+    const auto* const base = std::bit_cast<const void*>(getauxval(AT_BASE));
     if (base == nullptr || dladdr(base, &info) == 0 || info.dli_fname == nullptr)
         throw Error(ErrorCode::Internal, "the video encoder: the loader of programs is not found");
     return info.dli_fname;
@@ -87,6 +88,7 @@ void become_video_encoder(MessageChannel& channel, const fs::path& program, unsi
     put_before(list_of(asked.pictures));
     std::vector<std::string> words = arguments(asked, program, threads);
     std::vector<char*> pointers;
+    pointers.reserve(words.size() + 1);
     for (std::string& word : words) pointers.push_back(word.data());
     pointers.push_back(nullptr);
     if (fcntl(channel.socket(), F_SETFD, FD_CLOEXEC) != 0) fail("the daemon's socket");
