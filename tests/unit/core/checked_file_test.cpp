@@ -49,6 +49,7 @@ std::string read(const fs::path& path) {
 
 TEST(CheckedFile, HoldsWhatWasWrittenOnADiskAndInMemory) {
     for (const char* where : {".", "/dev/shm"}) {  // the second has no way past the system's cache
+        if (!fs::is_directory(where)) continue;
         const Folder folder(where);
         const fs::path path = folder.path / "file";
         for (const size_t bytes : {0ul, 1ul, 4095ul, 4096ul, 4097ul, 1048576ul, 1048577ul, 3000000ul})
