@@ -259,6 +259,7 @@ ExitCode sequence_errors(Session& session, const SequencesOptions& options) {
         save_resource(session, sequence + "/report.html" + query + beside, options.report);
         return ExitCode::Ok;
     }
+    if (!options.beside.empty()) throw Failure(ExitCode::Usage, "--beside is of the page that -o saves");
     const json errors = session.daemon().get(sequence + "/errors" + query);
     if (session.json_output) {
         session.print_json(errors);

@@ -23,8 +23,8 @@ public:
     /// A ZIP of 0000.exr, 0001.exr ... or 0000.png ... by `images`. Throws OutOfRange for another word.
     Artefact frames_zip(const std::string& id, const std::string& images);
     /// An MP4 by the system's ffmpeg, or a PNG: at most 100 frames, evenly chosen, beside each other. Throws OutOfRange
-    /// and UnknownName with all faults of `wanted`, Unsupported at /format for an MP4 where there is no ffmpeg,
-    /// TryLater while another video is encoded.
+    /// for what `wanted` may not say, Unsupported at /format for an MP4 where there is no ffmpeg or it fails, TimedOut,
+    /// TryLater while another video is encoded, Unavailable while the daemon ends.
     Artefact video(const std::string& id, const VideoWanted& wanted);
 
 private:
