@@ -496,7 +496,20 @@ json to_json(const JobRequest& request) {
             {"shutter", request.shutter}};
 }
 
+namespace {
+
+/// Of methods' parameters, wherever there are any.
+void leave_out_new_parameters(json& part) {
+    if (part.is_object() && part.value("temporal", json()) == "none")
+        for (const char* member : {"temporal", "history_cap"}) part.erase(member);
+    if (part.is_structured())
+        for (json& inner : part) leave_out_new_parameters(inner);
+}
+
+}  // namespace
+
 json naming_json(json request) {
+    leave_out_new_parameters(request);
     if (request.value("animation", json()).is_null()) request.erase("animation");
     if (request.value("shutter", 0.0) == 0) request.erase("shutter");
     return request;

@@ -49,6 +49,9 @@ json sequence_summary_schema() {
                   {"started", time_or_none()},
                   {"finished", time_or_none()},
                   {"job_states", map_of(count())},
+                  {"frames_share", list_of(typed("string",
+                                                 "what each frame follows from of the one before; frames "
+                                                 "stand alone where there is nothing"))},
                   {"request", schema_ref("SequenceRequest")},
                   {"links", given({{"self", typed("string")},
                                    {"frames", typed("string", "the ZIP of its images")},

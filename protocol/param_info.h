@@ -20,14 +20,23 @@ enum class ParamGroup : uint8_t {
     Splats,
     Visibility,
     NoiseAndBias,
+    Frames,
     Filter,
     Device,
     Files,
 };
-inline constexpr std::array<std::string_view, 11> kParamGroupTitles = {
-    "Light",  "Light sources' maps", "Gathering",      "Density estimate", "Stratification",
-    "Splats", "Shadows and voxels",  "Noise and bias", "Filter",           "On a GPU",
-    "Files"};
+inline constexpr std::array<std::string_view, 12> kParamGroupTitles = {"Light",
+                                                                       "Light sources' maps",
+                                                                       "Gathering",
+                                                                       "Density estimate",
+                                                                       "Stratification",
+                                                                       "Splats",
+                                                                       "Shadows and voxels",
+                                                                       "Noise and bias",
+                                                                       "From frame to frame",
+                                                                       "Filter",
+                                                                       "On a GPU",
+                                                                       "Files"};
 
 struct ParamInfo {
     ParamGroup group;

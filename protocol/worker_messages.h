@@ -266,6 +266,16 @@ struct RenderMessage {
             visitor.or_default("threads", threads);
         }
     };
+    /// The frame of the same sequence that this one follows.
+    struct FrameBefore {
+        std::filesystem::path film;
+        double time = 0;  // of the animation [s]
+
+        void visit(MessageVisitor& visitor) {
+            visitor.member("film", film);
+            visitor.member("time", time);
+        }
+    };
     std::string job;
     int64_t attempt = 0;
     nlohmann::json request;  // the job, as job.h echoes it
@@ -276,6 +286,9 @@ struct RenderMessage {
     /// Film of the same job to go on from. One that is damaged or of something else is named in the log, and the job
     /// begins anew.
     std::optional<std::filesystem::path> resume;
+    /// None: it is the first, or frames stand alone. What cannot be followed is named in the log, and the frame begins
+    /// as the first one does.
+    std::optional<FrameBefore> before;
     std::optional<ReferenceSource> reference;
     std::string streams = "job";         // or "reference": the random numbers it draws (RandomStreams)
     std::optional<double> save_seconds;  // the least time between two savings of the film; none: it is not saved
@@ -290,6 +303,7 @@ struct RenderMessage {
         visitor.member("film", film);
         visitor.or_default("origin", origin);
         visitor.or_null("resume", resume);
+        visitor.or_null("before", before);
         visitor.or_null("reference", reference);
         visitor.or_default("streams", streams);
         visitor.or_null("save_seconds", save_seconds);

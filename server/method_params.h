@@ -22,6 +22,16 @@ inline bool passes_stand_alone(const MethodInfo& method, const nlohmann::json& p
     return method.passes_stand_alone == nullptr || method.passes_stand_alone(*params_of(method, parameters));
 }
 
+/// MethodInfo::left_to_next.
+inline std::vector<std::string_view> left_to_next(const MethodInfo& method, const nlohmann::json& parameters) {
+    if (method.left_to_next == nullptr) return {};
+    return method.left_to_next(*params_of(method, parameters));
+}
+/// Whether films of a job with these parameters can be joined: neither its passes nor its frames build on others.
+inline bool can_be_merged(const MethodInfo& method, const nlohmann::json& parameters) {
+    return passes_stand_alone(method, parameters) && left_to_next(method, parameters).empty();
+}
+
 /// MethodInfo::traces_on_host.
 inline bool traces_on_host(const MethodInfo& method, const nlohmann::json& parameters) {
     return method.traces_on_host != nullptr && method.traces_on_host(*params_of(method, parameters));

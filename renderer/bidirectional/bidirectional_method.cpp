@@ -139,8 +139,6 @@ void BidirectionalMethod::run_pass(uint32_t pass, Stats& stats, const CancelToke
     state.pass_complete = true;
 }
 
-void BidirectionalMethod::resolve(Film& film) {
-    if (state_->pass_complete) film.add_pass(state_->image);
-}
+PassImage* BidirectionalMethod::end_pass() { return state_->pass_complete ? &state_->image : nullptr; }
 
 }  // namespace photond

@@ -17,7 +17,7 @@ public:
 
     void begin(const RenderContext& context, Stats& stats) override;
     void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) override;
-    void resolve(Film& film) override;
+    PassImage* end_pass() override;
 
 protected:
     static uint64_t estimate_bytes(const BidirectionalParams& params, const Workload& workload);

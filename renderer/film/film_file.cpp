@@ -17,13 +17,14 @@ namespace photond {
 namespace {
 
 constexpr char kMagic[8] = {'P', 'H', 'O', 'T', 'F', 'I', 'L', 'M'};
-constexpr uint32_t kVersion = 8;
+constexpr uint32_t kVersion = 9;
 constexpr uint32_t kOldestVersion = 1;
 constexpr uint32_t kVersionOfIdentity = 3;    // identity, history and ranges follow the header
 constexpr uint32_t kVersionOfOrigin = 5;      // and then the origin
 constexpr uint32_t kVersionOfMeans = 6;       // and then what passes say of the image's mean
 constexpr uint32_t kVersionOfState = 7;       // and then the method's state
 constexpr uint32_t kVersionOfMoreLayers = 8;  // than 32: written only where there are any of those
+constexpr uint32_t kVersionOfLeft = 9;        // what is left to the next frame follows the state, where there is any
 constexpr size_t kLayersOfVersion1 = 9;       // all up to standard_error
 constexpr size_t kLayersOfVersion3 = 11;      // all up to overlap
 constexpr uint32_t kVersionOfAllLayers = 4;
@@ -164,19 +165,31 @@ std::string read_text(Reader& reader, const std::filesystem::path& path, uint64_
     return block.substr(sizeof bytes);
 }
 
-/// The state's length, then pieces of it; `take` is called for each.
+/// The length of what may be long, then pieces of it.
+void write_pieces(CheckedFile& file, const std::string& whole) {
+    const uint64_t bytes = whole.size();
+    const std::string length = encode_text(&bytes, sizeof bytes);
+    file.write(length.data(), length.size());
+    for (size_t first = 0; first < whole.size(); first += kStatePieceBytes) {
+        const std::string piece =
+            encode_text(whole.data() + first, std::min<uint64_t>(kStatePieceBytes, whole.size() - first));
+        file.write(piece.data(), piece.size());
+    }
+}
+
+/// What write_pieces() wrote; `take` is called for each piece.
 template <class Take>
-void read_state(Reader& reader, const std::filesystem::path& path, uint64_t limit_bytes, const Take& take) {
+void read_pieces(Reader& reader, const std::filesystem::path& path, uint64_t limit_bytes, const Take& take) {
     const std::string length = read_text(reader, path, sizeof(uint64_t));
     uint64_t bytes = 0;
-    if (length.size() != sizeof bytes) damaged(path, "it does not say how long its state is");
+    if (length.size() != sizeof bytes) damaged(path, "it does not say how long a part is");
     std::memcpy(&bytes, length.data(), sizeof bytes);
     if (bytes > limit_bytes)
-        throw Error(ErrorCode::OutOfMemory, "the film's state takes " + std::to_string(bytes) +
+        throw Error(ErrorCode::OutOfMemory, "a part of the film takes " + std::to_string(bytes) +
                                                 " bytes; the limit is " + std::to_string(limit_bytes) + " bytes");
     while (bytes > 0) {
         const std::string piece = read_text(reader, path, kStatePieceBytes);
-        if (piece.size() != std::min<uint64_t>(bytes, kStatePieceBytes)) damaged(path, "its state is not whole");
+        if (piece.size() != std::min<uint64_t>(bytes, kStatePieceBytes)) damaged(path, "a part of it is not whole");
         bytes -= piece.size();
         take(piece);
     }
@@ -266,7 +279,8 @@ void FilmFile::for_each_array(FilmType& film, const Visitor& visitor) {
 }
 
 void FilmFile::save(const Film& film, const FilmIdentity& identity, const std::string& history,
-                    const std::filesystem::path& path, const std::string& origin, const std::string& state) {
+                    const std::filesystem::path& path, const std::string& origin, const std::string& state,
+                    const std::string& left) {
     CheckedFile file(path);
     Header header{};
     std::memcpy(header.magic, kMagic, sizeof kMagic);
@@ -275,7 +289,9 @@ void FilmFile::save(const Film& film, const FilmIdentity& identity, const std::s
         const auto bit = static_cast<unsigned>(info.layer);
         if (film.layers_.has(info.layer)) (bit < 32 ? header.layers : header.more_layers) |= 1u << bit % 32;
     }
-    header.version = header.more_layers != 0 ? kVersion : kVersionOfMoreLayers - 1;
+    header.version = !left.empty()             ? kVersionOfLeft
+                     : header.more_layers != 0 ? kVersionOfMoreLayers
+                                               : kVersionOfMoreLayers - 1;
     header.passes = film.passes_, header.nan_count = film.nan_count_, header.infinity_count = film.infinity_count_;
     std::memcpy(header.digest, digest_of(&header, offsetof(Header, digest)).data(), kDigestBytes);
     file.write(&header, sizeof header);
@@ -285,14 +301,8 @@ void FilmFile::save(const Film& film, const FilmIdentity& identity, const std::s
           encode_text(history), encode_text(ranges.data(), ranges.size() * sizeof(PassRanges::Range)),
           encode_text(origin), encode_text(film.pass_means_.bytes())})
         file.write(part.data(), part.size());
-    const uint64_t state_bytes = state.size();
-    const std::string length = encode_text(&state_bytes, sizeof state_bytes);
-    file.write(length.data(), length.size());
-    for (size_t first = 0; first < state.size(); first += kStatePieceBytes) {
-        const std::string piece =
-            encode_text(state.data() + first, std::min<uint64_t>(kStatePieceBytes, state.size() - first));
-        file.write(piece.data(), piece.size());
-    }
+    write_pieces(file, state);
+    if (header.version >= kVersionOfLeft) write_pieces(file, left);
 
     for_each_array(film, [&](const auto& values) {
         const size_t blocks = (values.size() + kBlockValues - 1) / kBlockValues;
@@ -318,13 +328,16 @@ SavedFilm FilmFile::load(const std::filesystem::path& path, uint64_t limit_bytes
     if (bytes > limit_bytes)
         throw Error(ErrorCode::OutOfMemory, "the film takes " + std::to_string(bytes) + " bytes; the limit is " +
                                                 std::to_string(limit_bytes) + " bytes");
-    SavedFilm saved{Film(size, layers), {}, {}, {}};
+    SavedFilm saved{Film(size, layers), {}, {}, {}, {}};
     Film& film = saved.film;
     Texts texts = read_texts(reader, path, header);
     saved.identity = std::move(texts.identity);
     saved.history = std::move(texts.history);
     if (header.version >= kVersionOfState)
-        read_state(reader, path, limit_bytes - bytes, [&](const std::string& piece) { saved.state += piece; });
+        read_pieces(reader, path, limit_bytes - bytes, [&](const std::string& piece) { saved.state += piece; });
+    if (header.version >= kVersionOfLeft)
+        read_pieces(reader, path, limit_bytes - bytes - saved.state.size(),
+                    [&](const std::string& piece) { saved.left += piece; });
     film.pass_ranges_ = std::move(texts.ranges);
     film.pass_means_ = texts.means;
     film.next_pass_ = film.pass_ranges_.end();
@@ -337,11 +350,25 @@ SavedFilm FilmFile::load(const std::filesystem::path& path, uint64_t limit_bytes
     return saved;
 }
 
+std::string FilmFile::load_left(const std::filesystem::path& path, const FilmIdentity& identity, uint64_t limit_bytes) {
+    Reader reader(path);
+    const Header header = read_header(reader, path);
+    FilmIdentity found = read_texts(reader, path, header).identity;
+    found.settings = identity.settings;  // each frame has its own
+    require_alike(found, identity);
+    std::string left;
+    if (header.version < kVersionOfLeft) return left;
+    read_pieces(reader, path, limit_bytes, [](const std::string&) {});
+    read_pieces(reader, path, limit_bytes, [&](const std::string& piece) { left += piece; });
+    return left;
+}
+
 FilmFacts FilmFile::examine(const std::filesystem::path& path) {
     Reader reader(path);
     const Header header = read_header(reader, path);
     Texts texts = read_texts(reader, path, header);
-    if (header.version >= kVersionOfState) read_state(reader, path, UINT64_MAX, [](const std::string&) {});
+    for (const uint32_t since : {kVersionOfState, kVersionOfLeft})
+        if (header.version >= since) read_pieces(reader, path, UINT64_MAX, [](const std::string&) {});
     Film pixel({1, 1}, layers_of(header));  // as many sums an array as a film has for each of its pixels
     const size_t pixels = size_t{header.width} * header.height;
     for_each_array(pixel, [&](auto& values) {

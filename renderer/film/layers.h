@@ -44,8 +44,11 @@ enum class Layer : uint8_t {
     CacheSamples,
     Volume,
     ConeMip,
+    HistoryLength,
+    Rejected,
+    Reused,
 };
-inline constexpr size_t kLayerCount = 35;
+inline constexpr size_t kLayerCount = 38;
 
 /// How the passes' values become the image's.
 enum class LayerMean : uint8_t {
@@ -154,6 +157,14 @@ inline constexpr std::array<LayerInfo, kLayerCount> kLayers = [] {
          "of the cell before the pixel's surface, mean over all directions"},
         {ConeMip, "cone_mip", "RGB", Passes, P::Light, Some, kRadiance,
          "what a cone from the eye sees of the voxels' light: cells as large as they are far"},
+        {HistoryLength, "history_length", "Y", Passes, P::Scale, Some, "frames",
+         "whose indirect light the pixel's is the mean of, this one counted"},
+        {Rejected, "rejected", "RGB", Passes, P::Light, Some, "",
+         "why a pixel took over nothing: red where another surface was there, blue where the last frame's image did "
+         "not "
+         "reach; and green as far as the light has changed"},
+        {Reused, "reused", "Y", Passes, P::Dots, Some, "",
+         "the share of the pixel's indirect light that earlier frames made"},
     }};
 }();
 constexpr const LayerInfo& layer_info(Layer layer) { return kLayers[static_cast<size_t>(layer)]; }

@@ -15,6 +15,18 @@ void visit_sampler(ParamVisitor& visitor, SamplerKind& sampler) {
                          "numbers of the passes: low-discrepancy (Owen-scrambled Sobol') or independent"});
 }
 
+void TemporalParams::visit(ParamVisitor& visitor) {
+    static constexpr std::string_view kReuses[] = {"none", "reproject"};
+    visitor.enumeration(
+        "temporal", reuse,
+        {ParamGroup::Frames, kReuses,
+         "each frame's indirect light stands alone, or is averaged with the last frames' at the same points, where "
+         "neither surface nor light changed (reproject): less noise and flicker, and light that lags"});
+    visitor.field("history_cap", history_cap,
+                  {ParamGroup::Frames, "frames", 1, 1024,
+                   "that a pixel's indirect light is the mean of, at most: more are smoother and lag more"});
+}
+
 void require_power_of_two(const char* pointer, uint32_t value) {
     if ((value & (value - 1)) != 0)
         throw Error(ErrorCode::OutOfRange, pointer,

@@ -69,9 +69,7 @@ void DeviceFrame::read(Stats& stats) {
     pass_complete_ = true;
 }
 
-void DeviceFrame::resolve(Film& film) const {
-    if (pass_complete_) film.add_pass(host_image_);
-}
+PassImage* DeviceFrame::end_pass() { return pass_complete_ ? &host_image_ : nullptr; }
 
 void note_skipped_shading(const Needs& needs, Stats& stats) {
     if (needs.only_lambert())

@@ -12,7 +12,7 @@
 namespace photond {
 
 /// The image of a pass, on the device and on the host, and the queue of the work that makes it. A method's run_pass()
-/// is run() and read(); its expect_pass(), settle() and resolve() are those here. One image is enough, for run_pass()
+/// is run() and read(); its expect_pass(), settle() and end_pass() are those here. One image is enough, for run_pass()
 /// reads a pass back before the next is begun.
 ///
 /// Its going waits for what is under way: what records has it last, or says end() before what the steps use goes.
@@ -30,7 +30,7 @@ public:
     static uint64_t estimate_device_bytes(const Workload& workload);
 
     DeviceImage& image() { return image_; }
-    /// The image of the pass that was read last. The host may change it before resolve().
+    /// The image of the pass that was read last. The host may change it before end_pass().
     PassImage& host_image() { return host_image_; }
 
     /// Begins the pass, unless it is begun already.
@@ -47,8 +47,8 @@ public:
     void read(Stats& stats);
 
     void settle() { device_.wait_idle(); }
-    /// Adds the pass, if it was read: what was cancelled is none.
-    void resolve(Film& film) const;
+    /// As Method::end_pass(): of a pass that was read, for what was cancelled is none.
+    PassImage* end_pass();
     /// Waits for what is under way, on a lost device too. Nothing is run after.
     void end() { queue_.reset(); }
 

@@ -6,6 +6,6 @@ namespace photond {
 
 void DeviceMethod::expect_pass(uint32_t pass) { frame().expect_pass(pass); }
 void DeviceMethod::settle() { frame().settle(); }
-void DeviceMethod::resolve(Film& film) { frame().resolve(film); }
+PassImage* DeviceMethod::end_pass() { return frame().end_pass(); }
 
 }  // namespace photond

@@ -10,7 +10,7 @@ class DeviceMethod : public Method {
 public:
     void expect_pass(uint32_t pass) override;
     void settle() override;
-    void resolve(Film& film) override;
+    PassImage* end_pass() override;
 
 private:
     /// Asked after begin() only.

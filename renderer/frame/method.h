@@ -12,6 +12,7 @@
 #include "protocol/param_info.h"
 #include "renderer/core/cancel.h"
 #include "renderer/core/stats.h"
+#include "renderer/frame/frame_before.h"
 #include "renderer/frame/render_context.h"
 
 namespace photond {
@@ -27,6 +28,11 @@ class Method {
 public:
     virtual ~Method() = default;
 
+    /// Said before begin(): the frame of an animation that comes before this one, and what it left. Throws
+    /// ErrorCode::Conflict where that is not of this method, or of another image.
+    virtual void follow(FrameBefore before) {
+        if (!before.left.empty()) throw Error(ErrorCode::Conflict, "the method's frames stand alone");
+    }
     /// Said before begin(): passes before the one that comes first left this state(). Throws ErrorCode::Conflict where
     /// that is not of this method.
     virtual void go_on_from(const std::string& state) {
@@ -43,11 +49,19 @@ public:
     /// Waits for what expect_pass() began: said on the job's clock before something that is off it, so that no work is
     /// done for nothing.
     virtual void settle() {}
+    /// Ends the pass that run_pass() has rendered: its image, the method's own, which whoever asks may change before it
+    /// goes to the film. Null where the pass was cancelled.
+    virtual PassImage* end_pass() = 0;
     /// Folds the pass just finished into the film.
-    virtual void resolve(Film& film) = 0;
+    void resolve(Film& film) {
+        if (const PassImage* image = end_pass()) film.add_pass(*image);
+    }
     /// What later passes follow from beside the pass's index, as it is after the last resolve(): kept with the film, so
     /// that another run goes on to the same bits. Empty where passes stand alone.
     virtual std::string state() const { return {}; }
+    /// What the frame after this one follows from, as it is after the last end_pass(): kept with the film, so that any
+    /// run of that frame comes to the same bits. Empty where frames stand alone.
+    virtual std::string left_to_next() const { return {}; }
     /// What the passes leave for whoever wants to look inside. Asked once, after the last pass, when at least one was
     /// resolved; borrows from the method.
     virtual std::vector<MethodArtefact> artefacts() const { return {}; }

@@ -54,6 +54,8 @@ struct CaseRefusal {
     std::string_view text;
 };
 
+struct TemporalParams;  // common_params.h
+
 struct MethodInfo {
     std::string_view name;  // folder, `method.name`, row in every table
     std::string_view title;
@@ -77,6 +79,11 @@ struct MethodInfo {
     /// Whether its passes stand alone with these parameters: they can be rendered in any order and anywhere, and their
     /// films merged. Null: they do.
     bool (*passes_stand_alone)(const MethodParams& params) = nullptr;
+    /// What a frame of an animation leaves, with these parameters, for the one after it to follow from: "indirect
+    /// light". Null, or nothing: its frames stand alone.
+    std::vector<std::string_view> (*left_to_next)(const MethodParams& params) = nullptr;
+    /// With these parameters a method of the last frame's indirect light: see TemporalParams. Null: it has none.
+    const TemporalParams* (*temporal)(const MethodParams& params) = nullptr;
     /// Kinds of path that it leaves out with these parameters in a scene with these needs, whatever its passes.
     PathsLeftOut (*left_out)(const MethodParams& params, const Needs& needs) = nullptr;
     std::unique_ptr<MethodParams> (*make_params)() = nullptr;

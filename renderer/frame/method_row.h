@@ -3,6 +3,7 @@
 
 #include <type_traits>
 
+#include "renderer/frame/common_params.h"
 #include "renderer/frame/method_info.h"
 
 namespace photond {
@@ -31,6 +32,14 @@ MethodInfo row_of_classes() {
     info.make_params = +[]() -> std::unique_ptr<MethodParams> { return std::make_unique<Params>(); };
     info.check_gpu = +[](const MethodParams&) {};
     info.estimate_artefact_bytes = +[](const MethodParams&, const Workload&) { return uint64_t{0}; };
+    if constexpr (requires(const Params& params) { params.temporal.history_cap; }) {
+        info.temporal = +[](const MethodParams& params) { return &as<Params>(params).temporal; };
+        info.left_to_next = +[](const MethodParams& params) -> std::vector<std::string_view> {
+            if (as<Params>(params).temporal.reuse == TemporalReuse::None) return {};
+            return {"indirect light"};
+        };
+        for (const Layer layer : {Layer::HistoryLength, Layer::Rejected, Layer::Reused}) info.layers.add(layer);
+    }
     if constexpr (kHasCpu) {
         info.make = +[](const MethodParams& params) -> std::unique_ptr<Method> {
             return std::make_unique<Cpu>(as<Params>(params));

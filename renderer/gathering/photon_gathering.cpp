@@ -200,13 +200,13 @@ void PhotonGathering::look_from_eye(uint32_t pass, const std::function<RayEndLoo
     pass_complete_ = !cancel.cancelled();
 }
 
-void PhotonGathering::resolve(Film& film) {
-    if (!pass_complete_) return;
-    film.add_pass(image_);
-    if (!params_.keep_photon_map) return;
+PassImage* PhotonGathering::end_pass() {
+    if (!pass_complete_) return nullptr;
+    if (!params_.keep_photon_map) return &image_;
     kept_global_ = std::move(maps_.global);
     kept_caustic_ = std::move(maps_.caustic);
     record("kept_photon_maps", kept_global_.bytes() + kept_caustic_.bytes());
+    return &image_;
 }
 
 std::vector<MethodArtefact> PhotonGathering::artefacts() const {

@@ -33,8 +33,8 @@ public:
     /// unless empty, is called when all tiles are traced, and says how many processor seconds it took.
     void look_from_eye(uint32_t pass, const std::function<RayEndLookups&()>& ends_of_thread,
                        const std::function<double()>& finish_ends, Stats& stats, const CancelToken& cancel);
-    /// Folds a whole pass into the film; nothing of a cancelled one. With `keep_photon_map` its maps are kept.
-    void resolve(Film& film);
+    /// As Method::end_pass(). With `keep_photon_map` the pass's maps are kept.
+    PassImage* end_pass();
     /// With `keep_photon_map`: the photons of the last whole pass.
     std::vector<MethodArtefact> artefacts() const;
 

@@ -209,11 +209,11 @@ void ProgressiveMapping::run_pass(uint32_t pass, Stats& stats, const CancelToken
     state.pass_complete = !cancel.cancelled();
 }
 
-void ProgressiveMapping::resolve(Film& film) {
+PassImage* ProgressiveMapping::end_pass() {
     State& state = *state_;
-    if (!state.pass_complete) return;
-    film.add_pass(state.image);
+    if (!state.pass_complete) return nullptr;
     if (state.radii && !std::exchange(state.pass_counted, true)) state.radii->end_pass();
+    return &state.image;
 }
 
 std::string ProgressiveMapping::state() const {

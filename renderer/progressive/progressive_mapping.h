@@ -26,7 +26,7 @@ public:
     void go_on_from(const std::string& state) override;
     void begin(const RenderContext& context, Stats& stats) override;
     void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) override;
-    void resolve(Film& film) override;
+    PassImage* end_pass() override;
     std::string state() const override;
 
 protected:

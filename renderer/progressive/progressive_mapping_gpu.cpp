@@ -343,9 +343,9 @@ void ProgressiveMappingGpu::run_pass(uint32_t pass, Stats& stats, const CancelTo
     state.pilots_stand = true;
 }
 
-void ProgressiveMappingGpu::resolve(Film& film) {
-    DeviceMethod::resolve(film);
+PassImage* ProgressiveMappingGpu::end_pass() {
     if (state_->points) state_->points->resolve();
+    return DeviceMethod::end_pass();
 }
 
 std::string ProgressiveMappingGpu::state() const {

@@ -129,7 +129,7 @@ void Attempts::dispatch(Slot& slot) {
             auto row = core_.store.job(*seq);
             if (!row || row->state != JobState::Queued) {
                 core_.queue.remove(*seq);
-            } else if (references_.waits_for(*row)) {  // what it is measured against was queued again
+            } else if (waiting_.waits_for(*row)) {  // what it is measured against, or follows, was queued again
                 core_.queue.remove(*seq);
                 waiting_.enqueue(*row);
             } else if (waits_for_quiet(slot, *row)) {
@@ -175,8 +175,8 @@ bool Attempts::waits_for_quiet(Slot& slot, const JobRow& row) {
 }
 
 std::string Attempts::waiting_for(int64_t seq, const std::string& device) const {
-    if (const auto reference = core_.queue.waits_for(seq))
-        return "job " + job_id(*reference) + ", which it is measured against";
+    if (const auto other = core_.queue.waits_for(seq))
+        return "job " + job_id(*other) + ", which it is measured against or follows from";
     const auto slot =
         std::find_if(slots_.begin(), slots_.end(), [&](const auto& other) { return other->device == device; });
     if (slot == slots_.end()) return "a daemon that serves " + device;
@@ -245,6 +245,7 @@ void Attempts::begin_attempt(Slot& slot, JobRow row) {
                         .film = core_.files.films / attempt.film,
                         .origin = film_origin(core_.store.id(), AttemptId{row.seq, row.attempt}),
                         .resume = {},
+                        .before = FrameOrder(core_).before(row),
                         .reference = std::move(reference),
                         .streams = row.role == JobRole::Reference ? "reference" : "job",
                         .save_seconds = {},

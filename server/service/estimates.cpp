@@ -6,6 +6,7 @@
 
 #include "renderer/error/estimate.h"
 #include "renderer/film/film.h"
+#include "renderer/gbuffer/temporal_reprojection.h"
 #include "renderer/methods/registry.h"
 #include "server/comparisons/report_text.h"
 #include "server/left_out_json.h"
@@ -112,6 +113,17 @@ Workload Estimates::workload_of(const JobRequest& request, const json& summary) 
     return workload;
 }
 
+namespace {
+
+/// What a job holds to take over, and to leave to the next frame, and about what its film's file has of it.
+uint64_t history_bytes(const JobRequest& request) {
+    const MethodInfo* method = find_method(request.method.name);
+    const bool follows = method && !left_to_next(*method, request.method.parameters).empty();
+    return follows ? TemporalReprojection::estimate_bytes({request.width, request.height}) : 0;
+}
+
+}  // namespace
+
 uint64_t Estimates::estimate_memory_bytes(const JobRequest& request, const SceneRef& scene) {
     const auto summary = scenes_.summary_of(scene);
     const Workload workload = workload_of(request, *summary);
@@ -120,7 +132,7 @@ uint64_t Estimates::estimate_memory_bytes(const JobRequest& request, const Scene
     const MethodInfo* method = find_method(request.method.name);
     if (on_gpu && !(method && traces_on_host(*method, request.method.parameters)))
         scene_bytes -= summary->value("acceleration_bytes", uint64_t{0});  // it lies on the device
-    return film_bytes(request) + measuring_bytes(request) + scene_bytes +
+    return film_bytes(request) + measuring_bytes(request) + scene_bytes + history_bytes(request) +
            workload.environment_size.pixels() * sizeof(Rgb) +
            ask_method(request, workload, on_gpu ? &MethodInfo::estimate_bytes_gpu : &MethodInfo::estimate_bytes);
 }
@@ -138,7 +150,8 @@ std::optional<uint64_t> Estimates::estimate_device_bytes(const JobRequest& reque
 uint64_t Estimates::estimate_disk_bytes(const JobRequest& request, const SceneRef& scene) {
     const Workload workload = workload_of(request, *scenes_.summary_of(scene));
     // A film that is saved again lies beside the one before until it is whole.
-    return 2 * film_bytes(request) + ask_method(request, workload, &MethodInfo::estimate_artefact_bytes);
+    return 2 * (film_bytes(request) + history_bytes(request)) +
+           ask_method(request, workload, &MethodInfo::estimate_artefact_bytes);
 }
 
 PathsLeftOut Estimates::paths_left_out(const JobRequest& request, const SceneRef& scene) {

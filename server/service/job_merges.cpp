@@ -126,10 +126,10 @@ std::vector<JobRow> JobMerges::jobs_to_merge(const std::vector<std::string>& ids
         rows.push_back(*std::move(row));
     }
     const MethodInfo* method = find_method(rows.front().method);
-    if (rows.size() > 1 && method && !passes_stand_alone(*method, first["method"]["parameters"]))
+    if (rows.size() > 1 && method && !can_be_merged(*method, first["method"]["parameters"]))
         throw Error(ErrorCode::Unsupported, at(0),
                     "films of " + rows.front().method +
-                        " cannot be merged with these parameters: their passes build on those before");
+                        " cannot be merged with these parameters: their passes, or frames, build on those before");
     return rows;
 }
 

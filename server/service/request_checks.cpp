@@ -82,15 +82,15 @@ SceneRef RequestChecks::check_request(const JobRequest& request) {
     core_.device_of(request.method);
     check_parameters(request.method, "");
     if (const MethodInfo* info = find_method(request.method.name);
-        info && request.first_pass > 0 && !passes_stand_alone(*info, request.method.parameters))
+        info && request.first_pass > 0 && !can_be_merged(*info, request.method.parameters))
         throw Error(ErrorCode::Unsupported, "/first_pass",
                     "passes of " + request.method.name +
-                        " build on those before with these parameters: its jobs begin at pass 0");
+                        ", or frames, build on those before with these parameters: its jobs begin at pass 0");
     if (const MethodInfo* info = find_method(request.method.name);
-        info && request.shutter > 0 && !passes_stand_alone(*info, request.method.parameters))
+        info && request.shutter > 0 && !can_be_merged(*info, request.method.parameters))
         throw Error(ErrorCode::Unsupported, "/shutter",
                     "passes of " + request.method.name +
-                        " build on those before with these parameters, and all show one moment");
+                        ", or frames, build on those before with these parameters, and all passes show one moment");
     auto scene = scenes_.find_scene(request.scene);
     if (!scene) {
         std::vector<std::string> known;

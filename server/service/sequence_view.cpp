@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "server/clock_text.h"
+#include "server/method_params.h"
 
 namespace photond {
 
@@ -31,6 +32,15 @@ json frame_object(size_t number, const FrameRow& frame) {
             {"seconds", frame.seconds}};
 }
 
+/// What each frame follows from of the one before.
+json frames_share(const json& method) {
+    const MethodInfo* info = find_method(method["name"].get<std::string>());
+    json shared = json::array();
+    if (info)
+        for (const std::string_view what : left_to_next(*info, method["parameters"])) shared.push_back(what);
+    return shared;
+}
+
 }  // namespace
 
 JobState SequenceView::state() const {
@@ -51,6 +61,7 @@ json SequenceView::object() const {
     const JobState reached = state();
     const std::string id = group_id(GroupKind::Sequence, row.seq), self = "/v1/sequences/" + id;
     const std::optional<double> left = seconds_left(*this);
+    const json request = json::parse(row.request);
     json object = {{"id", id},
                    {"state", job_state_name(reached)},
                    {"progress", is_over(reached) ? 1.0 : std::min((over + begun_progress) / all, 1.0)},
@@ -59,7 +70,8 @@ json SequenceView::object() const {
                    {"started", started_ms ? json(rfc3339(*started_ms)) : json()},
                    {"finished", is_over(reached) && finished_ms ? json(rfc3339(*finished_ms)) : json()},
                    {"job_states", counts},
-                   {"request", json::parse(row.request)},
+                   {"frames_share", frames_share(request["method"])},
+                   {"request", request},
                    {"links",
                     {{"self", self},
                      {"frames", self + "/frames.zip"},

@@ -10,9 +10,14 @@ namespace photond {
 
 using nlohmann::json;
 
+std::optional<int64_t> WaitingJobs::waits_for(const JobRow& row) {
+    if (const auto reference = references_.waits_for(row)) return reference;
+    return frames_.waits_for(row);
+}
+
 void WaitingJobs::enqueue(const JobRow& row) {
     if (row.state != JobState::Queued) return;
-    if (const auto until = references_.waits_for(row))
+    if (const auto until = waits_for(row))
         core_.queue.hold(row.seq, row.priority, row.device, *until);
     else
         core_.queue.push(row.seq, row.priority, row.device);
@@ -68,11 +73,12 @@ void WaitingJobs::release_waiting(const JobRow& over) {
                 fail_for_reference(*std::move(row), error.what());
                 continue;
             }
-            if (!references_.waits_for(*row)) continue;
+            if (!waits_for(*row)) continue;
             core_.queue.remove(seq);
-            enqueue(*row);  // until the other film of its reference is there
+            enqueue(*row);  // until what else it waits for is there
         } catch (const std::exception& error) {
-            spdlog::error("job {}: that its reference is over cannot be recorded yet: {}", job_id(seq), error.what());
+            spdlog::error("job {}: that what it waited for is over cannot be recorded yet: {}", job_id(seq),
+                          error.what());
         }
     }
 }

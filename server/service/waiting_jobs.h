@@ -1,8 +1,10 @@
 #pragma once
-// Jobs that wait for their turn: in the queue, or beside it until what they are measured against is over.
+// Jobs that wait for their turn: in the queue, or beside it until what they are measured against, or follow from, is
+// over.
 
 #include <string>
 
+#include "server/service/frame_order.h"
 #include "server/service/references.h"
 #include "server/service/service_core.h"
 
@@ -11,8 +13,10 @@ namespace photond {
 /// All under the lock.
 class WaitingJobs {
 public:
-    WaitingJobs(ServiceCore& core, References& references) : core_(core), references_(references) {}
+    WaitingJobs(ServiceCore& core, References& references) : core_(core), references_(references), frames_(core) {}
 
+    /// A job that is not over yet and that this one is measured against, or else follows as a frame.
+    std::optional<int64_t> waits_for(const JobRow& row);
     /// Puts a queued job where it belongs: into the queue, or beside it.
     void enqueue(const JobRow& row);
     /// A job is over and its row says so: it is counted, and those that were waiting for it are queued, or fail where
@@ -31,6 +35,7 @@ private:
 
     ServiceCore& core_;
     References& references_;
+    FrameOrder frames_;
 };
 
 }  // namespace photond

@@ -138,6 +138,14 @@ std::vector<JobProgress> Store::running_jobs_of(int64_t comparison) {
     return jobs;
 }
 
+std::optional<int64_t> Store::frame_before(int64_t sequence, int64_t job) {
+    Statement read = database_.prepare(
+        "SELECT job FROM comparison_jobs WHERE comparison = ?1 AND place < (SELECT place FROM comparison_jobs WHERE "
+        "job = ?2 AND comparison = ?1) ORDER BY place DESC LIMIT 1");
+    read.bind(1, sequence).bind(2, job);
+    return read.step() ? std::optional(read.integer(0)) : std::nullopt;
+}
+
 std::vector<FrameRow> Store::frames(int64_t sequence) {
     Statement read = database_.prepare(
         "SELECT job, parameters, seed, state, progress, seconds FROM comparison_jobs "

@@ -304,6 +304,8 @@ public:
     /// Those that run, by what their rows say.
     std::vector<JobProgress> running_jobs_of(int64_t comparison);
     std::vector<FrameRow> frames(int64_t sequence);
+    /// The job whose place is before that of this one.
+    std::optional<int64_t> frame_before(int64_t sequence, int64_t job);
     std::vector<JobRow> unfinished_jobs_of(int64_t comparison);
     std::vector<RemovableJob> removable_jobs(int64_t comparison);
     /// Whether any that was made for its jobs to be measured against has begun.

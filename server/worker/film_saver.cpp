@@ -29,10 +29,10 @@ bool FilmSaver::due(const Film& film) const {
 }
 
 void FilmSaver::save(const Film& film, const std::string& history, const std::filesystem::path& path,
-                     const std::string& origin, const std::string& state) {
+                     const std::string& origin, const std::string& state, const std::string& left) {
     const OffTheClock saving(stats_, kFilmSavingStage, meters_);
     const double start = now_();
-    FilmFile::save(film, identity_, history, path, origin, state);
+    FilmFile::save(film, identity_, history, path, origin, state, left);
     last_end_ = now_();
     last_cost_ = last_end_ - start;
 }

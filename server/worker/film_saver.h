@@ -27,7 +27,7 @@ public:
     bool due(const Film& film) const;
     /// As FilmFile::save(), timed.
     void save(const Film& film, const std::string& history, const std::filesystem::path& path,
-              const std::string& origin = {}, const std::string& state = {});
+              const std::string& origin = {}, const std::string& state = {}, const std::string& left = {});
 
 private:
     const FilmIdentity identity_;

@@ -4,6 +4,7 @@
 
 #include "protocol/error.h"
 #include "protocol/param_json.h"
+#include "renderer/gbuffer/temporal_reprojection.h"
 #include "renderer/methods/registry.h"
 #include "renderer/scene/scene.h"
 
@@ -42,9 +43,11 @@ std::unique_ptr<Method> make_method(const JobRequest& request, const std::string
     if (on_cpu ? !info->make : !info->make_gpu)
         throw Error(ErrorCode::Unsupported, "/method/device",
                     request.method.name + " does not run on a " + (on_cpu ? "CPU" : "GPU"));
-    if (on_cpu) return info->make(*params);
-    info->check_gpu(*params);
-    return info->make_gpu(*params);
+    if (!on_cpu) info->check_gpu(*params);
+    std::unique_ptr<Method> method = on_cpu ? info->make(*params) : info->make_gpu(*params);
+    const TemporalParams* temporal = info->temporal ? info->temporal(*params) : nullptr;
+    if (!temporal || temporal->reuse == TemporalReuse::None) return method;
+    return std::make_unique<TemporalReprojection>(std::move(method), *temporal);
 }
 
 View resolve_view(const JobRequest& request, const Scene& scene) {

@@ -27,7 +27,7 @@ public:
 
     void begin(const RenderContext& context, Stats& stats) override;
     void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) override;
-    void resolve(Film& film) override { method_->resolve(film); }
+    PassImage* end_pass() override { return method_->end_pass(); }
     std::vector<MethodArtefact> artefacts() const override { return method_->artefacts(); }
 
 private:

@@ -113,6 +113,7 @@ void RenderJob::load_scene() {
     const JobMethod& method = order_.request.method;
     const bool on_host = traces_on_host(*find_method(method.name), method.parameters);
     const bool warm = scenes_.holds(order_.source, order_.variant);
+    if (order_.before) follow_frame_before();
     ready_ = scenes_.get(order_.source, order_.variant, budget_, stats_, on_host, order_.moment);
     const uint64_t warm_bytes = warm ? ready_->bytes() + (device_.software ? ready_->device_bytes() : 0) : 0;
     baseline_bytes_ = resident - std::min(resident, warm_bytes);
@@ -125,6 +126,24 @@ void RenderJob::load_scene() {
         log("scene %s: %llu triangles, loaded in %.3f s, ray structure in %.3f s", order_.request.scene.c_str(),
             triangles, stats_.stage("load").wall_seconds, stats_.stage("acceleration_build").wall_seconds);
     for (const std::string& warning : ready_->scene.warnings) report_.log.push_back("warning: " + warning);
+}
+
+void RenderJob::follow_frame_before() {
+    const RenderMessage::FrameBefore& named = *order_.before;
+    try {
+        FrameBefore before;
+        before.left = FilmFile::load_left(
+            named.film, film_identity(order_.request, order_.source.id, order_.streams, device_), order_.memory_bytes);
+        if (before.left.empty()) throw Error(ErrorCode::Conflict, "it left nothing");
+        const SceneMoment then{order_.moment.animation, named.time};
+        before.pose = std::make_shared<const PastPose>(
+            scenes_.get(order_.source, order_.variant, budget_, stats_, false, then)->scene);
+        method_->follow(std::move(before));
+        log("follows the frame at %.6g s", named.time);
+    } catch (const Error& error) {  // not this frame's fault: it can be rendered all the same
+        report_.log.push_back(std::string("warning: the frame before cannot be followed (") + error.what() +
+                              "); this one begins as the first does");
+    }
 }
 
 void RenderJob::note_idle_device_memory() {
@@ -179,6 +198,7 @@ std::optional<Film> RenderJob::film_to_go_on_with() {
                          request.first_pass);
         FilmHistory before = FilmHistory::parse(saved.history);
         method_->go_on_from(saved.state);
+        left_before_ = std::move(saved.left);
         stats_.counts += before.counts;
         counts_before_ = before.counts;
         cores_before_ = before.cores;
@@ -303,7 +323,9 @@ FilmHistory RenderJob::history(double seconds) {
 }
 
 void RenderJob::save(const Film& film, double seconds, const std::filesystem::path& path, bool tell) {
-    saver_->save(film, history(seconds).text(), path, order_.origin, method_->state());
+    const bool begun = film.passes() > resumed_passes_;
+    saver_->save(film, history(seconds).text(), path, order_.origin, method_->state(),
+                 begun ? method_->left_to_next() : left_before_);
     if (!tell) return;
     send_(message_json(FilmSavedMessage{order_.job, order_.attempt, path, film.passes()}));
 }

@@ -60,6 +60,8 @@ public:
 
 private:
     void load_scene();
+    /// Tells the method what the frame before left, where the order names one that can be followed.
+    void follow_frame_before();
     /// What the device holds for other jobs' scenes.
     void note_idle_device_memory();
     /// What it holds, and held at most, for this job; empty on the CPU.
@@ -109,6 +111,7 @@ private:
     CoreUse cores_before_ = CoreUse::of_nothing();  // likewise
     bool met_before_ = false;                       // its target, likewise
     std::vector<Skipped> skipped_before_;
+    std::string left_before_;  // of the film that this job goes on with: SavedFilm::left
     double last_progress_ = 0;
 };
 

@@ -37,6 +37,7 @@ RenderOrder RenderOrder::of(const RenderMessage& message, uint64_t most_memory_b
     order.film = message.film;
     order.origin = message.origin;
     order.resume = message.resume;
+    order.before = message.before;
     order.reference = message.reference;
     if (order.request.reference && !order.reference)
         throw Error(ErrorCode::Internal, "/reference", "the job has a reference, and its order names no file of it");

@@ -22,6 +22,7 @@ struct RenderOrder {
     std::filesystem::path film;
     std::string origin;
     std::optional<std::filesystem::path> resume;
+    std::optional<RenderMessage::FrameBefore> before;
     std::optional<ReferenceSource> reference;
     RandomStreams streams = RandomStreams::Job;
     std::optional<double> save_seconds;

@@ -117,8 +117,6 @@ void ImageBasedLighting::run_pass(uint32_t pass, Stats& stats, const CancelToken
     state.pass_complete = !cancel.cancelled();
 }
 
-void ImageBasedLighting::resolve(Film& film) {
-    if (state_->pass_complete) film.add_pass(state_->image);
-}
+PassImage* ImageBasedLighting::end_pass() { return state_->pass_complete ? &state_->image : nullptr; }
 
 }  // namespace photond

@@ -74,6 +74,7 @@ void ImageSpacePhotonMappingParams::visit(ParamVisitor& visitor) {
     visit_projection_maps(visitor, projection_maps);
     visit_photon_glossy_threshold(visitor, glossy_threshold);
     visit_sampler(visitor, sampler);
+    temporal.visit(visitor);
 }
 
 void ImageSpacePhotonMappingParams::check() const {

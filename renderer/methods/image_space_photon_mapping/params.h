@@ -67,6 +67,7 @@ struct ImageSpacePhotonMappingParams final : MethodParams {
     bool projection_maps = true;
     float glossy_threshold = 0.05f;
     SamplerKind sampler = SamplerKind::Sobol;
+    TemporalParams temporal;
 
     void visit(ParamVisitor& visitor) override;
     void check() const override;

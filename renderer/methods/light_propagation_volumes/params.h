@@ -21,6 +21,7 @@ struct LightPropagationVolumesParams final : MethodParams {
     float glossy_threshold = 0.05f;
     float connect_threshold = 0.2f;
     SamplerKind sampler = SamplerKind::Sobol;
+    TemporalParams temporal;
 
     void visit(ParamVisitor& visitor) override;
     void check() const override;
@@ -47,6 +48,7 @@ inline void LightPropagationVolumesParams::visit(ParamVisitor& visitor) {
     visit_lit_glossy_threshold(visitor, glossy_threshold);
     visit_vpl_connect_threshold(visitor, connect_threshold);
     visit_sampler(visitor, sampler);
+    temporal.visit(visitor);
 }
 
 }  // namespace photond

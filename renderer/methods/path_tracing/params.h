@@ -19,6 +19,7 @@ enum class PathKernels : uint8_t { Mega, Wavefront };
 struct PathTracingParams final : MethodParams {
     std::optional<uint32_t> indirect_bounces;
     SamplerKind sampler = SamplerKind::Sobol;
+    TemporalParams temporal;
     uint32_t roulette_start = ROULETTE_START;
     PathKernels gpu_kernels = PathKernels::Mega;
 
@@ -34,6 +35,7 @@ inline void PathTracingParams::visit(ParamVisitor& visitor) {
     visitor.field("indirect_bounces", indirect_bounces,
                   {Light, "", 0, 1e6, "greatest number of bounces in the indirect layer; unlimited when not given"});
     visit_sampler(visitor, sampler);
+    temporal.visit(visitor);
     visitor.field("roulette_start", roulette_start,
                   {NoiseAndBias, "", 1, 1e6, "surface interactions after which Russian roulette may end a path"});
     visitor.enumeration(

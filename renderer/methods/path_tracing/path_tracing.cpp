@@ -57,8 +57,6 @@ void PathTracing::run_pass(uint32_t pass, Stats& stats, const CancelToken& cance
     pass_complete_ = !cancel.cancelled();
 }
 
-void PathTracing::resolve(Film& film) {
-    if (pass_complete_) film.add_pass(image_);
-}
+PassImage* PathTracing::end_pass() { return pass_complete_ ? &image_ : nullptr; }
 
 }  // namespace photond

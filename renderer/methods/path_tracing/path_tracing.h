@@ -32,7 +32,7 @@ public:
 
     void begin(const RenderContext& context, Stats& stats) override;
     void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) override;
-    void resolve(Film& film) override;
+    PassImage* end_pass() override;
 
 private:
     struct Scratch;  // what a thread needs for the tile it traces

@@ -32,7 +32,7 @@ void PhotonMapping::run_pass(uint32_t pass, Stats& stats, const CancelToken& can
         pass, [&]() -> RayEndLookups& { return state_->ends.local(); }, {}, stats, cancel);
 }
 
-void PhotonMapping::resolve(Film& film) { state_->gathering.resolve(film); }
+PassImage* PhotonMapping::end_pass() { return state_->gathering.end_pass(); }
 
 std::vector<MethodArtefact> PhotonMapping::artefacts() const {
     return state_ ? state_->gathering.artefacts() : std::vector<MethodArtefact>{};

@@ -54,6 +54,7 @@ struct PhotonSplattingParams final : MethodParams {
     float glossy_threshold = 0.05f;
     float connect_threshold = 0.2f;
     SamplerKind sampler = SamplerKind::Sobol;
+    TemporalParams temporal;
 
     void visit(ParamVisitor& visitor) override;
     /// Parameters that exclude each other.
@@ -153,6 +154,7 @@ inline void PhotonSplattingParams::visit(ParamVisitor& visitor) {
                   {NoiseAndBias, "", 0, 1,
                    "photons: lobes with GGX alpha below it light along their direction, not by connection"});
     visit_sampler(visitor, sampler);
+    temporal.visit(visitor);
 }
 
 }  // namespace photond

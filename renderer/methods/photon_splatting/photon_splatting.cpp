@@ -394,8 +394,6 @@ void PhotonSplatting::blur(Stats& stats) {
     blur_layer(state.image.of<Layer::Indirect>(), state.image.size, blur_pixels(params_.blur), edges);
 }
 
-void PhotonSplatting::resolve(Film& film) {
-    if (state_->pass_complete) film.add_pass(state_->image);
-}
+PassImage* PhotonSplatting::end_pass() { return state_->pass_complete ? &state_->image : nullptr; }
 
 }  // namespace photond

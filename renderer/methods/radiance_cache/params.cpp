@@ -43,6 +43,7 @@ void RadianceCacheParams::visit(ParamVisitor& visitor) {
                    "the smaller, the faster they shrink; squared sizes fall as the passes' number to the power "
                    "alpha - 1"});
     visit_sampler(visitor, sampler);
+    temporal.visit(visitor);
 }
 
 }  // namespace photond

@@ -26,6 +26,7 @@ struct RadianceCacheParams final : MethodParams {
     bool shrink = true;
     float alpha = static_cast<float>(kRadiusAlpha);
     SamplerKind sampler = SamplerKind::Sobol;
+    TemporalParams temporal;
 
     void visit(ParamVisitor& visitor) override;
     /// Greatest number of scattering vertices of a path: n vertices make n - 1 bounces (conventions.md).

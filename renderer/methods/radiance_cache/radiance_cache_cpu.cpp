@@ -248,8 +248,6 @@ void RadianceCache::run_pass(uint32_t pass, Stats& stats, const CancelToken& can
     state.pass_complete = !cancel.cancelled();
 }
 
-void RadianceCache::resolve(Film& film) {
-    if (state_->pass_complete) film.add_pass(state_->image);
-}
+PassImage* RadianceCache::end_pass() { return state_->pass_complete ? &state_->image : nullptr; }
 
 }  // namespace photond

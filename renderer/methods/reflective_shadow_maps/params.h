@@ -26,6 +26,7 @@ struct ReflectiveShadowMapsParams final : MethodParams {
     float glossy_threshold = 0.05f;
     float connect_threshold = 0.2f;
     SamplerKind sampler = SamplerKind::Sobol;
+    TemporalParams temporal;
 
     void visit(ParamVisitor& visitor) override;
     void check() const override;
@@ -53,6 +54,7 @@ inline void ReflectiveShadowMapsParams::visit(ParamVisitor& visitor) {
     visitor.field("connect_threshold", connect_threshold,
                   {NoiseAndBias, "", 0, 1, "texels: lobes with GGX alpha below it send nothing"});
     visit_sampler(visitor, sampler);
+    temporal.visit(visitor);
 }
 
 }  // namespace photond

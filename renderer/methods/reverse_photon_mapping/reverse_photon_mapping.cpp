@@ -108,7 +108,7 @@ void ReversePhotonMapping::run_pass(uint32_t pass, Stats& stats, const CancelTok
     gathering.look_from_eye(pass, ends_of_thread, finish, stats, cancel);
 }
 
-void ReversePhotonMapping::resolve(Film& film) { state_->gathering.resolve(film); }
+PassImage* ReversePhotonMapping::end_pass() { return state_->gathering.end_pass(); }
 
 std::vector<MethodArtefact> ReversePhotonMapping::artefacts() const {
     return state_ ? state_->gathering.artefacts() : std::vector<MethodArtefact>{};

@@ -48,7 +48,7 @@ public:
 
     void begin(const RenderContext& context, Stats& stats) override;
     void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) override;
-    void resolve(Film& film) override;
+    PassImage* end_pass() override;
     /// With `keep_photon_map`: the photons of the last whole pass.
     std::vector<MethodArtefact> artefacts() const override;
 

@@ -45,6 +45,7 @@ struct SvoManyLightsParams final : MethodParams {
     float glossy_threshold = 0.05f;
     float connect_threshold = 0.2f;
     SamplerKind sampler = SamplerKind::Sobol;
+    TemporalParams temporal;
 
     void visit(ParamVisitor& visitor) override;
     void check() const override;
@@ -123,6 +124,7 @@ inline void SvoManyLightsParams::visit(ParamVisitor& visitor) {
     visit_lit_glossy_threshold(visitor, glossy_threshold);
     visit_vpl_connect_threshold(visitor, connect_threshold);
     visit_sampler(visitor, sampler);
+    temporal.visit(visitor);
 }
 
 }  // namespace photond

@@ -370,8 +370,6 @@ bool SvoManyLights::repays() const {
     return state_->clamp_sq_m2 > 0 && (params_.repay || state_->image.layers.has(Layer::Clamped));
 }
 
-void SvoManyLights::resolve(Film& film) {
-    if (state_->pass_complete) film.add_pass(state_->image);
-}
+PassImage* SvoManyLights::end_pass() { return state_->pass_complete ? &state_->image : nullptr; }
 
 }  // namespace photond

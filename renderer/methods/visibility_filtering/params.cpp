@@ -107,6 +107,7 @@ void VisibilityFilteringParams::visit(ParamVisitor& visitor) {
     visitor.field("glossy_threshold", glossy_threshold,
                   {Light, "", 0, 1, "GGX alpha below which a lobe counts as a mirror: paths from the eye follow it"});
     visit_sampler(visitor, sampler);
+    temporal.visit(visitor);
 }
 
 void VisibilityFilteringParams::check() const {

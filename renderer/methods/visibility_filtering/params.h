@@ -66,6 +66,7 @@ struct VisibilityFilteringParams final : MethodParams {
     Upsampling upsampling = Upsampling::Geometry;
     float glossy_threshold = 0.05f;
     SamplerKind sampler = SamplerKind::Sobol;
+    TemporalParams temporal;
 
     void visit(ParamVisitor& visitor) override;
     void check() const override;

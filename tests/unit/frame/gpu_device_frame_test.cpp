@@ -57,7 +57,7 @@ TEST_F(GpuDeviceFrame, MakesAPassOnceThatWasExpectedAndAnewThatWasNot) {
         Film film(kSize, LayerSet());
         EXPECT_TRUE(frame.run(pass, stats_, CancelToken{}));
         frame.read(stats_);
-        frame.resolve(film);
+        film.add_pass(*frame.end_pass());
         return test::mean_of(film.resolve_beauty());
     };
     frame.expect_pass(3);

@@ -43,7 +43,7 @@ public:
     uint32_t cancel_pass = 0;
     uint32_t passes_run = 0;
     bool began = false;
-    std::string said;  // what the loop said: eN for expect_pass(N), r for resolve(), s for settle()
+    std::string said;  // what the loop said: eN for expect_pass(N), r for end_pass(), s for settle()
 
     void begin(const RenderContext& context, Stats&) override {
         began = true;
@@ -63,9 +63,9 @@ public:
         said += "s";
         std::this_thread::sleep_for(settle_time);
     }
-    void resolve(Film& film) override {
+    PassImage* end_pass() override {
         said += "r";
-        film.add_pass(image_);
+        return &image_;
     }
     std::chrono::milliseconds settle_time{0};
 
