@@ -21,7 +21,8 @@ struct HistoryHead {
 template <class Visit>
 void each_array(auto& history, const Visit& visit) {
     visit(history.position), visit(history.normal), visit(history.instance), visit(history.indirect);
-    visit(history.frames), visit(history.change), visit(history.squared_change);
+    visit(history.frames), visit(history.near_light), visit(history.near_step);
+    visit(history.step_product), visit(history.age);
 }
 
 }  // namespace

@@ -18,9 +18,11 @@ struct History {
     std::vector<uint32_t> instance;  // that it is of; kNoHit: of nothing that light can be taken over from
     std::vector<Rgb> indirect;       // mean of the frames [W m^-2 sr^-1]
     std::vector<float> frames;       // that it is the mean of
-    /// About the pixel, a pass's light less the history's: its running mean, and that of its square. What says whether
-    /// the light changes (light_change.h).
-    std::vector<Rgb> change, squared_change;
+    // What tells a change of the light from noise (light_change.h): about the pixel, the last frame's own light, and
+    // that less the light of the frame before it.
+    std::vector<Rgb> near_light, near_step;
+    std::vector<float> step_product;  // running mean of the scalar product of a step and the next
+    std::vector<float> age;           // frames for which the surface has been seen
 
     History() = default;
     explicit History(Size2 image_size);

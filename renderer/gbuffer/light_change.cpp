@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include "renderer/core/parallel.h"
 
@@ -9,24 +10,22 @@ namespace photond {
 
 namespace {
 
-constexpr int64_t kWindowRadius = 8;
-constexpr float kCertain = 4, kDoubtful = 2.5f;  // standard deviations
-constexpr float kGuessedNoise = 0.25f;           // of the light, before frames tell
-constexpr float kGuessedFrames = 2;              // that the guess counts as
-constexpr float kMeanRate = 0.25f;               // of the running mean
-constexpr float kLongestMemory = 8;              // frames, of the mean of squares
+const int64_t kWindowRadius = std::getenv("WR") ? std::atoi(std::getenv("WR")) : 4;
+const double kNoiseOfMeans =
+    std::getenv("NM") ? std::atof(std::getenv("NM")) : 2;  // times their variance that is held to be noise
+const double kGuessedNoise =
+    std::getenv("GN") ? std::atof(std::getenv("GN")) : 0.1;  // of the window's mean, over that, before steps tell
+constexpr double kGuessedFrames = 2;                         // that the guess counts as
+constexpr double kLongestMemory = 8;                         // frames, of the product of steps
 
 /// Sums over the pixels about one that have a history.
 struct WindowSums {
-    dvec3 pass{0}, past{0}, squares{0};  // `squares`: of their differences
-    double pixels = 0;
+    dvec3 pass{0}, past{0};
+    double squares = 0, past_frames = 0, pixels = 0;  // `squares`: of their differences
 
     WindowSums& operator+=(const WindowSums& other) {
-        pass += other.pass, past += other.past, squares += other.squares, pixels += other.pixels;
-        return *this;
-    }
-    WindowSums& operator-=(const WindowSums& other) {
-        pass -= other.pass, past -= other.past, squares -= other.squares, pixels -= other.pixels;
+        pass += other.pass, past += other.past;
+        squares += other.squares, past_frames += other.past_frames, pixels += other.pixels;
         return *this;
     }
 };
@@ -50,7 +49,7 @@ std::vector<WindowSums> window_sums(const Reprojected& found, std::span<const Rg
         for (size_t at = y * size.width; at < (y + 1) * size.width; ++at) {
             if (found.rejection[at] != Rejection::None) continue;
             const dvec3 pass(indirect[at]), past(found.past.indirect[at]);
-            sums[at] = {pass, past, (pass - past) * (pass - past), 1};
+            sums[at] = {pass, past, glm::dot(pass - past, pass - past), double{found.past.frames[at]}, 1};
         }
         sum_window(sums.data() + y * size.width, size.width, 1);
     });
@@ -62,42 +61,41 @@ std::vector<WindowSums> window_sums(const Reprojected& found, std::span<const Rg
 
 LightChange find_light_change(const Reprojected& found, std::span<const Rgb> indirect) {
     const Size2 size = found.past.size;
-    LightChange result{std::vector<float>(size.pixels()), std::vector<Rgb>(size.pixels()),
-                       std::vector<Rgb>(size.pixels())};
+    const size_t pixels = size.pixels();
+    LightChange result{std::vector<float>(pixels, 1), std::vector<Rgb>(pixels), std::vector<Rgb>(pixels),
+                       std::vector<float>(pixels), std::vector<float>(pixels, 1)};
     const std::vector<WindowSums> sums = window_sums(found, indirect);
     parallel_for(size.height, 8, [&](size_t y) {
         for (size_t at = y * size.width; at < (y + 1) * size.width; ++at) {
-            if (found.rejection[at] != Rejection::None) continue;
-            const WindowSums& window = sums[at];
-            const float frames = found.past.frames[at], told = std::max(frames - 1, 0.0f);
-            const float memory = std::min(told + 1, kLongestMemory);
-            float off = 0;
-            for (int c = 0; c < 3; ++c) {
-                const double difference = (window.pass[c] - window.past[c]) / window.pixels;
-                const double past = window.past[c] / window.pixels;
-                const double apart =
-                    std::max(0.0, window.squares[c] / window.pixels - difference * difference) / window.pixels;
-                const double guessed = std::pow(kGuessedNoise * past, 2);
-                const double before =
-                    (told * found.past.squared_change[at][c] + kGuessedFrames * guessed) / (told + kGuessedFrames);
-                const double variance = std::max(apart, before);
-                const auto mean =
-                    static_cast<float>(glm::mix(double{found.past.change[at][c]}, difference, double{kMeanRate}));
-                result.change[at][c] = mean;
-                // What is far off is taken in as if it were at the edge of what may be noise.
-                const double square = std::min(difference * difference, variance * kCertain * kCertain);
-                result.squared_change[at][c] =
-                    static_cast<float>(glm::mix(double{found.past.squared_change[at][c]}, square, 1.0 / memory));
-                if (!(variance > 0)) {
-                    if (difference != 0) off = kCertain;
-                    continue;
-                }
-                // Of noise the running mean varies by what its own terms do and by the history's, common to them.
-                const double of_mean = variance * (kMeanRate / (2 - kMeanRate) + 1 / std::max(frames, 1.0f));
-                off = std::max({off, static_cast<float>(std::fabs(difference) / std::sqrt(variance)),
-                                static_cast<float>(std::fabs(mean) / std::sqrt(of_mean))});
+            if (found.rejection[at] != Rejection::None) {
+                result.near_light[at] = indirect[at];
+                continue;
             }
-            result.kept[at] = 1 - std::clamp((off - kDoubtful) / (kCertain - kDoubtful), 0.0f, 1.0f);
+            const WindowSums& window = sums[at];
+            const dvec3 now = window.pass / window.pixels, past = window.past / window.pixels;
+            const double frames = std::max(1.0, window.past_frames / window.pixels);
+            const dvec3 step = now - dvec3(found.past.near_light[at]);
+            const double age = found.past.age[at], product_now = glm::dot(step, dvec3(found.past.near_step[at]));
+            const double products = std::max(age - 2, 0.0);  // taken in before
+            const double memory = std::min(products + 1, kLongestMemory);
+            const double product = age < 2 ? 0 : glm::mix(double{found.past.step_product[at]}, product_now, 1 / memory);
+            result.near_light[at] = Rgb(now), result.near_step[at] = Rgb(step);
+            result.step_product[at] = static_cast<float>(product);
+            result.age[at] = static_cast<float>(std::min(age + 1, 2 * kLongestMemory));
+
+            const double difference = glm::dot(now - past, now - past);
+            // Of one pass: the differences vary by the history's noise too.
+            const double apart = std::max(0.0, window.squares / window.pixels - difference) / (1 + 1 / frames);
+            const double told = std::min(products, kLongestMemory);
+            const double guessed = kGuessedNoise * kGuessedNoise * glm::dot(past, past);
+            const double in_common =
+                std::max(0.0, (told * -double{found.past.step_product[at]} + kGuessedFrames * guessed) /
+                                  (told + kGuessedFrames));
+            const double of_means = std::max(apart / window.pixels, in_common) * (1 + 1 / frames);
+            const double changed = std::max(0.0, difference - kNoiseOfMeans * of_means);
+            const double noise = apart + in_common;
+            const double off = changed + noise / double{std::max(found.past.frames[at], 1.0f)};
+            if (off + noise > 0) result.own_share[at] = static_cast<float>(off / (off + noise));
         }
     });
     return result;

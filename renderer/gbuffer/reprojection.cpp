@@ -42,8 +42,10 @@ bool shows_elsewhere(const Material& material) {
 void add_weighed(const History& from, size_t pixel, float weight, History& to, size_t at) {
     to.indirect[at] += weight * from.indirect[pixel];
     to.frames[at] += weight * from.frames[pixel];
-    to.change[at] += weight * from.change[pixel];
-    to.squared_change[at] += weight * from.squared_change[pixel];
+    to.near_light[at] += weight * from.near_light[pixel];
+    to.near_step[at] += weight * from.near_step[pixel];
+    to.step_product[at] += weight * from.step_product[pixel];
+    to.age[at] += weight * from.age[pixel];
 }
 
 /// A pixel's history, by where its point was.
@@ -79,7 +81,8 @@ public:
             }
         const float scale = sum > kLeastWeight ? 1 / sum : 0;
         past.indirect[at] *= scale, past.frames[at] *= scale;
-        past.change[at] *= scale, past.squared_change[at] *= scale;
+        past.near_light[at] *= scale, past.near_step[at] *= scale;
+        past.step_product[at] *= scale, past.age[at] *= scale;
         return scale > 0 ? Rejection::None : Rejection::Surface;
     }
 

@@ -16,8 +16,8 @@ constexpr std::string_view kStructureName = "history";
 
 /// A pixel's sums over the passes of this frame of what it leaves to the next.
 struct PixelSums {
-    dvec3 indirect{0}, change{0}, squared_change{0};
-    double frames = 0;
+    dvec3 indirect{0}, near_light{0}, near_step{0};
+    double frames = 0, step_product = 0, age = 0;
 };
 
 }  // namespace
@@ -89,21 +89,22 @@ PassImage* TemporalReprojection::end_pass() {
     std::vector<Rgb>& indirect = image->of<Layer::Indirect>();
     const LightChange light = find_light_change(found, indirect);
     const LayerSet layers = image->layers;
+    const float least_share = 1 / static_cast<float>(history_cap_);
     parallel_for(indirect.size(), 4096, [&](size_t at) {
         const bool has_history = found.rejection[at] == Rejection::None;
-        const float kept = has_history ? light.kept[at] : 0;
-        const float frames = std::min(found.past.frames[at] * kept + 1, static_cast<float>(history_cap_));
-        if (has_history) indirect[at] = glm::mix(found.past.indirect[at], indirect[at], 1 / frames);
+        const float own = has_history ? std::max(light.own_share[at], least_share) : 1, frames = 1 / own;
+        if (has_history) indirect[at] = glm::mix(found.past.indirect[at], indirect[at], own);
         PixelSums& sums = sums_->pixels[at];
         sums.indirect += dvec3(indirect[at]), sums.frames += frames;
-        sums.change += dvec3(kept * light.change[at]);
-        sums.squared_change += dvec3(light.squared_change[at]);
+        sums.near_light += dvec3(light.near_light[at]), sums.near_step += dvec3(light.near_step[at]);
+        sums.step_product += light.step_product[at], sums.age += light.age[at];
         if (layers.has(Layer::HistoryLength)) image->of<Layer::HistoryLength>()[at] = frames;
-        if (layers.has(Layer::Reused)) image->of<Layer::Reused>()[at] = 1 - 1 / frames;
-        if (layers.has(Layer::Rejected))
-            image->of<Layer::Rejected>()[at] = {found.rejection[at] == Rejection::Surface ? 1 : 0,
-                                                has_history ? 1 - kept : 0,
-                                                found.rejection[at] == Rejection::Outside ? 1 : 0};
+        if (layers.has(Layer::Reused)) image->of<Layer::Reused>()[at] = 1 - own;
+        if (!layers.has(Layer::Rejected)) return;
+        // As far as it is more than its share among so many frames.
+        const float kept = has_history ? (frames - 1) / std::min(found.past.frames[at], 1 / least_share - 1) : 1;
+        image->of<Layer::Rejected>()[at] = {found.rejection[at] == Rejection::Surface ? 1 : 0, 1 - std::min(kept, 1.0f),
+                                            found.rejection[at] == Rejection::Outside ? 1 : 0};
     });
     ++sums_->passes;
     return image;
@@ -122,7 +123,9 @@ std::string TemporalReprojection::left_to_next() const {
     for (size_t at = 0; at < sums_->pixels.size(); ++at) {
         const PixelSums& sums = sums_->pixels[at];
         left.indirect[at] = Rgb(scale * sums.indirect), left.frames[at] = static_cast<float>(scale * sums.frames);
-        left.change[at] = Rgb(scale * sums.change), left.squared_change[at] = Rgb(scale * sums.squared_change);
+        left.near_light[at] = Rgb(scale * sums.near_light), left.near_step[at] = Rgb(scale * sums.near_step);
+        left.step_product[at] = static_cast<float>(scale * sums.step_product);
+        left.age[at] = static_cast<float>(scale * sums.age);
     }
     return left.encode();
 }
