@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
 #include "renderer/core/parallel.h"
 
@@ -10,13 +9,11 @@ namespace photond {
 
 namespace {
 
-const int64_t kWindowRadius = std::getenv("WR") ? std::atoi(std::getenv("WR")) : 4;
-const double kNoiseOfMeans =
-    std::getenv("NM") ? std::atof(std::getenv("NM")) : 2;  // times their variance that is held to be noise
-const double kGuessedNoise =
-    std::getenv("GN") ? std::atof(std::getenv("GN")) : 0.1;  // of the window's mean, over that, before steps tell
-constexpr double kGuessedFrames = 2;                         // that the guess counts as
-constexpr double kLongestMemory = 8;                         // frames, of the product of steps
+constexpr int64_t kWindowRadius = 3;   // pixels
+constexpr double kNoiseOfMeans = 2;    // times their variance that is held to be noise
+constexpr double kGuessedNoise = 0.1;  // of the window's mean, over that, before steps tell
+constexpr double kGuessedFrames = 2;   // that the guess counts as
+constexpr double kLongestMemory = 8;   // frames, of the product of steps
 
 /// Sums over the pixels about one that have a history.
 struct WindowSums {
