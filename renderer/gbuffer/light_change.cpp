@@ -9,7 +9,7 @@ namespace photond {
 
 namespace {
 
-constexpr int64_t kWindowRadius = 3;   // pixels
+constexpr size_t kWindowRadius = 3;    // pixels
 constexpr double kNoiseOfMeans = 2;    // times their variance that is held to be noise
 constexpr double kGuessedNoise = 0.1;  // of the window's mean, over that, before steps tell
 constexpr double kGuessedFrames = 2;   // that the guess counts as
@@ -27,31 +27,32 @@ struct WindowSums {
     }
 };
 
-/// In place: each of `count` sums, `stride` apart, becomes that of itself and its neighbours within the radius.
-void sum_window(WindowSums* sums, int64_t count, int64_t stride) {
-    std::vector<WindowSums> alone(static_cast<size_t>(count));
-    for (int64_t i = 0; i < count; ++i) alone[static_cast<size_t>(i)] = sums[i * stride];
-    for (int64_t i = 0; i < count; ++i) {
-        WindowSums sum;  // anew for each: a running sum would keep what light has left the window
-        for (int64_t k = std::max<int64_t>(0, i - kWindowRadius); k <= std::min(count - 1, i + kWindowRadius); ++k)
-            sum += alone[static_cast<size_t>(k)];
-        sums[i * stride] = sum;
-    }
+/// What each pixel gives to the windows that it is in.
+std::vector<WindowSums> pixel_sums(const Reprojected& found, std::span<const Rgb> indirect) {
+    std::vector<WindowSums> sums(indirect.size());
+    parallel_for(indirect.size(), 4096, [&](size_t at) {
+        if (found.rejection[at] != Rejection::None) return;
+        const dvec3 pass(indirect[at]), past(found.past.indirect[at]);
+        sums[at] = {pass, past, glm::dot(pass - past, pass - past), double{found.past.frames[at]}, 1};
+    });
+    return sums;
 }
 
-std::vector<WindowSums> window_sums(const Reprojected& found, std::span<const Rgb> indirect) {
-    const Size2 size = found.past.size;
-    std::vector<WindowSums> sums(size.pixels());
-    parallel_for(size.height, 8, [&](size_t y) {
-        for (size_t at = y * size.width; at < (y + 1) * size.width; ++at) {
-            if (found.rejection[at] != Rejection::None) continue;
-            const dvec3 pass(indirect[at]), past(found.past.indirect[at]);
-            sums[at] = {pass, past, glm::dot(pass - past, pass - past), double{found.past.frames[at]}, 1};
-        }
-        sum_window(sums.data() + y * size.width, size.width, 1);
-    });
-    parallel_for(size.width, 8, [&](size_t x) { sum_window(sums.data() + x, size.height, size.width); });
-    return sums;
+/// Of the windows about the pixels of a row. Each is summed anew: a running sum would keep something of what has left
+/// it.
+std::vector<WindowSums> window_sums(const std::vector<WindowSums>& pixels, Size2 size, size_t y) {
+    const auto range = [](size_t middle, size_t end) {
+        return std::pair{middle - std::min(middle, kWindowRadius), std::min(middle + kWindowRadius + 1, end)};
+    };
+    std::vector<WindowSums> columns(size.width), windows(size.width);
+    const auto [top, bottom] = range(y, size.height);
+    for (size_t row = top; row < bottom; ++row)
+        for (size_t x = 0; x < size.width; ++x) columns[x] += pixels[row * size.width + x];
+    for (size_t x = 0; x < size.width; ++x) {
+        const auto [left, right] = range(x, size.width);
+        for (size_t column = left; column < right; ++column) windows[x] += columns[column];
+    }
+    return windows;
 }
 
 }  // namespace
@@ -61,14 +62,15 @@ LightChange find_light_change(const Reprojected& found, std::span<const Rgb> ind
     const size_t pixels = size.pixels();
     LightChange result{std::vector<float>(pixels, 1), std::vector<Rgb>(pixels), std::vector<Rgb>(pixels),
                        std::vector<float>(pixels), std::vector<float>(pixels, 1)};
-    const std::vector<WindowSums> sums = window_sums(found, indirect);
+    const std::vector<WindowSums> sums = pixel_sums(found, indirect);
     parallel_for(size.height, 8, [&](size_t y) {
+        const std::vector<WindowSums> windows = window_sums(sums, size, y);
         for (size_t at = y * size.width; at < (y + 1) * size.width; ++at) {
             if (found.rejection[at] != Rejection::None) {
                 result.near_light[at] = indirect[at];
                 continue;
             }
-            const WindowSums& window = sums[at];
+            const WindowSums& window = windows[at - y * size.width];
             const dvec3 now = window.pass / window.pixels, past = window.past / window.pixels;
             const double frames = std::max(1.0, window.past_frames / window.pixels);
             const dvec3 step = now - dvec3(found.past.near_light[at]);

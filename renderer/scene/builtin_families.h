@@ -66,6 +66,7 @@ Scene make_moving_thin_object();
 Scene make_moving_teleport();
 Scene make_moving_appearing();
 Scene make_moving_light_switched_on();
+Scene make_moving_light_switched_off();
 
 /// A matte material without the 4 % specular lobe of a glTF non-metal: pure Lambert.
 Material lambert(const char* name, const Rgb& albedo);

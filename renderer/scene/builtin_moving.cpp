@@ -192,9 +192,10 @@ Scene make_moving_appearing() {
     return scene;
 }
 
-// The lamp is dark before half a second: the room has no light at all then.
-Scene make_moving_light_switched_on() {
-    Scene scene = make_cornell_room();
+namespace {
+
+/// A room whose lamp has these strengths before and after half a second.
+Scene make_switched(Scene scene, float before, float after) {
     Rig rig;
     Animation animation{.name = "switch", .channels = {}};
     add_lamp(scene, rig);
@@ -204,10 +205,28 @@ Scene make_moving_light_switched_on() {
     lamp.rest = scene.materials[lamp.material];
     lamp.emissive_factor = dvec3(lamp.rest.emission);
     rig.materials.push_back(std::move(lamp));
-    animation.channels.push_back(drive(Property::EmissiveStrength, 0, {0, 0.5f, 1}, {0, 1, 1}, Interpolation::Step));
+    animation.channels.push_back(
+        drive(Property::EmissiveStrength, 0, {0, 0.5f, 1}, {before, after, after}, Interpolation::Step));
     add_camera_node(scene, rig);
     adopt(scene, std::move(rig), std::move(animation));
     return scene;
+}
+
+}  // namespace
+
+// The lamp is dark before half a second: the room has no light at all then.
+Scene make_moving_light_switched_on() { return make_switched(make_cornell_room(), 0, 1); }
+
+// The lamp is dark from half a second on: a smaller and warmer one on the wall to the left is left.
+Scene make_moving_light_switched_off() {
+    Scene scene = make_cornell_room();
+    const uint32_t sconce = add_material(scene, emitter("sconce", kCornellLightRadiance * Rgb(1, 0.6f, 0.3f)));
+    const vec3 corner(-2.76f, 2.6f, -3);
+    add_mesh(scene, MeshBuilder()
+                        .quad(corner, corner + vec3(0, 0, -0.6f), corner + vec3(0.02f, 0.6f, -0.6f),
+                              corner + vec3(0.02f, 0.6f, 0))
+                        .build(sconce));
+    return make_switched(std::move(scene), 1, 0);
 }
 
 }  // namespace photond

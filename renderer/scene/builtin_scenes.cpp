@@ -84,6 +84,7 @@ constexpr std::array kMoving = {
     BuiltinScene{"moving/teleport", make_moving_teleport},
     BuiltinScene{"moving/appearing", make_moving_appearing},
     BuiltinScene{"moving/light-switched-on", make_moving_light_switched_on},
+    BuiltinScene{"moving/light-switched-off", make_moving_light_switched_off},
 };
 
 template <size_t N>

@@ -99,7 +99,7 @@ TEST_P(HardCasesOfMotion, FramesStandAlone) {
 }
 INSTANTIATE_TEST_SUITE_P(Scenes, HardCasesOfMotion,
                          testing::Values("moving/cornell-box", "moving/thin-object", "moving/teleport",
-                                         "moving/appearing", "moving/light-switched-on"),
+                                         "moving/appearing", "moving/light-switched-on", "moving/light-switched-off"),
                          [](const auto& info) { return "Scene" + std::to_string(info.index); });
 
 TEST(MovingScenes, AreLoadedOnceAndRefuseAnimationsThatTheyDoNotHave) {
