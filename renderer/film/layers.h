@@ -74,8 +74,9 @@ constexpr bool has_exposure(LayerPreview preview) {
 
 /// Who has something to put into a layer.
 enum class LayerFilledBy : uint8_t {
-    All,   // every method, but those whose row says otherwise
-    Some,  // methods whose row says so
+    All,        // every method, but those whose row says otherwise
+    Some,       // methods whose row says so
+    Following,  // methods whose frames can follow from the one before: all of them
 };
 
 struct LayerInfo {
@@ -157,13 +158,13 @@ inline constexpr std::array<LayerInfo, kLayerCount> kLayers = [] {
          "of the cell before the pixel's surface, mean over all directions"},
         {ConeMip, "cone_mip", "RGB", Passes, P::Light, Some, kRadiance,
          "what a cone from the eye sees of the voxels' light: cells as large as they are far"},
-        {HistoryLength, "history_length", "Y", Passes, P::Scale, Some, "frames",
+        {HistoryLength, "history_length", "Y", Passes, P::Scale, Following, "frames",
          "whose indirect light the pixel's is the mean of, this one counted"},
-        {Rejected, "rejected", "RGB", Passes, P::Light, Some, "",
+        {Rejected, "rejected", "RGB", Passes, P::Light, Following, "",
          "why a pixel took over nothing: red where another surface was there, blue where the last frame's image did "
          "not "
          "reach; and green as far as the light has changed"},
-        {Reused, "reused", "Y", Passes, P::Dots, Some, "",
+        {Reused, "reused", "Y", Passes, P::Dots, Following, "",
          "the share of the pixel's indirect light that earlier frames made"},
     }};
 }();

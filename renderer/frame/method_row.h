@@ -38,7 +38,8 @@ MethodInfo row_of_classes() {
             if (as<Params>(params).temporal.reuse == TemporalReuse::None) return {};
             return {"indirect light"};
         };
-        for (const Layer layer : {Layer::HistoryLength, Layer::Rejected, Layer::Reused}) info.layers.add(layer);
+        for (const LayerInfo& layer : kLayers)
+            if (layer.filled_by == LayerFilledBy::Following) info.layers.add(layer.layer);
     }
     if constexpr (kHasCpu) {
         info.make = +[](const MethodParams& params) -> std::unique_ptr<Method> {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "renderer/gbuffer/temporal_reprojection.h"
+
 // A method is a line here: the name of its room, whose row.cpp says the rest.
 #define PHOTOND_METHODS(METHOD)                      \
     METHOD(bidirectional_path_tracing)               \
@@ -39,6 +41,8 @@ const MethodInfo* find_method(std::string_view name) {
         if (method.name == name) return &method;
     return nullptr;
 }
+
+uint64_t history_bytes(Size2 film_size) { return TemporalReprojection::estimate_bytes(film_size); }
 
 std::span<const ArtefactInfo> all_artefacts() {
     static const std::vector<ArtefactInfo> kArtefacts = [] {

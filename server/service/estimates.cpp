@@ -6,7 +6,6 @@
 
 #include "renderer/error/estimate.h"
 #include "renderer/film/film.h"
-#include "renderer/gbuffer/temporal_reprojection.h"
 #include "renderer/methods/registry.h"
 #include "server/comparisons/report_text.h"
 #include "server/left_out_json.h"
@@ -119,7 +118,7 @@ namespace {
 uint64_t history_bytes(const JobRequest& request) {
     const MethodInfo* method = find_method(request.method.name);
     const bool follows = method && !left_to_next(*method, request.method.parameters).empty();
-    return follows ? TemporalReprojection::estimate_bytes({request.width, request.height}) : 0;
+    return follows ? history_bytes(Size2{request.width, request.height}) : 0;
 }
 
 }  // namespace

@@ -58,7 +58,7 @@ class MovingScenesTest(DaemonTestCase):
         self.assertEqual(box["motion"][0]["moves"]["cameras"], 1)
         self.assertEqual(self.daemon.request("GET", "/v1/scenes/cornell-box").json["motion"], [])
         family = self.daemon.request("GET", "/v1/scenes?family=moving").json["items"]
-        self.assertEqual(len(family), 5)
+        self.assertEqual(len(family), 6)
 
     def test_a_job_shows_its_moment(self):
         rest, start = self.picture(), self.picture(animation="slide", time=0)

@@ -289,9 +289,51 @@ class SequencesTest(DaemonTestCase):
         self.assertEqual(self.daemon.request("GET", f"/v1/jobs/{frame}").status, 404)
 
 
+    def test_frames_that_follow_say_so_and_wait_for_the_one_before(self):
+        follows = {"name": "path_tracing", "parameters": {"temporal": "reproject"}}
+        made = submit(self.daemon, sequence(frames=4, method=follows, layers=["history_length"]))
+        self.assertEqual(made["frames_share"], ["indirect light"])
+        self.assertEqual(submit(self.daemon, sequence(frames=1))["frames_share"], [])
+        done = wait_over(self.daemon, made["id"])
+        self.assertEqual(done["job_states"]["succeeded"], 4, done)
+        ids = [frame["id"] for frame in done["frames"]]
+        logs = [self.daemon.request("GET", f"/v1/jobs/{id}/log.txt").text for id in ids]
+        self.assertNotIn("follows the frame", logs[0])
+        for i in (1, 2, 3):
+            self.assertIn(f"follows the frame at {(i - 1) / 8:g} s", logs[i])
+        # A frame rendered again follows the same one, to the same bits.
+        again = submit(self.daemon, sequence(frames=4, method=follows, layers=["history_length"]))
+        self.assertEqual(hashes(self.daemon, wait_over(self.daemon, again["id"])), hashes(self.daemon, done))
+        alone = submit(self.daemon, sequence(frames=4, layers=["history_length"], method={**follows, "parameters": {}}))
+        self.assertNotEqual(hashes(self.daemon, wait_over(self.daemon, alone["id"]))[1:], hashes(self.daemon, done)[1:])
+        # Their films are no parts of one image, and no moment of an open shutter.
+        self.assertFalse(self.daemon.job(ids[1])["statistics"]["mergeable"])
+        merged = self.daemon.request("POST", "/v1/jobs/merge", json_body={"jobs": ids[1:3]})
+        self.assertIn(merged.status, (409, 422), merged)
+        for extra, place in (({"shutter": 0.05}, "/shutter"), ({"first_pass": 4}, "/first_pass")):
+            job = {**small_job(), "method": follows, **extra}
+            refused = self.daemon.request("POST", "/v1/jobs", json_body=job)
+            self.assertEqual((refused.status, refused.json["errors"][0]["pointer"]), (422, place), refused)
+
+    def test_a_frame_whose_forerunner_failed_begins_anew(self):
+        follows = {"name": "path_tracing", "parameters": {"temporal": "reproject"}}
+        made = submit(self.daemon, sequence(frames=3, passes=4000, size=32, method=follows))
+        first, second, third = (frame["id"] for frame in made["frames"])
+        wait_until(lambda: self.daemon.job(first)["state"] == "running", "the first frame to run", deadline_after())
+        self.assertIn(f"job {first}", self.daemon.job(second)["waiting_for"])
+        self.daemon.request("DELETE", f"/v1/jobs/{first}")
+        wait_until(lambda: self.daemon.job(second)["state"] == "running", "the second frame to run", deadline_after())
+        self.assertIn(f"job {second}", self.daemon.job(third)["waiting_for"])
+        self.assertNotIn("follows the frame", self.daemon.request("GET", f"/v1/jobs/{second}/log.txt").text)
+        self.daemon.request("DELETE", f"/v1/sequences/{made['id']}")
+        wait_over(self.daemon, made["id"])
+
+
 class KilledSequencesTest(unittest.TestCase):
     def test_daemon_and_workers_are_killed_five_times_and_no_bit_differs(self):
-        body = sequence(frames=12, passes=3, size=32)
+        # Of frames that follow from the one before: what each leaves is kept with its film.
+        follows = {"name": "path_tracing", "parameters": {"temporal": "reproject"}}
+        body = sequence(frames=12, passes=3, size=32, method=follows)
         with Daemon() as undisturbed:
             undisturbed.wait_ready()
             expected = hashes(undisturbed, wait_over(undisturbed, submit(undisturbed, body)["id"]))

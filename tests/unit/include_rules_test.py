@@ -55,7 +55,7 @@ MAY_INCLUDE = [
     ("renderer/backends/{room}/*", ["renderer/backends/{room}/*", "renderer/scene/*", "renderer/core/*",
                                     *PLAIN_PROTOCOL]),
     # The one list of rooms names them; what each is, its row.cpp says.
-    ("renderer/methods/registry.cpp", ["renderer/methods/registry.h"]),
+    ("renderer/methods/registry.cpp", ["renderer/methods/registry.h", "renderer/gbuffer/temporal_reprojection.h"]),
     ("renderer/methods/registry.h", ["renderer/frame/method_info.h"]),
     ("renderer/methods/{room}/*", ["renderer/methods/{room}/*", *BELOW_METHODS, *PLAIN_PROTOCOL]),
     # The daemon never renders: of the renderer it knows what it needs to judge a request and to name files.

@@ -42,6 +42,7 @@ enum class SoftShadow : uint8_t {
 };
 
 struct ImageSpacePhotonMappingParams final : MethodParams {
+    TemporalParams temporal;
     uint32_t photons = 50'000;
     std::optional<uint32_t> caustic_photons;
     PhotonTrace trace = PhotonTrace::Gpu;
@@ -67,7 +68,6 @@ struct ImageSpacePhotonMappingParams final : MethodParams {
     bool projection_maps = true;
     float glossy_threshold = 0.05f;
     SamplerKind sampler = SamplerKind::Sobol;
-    TemporalParams temporal;
 
     void visit(ParamVisitor& visitor) override;
     void check() const override;

@@ -11,6 +11,7 @@
 namespace photond {
 
 struct ImperfectShadowMapsParams final : MethodParams {
+    TemporalParams temporal;
     uint32_t vpls = 1024;
     uint32_t bounces = 1;
     uint32_t map_resolution = 128;
@@ -24,7 +25,6 @@ struct ImperfectShadowMapsParams final : MethodParams {
     float glossy_threshold = 0.05f;
     float connect_threshold = 0.2f;
     SamplerKind sampler = SamplerKind::Sobol;
-    TemporalParams temporal;
 
     void visit(ParamVisitor& visitor) override;
     void check() const override;

@@ -10,6 +10,7 @@
 namespace photond {
 
 struct LightPropagationVolumesParams final : MethodParams {
+    TemporalParams temporal;
     uint32_t vpls = 16384;
     uint32_t bounces = 254;
     uint32_t map_resolution = 128;
@@ -21,7 +22,6 @@ struct LightPropagationVolumesParams final : MethodParams {
     float glossy_threshold = 0.05f;
     float connect_threshold = 0.2f;
     SamplerKind sampler = SamplerKind::Sobol;
-    TemporalParams temporal;
 
     void visit(ParamVisitor& visitor) override;
     void check() const override;

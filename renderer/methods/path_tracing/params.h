@@ -17,9 +17,9 @@ namespace photond {
 enum class PathKernels : uint8_t { Mega, Wavefront };
 
 struct PathTracingParams final : MethodParams {
+    TemporalParams temporal;
     std::optional<uint32_t> indirect_bounces;
     SamplerKind sampler = SamplerKind::Sobol;
-    TemporalParams temporal;
     uint32_t roulette_start = ROULETTE_START;
     PathKernels gpu_kernels = PathKernels::Mega;
 

@@ -23,6 +23,7 @@ constexpr uint32_t blur_pixels(BlurWidth width) {
 }
 
 struct PhotonSplattingParams final : MethodParams {
+    TemporalParams temporal;
     static constexpr uint32_t kMostBounces = 254;  // a photon's scatterings are a byte
 
     uint32_t photons = 10'000;
@@ -54,7 +55,6 @@ struct PhotonSplattingParams final : MethodParams {
     float glossy_threshold = 0.05f;
     float connect_threshold = 0.2f;
     SamplerKind sampler = SamplerKind::Sobol;
-    TemporalParams temporal;
 
     void visit(ParamVisitor& visitor) override;
     /// Parameters that exclude each other.

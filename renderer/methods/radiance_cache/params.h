@@ -14,6 +14,7 @@ namespace photond {
 enum class SecondBounces : uint8_t { Paths, Cache };
 
 struct RadianceCacheParams final : MethodParams {
+    TemporalParams temporal;
     std::optional<uint32_t> indirect_bounces;
     uint32_t gather_rays = 4;
     float training = 0.25f;
@@ -26,7 +27,6 @@ struct RadianceCacheParams final : MethodParams {
     bool shrink = true;
     float alpha = static_cast<float>(kRadiusAlpha);
     SamplerKind sampler = SamplerKind::Sobol;
-    TemporalParams temporal;
 
     void visit(ParamVisitor& visitor) override;
     /// Greatest number of scattering vertices of a path: n vertices make n - 1 bounces (conventions.md).

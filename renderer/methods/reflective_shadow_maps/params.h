@@ -17,6 +17,7 @@ enum class RsmPattern : uint8_t {
 };
 
 struct ReflectiveShadowMapsParams final : MethodParams {
+    TemporalParams temporal;
     uint32_t samples = 400;
     uint32_t bounces = 1;
     uint32_t map_resolution = 512;
@@ -26,7 +27,6 @@ struct ReflectiveShadowMapsParams final : MethodParams {
     float glossy_threshold = 0.05f;
     float connect_threshold = 0.2f;
     SamplerKind sampler = SamplerKind::Sobol;
-    TemporalParams temporal;
 
     void visit(ParamVisitor& visitor) override;
     void check() const override;

@@ -18,6 +18,7 @@ enum class VplBounces : uint8_t { Voxels, Rays };
 enum class DirectShadows : uint8_t { Rays, ShadowMaps };
 
 struct SvoManyLightsParams final : MethodParams {
+    TemporalParams temporal;
     uint32_t vpls = 1024;
     uint32_t bounces = 254;
     uint32_t map_resolution = 128;
@@ -45,7 +46,6 @@ struct SvoManyLightsParams final : MethodParams {
     float glossy_threshold = 0.05f;
     float connect_threshold = 0.2f;
     SamplerKind sampler = SamplerKind::Sobol;
-    TemporalParams temporal;
 
     void visit(ParamVisitor& visitor) override;
     void check() const override;

@@ -41,6 +41,7 @@ enum class ProxySpecular : uint8_t {
 };
 
 struct VisibilityFilteringParams final : MethodParams {
+    TemporalParams temporal;
     uint32_t proxies = 24'000;
     uint32_t voxels = 8;
     uint32_t bounces = 1;
@@ -66,7 +67,6 @@ struct VisibilityFilteringParams final : MethodParams {
     Upsampling upsampling = Upsampling::Geometry;
     float glossy_threshold = 0.05f;
     SamplerKind sampler = SamplerKind::Sobol;
-    TemporalParams temporal;
 
     void visit(ParamVisitor& visitor) override;
     void check() const override;

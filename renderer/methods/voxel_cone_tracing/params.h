@@ -15,6 +15,7 @@ enum class ConeDirections : uint8_t { Drawn, Fixed };
 enum class ConeCells : uint8_t { Chance, All };
 
 struct VoxelConeTracingParams final : MethodParams {
+    TemporalParams temporal;
     uint32_t vpls = 32768;
     uint32_t bounces = 254;
     uint32_t map_resolution = 256;
@@ -28,7 +29,6 @@ struct VoxelConeTracingParams final : MethodParams {
     float glossy_threshold = 0.05f;
     float connect_threshold = 0.2f;
     SamplerKind sampler = SamplerKind::Sobol;
-    TemporalParams temporal;
 
     void visit(ParamVisitor& visitor) override;
     void check() const override;

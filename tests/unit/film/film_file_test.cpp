@@ -174,8 +174,8 @@ TEST_F(FilmFileTest, ReadsTheVersionsBeforeIdentity) {
     EXPECT_NE(refusal().find("cut short"), std::string::npos);
     write(old_film(1, kPhotonCount));  // a layer that version did not have
     EXPECT_NE(refusal().find("layers"), std::string::npos);
-    write(old_film(9));
-    EXPECT_NE(refusal(ErrorCode::Unsupported).find("reads 1 to 8"), std::string::npos);
+    write(old_film(10));
+    EXPECT_NE(refusal(ErrorCode::Unsupported).find("reads 1 to 9"), std::string::npos);
     write(old_film(0));
     EXPECT_NE(refusal(ErrorCode::Unsupported).find("version 0"), std::string::npos);
 }

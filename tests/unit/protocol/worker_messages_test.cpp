@@ -93,6 +93,7 @@ TEST(WorkerMessages, OfTheDaemon) {
         R"({"type": "render", "job": "J1", "attempt": 2, "request": {"scene": "box"},
             "scene": {"id": "S", "builtin": null, "root": "/d/S", "file": "/d/S/a.glb"},
             "environment": {"path": "/d/e.hdr"}, "film": "/d/a.film", "origin": "mine", "resume": "/d/b.film",
+            "before": {"film": "/d/c.film", "time": 0.25},
             "reference": {"film": "/d/r.film"}, "streams": "reference", "save_seconds": 2.0,
             "limits": {"memory_bytes": 1024, "threads": 3}})");
     EXPECT_EQ(order.scene.root, "/d/S");
@@ -101,7 +102,7 @@ TEST(WorkerMessages, OfTheDaemon) {
     exact<RenderMessage>(
         R"({"type": "render", "job": "J1", "attempt": 2, "request": {},
             "scene": {"id": "box", "builtin": "box", "root": null, "file": null}, "environment": null, "film": "/d/a", "origin": "",
-            "resume": null, "reference": {"image": "/d/r.exr"}, "streams": "job", "save_seconds": null,
+            "resume": null, "before": null, "reference": {"image": "/d/r.exr"}, "streams": "job", "save_seconds": null,
             "limits": {"memory_bytes": 1024, "threads": 0}})");
     const RenderMessage least = *message_as<RenderMessage>(json::parse(
         R"({"type": "render", "job": "J1", "attempt": 2, "scene": {"id": "box", "builtin": "box"}, "film": "/d/a"})"));

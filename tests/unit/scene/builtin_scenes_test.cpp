@@ -91,7 +91,7 @@ TEST(BuiltinScenes, AllAreThereWithACameraAndSoundMeshes) {
             EXPECT_TRUE(name.starts_with(std::string(family) + "/") && is_builtin_scene(name)) << name;
             names.insert(name);
         }
-    EXPECT_EQ(names.size(), 31u);
+    EXPECT_EQ(names.size(), 32u);
     for (const std::string_view name : names) {
         const Scene scene = make_builtin_scene(name);
         EXPECT_EQ(scene.name, name);
