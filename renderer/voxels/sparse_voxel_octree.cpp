@@ -1,87 +1,14 @@
 #include "renderer/voxels/sparse_voxel_octree.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 
-#include "renderer/core/morton.h"
-#include "renderer/core/parallel.h"
-#include "renderer/core/parallel_sort.h"
 #include "renderer/scene/scene.h"
-#include "renderer/voxels/triangle_voxels.h"
 
 namespace photond {
 
 namespace {
-
-/// A triangle's voxels in one brick.
-struct Fragment {
-    uint32_t brick;  // Morton code: the children's numbers from the root down
-    uint32_t triangle;
-    uint64_t mask;
-};
-
-constexpr uint64_t kColumnsATask = 4096;
-
-TriangleVoxels voxels_of(const gpu::SvoConstants& constants, const Scene& scene, std::span<const uint32_t> first,
-                         uint32_t number) {
-    const auto after = std::upper_bound(first.begin(), first.end(), number);
-    const auto instance = static_cast<uint32_t>(after - first.begin() - 1);
-    return {quantised_triangle(constants, scene, instance, number - first[instance]),
-            static_cast<int32_t>(constants.grid.resolution / BRICK_SIDE)};
-}
-
-/// Where each triangle's columns of bricks begin; the last number is that of all.
-std::vector<uint64_t> count_columns(const gpu::SvoConstants& constants, const Scene& scene,
-                                    std::span<const uint32_t> first) {
-    std::vector<uint64_t> begin(size_t{constants.triangle_count} + 1);
-    parallel_for(scene.instances.size(), 1, [&](size_t instance) {
-        const Mesh& mesh = scene.meshes[scene.instances[instance].mesh];
-        if (!is_voxelised(scene.materials[mesh.material])) return;
-        parallel_for(mesh.triangles.size(), 1024, [&](size_t triangle) {
-            const auto number = static_cast<uint32_t>(first[instance] + triangle);
-            begin[size_t{number} + 1] = voxels_of(constants, scene, first, number).columns();
-        });
-    });
-    for (size_t i = 1; i < begin.size(); ++i) begin[i] += begin[i - 1];
-    return begin;
-}
-
-/// In the order of (brick, triangle).
-std::vector<Fragment> make_fragments(const gpu::SvoConstants& constants, const Scene& scene,
-                                     std::span<const uint32_t> first) {
-    const std::vector<uint64_t> begin = count_columns(constants, scene, first);
-    std::vector<std::vector<Fragment>> parts((begin.back() + kColumnsATask - 1) / kColumnsATask);
-    parallel_for(parts.size(), 1, [&](size_t part) {
-        uint64_t column = part * kColumnsATask;
-        const uint64_t end = std::min(column + kColumnsATask, begin.back());
-        auto number = static_cast<uint32_t>(std::upper_bound(begin.begin(), begin.end(), column) - begin.begin() - 1);
-        for (; column < end; ++number) {
-            if (begin[number + 1] <= column) continue;
-            const TriangleVoxels triangle = voxels_of(constants, scene, first, number);
-            for (; column < std::min(end, begin[number + 1]); ++column) {
-                glm::ivec3 brick;
-                const BrickRange range = triangle.column(static_cast<uint32_t>(column - begin[number]), brick);
-                for (int32_t along = range.begin; along < range.end; ++along) {
-                    brick[triangle.axis()] = along;
-                    if (const uint64_t mask = triangle.brick_mask(brick))
-                        parts[part].push_back({morton_code(uvec3(brick)), number, mask});
-                }
-            }
-        }
-    });
-    size_t count = 0;
-    for (const auto& part : parts) count += part.size();
-    std::vector<Fragment> fragments;
-    fragments.reserve(count);
-    for (std::vector<Fragment>& part : parts) {
-        fragments.insert(fragments.end(), part.begin(), part.end());
-        part = {};
-    }
-    parallel_sort(fragments.begin(), fragments.end(), [](const Fragment& a, const Fragment& b) {
-        return a.brick != b.brick ? a.brick < b.brick : a.triangle < b.triangle;
-    });
-    return fragments;
-}
 
 /// The voxel at a node's least corner, as 3 x 10 bits.
 uint32_t low_voxel(uint32_t morton, uint32_t level, uint32_t size) {
@@ -128,21 +55,28 @@ std::vector<gpu::SvoNode> make_nodes(std::vector<uint32_t> codes, uint32_t level
 
 }  // namespace
 
-SparseVoxelOctree::SparseVoxelOctree(const Scene& scene, const VoxelGrid& grid, bool surfaces)
-    : constants_(svo_constants_of(grid)), first_triangles_(first_triangles_of(scene)) {
+SparseVoxelOctree::SparseVoxelOctree(const Scene& scene, const InstanceBricks& parts)
+    : constants_(svo_constants_of(parts.grid())), first_triangles_(first_triangles_of(scene)) {
     constants_.instance_count = static_cast<uint32_t>(scene.instances.size());
     constants_.triangle_count = first_triangles_.back();
-    const std::vector<Fragment> fragments = make_fragments(constants_, scene, first_triangles_);
 
+    const std::span<const InstanceBrick> bricks = parts.bricks();
+    const bool surfaces = parts.has_surfaces();
     std::vector<uint32_t> codes, first_surfaces, numbers;
-    for (size_t i = 0; i < fragments.size();) {
-        const uint32_t code = fragments[i].brick;
+    codes.reserve(bricks.size()), bricks_.reserve(bricks.size()), first_surfaces.reserve(bricks.size());
+    for (size_t i = 0; i < bricks.size();) {
+        const uint32_t code = bricks[i].brick;
         std::array<uint32_t, 64> triangles;
         uint64_t mask = 0;
-        for (; i < fragments.size() && fragments[i].brick == code; ++i) {
-            for (uint64_t fresh = fragments[i].mask & ~mask; surfaces && fresh != 0; fresh &= fresh - 1)
-                triangles[static_cast<size_t>(std::countr_zero(fresh))] = fragments[i].triangle;
-            mask |= fragments[i].mask;
+        for (; i < bricks.size() && bricks[i].brick == code; ++i) {
+            if (surfaces) {
+                const uint32_t first = first_triangles_[bricks[i].instance];
+                const uint32_t* triangle = parts.triangles_of(bricks[i]);
+                for (uint64_t left = bricks[i].mask; left != 0; left &= left - 1, ++triangle)
+                    if (!(mask & left & -left))
+                        triangles[static_cast<size_t>(std::countr_zero(left))] = first + *triangle;
+            }
+            mask |= bricks[i].mask;
         }
         codes.push_back(code);
         bricks_.push_back({{static_cast<uint32_t>(mask), static_cast<uint32_t>(mask >> 32)}});
@@ -192,9 +126,10 @@ SparseVoxelOctree::Estimate SparseVoxelOctree::estimate(const Scene& scene, cons
     const double bytes = nodes * sizeof(gpu::SvoNode) + bricks * sizeof(gpu::SvoBrick) +
                          (surfaces ? 4 * (bricks + voxels) : 0) + 4.0 * double(scene.instances.size() + 1) +
                          double(SvoCells::estimate_bytes(grid.resolution));
-    const double peak = bytes + 2 * fragments * sizeof(Fragment) + 8.0 * double(scene.triangle_count);
+    const double parts = bricks * sizeof(InstanceBrick) + (surfaces ? 4 * voxels : 0);
     const auto whole = [](double x) { return static_cast<uint64_t>(x); };
-    return {whole(fragments), whole(bricks), whole(nodes), whole(voxels), whole(bytes), whole(peak)};
+    const uint64_t peak = whole(bytes + parts) + InstanceBricks::scratch_bytes(scene.triangle_count, whole(fragments));
+    return {whole(fragments), whole(bricks), whole(nodes), whole(voxels), whole(bytes), whole(parts), peak};
 }
 
 }  // namespace photond

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "renderer/voxels/instance_bricks.h"
 #include "renderer/voxels/svo_march.h"
 #include "renderer/voxels/voxel_grid.h"
 
@@ -16,12 +17,16 @@ class SparseVoxelOctree {
 public:
     /// Of a finished scene, which is not needed any more. `surfaces`: each set voxel knows the triangle of least number
     /// among those that touch it. The same arrays however many threads build them.
-    SparseVoxelOctree(const Scene& scene, const VoxelGrid& grid, bool surfaces);
+    SparseVoxelOctree(const Scene& scene, const VoxelGrid& grid, bool surfaces)
+        : SparseVoxelOctree(scene, InstanceBricks(scene, grid, surfaces)) {}
+    /// The same of what the scene's instances have in the grid's bricks.
+    SparseVoxelOctree(const Scene& scene, const InstanceBricks& parts);
     /// What a tree will have, by its triangles' sizes alone. Most are right to a factor of two; where triangles lie
     /// many in a brick, as in foliage, it is less than said.
     struct Estimate {
         uint64_t fragments, bricks, nodes, voxels;
         uint64_t bytes;       // of the tree
+        uint64_t part_bytes;  // of what the instances have in its bricks
         uint64_t peak_bytes;  // while it is built, on the CPU
     };
     static Estimate estimate(const Scene& scene, const VoxelGrid& grid, bool surfaces);

@@ -23,6 +23,7 @@ void measure_octant(const SvoCells& cells, uint32_t octant, uint8_t* free) {
     const auto row = static_cast<size_t>(n) + 1;
     // Of this z and the one before: rows of y from the farthest, each with the border.
     std::vector<uint8_t> before(row * row, kFarthest), now(row * row, kFarthest);
+    std::vector<uint8_t> least(row);
     for (int k = n; k-- > 0;) {
         const auto z = static_cast<size_t>(octant & 4 ? n - 1 - k : k);
         for (int j = n; j-- > 0;) {
@@ -31,15 +32,17 @@ void measure_octant(const SvoCells& cells, uint32_t octant, uint8_t* free) {
             uint8_t* const own = now.data() + static_cast<size_t>(j) * row;
             const uint8_t* const beside = own + row;
             const uint8_t* const below = before.data() + static_cast<size_t>(j) * row;
+            // All but the one along the row, which the one before waits for.
+            for (size_t i = 0; i + 1 < row; ++i)
+                least[i] = std::min({beside[i], beside[i + 1], below[i], below[i + 1], below[i + row],
+                                     below[i + row + 1], static_cast<uint8_t>(kFarthest - 1)});
+            uint8_t ahead = kFarthest;
             for (int i = n; i-- > 0;) {
                 const size_t at = first + static_cast<size_t>(octant & 1 ? n - 1 - i : i);
-                const uint8_t least =
-                    std::min({own[i + 1], beside[i], beside[i + 1], below[i], below[i + 1],
-                              below[static_cast<size_t>(i) + row], below[static_cast<size_t>(i) + row + 1]});
-                own[i] = cells.starts[at] != SVO_NO_DATA
-                             ? uint8_t{0}
-                             : static_cast<uint8_t>(std::min<int>(least, kFarthest - 1) + 1);
-                free[at] = own[i];
+                ahead = cells.starts[at] != SVO_NO_DATA
+                            ? uint8_t{0}
+                            : static_cast<uint8_t>(std::min(ahead, least[static_cast<size_t>(i)]) + 1);
+                own[i] = free[at] = ahead;
             }
         }
         std::swap(before, now);
