@@ -11,6 +11,7 @@
 
 namespace photond {
 
+class KeptVoxels;
 struct Scene;
 namespace gpu {
 class DeviceScene;
@@ -36,6 +37,7 @@ struct RenderContext {
     MemoryBudget& budget;                            // of the host
     const gpu::DeviceScene* device_scene = nullptr;  // null on the CPU
     const Intersector* host_intersector = nullptr;   // on a GPU: answered by the cores, for who traces_on_host()
+    KeptVoxels* kept_voxels = nullptr;  // of the scene's frame before (voxels/kept_voxels.h); null: nothing is kept
 };
 
 /// Photons that a scene stores for each light path started, on paths of any length.

@@ -145,6 +145,8 @@ void InstanceBricks::update(const Scene& scene, std::span<const uint32_t> instan
             triangles_.push_back(least[static_cast<size_t>(std::countr_zero(left))]);
     }
     keep_until(UINT32_MAX, UINT32_MAX);
+    bricks_.shrink_to_fit();
+    triangles_.shrink_to_fit();
 }
 
 uint64_t InstanceBricks::bytes() const {

@@ -95,7 +95,8 @@ RenderContext RenderJob::context() {
             order_.seed(),
             budget_,
             ready_->device_scene.get(),
-            ready_->host_intersector.get()};
+            ready_->host_intersector.get(),
+            ready_->kept_voxels.get()};
 }
 
 void RenderJob::run() {
@@ -115,7 +116,8 @@ void RenderJob::load_scene() {
     const bool warm = scenes_.holds(order_.source, order_.variant);
     if (order_.before) follow_frame_before();
     ready_ = scenes_.get(order_.source, order_.variant, budget_, stats_, on_host, order_.moment);
-    const uint64_t warm_bytes = warm ? ready_->bytes() + (device_.software ? ready_->device_bytes() : 0) : 0;
+    const uint64_t warm_bytes =
+        warm ? ready_->bytes() + ready_->kept_bytes() + (device_.software ? ready_->device_bytes() : 0) : 0;
     baseline_bytes_ = resident - std::min(resident, warm_bytes);
     if (device_.in_use) note_idle_device_memory();
     const auto triangles = static_cast<unsigned long long>(ready_->scene.triangle_count);

@@ -15,6 +15,7 @@
 #include "renderer/scene/pose.h"
 #include "renderer/scene/solid_glass.h"
 #include "renderer/scene/texture_decode.h"
+#include "renderer/voxels/kept_voxels.h"
 #include "server/device_memory.h"
 #include "server/worker/process_memory.h"
 
@@ -75,10 +76,11 @@ uint64_t sum_of(const std::map<std::string, uint64_t>& structures) {
 
 }  // namespace
 
-ReadyScene::ReadyScene() = default;
+ReadyScene::ReadyScene() : kept_voxels(std::make_unique<KeptVoxels>()) {}
 ReadyScene::~ReadyScene() = default;
 
 uint64_t ReadyScene::bytes() const { return sum_of(structures); }
+uint64_t ReadyScene::kept_bytes() const { return kept_voxels->bytes(); }
 uint64_t ReadyScene::device_bytes() const { return sum_of(device_structures); }
 
 Scene load_scene(const SceneSource& source, const SceneVariant& variant, Stats& stats) {
@@ -168,6 +170,7 @@ void SceneCache::pose(ReadyScene& ready, const Moment& moment, uint64_t limit_by
     if (ready.scene.moment == moment) return;
     ready.host_intersector = nullptr;  // whoever asks for it gets one of this moment
     const SceneChange change = pose_timed(ready.scene, moment, stats);
+    ready.kept_voxels->note(change);
     MemoryBudget budget(limit_bytes);
     ready.scene.account(budget);
     if (device_) {
@@ -208,7 +211,7 @@ void SceneCache::add_host_rays(ReadyScene& ready, uint64_t limit_bytes, Stats& s
 
 uint64_t SceneCache::bytes() const {
     uint64_t bytes = 0;
-    for (const Entry& entry : entries_) bytes += entry.ready->bytes();
+    for (const Entry& entry : entries_) bytes += entry.ready->bytes() + entry.ready->kept_bytes();
     return bytes;
 }
 
@@ -223,6 +226,8 @@ void SceneCache::evict_idle(const std::string& wanted_key) {
             continue;
         }
         if (entry->key != wanted_key) idle += bytes, idle_on_device += device_bytes;
+        if (idle + entry->ready->kept_bytes() > idle_bytes_) entry->ready->kept_voxels->clear();
+        idle += entry->ready->kept_bytes();
         ++entry;
     }
 }

@@ -21,6 +21,7 @@ namespace gpu {
 class Device;
 class DeviceScene;
 }  // namespace gpu
+class KeptVoxels;
 
 /// What a job changes about a scene.
 struct SceneVariant {
@@ -44,12 +45,14 @@ struct ReadyScene {
     std::unique_ptr<gpu::DeviceScene> device_scene;  // null on the CPU
     std::unique_ptr<Intersector> intersector;        // on a GPU answered by it
     std::unique_ptr<Intersector> host_intersector;   // on a GPU, once a job asks for rays on the cores too
+    std::unique_ptr<KeptVoxels> kept_voxels;         // what methods leave to the next frame; never null
     std::map<std::string, uint64_t> structures;      // of the host
     std::map<std::string, uint64_t> device_structures;
 
     ReadyScene();
     ~ReadyScene();
-    uint64_t bytes() const;  // of the host
+    uint64_t bytes() const;       // of the host, without what is kept of voxels
+    uint64_t kept_bytes() const;  // of the host: what can be let go at no loss but time
     uint64_t device_bytes() const;
 };
 
@@ -58,7 +61,8 @@ struct ReadyScene {
 Scene load_scene(const SceneSource& source, const SceneVariant& variant, Stats& stats);
 
 /// The last scene used, and older ones as long as together they hold at most `idle_bytes`, and of a device's memory the
-/// share that is not one job's (device_memory.h); the least recently used go first. Not thread-safe: one job runs at a
+/// share that is not one job's (device_memory.h); the least recently used go first.
+/// What methods kept of their voxels is held as long as it fits in besides. Not thread-safe: one job runs at a
 /// time.
 class SceneCache {
 public:

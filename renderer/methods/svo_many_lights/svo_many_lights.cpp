@@ -14,7 +14,7 @@
 #include "renderer/methods/svo_many_lights/svo_layers.h"
 #include "renderer/methods/svo_many_lights/svo_memory.h"
 #include "renderer/methods/svo_many_lights/svo_settings.h"
-#include "renderer/voxels/sparse_voxel_octree.h"
+#include "renderer/voxels/kept_voxels.h"
 #include "renderer/voxels/voxel_intersector.h"
 
 namespace photond {
@@ -123,13 +123,10 @@ void SvoManyLights::begin(const RenderContext& context, Stats& stats) {
     }
     budget.record("emission_sampler", state.emission->bytes());
     if (params_.needs_voxels(context.view.layers)) {
-        const StageTimer timer(stats, "svo_build");
-        const VoxelGrid grid = make_voxel_grid(scene.bounds, params_.voxel_resolution);
-        budget.require("sparse_voxel_octree",
-                       SparseVoxelOctree::estimate(scene, grid, traces_voxels(params_)).peak_bytes);
-        state.tree.emplace(scene, grid, traces_voxels(params_));
+        state.tree.emplace(make_octree(context.kept_voxels, scene,
+                                       make_voxel_grid(scene.bounds, params_.voxel_resolution), traces_voxels(params_),
+                                       budget, stats));
         stats.counts.voxels += state.tree->voxel_count();
-        budget.record("sparse_voxel_octree", state.tree->bytes());
         if (traces_voxels(params_)) state.voxels.emplace(scene, *state.tree);
     } else {
         stats.skipped.push_back(

@@ -66,16 +66,22 @@ TEST(MovingScenes, AFrameIsTheStillSceneOfItsMoment) {
 SceneSource builtin(const char* name) { return {name, name, {}, {}}; }
 SceneMoment at(double time) { return {JobAnimation{.name = {}, .index = 0}, time}; }
 
-std::string picture(const ReadyScene& ready) {
-    test::RenderSettings settings;
+template <class M = PathTracing>
+std::string picture(const ReadyScene& ready, Stats* stages = nullptr) {
+    test::RenderSettingsOf<M> settings;
     settings.size = {24, 24};
     settings.passes = 2;
+    if constexpr (std::is_same_v<M, SvoManyLights>) settings.params.visibility = VplVisibility::Svo;
     Film film(settings.size, settings.layers);
     MemoryBudget budget;
     Stats stats;
-    const RenderContext context{ready.scene, ready.intersector.get(), test::view_of(ready.scene, settings), 1, budget};
+    const RenderContext context{.scene = ready.scene,
+                                .intersector = ready.intersector.get(),
+                                .view = test::view_of(ready.scene, settings),
+                                .budget = budget,
+                                .kept_voxels = ready.kept_voxels.get()};
     test::run_passes_in(
-        context, settings, [&](PathTracing& method, uint32_t) { method.resolve(film); }, stats);
+        context, settings, [&](M& method, uint32_t) { method.resolve(film); }, stages ? *stages : stats);
     return film.pixel_hash();
 }
 
@@ -97,10 +103,49 @@ TEST_P(HardCasesOfMotion, FramesStandAlone) {
     }
     EXPECT_NE(alone[0.2], alone[0.8]);
 }
+
+// A job's voxels follow from those of the job before where the scene's bounds, and so the grid, are as they were.
+TEST_P(HardCasesOfMotion, LeaveNothingButTheirVoxels) {
+    SceneCache kept(1ull << 30);
+    MemoryBudget budget;
+    Stats stats, warm;
+    std::optional<Bounds3> before;  // of the last frame that asked for voxels
+    bool follows = false;
+    for (const double time : {0.2, 0.49, 0.5, 0.8}) {
+        SceneCache fresh(1);
+        const std::string alone =
+            picture<SvoManyLights>(*fresh.get(builtin(GetParam()), {}, budget, stats, false, at(time)));
+        const auto ready = kept.get(builtin(GetParam()), {}, budget, stats, false, at(time));
+        EXPECT_EQ(picture<SvoManyLights>(*ready, &warm), alone) << "at " << time;
+        EXPECT_EQ(kept.bytes(), ready->bytes() + ready->kept_bytes());
+        if (ready->kept_bytes() == 0) continue;  // there is no light
+        const Bounds3& bounds = ready->scene.bounds;
+        follows |= before && before->min == bounds.min && before->max == bounds.max;
+        before = bounds;
+    }
+    const auto has = [&](const char* name) {
+        return std::ranges::any_of(warm.stages, [&](const Stage& stage) { return stage.name == name; });
+    };
+    EXPECT_TRUE(has("svo_build"));
+    EXPECT_EQ(has("svo_update"), follows);
+}
 INSTANTIATE_TEST_SUITE_P(Scenes, HardCasesOfMotion,
                          testing::Values("moving/cornell-box", "moving/thin-object", "moving/teleport",
                                          "moving/appearing", "moving/light-switched-on", "moving/light-switched-off"),
                          [](const auto& info) { return "Scene" + std::to_string(info.index); });
+
+// What is kept goes where there is no room for it, and the scene stays.
+TEST(MovingScenes, LetVoxelsGoFirst) {
+    SceneCache scarce(1);
+    MemoryBudget budget;
+    Stats stats;
+    const SceneSource box = builtin("moving/cornell-box");
+    const ReadyScene* first = scarce.get(box, {}, budget, stats, false, at(1)).get();
+    (void)picture<SvoManyLights>(*first);
+    EXPECT_GT(first->kept_bytes(), 0u);
+    EXPECT_EQ(scarce.get(box, {}, budget, stats, false, at(2)).get(), first);
+    EXPECT_EQ(first->kept_bytes(), 0u);
+}
 
 TEST(MovingScenes, AreLoadedOnceAndRefuseAnimationsThatTheyDoNotHave) {
     SceneCache cache(1ull << 30);

@@ -1,0 +1,144 @@
+// Octrees that follow from those of earlier frames against octrees that are built anew: the same bits, whatever moved.
+
+#include "renderer/voxels/kept_voxels.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "renderer/scene/rig_builder.h"
+#include "renderer/scene/scene.h"
+#include "tests/support/scene_parts.h"
+
+namespace photond::kept_voxels_test {
+namespace {
+
+constexpr float kLeft = -6;  // where what leaves the grid ends
+
+/// A room with what stands still in it, and of what moves: a sphere that turns as it flies, one that shrinks to
+/// nothing, one that jumps, one that leaves the room, and one whose material lets light pass for a time.
+Scene make_theatre() {
+    Scene scene;
+    test::add(scene, MeshBuilder().box(vec3(-2), vec3(2)).build(0), test::lambert(0.5f));
+    test::add(scene, MeshBuilder().torus(vec3(0), 0.9f, 0.3f, 24, 12).build(0), test::lambert(0.5f));
+    Rig rig;
+    Animation animation;
+    const auto add_sphere = [&](float radius, const vec3& at) {
+        auto object = std::make_shared<ObjectMesh>();
+        object->mesh = make_icosphere(2, static_cast<uint32_t>(scene.materials.size()));
+        for (vec3& p : object->mesh.positions) p = radius * p;
+        scene.materials.push_back(test::lambert(0.5f));
+        const uint32_t node = add_node(rig, {.translation = dvec3(at)});
+        add_rigged_mesh(scene, rig, std::move(object), node);
+        return node;
+    };
+    const uint32_t flying = add_sphere(0.5f, vec3(0)), shrinking = add_sphere(0.6f, vec3(1, 1, 0)),
+                   jumping = add_sphere(0.4f, vec3(0)), leaving = add_sphere(0.3f, vec3(0));
+    add_sphere(0.5f, vec3(-1, 0.5f, 0.2f));
+    const auto material = static_cast<uint32_t>(scene.materials.size()) - 1;
+    scene.materials[material].alpha_mode = AlphaMode::Mask;
+    scene.materials[material].alpha = 0.6f;
+    rig.materials.push_back({.material = material, .rest = scene.materials[material]});
+    animation.channels = {
+        drive(Property::Translation, flying, {0, 1}, {-1, -1, -1, 1, 0.5f, 1}),
+        drive(Property::Rotation, flying, {0, 1}, keys_of({turn_about({0, 1, 0}, 0), turn_about({0, 1, 0}, 2)})),
+        drive(Property::Scale, shrinking, {0, 0.5f, 1}, {1, 1, 1, 0, 0, 0, 1, 1, 1}),
+        drive(Property::Translation, jumping, {0, 0.3f, 0.7f}, {1, -1, 0, -1, 1, 1, 0, 0, -1.5f}, Interpolation::Step),
+        drive(Property::Translation, leaving, {0, 1}, {0, 0, 1, kLeft, 0, 1}),
+        drive(Property::AlphaCutoff, 0, {0, 0.4f, 0.8f}, {0.5f, 0.7f, 0.5f}, Interpolation::Step)};
+    rig.animations.push_back(std::move(animation));
+    adopt_rig(scene, std::make_shared<const Rig>(std::move(rig)));
+    finish_scene(scene);
+    return scene;
+}
+
+template <class T>
+void expect_same(std::span<const T> a, std::span<const T> b, const char* what) {
+    EXPECT_EQ(a.size(), b.size()) << what;
+    EXPECT_TRUE(a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size_bytes()) == 0) << what;
+}
+
+void expect_same_bits(const SparseVoxelOctree& tree, const SparseVoxelOctree& anew) {
+    expect_same(std::span(&tree.constants(), 1), std::span(&anew.constants(), 1), "constants");
+    const SvoView a = tree.view(), b = anew.view();
+    expect_same<gpu::SvoNode>(a.nodes, b.nodes, "nodes");
+    expect_same<gpu::SvoBrick>(a.bricks, b.bricks, "bricks");
+    expect_same<uint32_t>(a.surfaces, b.surfaces, "surfaces");
+    expect_same(tree.first_triangles(), anew.first_triangles(), "first triangles");
+    EXPECT_EQ(a.cells->starts, b.cells->starts);
+    EXPECT_EQ(a.cells->free, b.cells->free);
+    EXPECT_EQ(tree.voxel_count(), anew.voxel_count());
+}
+
+/// A scene and what is kept of it.
+struct Theatre {
+    Scene scene = make_theatre();
+    KeptVoxels kept;
+    MemoryBudget budget;
+
+    /// How often the tree followed from the one before.
+    int show(double time, const std::optional<VoxelGrid>& fixed, uint32_t resolution, bool surfaces) {
+        kept.note(pose_scene(scene, {0, time}));
+        return follow(fixed ? *fixed : make_voxel_grid(scene.bounds, resolution), surfaces);
+    }
+    int follow(const VoxelGrid& grid, bool surfaces) {
+        Stats stats;
+        expect_same_bits(kept.octree(scene, grid, surfaces, budget, stats), SparseVoxelOctree(scene, grid, surfaces));
+        return stats.stages.front().name == "svo_update";
+    }
+};
+
+// Moments in no order, so that all that moves also teleports.
+TEST(KeptVoxels, MakeTheTreeThatIsBuiltAnew) {
+    for (const bool surfaces : {false, true}) {
+        Theatre theatre;
+        const VoxelGrid grid = make_voxel_grid({vec3(-2), vec3(2)}, 64);  // which one of the spheres leaves
+        int updates = 0;
+        for (const double time : {0.0, 0.1, 0.5, 0.45, 1.0, 0.75, 0.5, 0.2})
+            updates += theatre.show(time, grid, 64, surfaces);
+        EXPECT_EQ(updates, 7) << "all but the first";
+    }
+}
+
+TEST(KeptVoxels, AreMadeAnewWhereTheGridOrWhatIsAskedForIsAnother) {
+    Theatre theatre;
+    EXPECT_EQ(theatre.show(0, {}, 32, true), 0);
+    EXPECT_EQ(theatre.show(0.1, {}, 32, true), 1);
+    EXPECT_EQ(theatre.show(0.1, {}, 32, false), 0);
+    EXPECT_EQ(theatre.show(0.1, {}, 64, false), 0);
+    EXPECT_EQ(theatre.show(0.9, {}, 64, false), 0) << "the sphere that left has moved the scene's bounds";
+    EXPECT_EQ(theatre.show(0.1, {}, 64, false), 0);
+}
+
+// Two poses are shown to one who asks once, and one to one who asks twice.
+TEST(KeptVoxels, HearOfAllThatMovedSinceTheyWereAsked) {
+    Theatre theatre;
+    const VoxelGrid grid = make_voxel_grid(theatre.scene.bounds, 32);
+    EXPECT_EQ(theatre.show(0.2, grid, 32, true), 0);
+    theatre.kept.note(pose_scene(theatre.scene, {0, 0.6}));
+    EXPECT_EQ(theatre.show(0.3, grid, 32, true), 1);
+    EXPECT_EQ(theatre.follow(grid, true), 1);
+    theatre.kept.note(pose_scene(theatre.scene, {}));
+    EXPECT_EQ(theatre.follow(grid, true), 1);
+}
+
+TEST(KeptVoxels, AreNoneOfWhatIsStillAndWhereMemoryIsShort) {
+    Theatre theatre;
+    const VoxelGrid grid = make_voxel_grid(theatre.scene.bounds, 32);
+    Stats stats;
+    const SparseVoxelOctree tree = make_octree(&theatre.kept, theatre.scene, grid, true, theatre.budget, stats);
+    const uint64_t kept = theatre.kept.bytes();
+    EXPECT_GT(kept, 0u);
+    EXPECT_EQ(theatre.budget.structures().at("kept_voxels"), kept);
+    EXPECT_EQ(theatre.budget.structures().at("sparse_voxel_octree"), tree.bytes());
+    theatre.budget = MemoryBudget(tree.bytes() + 8 * kept - 8);
+    EXPECT_EQ(theatre.follow(grid, true), 1);
+    EXPECT_EQ(theatre.kept.bytes(), 0u) << "more than an eighth of what is left";
+    theatre.budget = MemoryBudget();
+    theatre.scene.rig = nullptr;
+    EXPECT_EQ(theatre.follow(grid, true), 0);
+    EXPECT_EQ(theatre.kept.bytes(), 0u);
+}
+
+}  // namespace
+}  // namespace photond::kept_voxels_test
