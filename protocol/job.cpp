@@ -502,6 +502,8 @@ namespace {
 void leave_out_new_parameters(json& part) {
     if (part.is_object() && part.value("temporal", json()) == "none")
         for (const char* member : {"temporal", "history_cap"}) part.erase(member);
+    if (part.is_object() && part.value("aged", json()) == false)
+        for (const char* member : {"aged", "cache_age"}) part.erase(member);
     if (part.is_structured())
         for (json& inner : part) leave_out_new_parameters(inner);
 }

@@ -101,7 +101,8 @@ struct MethodInfo {
     bool (*traces_on_host)(const MethodParams& params) = nullptr;
     /// Bytes of the GPU's memory the method will take beside the scene's; null where there is no make_gpu.
     uint64_t (*estimate_device_bytes)(const MethodParams& params, const Workload& workload) = nullptr;
-    /// About the bytes of the artefacts it will leave on the disk.
+    /// About the bytes it will leave on the disk beside image and history: artefacts, and what else the next frame
+    /// follows from.
     uint64_t (*estimate_artefact_bytes)(const MethodParams& params, const Workload& workload) = nullptr;
 
     std::vector<std::string_view> devices() const;  // kinds: "cpu", "gpu"

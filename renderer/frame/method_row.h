@@ -35,8 +35,11 @@ MethodInfo row_of_classes() {
     if constexpr (requires(const Params& params) { params.temporal.history_cap; }) {
         info.temporal = +[](const MethodParams& params) { return &as<Params>(params).temporal; };
         info.left_to_next = +[](const MethodParams& params) -> std::vector<std::string_view> {
-            if (as<Params>(params).temporal.reuse == TemporalReuse::None) return {};
-            return {"indirect light"};
+            std::vector<std::string_view> left;
+            if (as<Params>(params).temporal.reuse != TemporalReuse::None) left.push_back("indirect light");
+            if constexpr (requires(const Params& own) { own.left_beside_light(); })
+                for (const std::string_view what : as<Params>(params).left_beside_light()) left.push_back(what);
+            return left;
         };
         for (const LayerInfo& layer : kLayers)
             if (layer.filled_by == LayerFilledBy::Following) info.layers.add(layer.layer);

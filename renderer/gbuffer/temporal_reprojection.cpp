@@ -20,6 +20,24 @@ struct PixelSums {
     double frames = 0, step_product = 0, age = 0;
 };
 
+/// Texts of the method within and of this one, as one.
+struct TextsOfBoth {
+    std::string within, own;
+
+    std::string joined() const {
+        const uint64_t length = within.size();
+        std::string text(reinterpret_cast<const char*>(&length), sizeof length);
+        return text.append(within).append(own);
+    }
+    static TextsOfBoth split(const std::string& text) {
+        uint64_t length = 0;
+        if (text.size() >= sizeof length) std::memcpy(&length, text.data(), sizeof length);
+        if (text.size() < sizeof length || length > text.size() - sizeof length)
+            throw Error(ErrorCode::Conflict, "it is not what a method of last frames' light left");
+        return {text.substr(sizeof length, length), text.substr(sizeof length + length)};
+    }
+};
+
 }  // namespace
 
 struct TemporalReprojection::Sums {
@@ -43,13 +61,19 @@ uint64_t TemporalReprojection::estimate_bytes(Size2 size) {
 
 void TemporalReprojection::follow(FrameBefore before) {
     followed_ = sha256_hex(before.left.data(), before.left.size());
-    before_ = std::move(before);
+    TextsOfBoth left;
+    if (!before.left.empty()) left = TextsOfBoth::split(before.left);
+    method_->follow({std::move(left.within), before.pose});
+    before_ = {std::move(left.own), std::move(before.pose)};
 }
 
 void TemporalReprojection::go_on_from(const std::string& state) {
-    if (!state.starts_with(followed_) || (state.size() - followed_.size()) % sizeof(PixelSums) != sizeof(uint32_t))
+    TextsOfBoth both = TextsOfBoth::split(state);
+    if (!both.own.starts_with(followed_) ||
+        (both.own.size() - followed_.size()) % sizeof(PixelSums) != sizeof(uint32_t))
         throw Error(ErrorCode::Conflict, "its passes do not follow the frame before");
-    state_before_ = state;
+    method_->go_on_from(both.within);
+    state_before_ = std::move(both.own);
 }
 
 void TemporalReprojection::begin(const RenderContext& context, Stats& stats) {
@@ -111,10 +135,11 @@ PassImage* TemporalReprojection::end_pass() {
 }
 
 std::string TemporalReprojection::state() const {
-    if (!sums_) return state_before_;
-    std::string state = followed_;
-    state.append(reinterpret_cast<const char*>(&sums_->passes), sizeof sums_->passes);
-    return state.append(reinterpret_cast<const char*>(sums_->pixels.data()), sums_->pixels.size() * sizeof(PixelSums));
+    TextsOfBoth state{method_->state(), sums_ ? followed_ : state_before_};
+    if (sums_)
+        state.own.append(reinterpret_cast<const char*>(&sums_->passes), sizeof sums_->passes)
+            .append(reinterpret_cast<const char*>(sums_->pixels.data()), sums_->pixels.size() * sizeof(PixelSums));
+    return state.joined();
 }
 
 std::string TemporalReprojection::left_to_next() const {
@@ -127,7 +152,7 @@ std::string TemporalReprojection::left_to_next() const {
         left.step_product[at] = static_cast<float>(scale * sums.step_product);
         left.age[at] = static_cast<float>(scale * sums.age);
     }
-    return left.encode();
+    return TextsOfBoth{method_->left_to_next(), left.encode()}.joined();
 }
 
 }  // namespace photond

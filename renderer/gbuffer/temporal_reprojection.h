@@ -15,7 +15,8 @@ namespace photond {
 /// up to a pixel a frame. Emitted and direct light, and the caustic layer, are the pass's own; so is `standard_error`,
 /// which tells of this frame's part alone.
 ///
-/// Passes are pure functions of their index and of the frame before. The method within keeps no state of its own.
+/// Passes are pure functions of their index and of the frame before. The method within may have a state of its own and
+/// leave something to the next frame: those come before what is this class's.
 class TemporalReprojection final : public Method {
 public:
     TemporalReprojection(std::unique_ptr<Method> method, const TemporalParams& params);

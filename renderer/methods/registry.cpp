@@ -42,7 +42,10 @@ const MethodInfo* find_method(std::string_view name) {
     return nullptr;
 }
 
-uint64_t history_bytes(Size2 film_size) { return TemporalReprojection::estimate_bytes(film_size); }
+uint64_t history_bytes(const MethodInfo& method, const MethodParams& params, Size2 film_size) {
+    const bool follows = method.temporal && method.temporal(params)->reuse != TemporalReuse::None;
+    return follows ? TemporalReprojection::estimate_bytes(film_size) : 0;
+}
 
 std::span<const ArtefactInfo> all_artefacts() {
     static const std::vector<ArtefactInfo> kArtefacts = [] {

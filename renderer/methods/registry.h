@@ -8,8 +8,9 @@
 namespace photond {
 
 std::span<const MethodInfo> all_methods();  // by name
-/// What frames that follow from the one before hold of the host's memory, beside what their method takes.
-uint64_t history_bytes(Size2 film_size);
+/// What frames hold of the host's memory for MethodInfo::temporal, beside what their method takes; 0 where they take
+/// nothing over by it.
+uint64_t history_bytes(const MethodInfo& method, const MethodParams& params, Size2 film_size);
 /// nullptr when there is none of that name.
 const MethodInfo* find_method(std::string_view name);
 /// Of all methods, each name once.

@@ -117,8 +117,9 @@ namespace {
 /// What a job holds to take over, and to leave to the next frame, and about what its film's file has of it.
 uint64_t history_bytes(const JobRequest& request) {
     const MethodInfo* method = find_method(request.method.name);
-    const bool follows = method && !left_to_next(*method, request.method.parameters).empty();
-    return follows ? history_bytes(Size2{request.width, request.height}) : 0;
+    if (!method || !method->temporal) return 0;
+    const std::unique_ptr<MethodParams> params = params_of(*method, request.method.parameters);
+    return history_bytes(*method, *params, {request.width, request.height});
 }
 
 }  // namespace

@@ -44,6 +44,14 @@ void RadianceCacheParams::visit(ParamVisitor& visitor) {
                    "alpha - 1"});
     visit_sampler(visitor, sampler);
     temporal.visit(visitor);
+    visitor.flag("aged", aged,
+                 {Frames,
+                  "each frame begins with the cells of the one before, whose samples count for less: less noise and "
+                  "flicker, and light that lags where it changes"});
+    visitor.field("cache_age", cache_age,
+                  {Frames, "frames", 2, 1024,
+                   "that a cell's samples count as at most: more are smoother and lag more; one that had none in so "
+                   "many is dropped"});
 }
 
 }  // namespace photond

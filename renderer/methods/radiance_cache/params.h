@@ -2,6 +2,8 @@
 // The parameters of the radiance cache: each is a field here, and a line of visit().
 
 #include <optional>
+#include <string_view>
+#include <vector>
 
 #include "protocol/param_info.h"
 #include "renderer/frame/common_params.h"
@@ -27,10 +29,16 @@ struct RadianceCacheParams final : MethodParams {
     bool shrink = true;
     float alpha = static_cast<float>(kRadiusAlpha);
     SamplerKind sampler = SamplerKind::Sobol;
+    bool aged = false;
+    uint32_t cache_age = 8;  // frames that a cell's samples are of, at most, as they count
 
     void visit(ParamVisitor& visitor) override;
     /// Greatest number of scattering vertices of a path: n vertices make n - 1 bounces (conventions.md).
     uint32_t max_scatterings() const { return indirect_bounces ? *indirect_bounces + 1 : UINT32_MAX; }
+    /// What a frame leaves to the next beside its indirect light.
+    std::vector<std::string_view> left_beside_light() const {
+        return aged ? std::vector<std::string_view>{"cells of radiance"} : std::vector<std::string_view>{};
+    }
     /// Of cells, over those of the first pass.
     float share_of_pass(uint32_t pass) const { return shrink ? radius_share(pass, double{alpha}) : 1; }
 };

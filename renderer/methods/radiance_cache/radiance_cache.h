@@ -1,5 +1,6 @@
 #pragma once
 #include "renderer/frame/method.h"
+#include "renderer/methods/radiance_cache/aged_cells.h"
 #include "renderer/methods/radiance_cache/params.h"
 
 namespace photond {
@@ -17,8 +18,9 @@ namespace photond {
 ///
 /// Biased by the cells' width; with `shrink` they shrink from pass to pass, and the mean of the passes converges. A
 /// cache serves a block of 1, 2, 4, 8 and then 16 passes and is filled by as many passes' paths: what a pass is follows
-/// from its index alone. Strong where light bounces often and softly; caustics are as noisy as path tracing's, or
-/// worse, as they are blurred by the cells.
+/// from its index alone, and with `aged` from the cells of the frame before, which each block begins with; the last
+/// block's are left to the next frame (aged_cells.h). Strong where light bounces often and softly; caustics are as
+/// noisy as path tracing's, or worse, as they are blurred by the cells.
 ///
 /// [Binder, Fricke, Keller 2018] Fast Path Space Filtering by Jittered Spatial Hashing. SIGGRAPH Talks.
 /// [Müller et al. 2021] Real-time Neural Radiance Caching for Path Tracing. ACM TOG 40(4) (where paths end).
@@ -33,14 +35,19 @@ public:
     /// What begin() will record.
     static uint64_t estimate_bytes(const RadianceCacheParams& params, const Workload& workload);
 
+    void follow(FrameBefore before) override { frames_.follow(before); }
+    void go_on_from(const std::string& state) override { frames_.go_on_from(state); }
     void begin(const RenderContext& context, Stats& stats) override;
     void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) override;
     PassImage* end_pass() override;
+    std::string state() const override { return frames_.state(); }
+    std::string left_to_next() const override { return frames_.left_to_next(); }
 
 private:
     struct State;
 
     const RadianceCacheParams params_;
+    CellsBetweenFrames frames_;
     std::unique_ptr<State> state_;
 };
 

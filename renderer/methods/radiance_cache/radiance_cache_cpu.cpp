@@ -21,7 +21,7 @@ uint64_t sample_bytes(const CacheTraining& training) {
 
 /// Of the cells, and of the samples on their way to them.
 uint64_t cell_bytes(const RadianceCacheParams& params, Size2 film_size) {
-    return RadianceCells::bytes_for(params.cells) +
+    return RadianceCells::bytes_for(params.cells) + CellsBetweenFrames::bytes_for(params) +
            sample_bytes(CacheTraining(film_size, params.training, kMostTilesAtOnce));
 }
 
@@ -82,13 +82,15 @@ struct RadianceCache::State {
         EyeSeconds seconds;
     };
 
-    State(const RenderContext& context, const RadianceCacheParams& parameters)
+    State(const RenderContext& context, const RadianceCacheParams& parameters, const CellsBetweenFrames& between)
         : params(parameters),
+          frames(between),
           eye(context, parameters.sampler, parameters.max_scatterings()),
           training(context.view.film_size, parameters.training, kMostTilesAtOnce),
           image(context.view.film_size, context.view.layers) {
         if (why_no_cache(parameters, !eye.lights.empty())) return;
         cells.emplace(parameters.cells);
+        aged = frames.aged(eye.seed);
         lists.resize(training.tiles_of_round());
         for (std::vector<CellSample>& list : lists) list.reserve(kSamplesOfTile);
     }
@@ -100,9 +102,11 @@ struct RadianceCache::State {
     uint32_t key() const { return cache_key(eye.seed, *filled); }
 
     const RadianceCacheParams& params;
+    const CellsBetweenFrames& frames;
     const EyeScene eye;
     const CacheTraining training;
     std::optional<RadianceCells> cells;  // none: no path asks them
+    std::optional<AgedCells> aged;       // that they begin with
     CellGrid grid;
     std::optional<CacheBlock> filled;            // what the cells are of
     std::vector<std::vector<CellSample>> lists;  // of a round, by tile
@@ -115,8 +119,10 @@ struct RadianceCache::State {
 bool RadianceCache::State::fill(const CacheBlock& block, Stats& stats, const CancelToken& cancel) {
     const StageTimer timer(stats, "cache_fill");
     cells->clear();
+    if (aged) cells->begin_with(*aged);
     filled = block;
     grid = cache_grid(eye.scene.bounds, eye.view.camera.position, eye.seed, params, block);
+    frames.place(grid);
     bool ends_in_cells = false;
     for (uint32_t i = 0; i < block.passes * training.times; ++i) {
         const uint32_t draw = block.first * training.times + i;
@@ -180,7 +186,7 @@ void RadianceCache::State::show_cells(std::span<const GatherPoint> points) {
     }
 }
 
-RadianceCache::RadianceCache(const RadianceCacheParams& params) : params_(params) {}
+RadianceCache::RadianceCache(const RadianceCacheParams& params) : params_(params), frames_(params) {}
 RadianceCache::~RadianceCache() = default;
 
 uint64_t RadianceCache::estimate_bytes(const RadianceCacheParams& params, const Workload& workload) {
@@ -199,7 +205,7 @@ void RadianceCache::begin(const RenderContext& context, Stats& stats) {
     const uint64_t path_bytes = most_threads() * scratch_bytes();
     const uint64_t all_cells = cell_bytes(params_, context.view.film_size);
     context.budget.require("radiance_cache", image_bytes + path_bytes + (why_none ? 0 : all_cells));
-    state_ = std::make_unique<State>(context, params_);
+    state_ = std::make_unique<State>(context, params_, frames_);
     context.budget.record("pass_image", image_bytes);
     context.budget.record("wavefronts", path_bytes);
     context.budget.record("light_sampler", state_->eye.lights.bytes());
@@ -246,6 +252,13 @@ void RadianceCache::run_pass(uint32_t pass, Stats& stats, const CancelToken& can
         stats, wall_now_seconds() - wall_start,
         {{"g_buffer", cpu.camera}, {"direct", cpu.direct}, {"indirect", cpu.indirect}, {"gather", cpu.points}});
     state.pass_complete = !cancel.cancelled();
+    if (state.pass_complete && state.cells && frames_.lacks(block))
+        frames_.leave(block, state.grid, [&](LeftCells& left) {
+            state.cells->for_each(
+                [&](uint32_t slot, uint32_t fingerprint, const RadianceCells::Mean& mean, uint32_t last_round) {
+                    frames_.append(left, slot, fingerprint, mean.radiance, mean.samples, last_round);
+                });
+        });
 }
 
 PassImage* RadianceCache::end_pass() { return state_->pass_complete ? &state_->image : nullptr; }

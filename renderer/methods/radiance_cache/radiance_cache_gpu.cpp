@@ -39,8 +39,10 @@ std::string cached_shader(const char* name) { return "renderer/methods/radiance_
 }  // namespace
 
 struct RadianceCacheGpu::State {
-    State(const RenderContext& context, const RadianceCacheParams& p, bool uses_cells)
+    State(const RenderContext& context, const RadianceCacheParams& p, bool uses_cells,
+          const CellsBetweenFrames& between)
         : params(p),
+          frames(between),
           scene(*context.device_scene),
           device(scene.device()),
           seed(context.seed),
@@ -50,7 +52,8 @@ struct RadianceCacheGpu::State {
           eye(device, "eye", sizeof(gpu::EyeConstants)),
           sampler(device, "sampler", sizeof(gpu::PassSamplerData)),
           order(device, "radiance_cache", training.all() * sizeof(uint32_t)),
-          cells(device, uses_cells ? p.cells : RadianceCells::kLeastCells, uses_cells ? paths_of_round(training) : 1),
+          cells(device, uses_cells ? p.cells : RadianceCells::kLeastCells, uses_cells ? paths_of_round(training) : 1,
+                uses_cells && p.aged),
           asks(uses_cells),
           shows(context.view.layers.has(Layer::CacheCells) || context.view.layers.has(Layer::CacheSamples)),
           frame(context, [this](uint32_t pass, DeviceFrame::Steps& steps) { add_steps(pass, steps); }),
@@ -58,9 +61,10 @@ struct RadianceCacheGpu::State {
                  scene.specialization(cache_constants(frame.image()))) {
         const gpu::EyeConstants of_view = make_eye_constants(context.view, p.max_scatterings(), ROULETTE_START);
         gpu::upload(device, eye, std::as_bytes(std::span(&of_view, 1)));
-        if (asks)
-            train.emplace(device, cached_shader("cache_train.comp"), sizeof(gpu::CacheTrainPush), &scene.set(),
-                          scene.specialization(cache_constants(frame.image())));
+        if (!asks) return;
+        if (const auto aged = frames.aged(seed)) cells.begin_with(device, *aged);
+        train.emplace(device, cached_shader("cache_train.comp"), sizeof(gpu::CacheTrainPush), &scene.set(),
+                      scene.specialization(cache_constants(frame.image())));
     }
     ~State() { frame.end(); }
 
@@ -70,8 +74,10 @@ struct RadianceCacheGpu::State {
     void record_round(gpu::CommandList& commands, uint64_t first, uint64_t end);
     void record_paths(gpu::CommandList& commands, uint32_t first, uint32_t end, bool shows_cells);
     std::vector<gpu::Binding> bindings();
+    CellGrid grid_of(const CacheBlock& block) const;
 
     const RadianceCacheParams& params;
+    const CellsBetweenFrames& frames;
     const gpu::DeviceScene& scene;
     gpu::Device& device;
     const uint64_t seed;
@@ -115,16 +121,24 @@ void RadianceCacheGpu::State::add_steps(uint32_t pass, DeviceFrame::Steps& steps
                      }});
 }
 
+CellGrid RadianceCacheGpu::State::grid_of(const CacheBlock& block) const {
+    CellGrid grid = cache_grid(scene.scene().bounds, view_eye, seed, params, block);
+    frames.place(grid);
+    return grid;
+}
+
 void RadianceCacheGpu::State::add_fill_steps(const CacheBlock& block, DeviceFrame::Steps& steps) {
     steps.push_back({0, [=, this](gpu::CommandList& commands) {
                          filled.reset();  // until all is there
-                         round = 0;
-                         cells.record_clear(commands, cache_grid(scene.scene().bounds, view_eye, seed, params, block),
-                                            params, hash32(cache_key(seed, block)));
+                         round = cells.first_round();
+                         cells.record_clear(commands, grid_of(block), params, hash32(cache_key(seed, block)));
                      }});
     for (uint32_t i = 0; i < block.passes * training.times; ++i)
         add_draw_steps(block, block.first * training.times + i, steps);
-    steps.push_back({0, [=, this](gpu::CommandList&) { filled = block; }});
+    steps.push_back({0, [=, this](gpu::CommandList& commands) {
+                         if (params.aged) cells.record_leave(commands);
+                         filled = block;
+                     }});
 }
 
 void RadianceCacheGpu::State::add_draw_steps(const CacheBlock& block, uint32_t draw, DeviceFrame::Steps& steps) {
@@ -156,7 +170,8 @@ std::vector<gpu::Binding> RadianceCacheGpu::State::bindings() {
 
 void RadianceCacheGpu::State::record_round(gpu::CommandList& commands, uint64_t first, uint64_t end) {
     const gpu::Scope scope(commands, "cache_fill");
-    const bool ends_in_cells = params.second_bounces == SecondBounces::Cache && !params.indirect_bounces && round > 0;
+    const bool ends_in_cells =
+        params.second_bounces == SecondBounces::Cache && !params.indirect_bounces && round > cells.first_round();
     std::vector<gpu::Binding> all = bindings();
     all.insert(all.end(), {gpu::read("tiles", order), gpu::read_write("records", cells.records()),
                            gpu::write("record_counts", cells.record_counts())});
@@ -176,11 +191,11 @@ void RadianceCacheGpu::State::record_paths(gpu::CommandList& commands, uint32_t 
     commands.dispatch_threads(uint64_t{end - first} * kEyeTilePixels, kEyeTilePixels);
 }
 
-RadianceCacheGpu::RadianceCacheGpu(const RadianceCacheParams& params) : params_(params) {}
+RadianceCacheGpu::RadianceCacheGpu(const RadianceCacheParams& params) : params_(params), frames_(params) {}
 RadianceCacheGpu::~RadianceCacheGpu() = default;
 
-uint64_t RadianceCacheGpu::estimate_bytes(const RadianceCacheParams& /*params*/, const Workload& workload) {
-    return DeviceFrame::estimate_bytes(workload);
+uint64_t RadianceCacheGpu::estimate_bytes(const RadianceCacheParams& params, const Workload& workload) {
+    return DeviceFrame::estimate_bytes(workload) + CellsBetweenFrames::bytes_for(params);
 }
 
 uint64_t RadianceCacheGpu::estimate_device_bytes(const RadianceCacheParams& params, const Workload& workload) {
@@ -188,7 +203,9 @@ uint64_t RadianceCacheGpu::estimate_device_bytes(const RadianceCacheParams& para
     const bool lights = workload.lights > 0 || workload.environment_size.pixels() > 0;
     return DeviceFrame::estimate_device_bytes(workload) + sizeof(gpu::PassSamplerData) + sizeof(gpu::EyeConstants) +
            training.all() * sizeof(uint32_t) +
-           (why_no_cache(params, lights) ? 0 : RadianceCellsGpu::device_bytes(params.cells, paths_of_round(training)));
+           (why_no_cache(params, lights)
+                ? 0
+                : RadianceCellsGpu::device_bytes(params.cells, paths_of_round(training), params.aged));
 }
 
 void RadianceCacheGpu::begin(const RenderContext& context, Stats& stats) {
@@ -196,12 +213,14 @@ void RadianceCacheGpu::begin(const RenderContext& context, Stats& stats) {
     const char* const why_none = why_no_cache(params_, needs.area_lights || needs.punctual_lights || needs.environment);
     {
         const StageTimer timer(stats, "pipelines");
-        state_ = std::make_unique<State>(context, params_, why_none == nullptr);
+        state_ = std::make_unique<State>(context, params_, why_none == nullptr, frames_);
     }
+    if (params_.aged) context.budget.record("radiance_cache", CellsBetweenFrames::bytes_for(params_));
     note_skipped_shading(needs, stats);
     if (why_none)
-        stats.skipped.push_back({"radiance cache", why_none,
-                                 RadianceCellsGpu::device_bytes(params_.cells, paths_of_round(state_->training))});
+        stats.skipped.push_back(
+            {"radiance cache", why_none,
+             RadianceCellsGpu::device_bytes(params_.cells, paths_of_round(state_->training), params_.aged)});
     if (needs.only_lambert())
         stats.skipped.push_back({"directions of cells", "every surface is a plain Lambert reflector", 0});
 }
@@ -214,6 +233,8 @@ void RadianceCacheGpu::run_pass(uint32_t pass, Stats& stats, const CancelToken& 
     stats.counts.cache_hits += state.cells.counted(CACHE_HITS);
     stats.counts.cache_misses += state.cells.counted(CACHE_MISSES);
     state.frame.read(stats);
+    if (const CacheBlock block = cache_block_of(pass); state.asks && frames_.lacks(block))
+        frames_.leave(block, state.grid_of(block), [&](LeftCells& left) { state.cells.leave(frames_, left); });
 }
 
 DeviceFrame& RadianceCacheGpu::frame() { return state_->frame; }

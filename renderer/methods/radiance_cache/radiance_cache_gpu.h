@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "renderer/frame/device_method.h"
+#include "renderer/methods/radiance_cache/aged_cells.h"
 #include "renderer/methods/radiance_cache/params.h"
 
 namespace photond {
@@ -21,8 +22,12 @@ public:
     /// Bytes of the device's memory that begin() will take, to a factor of two.
     static uint64_t estimate_device_bytes(const RadianceCacheParams& params, const Workload& workload);
 
+    void follow(FrameBefore before) override { frames_.follow(before); }
+    void go_on_from(const std::string& state) override { frames_.go_on_from(state); }
     void begin(const RenderContext& context, Stats& stats) override;
     void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) override;
+    std::string state() const override { return frames_.state(); }
+    std::string left_to_next() const override { return frames_.left_to_next(); }
 
 private:
     DeviceFrame& frame() override;
@@ -30,6 +35,7 @@ private:
     struct State;  // radiance_cache_gpu.cpp
 
     const RadianceCacheParams params_;
+    CellsBetweenFrames frames_;
     std::unique_ptr<State> state_;
 };
 

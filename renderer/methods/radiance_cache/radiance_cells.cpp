@@ -6,16 +6,16 @@
 
 #include "renderer/core/parallel.h"
 #include "renderer/core/rng.h"
+#include "renderer/methods/radiance_cache/aged_cells.h"
 
 namespace photond {
 
 namespace {
 
 constexpr size_t kBucketsAtOnce = 1024;
-constexpr float kUnitsOfMean = 0x1p20f;
 
 /// The mean of all channels of all samples: in their order, so that it is the same for any number of threads.
-double mean_of(std::span<const std::vector<CellSample>> lists) {
+double mean_of_lists(std::span<const std::vector<CellSample>> lists) {
     double sum = 0;
     uint64_t samples = 0;
     for (const std::vector<CellSample>& list : lists) {
@@ -60,8 +60,20 @@ void RadianceCells::clear() {
     refused_ = evicted_ = 0;
 }
 
+void RadianceCells::begin_with(const AgedCells& aged) {
+    round_ = aged.round;
+    unit_ = double{aged.unit};
+    for (const AgedCell& cell : aged.cells) {
+        fingerprints_[cell.slot].store(cell.fingerprint, std::memory_order_relaxed);
+        Sums& sums = sums_[cell.slot];
+        for (int c = 0; c < 3; ++c) sums.radiance[c].store(cell.units[c], std::memory_order_relaxed);
+        sums.samples.store(cell.samples, std::memory_order_relaxed);
+        sums.last_round = cell.last_round;
+    }
+}
+
 void RadianceCells::add(std::span<const std::vector<CellSample>> lists) {
-    if (unit_ == 0) unit_ = mean_of(lists) / kUnitsOfMean;
+    if (unit_ == 0) unit_ = mean_of_lists(lists) / kUnitsOfMean;
     ++round_;
     std::atomic<uint64_t> evicted = 0, refused = 0;
     parallel_for(buckets_, kBucketsAtOnce, [&](size_t bucket) { make_room(static_cast<uint32_t>(bucket), evicted); });
@@ -148,8 +160,10 @@ bool RadianceCells::add(const CellSample& sample) {
 
 RadianceCells::Mean RadianceCells::find(const CellKey& key) const {
     const uint32_t slot = slot_of(key);
-    if (slot == kNoSlot) return {};
-    const Sums& sums = sums_[slot];
+    return slot == kNoSlot ? Mean{} : mean_of(sums_[slot]);
+}
+
+RadianceCells::Mean RadianceCells::mean_of(const Sums& sums) const {
     const uint32_t samples = sums.samples.load(std::memory_order_relaxed);
     if (samples == 0) return {};
     const double scale = unit_ / samples;

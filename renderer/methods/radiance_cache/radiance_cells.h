@@ -20,6 +20,8 @@
 
 namespace photond {
 
+struct AgedCells;
+
 /// What one vertex of a path found. `radiance` is finite and not negative; `random`: of its own.
 struct CellSample {
     CellKey key;
@@ -35,6 +37,7 @@ public:
     static constexpr uint32_t kLeastCells = kSlots;
     /// A sample counts as at most so many units: 2^20 times the mean of those it began with.
     static constexpr float kMostUnits = 0x1p40f;
+    static constexpr float kUnitsOfMean = 0x1p20f;
 
     /// Room for at least that many cells, at most twice as many.
     explicit RadianceCells(uint32_t cells);
@@ -43,6 +46,8 @@ public:
 
     /// Forgets all.
     void clear();
+    /// After clear(): cells of the frame before.
+    void begin_with(const AgedCells& aged);
     /// A round: adds lists of samples, in parallel. The first after clear() says what a unit is: 2^-20 of their mean.
     void add(std::span<const std::vector<CellSample>> lists);
 
@@ -52,6 +57,14 @@ public:
     };
     /// Of all samples of the cell so far. Not to be asked while add() runs.
     Mean find(const CellKey& key) const;
+
+    /// Calls visit(slot, fingerprint, mean, last_round) for each cell, in the order of places.
+    template <class Visit>
+    void for_each(const Visit& visit) const {
+        for (uint32_t slot = 0; slot < fingerprints_.size(); ++slot)
+            if (const uint32_t fingerprint = fingerprints_[slot].load(std::memory_order_relaxed))
+                visit(slot, fingerprint, mean_of(sums_[slot]), sums_[slot].last_round);
+    }
 
     uint64_t cells() const;                        // that there are
     uint64_t refused() const { return refused_; }  // samples, for want of room, since clear()
@@ -68,6 +81,7 @@ private:
 
     uint32_t bucket_of(const CellKey& key) const { return key.place & (buckets_ - 1); }
     uint32_t slot_of(const CellKey& key) const;
+    Mean mean_of(const Sums& sums) const;
     void make_room(uint32_t bucket, std::atomic<uint64_t>& evicted);
     void insert(const CellKey& key);
     bool add(const CellSample& sample);

@@ -1,5 +1,6 @@
 #include "renderer/methods/radiance_cache/radiance_cells_gpu.h"
 
+#include <bit>
 #include <cstddef>
 
 #include "renderer/methods/radiance_cache/cached_paths.h"
@@ -19,7 +20,7 @@ gpu::Buffer cache_words(gpu::Device& device, uint64_t count) { return {device, k
 
 }  // namespace
 
-RadianceCellsGpu::RadianceCellsGpu(gpu::Device& device, uint32_t cells, uint32_t paths)
+RadianceCellsGpu::RadianceCellsGpu(gpu::Device& device, uint32_t cells, uint32_t paths, bool aged)
     : buckets_(RadianceCells::buckets_for(cells)),
       constants_(device, kCells, sizeof(gpu::CacheConstants)),
       state_(cache_words(device, CACHE_STATE_WORDS)),
@@ -31,11 +32,16 @@ RadianceCellsGpu::RadianceCellsGpu(gpu::Device& device, uint32_t cells, uint32_t
       record_counts_(cache_words(device, paths)),
       room_(device, cache_shader("cache_room.comp"), sizeof(gpu::CacheRoundPush)),
       insert_(device, cache_shader("cache_insert.comp"), sizeof(gpu::CacheRoundPush)),
-      add_(device, cache_shader("cache_add.comp"), sizeof(gpu::CacheRoundPush)) {}
+      add_(device, cache_shader("cache_add.comp"), sizeof(gpu::CacheRoundPush)) {
+    if (!aged) return;
+    aged_.emplace(Table{{device, kCells, fingerprints_.bytes()}, {device, kCells, sums_.bytes()}});
+    host_.emplace(Table{{device, "readback", fingerprints_.bytes(), gpu::MemoryKind::Readback},
+                        {device, "readback", sums_.bytes(), gpu::MemoryKind::Readback}});
+}
 
-uint64_t RadianceCellsGpu::device_bytes(uint32_t cells, uint32_t paths) {
-    const uint64_t buckets = RadianceCells::buckets_for(cells);
-    return sizeof(uint32_t) * buckets * (CACHE_SLOTS * (1 + CACHE_SUM_WORDS) + 1) +
+uint64_t RadianceCellsGpu::device_bytes(uint32_t cells, uint32_t paths, bool aged) {
+    const uint64_t buckets = RadianceCells::buckets_for(cells), tables = aged ? 3 : 1;
+    return sizeof(uint32_t) * buckets * (tables * CACHE_SLOTS * (1 + CACHE_SUM_WORDS) + 1) +
            uint64_t{paths} * (CACHE_MOST_RECORDS * sizeof(gpu::CacheRecord) + sizeof(uint32_t));
 }
 
@@ -51,8 +57,56 @@ void RadianceCellsGpu::record_clear(gpu::CommandList& commands, const CellGrid& 
                                                     .glossy_threshold = params.glossy_threshold,
                                                     .bounces_are_limited = params.indirect_bounces ? 1u : 0u,
                                                     .key = key});
-    for (gpu::Buffer* buffer : {&fingerprints_, &sums_, &older_}) commands.fill(*buffer, 0);
+    commands.fill(older_, 0);
     commands.fill(state_, 0, CACHE_BRIGHTEST * sizeof(uint32_t), (CACHE_FOUND + 1) * sizeof(uint32_t));
+    if (!aged_) {
+        for (gpu::Buffer* buffer : {&fingerprints_, &sums_}) commands.fill(*buffer, 0);
+        return;
+    }
+    commands.update(state_, std::as_bytes(std::span(&brightest_, 1)), CACHE_BRIGHTEST * sizeof(uint32_t));
+    commands.copy(aged_->fingerprints, 0, fingerprints_, 0, fingerprints_.bytes());
+    commands.copy(aged_->sums, 0, sums_, 0, sums_.bytes());
+}
+
+void RadianceCellsGpu::begin_with(gpu::Device& device, const AgedCells& aged) {
+    first_round_ = aged.round;
+    brightest_ = aged.unit * static_cast<float>(CACHE_UNITS_OF_MOST);  // by a power of two
+    const size_t slots = size_t{buckets_} * CACHE_SLOTS;
+    std::vector<uint32_t> fingerprints(slots), sums(slots * CACHE_SUM_WORDS);
+    for (const AgedCell& cell : aged.cells) {
+        fingerprints[cell.slot] = cell.fingerprint;
+        uint32_t* const words = &sums[size_t{cell.slot} * CACHE_SUM_WORDS];
+        for (int c = 0; c < 3; ++c) {
+            words[2 * c] = static_cast<uint32_t>(cell.units[c]);
+            words[2 * c + 1] = static_cast<uint32_t>(cell.units[c] >> 32);
+        }
+        words[CACHE_SAMPLES_WORD] = cell.samples, words[CACHE_ROUND_WORD] = cell.last_round;
+    }
+    gpu::upload(device, aged_->fingerprints, std::as_bytes(std::span(fingerprints)));
+    gpu::upload(device, aged_->sums, std::as_bytes(std::span(sums)));
+}
+
+void RadianceCellsGpu::record_leave(gpu::CommandList& commands) {
+    commands.copy(fingerprints_, 0, host_->fingerprints, 0, fingerprints_.bytes());
+    commands.copy(sums_, 0, host_->sums, 0, sums_.bytes());
+    commands.host_reads(host_->fingerprints);
+    commands.host_reads(host_->sums);
+}
+
+void RadianceCellsGpu::leave(const CellsBetweenFrames& frames, LeftCells& left) const {
+    const std::span<const uint32_t> fingerprints = host_->fingerprints.as<uint32_t>(),
+                                    sums = host_->sums.as<uint32_t>();
+    const double unit = double{std::bit_cast<float>(host_state_.as<uint32_t>()[CACHE_BRIGHTEST])} / CACHE_UNITS_OF_MOST;
+    for (uint32_t slot = 0; slot < fingerprints.size(); ++slot) {
+        const std::span<const uint32_t> cell = sums.subspan(size_t{slot} * CACHE_SUM_WORDS, CACHE_SUM_WORDS);
+        const uint32_t samples = cell[CACHE_SAMPLES_WORD];
+        if (samples == 0) continue;
+        vec3 mean;
+        for (int c = 0; c < 3; ++c)
+            mean[c] =
+                static_cast<float>(static_cast<double>(uint64_t{cell[2 * c + 1]} << 32 | cell[2 * c]) * unit / samples);
+        frames.append(left, slot, fingerprints[slot], mean, samples, cell[CACHE_ROUND_WORD]);
+    }
 }
 
 void RadianceCellsGpu::record_key(gpu::CommandList& commands, uint32_t key) {

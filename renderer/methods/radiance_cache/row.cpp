@@ -22,6 +22,10 @@ MethodInfo radiance_cache_row() {
     info.title = "Radiance cache";
     info.line =
         "Paths from the eye end early, in a hash grid of what they found before. Clean soon; blurred by its cells.";
+    info.estimate_artefact_bytes = +[](const MethodParams& params, const Workload& /*workload*/) -> uint64_t {
+        const auto& own = dynamic_cast<const RadianceCacheParams&>(params);
+        return own.aged ? 2 * LeftCells::bytes_for(own.cells) : 0;  // a film that is saved again lies beside the last
+    };
     info.family = "path tracing";
     info.sources = {
         {"Binder et al.", 2018, "Fast Path Space Filtering by Jittered Spatial Hashing"},
