@@ -5,6 +5,7 @@
 #include "renderer/methods/radiance_cache/radiance_cache.h"
 #include "renderer/methods/radiance_cache/radiance_cache_gpu.h"
 #include "renderer/scene/builtin_scenes.h"
+#include "tests/support/aged_frames.h"
 #include "tests/support/open_scene.h"
 
 namespace photond::gpu_radiance_cache_test {
@@ -172,6 +173,67 @@ TEST(GpuRadianceCache, SameBitsTwiceWhereverAPassIsRendered) {
         first.merge(test::render(where, settings));
         EXPECT_EQ(film.pixel_hash(), first.pixel_hash()) << name;
     }
+}
+
+TEST(GpuRadianceCache, AgedFramesAreTheSameWhoeverRendersThem) {
+    const Scene scene = make_builtin_scene("cornell-box-glossy");
+    const test::SceneOnDevice where(scene);
+    Settings settings = test::aged_settings<RadianceCacheGpu>(3);
+    settings.params.cells = 512;  // not enough
+    MemoryBudget budget;
+    const auto frame = [&](const std::string& before) {
+        const RenderContext context{scene,  &where.intersector, test::view_of(scene, settings), settings.seed,
+                                    budget, &where.device_scene};
+        RadianceCacheGpu method(settings.params);
+        return test::frame_after(method, context, settings, before);
+    };
+    const test::FrameOf first = frame({});
+    settings.seed = 2;
+    const test::FrameOf second = frame(first.left), again = frame(first.left);
+    EXPECT_EQ(second.film.pixel_hash(), again.film.pixel_hash());
+    EXPECT_EQ(second.left, again.left);
+    EXPECT_NE(second.film.pixel_hash(), frame({}).film.pixel_hash()) << "it follows";
+    settings.passes = 1;
+    test::FrameOf begun = frame(first.left);
+    settings.first_pass = 1, settings.passes = 2;
+    const test::FrameOf ended = frame(first.left);
+    begun.film.merge(ended.film);
+    EXPECT_EQ(begun.film.pixel_hash(), second.film.pixel_hash());
+    EXPECT_EQ(ended.left, second.left);
+}
+
+/// What ages is as bright on both.
+TEST(GpuRadianceCache, AgedFramesAreAsBrightAsOnTheCpu) {
+    const Scene scene = make_builtin_scene("cornell-box");
+    const test::SceneOnDevice where(scene);
+    MemoryBudget budget;
+    Stats stats;
+    const std::unique_ptr<Intersector> intersector = make_embree_intersector(scene, budget, stats);
+    constexpr uint32_t kFrames = 3, kChains = 8;
+    const auto chains = [&](auto settings, const Intersector* host, const gpu::DeviceScene* device, auto make,
+                            uint64_t first_seed) {
+        settings.params.training = 1;
+        test::RunningMean light;
+        for (uint64_t chain = 0; chain < kChains; ++chain) {
+            std::string left;
+            for (uint32_t frame = 0; frame < kFrames; ++frame) {
+                settings.seed = first_seed + 100 * chain + frame;
+                const RenderContext context{scene, host, test::view_of(scene, settings), settings.seed, budget, device};
+                auto method = make(settings.params);
+                const test::FrameOf now = test::frame_after(*method, context, settings, left);
+                left = now.left;
+                if (frame + 1 == kFrames) light.add(test::mean_of_layer(now.film, Layer::Indirect));
+            }
+        }
+        return light;
+    };
+    const auto on_device = chains(
+        test::aged_settings<RadianceCacheGpu>(1), &where.intersector, &where.device_scene,
+        [](const auto& params) { return std::make_unique<RadianceCacheGpu>(params); }, 1);
+    const auto on_host = chains(
+        test::aged_settings<RadianceCache>(1), intersector.get(), nullptr,
+        [](const auto& params) { return std::make_unique<RadianceCache>(params); }, 100'001);
+    expect_same(on_device, on_host, 0.2, "aged light");
 }
 
 TEST(GpuRadianceCache, NoLightPassesThinWalls) {
