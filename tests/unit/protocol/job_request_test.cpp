@@ -283,5 +283,15 @@ TEST(JobRequest, AnswersOfBoundedSize) {
     }
 }
 
+// A job that asks for nothing new has the name that it had before there was anything to ask for.
+TEST(JobRequest, NewParametersThatAreOffHaveNoPartInTheName) {
+    const json before = {{"method", {{"parameters", {{"cells", 512}}}}}};
+    json now = before;
+    now["method"]["parameters"].update({{"aged", false}, {"cache_age", 8}, {"temporal", "none"}, {"history_cap", 16}});
+    EXPECT_EQ(naming_json(now), before);
+    now["method"]["parameters"]["aged"] = true;
+    EXPECT_NE(naming_json(now), before);
+}
+
 }  // namespace
 }  // namespace photond::job_request_test
