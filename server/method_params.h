@@ -27,9 +27,11 @@ inline std::vector<std::string_view> left_to_next(const MethodInfo& method, cons
     if (method.left_to_next == nullptr) return {};
     return method.left_to_next(*params_of(method, parameters));
 }
-/// Whether films of a job with these parameters can be joined: neither its passes nor its frames build on others.
-inline bool can_be_merged(const MethodInfo& method, const nlohmann::json& parameters) {
-    return passes_stand_alone(method, parameters) && left_to_next(method, parameters).empty();
+/// What of a job with these parameters builds on what was before it, "passes" or "frames": its films cannot be joined
+/// with others. Empty: nothing does.
+inline std::string_view builds_on_before(const MethodInfo& method, const nlohmann::json& parameters) {
+    if (!passes_stand_alone(method, parameters)) return "passes";
+    return left_to_next(method, parameters).empty() ? "" : "frames";
 }
 
 /// MethodInfo::traces_on_host.

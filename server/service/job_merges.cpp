@@ -126,10 +126,11 @@ std::vector<JobRow> JobMerges::jobs_to_merge(const std::vector<std::string>& ids
         rows.push_back(*std::move(row));
     }
     const MethodInfo* method = find_method(rows.front().method);
-    if (rows.size() > 1 && method && !can_be_merged(*method, first["method"]["parameters"]))
+    const std::string_view building = method ? builds_on_before(*method, first["method"]["parameters"]) : "";
+    if (rows.size() > 1 && !building.empty())
         throw Error(ErrorCode::Unsupported, at(0),
-                    "films of " + rows.front().method +
-                        " cannot be merged with these parameters: their passes, or frames, build on those before");
+                    "films of " + rows.front().method + " cannot be merged with these parameters: their " +
+                        std::string(building) + " build on those before");
     return rows;
 }
 

@@ -81,16 +81,17 @@ void RequestChecks::check_parameters(const JobMethod& method, const std::string&
 SceneRef RequestChecks::check_request(const JobRequest& request) {
     core_.device_of(request.method);
     check_parameters(request.method, "");
-    if (const MethodInfo* info = find_method(request.method.name);
-        info && request.first_pass > 0 && !can_be_merged(*info, request.method.parameters))
+    const MethodInfo* info = find_method(request.method.name);
+    const bool is_part = request.first_pass > 0 || request.shutter > 0;
+    const std::string building(info && is_part ? builds_on_before(*info, request.method.parameters) : "");
+    if (!building.empty() && request.first_pass > 0)
         throw Error(ErrorCode::Unsupported, "/first_pass",
-                    "passes of " + request.method.name +
-                        ", or frames, build on those before with these parameters: its jobs begin at pass 0");
-    if (const MethodInfo* info = find_method(request.method.name);
-        info && request.shutter > 0 && !can_be_merged(*info, request.method.parameters))
+                    building + " of " + request.method.name +
+                        " build on those before with these parameters: its jobs begin at pass 0");
+    if (!building.empty() && request.shutter > 0)
         throw Error(ErrorCode::Unsupported, "/shutter",
-                    "passes of " + request.method.name +
-                        ", or frames, build on those before with these parameters, and all passes show one moment");
+                    building + " of " + request.method.name +
+                        " build on those before with these parameters, and all passes show one moment");
     auto scene = scenes_.find_scene(request.scene);
     if (!scene) {
         std::vector<std::string> known;

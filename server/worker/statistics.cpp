@@ -156,7 +156,7 @@ json statistics_json(const StatisticsInput& input) {
             {"passes", input.film.passes()},
             {"pass_ranges", pass_ranges},
             {"resumed_passes", input.resumed_passes},
-            {"mergeable", known_method ? json(can_be_merged(*known_method, method.parameters)) : json()},
+            {"mergeable", known_method ? json(builds_on_before(*known_method, method.parameters).empty()) : json()},
             {"settings_hash", input.settings_hash.empty() ? json(nullptr) : json(input.settings_hash)},
             {"job_hash", job_hash(input.request, input.scene_id)},
             {"pixel_hash", input.pixel_hash.empty() ? json(nullptr) : json(input.pixel_hash)},

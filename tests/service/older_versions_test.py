@@ -32,10 +32,18 @@ KEYED_COMPARISON = {"scene": "cornell-box", "image": {"width": 16, "height": 16}
                     "entries": [{"label": "a", "method": {"name": "path_tracing"}}]}
 
 
+SINCE_THEN = ("animation", "shutter", "temporal", "history_cap")  # members of requests and of methods' parameters
+
+
+def of_then(part):
+    if isinstance(part, dict):
+        return {name: of_then(value) for name, value in part.items() if name not in SINCE_THEN}
+    return [of_then(inner) for inner in part] if isinstance(part, list) else part
+
+
 def hash_of_then(request):
     """What that time noted of a request beside its Idempotency-Key."""
-    kept = {name: value for name, value in request.items() if name not in ("animation", "shutter")}
-    return hashlib.sha256(json.dumps(kept, sort_keys=True, separators=(",", ":")).encode()).hexdigest()
+    return hashlib.sha256(json.dumps(of_then(request), sort_keys=True, separators=(",", ":")).encode()).hexdigest()
 
 
 class OlderVersionsTest(unittest.TestCase):
