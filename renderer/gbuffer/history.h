@@ -19,9 +19,9 @@ struct History {
     std::vector<Rgb> indirect;       // mean of the frames [W m^-2 sr^-1]
     std::vector<float> frames;       // that it is the mean of
     // What tells a change of the light from noise (light_change.h): about the pixel, the last frame's own light, and
-    // that less the light of the frame before it.
+    // that less the light of the frame before it [W m^-2 sr^-1].
     std::vector<Rgb> near_light, near_step;
-    std::vector<float> step_product;  // running mean of the scalar product of a step and the next
+    std::vector<float> step_product;  // running mean of a step times the next, summed over the channels
     std::vector<float> age;           // frames for which the surface has been seen
 
     History() = default;

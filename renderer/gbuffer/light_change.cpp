@@ -31,7 +31,7 @@ struct WindowSums {
 std::vector<WindowSums> pixel_sums(const Reprojected& found, std::span<const Rgb> indirect) {
     std::vector<WindowSums> sums(indirect.size());
     parallel_for(indirect.size(), 4096, [&](size_t at) {
-        if (found.rejection[at] != Rejection::None) return;
+        if (found.rejection[at] != Rejection::None || !is_finite(indirect[at])) return;
         const dvec3 pass(indirect[at]), past(found.past.indirect[at]);
         sums[at] = {pass, past, glm::dot(pass - past, pass - past), double{found.past.frames[at]}, 1};
     });
@@ -66,6 +66,7 @@ LightChange find_light_change(const Reprojected& found, std::span<const Rgb> ind
     parallel_for(size.height, 8, [&](size_t y) {
         const std::vector<WindowSums> windows = window_sums(sums, size, y);
         for (size_t at = y * size.width; at < (y + 1) * size.width; ++at) {
+            if (!is_finite(indirect[at])) continue;
             if (found.rejection[at] != Rejection::None) {
                 result.near_light[at] = indirect[at];
                 continue;

@@ -22,7 +22,8 @@ struct LightChange {
 /// differences vary within the window. Noise of the means is that of independent pixels, or else, where pixels share
 /// theirs as they do virtual lights, what steps from frame to frame tell: a step that noise made is taken back by the
 /// next, so that their product is less than 0 by that noise's variance, where light that goes on changing makes it
-/// greater. Squares are summed over the channels. Parallel; the same for any number of threads.
+/// greater. Squares are summed over the channels. Pixels of the pass that are no numbers tell nothing. Parallel; the
+/// same for any number of threads.
 LightChange find_light_change(const Reprojected& found, std::span<const Rgb> indirect);
 
 }  // namespace photond

@@ -60,10 +60,9 @@ uint64_t TemporalReprojection::estimate_bytes(Size2 size) {
 }
 
 void TemporalReprojection::follow(FrameBefore before) {
-    followed_ = sha256_hex(before.left.data(), before.left.size());
-    TextsOfBoth left;
-    if (!before.left.empty()) left = TextsOfBoth::split(before.left);
+    TextsOfBoth left = TextsOfBoth::split(before.left);
     method_->follow({std::move(left.within), before.pose});
+    followed_ = sha256_hex(before.left.data(), before.left.size());
     before_ = {std::move(left.own), std::move(before.pose)};
 }
 
@@ -116,17 +115,21 @@ PassImage* TemporalReprojection::end_pass() {
     const float least_share = 1 / static_cast<float>(history_cap_);
     parallel_for(indirect.size(), 4096, [&](size_t at) {
         const bool has_history = found.rejection[at] == Rejection::None;
+        // A pixel that is no number stays what it is, for the film to drop and to count; the history goes on without.
+        const bool tells = is_finite(indirect[at]);
         const float own = has_history ? std::max(light.own_share[at], least_share) : 1, frames = 1 / own;
-        if (has_history) indirect[at] = glm::mix(found.past.indirect[at], indirect[at], own);
+        if (has_history && tells) indirect[at] = glm::mix(found.past.indirect[at], indirect[at], own);
         PixelSums& sums = sums_->pixels[at];
-        sums.indirect += dvec3(indirect[at]), sums.frames += frames;
+        sums.indirect += dvec3(tells ? indirect[at] : found.past.indirect[at]);
+        sums.frames += tells ? frames : found.past.frames[at];
         sums.near_light += dvec3(light.near_light[at]), sums.near_step += dvec3(light.near_step[at]);
         sums.step_product += light.step_product[at], sums.age += light.age[at];
         if (layers.has(Layer::HistoryLength)) image->of<Layer::HistoryLength>()[at] = frames;
         if (layers.has(Layer::Reused)) image->of<Layer::Reused>()[at] = 1 - own;
         if (!layers.has(Layer::Rejected)) return;
         // As far as it is more than its share among so many frames.
-        const float kept = has_history ? (frames - 1) / std::min(found.past.frames[at], 1 / least_share - 1) : 1;
+        const float most = std::min(found.past.frames[at], static_cast<float>(history_cap_ - 1));
+        const float kept = has_history && most > 0 ? (frames - 1) / most : 1;
         image->of<Layer::Rejected>()[at] = {found.rejection[at] == Rejection::Surface ? 1 : 0, 1 - std::min(kept, 1.0f),
                                             found.rejection[at] == Rejection::Outside ? 1 : 0};
     });

@@ -21,7 +21,7 @@ public:
 
 private:
     struct Vertices {
-        std::vector<vec3> positions;  // in the scene's own space
+        std::vector<vec3> positions;  // in world space less the scene's origin [m]
         std::vector<uvec3> triangles;
     };
     std::map<uint32_t, Vertices> meshes_;  // by their index: those of the scene's rig

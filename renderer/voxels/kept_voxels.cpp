@@ -25,6 +25,9 @@ void KeptVoxels::note(const SceneChange& change) {
     if (!parts_) return;
     moved_meshes_.insert(moved_meshes_.end(), change.moved.begin(), change.moved.end());
     moved_meshes_.insert(moved_meshes_.end(), change.reshaped.begin(), change.reshaped.end());
+    // Each once: many frames may go by before the next octree.
+    std::sort(moved_meshes_.begin(), moved_meshes_.end());
+    moved_meshes_.erase(std::unique(moved_meshes_.begin(), moved_meshes_.end()), moved_meshes_.end());
 }
 
 bool KeptVoxels::holds(const VoxelGrid& grid, bool surfaces) const {

@@ -62,8 +62,7 @@ Scene load_scene(const SceneSource& source, const SceneVariant& variant, Stats& 
 
 /// The last scene used, and older ones as long as together they hold at most `idle_bytes`, and of a device's memory the
 /// share that is not one job's (device_memory.h); the least recently used go first.
-/// What methods kept of their voxels is held as long as it fits in besides. Not thread-safe: one job runs at a
-/// time.
+/// What methods kept of their voxels is held as long as it fits in besides. Not thread-safe: one job runs at a time.
 class SceneCache {
 public:
     /// `device`: what its scenes are made ready for, borrowed; null: the CPU.

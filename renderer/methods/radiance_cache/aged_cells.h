@@ -22,7 +22,7 @@ namespace photond {
 struct LeftCell {
     uint32_t bucket;
     uint32_t fingerprint;
-    vec3 radiance;  // mean of its samples
+    vec3 radiance;  // mean of its samples [W m^-2 sr^-1]
     uint32_t samples;
     uint32_t frames_unseen;  // in which it had none, up to this one
 };

@@ -188,6 +188,24 @@ TEST(LightChange, TakesNothingOverOfALightThatIsOut) {
     EXPECT_LT(share, 0.5);
 }
 
+TEST(LightChange, LeavesOutWhatIsNoNumber) {
+    const Reprojected found = grey_history(1, 15);
+    std::vector<Rgb> pass = noisy_pass(1, 7);
+    const LightChange whole = find_light_change(found, pass);
+    const size_t middle = 20 * kSize.width + 20;
+    pass[middle] = Rgb(std::numeric_limits<float>::quiet_NaN());
+    pass[middle + 200] = Rgb(kInfinity);
+    const LightChange change = find_light_change(found, pass);
+    for (size_t i = 0; i < pass.size(); ++i) {
+        EXPECT_TRUE(std::isfinite(change.own_share[i]) && is_finite(change.near_light[i]) &&
+                    std::isfinite(change.step_product[i]));
+        // Neighbours lack one of 49 pixels.
+        if (i != middle && i != middle + 200) {
+            EXPECT_NEAR(change.near_light[i].x, whole.near_light[i].x, 0.1f);
+        }
+    }
+}
+
 TEST(LightChange, LeavesWhatHasNoHistory) {
     Reprojected found = grey_history(1, 15);
     found.rejection.assign(kSize.pixels(), Rejection::Surface);
@@ -261,6 +279,65 @@ TEST(TemporalReprojection, FramesOfAStillSceneAddUp) {
     }
     EXPECT_LT(errors.back(), errors.front() / 4);
     EXPECT_LT(errors.back(), errors[3]);
+}
+
+/// Grey light, but for a pixel that is no number.
+class FaultyMethod final : public Method {
+public:
+    static constexpr size_t kFaulty = 20 * kSize.width + 20;
+
+    void begin(const RenderContext& context, Stats&) override {
+        image_ = PassImage(context.view.film_size, context.view.layers);
+    }
+    void run_pass(uint32_t, Stats&, const CancelToken&) override {
+        std::vector<Rgb>& indirect = image_.of<Layer::Indirect>();
+        indirect.assign(indirect.size(), Rgb(1));
+        indirect[kFaulty] = Rgb(std::numeric_limits<float>::quiet_NaN());
+    }
+    PassImage* end_pass() override { return &image_; }
+
+private:
+    PassImage image_;
+};
+
+// The film drops such a pixel and counts it. It has no part in what is left, where it would spread from frame to frame.
+TEST(TemporalReprojection, WhatIsNoNumberStaysInItsPixelAndItsFrame) {
+    const Scene scene = make_builtin_scene("cornell-box");
+    FrameBefore before{"", std::make_shared<const PastPose>(scene)};
+    for (int frame = 0; frame < 3; ++frame) {
+        Shown shown(scene);
+        TemporalReprojection method(std::make_unique<FaultyMethod>(), {TemporalReuse::Reproject, 16});
+        if (frame > 0) method.follow(before);
+        method.begin(shown.context, shown.stats);
+        Film film(kSize, {});
+        method.run_pass(0, shown.stats, CancelToken{});
+        method.resolve(film);
+        EXPECT_EQ(film.nan_count(), 1u);
+        const std::vector<float> indirect = film.resolve(Layer::Indirect);
+        for (size_t i = 0; i < kSize.pixels(); ++i)
+            EXPECT_FLOAT_EQ(indirect[3 * i], i == FaultyMethod::kFaulty ? 0.0f : 1.0f);
+        before.left = method.left_to_next();
+    }
+}
+
+// A cap of one frame takes nothing over, and says so in numbers.
+TEST(TemporalReprojection, OneFrameIsTheFramesOwn) {
+    const Scene scene = make_builtin_scene("cornell-box");
+    LayerSet layers;
+    for (const Layer layer : {Layer::HistoryLength, Layer::Reused, Layer::Rejected}) layers.add(layer);
+    const FrameBefore before{make_frame(scene, {.layers = layers}, {}).left, std::make_shared<const PastPose>(scene)};
+    Shown shown(scene, layers);
+    shown.context.seed = 2;
+    const std::unique_ptr<TemporalReprojection> method = paths_that_follow(1);
+    method->follow(before);
+    method->begin(shown.context, shown.stats);
+    Film film(kSize, layers);
+    method->run_pass(0, shown.stats, CancelToken{});
+    method->resolve(film);
+    EXPECT_EQ(film.nan_count() + film.infinity_count(), 0u);
+    EXPECT_EQ(film.resolve(Layer::Reused), std::vector<float>(kSize.pixels(), 0));
+    EXPECT_EQ(film.resolve(Layer::Indirect),
+              make_frame(scene, {.seed = 2, .layers = layers}, {}).film.resolve(Layer::Indirect));
 }
 
 TEST(TemporalReprojection, DirectLightIsThePassesOwn) {
