@@ -504,6 +504,8 @@ void leave_out_new_parameters(json& part) {
         for (const char* member : {"temporal", "history_cap"}) part.erase(member);
     if (part.is_object() && part.value("aged", json()) == false)
         for (const char* member : {"aged", "cache_age"}) part.erase(member);
+    if (part.is_object() && part.value("incremental", json()) == false)
+        for (const char* member : {"incremental", "new_vpls"}) part.erase(member);
     if (part.is_structured())
         for (json& inner : part) leave_out_new_parameters(inner);
 }

@@ -20,6 +20,8 @@ struct Counts {
     uint64_t splats = 0;
     uint64_t splat_contributions = 0;  // a splat and a visible point within it
     uint64_t vpls = 0;                 // virtual point lights
+    uint64_t vpls_kept = 0;            // light paths that a frame took over from the one before
+    uint64_t vpls_new = 0;             // light paths that a frame has beside those
     uint64_t voxels = 0;               // set, in all trees built
     uint64_t nan_samples = 0;          // dropped
     uint64_t infinite_samples = 0;     // dropped

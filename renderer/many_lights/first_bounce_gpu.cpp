@@ -6,7 +6,8 @@
 
 namespace photond {
 
-FirstBounceGpu::FirstBounceGpu(const RenderContext& context, const FirstBounceSettings& settings, Stats& stats)
+FirstBounceGpu::FirstBounceGpu(const RenderContext& context, const FirstBounceSettings& settings, Stats& stats,
+                               VplsBetweenFrames* frames)
     : scene_(*context.device_scene),
       seed_(context.seed),
       frame_(context, [this](uint32_t pass, DeviceFrame::Steps& steps) { add_steps(pass, steps); }),
@@ -14,14 +15,15 @@ FirstBounceGpu::FirstBounceGpu(const RenderContext& context, const FirstBounceSe
       merge_(scene_, buffer_, frame_.image(), context.view.layers, settings.filter) {
     note_skipped_shading(context.scene.needs, stats);
     if (settings.bounces > 0)
-        find_lights(context, settings, stats);
+        find_lights(context, settings, stats, frames);
     else
         stats.skipped.push_back({"virtual point lights", "bounces is 0", 0});
 }
 
 FirstBounceGpu::~FirstBounceGpu() { frame_.end(); }
 
-void FirstBounceGpu::find_lights(const RenderContext& context, const FirstBounceSettings& settings, Stats& stats) {
+void FirstBounceGpu::find_lights(const RenderContext& context, const FirstBounceSettings& settings, Stats& stats,
+                                 VplsBetweenFrames* frames) {
     const Scene& scene = context.scene;
     emission_.emplace(scene);
     if (!(emission_->total_power_w() > 0)) {
@@ -30,17 +32,21 @@ void FirstBounceGpu::find_lights(const RenderContext& context, const FirstBounce
         return;
     }
     context.budget.record("emission_sampler", emission_->bytes());
+    const bool given = frames && frames->on();
+    // The lights' map on the host, for what is asked once a frame.
+    std::optional<VplTracer> on_host;
+    if (!settings.clamp_m2 || given)
+        on_host.emplace(scene, *context.intersector, *context.intersector, *emission_, settings.tracing);
     {
         const StageTimer timer(stats, "rsm");
-        const auto lit_area_m2 = [&] {
-            const VplTracer tracer(scene, *context.intersector, *context.intersector, *emission_, settings.tracing);
-            return static_cast<float>(tracer.lit_area_m2(context.seed));
-        };
+        const auto lit_area_m2 = [&] { return static_cast<float>(on_host->lit_area_m2(context.seed)); };
         clamp_sq_m2_ =
             settings.clamp_m2 ? *settings.clamp_m2 : default_clamp_sq_m2(lit_area_m2(), settings.tracing.vpls);
     }
+    if (given) frames->renew(*on_host, *emission_, context, stats);
     const StageTimer timer(stats, "pipelines");
     tracer_ = std::make_unique<VplTracerGpu>(scene_, *emission_, settings.tracing, counters(), false);
+    if (given) tracer_->start(frames->seed(), frames->paths());
 }
 
 bool FirstBounceGpu::may_be_lit(const FirstBounceSettings& settings, const Workload& workload) {

@@ -7,6 +7,7 @@
 
 #include "renderer/frame/device_frame.h"
 #include "renderer/gbuffer/gbuffer_merge_gpu.h"
+#include "renderer/many_lights/incremental_vpls.h"
 #include "renderer/many_lights/vpl_tracer_gpu.h"
 
 namespace photond {
@@ -41,7 +42,9 @@ public:
     using AddSteps = DeviceFrame::AddSteps;
 
     /// A method's begin(). Takes `pass_image` of the host's budget; stages `pipelines`, `rsm`; says what is skipped.
-    FirstBounceGpu(const RenderContext& context, const FirstBounceSettings& settings, Stats& stats);
+    /// `frames`: where frames hand lights on; null: they do not.
+    FirstBounceGpu(const RenderContext& context, const FirstBounceSettings& settings, Stats& stats,
+                   VplsBetweenFrames* frames = nullptr);
     ~FirstBounceGpu();
     /// Of the host's memory, and of the device's to a factor of two.
     static uint64_t estimate_bytes(const FirstBounceSettings& settings, const Workload& workload);
@@ -66,7 +69,8 @@ public:
     void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel);
 
 private:
-    void find_lights(const RenderContext& context, const FirstBounceSettings& settings, Stats& stats);
+    void find_lights(const RenderContext& context, const FirstBounceSettings& settings, Stats& stats,
+                     VplsBetweenFrames* frames);
     void add_steps(uint32_t pass, DeviceFrame::Steps& steps);
 
     const gpu::DeviceScene& scene_;

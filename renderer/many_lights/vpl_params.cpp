@@ -4,6 +4,16 @@
 
 namespace photond {
 
+void IncrementalVplParams::visit(ParamVisitor& visitor) {
+    visitor.flag("incremental", on,
+                 {ParamGroup::Frames,
+                  "the lights of the frame before stay as long as its lamps see them; each counts as much as the flux "
+                  "about it, so that what is between them is guessed: a bias, the same from frame to frame"});
+    visitor.field("new_vpls", new_vpls,
+                  {ParamGroup::Frames, "lights", 1, 1e6,
+                   "incremental: most new lights of a frame, where the frame before left any"});
+}
+
 void visit_map_resolution(ParamVisitor& visitor, uint32_t& resolution) {
     visitor.field("map_resolution", resolution,
                   {ParamGroup::LightMaps, "texels", 8, 1024,

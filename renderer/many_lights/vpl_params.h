@@ -3,10 +3,24 @@
 
 #include <cstdint>
 #include <optional>
+#include <string_view>
+#include <vector>
 
 namespace photond {
 
 class ParamVisitor;
+
+/// `incremental` and `new_vpls` (incremental_vpls.h)
+struct IncrementalVplParams {
+    bool on = false;
+    uint32_t new_vpls = 128;
+
+    void visit(ParamVisitor& visitor);
+    /// What a frame leaves to the next, as MethodInfo::left_to_next says it.
+    std::vector<std::string_view> left() const {
+        return on ? std::vector<std::string_view>{"virtual point lights"} : std::vector<std::string_view>{};
+    }
+};
 
 /// `map_resolution`
 void visit_map_resolution(ParamVisitor& visitor, uint32_t& resolution);

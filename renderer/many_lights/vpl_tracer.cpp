@@ -5,7 +5,6 @@
 
 #include "renderer/core/parallel.h"
 #include "renderer/core/thread_local.h"
-#include "renderer/many_lights/flux_map.h"
 #include "renderer/photons/photon_reflections.h"
 #include "renderer/photons/seen_texels.h"
 #include "renderer/scene/surface_area.h"
@@ -34,6 +33,12 @@ struct TexelPass {
     const TexelMapPass map;
     const SequenceSampler numbers;
 };
+
+TexelMapPass::TexelNumbers numbers_of_texel(const TexelMapPass& map, const SequenceSampler& numbers, uint32_t texel) {
+    const auto of = [&](uint32_t set) { return numbers.sample_2d(texel, set); };
+    return map.numbers(texel, of(kJitterSet), of(sample_set(EmissionSet::Position)),
+                       of(sample_set(EmissionSet::Direction)));
+}
 
 /// What a batch of paths left, and whose it is.
 struct PathLights {
@@ -102,10 +107,10 @@ struct VplTracer::Shared : PhotonTracingScene {
 
     /// visit(texels seen, first texel of their run), in parallel.
     template <class Visit>
-    Counts see_texels(const TexelPass& pass, const CancelToken& cancel, const Visit& visit);
-    std::vector<ChosenStart> choose(const FluxMap& worth, const FluxMap& flux, const uvec2& rotation) const;
-    TracedReflections trace_paths(const TexelPass& pass, std::span<const ChosenStart> starts,
-                                  const CancelToken& cancel);
+    Counts see_texels(const TexelMapPass& pass, const SequenceSampler& numbers, const CancelToken& cancel,
+                      const Visit& visit);
+    ChosenPaths choose(const FluxMap& worth, const FluxMap& flux, const TexelPass& pass) const;
+    TracedReflections trace_paths(const TexelMapPass& map, const ChosenPaths& paths, const CancelToken& cancel);
 
     const VplTracing vpls;
     const TexelMap map;
@@ -119,39 +124,47 @@ struct VplTracer::Shared : PhotonTracingScene {
 };
 
 template <class Visit>
-Counts VplTracer::Shared::see_texels(const TexelPass& pass, const CancelToken& cancel, const Visit& visit) {
+Counts VplTracer::Shared::see_texels(const TexelMapPass& pass, const SequenceSampler& numbers,
+                                     const CancelToken& cancel, const Visit& visit) {
     constexpr uint32_t kRun = SequenceSampler::kRun;
-    std::vector<Counts> counts((pass.map.texels() + kRun - 1) / kRun);
+    std::vector<Counts> counts((pass.texels() + kRun - 1) / kRun);
     parallel_for(counts.size(), 1, [&](size_t i) {
         if (cancel.cancelled()) return;
         const auto first = static_cast<uint32_t>(i) * kRun;
-        PhotonBatch batch{{i, 0, std::min(kRun, pass.map.texels() - first)}};
-        batch.map = &pass.map;
+        PhotonBatch batch{{i, 0, std::min(kRun, pass.texels() - first)}};
+        batch.map = &pass;
         Scratch& mine = threads.local();
-        visit(mine.texels.see(mine.wavefront, *this, pass.numbers, batch, counts[i]), first);
+        visit(mine.texels.see(mine.wavefront, *this, numbers, batch, counts[i]), first);
     });
     Counts sum;
     for (const Counts& of_run : counts) sum += of_run;
     return sum;
 }
 
-std::vector<ChosenStart> VplTracer::Shared::choose(const FluxMap& worth, const FluxMap& flux,
-                                                   const uvec2& rotation) const {
-    std::vector<ChosenStart> starts(vpls.vpls);
-    parallel_for(starts.size(), kPathsAtOnce, [&](size_t i) {
-        const Texel texel = worth.choose(rotated_halton_point(static_cast<uint32_t>(i), rotation));
-        starts[i] = {texel.index, 1 / (static_cast<float>(vpls.vpls) * texel.probability), flux.worth()[texel.index]};
+ChosenPaths VplTracer::Shared::choose(const FluxMap& worth, const FluxMap& flux, const TexelPass& pass) const {
+    ChosenPaths paths{std::vector<ChosenStart>(vpls.vpls), std::vector<uint32_t>(vpls.vpls)};
+    parallel_for(paths.starts.size(), kPathsAtOnce, [&](size_t i) {
+        const Texel texel = worth.choose(rotated_halton_point(static_cast<uint32_t>(i), pass.map.rotation()));
+        const float share = 1 / (static_cast<float>(vpls.vpls) * texel.probability);
+        ChosenStart& start = paths.starts[i];
+        const TexelMapPass::TexelNumbers numbers = numbers_of_texel(pass.map, pass.numbers, texel.index);
+        if (emission.sample_light(numbers.light, numbers.expected, numbers.u_position, numbers.u_direction,
+                                  start.first))
+            start.first.power_w *= share;
+        else
+            start.first.power_w = Rgb(0);
+        start.reflected_w = flux.worth()[texel.index] * share;
+        paths.order[i] = texel.index;
     });
-    return starts;
+    return paths;
 }
 
-TracedReflections VplTracer::Shared::trace_paths(const TexelPass& pass, std::span<const ChosenStart> starts,
+TracedReflections VplTracer::Shared::trace_paths(const TexelMapPass& texels, const ChosenPaths& chosen,
                                                  const CancelToken& cancel) {
     constexpr uint32_t kRun = SequenceSampler::kRun;
     static_assert(kRun % kPathsAtOnce == 0);
-    const SequenceSampler numbers = path_numbers(vpls, pass.map);
-    const ChosenStarts chosen{pass.map, pass.numbers, starts};
-    const auto paths = static_cast<uint32_t>(starts.size());
+    const SequenceSampler numbers = path_numbers(vpls, texels);
+    const auto paths = static_cast<uint32_t>(chosen.starts.size());
     std::vector<PathLights> batches((paths + kPathsAtOnce - 1) / kPathsAtOnce);
     parallel_for(batches.size(), 1, [&](size_t i) {
         if (cancel.cancelled()) return;
@@ -160,16 +173,16 @@ TracedReflections VplTracer::Shared::trace_paths(const TexelPass& pass, std::spa
         PathLights& mine = batches[i];
         Scratch& scratch = threads.local();
         PhotonBatch batch{{run, first - start, last - start}};
-        batch.chosen = &chosen;
+        batch.chosen = chosen.starts;
         const ReflectedBatch left = scratch.reflections.trace(scratch.wavefront, *this, numbers, batch, mine.counts);
         mine.photons.assign(left.photons.begin(), left.photons.end());
         mine.surfaces.assign(left.surfaces.begin(), left.surfaces.end());
         for (const uint32_t element : left.elements) mine.paths.push_back(start + element);
     });
 
-    // Paths along the map's curve; a batch has each one's photons by their scatterings.
+    // Paths in their order along the map's curve; a batch has each one's photons by their scatterings.
     struct Place {
-        uint32_t texel, path;
+        uint32_t order, path;
         uint32_t batch, photon;
     };
     std::vector<Place> places;
@@ -178,11 +191,11 @@ TracedReflections VplTracer::Shared::trace_paths(const TexelPass& pass, std::spa
         traced.counts += batches[b].counts;
         for (uint32_t k = 0; k < batches[b].photons.size(); ++k) {
             const uint32_t path = batches[b].paths[k];
-            places.push_back({starts[path].texel, path, b, k});
+            places.push_back({chosen.order[path], path, b, k});
         }
     }
     std::stable_sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
-        return std::pair(a.texel, a.path) < std::pair(b.texel, b.path);
+        return std::pair(a.order, a.path) < std::pair(b.order, b.path);
     });
     traced.photons.reserve(places.size());
     for (const Place& place : places) {
@@ -212,12 +225,13 @@ TracedReflections VplTracer::trace(uint64_t seed, uint32_t pass, const TexelImpo
     Counts of_texels;
     {
         const StageTimer timer(stats, "rsm");
-        of_texels = shared_->see_texels(texels, cancel, [&](std::span<const SeenTexel> seen, uint32_t first) {
-            for (const SeenTexel& texel : seen) {
-                flux.worth()[first + texel.element] = texel.flux_w;
-                if (importance) weighted.worth()[first + texel.element] = texel.flux_w * importance(texel.photon);
-            }
-        });
+        of_texels = shared_->see_texels(
+            texels.map, texels.numbers, cancel, [&](std::span<const SeenTexel> seen, uint32_t first) {
+                for (const SeenTexel& texel : seen) {
+                    flux.worth()[first + texel.element] = texel.flux_w;
+                    if (importance) weighted.worth()[first + texel.element] = texel.flux_w * importance(texel.photon);
+                }
+            });
     }
     const StageTimer timer(stats, "vpl_generation");
     flux.sum();
@@ -232,23 +246,58 @@ TracedReflections VplTracer::trace(uint64_t seed, uint32_t pass, const TexelImpo
         weighted.sum();
     }
     if (flux.total() > 0 && !cancel.cancelled()) {
-        const std::vector<ChosenStart> starts =
-            shared_->choose(importance ? weighted : flux, flux, texels.map.rotation());
-        traced = shared_->trace_paths(texels, starts, cancel);
+        traced = shared_->trace_paths(texels.map, shared_->choose(importance ? weighted : flux, flux, texels), cancel);
         traced.paths = traced.counts.photons_emitted;
     }
     traced.counts += of_texels;
     return traced;
 }
 
+TracedReflections VplTracer::trace(uint64_t seed, const ChosenPaths& paths, Stats& stats,
+                                   const CancelToken& cancel) const {
+    const StageTimer timer(stats, "vpl_generation");
+    TracedReflections traced = shared_->trace_paths({shared_->map, seed, 0}, paths, cancel);
+    traced.paths = traced.counts.photons_emitted;
+    return traced;
+}
+
+const TexelMap& VplTracer::map() const { return shared_->map; }
+
+TexelMapPass::TexelNumbers VplTracer::numbers_of(const TexelMapPass& pass, uint32_t texel) const {
+    return numbers_of_texel(pass, texel_numbers(shared_->vpls, pass), texel);
+}
+
+FluxMap VplTracer::see_flux(const TexelMapPass& pass, Counts& counts) const {
+    FluxMap flux(shared_->map.levels());
+    counts += shared_->see_texels(pass, texel_numbers(shared_->vpls, pass), CancelToken{},
+                                  [&](std::span<const SeenTexel> seen, uint32_t first) {
+                                      for (const SeenTexel& texel : seen)
+                                          flux.worth()[first + texel.element] = texel.flux_w;
+                                  });
+    flux.sum();
+    return flux;
+}
+
+void VplTracer::see(std::span<const ChosenStart> starts, std::span<float> flux_w, Counts& counts) const {
+    std::ranges::fill(flux_w, 0.0f);
+    PhotonBatch batch{{0, 0, static_cast<uint32_t>(starts.size())}};
+    batch.chosen = starts;
+    Shared::Scratch& mine = shared_->threads.local();
+    const SequenceSampler unused(shared_->vpls.sampler, 0, RandomDomain::Photons, 0);
+    for (const SeenTexel& seen : mine.texels.see(mine.wavefront, *shared_, unused, batch, counts))
+        flux_w[seen.element] = seen.flux_w;
+}
+
 double VplTracer::lit_area_m2(uint64_t seed) const {
     // Of the reference's domain: its numbers are no pass's.
     const TexelPass texels(shared_->map, shared_->vpls, reference_seed(seed), 0);
     std::vector<std::vector<SeenTexel>> runs(texels.map.texels() / SequenceSampler::kRun + 1);
-    shared_->see_texels(texels, CancelToken{}, [&](std::span<const SeenTexel> seen, uint32_t first) {
-        for (const SeenTexel& texel : seen)
-            if (!is_black(texel.photon.power_w)) runs[first / SequenceSampler::kRun].push_back(texel);
-    });
+    shared_->see_texels(texels.map, texels.numbers, CancelToken{},
+                        [&](std::span<const SeenTexel> seen, uint32_t first) {
+                            for (const SeenTexel& texel : seen)
+                                if (!is_black(texel.photon.power_w))
+                                    runs[first / SequenceSampler::kRun].push_back(texel);
+                        });
     size_t hits = 0;
     for (const std::vector<SeenTexel>& run : runs) hits += run.size();
     if (hits == 0) return 0;
@@ -271,7 +320,7 @@ uint64_t VplTracer::scratch_bytes(const VplTracing& tracing, size_t threads, uin
     return threads * (PhotonWavefront::bytes_per_thread() + PhotonReflections::bytes_per_thread() +
                       SeenTexels::bytes_per_thread()) +
            TexelMap::bytes_for(lights) + 2 * FluxMap::values(levels) * sizeof(float) +
-           tracing.vpls * sizeof(ChosenStart);
+           tracing.vpls * (sizeof(ChosenStart) + sizeof(uint32_t));
 }
 uint64_t VplTracer::result_bytes(const VplTracing& tracing) {
     // Twice: in the batches, and in the order they come back in.

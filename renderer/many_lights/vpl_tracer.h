@@ -14,7 +14,9 @@
 #include <functional>
 #include <memory>
 
+#include "renderer/many_lights/flux_map.h"
 #include "renderer/photons/photon_tracer.h"
+#include "renderer/photons/photon_wavefront.h"
 #include "renderer/photons/texel_map.h"
 #include "renderer/transport/roulette_shared.h"
 
@@ -54,6 +56,12 @@ using TexelImportance = std::function<float(const ReflectedPhoton&)>;
 /// never left out.
 inline constexpr float kPlainFluxShare = 0.25f;
 
+/// Light paths that were chosen before they are traced.
+struct ChosenPaths {
+    std::vector<ChosenStart> starts;  // VplTracing::vpls of them
+    std::vector<uint32_t> order;      // where each is in the order in which they come back
+};
+
 /// Borrows scene, intersectors and emission.
 class VplTracer {
 public:
@@ -68,6 +76,19 @@ public:
     /// counts are in what comes back. Cancelled: what comes back is incomplete and must not be used.
     TracedReflections trace(uint64_t seed, uint32_t pass, const TexelImportance& importance, Stats& stats,
                             const CancelToken& cancel) const;
+
+    /// The same of paths that are given, with the numbers of the first pass of that seed after their first hits. Stage
+    /// `vpl_generation`.
+    TracedReflections trace(uint64_t seed, const ChosenPaths& paths, Stats& stats, const CancelToken& cancel) const;
+
+    const TexelMap& map() const;
+    /// A texel's own numbers.
+    TexelMapPass::TexelNumbers numbers_of(const TexelMapPass& pass, uint32_t texel) const;
+    /// What the texels of that pass's map reflect, summed.
+    FluxMap see_flux(const TexelMapPass& pass, Counts& counts) const;
+    /// What the first hits of paths reflect: the greatest component of each [W], 0 for nothing. At most
+    /// SequenceSampler::kRun of them; may be called from several threads at a time.
+    void see(std::span<const ChosenStart> starts, std::span<float> flux_w, Counts& counts) const;
 
     /// The random numbers of a pass's texels, by their places.
     static SequenceSampler texel_numbers(const VplTracing& tracing, const TexelMapPass& pass) {

@@ -1,6 +1,7 @@
 #include "renderer/many_lights/vpl_tracer_gpu.h"
 
 #include <bit>
+#include <numeric>
 
 #include "renderer/scene/scene.h"
 
@@ -68,7 +69,24 @@ VplTracerGpu::VplTracerGpu(const gpu::DeviceScene& scene, const EmissionSampler&
     if (!map_.runs().empty()) gpu::upload(device_, runs_, std::as_bytes(std::span(map_.runs())));
 }
 
+void VplTracerGpu::start(uint64_t seed, const ChosenPaths& paths) {
+    pass_.emplace(map_, seed, 0);
+    given_ = true;
+    std::vector<gpu::VplStart> starts(paths.starts.size());
+    std::vector<uint32_t> in_order(starts.size());
+    std::iota(in_order.begin(), in_order.end(), 0u);
+    std::ranges::stable_sort(in_order, {}, [&](uint32_t path) { return paths.order[path]; });
+    for (size_t i = 0; i < starts.size(); ++i) {
+        const ChosenStart& start = paths.starts[in_order[i]];
+        const EmissionSample& first = start.first;
+        starts[i] = {first.ray.origin, first.ray.direction, first.power_w,
+                     first.range_m,    start.reflected_w,   in_order[i]};
+    }
+    gpu::upload(device_, starts_, std::as_bytes(std::span(starts)));
+}
+
 void VplTracerGpu::start(uint64_t seed, uint32_t pass) {
+    if (given_) return;
     pass_.emplace(map_, seed, pass);
     run_count_ = static_cast<uint32_t>(map_.runs().size() + pass_->chosen().size());
 }
@@ -78,6 +96,7 @@ void VplTracerGpu::record_map(gpu::CommandList& commands) {
     std::array<uint32_t, REFLECTION_STATE_WORDS> words{};
     words[REFLECTION_PATHS] = tracing_.vpls;
     commands.update(state_, words);
+    if (given_) return;
     const std::span<const std::byte> chosen = std::as_bytes(std::span(pass_->chosen()));
     const uint64_t first = map_.runs().size() * sizeof(gpu::TexelRun);
     for (uint64_t at = 0; at < chosen.size(); at += kMostUpdate)
@@ -98,8 +117,8 @@ void VplTracerGpu::record_map(gpu::CommandList& commands) {
     if (weighted_) commands.copy(plain_.sums(), 0, weighted_->sums(), 0, uint64_t{map_.texels()} * sizeof(float));
 }
 
-void VplTracerGpu::record_vpls(gpu::CommandList& commands) {
-    const gpu::Scope scope(commands, "vpl_generation");
+/// Chooses the paths by the map.
+void VplTracerGpu::record_choice(gpu::CommandList& commands) {
     plain_.record_sum(commands);
     if (weighted_) {
         weighted_->record_sum(commands);
@@ -126,7 +145,11 @@ void VplTracerGpu::record_vpls(gpu::CommandList& commands) {
                                      .rotation_y = rotation.y,
                                      .runs = run_count_});
     commands.dispatch_threads(tracing_.vpls, VPL_GROUP);
+}
 
+void VplTracerGpu::record_vpls(gpu::CommandList& commands) {
+    const gpu::Scope scope(commands, "vpl_generation");
+    if (!given_) record_choice(commands);
     std::vector<gpu::Binding> bindings = {gpu::read_write("device_counters", counters_),
                                           gpu::read_write("state", state_),
                                           gpu::write("photons", photons_),

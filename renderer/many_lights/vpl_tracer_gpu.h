@@ -38,6 +38,9 @@ public:
 
     /// Says which pass is recorded next: a pure function of (scene, settings, seed, pass).
     void start(uint64_t seed, uint32_t pass);
+    /// Instead, once: every pass's paths are these, with the numbers of the first pass of that seed
+    /// (VplTracer::trace()); there is no map then, and nothing in texels() and importance().
+    void start(uint64_t seed, const ChosenPaths& paths);
     /// Traces the texels, stage `rsm`. Leaves texels() and importance(), both in the map's order.
     void record_map(gpu::CommandList& commands);
     /// The rest, stage `vpl_generation`.
@@ -64,6 +67,7 @@ public:
     void add_to(Counts& counts) const;
 
 private:
+    void record_choice(gpu::CommandList& commands);
     FluxMapGpu& chosen_by() { return weighted_ ? *weighted_ : plain_; }
 
     gpu::Device& device_;
@@ -71,6 +75,7 @@ private:
     gpu::Buffer& counters_;
     TexelMap map_;
     std::optional<TexelMapPass> pass_;
+    bool given_ = false;                  // the paths are
     FluxMapGpu plain_;                    // by the texels' flux
     std::optional<FluxMapGpu> weighted_;  // by the importance too
     uint32_t run_count_ = 0;

@@ -20,7 +20,7 @@ void PhotonWavefront::start_paths(const PhotonTracingScene& shared, const Sequen
                                   const PhotonBatch& photons, Counts& counts) {
     const size_t emitted = photons.last - photons.first;
     const bool texels = photons.texels || photons.map;
-    chosen_ = photons.chosen;
+    chosen_ = !photons.chosen.empty();
     for (uint32_t i = 0; i < emitted; ++i) drawn_elements_[i] = photons.first + i;
     const auto draw = [&](uint32_t set, Numbers& numbers) {
         sampler.sample_2d(photons.run, {drawn_elements_.data(), emitted}, set, {numbers.x.data(), emitted},
@@ -41,8 +41,7 @@ void PhotonWavefront::start_paths(const PhotonTracingScene& shared, const Sequen
     };
     batch.count = 0;
     if (chosen_) {
-        for (uint32_t i = 0; i < emitted; ++i)
-            starts_[i] = start_at_texel(*photons.chosen, photons.chosen->starts[first + i]);
+        for (uint32_t i = 0; i < emitted; ++i) starts_[i] = photons.chosen[first + i].first;
     } else if (photons.map) {
         start_each([&](uint32_t i, const vec2& u_position, const vec2& u_direction, EmissionSample& start) {
             return photons.map->sample(static_cast<uint32_t>(first) + i, {choice.x[i], choice.y[i]}, u_position,
@@ -64,9 +63,8 @@ void PhotonWavefront::start_paths(const PhotonTracingScene& shared, const Sequen
         if (is_black(start.power_w) || !is_sound(start.power_w, counts)) continue;
         LightPath& path = batch.paths[batch.count];
         if (chosen_) {
-            const ChosenStart& mine = photons.chosen->starts[first + i];
-            path.power_w = start.power_w * mine.share;
-            path.reference_inverse = 1 / (mine.flux_w * mine.share);
+            path.power_w = start.power_w;
+            path.reference_inverse = 1 / photons.chosen[first + i].reflected_w;
         } else {
             path.power_w = texels ? start.power_w : start.power_w * (1 / static_cast<float>(shared.tracing.photons));
             path.reference_inverse = 1 / max_component(path.power_w);
@@ -78,15 +76,6 @@ void PhotonWavefront::start_paths(const PhotonTracingScene& shared, const Sequen
         ranges_[batch.count] = start.range_m;
         batch.keys[batch.count++] = photons.first + i;
     }
-}
-
-EmissionSample PhotonWavefront::start_at_texel(const ChosenStarts& chosen, const ChosenStart& start) const {
-    const auto numbers = [&](uint32_t set) { return chosen.texel_numbers.sample_2d(start.texel, set); };
-    EmissionSample sample;
-    if (!chosen.map.sample(start.texel, numbers(kJitterSet), numbers(sample_set(EmissionSet::Position)),
-                           numbers(sample_set(EmissionSet::Direction)), sample))
-        sample.power_w = Rgb(0);
-    return sample;
 }
 
 void PhotonWavefront::find_hits(const PhotonTracingScene& shared, uint32_t scatterings, Counts& counts) {

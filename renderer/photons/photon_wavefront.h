@@ -20,23 +20,16 @@ namespace photond {
 
 /// A light path that its first hit was chosen by (vpl_tracer.h).
 struct ChosenStart {
-    uint32_t texel;
-    float share;   // of the texel's power
-    float flux_w;  // what the texel's hit reflects: roulette keeps the path's power near its share of that
-};
-/// Such paths, one for each element of the sequence: each starts with its texel's own numbers.
-struct ChosenStarts {
-    const TexelMapPass& map;
-    const SequenceSampler& texel_numbers;
-    std::span<const ChosenStart> starts;
+    EmissionSample first;   // with the path's share of the power; black: it carries nothing
+    float reflected_w = 0;  // what its hit reflects: roulette keeps the path's power near that
 };
 
 /// Light paths that are traced together.
 struct PhotonBatch : SequenceRun {
     /// Where the paths start: those texels, counted as the sequence's elements. nullptr: by the guide or the emission.
     const ReflectiveShadowMapPass* texels = nullptr;
-    const TexelMapPass* map = nullptr;     // the same of another kind of map
-    const ChosenStarts* chosen = nullptr;  // or these
+    const TexelMapPass* map = nullptr;    // the same of another kind of map
+    std::span<const ChosenStart> chosen;  // or here, one for each element of the sequence
 };
 
 /// Bsdf::albedo() is a mean over all directions, which falls short at grazing ones and near a lobe. A photon of the
@@ -139,7 +132,6 @@ public:
     Numbers direction, position, choice;
 
 private:
-    EmissionSample start_at_texel(const ChosenStarts& chosen, const ChosenStart& start) const;
     void sort_hits(const PhotonTracingScene& shared, uint32_t scatterings);
     void ask_texels(const PhotonTracingScene& shared, size_t place);
 

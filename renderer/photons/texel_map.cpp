@@ -11,7 +11,8 @@ namespace photond {
 namespace {
 
 constexpr uint64_t kMapStream = 1;  // of RandomDomain::Photons in a pass; 0: ReflectiveShadowMapPass
-constexpr uint32_t kPlaceBits = 2 * kHilbertLevels;
+constexpr uint32_t kPlaceBits = TexelMapPass::kPlaceBits;
+static_assert(kPlaceBits == 2 * kHilbertLevels);
 constexpr float kCells = 1u << kHilbertLevels;  // a side
 
 }  // namespace
@@ -54,18 +55,36 @@ TexelMapPass::TexelMapPass(const TexelMap& map, uint64_t seed, uint32_t pass) : 
     });
 }
 
-bool TexelMapPass::sample(uint32_t texel, const vec2& u_jitter, vec2 u_position, vec2 u_direction,
-                          EmissionSample& out) const {
+TexelMapPass::TexelNumbers TexelMapPass::numbers(uint32_t texel, const vec2& u_jitter, vec2 u_position,
+                                                 vec2 u_direction) const {
     const std::vector<gpu::TexelRun>& runs =
         chosen_.empty() || texel < chosen_.front().first_texel ? map_.runs() : chosen_;
     const gpu::TexelRun& run =
         *(std::upper_bound(runs.begin(), runs.end(), texel,
                            [](uint32_t t, const gpu::TexelRun& other) { return t < other.first_texel; }) -
           1);
-    const EmissionSampler& emission = map_.emission();
-    (emission.guided_by_position(run.light) ? u_position : u_direction) =
+    (map_.emission().guided_by_position(run.light) ? u_position : u_direction) =
         place_in_square(texel - run.first_texel, run.texels, u_jitter);
-    return emission.sample_light(run.light, run.expected, u_position, u_direction, out);
+    return {run.light, run.expected, u_position, u_direction};
+}
+
+bool TexelMapPass::sample(uint32_t texel, const vec2& u_jitter, const vec2& u_position, const vec2& u_direction,
+                          EmissionSample& out) const {
+    const TexelNumbers mine = numbers(texel, u_jitter, u_position, u_direction);
+    return map_.emission().sample_light(mine.light, mine.expected, mine.u_position, mine.u_direction, out);
+}
+
+const gpu::TexelRun* TexelMapPass::run_of(uint32_t light) const {
+    for (const std::vector<gpu::TexelRun>* runs : {&map_.runs(), &chosen_}) {  // both by their lights
+        const auto found = std::ranges::lower_bound(*runs, light, {}, &gpu::TexelRun::light);
+        if (found != runs->end() && found->light == light) return &*found;
+    }
+    return nullptr;
+}
+
+uint64_t TexelMapPass::curve_place(const gpu::TexelRun& run, const vec2& u_position, const vec2& u_direction) const {
+    const vec2& guided = map_.emission().guided_by_position(run.light) ? u_position : u_direction;
+    return (uint64_t{run.first_texel} << kPlaceBits) + hilbert_place(uvec2(guided * kCells)) * run.texels;
 }
 
 vec2 place_in_square(uint32_t j, uint32_t n, const vec2& u_jitter) {

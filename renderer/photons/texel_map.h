@@ -55,10 +55,25 @@ public:
     /// The weak lights that have a texel in this pass; their texels follow those of the map's own runs.
     const std::vector<gpu::TexelRun>& chosen() const { return chosen_; }
 
+    /// A light of its own, whose choice has that probability, and the numbers that sample_light() is to have of it.
+    struct TexelNumbers {
+        uint32_t light;
+        float expected;
+        vec2 u_position, u_direction;
+    };
+    TexelNumbers numbers(uint32_t texel, const vec2& u_jitter, vec2 u_position, vec2 u_direction) const;
     /// Where the path through a texel starts; its power is the texel's own, to be divided by nothing. `u_jitter`: where
     /// in the texel. It takes the place of one of the other two pairs of numbers, which are as EmissionSampler's. False
     /// when it carries nothing.
-    bool sample(uint32_t texel, const vec2& u_jitter, vec2 u_position, vec2 u_direction, EmissionSample& out) const;
+    bool sample(uint32_t texel, const vec2& u_jitter, const vec2& u_position, const vec2& u_direction,
+                EmissionSample& out) const;
+
+    /// The light's texels in this pass; null where it has none.
+    const gpu::TexelRun* run_of(uint32_t light) const;
+    /// How far along the whole map's curve a path with these numbers is, of a light that run_of() knows: its texel, and
+    /// in the low 44 bits how far through that.
+    uint64_t curve_place(const gpu::TexelRun& run, const vec2& u_position, const vec2& u_direction) const;
+    static constexpr uint32_t kPlaceBits = 44;
 
 private:
     const TexelMap& map_;

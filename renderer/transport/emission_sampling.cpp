@@ -82,6 +82,11 @@ struct EmissionSampler::Lights {
                          EmissionSample& out) const;
     bool sample_environment(const vec2& u_position, const vec2& u_direction, EmissionSample& out) const;
 
+    // EmissionSampler::aim() at a target, of each kind.
+    bool aim_triangle(uint32_t light, const vec3& target, const vec2& u_position, vec2& u_direction) const;
+    bool aim_punctual(const PunctualLight& light, const vec3& target, vec2& u_position, vec2& u_direction) const;
+    bool aim_from_outside(const vec3& direction, const vec3& target, vec2& u) const;
+
     // For many samples: those at `places`, whose lights are chosen and stand in the samples, with power_w the inverse
     // of the choice's probability. Triangles without a texture, and directional lights.
     void sample_triangles(const EmissionNumbers& numbers, std::span<const uint32_t> places,
@@ -319,6 +324,63 @@ bool EmissionSampler::sample_light(uint32_t light, float probability, const vec2
     out.light = light;
     out.power_w /= probability;
     return max_component(out.power_w) > 0;
+}
+
+bool EmissionSampler::Lights::aim_triangle(uint32_t index, const vec3& target, const vec2& u_position,
+                                           vec2& u_direction) const {
+    const LightTriangle& triangle = triangles[index];
+    const vec2 st = photond::sample_triangle(u_position);
+    const vec3 way = target - (triangle.corner + st.x * triangle.edge1 + st.y * triangle.edge2);
+    const float height = glm::dot(way, triangle.normal), distance = glm::length(way);
+    const bool two_sided = scene.triangle_lights[index].two_sided, front = height > 0;
+    if (!(std::fabs(height) > 0) || (!front && !two_sided)) return false;
+    const vec3 local = Frame(front ? triangle.normal : -triangle.normal).to_local(way / distance);
+    u_direction = unit_disk_inverse(vec2(local));
+    if (two_sided) u_direction.x = 0.5f * (u_direction.x + (front ? 0.0f : 1.0f));
+    return true;
+}
+
+bool EmissionSampler::Lights::aim_punctual(const PunctualLight& light, const vec3& target, vec2& u_position,
+                                           vec2& u_direction) const {
+    if (light.kind == PunctualLight::Kind::Directional) return aim_from_outside(light.direction, target, u_position);
+    const vec3 way = target - light.position;
+    const float distance = glm::length(way);
+    if (!(distance > 0)) return false;
+    const bool spot = light.kind == PunctualLight::Kind::Spot;
+    const vec3 direction = spot ? Frame(light.direction).to_local(way / distance) : way / distance;
+    const SpotCone cone(light);
+    if (spot && !(direction.z > cone.cos_outer())) return false;
+    const float turns = std::atan2(direction.y, direction.x) * (0.5f * kInvPi);
+    u_direction = {spot ? cone.number(direction.z) : 0.5f - 0.5f * direction.z, turns < 0 ? turns + 1 : turns};
+    return true;
+}
+
+bool EmissionSampler::Lights::aim_from_outside(const vec3& direction, const vec3& target, vec2& u) const {
+    const vec2 place = vec2(Frame(direction).to_local(target - centre)) / radius_m;
+    if (!(glm::length(place) <= 1)) return false;
+    u = unit_disk_inverse(place);
+    return true;
+}
+
+bool EmissionSampler::aim(uint32_t light, const vec3& point, vec2& u_position, vec2& u_direction) const {
+    if (!(probability(light) > 0)) return false;
+    const size_t triangles = lights_->triangles.size(), punctual = lights_->scene.punctual_lights.size();
+    bool meets;
+    if (light < triangles) {
+        meets = lights_->aim_triangle(light, point, u_position, u_direction);
+    } else if (light < triangles + punctual) {
+        meets =
+            lights_->aim_punctual(lights_->scene.punctual_lights[light - triangles], point, u_position, u_direction);
+    } else {
+        vec3 wi;
+        float pdf_sa;
+        meets =
+            lights_->environment->sample(u_direction, wi, pdf_sa) && lights_->aim_from_outside(-wi, point, u_position);
+    }
+    constexpr float kBelowOne = 1 - 0x1p-24f;
+    u_position = glm::clamp(u_position, 0.0f, kBelowOne);
+    u_direction = glm::clamp(u_direction, 0.0f, kBelowOne);
+    return meets;
 }
 
 uint32_t EmissionSampler::lights() const {

@@ -61,6 +61,11 @@ public:
     bool sample_light(uint32_t light, float probability, const vec2& u_position, const vec2& u_direction,
                       EmissionSample& out) const;
 
+    /// The numbers by which sample_light() sends a path of that light through `point`: one that starts at the same
+    /// place of a lamp as that of the numbers given, or comes from the same direction of the sky. False where there is
+    /// none: behind the lamp, outside of a spot's cone, or where the light has no power. Exact but for rounding.
+    bool aim(uint32_t light, const vec3& point, vec2& u_position, vec2& u_direction) const;
+
     uint32_t lights() const;                  // triangles, punctual lights, and the environment last
     float probability(uint32_t light) const;  // with which sample() chooses it: exact, a multiple of 2^-24
     /// Which of a light's two pairs of numbers decides what it sees most: directional lights are guided by the place on

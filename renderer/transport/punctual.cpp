@@ -36,4 +36,12 @@ vec3 SpotCone::sample(const vec2& u) const {
     return {sine * std::cos(azimuth), sine * std::sin(azimuth), static_cast<float>(1 - below_one)};
 }
 
+float SpotCone::number(float cosine) const {
+    const Shares s = shares();
+    const double below_one = 1 - double{cosine}, whole = s.plateau + s.ramp;
+    if (below_one <= s.plateau) return static_cast<float>(below_one / whole);
+    const double rest = std::clamp((1 - double{cos_outer_} - below_one) / (width_ * s.top), 0.0, 1.0);
+    return static_cast<float>((s.plateau + s.ramp * (1 - rest * rest * rest)) / whole);
+}
+
 }  // namespace photond

@@ -26,6 +26,8 @@ public:
     double solid_angle() const;
     /// A unit direction about +z with density falloff / solid_angle(); u uniform in [0, 1)^2. Only when that is > 0.
     vec3 sample(const vec2& u) const;
+    /// Inverse of that, for a direction of that cosine within the cone: u.x.
+    float number(float cosine) const;
 
     /// Integrals over the cosine: where the falloff is 1, and on the ramp, which t leaves at `top` <= 1 (it does not
     /// reach 1 where the axis lies on it).
@@ -36,6 +38,7 @@ public:
     };
     Shares shares() const;
     float width() const { return width_; }
+    float cos_outer() const { return cos_outer_; }
 
 private:
     float cos_outer_;

@@ -21,6 +21,16 @@ inline vec2 sample_unit_disk(vec2 u) {
     return radius * (wide ? vec2(cosine, sine) : vec2(sine, cosine));
 }
 
+/// Inverse of sample_unit_disk(), for points of the unit disc.
+inline vec2 unit_disk_inverse(const vec2& at) {
+    const float radius = glm::length(at);
+    if (!(radius > 0)) return vec2(0.5f);
+    const bool wide = std::fabs(at.x) > std::fabs(at.y);
+    const float along = wide ? at.x : at.y, across = wide ? at.y : at.x;
+    const float a = std::copysign(std::min(radius, 1.0f), along), b = a * (4 * kInvPi) * std::atan(across / along);
+    return 0.5f * (wide ? vec2(a, b) : vec2(b, a)) + 0.5f;
+}
+
 /// Density cos / pi about +z. z > 0 always.
 inline vec3 sample_cosine_hemisphere(vec2 u) {
     const vec2 d = sample_unit_disk(u);

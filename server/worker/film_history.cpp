@@ -23,6 +23,8 @@ constexpr std::pair<const char*, uint64_t Counts::*> kCounts[] = {{"camera_rays"
                                                                   {"nan_samples", &Counts::nan_samples},
                                                                   {"infinite_samples", &Counts::infinite_samples},
                                                                   {"photon_rays_saved", &Counts::photon_rays_saved},
+                                                                  {"vpls_kept", &Counts::vpls_kept},
+                                                                  {"vpls_new", &Counts::vpls_new},
                                                                   {"cache_hits", &Counts::cache_hits},
                                                                   {"cache_misses", &Counts::cache_misses},
                                                                   {"cache_refused", &Counts::cache_refused}};

@@ -117,6 +117,8 @@ json statistics_json(const StatisticsInput& input) {
               {"voxels", counts.voxels},
               {"passes", input.film.passes()},
               {"photon_rays_saved", counts.photon_rays_saved},
+              {"vpls_kept", counts.vpls_kept},
+              {"vpls_new", counts.vpls_new},
               {"cache_hits", counts.cache_hits},
               {"cache_misses", counts.cache_misses},
               {"cache_refused", counts.cache_refused},

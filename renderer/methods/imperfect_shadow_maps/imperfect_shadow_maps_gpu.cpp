@@ -27,8 +27,9 @@ void ImperfectShadowMapsParams::check() const {
 }
 
 struct ImperfectShadowMapsGpu::State {
-    State(const RenderContext& context, const ImperfectShadowMapsParams& params, Stats& stats)
-        : frame(context, settings_of(params), stats) {
+    State(const RenderContext& context, const ImperfectShadowMapsParams& params, VplsBetweenFrames& frames,
+          Stats& stats)
+        : frame(context, settings_of(params), stats, &frames) {
         if (!frame.lit()) return;
         const StageTimer timer(stats, "shadow_maps");
         set.emplace(frame.scene(), params.vpls, params.connect_threshold);
@@ -68,12 +69,14 @@ struct ImperfectShadowMapsGpu::State {
     FirstBounceGpu frame;  // last: its going waits for work that uses the others
 };
 
-ImperfectShadowMapsGpu::ImperfectShadowMapsGpu(const ImperfectShadowMapsParams& params) : params_(params) {}
+ImperfectShadowMapsGpu::ImperfectShadowMapsGpu(const ImperfectShadowMapsParams& params)
+    : params_(params), frames_(params.incremental, params.vpls) {}
 ImperfectShadowMapsGpu::~ImperfectShadowMapsGpu() = default;
 
 uint64_t ImperfectShadowMapsGpu::estimate_bytes(const ImperfectShadowMapsParams& params, const Workload& workload) {
     const FirstBounceSettings settings = settings_of(params);
     return FirstBounceGpu::estimate_bytes(settings, workload) +
+           VplsBetweenFrames::bytes_for(params.incremental, params.vpls) +
            (FirstBounceGpu::may_be_lit(settings, workload) ? ImperfectShadowMaps::host_bytes(params.points) : 0);
 }
 
@@ -90,7 +93,7 @@ uint64_t ImperfectShadowMapsGpu::estimate_device_bytes(const ImperfectShadowMaps
 
 void ImperfectShadowMapsGpu::begin(const RenderContext& context, Stats& stats) {
     context.budget.require("occluder_points", ImperfectShadowMaps::host_bytes(params_.points));
-    state_ = std::make_unique<State>(context, params_, stats);
+    state_ = std::make_unique<State>(context, params_, frames_, stats);
     if (state_->imperfect)  // on their way to the device
         context.budget.record("occluder_points", ImperfectShadowMaps::host_bytes(params_.points));
 }

@@ -12,6 +12,7 @@ namespace photond {
 
 struct ImperfectShadowMapsParams final : MethodParams {
     TemporalParams temporal;
+    IncrementalVplParams incremental;
     uint32_t vpls = 1024;
     uint32_t bounces = 1;
     uint32_t map_resolution = 128;
@@ -28,6 +29,8 @@ struct ImperfectShadowMapsParams final : MethodParams {
 
     void visit(ParamVisitor& visitor) override;
     void check() const override;
+    /// What a frame leaves to the next beside its indirect light.
+    std::vector<std::string_view> left_beside_light() const { return incremental.left(); }
 };
 
 inline void ImperfectShadowMapsParams::visit(ParamVisitor& visitor) {
@@ -48,6 +51,7 @@ inline void ImperfectShadowMapsParams::visit(ParamVisitor& visitor) {
     visit_vpl_connect_threshold(visitor, connect_threshold);
     visit_sampler(visitor, sampler);
     temporal.visit(visitor);
+    incremental.visit(visitor);
 }
 
 }  // namespace photond

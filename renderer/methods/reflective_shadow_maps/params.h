@@ -18,6 +18,7 @@ enum class RsmPattern : uint8_t {
 
 struct ReflectiveShadowMapsParams final : MethodParams {
     TemporalParams temporal;
+    IncrementalVplParams incremental;
     uint32_t samples = 400;
     uint32_t bounces = 1;
     uint32_t map_resolution = 512;
@@ -30,6 +31,8 @@ struct ReflectiveShadowMapsParams final : MethodParams {
 
     void visit(ParamVisitor& visitor) override;
     void check() const override;
+    /// What a frame leaves to the next beside its indirect light.
+    std::vector<std::string_view> left_beside_light() const { return incremental.left(); }
 };
 
 inline void ReflectiveShadowMapsParams::visit(ParamVisitor& visitor) {
@@ -55,6 +58,7 @@ inline void ReflectiveShadowMapsParams::visit(ParamVisitor& visitor) {
                   {NoiseAndBias, "", 0, 1, "texels: lobes with GGX alpha below it send nothing"});
     visit_sampler(visitor, sampler);
     temporal.visit(visitor);
+    incremental.visit(visitor);
 }
 
 }  // namespace photond

@@ -20,11 +20,15 @@ FirstBounceSettings settings_of(const ReflectiveShadowMapsParams& params) {
 
 }  // namespace
 
-void ReflectiveShadowMapsParams::check() const { require_power_of_two("/map_resolution", map_resolution); }
+void ReflectiveShadowMapsParams::check() const {
+    require_power_of_two("/map_resolution", map_resolution);
+    if (incremental.on && pattern != RsmPattern::Flux)
+        throw Error(ErrorCode::OutOfRange, "/incremental", "incremental goes with pattern flux alone");
+}
 
 struct ReflectiveShadowMapsGpu::State {
-    State(const RenderContext& context, const ReflectiveShadowMapsParams& p, Stats& stats)
-        : params(p), frame(context, settings_of(p), stats) {
+    State(const RenderContext& context, const ReflectiveShadowMapsParams& p, VplsBetweenFrames& frames, Stats& stats)
+        : params(p), frame(context, settings_of(p), stats, &frames) {
         if (!frame.lit()) return;
         const StageTimer timer(stats, "pipelines");
         if (params.pattern == RsmPattern::Flux) {
@@ -96,11 +100,13 @@ void ReflectiveShadowMapsGpu::State::add_paper_steps(uint32_t pass, DeviceFrame:
                          }});
 }
 
-ReflectiveShadowMapsGpu::ReflectiveShadowMapsGpu(const ReflectiveShadowMapsParams& params) : params_(params) {}
+ReflectiveShadowMapsGpu::ReflectiveShadowMapsGpu(const ReflectiveShadowMapsParams& params)
+    : params_(params), frames_(params.incremental, params.samples) {}
 ReflectiveShadowMapsGpu::~ReflectiveShadowMapsGpu() = default;
 
 uint64_t ReflectiveShadowMapsGpu::estimate_bytes(const ReflectiveShadowMapsParams& params, const Workload& workload) {
-    return FirstBounceGpu::estimate_bytes(settings_of(params), workload);
+    return FirstBounceGpu::estimate_bytes(settings_of(params), workload) +
+           VplsBetweenFrames::bytes_for(params.incremental, params.samples);
 }
 
 uint64_t ReflectiveShadowMapsGpu::estimate_device_bytes(const ReflectiveShadowMapsParams& params,
@@ -113,7 +119,7 @@ uint64_t ReflectiveShadowMapsGpu::estimate_device_bytes(const ReflectiveShadowMa
 }
 
 void ReflectiveShadowMapsGpu::begin(const RenderContext& context, Stats& stats) {
-    state_ = std::make_unique<State>(context, params_, stats);
+    state_ = std::make_unique<State>(context, params_, frames_, stats);
 }
 
 void ReflectiveShadowMapsGpu::run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) {

@@ -1,5 +1,6 @@
 #include "renderer/methods/svo_many_lights/params.h"
 
+#include "protocol/error.h"
 #include "renderer/frame/common_params.h"
 
 namespace photond {
@@ -8,6 +9,8 @@ void SvoManyLightsParams::check() const {
     require_power_of_two("/map_resolution", map_resolution);
     require_power_of_two("/voxel_resolution", voxel_resolution);
     require_power_of_two("/interleave", interleave);
+    if (incremental.on && placement != VplPlacement::Flux)
+        throw Error(ErrorCode::OutOfRange, "/incremental", "incremental goes with placement flux alone");
 }
 
 }  // namespace photond

@@ -19,6 +19,7 @@ enum class DirectShadows : uint8_t { Rays, ShadowMaps };
 
 struct SvoManyLightsParams final : MethodParams {
     TemporalParams temporal;
+    IncrementalVplParams incremental;
     uint32_t vpls = 1024;
     uint32_t bounces = 254;
     uint32_t map_resolution = 128;
@@ -49,6 +50,8 @@ struct SvoManyLightsParams final : MethodParams {
 
     void visit(ParamVisitor& visitor) override;
     void check() const override;
+    /// What a frame leaves to the next beside its indirect light.
+    std::vector<std::string_view> left_beside_light() const { return incremental.left(); }
 
     /// Greatest number of scattering vertices of a path: n vertices make n - 1 bounces (conventions.md).
     uint32_t max_scatterings() const { return bounces + 1; }
@@ -125,6 +128,7 @@ inline void SvoManyLightsParams::visit(ParamVisitor& visitor) {
     visit_vpl_connect_threshold(visitor, connect_threshold);
     visit_sampler(visitor, sampler);
     temporal.visit(visitor);
+    incremental.visit(visitor);
 }
 
 }  // namespace photond

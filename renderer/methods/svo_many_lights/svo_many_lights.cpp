@@ -82,7 +82,8 @@ struct SvoManyLights::State {
     bool pass_complete = false;  // image holds a whole pass
 };
 
-SvoManyLights::SvoManyLights(const SvoManyLightsParams& params) : params_(params) {}
+SvoManyLights::SvoManyLights(const SvoManyLightsParams& params)
+    : params_(params), frames_(params.incremental, params.vpls) {}
 SvoManyLights::~SvoManyLights() = default;
 
 void SvoManyLights::begin(const RenderContext& context, Stats& stats) {
@@ -142,6 +143,7 @@ void SvoManyLights::begin(const RenderContext& context, Stats& stats) {
     if (params_.visibility == VplVisibility::ShadowMaps) state.maps.emplace(params_.shadow_resolution);
     const auto lit_area_m2 = [&] { return static_cast<float>(state.tracer->lit_area_m2(context.seed)); };
     state.clamp_sq_m2 = params_.clamp_m2 ? *params_.clamp_m2 : default_clamp_sq_m2(lit_area_m2(), params_.vpls);
+    if (frames_.on()) frames_.renew(*state.tracer, *state.emission, context, stats);
     make_caustics(context, stats);
     if (!scene.needs.solid_glass) stats.skipped.push_back({"absorption", "no solid refracts", 0});
 }
@@ -210,7 +212,9 @@ void SvoManyLights::make_lights(uint32_t pass, Stats& stats, const CancelToken& 
     if (params_.placement == VplPlacement::Camera)
         importance = CameraImportance(state.buffer, state.tree ? &*state.tree : nullptr, state.clamp_sq_m2,
                                       state.eye.seed, pass);
-    const TracedReflections photons = state.tracer->trace(state.eye.seed, pass, importance, stats, cancel);
+    const TracedReflections photons = frames_.on()
+                                          ? state.tracer->trace(frames_.seed(), frames_.paths(), stats, cancel)
+                                          : state.tracer->trace(state.eye.seed, pass, importance, stats, cancel);
     if (cancel.cancelled()) return;
     stats.counts += photons.counts;
     {

@@ -1,5 +1,6 @@
 #pragma once
 #include "renderer/frame/method.h"
+#include "renderer/many_lights/incremental_vpls.h"
 #include "renderer/methods/svo_many_lights/params.h"
 #include "renderer/photons/neighbours.h"
 
@@ -42,6 +43,10 @@ public:
     /// What begin() and the passes will record, to a factor of two.
     static uint64_t estimate_bytes(const SvoManyLightsParams& params, const Workload& workload);
 
+    void follow(FrameBefore before) override { frames_.follow(std::move(before)); }
+    void go_on_from(const std::string& state) override { frames_.go_on_from(state); }
+    std::string state() const override { return frames_.state(); }
+    std::string left_to_next() const override { return frames_.left_to_next(); }
     void begin(const RenderContext& context, Stats& stats) override;
     void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) override;
     PassImage* end_pass() override;
@@ -59,6 +64,7 @@ private:
     bool repays() const;
 
     const SvoManyLightsParams params_;
+    VplsBetweenFrames frames_;
     std::unique_ptr<State> state_;
 };
 

@@ -237,11 +237,12 @@ void SvoManyLightsGpu::State::add_steps(uint32_t pass, DeviceFrame::Steps& steps
                      }});
 }
 
-SvoManyLightsGpu::SvoManyLightsGpu(const SvoManyLightsParams& params) : params_(params) {}
+SvoManyLightsGpu::SvoManyLightsGpu(const SvoManyLightsParams& params)
+    : params_(params), frames_(params.incremental, params.vpls) {}
 SvoManyLightsGpu::~SvoManyLightsGpu() = default;
 
 uint64_t SvoManyLightsGpu::estimate_bytes(const SvoManyLightsParams& params, const Workload& workload) {
-    return DeviceFrame::estimate_bytes(workload) +
+    return DeviceFrame::estimate_bytes(workload) + VplsBetweenFrames::bytes_for(params.incremental, params.vpls) +
            (params.bounces > 0 ? EmissionSampler::estimate_bytes(workload.lights, workload.environment_size) : 0) +
            (sends_caustics(params, workload) ? CausticPhotons::estimate_bytes(workload.lights, 1) : 0);
 }
@@ -314,6 +315,10 @@ void SvoManyLightsGpu::begin(const RenderContext& context, Stats& stats) {
         };
         clamp_sq_m2 = params_.clamp_m2 ? *params_.clamp_m2 : default_clamp_sq_m2(lit_area_m2(), params_.vpls);
     }
+    if (frames_.on()) {
+        const VplTracer tracer(scene, *context.intersector, *context.intersector, *emission, tracing_of(params_));
+        frames_.renew(tracer, *emission, context, stats);
+    }
     const CausticSettings caustics = caustics_of(params_);
     std::unique_ptr<CausticPhotons> caustic_pilot;
     if (const char* why = why_no_caustics(params_, has_specular_surface(scene, caustics.glossy_threshold)))
@@ -330,6 +335,7 @@ void SvoManyLightsGpu::begin(const RenderContext& context, Stats& stats) {
     const StageTimer timer(stats, "pipelines");
     state.lights.emplace(*context.device_scene, params_, context.seed, clamp_sq_m2, std::move(*emission),
                          std::move(tree), state.buffer, state.device_image, asks, std::move(caustic_pilot));
+    if (frames_.on()) state.lights->tracer.start(frames_.seed(), frames_.paths());
 }
 
 void SvoManyLightsGpu::run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) {

@@ -22,6 +22,10 @@ public:
     /// Bytes of the device's memory that begin() will take, to a factor of two.
     static uint64_t estimate_device_bytes(const SvoManyLightsParams& params, const Workload& workload);
 
+    void follow(FrameBefore before) override { frames_.follow(std::move(before)); }
+    void go_on_from(const std::string& state) override { frames_.go_on_from(state); }
+    std::string state() const override { return frames_.state(); }
+    std::string left_to_next() const override { return frames_.left_to_next(); }
     void begin(const RenderContext& context, Stats& stats) override;
     void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) override;
 
@@ -31,6 +35,7 @@ private:
     struct State;  // svo_many_lights_gpu.cpp
 
     const SvoManyLightsParams params_;
+    VplsBetweenFrames frames_;
     std::unique_ptr<State> state_;
 };
 

@@ -49,7 +49,8 @@ uint64_t SvoManyLights::estimate_bytes(const SvoManyLightsParams& params, const 
     if (!lights || params.bounces == 0) return bytes;
     bytes += EmissionSampler::estimate_bytes(workload.lights, workload.environment_size) +
              VplTracer::scratch_bytes(tracing_of(params), workload.threads, workload.lights) +
-             VplTracer::result_bytes(tracing_of(params)) + light_bytes(params, workload.needs);
+             VplTracer::result_bytes(tracing_of(params)) + light_bytes(params, workload.needs) +
+             VplsBetweenFrames::bytes_for(params.incremental, params.vpls);
     if (params.needs_voxels(workload.layers)) bytes += voxel_tree_bytes(params);
     if (sends_caustics(params, workload))
         bytes +=

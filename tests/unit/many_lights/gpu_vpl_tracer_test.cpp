@@ -9,6 +9,7 @@
 
 #include "renderer/backends/gpu/counters.h"
 #include "renderer/many_lights/flux_map.h"
+#include "renderer/many_lights/incremental_vpls.h"
 #include "renderer/many_lights/vpl_tracer_gpu.h"
 #include "renderer/scene/builtin_families.h"
 #include "renderer/scene/builtin_scenes.h"
@@ -36,12 +37,13 @@ struct DeviceLights {
 /// `halved`: the importance of the map's first half, along its curve, is made 0 in between.
 DeviceLights trace_on_device(const test::SceneOnDevice& where, const EmissionSampler& emission,
                              const VplTracing& tracing, bool halved = false, uint32_t passes = 1,
-                             const VplBounceShader& bounces = {}) {
+                             const VplBounceShader& bounces = {}, const ChosenPaths* paths = nullptr) {
     gpu::Device& device = test::gpu_device();
     gpu::Counters counters(device);
     VplTracerGpu tracer(where.device_scene, emission, tracing, counters.buffer(), halved, bounces);
     gpu::CommandList commands(device);
     DeviceLights lights;
+    if (paths) tracer.start(kSeed, *paths);
     for (uint32_t pass = kPass + 1 - passes; pass <= kPass; ++pass) {  // what passes before left must not matter
         commands.reset();
         counters.record_clear(commands);
@@ -135,6 +137,25 @@ TEST_P(GpuVplTracer, LightsAreTheCpus) {
         EXPECT_NEAR(double(cpu.counts.photon_rays), double(gpu.counts.photon_rays),
                     0.01 * double(gpu.counts.photon_rays));
     }
+}
+// Paths that are given instead (incremental_vpls.h), those of some slots missing.
+TEST(GpuVplTracerPaths, LightsOfGivenPathsAreTheCpus) {
+    const Scene scene = make_builtin_scene("cornell-box");
+    const test::PhotonScene lit(scene);
+    const test::SceneOnDevice where(scene);
+    const VplTracing tracing{.vpls = 300, .map_side = 32, .bounces = 3};
+    const VplTracer tracer(scene, *lit.intersector, *lit.intersector, lit.emission, tracing);
+    VplsBetweenFrames frames({.on = true}, tracing.vpls);
+    Stats stats;
+    MemoryBudget budget;
+    frames.renew(tracer, lit.emission, {scene, lit.intersector.get(), {}, kSeed, budget}, stats);
+    ChosenPaths paths = frames.paths();
+    for (uint32_t slot = 0; slot < tracing.vpls; slot += 7) paths.starts[slot] = {};
+    const TracedReflections cpu = tracer.trace(kSeed, paths, stats, CancelToken{});
+    const DeviceLights gpu = trace_on_device(where, lit.emission, tracing, false, 2, {}, &paths);
+    ASSERT_GT(cpu.photons.size(), 200u);
+    EXPECT_NEAR(double(gpu.photons.size()), double(cpu.photons.size()), 0.01 * double(cpu.photons.size()));
+    EXPECT_LT(share_alone(cpu, gpu, scene.bounds.radius()), 0.02);
 }
 INSTANTIATE_TEST_SUITE_P(BuiltinScenes, GpuVplTracer,
                          testing::Values("cornell-box", "cornell-box-glass", "cornell-box-glossy", "interior"),
