@@ -140,7 +140,7 @@ TEST_P(GpuVplTracer, LightsAreTheCpus) {
 }
 // Paths that are given instead (incremental_vpls.h), those of some slots missing.
 TEST(GpuVplTracerPaths, LightsOfGivenPathsAreTheCpus) {
-    const Scene scene = make_builtin_scene("cornell-box");
+    const Scene scene = test::turned(make_builtin_scene("cornell-box"));
     const test::PhotonScene lit(scene);
     const test::SceneOnDevice where(scene);
     const VplTracing tracing{.vpls = 300, .map_side = 32, .bounces = 3};
