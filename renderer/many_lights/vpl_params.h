@@ -13,12 +13,18 @@ class ParamVisitor;
 /// `incremental` and `new_vpls` (incremental_vpls.h)
 struct IncrementalVplParams {
     bool on = false;
-    uint32_t new_vpls = 128;
+    uint32_t new_vpls = 256;
 
     void visit(ParamVisitor& visitor);
-    /// What a frame leaves to the next, as MethodInfo::left_to_next says it.
-    std::vector<std::string_view> left() const {
-        return on ? std::vector<std::string_view>{"virtual point lights"} : std::vector<std::string_view>{};
+};
+
+/// Parameters of a method whose frames may hand lights on.
+struct WithIncrementalVpls {
+    IncrementalVplParams incremental;
+
+    /// What a frame leaves to the next beside its indirect light.
+    std::vector<std::string_view> left_beside_light() const {
+        return incremental.on ? std::vector<std::string_view>{"virtual point lights"} : std::vector<std::string_view>{};
     }
 };
 

@@ -70,7 +70,7 @@ struct ImperfectShadowMapsGpu::State {
 };
 
 ImperfectShadowMapsGpu::ImperfectShadowMapsGpu(const ImperfectShadowMapsParams& params)
-    : params_(params), frames_(params.incremental, params.vpls) {}
+    : FollowsFrames(params.incremental, params.vpls), params_(params) {}
 ImperfectShadowMapsGpu::~ImperfectShadowMapsGpu() = default;
 
 uint64_t ImperfectShadowMapsGpu::estimate_bytes(const ImperfectShadowMapsParams& params, const Workload& workload) {

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "renderer/frame/device_method.h"
+#include "renderer/frame/follows_frames.h"
 #include "renderer/many_lights/incremental_vpls.h"
 #include "renderer/methods/imperfect_shadow_maps/params.h"
 
@@ -17,7 +18,7 @@ namespace photond {
 ///
 /// [Ritschel, Grosch, Kim, Seidel, Dachsbacher, Kautz 2008] Imperfect Shadow Maps for Efficient Computation of Indirect
 /// Illumination. ACM TOG 27(5).
-class ImperfectShadowMapsGpu final : public DeviceMethod {
+class ImperfectShadowMapsGpu final : public FollowsFrames<DeviceMethod, VplsBetweenFrames> {
 public:
     static constexpr const char* kName = "imperfect_shadow_maps";
     using Params = ImperfectShadowMapsParams;
@@ -29,10 +30,6 @@ public:
     /// Bytes of the device's memory that begin() will take, to a factor of two.
     static uint64_t estimate_device_bytes(const ImperfectShadowMapsParams& params, const Workload& workload);
 
-    void follow(FrameBefore before) override { frames_.follow(std::move(before)); }
-    void go_on_from(const std::string& state) override { frames_.go_on_from(state); }
-    std::string state() const override { return frames_.state(); }
-    std::string left_to_next() const override { return frames_.left_to_next(); }
     void begin(const RenderContext& context, Stats& stats) override;
     void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) override;
 
@@ -42,7 +39,6 @@ private:
     struct State;  // imperfect_shadow_maps_gpu.cpp
 
     const ImperfectShadowMapsParams params_;
-    VplsBetweenFrames frames_;
     std::unique_ptr<State> state_;
 };
 

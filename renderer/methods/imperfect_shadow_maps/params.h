@@ -10,9 +10,8 @@
 
 namespace photond {
 
-struct ImperfectShadowMapsParams final : MethodParams {
+struct ImperfectShadowMapsParams final : MethodParams, WithIncrementalVpls {
     TemporalParams temporal;
-    IncrementalVplParams incremental;
     uint32_t vpls = 1024;
     uint32_t bounces = 1;
     uint32_t map_resolution = 128;
@@ -29,8 +28,6 @@ struct ImperfectShadowMapsParams final : MethodParams {
 
     void visit(ParamVisitor& visitor) override;
     void check() const override;
-    /// What a frame leaves to the next beside its indirect light.
-    std::vector<std::string_view> left_beside_light() const { return incremental.left(); }
 };
 
 inline void ImperfectShadowMapsParams::visit(ParamVisitor& visitor) {

@@ -23,7 +23,8 @@ MethodInfo imperfect_shadow_maps_row() {
     info.family = "many lights";
     info.sources = {
         {"Ritschel et al.", 2008, "Imperfect Shadow Maps for Efficient Computation of Indirect Illumination"},
-        {"Marroquim et al.", 2007, "Efficient Point-Based Rendering Using Image Reconstruction"}};
+        {"Marroquim et al.", 2007, "Efficient Point-Based Rendering Using Image Reconstruction"},
+        {"Laine et al.", 2007, "Incremental Instant Radiosity for Real-Time Indirect Illumination"}};
     info.layers.remove(Layer::Caustic);
     info.limits = {
         {{}, "", "maps of a few texels, by points instead of triangles, and what the clamp takes is not given back"}};

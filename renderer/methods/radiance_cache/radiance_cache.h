@@ -1,4 +1,5 @@
 #pragma once
+#include "renderer/frame/follows_frames.h"
 #include "renderer/frame/method.h"
 #include "renderer/methods/radiance_cache/aged_cells.h"
 #include "renderer/methods/radiance_cache/params.h"
@@ -25,7 +26,7 @@ namespace photond {
 /// [Binder, Fricke, Keller 2018] Fast Path Space Filtering by Jittered Spatial Hashing. SIGGRAPH Talks.
 /// [Müller et al. 2021] Real-time Neural Radiance Caching for Path Tracing. ACM TOG 40(4) (where paths end).
 /// [Boissé et al. 2023] GI-1.0: A Fast and Scalable Two-level Radiance Caching Scheme for Real-Time GI.
-class RadianceCache final : public Method {
+class RadianceCache final : public FollowsFrames<Method, CellsBetweenFrames> {
 public:
     static constexpr const char* kName = "radiance_cache";
     using Params = RadianceCacheParams;
@@ -35,19 +36,14 @@ public:
     /// What begin() will record.
     static uint64_t estimate_bytes(const RadianceCacheParams& params, const Workload& workload);
 
-    void follow(FrameBefore before) override { frames_.follow(before); }
-    void go_on_from(const std::string& state) override { frames_.go_on_from(state); }
     void begin(const RenderContext& context, Stats& stats) override;
     void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) override;
     PassImage* end_pass() override;
-    std::string state() const override { return frames_.state(); }
-    std::string left_to_next() const override { return frames_.left_to_next(); }
 
 private:
     struct State;
 
     const RadianceCacheParams params_;
-    CellsBetweenFrames frames_;
     std::unique_ptr<State> state_;
 };
 

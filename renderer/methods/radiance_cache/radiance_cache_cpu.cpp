@@ -186,7 +186,7 @@ void RadianceCache::State::show_cells(std::span<const GatherPoint> points) {
     }
 }
 
-RadianceCache::RadianceCache(const RadianceCacheParams& params) : params_(params), frames_(params) {}
+RadianceCache::RadianceCache(const RadianceCacheParams& params) : FollowsFrames(params), params_(params) {}
 RadianceCache::~RadianceCache() = default;
 
 uint64_t RadianceCache::estimate_bytes(const RadianceCacheParams& params, const Workload& workload) {

@@ -191,7 +191,7 @@ void RadianceCacheGpu::State::record_paths(gpu::CommandList& commands, uint32_t 
     commands.dispatch_threads(uint64_t{end - first} * kEyeTilePixels, kEyeTilePixels);
 }
 
-RadianceCacheGpu::RadianceCacheGpu(const RadianceCacheParams& params) : params_(params), frames_(params) {}
+RadianceCacheGpu::RadianceCacheGpu(const RadianceCacheParams& params) : FollowsFrames(params), params_(params) {}
 RadianceCacheGpu::~RadianceCacheGpu() = default;
 
 uint64_t RadianceCacheGpu::estimate_bytes(const RadianceCacheParams& params, const Workload& workload) {

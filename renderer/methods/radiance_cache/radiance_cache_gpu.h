@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "renderer/frame/device_method.h"
+#include "renderer/frame/follows_frames.h"
 #include "renderer/methods/radiance_cache/aged_cells.h"
 #include "renderer/methods/radiance_cache/params.h"
 
@@ -10,7 +11,7 @@ namespace photond {
 /// RadianceCache on a device: the same cells, filled and asked by the same rules. Its paths are whole ones, with all
 /// lobes of the first surface, and there are `gather_rays` of them a pixel, where the CPU gathers so many rays from one
 /// first surface; the numbers are others.
-class RadianceCacheGpu final : public DeviceMethod {
+class RadianceCacheGpu final : public FollowsFrames<DeviceMethod, CellsBetweenFrames> {
 public:
     static constexpr const char* kName = "radiance_cache";
     using Params = RadianceCacheParams;
@@ -22,12 +23,8 @@ public:
     /// Bytes of the device's memory that begin() will take, to a factor of two.
     static uint64_t estimate_device_bytes(const RadianceCacheParams& params, const Workload& workload);
 
-    void follow(FrameBefore before) override { frames_.follow(before); }
-    void go_on_from(const std::string& state) override { frames_.go_on_from(state); }
     void begin(const RenderContext& context, Stats& stats) override;
     void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) override;
-    std::string state() const override { return frames_.state(); }
-    std::string left_to_next() const override { return frames_.left_to_next(); }
 
 private:
     DeviceFrame& frame() override;
@@ -35,7 +32,6 @@ private:
     struct State;  // radiance_cache_gpu.cpp
 
     const RadianceCacheParams params_;
-    CellsBetweenFrames frames_;
     std::unique_ptr<State> state_;
 };
 

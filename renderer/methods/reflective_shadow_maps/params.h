@@ -16,9 +16,8 @@ enum class RsmPattern : uint8_t {
     Paper,  // each pixel those about its own place in the map
 };
 
-struct ReflectiveShadowMapsParams final : MethodParams {
+struct ReflectiveShadowMapsParams final : MethodParams, WithIncrementalVpls {
     TemporalParams temporal;
-    IncrementalVplParams incremental;
     uint32_t samples = 400;
     uint32_t bounces = 1;
     uint32_t map_resolution = 512;
@@ -31,8 +30,6 @@ struct ReflectiveShadowMapsParams final : MethodParams {
 
     void visit(ParamVisitor& visitor) override;
     void check() const override;
-    /// What a frame leaves to the next beside its indirect light.
-    std::vector<std::string_view> left_beside_light() const { return incremental.left(); }
 };
 
 inline void ReflectiveShadowMapsParams::visit(ParamVisitor& visitor) {

@@ -101,7 +101,7 @@ void ReflectiveShadowMapsGpu::State::add_paper_steps(uint32_t pass, DeviceFrame:
 }
 
 ReflectiveShadowMapsGpu::ReflectiveShadowMapsGpu(const ReflectiveShadowMapsParams& params)
-    : params_(params), frames_(params.incremental, params.samples) {}
+    : FollowsFrames(params.incremental, params.samples), params_(params) {}
 ReflectiveShadowMapsGpu::~ReflectiveShadowMapsGpu() = default;
 
 uint64_t ReflectiveShadowMapsGpu::estimate_bytes(const ReflectiveShadowMapsParams& params, const Workload& workload) {

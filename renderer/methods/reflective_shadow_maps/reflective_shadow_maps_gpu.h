@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "renderer/frame/device_method.h"
+#include "renderer/frame/follows_frames.h"
 #include "renderer/many_lights/incremental_vpls.h"
 #include "renderer/methods/reflective_shadow_maps/params.h"
 
@@ -29,7 +30,7 @@ namespace photond {
 /// interpolation between sparse pixels (sec. 4.2), further bounces.
 ///
 /// [Dachsbacher and Stamminger 2005] Reflective Shadow Maps. I3D.
-class ReflectiveShadowMapsGpu final : public DeviceMethod {
+class ReflectiveShadowMapsGpu final : public FollowsFrames<DeviceMethod, VplsBetweenFrames> {
 public:
     static constexpr const char* kName = "reflective_shadow_maps";
     using Params = ReflectiveShadowMapsParams;
@@ -41,10 +42,6 @@ public:
     /// Bytes of the device's memory that begin() will take, to a factor of two.
     static uint64_t estimate_device_bytes(const ReflectiveShadowMapsParams& params, const Workload& workload);
 
-    void follow(FrameBefore before) override { frames_.follow(std::move(before)); }
-    void go_on_from(const std::string& state) override { frames_.go_on_from(state); }
-    std::string state() const override { return frames_.state(); }
-    std::string left_to_next() const override { return frames_.left_to_next(); }
     void begin(const RenderContext& context, Stats& stats) override;
     void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) override;
 
@@ -54,7 +51,6 @@ private:
     struct State;  // reflective_shadow_maps_gpu.cpp
 
     const ReflectiveShadowMapsParams params_;
-    VplsBetweenFrames frames_;
     std::unique_ptr<State> state_;
 };
 

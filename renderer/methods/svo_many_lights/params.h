@@ -17,9 +17,8 @@ enum class VplPlacement : uint8_t { Flux, Camera };
 enum class VplBounces : uint8_t { Voxels, Rays };
 enum class DirectShadows : uint8_t { Rays, ShadowMaps };
 
-struct SvoManyLightsParams final : MethodParams {
+struct SvoManyLightsParams final : MethodParams, WithIncrementalVpls {
     TemporalParams temporal;
-    IncrementalVplParams incremental;
     uint32_t vpls = 1024;
     uint32_t bounces = 254;
     uint32_t map_resolution = 128;
@@ -50,8 +49,6 @@ struct SvoManyLightsParams final : MethodParams {
 
     void visit(ParamVisitor& visitor) override;
     void check() const override;
-    /// What a frame leaves to the next beside its indirect light.
-    std::vector<std::string_view> left_beside_light() const { return incremental.left(); }
 
     /// Greatest number of scattering vertices of a path: n vertices make n - 1 bounces (conventions.md).
     uint32_t max_scatterings() const { return bounces + 1; }

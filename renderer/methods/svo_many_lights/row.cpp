@@ -31,7 +31,8 @@ MethodInfo svo_many_lights_row() {
     info.sources = {{"Sun", 2015, "Many-Light Real-Time Global Illumination using Sparse Voxel Octree"},
                     {"Keller", 1997, "Instant Radiosity"},
                     {"Kollig and Keller", 2004, "Illumination in the Presence of Weak Singularities"},
-                    {"Clarberg et al.", 2005, "Wavelet Importance Sampling"}};
+                    {"Clarberg et al.", 2005, "Wavelet Importance Sampling"},
+                    {"Laine et al.", 2007, "Incremental Instant Radiosity for Real-Time Indirect Illumination"}};
     for (const Layer layer : {Layer::Clamped, Layer::Voxels, Layer::Vpls, Layer::SplitNormal, Layer::SplitIndirect})
         info.layers.add(layer);
     info.layers.remove(Layer::Caustic);

@@ -83,7 +83,7 @@ struct SvoManyLights::State {
 };
 
 SvoManyLights::SvoManyLights(const SvoManyLightsParams& params)
-    : params_(params), frames_(params.incremental, params.vpls) {}
+    : FollowsFrames(params.incremental, params.vpls), params_(params) {}
 SvoManyLights::~SvoManyLights() = default;
 
 void SvoManyLights::begin(const RenderContext& context, Stats& stats) {

@@ -1,4 +1,5 @@
 #pragma once
+#include "renderer/frame/follows_frames.h"
 #include "renderer/frame/method.h"
 #include "renderer/many_lights/incremental_vpls.h"
 #include "renderer/methods/svo_many_lights/params.h"
@@ -28,12 +29,14 @@ namespace photond {
 /// Weak: voxels darken within about a voxel of edges and contacts, and between thin things (the interior of the
 /// built-in scene by a tenth at 256^3), and leak where both ends are within two voxels of a thin wall; `clamp` = 0
 /// makes the variance at corners infinite. The layer `caustic` is not told apart. Not implemented: participating media,
-/// dispersion, animated geometry (the tree is built once); incremental reuse of lights [Laine et al. 2007].
+/// dispersion.
+///
+/// With `incremental` all passes of a frame have lights that frames hand on instead (many_lights/incremental_vpls.h).
 ///
 /// [Sun 2015] Many-Light Real-Time Global Illumination using Sparse Voxel Octree. Thesis, WPI.
 /// [Keller 1997] Instant Radiosity. SIGGRAPH. [Kollig and Keller 2004] Illumination in the Presence of Weak
 /// Singularities. [Clarberg et al. 2005] Wavelet Importance Sampling. SIGGRAPH.
-class SvoManyLights final : public Method {
+class SvoManyLights final : public FollowsFrames<Method, VplsBetweenFrames> {
 public:
     static constexpr const char* kName = "svo_many_lights";
     using Params = SvoManyLightsParams;
@@ -43,10 +46,6 @@ public:
     /// What begin() and the passes will record, to a factor of two.
     static uint64_t estimate_bytes(const SvoManyLightsParams& params, const Workload& workload);
 
-    void follow(FrameBefore before) override { frames_.follow(std::move(before)); }
-    void go_on_from(const std::string& state) override { frames_.go_on_from(state); }
-    std::string state() const override { return frames_.state(); }
-    std::string left_to_next() const override { return frames_.left_to_next(); }
     void begin(const RenderContext& context, Stats& stats) override;
     void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) override;
     PassImage* end_pass() override;
@@ -64,7 +63,6 @@ private:
     bool repays() const;
 
     const SvoManyLightsParams params_;
-    VplsBetweenFrames frames_;
     std::unique_ptr<State> state_;
 };
 

@@ -238,7 +238,7 @@ void SvoManyLightsGpu::State::add_steps(uint32_t pass, DeviceFrame::Steps& steps
 }
 
 SvoManyLightsGpu::SvoManyLightsGpu(const SvoManyLightsParams& params)
-    : params_(params), frames_(params.incremental, params.vpls) {}
+    : FollowsFrames(params.incremental, params.vpls), params_(params) {}
 SvoManyLightsGpu::~SvoManyLightsGpu() = default;
 
 uint64_t SvoManyLightsGpu::estimate_bytes(const SvoManyLightsParams& params, const Workload& workload) {

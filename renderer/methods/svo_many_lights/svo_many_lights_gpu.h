@@ -1,5 +1,6 @@
 #pragma once
 #include "renderer/frame/device_method.h"
+#include "renderer/frame/follows_frames.h"
 #include "renderer/methods/svo_many_lights/svo_many_lights.h"
 
 namespace photond {
@@ -11,7 +12,7 @@ namespace photond {
 /// `vpl_generation`, with depth maps `shadow_maps`), the walk from the eye (`direct`: the G-buffer and its split are
 /// written on the way, and are no stages of their own), light from lights to points (`indirect`), `repay`, `filter` and
 /// `merge`. How many lights there are stays on the device.
-class SvoManyLightsGpu final : public DeviceMethod {
+class SvoManyLightsGpu final : public FollowsFrames<DeviceMethod, VplsBetweenFrames> {
 public:
     using Params = SvoManyLightsParams;
 
@@ -22,10 +23,6 @@ public:
     /// Bytes of the device's memory that begin() will take, to a factor of two.
     static uint64_t estimate_device_bytes(const SvoManyLightsParams& params, const Workload& workload);
 
-    void follow(FrameBefore before) override { frames_.follow(std::move(before)); }
-    void go_on_from(const std::string& state) override { frames_.go_on_from(state); }
-    std::string state() const override { return frames_.state(); }
-    std::string left_to_next() const override { return frames_.left_to_next(); }
     void begin(const RenderContext& context, Stats& stats) override;
     void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) override;
 
@@ -35,7 +32,6 @@ private:
     struct State;  // svo_many_lights_gpu.cpp
 
     const SvoManyLightsParams params_;
-    VplsBetweenFrames frames_;
     std::unique_ptr<State> state_;
 };
 
