@@ -498,14 +498,33 @@ json to_json(const JobRequest& request) {
 
 namespace {
 
+/// A parameter that methods have had only since jobs have names.
+struct NewParameter {
+    std::string_view key;
+    json off;                             // the value at which it asks for nothing new
+    std::vector<std::string_view> tuned;  // parameters that came with it and mean nothing then
+    std::string_view former_by{};         // whoever has this parameter has had the new one from the first on
+};
+
+const std::vector<NewParameter>& new_parameters() {
+    static const std::vector<NewParameter> kNew = {{"temporal", "none", {"history_cap"}},
+                                                   {"aged", false, {"cache_age"}},
+                                                    {"incremental", false, {"new_vpls"}},
+                                                   {"near_field_radius", nullptr, {}},
+                                                   {"placement", "flux", {}, "visibility"}};
+    return kNew;
+}
+
 /// Of methods' parameters, wherever there are any.
 void leave_out_new_parameters(json& part) {
-    if (part.is_object() && part.value("temporal", json()) == "none")
-        for (const char* member : {"temporal", "history_cap"}) part.erase(member);
-    if (part.is_object() && part.value("aged", json()) == false)
-        for (const char* member : {"aged", "cache_age"}) part.erase(member);
-    if (part.is_object() && part.value("incremental", json()) == false)
-        for (const char* member : {"incremental", "new_vpls"}) part.erase(member);
+    for (const NewParameter& parameter : new_parameters()) {
+        if (!part.is_object()) break;
+        const auto found = part.find(parameter.key);
+        if (found == part.end() || *found != parameter.off) continue;
+        if (!parameter.former_by.empty() && part.contains(parameter.former_by)) continue;
+        part.erase(found);
+        for (const std::string_view key : parameter.tuned) part.erase(key);
+    }
     if (part.is_structured())
         for (json& inner : part) leave_out_new_parameters(inner);
 }

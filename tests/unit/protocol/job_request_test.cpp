@@ -293,5 +293,19 @@ TEST(JobRequest, NewParametersThatAreOffHaveNoPartInTheName) {
     EXPECT_NE(naming_json(now), before);
 }
 
+TEST(JobRequest, NewParametersOfSomeMethodsKeepTheirPartInTheNamesOfOthers) {
+    const auto named = [](const json& parameters) { return naming_json({{"method", {{"parameters", parameters}}}}); };
+    const json lights = {{"visibility", "svo"}, {"placement", "flux"}, {"clamp", nullptr}}, points = {{"points", 64}};
+    EXPECT_EQ(named(lights)["method"]["parameters"], lights);
+    const auto with = [](json parameters, const char* key, const json& value) {
+        parameters[key] = value;
+        return parameters;
+    };
+    EXPECT_EQ(named(with(lights, "near_field_radius", nullptr)), named(lights));
+    EXPECT_NE(named(with(lights, "near_field_radius", 0.0)), named(lights));
+    EXPECT_EQ(named(with(points, "placement", "flux")), named(points));
+    EXPECT_NE(named(with(points, "placement", "acceptance")), named(points));
+}
+
 }  // namespace
 }  // namespace photond::job_request_test
