@@ -147,7 +147,7 @@ Rgb VplLighting::trace(const VplPass& pass, Counts& counts) {
     if (pass.visibility == VplVisibility::Rays) {
         pass.eye.intersector.occluded(rays_, occluded_, Coherence::Coherent);
         rays_.clear();
-    } else if (pass.visibility == VplVisibility::Svo) {
+    } else if (asks_voxels(pass.visibility)) {
         segments_.clear();
         for (const Asked& asked : asked_) {
             const Vpl& from = pass.set.vpls[asked.vpl];
@@ -155,7 +155,7 @@ Rgb VplLighting::trace(const VplPass& pass, Counts& counts) {
             segments_.push_back({point_->position, front ? point_->geometric_normal : -point_->geometric_normal,
                                  from.position, from.normal});
         }
-        svo_occluded(pass.tree->view(), segments_, occluded_);
+        svo_occluded(pass.tree->view(), segments_, occluded_, pass.voxel_reach_m);
     } else if (pass.visibility == VplVisibility::ShadowMaps) {
         for (size_t i = 0; i < asked_.size(); ++i) occluded_[i] = pass.maps->occluded(asked_[i].vpl, point_->position);
     }

@@ -23,7 +23,13 @@ enum class VplVisibility : uint8_t {
     Rays,        // the scene
     ShadowMaps,  // a depth map a light
     None,        // all lights are seen
+    /// The voxels within a radius about the point; what is farther stands in no light.
+    /// [Thiedemann, Henrich, Grosch, Müller 2011] Voxel-based Global Illumination. I3D.
+    NearField,
 };
+inline bool asks_voxels(VplVisibility visibility) {
+    return visibility == VplVisibility::Svo || visibility == VplVisibility::NearField;
+}
 
 /// kLanes lights side by side; places past the end send nothing.
 struct VplBlock {
@@ -66,12 +72,13 @@ struct VplPass {
     const VplSet& set;
     const VplSubsets& subsets;
     VplVisibility visibility;
-    const SparseVoxelOctree* tree;  // of Svo
+    const SparseVoxelOctree* tree;  // of Svo and NearField
     const VplShadowMaps* maps;      // of ShadowMaps
     float clamp_sq_m2;              // B; 0: none
     float roulette;                 // a light dimmer than that share of the mean is asked by chance; 0: all are
     uint64_t seed;
     uint32_t pass;
+    float voxel_reach_m = kInfinity;  // voxels farther from a point do not stand in its light
 };
 
 /// Scratch of one thread.

@@ -12,14 +12,15 @@ namespace {
 static_assert(VPL_VISIBILITY_SVO == static_cast<uint32_t>(VplVisibility::Svo) &&
               VPL_VISIBILITY_RAYS == static_cast<uint32_t>(VplVisibility::Rays) &&
               VPL_VISIBILITY_MAPS == static_cast<uint32_t>(VplVisibility::ShadowMaps) &&
-              VPL_VISIBILITY_NONE == static_cast<uint32_t>(VplVisibility::None));
+              VPL_VISIBILITY_NONE == static_cast<uint32_t>(VplVisibility::None) &&
+              VPL_VISIBILITY_NEAR_FIELD == static_cast<uint32_t>(VplVisibility::NearField));
 
 /// Lights that a point goes through at a time: the mean that roulette goes by is theirs.
 constexpr uint32_t kLightsAtOnce = 4096;
 
 /// Lights that cost a point about what a path does, which is a dozen rays.
 uint64_t lights_a_path(VplVisibility visibility) {
-    return visibility == VplVisibility::Svo || visibility == VplVisibility::Rays ? 8 : 32;
+    return asks_voxels(visibility) || visibility == VplVisibility::Rays ? 8 : 32;
 }
 
 uint32_t points_at_once(const gpu::Device& device, VplVisibility visibility, uint32_t lights, uint32_t points) {
@@ -36,7 +37,8 @@ uint32_t lights_of_tile(uint32_t lights, const GBufferGpu& buffer) {
 
 std::string VplVisibilityGpu::shader(const std::string& stem, VplVisibility kind) {
     switch (kind) {
-        case VplVisibility::Svo: return stem + "_svo.comp";
+        case VplVisibility::Svo:
+        case VplVisibility::NearField: return stem + "_svo.comp";
         case VplVisibility::Rays: return stem + "_rays.comp";
         case VplVisibility::ShadowMaps: return stem + "_maps.comp";
         case VplVisibility::None: break;
@@ -45,7 +47,7 @@ std::string VplVisibilityGpu::shader(const std::string& stem, VplVisibility kind
 }
 
 void VplVisibilityGpu::append_to(std::vector<gpu::Binding>& bindings) const {
-    if (kind == VplVisibility::Svo)
+    if (asks_voxels(kind))
         bindings.insert(bindings.end(),
                         {gpu::read("svo_constants", tree->constants()), gpu::read("svo_nodes", tree->nodes()),
                          gpu::read("svo_bricks", tree->bricks())});
@@ -87,7 +89,8 @@ void VplLightingGpu::record_constants(gpu::CommandList& commands, uint32_t pass)
                                                           .roulette = settings_.roulette,
                                                           .glossy_threshold = buffer_.glossy_threshold(),
                                                           .connect_threshold = settings_.connect_threshold,
-                                                          .map_resolution = settings_.map_resolution});
+                                                          .map_resolution = settings_.map_resolution,
+                                                          .voxel_reach_m = settings_.voxel_reach_m});
 }
 
 void VplLightingGpu::record(gpu::CommandList& commands, const VplVisibilityGpu& visibility, uint32_t piece) {

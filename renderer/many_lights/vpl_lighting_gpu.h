@@ -20,7 +20,7 @@ enum class VplVisibility : uint8_t;  // vpl_lighting.h
 /// bindings below VPL_VISIBILITY_BINDING.
 struct VplVisibilityGpu {
     VplVisibility kind{};
-    SparseVoxelOctreeGpu* tree = nullptr;  // of Svo
+    SparseVoxelOctreeGpu* tree = nullptr;  // of Svo and NearField
     VplShadowMapsGpu* maps = nullptr;      // of ShadowMaps
 
     /// `stem`: "renderer/many_lights/vpl_lighting". `kind`: of it alone.
@@ -34,8 +34,9 @@ struct VplLightingSettings {
     float clamp_sq_m2 = 0;  // B; 0: none
     float roulette = 0;
     float connect_threshold = 0.2f;
-    uint32_t map_resolution = 0;  // of VplVisibility::ShadowMaps
-    bool lights_all = true;       // false: for constants() alone, others light by them
+    uint32_t map_resolution = 0;      // of VplVisibility::ShadowMaps
+    float voxel_reach_m = kInfinity;  // as VplPass's
+    bool lights_all = true;           // false: for constants() alone, others light by them
 };
 
 class VplLightingGpu {

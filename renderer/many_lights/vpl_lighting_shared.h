@@ -9,6 +9,7 @@
 #define VPL_VISIBILITY_RAYS 1u
 #define VPL_VISIBILITY_MAPS 2u
 #define VPL_VISIBILITY_NONE 3u
+#define VPL_VISIBILITY_NEAR_FIELD 4u
 
 // Least chance of a light to be asked for V where the receiver is not Lambert: the cosines say less of what it brings.
 #define VPL_LEAST_GENERAL_CHANCE 0.25f
@@ -39,7 +40,7 @@ struct VplLightingConstants {
     float glossy_threshold;   // of eye paths
     float connect_threshold;  // of lights: lobes with GGX alpha below it send nothing
     uint map_resolution;      // VPL_VISIBILITY_MAPS
-    uint unused;              // the compilers differ in whether they would leave room here
+    float voxel_reach_m;      // voxels farther from a point do not stand in its light
 };
 
 /// Points, a thread each, and lights of their tile's subset, by their place in it; both half open.

@@ -321,8 +321,10 @@ bool svo_occluded(const SvoView& tree, const vec3& a, const vec3& normal_a, cons
     return occluded_between(tree, from, to, offsets.pull_in);
 }
 
-void svo_occluded(const SvoView& tree, std::span<const SvoSegment> segments, std::span<uint8_t> occluded) {
+void svo_occluded(const SvoView& tree, std::span<const SvoSegment> segments, std::span<uint8_t> occluded,
+                  float reach_m) {
     using Float = FloatLanes;
+    const Float reach = reach_m * tree.constants.voxels_per_m;
     for (size_t first = 0; first < segments.size(); first += kLanes) {
         const size_t count = std::min(segments.size() - first, kLanes);
         const auto load = [&](auto member) {
@@ -345,8 +347,9 @@ void svo_occluded(const SvoView& tree, std::span<const SvoSegment> segments, std
         const Float ahead = along[0] * (b[0] - a[0]) + along[1] * (b[1] - a[1]) + along[2] * (b[2] - a[2]);
         const auto asked = ahead > 0.0f && length > 2 * SVO_PULL_IN;
         for (size_t i = 0; i < 3; ++i) along[i] /= length;
-        Ways<Float> ways = make_ways<Float>(static_cast<float>(tree.constants.grid.resolution), from, along,
-                                            SVO_PULL_IN, select(asked, length - SVO_PULL_IN, Float(-kInfinity)));
+        const Float end = select(asked, stdx::min(length - SVO_PULL_IN, reach), Float(-kInfinity));
+        Ways<Float> ways =
+            make_ways<Float>(static_cast<float>(tree.constants.grid.resolution), from, along, SVO_PULL_IN, end);
         std::array<SetVoxel, kLanes> hits;
         march(tree, ways, hits);
         for (size_t lane = 0; lane < count; ++lane) occluded[first + lane] = hits[lane].brick != SVO_NO_DATA;

@@ -96,11 +96,12 @@ bool svo_walk(vec3 origin, vec3 direction, float t_begin, float t_end, out SvoSe
 
 vec3 svo_to_voxels(vec3 p) { return (p - svo_constants.grid.low) * svo_constants.voxels_per_m; }
 
-bool svo_occluded_between(vec3 a, vec3 b, float pull_in) {
+/// Voxels that are entered farther than `reach` from a do not count.
+bool svo_occluded_between(vec3 a, vec3 b, float pull_in, float reach) {
     const float distance = length(b - a);
     if (!(distance > 2.0 * pull_in)) return false;
     SvoSetVoxel hit;
-    return svo_walk(a, (b - a) / distance, pull_in, distance - pull_in, hit);
+    return svo_walk(a, (b - a) / distance, pull_in, min(distance - pull_in, reach), hit);
 }
 
 /// A point on a surface lifted off the voxels that the surface's plane is in: towards `normal`, unit.
@@ -112,14 +113,18 @@ vec3 svo_lift(vec3 position, vec3 normal) {
 /// Whether the open segment between two points on surfaces meets a set voxel; false where what is left of it once its
 /// ends are pulled in is nothing, and for positions that are no numbers.
 bool svo_occluded(vec3 a, vec3 b) {
-    return svo_occluded_between(svo_to_voxels(a), svo_to_voxels(b), SVO_BLIND_PULL_IN);
+    return svo_occluded_between(svo_to_voxels(a), svo_to_voxels(b), SVO_BLIND_PULL_IN, INFINITY);
 }
 
-/// The same with unit normals of the sides that the segment leaves to.
-bool svo_occluded(vec3 a, vec3 normal_a, vec3 b, vec3 normal_b) {
+/// The same with unit normals of the sides that the segment leaves to. Voxels that it enters farther than `reach_m` from
+/// a do not count.
+bool svo_occluded(vec3 a, vec3 normal_a, vec3 b, vec3 normal_b, float reach_m) {
     const vec3 from = svo_to_voxels(svo_lift(a, normal_a)), to = svo_to_voxels(svo_lift(b, normal_b));
     if (!(dot(to - from, b - a) > 0.0)) return false;  // nearer to each other than they were lifted
-    return svo_occluded_between(from, to, SVO_PULL_IN);
+    return svo_occluded_between(from, to, SVO_PULL_IN, reach_m * svo_constants.voxels_per_m);
+}
+bool svo_occluded(vec3 a, vec3 normal_a, vec3 b, vec3 normal_b) {
+    return svo_occluded(a, normal_a, b, normal_b, INFINITY);
 }
 
 #ifdef SVO_SURFACES_BINDING

@@ -49,8 +49,10 @@ bool svo_occluded(const SvoView& tree, const vec3& a, const vec3& normal_a, cons
 struct SvoSegment {
     vec3 a, normal_a, b, normal_b;
 };
-/// The same of many, several at a time; of as many answers.
-void svo_occluded(const SvoView& tree, std::span<const SvoSegment> segments, std::span<uint8_t> occluded);
+/// The same of many, several at a time; of as many answers. Voxels that a segment enters farther than `reach_m` from
+/// its end a do not count.
+void svo_occluded(const SvoView& tree, std::span<const SvoSegment> segments, std::span<uint8_t> occluded,
+                  float reach_m = kInfinity);
 
 struct VoxelHit {
     float t = kInfinity;  // where the ray enters the voxel; 0 in the one it starts in

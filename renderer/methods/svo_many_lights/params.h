@@ -25,6 +25,7 @@ struct SvoManyLightsParams final : MethodParams, WithIncrementalVpls {
     VplPlacement placement = VplPlacement::Flux;
     VplBounces bounce_tracing = VplBounces::Rays;
     VplVisibility visibility = VplVisibility::Rays;
+    std::optional<float> near_field_radius_m;
     uint32_t voxel_resolution = 256;
     uint32_t shadow_resolution = 32;
     VplChoice vpl_choice = VplChoice::Resampled;
@@ -53,7 +54,7 @@ struct SvoManyLightsParams final : MethodParams, WithIncrementalVpls {
     /// Greatest number of scattering vertices of a path: n vertices make n - 1 bounces (conventions.md).
     uint32_t max_scatterings() const { return bounces + 1; }
     bool needs_voxels(const LayerSet& layers) const {
-        return layers.has(Layer::Voxels) || visibility == VplVisibility::Svo ||
+        return layers.has(Layer::Voxels) || asks_voxels(visibility) ||
                (bounces > 1 && bounce_tracing == VplBounces::Voxels);
     }
     /// GGX alpha of lobes below which light through them alone is the caustic map's: such connect in no case.
@@ -66,7 +67,7 @@ inline void SvoManyLightsParams::visit(ParamVisitor& visitor) {
     using enum ParamGroup;
     static constexpr std::string_view kPlacements[] = {"flux", "camera"};
     static constexpr std::string_view kBounceTracings[] = {"voxels", "rays"};
-    static constexpr std::string_view kVisibilities[] = {"svo", "rays", "shadow_maps", "none"};
+    static constexpr std::string_view kVisibilities[] = {"svo", "rays", "shadow_maps", "none", "near_field"};
     static constexpr std::string_view kChoices[] = {"interleaved", "lightcut", "resampled"};
     static constexpr std::string_view kDirect[] = {"rays", "shadow_maps"};
 
@@ -82,7 +83,13 @@ inline void SvoManyLightsParams::visit(ParamVisitor& visitor) {
     visitor.enumeration("visibility", visibility,
                         {Light, kVisibilities,
                          "who answers whether a light is seen: the voxels between, the scene, a depth map of each "
-                         "light, or nobody: all are"});
+                         "light, nobody: all are, or the voxels near the point alone, which lets light through what "
+                         "is farther and is biased by that"});
+    visitor.field(
+        "near_field_radius", near_field_radius_m,
+        {Visibility, "m", 0, 1e9,
+         "visibility near_field: voxels farther from the lit point do not stand in its light; two fifths of the "
+         "radius of the scene's bounding sphere when not given"});
     visitor.field("voxel_resolution", voxel_resolution,
                   {Visibility, "voxels", 16, 1024, "along each side of the scene's cube; a power of two"});
     visitor.field("shadow_resolution", shadow_resolution,

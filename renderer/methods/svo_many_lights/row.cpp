@@ -32,7 +32,8 @@ MethodInfo svo_many_lights_row() {
                     {"Keller", 1997, "Instant Radiosity"},
                     {"Kollig and Keller", 2004, "Illumination in the Presence of Weak Singularities"},
                     {"Clarberg et al.", 2005, "Wavelet Importance Sampling"},
-                    {"Laine et al.", 2007, "Incremental Instant Radiosity for Real-Time Indirect Illumination"}};
+                    {"Laine et al.", 2007, "Incremental Instant Radiosity for Real-Time Indirect Illumination"},
+                    {"Thiedemann et al.", 2011, "Voxel-based Global Illumination"}};
     for (const Layer layer : {Layer::Clamped, Layer::Voxels, Layer::Vpls, Layer::SplitNormal, Layer::SplitIndirect})
         info.layers.add(layer);
     info.layers.remove(Layer::Caustic);
@@ -44,7 +45,10 @@ MethodInfo svo_many_lights_row() {
         {{{"visibility", "svo"}},
          "thin wall",
          "where both ends lie within a voxel or two of a wall thinner than one, the voxels they are freed of "
-         "are the wall"}};
+         "are the wall"},
+        {{{"visibility", "near_field"}},
+         "",
+         "what lies farther from a point than near_field_radius stands in no light"}};
     return info;
 }
 

@@ -261,7 +261,8 @@ void SvoManyLights::light_points(uint32_t pass, Stats& stats, const CancelToken&
                            .clamp_sq_m2 = state.clamp_sq_m2,
                            .roulette = params_.roulette,
                            .seed = state.eye.seed,
-                           .pass = pass};
+                           .pass = pass,
+                           .voxel_reach_m = voxel_reach_m(params_, state.eye.scene)};
     const PassSampler sampler(state.eye.sampler, state.eye.seed, RandomDomain::Splats, pass);
     const RepaymentScene repayment{state.eye, params_.connect_threshold, state.caustics ? &state.caustic_map : nullptr};
     const uint32_t points = state.buffer.layout().points();

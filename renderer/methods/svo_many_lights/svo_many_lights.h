@@ -27,7 +27,8 @@ namespace photond {
 ///
 /// Strong where light is smooth: a thousand lights light every pixel, and the octree answers for V without the scene.
 /// Weak: voxels darken within about a voxel of edges and contacts, and between thin things (the interior of the
-/// built-in scene by a tenth at 256^3), and leak where both ends are within two voxels of a thin wall; `clamp` = 0
+/// built-in scene by a tenth at 256^3), and leak where both ends are within two voxels of a thin wall, those near a
+/// point alone (`near_field`) leak wherever what shadows it is farther; `clamp` = 0
 /// makes the variance at corners infinite. The layer `caustic` is not told apart. Not implemented: participating media,
 /// dispersion.
 ///

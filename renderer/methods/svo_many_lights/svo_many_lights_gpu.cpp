@@ -75,6 +75,7 @@ struct SvoLights {
                     .roulette = params.roulette,
                     .connect_threshold = params.connect_threshold,
                     .map_resolution = params.shadow_resolution,
+                    .voxel_reach_m = voxel_reach_m(params, scene.scene()),
                     .lights_all = is_interleaved(params)}) {
         if (params.visibility == VplVisibility::ShadowMaps)
             maps.emplace(scene, params.shadow_resolution, most_lights(params), image.counters());

@@ -4,6 +4,7 @@
 #include "renderer/many_lights/vpl_tracer.h"
 #include "renderer/methods/svo_many_lights/svo_many_lights.h"
 #include "renderer/photons/caustic_photons.h"
+#include "renderer/scene/scene.h"
 
 namespace photond {
 
@@ -18,6 +19,13 @@ inline VplTracing tracing_of(const SvoManyLightsParams& params) {
             .bounces = params.bounces,
             .connect_threshold = params.connect_threshold,
             .sampler = params.sampler};
+}
+
+/// How far from a point voxels stand in its light.
+inline float voxel_reach_m(const SvoManyLightsParams& params, const Scene& scene) {
+    constexpr float kShareOfScene = 0.4f;
+    if (params.visibility != VplVisibility::NearField) return kInfinity;
+    return params.near_field_radius_m.value_or(kShareOfScene * scene.bounds.radius());
 }
 
 /// Whether the light by narrow lobes is looked for, and there may be any.

@@ -93,6 +93,7 @@ INSTANTIATE_TEST_SUITE_P(
                              p.caustic_photons = 20'000;  // of which more are stored than there is room for at first
                              p.caustic_radius_m = 0.1f;
                          }},
+                    Case{"interior", VplVisibility::NearField, [](SvoManyLightsParams& p) { p.repay = false; }},
                     Case{"cornell-box", VplVisibility::Svo,
                          [](SvoManyLightsParams& p) {
                              p.bounces = 3;

@@ -55,6 +55,8 @@ constexpr Mode kModes[] = {
      }},
     {"no clamp", [](Params& p) { p.clamp_m2 = 0.0f, p.vpl_choice = VplChoice::Interleaved, p.roulette = 0; }},
     {"blocks of 8", [](Params& p) { p.vpl_choice = VplChoice::Interleaved, p.interleave = 8; }},
+    {"voxels near the point",
+     [](Params& p) { p.visibility = VplVisibility::NearField, p.repay = p.narrow_lobes = false; }},
     {"independent numbers", [](Params& p) { p.sampler = SamplerKind::Random, p.filter = 3; }},
 };
 Settings in_mode(const Mode& mode, uint32_t passes = 1) {
@@ -117,6 +119,31 @@ TEST(SvoManyLights, RangesOfPassesMergeToTheSameBits) {
         settings.seed = 2;
         EXPECT_NE(test::render(scene, settings).pixel_hash(), second.pixel_hash()) << mode.name;
     }
+}
+
+TEST(SvoManyLights, NearFieldLiesBetweenTheVoxelsAndNobody) {
+    const Scene scene = make_builtin_scene("interior");
+    Settings settings = small(2);
+    settings.params.roulette = 0;  // which nobody plays where none is asked for V
+    settings.params.repay = settings.params.narrow_lobes = false;
+    const auto rendered = [&](VplVisibility visibility, std::optional<float> radius_m) {
+        settings.params.visibility = visibility;
+        settings.params.near_field_radius_m = radius_m;
+        return test::render(scene, settings);
+    };
+    const float beyond_m = 4 * scene.bounds.radius();
+    const Film by_voxels = rendered(VplVisibility::Svo, {}), by_nobody = rendered(VplVisibility::None, {});
+    EXPECT_EQ(rendered(VplVisibility::NearField, beyond_m).pixel_hash(), by_voxels.pixel_hash());
+    EXPECT_EQ(rendered(VplVisibility::NearField, 0.0f).pixel_hash(), by_nobody.pixel_hash());
+    // Each light that the nearer voxels let through comes as well where those farther away do not count.
+    const std::vector<float> most = by_nobody.resolve(Layer::Indirect), least = by_voxels.resolve(Layer::Indirect);
+    const std::vector<float> between = rendered(VplVisibility::NearField, {}).resolve(Layer::Indirect);
+    for (size_t i = 0; i < between.size(); ++i) {
+        EXPECT_LE(between[i], most[i] * 1.0001f) << i;
+        EXPECT_GE(between[i], least[i] * 0.9999f) << i;
+    }
+    EXPECT_GT(sum_of(between), 1.001 * sum_of(least));
+    EXPECT_LT(sum_of(between), 0.999 * sum_of(most));
 }
 
 TEST(SvoManyLights, NoBouncesLeaveTheLayerBlackAndMakeNoLights) {
