@@ -334,6 +334,9 @@ json statistics_schema() {
                    {"cache_misses",
                     with_text(count(), "... and did not know enough: the path went on as if there were none")},
                    {"cache_refused", with_text(count(), "samples for which the cache had no room")},
+                   {"vpls_offered",
+                    with_text(count(), "light paths that were decided on by what they bring to the picture")},
+                   {"vpls_accepted", with_text(count(), "... and those that were taken")},
                    {"photons_by_bounce", with_text(or_null(list_of(count())),
                                                    "stored after 1, 2 ... scatterings, the last: or more; null "
                                                    "where the method does not tell")}})},

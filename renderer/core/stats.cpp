@@ -31,6 +31,8 @@ Counts& Counts::operator+=(const Counts& other) {
     cache_hits += other.cache_hits;
     cache_misses += other.cache_misses;
     cache_refused += other.cache_refused;
+    vpls_offered += other.vpls_offered;
+    vpls_accepted += other.vpls_accepted;
     for (size_t i = 0; i < kBounces; ++i) photons_by_bounce[i] += other.photons_by_bounce[i];
     return *this;
 }

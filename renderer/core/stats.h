@@ -29,6 +29,8 @@ struct Counts {
     uint64_t cache_hits = 0;           // vertices at which a cache of radiance was asked and knew enough
     uint64_t cache_misses = 0;         // ... and did not
     uint64_t cache_refused = 0;        // samples for which it had no room
+    uint64_t vpls_offered = 0;         // light paths that were decided on by what they bring to the picture
+    uint64_t vpls_accepted = 0;        // ... and those that were taken
 
     static constexpr size_t kBounces = 8;
     std::array<uint64_t, kBounces> photons_by_bounce{};  // stored after 1, 2 ... scatterings, or as many and more;

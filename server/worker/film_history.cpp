@@ -27,7 +27,9 @@ constexpr std::pair<const char*, uint64_t Counts::*> kCounts[] = {{"camera_rays"
                                                                   {"vpls_new", &Counts::vpls_new},
                                                                   {"cache_hits", &Counts::cache_hits},
                                                                   {"cache_misses", &Counts::cache_misses},
-                                                                  {"cache_refused", &Counts::cache_refused}};
+                                                                  {"cache_refused", &Counts::cache_refused},
+                                                                  {"vpls_offered", &Counts::vpls_offered},
+                                                                  {"vpls_accepted", &Counts::vpls_accepted}};
 static_assert((std::size(kCounts) + Counts::kBounces) * sizeof(uint64_t) == sizeof(Counts),
               "a count is missing from the table");
 constexpr const char* kPhotonsByBounce = "photons_by_bounce";

@@ -122,6 +122,8 @@ json statistics_json(const StatisticsInput& input) {
               {"cache_hits", counts.cache_hits},
               {"cache_misses", counts.cache_misses},
               {"cache_refused", counts.cache_refused},
+              {"vpls_offered", counts.vpls_offered},
+              {"vpls_accepted", counts.vpls_accepted},
               {"photons_by_bounce", photons_by_bounce(counts)}}},
             {"rates",
              {{"rays_per_second", per_second(static_cast<double>(counts.rays()), input.render_seconds)},
