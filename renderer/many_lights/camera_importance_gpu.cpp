@@ -2,11 +2,7 @@
 
 #include <algorithm>
 
-#include "renderer/many_lights/camera_importance.h"
-
 namespace photond {
-
-static_assert(CAMERA_IMPORTANCE_POINTS == CameraImportance::kPoints);
 
 CameraImportanceGpu::CameraImportanceGpu(const gpu::DeviceScene& scene, GBufferGpu& buffer, SparseVoxelOctreeGpu* tree,
                                          uint64_t seed, float clamp_sq_m2, uint32_t texels)

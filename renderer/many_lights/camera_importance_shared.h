@@ -3,7 +3,8 @@
 #define PHOTOND_CAMERA_IMPORTANCE_SHARED_H
 
 #define CAMERA_IMPORTANCE_POINTS 64  // CameraImportance::kPoints
-#define CAMERA_IMPORTANCE_STREAM 1   // kPointStream
+#define CAMERA_IMPORTANCE_ASKED 16   // of those, by a light path
+#define CAMERA_IMPORTANCE_STREAM 1   // of RandomDomain::Splats in a pass, that chooses them
 #define CAMERA_IMPORTANCE_GROUP 64   // threads
 
 // Specialisation constant, after those of device_image_shared.h.

@@ -35,7 +35,7 @@ void FirstBounceGpu::find_lights(const RenderContext& context, const FirstBounce
     const bool given = frames && frames->on();
     // The lights' map on the host, for what is asked once a frame.
     std::optional<VplTracer> on_host;
-    if (!settings.clamp_m2 || given)
+    if (!settings.clamp_m2 || given || selects_paths(settings.placement))
         on_host.emplace(scene, *context.intersector, *context.intersector, *emission_, settings.tracing);
     {
         const StageTimer timer(stats, "rsm");
@@ -43,9 +43,20 @@ void FirstBounceGpu::find_lights(const RenderContext& context, const FirstBounce
         clamp_sq_m2_ =
             settings.clamp_m2 ? *settings.clamp_m2 : default_clamp_sq_m2(lit_area_m2(), settings.tracing.vpls);
     }
+    std::optional<PathPilot> pilot;
+    if (selects_paths(settings.placement)) {
+        pilot = find_path_pilot(settings.placement, *on_host,
+                                CameraImportance(scene, *context.intersector, context.view, clamp_sq_m2_, context.seed),
+                                *context.intersector, settings.tracing.vpls, context.seed, stats);
+    }
     if (given) frames->renew(*on_host, *emission_, context, stats);
     const StageTimer timer(stats, "pipelines");
-    tracer_ = std::make_unique<VplTracerGpu>(scene_, *emission_, settings.tracing, counters(), false);
+    const bool by_camera = settings.placement == VplPlacement::Camera;
+    tracer_ = std::make_unique<VplTracerGpu>(scene_, *emission_, settings.tracing, counters(), by_camera);
+    if (by_camera) importance_.emplace(scene_, buffer_, nullptr, seed_, clamp_sq_m2_, tracer_->map_texels());
+    if (pilot)
+        selection_.emplace(scene_, *tracer_, buffer_, counters(), settings.placement, *pilot, settings.tracing.vpls,
+                           seed_, clamp_sq_m2_);
     if (given) tracer_->start(frames->seed(), frames->paths());
 }
 
@@ -66,7 +77,11 @@ uint64_t FirstBounceGpu::estimate_device_bytes(const FirstBounceSettings& settin
            GBufferGpu::device_bytes(workload.film_size, side, workload.needs) +
            GBufferMergeGpu::device_bytes(workload.film_size, side, settings.filter) +
            (may_be_lit(settings, workload)
-                ? VplTracerGpu::device_bytes(settings.tracing, false, workload.needs.only_lambert(), workload.lights)
+                ? VplTracerGpu::device_bytes(settings.tracing, settings.placement == VplPlacement::Camera,
+                                             workload.needs.only_lambert(), workload.lights)
+                : 0) +
+           (may_be_lit(settings, workload) && selects_paths(settings.placement)
+                ? PathSelectionGpu::device_bytes(settings.placement, settings.tracing.vpls)
                 : 0);
 }
 
@@ -87,10 +102,23 @@ void FirstBounceGpu::add_steps(uint32_t pass, DeviceFrame::Steps& steps) {
                      }});
 }
 
+void FirstBounceGpu::add_vpl_steps(uint32_t pass, DeviceFrame::Steps& steps) {
+    for (uint32_t piece = 0; importance_ && piece < importance_->pieces(); ++piece)
+        steps.push_back({uint64_t{tracer_->map_texels()} * CAMERA_IMPORTANCE_POINTS / importance_->pieces(),
+                         [=, this](gpu::CommandList& commands) {
+                             importance_->record(commands, tracer_->texels(), tracer_->importance(), pass, piece);
+                         }});
+    for (uint32_t piece = 0; selection_ && piece < selection_->pieces(); ++piece)
+        steps.push_back({selection_->paths_of_piece(),
+                         [=, this](gpu::CommandList& commands) { selection_->record(commands, pass, piece); }});
+    if (!selection_) steps.push_back({0, [this](gpu::CommandList& commands) { tracer_->record_vpls(commands); }});
+}
+
 void FirstBounceGpu::run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) {
     const StageTimer timer(stats, "indirect");
     if (!frame_.run(pass, stats, cancel)) return;
     if (lit()) tracer_->add_to(stats.counts);
+    if (selection_) selection_->add_to(stats.counts);
     frame_.read(stats);
 }
 

@@ -7,8 +7,9 @@
 
 #include "renderer/frame/device_frame.h"
 #include "renderer/gbuffer/gbuffer_merge_gpu.h"
+#include "renderer/many_lights/camera_importance_gpu.h"
 #include "renderer/many_lights/incremental_vpls.h"
-#include "renderer/many_lights/vpl_tracer_gpu.h"
+#include "renderer/many_lights/path_selection_gpu.h"
 
 namespace photond {
 
@@ -18,6 +19,7 @@ struct FirstBounceSettings {
     GBufferWalk walk;
     gpu::GeometryFilter filter{};
     std::optional<float> clamp_m2;  // B; none: default_clamp_sq_m2() of tracing.vpls lights
+    VplPlacement placement = VplPlacement::Flux;
 };
 
 /// Of a method's parameters that have the names of vpl_params.h: `lights` lights a pass, and no split buffer, filter or
@@ -56,6 +58,9 @@ public:
     bool lit() const { return tracer_ != nullptr; }
     VplTracerGpu& tracer() { return *tracer_; }
     float clamp_sq_m2() const { return clamp_sq_m2_; }
+    /// Appends what leaves the pass's lights in the tracer: the first that light_by() does, but for who takes its
+    /// texels.
+    void add_vpl_steps(uint32_t pass, DeviceFrame::Steps& steps);
     /// Said once, where lit().
     void light_by(AddSteps add_steps) { light_steps_ = std::move(add_steps); }
 
@@ -80,6 +85,8 @@ private:
     GBufferMergeGpu merge_;
     std::optional<EmissionSampler> emission_;
     std::unique_ptr<VplTracerGpu> tracer_;
+    std::optional<CameraImportanceGpu> importance_;  // of VplPlacement::Camera
+    std::optional<PathSelectionGpu> selection_;      // of placements that select paths
     float clamp_sq_m2_ = 0;
     AddSteps light_steps_;
 };

@@ -39,6 +39,7 @@ void main() {
     vpl.intensity = photon.power_w * INV_PI;
     vpl.surface = NO_VPL_SURFACE;
     vpl.scatterings = photon.scatterings_and_spread & 0xffu;
+    vpl.choice = 0.0;
     if (!ONLY_LAMBERT && (photon.scatterings_and_spread >> SPREAD_SHIFT & 3u) == SPREAD_ROUGH) {
         vpl.surface = photon.surface;
         vpl.intensity = surfaces[photon.surface].arriving_power_w;

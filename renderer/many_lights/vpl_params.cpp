@@ -1,6 +1,7 @@
 #include "renderer/many_lights/vpl_params.h"
 
 #include "protocol/param_info.h"
+#include "renderer/many_lights/path_selection.h"
 
 namespace photond {
 
@@ -18,6 +19,15 @@ void visit_map_resolution(ParamVisitor& visitor, uint32_t& resolution) {
     visitor.field("map_resolution", resolution,
                   {ParamGroup::LightMaps, "texels", 8, 1024,
                    "side of the reflective shadow maps, all lights' together; a power of two"});
+}
+
+void visit_vpl_placement(ParamVisitor& visitor, VplPlacement& placement) {
+    static constexpr std::string_view kWords[] = {"flux", "camera", "acceptance", "metropolis"};
+    visitor.enumeration("placement", placement,
+                        {ParamGroup::Light, kWords,
+                         "lights go where flux is, where flux is that the picture sees, or by what whole light paths "
+                         "bring to the picture, shadows among it: candidates are accepted by that, or chains go "
+                         "through the paths; none is biased"});
 }
 
 void visit_vpl_clamp(ParamVisitor& visitor, std::optional<float>& clamp_m2) {

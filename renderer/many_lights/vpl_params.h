@@ -9,6 +9,7 @@
 namespace photond {
 
 class ParamVisitor;
+enum class VplPlacement : uint8_t;  // path_selection.h
 
 /// `incremental` and `new_vpls` (incremental_vpls.h)
 struct IncrementalVplParams {
@@ -30,6 +31,8 @@ struct WithIncrementalVpls {
 
 /// `map_resolution`
 void visit_map_resolution(ParamVisitor& visitor, uint32_t& resolution);
+/// `placement`
+void visit_vpl_placement(ParamVisitor& visitor, VplPlacement& placement);
 /// `clamp`, of connections to virtual point lights
 void visit_vpl_clamp(ParamVisitor& visitor, std::optional<float>& clamp_m2);
 /// `filter`, `filter_normal` and `filter_distance` (gbuffer/geometry_filter.h)

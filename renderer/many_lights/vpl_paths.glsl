@@ -23,17 +23,19 @@ void trace_path(uint number) {
     PhotonPath path;
     if (!start_photon_path(start, 1.0, path)) return;
     path.reference_inverse = 1.0 / first.reflected_w;
-    count(COUNTER_PHOTON_RAYS, follow_reflections(number, push.sequence, uint64_t(first.point), 1.0, start, path));
+    count(COUNTER_PHOTON_RAYS, follow_reflections(number, push.sequence, uint64_t(first.element), 1.0, start, path));
 }
 
 void main() {
     const uint number = flat_index();
     reflection =
         ReflectionLimits(push.bounces, push.photon_capacity, push.surface_capacity, push.connect_threshold, true, false);
-    if (number >= push.paths) return;
+    if (number >= min(push.paths, state[REFLECTION_PATHS])) return;
     trace_path(number);
-    count(COUNTER_PHOTONS_EMITTED, 1);
-    count(COUNTER_PHOTONS_STORED, kept);
+    if (push.rated == 0u) {
+        count(COUNTER_PHOTONS_EMITTED, 1);
+        count(COUNTER_PHOTONS_STORED, kept);
+    }
     end_reflections(number);
 }
 

@@ -17,7 +17,8 @@ void VplSet::assign(const Scene& scene, const TracedReflections& photons, float 
                  [&](size_t i) { rough[i] = make_rough_origin(scene, photons.surfaces[i], connect_threshold); });
     vpls.clear();
     vpls.reserve(photons.photons.size());
-    for (const ReflectedPhoton& photon : photons.photons) {
+    for (size_t i = 0; i < photons.photons.size(); ++i) {
+        const ReflectedPhoton& photon = photons.photons[i];
         if (photon.spread() == ReflectedPhoton::Spread::Beam) continue;
         const bool lambert = photon.spread() == ReflectedPhoton::Spread::Lambert;
         vpls.push_back(
@@ -27,7 +28,8 @@ void VplSet::assign(const Scene& scene, const TracedReflections& photons, float 
              .smooth_normal = photon.smooth_normal,
              .intensity = lambert ? photon.power_w * kInvPi : photons.surfaces[photon.surface].arriving_power_w,
              .surface = lambert ? NO_VPL_SURFACE : photon.surface,
-             .scatterings = photon.scatterings()});
+             .scatterings = photon.scatterings(),
+             .choice = photons.choices.empty() ? 0.0f : photons.choices[i]});
     }
 }
 

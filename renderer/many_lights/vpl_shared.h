@@ -20,10 +20,11 @@ struct Vpl {
     vec3 intensity;      // Lambert: along the normal, reflected flux / pi [W/sr]; others: flux that arrives [W]
     uint surface;        // others: index of what makes their BSDF again (ReflectingSurface); their rough part is meant
     uint scatterings;    // since the light, the one here included: at least 1
+    float choice;        // choices among lights take it for that share of its size; 0: for all
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(Vpl) == 52, "must match the scalar layout of GLSL");
+static_assert(sizeof(Vpl) == 56, "must match the scalar layout of GLSL");
 }  // namespace photond::gpu
 #endif
 

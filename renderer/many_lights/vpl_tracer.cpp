@@ -14,6 +14,7 @@ namespace photond {
 namespace {
 
 constexpr uint32_t kPathsAtOnce = 256;  // of a batch: a pass has few
+constexpr uint32_t kRatedAtOnce = 32;   // as chains have fewer still at a time
 
 PhotonTracing photon_tracing(const VplTracing& tracing) {
     PhotonTracing photons;
@@ -45,7 +46,6 @@ struct PathLights {
     std::vector<ReflectedPhoton> photons;
     std::vector<uint32_t> paths;
     std::vector<ReflectingSurface> surfaces;
-    Counts counts;
 };
 
 /// Cells of a grid over the scene that surfaces pass through, by the axis they face most.
@@ -109,8 +109,18 @@ struct VplTracer::Shared : PhotonTracingScene {
     template <class Visit>
     Counts see_texels(const TexelMapPass& pass, const SequenceSampler& numbers, const CancelToken& cancel,
                       const Visit& visit);
+    /// The path through a texel that has that share of it.
+    ChosenStart start_at(const TexelPass& pass, uint32_t texel, float share, float flux_w) const;
     ChosenPaths choose(const FluxMap& worth, const FluxMap& flux, const TexelPass& pass) const;
-    TracedReflections trace_paths(const TexelMapPass& map, const ChosenPaths& paths, const CancelToken& cancel);
+    ChosenPaths starts_of(std::span<const gpu::VplPath> paths, const FluxMap& flux, const TexelPass& pass) const;
+    /// visit(first path of their batch, what they leave, counts), in parallel; elements count from the first path.
+    template <class Visit>
+    Counts follow_paths(const TexelMapPass& map, const ChosenStarts& chosen, uint32_t paths_at_once,
+                        const CancelToken& cancel, const Visit& visit);
+    std::vector<PhotonWorth> rate_paths(const TexelMapPass& map, const ChosenStarts& chosen, const RatePhotons& worth,
+                                        Counts& counts, const CancelToken& cancel);
+    TracedReflections trace_paths(const TexelMapPass& map, const ChosenPaths& paths, bool elements_apart,
+                                  const CancelToken& cancel);
 
     const VplTracing vpls;
     const TexelMap map;
@@ -141,44 +151,99 @@ Counts VplTracer::Shared::see_texels(const TexelMapPass& pass, const SequenceSam
     return sum;
 }
 
+ChosenStart VplTracer::Shared::start_at(const TexelPass& pass, uint32_t texel, float share, float flux_w) const {
+    ChosenStart start;
+    const TexelMapPass::TexelNumbers numbers = numbers_of_texel(pass.map, pass.numbers, texel);
+    if (emission.sample_light(numbers.light, numbers.expected, numbers.u_position, numbers.u_direction, start.first))
+        start.first.power_w *= share;
+    else
+        start.first.power_w = Rgb(0);
+    start.reflected_w = flux_w * share;
+    return start;
+}
+
 ChosenPaths VplTracer::Shared::choose(const FluxMap& worth, const FluxMap& flux, const TexelPass& pass) const {
     ChosenPaths paths{std::vector<ChosenStart>(vpls.vpls), std::vector<uint32_t>(vpls.vpls)};
     parallel_for(paths.starts.size(), kPathsAtOnce, [&](size_t i) {
         const Texel texel = worth.choose(rotated_halton_point(static_cast<uint32_t>(i), pass.map.rotation()));
         const float share = 1 / (static_cast<float>(vpls.vpls) * texel.probability);
-        ChosenStart& start = paths.starts[i];
-        const TexelMapPass::TexelNumbers numbers = numbers_of_texel(pass.map, pass.numbers, texel.index);
-        if (emission.sample_light(numbers.light, numbers.expected, numbers.u_position, numbers.u_direction,
-                                  start.first))
-            start.first.power_w *= share;
-        else
-            start.first.power_w = Rgb(0);
-        start.reflected_w = flux.worth()[texel.index] * share;
+        paths.starts[i] = start_at(pass, texel.index, share, flux.worth()[texel.index]);
         paths.order[i] = texel.index;
     });
     return paths;
 }
 
-TracedReflections VplTracer::Shared::trace_paths(const TexelMapPass& texels, const ChosenPaths& chosen,
-                                                 const CancelToken& cancel) {
+ChosenPaths VplTracer::Shared::starts_of(std::span<const gpu::VplPath> paths, const FluxMap& flux,
+                                         const TexelPass& pass) const {
+    ChosenPaths chosen{std::vector<ChosenStart>(paths.size()), std::vector<uint32_t>(paths.size())};
+    for (size_t i = 0; i < paths.size(); ++i) {
+        const gpu::VplPath& path = paths[i];
+        const Texel texel = flux.choose({path.point_x, path.point_y});
+        const float share = path.weight / (static_cast<float>(vpls.vpls) * texel.probability);
+        chosen.starts[i] = start_at(pass, texel.index, share, flux.worth()[texel.index]);
+        chosen.starts[i].element = path.element, chosen.starts[i].choice = path.choice;
+        chosen.order[i] = texel.index;
+    }
+    return chosen;
+}
+
+template <class Visit>
+Counts VplTracer::Shared::follow_paths(const TexelMapPass& texels, const ChosenStarts& chosen, uint32_t paths_at_once,
+                                       const CancelToken& cancel, const Visit& visit) {
     constexpr uint32_t kRun = SequenceSampler::kRun;
-    static_assert(kRun % kPathsAtOnce == 0);
     const SequenceSampler numbers = path_numbers(vpls, texels);
     const auto paths = static_cast<uint32_t>(chosen.starts.size());
-    std::vector<PathLights> batches((paths + kPathsAtOnce - 1) / kPathsAtOnce);
-    parallel_for(batches.size(), 1, [&](size_t i) {
+    std::vector<Counts> counts((paths + paths_at_once - 1) / paths_at_once);
+    parallel_for(counts.size(), 1, [&](size_t i) {
         if (cancel.cancelled()) return;
-        const uint32_t first = static_cast<uint32_t>(i) * kPathsAtOnce, last = std::min(first + kPathsAtOnce, paths);
+        const uint32_t first = static_cast<uint32_t>(i) * paths_at_once, last = std::min(first + paths_at_once, paths);
         const uint32_t run = first / kRun, start = run * kRun;
-        PathLights& mine = batches[i];
         Scratch& scratch = threads.local();
         PhotonBatch batch{{run, first - start, last - start}};
-        batch.chosen = chosen.starts;
-        const ReflectedBatch left = scratch.reflections.trace(scratch.wavefront, *this, numbers, batch, mine.counts);
-        mine.photons.assign(left.photons.begin(), left.photons.end());
-        mine.surfaces.assign(left.surfaces.begin(), left.surfaces.end());
-        for (const uint32_t element : left.elements) mine.paths.push_back(start + element);
+        batch.chosen = &chosen;
+        visit(start, scratch.reflections.trace(scratch.wavefront, *this, numbers, batch, counts[i]), first, counts[i]);
     });
+    Counts sum;
+    for (const Counts& of_batch : counts) sum += of_batch;
+    return sum;
+}
+
+std::vector<PhotonWorth> VplTracer::Shared::rate_paths(const TexelMapPass& map, const ChosenStarts& chosen,
+                                                       const RatePhotons& worth, Counts& counts,
+                                                       const CancelToken& cancel) {
+    static_assert(SequenceSampler::kRun % kRatedAtOnce == 0);
+    std::vector<PhotonWorth> rated(chosen.starts.size());
+    const auto rate = [&](uint32_t start, const ReflectedBatch& left, uint32_t, Counts& of_batch) {
+        std::vector<uint32_t> elements(left.elements.size());
+        for (size_t k = 0; k < elements.size(); ++k) elements[k] = chosen.starts[start + left.elements[k]].element;
+        std::vector<PhotonWorth> brought(elements.size());
+        of_batch.shadow_rays += worth(left.photons, elements, brought);
+        for (size_t k = 0; k < brought.size(); ++k) {
+            PhotonWorth& of_path = rated[start + left.elements[k]];
+            of_path.seen += brought[k].seen;
+            of_path.unshadowed += brought[k].unshadowed;
+        }
+    };
+    const Counts of_paths = follow_paths(map, chosen, kRatedAtOnce, cancel, rate);
+    // Their photons are none of the pass's.
+    counts.photon_rays += of_paths.photon_rays;
+    counts.shadow_rays += of_paths.shadow_rays;
+    return rated;
+}
+
+TracedReflections VplTracer::Shared::trace_paths(const TexelMapPass& map, const ChosenPaths& chosen,
+                                                 bool elements_apart, const CancelToken& cancel) {
+    static_assert(SequenceSampler::kRun % kPathsAtOnce == 0);
+    const std::span<const ChosenStart> starts = chosen.starts;
+    std::vector<PathLights> batches((starts.size() + kPathsAtOnce - 1) / kPathsAtOnce);
+    TracedReflections traced;
+    traced.counts = follow_paths(map, {chosen.starts, elements_apart}, kPathsAtOnce, cancel,
+                                 [&](uint32_t start, const ReflectedBatch& left, uint32_t first, Counts&) {
+                                     PathLights& mine = batches[first / kPathsAtOnce];
+                                     mine.photons.assign(left.photons.begin(), left.photons.end());
+                                     mine.surfaces.assign(left.surfaces.begin(), left.surfaces.end());
+                                     for (const uint32_t element : left.elements) mine.paths.push_back(start + element);
+                                 });
 
     // Paths in their order along the map's curve; a batch has each one's photons by their scatterings.
     struct Place {
@@ -186,9 +251,7 @@ TracedReflections VplTracer::Shared::trace_paths(const TexelMapPass& texels, con
         uint32_t batch, photon;
     };
     std::vector<Place> places;
-    TracedReflections traced;
     for (uint32_t b = 0; b < batches.size(); ++b) {
-        traced.counts += batches[b].counts;
         for (uint32_t k = 0; k < batches[b].photons.size(); ++k) {
             const uint32_t path = batches[b].paths[k];
             places.push_back({chosen.order[path], path, b, k});
@@ -201,6 +264,7 @@ TracedReflections VplTracer::Shared::trace_paths(const TexelMapPass& texels, con
     for (const Place& place : places) {
         const PathLights& batch = batches[place.batch];
         ReflectedPhoton& photon = traced.photons.emplace_back(batch.photons[place.photon]);
+        if (elements_apart) traced.choices.push_back(starts[place.path].choice);
         if (photon.surface == ReflectedPhoton::kNoSurface) continue;
         traced.surfaces.push_back(batch.surfaces[photon.surface]);
         photon.surface = static_cast<uint32_t>(traced.surfaces.size() - 1);
@@ -246,7 +310,8 @@ TracedReflections VplTracer::trace(uint64_t seed, uint32_t pass, const TexelImpo
         weighted.sum();
     }
     if (flux.total() > 0 && !cancel.cancelled()) {
-        traced = shared_->trace_paths(texels.map, shared_->choose(importance ? weighted : flux, flux, texels), cancel);
+        traced = shared_->trace_paths(texels.map, shared_->choose(importance ? weighted : flux, flux, texels), false,
+                                      cancel);
         traced.paths = traced.counts.photons_emitted;
     }
     traced.counts += of_texels;
@@ -256,7 +321,7 @@ TracedReflections VplTracer::trace(uint64_t seed, uint32_t pass, const TexelImpo
 TracedReflections VplTracer::trace(uint64_t seed, const ChosenPaths& paths, Stats& stats,
                                    const CancelToken& cancel) const {
     const StageTimer timer(stats, "vpl_generation");
-    TracedReflections traced = shared_->trace_paths({shared_->map, seed, 0}, paths, cancel);
+    TracedReflections traced = shared_->trace_paths({shared_->map, seed, 0}, paths, false, cancel);
     traced.paths = traced.counts.photons_emitted;
     return traced;
 }
@@ -281,11 +346,44 @@ FluxMap VplTracer::see_flux(const TexelMapPass& pass, Counts& counts) const {
 void VplTracer::see(std::span<const ChosenStart> starts, std::span<float> flux_w, Counts& counts) const {
     std::ranges::fill(flux_w, 0.0f);
     PhotonBatch batch{{0, 0, static_cast<uint32_t>(starts.size())}};
-    batch.chosen = starts;
+    const ChosenStarts chosen{starts};
+    batch.chosen = &chosen;
     Shared::Scratch& mine = shared_->threads.local();
     const SequenceSampler unused(shared_->vpls.sampler, 0, RandomDomain::Photons, 0);
     for (const SeenTexel& seen : mine.texels.see(mine.wavefront, *shared_, unused, batch, counts))
         flux_w[seen.element] = seen.flux_w;
+}
+
+TracedReflections VplTracer::trace_selected(uint64_t seed, uint32_t pass, const RatePhotons& worth,
+                                            const SelectPaths& select, Stats& stats, const CancelToken& cancel) const {
+    Shared& shared = *shared_;
+    TracedReflections traced;
+    if (shared.vpls.bounces == 0) return traced;
+    const TexelPass texels(shared.map, shared.vpls, seed, pass);
+    FluxMap flux(shared.map.levels());
+    Counts counts;
+    {
+        const StageTimer timer(stats, "rsm");
+        counts =
+            shared.see_texels(texels.map, texels.numbers, cancel, [&](std::span<const SeenTexel> seen, uint32_t first) {
+                for (const SeenTexel& texel : seen) flux.worth()[first + texel.element] = texel.flux_w;
+            });
+    }
+    const StageTimer timer(stats, "vpl_generation");
+    flux.sum();
+    if (flux.total() > 0 && !cancel.cancelled()) {
+        const RatePaths rate = [&](std::span<const gpu::VplPath> paths) {
+            const ChosenPaths rated = shared.starts_of(paths, flux, texels);
+            return shared.rate_paths(texels.map, {rated.starts, true}, worth, counts, cancel);
+        };
+        const SelectedPaths selected = select(texels.map.rotation(), rate);
+        traced = shared.trace_paths(texels.map, shared.starts_of(selected.paths, flux, texels), true, cancel);
+        traced.paths = selected.paths.size();
+        counts.vpls_offered += selected.offered;
+        counts.vpls_accepted += selected.accepted;
+    }
+    traced.counts += counts;
+    return traced;
 }
 
 double VplTracer::lit_area_m2(uint64_t seed) const {

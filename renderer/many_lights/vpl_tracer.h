@@ -15,6 +15,7 @@
 #include <memory>
 
 #include "renderer/many_lights/flux_map.h"
+#include "renderer/many_lights/vpl_tracer_shared.h"
 #include "renderer/photons/photon_tracer.h"
 #include "renderer/photons/photon_wavefront.h"
 #include "renderer/photons/texel_map.h"
@@ -29,6 +30,8 @@ struct VplTracing {
     /// Alpha: narrower lobes leave no light. Like all that transmits they only send paths on.
     float connect_threshold = 0.2f;
     SamplerKind sampler = SamplerKind::Sobol;
+    /// Whether the paths' numbers after their first rays know nothing of one another.
+    bool independent_paths = false;
 };
 
 /// About how many lights a pass has for so many light paths and bounces: in rooms each bounce leaves three fifths of
@@ -61,6 +64,22 @@ struct ChosenPaths {
     std::vector<ChosenStart> starts;  // VplTracing::vpls of them
     std::vector<uint32_t> order;      // where each is in the order in which they come back
 };
+/// What a photon brings to wherever light is wanted, by any scale: what of it is seen there, and all.
+struct PhotonWorth {
+    float seen = 0, unshadowed = 0;
+};
+/// Finds that for each photon. `elements`: of their paths' numbers. How many rays it took. Called from several threads
+/// at a time.
+using RatePhotons = std::function<uint64_t(std::span<const ReflectedPhoton> photons, std::span<const uint32_t> elements,
+                                           std::span<PhotonWorth> worth)>;
+/// Of each path, the sum over its photons if it were one of VplTracing::vpls; weights and choices are not looked at.
+using RatePaths = std::function<std::vector<PhotonWorth>(std::span<const gpu::VplPath> paths)>;
+/// What a pass's lights are left by.
+struct SelectedPaths {
+    std::vector<gpu::VplPath> paths;     // at most VplTracing::vpls
+    uint64_t offered = 0, accepted = 0;  // of those that were to be decided on
+};
+using SelectPaths = std::function<SelectedPaths(const uvec2& rotation, const RatePaths& rate)>;
 
 /// Borrows scene, intersectors and emission.
 class VplTracer {
@@ -76,6 +95,9 @@ public:
     /// counts are in what comes back. Cancelled: what comes back is incomplete and must not be used.
     TracedReflections trace(uint64_t seed, uint32_t pass, const TexelImportance& importance, Stats& stats,
                             const CancelToken& cancel) const;
+    /// The same with the paths that `select` chooses, by what `worth` says of their photons.
+    TracedReflections trace_selected(uint64_t seed, uint32_t pass, const RatePhotons& worth, const SelectPaths& select,
+                                     Stats& stats, const CancelToken& cancel) const;
 
     /// The same of paths that are given, with the numbers of the first pass of that seed after their first hits. Stage
     /// `vpl_generation`.
@@ -96,7 +118,8 @@ public:
     }
     /// The random numbers of a pass's paths after their first rays, in the order in which paths were chosen.
     static SequenceSampler path_numbers(const VplTracing& tracing, const TexelMapPass& pass) {
-        return {tracing.sampler, pass.seed(), RandomDomain::Photons, 1};
+        return {tracing.independent_paths ? SamplerKind::Random : tracing.sampler, pass.seed(), RandomDomain::Photons,
+                1};
     }
 
     /// About the area that light reaches without a bounce [m^2], by the texels of one map; 0 where it reaches nothing.

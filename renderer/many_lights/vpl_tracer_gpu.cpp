@@ -30,7 +30,8 @@ uint64_t VplTracerGpu::device_bytes(const VplTracing& tracing, bool weighted, bo
            (std::min(lights, texels) + 1) * sizeof(gpu::TexelRun) + texels * sizeof(gpu::ReflectedPhotonRecord) +
            photons * (sizeof(gpu::ReflectedPhotonRecord) + sizeof(gpu::PhotonOwner) + sizeof(uint32_t)) +
            (lambert ? 1 : photons) * sizeof(gpu::ReflectingSurfaceRecord) +
-           (uint64_t{tracing.vpls} * 5 + 1) * sizeof(uint32_t) + tracing.vpls * sizeof(gpu::VplStart);
+           (uint64_t{tracing.vpls} * 5 + 1) * sizeof(uint32_t) +
+           tracing.vpls * (sizeof(gpu::VplStart) + sizeof(gpu::VplPath));
 }
 
 VplTracerGpu::VplTracerGpu(const gpu::DeviceScene& scene, const EmissionSampler& emission, const VplTracing& tracing,
@@ -52,12 +53,14 @@ VplTracerGpu::VplTracerGpu(const gpu::DeviceScene& scene, const EmissionSampler&
           device_, "vpls",
           (scene.scene().needs.only_lambert() ? 1 : most_photons(tracing)) * sizeof(gpu::ReflectingSurfaceRecord)),
       chosen_texels_(device_, "vpls", uint64_t{tracing.vpls} * sizeof(uint32_t)),
-      points_(device_, "vpls", uint64_t{tracing.vpls} * sizeof(uint32_t)),
+      places_(device_, "vpls", uint64_t{tracing.vpls} * sizeof(uint32_t)),
+      halton_paths_(device_, "vpls", tracing.vpls * sizeof(gpu::VplPath)),
       starts_(device_, "vpls", tracing.vpls * sizeof(gpu::VplStart)),
       bounces_(std::move(bounces)),
       trace_texels_(device_, "renderer/many_lights/vpl_texels.comp", sizeof(gpu::VplTexelsPush), &scene.set(),
                     scene.specialization()),
       mix_(device_, "renderer/many_lights/vpl_mix.comp", sizeof(gpu::VplMixPush)),
+      find_points_(device_, "renderer/many_lights/vpl_points.comp", sizeof(gpu::VplPointsPush)),
       choose_(device_, "renderer/many_lights/vpl_choose.comp", sizeof(gpu::VplChoosePush)),
       start_paths_(device_, "renderer/many_lights/vpl_starts.comp", sizeof(gpu::VplStartsPush), &scene.set(),
                    scene.specialization()),
@@ -117,39 +120,72 @@ void VplTracerGpu::record_map(gpu::CommandList& commands) {
     if (weighted_) commands.copy(plain_.sums(), 0, weighted_->sums(), 0, uint64_t{map_.texels()} * sizeof(float));
 }
 
-/// Chooses the paths by the map.
-void VplTracerGpu::record_choice(gpu::CommandList& commands) {
+void VplTracerGpu::record_sums(gpu::CommandList& commands) {
     plain_.record_sum(commands);
-    if (weighted_) {
-        weighted_->record_sum(commands);
-        commands.bind(mix_, {gpu::read("flux", plain_.sums()), gpu::read_write("weighted", weighted_->sums())});
-        commands.push(gpu::VplMixPush{map_.levels(), kPlainFluxShare});
-        commands.dispatch_threads(map_.texels(), VPL_GROUP);
-        weighted_->record_sum(commands);
-    }
-
-    const uvec2 rotation = pass_->rotation();
-    commands.bind(choose_, {gpu::read("flux_sums", chosen_by().sums()), gpu::write("texel_of_path", chosen_texels_),
-                            gpu::write("points", points_)});
-    commands.push(gpu::VplChoosePush{tracing_.vpls, map_.levels(), rotation.x, rotation.y});
-    commands.dispatch_threads(tracing_.vpls, VPL_GROUP);
-    sort_paths_.record(commands, chosen_texels_, points_, {state_, REFLECTION_PATHS}, std::max(2 * map_.levels(), 1u));
-
-    commands.bind(start_paths_,
-                  {gpu::read("texel_runs", runs_), gpu::read("flux_sums", chosen_by().sums()),
-                   gpu::read("flux_w", plain_.sums()), gpu::read("points", points_), gpu::write("starts", starts_)});
-    commands.push(gpu::VplStartsPush{.sequence = VplTracer::texel_numbers(tracing_, *pass_).device_key(),
-                                     .paths = tracing_.vpls,
-                                     .levels = map_.levels(),
-                                     .rotation_x = rotation.x,
-                                     .rotation_y = rotation.y,
-                                     .runs = run_count_});
-    commands.dispatch_threads(tracing_.vpls, VPL_GROUP);
+    if (!weighted_) return;
+    weighted_->record_sum(commands);
+    commands.bind(mix_, {gpu::read("flux", plain_.sums()), gpu::read_write("weighted", weighted_->sums())});
+    commands.push(gpu::VplMixPush{map_.levels(), kPlainFluxShare});
+    commands.dispatch_threads(map_.texels(), VPL_GROUP);
+    weighted_->record_sum(commands);
 }
 
 void VplTracerGpu::record_vpls(gpu::CommandList& commands) {
     const gpu::Scope scope(commands, "vpl_generation");
-    if (!given_) record_choice(commands);
+    if (given_) {
+        record_traced(commands, tracing_.vpls, false);
+        record_state_readback(commands);
+        return;
+    }
+    record_sums(commands);
+    const uvec2 rotation = pass_->rotation();
+    commands.bind(find_points_, {gpu::write("paths", halton_paths_)});
+    commands.push(gpu::VplPointsPush{tracing_.vpls, rotation.x, rotation.y});
+    commands.dispatch_threads(tracing_.vpls, VPL_GROUP);
+    record_selected(commands, halton_paths_);
+}
+
+void VplTracerGpu::record_rated(gpu::CommandList& commands, gpu::Buffer& paths, uint32_t first, uint32_t count) {
+    commands.fill(state_, count, REFLECTION_PATHS * sizeof(uint32_t), sizeof(uint32_t));
+    record_paths(commands, paths, first, count, true);
+}
+
+void VplTracerGpu::record_selected(gpu::CommandList& commands, gpu::Buffer& paths) {
+    commands.bind(choose_, {gpu::read("flux_sums", chosen_by().sums()), gpu::write("texel_of_path", chosen_texels_),
+                            gpu::write("places", places_), gpu::read("paths", paths), gpu::read("state", state_)});
+    commands.push(gpu::VplChoosePush{tracing_.vpls, map_.levels()});
+    commands.dispatch_threads(tracing_.vpls, VPL_GROUP);
+    sort_paths_.record(commands, chosen_texels_, places_, {state_, REFLECTION_PATHS}, std::max(2 * map_.levels(), 1u));
+    record_paths(commands, paths, 0, tracing_.vpls, false);
+    record_state_readback(commands);
+}
+
+void VplTracerGpu::record_state_readback(gpu::CommandList& commands) {
+    commands.copy(state_, 0, host_state_, 0, state_.bytes());
+    commands.host_reads(host_state_);
+}
+
+/// What those paths of a list leave; of the pass's in the order of their texels.
+void VplTracerGpu::record_paths(gpu::CommandList& commands, gpu::Buffer& paths, uint32_t first, uint32_t count,
+                                bool rated) {
+    commands.bind(start_paths_, {gpu::read("texel_runs", runs_), gpu::read("flux_sums", chosen_by().sums()),
+                                 gpu::read("flux_w", plain_.sums()), gpu::read("places", places_),
+                                 gpu::write("starts", starts_), gpu::read("paths", paths), gpu::read("state", state_)});
+    commands.push(gpu::VplStartsPush{.sequence = VplTracer::texel_numbers(tracing_, *pass_).device_key(),
+                                     .vpls = tracing_.vpls,
+                                     .levels = map_.levels(),
+                                     .first_path = first,
+                                     .paths = count,
+                                     .runs = run_count_,
+                                     .sorted = rated ? 0u : 1u});
+    commands.dispatch_threads(count, VPL_GROUP);
+    record_traced(commands, count, rated);
+}
+
+/// What so many paths leave, by their first steps.
+void VplTracerGpu::record_traced(gpu::CommandList& commands, uint32_t count, bool rated) {
+    static_assert(REFLECTION_PHOTONS == 0 && REFLECTION_SURFACES == 1 && REFLECTION_ORDERED == 2);
+    commands.fill(state_, 0, 0, 3 * sizeof(uint32_t));
     std::vector<gpu::Binding> bindings = {gpu::read_write("device_counters", counters_),
                                           gpu::read_write("state", state_),
                                           gpu::write("photons", photons_),
@@ -161,21 +197,20 @@ void VplTracerGpu::record_vpls(gpu::CommandList& commands) {
     commands.bind(trace_paths_, bindings);
     commands.push(gpu::VplPathsPush{
         .sequence = VplTracer::path_numbers(tracing_, *pass_).device_key(),
-        .paths = tracing_.vpls,
+        .paths = count,
         .bounces = tracing_.bounces,
         .photon_capacity = most_lights(),
         .surface_capacity = static_cast<uint32_t>(surfaces_.bytes() / sizeof(gpu::ReflectingSurfaceRecord)),
         .connect_threshold = tracing_.connect_threshold,
+        .rated = rated ? 1u : 0u,
     });
-    commands.dispatch_threads(tracing_.vpls, VPL_GROUP);
+    commands.dispatch_threads(count, VPL_GROUP);
 
     sum_.record(commands, path_counts_, path_counts_, {state_, REFLECTION_PATHS}, {state_, REFLECTION_ORDERED});
     commands.bind(sort_, {gpu::read("state", state_), gpu::read("owners", owners_),
                           gpu::read("first_of_path", path_counts_), gpu::write("order", order_)});
     commands.push(most_lights());
     commands.dispatch_threads(most_lights(), REFLECTION_GROUP);
-    commands.copy(state_, 0, host_state_, 0, state_.bytes());
-    commands.host_reads(host_state_);
 }
 
 void VplTracerGpu::add_to(Counts& counts) const {

@@ -46,6 +46,21 @@ public:
     /// The rest, stage `vpl_generation`.
     void record_vpls(gpu::CommandList& commands);
 
+    /// Instead of that, where others choose the paths (path_selection_gpu.h): first the sums, ...
+    void record_sums(gpu::CommandList& commands);
+    /// ... then, as often as is liked, paths to be looked at, `vpls` at most: those of a list from `first` on, in its
+    /// order. Of path i, light j is photons()[order()[first_of_path()[i] + j]].
+    void record_rated(gpu::CommandList& commands, gpu::Buffer& paths, uint32_t first, uint32_t count);
+    /// ... and the pass's, whose number is in state().
+    void record_selected(gpu::CommandList& commands, gpu::Buffer& paths);
+    /// Where that is, and what record_rated() leaves of order() beside.
+    gpu::DeviceWord path_count() { return {state_, REFLECTION_PATHS}; }
+    gpu::Buffer& first_of_path() { return path_counts_; }
+    /// Of the pass's: photons' PhotonOwner, and where each path that they name is in the list.
+    gpu::Buffer& owners() { return owners_; }
+    gpu::Buffer& places() { return places_; }
+    const TexelMapPass& texel_pass() const { return *pass_; }
+
     uint32_t most_lights() const { return static_cast<uint32_t>(most_vpls(tracing_.vpls, tracing_.bounces)); }
 
     gpu::Buffer& photons() { return photons_; }    // ReflectedPhotonRecord
@@ -67,7 +82,9 @@ public:
     void add_to(Counts& counts) const;
 
 private:
-    void record_choice(gpu::CommandList& commands);
+    void record_paths(gpu::CommandList& commands, gpu::Buffer& paths, uint32_t first, uint32_t count, bool rated);
+    void record_traced(gpu::CommandList& commands, uint32_t count, bool rated);
+    void record_state_readback(gpu::CommandList& commands);
     FluxMapGpu& chosen_by() { return weighted_ ? *weighted_ : plain_; }
 
     gpu::Device& device_;
@@ -80,10 +97,11 @@ private:
     std::optional<FluxMapGpu> weighted_;  // by the importance too
     uint32_t run_count_ = 0;
     gpu::Buffer runs_, texels_, state_, host_state_, photons_, owners_, path_counts_, order_, surfaces_;
-    gpu::Buffer chosen_texels_, points_;  // of the paths: a uint each
+    gpu::Buffer chosen_texels_, places_;  // of the paths: a uint each
+    gpu::Buffer halton_paths_;            // gpu::VplPath
     gpu::Buffer starts_;                  // gpu::VplStart
     const VplBounceShader bounces_;
-    gpu::ComputePipeline trace_texels_, mix_, choose_, start_paths_, trace_paths_, sort_;
+    gpu::ComputePipeline trace_texels_, mix_, find_points_, choose_, start_paths_, trace_paths_, sort_;
     gpu::RadixSort sort_paths_;
     gpu::PrefixSum sum_;
 };

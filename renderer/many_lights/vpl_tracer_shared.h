@@ -36,12 +36,26 @@ struct VplMixPush {
     float plain_share;  // kPlainFluxShare
 };
 
-/// Of vpl_choose.comp.
-struct VplChoosePush {
+/// Of vpl_points.comp.
+struct VplPointsPush {
     uint paths;
-    uint levels;  // of the map
     uint rotation_x;
     uint rotation_y;
+};
+
+/// Of vpl_choose.comp.
+struct VplChoosePush {
+    uint paths;   // at most
+    uint levels;  // of the map
+};
+
+/// A light path by its numbers.
+struct VplPath {
+    uint point_x;  // of the unit square, in fractions of 2^32: what chooses its texel
+    uint point_y;
+    uint element;  // of the sequence that its numbers after the first ray are of
+    float weight;  // on the power that it has as one of the pass's
+    float choice;  // its lights' (vpl_shared.h)
 };
 
 /// The first step of a path, with its share of the power; black: it carries nothing.
@@ -51,18 +65,18 @@ struct VplStart {
     vec3 power_w;
     float range_m;
     float reflected_w;  // what its hit reflects: roulette keeps the path's power near that
-    uint point;         // by which it was chosen: its numbers are of that element
+    uint element;       // that its later numbers are of
 };
 
 /// Of vpl_starts.comp.
 struct VplStartsPush {
     SequenceKey sequence;  // of the texels
-    uint paths;
-    uint levels;  // of the map
-    uint rotation_x;
-    uint rotation_y;
+    uint vpls;             // paths whose power a whole pass shares
+    uint levels;           // of the map
+    uint first_path;       // of the list
+    uint paths;            // at most
     uint runs;
-    uint unused;  // the compilers differ in whether they would leave room here
+    uint sorted;  // 1: by their texels
 };
 
 /// Of vpl_paths.glsl.
@@ -73,7 +87,7 @@ struct VplPathsPush {
     uint photon_capacity;
     uint surface_capacity;
     float connect_threshold;
-    uint unused;
+    uint rated;  // 1: to be looked at, and none of the pass's
 };
 
 #ifdef __cplusplus

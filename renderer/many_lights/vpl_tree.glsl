@@ -10,7 +10,8 @@ const VplTreeNode VPL_TREE_NOTHING =
     VplTreeNode(vec3(0.0), 0.0, vec3(0.0), 1.0, vec3(0.0), NO_VPL);
 
 float vpl_size(Vpl vpl) {
-    return max_component(vpl.intensity) * (vpl_is_lambert(vpl) ? max(vpl.correction, 1.0) : INV_PI);
+    const float most = max_component(vpl.intensity) * (vpl_is_lambert(vpl) ? max(vpl.correction, 1.0) : INV_PI);
+    return vpl.choice > 0.0 ? vpl.choice * most : most;
 }
 
 /// std::bit_ceil(max(lights, 1)).

@@ -21,8 +21,10 @@ using gpu::VplTreeNode;
 
 /// What no direction gets more of, in its greatest channel [W/sr]. Of lights that are not Lambert: a Lambert
 /// reflector's of albedo 1, for want of a bound; what goes by it may be noisy there, and must not take it for one.
+/// Where lights say what choices take them for (Vpl::choice), that share of it.
 inline float vpl_size(const Vpl& vpl) {
-    return max_component(vpl.intensity) * (is_lambert(vpl) ? std::max(vpl.correction, 1.0f) : kInvPi);
+    const float most = max_component(vpl.intensity) * (is_lambert(vpl) ? std::max(vpl.correction, 1.0f) : kInvPi);
+    return vpl.choice > 0 ? vpl.choice * most : most;
 }
 
 /// The number of leaves above so many lights.

@@ -58,8 +58,9 @@ struct TracedPhotons {
 struct TracedReflections {
     std::vector<ReflectedPhoton> photons;  // in an order that does not depend on the number of threads
     std::vector<ReflectingSurface> surfaces;
-    uint64_t paths = 0;  // emitted
-    Counts counts;       // photon_rays, photons_emitted, photons_stored
+    std::vector<float> choices;  // the photons' (many_lights/vpl_shared.h); empty: none is said
+    uint64_t paths = 0;          // emitted
+    Counts counts;               // photon_rays, photons_emitted, photons_stored
 };
 
 /// Borrows scene, intersector, emission and guide.

@@ -20,7 +20,7 @@ void PhotonWavefront::start_paths(const PhotonTracingScene& shared, const Sequen
                                   const PhotonBatch& photons, Counts& counts) {
     const size_t emitted = photons.last - photons.first;
     const bool texels = photons.texels || photons.map;
-    chosen_ = !photons.chosen.empty();
+    chosen_ = photons.chosen;
     for (uint32_t i = 0; i < emitted; ++i) drawn_elements_[i] = photons.first + i;
     const auto draw = [&](uint32_t set, Numbers& numbers) {
         sampler.sample_2d(photons.run, {drawn_elements_.data(), emitted}, set, {numbers.x.data(), emitted},
@@ -41,7 +41,7 @@ void PhotonWavefront::start_paths(const PhotonTracingScene& shared, const Sequen
     };
     batch.count = 0;
     if (chosen_) {
-        for (uint32_t i = 0; i < emitted; ++i) starts_[i] = photons.chosen[first + i].first;
+        for (uint32_t i = 0; i < emitted; ++i) starts_[i] = chosen_->starts[first + i].first;
     } else if (photons.map) {
         start_each([&](uint32_t i, const vec2& u_position, const vec2& u_direction, EmissionSample& start) {
             return photons.map->sample(static_cast<uint32_t>(first) + i, {choice.x[i], choice.y[i]}, u_position,
@@ -64,7 +64,7 @@ void PhotonWavefront::start_paths(const PhotonTracingScene& shared, const Sequen
         LightPath& path = batch.paths[batch.count];
         if (chosen_) {
             path.power_w = start.power_w;
-            path.reference_inverse = 1 / photons.chosen[first + i].reflected_w;
+            path.reference_inverse = 1 / chosen_->starts[first + i].reflected_w;
         } else {
             path.power_w = texels ? start.power_w : start.power_w * (1 / static_cast<float>(shared.tracing.photons));
             path.reference_inverse = 1 / max_component(path.power_w);
@@ -106,6 +106,19 @@ void PhotonWavefront::sort_hits(const PhotonTracingScene& shared, uint32_t scatt
 void PhotonWavefront::draw_numbers(const SequenceSampler& sampler, uint64_t run, uint32_t scatterings, size_t first) {
     const size_t count = order.size() - first;
     if (count == 0) return;
+    if (chosen_ && chosen_->elements_apart) {
+        for (size_t k = first; k < order.size(); ++k) {
+            const uint64_t start = run * kPaths + batch.keys[order[k]];
+            const uint32_t element = chosen_->starts[start].element;
+            const auto point = [&](ScatteringSet set) {
+                return sampler.sample_2d(element, sample_set(scatterings + 1, set));
+            };
+            const vec2 to = point(ScatteringSet::Direction), by = point(ScatteringSet::RouletteAndLobe);
+            direction.x[k] = to.x, direction.y[k] = to.y;
+            choice.x[k] = by.x, choice.y[k] = by.y;
+        }
+        return;
+    }
     for (size_t k = 0; k < count; ++k) drawn_elements_[k] = batch.keys[order[first + k]];
     const auto draw = [&](ScatteringSet set, Numbers& numbers) {
         sampler.sample_2d(run, {drawn_elements_.data(), count}, sample_set(scatterings + 1, set),

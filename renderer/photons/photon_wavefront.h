@@ -22,14 +22,21 @@ namespace photond {
 struct ChosenStart {
     EmissionSample first;   // with the path's share of the power; black: it carries nothing
     float reflected_w = 0;  // what its hit reflects: roulette keeps the path's power near that
+    uint32_t element = 0;   // of the sequence: the path's later numbers
+    float choice = 0;       // of whoever chooses among what it leaves
+};
+/// Such paths, one for each element of the batch.
+struct ChosenStarts {
+    std::span<const ChosenStart> starts;
+    bool elements_apart = false;  // whether those of the starts are others than their places
 };
 
 /// Light paths that are traced together.
 struct PhotonBatch : SequenceRun {
     /// Where the paths start: those texels, counted as the sequence's elements. nullptr: by the guide or the emission.
     const ReflectiveShadowMapPass* texels = nullptr;
-    const TexelMapPass* map = nullptr;    // the same of another kind of map
-    std::span<const ChosenStart> chosen;  // or here, one for each element of the sequence
+    const TexelMapPass* map = nullptr;     // the same of another kind of map
+    const ChosenStarts* chosen = nullptr;  // or these
 };
 
 /// Bsdf::albedo() is a mean over all directions, which falls short at grazing ones and near a lobe. A photon of the
@@ -142,7 +149,7 @@ private:
     static constexpr size_t kLookups = 32;
     std::array<TextureLookup, kLookups> lookups_{};  // of hits on Lambert reflectors, by place in `order`
     std::vector<uint32_t> drawn_elements_;
-    bool chosen_ = false;  // the batch's paths were
+    const ChosenStarts* chosen_ = nullptr;  // the batch's paths, if they were
 };
 
 template <class Visit>

@@ -16,6 +16,8 @@ FirstBounceSettings settings_of(const ImperfectShadowMapsParams& params) {
     settings.walk.split_side = params.interleave;
     settings.filter = {params.filter, params.filter_normal, params.filter_distance};
     settings.clamp_m2 = params.clamp_m2;
+    settings.placement = params.placement;
+    settings.tracing.independent_paths = params.placement == VplPlacement::Metropolis;
     return settings;
 }
 
@@ -44,10 +46,10 @@ struct ImperfectShadowMapsGpu::State {
     }
 
     void add_steps(uint32_t pass, DeviceFrame::Steps& steps) {
+        frame.add_vpl_steps(pass, steps);
         steps.push_back(
             {set->most(), [=, this](gpu::CommandList& commands) {
                  VplTracerGpu& tracer = frame.tracer();
-                 tracer.record_vpls(commands);
                  set->record(commands, {tracer.state(), tracer.photons(), tracer.order(), tracer.surfaces()});
                  lighting->record_constants(commands, pass);
              }});

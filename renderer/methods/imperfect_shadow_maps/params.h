@@ -5,6 +5,7 @@
 
 #include "protocol/param_info.h"
 #include "renderer/frame/common_params.h"
+#include "renderer/many_lights/path_selection.h"
 #include "renderer/many_lights/vpl_params.h"
 #include "renderer/transport/sobol.h"
 
@@ -15,6 +16,7 @@ struct ImperfectShadowMapsParams final : MethodParams, WithIncrementalVpls {
     uint32_t vpls = 1024;
     uint32_t bounces = 1;
     uint32_t map_resolution = 128;
+    VplPlacement placement = VplPlacement::Flux;
     uint32_t points = 8192;
     uint32_t shadow_resolution = 32;
     uint32_t interleave = 4;
@@ -36,6 +38,7 @@ inline void ImperfectShadowMapsParams::visit(ParamVisitor& visitor) {
     visitor.field("bounces", bounces,
                   {Light, "", 0, 1, "greatest number of bounces in the indirect layer; it does no more than one"});
     visit_map_resolution(visitor, map_resolution);
+    visit_vpl_placement(visitor, placement);
     visitor.field("points", points,
                   {Light, "points", 16, 65536, "of the scene, drawn into the depth map of each light"});
     visitor.field("shadow_resolution", shadow_resolution,

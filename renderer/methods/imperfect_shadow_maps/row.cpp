@@ -24,6 +24,8 @@ MethodInfo imperfect_shadow_maps_row() {
     info.sources = {
         {"Ritschel et al.", 2008, "Imperfect Shadow Maps for Efficient Computation of Indirect Illumination"},
         {"Marroquim et al.", 2007, "Efficient Point-Based Rendering Using Image Reconstruction"},
+        {"Segovia et al.", 2007, "Metropolis Instant Radiosity"},
+        {"Georgiev and Slusallek", 2010, "Simple and Robust Iterative Importance Sampling of Virtual Point Lights"},
         {"Laine et al.", 2007, "Incremental Instant Radiosity for Real-Time Indirect Illumination"}};
     info.layers.remove(Layer::Caustic);
     info.limits = {

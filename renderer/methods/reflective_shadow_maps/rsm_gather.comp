@@ -21,7 +21,7 @@ layout(set = 0, binding = 4, scalar) buffer Sums { vec3 sums[]; };
 /// What a texel brings.
 vec3 texel_light(ReflectedPhotonRecord texel, GBufferPoint point, Receiver receiver) {
     if (is_black(texel.power_w)) return vec3(0.0);
-    const Vpl vpl = Vpl(texel.position, 1.0, texel.normal, 0u, texel.power_w * INV_PI, NO_VPL_SURFACE, 1u);
+    const Vpl vpl = Vpl(texel.position, 1.0, texel.normal, 0u, texel.power_w * INV_PI, NO_VPL_SURFACE, 1u, 0.0);
     const VplConnection connection = connect_vpl(vpl, point, push.clamp_sq_m2);
     if (!(connection.gain > 0.0)) return vec3(0.0);
     const vec3 light = vpl.intensity * connection.gain;

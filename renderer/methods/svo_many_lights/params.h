@@ -6,6 +6,7 @@
 
 #include "protocol/param_info.h"
 #include "renderer/frame/common_params.h"
+#include "renderer/many_lights/path_selection.h"
 #include "renderer/many_lights/vpl_lighting.h"
 #include "renderer/many_lights/vpl_params.h"
 #include "renderer/transport/sobol.h"
@@ -13,7 +14,6 @@
 namespace photond {
 
 enum class VplChoice : uint8_t { Interleaved, Lightcut, Resampled };
-enum class VplPlacement : uint8_t { Flux, Camera };
 enum class VplBounces : uint8_t { Voxels, Rays };
 enum class DirectShadows : uint8_t { Rays, ShadowMaps };
 
@@ -65,7 +65,6 @@ struct SvoManyLightsParams final : MethodParams, WithIncrementalVpls {
 
 inline void SvoManyLightsParams::visit(ParamVisitor& visitor) {
     using enum ParamGroup;
-    static constexpr std::string_view kPlacements[] = {"flux", "camera"};
     static constexpr std::string_view kBounceTracings[] = {"voxels", "rays"};
     static constexpr std::string_view kVisibilities[] = {"svo", "rays", "shadow_maps", "none", "near_field"};
     static constexpr std::string_view kChoices[] = {"interleaved", "lightcut", "resampled"};
@@ -75,8 +74,7 @@ inline void SvoManyLightsParams::visit(ParamVisitor& visitor) {
     visitor.field("bounces", bounces,
                   {Light, "", 0, 254, "greatest number of bounces in the indirect layer; 254: all"});
     visit_map_resolution(visitor, map_resolution);
-    visitor.enumeration("placement", placement,
-                        {Light, kPlacements, "lights go where flux is, or where what they bring to the picture is"});
+    visit_vpl_placement(visitor, placement);
     visitor.enumeration("bounce_tracing", bounce_tracing,
                         {LightMaps, kBounceTracings,
                          "who finds the surfaces of further bounces: the voxels, which are off by about one, or rays"});

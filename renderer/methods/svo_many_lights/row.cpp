@@ -28,12 +28,15 @@ MethodInfo svo_many_lights_row() {
     info.line =
         "Bounced light as many small lights, caustics by photons. Very fast on diffuse scenes; by voxels it darkens.";
     info.family = "many lights";
-    info.sources = {{"Sun", 2015, "Many-Light Real-Time Global Illumination using Sparse Voxel Octree"},
-                    {"Keller", 1997, "Instant Radiosity"},
-                    {"Kollig and Keller", 2004, "Illumination in the Presence of Weak Singularities"},
-                    {"Clarberg et al.", 2005, "Wavelet Importance Sampling"},
-                    {"Laine et al.", 2007, "Incremental Instant Radiosity for Real-Time Indirect Illumination"},
-                    {"Thiedemann et al.", 2011, "Voxel-based Global Illumination"}};
+    info.sources = {
+        {"Sun", 2015, "Many-Light Real-Time Global Illumination using Sparse Voxel Octree"},
+        {"Keller", 1997, "Instant Radiosity"},
+        {"Kollig and Keller", 2004, "Illumination in the Presence of Weak Singularities"},
+        {"Clarberg et al.", 2005, "Wavelet Importance Sampling"},
+        {"Laine et al.", 2007, "Incremental Instant Radiosity for Real-Time Indirect Illumination"},
+        {"Segovia et al.", 2007, "Metropolis Instant Radiosity"},
+        {"Georgiev and Slusallek", 2010, "Simple and Robust Iterative Importance Sampling of Virtual Point Lights"},
+        {"Thiedemann et al.", 2011, "Voxel-based Global Illumination"}};
     for (const Layer layer : {Layer::Clamped, Layer::Voxels, Layer::Vpls, Layer::SplitNormal, Layer::SplitIndirect})
         info.layers.add(layer);
     info.layers.remove(Layer::Caustic);

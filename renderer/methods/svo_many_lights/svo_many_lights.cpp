@@ -70,6 +70,7 @@ struct SvoManyLights::State {
     std::optional<CausticPhotons> caustics;    // none: what narrow lobes send is path traced
     std::unique_ptr<VplChooser> chooser;       // null: interleaved
     float clamp_sq_m2 = 0;                     // B
+    std::optional<PathPilot> pilot;            // of placements that select paths
     ThreadLocal<PerThread> threads;
     std::map<std::string, uint64_t> most_bytes;
 
@@ -144,6 +145,11 @@ void SvoManyLights::begin(const RenderContext& context, Stats& stats) {
     const auto lit_area_m2 = [&] { return static_cast<float>(state.tracer->lit_area_m2(context.seed)); };
     state.clamp_sq_m2 = params_.clamp_m2 ? *params_.clamp_m2 : default_clamp_sq_m2(lit_area_m2(), params_.vpls);
     if (frames_.on()) frames_.renew(*state.tracer, *state.emission, context, stats);
+    if (selects_paths(params_.placement))
+        state.pilot = find_path_pilot(
+            params_.placement, *state.tracer,
+            CameraImportance(scene, *context.intersector, context.view, state.clamp_sq_m2, context.seed),
+            *context.intersector, params_.vpls, context.seed, stats);
     make_caustics(context, stats);
     if (!scene.needs.solid_glass) stats.skipped.push_back({"absorption", "no solid refracts", 0});
 }
@@ -204,17 +210,22 @@ void SvoManyLights::look_from_eye(uint32_t pass, Stats& stats, const CancelToken
         {{"g_buffer", cpu.camera}, {"g_buffer_split", cpu.points}, {"direct", cpu.direct + cpu.indirect}});
 }
 
+TracedReflections SvoManyLights::trace_lights(uint32_t pass, Stats& stats, const CancelToken& cancel) {
+    const State& state = *state_;
+    if (frames_.on()) return state.tracer->trace(frames_.seed(), frames_.paths(), stats, cancel);
+    if (params_.placement == VplPlacement::Flux) return state.tracer->trace(state.eye.seed, pass, {}, stats, cancel);
+    const CameraImportance seen(state.buffer, state.tree ? &*state.tree : nullptr, state.clamp_sq_m2, state.eye.seed,
+                                pass);
+    if (!state.pilot) return state.tracer->trace(state.eye.seed, pass, seen, stats, cancel);
+    return trace_by_worth(params_.placement, *state.pilot, *state.tracer, seen, state.eye.intersector, params_.vpls,
+                          state.eye.seed, pass, stats, cancel);
+}
+
 void SvoManyLights::make_lights(uint32_t pass, Stats& stats, const CancelToken& cancel) {
     State& state = *state_;
     state.set.vpls.clear();
     if (!state.tracer) return;
-    TexelImportance importance;
-    if (params_.placement == VplPlacement::Camera)
-        importance = CameraImportance(state.buffer, state.tree ? &*state.tree : nullptr, state.clamp_sq_m2,
-                                      state.eye.seed, pass);
-    const TracedReflections photons = frames_.on()
-                                          ? state.tracer->trace(frames_.seed(), frames_.paths(), stats, cancel)
-                                          : state.tracer->trace(state.eye.seed, pass, importance, stats, cancel);
+    const TracedReflections photons = trace_lights(pass, stats, cancel);
     if (cancel.cancelled()) return;
     stats.counts += photons.counts;
     {

@@ -13,8 +13,10 @@ namespace photond {
 ///
 /// A pass: each light's reflective shadow map is traced, a Halton set is warped by the flux of its texels, and the
 /// light paths chosen so leave `vpls` lights at their first surfaces and, with `bounces`, at further ones
-/// (many_lights/vpl_tracer.h). From the eye, specular parts are followed to one visible point a pixel, with direct
-/// light on the way (gbuffer.h). A point asks the lights of its place in an n x n block (`interleave`), all of them
+/// (many_lights/vpl_tracer.h). Where most light is in another room, paths are better chosen by what they bring to the
+/// picture (`placement` acceptance, metropolis: many_lights/path_selection.h). From the eye, specular parts are
+/// followed to one visible point a pixel, with direct light on the way (gbuffer.h). A point asks the lights of its
+/// place in an n x n block (`interleave`), all of them
 /// (`vpl_choice` resampled, lightcut), by V of `visibility`; connections nearer than sqrt(B) are clamped, and what that
 /// takes is found by one short ray a point (clamp_repayment.h, layer `clamped`). The next pass has other lights, and
 /// other pixels ask them: with `visibility` rays and `repay`, and without `filter`, the mean over the passes is the
@@ -56,6 +58,7 @@ private:
 
     void look_from_eye(uint32_t pass, Stats& stats, const CancelToken& cancel);
     void make_caustics(const RenderContext& context, Stats& stats);
+    TracedReflections trace_lights(uint32_t pass, Stats& stats, const CancelToken& cancel);
     void make_lights(uint32_t pass, Stats& stats, const CancelToken& cancel);
     void send_caustic_photons(uint32_t pass, Stats& stats, const CancelToken& cancel);
     void gather_caustics(uint32_t first, uint32_t end, Neighbours& scratch);

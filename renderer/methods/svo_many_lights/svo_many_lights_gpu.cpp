@@ -7,6 +7,7 @@
 #include "renderer/gbuffer/light_depth_maps.h"
 #include "renderer/many_lights/camera_importance_gpu.h"
 #include "renderer/many_lights/clamp_repayment_gpu.h"
+#include "renderer/many_lights/path_selection_gpu.h"
 #include "renderer/many_lights/vpl_choice_gpu.h"
 #include "renderer/many_lights/vpl_lighting_gpu.h"
 #include "renderer/many_lights/vpl_tracer_gpu.h"
@@ -63,7 +64,8 @@ VplBounceShader bounces_of(const SvoManyLightsParams& params, SparseVoxelOctreeG
 struct SvoLights {
     SvoLights(const gpu::DeviceScene& scene, const SvoManyLightsParams& params, uint64_t seed, float clamp_sq_m2,
               EmissionSampler sampler, std::unique_ptr<SparseVoxelOctreeGpu> voxels, GBufferGpu& buffer,
-              DeviceImage& image, const RepaymentAsks& asks, std::unique_ptr<CausticPhotons> caustic_pilot)
+              DeviceImage& image, const RepaymentAsks& asks, std::unique_ptr<CausticPhotons> caustic_pilot,
+              const std::optional<PathPilot>& path_pilot)
         : emission(std::move(sampler)),
           tree(std::move(voxels)),
           tracer(scene, emission, tracing_of(params), image.counters(), by_camera(params),
@@ -80,6 +82,9 @@ struct SvoLights {
         if (params.visibility == VplVisibility::ShadowMaps)
             maps.emplace(scene, params.shadow_resolution, most_lights(params), image.counters());
         if (by_camera(params)) importance.emplace(scene, buffer, tree.get(), seed, clamp_sq_m2, tracer.map_texels());
+        if (path_pilot)
+            selection.emplace(scene, tracer, buffer, image.counters(), params.placement, *path_pilot, params.vpls, seed,
+                              clamp_sq_m2);
         if (!is_interleaved(params))
             choice.emplace(scene, buffer, set, lighting, image.counters(), params.visibility, choice_of(params));
         if (caustic_pilot) caustics.emplace(scene, std::move(caustic_pilot), seed);
@@ -96,6 +101,7 @@ struct SvoLights {
     VplLightingGpu lighting;
     std::optional<VplShadowMapsGpu> maps;
     std::optional<CameraImportanceGpu> importance;
+    std::optional<PathSelectionGpu> selection;  // none: placements by texels
     std::optional<VplChoiceGpu> choice;         // none: interleaved
     std::optional<CausticPhotonsGpu> caustics;  // none: caustics are path traced, or not asked for
     std::optional<ClampRepaymentGpu> repayment;
@@ -164,11 +170,15 @@ void SvoManyLightsGpu::State::add_light_steps(uint32_t pass, DeviceFrame::Steps&
                                                 piece);
                  }});
     }
+    for (uint32_t piece = 0; lights->selection && piece < lights->selection->pieces(); ++piece)
+        steps.push_back({lights->selection->paths_of_piece(),
+                         [=, this](gpu::CommandList& commands) { lights->selection->record(commands, pass, piece); }});
     steps.push_back(
         {likely_lights(params), [this](gpu::CommandList& commands) {
              VplTracerGpu& tracer = lights->tracer;
-             tracer.record_vpls(commands);
+             if (!lights->selection) tracer.record_vpls(commands);
              lights->set.record(commands, {tracer.state(), tracer.photons(), tracer.order(), tracer.surfaces()});
+             if (lights->choice && lights->selection) lights->selection->record_choices(commands, lights->set);
              if (lights->choice) lights->choice->record_lights(commands);
          }});
     if (lights->maps)
@@ -259,6 +269,7 @@ uint64_t SvoManyLightsGpu::estimate_device_bytes(const SvoManyLightsParams& para
     bytes += VplTracerGpu::device_bytes(tracing_of(params), by_camera(params), lambert, workload.lights) +
              VplSetGpu::device_bytes(most_lights(params), lambert) + VplLightingGpu::device_bytes() +
              ClampRepaymentGpu::device_bytes();
+    if (selects_paths(params.placement)) bytes += PathSelectionGpu::device_bytes(params.placement, params.vpls);
     if (params.visibility == VplVisibility::ShadowMaps)
         bytes += VplShadowMapsGpu::device_bytes(params.shadow_resolution, most_lights(params));
     if (params.needs_voxels(workload.layers))
@@ -316,9 +327,15 @@ void SvoManyLightsGpu::begin(const RenderContext& context, Stats& stats) {
         };
         clamp_sq_m2 = params_.clamp_m2 ? *params_.clamp_m2 : default_clamp_sq_m2(lit_area_m2(), params_.vpls);
     }
-    if (frames_.on()) {
+    std::optional<PathPilot> path_pilot;
+    if (frames_.on() || selects_paths(params_.placement)) {
         const VplTracer tracer(scene, *context.intersector, *context.intersector, *emission, tracing_of(params_));
-        frames_.renew(tracer, *emission, context, stats);
+        if (frames_.on()) frames_.renew(tracer, *emission, context, stats);
+        if (selects_paths(params_.placement))
+            path_pilot =
+                find_path_pilot(params_.placement, tracer,
+                                CameraImportance(scene, *context.intersector, context.view, clamp_sq_m2, context.seed),
+                                *context.intersector, params_.vpls, context.seed, stats);
     }
     const CausticSettings caustics = caustics_of(params_);
     std::unique_ptr<CausticPhotons> caustic_pilot;
@@ -335,7 +352,7 @@ void SvoManyLightsGpu::begin(const RenderContext& context, Stats& stats) {
                              .narrow = asks_narrow_lobes(params_, scene.needs)};
     const StageTimer timer(stats, "pipelines");
     state.lights.emplace(*context.device_scene, params_, context.seed, clamp_sq_m2, std::move(*emission),
-                         std::move(tree), state.buffer, state.device_image, asks, std::move(caustic_pilot));
+                         std::move(tree), state.buffer, state.device_image, asks, std::move(caustic_pilot), path_pilot);
     if (frames_.on()) state.lights->tracer.start(frames_.seed(), frames_.paths());
 }
 
@@ -348,6 +365,7 @@ void SvoManyLightsGpu::run_pass(uint32_t pass, Stats& stats, const CancelToken& 
     if (!state.frame.run_with_room(pass, stats, cancel, grows) || !state.lights) return;
     if (state.lights->caustics) state.lights->caustics->add_to(stats.counts);
     state.lights->tracer.add_to(stats.counts);
+    if (state.lights->selection) state.lights->selection->add_to(stats.counts);
     stats.counts.vpls += state.lights->set.lights_of_pass();
 }
 

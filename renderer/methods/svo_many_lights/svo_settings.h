@@ -18,7 +18,8 @@ inline VplTracing tracing_of(const SvoManyLightsParams& params) {
             .map_side = params.map_resolution,
             .bounces = params.bounces,
             .connect_threshold = params.connect_threshold,
-            .sampler = params.sampler};
+            .sampler = params.sampler,
+            .independent_paths = params.placement == VplPlacement::Metropolis};
 }
 
 /// How far from a point voxels stand in its light.

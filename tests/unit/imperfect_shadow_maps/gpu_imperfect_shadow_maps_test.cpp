@@ -14,6 +14,8 @@
 #include "renderer/methods/imperfect_shadow_maps/imperfect_shadow_maps_gpu.h"
 #include "renderer/scene/builtin_scenes.h"
 #include "renderer/scene/surface_area.h"
+#include "tests/support/block_test.h"
+#include "tests/support/gpu_render.h"
 #include "tests/support/gpu_twin.h"
 #include "tests/support/open_scene.h"
 #include "tests/support/vpls.h"
@@ -183,6 +185,30 @@ TEST(GpuImperfectShadowMaps, SameBitsTwiceInPiecesAndFiltered) {
     EXPECT_EQ(film.pixel_hash(), test::render(where, settings).pixel_hash());
     EXPECT_EQ(film.nan_count() + film.infinity_count(), 0u);
     EXPECT_GT(test::mean_of_layer(film, Layer::Indirect), 0);
+}
+
+// Lights that are placed by what they bring to the picture bring it no more and no less in the mean.
+TEST(GpuImperfectShadowMaps, HaveOneMeanWhereverLightsArePlaced) {
+    const Scene scene = make_builtin_scene("doors/ajar");
+    const test::SceneOnDevice where(scene);
+    test::RenderSettingsOf<ImperfectShadowMapsGpu> settings;
+    settings.size = {32, 24};
+    settings.passes = 40;
+    settings.params.vpls = 64;
+    settings.params.map_resolution = 32;
+    settings.params.points = 256;
+    settings.params.shadow_resolution = 8;
+    settings.params.interleave = 1;
+    settings.params.sampler = SamplerKind::Random;
+    const auto by_flux = test::render_blocks(where, settings, 8);
+    for (const VplPlacement placement : {VplPlacement::Acceptance, VplPlacement::Metropolis}) {
+        ++settings.seed;
+        settings.params.placement = placement;
+        const auto by_worth = test::render_blocks(where, settings, 8);
+        const test::BlockTest blocks = test::compare_blocks(by_flux.blocks, by_worth.blocks);
+        EXPECT_EQ(blocks.alarms, 0u) << blocks.table();
+        EXPECT_LT(blocks.half_notice, 1.0) << blocks.table();
+    }
 }
 
 TEST(GpuImperfectShadowMaps, DarkScenesAndNoBouncesAreBlack) {

@@ -70,6 +70,8 @@ TEST_P(GpuSvoManyLights, FollowsTheCpu) {
     EXPECT_EQ(a.camera_rays, b.camera_rays);
     EXPECT_NEAR(double(a.vpls), double(b.vpls), 0.01 * double(a.vpls));
     EXPECT_EQ(a.voxels, b.voxels);
+    EXPECT_EQ(a.vpls_offered, b.vpls_offered);
+    EXPECT_NEAR(double(a.vpls_accepted), double(b.vpls_accepted), 0.01 * double(a.vpls_accepted));
     EXPECT_NEAR(double(a.photons_stored), double(b.photons_stored), 0.01 * double(a.photons_stored));
     EXPECT_NEAR(double(a.shadow_rays), double(b.shadow_rays), 0.01 * double(a.shadow_rays));
     EXPECT_NEAR(double(a.bounce_rays), double(b.bounce_rays), 0.01 * double(a.bounce_rays));
@@ -93,6 +95,10 @@ INSTANTIATE_TEST_SUITE_P(
                              p.caustic_photons = 20'000;  // of which more are stored than there is room for at first
                              p.caustic_radius_m = 0.1f;
                          }},
+                    Case{"cornell-box", VplVisibility::Rays,
+                         [](SvoManyLightsParams& p) { p.placement = VplPlacement::Acceptance, p.bounces = 3; }},
+                    Case{"cornell-box-glossy", VplVisibility::Rays,
+                         [](SvoManyLightsParams& p) { p.placement = VplPlacement::Metropolis, p.bounces = 3; }},
                     Case{"interior", VplVisibility::NearField, [](SvoManyLightsParams& p) { p.repay = false; }},
                     Case{"cornell-box", VplVisibility::Svo,
                          [](SvoManyLightsParams& p) {
@@ -140,26 +146,30 @@ TEST(GpuSvoManyLightsPass, IsAPureFunctionOfItsIndexAndNoneWhenCancelled) {
     auto settings = settings_for<SvoManyLightsGpu>(1, VplVisibility::Svo);
     settings.params.interleave = 2;
     settings.params.roulette = 0.5f;
-    Begun run(where, settings);
-    const auto film_of = [&](std::initializer_list<uint32_t> passes) {
-        Film film(settings.size, settings.layers);
-        for (const uint32_t pass : passes) {
-            run.method.run_pass(pass, run.stats, CancelToken{});
-            run.method.expect_pass(pass + 1);
-            run.method.resolve(film);
-        }
-        return film;
-    };
-    CancelToken cancel;
-    cancel.cancel();
-    run.method.run_pass(0, run.stats, cancel);
-    Film nothing(settings.size, settings.layers);
-    run.method.resolve(nothing);
-    EXPECT_EQ(nothing.passes(), 0u);
-    const Film film = film_of({0, 1});
-    EXPECT_EQ(film.passes(), 2u);
-    EXPECT_EQ(film_of({0, 1}).pixel_hash(), film.pixel_hash());
-    EXPECT_EQ(film_of({1, 0}).pixel_hash(), film.pixel_hash());
+    for (const VplPlacement placement : {VplPlacement::Flux, VplPlacement::Acceptance, VplPlacement::Metropolis}) {
+        SCOPED_TRACE(int(placement));
+        settings.params.placement = placement;
+        Begun run(where, settings);
+        const auto film_of = [&](std::initializer_list<uint32_t> passes) {
+            Film film(settings.size, settings.layers);
+            for (const uint32_t pass : passes) {
+                run.method.run_pass(pass, run.stats, CancelToken{});
+                run.method.expect_pass(pass + 1);
+                run.method.resolve(film);
+            }
+            return film;
+        };
+        CancelToken cancel;
+        cancel.cancel();
+        run.method.run_pass(0, run.stats, cancel);
+        Film nothing(settings.size, settings.layers);
+        run.method.resolve(nothing);
+        EXPECT_EQ(nothing.passes(), 0u);
+        const Film film = film_of({0, 1});
+        EXPECT_EQ(film.passes(), 2u);
+        EXPECT_EQ(film_of({0, 1}).pixel_hash(), film.pixel_hash());
+        EXPECT_EQ(film_of({1, 0}).pixel_hash(), film.pixel_hash());
+    }
 }
 
 TEST(GpuSvoManyLightsMemory, IsWhatItSays) {

@@ -31,12 +31,15 @@ test::RenderSettingsOf<M> settings_for(VplChoice choice, uint32_t passes, uint64
 
 class GpuVplChoice : public testing::TestWithParam<VplChoice> {};
 
-void expect_the_means_of_the_cpu(const char* scene_name, VplChoice choice, VplVisibility visibility, uint32_t passes) {
+/// `placement`: the GPU's; the CPU's is by flux.
+void expect_the_means_of_the_cpu(const char* scene_name, VplChoice choice, VplVisibility visibility, uint32_t passes,
+                                 VplPlacement placement = VplPlacement::Flux) {
     const Scene scene = test::turned(make_builtin_scene(scene_name));
     auto cpu_settings = settings_for<SvoManyLights>(choice, passes, 1);
     auto gpu_settings = settings_for<SvoManyLightsGpu>(choice, passes, 2);
     for (SvoManyLightsParams* params : {&cpu_settings.params, &gpu_settings.params})
         params->visibility = visibility, params->voxel_resolution = 64;
+    gpu_settings.params.placement = placement;
     const auto cpu = test::render_blocks(scene, cpu_settings, 8);
     const auto gpu = test::render_blocks(test::SceneOnDevice(scene), gpu_settings, 8);
     const test::BlockTest blocks = test::compare_blocks(cpu.blocks, gpu.blocks);
@@ -45,6 +48,13 @@ void expect_the_means_of_the_cpu(const char* scene_name, VplChoice choice, VplVi
 
 TEST_P(GpuVplChoice, HasTheMeansOfTheCpu) {
     expect_the_means_of_the_cpu("cornell-box", GetParam(), VplVisibility::Rays, 24);
+}
+
+// Choices take lights of little worth for less than their size: that must not show in the mean.
+TEST_P(GpuVplChoice, HasTheMeansOfLightsByFluxWhereverTheyArePlaced) {
+    const bool lightcut = GetParam() == VplChoice::Lightcut;
+    expect_the_means_of_the_cpu("cornell-box", GetParam(), VplVisibility::Rays, 24,
+                                lightcut ? VplPlacement::Acceptance : VplPlacement::Metropolis);
 }
 
 TEST_P(GpuVplChoice, LongHasTheMeansOfTheCpuWhateverReflectsAndWhoeverAnswers) {

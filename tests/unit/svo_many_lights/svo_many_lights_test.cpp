@@ -57,6 +57,9 @@ constexpr Mode kModes[] = {
     {"blocks of 8", [](Params& p) { p.vpl_choice = VplChoice::Interleaved, p.interleave = 8; }},
     {"voxels near the point",
      [](Params& p) { p.visibility = VplVisibility::NearField, p.repay = p.narrow_lobes = false; }},
+    {"by whole paths, accepted", [](Params& p) { p.placement = VplPlacement::Acceptance, p.bounces = 2; }},
+    {"by whole paths, in chains",
+     [](Params& p) { p.placement = VplPlacement::Metropolis, p.bounces = 3, p.visibility = VplVisibility::Svo; }},
     {"independent numbers", [](Params& p) { p.sampler = SamplerKind::Random, p.filter = 3; }},
 };
 Settings in_mode(const Mode& mode, uint32_t passes = 1) {
@@ -105,7 +108,7 @@ TEST(SvoManyLights, PixelHashIsTheSameForAnyNumberOfThreads) {
 
 TEST(SvoManyLights, RangesOfPassesMergeToTheSameBits) {
     const Scene scene = make_builtin_scene("cornell-box-glass");
-    for (const Mode& mode : {kModes[0], kModes[1], kModes[2], kModes[7]}) {
+    for (const Mode& mode : {kModes[0], kModes[1], kModes[2], kModes[7], kModes[11], kModes[12]}) {
         Settings settings = in_mode(mode, 4);
         ask_for_all(settings);
         const Film whole = test::render(scene, settings);
