@@ -146,7 +146,7 @@ TEST(GpuSvoManyLightsPass, IsAPureFunctionOfItsIndexAndNoneWhenCancelled) {
     auto settings = settings_for<SvoManyLightsGpu>(1, VplVisibility::Svo);
     settings.params.interleave = 2;
     settings.params.roulette = 0.5f;
-    for (const VplPlacement placement : {VplPlacement::Flux, VplPlacement::Acceptance, VplPlacement::Metropolis}) {
+    for (const VplPlacement placement : {VplPlacement::Flux, VplPlacement::Metropolis}) {
         SCOPED_TRACE(int(placement));
         settings.params.placement = placement;
         Begun run(where, settings);
