@@ -6,7 +6,6 @@
 
 #include "protocol/error.h"
 #include "renderer/core/rng.h"
-#include "renderer/core/sha256.h"
 #include "renderer/methods/radiance_cache/radiance_cells.h"
 
 namespace photond {
@@ -116,11 +115,7 @@ void CellsBetweenFrames::follow(const FrameBefore& before) {
         return;
     }
     before_ = LeftCells::decode(before.left, buckets_);
-    followed_ = sha256_hex(before.left.data(), before.left.size());
-}
-
-void CellsBetweenFrames::go_on_from(const std::string& state) const {
-    if (state != followed_) throw Error(ErrorCode::Conflict, "its passes do not follow the frame before");
+    followed_.follow(before.left);
 }
 
 std::optional<AgedCells> CellsBetweenFrames::aged(uint64_t seed) const {

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "renderer/frame/followed_frame.h"
 #include "renderer/frame/frame_before.h"
 #include "renderer/methods/radiance_cache/cache_training.h"
 #include "renderer/methods/radiance_cache/cell_grid.h"
@@ -66,8 +67,8 @@ public:
 
     /// As those of Method.
     void follow(const FrameBefore& before);
-    void go_on_from(const std::string& state) const;
-    std::string state() const { return followed_; }
+    void go_on_from(const std::string& state) const { followed_.go_on_from(state); }
+    std::string state() const { return followed_.state(); }
     std::string left_to_next() const { return left_; }
 
     /// What a block's table begins with; nothing where cells are not aged.
@@ -91,7 +92,7 @@ private:
     const bool aged_;
     const uint32_t age_, buckets_;
     LeftCells before_;
-    std::string followed_;  // SHA-256 of what the frame before left; empty: there is none
+    FollowedFrame followed_;
     std::string left_;
     std::optional<uint32_t> left_of_;  // the block's first pass
 };
