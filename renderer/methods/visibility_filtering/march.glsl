@@ -26,13 +26,15 @@ layout(set = 0, binding = 3, scalar) buffer Lists { uint lists[]; };
 #include "renderer/methods/visibility_filtering/marching_points.glsl"
 
 /// What a list's rays are turned by. Tied to the world, places that are near one another on surfaces that face alike have
-/// the same, wherever they are seen from.
+/// the same, wherever they are seen from and whatever the job's seed, so that frames of an animation have them too.
 uint rays_key(GBufferPoint point) {
     if (!WORLD_RAYS) return hash32(point.pixel ^ constants.key);
-    const ivec3 cell = ivec3(floor(point.position / constants.world_cell_m));
     const vec3 n = point.geometric_normal;
+    // Surfaces lie on the walls of cells where a scene is built by round numbers: rounding would scatter them on both sides.
+    const float off_wall = 0.381966;
+    const ivec3 cell = ivec3(floor(point.position / constants.world_cell_m + off_wall * n));
     const uint octant = uint(n.x < 0.0) | uint(n.y < 0.0) << 1 | uint(n.z < 0.0) << 2;
-    return hash32(uint(cell.x) ^ hash32(uint(cell.y) ^ hash32(uint(cell.z) ^ hash32(octant ^ constants.key))));
+    return hash32(uint(cell.x) ^ hash32(uint(cell.y) ^ hash32(uint(cell.z) ^ hash32(octant ^ constants.world_key))));
 }
 
 /// Of ray i, by the cosine; half of those that leave what is not Lambert may go where it reflects. False: nothing is sent

@@ -58,8 +58,8 @@ void VisibilityFilteringParams::visit(ParamVisitor& visitor) {
          "more leaves bright spots"});
     visitor.flag("world_rays", world_rays,
                  {Visibility,
-                  "sparse rays go the same ways wherever a place is seen from, so that they do not flicker where the "
-                  "camera moves"});
+                  "sparse rays go the same ways wherever a place is seen from, and in all frames of an animation, so "
+                  "that they do not flicker; jobs that differ by their seed alone have them in common"});
     visitor.field(
         "disc_scale", disc_scale,
         {Visibility, "", 0.1, 10,

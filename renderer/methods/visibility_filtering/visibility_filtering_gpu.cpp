@@ -1,6 +1,7 @@
 #include "renderer/methods/visibility_filtering/visibility_filtering_gpu.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include "renderer/frame/device_frame.h"
@@ -11,6 +12,8 @@
 namespace photond {
 
 namespace {
+
+constexpr uint64_t kWorldRays = 0x776f726c64;  // stands for a seed
 
 static_assert(uint32_t(ProxyVisibility::Discs) == PROXY_VISIBILITY_DISCS &&
               uint32_t(ProxyVisibility::Svo) == PROXY_VISIBILITY_SVO &&
@@ -148,8 +151,10 @@ gpu::VisibilityConstants VisibilityFilteringGpu::State::constants_of(uint32_t pa
             .softening_sq_m2 = sqr(share * disc_m),
             .proxies_per_m2 = per_m2,
             .glossy_threshold = params.glossy_threshold,
-            .world_cell_m = lit->proxies.cell_m(),
-            .key = static_cast<uint32_t>(hash64(hash64(seed) + pass))};
+            // A power of two, so that places stay in their cells where the scene's box, and voxels, change with what moves.
+            .world_cell_m = std::exp2(std::round(std::log2(lit->proxies.cell_m()))),
+            .key = static_cast<uint32_t>(hash64(hash64(seed) + pass)),
+            .world_key = static_cast<uint32_t>(hash64(hash64(kWorldRays) + pass))};
 }
 
 void VisibilityFilteringGpu::State::add_steps(uint32_t pass, DeviceFrame::Steps& steps) {

@@ -52,6 +52,7 @@ struct VisibilityConstants {
     float glossy_threshold;
     float world_cell_m;  // of places that share their rays
     uint key;            // of the pass's random numbers
+    uint world_key;      // of the directions of rays that are tied to the world, whatever the seed
 };
 
 struct ListsPush {
