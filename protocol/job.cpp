@@ -507,11 +507,10 @@ struct NewParameter {
 };
 
 const std::vector<NewParameter>& new_parameters() {
-    static const std::vector<NewParameter> kNew = {{"temporal", "none", {"history_cap"}},
-                                                   {"aged", false, {"cache_age"}},
-                                                    {"incremental", false, {"new_vpls"}},
-                                                   {"near_field_radius", nullptr, {}},
-                                                   {"placement", "flux", {}, "visibility"}};
+    static const std::vector<NewParameter> kNew = {
+        {"temporal", "none", {"history_cap"}}, {"aged", false, {"cache_age"}},
+        {"incremental", false, {"new_vpls"}},  {"kept_lists", 0, {}},
+        {"near_field_radius", nullptr, {}},    {"placement", "flux", {}, "visibility"}};
     return kNew;
 }
 

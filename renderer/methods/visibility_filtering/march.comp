@@ -6,20 +6,20 @@
 #define FIRST_VOXEL first_disc
 #define GRID_STARTS_BINDING 5
 #define GRID_PLACES_BINDING 6
+#include "renderer/methods/visibility_filtering/met_voxel.glsl"
 #include "renderer/photons/hash_grid.glsl"
 
-bool first_disc(vec3 origin, vec3 normal, vec3 direction, out uint slot, out bool where_lit);
+bool first_disc(vec3 origin, vec3 normal, vec3 direction, out MetVoxel met);
 
 #include "renderer/methods/visibility_filtering/march.glsl"
 
-/// Whether the ray meets a disc of the voxel, farther off than its own surface's are. `where_lit` is of the nearest, for
-/// lists that count.
-bool meets_disc(uint slot, vec3 origin, vec3 direction, out bool where_lit) {
-    where_lit = false;
-    const uint end = grid_starts[constants.grid.first_start + slot + 1];
+/// Whether the ray meets a disc of the voxel `met.slot`, farther off than its own surface's are. What is said of it is of
+/// the nearest, for lists that count.
+bool meets_disc(vec3 origin, vec3 direction, inout MetVoxel met) {
+    const uint end = grid_starts[constants.grid.first_start + met.slot + 1];
     const float radius_m = constants.disc_radius_m;
     float nearest_m = INFINITY;
-    for (uint i = grid_starts[constants.grid.first_start + slot]; i < end; ++i) {
+    for (uint i = grid_starts[constants.grid.first_start + met.slot]; i < end; ++i) {
         const uvec4 place = grid_places[i];
         if (place.w == NO_PROXY) continue;
         const vec3 offset = uintBitsToFloat(place.xyz) - origin;
@@ -30,15 +30,17 @@ bool meets_disc(uint slot, vec3 origin, vec3 direction, out bool where_lit) {
         const float t = dot(n, offset) / dot(n, direction);
         const vec3 from_middle = t * direction - offset;
         if (!(t > radius_m && t < nearest_m) || !(dot(from_middle, from_middle) < sqr(radius_m))) continue;
+        met.place = uintBitsToFloat(place.xyz);
         if (LISTS != LISTS_COUNTS) return true;
         nearest_m = t;
-        where_lit = proxy_is_lit(place.w) && dot(n, direction) < 0.0;
+        met.where_lit = proxy_is_lit(place.w) && dot(n, direction) < 0.0;
     }
     return nearest_m < INFINITY;
 }
 
 /// From voxel to voxel along the ray. [Amanatides and Woo 1987] A Fast Voxel Traversal Algorithm for Ray Tracing.
-bool first_disc(vec3 origin, vec3 normal, vec3 direction, out uint slot, out bool where_lit) {
+bool first_disc(vec3 origin, vec3 normal, vec3 direction, out MetVoxel met) {
+    met = MetVoxel(0u, false, vec3(INFINITY));
     const HashGridConstants grid = constants.grid;
     const vec3 start = (origin - grid.origin) * grid.cells_per_m, step = direction * grid.cells_per_m;
     const ivec3 forward = ivec3(sign(step));
@@ -48,8 +50,8 @@ bool first_disc(vec3 origin, vec3 normal, vec3 direction, out uint slot, out boo
     const vec3 next_wall = vec3(cell) + max(vec3(forward), vec3(0.0));
     vec3 t = mix(vec3(INFINITY), (next_wall - start) / step, moves);
     while (true) {
-        slot = uint((cell.z * grid.cells.y + cell.y) * grid.cells.x + cell.x);
-        if (meets_disc(slot, origin, direction, where_lit)) return true;
+        met.slot = uint((cell.z * grid.cells.y + cell.y) * grid.cells.x + cell.x);
+        if (meets_disc(origin, direction, met)) return true;
         const int axis = t.x <= t.y && t.x <= t.z ? 0 : t.y <= t.z ? 1 : 2;
         if (!(t[axis] < INFINITY)) return false;
         cell[axis] += forward[axis];

@@ -1,18 +1,19 @@
 // The body of march.comp and march_svo.comp: sparse rays from the points that have lists, a thread a ray, and the first
 // voxel in which each meets something [Chen 2014, section 3.1]. Before it come #version and the extensions, and
-// FIRST_VOXEL(origin, normal, direction, out slot, out where_lit): false where it meets nothing; `where_lit`: on a side
-// that light reaches, for lists that count.
+// FIRST_VOXEL(origin, normal, direction, out MetVoxel): false where it meets nothing.
 
 #include "renderer/backends/gpu/invocation.glsl"
 #include "renderer/frame/device_image_shared.h"
 #include "renderer/gbuffer/receiver.glsl"
 #include "renderer/many_lights/flux_map.glsl"
+#include "renderer/methods/visibility_filtering/kept_lists_shared.h"
 #include "renderer/methods/visibility_filtering/proxy_voxel.glsl"
 #include "renderer/methods/visibility_filtering/visibility_lists_shared.h"
 #include "renderer/transport/sampling.glsl"
 
 layout(constant_id = LISTS_ID) const uint LISTS = LISTS_COUNTS;
 layout(constant_id = WORLD_RAYS_ID) const bool WORLD_RAYS = false;
+layout(constant_id = KEEPS_LISTS_ID) const bool KEEPS_LISTS = false;
 
 layout(local_size_x = LISTS_GROUP) in;
 layout(push_constant, scalar) uniform Push { ListsPush push; };
@@ -22,6 +23,7 @@ layout(set = 0, binding = 2, scalar) readonly buffer GeneralPoints { GBufferGene
 layout(set = 0, binding = 3, scalar) buffer Lists { uint lists[]; };
 #define COUNTERS_BINDING 4
 #include "renderer/backends/gpu/counters.glsl"
+layout(set = 0, binding = 10, scalar) writeonly buffer MetPlaces { vec3 met_places[]; };  // by ray, for the next frame
 #define VISIBILITY constants
 #include "renderer/methods/visibility_filtering/marching_points.glsl"
 
@@ -55,21 +57,27 @@ bool ray_direction(GBufferPoint point, uint index, uint i, out vec3 direction) {
     return dot(direction, point.geometric_normal) > 0.0;
 }
 
+/// False: the ray meets nothing.
+bool trace_ray(GBufferPoint point, uint index, uint ray, out MetVoxel met) {
+    vec3 direction;
+    met = MetVoxel(0u, false, vec3(INFINITY));
+    if (!is_lit(point) || !ray_direction(point, index, ray, direction)) return false;
+    const vec3 side = dot(direction, point.geometric_normal) < 0.0 ? -point.geometric_normal : point.geometric_normal;
+    count(COUNTER_SHADOW_RAYS, 1);
+    return FIRST_VOXEL(point.position, side, direction, met);
+}
+
 void main() {
     const uint thread = push.first * constants.rays + flat_index();
     const uint list = thread / constants.rays, ray = thread % constants.rays;
     if (list >= push.end) return;
     const uint index = marching_point(list);
-    const GBufferPoint point = points[index];
-    vec3 direction;
-    if (!is_lit(point) || !ray_direction(point, index, ray, direction)) return;
-    const vec3 side = dot(direction, point.geometric_normal) < 0.0 ? -point.geometric_normal : point.geometric_normal;
-    count(COUNTER_SHADOW_RAYS, 1);
-    uint slot;
-    bool where_lit;
-    if (!FIRST_VOXEL(point.position, side, direction, slot, where_lit)) return;
+    MetVoxel met;
+    const bool any = trace_ray(points[index], index, ray, met);
+    if (KEEPS_LISTS) met_places[thread] = any ? met.place : vec3(INFINITY);
+    if (!any) return;
     if (LISTS == LISTS_COUNTS)
-        atomicAdd(lists[list * constants.words + 2u * slot], where_lit ? 1u : 1u << 16);
+        atomicAdd(lists[list * constants.words + 2u * met.slot], met.where_lit ? 1u : 1u << 16);
     else
-        atomicOr(lists[list * constants.words + slot / 32], 1u << slot % 32);
+        atomicOr(lists[list * constants.words + met.slot / 32], 1u << met.slot % 32);
 }

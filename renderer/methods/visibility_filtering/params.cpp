@@ -6,13 +6,15 @@
 
 #include "protocol/error.h"
 #include "renderer/gbuffer/light_depth_maps.h"
+#include "renderer/methods/visibility_filtering/kept_lists_shared.h"
 #include "renderer/methods/visibility_filtering/visibility_lists_shared.h"
 
 namespace photond {
 
 namespace {
 
-constexpr uint32_t kMostVoxels = 128;
+constexpr uint32_t kMostVoxels = 128, kMostRays = 1024;
+static_assert((KEPT_MOST_LISTS + 1) * kMostRays <= UINT16_MAX, "a voxel's rays are counted in 16 bits");
 constexpr uint32_t kMostVoxelsOfIndices = 40;
 static_assert(kMostVoxelsOfIndices * kMostVoxelsOfIndices * kMostVoxelsOfIndices <= 32 * FILTER_MOST_WORDS);
 
@@ -50,7 +52,7 @@ void VisibilityFilteringParams::visit(ParamVisitor& visitor) {
          "what is kept of sparse rays: how many have met each voxel, which then counts by as much of it as "
          "they say is seen (counts); or whether any has, as the paper has it, which counts it wholly, as a "
          "set of bits (bits) or as a list of numbers (indices)"});
-    visitor.field("rays", rays, {Visibility, "rays", 1, 1024, "sparse rays of each point that has a list"});
+    visitor.field("rays", rays, {Visibility, "rays", 1, kMostRays, "sparse rays of each point that has a list"});
     visitor.field(
         "most_seen", most_seen,
         {Visibility, "", 1, 1e4,
@@ -108,6 +110,10 @@ void VisibilityFilteringParams::visit(ParamVisitor& visitor) {
                   {Light, "", 0, 1, "GGX alpha below which a lobe counts as a mirror: paths from the eye follow it"});
     visit_sampler(visitor, sampler);
     temporal.visit(visitor);
+    visitor.field("kept_lists", kept_lists,
+                  {Frames, "frames", 0, KEPT_MOST_LISTS,
+                   "before this one, of which each point takes over what its sparse rays met: less noise and flicker "
+                   "for the rays' time, and shadows of what moves that lag; 0: none"});
 }
 
 void VisibilityFilteringParams::check() const {
@@ -121,6 +127,8 @@ void VisibilityFilteringParams::check() const {
     if (!asks_rays() && lists == ListKind::Indices && voxels > kMostVoxelsOfIndices)
         throw Error(ErrorCode::OutOfRange, "/voxels",
                     "must be at most " + std::to_string(kMostVoxelsOfIndices) + " where lists are indices");
+    if (kept_lists > 0 && asks_rays())
+        throw Error(ErrorCode::OutOfRange, "/kept_lists", "must be 0 with visibility rays: there are no lists");
     if (filter_side % 2 == 0) throw Error(ErrorCode::OutOfRange, "/filter_side", "must be odd");
 }
 

@@ -2,6 +2,8 @@
 // The parameters of visibility filtering: each is a field here, and a line of visit().
 
 #include <optional>
+#include <string_view>
+#include <vector>
 
 #include "protocol/param_info.h"
 #include "renderer/frame/common_params.h"
@@ -67,10 +69,15 @@ struct VisibilityFilteringParams final : MethodParams {
     Upsampling upsampling = Upsampling::Geometry;
     float glossy_threshold = 0.05f;
     SamplerKind sampler = SamplerKind::Sobol;
+    uint32_t kept_lists = 0;  // of frames before, that a point takes over at most
 
     void visit(ParamVisitor& visitor) override;
     void check() const override;
 
+    /// What a frame leaves to the next beside its indirect light.
+    std::vector<std::string_view> left_beside_light() const {
+        return kept_lists > 0 ? std::vector<std::string_view>{"lists of voxels"} : std::vector<std::string_view>{};
+    }
     bool asks_rays() const { return visibility == ProxyVisibility::Rays; }
     /// Greatest number of scattering vertices of a path: n vertices make n - 1 bounces (conventions.md).
     uint32_t max_scatterings() const { return bounces + 1; }

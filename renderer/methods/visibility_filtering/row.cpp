@@ -21,6 +21,11 @@ MethodInfo visibility_filtering_row() {
     info.title = "Visibility filtering";
     info.line = "Points on surfaces send on light; sparse rays say from where it is seen. For real time, one bounce.";
     info.family = "many lights";
+    info.estimate_artefact_bytes = +[](const MethodParams& params, const Workload& workload) -> uint64_t {
+        const auto& own = dynamic_cast<const VisibilityFilteringParams&>(params);
+        if (own.kept_lists == 0) return 0;
+        return 2 * LeftLists::bytes_for(KeptLayout(workload.film_size, own));  // a film that is saved again lies beside
+    };
     info.sources = {{"Chen et al.", 2014, "Visibility Filtering for Producing Indirect Illumination"}};
     info.layers.remove(Layer::Caustic);
     for (const Layer layer : {Layer::Proxies, Layer::ProxyVoxels, Layer::VisibilityCount, Layer::ListsBeforeFilter,

@@ -5,10 +5,12 @@
 #extension GL_EXT_scalar_block_layout : require
 
 #include "renderer/backends/gpu/invocation.glsl"
+#include "renderer/methods/visibility_filtering/kept_lists_shared.h"
 #include "renderer/methods/visibility_filtering/visibility_lists_shared.h"
 #include "renderer/gbuffer/gbuffer_point.glsl"
 
 layout(constant_id = LISTS_ID) const uint LISTS = LISTS_COUNTS;
+layout(constant_id = KEEPS_LISTS_ID) const bool KEEPS_LISTS = false;
 
 layout(local_size_x = LISTS_GROUP) in;
 layout(push_constant, scalar) uniform Push { ListsPush push; };
@@ -17,12 +19,14 @@ layout(set = 0, binding = 1, scalar) readonly buffer Points { GBufferPoint point
 layout(set = 0, binding = 2, scalar) readonly buffer Lists { uint lists[]; };
 layout(set = 0, binding = 3, scalar) readonly buffer LitWords { uint lit_words[]; };
 layout(set = 0, binding = 4, scalar) writeonly buffer Filtered { uint filtered[]; };
+layout(set = 0, binding = 5, scalar) readonly buffer TakingPoints { TakingPoint taking_points[]; };
 #define VISIBILITY constants
 #include "renderer/methods/visibility_filtering/marching_points.glsl"
 
 shared uint agreeing[LISTS_GROUP];  // lists
 shared uint agreeing_count;
-shared uint all_met;          // rays of all agreeing lists, by whatever voxel
+shared uint all_rays;         // of all agreeing lists, and of those that these took over
+shared uint all_met;          // of them, by whatever voxel
 shared uint bits[FILTER_MOST_WORDS];  // LISTS_INDICES
 
 /// How many there are, then each voxel's number.
@@ -60,7 +64,7 @@ void main() {
     if (list >= push.end) return;
     const GBufferPoint point = points[marching_point(list)];
     if (!is_lit(point)) return;
-    if (thread == 0) agreeing_count = 0, all_met = 0;
+    if (thread == 0) agreeing_count = 0, all_rays = 0, all_met = 0;
     barrier();
     const uint side = constants.filter_side;
     const ivec2 size = ivec2(constants.march_columns, constants.march_rows);
@@ -69,8 +73,10 @@ void main() {
                          ivec2(thread % side, thread / side) - int(side / 2u);
         if (all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, size))) {
             const uint other = uint(at.y * size.x + at.x);
-            if (other == list || on_the_same_surface(point, points[marching_point(other)]))
+            if (other == list || on_the_same_surface(point, points[marching_point(other)])) {
                 agreeing[atomicAdd(agreeing_count, 1u)] = other;
+                atomicAdd(all_rays, constants.rays * (KEEPS_LISTS ? 1u + taking_points[other].taken : 1u));
+            }
         }
     }
     barrier();
@@ -79,7 +85,7 @@ void main() {
         const uint shares = constants.list_words - 1u;
         for (uint slot = thread; slot < shares; slot += LISTS_GROUP) filtered[to + slot] = packHalf2x16(seen_shares(slot));
         barrier();
-        if (thread == 0) filtered[to + shares] = floatBitsToUint(float(all_met) / float(constants.rays * agreeing_count));
+        if (thread == 0) filtered[to + shares] = floatBitsToUint(float(all_met) / float(all_rays));
         return;
     }
     for (uint word = thread; word < constants.words; word += LISTS_GROUP) {

@@ -67,12 +67,14 @@ struct VisibilityFilteringGpu::State {
         const std::unique_ptr<LightDepthMapsGpu> depth_maps;  // null: nobody asks
         PointProxiesGpu proxies;
         std::unique_ptr<SparseVoxelOctreeGpu> tree;  // null: nobody asks
+        std::optional<KeptListsGpu> kept;            // null: frames stand alone
         std::optional<VisibilityListsGpu> lists;     // null: shadow rays tell
         gpu::ComputePipeline gather, merge;
     };
 
-    State(const RenderContext& context, const VisibilityFilteringParams& p)
+    State(const RenderContext& context, const VisibilityFilteringParams& p, const ListsBetweenFrames& between)
         : params(p),
+          frames(between),
           scene(*context.device_scene),
           device(scene.device()),
           seed(context.seed),
@@ -88,6 +90,7 @@ struct VisibilityFilteringGpu::State {
     void record_merge(gpu::CommandList& commands);
 
     const VisibilityFilteringParams& params;
+    const ListsBetweenFrames& frames;
     const gpu::DeviceScene& scene;
     gpu::Device& device;
     const uint64_t seed;
@@ -119,9 +122,11 @@ VisibilityFilteringGpu::State::Lit::Lit(const gpu::DeviceScene& scene, State& st
         tree->build_now(stats);
         stats.counts.voxels += tree->voxel_count();
     }
+    if (state.frames.keeps())
+        kept.emplace(scene, state.points, proxies, state.constants, params, state.frames.before());
     if (!params.asks_rays())
-        lists.emplace(scene, state.points, proxies, tree.get(), state.constants, state.frame.image().counters(),
-                      params);
+        lists.emplace(scene, state.points, proxies, tree.get(), state.constants, state.frame.image().counters(), params,
+                      kept ? &*kept : nullptr);
 }
 
 void VisibilityFilteringGpu::State::Lit::make_room(const VisibilityFilteringParams& params, uint32_t pass) {
@@ -134,27 +139,28 @@ gpu::VisibilityConstants VisibilityFilteringGpu::State::constants_of(uint32_t pa
     const uint32_t voxels = lit->proxies.grid().slots;
     const float share = params.share_of_pass(pass), per_m2 = lit->proxies.per_m2();
     const float disc_m = std::sqrt(std::numbers::inv_pi_v<float> / per_m2);  // of a proxy's share of the surface
-    return {.grid = lit->proxies.grid(),
-            .split = points.split(),
-            .march_side = params.march_subsampling,
-            .march_columns = marching.width,
-            .march_rows = marching.height,
-            .words = lit->lists ? VisibilityListsGpu::words_before(params.lists, voxels) : lit->proxies.words(),
-            .list_words = lit->lists ? VisibilityListsGpu::words_after(params.lists, voxels) : 0,
-            .rays = params.rays,
-            .filter_side = params.filter_side,
-            .filter_normal = params.filter_normal,
-            .filter_distance = params.filter_distance,
-            .disc_radius_m = params.disc_scale * disc_m,
-            .near_m = params.near_voxels * lit->proxies.cell_m(),
-            .most_seen = params.most_seen,
-            .softening_sq_m2 = sqr(share * disc_m),
-            .proxies_per_m2 = per_m2,
-            .glossy_threshold = params.glossy_threshold,
-            // A power of two, so that places stay in their cells where the scene's box, and voxels, change with what moves.
-            .world_cell_m = std::exp2(std::round(std::log2(lit->proxies.cell_m()))),
-            .key = static_cast<uint32_t>(hash64(hash64(seed) + pass)),
-            .world_key = static_cast<uint32_t>(hash64(hash64(kWorldRays) + pass))};
+    return {
+        .grid = lit->proxies.grid(),
+        .split = points.split(),
+        .march_side = params.march_subsampling,
+        .march_columns = marching.width,
+        .march_rows = marching.height,
+        .words = lit->lists ? VisibilityListsGpu::words_before(params.lists, voxels) : lit->proxies.words(),
+        .list_words = lit->lists ? VisibilityListsGpu::words_after(params.lists, voxels) : 0,
+        .rays = params.rays,
+        .filter_side = params.filter_side,
+        .filter_normal = params.filter_normal,
+        .filter_distance = params.filter_distance,
+        .disc_radius_m = params.disc_scale * disc_m,
+        .near_m = params.near_voxels * lit->proxies.cell_m(),
+        .most_seen = params.most_seen,
+        .softening_sq_m2 = sqr(share * disc_m),
+        .proxies_per_m2 = per_m2,
+        .glossy_threshold = params.glossy_threshold,
+        // A power of two, so that places stay in their cells where the scene's box, and voxels, change with what moves.
+        .world_cell_m = std::exp2(std::round(std::log2(lit->proxies.cell_m()))),
+        .key = static_cast<uint32_t>(hash64(hash64(seed) + pass)),
+        .world_key = static_cast<uint32_t>(hash64(hash64(kWorldRays + frames.turn()) + pass))};
 }
 
 void VisibilityFilteringGpu::State::add_steps(uint32_t pass, DeviceFrame::Steps& steps) {
@@ -220,11 +226,12 @@ void VisibilityFilteringGpu::State::record_merge(gpu::CommandList& commands) {
     commands.dispatch_threads(points.layout().size.pixels(), LISTS_GROUP);
 }
 
-VisibilityFilteringGpu::VisibilityFilteringGpu(const VisibilityFilteringParams& params) : params_(params) {}
+VisibilityFilteringGpu::VisibilityFilteringGpu(const VisibilityFilteringParams& params)
+    : params_(params), frames_(params) {}
 VisibilityFilteringGpu::~VisibilityFilteringGpu() = default;
 
-uint64_t VisibilityFilteringGpu::estimate_bytes(const VisibilityFilteringParams& /*params*/, const Workload& workload) {
-    return DeviceFrame::estimate_bytes(workload);
+uint64_t VisibilityFilteringGpu::estimate_bytes(const VisibilityFilteringParams& params, const Workload& workload) {
+    return DeviceFrame::estimate_bytes(workload) + ListsBetweenFrames::bytes_for(params, workload.film_size);
 }
 
 uint64_t VisibilityFilteringGpu::estimate_device_bytes(const VisibilityFilteringParams& params,
@@ -239,13 +246,17 @@ uint64_t VisibilityFilteringGpu::estimate_device_bytes(const VisibilityFiltering
     if (params.visibility == ProxyVisibility::Svo)
         bytes += SparseVoxelOctreeGpu::guess_device_bytes(params.voxel_resolution, false, workload.triangles);
     if (!params.asks_rays()) bytes += VisibilityListsGpu::device_bytes(workload.film_size, params);
+    if (params.kept_lists > 0) bytes += KeptListsGpu::device_bytes(KeptLayout(workload.film_size, params));
     return bytes;
 }
 
 void VisibilityFilteringGpu::begin(const RenderContext& context, Stats& stats) {
     const Scene& scene = context.scene;
     note_skipped_shading(scene.needs, stats);
-    state_ = std::make_unique<State>(context, params_);
+    frames_.begin(context.view);
+    state_ = std::make_unique<State>(context, params_, frames_);
+    if (frames_.keeps())
+        context.budget.record("kept_lists", ListsBetweenFrames::bytes_for(params_, context.view.film_size));
     const Needs& needs = scene.needs;
     const bool lights = needs.area_lights || needs.punctual_lights || needs.environment;
     if (const char* why = why_dark(params_, lights, surface_area_m2(scene) > 0)) {
@@ -267,6 +278,7 @@ void VisibilityFilteringGpu::run_pass(uint32_t pass, Stats& stats, const CancelT
         stats.counts.nan_samples += state.lit->proxies.nan_count();
     }
     state.frame.read(stats);
+    if (state.lit && state.lit->kept) state.lit->kept->leave(frames_);
 }
 
 DeviceFrame& VisibilityFilteringGpu::frame() { return state_->frame; }

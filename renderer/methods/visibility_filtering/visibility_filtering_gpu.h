@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "renderer/frame/device_method.h"
+#include "renderer/methods/visibility_filtering/kept_lists.h"
 #include "renderer/methods/visibility_filtering/params.h"
 
 namespace photond {
@@ -15,6 +16,8 @@ namespace photond {
 /// proxies nearer than the radius of their share is softened. With `visibility` rays the first two are gone, and with
 /// `shrink` the others fall from pass to pass. What narrow lobes of lit surfaces reflect is not in it, and rough lobes'
 /// light leaves them as if they were Lambert.
+///
+/// With `kept_lists` points take over the lists of frames before (kept_lists.h): biased where things move.
 ///
 /// [Chen et al. 2014] Visibility Filtering for Producing Indirect Illumination. Eurographics, short papers. Departures,
 /// by default: lists count rays; a light sample and its ray light each proxy, not one light's depth map; weights that
@@ -31,8 +34,12 @@ public:
     /// Bytes of the device's memory that begin() will take, to a factor of two.
     static uint64_t estimate_device_bytes(const VisibilityFilteringParams& params, const Workload& workload);
 
+    void follow(FrameBefore before) override { frames_.follow(before); }
+    void go_on_from(const std::string& state) override { frames_.go_on_from(state); }
     void begin(const RenderContext& context, Stats& stats) override;
     void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) override;
+    std::string state() const override { return frames_.state(); }
+    std::string left_to_next() const override { return frames_.left_to_next(); }
 
 private:
     DeviceFrame& frame() override;
@@ -40,6 +47,7 @@ private:
     struct State;  // visibility_filtering_gpu.cpp
 
     const VisibilityFilteringParams params_;
+    ListsBetweenFrames frames_;
     std::unique_ptr<State> state_;
 };
 

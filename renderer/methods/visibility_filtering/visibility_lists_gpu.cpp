@@ -23,11 +23,12 @@ std::unique_ptr<gpu::ComputePipeline> make_expected(const gpu::DeviceScene& scen
 
 VisibilityListsGpu::VisibilityListsGpu(const gpu::DeviceScene& scene, GBufferGpu& points, PointProxiesGpu& proxies,
                                        SparseVoxelOctreeGpu* tree, gpu::Buffer& constants, gpu::Buffer& counters,
-                                       const VisibilityFilteringParams& params)
+                                       const VisibilityFilteringParams& params, KeptListsGpu* kept)
     : device_(scene.device()),
       points_(points),
       proxies_(proxies),
       tree_(tree),
+      kept_(kept),
       constants_(constants),
       counters_(counters),
       size_(lists_of(points.layout().size, params.march_subsampling)),
@@ -35,10 +36,12 @@ VisibilityListsGpu::VisibilityListsGpu(const gpu::DeviceScene& scene, GBufferGpu
       kind_(params.lists),
       march_(device_, list_shader(tree ? "march_svo.comp" : "march.comp"), sizeof(gpu::ListsPush), &scene.set(),
              scene.specialization(std::vector{gpu::specialize(WORLD_RAYS_ID, params.world_rays),
+                                              gpu::specialize(KEEPS_LISTS_ID, kept != nullptr),
                                               gpu::specialize(LISTS_ID, static_cast<uint32_t>(params.lists))})),
       expected_(make_expected(scene, params)),
       filter_(device_, list_shader("visibility_filter.comp"), sizeof(gpu::ListsPush), &scene.set(),
-              scene.specialization(std::vector{gpu::specialize(LISTS_ID, static_cast<uint32_t>(params.lists))})) {}
+              scene.specialization(std::vector{gpu::specialize(KEEPS_LISTS_ID, kept != nullptr),
+                                               gpu::specialize(LISTS_ID, static_cast<uint32_t>(params.lists))})) {}
 
 uint32_t VisibilityListsGpu::words_before(ListKind kind, uint32_t voxels) {
     return kind == ListKind::Counts ? 2 * voxels : (voxels + 31) / 32;
@@ -89,34 +92,45 @@ void VisibilityListsGpu::record_expected(gpu::CommandList& commands, uint32_t fi
     commands.dispatch_threads(uint64_t{end - first} * proxies_.grid().slots, LISTS_GROUP);
 }
 
+void VisibilityListsGpu::record_march(gpu::CommandList& commands, uint32_t first, uint32_t end) {
+    if (expected_)
+        record_expected(commands, first, end);
+    else if (first == 0)
+        commands.fill(before_filter_, 0);
+    gpu::Buffer& nothing = lists_;  // what no place is written to
+    std::vector<gpu::Binding> bindings = {gpu::read("constants", constants_),
+                                          gpu::read("points", points_.points()),
+                                          gpu::read("general_points", points_.general()),
+                                          gpu::read_write("lists", before_filter_),
+                                          gpu::read_write("device_counters", counters_),
+                                          gpu::read("grid_starts", proxies_.sorted().starts),
+                                          gpu::read("grid_places", proxies_.sorted().places),
+                                          gpu::write("met_places", kept_ ? kept_->met_places() : nothing)};
+    if (tree_)
+        bindings.insert(bindings.end(),
+                        {gpu::read("svo_constants", tree_->constants()), gpu::read("svo_nodes", tree_->nodes()),
+                         gpu::read("svo_bricks", tree_->bricks())});
+    commands.bind(march_, bindings);
+    commands.push(gpu::ListsPush{first, end});
+    commands.dispatch_threads(uint64_t{end - first} * rays_, LISTS_GROUP);
+    if (kept_) kept_->record(commands, before_filter_, first, end);
+}
+
 void VisibilityListsGpu::record(gpu::CommandList& commands, uint32_t piece) {
     const uint32_t first = piece * lists_a_piece(), end = std::min(first + lists_a_piece(), count());
     {
         const gpu::Scope scope(commands, "march");
-        if (expected_)
-            record_expected(commands, first, end);
-        else if (piece == 0)
-            commands.fill(before_filter_, 0);
-        std::vector<gpu::Binding> bindings = {gpu::read("constants", constants_), gpu::read("points", points_.points()),
-                                              gpu::read("general_points", points_.general()),
-                                              gpu::read_write("lists", before_filter_),
-                                              gpu::read_write("device_counters", counters_)};
-        if (tree_)
-            bindings.insert(bindings.end(),
-                            {gpu::read("svo_constants", tree_->constants()), gpu::read("svo_nodes", tree_->nodes()),
-                             gpu::read("svo_bricks", tree_->bricks())});
-        bindings.insert(bindings.end(), {gpu::read("grid_starts", proxies_.sorted().starts),
-                                         gpu::read("grid_places", proxies_.sorted().places)});
-        commands.bind(march_, bindings);
-        commands.push(gpu::ListsPush{first, end});
-        commands.dispatch_threads(uint64_t{end - first} * rays_, LISTS_GROUP);
+        record_march(commands, first, end);
     }
     if (end < count()) return;
+    if (kept_) kept_->record_readback(commands);
     const gpu::Scope scope(commands, "visibility_filter");
     commands.fill(lists_, 0);
+    gpu::Buffer& nothing = constants_;
     commands.bind(filter_, {gpu::read("constants", constants_), gpu::read("points", points_.points()),
                             gpu::read("lists", before_filter_), gpu::read("lit_words", proxies_.lit_words()),
-                            gpu::write("filtered", lists_)});
+                            gpu::write("filtered", lists_),
+                            gpu::read("taking_points", kept_ ? kept_->taking_points() : nothing)});
     commands.push(gpu::ListsPush{0, count()});
     commands.dispatch_threads(uint64_t{count()} * LISTS_GROUP, LISTS_GROUP);
 }

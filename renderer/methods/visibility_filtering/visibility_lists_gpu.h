@@ -3,6 +3,7 @@
 // which gives each list what those about it have [Chen et al. 2014, sections 3.1 and 3.2]. A list is a set of bits.
 
 #include "renderer/gbuffer/gbuffer_gpu.h"
+#include "renderer/methods/visibility_filtering/kept_lists_gpu.h"
 #include "renderer/methods/visibility_filtering/params.h"
 #include "renderer/methods/visibility_filtering/point_proxies_gpu.h"
 #include "renderer/methods/visibility_filtering/visibility_lists_shared.h"
@@ -12,10 +13,11 @@ namespace photond {
 
 class VisibilityListsGpu {
 public:
-    /// Borrows all. `tree`: what rays meet; null: the proxies' discs. `counters`: DeviceImage's.
+    /// Borrows all. `tree`: what rays meet; null: the proxies' discs. `counters`: DeviceImage's. `kept`: what lists
+    /// take over from the frame before, and where what they leave is gathered; null: they stand alone.
     VisibilityListsGpu(const gpu::DeviceScene& scene, GBufferGpu& points, PointProxiesGpu& proxies,
                        SparseVoxelOctreeGpu* tree, gpu::Buffer& constants, gpu::Buffer& counters,
-                       const VisibilityFilteringParams& params);
+                       const VisibilityFilteringParams& params, KeptListsGpu* kept);
     static uint64_t device_bytes(Size2 size, const VisibilityFilteringParams& params);
     /// How many lists there are along either axis.
     static Size2 lists_of(Size2 size, uint32_t march_subsampling);
@@ -38,12 +40,14 @@ public:
 private:
     uint32_t count() const { return static_cast<uint32_t>(size_.pixels()); }
     uint32_t lists_a_piece() const;
+    void record_march(gpu::CommandList& commands, uint32_t first, uint32_t end);
     void record_expected(gpu::CommandList& commands, uint32_t first, uint32_t end);
 
     gpu::Device& device_;
     GBufferGpu& points_;
     PointProxiesGpu& proxies_;
     SparseVoxelOctreeGpu* const tree_;
+    KeptListsGpu* const kept_;
     gpu::Buffer &constants_, &counters_;
     const Size2 size_;
     const uint32_t rays_;

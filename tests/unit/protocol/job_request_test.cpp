@@ -291,6 +291,11 @@ TEST(JobRequest, NewParametersThatAreOffHaveNoPartInTheName) {
     EXPECT_EQ(naming_json(now), before);
     now["method"]["parameters"]["aged"] = true;
     EXPECT_NE(naming_json(now), before);
+    json keeps_lists = before;
+    keeps_lists["method"]["parameters"]["kept_lists"] = 0;
+    EXPECT_EQ(naming_json(keeps_lists), before);
+    keeps_lists["method"]["parameters"]["kept_lists"] = 1;
+    EXPECT_NE(naming_json(keeps_lists), before);
 }
 
 TEST(JobRequest, NewParametersOfSomeMethodsKeepTheirPartInTheNamesOfOthers) {

@@ -1,0 +1,36 @@
+#pragma once
+// kept_lists.h on a device: which points take over whose lists, and what that adds to their own.
+
+#include "renderer/backends/gpu/device_scene.h"
+#include "renderer/backends/gpu/pipeline.h"
+#include "renderer/gbuffer/gbuffer_gpu.h"
+#include "renderer/methods/visibility_filtering/kept_lists.h"
+#include "renderer/methods/visibility_filtering/point_proxies_gpu.h"
+
+namespace photond {
+
+class KeptListsGpu {
+public:
+    /// Borrows all, but for what the frame before left: that is uploaded.
+    KeptListsGpu(const gpu::DeviceScene& scene, GBufferGpu& points, PointProxiesGpu& proxies, gpu::Buffer& constants,
+                 const VisibilityFilteringParams& params, const LeftLists& before);
+    static uint64_t device_bytes(const KeptLayout& layout);
+
+    gpu::Buffer& met_places() { return met_places_; }        // vec3 a ray
+    gpu::Buffer& taking_points() { return taking_points_; }  // TakingPoint a list
+    /// Adds to lists, half open, whose own rays have been shot, what they take over.
+    void record(gpu::CommandList& commands, gpu::Buffer& lists, uint32_t first, uint32_t end);
+    /// Once a pass's are all there, and once that has been waited for.
+    void record_readback(gpu::CommandList& commands);
+    void leave(ListsBetweenFrames& frames) const;
+
+private:
+    GBufferGpu& points_;
+    PointProxiesGpu& proxies_;
+    gpu::Buffer& constants_;
+    gpu::Buffer kept_, kept_points_, kept_places_;  // of the frame before
+    gpu::Buffer met_places_, taking_points_, host_met_places_, host_taking_points_;
+    gpu::ComputePipeline pipeline_;
+};
+
+}  // namespace photond
