@@ -22,6 +22,22 @@ std::optional<TriangleCorners> PastPose::triangle(const Scene& now, uint32_t ins
     return TriangleCorners{{past.positions[corners.x], past.positions[corners.y], past.positions[corners.z]}};
 }
 
+std::vector<Bounds3> PastPose::moved_bounds(const Scene& now) const {
+    std::vector<Bounds3> moved;
+    const auto add_box = [&](const std::vector<vec3>& positions) {
+        Bounds3 box;
+        for (const vec3& p : positions) box.extend(p);
+        if (!box.empty()) moved.push_back(box);
+    };
+    for (const auto& [index, past] : meshes_) {
+        const Mesh& mesh = now.meshes[index];
+        if (past.positions == mesh.positions && past.triangles == mesh.triangles) continue;
+        add_box(mesh.positions);
+        add_box(past.positions);
+    }
+    return moved;
+}
+
 uint64_t PastPose::bytes() const {
     uint64_t bytes = 0;
     for (const auto& [index, past] : meshes_)

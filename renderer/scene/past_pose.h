@@ -17,6 +17,8 @@ public:
     /// Where the triangle was whose corners world_triangle() gives of the scene as it is now. None where its mesh had
     /// other triangles, so that nothing says which of them it was.
     std::optional<TriangleCorners> triangle(const Scene& now, uint32_t instance, uint32_t triangle) const;
+    /// Boxes about the meshes that lie otherwise now than they did, as they do and as they did.
+    std::vector<Bounds3> moved_bounds(const Scene& now) const;
     uint64_t bytes() const;
 
 private:

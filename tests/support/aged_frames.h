@@ -1,7 +1,9 @@
 #pragma once
 // Frames of an animation, each rendered from what the one before has left.
 
+#include <memory>
 #include <string>
+#include <utility>
 
 #include "tests/support/render.h"
 
@@ -12,12 +14,12 @@ struct FrameOf {
     std::string left, state;
 };
 
-/// Passes of a frame by a method that has not begun; `state`: of the passes before.
+/// Passes of a frame by a method that has not begun; `state`: of the passes before; `pose`: of the frame before.
 template <class M, class Settings>
 FrameOf frame_after(M& method, const RenderContext& context, const Settings& settings, const std::string& before,
-                    const std::string& state = {}) {
+                    const std::string& state = {}, std::shared_ptr<const PastPose> pose = nullptr) {
     Stats stats;
-    if (!before.empty()) method.follow({before, nullptr});
+    if (!before.empty()) method.follow({before, std::move(pose)});
     if (!state.empty()) method.go_on_from(state);
     method.begin(context, stats);
     Film film(settings.size, settings.layers, settings.first_pass);

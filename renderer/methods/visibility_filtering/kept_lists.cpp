@@ -3,9 +3,13 @@
 #include <algorithm>
 #include <cstring>
 #include <limits>
+#include <optional>
+#include <utility>
 
 #include "renderer/eye/eye_constants.h"
 #include "renderer/methods/visibility_filtering/visibility_lists_gpu.h"
+#include "renderer/scene/past_pose.h"
+#include "renderer/scene/scene.h"
 
 namespace photond {
 
@@ -19,6 +23,16 @@ struct ListsHead {
     uint32_t turn;
     gpu::CameraConstants camera;
 };
+
+/// None: nobody knows what has moved.
+std::optional<std::vector<Bounds3>> find_moved(const Scene& scene, const PastPose* pose) {
+    if (!pose) return scene.rig ? std::nullopt : std::optional(std::vector<Bounds3>());
+    std::vector<Bounds3> moved = pose->moved_bounds(scene);
+    if (moved.size() <= KEPT_MOST_BOXES) return moved;
+    Bounds3 all;  // one box about them all: more rays are shot again, and none is lost
+    for (const Bounds3& box : moved) all.extend(box);
+    return std::vector{all};
+}
 
 template <class T>
 uint64_t bytes_of(const std::vector<T>& values) {
@@ -75,7 +89,7 @@ uint64_t ListsBetweenFrames::bytes_for(const VisibilityFilteringParams& params, 
     constexpr uint64_t kTimesLeft = 4;
     const KeptLayout layout(image, params);
     return kTimesLeft * LeftLists::bytes_for(layout) +
-           layout.points() * (sizeof(gpu::TakingPoint) + layout.rays * sizeof(vec3));
+           layout.points() * (sizeof(gpu::TakingPoint) + layout.rays * sizeof(vec3)) + layout.places() * sizeof(vec3);
 }
 
 void ListsBetweenFrames::follow(const FrameBefore& before) {
@@ -83,21 +97,25 @@ void ListsBetweenFrames::follow(const FrameBefore& before) {
         if (!before.left.empty()) throw Error(ErrorCode::Conflict, "the method's frames stand alone");
         return;
     }
-    left_before_ = before.left;
+    left_before_ = before;
     followed_.follow(before.left);
 }
 
-void ListsBetweenFrames::begin(const View& view) {
+void ListsBetweenFrames::begin(const RenderContext& context) {
     if (!keeps()) return;
-    camera_ = make_eye_constants(view, 1, 1).camera;
-    const KeptLayout layout(view.film_size, params_);
-    before_ = followed_.state().empty() ? LeftLists(layout, camera_) : LeftLists::decode(left_before_, layout);
-    turn_ = followed_.state().empty() ? 0 : (before_.turn + 1) % (params_.kept_lists + 1);
-    left_before_ = {};
+    camera_ = make_eye_constants(context.view, 1, 1).camera;
+    const KeptLayout layout(context.view.film_size, params_);
+    before_ = LeftLists(layout, camera_);
+    const FrameBefore before = std::exchange(left_before_, {});
+    if (before.left.empty()) return;
+    LeftLists left = LeftLists::decode(before.left, layout);
+    turn_ = (left.turn + 1) % (params_.kept_lists + 1);
+    std::optional<std::vector<Bounds3>> moved = find_moved(context.scene, before.pose.get());
+    if (moved) before_ = std::move(left), moved_ = std::move(*moved);
 }
 
-void ListsBetweenFrames::leave(std::vector<gpu::TakingPoint> points, std::vector<vec3> met) {
-    points_ = std::move(points), met_ = std::move(met);
+void ListsBetweenFrames::leave(std::vector<gpu::TakingPoint> points, std::vector<vec3> met, std::vector<vec3> taken) {
+    points_ = std::move(points), met_ = std::move(met), taken_ = std::move(taken);
 }
 
 std::string ListsBetweenFrames::left_to_next() const {
@@ -105,15 +123,14 @@ std::string ListsBetweenFrames::left_to_next() const {
     LeftLists left(before_.layout, camera_);
     left.turn = turn_;
     const size_t rays = left.layout.rays, of_point = left.layout.most_lists * rays;
+    const auto copy_list = [&](const std::vector<vec3>& from, size_t at, size_t count, size_t to) {
+        std::copy_n(from.begin() + static_cast<ptrdiff_t>(at), count, left.places.begin() + static_cast<ptrdiff_t>(to));
+    };
     for (size_t i = 0; i < points_.size(); ++i) {
-        const gpu::TakingPoint& point = points_[i];
-        left.points[i] = point.now;
-        if (point.now.lists == 0) continue;
-        const auto to = left.places.begin() + static_cast<ptrdiff_t>(i * of_point);
-        std::copy_n(met_.begin() + static_cast<ptrdiff_t>(i * rays), rays, to);
-        if (point.taken == 0) continue;
-        std::copy_n(before_.places.begin() + static_cast<ptrdiff_t>(point.from * of_point),
-                    (point.now.lists - 1) * rays, to + static_cast<ptrdiff_t>(rays));
+        left.points[i] = points_[i].now;
+        if (left.points[i].lists == 0) continue;
+        copy_list(met_, i * rays, rays, i * of_point);
+        copy_list(taken_, i * of_point, (left.points[i].lists - 1) * rays, i * of_point + rays);
     }
     return left.encode();
 }

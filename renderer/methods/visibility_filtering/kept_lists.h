@@ -1,9 +1,11 @@
 #pragma once
 // Lists of voxels that a frame of an animation takes over from those before: of each point that has a list, what the
-// rays of its last frames met, so that the visibility filter sees more rays than a frame shoots.
+// rays of its last frames met, so that the visibility filter sees more rays than a frame shoots. Rays whose way leads
+// through what has moved are shot again, and whether the places that were met have light is asked anew: neither shadows
+// nor light lag.
 //
-// Biased: what has moved meanwhile still hides what it hid, and hides nothing more. Whether the places that were met
-// have light is asked anew, so that no light lags.
+// Biased: what a list tells is what was seen from a place near by, as the visibility filter's lists are, frame by frame
+// a little farther off.
 
 #include <string>
 #include <string_view>
@@ -36,7 +38,7 @@ struct LeftLists {
     uint32_t turn = 0;  // ListsBetweenFrames::turn()
     gpu::CameraConstants camera{};
     std::vector<gpu::KeptPoint> points;
-    std::vector<vec3> places;  // that were met: by point, list (the last frame's first) and ray; infinity: nothing
+    std::vector<vec3> places;  // that were met (met_voxel.glsl): by point, list (the last frame's first) and ray
 
     LeftLists() = default;
     LeftLists(const KeptLayout& of, const gpu::CameraConstants& seen_by);
@@ -59,24 +61,28 @@ public:
     std::string left_to_next() const;
 
     /// Throws ErrorCode::Conflict where the frame before left lists of another image.
-    void begin(const View& view);
+    void begin(const RenderContext& context);
     bool keeps() const { return params_.kept_lists > 0; }
     const LeftLists& before() const { return before_; }
+    /// Boxes about what has moved since then, as it is and as it was.
+    const std::vector<Bounds3>& moved() const { return moved_; }
     /// Frames that are neighbours and differ by it shoot other rays where rays are tied to the world: the lists that
     /// are kept and the frame's own are those of all turns, whichever frame it is.
     uint32_t turn() const { return turn_; }
-    /// A pass is done: its points, what they take over, and what their own rays met. The last one's is left.
-    void leave(std::vector<gpu::TakingPoint> points, std::vector<vec3> met);
+    /// A pass is done: its points, what their own rays met, and what those of the lists that they have taken over meet
+    /// now. The last one's is left.
+    void leave(std::vector<gpu::TakingPoint> points, std::vector<vec3> met, std::vector<vec3> taken);
 
 private:
     const VisibilityFilteringParams params_;
     FollowedFrame followed_;
-    std::string left_before_;  // until begin()
-    LeftLists before_;         // no light anywhere: no lists
+    FrameBefore left_before_;  // until begin()
+    LeftLists before_;
+    std::vector<Bounds3> moved_;
     gpu::CameraConstants camera_{};
     uint32_t turn_ = 0;
     std::vector<gpu::TakingPoint> points_;
-    std::vector<vec3> met_;  // by point and ray
+    std::vector<vec3> met_, taken_;  // by point, list and ray
 };
 
 }  // namespace photond

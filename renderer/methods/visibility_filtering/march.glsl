@@ -26,6 +26,7 @@ layout(set = 0, binding = 3, scalar) buffer Lists { uint lists[]; };
 layout(set = 0, binding = 10, scalar) writeonly buffer MetPlaces { vec3 met_places[]; };  // by ray, for the next frame
 #define VISIBILITY constants
 #include "renderer/methods/visibility_filtering/marching_points.glsl"
+#include "renderer/methods/visibility_filtering/counted_voxel.glsl"
 
 /// What a list's rays are turned by. Tied to the world, places that are near one another on surfaces that face alike have
 /// the same, wherever they are seen from and whatever the job's seed, so that frames of an animation have them too.
@@ -57,14 +58,15 @@ bool ray_direction(GBufferPoint point, uint index, uint i, out vec3 direction) {
     return dot(direction, point.geometric_normal) > 0.0;
 }
 
-/// False: the ray meets nothing.
+/// False: the ray meets nothing, `met.place` is then a direction's (far_place()), or there is no ray.
 bool trace_ray(GBufferPoint point, uint index, uint ray, out MetVoxel met) {
     vec3 direction;
-    met = MetVoxel(0u, false, vec3(INFINITY));
+    met = MetVoxel(0u, false, NO_PLACE);
     if (!is_lit(point) || !ray_direction(point, index, ray, direction)) return false;
-    const vec3 side = dot(direction, point.geometric_normal) < 0.0 ? -point.geometric_normal : point.geometric_normal;
     count(COUNTER_SHADOW_RAYS, 1);
-    return FIRST_VOXEL(point.position, side, direction, met);
+    if (FIRST_VOXEL(point.position, side_towards(point, direction), direction, met)) return true;
+    met.place = far_place(direction);
+    return false;
 }
 
 void main() {
@@ -73,11 +75,7 @@ void main() {
     if (list >= push.end) return;
     const uint index = marching_point(list);
     MetVoxel met;
-    const bool any = trace_ray(points[index], index, ray, met);
-    if (KEEPS_LISTS) met_places[thread] = any ? met.place : vec3(INFINITY);
-    if (!any) return;
-    if (LISTS == LISTS_COUNTS)
-        atomicAdd(lists[list * constants.words + 2u * met.slot], met.where_lit ? 1u : 1u << 16);
-    else
-        atomicOr(lists[list * constants.words + met.slot / 32], 1u << met.slot % 32);
+    const bool any_met = trace_ray(points[index], index, ray, met);
+    if (KEEPS_LISTS) met_places[thread] = met.place;
+    if (any_met) count_voxel(list, met);
 }

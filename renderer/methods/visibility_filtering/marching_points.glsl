@@ -20,6 +20,11 @@ uint marching_point(uint list) {
     return split_point_of(split, min(x, split.width - 1u), min(y, split.height - 1u));
 }
 
+/// The normal on the side of a surface that a ray leaves to.
+vec3 side_towards(GBufferPoint point, vec3 direction) {
+    return dot(direction, point.geometric_normal) < 0.0 ? -point.geometric_normal : point.geometric_normal;
+}
+
 /// How far the points are from the first one's plane may be, or little more [m].
 float agreeing_height_m(GBufferPoint point) { return VISIBILITY.filter_distance * max(point.depth_m, 1e-6); }
 

@@ -112,8 +112,8 @@ void VisibilityFilteringParams::visit(ParamVisitor& visitor) {
     temporal.visit(visitor);
     visitor.field("kept_lists", kept_lists,
                   {Frames, "frames", 0, KEPT_MOST_LISTS,
-                   "before this one, of which each point takes over what its sparse rays met: less noise and flicker "
-                   "for the rays' time, and shadows of what moves that lag; 0: none"});
+                   "before this one, of which each point takes over what its sparse rays met, so that fewer rays do; "
+                   "those whose way leads through what has moved are shot again; 0: none"});
 }
 
 void VisibilityFilteringParams::check() const {

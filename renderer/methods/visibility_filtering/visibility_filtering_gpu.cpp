@@ -27,6 +27,11 @@ GBufferWalk walk_of(const VisibilityFilteringParams& params) {
             .sampler = params.sampler};
 }
 
+/// Of places that share their rays where those are tied to the world: a power of two, so that places stay in their
+/// cells where the scene's box, and voxels, change with what moves; below a voxel, so that lists of one window have
+/// various rays.
+float world_cell_m(float voxel_m) { return std::exp2(std::round(std::log2(voxel_m / 4))); }
+
 /// Why there is no indirect light; null: there may be some.
 const char* why_dark(const VisibilityFilteringParams& params, bool lights, bool surfaces) {
     if (params.bounces == 0) return "bounces is 0";
@@ -123,7 +128,8 @@ VisibilityFilteringGpu::State::Lit::Lit(const gpu::DeviceScene& scene, State& st
         stats.counts.voxels += tree->voxel_count();
     }
     if (state.frames.keeps())
-        kept.emplace(scene, state.points, proxies, state.constants, params, state.frames.before());
+        kept.emplace(scene, state.points, proxies, tree.get(), state.constants, state.frame.image().counters(), params,
+                     state.frames);
     if (!params.asks_rays())
         lists.emplace(scene, state.points, proxies, tree.get(), state.constants, state.frame.image().counters(), params,
                       kept ? &*kept : nullptr);
@@ -139,28 +145,27 @@ gpu::VisibilityConstants VisibilityFilteringGpu::State::constants_of(uint32_t pa
     const uint32_t voxels = lit->proxies.grid().slots;
     const float share = params.share_of_pass(pass), per_m2 = lit->proxies.per_m2();
     const float disc_m = std::sqrt(std::numbers::inv_pi_v<float> / per_m2);  // of a proxy's share of the surface
-    return {
-        .grid = lit->proxies.grid(),
-        .split = points.split(),
-        .march_side = params.march_subsampling,
-        .march_columns = marching.width,
-        .march_rows = marching.height,
-        .words = lit->lists ? VisibilityListsGpu::words_before(params.lists, voxels) : lit->proxies.words(),
-        .list_words = lit->lists ? VisibilityListsGpu::words_after(params.lists, voxels) : 0,
-        .rays = params.rays,
-        .filter_side = params.filter_side,
-        .filter_normal = params.filter_normal,
-        .filter_distance = params.filter_distance,
-        .disc_radius_m = params.disc_scale * disc_m,
-        .near_m = params.near_voxels * lit->proxies.cell_m(),
-        .most_seen = params.most_seen,
-        .softening_sq_m2 = sqr(share * disc_m),
-        .proxies_per_m2 = per_m2,
-        .glossy_threshold = params.glossy_threshold,
-        // A power of two, so that places stay in their cells where the scene's box, and voxels, change with what moves.
-        .world_cell_m = std::exp2(std::round(std::log2(lit->proxies.cell_m()))),
-        .key = static_cast<uint32_t>(hash64(hash64(seed) + pass)),
-        .world_key = static_cast<uint32_t>(hash64(hash64(kWorldRays + frames.turn()) + pass))};
+    return {.grid = lit->proxies.grid(),
+            .split = points.split(),
+            .march_side = params.march_subsampling,
+            .march_columns = marching.width,
+            .march_rows = marching.height,
+            .words = lit->lists ? VisibilityListsGpu::words_before(params.lists, voxels) : lit->proxies.words(),
+            .list_words = lit->lists ? VisibilityListsGpu::words_after(params.lists, voxels) : 0,
+            .rays = params.rays,
+            .filter_side = params.filter_side,
+            .filter_normal = params.filter_normal,
+            .filter_distance = params.filter_distance,
+            .disc_radius_m = params.disc_scale * disc_m,
+            .near_m = params.near_voxels * lit->proxies.cell_m(),
+            .most_seen = params.most_seen,
+            .softening_sq_m2 = sqr(share * disc_m),
+            .proxies_per_m2 = per_m2,
+            .glossy_threshold = params.glossy_threshold,
+            .world_cell_m = world_cell_m(lit->proxies.cell_m()),
+            .key = static_cast<uint32_t>(hash64(hash64(seed) + pass)),
+            .world_key = static_cast<uint32_t>(hash64(hash64(kWorldRays + frames.turn()) + pass)),
+            .kept = lit->kept ? lit->kept->kept() : gpu::KeptConstants{}};
 }
 
 void VisibilityFilteringGpu::State::add_steps(uint32_t pass, DeviceFrame::Steps& steps) {
@@ -253,7 +258,7 @@ uint64_t VisibilityFilteringGpu::estimate_device_bytes(const VisibilityFiltering
 void VisibilityFilteringGpu::begin(const RenderContext& context, Stats& stats) {
     const Scene& scene = context.scene;
     note_skipped_shading(scene.needs, stats);
-    frames_.begin(context.view);
+    frames_.begin(context);
     state_ = std::make_unique<State>(context, params_, frames_);
     if (frames_.keeps())
         context.budget.record("kept_lists", ListsBetweenFrames::bytes_for(params_, context.view.film_size));

@@ -17,7 +17,7 @@ namespace photond {
 /// `shrink` the others fall from pass to pass. What narrow lobes of lit surfaces reflect is not in it, and rough lobes'
 /// light leaves them as if they were Lambert.
 ///
-/// With `kept_lists` points take over the lists of frames before (kept_lists.h): biased where things move.
+/// With `kept_lists` points take over the lists of frames before (kept_lists.h), which were made a little beside them.
 ///
 /// [Chen et al. 2014] Visibility Filtering for Producing Indirect Illumination. Eurographics, short papers. Departures,
 /// by default: lists count rays; a light sample and its ray light each proxy, not one light's depth map; weights that

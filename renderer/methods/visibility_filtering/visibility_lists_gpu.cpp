@@ -103,13 +103,8 @@ void VisibilityListsGpu::record_march(gpu::CommandList& commands, uint32_t first
                                           gpu::read("general_points", points_.general()),
                                           gpu::read_write("lists", before_filter_),
                                           gpu::read_write("device_counters", counters_),
-                                          gpu::read("grid_starts", proxies_.sorted().starts),
-                                          gpu::read("grid_places", proxies_.sorted().places),
                                           gpu::write("met_places", kept_ ? kept_->met_places() : nothing)};
-    if (tree_)
-        bindings.insert(bindings.end(),
-                        {gpu::read("svo_constants", tree_->constants()), gpu::read("svo_nodes", tree_->nodes()),
-                         gpu::read("svo_bricks", tree_->bricks())});
+    append_ray_ends(bindings, proxies_, tree_);
     commands.bind(march_, bindings);
     commands.push(gpu::ListsPush{first, end});
     commands.dispatch_threads(uint64_t{end - first} * rays_, LISTS_GROUP);

@@ -3,6 +3,7 @@
 #define PHOTOND_VISIBILITY_LISTS_SHARED_H
 
 #include "renderer/gbuffer/split_shared.h"
+#include "renderer/methods/visibility_filtering/kept_lists_shared.h"
 #include "renderer/photons/hash_grid_shared.h"
 
 #define LISTS_GROUP 64  // threads
@@ -53,6 +54,7 @@ struct VisibilityConstants {
     float world_cell_m;  // of places that share their rays
     uint key;            // of the pass's random numbers
     uint world_key;      // of the directions of rays that are tied to the world, whatever the seed
+    KeptConstants kept;
 };
 
 struct ListsPush {

@@ -284,6 +284,7 @@ TEST(GpuVisibilityFiltering, TakesTheMemoryItSays) {
             Settings settings;
             settings.size = {256, 192};
             settings.params.visibility = visibility;
+            settings.params.kept_lists = visibility == ProxyVisibility::Discs ? 8 : 0;
             test::expect_device_bytes_as_estimated<VisibilityFiltering>(where, settings);
         }
     }
