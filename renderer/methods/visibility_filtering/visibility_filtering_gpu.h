@@ -34,12 +34,12 @@ public:
     /// Bytes of the device's memory that begin() will take, to a factor of two.
     static uint64_t estimate_device_bytes(const VisibilityFilteringParams& params, const Workload& workload);
 
-    void follow(FrameBefore before) override { frames_.follow(before); }
-    void go_on_from(const std::string& state) override { frames_.go_on_from(state); }
     void begin(const RenderContext& context, Stats& stats) override;
     void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) override;
-    std::string state() const override { return frames_.state(); }
+    void follow(FrameBefore before) override { frames_.follow(before); }
     std::string left_to_next() const override { return frames_.left_to_next(); }
+    void go_on_from(const std::string& state) override { frames_.go_on_from(state); }
+    std::string state() const override { return frames_.state(); }
 
 private:
     DeviceFrame& frame() override;
