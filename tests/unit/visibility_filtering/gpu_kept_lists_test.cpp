@@ -397,6 +397,9 @@ TEST(GpuKeptLists, RefuseWhatIsNotTheirs) {
     LeftLists wrong = lists_of(frame, settings);
     wrong.points.front().lists = 9;
     expect_conflict(settings, wrong.encode(), "more lists than there are");
+    EXPECT_NO_THROW(settings.params.check());
+    settings.params.visibility = ProxyVisibility::Rays;
+    EXPECT_THROW(settings.params.check(), Error) << "there are no lists";
 }
 
 }  // namespace
