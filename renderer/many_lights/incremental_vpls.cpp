@@ -7,7 +7,6 @@
 
 #include "protocol/error.h"
 #include "renderer/core/parallel.h"
-#include "renderer/core/sha256.h"
 #include "renderer/scene/scene.h"
 
 namespace photond {
@@ -233,12 +232,8 @@ void VplsBetweenFrames::follow(FrameBefore before) {
         return;
     }
     left_before_ = LeftVplPaths::decode(before.left, slots_);
-    followed_ = sha256_hex(before.left.data(), before.left.size());
+    followed_.follow(before.left);
     before_ = std::move(before);
-}
-
-void VplsBetweenFrames::go_on_from(const std::string& state) const {
-    if (state != followed_) throw Error(ErrorCode::Conflict, "its passes do not follow the frame before");
 }
 
 void VplsBetweenFrames::renew(const VplTracer& tracer, const EmissionSampler& emission, const RenderContext& context,

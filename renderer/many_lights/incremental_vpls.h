@@ -19,6 +19,7 @@
 #include <string_view>
 #include <vector>
 
+#include "renderer/frame/followed_frame.h"
 #include "renderer/frame/frame_before.h"
 #include "renderer/frame/render_context.h"
 #include "renderer/many_lights/vpl_params.h"
@@ -57,8 +58,8 @@ public:
 
     /// As those of Method.
     void follow(FrameBefore before);
-    void go_on_from(const std::string& state) const;
-    std::string state() const { return followed_; }
+    void go_on_from(const std::string& state) const { followed_.go_on_from(state); }
+    std::string state() const { return followed_.state(); }
     std::string left_to_next() const { return left_; }
 
     bool on() const { return params_.on; }
@@ -74,7 +75,7 @@ private:
     const uint32_t slots_;
     FrameBefore before_;
     LeftVplPaths left_before_;
-    std::string followed_;  // SHA-256 of what the frame before left; empty: there is none
+    FollowedFrame followed_;
     std::string left_;
     ChosenPaths paths_;
     uint64_t seed_ = 0;

@@ -1,5 +1,6 @@
 #include "renderer/many_lights/vpl_params.h"
 
+#include "protocol/error.h"
 #include "protocol/param_info.h"
 #include "renderer/many_lights/path_selection.h"
 
@@ -13,6 +14,11 @@ void IncrementalVplParams::visit(ParamVisitor& visitor) {
     visitor.field("new_vpls", new_vpls,
                   {ParamGroup::Frames, "lights", 1, 1e6,
                    "incremental: most new lights of a frame, where the frame before left any"});
+}
+
+void WithIncrementalVpls::require_flux_placement(VplPlacement placement) const {
+    if (incremental.on && placement != VplPlacement::Flux)
+        throw Error(ErrorCode::OutOfRange, "/incremental", "incremental goes with placement flux alone");
 }
 
 void visit_map_resolution(ParamVisitor& visitor, uint32_t& resolution) {

@@ -23,6 +23,8 @@ struct IncrementalVplParams {
 struct WithIncrementalVpls {
     IncrementalVplParams incremental;
 
+    /// Throws OutOfRange where lights are handed on that are placed by anything but their flux.
+    void require_flux_placement(VplPlacement placement) const;
     /// What a frame leaves to the next beside its indirect light.
     std::vector<std::string_view> left_beside_light() const {
         return incremental.on ? std::vector<std::string_view>{"virtual point lights"} : std::vector<std::string_view>{};

@@ -26,6 +26,7 @@ FirstBounceSettings settings_of(const ImperfectShadowMapsParams& params) {
 void ImperfectShadowMapsParams::check() const {
     require_power_of_two("/map_resolution", map_resolution);
     require_power_of_two("/interleave", interleave);
+    require_flux_placement(placement);
 }
 
 struct ImperfectShadowMapsGpu::State {

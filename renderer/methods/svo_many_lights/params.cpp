@@ -9,8 +9,7 @@ void SvoManyLightsParams::check() const {
     require_power_of_two("/map_resolution", map_resolution);
     require_power_of_two("/voxel_resolution", voxel_resolution);
     require_power_of_two("/interleave", interleave);
-    if (incremental.on && placement != VplPlacement::Flux)
-        throw Error(ErrorCode::OutOfRange, "/incremental", "incremental goes with placement flux alone");
+    require_flux_placement(placement);
 }
 
 }  // namespace photond

@@ -8,7 +8,7 @@ namespace photond {
 
 namespace {
 
-constexpr const char* kStructure = "kept_lists";
+constexpr const char* kKeptLists = "kept_lists";
 
 uint64_t met_bytes(const KeptLayout& layout) { return layout.points() * layout.rays * sizeof(vec3); }
 uint64_t taking_bytes(const KeptLayout& layout) { return layout.points() * sizeof(gpu::TakingPoint); }
@@ -53,10 +53,10 @@ KeptListsGpu::KeptListsGpu(const gpu::DeviceScene& scene, GBufferGpu& points, Po
       constants_(constants),
       counters_(counters),
       kept_(constants_for(frames)),
-      kept_words_(scene.device(), kStructure, kept_bytes(frames.before().layout)),
-      met_places_(scene.device(), kStructure, met_bytes(frames.before().layout)),
-      taken_places_(scene.device(), kStructure, taken_bytes(frames.before().layout)),
-      taking_points_(scene.device(), kStructure, taking_bytes(frames.before().layout)),
+      kept_words_(scene.device(), kKeptLists, kept_bytes(frames.before().layout)),
+      met_places_(scene.device(), kKeptLists, met_bytes(frames.before().layout)),
+      taken_places_(scene.device(), kKeptLists, taken_bytes(frames.before().layout)),
+      taking_points_(scene.device(), kKeptLists, taking_bytes(frames.before().layout)),
       host_met_places_(scene.device(), "readback", met_places_.bytes(), gpu::MemoryKind::Readback),
       host_taken_places_(scene.device(), "readback", taken_places_.bytes(), gpu::MemoryKind::Readback),
       host_taking_points_(scene.device(), "readback", taking_points_.bytes(), gpu::MemoryKind::Readback),

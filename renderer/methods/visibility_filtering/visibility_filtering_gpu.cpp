@@ -232,7 +232,7 @@ void VisibilityFilteringGpu::State::record_merge(gpu::CommandList& commands) {
 }
 
 VisibilityFilteringGpu::VisibilityFilteringGpu(const VisibilityFilteringParams& params)
-    : params_(params), frames_(params) {}
+    : FollowsFrames(params), params_(params) {}
 VisibilityFilteringGpu::~VisibilityFilteringGpu() = default;
 
 uint64_t VisibilityFilteringGpu::estimate_bytes(const VisibilityFilteringParams& params, const Workload& workload) {

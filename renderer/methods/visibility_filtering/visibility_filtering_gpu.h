@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "renderer/frame/device_method.h"
+#include "renderer/frame/follows_frames.h"
 #include "renderer/methods/visibility_filtering/kept_lists.h"
 #include "renderer/methods/visibility_filtering/params.h"
 
@@ -22,7 +23,7 @@ namespace photond {
 /// [Chen et al. 2014] Visibility Filtering for Producing Indirect Illumination. Eurographics, short papers. Departures,
 /// by default: lists count rays; a light sample and its ray light each proxy, not one light's depth map; weights that
 /// sum to 1.
-class VisibilityFilteringGpu final : public DeviceMethod {
+class VisibilityFilteringGpu final : public FollowsFrames<DeviceMethod, ListsBetweenFrames> {
 public:
     static constexpr const char* kName = "visibility_filtering";
     using Params = VisibilityFilteringParams;
@@ -36,10 +37,6 @@ public:
 
     void begin(const RenderContext& context, Stats& stats) override;
     void run_pass(uint32_t pass, Stats& stats, const CancelToken& cancel) override;
-    void follow(FrameBefore before) override { frames_.follow(before); }
-    std::string left_to_next() const override { return frames_.left_to_next(); }
-    void go_on_from(const std::string& state) override { frames_.go_on_from(state); }
-    std::string state() const override { return frames_.state(); }
 
 private:
     DeviceFrame& frame() override;
@@ -47,7 +44,6 @@ private:
     struct State;  // visibility_filtering_gpu.cpp
 
     const VisibilityFilteringParams params_;
-    ListsBetweenFrames frames_;
     std::unique_ptr<State> state_;
 };
 

@@ -10,6 +10,7 @@
 
 #include "renderer/error/student_t.h"
 #include "renderer/scene/builtin_scenes.h"
+#include "renderer/scene/pose.h"
 #include "tests/support/photons.h"
 #include "tests/support/render.h"
 #include "tests/support/statistics.h"
@@ -24,9 +25,9 @@ constexpr float kClampSqM2 = 0.02f;
 
 /// A room whose light comes through a door: most paths bring the picture nothing.
 struct Rooms {
-    explicit Rooms(VplPlacement where, const char* name = "doors/ajar")
+    explicit Rooms(VplPlacement where, Scene scene = make_builtin_scene("doors/ajar"))
         : placement(where),
-          lit(make_builtin_scene(name)),
+          lit(std::move(scene)),
           tracer(
               lit.scene, *lit.intersector, *lit.intersector, lit.emission,
               {.vpls = kVpls, .map_side = 32, .bounces = 3, .independent_paths = where == VplPlacement::Metropolis}) {
@@ -65,12 +66,16 @@ std::array<double, kSums> sums_of(const TracedReflections& lights) {
     return sums;
 }
 
-TEST(PathSelection, LeavesTheMeanOfFluxWhereItIs) {
+/// How many runs a mean is of, and the relative error that the means must be good enough to notice.
+struct Plan {
+    uint32_t by_flux, of_chains;
+    double must_notice;
+};
+/// Compares the means of each placement with those of flux.
+void expect_the_means_of_flux(const Scene& scene, const Plan& plan, size_t tests) {
     constexpr double kFalseAlarm = 1e-6;  // of all means together, whatever the seed
-    constexpr double kMustNotice = 0.15;  // a relative error this large
-    constexpr uint32_t kPasses = 500, kPassesOfChains = 2500;
     const auto means_of = [&](VplPlacement placement, uint32_t passes) {
-        const Rooms rooms(placement, "cornell-box");
+        const Rooms rooms(placement, scene);
         std::array<test::RunningMean, kSums> means;
         Stats stats;
         for (uint32_t pass = 0; pass < passes; ++pass) {
@@ -79,17 +84,33 @@ TEST(PathSelection, LeavesTheMeanOfFluxWhereItIs) {
         }
         return means;
     };
-    const auto by_flux = means_of(VplPlacement::Flux, kPasses);
+    const auto by_flux = means_of(VplPlacement::Flux, plan.by_flux);
     for (const VplPlacement placement : {VplPlacement::Acceptance, VplPlacement::Metropolis}) {
-        const auto means = means_of(placement, placement == VplPlacement::Metropolis ? kPassesOfChains : kPasses);
+        const auto means = means_of(placement, placement == VplPlacement::Metropolis ? plan.of_chains : plan.by_flux);
         for (size_t i = 0; i < kSums; ++i) {
             // Welch's, with the fewer degrees of freedom.
             const double error = std::hypot(means[i].standard_error(), by_flux[i].standard_error());
             const double width =
-                error * two_sided_student_t(1 - test::share_of_false_alarm(kFalseAlarm, 2 * kSums), kPasses - 1);
+                error *
+                two_sided_student_t(1 - test::share_of_false_alarm(kFalseAlarm, 2 * kSums * tests), plan.by_flux - 1);
             EXPECT_NEAR(means[i].mean(), by_flux[i].mean(), width) << int(placement) << ", sum " << i;
-            EXPECT_LT(2 * width, kMustNotice * by_flux[i].mean()) << int(placement) << ", sum " << i;
+            EXPECT_LT(2 * width, plan.must_notice * by_flux[i].mean()) << int(placement) << ", sum " << i;
         }
+    }
+}
+
+TEST(PathSelection, LeavesTheMeanOfFluxWhereItIs) {
+    expect_the_means_of_flux(make_builtin_scene("cornell-box"), {500, 2500, 0.15}, 1);
+}
+
+// Every fourth frame of an animation, 64 runs each.
+TEST(PathSelection, LeavesTheMeanOfFluxWhereItIsWhateverMoves) {
+    Scene scene = make_builtin_scene("moving/cornell-box");
+    constexpr double kFrames_per_second = 8;
+    for (const int frame : {0, 4, 8, 12}) {
+        SCOPED_TRACE(frame);
+        pose_scene(scene, {0, frame / kFrames_per_second});
+        expect_the_means_of_flux(scene, {64, 64, 1.2}, 4);
     }
 }
 
